@@ -1,0 +1,3 @@
+//! The `urdf2fmu` command.
+
+fn main() {}

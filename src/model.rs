@@ -1,0 +1,404 @@
+//! What the robot *is*: links, joints, shapes, actuators and defaults. Immutable once loaded.
+//!
+//! A `Model` is prepared once at export (see `urdf/` and [`Model::build`]) and is all that the FMU loads.
+//! Links and joints are the URDF's, fixed ones included. Bodies are the solver's: links joined by fixed
+//! joints are one body; a planar or floating joint is a chain of bodies with one kind of motion each.
+//! Parents come before children in all three lists.
+
+#![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
+
+use crate::geometry::Shape;
+use crate::spatial::{Pose, RigidInertia, Vec3};
+use serde::{Deserialize, Serialize};
+
+macro_rules! id {
+    ($($(#[$doc:meta])* $name:ident),* $(,)?) => {$(
+        $(#[$doc])*
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+        #[serde(transparent)]
+        pub struct $name(pub u32);
+
+        impl $name {
+            /// Position in its list.
+            pub fn index(self) -> usize {
+                self.0 as usize
+            }
+        }
+
+        impl From<usize> for $name {
+            fn from(index: usize) -> Self {
+                Self(u32::try_from(index).expect("a robot has fewer than 2^32 parts"))
+            }
+        }
+    )*};
+}
+
+id! {
+    /// Index into [`Model::links`].
+    LinkId,
+    /// Index into [`Model::joints`].
+    JointId,
+    /// Index into [`Model::bodies`].
+    BodyId,
+    /// Index into [`Model::dofs`], into `v` and into `tau`.
+    DofId,
+    /// Index into [`Model::actuators`].
+    ActuatorId,
+}
+
+/// A robot, prepared for simulation.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Model {
+    /// The URDF's robot name.
+    pub name: String,
+    /// All links of the URDF, parents before children.
+    pub links: Vec<Link>,
+    /// All joints of the URDF, parents before children.
+    pub joints: Vec<Joint>,
+    /// Rigid bodies, parents before children; body 0 is the base.
+    pub bodies: Vec<Body>,
+    /// Independent degrees of freedom, parents before children; a floating base has the first six.
+    pub dofs: Vec<Dof>,
+    /// Length of `q`: 7 for a floating base, 4 for a spherical body, 1 for every other degree of freedom.
+    pub nq: usize,
+    /// Shapes that can touch the ground.
+    pub colliders: Vec<Collider>,
+    /// Commanded joints.
+    pub actuators: Vec<Actuator>,
+    /// Initial state.
+    pub initial: Initial,
+    /// Step and tolerance.
+    pub solver: SolverDefaults,
+    /// Contact law.
+    pub contact: ContactDefaults,
+    /// Gravity and ground.
+    pub world: World,
+    /// What the FMU shows beyond what it always shows.
+    pub outputs: OutputSelection,
+}
+
+/// A URDF link: a frame, and what is attached to it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Link {
+    /// The URDF's name.
+    pub name: String,
+    /// The joint that it hangs on; none for the root.
+    pub joint: Option<JointId>,
+    /// The body that it is part of.
+    pub body: BodyId,
+    /// Pose of the link in its body's frame.
+    pub X_BL: Pose,
+    /// As used by the solver, in the link's frame; [`RigidInertia::ZERO`] for a massless link.
+    pub inertia: RigidInertia,
+    /// Coulomb coefficient of its surface; combined with the ground's by the harmonic mean.
+    pub friction: f64,
+    /// Newton's coefficient of its surface; combined with the ground's by the larger of the two.
+    pub restitution: f64,
+}
+
+/// A URDF joint.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Joint {
+    /// The URDF's name.
+    pub name: String,
+    /// The URDF's type.
+    pub kind: JointKind,
+    /// Parent link.
+    pub parent: LinkId,
+    /// Child link.
+    pub child: LinkId,
+    /// The URDF's `<origin>`: pose of the joint frame in the parent link's frame.
+    pub X_PJ: Pose,
+    /// Unit vector in the joint frame: axis of turning or sliding, normal of a planar joint.
+    pub axis: Vec3,
+    /// The bodies that make up its motion, in order: none for a fixed joint, one for a turning or sliding one,
+    /// three for planar (x, y, angle), four for floating (x, y, z, spherical).
+    /// The joint of a floating base (a massless root with one floating child) names the base alone.
+    pub bodies: Vec<BodyId>,
+    /// The URDF's limits, for turning and sliding joints with `<limit>`, in rad or m.
+    pub limits: Option<Limits>,
+    /// The URDF's effort limit, N·m or N.
+    pub effort: Option<f64>,
+    /// The URDF's velocity limit, rad/s or m/s.
+    pub velocity: Option<f64>,
+    /// Viscous damping, N·m·s/rad or N·s/m.
+    pub damping: f64,
+    /// Dry friction, N·m or N.
+    pub friction: f64,
+    /// Rotor inertia times gear ratio squared, kg·m² or kg.
+    pub armature: f64,
+    /// Exact coupling to another joint.
+    pub mimic: Option<Mimic>,
+}
+
+/// The URDF's joint types.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum JointKind {
+    /// No motion.
+    Fixed,
+    /// Turns within limits.
+    Revolute,
+    /// Turns without limits.
+    Continuous,
+    /// Slides within limits.
+    Prismatic,
+    /// Slides in the plane normal to the axis and turns about it.
+    Planar,
+    /// Six degrees of freedom.
+    Floating,
+}
+
+/// Range of a joint's position.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Limits {
+    /// rad or m
+    pub lower: f64,
+    /// rad or m
+    pub upper: f64,
+}
+
+/// `q = multiplier · q_joint + offset`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Mimic {
+    /// The joint that is followed. Never itself a mimic: chains are resolved when the model is built.
+    pub joint: JointId,
+    /// Ratio.
+    pub multiplier: f64,
+    /// rad or m
+    pub offset: f64,
+}
+
+/// A rigid body of the solver.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Body {
+    /// The link whose frame is the body's; for the inner bodies of a planar or floating joint its child link.
+    pub link: LinkId,
+    /// None for the base.
+    pub parent: Option<BodyId>,
+    /// The URDF joint whose motion this body takes part in; none for the base.
+    pub joint: Option<JointId>,
+    /// How it moves in its parent.
+    pub motion: Motion,
+    /// Pose of the body at joint zero in its parent's frame. For the base: its pose in the world at zero.
+    pub X_PB: Pose,
+    /// First place in `q`: a 1-dof body reads `ratio · q[coordinate] + offset`.
+    pub coordinate: usize,
+    /// First place in `v`; a mimic body has the place of the joint that it follows.
+    pub dof: DofId,
+    /// 1, or the multiplier of a mimic joint.
+    pub ratio: f64,
+    /// 0, or the offset of a mimic joint.
+    pub offset: f64,
+}
+
+/// What a body's inboard joint lets it do.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Motion {
+    /// A fixed base.
+    Welded,
+    /// A floating base: `q = [p_WB(3), quaternion(w, x, y, z)]`, `v = [ω_WB_W(3), ṗ_WB(3)]`.
+    Free,
+    /// Turns about a unit axis of its own frame: `q` in rad.
+    Revolute(Vec3),
+    /// Slides along a unit axis of its own frame: `q` in m.
+    Prismatic(Vec3),
+    /// Turns freely: `q = quaternion(w, x, y, z)` of `R_PB` after `X_PB`, `v = ω_PB_B`.
+    Spherical,
+}
+
+impl Motion {
+    /// Places in `q`.
+    pub fn nq(self) -> usize {
+        match self {
+            Self::Welded => 0,
+            Self::Free => 7,
+            Self::Revolute(_) | Self::Prismatic(_) => 1,
+            Self::Spherical => 4,
+        }
+    }
+
+    /// Places in `v`.
+    pub fn nv(self) -> usize {
+        match self {
+            Self::Welded => 0,
+            Self::Free => 6,
+            Self::Revolute(_) | Self::Prismatic(_) => 1,
+            Self::Spherical => 3,
+        }
+    }
+}
+
+/// An independent degree of freedom.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Dof {
+    /// The body that it moves first (not its mimics).
+    pub body: BodyId,
+    /// Position limits: the joint's own, narrowed by those of the joints that mimic it.
+    pub limits: Option<Limits>,
+}
+
+/// A shape on a link.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Collider {
+    /// The link that it belongs to.
+    pub link: LinkId,
+    /// The body that it moves with.
+    pub body: BodyId,
+    /// Pose of the shape in the body's frame.
+    pub X_BG: Pose,
+    /// Solid.
+    pub shape: Shape,
+    /// First place of its contact points in the state; it has [`Shape::slots`] of them.
+    pub slot: usize,
+}
+
+/// A commanded joint.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Actuator {
+    /// A turning or sliding joint that mimics nothing.
+    pub joint: JointId,
+    /// Its degree of freedom.
+    pub dof: DofId,
+    /// What is commanded.
+    pub mode: ActuatorMode,
+    /// Start value of the input `max_effort`, N·m or N; the stiffness of velocity and position servos follows
+    /// from `reference_effort`, only the cap follows the input.
+    pub max_effort: f64,
+    /// N·m or N, above zero.
+    pub reference_effort: f64,
+    /// Start value of the tunable gain, pd mode only: N·m/rad or N/m.
+    pub kp: f64,
+    /// Start value of the tunable gain, pd mode only: N·m·s/rad or N·s/m.
+    pub kd: f64,
+}
+
+/// What an actuator is told.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum ActuatorMode {
+    /// Reach and hold a velocity within an effort.
+    Velocity,
+    /// Reach and hold a position within an effort and the joint's velocity limit.
+    Position,
+    /// An effort, as it is.
+    Effort,
+    /// `effort + kp (position − q) + kd (velocity − q̇)`, clamped.
+    Pd,
+}
+
+/// Initial state.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Initial {
+    /// Base position `p_WB`, m. For a fixed base: where it is mounted.
+    pub position: Vec3,
+    /// Base roll, pitch, yaw, rad.
+    pub rpy: Vec3,
+    /// Base velocity `ṗ_WB`, m/s; zero for a fixed base.
+    pub linear_velocity: Vec3,
+    /// Base angular velocity `ω_WB_W`, rad/s; zero for a fixed base.
+    pub angular_velocity: Vec3,
+    /// Per joint; meaningful for turning and sliding joints that mimic nothing, else 0.
+    pub joint_positions: Vec<f64>,
+    /// Per joint, as above.
+    pub joint_velocities: Vec<f64>,
+}
+
+/// Step and tolerance.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SolverDefaults {
+    /// s; 0 means error controlled.
+    pub step_size: f64,
+    /// Error allowed per step in m, and in rad at 1 m reach; 0 means: the importer's if given, else 1e-3.
+    pub tolerance: f64,
+}
+
+/// Contact law.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ContactDefaults {
+    /// Static penetration δ under the robot's weight on four points, m; the stiffness follows.
+    pub penetration: f64,
+    /// Stiffness of a contact point, N/m; replaces `penetration` where given.
+    pub stiffness: Option<f64>,
+    /// Hunt–Crossley dissipation where restitution is 0, s/m.
+    pub dissipation: f64,
+}
+
+/// Gravity and ground.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct World {
+    /// m/s²
+    pub gravity: Vec3,
+    /// None: nothing to touch.
+    pub ground: Option<Ground>,
+}
+
+/// The plane z = 0.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Ground {
+    /// Coulomb coefficient.
+    pub friction: f64,
+    /// Newton's coefficient.
+    pub restitution: f64,
+}
+
+/// What the FMU shows beyond what it always shows.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct OutputSelection {
+    /// Flat variable names (`_` instead of `.`).
+    pub flat_names: bool,
+    /// Links with a `contact.*` output.
+    pub contacts: Vec<LinkId>,
+    /// Links with `link.*` outputs.
+    pub links: Vec<LinkId>,
+    /// Links with `ext.*` inputs.
+    pub external_wrenches: Vec<LinkId>,
+}
+
+impl Model {
+    /// Whether the base can move.
+    pub fn is_floating(&self) -> bool {
+        self.bodies
+            .first()
+            .is_some_and(|base| base.motion == Motion::Free)
+    }
+
+    /// Length of `v`.
+    pub fn nv(&self) -> usize {
+        self.dofs.len()
+    }
+
+    /// Number of contact slots in the state.
+    pub fn contact_slots(&self) -> usize {
+        self.colliders
+            .last()
+            .map_or(0, |c| c.slot + c.shape.slots())
+    }
+
+    /// The body of a turning or sliding joint; none for fixed, planar and floating ones.
+    pub fn scalar_body(&self, joint: JointId) -> Option<BodyId> {
+        let joint = &self.joints[joint.index()];
+        match joint.kind {
+            JointKind::Revolute | JointKind::Continuous | JointKind::Prismatic => {
+                joint.bodies.first().copied()
+            }
+            JointKind::Fixed | JointKind::Planar | JointKind::Floating => None,
+        }
+    }
+}
