@@ -3,6 +3,7 @@
 
 pub mod geometry;
 pub mod model;
+pub mod prepared;
 #[cfg(feature = "urdf")]
 pub mod settings;
 pub mod simulation;

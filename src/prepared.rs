@@ -1,0 +1,189 @@
+//! `resources/model.json`: the file that hands a prepared [`Model`] from the exporter to the FMU's library.
+//!
+//! The library loads this file and nothing else. Floats are written with the fewest digits that read back
+//! to the same bits.
+
+use crate::model::Model;
+use serde::{Deserialize, Serialize};
+
+/// Layout of the file. A library reads its own format only: it travels in the same FMU as the file.
+pub const FORMAT: u32 = 1;
+
+/// Name of the file in an FMU's resources folder.
+pub const FILE_NAME: &str = "model.json";
+
+/// What the file holds.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PreparedModel {
+    /// [`FORMAT`].
+    pub format: u32,
+    /// Version of the exporter, for messages.
+    pub exporter: String,
+    /// As in modelDescription.xml, braces included; fmi2Instantiate compares it.
+    pub guid: String,
+    /// The robot.
+    pub model: Model,
+}
+
+/// The fields that can be read from any format.
+#[derive(Deserialize)]
+struct Header {
+    format: u32,
+    #[serde(default)]
+    exporter: String,
+}
+
+/// Why a prepared model cannot be written or read.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum PreparedModelError {
+    /// Not the JSON text that [`PreparedModel::to_json`] writes.
+    #[error("not a prepared model: {reason}; export the FMU again")]
+    Text {
+        /// What is wrong, and at which line and column.
+        reason: String,
+    },
+    /// Written by another version of the exporter.
+    #[error(
+        "prepared model has format {found}, made by urdf2fmu {exporter}; this library reads format \
+         {FORMAT}; export the FMU again"
+    )]
+    Format {
+        /// Format of the file.
+        found: u32,
+        /// Version that wrote it.
+        exporter: String,
+    },
+    /// A number that JSON cannot hold, or a model that contradicts itself.
+    #[error("the model cannot be stored: {reason}")]
+    Model {
+        /// What is wrong.
+        reason: String,
+    },
+}
+
+impl PreparedModel {
+    /// A file of this version; `guid` with its braces.
+    pub fn new(guid: String, model: Model) -> Self {
+        Self {
+            format: FORMAT,
+            exporter: env!("CARGO_PKG_VERSION").to_owned(),
+            guid,
+            model,
+        }
+    }
+
+    /// The text of the file. The same robot gives the same text.
+    ///
+    /// # Errors
+    /// [`PreparedModelError::Model`] if the model holds a number that is not finite: it would not read back.
+    pub fn to_json(&self) -> Result<String, PreparedModelError> {
+        let refuse = |error: serde_json::Error| PreparedModelError::Model {
+            reason: error.to_string(),
+        };
+        let text = serde_json::to_string_pretty(self).map_err(refuse)?;
+        // JSON has no NaN or infinity: they become `null`, which then fails here instead of in the FMU.
+        serde_json::from_str::<Self>(&text).map_err(refuse)?;
+        Ok(text)
+    }
+
+    /// Reads what [`Self::to_json`] wrote.
+    ///
+    /// # Errors
+    /// [`PreparedModelError`] for anything else.
+    pub fn from_json(text: &str) -> Result<Self, PreparedModelError> {
+        let refuse = |error: serde_json::Error| PreparedModelError::Text {
+            reason: error.to_string(),
+        };
+        let header: Header = serde_json::from_str(text).map_err(refuse)?;
+        if header.format != FORMAT {
+            return Err(PreparedModelError::Format {
+                found: header.format,
+                exporter: header.exporter,
+            });
+        }
+        serde_json::from_str(text).map_err(refuse)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::{ContactDefaults, Initial, OutputSelection, SolverDefaults, World};
+    use crate::spatial::Vec3;
+
+    fn model() -> Model {
+        Model {
+            name: "empty".into(),
+            links: vec![],
+            joints: vec![],
+            bodies: vec![],
+            dofs: vec![],
+            nq: 0,
+            colliders: vec![],
+            actuators: vec![],
+            initial: Initial {
+                position: Vec3::new(0.1, 1.0 / 3.0, 5e-324),
+                rpy: Vec3::zeros(),
+                linear_velocity: Vec3::zeros(),
+                angular_velocity: Vec3::zeros(),
+                joint_positions: vec![],
+                joint_velocities: vec![],
+            },
+            solver: SolverDefaults {
+                step_size: 1.0 / 240.0,
+                tolerance: 1e-3,
+            },
+            contact: ContactDefaults {
+                penetration: 1e-4,
+                stiffness: None,
+                dissipation: 51.0,
+            },
+            world: World {
+                gravity: Vec3::new(0.0, 0.0, -9.81),
+                ground: None,
+            },
+            outputs: OutputSelection::default(),
+        }
+    }
+
+    #[test]
+    fn written_model_reads_back_to_the_same_bits() {
+        let prepared = PreparedModel::new("{0}".into(), model());
+        let read =
+            PreparedModel::from_json(&prepared.to_json().expect("finite")).expect("own text");
+        assert_eq!(read, prepared);
+    }
+
+    #[test]
+    fn a_number_that_is_not_finite_is_refused_when_writing() {
+        let mut model = model();
+        model.initial.position.x = f64::NAN;
+        let result = PreparedModel::new("{0}".into(), model).to_json();
+        assert!(matches!(result, Err(PreparedModelError::Model { .. })));
+    }
+
+    #[test]
+    fn another_format_is_named_even_if_its_fields_are_unknown() {
+        let text = r#"{"format": 7, "exporter": "9.9.9", "wheels": 4}"#;
+        let message = PreparedModel::from_json(text)
+            .expect_err("format 7")
+            .to_string();
+        assert!(
+            message.contains("format 7") && message.contains("9.9.9"),
+            "{message}"
+        );
+    }
+
+    #[test]
+    fn a_truncated_file_is_refused_with_its_line() {
+        let text = PreparedModel::new("{0}".into(), model())
+            .to_json()
+            .expect("finite");
+        let message = PreparedModel::from_json(&text[..text.len() / 2])
+            .expect_err("half a file")
+            .to_string();
+        assert!(message.contains("line"), "{message}");
+    }
+}
