@@ -3,7 +3,16 @@
 //! Life of a simulation: [`Simulation::new`], set fixed parameters and inputs, [`Simulation::initialize`], then
 //! set inputs and tunable parameters, [`Simulation::advance_to`], read outputs, and again.
 
+use crate::dynamics::crba;
+use crate::dynamics::rnea::ExternalWrench;
 use crate::model::{ActuatorId, JointId, LinkId, Model};
+use crate::parameters::{Inputs, Parameters};
+use crate::readout::Readout;
+pub use crate::snapshot::Snapshot;
+use crate::spatial::{Vec3, quaternion_from_rotation, rotation_from_rpy};
+use crate::state::State;
+use crate::step::control::{Context, Stepper};
+use crate::tree::Tree;
 use std::sync::Arc;
 
 /// x, y, z or w of a vector or quaternion: 0, 1, 2, 3.
@@ -133,11 +142,21 @@ pub enum OutputSlot {
 #[derive(Debug)]
 pub struct Simulation {
     model: Arc<Model>,
+    /// Hash of the model: saved states carry it.
+    hash: u64,
+    parameters: Parameters,
+    inputs: Inputs,
+    state: State,
+    tree: Tree,
+    stepper: Stepper,
+    wrenches: Vec<ExternalWrench>,
+    readout: Readout,
+    importer_tolerance: f64,
+    start: f64,
+    initialized: bool,
+    /// Parameters have changed and nothing has been derived from them since.
+    stale: bool,
 }
-
-/// Everything that a later run needs to go on bit for bit; the workspace is not in it.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Snapshot {}
 
 /// Why a simulation cannot go on.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -169,10 +188,32 @@ pub enum SimulationError {
     },
 }
 
+/// Tolerance where neither the model nor the importer gives one.
+const DEFAULT_TOLERANCE: f64 = 1e-3;
+
 impl Simulation {
     /// A robot with its default parameters and initial state; call [`Self::initialize`] before the first step.
     pub fn new(model: Arc<Model>) -> Self {
-        Self { model }
+        let parameters = Parameters::new(&model);
+        let inputs = Inputs::new(&model);
+        let tree = Tree::new(&model, &parameters);
+        let mut simulation = Self {
+            hash: model_hash(&model),
+            state: State::new(&model),
+            stepper: Stepper::new(&model, &tree),
+            readout: Readout::new(&model, &tree),
+            wrenches: Vec::with_capacity(model.outputs.external_wrenches.len()),
+            model,
+            parameters,
+            inputs,
+            tree,
+            importer_tolerance: 0.0,
+            start: 0.0,
+            initialized: false,
+            stale: false,
+        };
+        simulation.place();
+        simulation
     }
 
     /// The robot.
@@ -180,108 +221,334 @@ impl Simulation {
         &self.model
     }
 
+    /// What the solver derived from model and parameters.
+    pub fn tree(&self) -> &Tree {
+        &self.tree
+    }
+
+    /// The state.
+    pub fn state(&self) -> &State {
+        &self.state
+    }
+
+    /// The state, to be set from outside; positions and velocities as [`crate::model::Motion`] says.
+    pub fn state_mut(&mut self) -> &mut State {
+        self.readout.invalidate();
+        &mut self.state
+    }
+
     /// Back to what [`Self::new`] gives.
-    pub fn reset(&mut self) {}
+    pub fn reset(&mut self) {
+        self.parameters = Parameters::new(&self.model);
+        self.inputs = Inputs::new(&self.model);
+        self.importer_tolerance = 0.0;
+        self.start = 0.0;
+        self.initialized = false;
+        self.place();
+    }
 
     /// Sets the tolerance that applies where the parameter `Tolerance` is 0.
-    pub fn set_importer_tolerance(&mut self, _tolerance: f64) {}
+    pub fn set_importer_tolerance(&mut self, tolerance: f64) {
+        self.importer_tolerance = tolerance;
+    }
 
     /// Puts the robot into its initial state at time `start`, s, and derives what follows from the parameters.
     /// Before it, outputs follow parameters and inputs as set so far.
     ///
     /// # Errors
-    /// [`SimulationError`] if parameters contradict each other.
-    pub fn initialize(&mut self, _start: f64) -> Result<(), SimulationError> {
-        Ok(())
+    /// [`SimulationError::NotFinite`] if parameters are out of all proportion.
+    pub fn initialize(&mut self, start: f64) -> Result<(), SimulationError> {
+        self.start = start;
+        self.place();
+        self.initialized = true;
+        let finite = self.state.is_finite()
+            && self.tree.inertia.iter().all(|m| m.is_finite() && *m > 0.0)
+            && self.tree.stiffness.is_finite();
+        if finite {
+            Ok(())
+        } else {
+            Err(SimulationError::NotFinite {
+                time: start,
+                hint: "check initial values, masses and inertias",
+            })
+        }
+    }
+
+    /// Derives everything from the parameters and puts the robot into its initial state.
+    fn place(&mut self) {
+        self.tree = Tree::new(&self.model, &self.parameters);
+        self.state = initial_state(&self.model, &self.parameters, self.start);
+        self.scale_tree(&self.state.q.clone());
+        for (index, last) in self.state.commands.iter_mut().enumerate() {
+            *last = self.inputs.command(index);
+        }
+        self.stale = false;
+        self.readout.invalidate();
+    }
+
+    /// Stiffness and error weights, which follow from the initial position.
+    fn scale_tree(&mut self, q: &[f64]) {
+        let kin = &mut self.readout.point.kin;
+        kin.update_poses(&self.tree, q);
+        crba::mass_matrix(&self.tree, kin);
+        let inertia: Vec<f64> = (0..self.model.nv())
+            .map(|k| kin.M[self.tree.sparsity.diagonal(k)])
+            .collect();
+        self.tree.scale(&self.model, &inertia, &kin.X);
     }
 
     /// Whether `value` may be set, without setting it.
     ///
     /// # Errors
     /// [`SimulationError::Value`].
-    pub fn check_input(&self, _slot: InputSlot, _value: f64) -> Result<(), SimulationError> {
-        Ok(())
+    pub fn check_input(&self, slot: InputSlot, value: f64) -> Result<(), SimulationError> {
+        let expected = match slot {
+            InputSlot::MaxEffort(_) if value >= 0.0 => return Ok(()),
+            InputSlot::MaxEffort(_) => "0 or more",
+            _ if value.is_finite() => return Ok(()),
+            _ => "a finite number",
+        };
+        Err(SimulationError::Value {
+            what: format!("input {slot:?}"),
+            expected,
+            value,
+        })
     }
 
     /// Sets an input; `value` has passed [`Self::check_input`].
-    pub fn set_input(&mut self, _slot: InputSlot, _value: f64) {}
+    pub fn set_input(&mut self, slot: InputSlot, value: f64) {
+        self.inputs.set(slot, value);
+        self.readout.invalidate_forces();
+    }
 
     /// Reads an input back.
-    pub fn input(&self, _slot: InputSlot) -> f64 {
-        0.0
+    pub fn input(&self, slot: InputSlot) -> f64 {
+        self.inputs.get(slot)
     }
 
     /// Whether `value` may be set, without setting it.
     ///
     /// # Errors
     /// [`SimulationError::Value`].
-    pub fn check_parameter(
-        &self,
-        _slot: ParameterSlot,
-        _value: f64,
-    ) -> Result<(), SimulationError> {
-        Ok(())
+    pub fn check_parameter(&self, slot: ParameterSlot, value: f64) -> Result<(), SimulationError> {
+        use ParameterSlot as P;
+        let (legal, expected) = match slot {
+            P::Kp(_)
+            | P::Kd(_)
+            | P::JointDamping(_)
+            | P::JointFriction(_)
+            | P::LinkFriction(_)
+            | P::GroundFriction
+            | P::StepSize
+            | P::Tolerance => (value >= 0.0, "0 or more"),
+            P::GroundRestitution => ((0.0..=1.0).contains(&value), "between 0 and 1"),
+            P::LinkMass(_) => (value > 0.0, "above 0"),
+            _ => (true, "a finite number"),
+        };
+        if legal && value.is_finite() {
+            Ok(())
+        } else {
+            let expected = if value.is_finite() {
+                expected
+            } else {
+                "a finite number"
+            };
+            Err(SimulationError::Value {
+                what: format!("parameter {slot:?}"),
+                expected,
+                value,
+            })
+        }
     }
 
     /// Sets a parameter; `value` has passed [`Self::check_parameter`]. Fixed ones only before [`Self::initialize`].
-    pub fn set_parameter(&mut self, _slot: ParameterSlot, _value: f64) {}
+    pub fn set_parameter(&mut self, slot: ParameterSlot, value: f64) {
+        self.parameters.set(slot, value);
+        if self.initialized {
+            self.tree.tune(&self.model, &self.parameters);
+        } else {
+            self.stale = true;
+        }
+        self.readout.invalidate();
+    }
 
     /// Reads a parameter back.
-    pub fn parameter(&self, _slot: ParameterSlot) -> f64 {
-        0.0
+    pub fn parameter(&self, slot: ParameterSlot) -> f64 {
+        self.parameters.get(slot)
     }
 
     /// Reads an output; the first read after a change computes what is needed.
-    pub fn output(&mut self, _slot: OutputSlot) -> f64 {
-        0.0
+    pub fn output(&mut self, slot: OutputSlot) -> f64 {
+        if self.stale {
+            self.place();
+        }
+        self.set_wrenches();
+        let ctx = Context {
+            model: &self.model,
+            tree: &self.tree,
+            parameters: &self.parameters,
+            inputs: &self.inputs,
+            wrenches: &self.wrenches,
+            tolerance: DEFAULT_TOLERANCE,
+            fixed_step: 0.0,
+        };
+        self.readout.read(&ctx, &self.state, slot)
     }
 
-    /// Simulates up to exactly `end`, s; it must lie after [`Self::time`].
+    fn set_wrenches(&mut self) {
+        self.wrenches.clear();
+        for (place, link) in self.model.outputs.external_wrenches.iter().enumerate() {
+            let wrench = self.inputs.wrench(place);
+            if wrench.iter().any(|x| *x != 0.0) {
+                let link = link.index();
+                self.wrenches.push(ExternalWrench {
+                    body: self.model.links[link].body.index(),
+                    point: self.tree.link_pose[link].point(&self.model.links[link].inertia.com),
+                    wrench,
+                });
+            }
+        }
+    }
+
+    /// Error allowed per step, as parameter, importer and default say.
+    pub fn tolerance(&self) -> f64 {
+        let own = self.parameters.get(ParameterSlot::Tolerance);
+        let tolerance = if own > 0.0 {
+            own
+        } else if self.importer_tolerance > 0.0 {
+            self.importer_tolerance
+        } else {
+            DEFAULT_TOLERANCE
+        };
+        tolerance.clamp(1e-12, 1.0)
+    }
+
+    /// Simulates up to exactly `end`, s; does nothing unless it lies after [`Self::time`].
     ///
     /// # Errors
     /// [`SimulationError::NotFinite`]; the state is then that of [`Self::time`].
-    pub fn advance_to(&mut self, _end: f64) -> Result<(), SimulationError> {
-        Ok(())
+    pub fn advance_to(&mut self, end: f64) -> Result<(), SimulationError> {
+        if self.stale {
+            self.place();
+        }
+        if end.is_nan() || end <= self.state.time {
+            return Ok(());
+        }
+        self.set_wrenches();
+        let ctx = Context {
+            model: &self.model,
+            tree: &self.tree,
+            parameters: &self.parameters,
+            inputs: &self.inputs,
+            wrenches: &self.wrenches,
+            tolerance: self.tolerance(),
+            fixed_step: self.parameters.get(ParameterSlot::StepSize),
+        };
+        let result = self.stepper.advance(&ctx, &mut self.state, end);
+        self.readout.invalidate();
+        result.map_err(|_| SimulationError::NotFinite {
+            time: self.state.time,
+            hint: "forces or commands are out of all proportion to the masses",
+        })
     }
 
     /// Current time, s.
     pub fn time(&self) -> f64 {
-        0.0
+        self.state.time
     }
 
     /// Copies everything that a later run needs.
     pub fn save(&self) -> Snapshot {
-        Snapshot {}
+        Snapshot {
+            hash: self.hash,
+            parameters: self.parameters.values.clone(),
+            inputs: self.inputs.values.clone(),
+            state: self.state.clone(),
+            importer_tolerance: self.importer_tolerance,
+            start: self.start,
+            initialized: self.initialized,
+        }
     }
 
-    /// Overwrites `snapshot` without allocating.
-    pub fn save_into(&self, _snapshot: &mut Snapshot) {}
+    /// Overwrites `snapshot` without allocating if it is of this model, else like [`Self::save`].
+    pub fn save_into(&self, snapshot: &mut Snapshot) {
+        if snapshot.hash != self.hash {
+            *snapshot = self.save();
+            return;
+        }
+        snapshot.parameters.copy_from_slice(&self.parameters.values);
+        snapshot.inputs.copy_from_slice(&self.inputs.values);
+        snapshot.state.copy_from(&self.state);
+        snapshot.importer_tolerance = self.importer_tolerance;
+        snapshot.start = self.start;
+        snapshot.initialized = self.initialized;
+    }
 
     /// Continues from `snapshot`, bit for bit.
     ///
     /// # Errors
     /// [`SimulationError::State`] if it belongs to another model.
-    pub fn restore(&mut self, _snapshot: &Snapshot) -> Result<(), SimulationError> {
+    pub fn restore(&mut self, snapshot: &Snapshot) -> Result<(), SimulationError> {
+        if snapshot.hash != self.hash {
+            return Err(SimulationError::State {
+                reason: "it belongs to another model".into(),
+            });
+        }
+        let same = self.parameters.values == snapshot.parameters && !self.stale;
+        self.parameters.values.copy_from_slice(&snapshot.parameters);
+        self.inputs.values.copy_from_slice(&snapshot.inputs);
+        self.importer_tolerance = snapshot.importer_tolerance;
+        self.start = snapshot.start;
+        self.initialized = snapshot.initialized;
+        if !same {
+            self.place();
+        }
+        self.state.copy_from(&snapshot.state);
+        self.readout.invalidate();
         Ok(())
     }
 }
 
-impl Snapshot {
-    /// Little-endian bytes with magic, version and a hash of the model.
-    pub fn to_bytes(&self) -> Vec<u8> {
-        Vec::new()
+/// The state that the parameters ask for.
+fn initial_state(model: &Model, parameters: &Parameters, time: f64) -> State {
+    use ParameterSlot as P;
+    let mut state = State::new(model);
+    state.time = time;
+    let axes = |slot: fn(Axis) -> P| {
+        Vec3::new(
+            parameters.get(slot(0)),
+            parameters.get(slot(1)),
+            parameters.get(slot(2)),
+        )
+    };
+    if model.is_floating() {
+        state.q[..3].copy_from_slice(axes(P::InitialBasePosition).as_slice());
+        let turn = quaternion_from_rotation(&rotation_from_rpy(&axes(P::InitialBaseRpy)));
+        state.q[3..7].copy_from_slice(&[turn.w, turn.i, turn.j, turn.k]);
+        state.v[..3].copy_from_slice(axes(P::InitialBaseAngularVelocity).as_slice());
+        state.v[3..6].copy_from_slice(axes(P::InitialBaseLinearVelocity).as_slice());
     }
+    for (id, joint) in (0..).map(JointId).zip(&model.joints) {
+        let Some(body) = model.scalar_body(id) else {
+            continue;
+        };
+        if joint.mimic.is_none() {
+            let body = &model.bodies[body.index()];
+            state.q[body.coordinate] = parameters.get(P::InitialJointPosition(id));
+            state.v[body.dof.index()] = parameters.get(P::InitialJointVelocity(id));
+        }
+    }
+    state
+}
 
-    /// Length of [`Self::to_bytes`].
-    pub fn byte_len(&self) -> usize {
-        0
-    }
+/// FNV-1a of a model's prepared form.
+pub(crate) fn model_hash(model: &Model) -> u64 {
+    serde_json::to_vec(model).map_or(0, |bytes| fnv(&bytes))
+}
 
-    /// Reads what [`Self::to_bytes`] wrote for the same model.
-    ///
-    /// # Errors
-    /// [`SimulationError::State`] for anything else.
-    pub fn from_bytes(_model: &Model, _bytes: &[u8]) -> Result<Self, SimulationError> {
-        Ok(Self {})
-    }
+/// FNV-1a, 64 bits.
+pub(crate) fn fnv(bytes: &[u8]) -> u64 {
+    bytes.iter().fold(0xcbf2_9ce4_8422_2325, |h, b| {
+        (h ^ u64::from(*b)).wrapping_mul(0x0100_0000_01b3)
+    })
 }

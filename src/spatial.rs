@@ -178,3 +178,234 @@ impl RigidInertia {
 pub fn point_inertia(mass: f64, c: &Vec3) -> Mat3 {
     (Mat3::identity() * c.dot(c) - c * c.transpose()) * mass
 }
+
+/// A spatial vector `[angular; linear]`, world axes, about the common point O.
+pub type Vec6 = [f64; 6];
+
+/// The angular half.
+#[inline]
+pub fn angular(a: &Vec6) -> Vec3 {
+    Vec3::new(a[0], a[1], a[2])
+}
+
+/// The linear half.
+#[inline]
+pub fn linear(a: &Vec6) -> Vec3 {
+    Vec3::new(a[3], a[4], a[5])
+}
+
+/// `[angular; linear]` from its halves.
+#[inline]
+pub fn join(angular: &Vec3, linear: &Vec3) -> Vec6 {
+    [
+        angular.x, angular.y, angular.z, linear.x, linear.y, linear.z,
+    ]
+}
+
+/// Power of a force on a velocity: `τ·ω + f·v`. Two running sums, so that two lanes suffice.
+#[inline]
+pub fn dot6(a: &Vec6, b: &Vec6) -> f64 {
+    (a[0] * b[0] + a[2] * b[2] + a[4] * b[4]) + (a[1] * b[1] + a[3] * b[3] + a[5] * b[5])
+}
+
+/// `a += b · s`.
+#[inline]
+pub fn add_scaled6(a: &mut Vec6, b: &Vec6, s: f64) {
+    for (a, b) in a.iter_mut().zip(b) {
+        *a += b * s;
+    }
+}
+
+/// `a += b`.
+#[inline]
+pub fn add6(a: &mut Vec6, b: &Vec6) {
+    for (a, b) in a.iter_mut().zip(b) {
+        *a += b;
+    }
+}
+
+/// Velocity of the body point at `x` from O: `u + ω × x`.
+#[inline]
+pub fn velocity_at(V: &Vec6, x: &Vec3) -> Vec3 {
+    Vec3::new(
+        V[3] + V[1] * x.z - V[2] * x.y,
+        V[4] + V[2] * x.x - V[0] * x.z,
+        V[5] + V[0] * x.y - V[1] * x.x,
+    )
+}
+
+/// Adds a force `f` acting at `x` to the spatial force `F` about O.
+#[inline]
+pub fn add_force_at(F: &mut Vec6, x: &Vec3, f: &Vec3) {
+    F[0] += x.y * f.z - x.z * f.y;
+    F[1] += x.z * f.x - x.x * f.z;
+    F[2] += x.x * f.y - x.y * f.x;
+    F[3] += f.x;
+    F[4] += f.y;
+    F[5] += f.z;
+}
+
+/// `(ω; u) ×m (a; b) = (ω × a ; ω × b + u × a)`.
+#[inline]
+pub fn cross_motion(V: &Vec6, W: &Vec6) -> Vec6 {
+    let (w, u) = (angular(V), linear(V));
+    let (a, b) = (angular(W), linear(W));
+    join(&w.cross(&a), &(w.cross(&b) + u.cross(&a)))
+}
+
+/// `(ω; u) ×f (n; f) = (ω × n + u × f ; ω × f)`.
+#[inline]
+pub fn cross_force(V: &Vec6, F: &Vec6) -> Vec6 {
+    let (w, u) = (angular(V), linear(V));
+    let (n, f) = (angular(F), linear(F));
+    join(&(w.cross(&n) + u.cross(&f)), &w.cross(&f))
+}
+
+/// Inertia of a rigid body about O in world axes: mass, first moment, rotational inertia.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SpatialInertia {
+    /// kg
+    pub mass: f64,
+    /// `m c`, with `c` from O to the centre of mass, kg·m.
+    pub moment: [f64; 3],
+    /// About O: xx, yy, zz, xy, xz, yz, kg·m².
+    pub rotational: [f64; 6],
+}
+
+impl SpatialInertia {
+    /// Of a mass `m` with centre of mass `c` (from O) and inertia `I_cm` (xx, yy, zz, xy, xz, yz) about it, world axes.
+    #[inline]
+    pub fn new(m: f64, c: &Vec3, I_cm: &[f64; 6]) -> Self {
+        let (x, y, z) = (c.x, c.y, c.z);
+        Self {
+            mass: m,
+            moment: [m * x, m * y, m * z],
+            rotational: [
+                I_cm[0] + m * (y * y + z * z),
+                I_cm[1] + m * (x * x + z * z),
+                I_cm[2] + m * (x * x + y * y),
+                I_cm[3] - m * x * y,
+                I_cm[4] - m * x * z,
+                I_cm[5] - m * y * z,
+            ],
+        }
+    }
+
+    /// Momentum of a velocity: `(Ī ω + h × u ; m u − h × ω)`.
+    #[inline]
+    pub fn mul(&self, V: &Vec6) -> Vec6 {
+        let [h0, h1, h2] = self.moment;
+        let i = &self.rotational;
+        let [a, b, c, x, y, z] = *V;
+        [
+            i[0] * a + i[3] * b + i[4] * c + (h1 * z - h2 * y),
+            i[3] * a + i[1] * b + i[5] * c + (h2 * x - h0 * z),
+            i[4] * a + i[5] * b + i[2] * c + (h0 * y - h1 * x),
+            self.mass * x - (h1 * c - h2 * b),
+            self.mass * y - (h2 * a - h0 * c),
+            self.mass * z - (h0 * b - h1 * a),
+        ]
+    }
+
+    /// Adds another body.
+    #[inline]
+    pub fn add(&mut self, other: &Self) {
+        self.mass += other.mass;
+        for (a, b) in self.moment.iter_mut().zip(&other.moment) {
+            *a += b;
+        }
+        for (a, b) in self.rotational.iter_mut().zip(&other.rotational) {
+            *a += b;
+        }
+    }
+
+    /// The lower triangle of the 6×6 matrix, row by row: 21 numbers.
+    #[inline]
+    pub fn lower(&self) -> [f64; 21] {
+        let [hx, hy, hz] = self.moment;
+        let i = &self.rotational;
+        let m = self.mass;
+        [
+            i[0], i[3], i[1], i[4], i[5], i[2], 0.0, hz, -hy, m, -hz, 0.0, hx, 0.0, m, hy, -hx,
+            0.0, 0.0, 0.0, m,
+        ]
+    }
+}
+
+/// Rotation that takes z to the unit vector `axis`; exact for the coordinate axes.
+pub fn rotation_to_axis(axis: &Vec3) -> Mat3 {
+    let z = *axis;
+    // The coordinate direction least aligned with the axis gives the x axis.
+    let seed = if z.x.abs() <= z.y.abs() && z.x.abs() <= z.z.abs() {
+        Vec3::new(1.0, 0.0, 0.0)
+    } else if z.y.abs() <= z.z.abs() {
+        Vec3::new(0.0, 1.0, 0.0)
+    } else {
+        Vec3::new(0.0, 0.0, 1.0)
+    };
+    let x = (seed - z * seed.dot(&z)).normalize();
+    let y = z.cross(&x);
+    Mat3::from_columns(&[x, y, z])
+}
+
+/// Hamilton product of quaternions (w, x, y, z).
+#[inline]
+pub fn quaternion_product(a: &[f64; 4], b: &[f64; 4]) -> [f64; 4] {
+    [
+        a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3],
+        a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2],
+        a[0] * b[2] - a[1] * b[3] + a[2] * b[0] + a[3] * b[1],
+        a[0] * b[3] + a[1] * b[2] - a[2] * b[1] + a[3] * b[0],
+    ]
+}
+
+/// Quaternion (w, x, y, z) of the rotation vector `r`, rad.
+#[inline]
+pub fn quaternion_exp(r: &Vec3) -> [f64; 4] {
+    let t2 = r.norm_squared();
+    let t = t2.sqrt();
+    let (c, s) = if t < 1e-4 {
+        (1.0 - t2 / 8.0, 0.5 - t2 / 48.0)
+    } else {
+        let (sin, cos) = libm::sincos(0.5 * t);
+        (cos, sin / t)
+    };
+    [c, s * r.x, s * r.y, s * r.z]
+}
+
+/// Rotation vector of a unit quaternion (w, x, y, z), rad; the shorter way round.
+#[inline]
+pub fn quaternion_log(q: &[f64; 4]) -> Vec3 {
+    let sign = if q[0] < 0.0 { -1.0 } else { 1.0 };
+    let n = (q[1] * q[1] + q[2] * q[2] + q[3] * q[3]).sqrt();
+    let s = if n < 1e-8 {
+        2.0
+    } else {
+        2.0 * libm::atan2(n, sign * q[0]) / n
+    };
+    Vec3::new(q[1], q[2], q[3]) * (sign * s)
+}
+
+/// Unit length.
+#[inline]
+pub fn quaternion_normalized(q: &[f64; 4]) -> [f64; 4] {
+    let n = 1.0 / (q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]).sqrt();
+    [q[0] * n, q[1] * n, q[2] * n, q[3] * n]
+}
+
+/// Rotation of a unit quaternion (w, x, y, z).
+#[inline]
+pub fn rotation_from_quaternion(q: &[f64; 4]) -> Mat3 {
+    let [a, b, c, d] = *q;
+    Mat3::new(
+        1.0 - 2.0 * (c * c + d * d),
+        2.0 * (b * c - a * d),
+        2.0 * (b * d + a * c),
+        2.0 * (b * c + a * d),
+        1.0 - 2.0 * (b * b + d * d),
+        2.0 * (c * d - a * b),
+        2.0 * (b * d - a * c),
+        2.0 * (c * d + a * b),
+        1.0 - 2.0 * (b * b + c * c),
+    )
+}

@@ -1,0 +1,467 @@
+//! Forces along one degree of freedom as convex terms: damping, dry friction, limits, actuators.
+//!
+//! Each gives an impulse that falls with the velocity at the end of the step, so that the step stays a convex
+//! minimisation. Velocity motors and dry friction are elasto-plastic: a spring–damper with a stored displacement
+//! and a capped force, which holds a load without creep. Position servos brake along `v = √(2 a e)` and end in a
+//! critically damped spring, so that they do not overshoot within their effort.
+
+use crate::model::{ActuatorMode, Model};
+use crate::parameters::{Inputs, Parameters};
+use crate::simulation::ParameterSlot;
+use crate::tree::Tree;
+
+/// Displacement of a velocity motor under its reference effort, rad or m.
+const MOTOR_DEFLECTION: f64 = 1e-3;
+/// Position error of a position servo under its reference effort, rad or m.
+const SERVO_DEFLECTION: f64 = 1e-3;
+/// Displacement of a joint's dry friction at break-away, rad or m.
+const FRICTION_DEFLECTION: f64 = 1e-4;
+/// Shortest relaxation time of a velocity motor, s: keeps light joints from becoming needlessly stiff.
+const MOTOR_RELAXATION: f64 = 1e-3;
+/// Share of the free effort that a position servo plans to brake with.
+const BRAKING_SHARE: f64 = 0.5;
+
+/// A spring–damper with a plastic cap along one coordinate.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct ElastoPlastic {
+    /// Force that slips, N·m or N; may be infinite.
+    pub cap: f64,
+    /// N·m/rad or N/m
+    pub stiffness: f64,
+    /// N·m·s/rad or N·s/m
+    pub damping: f64,
+    /// Stored displacement at the start of the step, rad or m.
+    pub displacement: f64,
+}
+
+impl ElastoPlastic {
+    /// Resisting force and its derivative with the relative velocity `u` at the end of a step of `h` seconds.
+    #[inline]
+    pub fn force(&self, u: f64, h: f64) -> (f64, f64) {
+        let b = self.stiffness * h + self.damping;
+        let y = self.stiffness * self.displacement + b * u;
+        if y.abs() <= self.cap {
+            (y, b)
+        } else {
+            (self.cap.copysign(y), 0.0)
+        }
+    }
+
+    /// Stored displacement after the step.
+    #[inline]
+    pub fn next(&self, u: f64, h: f64) -> f64 {
+        if self.cap <= 0.0 {
+            return 0.0;
+        }
+        let (force, _) = self.force(u, h);
+        let limit = self.cap / self.stiffness;
+        ((force - self.damping * u) / self.stiffness).clamp(-limit, limit)
+    }
+}
+
+/// What an actuator does in a step.
+#[derive(Clone, Copy, Debug, Default)]
+pub enum Drive {
+    /// Nothing.
+    #[default]
+    None,
+    /// Constant force.
+    Effort(f64),
+    /// Elasto-plastic motor that follows a velocity.
+    Velocity {
+        /// rad/s or m/s
+        target: f64,
+        /// Relative to the target.
+        element: ElastoPlastic,
+    },
+    /// Position servo: `F = clamp(gain (v_des(target − q) − v), ±cap)`.
+    Position {
+        /// `target − q` at the start of the step.
+        error: f64,
+        /// N·m·s/rad or N·s/m
+        gain: f64,
+        /// Slope of `v_des` near the target, 1/s.
+        slope: f64,
+        /// Planned braking, rad/s² or m/s².
+        braking: f64,
+        /// Speed limit, rad/s or m/s; may be infinite.
+        speed: f64,
+        /// N·m or N
+        cap: f64,
+    },
+    /// `F = clamp(offset − (kp h + kd) v, ±cap)`.
+    Pd {
+        /// Force at rest: feed-forward and errors at the start of the step.
+        offset: f64,
+        /// N·m/rad or N/m
+        kp: f64,
+        /// N·m·s/rad or N·s/m
+        kd: f64,
+        /// N·m or N
+        cap: f64,
+    },
+}
+
+impl Drive {
+    /// Force and its (never positive) derivative with the velocity `v` at the end of a step of `h` seconds.
+    #[inline]
+    pub fn force(&self, v: f64, h: f64) -> (f64, f64) {
+        match *self {
+            Self::None => (0.0, 0.0),
+            Self::Effort(effort) => (effort, 0.0),
+            Self::Velocity {
+                target,
+                ref element,
+            } => {
+                let (force, slope) = element.force(v - target, h);
+                (-force, -slope)
+            }
+            Self::Position {
+                error,
+                gain,
+                slope,
+                braking,
+                speed,
+                cap,
+            } => {
+                let (desired, rate) = desired_speed(error - h * v, slope, braking, speed);
+                let force = gain * (desired - v);
+                if force.abs() <= cap {
+                    (force, -gain * (h * rate + 1.0))
+                } else {
+                    (cap.copysign(force), 0.0)
+                }
+            }
+            Self::Pd {
+                offset,
+                kp,
+                kd,
+                cap,
+            } => {
+                let gain = kp * h + kd;
+                let force = offset - gain * v;
+                if force.abs() <= cap {
+                    (force, -gain)
+                } else {
+                    (cap.copysign(force), 0.0)
+                }
+            }
+        }
+    }
+
+    /// Whether the force changes with position or velocity: then steps must be implicit.
+    pub fn is_stiff(&self) -> bool {
+        match self {
+            Self::None | Self::Effort(_) => false,
+            Self::Velocity { element, .. } => element.cap > 0.0,
+            Self::Position { cap, .. } | Self::Pd { cap, .. } => *cap > 0.0,
+        }
+    }
+
+    /// Effort limit, and how far the velocity is from where the drive wants it: what a jump of the command must cross.
+    pub fn velocity_error(&self, v: f64) -> (f64, f64) {
+        match *self {
+            Self::None | Self::Effort(_) => (f64::INFINITY, 0.0),
+            Self::Velocity {
+                target,
+                ref element,
+            } => (element.cap, (v - target).abs()),
+            Self::Position {
+                error,
+                slope,
+                braking,
+                speed,
+                cap,
+                ..
+            } => (
+                cap,
+                (desired_speed(error, slope, braking, speed).0 - v).abs(),
+            ),
+            Self::Pd {
+                offset, kd, cap, ..
+            } => {
+                let gap = if kd > 0.0 {
+                    (offset / kd - v).abs()
+                } else {
+                    0.0
+                };
+                (cap, gap)
+            }
+        }
+    }
+}
+
+/// Speed that brakes to zero at the target, and its derivative with the distance `e`: `slope · e` near it,
+/// `√(2 a (|e| − e₀))` farther out with the same value and slope where they meet, at most `limit`.
+#[inline]
+fn desired_speed(e: f64, slope: f64, braking: f64, limit: f64) -> (f64, f64) {
+    let distance = e.abs();
+    let (speed, rate) = if distance * slope * slope <= braking {
+        (slope * distance, slope)
+    } else {
+        let speed = (2.0 * braking * (distance - 0.5 * braking / (slope * slope))).sqrt();
+        (speed, braking / speed)
+    };
+    if speed <= limit {
+        (speed.copysign(e), rate)
+    } else {
+        (limit.copysign(e), 0.0)
+    }
+}
+
+/// Everything that acts along one degree of freedom in a step.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct JointTerm {
+    /// Degree of freedom.
+    pub dof: usize,
+    /// Index of the actuator in the model's list, where there is one.
+    pub actuator: Option<usize>,
+    /// N·m·s/rad or N·s/m
+    pub damping: f64,
+    /// Dry friction; cap 0 without.
+    pub dry: ElastoPlastic,
+    /// Distance to the lower and the upper limit; infinite without, rad or m.
+    pub gap: [f64; 2],
+    /// Stiffness of the limits, N·m/rad or N/m.
+    pub limit_stiffness: f64,
+    /// Hunt–Crossley dissipation of the limits, s/rad or s/m.
+    pub limit_dissipation: f64,
+    /// Actuator.
+    pub drive: Drive,
+}
+
+impl JointTerm {
+    /// Impulse and its stiffness (minus its derivative, never negative) for the velocity `v` at the end of the step.
+    #[inline]
+    pub fn response(&self, v: f64, h: f64) -> (f64, f64) {
+        let (force, slope) = self.drive.force(v, h);
+        let mut impulse = h * (force - self.damping * v);
+        let mut stiffness = h * (self.damping - slope);
+        if self.dry.cap > 0.0 {
+            let (force, slope) = self.dry.force(v, h);
+            impulse -= h * force;
+            stiffness += h * slope;
+        }
+        for (gap, sign) in [(self.gap[0], 1.0), (self.gap[1], -1.0)] {
+            let approach = sign * v;
+            let elastic = self.limit_stiffness * (-gap - h * approach);
+            let damping = 1.0 - self.limit_dissipation * approach;
+            if elastic > 0.0 && damping > 0.0 {
+                impulse += sign * h * elastic * damping;
+                stiffness +=
+                    h * (h * self.limit_stiffness * damping + self.limit_dissipation * elastic);
+            }
+        }
+        (impulse, stiffness)
+    }
+
+    /// Force at the start of the step for the velocity `v`: the limit of `response / h` for small `h`.
+    pub fn force(&self, v: f64) -> f64 {
+        let mut force = self.drive.force(v, 0.0).0 - self.damping * v;
+        if self.dry.cap > 0.0 {
+            force -= self.dry.force(v, 0.0).0;
+        }
+        for (gap, sign) in [(self.gap[0], 1.0), (self.gap[1], -1.0)] {
+            let elastic = self.limit_stiffness * (-gap).max(0.0);
+            force += sign * elastic * (1.0 - self.limit_dissipation * sign * v).max(0.0);
+        }
+        force
+    }
+
+    /// Whether a limit can act within `h` seconds at velocity `v`.
+    pub fn near_limit(&self, v: f64, h: f64) -> bool {
+        self.gap[0].min(self.gap[1]) < 2.0 * h * v.abs() + 1e-6
+    }
+}
+
+/// The joint terms of a model, with what is constant between steps already in place; [`Joints::update`] does the rest.
+#[derive(Clone, Debug, Default)]
+pub struct Joints {
+    /// One per degree of freedom that has any term.
+    pub terms: Vec<JointTerm>,
+}
+
+impl Joints {
+    /// The list of degrees of freedom with terms.
+    pub fn new(model: &Model, tree: &Tree) -> Self {
+        let mut terms = Vec::new();
+        for dof in 0..model.nv() {
+            let actuator = model.actuators.iter().position(|a| a.dof.index() == dof);
+            let joint = model.bodies[model.dofs[dof].body.index()].joint;
+            if joint.is_some() {
+                terms.push(JointTerm {
+                    dof,
+                    actuator,
+                    gap: [f64::INFINITY; 2],
+                    limit_stiffness: tree.limit_stiffness[dof],
+                    limit_dissipation: tree.dissipation,
+                    ..JointTerm::default()
+                });
+            }
+        }
+        Self { terms }
+    }
+
+    /// Sets up the terms for a step from the given positions and displacements.
+    ///
+    /// - `inertia`: `M_kk` of degree of freedom `k`; `bias`: `k(q, v)`; both at the start of the step
+    #[expect(
+        clippy::too_many_arguments,
+        reason = "the state's parts, as the two half steps hold them"
+    )]
+    pub fn update(
+        &mut self,
+        model: &Model,
+        tree: &Tree,
+        parameters: &Parameters,
+        inputs: &Inputs,
+        q: &[f64],
+        motor: &[f64],
+        dry: &[f64],
+        inverse_inertia: &[f64],
+        bias: &[f64],
+    ) {
+        for term in &mut self.terms {
+            let dof = term.dof;
+            term.damping = tree.damping[dof];
+            let friction = tree.friction[dof];
+            term.dry = if friction > 0.0 {
+                let stiffness = friction / FRICTION_DEFLECTION;
+                ElastoPlastic {
+                    cap: friction,
+                    stiffness,
+                    damping: 2.0 * (stiffness * tree.inertia[dof]).sqrt(),
+                    displacement: dry[dof],
+                }
+            } else {
+                ElastoPlastic::default()
+            };
+            let body = &model.bodies[model.dofs[dof].body.index()];
+            if let Some(limits) = &tree.limits[dof] {
+                let q = q[body.coordinate];
+                term.gap = [q - limits.lower, limits.upper - q];
+            }
+            let Some(index) = term.actuator else { continue };
+            let actuator = &model.actuators[index];
+            let [velocity, position, effort, cap] = inputs.command(index);
+            let q = q[body.coordinate];
+            let reference = actuator.reference_effort;
+            term.drive = match actuator.mode {
+                ActuatorMode::Effort => {
+                    Drive::Effort(effort.clamp(-actuator.max_effort, actuator.max_effort))
+                }
+                ActuatorMode::Velocity => {
+                    let stiffness = reference / MOTOR_DEFLECTION;
+                    let critical = 2.0 * (stiffness * tree.inertia[dof]).sqrt();
+                    let element = ElastoPlastic {
+                        cap,
+                        stiffness,
+                        damping: critical.max(stiffness * MOTOR_RELAXATION),
+                        displacement: motor[index],
+                    };
+                    if cap > 0.0 {
+                        Drive::Velocity {
+                            target: velocity,
+                            element,
+                        }
+                    } else {
+                        Drive::None
+                    }
+                }
+                ActuatorMode::Position => {
+                    let kp = reference / SERVO_DEFLECTION;
+                    let inertia = 1.0 / inverse_inertia[dof];
+                    let gain = (2.0 * (kp * inertia).sqrt()).max(kp * MOTOR_RELAXATION);
+                    let free = (cap.min(reference) - bias[dof].abs()).max(0.1 * cap.min(reference));
+                    let joint = &model.joints[actuator.joint.index()];
+                    Drive::Position {
+                        error: position - q,
+                        gain,
+                        slope: kp / gain,
+                        braking: BRAKING_SHARE * free / inertia,
+                        speed: joint.velocity.filter(|v| *v > 0.0).unwrap_or(f64::INFINITY),
+                        cap,
+                    }
+                }
+                ActuatorMode::Pd => {
+                    let id = crate::model::ActuatorId::from(index);
+                    let kp = parameters.get(ParameterSlot::Kp(id));
+                    let kd = parameters.get(ParameterSlot::Kd(id));
+                    Drive::Pd {
+                        offset: effort + kp * (position - q) + kd * velocity,
+                        kp,
+                        kd,
+                        cap,
+                    }
+                }
+            };
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn desired_speed_is_continuous_with_its_slope_where_spring_and_braking_meet() {
+        let (slope, braking) = (50.0, 4.0);
+        let meet = braking / (slope * slope);
+        let (below, rate_below) = desired_speed(meet * (1.0 - 1e-9), slope, braking, f64::INFINITY);
+        let (above, rate_above) = desired_speed(meet * (1.0 + 1e-9), slope, braking, f64::INFINITY);
+        assert!((below - above).abs() < 1e-8 && (rate_below - rate_above).abs() < 1e-5);
+        assert_eq!(desired_speed(-10.0, slope, braking, 2.0), (-2.0, 0.0));
+    }
+
+    #[test]
+    fn drive_stiffness_is_the_derivative_of_its_force() {
+        let element = ElastoPlastic {
+            cap: 5.0,
+            stiffness: 1e3,
+            damping: 10.0,
+            displacement: 1e-3,
+        };
+        let drives = [
+            Drive::Velocity {
+                target: 0.2,
+                element,
+            },
+            Drive::Position {
+                error: 0.3,
+                gain: 20.0,
+                slope: 30.0,
+                braking: 5.0,
+                speed: 9.0,
+                cap: 1e3,
+            },
+            Drive::Pd {
+                offset: 1.0,
+                kp: 40.0,
+                kd: 2.0,
+                cap: 9.0,
+            },
+        ];
+        for drive in drives {
+            for v in [-0.12, 0.19, 0.8] {
+                let (h, d) = (1e-2, 1e-6);
+                let difference = (drive.force(v + d, h).0 - drive.force(v - d, h).0) / (2.0 * d);
+                let (_, slope) = drive.force(v, h);
+                assert!(
+                    (difference - slope).abs() <= 1e-4 * (1.0 + slope.abs()),
+                    "{drive:?} {v}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn a_released_motor_forgets_its_displacement() {
+        let element = ElastoPlastic {
+            cap: 0.0,
+            stiffness: 1e3,
+            damping: 1.0,
+            displacement: 1e-3,
+        };
+        assert!(element.next(0.0, 1e-2).abs() < f64::MIN_POSITIVE);
+    }
+}

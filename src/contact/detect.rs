@@ -1,0 +1,260 @@
+//! Contact points of shapes against the ground, with stable slots.
+//!
+//! Points are functions of the pose alone and move continuously with it, so that error control has a smooth
+//! motion to work on: a sphere's lowest point, a capsule's two, a box's eight corners, a hull's vertices, three
+//! points on the lowest generatrix of a cylinder (its ends and its middle, weighted like Simpson's rule for a
+//! uniform line pressure) that fade into four fixed points on each rim as the cylinder stands up. A rolling
+//! cylinder or sphere is exactly round.
+
+#![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
+
+use super::Contact;
+use crate::geometry::Shape;
+use crate::kinematics::Kinematics;
+use crate::model::Model;
+use crate::spatial::{Pose, Vec3, Vec6, velocity_at};
+use crate::state::State;
+use crate::tree::{Tree, TreeCollider};
+
+/// The half space `normal·x < offset` is solid.
+#[derive(Clone, Copy, Debug)]
+pub struct Plane {
+    /// Unit vector out of the ground, world axes.
+    pub normal: Vec3,
+    /// m
+    pub offset: f64,
+}
+
+impl Plane {
+    /// `z = 0`.
+    pub const GROUND: Self = Self {
+        normal: Vec3::new(0.0, 0.0, 1.0),
+        offset: 0.0,
+    };
+}
+
+/// Gap below which a point takes part in a step whatever its velocity, m. Smaller loses contacts that accelerations
+/// close within the step, larger costs time.
+const MARGIN: f64 = 1e-3;
+
+/// Approach speed below which a contact does not bounce, m/s.
+pub const BOUNCE_THRESHOLD: f64 = 0.01;
+
+/// Tangential over normal stiffness: Mindlin's ratio for steel.
+const TANGENTIAL_RATIO: f64 = 0.8;
+
+/// Separation speed of a deep initial overlap, as a share of the speed that would carry it out ballistically.
+const EMERGENCE: f64 = 0.7;
+
+/// Between these tilts (cosine of the angle between axis and normal, 8° and 3°) a cylinder's line contact
+/// fades into its rim points.
+const FADE: (f64, f64) = (0.990_268_068_741_570_4, 0.998_629_534_754_573_9);
+
+/// Finds the points that can touch within `h` seconds, into `contacts`; reads poses and velocities of `kin`.
+///
+/// `stiffness_limit` caps the stiffness of a point (fixed steps cannot resolve more), N/m.
+pub fn detect(
+    model: &Model,
+    tree: &Tree,
+    state: &State,
+    kin: &Kinematics,
+    h: f64,
+    stiffness_limit: f64,
+    contacts: &mut Vec<Contact>,
+) {
+    contacts.clear();
+    if tree.colliders.is_empty() {
+        return;
+    }
+    let plane = Plane::GROUND;
+    let g = tree.gravity.norm();
+    let stiffness = tree.stiffness.min(stiffness_limit);
+    let mut finder = Finder {
+        tree,
+        state,
+        plane,
+        // Height of O over the plane.
+        height: plane.normal.dot(&kin.origin) - plane.offset,
+        h,
+        fall: 2.0 * h * h * g,
+        stiffness,
+        damping: 2.0 * (TANGENTIAL_RATIO * stiffness * 0.25 * tree.moving_mass).sqrt(),
+        gravity: g,
+        contacts,
+    };
+    for (collider, &index) in tree.colliders.iter().zip(&tree.collider_index) {
+        let (X_OB, V) = (&kin.X[collider.body], &kin.V[collider.body]);
+        let center = X_OB.p + X_OB.R * collider.X.p;
+        let clearance = finder.height + plane.normal.dot(&center) - collider.radius;
+        let spin = V[0].abs() + V[1].abs() + V[2].abs();
+        let speed = plane.normal.dot(&velocity_at(V, &center)).abs() + spin * collider.radius;
+        let reach = h * speed + finder.fall + MARGIN;
+        if clearance < reach {
+            let shape = &model.colliders[index];
+            finder.points(collider, &shape.shape, shape.slot, X_OB, &center, V, reach);
+        }
+    }
+}
+
+struct Finder<'a> {
+    tree: &'a Tree,
+    state: &'a State,
+    plane: Plane,
+    height: f64,
+    h: f64,
+    fall: f64,
+    stiffness: f64,
+    damping: f64,
+    gravity: f64,
+    contacts: &'a mut Vec<Contact>,
+}
+
+impl Finder<'_> {
+    #[expect(clippy::too_many_arguments, reason = "one shape's place, spelled out")]
+    fn points(
+        &mut self,
+        collider: &TreeCollider,
+        shape: &Shape,
+        slot: usize,
+        X_OB: &Pose,
+        center: &Vec3,
+        V: &Vec6,
+        reach: f64,
+    ) {
+        let n = self.plane.normal;
+        match shape {
+            Shape::Sphere { radius } => {
+                self.add(collider, V, center - n * *radius, 1.0, slot);
+            }
+            Shape::Capsule {
+                radius,
+                half_length,
+            } => {
+                let axis = X_OB.R * collider.X.R.column(2) * *half_length;
+                self.add(collider, V, center + axis - n * *radius, 1.0, slot);
+                self.add(collider, V, center - axis - n * *radius, 1.0, slot + 1);
+            }
+            Shape::Box { half } => {
+                let R = X_OB.R * collider.X.R;
+                let (x, y, z) = (
+                    R.column(0) * half.x,
+                    R.column(1) * half.y,
+                    R.column(2) * half.z,
+                );
+                for corner in 0..8 {
+                    let sign = |bit: usize| if corner & bit == 0 { -1.0 } else { 1.0 };
+                    let point = center + x * sign(1) + y * sign(2) + z * sign(4);
+                    self.add(collider, V, point, 1.0, slot + corner);
+                }
+            }
+            Shape::Hull { vertices } => {
+                let R = X_OB.R * collider.X.R;
+                // The plane's normal seen from the mesh: one dot product tells a vertex's height.
+                let local = R.transpose() * n;
+                let base = self.height + n.dot(center);
+                for (i, vertex) in vertices.iter().enumerate() {
+                    if base + local.dot(vertex) < reach {
+                        self.add(collider, V, center + R * vertex, 1.0, slot + i);
+                    }
+                }
+            }
+            Shape::Cylinder {
+                radius,
+                half_length,
+            } => {
+                self.cylinder(collider, V, X_OB, center, (*radius, *half_length), slot);
+            }
+        }
+    }
+
+    fn cylinder(
+        &mut self,
+        collider: &TreeCollider,
+        V: &Vec6,
+        X_OB: &Pose,
+        center: &Vec3,
+        (radius, half_length): (f64, f64),
+        slot: usize,
+    ) {
+        let n = self.plane.normal;
+        let R = X_OB.R * collider.X.R;
+        let axis: Vec3 = R.column(2).into_owned();
+        let along = n.dot(&axis);
+        let rise = ((along.abs() - FADE.0) / (FADE.1 - FADE.0)).clamp(0.0, 1.0);
+        let standing = rise * rise * (3.0 - 2.0 * rise);
+        if standing < 1.0 {
+            let across = n - axis * along;
+            let down = across * (radius / across.norm());
+            let end = axis * half_length;
+            let line = 1.0 - standing;
+            self.add(collider, V, center + end - down, line / 3.0, slot);
+            self.add(collider, V, center - end - down, line / 3.0, slot + 1);
+            self.add(collider, V, center - down, line * 4.0 / 3.0, slot + 2);
+        }
+        if standing > 0.0 {
+            let (x, y) = (R.column(0) * radius, R.column(1) * radius);
+            let rims = [axis * half_length, axis * -half_length];
+            for (rim, end) in rims.iter().enumerate() {
+                let spokes = [x, y, -x, -y];
+                for (k, spoke) in spokes.iter().enumerate() {
+                    let point = center + end + spoke;
+                    self.add(collider, V, point, standing, slot + 3 + 4 * rim + k);
+                }
+            }
+        }
+    }
+
+    /// Takes the point at `x` (from O) into the list if it can touch within the step; `share` weights its stiffness.
+    #[inline]
+    fn add(&mut self, collider: &TreeCollider, V: &Vec6, x: Vec3, share: f64, slot: usize) {
+        let normal = self.plane.normal;
+        let gap = self.height + normal.dot(&x);
+        let vn = normal.dot(&velocity_at(V, &x));
+        if gap >= self.h * vn.abs() + self.fall + MARGIN {
+            return;
+        }
+        let stiffness = self.stiffness * share;
+        let mut contact = Contact {
+            body: collider.body,
+            link: collider.link,
+            slot,
+            x,
+            normal,
+            gap,
+            stiffness,
+            mu: collider.mu,
+            tangential_stiffness: TANGENTIAL_RATIO * stiffness,
+            tangential_damping: self.damping * share.sqrt(),
+            ..Contact::default()
+        };
+        contact.dissipation = self.tree.dissipation;
+        if collider.restitution > 0.0 {
+            let stored = self.state.touchdown[slot];
+            let approach = if stored > 0.0 { stored } else { -vn };
+            if approach > BOUNCE_THRESHOLD {
+                contact.touchdown = approach;
+                contact.dissipation = collider.dissipation_number / approach;
+            }
+        }
+        if contact.touchdown == 0.0 {
+            // A deep initial overlap leaves faster than a light touch, but slower than it would hop.
+            let excess = -gap - 50.0 * self.tree.penetration;
+            if excess > 0.0 {
+                let emergence = EMERGENCE * (2.0 * self.gravity * excess).sqrt();
+                contact.dissipation = 1.0 / (1.0 / contact.dissipation).max(emergence);
+            }
+        }
+        contact.cap = contact.mu * contact.normal_force(vn);
+        // The displacement follows the tangent plane and keeps its length.
+        let stored = Vec3::from(self.state.contact[slot]);
+        let length = stored.norm();
+        if length > 0.0 {
+            let flat = stored - normal * normal.dot(&stored);
+            let flat_length = flat.norm();
+            if flat_length > 1e-3 * length {
+                contact.displacement = flat * (length / flat_length);
+            }
+        }
+        self.contacts.push(contact);
+    }
+}

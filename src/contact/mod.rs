@@ -1,0 +1,43 @@
+//! Contact: where shapes meet the ground, and the law of the force there.
+
+mod detect;
+mod law;
+
+pub use detect::{Plane, detect};
+pub(crate) use law::clip;
+pub use law::{Response, dissipation_number};
+
+use crate::spatial::Vec3;
+
+/// A contact point of a step: what was found at its start, constant while the step is solved.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Contact {
+    /// Index of the body.
+    pub body: usize,
+    /// Index of the link, for outputs.
+    pub link: usize,
+    /// Place of its displacement in the state.
+    pub slot: usize,
+    /// Position from O, m, world axes.
+    pub x: Vec3,
+    /// Unit vector from the ground into the body.
+    pub normal: Vec3,
+    /// Distance along the normal, positive apart, m.
+    pub gap: f64,
+    /// Normal stiffness, N/m.
+    pub stiffness: f64,
+    /// Hunt–Crossley dissipation, s/m.
+    pub dissipation: f64,
+    /// Approach speed that the dissipation was chosen for, m/s; 0 without restitution.
+    pub touchdown: f64,
+    /// Coulomb coefficient.
+    pub mu: f64,
+    /// Friction force that slips, N: `μ` times the normal force at the start of the step.
+    pub cap: f64,
+    /// Stiffness of the sticking friction, N/m.
+    pub tangential_stiffness: f64,
+    /// Damping of the sticking friction, N·s/m.
+    pub tangential_damping: f64,
+    /// Elastic displacement at the start, in the tangent plane, world axes, m.
+    pub displacement: Vec3,
+}

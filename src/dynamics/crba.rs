@@ -1,0 +1,100 @@
+//! The joint-space mass matrix by the composite-rigid-body algorithm.
+//!
+//! Source: Featherstone 2008, table 6.2, in world axes: no transforms between bodies.
+
+#![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
+
+use crate::kinematics::Kinematics;
+use crate::spatial::dot6;
+use crate::tree::{Move, Tree};
+
+/// Fills `kin.M` (with armature) and `kin.inverse_diagonal` from `kin.I` and `kin.S`.
+pub fn mass_matrix(tree: &Tree, kin: &mut Kinematics) {
+    let Kinematics {
+        S,
+        I,
+        composite,
+        M,
+        inverse_diagonal,
+        ..
+    } = kin;
+    let pattern = &tree.sparsity;
+    composite.copy_from_slice(I);
+    if !tree.pure {
+        M.fill(0.0);
+    }
+    for b in (0..tree.bodies.len()).rev() {
+        let body = &tree.bodies[b];
+        match body.motion {
+            Move::Welded => continue,
+            Move::Free => {
+                let lower = composite[b].lower();
+                if tree.pure {
+                    M[..21].copy_from_slice(&lower);
+                } else {
+                    for (m, x) in M[..21].iter_mut().zip(&lower) {
+                        *m += x;
+                    }
+                }
+                continue;
+            }
+            Move::Turn | Move::Slide | Move::Ball => {}
+        }
+        for c in body.column..body.column + body.columns {
+            let F = composite[b].mul(&S[c]);
+            if tree.pure {
+                let (start, depth) = (pattern.start[c], pattern.depth[c]);
+                let mut from = 0;
+                if pattern.floating {
+                    M[start..start + 6].copy_from_slice(&F);
+                    from = 6;
+                }
+                let places = &mut M[start + from..=start + depth];
+                let columns = &pattern.column[start + from..=start + depth];
+                for (m, &a) in places.iter_mut().zip(columns) {
+                    *m = dot6(&S[a as usize], &F);
+                }
+            } else {
+                add_row(tree, S, b, c, &F, M);
+            }
+        }
+        let sub = composite[b];
+        composite[body.parent].add(&sub);
+    }
+    for (k, armature) in tree.armature.iter().enumerate() {
+        let diagonal = &mut M[pattern.diagonal(k)];
+        *diagonal += armature;
+        inverse_diagonal[k] = 1.0 / diagonal.max(f64::MIN_POSITIVE);
+    }
+}
+
+/// Adds `S_aᵀ F` for column `c` of body `b` and every column `a` between the base and `c`, where columns share
+/// degrees of freedom.
+pub(crate) fn add_row(
+    tree: &Tree,
+    S: &[[f64; 6]],
+    b: usize,
+    c: usize,
+    F: &[f64; 6],
+    M: &mut [f64],
+) {
+    let pattern = &tree.sparsity;
+    let dof = tree.dof[c];
+    let mut other = b;
+    loop {
+        let body = &tree.bodies[other];
+        for a in (body.column..body.column + body.columns).filter(|&a| a <= c) {
+            let value = dot6(&S[a], F);
+            let twice = if a != c && tree.dof[a] == dof {
+                2.0
+            } else {
+                1.0
+            };
+            M[pattern.place(dof, tree.dof[a])] += twice * value;
+        }
+        if other == 0 {
+            return;
+        }
+        other = body.parent;
+    }
+}

@@ -1,0 +1,111 @@
+//! The bias of the equations of motion by the recursive Newton–Euler algorithm.
+//!
+//! Source: Featherstone 2008, table 5.1, in world axes.
+
+#![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
+
+use crate::kinematics::Kinematics;
+use crate::spatial::{Vec3, Vec6, add6, angular, cross_force, cross_motion, dot6, linear};
+use crate::tree::{Move, Tree};
+
+/// Torque and force on a body about its link's centre of mass, see [`bias`].
+#[derive(Clone, Copy, Debug)]
+pub struct ExternalWrench {
+    /// Index of the body.
+    pub body: usize,
+    /// Point of attack in the body's solver frame, m.
+    pub point: Vec3,
+    /// `[τ; f]`, world axes.
+    pub wrench: Vec6,
+}
+
+/// Fills `kin.bias` with `k(q, v)`, so that `M vdot + k = tau`, from `kin.S`, `kin.V` and `kin.I`.
+///
+/// - `v`: `nv`, the velocities that `kin.V` was made from
+/// - `wrenches`: external wrenches on bodies; they are taken off the bias
+pub fn bias(tree: &Tree, kin: &mut Kinematics, v: &[f64], wrenches: &[ExternalWrench]) {
+    let Kinematics {
+        S,
+        V,
+        I,
+        force,
+        C,
+        bias,
+        X,
+        ..
+    } = kin;
+    accelerations(tree, S, V, v, C);
+    for b in 0..tree.bodies.len() {
+        force[b] = if tree.bodies[b].motion == Move::Welded {
+            [0.0; 6]
+        } else {
+            body_force(&I[b], &V[b], &C[b])
+        };
+    }
+    for w in wrenches {
+        let x = X[w.body].point(&w.point);
+        let f = linear(&w.wrench);
+        let torque = angular(&w.wrench) + x.cross(&f);
+        let F = &mut force[w.body];
+        for i in 0..3 {
+            F[i] -= torque[i];
+            F[3 + i] -= f[i];
+        }
+    }
+    if !tree.pure {
+        bias.fill(0.0);
+    }
+    for b in (0..tree.bodies.len()).rev() {
+        let body = &tree.bodies[b];
+        let F = force[b];
+        match body.motion {
+            Move::Welded => continue,
+            Move::Free => {
+                bias[..6].copy_from_slice(&F);
+                continue;
+            }
+            Move::Turn | Move::Slide | Move::Ball => {}
+        }
+        for c in body.column..body.column + body.columns {
+            let k = dot6(&S[c], &F);
+            if tree.pure {
+                bias[c] = k;
+            } else {
+                bias[tree.dof[c]] += k;
+            }
+        }
+        add6(&mut force[body.parent], &F);
+    }
+}
+
+/// Accelerations of the bodies for `vdot = 0`, with gravity as an upward acceleration of the base.
+fn accelerations(tree: &Tree, S: &[Vec6], V: &[Vec6], v: &[f64], C: &mut [Vec6]) {
+    let g = tree.gravity;
+    for (b, body) in tree.bodies.iter().enumerate() {
+        C[b] = match body.motion {
+            Move::Welded => [0.0, 0.0, 0.0, -g.x, -g.y, -g.z],
+            Move::Free => {
+                // Spatial acceleration is the rate of V at a fixed point: −ω × ṗ appears because O moves with the base.
+                let a = -angular(&V[b]).cross(&linear(&V[b])) - g;
+                [0.0, 0.0, 0.0, a.x, a.y, a.z]
+            }
+            Move::Turn | Move::Slide | Move::Ball => {
+                let mut relative = [0.0; 6];
+                for c in body.column..body.column + body.columns {
+                    crate::spatial::add_scaled6(&mut relative, &S[c], v[tree.dof[c]]);
+                }
+                let mut sum = cross_motion(&V[b], &relative);
+                add6(&mut sum, &C[body.parent]);
+                sum
+            }
+        };
+    }
+}
+
+/// `I A + V ×f (I V)`.
+#[inline]
+fn body_force(I: &crate::spatial::SpatialInertia, V: &Vec6, A: &Vec6) -> Vec6 {
+    let mut F = I.mul(A);
+    add6(&mut F, &cross_force(V, &I.mul(V)));
+    F
+}

@@ -1,0 +1,259 @@
+//! Outputs of a state: poses, velocities, accelerations, forces, energies; computed when first read.
+
+#![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
+
+use crate::dynamics::energy;
+use crate::model::{JointId, Model, Motion};
+use crate::simulation::{Axis, OutputSlot};
+use crate::spatial::{
+    Pose, Vec3, add_force_at, add6, dot6, quaternion_from_rotation, rpy_from_rotation, velocity_at,
+};
+use crate::state::State;
+use crate::step::control::{Context, Point};
+use crate::tree::{Move, Tree};
+
+/// What is known of the current state.
+#[derive(Clone, Debug)]
+pub struct Readout {
+    /// Kinematics, contacts and joint terms at the state.
+    pub point: Point,
+    vdot: Vec<f64>,
+    factor: Vec<f64>,
+    has_point: bool,
+    has_accelerations: bool,
+}
+
+impl Readout {
+    /// Buffers for a robot.
+    pub fn new(model: &Model, tree: &Tree) -> Self {
+        Self {
+            point: Point::new(model, tree),
+            vdot: vec![0.0; model.nv()],
+            factor: vec![0.0; tree.sparsity.entries()],
+            has_point: false,
+            has_accelerations: false,
+        }
+    }
+
+    /// The state has changed.
+    pub fn invalidate(&mut self) {
+        self.has_point = false;
+        self.has_accelerations = false;
+    }
+
+    /// The inputs have changed.
+    pub fn invalidate_forces(&mut self) {
+        self.invalidate();
+    }
+
+    /// Value of an output.
+    pub fn read(&mut self, ctx: &Context, state: &State, slot: OutputSlot) -> f64 {
+        use OutputSlot as O;
+        let model = ctx.model;
+        // What the state tells by itself.
+        match slot {
+            O::JointPosition(joint, axis) => return joint_position(model, state, joint, axis),
+            O::JointOrientation(joint, axis) => {
+                return joint_orientation(model, state, joint, axis);
+            }
+            O::JointVelocity(joint, axis) => {
+                return joint_rate(model, &state.q, &state.v, joint, axis);
+            }
+            O::BasePosition(axis) if model.is_floating() => return state.q[axis as usize],
+            O::BaseOrientation(axis) if model.is_floating() => {
+                return state.q[3 + (axis as usize + 1) % 4];
+            }
+            O::BaseLinearVelocity(axis) if model.is_floating() => {
+                return state.v[3 + axis as usize];
+            }
+            O::BaseAngularVelocity(axis) if model.is_floating() => return state.v[axis as usize],
+            #[expect(clippy::cast_precision_loss, reason = "counts stay far below 2^53")]
+            O::Steps => return state.counters[0] as f64,
+            #[expect(clippy::cast_precision_loss, reason = "counts stay far below 2^53")]
+            O::Rejected => return state.counters[1] as f64,
+            #[expect(clippy::cast_precision_loss, reason = "counts stay far below 2^53")]
+            O::NewtonMax => return state.counters[2] as f64,
+            O::ContactForce(link, axis) if state.last_step > 0.0 => {
+                return state.impulse[link.index()][axis as usize] / state.last_step;
+            }
+            _ => {}
+        }
+        if !self.has_point {
+            self.point.update(ctx, state, 0.0);
+            self.has_point = true;
+        }
+        let kin = &self.point.kin;
+        match slot {
+            O::BasePosition(axis) => kin.origin[axis as usize],
+            O::BaseOrientation(axis) => quaternion(&kin.X[0])[axis as usize],
+            O::BaseRpy(axis) => rpy_from_rotation(&kin.X[0].R)[axis as usize],
+            O::LinkPosition(link, axis) => {
+                (self.link_pose(ctx, link.index()).p + kin.origin)[axis as usize]
+            }
+            O::LinkOrientation(link, axis) => {
+                quaternion(&self.link_pose(ctx, link.index()))[axis as usize]
+            }
+            O::LinkLinearVelocity(link, axis) => {
+                let V = &kin.V[model.links[link.index()].body.index()];
+                velocity_at(V, &self.link_pose(ctx, link.index()).p)[axis as usize]
+            }
+            O::LinkAngularVelocity(link, axis) => {
+                kin.V[model.links[link.index()].body.index()][axis as usize]
+            }
+            O::ContactActive(link) => {
+                let touches = self.point.contacts.iter().any(|c| {
+                    let vn = c.normal.dot(&velocity_at(&kin.V[c.body], &c.x));
+                    c.link == link.index() && c.normal_force(vn) > 0.0
+                });
+                f64::from(u8::from(touches))
+            }
+            O::ContactForce(link, axis) => self
+                .point
+                .contacts
+                .iter()
+                .filter(|c| c.link == link.index())
+                .map(|c| c.force(&velocity_at(&kin.V[c.body], &c.x))[axis as usize])
+                .sum(),
+            O::EnergyKinetic => energy::kinetic(ctx.tree, kin, &state.v),
+            O::EnergyPotential => energy::potential(ctx.tree, kin),
+            O::JointEffort(joint) => self.joint_effort(model, state, joint),
+            O::JointAcceleration(joint, axis) => {
+                if !self.has_accelerations {
+                    self.accelerations(ctx, state);
+                    self.has_accelerations = true;
+                }
+                joint_rate(model, &state.q, &self.vdot, joint, axis)
+            }
+            // Answered above for a floating base; a fixed one does not move.
+            _ => 0.0,
+        }
+    }
+
+    /// Pose of a link's frame: axes in the world, position from O.
+    fn link_pose(&self, ctx: &Context, link: usize) -> Pose {
+        let body = ctx.model.links[link].body.index();
+        self.point.kin.X[body].compose(&ctx.tree.link_pose[link])
+    }
+
+    /// What the actuator applies at this moment.
+    fn joint_effort(&self, model: &Model, state: &State, joint: JointId) -> f64 {
+        let Some(body) = model.scalar_body(joint) else {
+            return 0.0;
+        };
+        if model.joints[joint.index()].mimic.is_some() {
+            return 0.0;
+        }
+        let dof = model.bodies[body.index()].dof.index();
+        self.point
+            .joints
+            .terms
+            .iter()
+            .find(|term| term.dof == dof)
+            .map_or(0.0, |term| term.drive.force(state.v[dof], 0.0).0)
+    }
+
+    /// `M vdot = tau − k + Jᵀ f` with the forces of this moment.
+    fn accelerations(&mut self, ctx: &Context, state: &State) {
+        let tree = ctx.tree;
+        let Point {
+            kin,
+            contacts,
+            joints,
+        } = &mut self.point;
+        for (a, k) in self.vdot.iter_mut().zip(&kin.bias) {
+            *a = -k;
+        }
+        for term in &joints.terms {
+            self.vdot[term.dof] += term.force(state.v[term.dof]);
+        }
+        // The bias is done with its forces: they serve for the contacts.
+        let F = &mut kin.force;
+        F.fill([0.0; 6]);
+        for contact in contacts.iter() {
+            let force = contact.force(&velocity_at(&kin.V[contact.body], &contact.x));
+            add_force_at(&mut F[contact.body], &contact.x, &force);
+        }
+        for b in (1..tree.bodies.len()).rev() {
+            let body = &tree.bodies[b];
+            let f = F[b];
+            for c in body.column..body.column + body.columns {
+                self.vdot[tree.dof[c]] += dot6(&kin.S[c], &f);
+            }
+            add6(&mut F[body.parent], &f);
+        }
+        if tree.bodies[0].motion == Move::Free {
+            for (a, f) in self.vdot.iter_mut().zip(&F[0]) {
+                *a += f;
+            }
+        }
+        self.factor.copy_from_slice(&kin.M);
+        tree.sparsity.factor(&mut self.factor);
+        tree.sparsity.solve(&self.factor, &mut self.vdot);
+    }
+}
+
+/// x, y, z, w.
+fn quaternion(X: &Pose) -> [f64; 4] {
+    let q = quaternion_from_rotation(&X.R);
+    [q.i, q.j, q.k, q.w]
+}
+
+/// Position of a joint along one of its axes.
+fn joint_position(model: &Model, state: &State, joint: JointId, axis: Axis) -> f64 {
+    let joint = &model.joints[joint.index()];
+    let Some(body) = joint.bodies.get(axis as usize).or(joint.bodies.first()) else {
+        return 0.0;
+    };
+    let body = &model.bodies[body.index()];
+    match body.motion {
+        Motion::Free => state.q[body.coordinate + axis as usize],
+        Motion::Revolute(_) | Motion::Prismatic(_) => {
+            body.ratio * state.q[body.coordinate] + body.offset
+        }
+        Motion::Welded | Motion::Spherical => 0.0,
+    }
+}
+
+/// Orientation x, y, z, w of a floating joint.
+fn joint_orientation(model: &Model, state: &State, joint: JointId, axis: Axis) -> f64 {
+    let Some(body) = model.joints[joint.index()].bodies.last() else {
+        return 0.0;
+    };
+    let body = &model.bodies[body.index()];
+    let component = (axis as usize + 1) % 4;
+    match body.motion {
+        Motion::Free => state.q[body.coordinate + 3 + component],
+        Motion::Spherical => state.q[body.coordinate + component],
+        _ => 0.0,
+    }
+}
+
+/// Velocity or acceleration of a joint along one of its axes, from `rate` (`v` or `vdot`).
+fn joint_rate(model: &Model, q: &[f64], rate: &[f64], joint: JointId, axis: Axis) -> f64 {
+    let joint = &model.joints[joint.index()];
+    let axis = axis as usize;
+    let Some(first) = joint.bodies.first() else {
+        return 0.0;
+    };
+    let first = &model.bodies[first.index()];
+    if first.motion == Motion::Free {
+        // Linear 0–2 in the parent's (world) axes, angular 3–5 in the child's.
+        if axis < 3 {
+            return rate[3 + axis];
+        }
+        let c = first.coordinate + 3;
+        let R = crate::spatial::rotation_from_quaternion(&[q[c], q[c + 1], q[c + 2], q[c + 3]]);
+        return R
+            .column(axis - 3)
+            .dot(&Vec3::new(rate[0], rate[1], rate[2]));
+    }
+    let (body, offset) = match joint.bodies.get(axis) {
+        Some(body) => (body, 0),
+        None => (
+            &joint.bodies[joint.bodies.len() - 1],
+            axis + 1 - joint.bodies.len(),
+        ),
+    };
+    let body = &model.bodies[body.index()];
+    body.ratio * rate[body.dof.index() + offset.min(body.motion.nv().saturating_sub(1))]
+}

@@ -1,0 +1,154 @@
+//! Saved states: everything that a later run needs to go on bit for bit. The workspace is not in it.
+//!
+//! Bytes, little-endian: magic `U2FS`, format version (u32), hash of the model (u64), then lists, each with its
+//! length (u64): parameters, inputs, the state's fields and counters, the run's settings; last an FNV-1a checksum
+//! (u64) of all before it. Lengths must be those of the model, so that nothing is allocated on a stranger's word.
+
+use crate::model::Model;
+use crate::parameters::{Inputs, Parameters};
+use crate::simulation::{SimulationError, fnv, model_hash};
+use crate::state::State;
+
+const MAGIC: &[u8; 4] = b"U2FS";
+const VERSION: u32 = 1;
+
+/// Everything that a later run needs to go on bit for bit.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Snapshot {
+    pub(crate) hash: u64,
+    pub(crate) parameters: Vec<f64>,
+    pub(crate) inputs: Vec<f64>,
+    pub(crate) state: State,
+    pub(crate) importer_tolerance: f64,
+    pub(crate) start: f64,
+    pub(crate) initialized: bool,
+}
+
+impl Snapshot {
+    /// Little-endian bytes with magic, version and a hash of the model.
+    pub fn to_bytes(&self) -> Vec<u8> {
+        let mut bytes = Vec::with_capacity(self.byte_len());
+        bytes.extend(MAGIC);
+        bytes.extend(VERSION.to_le_bytes());
+        bytes.extend(self.hash.to_le_bytes());
+        let mut list = |values: &[f64]| {
+            bytes.extend((values.len() as u64).to_le_bytes());
+            for value in values {
+                bytes.extend(value.to_le_bytes());
+            }
+        };
+        list(&self.parameters);
+        list(&self.inputs);
+        for field in self.state.fields() {
+            list(field);
+        }
+        list(&[self.importer_tolerance, self.start]);
+        for counter in self.state.counters {
+            bytes.extend(counter.to_le_bytes());
+        }
+        bytes.extend(u64::from(self.initialized).to_le_bytes());
+        bytes.extend(fnv(&bytes).to_le_bytes());
+        bytes
+    }
+
+    /// Length of [`Self::to_bytes`].
+    pub fn byte_len(&self) -> usize {
+        let fields = self.state.fields();
+        let numbers = self.parameters.len()
+            + self.inputs.len()
+            + fields.iter().map(|f| f.len()).sum::<usize>()
+            + 2;
+        let lists = fields.len() + 3;
+        16 + 8 * (numbers + lists + self.state.counters.len() + 2)
+    }
+
+    /// Reads what [`Self::to_bytes`] wrote for the same model.
+    ///
+    /// # Errors
+    /// [`SimulationError::State`] for anything else.
+    pub fn from_bytes(model: &Model, bytes: &[u8]) -> Result<Self, SimulationError> {
+        let refused = |reason: &str| SimulationError::State {
+            reason: reason.into(),
+        };
+        let hash = model_hash(model);
+        let mut snapshot = Self {
+            hash,
+            parameters: Parameters::new(model).values,
+            inputs: Inputs::new(model).values,
+            state: State::new(model),
+            importer_tolerance: 0.0,
+            start: 0.0,
+            initialized: false,
+        };
+        if bytes.get(..4) != Some(MAGIC) {
+            return Err(refused("it does not begin with this format's mark"));
+        }
+        if bytes.get(4..8) != Some(&VERSION.to_le_bytes()) {
+            return Err(refused("it was written by another version"));
+        }
+        if bytes.get(8..16) != Some(&hash.to_le_bytes()) {
+            return Err(refused("it belongs to another model"));
+        }
+        if bytes.len() != snapshot.byte_len() {
+            return Err(refused("its length is not that of this model's states"));
+        }
+        let (body, checksum) = bytes.split_at(bytes.len() - 8);
+        if checksum != fnv(body).to_le_bytes() {
+            return Err(refused(
+                "its checksum does not match: some of it was changed",
+            ));
+        }
+        let mut reader = Reader { bytes: &body[16..] };
+        let mut tail = [0.0; 2];
+        let Self {
+            parameters,
+            inputs,
+            state,
+            ..
+        } = &mut snapshot;
+        let mut complete = reader.list(parameters) && reader.list(inputs);
+        for field in state.fields_mut() {
+            complete = complete && reader.list(field);
+        }
+        complete = complete && reader.list(&mut tail);
+        for counter in &mut snapshot.state.counters {
+            *counter = reader.integer();
+        }
+        snapshot.initialized = reader.integer() == 1;
+        [snapshot.importer_tolerance, snapshot.start] = tail;
+        // Effort limits may be infinite; nothing may be NaN.
+        let sound = snapshot.parameters.iter().all(|x| x.is_finite())
+            && !snapshot.inputs.iter().any(|x| x.is_nan())
+            && snapshot.state.is_finite();
+        if !complete || !sound {
+            return Err(refused("its contents are not those of a state"));
+        }
+        Ok(snapshot)
+    }
+}
+
+/// Takes numbers off the front; the total length has been checked.
+struct Reader<'a> {
+    bytes: &'a [u8],
+}
+
+impl Reader<'_> {
+    fn integer(&mut self) -> u64 {
+        let Some((head, tail)) = self.bytes.split_first_chunk::<8>() else {
+            return u64::MAX;
+        };
+        self.bytes = tail;
+        u64::from_le_bytes(*head)
+    }
+
+    /// Fills a list of known length; false if the bytes say another.
+    fn list(&mut self, values: &mut [f64]) -> bool {
+        if self.integer() != values.len() as u64 {
+            return false;
+        }
+        for value in values {
+            *value = f64::from_bits(self.integer());
+        }
+        true
+    }
+}

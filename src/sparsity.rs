@@ -1,0 +1,251 @@
+//! Where the joint-space matrix has entries, and its factorisation.
+//!
+//! Row `k` of a symmetric matrix stores its entries at the ancestors of `k` in the elimination tree, root first, then
+//! the diagonal. Ancestors of an ancestor are a prefix, so that factor and solve run over contiguous memory, and entry
+//! (k, j) lies at `start[k] + depth[j]`. For a tree without mimic joints the elimination tree is the robot's own; a
+//! mimic joint couples two branches and makes the elimination tree deeper there, nothing else.
+//!
+//! Source: Featherstone 2008, section 6.5; elimination trees: Liu 1990.
+
+/// The pattern of a symmetric matrix under `LᵀL` factorisation.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Sparsity {
+    /// First entry of each row.
+    pub start: Vec<usize>,
+    /// Number of off-diagonal entries of each row; the diagonal is at `start + depth`.
+    pub depth: Vec<usize>,
+    /// Column of every entry.
+    pub column: Vec<u32>,
+    /// Rows whose ancestors begin with 0 … 5: all of them for a floating base.
+    pub floating: bool,
+}
+
+impl Sparsity {
+    /// The pattern that holds all pairs within each of the `cliques` of the `n` unknowns.
+    pub fn new(n: usize, cliques: &[Vec<usize>]) -> Self {
+        let mut coupled = vec![vec![false; n]; n];
+        for clique in cliques {
+            for &i in clique {
+                for &j in clique {
+                    if j < i {
+                        coupled[i][j] = true;
+                    }
+                }
+            }
+        }
+        // Eliminating k couples its lower neighbours; the highest of them is its parent.
+        let mut parent = vec![None; n];
+        for k in (0..n).rev() {
+            let row = coupled[k].clone();
+            let highest = (0..k).rev().find(|&j| row[j]);
+            parent[k] = highest;
+            if let Some(p) = highest {
+                for j in 0..p {
+                    coupled[p][j] |= row[j];
+                }
+            }
+        }
+        let mut pattern = Self {
+            floating: n >= 6,
+            ..Self::default()
+        };
+        for k in 0..n {
+            let mut path = vec![k];
+            while let Some(p) = parent[path[path.len() - 1]] {
+                path.push(p);
+            }
+            path.reverse();
+            pattern.floating &= path
+                .iter()
+                .take(6.min(k + 1))
+                .enumerate()
+                .all(|(i, &j)| i == j);
+            pattern.start.push(pattern.column.len());
+            pattern.depth.push(path.len() - 1);
+            pattern.column.extend(
+                path.iter()
+                    .map(|&j| u32::try_from(j).expect("few unknowns")),
+            );
+        }
+        pattern
+    }
+
+    /// Number of unknowns.
+    pub fn len(&self) -> usize {
+        self.start.len()
+    }
+
+    /// Whether there are no unknowns.
+    pub fn is_empty(&self) -> bool {
+        self.start.is_empty()
+    }
+
+    /// Number of stored entries.
+    pub fn entries(&self) -> usize {
+        self.column.len()
+    }
+
+    /// Place of entry (i, j); the pair must be in the pattern.
+    #[inline]
+    pub fn place(&self, i: usize, j: usize) -> usize {
+        self.start[i.max(j)] + self.depth[i.min(j)]
+    }
+
+    /// Place of the diagonal entry of row `k`.
+    #[inline]
+    pub fn diagonal(&self, k: usize) -> usize {
+        self.start[k] + self.depth[k]
+    }
+
+    /// `y = A x`.
+    pub fn multiply(&self, a: &[f64], x: &[f64], y: &mut [f64]) {
+        y.fill(0.0);
+        for k in 0..self.len() {
+            let (s, d) = (self.start[k], self.depth[k]);
+            let row = &a[s..=s + d];
+            let columns = &self.column[s..s + d];
+            let xk = x[k];
+            let mut sum = row[d] * xk;
+            // The first six columns of a floating robot's rows are 0 … 5: no gather.
+            let mut from = 0;
+            if self.floating && d >= 6 {
+                let (r6, x6) = (&row[..6], &x[..6]);
+                let (mut even, mut odd) = (0.0, 0.0);
+                for i in 0..3 {
+                    even += r6[2 * i] * x6[2 * i];
+                    odd += r6[2 * i + 1] * x6[2 * i + 1];
+                }
+                sum += even + odd;
+                for (y, r) in y[..6].iter_mut().zip(r6) {
+                    *y += r * xk;
+                }
+                from = 6;
+            }
+            for (r, &c) in row[from..d].iter().zip(&columns[from..]) {
+                let c = c as usize;
+                sum += r * x[c];
+                y[c] += r * xk;
+            }
+            y[k] += sum;
+        }
+    }
+
+    /// Overwrites `a` by its factor `L` with `A = LᵀL`; the diagonal holds reciprocals. A pivot that round-off has
+    /// made smaller than `1e-14` of the row's diagonal is replaced by that floor, so that the direction stays finite.
+    pub fn factor(&self, a: &mut [f64]) {
+        for k in (0..self.len()).rev() {
+            let (s, d) = (self.start[k], self.depth[k]);
+            let (above, rest) = a.split_at_mut(s);
+            let row = &mut rest[..=d];
+            let reciprocal = 1.0 / row[d].max(f64::MIN_POSITIVE).sqrt();
+            row[d] = reciprocal;
+            for x in &mut row[..d] {
+                *x *= reciprocal;
+            }
+            let mut from = 0;
+            if self.floating && d >= 6 {
+                let r: [f64; 6] = std::array::from_fn(|i| row[i]);
+                let lower = &mut above[..21];
+                let mut place = 0;
+                for i in 0..6 {
+                    for rj in &r[..=i] {
+                        lower[place] -= r[i] * rj;
+                        place += 1;
+                    }
+                }
+                from = 6;
+            }
+            let columns = &self.column[s..s + d];
+            for (q, &column) in columns.iter().enumerate().skip(from) {
+                let target = self.start[column as usize];
+                let factor = row[q];
+                let target = &mut above[target..=target + q];
+                for (t, r) in target.iter_mut().zip(&row[..=q]) {
+                    *t -= factor * r;
+                }
+            }
+        }
+    }
+
+    /// `x = A⁻¹ x` with the factor of [`Self::factor`].
+    pub fn solve(&self, factor: &[f64], x: &mut [f64]) {
+        for k in (0..self.len()).rev() {
+            let (s, d) = (self.start[k], self.depth[k]);
+            let row = &factor[s..=s + d];
+            let xk = x[k] * row[d];
+            x[k] = xk;
+            for (r, &c) in row[..d].iter().zip(&self.column[s..s + d]) {
+                x[c as usize] -= r * xk;
+            }
+        }
+        for k in 0..self.len() {
+            let (s, d) = (self.start[k], self.depth[k]);
+            let row = &factor[s..=s + d];
+            let mut sum = x[k];
+            for (r, &c) in row[..d].iter().zip(&self.column[s..s + d]) {
+                sum -= r * x[c as usize];
+            }
+            x[k] = sum * row[d];
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A·x for the pattern's matrix, written out in full.
+    fn dense(p: &Sparsity, a: &[f64]) -> nalgebra::DMatrix<f64> {
+        let n = p.len();
+        let mut m = nalgebra::DMatrix::zeros(n, n);
+        for k in 0..n {
+            for q in 0..=p.depth[k] {
+                let j = p.column[p.start[k] + q] as usize;
+                m[(k, j)] = a[p.start[k] + q];
+                m[(j, k)] = a[p.start[k] + q];
+            }
+        }
+        m
+    }
+
+    fn check(p: &Sparsity) {
+        let mut a = vec![0.0; p.entries()];
+        for (i, x) in a.iter_mut().enumerate() {
+            *x = libm::sin(1.0 + 3.7 * i as f64);
+        }
+        for k in 0..p.len() {
+            a[p.diagonal(k)] = 20.0 + k as f64;
+        }
+        let m = dense(p, &a);
+        let x: Vec<f64> = (0..p.len()).map(|i| libm::cos(i as f64)).collect();
+        let mut y = vec![0.0; p.len()];
+        p.multiply(&a, &x, &mut y);
+        let expected = &m * nalgebra::DVector::from_vec(x.clone());
+        for (y, e) in y.iter().zip(expected.iter()) {
+            assert!((y - e).abs() < 1e-12);
+        }
+        p.factor(&mut a);
+        p.solve(&a, &mut y);
+        for (y, x) in y.iter().zip(&x) {
+            assert!((y - x).abs() < 1e-12, "{y} {x}");
+        }
+    }
+
+    #[test]
+    fn factor_and_solve_invert_multiply_on_a_branched_floating_tree() {
+        let base: Vec<usize> = (0..6).collect();
+        let path = |tail: &[usize]| [base.clone(), tail.to_vec()].concat();
+        let p = Sparsity::new(11, &[path(&[6, 7]), path(&[6, 8]), path(&[9, 10])]);
+        assert!(p.floating);
+        assert_eq!(p.depth[8], 7);
+        check(&p);
+    }
+
+    #[test]
+    fn coupled_branches_fill_in_and_still_solve() {
+        // Two fingers on one palm joint (0); finger 3 follows finger 1, so that 1 and 3's subtree (4) couple.
+        let p = Sparsity::new(5, &[vec![0, 1, 2], vec![0, 3, 4], vec![0, 2, 4]]);
+        assert!(!p.floating);
+        check(&p);
+    }
+}

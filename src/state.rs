@@ -1,0 +1,122 @@
+//! What the next step reads and cannot recompute.
+
+use crate::model::Model;
+
+/// State of a robot. All quantities in SI units; layout of `q` and `v`: [`crate::model::Motion`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct State {
+    /// s
+    pub time: f64,
+    /// Generalised positions.
+    pub q: Vec<f64>,
+    /// Generalised velocities.
+    pub v: Vec<f64>,
+    /// Elastic displacement ς of the friction at each contact slot, world axes, m.
+    pub contact: Vec<[f64; 3]>,
+    /// Approach speed at touch-down of each contact slot, m/s; 0 where nothing touches.
+    pub touchdown: Vec<f64>,
+    /// Elastic displacement of each velocity motor, rad or m.
+    pub motor: Vec<f64>,
+    /// Elastic displacement of the dry friction of each degree of freedom, rad or m.
+    pub dry: Vec<f64>,
+    /// Commands (velocity, position, effort, limit of each actuator) of the last step, to see that they jump.
+    pub commands: Vec<[f64; 4]>,
+    /// Step that the error control proposes, and the one it proposes just after a communication point, s.
+    pub step: [f64; 2],
+    /// Steps taken, steps rejected, most Newton iterations in a solve, steps taken at the smallest size.
+    pub counters: [u64; 4],
+    /// Contact impulse per link over the last communication step, N·s, and that step's length, s.
+    pub impulse: Vec<[f64; 3]>,
+    /// Length of the last communication step, s; 0 before the first.
+    pub last_step: f64,
+}
+
+/// First guess of the step after initialisation, s; the error control corrects it within a few steps.
+pub const INITIAL_STEP: f64 = 1e-3;
+
+impl State {
+    /// All zero, quaternions at identity.
+    pub fn new(model: &Model) -> Self {
+        let mut q = vec![0.0; model.nq];
+        for body in &model.bodies {
+            match body.motion {
+                crate::model::Motion::Free => q[body.coordinate + 3] = 1.0,
+                crate::model::Motion::Spherical => q[body.coordinate] = 1.0,
+                _ => {}
+            }
+        }
+        let slots = model.contact_slots();
+        Self {
+            time: 0.0,
+            q,
+            v: vec![0.0; model.nv()],
+            contact: vec![[0.0; 3]; slots],
+            touchdown: vec![0.0; slots],
+            motor: vec![0.0; model.actuators.len()],
+            dry: vec![0.0; model.nv()],
+            commands: vec![[0.0; 4]; model.actuators.len()],
+            step: [INITIAL_STEP; 2],
+            counters: [0; 4],
+            impulse: vec![[0.0; 3]; model.links.len()],
+            last_step: 0.0,
+        }
+    }
+
+    /// Overwrites this state with another of the same model, without allocating.
+    pub fn copy_from(&mut self, other: &Self) {
+        self.time = other.time;
+        self.q.copy_from_slice(&other.q);
+        self.v.copy_from_slice(&other.v);
+        self.contact.copy_from_slice(&other.contact);
+        self.touchdown.copy_from_slice(&other.touchdown);
+        self.motor.copy_from_slice(&other.motor);
+        self.dry.copy_from_slice(&other.dry);
+        self.commands.copy_from_slice(&other.commands);
+        self.step = other.step;
+        self.counters = other.counters;
+        self.impulse.copy_from_slice(&other.impulse);
+        self.last_step = other.last_step;
+    }
+
+    /// Every stored real number, in saved order; the counters are the only other content. A new field goes here,
+    /// into [`Self::copy_from`] and nowhere else.
+    pub fn fields_mut(&mut self) -> [&mut [f64]; 11] {
+        [
+            std::slice::from_mut(&mut self.time),
+            &mut self.q,
+            &mut self.v,
+            self.contact.as_flattened_mut(),
+            &mut self.touchdown,
+            &mut self.motor,
+            &mut self.dry,
+            self.commands.as_flattened_mut(),
+            &mut self.step,
+            self.impulse.as_flattened_mut(),
+            std::slice::from_mut(&mut self.last_step),
+        ]
+    }
+
+    /// See [`Self::fields_mut`].
+    pub fn fields(&self) -> [&[f64]; 11] {
+        [
+            std::slice::from_ref(&self.time),
+            &self.q,
+            &self.v,
+            self.contact.as_flattened(),
+            &self.touchdown,
+            &self.motor,
+            &self.dry,
+            self.commands.as_flattened(),
+            &self.step,
+            self.impulse.as_flattened(),
+            std::slice::from_ref(&self.last_step),
+        ]
+    }
+
+    /// Whether every number is finite.
+    pub fn is_finite(&self) -> bool {
+        self.fields()
+            .iter()
+            .all(|field| field.iter().all(|x| x.is_finite()))
+    }
+}

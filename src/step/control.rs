@@ -1,0 +1,649 @@
+//! From one communication point to the next: error control, exact landing, rest, fixed steps.
+//!
+//! An error-controlled step is solved once over `h` and twice over `h/2`; the difference of the two results is the
+//! error estimate, positions and velocities together, and twice the second minus the first is the solution that goes
+//! on: second order in smooth motion at the price of the estimate. Steps end at touch-down rather than across it.
+//! Where nothing is stiff, explicit steps of fifth order take over (see [`super::smooth`]).
+
+#![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
+
+use crate::actuator::Joints;
+use crate::contact::{Contact, detect};
+use crate::dynamics::rnea::ExternalWrench;
+use crate::dynamics::{crba, rnea};
+use crate::kinematics::{Kinematics, advance, difference, forward};
+use crate::model::Model;
+use crate::parameters::{Inputs, Parameters};
+use crate::spatial::{Vec3, velocity_at};
+use crate::state::State;
+use crate::step::convex::{Newton, Problem};
+use crate::step::smooth::Explicit;
+use crate::tree::Tree;
+
+/// Longest step, s: a robot at rest in the air must still notice that it falls.
+const MAX_STEP: f64 = 0.05;
+/// Longest explicit step, s.
+const MAX_EXPLICIT_STEP: f64 = 0.1;
+/// Shortest step that error control asks for, s; a step that fails its test there is accepted and counted.
+const MIN_STEP: f64 = 1e-7;
+/// Weight of a velocity error against a position error, s. Without it impacts go unnoticed.
+const VELOCITY_WEIGHT: f64 = 0.1;
+/// Speed below which a robot may be at rest, rad/s or m/s.
+const REST_SPEED: f64 = 1e-7;
+/// Relative accuracy of the impulses in fixed-step mode.
+const FIXED_ACCURACY: f64 = 1e-8;
+/// Growth and shrinkage of the step, at most.
+const GROWTH: (f64, f64) = (0.1, 5.0);
+
+/// What a step needs and does not change.
+#[derive(Clone, Copy, Debug)]
+pub struct Context<'a> {
+    /// The robot.
+    pub model: &'a Model,
+    /// What follows from it and the parameters.
+    pub tree: &'a Tree,
+    /// Gains.
+    pub parameters: &'a Parameters,
+    /// Commands.
+    pub inputs: &'a Inputs,
+    /// Wrenches from outside.
+    pub wrenches: &'a [ExternalWrench],
+    /// Error allowed per step.
+    pub tolerance: f64,
+    /// Fixed step, s; 0 for error control.
+    pub fixed_step: f64,
+}
+
+/// The state stopped being finite at the smallest step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct NotFinite;
+
+/// One place in time: kinematics, contacts and joint terms.
+#[derive(Clone, Debug)]
+pub struct Point {
+    /// Poses, velocities, mass matrix, bias.
+    pub kin: Kinematics,
+    /// Contact points.
+    pub contacts: Vec<Contact>,
+    /// Joint terms.
+    pub joints: Joints,
+}
+
+impl Point {
+    pub(crate) fn new(model: &Model, tree: &Tree) -> Self {
+        Self {
+            kin: Kinematics::new(tree),
+            contacts: Vec::with_capacity(model.contact_slots()),
+            joints: Joints::new(model, tree),
+        }
+    }
+
+    /// Everything at `state`, for steps of at most `h` seconds.
+    pub fn update(&mut self, ctx: &Context, state: &State, h: f64) {
+        let tree = ctx.tree;
+        self.kin.update_poses(tree, &state.q);
+        crba::mass_matrix(tree, &mut self.kin);
+        self.update_motion(ctx, state, h);
+    }
+
+    /// What depends on velocities, after the poses are up to date.
+    fn update_motion(&mut self, ctx: &Context, state: &State, h: f64) {
+        let tree = ctx.tree;
+        self.kin.update_velocities(tree, &state.v);
+        rnea::bias(tree, &mut self.kin, &state.v, ctx.wrenches);
+        tree.sparsity
+            .multiply(&self.kin.M, &state.v, &mut self.kin.momentum);
+        self.find_terms(ctx, state, h);
+    }
+
+    /// Contacts and joint terms, after the kinematics are up to date.
+    fn find_terms(&mut self, ctx: &Context, state: &State, h: f64) {
+        let Context { model, tree, .. } = *ctx;
+        let limit = if ctx.fixed_step > 0.0 {
+            // A step cannot resolve an oscillation faster than itself.
+            let omega = std::f64::consts::TAU / h.max(f64::MIN_POSITIVE);
+            0.25 * tree.moving_mass * omega * omega
+        } else {
+            f64::INFINITY
+        };
+        detect(model, tree, state, &self.kin, h, limit, &mut self.contacts);
+        self.joints.update(
+            model,
+            tree,
+            ctx.parameters,
+            ctx.inputs,
+            &state.q,
+            &state.motor,
+            &state.dry,
+            &self.kin.inverse_diagonal,
+            &self.kin.bias,
+        );
+    }
+
+    fn problem<'a>(&'a self, tree: &'a Tree, h: f64, accuracy: f64) -> Problem<'a> {
+        Problem {
+            tree,
+            kin: &self.kin,
+            bias: &self.kin.bias,
+            contacts: &self.contacts,
+            joints: &self.joints.terms,
+            h,
+            accuracy,
+        }
+    }
+}
+
+/// All scratch of a communication step, sized once. Filling it with NaN between steps changes nothing.
+#[derive(Clone, Debug)]
+pub struct Stepper {
+    /// Start of the step.
+    pub start: Point,
+    middle: Point,
+    full: Newton,
+    first: Newton,
+    second: Newton,
+    half: State,
+    backup: State,
+    explicit: Explicit,
+    guess: Vec<f64>,
+    difference: Vec<f64>,
+    q_full: Vec<f64>,
+    q_halves: Vec<f64>,
+    slots: Vec<Vec3>,
+}
+
+impl Stepper {
+    /// Buffers for a robot.
+    pub fn new(model: &Model, tree: &Tree) -> Self {
+        let slots = model.contact_slots();
+        let newton = Newton::new(tree, slots);
+        Self {
+            start: Point::new(model, tree),
+            middle: Point::new(model, tree),
+            full: newton.clone(),
+            first: newton.clone(),
+            second: newton,
+            half: State::new(model),
+            backup: State::new(model),
+            explicit: Explicit::new(tree, model.nq),
+            guess: vec![0.0; model.nv()],
+            difference: vec![0.0; model.nv()],
+            q_full: vec![0.0; model.nq],
+            q_halves: vec![0.0; model.nq],
+            slots: vec![Vec3::zeros(); slots],
+        }
+    }
+
+    /// Simulates `state` up to exactly `end`.
+    ///
+    /// # Errors
+    /// [`NotFinite`]; `state` is then what it was.
+    pub fn advance(&mut self, ctx: &Context, state: &mut State, end: f64) -> Result<(), NotFinite> {
+        self.backup.copy_from(state);
+        state.last_step = end - state.time;
+        state.impulse.fill([0.0; 3]);
+        let result = if ctx.fixed_step > 0.0 {
+            self.advance_fixed(ctx, state, end)
+        } else {
+            self.advance_controlled(ctx, state, end)
+        };
+        if result.is_ok() && state.is_finite() {
+            state.time = end;
+            for (index, last) in state.commands.iter_mut().enumerate() {
+                *last = ctx.inputs.command(index);
+            }
+            Ok(())
+        } else {
+            state.copy_from(&self.backup);
+            Err(NotFinite)
+        }
+    }
+
+    fn advance_fixed(
+        &mut self,
+        ctx: &Context,
+        state: &mut State,
+        end: f64,
+    ) -> Result<(), NotFinite> {
+        let span = end - state.time;
+        // Importers' steps carry round-off: a millionth more than a whole number of steps is that number.
+        let count = (span / ctx.fixed_step - 1e-6).ceil().max(1.0);
+        let h = span / count;
+        let mut done = 0.0;
+        while done < count {
+            self.start.update(ctx, state, h);
+            if self.rest(ctx, state, h, span - done * h, FIXED_ACCURACY) {
+                return Ok(());
+            }
+            self.fixed_step(ctx, state, h)?;
+            done += 1.0;
+        }
+        Ok(())
+    }
+
+    /// One solve with the friction cone and the bias of the start, one with those of the middle.
+    fn fixed_step(&mut self, ctx: &Context, state: &mut State, h: f64) -> Result<(), NotFinite> {
+        let tree = ctx.tree;
+        let problem = self.start.problem(tree, h, FIXED_ACCURACY);
+        let outcome = self.full.solve(&problem, &state.v);
+        count(state, outcome.iterations);
+        for (contact, response) in self.start.contacts.iter_mut().zip(&self.full.responses) {
+            contact.cap = contact.mu * contact.normal.dot(&response.impulse) / h;
+        }
+        for ((g, a), b) in self.guess.iter_mut().zip(&state.v).zip(&self.full.v) {
+            *g = 0.5 * (a + b);
+        }
+        forward(tree, &self.start.kin.S, &self.guess, &mut self.start.kin.V);
+        rnea::bias(tree, &mut self.start.kin, &self.guess, ctx.wrenches);
+        self.guess.copy_from_slice(&self.full.v);
+        let problem = self.start.problem(tree, h, FIXED_ACCURACY);
+        let outcome = self.full.solve(&problem, &self.guess);
+        count(state, outcome.iterations);
+        if !outcome.converged {
+            state.counters[1] += 1;
+        }
+        if !self.full.v.iter().all(|v| v.is_finite()) {
+            return Err(NotFinite);
+        }
+        self.q_full.copy_from_slice(&state.q);
+        advance(tree, &self.q_full, &self.full.v, h, &mut state.q);
+        store(ctx, &self.start, &self.full, h, state);
+        add_impulses(&self.start.contacts, &self.full, 1.0, &mut state.impulse);
+        state.counters[0] += 1;
+        Ok(())
+    }
+
+    fn advance_controlled(
+        &mut self,
+        ctx: &Context,
+        state: &mut State,
+        end: f64,
+    ) -> Result<(), NotFinite> {
+        let accuracy = (1e-3 * ctx.tolerance).clamp(1e-10, 1e-5);
+        let span = end - state.time;
+        let mut done = 0.0;
+        let mut first = true;
+        let mut explicit = false;
+        // Inputs may have jumped at the communication point: begin with the step that was good there last time.
+        let mut proposed = state.step[0].min(state.step[1]);
+        while done < span {
+            let remaining = span - done;
+            let mut h = proposed.min(MAX_EXPLICIT_STEP);
+            if h >= remaining {
+                h = remaining;
+            } else if 1.5 * h > remaining {
+                h = 0.5 * remaining;
+            }
+            if !explicit {
+                self.start.update(ctx, state, h.min(MAX_STEP));
+            }
+            if self.is_smooth(ctx, state, h) {
+                if !explicit {
+                    self.explicit.restart();
+                }
+                let error = self.explicit_step(ctx, state, h);
+                let factor = (0.9 * error.max(1e-10).powf(-0.2)).clamp(GROWTH.0, GROWTH.1);
+                if error <= 1.0 || (h <= MIN_STEP && error.is_finite()) {
+                    accept_explicit(&mut self.explicit, state);
+                    proposed = next_proposal(proposed, h, factor);
+                    done = if h >= remaining { span } else { done + h };
+                    self.accepted(state, first, h, proposed);
+                    first = false;
+                    explicit = true;
+                    // The last stage stands at the new state: it tells whether the next step may be explicit, too.
+                    std::mem::swap(&mut self.start.kin, &mut self.middle.kin);
+                    self.start
+                        .find_terms(ctx, state, proposed.min(MAX_EXPLICIT_STEP));
+                } else if error.is_finite() || h > MIN_STEP {
+                    state.counters[1] += 1;
+                    proposed = (h * factor).max(MIN_STEP);
+                    explicit = true;
+                } else {
+                    return Err(NotFinite);
+                }
+                continue;
+            }
+            if explicit {
+                explicit = false;
+                self.start.update(ctx, state, h.min(MAX_STEP));
+            }
+            if first {
+                proposed = self.cap_by_command(ctx, state, proposed, remaining);
+            }
+            h = h.min(proposed).min(MAX_STEP);
+            h = self.cap_by_touchdown(h);
+            if self.rest(ctx, state, h, remaining, accuracy) {
+                return Ok(());
+            }
+            loop {
+                let error = self.doubled_step(ctx, state, h, accuracy);
+                let factor = (0.9 / error.max(1e-12).sqrt()).clamp(GROWTH.0, GROWTH.1);
+                if error <= 1.0 || (h <= MIN_STEP && error.is_finite()) {
+                    if error > 1.0 {
+                        state.counters[3] += 1;
+                    }
+                    self.accept_doubled(ctx, state, h);
+                    proposed = next_proposal(proposed, h, factor);
+                    done = if h >= remaining { span } else { done + h };
+                    self.accepted(state, first, h, proposed);
+                    first = false;
+                    break;
+                }
+                if h <= MIN_STEP {
+                    return Err(NotFinite);
+                }
+                state.counters[1] += 1;
+                h = (h * factor).max(MIN_STEP);
+                proposed = h;
+            }
+        }
+        Ok(())
+    }
+
+    /// Books an accepted step and what the controller proposes next.
+    fn accepted(&self, state: &mut State, first: bool, h: f64, proposed: f64) {
+        state.counters[0] += 1;
+        state.step[0] = proposed;
+        if first {
+            state.step[1] = proposed.min(2.0 * state.step[1]).max(h.min(proposed));
+        }
+    }
+
+    /// Whether an explicit step of `h` seconds is safe: nothing stiff acts, and nothing comes near.
+    fn is_smooth(&self, ctx: &Context, state: &State, h: f64) -> bool {
+        let Context { tree, .. } = *ctx;
+        let kin = &self.start.kin;
+        self.start.contacts.is_empty()
+            && self.start.joints.terms.iter().all(|term| {
+                let v = state.v[term.dof];
+                !term.drive.is_stiff()
+                    && term.dry.cap <= 0.0
+                    && !term.near_limit(v, h)
+                    && h * term.damping * kin.inverse_diagonal[term.dof] < 1.0
+            })
+            && tree.colliders.iter().all(|collider| {
+                let (X, V) = (&kin.X[collider.body], &kin.V[collider.body]);
+                let center = X.p + X.R * collider.X.p;
+                let clearance = kin.origin.z + center.z - collider.radius;
+                let spin = V[0].abs() + V[1].abs() + V[2].abs();
+                let speed = velocity_at(V, &center).norm() + spin * collider.radius;
+                clearance > 2.0 * h * speed + 2.0 * h * h * tree.gravity.norm() + 2e-3
+            })
+    }
+
+    /// Explicit step into `self.explicit`; returns its error relative to the tolerance.
+    fn explicit_step(&mut self, ctx: &Context, state: &State, h: f64) -> f64 {
+        let terms = &self.start.joints.terms;
+        self.explicit.step(
+            ctx.tree,
+            &mut self.middle.kin,
+            terms,
+            ctx.wrenches,
+            &state.q,
+            &state.v,
+            h,
+        );
+        let [velocity, position] = &self.explicit.error;
+        let mut worst = 0.0;
+        for ((v, q), weight) in velocity.iter().zip(position).zip(&ctx.tree.weight) {
+            let error = weight * q.abs().max(VELOCITY_WEIGHT * v.abs());
+            worst = if error > worst || error.is_nan() {
+                error
+            } else {
+                worst
+            };
+        }
+        if worst.is_nan() {
+            f64::INFINITY
+        } else {
+            worst / ctx.tolerance
+        }
+    }
+
+    /// A step must not jump over what a changed command sets going: full and half steps would both arrive at the
+    /// target and agree.
+    fn cap_by_command(&self, ctx: &Context, state: &State, proposed: f64, remaining: f64) -> f64 {
+        let mut capped = proposed;
+        for term in &self.start.joints.terms {
+            let Some(index) = term.actuator else { continue };
+            let command = ctx.inputs.command(index);
+            #[expect(clippy::float_cmp, reason = "any change counts")]
+            let unchanged = command == state.commands[index];
+            if unchanged {
+                continue;
+            }
+            let (cap, error) = term.drive.velocity_error(state.v[term.dof]);
+            let time = ctx.tree.inertia[term.dof] * error / cap;
+            let moved = error * capped.min(remaining) * ctx.tree.weight[term.dof];
+            if moved > ctx.tolerance && time < capped {
+                capped = time.max(1e-6);
+            }
+        }
+        capped
+    }
+
+    /// Ends the step where the first point touches down.
+    fn cap_by_touchdown(&self, h: f64) -> f64 {
+        let mut capped = h;
+        for contact in &self.start.contacts {
+            if contact.gap > 0.0 {
+                let V = &self.start.kin.V[contact.body];
+                let approach = -contact.normal.dot(&velocity_at(V, &contact.x));
+                let time = contact.gap / approach;
+                if approach > 0.0 && time < capped && time > MIN_STEP {
+                    capped = time;
+                }
+            }
+        }
+        capped
+    }
+
+    /// If the robot stands still and all forces balance, it stays: nothing moves until `remaining` has passed. The
+    /// test does not depend on `h`, so it does not depend on the communication step either.
+    fn rest(
+        &mut self,
+        ctx: &Context,
+        state: &mut State,
+        h: f64,
+        remaining: f64,
+        accuracy: f64,
+    ) -> bool {
+        let speed = state.v.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
+        if speed >= REST_SPEED {
+            return false;
+        }
+        if speed > 0.0 {
+            self.guess.copy_from_slice(&state.v);
+            state.v.fill(0.0);
+            self.start.update_motion(ctx, state, h);
+        }
+        let balanced = self
+            .full
+            .is_balanced(&self.start.problem(ctx.tree, h, accuracy));
+        if balanced {
+            state.counters[0] += 1;
+            for contact in &self.start.contacts {
+                if contact.cap <= 0.0 {
+                    state.contact[contact.slot] = [0.0; 3];
+                }
+            }
+            add_impulses(
+                &self.start.contacts,
+                &self.full,
+                remaining / h,
+                &mut state.impulse,
+            );
+        } else if speed > 0.0 {
+            state.v.copy_from_slice(&self.guess);
+            self.start.update_motion(ctx, state, h);
+        }
+        balanced
+    }
+
+    /// Solves over `h` and twice over `h/2`; returns the error relative to the tolerance, infinite if a solve fails.
+    fn doubled_step(&mut self, ctx: &Context, state: &mut State, h: f64, accuracy: f64) -> f64 {
+        let tree = ctx.tree;
+        let full = self
+            .full
+            .solve(&self.start.problem(tree, h, accuracy), &state.v);
+        for ((g, a), b) in self.guess.iter_mut().zip(&state.v).zip(&self.full.v) {
+            *g = 0.5 * (a + b);
+        }
+        let first = self
+            .first
+            .solve(&self.start.problem(tree, 0.5 * h, accuracy), &self.guess);
+        count(state, full.iterations.max(first.iterations));
+        if !(full.converged && first.converged) {
+            return f64::INFINITY;
+        }
+        advance(tree, &state.q, &self.first.v, 0.5 * h, &mut self.half.q);
+        store(ctx, &self.start, &self.first, 0.5 * h, &mut self.half);
+        self.middle.update(ctx, &self.half, 0.5 * h);
+        let second = self
+            .second
+            .solve(&self.middle.problem(tree, 0.5 * h, accuracy), &self.full.v);
+        count(state, second.iterations);
+        if !second.converged {
+            return f64::INFINITY;
+        }
+        advance(tree, &state.q, &self.full.v, h, &mut self.q_full);
+        advance(
+            tree,
+            &self.half.q,
+            &self.second.v,
+            0.5 * h,
+            &mut self.q_halves,
+        );
+        difference(tree, &self.q_halves, &self.q_full, &mut self.difference);
+        let mut worst = 0.0;
+        let velocities = self.second.v.iter().zip(&self.full.v);
+        for ((d, (b, f)), weight) in self.difference.iter().zip(velocities).zip(&tree.weight) {
+            let error = weight * d.abs().max(VELOCITY_WEIGHT * (b - f).abs());
+            worst = if error > worst || error.is_nan() {
+                error
+            } else {
+                worst
+            };
+        }
+        if worst.is_nan() {
+            f64::INFINITY
+        } else {
+            worst / ctx.tolerance
+        }
+    }
+
+    /// Extrapolates the two results of [`Self::doubled_step`] into the state.
+    fn accept_doubled(&mut self, ctx: &Context, state: &mut State, h: f64) {
+        let tree = ctx.tree;
+        advance(tree, &self.q_halves, &self.difference, 1.0, &mut state.q);
+        // Displacements: of the full step by slot, then twice the second half step's minus those.
+        for contact in &self.start.contacts {
+            self.slots[contact.slot] = Vec3::zeros();
+        }
+        for contact in &self.middle.contacts {
+            self.slots[contact.slot] = Vec3::zeros();
+        }
+        for (contact, v) in self.start.contacts.iter().zip(&self.full.point_velocity) {
+            self.slots[contact.slot] = contact.next_displacement(v, h);
+        }
+        store(ctx, &self.middle, &self.second, 0.5 * h, state);
+        for contact in &self.middle.contacts {
+            let slot = contact.slot;
+            let limit = if contact.cap > 0.0 {
+                contact.cap / contact.tangential_stiffness
+            } else {
+                0.0
+            };
+            let extrapolated = Vec3::from(state.contact[slot]) * 2.0 - self.slots[slot];
+            state.contact[slot] = crate::contact::clip(extrapolated, limit).into();
+        }
+        let terms = self
+            .start
+            .joints
+            .terms
+            .iter()
+            .zip(&self.middle.joints.terms);
+        for (start, middle) in terms {
+            let dof = start.dof;
+            if let (Some(index), crate::actuator::Drive::Velocity { target, element }) =
+                (start.actuator, start.drive)
+            {
+                let full = element.next(self.full.v[dof] - target, h);
+                let limit = element.cap / element.stiffness;
+                state.motor[index] = (2.0 * state.motor[index] - full).clamp(-limit, limit);
+            }
+            if start.dry.cap > 0.0 {
+                let full = start.dry.next(self.full.v[dof], h);
+                let limit = middle.dry.cap / middle.dry.stiffness;
+                state.dry[dof] = (2.0 * state.dry[dof] - full).clamp(-limit, limit);
+            }
+        }
+        for ((v, second), full) in state.v.iter_mut().zip(&self.second.v).zip(&self.full.v) {
+            *v = 2.0 * second - full;
+        }
+        add_impulses(&self.start.contacts, &self.first, 2.0, &mut state.impulse);
+        add_impulses(&self.middle.contacts, &self.second, 2.0, &mut state.impulse);
+        add_impulses(&self.start.contacts, &self.full, -1.0, &mut state.impulse);
+    }
+}
+
+/// The next proposal: a step that was cut short and went well does not shrink it.
+fn next_proposal(proposed: f64, h: f64, factor: f64) -> f64 {
+    let next = h * factor;
+    if h < proposed && factor >= GROWTH.1 {
+        proposed.max(next)
+    } else {
+        next
+    }
+}
+
+/// Counts the iterations of a solve.
+fn count(state: &mut State, iterations: usize) {
+    state.counters[2] = state.counters[2].max(iterations as u64);
+}
+
+/// Velocity, displacements and touch-down speeds after a solve; positions are the caller's.
+fn store(ctx: &Context, point: &Point, newton: &Newton, h: f64, state: &mut State) {
+    state.v.copy_from_slice(&newton.v);
+    state.contact.fill([0.0; 3]);
+    state.touchdown.fill(0.0);
+    for (contact, v) in point.contacts.iter().zip(&newton.point_velocity) {
+        state.contact[contact.slot] = contact.next_displacement(v, h).into();
+        if contact.touchdown > 0.0 && contact.gap + h * contact.normal.dot(v) < 0.0 {
+            state.touchdown[contact.slot] = contact.touchdown;
+        }
+    }
+    debug_assert_eq!(state.motor.len(), ctx.model.actuators.len());
+    for term in &point.joints.terms {
+        if let Some(index) = term.actuator {
+            state.motor[index] = match term.drive {
+                crate::actuator::Drive::Velocity { target, element } => {
+                    element.next(newton.v[term.dof] - target, h)
+                }
+                _ => 0.0,
+            };
+        }
+        state.dry[term.dof] = term.dry.next(newton.v[term.dof], h);
+    }
+}
+
+/// Adds `share` times the contact impulses to their links.
+fn add_impulses(contacts: &[Contact], newton: &Newton, share: f64, impulse: &mut [[f64; 3]]) {
+    for (contact, response) in contacts.iter().zip(&newton.responses) {
+        let sum = &mut impulse[contact.link];
+        for (sum, x) in sum.iter_mut().zip(response.impulse.iter()) {
+            *sum += share * x;
+        }
+    }
+}
+
+/// Takes over an explicit step: nothing touches, so nothing is displaced.
+fn accept_explicit(explicit: &mut Explicit, state: &mut State) {
+    state.q.copy_from_slice(&explicit.q);
+    state.v.copy_from_slice(&explicit.v);
+    state.contact.fill([0.0; 3]);
+    state.touchdown.fill(0.0);
+    state.motor.fill(0.0);
+    state.dry.fill(0.0);
+    explicit.accept();
+}

@@ -1,0 +1,463 @@
+//! The convex step: the velocity at the end of a step minimises
+//!
+//! ```text
+//! ℓ(v) = ½ vᵀ M v − rᵀ v + Σ ℓ_c(v_c),    r = M v0 − h k(q0, v0)
+//! ```
+//!
+//! over contacts, limits, friction and actuators `c`, each convex in its velocity `v_c` with impulse `γ = −∂ℓ_c/∂v_c`
+//! and stiffness `G = ∂²ℓ_c/∂v_c²`. Newton with a safeguarded line search converges from any guess:
+//!
+//! - gradient `g = M v − r − Jᵀγ`: impulses are summed up tip to base like forces, no Jacobian is formed;
+//! - Hessian `H = M + Jᵀ G J`: a contact's stiffness is a 6×6 matrix on its body, composed and projected like a
+//!   composite rigid body, so `H` has the sparsity of `M`.
+//!
+//! Source: Castro et al. 2022 (SAP), Castro et al. 2023 (ICF); Featherstone 2008, chapter 6.
+
+#![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
+
+use crate::actuator::JointTerm;
+use crate::contact::{Contact, Response};
+use crate::dynamics::crba::add_row;
+use crate::kinematics::{Kinematics, forward};
+use crate::spatial::{Vec3, Vec6, add_force_at, add6, dot6, velocity_at};
+use crate::tree::{Move, Tree};
+
+/// Newton iterations after which a solve gives up; random contact problems need up to 26.
+const MAX_ITERATIONS: usize = 50;
+/// Share of the initial slope that a full step may leave uphill before the line search looks closer.
+const ACCEPTED_SLOPE: f64 = 0.1;
+/// Share of the initial slope at which the line search stops.
+const LINE_SEARCH_TOLERANCE: f64 = 1e-3;
+
+/// How a solve ended.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Outcome {
+    /// Newton iterations; 0 if the guess was good.
+    pub iterations: usize,
+    /// Whether the gradient is below the tolerance.
+    pub converged: bool,
+}
+
+/// The minimiser and its scratch.
+#[derive(Clone, Debug)]
+pub struct Newton {
+    /// Solution, `nv`.
+    pub v: Vec<f64>,
+    /// Response of each contact at the solution.
+    pub responses: Vec<Response>,
+    /// Velocity of each contact point at the solution, m/s.
+    pub point_velocity: Vec<Vec3>,
+    r: Vec<f64>,
+    momentum: Vec<f64>,
+    gradient: Vec<f64>,
+    direction: Vec<f64>,
+    direction_momentum: Vec<f64>,
+    H: Vec<f64>,
+    V: Vec<Vec6>,
+    point_direction: Vec<Vec3>,
+    joint_stiffness: Vec<f64>,
+    F: Vec<Vec6>,
+    G: Vec<[f64; 21]>,
+    /// Bodies with contacts in their subtree, tips first.
+    loaded: Vec<usize>,
+    is_loaded: Vec<bool>,
+}
+
+/// What a solve is about.
+#[derive(Clone, Copy, Debug)]
+pub struct Problem<'a> {
+    /// The robot.
+    pub tree: &'a Tree,
+    /// Mass matrix, momentum `M v0`, joint motions at the start of the step.
+    pub kin: &'a Kinematics,
+    /// `k`: at the start of the step, or at its middle.
+    pub bias: &'a [f64],
+    /// Contact points.
+    pub contacts: &'a [Contact],
+    /// Joint terms.
+    pub joints: &'a [JointTerm],
+    /// s
+    pub h: f64,
+    /// Relative accuracy of the impulses.
+    pub accuracy: f64,
+}
+
+impl Newton {
+    /// Buffers for a tree with at most `contacts` contact points.
+    pub fn new(tree: &Tree, contacts: usize) -> Self {
+        let (nb, nv) = (tree.bodies.len(), tree.sparsity.len());
+        Self {
+            v: vec![0.0; nv],
+            responses: Vec::with_capacity(contacts),
+            point_velocity: Vec::with_capacity(contacts),
+            r: vec![0.0; nv],
+            momentum: vec![0.0; nv],
+            gradient: vec![0.0; nv],
+            direction: vec![0.0; nv],
+            direction_momentum: vec![0.0; nv],
+            H: vec![0.0; tree.sparsity.entries()],
+            V: vec![[0.0; 6]; nb],
+            point_direction: Vec::with_capacity(contacts),
+            joint_stiffness: vec![0.0; nv],
+            F: vec![[0.0; 6]; nb],
+            G: vec![[0.0; 21]; nb],
+            loaded: Vec::with_capacity(nb),
+            is_loaded: vec![false; nb],
+        }
+    }
+
+    /// Minimises from the guess `v`.
+    pub fn solve(&mut self, p: &Problem, guess: &[f64]) -> Outcome {
+        let Problem { tree, kin, h, .. } = *p;
+        self.v.copy_from_slice(guess);
+        self.mark_loaded(tree, p.contacts);
+        let D2 = &kin.inverse_diagonal;
+        let (mut bias_scale, mut momentum_scale) = (0.0, 0.0);
+        for i in 0..self.v.len() {
+            self.r[i] = kin.momentum[i] - h * p.bias[i];
+            bias_scale += D2[i] * p.bias[i] * p.bias[i];
+            momentum_scale += D2[i] * kin.momentum[i] * kin.momentum[i];
+        }
+        // Impulses set the scale, and round-off of the momentum its floor: else free fall would stop
+        // accelerating in small steps.
+        let bias_scale = h * h * bias_scale;
+        let floor = (8.0 * f64::EPSILON) * (8.0 * f64::EPSILON) * momentum_scale;
+        tree.sparsity.multiply(&kin.M, &self.v, &mut self.momentum);
+        if !p.contacts.is_empty() {
+            forward(tree, &kin.S, &self.v, &mut self.V);
+        }
+        self.point_velocity.clear();
+        self.point_velocity.extend(
+            p.contacts
+                .iter()
+                .map(|c| velocity_at(&self.V[c.body], &c.x)),
+        );
+        let mut iterations = 0;
+        loop {
+            let impulse_scale = self.evaluate(p);
+            let mut norm = 0.0;
+            for (g, d) in self.gradient.iter().zip(D2) {
+                norm += d * g * g;
+            }
+            let scale = bias_scale.max(impulse_scale);
+            if norm <= (p.accuracy * p.accuracy * scale).max(floor) {
+                return Outcome {
+                    iterations,
+                    converged: true,
+                };
+            }
+            if iterations >= MAX_ITERATIONS || !norm.is_finite() {
+                return Outcome {
+                    iterations,
+                    converged: false,
+                };
+            }
+            iterations += 1;
+            self.assemble(p);
+            tree.sparsity.factor(&mut self.H);
+            for (x, g) in self.direction.iter_mut().zip(&self.gradient) {
+                *x = -g;
+            }
+            tree.sparsity.solve(&self.H, &mut self.direction);
+            let alpha = self.line_search(p);
+            for (v, w) in self.v.iter_mut().zip(&self.direction) {
+                *v += alpha * w;
+            }
+            for (m, w) in self.momentum.iter_mut().zip(&self.direction_momentum) {
+                *m += alpha * w;
+            }
+            for (v, w) in self.point_velocity.iter_mut().zip(&self.point_direction) {
+                *v += w * alpha;
+            }
+        }
+    }
+
+    /// Whether a robot that stands still stays: all impulses balance at `v = 0`, where `M v0` is zero, too.
+    pub fn is_balanced(&mut self, p: &Problem) -> bool {
+        self.v.fill(0.0);
+        self.momentum.fill(0.0);
+        self.mark_loaded(p.tree, p.contacts);
+        let mut scale = 0.0;
+        for ((r, k), d) in self.r.iter_mut().zip(p.bias).zip(&p.kin.inverse_diagonal) {
+            *r = -p.h * k;
+            scale += d * *r * *r;
+        }
+        self.point_velocity.clear();
+        self.point_velocity
+            .extend(p.contacts.iter().map(|_| Vec3::zeros()));
+        let impulse_scale = self.evaluate(p);
+        let norm: f64 = self
+            .gradient
+            .iter()
+            .zip(&p.kin.inverse_diagonal)
+            .map(|(g, d)| d * g * g)
+            .sum();
+        norm <= p.accuracy * p.accuracy * scale.max(impulse_scale)
+    }
+
+    /// Lists the bodies between the base and any contact, tips first.
+    fn mark_loaded(&mut self, tree: &Tree, contacts: &[Contact]) {
+        self.is_loaded.fill(false);
+        for contact in contacts {
+            self.is_loaded[contact.body] = true;
+        }
+        self.loaded.clear();
+        for b in (1..tree.bodies.len()).rev() {
+            if self.is_loaded[b] {
+                self.is_loaded[tree.bodies[b].parent] = true;
+                self.loaded.push(b);
+            }
+        }
+    }
+
+    /// Responses and gradient at the current velocity; returns the squared scale of the impulses.
+    fn evaluate(&mut self, p: &Problem) -> f64 {
+        let Problem { tree, kin, h, .. } = *p;
+        let D2 = &kin.inverse_diagonal;
+        for ((g, m), r) in self.gradient.iter_mut().zip(&self.momentum).zip(&self.r) {
+            *g = m - r;
+        }
+        let mut scale = 0.0;
+        for term in p.joints {
+            let (impulse, stiffness) = term.response(self.v[term.dof], h);
+            self.gradient[term.dof] -= impulse;
+            self.joint_stiffness[term.dof] = stiffness;
+            scale += D2[term.dof] * impulse * impulse;
+        }
+        self.responses.clear();
+        if p.contacts.is_empty() {
+            return scale;
+        }
+        for &b in &self.loaded {
+            self.F[b] = [0.0; 6];
+        }
+        self.F[0] = [0.0; 6];
+        for (contact, velocity) in p.contacts.iter().zip(&self.point_velocity) {
+            let response = contact.response(velocity, h);
+            add_force_at(&mut self.F[contact.body], &contact.x, &response.impulse);
+            self.responses.push(response);
+        }
+        let mut contact_scale = 0.0;
+        for &b in &self.loaded {
+            let body = &tree.bodies[b];
+            let F = self.F[b];
+            for c in body.column..body.column + body.columns {
+                let projected = dot6(&kin.S[c], &F);
+                let dof = tree.dof[c];
+                self.gradient[dof] -= projected;
+                contact_scale += D2[dof] * projected * projected;
+            }
+            add6(&mut self.F[body.parent], &F);
+        }
+        if tree.bodies[0].motion == Move::Free {
+            for (k, F) in self.F[0].iter().enumerate() {
+                self.gradient[k] -= F;
+                contact_scale += D2[k] * F * F;
+            }
+        }
+        scale.max(contact_scale)
+    }
+
+    /// `H = M + Jᵀ G J` from the responses.
+    fn assemble(&mut self, p: &Problem) {
+        let Problem { tree, kin, .. } = *p;
+        let pattern = &tree.sparsity;
+        self.H.copy_from_slice(&kin.M);
+        for term in p.joints {
+            self.H[pattern.diagonal(term.dof)] += self.joint_stiffness[term.dof];
+        }
+        if p.contacts.is_empty() {
+            return;
+        }
+        for &b in &self.loaded {
+            self.G[b] = [0.0; 21];
+        }
+        self.G[0] = [0.0; 21];
+        let mut any = false;
+        for (contact, response) in p.contacts.iter().zip(&self.responses) {
+            if response.normal > 0.0 || response.tangential > 0.0 {
+                any = true;
+                add_point_stiffness(&mut self.G[contact.body], contact, response);
+            }
+        }
+        if !any {
+            return;
+        }
+        for &b in &self.loaded {
+            let body = &tree.bodies[b];
+            let G = self.G[b];
+            for c in body.column..body.column + body.columns {
+                let F = multiply_lower(&G, &kin.S[c]);
+                if tree.pure {
+                    let (start, depth) = (pattern.start[c], pattern.depth[c]);
+                    let mut from = 0;
+                    if pattern.floating {
+                        for (m, f) in self.H[start..start + 6].iter_mut().zip(&F) {
+                            *m += f;
+                        }
+                        from = 6;
+                    }
+                    let places = &mut self.H[start + from..=start + depth];
+                    let columns = &pattern.column[start + from..=start + depth];
+                    for (m, &a) in places.iter_mut().zip(columns) {
+                        *m += dot6(&kin.S[a as usize], &F);
+                    }
+                } else {
+                    add_row(tree, &kin.S, b, c, &F, &mut self.H);
+                }
+            }
+            for (sum, g) in self.G[body.parent].iter_mut().zip(&G) {
+                *sum += g;
+            }
+        }
+        if tree.bodies[0].motion == Move::Free {
+            for (m, g) in self.H[..21].iter_mut().zip(&self.G[0]) {
+                *m += g;
+            }
+        }
+    }
+
+    /// Length along `direction` at which the slope of the cost is (nearly) zero, at most 1.
+    fn line_search(&mut self, p: &Problem) -> f64 {
+        let Problem { tree, kin, h, .. } = *p;
+        tree.sparsity
+            .multiply(&kin.M, &self.direction, &mut self.direction_momentum);
+        self.point_direction.clear();
+        if !p.contacts.is_empty() {
+            forward(tree, &kin.S, &self.direction, &mut self.V);
+            let velocities = p
+                .contacts
+                .iter()
+                .map(|c| velocity_at(&self.V[c.body], &c.x));
+            self.point_direction.extend(velocities);
+        }
+        let (mut linear, mut quadratic, mut initial) = (0.0, 0.0, 0.0);
+        for i in 0..self.v.len() {
+            let w = self.direction[i];
+            linear += (self.momentum[i] - self.r[i]) * w;
+            quadratic += self.direction_momentum[i] * w;
+            initial += self.gradient[i] * w;
+        }
+        let initial = initial.abs();
+        // Slope of the cost and its derivative at `alpha`.
+        let slope = |alpha: f64| {
+            let (mut slope, mut curvature) = (linear + alpha * quadratic, quadratic);
+            let points = self.point_velocity.iter().zip(&self.point_direction);
+            for (contact, (v, w)) in p.contacts.iter().zip(points) {
+                let r = contact.response(&(v + w * alpha), h);
+                let wn = contact.normal.dot(w);
+                let ws = r.slip.dot(w);
+                slope -= r.impulse.dot(w);
+                curvature +=
+                    r.tangential * (w.norm_squared() - wn * wn - ws * ws) + r.normal * wn * wn;
+            }
+            for term in p.joints {
+                let w = self.direction[term.dof];
+                let (impulse, stiffness) = term.response(self.v[term.dof] + alpha * w, h);
+                slope -= impulse * w;
+                curvature += stiffness * w * w;
+            }
+            (slope, curvature)
+        };
+        let (mut value, mut curvature) = slope(1.0);
+        if value <= ACCEPTED_SLOPE * initial {
+            return 1.0;
+        }
+        // Newton inside a shrinking bracket; every third time, and where Newton leaves it, bisection: at a friction
+        // element's kink the zone of the root can be a millionth of the bracket.
+        let (mut low, mut high, mut alpha) = (0.0, 1.0, 1.0);
+        for trial in 0..60 {
+            let inner = 1e-3 * (high - low);
+            let newton: f64 = alpha - value / curvature;
+            alpha = if newton > low + inner && newton < high - inner && trial % 3 != 2 {
+                newton
+            } else {
+                0.5 * (low + high)
+            };
+            (value, curvature) = slope(alpha);
+            if value.abs() <= LINE_SEARCH_TOLERANCE * initial {
+                break;
+            }
+            if value < 0.0 {
+                low = alpha
+            } else {
+                high = alpha
+            }
+        }
+        alpha
+    }
+}
+
+/// `G_B += Φᵀ G Φ` with `Φ = [−[x]× 1]` and `G = t 1 + (n − t) n̂n̂ᵀ − t ŝŝᵀ`, lower triangle.
+#[inline]
+fn add_point_stiffness(G_B: &mut [f64; 21], contact: &Contact, r: &Response) {
+    let t = r.tangential;
+    let (n, s) = (&contact.normal, &r.slip);
+    let N = r.normal - t;
+    let mut g = [0.0; 6];
+    g[0] = t + N * n.x * n.x - t * s.x * s.x;
+    g[1] = N * n.y * n.x - t * s.y * s.x;
+    g[2] = t + N * n.y * n.y - t * s.y * s.y;
+    g[3] = N * n.z * n.x - t * s.z * s.x;
+    g[4] = N * n.z * n.y - t * s.z * s.y;
+    g[5] = t + N * n.z * n.z - t * s.z * s.z;
+    let (x, y, z) = (contact.x.x, contact.x.y, contact.x.z);
+    // P = [x]× G
+    let P = [
+        [
+            y * g[3] - z * g[1],
+            y * g[4] - z * g[2],
+            y * g[5] - z * g[4],
+        ],
+        [
+            z * g[0] - x * g[3],
+            z * g[1] - x * g[4],
+            z * g[3] - x * g[5],
+        ],
+        [
+            x * g[1] - y * g[0],
+            x * g[2] - y * g[1],
+            x * g[4] - y * g[3],
+        ],
+    ];
+    // angular–angular: P [x]×ᵀ
+    G_B[0] += P[0][2] * y - P[0][1] * z;
+    G_B[1] += P[1][2] * y - P[1][1] * z;
+    G_B[2] += P[1][0] * z - P[1][2] * x;
+    G_B[3] += P[2][2] * y - P[2][1] * z;
+    G_B[4] += P[2][0] * z - P[2][2] * x;
+    G_B[5] += P[2][1] * x - P[2][0] * y;
+    // linear rows: Pᵀ, then G
+    G_B[6] += P[0][0];
+    G_B[7] += P[1][0];
+    G_B[8] += P[2][0];
+    G_B[9] += g[0];
+    G_B[10] += P[0][1];
+    G_B[11] += P[1][1];
+    G_B[12] += P[2][1];
+    G_B[13] += g[1];
+    G_B[14] += g[2];
+    G_B[15] += P[0][2];
+    G_B[16] += P[1][2];
+    G_B[17] += P[2][2];
+    G_B[18] += g[3];
+    G_B[19] += g[4];
+    G_B[20] += g[5];
+}
+
+/// `A s` of a symmetric 6×6 matrix given by its lower triangle.
+#[inline]
+fn multiply_lower(A: &[f64; 21], s: &Vec6) -> Vec6 {
+    let mut y = [0.0; 6];
+    let mut place = 0;
+    for i in 0..6 {
+        for j in 0..i {
+            y[i] += A[place] * s[j];
+            y[j] += A[place] * s[i];
+            place += 1;
+        }
+        y[i] += A[place] * s[i];
+        place += 1;
+    }
+    y
+}

@@ -1,0 +1,5 @@
+//! One communication step: the convex step, smooth explicit steps, and the control of their size.
+
+pub mod control;
+pub mod convex;
+pub mod smooth;

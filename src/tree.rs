@@ -1,0 +1,448 @@
+//! What follows from a model and its parameters: the tree that the solver walks, its inertias, stiffness and scales.
+//!
+//! Body frames are turned so that every turning or sliding joint acts along its own z axis; nothing outside the
+//! solver sees these frames. One entry per body degree of freedom ("column"): a mimic joint's column is scaled by its
+//! ratio and belongs to the degree of freedom that it follows.
+
+#![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
+
+use crate::model::{Limits, Model, Motion};
+use crate::parameters::Parameters;
+use crate::simulation::ParameterSlot as P;
+use crate::sparsity::Sparsity;
+use crate::spatial::{Mat3, Pose, RigidInertia, Vec3, rotation_from_rpy, rotation_to_axis};
+
+/// How a body moves in its parent, along or about the z axis of its own solver frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Move {
+    /// Not at all.
+    Welded,
+    /// Six ways.
+    Free,
+    /// About z.
+    Turn,
+    /// Along z.
+    Slide,
+    /// About any axis.
+    Ball,
+}
+
+/// A body as the solver sees it.
+#[derive(Clone, Debug)]
+pub struct TreeBody {
+    /// Index of the parent; the base points to itself.
+    pub parent: usize,
+    /// Kind of motion.
+    pub motion: Move,
+    /// Pose at joint zero in the parent's solver frame.
+    pub X: Pose,
+    /// First column.
+    pub column: usize,
+    /// Number of columns.
+    pub columns: usize,
+    /// Place in `q`.
+    pub coordinate: usize,
+    /// Ratio of a mimic joint, else 1.
+    pub ratio: f64,
+    /// Offset of a mimic joint, else 0.
+    pub offset: f64,
+    /// kg
+    pub mass: f64,
+    /// Centre of mass in the solver frame, m.
+    pub com: Vec3,
+    /// Inertia about the centre of mass in the solver frame: xx, yy, zz, xy, xz, yz, kg·m².
+    pub I_cm: [f64; 6],
+}
+
+/// A collision shape as the solver sees it.
+#[derive(Clone, Debug)]
+pub struct TreeCollider {
+    /// Index of the body.
+    pub body: usize,
+    /// Index of the link.
+    pub link: usize,
+    /// Pose in the body's solver frame.
+    pub X: Pose,
+    /// Radius of a ball about `X.p` that holds the shape, m.
+    pub radius: f64,
+    /// Combined Coulomb coefficient with the ground.
+    pub mu: f64,
+    /// Combined coefficient of restitution with the ground.
+    pub restitution: f64,
+    /// Hunt–Crossley dissipation times approach speed for that restitution.
+    pub dissipation_number: f64,
+}
+
+/// Everything that follows from a model and its parameters and is constant in a step.
+#[derive(Clone, Debug)]
+pub struct Tree {
+    /// Parents before children.
+    pub bodies: Vec<TreeBody>,
+    /// Degree of freedom of each column.
+    pub dof: Vec<usize>,
+    /// Pattern of the joint-space matrix.
+    pub sparsity: Sparsity,
+    /// Whether every column is its own degree of freedom.
+    pub pure: bool,
+    /// Pose of each link in its body's solver frame.
+    pub link_pose: Vec<Pose>,
+    /// Pose of a fixed base in the world.
+    pub base: Pose,
+    /// Shapes on moving bodies, and the ground's plane z = 0 to touch; empty without a ground.
+    pub colliders: Vec<TreeCollider>,
+    /// Index of each entry of `colliders` in the model's list.
+    pub collider_index: Vec<usize>,
+    /// m/s²
+    pub gravity: Vec3,
+    /// Mass of all moving bodies, kg.
+    pub moving_mass: f64,
+    /// Contact stiffness of a point, N/m.
+    pub stiffness: f64,
+    /// Contact dissipation without restitution, s/m.
+    pub dissipation: f64,
+    /// Static penetration that the stiffness stands for, m.
+    pub penetration: f64,
+    /// Rotor inertia per degree of freedom.
+    pub armature: Vec<f64>,
+    /// Viscous damping per degree of freedom.
+    pub damping: Vec<f64>,
+    /// Dry friction per degree of freedom.
+    pub friction: Vec<f64>,
+    /// Position limits per degree of freedom.
+    pub limits: Vec<Option<Limits>>,
+    /// Diagonal of the mass matrix at the initial position, per degree of freedom.
+    pub inertia: Vec<f64>,
+    /// Stiffness of the position limits per degree of freedom, N·m/rad or N/m.
+    pub limit_stiffness: Vec<f64>,
+    /// Weight of an error in each degree of freedom, 1 at one metre or at one radian of a metre's reach.
+    pub weight: Vec<f64>,
+    /// Largest extent of the robot from its base, m.
+    pub reach: f64,
+}
+
+/// Standard gravity, m/s²: gives the weight that contact stiffness is made from, whatever the tunable gravity is.
+pub const REFERENCE_GRAVITY: f64 = 9.81;
+
+/// Position error of a limit, or of a servo under its reference effort, rad or m.
+pub const LIMIT_DEFLECTION: f64 = 1e-4;
+
+impl Tree {
+    /// Derives the tree; masses, mounting and initial pose come from `parameters`.
+    pub fn new(model: &Model, parameters: &Parameters) -> Self {
+        let axes = |slot: fn(u8) -> P| {
+            Vec3::new(
+                parameters.get(slot(0)),
+                parameters.get(slot(1)),
+                parameters.get(slot(2)),
+            )
+        };
+        let mut tree = Self {
+            bodies: Vec::with_capacity(model.bodies.len()),
+            dof: Vec::new(),
+            sparsity: Sparsity::default(),
+            pure: true,
+            link_pose: Vec::new(),
+            base: Pose {
+                R: rotation_from_rpy(&axes(P::InitialBaseRpy)),
+                p: axes(P::InitialBasePosition),
+            },
+            colliders: Vec::new(),
+            collider_index: Vec::new(),
+            gravity: Vec3::zeros(),
+            moving_mass: 0.0,
+            stiffness: 0.0,
+            dissipation: model.contact.dissipation,
+            penetration: model.contact.penetration,
+            armature: vec![0.0; model.nv()],
+            damping: vec![0.0; model.nv()],
+            friction: vec![0.0; model.nv()],
+            limits: model.dofs.iter().map(|d| d.limits).collect(),
+            inertia: vec![0.0; model.nv()],
+            limit_stiffness: vec![0.0; model.nv()],
+            weight: vec![1.0; model.nv()],
+            reach: 0.0,
+        };
+        let turned = tree.add_bodies(model);
+        tree.add_inertia(model, parameters, &turned);
+        tree.add_colliders(model, &turned);
+        tree.sparsity = tree.pattern(model.nv());
+        for joint in &model.joints {
+            for body in &joint.bodies {
+                let body = &tree.bodies[body.index()];
+                for c in body.column..body.column + body.columns {
+                    tree.armature[tree.dof[c]] += joint.armature * body.ratio * body.ratio;
+                }
+            }
+        }
+        tree.tune(model, parameters);
+        tree
+    }
+
+    /// Bodies with their poses; returns the rotation of each solver frame in the model's body frame.
+    fn add_bodies(&mut self, model: &Model) -> Vec<Mat3> {
+        let mut turned = Vec::with_capacity(model.bodies.len());
+        for body in &model.bodies {
+            let (motion, R_BS) = match body.motion {
+                Motion::Welded => (Move::Welded, Mat3::identity()),
+                Motion::Free => (Move::Free, Mat3::identity()),
+                Motion::Revolute(axis) => (Move::Turn, rotation_to_axis(&axis)),
+                Motion::Prismatic(axis) => (Move::Slide, rotation_to_axis(&axis)),
+                Motion::Spherical => (Move::Ball, Mat3::identity()),
+            };
+            let parent = body.parent.map_or(0, super::model::BodyId::index);
+            let R_PS: Mat3 = body.parent.map_or(Mat3::identity(), |p| turned[p.index()]);
+            let column = self.dof.len();
+            let columns = body.motion.nv();
+            self.dof.extend((0..columns).map(|i| body.dof.index() + i));
+            self.pure &= self.dof[column..]
+                .iter()
+                .enumerate()
+                .all(|(i, &d)| d == column + i);
+            self.bodies.push(TreeBody {
+                parent,
+                motion,
+                X: Pose {
+                    R: R_PS.transpose() * body.X_PB.R * R_BS,
+                    p: R_PS.transpose() * body.X_PB.p,
+                },
+                column,
+                columns,
+                coordinate: body.coordinate,
+                ratio: body.ratio,
+                offset: body.offset,
+                mass: 0.0,
+                com: Vec3::zeros(),
+                I_cm: [0.0; 6],
+            });
+            turned.push(R_BS);
+        }
+        turned
+    }
+
+    fn add_inertia(&mut self, model: &Model, parameters: &Parameters, turned: &[Mat3]) {
+        let mut total = vec![RigidInertia::ZERO; self.bodies.len()];
+        for (id, link) in (0..).map(crate::model::LinkId).zip(&model.links) {
+            let b = link.body.index();
+            let R_SB = turned[b].transpose();
+            let X_SL = Pose {
+                R: R_SB * link.X_BL.R,
+                p: R_SB * link.X_BL.p,
+            };
+            self.link_pose.push(X_SL);
+            let mut inertia = link.inertia;
+            if inertia.mass > 0.0 {
+                let mass = parameters.get(P::LinkMass(id));
+                inertia.I_cm *= mass / inertia.mass;
+                inertia.mass = mass;
+            }
+            total[b] = total[b].joined(&inertia.transformed(&X_SL));
+        }
+        for (body, inertia) in self.bodies.iter_mut().zip(&total) {
+            let I = &inertia.I_cm;
+            body.mass = inertia.mass;
+            body.com = inertia.com;
+            body.I_cm = [
+                I[(0, 0)],
+                I[(1, 1)],
+                I[(2, 2)],
+                I[(0, 1)],
+                I[(0, 2)],
+                I[(1, 2)],
+            ];
+            if body.motion != Move::Welded {
+                self.moving_mass += body.mass;
+            }
+        }
+    }
+
+    fn add_colliders(&mut self, model: &Model, turned: &[Mat3]) {
+        if model.world.ground.is_none() {
+            return;
+        }
+        for (index, collider) in model.colliders.iter().enumerate() {
+            let b = collider.body.index();
+            if self.bodies[b].motion == Move::Welded {
+                continue;
+            }
+            let R_SB = turned[b].transpose();
+            self.colliders.push(TreeCollider {
+                body: b,
+                link: collider.link.index(),
+                X: Pose {
+                    R: R_SB * collider.X_BG.R,
+                    p: R_SB * collider.X_BG.p,
+                },
+                radius: collider.shape.bounding_radius(),
+                mu: 0.0,
+                restitution: 0.0,
+                dissipation_number: f64::INFINITY,
+            });
+            self.collider_index.push(index);
+        }
+    }
+
+    /// All degrees of freedom on the way from the base to a body are coupled with each other.
+    fn pattern(&self, nv: usize) -> Sparsity {
+        let mut paths: Vec<Vec<usize>> = Vec::with_capacity(self.bodies.len());
+        for (b, body) in self.bodies.iter().enumerate() {
+            let mut path = if b == 0 {
+                Vec::new()
+            } else {
+                paths[body.parent].clone()
+            };
+            path.extend(&self.dof[body.column..body.column + body.columns]);
+            path.sort_unstable();
+            path.dedup();
+            paths.push(path);
+        }
+        Sparsity::new(nv, &paths)
+    }
+
+    /// Takes over the tunable parameters: what may change between two steps.
+    pub fn tune(&mut self, model: &Model, parameters: &Parameters) {
+        self.gravity = Vec3::new(
+            parameters.get(P::Gravity(0)),
+            parameters.get(P::Gravity(1)),
+            parameters.get(P::Gravity(2)),
+        );
+        self.damping.fill(0.0);
+        self.friction.fill(0.0);
+        for (id, joint) in (0..).map(crate::model::JointId).zip(&model.joints) {
+            let (damping, friction) = (
+                parameters.get(P::JointDamping(id)),
+                parameters.get(P::JointFriction(id)),
+            );
+            for body in &joint.bodies {
+                let body = &self.bodies[body.index()];
+                if body.motion == Move::Free {
+                    continue;
+                }
+                for c in body.column..body.column + body.columns {
+                    let dof = self.dof[c];
+                    self.damping[dof] += damping * body.ratio * body.ratio;
+                    self.friction[dof] += friction * body.ratio.abs();
+                }
+            }
+        }
+        let ground_mu = parameters.get(P::GroundFriction);
+        let ground_e = parameters.get(P::GroundRestitution);
+        for collider in &mut self.colliders {
+            let link = &model.links[collider.link];
+            let mu = parameters.get(P::LinkFriction(collider.link.into()));
+            collider.mu = harmonic_mean(mu, ground_mu);
+            let e = link.restitution.max(ground_e);
+            #[expect(
+                clippy::float_cmp,
+                reason = "skips the root search where nothing changed"
+            )]
+            if collider.restitution != e {
+                collider.restitution = e;
+                collider.dissipation_number = crate::contact::dissipation_number(e);
+            }
+        }
+    }
+
+    /// Sets what depends on the initial position: stiffness of contacts and limits, error weights.
+    ///
+    /// - `inertia`: diagonal of the mass matrix, per degree of freedom
+    /// - `poses`: pose of each body's solver frame, relative to the base
+    pub fn scale(&mut self, model: &Model, inertia: &[f64], poses: &[Pose]) {
+        let weight = self.moving_mass * REFERENCE_GRAVITY;
+        self.stiffness = model
+            .contact
+            .stiffness
+            .unwrap_or(weight / (4.0 * model.contact.penetration));
+        self.penetration = model
+            .contact
+            .stiffness
+            .map_or(model.contact.penetration, |k| weight / (4.0 * k));
+        self.inertia.copy_from_slice(inertia);
+        // Reach: farthest shape or centre of mass, from the base and from each joint's axis, over its subtree.
+        let mut points: Vec<(usize, Vec3, f64)> = model
+            .colliders
+            .iter()
+            .map(|c| {
+                let b = c.body.index();
+                // The shape's place in the model's body frame and in the solver frame are equally far from the axis.
+                let X = &poses[b];
+                (
+                    b,
+                    X.p + X.R * (self.turn_back(model, b) * c.X_BG.p),
+                    c.shape.bounding_radius(),
+                )
+            })
+            .collect();
+        for (b, body) in self.bodies.iter().enumerate() {
+            if body.mass > 0.0 {
+                points.push((b, poses[b].point(&body.com), 0.0));
+            }
+        }
+        self.reach = points
+            .iter()
+            .map(|(_, p, r)| p.norm() + r)
+            .fold(0.0, f64::max)
+            .max(0.01);
+        let mut subtree_mass: Vec<f64> = self.bodies.iter().map(|b| b.mass).collect();
+        for b in (1..self.bodies.len()).rev() {
+            let m = subtree_mass[b];
+            subtree_mass[self.bodies[b].parent] += m;
+        }
+        for (b, body) in self.bodies.iter().enumerate() {
+            let within = |mut other: usize| {
+                while other > b {
+                    other = self.bodies[other].parent;
+                }
+                other == b
+            };
+            let lever = |axis: Option<Vec3>| {
+                points
+                    .iter()
+                    .filter(|(other, ..)| within(*other))
+                    .map(|(_, p, r)| {
+                        let d = p - poses[b].p;
+                        axis.map_or(d.norm(), |a| a.cross(&d).norm()) + r
+                    })
+                    .fold(0.0, f64::max)
+            };
+            for c in body.column..body.column + body.columns {
+                let dof = self.dof[c];
+                let gyration = (inertia[dof] / subtree_mass[b].max(1e-12)).sqrt();
+                self.weight[dof] = match body.motion {
+                    Move::Free if c >= 3 => 1.0,
+                    Move::Slide | Move::Welded => 1.0,
+                    Move::Free => self.reach.min(1.0),
+                    Move::Turn => {
+                        let axis = poses[b].R.column(2).into_owned();
+                        lever(Some(axis)).max(gyration).min(1.0)
+                    }
+                    Move::Ball => lever(None).max(gyration).min(1.0),
+                };
+            }
+        }
+        for (k, dof) in self.limit_stiffness.iter_mut().zip(0..) {
+            let joint = model.bodies[model.dofs[dof].body.index()].joint;
+            let effort = joint
+                .and_then(|j| model.joints[j.index()].effort)
+                .unwrap_or(0.0);
+            let effort = if effort.is_finite() { effort } else { 0.0 };
+            *k = effort.max(inertia[dof] * 100.0) / LIMIT_DEFLECTION;
+        }
+    }
+
+    /// Rotation from the model's body frame to the solver's.
+    fn turn_back(&self, model: &Model, body: usize) -> Mat3 {
+        match model.bodies[body].motion {
+            Motion::Revolute(axis) | Motion::Prismatic(axis) => rotation_to_axis(&axis).transpose(),
+            _ => Mat3::identity(),
+        }
+    }
+}
+
+/// `2ab/(a+b)`, 0 where both are 0.
+pub fn harmonic_mean(a: f64, b: f64) -> f64 {
+    if a + b > 0.0 {
+        2.0 * a * b / (a + b)
+    } else {
+        0.0
+    }
+}
