@@ -74,8 +74,10 @@ pub enum Drive {
         /// Relative to the target.
         element: ElastoPlastic,
     },
-    /// Position servo: `F = clamp(gain (v_des(target − q) − v), ±cap)`.
+    /// Position servo: `F = clamp(load + gain (v_des(target − q) − v), ±cap)`.
     Position {
+        /// What gravity and motion ask of the joint, N·m or N: carried without an error.
+        load: f64,
         /// `target − q` at the start of the step.
         error: f64,
         /// N·m·s/rad or N·s/m
@@ -117,6 +119,7 @@ impl Drive {
                 (-force, -slope)
             }
             Self::Position {
+                load,
                 error,
                 gain,
                 slope,
@@ -125,7 +128,7 @@ impl Drive {
                 cap,
             } => {
                 let (desired, rate) = desired_speed(error - h * v, slope, braking, speed);
-                let force = gain * (desired - v);
+                let force = load + gain * (desired - v);
                 if force.abs() <= cap {
                     (force, -gain * (h * rate + 1.0))
                 } else {
@@ -283,7 +286,7 @@ pub struct Joints {
 
 impl Joints {
     /// The list of degrees of freedom with terms.
-    pub fn new(model: &Model, tree: &Tree) -> Self {
+    pub fn new(model: &Model) -> Self {
         let mut terms = Vec::new();
         for dof in 0..model.nv() {
             let actuator = model.actuators.iter().position(|a| a.dof.index() == dof);
@@ -293,8 +296,6 @@ impl Joints {
                     dof,
                     actuator,
                     gap: [f64::INFINITY; 2],
-                    limit_stiffness: tree.limit_stiffness[dof],
-                    limit_dissipation: tree.dissipation,
                     ..JointTerm::default()
                 });
             }
@@ -324,6 +325,8 @@ impl Joints {
         for term in &mut self.terms {
             let dof = term.dof;
             term.damping = tree.damping[dof];
+            term.limit_stiffness = tree.limit_stiffness[dof];
+            term.limit_dissipation = tree.dissipation;
             let friction = tree.friction[dof];
             term.dry = if friction > 0.0 {
                 let stiffness = friction / FRICTION_DEFLECTION;
@@ -375,6 +378,7 @@ impl Joints {
                     let free = (cap.min(reference) - bias[dof].abs()).max(0.1 * cap.min(reference));
                     let joint = &model.joints[actuator.joint.index()];
                     Drive::Position {
+                        load: bias[dof],
                         error: position - q,
                         gain,
                         slope: kp / gain,
@@ -427,6 +431,7 @@ mod tests {
                 element,
             },
             Drive::Position {
+                load: 0.4,
                 error: 0.3,
                 gain: 20.0,
                 slope: 30.0,

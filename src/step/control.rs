@@ -74,7 +74,7 @@ impl Point {
         Self {
             kin: Kinematics::new(tree),
             contacts: Vec::with_capacity(model.contact_slots()),
-            joints: Joints::new(model, tree),
+            joints: Joints::new(model),
         }
     }
 

@@ -3,3 +3,6 @@
 pub mod control;
 pub mod convex;
 pub mod smooth;
+
+#[cfg(test)]
+mod tests;
