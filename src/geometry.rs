@@ -1,9 +1,15 @@
-//! Collision shapes: what they are, how large they are.
+//! Collision shapes: what they are, how large and how heavy they are, and the convex hull of a mesh.
 //!
 //! Contact points of a shape against the ground are found in [`crate::contact`].
 
-use crate::spatial::{Pose, Vec3};
+#![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
+
+mod hull;
+
+use crate::spatial::{Mat3, Pose, RigidInertia, Vec3, point_inertia};
+use hull::{Hull, Simplices};
 use serde::{Deserialize, Serialize};
+use std::f64::consts::PI;
 
 /// A convex solid about its own origin; cylinders and capsules stand along z.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -92,6 +98,537 @@ impl Shape {
             Self::Cylinder { .. } => 3 + 2 * 4,
             Self::Box { .. } => 8,
             Self::Hull { vertices } => vertices.len(),
+        }
+    }
+
+    /// Mass properties of a uniform solid of this shape, about its centre of mass, in the shape's frame.
+    ///
+    /// Exact for every shape; a hull without volume counts as a plate or a rod of even thickness.
+    ///
+    /// - `mass`: kg
+    pub fn solid_inertia(&self, mass: f64) -> RigidInertia {
+        let about_origin = |x: f64, y: f64, z: f64| RigidInertia {
+            mass,
+            com: Vec3::zeros(),
+            I_cm: Mat3::from_diagonal(&(Vec3::new(x, y, z) * mass)),
+        };
+        match self {
+            Self::Sphere { radius } => {
+                let i = 0.4 * radius * radius;
+                about_origin(i, i, i)
+            }
+            Self::Cylinder {
+                radius,
+                half_length,
+            } => {
+                let (r2, h2) = (radius * radius, half_length * half_length);
+                let across = r2 / 4.0 + h2 / 3.0;
+                about_origin(across, across, r2 / 2.0)
+            }
+            Self::Capsule {
+                radius: r,
+                half_length: h,
+            } => {
+                // Shares of the cylinder and of the two half spheres. A half sphere's centre of mass is 3r/8
+                // above its base, and 2/5 r² = 83/320 r² + (3r/8)².
+                let (cylinder, ends) = (2.0 * PI * r * r * h, 4.0 / 3.0 * PI * r * r * r);
+                let (c, e) = (cylinder / (cylinder + ends), ends / (cylinder + ends));
+                let across =
+                    c * (r * r / 4.0 + h * h / 3.0) + e * (0.4 * r * r + h * h + 0.75 * h * r);
+                about_origin(across, across, c * r * r / 2.0 + e * 0.4 * r * r)
+            }
+            Self::Box { half } => {
+                let s = half.component_mul(half) / 3.0;
+                about_origin(s.y + s.z, s.z + s.x, s.x + s.y)
+            }
+            Self::Hull { vertices } => hull_inertia(vertices, mass),
+        }
+    }
+
+    /// Volume, m³; 0 for a hull without volume.
+    pub fn volume(&self) -> f64 {
+        match self {
+            Self::Sphere { radius } => 4.0 / 3.0 * PI * radius * radius * radius,
+            Self::Capsule {
+                radius,
+                half_length,
+            } => PI * radius * radius * (2.0 * half_length + 4.0 / 3.0 * radius),
+            Self::Cylinder {
+                radius,
+                half_length,
+            } => 2.0 * PI * radius * radius * half_length,
+            Self::Box { half } => 8.0 * half.x * half.y * half.z,
+            Self::Hull { vertices } => match hull::hull(vertices, usize::MAX) {
+                Some(hull) if matches!(hull.simplices, Simplices::Faces(_)) => {
+                    simplices(&hull).iter().map(|(size, _)| size).sum()
+                }
+                _ => 0.0,
+            },
+        }
+    }
+}
+
+/// Corners that are kept of a hull: each is a possible contact point.
+pub const MOST_CORNERS: usize = 64;
+
+/// Farthest that a mesh may reach, m: beyond, its unit is wrong.
+const FARTHEST: f64 = 1e6;
+
+/// Why points have no hull.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum GeometryError {
+    /// Nothing to enclose.
+    #[error("there are no points")]
+    NoPoints,
+    /// NaN or infinite.
+    #[error("point {index} is not finite")]
+    NotFinite {
+        /// Position in the list.
+        index: usize,
+    },
+    /// Not a robot part.
+    #[error("point {index} lies {distance:.3e} m from the origin, more than 1e6; check the unit")]
+    TooFar {
+        /// Position in the list.
+        index: usize,
+        /// m
+        distance: f64,
+    },
+    /// No extent.
+    #[error("all points are in one place")]
+    OnePlace,
+}
+
+/// A hull with few corners.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BoundedHull {
+    /// Extreme points of the input, m.
+    pub vertices: Vec<Vec3>,
+    /// Largest distance by which an input point lies outside, m: no support of the hull is off by more.
+    /// Up to 1e-7 of its size is not counted.
+    pub error: f64,
+    /// Whether it has no volume.
+    pub flat: bool,
+}
+
+/// Extreme points of `points`, in the order of the input; what is closer than 1e-7 of the size to the hull
+/// of others is left out. A plate or a rod without thickness is legal.
+///
+/// # Errors
+/// [`GeometryError`] for no points, points that are not finite or beyond 1e6 m, or all in one place.
+pub fn convex_hull(points: &[Vec3]) -> Result<Vec<Vec3>, GeometryError> {
+    Ok(bounded_hull(points, usize::MAX)?.vertices)
+}
+
+/// The hull of at most `most` extreme points (at least 4), chosen greedily: always the one furthest outside.
+///
+/// # Errors
+/// As [`convex_hull`].
+pub fn bounded_hull(points: &[Vec3], most: usize) -> Result<BoundedHull, GeometryError> {
+    for (index, p) in points.iter().enumerate() {
+        if !p.iter().all(|x| x.is_finite()) {
+            return Err(GeometryError::NotFinite { index });
+        }
+        let distance = p.norm();
+        if distance > FARTHEST {
+            return Err(GeometryError::TooFar { index, distance });
+        }
+    }
+    let hull = hull::hull(points, most.max(4)).ok_or(GeometryError::NoPoints)?;
+    if hull.simplices == Simplices::Point {
+        return Err(GeometryError::OnePlace);
+    }
+    Ok(BoundedHull {
+        flat: !matches!(hull.simplices, Simplices::Faces(_)),
+        error: hull.error,
+        vertices: hull.corners,
+    })
+}
+
+/// Mass properties of the hull of `vertices`, filled evenly.
+fn hull_inertia(vertices: &[Vec3], mass: f64) -> RigidInertia {
+    let Some(hull) = hull::hull(vertices, usize::MAX) else {
+        return RigidInertia {
+            mass,
+            ..RigidInertia::ZERO
+        };
+    };
+    // About the mean of the corners: far from the origin, digits would be lost.
+    let count = hull.corners.len().max(1);
+    #[expect(clippy::cast_precision_loss, reason = "far fewer than 2^53 corners")]
+    let center = hull.corners.iter().sum::<Vec3>() / count as f64;
+    // A simplex of k + 1 corners c and size V has the first moment V/(k+1) s and the second moments
+    // V/((k+1)(k+2)) (Σ c cᵀ + s sᵀ), with s = Σ c.
+    let (mut size, mut first, mut second) = (0.0, Vec3::zeros(), Mat3::zeros());
+    for (v, corners) in simplices(&hull) {
+        #[expect(clippy::cast_precision_loss, reason = "at most 4 corners")]
+        let n = corners.len() as f64;
+        let corners = corners.iter().map(|c| c - center);
+        let s: Vec3 = corners.clone().sum();
+        let squares: Mat3 = corners.map(|c| c * c.transpose()).sum();
+        size += v;
+        first += s * (v / n);
+        second += (squares + s * s.transpose()) * (v / (n * (n + 1.0)));
+    }
+    if size <= 0.0 {
+        return RigidInertia {
+            mass,
+            com: center,
+            I_cm: Mat3::zeros(),
+        };
+    }
+    let (com, J) = (first / size, second * (mass / size));
+    RigidInertia {
+        mass,
+        com: center + com,
+        I_cm: Mat3::identity() * J.trace() - J - point_inertia(mass, &com),
+    }
+}
+
+/// Simplices that fill a hull: volume, area or length, and corners.
+fn simplices(hull: &Hull) -> Vec<(f64, Vec<Vec3>)> {
+    let corner = |i: usize| hull.corners[i];
+    match &hull.simplices {
+        Simplices::Faces(faces) => {
+            // Tetrahedra from one corner; those of its own faces are empty.
+            let top = corner(faces[0][0]);
+            faces
+                .iter()
+                .map(|face| {
+                    let [a, b, c] = face.map(corner);
+                    let volume = (a - top).cross(&(b - top)).dot(&(c - top)) / 6.0;
+                    (volume, vec![top, a, b, c])
+                })
+                .collect()
+        }
+        Simplices::Polygon(order) => {
+            let top = corner(order[0]);
+            order
+                .windows(2)
+                .skip(1)
+                .map(|pair| {
+                    let (a, b) = (corner(pair[0]), corner(pair[1]));
+                    ((a - top).cross(&(b - top)).norm() / 2.0, vec![top, a, b])
+                })
+                .collect()
+        }
+        Simplices::Segment => {
+            let (a, b) = (corner(0), corner(1));
+            vec![((b - a).norm(), vec![a, b])]
+        }
+        Simplices::Point => Vec::new(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::spatial::rotation_from_rpy;
+
+    /// Numbers in -1..1 from a fixed seed (xorshift).
+    struct Random(u64);
+
+    impl Random {
+        fn next(&mut self) -> f64 {
+            self.0 ^= self.0 << 13;
+            self.0 ^= self.0 >> 7;
+            self.0 ^= self.0 << 17;
+            #[expect(clippy::cast_precision_loss, reason = "53 bits")]
+            let unit = (self.0 >> 11) as f64 / (1u64 << 53) as f64;
+            2.0 * unit - 1.0
+        }
+
+        fn point(&mut self) -> Vec3 {
+            Vec3::new(self.next(), self.next(), self.next())
+        }
+    }
+
+    fn corners(half: &Vec3) -> Vec<Vec3> {
+        let signs = [-1.0, 1.0];
+        let of = |x: f64| signs.map(|y| signs.map(|z| Vec3::new(x, y, z).component_mul(half)));
+        signs.iter().flat_map(|&x| of(x)).flatten().collect()
+    }
+
+    fn assert_same(a: &RigidInertia, b: &RigidInertia, tolerance: f64) {
+        assert!((a.mass - b.mass).abs() <= tolerance * b.mass, "{a:?} {b:?}");
+        assert!((a.com - b.com).norm() <= tolerance, "{a:?} {b:?}");
+        assert!(
+            (a.I_cm - b.I_cm).norm() <= tolerance * b.I_cm.norm(),
+            "{a:?} {b:?}"
+        );
+    }
+
+    /// Support of points in a direction.
+    fn support(points: &[Vec3], direction: &Vec3) -> f64 {
+        points
+            .iter()
+            .map(|p| p.dot(direction))
+            .fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    #[test]
+    fn hull_of_a_moved_box_has_the_inertia_of_the_box() {
+        let half = Vec3::new(0.1, 0.2, 0.3);
+        let X = Pose::from_xyz_rpy(Vec3::new(3.0, -2.0, 1.0), Vec3::new(0.3, -0.7, 1.1));
+        let vertices = corners(&half).iter().map(|p| X.point(p)).collect();
+        let hull = Shape::Hull { vertices };
+        let expected = Shape::Box { half }.solid_inertia(2.5).transformed(&X);
+        assert_same(&hull.solid_inertia(2.5), &expected, 1e-12);
+        assert!((hull.volume() - 8.0 * 0.006).abs() < 1e-15);
+    }
+
+    /// Sums over a fine grid of points are the second route to the closed forms.
+    #[test]
+    fn solid_inertia_agrees_with_a_sum_over_small_cubes() {
+        let (radius, half_length, half) = (0.3, 0.4, Vec3::new(0.3, 0.2, 0.5));
+        let inside = |shape: &Shape, p: &Vec3| match shape {
+            Shape::Sphere { radius } => p.norm() <= *radius,
+            Shape::Cylinder {
+                radius,
+                half_length,
+            } => p.xy().norm() <= *radius && p.z.abs() <= *half_length,
+            Shape::Capsule {
+                radius,
+                half_length,
+            } => {
+                let z = p.z.clamp(-half_length, *half_length);
+                (p - Vec3::new(0.0, 0.0, z)).norm() <= *radius
+            }
+            Shape::Box { half } => p.abs() <= *half,
+            Shape::Hull { .. } => false,
+        };
+        for shape in [
+            Shape::Sphere { radius },
+            Shape::Cylinder {
+                radius,
+                half_length,
+            },
+            Shape::Capsule {
+                radius,
+                half_length,
+            },
+            Shape::Box { half },
+        ] {
+            const N: i32 = 80;
+            let step = 0.8 / f64::from(N);
+            let at = |i: i32| (f64::from(i) + 0.5) * step;
+            let (mut count, mut J) = (0.0, Mat3::zeros());
+            for i in -N..N {
+                for j in -N..N {
+                    for k in -N..N {
+                        let p = Vec3::new(at(i), at(j), at(k));
+                        if inside(&shape, &p) {
+                            count += 1.0;
+                            J += p * p.transpose();
+                        }
+                    }
+                }
+            }
+            J *= 1.7 / count;
+            let I = Mat3::identity() * J.trace() - J;
+            let found = shape.solid_inertia(1.7);
+            // The grid has 0.01 m: below half a percent of a moment.
+            assert!(
+                (found.I_cm - I).norm() < 0.01 * I.norm(),
+                "{shape:?} {I} {}",
+                found.I_cm
+            );
+            let volume = count * step * step * step;
+            assert!(
+                (shape.volume() - volume).abs() < 0.01 * volume,
+                "{shape:?} {volume}"
+            );
+        }
+    }
+
+    /// Parry is an independent program: its hull and its mass properties.
+    #[test]
+    fn hulls_of_random_points_agree_with_parry() {
+        use parry3d_f64::mass_properties::MassProperties;
+        use parry3d_f64::math::Vector;
+        let mut random = Random(0x9E37_79B9_7F4A_7C15);
+        for count in [4, 5, 8, 20, 100, 1000] {
+            for _ in 0..20 {
+                let stretch = Vec3::new(1.0, 0.1 + random.next().abs(), 0.05 + random.next().abs());
+                let points: Vec<Vec3> = (0..count)
+                    .map(|_| random.point().component_mul(&stretch) + Vec3::new(0.5, 0.0, -1.0))
+                    .collect();
+                let theirs: Vec<Vector> =
+                    points.iter().map(|p| Vector::new(p.x, p.y, p.z)).collect();
+                let (vertices, faces) =
+                    parry3d_f64::transformation::try_convex_hull(&theirs).expect("a hull");
+                let expected = MassProperties::from_trimesh(1.0, &vertices, &faces);
+                let ours = convex_hull(&points).expect("a hull");
+                assert_eq!(ours.len(), vertices.len(), "{count} points");
+                let hull = Shape::Hull { vertices: ours };
+                let inertia = hull.solid_inertia(expected.mass());
+                assert!((hull.volume() - expected.mass()).abs() < 1e-10);
+                let com = Vec3::new(
+                    expected.local_com.x,
+                    expected.local_com.y,
+                    expected.local_com.z,
+                );
+                assert!((inertia.com - com).norm() < 1e-9);
+                let I = expected.reconstruct_inertia_matrix();
+                let I = Mat3::from_fn(|r, c| I.col(c)[r]);
+                assert!(
+                    (inertia.I_cm - I).norm() < 1e-8 * I.norm(),
+                    "{I} {}",
+                    inertia.I_cm
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn a_tessellated_box_keeps_its_eight_corners() {
+        // 21³ grid points, most of them on faces and edges, in single precision and turned.
+        let R = rotation_from_rpy(&Vec3::new(0.2, 0.5, -1.0));
+        for turn in [Mat3::identity(), R] {
+            let mut points = Vec::new();
+            for i in -10..=10 {
+                for j in -10..=10 {
+                    for k in -10..=10 {
+                        let p =
+                            turn * Vec3::new(f64::from(i), f64::from(j) * 0.5, f64::from(k) * 0.1);
+                        #[expect(
+                            clippy::cast_possible_truncation,
+                            reason = "mesh files are in f32"
+                        )]
+                        points.push(p.map(|x| f64::from(x as f32)));
+                    }
+                }
+            }
+            let hull = bounded_hull(&points, 64).expect("a hull");
+            assert_eq!(hull.vertices.len(), 8, "{:?}", hull.vertices);
+            // f32 has 6e-8 of 11 m.
+            assert!(hull.error < 2e-6, "{}", hull.error);
+        }
+    }
+
+    #[test]
+    fn a_bounded_hull_knows_its_support_error() {
+        let mut random = Random(7);
+        let ball: Vec<Vec3> = (0..5000)
+            .map(|_| random.point().normalize() * 0.2)
+            .collect();
+        let hull = bounded_hull(&ball, 64).expect("a hull");
+        assert_eq!(hull.vertices.len(), 64);
+        // 62 faces' worth of a sphere: sagging of a few percent of the radius, not more.
+        assert!(
+            hull.error > 1e-3 * 0.2 && hull.error < 0.15 * 0.2,
+            "{}",
+            hull.error
+        );
+        let mut worst: f64 = 0.0;
+        for _ in 0..2000 {
+            let d = random.point().normalize();
+            let lost = support(&ball, &d) - support(&hull.vertices, &d);
+            assert!(
+                (-1e-12..=hull.error + 1e-9).contains(&lost),
+                "{lost} {}",
+                hull.error
+            );
+            worst = worst.max(lost);
+        }
+        assert!(
+            worst > 0.5 * hull.error,
+            "the bound is far from sharp: {worst} {}",
+            hull.error
+        );
+    }
+
+    #[test]
+    fn a_plate_and_a_rod_without_thickness_are_kept_and_weighed() {
+        let plate: Vec<Vec3> = corners(&Vec3::new(0.3, 0.2, 0.0));
+        let hull = bounded_hull(&plate, 64).expect("a plate");
+        assert!(hull.flat && hull.vertices.len() == 4, "{hull:?}");
+        // A thin plate a × b: m/12 (b², a², a² + b²).
+        let found = Shape::Hull {
+            vertices: hull.vertices,
+        }
+        .solid_inertia(3.0);
+        let expected = Mat3::from_diagonal(&(Vec3::new(0.16, 0.36, 0.52) * (3.0 / 12.0)));
+        assert!((found.I_cm - expected).norm() < 1e-12, "{found:?}");
+        let rod = vec![
+            Vec3::zeros(),
+            Vec3::new(0.0, 0.0, 2.0),
+            Vec3::new(0.0, 0.0, 1.0),
+        ];
+        let hull = bounded_hull(&rod, 64).expect("a rod");
+        assert!(hull.flat && hull.vertices.len() == 2);
+        // A thin rod of length l: m l²/12, its middle at 1 m.
+        let found = Shape::Hull {
+            vertices: hull.vertices,
+        }
+        .solid_inertia(3.0);
+        assert!((found.I_cm - Mat3::from_diagonal(&Vec3::new(1.0, 1.0, 0.0))).norm() < 1e-12);
+        assert!((found.com - Vec3::new(0.0, 0.0, 1.0)).norm() < 1e-12);
+    }
+
+    #[test]
+    fn what_has_no_hull_is_an_error() {
+        let p = Vec3::new(1.0, 2.0, 3.0);
+        assert_eq!(convex_hull(&[]), Err(GeometryError::NoPoints));
+        assert_eq!(convex_hull(&[p]), Err(GeometryError::OnePlace));
+        assert_eq!(convex_hull(&[p, p, p, p, p]), Err(GeometryError::OnePlace));
+        for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+            let points = [p, Vec3::new(bad, 0.0, 0.0)];
+            assert_eq!(
+                convex_hull(&points),
+                Err(GeometryError::NotFinite { index: 1 })
+            );
+        }
+        let points = [p, Vec3::new(0.0, 1e300, 0.0)];
+        assert!(matches!(
+            convex_hull(&points),
+            Err(GeometryError::TooFar { index: 1, .. })
+        ));
+    }
+
+    /// Grids, repeated and nearly equal points, slivers, stretched by up to 1e9: whatever comes out contains
+    /// what went in, up to the error that it names.
+    #[test]
+    fn degenerate_points_give_a_hull_that_contains_them() {
+        let mut random = Random(99);
+        for round in 0..3000 {
+            let count = 1 + round % 40;
+            let stretch = random.point().map(|x| (10.0 * x).exp2().min(1e3) * x);
+            let noise = [0.0, 1e-16, 1e-12, 1e-9, 1e-7, 1e-5][round % 6];
+            let points: Vec<Vec3> = (0..count)
+                .map(|_| {
+                    let grid = random.point().map(|x| (x * 2.0).round());
+                    (grid + random.point() * noise).component_mul(&stretch)
+                })
+                .collect();
+            let most = [4, 8, 64][round % 3];
+            let Ok(hull) = bounded_hull(&points, most) else {
+                continue;
+            };
+            assert!(hull.vertices.len() <= most, "round {round}");
+            let size = points
+                .iter()
+                .map(|p| (p - points[0]).norm())
+                .fold(0.0, f64::max);
+            for _ in 0..20 {
+                let d = random.point().normalize();
+                let lost = support(&points, &d) - support(&hull.vertices, &d);
+                assert!(
+                    lost <= hull.error + 3e-6 * size,
+                    "round {round}: {lost} {hull:?}"
+                );
+            }
+            let inertia = Shape::Hull {
+                vertices: hull.vertices,
+            }
+            .solid_inertia(1.0);
+            assert!(inertia.I_cm.iter().all(|x| x.is_finite()), "round {round}");
+            let moments = inertia.I_cm.symmetric_eigen().eigenvalues;
+            assert!(
+                moments.min() >= -1e-9 * size * size,
+                "round {round}: {moments}"
+            );
         }
     }
 }

@@ -1,11 +1,41 @@
 //! URDF text → [`Description`]: positioned checks, `package://`, meshes, inertia.
+//!
+//! Way of a file: XML with places (`xml`), checks of links (`link`, `inertia`), joints (`joint`) and the whole
+//! (`tree`), typed data by way of urdf-rs (`typed`), meshes found (`resolve`), read (`mesh`, `collada`) and
+//! enclosed in hulls, all put together (`assemble`). All problems of a file are found in one run.
+//!
+//! Not here: merging massless links, initial pose, defaults for what the file leaves out. xacro is not expanded.
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
+
+mod assemble;
+mod collada;
+mod diagnostic;
+mod inertia;
+mod joint;
+mod link;
+mod mesh;
+mod resolve;
+mod scope;
+mod tree;
+mod typed;
+mod xml;
+
+pub use diagnostic::{Diagnostic, Place, Severity};
 
 use crate::geometry::Shape;
 use crate::model::{JointKind, Limits};
 use crate::spatial::{Pose, RigidInertia, Vec3};
-use std::path::PathBuf;
+use diagnostic::Report;
+use resolve::Resolver;
+use scope::Scope;
+use std::fs::File;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+use xml::Document;
+
+/// URDF files larger than this, in bytes, are refused.
+const LARGEST_FILE: u64 = 64 << 20;
 
 /// A checked URDF with its meshes read: a tree with parents before children (file order among siblings).
 #[derive(Clone, Debug)]
@@ -81,43 +111,173 @@ pub struct JointDescription {
     pub line: usize,
 }
 
-/// How bad a finding is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Severity {
-    /// An assumption that was taken.
-    Note,
-    /// Legal but suspicious.
-    Warning,
-    /// Stops the export.
-    Error,
+/// How to read a URDF.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ReadOptions {
+    /// Folders in which packages are looked for: a package, a folder of packages, or an install prefix.
+    pub package_paths: Vec<PathBuf>,
+    /// Factor on all lengths, meshes included. Masses stay, inertia takes its square.
+    pub scale: f64,
+    /// The inertia matrices are not used, because they will be computed from the shapes: what is wrong with them
+    /// is a warning.
+    pub ignore_inertia: bool,
 }
 
-/// A finding with its place.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Diagnostic {
-    /// How bad.
-    pub severity: Severity,
-    /// Stable code, such as `U104`.
-    pub code: &'static str,
-    /// What is wrong.
-    pub message: String,
-    /// What to do.
-    pub help: Option<String>,
-    /// File, 1-based line and column, length of the marked text; none for findings without a place.
-    pub place: Option<Place>,
+impl Default for ReadOptions {
+    fn default() -> Self {
+        Self {
+            package_paths: Vec::new(),
+            scale: 1.0,
+            ignore_inertia: false,
+        }
+    }
 }
 
-/// Where in a text.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Place {
-    /// File name as given.
-    pub file: String,
-    /// 1-based.
-    pub line: usize,
-    /// 1-based, in characters.
-    pub column: usize,
-    /// Characters marked.
-    pub length: usize,
-    /// The whole line, for display.
-    pub text: String,
+impl ReadOptions {
+    /// The defaults, with the package paths of `ROS_PACKAGE_PATH` and `AMENT_PREFIX_PATH`.
+    pub fn from_environment() -> Self {
+        let paths = ["ROS_PACKAGE_PATH", "AMENT_PREFIX_PATH"]
+            .into_iter()
+            .filter_map(std::env::var_os)
+            .flat_map(|value| std::env::split_paths(&value).collect::<Vec<_>>())
+            .filter(|path| !path.as_os_str().is_empty())
+            .collect();
+        Self {
+            package_paths: paths,
+            ..Self::default()
+        }
+    }
+}
+
+/// Reads a URDF file and the meshes of its collision shapes.
+///
+/// # Errors
+/// Everything that is wrong with the file, errors and warnings, in file order.
+pub fn read(path: &Path, options: &ReadOptions) -> Result<Description, Vec<Diagnostic>> {
+    let file = path.display().to_string();
+    let text = text(path).map_err(|finding| vec![finding])?;
+    let base_dir = match path.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
+    };
+    let mut description = read_str(&text, &file, base_dir, options)?;
+    description.sources.insert(0, path.to_owned());
+    Ok(description)
+}
+
+/// Reads a URDF text and the meshes of its collision shapes.
+///
+/// - `file_name`: shown in diagnostics
+/// - `base_dir`: from where relative mesh names count, and from where packages are looked for upwards
+///
+/// # Errors
+/// As [`read`].
+pub fn read_str(
+    text: &str,
+    file_name: &str,
+    base_dir: &Path,
+    options: &ReadOptions,
+) -> Result<Description, Vec<Diagnostic>> {
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    let mut report = Report::new(file_name, text);
+    let description = describe(&mut report, text, file_name, base_dir, options);
+    let failed = report.has_errors();
+    let diagnostics = report.finish();
+    match description {
+        Some(description) if !failed => Ok(Description {
+            diagnostics,
+            ..description
+        }),
+        _ => Err(diagnostics),
+    }
+}
+
+/// `None` only after an error was reported.
+fn describe(
+    report: &mut Report,
+    text: &str,
+    file_name: &str,
+    base_dir: &Path,
+    options: &ReadOptions,
+) -> Option<Description> {
+    if !(options.scale.is_finite() && options.scale > 0.0) {
+        let message = format!("the scale {} is not a number above zero", options.scale);
+        report.error("U033", 0..0, message, "1 leaves the size as it is");
+        return None;
+    }
+    let document = Document::parse(text, report)?;
+    let mut scope = Scope::new(report);
+    scope.ignore_inertia = options.ignore_inertia;
+    let robot = tree::check(&mut scope, &document, file_name)?;
+    let order = tree::order(&mut scope, &robot);
+    inertia::judge(&mut scope, &robot, order.as_ref());
+    let resolver = Resolver::new(base_dir, options);
+    let meshes = assemble::read_meshes(&mut scope, &robot, &resolver, options.scale);
+    assemble::check_visuals(&mut scope, &robot, &resolver);
+    scope.report_ignored();
+    if scope.report.has_errors() {
+        return None;
+    }
+    let order = order?;
+    match typed::read(&robot, &order) {
+        Ok(typed) => assemble::description(&robot, &order, &typed, &meshes, options.scale),
+        Err(error) => {
+            let help = "please report this with the file: the checks should have found it";
+            report.error(
+                "U009",
+                0..0,
+                format!("urdf-rs refuses the file: {error}"),
+                help,
+            );
+            None
+        }
+    }
+}
+
+/// The text of a file.
+fn text(path: &Path) -> Result<String, Diagnostic> {
+    let problem = |code, message: String, help: &str| Diagnostic {
+        severity: Severity::Error,
+        code,
+        message,
+        help: (!help.is_empty()).then(|| help.to_owned()),
+        place: None,
+    };
+    let name = path.display();
+    let io = |error: std::io::Error| problem("U001", format!("{name} cannot be read: {error}"), "");
+    let file = File::open(path).map_err(io)?;
+    let metadata = file.metadata().map_err(io)?;
+    if metadata.is_dir() {
+        let message = format!("{name} is a folder");
+        return Err(problem("U001", message, "name the URDF file in it"));
+    }
+    let mut bytes = Vec::new();
+    file.take(LARGEST_FILE + 1)
+        .read_to_end(&mut bytes)
+        .map_err(io)?;
+    if bytes.len() as u64 > LARGEST_FILE {
+        let message = format!("{name} has more than {LARGEST_FILE} bytes");
+        return Err(problem(
+            "U001",
+            message,
+            "no URDF is that large: is it the right file?",
+        ));
+    }
+    String::from_utf8(bytes).map_err(|error| {
+        let valid = error.utf8_error().valid_up_to();
+        let bytes = error.as_bytes();
+        let utf16 = bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff]);
+        let message = if utf16 {
+            "the file is UTF-16 text, not UTF-8".to_owned()
+        } else {
+            format!("the file is not UTF-8 text: byte 0x{:02x}", bytes[valid])
+        };
+        let shown = String::from_utf8_lossy(bytes);
+        // What stands before the bad byte is the same in both.
+        let place = Place::in_text(&name.to_string(), &shown, valid..valid + 1);
+        Diagnostic {
+            place: Some(place),
+            ..problem("U002", message, "save the file as UTF-8")
+        }
+    })
 }

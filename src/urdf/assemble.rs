@@ -1,0 +1,315 @@
+//! Typed robot and meshes → [`Description`], scaled.
+
+#![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
+
+use super::inertia;
+use super::link::{self, Geometry};
+use super::mesh;
+use super::resolve::Resolver;
+use super::scope::Scope;
+use super::tree::{CheckedRobot, Order};
+use super::{CollisionDescription, Description, JointDescription, LinkDescription};
+use crate::geometry::{GeometryError, MOST_CORNERS, Shape, bounded_hull};
+use crate::model::{JointKind, Limits};
+use crate::spatial::{Pose, RigidInertia, Vec3, rotation_from_rpy};
+use std::collections::{HashMap, HashSet};
+use std::ops::Range;
+use std::path::PathBuf;
+
+/// Part of a mesh's size by which its hull may be off without a note.
+const SILENT_ERROR: f64 = 1e-3;
+
+/// The hull of a mesh, scaled.
+#[derive(Clone)]
+pub(super) struct ReadMesh {
+    path: PathBuf,
+    vertices: Vec<Vec3>,
+}
+
+/// Meshes by link and collision, both in file order.
+pub(super) struct Meshes {
+    hulls: HashMap<(usize, usize), ReadMesh>,
+    sources: Vec<PathBuf>,
+}
+
+/// Reads the meshes of all collision shapes; what cannot be read is reported.
+pub(super) fn read_meshes(
+    scope: &mut Scope,
+    robot: &CheckedRobot,
+    resolver: &Resolver,
+    scale: f64,
+) -> Meshes {
+    let mut meshes = Meshes {
+        hulls: HashMap::new(),
+        sources: Vec::new(),
+    };
+    // The same mesh often stands in many links; `None` if it was reported already.
+    let mut known: HashMap<(PathBuf, [u64; 3]), Option<ReadMesh>> = HashMap::new();
+    let mut first_mesh: Option<Range<usize>> = None;
+    let mut count = 0;
+    for (i, link) in robot.links.iter().enumerate() {
+        scope.owner = format!("link '{}'", link.name);
+        for (k, collision) in link.collisions.iter().enumerate() {
+            let Geometry::Mesh {
+                filename,
+                scale: factors,
+                at,
+            } = &collision.geometry
+            else {
+                continue;
+            };
+            first_mesh.get_or_insert_with(|| at.clone());
+            count += 1;
+            let path = match resolver.find(filename) {
+                Ok(path) => path,
+                Err(missing) => {
+                    let message = format!("mesh not found: {filename}");
+                    scope.problem("U104", at.clone(), &message, missing.help());
+                    continue;
+                }
+            };
+            let factors = factors.map(|f| f * scale);
+            let read = known
+                .entry((path.clone(), factors.map(f64::to_bits)))
+                .or_insert_with(|| read_mesh(scope, path, Vec3::from(factors), at));
+            if let Some(mesh) = read {
+                if !meshes.sources.contains(&mesh.path) {
+                    meshes.sources.push(mesh.path.clone());
+                }
+                meshes.hulls.insert((i, k), mesh.clone());
+            }
+        }
+    }
+    if let Some(at) = first_mesh {
+        let message =
+            format!("collision meshes are replaced by their convex hulls ({count}, first here)");
+        scope.report.note("U110", at, message, "");
+    }
+    meshes
+}
+
+fn read_mesh(
+    scope: &mut Scope,
+    path: PathBuf,
+    factors: Vec3,
+    at: &Range<usize>,
+) -> Option<ReadMesh> {
+    let points = match mesh::read(&path) {
+        Ok(points) => points,
+        Err(error) => {
+            let (code, help) = match error {
+                mesh::MeshError::Format(_) => ("U106", "convert the mesh to STL or OBJ"),
+                _ => (
+                    "U105",
+                    "export the mesh again; STL, OBJ and COLLADA are read",
+                ),
+            };
+            let message = format!("mesh {} cannot be read: {error}", path.display());
+            scope.problem(code, at.clone(), &message, help);
+            return None;
+        }
+    };
+    let name = path
+        .file_name()
+        .unwrap_or(path.as_os_str())
+        .to_string_lossy()
+        .into_owned();
+    let points: Vec<Vec3> = points.iter().map(|p| p.component_mul(&factors)).collect();
+    let hull = match bounded_hull(&points, MOST_CORNERS) {
+        Ok(hull) => hull,
+        Err(error) => {
+            let help = match error {
+                GeometryError::TooFar { .. } => {
+                    "many meshes are in mm: use scale=\"0.001 0.001 0.001\""
+                }
+                _ => "the mesh needs some extent; export it again",
+            };
+            let message = format!("mesh {} has no convex hull: {error}", path.display());
+            scope.problem("U107", at.clone(), &message, help);
+            return None;
+        }
+    };
+    if hull.flat {
+        let message = format!("mesh {name} has no volume: it is used as it is");
+        scope.warning("U109", at.clone(), &message, "");
+    }
+    let size = hull
+        .vertices
+        .iter()
+        .map(|v| (v - hull.vertices[0]).norm())
+        .fold(0.0, f64::max);
+    if hull.error > SILENT_ERROR * size {
+        let message = format!(
+            "the hull of mesh {name} keeps {} corners; it is off by at most {:.2} mm",
+            hull.vertices.len(),
+            hull.error * 1e3
+        );
+        scope.note("U108", at.clone(), &message, "");
+    }
+    Some(ReadMesh {
+        path,
+        vertices: hull.vertices,
+    })
+}
+
+/// Visuals do not move the robot: whatever is wrong with them is a warning.
+pub(super) fn check_visuals(scope: &mut Scope, robot: &CheckedRobot, resolver: &Resolver) {
+    let mut seen = HashSet::new();
+    let mut missing: Option<(Range<usize>, String, String)> = None;
+    let mut count = 0;
+    for link in &robot.links {
+        for (filename, at) in link::check_visuals(scope, link) {
+            if !seen.insert(filename) {
+                continue;
+            }
+            if let Err(not_found) = resolver.find(filename) {
+                count += 1;
+                missing.get_or_insert_with(|| (at, filename.to_owned(), not_found.help()));
+            }
+        }
+    }
+    if let Some((at, filename, help)) = missing {
+        let more = if count > 1 {
+            format!(", and {} more", count - 1)
+        } else {
+            String::new()
+        };
+        let message =
+            format!("visual mesh not found: {filename}{more}; the robot moves without it");
+        scope.report.warning("U111", at, message, help);
+    }
+}
+
+/// Puts everything together. `typed` has the links and joints in `order`; `None` if it does not.
+pub(super) fn description(
+    robot: &CheckedRobot,
+    order: &Order,
+    typed: &urdf_rs::Robot,
+    meshes: &Meshes,
+    scale: f64,
+) -> Option<Description> {
+    if typed.links.len() != order.links.len() || typed.joints.len() != order.joints.len() {
+        return None;
+    }
+    let mut links = Vec::with_capacity(typed.links.len());
+    for (typed, &i) in typed.links.iter().zip(&order.links) {
+        let checked = &robot.links[i];
+        let collisions = typed
+            .collision
+            .iter()
+            .enumerate()
+            .map(|(k, collision)| {
+                let mesh = meshes.hulls.get(&(i, k));
+                Some(CollisionDescription {
+                    X_LG: pose(&collision.origin, scale),
+                    shape: shape(&collision.geometry, mesh, scale)?,
+                    mesh: mesh.map(|mesh| mesh.path.clone()),
+                })
+            })
+            .collect::<Option<Vec<_>>>()?;
+        links.push(LinkDescription {
+            name: typed.name.clone(),
+            inertial: checked
+                .inertial
+                .is_some()
+                .then(|| inertial(&typed.inertial, scale)),
+            collisions,
+            friction: checked.friction,
+            restitution: checked.restitution,
+            line: checked.line,
+        });
+    }
+    let place: HashMap<&str, usize> = links
+        .iter()
+        .enumerate()
+        .map(|(i, link)| (link.name.as_str(), i))
+        .collect();
+    let kinds: HashMap<&str, JointKind> = robot.joints.iter().map(|j| (j.name, j.kind)).collect();
+    let length = |kind: JointKind| {
+        if kind == JointKind::Prismatic {
+            scale
+        } else {
+            1.0
+        }
+    };
+    let mut joints = Vec::with_capacity(typed.joints.len());
+    for (typed, &j) in typed.joints.iter().zip(&order.joints) {
+        let checked = &robot.joints[j];
+        let own = length(checked.kind);
+        let xyz = Vec3::from(*typed.axis.xyz);
+        joints.push(JointDescription {
+            name: typed.name.clone(),
+            kind: checked.kind,
+            parent: *place.get(typed.parent.link.as_str())?,
+            child: *place.get(typed.child.link.as_str())?,
+            X_PJ: pose(&typed.origin, scale),
+            axis: xyz.try_normalize(0.0).unwrap_or_else(Vec3::x),
+            limits: checked.limits.map(|_| Limits {
+                lower: typed.limit.lower * own,
+                upper: typed.limit.upper * own,
+            }),
+            effort: checked.effort.map(|_| typed.limit.effort),
+            velocity: checked.velocity.map(|_| typed.limit.velocity * own),
+            damping: typed.dynamics.as_ref().map_or(0.0, |d| d.damping),
+            friction: typed.dynamics.as_ref().map_or(0.0, |d| d.friction),
+            mimic: typed.mimic.as_ref().map(|mimic| {
+                let other = kinds
+                    .get(mimic.joint.as_str())
+                    .map_or(1.0, |&kind| length(kind));
+                let multiplier = mimic.multiplier.unwrap_or(1.0) * own / other;
+                (
+                    mimic.joint.clone(),
+                    multiplier,
+                    mimic.offset.unwrap_or(0.0) * own,
+                )
+            }),
+            line: checked.line,
+        });
+    }
+    Some(Description {
+        name: typed.name.clone(),
+        links,
+        joints,
+        sources: meshes.sources.clone(),
+        diagnostics: Vec::new(),
+    })
+}
+
+fn pose(origin: &urdf_rs::Pose, scale: f64) -> Pose {
+    Pose::from_xyz_rpy(Vec3::from(*origin.xyz) * scale, Vec3::from(*origin.rpy))
+}
+
+/// Turned into the link's axes.
+fn inertial(inertial: &urdf_rs::Inertial, scale: f64) -> RigidInertia {
+    let i = &inertial.inertia;
+    let I = inertia::matrix(&[i.ixx, i.ixy, i.ixz, i.iyy, i.iyz, i.izz]) * (scale * scale);
+    let R = rotation_from_rpy(&Vec3::from(*inertial.origin.rpy));
+    RigidInertia {
+        mass: inertial.mass.value,
+        com: Vec3::from(*inertial.origin.xyz) * scale,
+        I_cm: R * I * R.transpose(),
+    }
+}
+
+/// `None` for a mesh that was not read.
+fn shape(geometry: &urdf_rs::Geometry, mesh: Option<&ReadMesh>, scale: f64) -> Option<Shape> {
+    Some(match geometry {
+        urdf_rs::Geometry::Box { size } => Shape::Box {
+            half: Vec3::from(**size) * (0.5 * scale),
+        },
+        urdf_rs::Geometry::Cylinder { radius, length } => Shape::Cylinder {
+            radius: radius * scale,
+            half_length: 0.5 * length * scale,
+        },
+        urdf_rs::Geometry::Capsule { radius, length } => Shape::Capsule {
+            radius: radius * scale,
+            half_length: 0.5 * length * scale,
+        },
+        urdf_rs::Geometry::Sphere { radius } => Shape::Sphere {
+            radius: radius * scale,
+        },
+        urdf_rs::Geometry::Mesh { .. } => Shape::Hull {
+            vertices: mesh?.vertices.clone(),
+        },
+    })
+}

@@ -1,0 +1,245 @@
+//! Checks of mass and rotational inertia.
+//!
+//! A rigid body of any shape has `I = tr(J) 1 − J` with the second moments `J = ∫ r rᵀ dm`, positive
+//! semi-definite. So `I` is positive semi-definite and no principal moment exceeds the sum of the other two.
+
+#![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
+
+use super::link::CheckedInertial;
+use super::scope::Scope;
+use super::tree::{CheckedRobot, Order};
+use super::xml::Node;
+use crate::model::JointKind;
+use crate::spatial::{Mat3, Pose, RigidInertia, rotation_from_rpy};
+use std::collections::HashMap;
+use std::ops::Range;
+
+/// URDF's order.
+pub(super) const NAMES: [&str; 6] = ["ixx", "ixy", "ixz", "iyy", "iyz", "izz"];
+
+/// Part of the largest principal moment below which a negative moment is round-off: files are printed with
+/// six digits.
+const ROUND_OFF: f64 = 1e-5;
+
+/// Part of the largest principal moment by which it may exceed the sum of the others before it is told.
+const TRIANGLE: f64 = 1e-3;
+
+/// Radius of gyration, m, below which a body counts as a point: exporters write round-off such as 1e-20.
+const POINT: f64 = 1e-6;
+
+/// An inertia that is not positive definite.
+pub(super) struct Suspect {
+    at: Range<usize>,
+    message: String,
+    help: String,
+}
+
+/// The symmetric matrix of six numbers in URDF's order.
+pub(super) fn matrix(i: &[f64; 6]) -> Mat3 {
+    Mat3::new(i[0], i[1], i[2], i[1], i[3], i[4], i[2], i[4], i[5])
+}
+
+/// Reports what no body can have. A massless link loses its rotational inertia.
+pub(super) fn check(scope: &mut Scope, inertial: &mut CheckedInertial, mass: Node, inertia: Node) {
+    let at = |node: Node, name: &str| {
+        node.attribute(name)
+            .map_or_else(|| node.tag_at(), |a| a.at.clone())
+    };
+    if inertial.mass < 0.0 {
+        let message = format!("mass {} kg is negative", inertial.mass);
+        let help = "give the mass in kg; leave <inertial> out for a massless frame";
+        scope.problem("U060", at(mass, "value"), &message, help);
+        return;
+    }
+    let point = inertial.mass * POINT * POINT;
+    let zero = inertial.inertia.iter().all(|i| i.abs() <= point);
+    if inertial.mass == 0.0 {
+        if !zero {
+            let message = "the mass is zero and the inertia is not: the link counts as massless";
+            scope.warning(
+                "U064",
+                at(mass, "value"),
+                message,
+                "give a mass, or leave <inertial> out",
+            );
+            inertial.inertia = [0.0; 6];
+        }
+        return;
+    }
+    if zero {
+        let message = format!(
+            "{} kg without rotational inertia: the link counts as a point mass",
+            inertial.mass
+        );
+        let help = "give its inertia, or use inertia = \"collision\" in the settings";
+        scope.warning("U063", inertia.tag_at(), &message, help);
+        inertial.inertia = [0.0; 6];
+        return;
+    }
+    let moments = principal_moments(&matrix(&inertial.inertia));
+    let [smallest, middle, largest] = moments;
+    let suggestion = || {
+        let I = nearest_physical(&matrix(&inertial.inertia));
+        let number = |value: f64| format!("{value:.6e}");
+        let pairs = [
+            ("ixx", I[(0, 0)]),
+            ("ixy", I[(0, 1)]),
+            ("ixz", I[(0, 2)]),
+            ("iyy", I[(1, 1)]),
+            ("iyz", I[(1, 2)]),
+            ("izz", I[(2, 2)]),
+        ];
+        pairs
+            .map(|(name, value)| format!("{name}=\"{}\"", number(value)))
+            .join(" ")
+    };
+    if !is_possible(&moments) {
+        let message = format!(
+            "the inertia is not positive definite: its principal moments are {smallest:.4e}, {middle:.4e}, {largest:.4e} kg m²"
+        );
+        let help = format!(
+            "check the signs and the order ixx ixy ixz iyy iyz izz; the nearest a body can have is\n{}",
+            suggestion()
+        );
+        inertial.suspect = Some(Suspect {
+            at: inertia.tag_at(),
+            message,
+            help,
+        });
+    } else if largest - smallest - middle > TRIANGLE * largest {
+        let message = format!(
+            "no body has this inertia: the principal moment {largest:.4e} exceeds the sum of the others, {smallest:.4e} + {middle:.4e} kg m²"
+        );
+        let help = format!(
+            "it is used as it is; the nearest a body can have is\n{}",
+            suggestion()
+        );
+        scope.warning("U062", inertia.tag_at(), &message, help);
+    }
+}
+
+/// Decides on the suspects: what is fixed to others only counts together with them, so a bad inertia is an
+/// error where the rigid body that it is part of cannot exist, and a warning elsewhere.
+pub(super) fn judge(scope: &mut Scope, robot: &CheckedRobot, order: Option<&Order>) {
+    let suspects = |i: usize| {
+        robot.links[i]
+            .inertial
+            .as_ref()
+            .and_then(|inertial| inertial.suspect.as_ref())
+    };
+    if (0..robot.links.len()).all(|i| suspects(i).is_none()) {
+        return;
+    }
+    let bodies = order.map(|order| rigid_bodies(robot, order));
+    for (i, link) in robot.links.iter().enumerate() {
+        let Some(suspect) = suspects(i) else {
+            continue;
+        };
+        scope.owner = format!("link '{}'", link.name);
+        let harmless = bodies.as_ref().is_some_and(|bodies| {
+            let body = &bodies[i];
+            is_possible(&principal_moments(&body.I_cm))
+        });
+        if harmless || scope.ignore_inertia {
+            let message = if harmless {
+                format!(
+                    "{}; together with the links fixed to it the body is possible",
+                    suspect.message
+                )
+            } else {
+                suspect.message.clone()
+            };
+            scope.warning("U061", suspect.at.clone(), &message, suspect.help.clone());
+        } else {
+            scope.problem(
+                "U061",
+                suspect.at.clone(),
+                &suspect.message,
+                suspect.help.clone(),
+            );
+        }
+    }
+}
+
+/// Per link the inertia of all that is rigidly connected with it.
+fn rigid_bodies(robot: &CheckedRobot, order: &Order) -> Vec<RigidInertia> {
+    let index: HashMap<&str, usize> = robot
+        .links
+        .iter()
+        .enumerate()
+        .map(|(i, link)| (link.name, i))
+        .collect();
+    // Per link: the highest link of its body, and its pose there.
+    let mut top: Vec<(usize, Pose)> = (0..robot.links.len())
+        .map(|i| (i, Pose::IDENTITY))
+        .collect();
+    let mut bodies = vec![RigidInertia::ZERO; robot.links.len()];
+    let joints = std::iter::once(None).chain(order.joints.iter().map(|&j| Some(&robot.joints[j])));
+    for (&i, joint) in order.links.iter().zip(joints) {
+        let fixed = joint.filter(|joint| joint.kind == JointKind::Fixed);
+        let parent = fixed
+            .and_then(|joint| joint.parent.as_ref())
+            .and_then(|parent| index.get(parent.name));
+        if let (Some(joint), Some(&parent)) = (fixed, parent) {
+            let (body, X) = top[parent];
+            top[i] = (body, X.compose(&Pose::from_xyz_rpy(joint.xyz, joint.rpy)));
+        }
+        let (body, X) = top[i];
+        if let Some(inertial) = &robot.links[i].inertial {
+            let R = rotation_from_rpy(&inertial.rpy);
+            let own = RigidInertia {
+                mass: inertial.mass,
+                com: inertial.xyz,
+                I_cm: R * matrix(&inertial.inertia) * R.transpose(),
+            };
+            bodies[body] = bodies[body].joined(&own.transformed(&X));
+        }
+    }
+    top.iter().map(|(body, _)| bodies[*body]).collect()
+}
+
+/// Whether no moment is negative but for round-off; the moments ascend.
+fn is_possible(moments: &[f64; 3]) -> bool {
+    let [smallest, _, largest] = *moments;
+    smallest >= -ROUND_OFF * largest.abs().max(smallest.abs())
+}
+
+/// Eigenvalues, ascending.
+fn principal_moments(I: &Mat3) -> [f64; 3] {
+    let mut moments: [f64; 3] = I.symmetric_eigen().eigenvalues.into();
+    moments.sort_by(f64::total_cmp);
+    moments
+}
+
+/// The inertia whose second moments are those of `I` with the negative ones set to zero.
+fn nearest_physical(I: &Mat3) -> Mat3 {
+    let J = Mat3::identity() * (0.5 * I.trace()) - I;
+    let eigen = J.symmetric_eigen();
+    let moments = eigen.eigenvalues.map(|m| m.max(0.0));
+    let J = eigen.eigenvectors * Mat3::from_diagonal(&moments) * eigen.eigenvectors.transpose();
+    let I = Mat3::identity() * J.trace() - J;
+    // Round-off beside the largest entry is not worth printing.
+    let largest = I.iter().copied().map(f64::abs).fold(0.0, f64::max);
+    I.map(|i| if i.abs() < 1e-12 * largest { 0.0 } else { i })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::spatial::Vec3;
+
+    #[test]
+    fn the_nearest_physical_inertia_of_a_body_is_its_own() {
+        // A box of 2 kg, 0.1 × 0.2 × 0.3 m: m/12 (b² + c²).
+        let I = Mat3::from_diagonal(&(Vec3::new(0.13, 0.10, 0.05) * (2.0 / 12.0)));
+        assert!((nearest_physical(&I) - I).norm() < 1e-15);
+    }
+
+    #[test]
+    fn the_nearest_physical_inertia_has_the_properties_of_a_body() {
+        let I = matrix(&[1.0, 0.3, 0.0, 5.0, -0.2, -0.5]);
+        let [smallest, middle, largest] = principal_moments(&nearest_physical(&I));
+        assert!(smallest >= 0.0);
+        assert!(largest <= smallest + middle + 1e-12);
+    }
+}

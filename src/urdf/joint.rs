@@ -1,0 +1,398 @@
+//! Checks of `<joint>`: type, axis, limits, dynamics, mimic.
+
+use super::diagnostic::did_you_mean;
+use super::scope::{Scope, Version};
+use super::xml::Node;
+use crate::model::JointKind;
+use crate::spatial::Vec3;
+use std::collections::HashMap;
+use std::ops::Range;
+
+/// A joint whose numbers have been checked.
+pub(super) struct CheckedJoint<'d> {
+    pub(super) node: Node<'d>,
+    /// 1-based
+    pub(super) line: usize,
+    pub(super) name: &'d str,
+    pub(super) kind: JointKind,
+    pub(super) parent: Option<LinkReference<'d>>,
+    pub(super) child: Option<LinkReference<'d>>,
+    pub(super) xyz: Vec3,
+    pub(super) rpy: Vec3,
+    /// As in the file: not yet of unit length.
+    pub(super) axis: Vec3,
+    /// rad or m
+    pub(super) limits: Option<(f64, f64)>,
+    pub(super) effort: Option<f64>,
+    pub(super) velocity: Option<f64>,
+    pub(super) damping: f64,
+    pub(super) friction: f64,
+    pub(super) mimic: Option<CheckedMimic<'d>>,
+}
+
+/// `<parent link>` or `<child link>`.
+pub(super) struct LinkReference<'d> {
+    pub(super) name: &'d str,
+    pub(super) at: Range<usize>,
+}
+
+/// `<mimic>`.
+pub(super) struct CheckedMimic<'d> {
+    pub(super) joint: &'d str,
+    pub(super) multiplier: f64,
+    pub(super) offset: f64,
+    /// Where the name of the joint stands.
+    pub(super) at: Range<usize>,
+}
+
+const KINDS: [(&str, JointKind); 6] = [
+    ("fixed", JointKind::Fixed),
+    ("revolute", JointKind::Revolute),
+    ("continuous", JointKind::Continuous),
+    ("prismatic", JointKind::Prismatic),
+    ("planar", JointKind::Planar),
+    ("floating", JointKind::Floating),
+];
+
+const CHILDREN: [&str; 9] = [
+    "origin",
+    "parent",
+    "child",
+    "axis",
+    "limit",
+    "dynamics",
+    "mimic",
+    "safety_controller",
+    "calibration",
+];
+
+/// Written by others, read by others.
+const FOREIGN: [&str; 3] = ["joint_properties", "hardwareInterface", "physics"];
+
+/// Squared length of an axis below which it has no direction.
+const NO_DIRECTION: f64 = 1e-12;
+
+fn turns_or_slides(kind: JointKind) -> bool {
+    matches!(
+        kind,
+        JointKind::Revolute | JointKind::Continuous | JointKind::Prismatic
+    )
+}
+
+/// Checks a `<joint>` that has a name.
+pub(super) fn check<'d>(scope: &mut Scope, node: Node<'d>, name: &'d str) -> CheckedJoint<'d> {
+    scope.owner = format!("joint '{name}'");
+    scope.known_attributes(node, &["name", "type", "dont_collapse"]);
+    scope.known_children(node, &CHILDREN, &FOREIGN);
+    let kind = kind(scope, node);
+    let (xyz, rpy) = scope.origin(node);
+    let parent = link(scope, node, "parent");
+    let child = link(scope, node, "child");
+    let axis = axis(scope, node, kind);
+    let (limits, effort, velocity) = limit(scope, node, kind);
+    let (damping, friction) = dynamics(scope, node);
+    let mimic = mimic(scope, node, kind);
+    for unused in ["safety_controller", "calibration"] {
+        if let Some(child) = scope.single(node, unused) {
+            scope.ignore(child);
+        }
+    }
+    CheckedJoint {
+        node,
+        line: scope.report.line(node.tag_at().start),
+        name,
+        kind,
+        parent,
+        child,
+        xyz,
+        rpy,
+        axis,
+        limits,
+        effort,
+        velocity,
+        damping,
+        friction,
+        mimic,
+    }
+}
+
+/// The type; fixed after a problem was reported, so that the other checks can go on.
+fn kind(scope: &mut Scope, node: Node) -> JointKind {
+    let types = KINDS.map(|(name, _)| name);
+    let Some(attribute) = node.attribute("type") else {
+        scope.missing_attribute(node, "type", &format!("write one of {}", types.join(", ")));
+        return JointKind::Fixed;
+    };
+    let found = KINDS.iter().find(|(name, _)| *name == attribute.value);
+    if let Some((_, kind)) = found {
+        return *kind;
+    }
+    let message = format!("unknown joint type '{}'", attribute.value);
+    let help = match did_you_mean(&attribute.value.to_lowercase(), types) {
+        _ if attribute.value == "spherical" => {
+            "URDF has no ball joint: write three revolute joints with massless links between"
+                .to_owned()
+        }
+        help if help.is_empty() => format!("known types are {}", types.join(", ")),
+        help => help,
+    };
+    scope.problem("U040", attribute.at.clone(), &message, help);
+    JointKind::Fixed
+}
+
+fn link<'d>(scope: &mut Scope, node: Node<'d>, tag: &'static str) -> Option<LinkReference<'d>> {
+    let Some(child) = scope.single(node, tag) else {
+        let message = format!("<joint> has no <{tag}>");
+        let help = format!("add <{tag} link=\"…\"/>");
+        scope.problem("U017", node.tag_at(), &message, help);
+        return None;
+    };
+    scope.known_attributes(child, &["link"]);
+    let Some(attribute) = child.attribute("link") else {
+        scope.missing_attribute(child, "link", "write link=\"name of a link\"");
+        return None;
+    };
+    Some(LinkReference {
+        name: &attribute.value,
+        at: attribute.at.clone(),
+    })
+}
+
+fn axis(scope: &mut Scope, node: Node, kind: JointKind) -> Vec3 {
+    let Some(child) = scope.single(node, "axis") else {
+        return Vec3::x();
+    };
+    scope.known_attributes(child, &["xyz", "rpy"]);
+    let Some(attribute) = child.attribute("xyz") else {
+        scope.missing_attribute(child, "xyz", "write xyz=\"0 0 1\"");
+        return Vec3::x();
+    };
+    let Some(axis) = scope.vector::<3>(child, "xyz") else {
+        return Vec3::x();
+    };
+    let axis = Vec3::from(axis);
+    if axis.norm_squared() > NO_DIRECTION {
+        return axis;
+    }
+    // The axis of a fixed or floating joint means nothing; many files write zeros there.
+    if !matches!(kind, JointKind::Fixed | JointKind::Floating) {
+        let help = "write the direction of the axis, such as \"0 0 1\"";
+        scope.problem("U041", attribute.at.clone(), "the axis is zero", help);
+    }
+    Vec3::x()
+}
+
+type Limit = (Option<(f64, f64)>, Option<f64>, Option<f64>);
+
+fn limit(scope: &mut Scope, node: Node, kind: JointKind) -> Limit {
+    let limited = matches!(kind, JointKind::Revolute | JointKind::Prismatic);
+    let Some(child) = scope.single(node, "limit") else {
+        if limited {
+            let word = if kind == JointKind::Prismatic {
+                "prismatic"
+            } else {
+                "revolute"
+            };
+            let message = format!("a {word} joint needs a <limit>");
+            let mut help =
+                "add <limit lower=\"…\" upper=\"…\" effort=\"…\" velocity=\"…\"/>".to_owned();
+            if kind == JointKind::Revolute {
+                help += ", or use type=\"continuous\"";
+            }
+            scope.problem("U044", node.tag_at(), &message, help);
+        }
+        return (None, None, None);
+    };
+    let rest = ["acceleration", "deceleration", "jerk"];
+    for (name, at) in child.attribute_names() {
+        let known = ["lower", "upper", "effort", "velocity"].contains(&name);
+        if rest.contains(&name) && scope.version >= Version(1, 2) {
+            scope.note("U020", at, &format!("<limit> {name} is not used"), "");
+        } else if !known && !name.contains(':') {
+            let message = format!("<limit> attribute '{name}' is unknown and ignored");
+            let help = did_you_mean(name, ["lower", "upper", "effort", "velocity"]);
+            scope.warning("U019", at, &message, help);
+        }
+    }
+    let lower = scope.number(child, "lower");
+    let upper = scope.number(child, "upper");
+    let effort = not_negative(scope, child, "effort");
+    let velocity = not_negative(scope, child, "velocity");
+    if turns_or_slides(kind) && scope.version < Version(1, 2) {
+        for name in ["effort", "velocity"] {
+            if child.attribute(name).is_none() {
+                let message = format!("<limit> has no {name}");
+                scope.warning("U045", child.tag_at(), &message, "it counts as unlimited");
+            }
+        }
+    }
+    if !limited {
+        return (None, effort, velocity);
+    }
+    (range(scope, child, lower, upper), effort, velocity)
+}
+
+fn range(
+    scope: &mut Scope,
+    node: Node,
+    lower: Option<f64>,
+    upper: Option<f64>,
+) -> Option<(f64, f64)> {
+    let given = (
+        node.attribute("lower").is_some(),
+        node.attribute("upper").is_some(),
+    );
+    if scope.version >= Version(1, 2) {
+        match given {
+            (false, false) => return None,
+            (true, true) => {}
+            _ => {
+                let help = "give both lower and upper, or neither";
+                let message = "a limit on one side only is not supported";
+                scope.problem("U044", node.tag_at(), message, help);
+                return None;
+            }
+        }
+    }
+    let (lower, upper) = (lower.unwrap_or(0.0), upper.unwrap_or(0.0));
+    if lower > upper {
+        let at = node
+            .attribute("lower")
+            .or_else(|| node.attribute("upper"))
+            .map_or_else(|| node.tag_at(), |a| a.at.clone());
+        let message = format!("the lower limit {lower} is above the upper limit {upper}");
+        let help = "exchange them; for a joint without limits use type=\"continuous\"";
+        scope.problem("U043", at, &message, help);
+        return None;
+    }
+    if given == (false, false) {
+        let message =
+            "<limit> has neither lower nor upper: both count as 0 and the joint cannot move";
+        let help = "give the range in rad or m, or use type=\"fixed\" or \"continuous\"";
+        scope.warning("U044", node.tag_at(), message, help);
+    }
+    Some((lower, upper))
+}
+
+fn not_negative(scope: &mut Scope, node: Node, name: &str) -> Option<f64> {
+    let value = scope.number(node, name)?;
+    if value >= 0.0 {
+        return Some(value);
+    }
+    let at = node
+        .attribute(name)
+        .map_or_else(|| node.tag_at(), |a| a.at.clone());
+    let message = format!("<{}> {name} {value} is negative", node.name());
+    scope.problem("U033", at, &message, "write its size; 0 or above");
+    None
+}
+
+fn dynamics(scope: &mut Scope, node: Node) -> (f64, f64) {
+    let Some(child) = scope.single(node, "dynamics") else {
+        return (0.0, 0.0);
+    };
+    scope.known_attributes(child, &["damping", "friction"]);
+    let damping = not_negative(scope, child, "damping").unwrap_or(0.0);
+    let friction = not_negative(scope, child, "friction").unwrap_or(0.0);
+    (damping, friction)
+}
+
+fn mimic<'d>(scope: &mut Scope, node: Node<'d>, kind: JointKind) -> Option<CheckedMimic<'d>> {
+    let child = scope.single(node, "mimic")?;
+    scope.known_attributes(child, &["joint", "multiplier", "offset"]);
+    let multiplier = scope.number(child, "multiplier");
+    let offset = scope.number(child, "offset");
+    let Some(joint) = child.attribute("joint") else {
+        scope.missing_attribute(child, "joint", "write joint=\"name of a joint\"");
+        return None;
+    };
+    if !turns_or_slides(kind) {
+        let message = "<mimic> is ignored: only a turning or sliding joint can follow another";
+        scope.warning("U047", child.tag_at(), message, "remove it");
+        return None;
+    }
+    Some(CheckedMimic {
+        joint: &joint.value,
+        multiplier: multiplier.unwrap_or(1.0),
+        offset: offset.unwrap_or(0.0),
+        at: joint.at.clone(),
+    })
+}
+
+/// Checks that every mimic follows a turning or sliding joint and none follows itself.
+pub(super) fn check_mimics(scope: &mut Scope, joints: &[CheckedJoint]) {
+    let index: HashMap<&str, usize> = joints
+        .iter()
+        .enumerate()
+        .map(|(i, j)| (j.name, i))
+        .collect();
+    let target = |i: usize| -> Option<usize> {
+        let mimic = joints[i].mimic.as_ref()?;
+        index.get(mimic.joint).copied()
+    };
+    for (i, joint) in joints.iter().enumerate() {
+        let Some(mimic) = &joint.mimic else {
+            continue;
+        };
+        scope.owner = format!("joint '{}'", joint.name);
+        let at = mimic.at.clone();
+        let Some(followed) = target(i) else {
+            let message = format!(
+                "<mimic> names joint '{}', which does not exist",
+                mimic.joint
+            );
+            let help = did_you_mean(mimic.joint, joints.iter().map(|j| j.name));
+            scope.problem("U046", at, &message, help);
+            continue;
+        };
+        if !turns_or_slides(joints[followed].kind) {
+            let message = format!(
+                "<mimic> names joint '{}', which neither turns nor slides",
+                mimic.joint
+            );
+            let help = "follow a revolute, continuous or prismatic joint";
+            scope.problem("U046", at, &message, help);
+        }
+    }
+    report_circles(scope, joints, target);
+}
+
+/// One error for each circle of mimics.
+fn report_circles(
+    scope: &mut Scope,
+    joints: &[CheckedJoint],
+    target: impl Fn(usize) -> Option<usize>,
+) {
+    // The walk that came past a joint first; each joint is passed once.
+    let mut walk = vec![None; joints.len()];
+    for start in 0..joints.len() {
+        let mut next = Some(start);
+        while let Some(i) = next
+            && walk[i].is_none()
+        {
+            walk[i] = Some(start);
+            next = target(i);
+        }
+        let Some(i) = next.filter(|&i| walk[i] == Some(start) && target(i).is_some()) else {
+            continue;
+        };
+        let (joint, Some(mimic)) = (&joints[i], &joints[i].mimic) else {
+            continue;
+        };
+        scope.owner = format!("joint '{}'", joint.name);
+        let message = if mimic.joint == joint.name {
+            "the joint mimics itself".to_owned()
+        } else {
+            format!(
+                "<mimic> closes a circle: '{}' follows this joint",
+                mimic.joint
+            )
+        };
+        scope.problem(
+            "U046",
+            mimic.at.clone(),
+            &message,
+            "let one of the joints follow none",
+        );
+    }
+}

@@ -1,0 +1,366 @@
+//! Checks of `<link>`: mass, shapes, surface.
+
+use super::diagnostic::{Severity, did_you_mean};
+use super::inertia::{self, Suspect};
+use super::scope::Scope;
+use super::xml::Node;
+use crate::spatial::Vec3;
+use std::ops::Range;
+
+/// A link whose numbers have been checked.
+pub(super) struct CheckedLink<'d> {
+    pub(super) node: Node<'d>,
+    /// 1-based
+    pub(super) line: usize,
+    pub(super) name: &'d str,
+    pub(super) inertial: Option<CheckedInertial>,
+    pub(super) collisions: Vec<CheckedCollision<'d>>,
+    pub(super) friction: Option<f64>,
+    pub(super) restitution: Option<f64>,
+}
+
+/// `<inertial>`.
+pub(super) struct CheckedInertial {
+    /// m
+    pub(super) xyz: Vec3,
+    /// rad
+    pub(super) rpy: Vec3,
+    /// kg
+    pub(super) mass: f64,
+    /// ixx, ixy, ixz, iyy, iyz, izz about the centre of mass, kg m²
+    pub(super) inertia: [f64; 6],
+    /// What is wrong with the inertia, if it is wrong for a body on its own.
+    pub(super) suspect: Option<Suspect>,
+}
+
+/// `<collision>`.
+pub(super) struct CheckedCollision<'d> {
+    pub(super) xyz: Vec3,
+    pub(super) rpy: Vec3,
+    pub(super) geometry: Geometry<'d>,
+}
+
+/// What stands in `<geometry>`, sizes in m.
+pub(super) enum Geometry<'d> {
+    Box {
+        size: [f64; 3],
+    },
+    Cylinder {
+        radius: f64,
+        length: f64,
+    },
+    Capsule {
+        radius: f64,
+        length: f64,
+    },
+    Sphere {
+        radius: f64,
+    },
+    Mesh {
+        filename: &'d str,
+        scale: [f64; 3],
+        /// Where the file name stands.
+        at: Range<usize>,
+    },
+}
+
+const CHILDREN: [&str; 4] = ["inertial", "visual", "collision", "contact"];
+
+/// Written by others, read by others.
+const FOREIGN: [&str; 10] = [
+    "audio_source",
+    "collision_checking",
+    "gravity",
+    "kinematic",
+    "material",
+    "origin",
+    "self_collision_checking",
+    "self_filter",
+    "sensor",
+    "surface",
+];
+
+/// Checks a `<link>` that has a name.
+pub(super) fn check<'d>(scope: &mut Scope, node: Node<'d>, name: &'d str) -> CheckedLink<'d> {
+    scope.owner = format!("link '{name}'");
+    scope.known_attributes(node, &["name", "type", "concave"]);
+    scope.known_children(node, &CHILDREN, &FOREIGN);
+    let inertial = scope
+        .single(node, "inertial")
+        .and_then(|inertial| check_inertial(scope, inertial));
+    let mut collisions = Vec::new();
+    for collision in node.children_named("collision") {
+        scope.known_attributes(collision, &["name", "concave", "group", "mask"]);
+        scope.known_children(collision, &["origin", "geometry"], &["material", "verbose"]);
+        let (xyz, rpy) = scope.origin(collision);
+        if let Some(geometry) = geometry(scope, collision) {
+            collisions.push(CheckedCollision { xyz, rpy, geometry });
+        }
+    }
+    let (friction, restitution) = surface(scope, node);
+    CheckedLink {
+        node,
+        line: scope.report.line(node.tag_at().start),
+        name,
+        inertial,
+        collisions,
+        friction,
+        restitution,
+    }
+}
+
+/// Checks the visuals of a link and gives the file names of their meshes; all problems are warnings.
+pub(super) fn check_visuals<'d>(
+    scope: &mut Scope,
+    link: &CheckedLink<'d>,
+) -> Vec<(&'d str, Range<usize>)> {
+    scope.owner = format!("link '{}'", link.name);
+    scope.severity = Severity::Warning;
+    let mut meshes = Vec::new();
+    for visual in link.node.children_named("visual") {
+        scope.known_attributes(visual, &["name"]);
+        scope.known_children(visual, &["origin", "geometry", "material"], &["meshScale"]);
+        scope.origin(visual);
+        if let Some(Geometry::Mesh { filename, at, .. }) = geometry(scope, visual) {
+            meshes.push((filename, at));
+        }
+    }
+    scope.severity = Severity::Error;
+    meshes
+}
+
+fn check_inertial(scope: &mut Scope, node: Node) -> Option<CheckedInertial> {
+    scope.known_attributes(node, &[]);
+    scope.known_children(node, &["origin", "mass", "inertia"], &[]);
+    let (xyz, rpy) = scope.origin(node);
+    let mass_node = required(scope, node, "mass", "<mass value=\"…\"/>, in kg");
+    let mass = mass_node.and_then(|m| {
+        scope.known_attributes(m, &["value"]);
+        scope.required_number(m, "value")
+    });
+    let inertia_node = required(
+        scope,
+        node,
+        "inertia",
+        "<inertia ixx=\"…\" ixy=\"0\" ixz=\"0\" iyy=\"…\" iyz=\"0\" izz=\"…\"/>, in kg m²",
+    );
+    let inertia = inertia_node.map(|i| {
+        scope.known_attributes(i, &inertia::NAMES);
+        inertia::NAMES.map(|name| {
+            if name == "ixx" || name == "iyy" || name == "izz" {
+                return scope.required_number(i, name);
+            }
+            if i.attribute(name).is_none() {
+                let message = format!("<inertia> has no {name}");
+                scope.warning("U063", i.tag_at(), &message, "0 is used");
+                return Some(0.0);
+            }
+            scope.number(i, name)
+        })
+    });
+    let (mass_node, mass, inertia_node) = (mass_node?, mass?, inertia_node?);
+    let mut values = [0.0; 6];
+    for (value, read) in values.iter_mut().zip(inertia?) {
+        *value = read?;
+    }
+    let mut inertial = CheckedInertial {
+        xyz,
+        rpy,
+        mass,
+        inertia: values,
+        suspect: None,
+    };
+    inertia::check(scope, &mut inertial, mass_node, inertia_node);
+    Some(inertial)
+}
+
+/// The only child of that name; a problem if there is none.
+fn required<'d>(
+    scope: &mut Scope,
+    node: Node<'d>,
+    name: &'static str,
+    help: &str,
+) -> Option<Node<'d>> {
+    let child = scope.single(node, name);
+    if child.is_none() {
+        let message = format!("<{}> has no <{name}>", node.name());
+        scope.problem("U017", node.tag_at(), &message, format!("add {help}"));
+    }
+    child
+}
+
+const SHAPES: [&str; 5] = ["box", "cylinder", "capsule", "sphere", "mesh"];
+
+fn geometry<'d>(scope: &mut Scope, node: Node<'d>) -> Option<Geometry<'d>> {
+    let geometry = required(scope, node, "geometry", "<geometry> with one shape")?;
+    let mut shapes = geometry.children().filter(|c| {
+        // Some exporters write materials here.
+        c.name() != "material" && !c.name().contains(':')
+    });
+    let Some(shape) = shapes.next() else {
+        let help = format!(
+            "put one of {} into it",
+            SHAPES.map(|s| format!("<{s}>")).join(", ")
+        );
+        scope.problem("U017", geometry.tag_at(), "<geometry> is empty", help);
+        return None;
+    };
+    if let Some(second) = shapes.next() {
+        let help = format!("write one <{}> for each shape", node.name());
+        scope.problem(
+            "U018",
+            second.tag_at(),
+            "a second shape in one <geometry>",
+            help,
+        );
+    }
+    match shape.name() {
+        "box" => {
+            scope.known_attributes(shape, &["size"]);
+            require_attribute(scope, shape, "size", "size=\"x y z\", in m");
+            let size = scope.vector::<3>(shape, "size")?;
+            let positive = size.iter().all(|&s| s > 0.0);
+            positive_or_problem(scope, shape, "size", positive)?;
+            Some(Geometry::Box { size })
+        }
+        "sphere" => {
+            scope.known_attributes(shape, &["radius"]);
+            let radius = length(scope, shape, "radius")?;
+            Some(Geometry::Sphere { radius })
+        }
+        "cylinder" | "capsule" => {
+            scope.known_attributes(shape, &["radius", "length"]);
+            let (radius, length) = (
+                length(scope, shape, "radius"),
+                length(scope, shape, "length"),
+            );
+            let (radius, length) = (radius?, length?);
+            Some(if shape.name() == "capsule" {
+                Geometry::Capsule { radius, length }
+            } else {
+                Geometry::Cylinder { radius, length }
+            })
+        }
+        "mesh" => mesh(scope, shape),
+        other => {
+            let message = format!("unknown shape <{other}>");
+            let help = match did_you_mean(other, SHAPES) {
+                help if help.is_empty() => format!("known shapes are {}", SHAPES.join(", ")),
+                help => help,
+            };
+            scope.problem("U070", shape.tag_at(), &message, help);
+            None
+        }
+    }
+}
+
+fn mesh<'d>(scope: &mut Scope, shape: Node<'d>) -> Option<Geometry<'d>> {
+    scope.known_attributes(shape, &["filename", "scale"]);
+    require_attribute(scope, shape, "filename", "filename=\"…\"");
+    let scale = match shape.attribute("scale") {
+        Some(_) => scope.vector::<3>(shape, "scale"),
+        None => Some([1.0; 3]),
+    };
+    let file = shape.attribute("filename")?;
+    let scale = scale?;
+    if scale.contains(&0.0) {
+        let at = shape
+            .attribute("scale")
+            .map_or_else(|| shape.tag_at(), |a| a.at.clone());
+        let help = "1 leaves the size as it is; -1 mirrors";
+        scope.problem("U033", at, "<mesh> scale must not be zero", help);
+        return None;
+    }
+    Some(Geometry::Mesh {
+        filename: &file.value,
+        scale,
+        at: file.at.clone(),
+    })
+}
+
+fn require_attribute(scope: &mut Scope, node: Node, name: &str, help: &str) {
+    if node.attribute(name).is_none() {
+        scope.missing_attribute(node, name, &format!("write {help}"));
+    }
+}
+
+/// A length above zero, m.
+fn length(scope: &mut Scope, node: Node, name: &str) -> Option<f64> {
+    let value = scope.required_number(node, name)?;
+    positive_or_problem(scope, node, name, value > 0.0)?;
+    Some(value)
+}
+
+fn positive_or_problem(scope: &mut Scope, node: Node, name: &str, positive: bool) -> Option<()> {
+    if positive {
+        return Some(());
+    }
+    let at = node
+        .attribute(name)
+        .map_or_else(|| node.tag_at(), |a| a.at.clone());
+    let message = format!("<{}> {name} must be above zero", node.name());
+    scope.problem(
+        "U033",
+        at,
+        &message,
+        "give the size in m, or remove the shape",
+    );
+    None
+}
+
+/// PyBullet's `<contact>`: friction and restitution.
+fn surface(scope: &mut Scope, node: Node) -> (Option<f64>, Option<f64>) {
+    let Some(contact) = scope.single(node, "contact") else {
+        return (None, None);
+    };
+    let mut values = [None, None];
+    for child in contact.children() {
+        let (slot, highest) = match child.name() {
+            "lateral_friction" => (0, f64::INFINITY),
+            "restitution" => (1, 1.0),
+            _ => {
+                scope.ignore(child);
+                continue;
+            }
+        };
+        let Some(value) = scope.required_number(child, "value") else {
+            continue;
+        };
+        if (0.0..=highest).contains(&value) {
+            values[slot] = Some(value);
+        } else {
+            let message = format!("<{}> {value} is out of range", child.name());
+            let help = match slot {
+                0 => "a coefficient of friction is not negative",
+                _ => "a coefficient of restitution lies between 0 and 1",
+            };
+            scope.problem("U071", child.tag_at(), &message, help);
+        }
+    }
+    (values[0], values[1])
+}
+
+/// Gazebo's `<gazebo reference="link"><mu1>`: a coefficient of friction.
+pub(super) fn gazebo_friction(scope: &mut Scope, gazebo: Node) -> Option<f64> {
+    let mut friction = None;
+    for child in gazebo.children() {
+        if child.name() != "mu1" && child.name() != "mu" {
+            continue;
+        }
+        let (text, at) = match child.attribute("value") {
+            Some(attribute) => (attribute.value.clone(), attribute.at.clone()),
+            None => (child.content().trim().to_owned(), child.content_at()),
+        };
+        match text.trim().parse::<f64>() {
+            Ok(value) if value.is_finite() && value >= 0.0 => friction = Some(value),
+            _ => {
+                let message = format!(
+                    "<{}> '{text}' is not a coefficient of friction",
+                    child.name()
+                );
+                scope.warning("U071", at, &message, "it is ignored");
+            }
+        }
+    }
+    friction
+}

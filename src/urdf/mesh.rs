@@ -1,0 +1,315 @@
+//! Mesh files → points: STL, OBJ, COLLADA.
+//!
+//! Only the corners of faces are kept: the collision shape is their convex hull. Own readers for the two
+//! plain formats, a page each: `stl_io` takes binary files that start with `solid` for text and refuses text
+//! that is not laid out line by line as it expects; both happen.
+
+use super::collada;
+use crate::spatial::Vec3;
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+
+/// Mesh files larger than this, in bytes, are refused. Five million triangles.
+const LARGEST_FILE: u64 = 256 << 20;
+
+/// Why a mesh cannot be read.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub(super) enum MeshError {
+    #[error("the file cannot be read: {0}")]
+    Io(String),
+    #[error("the file has {0} bytes, more than the {LARGEST_FILE} that are read")]
+    TooLarge(u64),
+    #[error("the file is empty")]
+    Empty,
+    #[error("'{0}' files are not read; STL, OBJ and COLLADA are")]
+    Format(String),
+    #[error(
+        "the file is cut short: {expected} bytes for {triangles} triangles, but it has {found}"
+    )]
+    Truncated {
+        triangles: u32,
+        expected: u64,
+        found: u64,
+    },
+    #[error("the file is cut short: it ends within a facet")]
+    Unfinished,
+    #[error("line {line}: {what}")]
+    Line { line: usize, what: String },
+    #[error("neither ASCII nor binary STL")]
+    NotStl,
+    #[error("{0}")]
+    Collada(String),
+    #[error("there is no face in it")]
+    NoFaces,
+    #[error("a coordinate is not finite")]
+    NotFinite,
+}
+
+/// Corners of the mesh's faces in m, as the file has them.
+pub(super) fn read(path: &Path) -> Result<Vec<Vec3>, MeshError> {
+    let kind = path
+        .extension()
+        .map(|e| e.to_string_lossy().to_ascii_lowercase())
+        .unwrap_or_default();
+    if !["stl", "obj", "dae"].contains(&kind.as_str()) {
+        return Err(MeshError::Format(format!(".{kind}")));
+    }
+    let bytes = bytes(path)?;
+    if bytes.is_empty() {
+        return Err(MeshError::Empty);
+    }
+    let points = match kind.as_str() {
+        "stl" => stl(&bytes)?,
+        "obj" => obj(&String::from_utf8_lossy(&bytes))?,
+        _ => collada::read(&bytes)?,
+    };
+    if points.is_empty() {
+        return Err(MeshError::NoFaces);
+    }
+    if points.iter().any(|p| !p.iter().all(|x| x.is_finite())) {
+        return Err(MeshError::NotFinite);
+    }
+    Ok(points)
+}
+
+fn bytes(path: &Path) -> Result<Vec<u8>, MeshError> {
+    let io = |error: std::io::Error| MeshError::Io(error.to_string());
+    let file = File::open(path).map_err(io)?;
+    let size = file.metadata().map_err(io)?.len();
+    if size > LARGEST_FILE {
+        return Err(MeshError::TooLarge(size));
+    }
+    let mut bytes = Vec::new();
+    // The file may grow while it is read.
+    file.take(LARGEST_FILE)
+        .read_to_end(&mut bytes)
+        .map_err(io)?;
+    Ok(bytes)
+}
+
+/// Header and triangle count of a binary STL.
+const STL_HEADER: usize = 84;
+/// A triangle of a binary STL: normal, three corners, two bytes.
+const STL_TRIANGLE: usize = 50;
+
+fn stl(bytes: &[u8]) -> Result<Vec<Vec3>, MeshError> {
+    let text = bytes.trim_ascii_start();
+    let solid = text
+        .get(..5)
+        .is_some_and(|w| w.eq_ignore_ascii_case(b"solid"));
+    let binary = bytes.get(80..STL_HEADER).map(|count| {
+        let triangles = u32::from_le_bytes([count[0], count[1], count[2], count[3]]);
+        let expected = STL_HEADER as u64 + u64::from(triangles) * STL_TRIANGLE as u64;
+        (triangles, expected)
+    });
+    let found = bytes.len() as u64;
+    match binary {
+        // The length decides: many binary files start with "solid" too.
+        Some((_, expected)) if expected == found => Ok(stl_binary(bytes, expected)),
+        _ if solid => stl_text(&String::from_utf8_lossy(bytes)),
+        // Some programs append what is theirs.
+        Some((triangles, expected)) if triangles > 0 && expected < found => {
+            Ok(stl_binary(bytes, expected))
+        }
+        Some((triangles, expected)) if expected > found => Err(MeshError::Truncated {
+            triangles,
+            expected,
+            found,
+        }),
+        _ => Err(MeshError::NotStl),
+    }
+}
+
+/// `end` is at most the length of `bytes`.
+fn stl_binary(bytes: &[u8], end: u64) -> Vec<Vec3> {
+    let end = usize::try_from(end).map_or(bytes.len(), |end| end.min(bytes.len()));
+    let triangles = bytes[STL_HEADER.min(end)..end].chunks_exact(STL_TRIANGLE);
+    let mut points = Vec::with_capacity(3 * triangles.len());
+    for triangle in triangles {
+        for corner in triangle[12..48].chunks_exact(12) {
+            let number = |i: usize| {
+                let at = 4 * i;
+                let four = [corner[at], corner[at + 1], corner[at + 2], corner[at + 3]];
+                f64::from(f32::from_le_bytes(four))
+            };
+            points.push(Vec3::new(number(0), number(1), number(2)));
+        }
+    }
+    points
+}
+
+/// Reads words, not lines: `vertex x y z`, and that `endsolid` or a whole facet comes last.
+fn stl_text(text: &str) -> Result<Vec<Vec3>, MeshError> {
+    let mut points = Vec::new();
+    let mut open = false;
+    for (i, line) in text.lines().enumerate() {
+        let problem = |what: String| MeshError::Line { line: i + 1, what };
+        let mut words = line.split_whitespace().peekable();
+        // The rest of such a line is a name, of any words.
+        let named = |word: &&str| {
+            word.eq_ignore_ascii_case("solid") || word.eq_ignore_ascii_case("endsolid")
+        };
+        if words.peek().is_some_and(named) {
+            continue;
+        }
+        while let Some(word) = words.next() {
+            if word.eq_ignore_ascii_case("vertex") {
+                points.push(three(&mut words).map_err(problem)?);
+            } else if word.eq_ignore_ascii_case("facet") {
+                open = true;
+            } else if word.eq_ignore_ascii_case("endfacet") {
+                open = false;
+                if points.len() % 3 != 0 {
+                    return Err(problem("a facet has three vertices".to_owned()));
+                }
+            }
+        }
+    }
+    if open {
+        return Err(MeshError::Unfinished);
+    }
+    Ok(points)
+}
+
+fn three<'w>(words: &mut impl Iterator<Item = &'w str>) -> Result<Vec3, String> {
+    let mut point = Vec3::zeros();
+    for coordinate in point.iter_mut() {
+        let word = words.next().ok_or("three numbers are needed")?;
+        *coordinate = word
+            .parse()
+            .map_err(|_| format!("'{word}' is not a number"))?;
+    }
+    Ok(point)
+}
+
+/// Vertices that a face names; all of them where there is no face.
+fn obj(text: &str) -> Result<Vec<Vec3>, MeshError> {
+    let mut vertices = Vec::new();
+    let mut used: Vec<bool> = Vec::new();
+    for (i, line) in text.lines().enumerate() {
+        let problem = |what: String| MeshError::Line { line: i + 1, what };
+        let mut words = line.split_whitespace();
+        match words.next() {
+            Some("v") => {
+                vertices.push(three(&mut words).map_err(problem)?);
+                used.push(false);
+            }
+            Some("f") => {
+                for corner in words.take_while(|word| !word.starts_with('#') && *word != "\\") {
+                    let word = corner.split('/').next().unwrap_or(corner);
+                    let index = vertex_index(word, vertices.len())
+                        .ok_or_else(|| problem(format!("there is no vertex '{word}' yet")))?;
+                    used[index] = true;
+                }
+            }
+            _ => {}
+        }
+    }
+    if used.contains(&true) {
+        let mut used = used.into_iter();
+        vertices.retain(|_| used.next() == Some(true));
+    }
+    Ok(vertices)
+}
+
+/// OBJ counts from 1, or backwards from -1.
+fn vertex_index(word: &str, count: usize) -> Option<usize> {
+    let index: i64 = word.parse().ok()?;
+    let count = i64::try_from(count).ok()?;
+    let index = if index < 0 { count + index } else { index - 1 };
+    (0..count)
+        .contains(&index)
+        .then(|| usize::try_from(index).ok())?
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A binary STL of the given triangles.
+    fn binary(header: &[u8], triangles: &[[[f32; 3]; 3]]) -> Vec<u8> {
+        let mut bytes = header.to_vec();
+        bytes.resize(80, 0);
+        bytes.extend(u32::try_from(triangles.len()).expect("few").to_le_bytes());
+        for triangle in triangles {
+            bytes.extend([0; 12]);
+            for x in triangle.iter().flatten() {
+                bytes.extend(x.to_le_bytes());
+            }
+            bytes.extend([0; 2]);
+        }
+        bytes
+    }
+
+    const TRIANGLE: [[f32; 3]; 3] = [[0.0, 0.0, 0.5], [1.0, 0.0, 0.0], [0.0, -2.0, 0.0]];
+
+    fn corners() -> Vec<Vec3> {
+        TRIANGLE
+            .iter()
+            .map(|p| Vec3::from(p.map(f64::from)))
+            .collect()
+    }
+
+    #[test]
+    fn binary_stl_is_read_even_if_it_starts_with_solid() {
+        assert_eq!(stl(&binary(b"part", &[TRIANGLE])), Ok(corners()));
+        assert_eq!(stl(&binary(b"solid part", &[TRIANGLE])), Ok(corners()));
+    }
+
+    #[test]
+    fn binary_stl_with_a_tail_is_read_and_one_cut_short_is_refused() {
+        let mut bytes = binary(b"part", &[TRIANGLE]);
+        bytes.extend(b"tail");
+        assert_eq!(stl(&bytes), Ok(corners()));
+        for length in 0..134 {
+            assert!(stl(&bytes[..length]).is_err(), "{length}");
+        }
+        // A count of four thousand million triangles must not be believed.
+        let mut bytes = binary(b"part", &[TRIANGLE]);
+        bytes[80..84].copy_from_slice(&u32::MAX.to_le_bytes());
+        assert!(matches!(stl(&bytes), Err(MeshError::Truncated { .. })));
+    }
+
+    #[test]
+    fn ascii_stl_is_read_in_any_case_and_layout() {
+        let text = "solid my vertex part\nFACET NORMAL 0 0 nan OUTER LOOP VERTEX 0 0 0.5\n\
+                    vertex 1 0 0 vertex 0 -2e0 0 endloop endfacet\nendsolid my vertex part\n";
+        assert_eq!(stl(text.as_bytes()), Ok(corners()));
+    }
+
+    #[test]
+    fn ascii_stl_with_a_fault_is_refused_with_the_line() {
+        let text = "solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0,5\n";
+        let Err(MeshError::Line { line: 4, what }) = stl(text.as_bytes()) else {
+            panic!("no error in line 4");
+        };
+        assert!(what.contains("0,5"));
+        let cut = "solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\n";
+        assert_eq!(stl(cut.as_bytes()), Err(MeshError::Unfinished));
+    }
+
+    #[test]
+    fn obj_keeps_what_faces_use() {
+        let text = "# a\nv 0 0 0\nv 1 0 0 1\nv 0 1 0\nv 9 9 9\nvn 0 0 1\nv 0 0 1\nf 1/1/1 2//1 -1\nf 3 2 1\n";
+        let expected = [
+            [0.0, 0.0, 0.0],
+            [1.0, 0.0, 0.0],
+            [0.0, 1.0, 0.0],
+            [0.0, 0.0, 1.0],
+        ];
+        assert_eq!(obj(text), Ok(expected.map(Vec3::from).to_vec()));
+        assert_eq!(obj("v 1 2 3\n"), Ok(vec![Vec3::new(1.0, 2.0, 3.0)]));
+        for wrong in [
+            "f 1 2 3",
+            "v 0 0 0\nf 1 2",
+            "v 0 0",
+            "v 0 0 a",
+            "v 0 0 0\nf 0",
+            "v 0 0 0\nf -2",
+            "v 0 0 0\nf x",
+        ] {
+            assert!(obj(wrong).is_err(), "{wrong}");
+        }
+    }
+}

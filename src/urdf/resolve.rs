@@ -1,0 +1,372 @@
+//! Mesh file names → files: `package://`, `model://`, `file://`, relative and absolute paths.
+//!
+//! A package is looked for in the package paths, then up from the URDF's folder. ROS itself is not needed.
+
+use super::ReadOptions;
+use std::fs;
+use std::path::{Component, Path, PathBuf};
+
+/// `package.xml` files larger than this, in bytes, are not looked into.
+const LARGEST_MANIFEST: u64 = 1_000_000;
+
+/// Entries of a package path that are looked into for packages one level down.
+const MOST_ENTRIES: usize = 2000;
+
+/// Where meshes are looked for.
+pub(super) struct Resolver<'o> {
+    base_dir: &'o Path,
+    package_paths: &'o [PathBuf],
+}
+
+/// A mesh file that was not found.
+#[derive(Debug, PartialEq, Eq)]
+pub(super) struct NotFound {
+    /// Every place that was looked at, in order.
+    pub(super) tried: Vec<PathBuf>,
+    /// What to do.
+    pub(super) advice: String,
+}
+
+impl NotFound {
+    pub(super) fn help(&self) -> String {
+        use std::fmt::Write as _;
+        /// More lines than this hide the advice.
+        const MOST_SHOWN: usize = 30;
+        let mut text = String::new();
+        for (i, path) in self.tried.iter().take(MOST_SHOWN).enumerate() {
+            let lead = if i == 0 { "tried " } else { "      " };
+            // Writing to a string cannot fail.
+            let _ = writeln!(text, "{lead}{}", path.display());
+        }
+        if self.tried.len() > MOST_SHOWN {
+            let _ = writeln!(text, "      and {} more", self.tried.len() - MOST_SHOWN);
+        }
+        text + &self.advice
+    }
+}
+
+impl<'o> Resolver<'o> {
+    pub(super) fn new(base_dir: &'o Path, options: &'o ReadOptions) -> Self {
+        Self {
+            base_dir,
+            package_paths: &options.package_paths,
+        }
+    }
+
+    /// The file that `name` means.
+    pub(super) fn find(&self, name: &str) -> Result<PathBuf, NotFound> {
+        // Windows tools write backslashes.
+        let name = name.trim().replace('\\', "/");
+        let (candidates, advice) = self.candidates(&name);
+        match candidates.iter().find(|path| path.is_file()) {
+            Some(path) => Ok(tidy(path)),
+            None => Err(NotFound {
+                tried: distinct(candidates.iter().map(|path| tidy(path))),
+                advice,
+            }),
+        }
+    }
+
+    fn candidates(&self, name: &str) -> (Vec<PathBuf>, String) {
+        if name.is_empty() {
+            return (Vec::new(), "give the file's name".to_owned());
+        }
+        if name.contains("$(") || name.contains("${") {
+            let advice =
+                "the name contains xacro code: expand the file with the xacro command first";
+            return (Vec::new(), advice.to_owned());
+        }
+        let (scheme, rest) = match name.split_once("://") {
+            Some((scheme, rest)) => (scheme.to_ascii_lowercase(), rest.to_owned()),
+            None => (String::new(), name.to_owned()),
+        };
+        match scheme.as_str() {
+            "" => (
+                self.plain(&rest),
+                "a relative name counts from the URDF's folder".to_owned(),
+            ),
+            "file" => {
+                let path = percent_decoded(&rest);
+                let path = path.strip_prefix("localhost").unwrap_or(&path);
+                (self.plain(path), "file:// takes a path".to_owned())
+            }
+            "package" | "model" => {
+                let rest = rest.trim_start_matches('/');
+                let (package, file) = rest.split_once('/').unwrap_or((rest, ""));
+                let advice = format!(
+                    "pass --package-path DIR, where DIR is the folder '{package}' or the one that holds it"
+                );
+                (self.in_package(package, file), advice)
+            }
+            _ => (
+                Vec::new(),
+                format!("'{scheme}://' is not supported: use a path or package://"),
+            ),
+        }
+    }
+
+    fn plain(&self, path: &str) -> Vec<PathBuf> {
+        let mut list = vec![self.base_dir.join(path)];
+        if Path::new(path).is_relative() {
+            list.extend(self.package_paths.iter().map(|dir| dir.join(path)));
+        }
+        list
+    }
+
+    /// Every place where `file` of `package` may be.
+    fn in_package(&self, package: &str, file: &str) -> Vec<PathBuf> {
+        let mut list = Vec::new();
+        let spellings = spellings(package);
+        for dir in self.package_paths {
+            if is_package(dir, package) {
+                list.push(dir.join(file));
+            }
+            for spelling in &spellings {
+                list.push(dir.join(spelling).join(file));
+                // An install prefix (AMENT_PREFIX_PATH) keeps packages in share/.
+                list.push(dir.join("share").join(spelling).join(file));
+            }
+            // A source tree keeps them in repositories, one level down.
+            for below in folders(dir) {
+                for spelling in &spellings {
+                    let folder = below.join(spelling);
+                    if folder.is_dir() {
+                        list.push(folder.join(file));
+                    }
+                }
+            }
+        }
+        let start = fs::canonicalize(self.base_dir).unwrap_or_else(|_| self.base_dir.to_owned());
+        for dir in start.ancestors() {
+            if is_package(dir, package) {
+                list.push(dir.join(file));
+            }
+            for spelling in &spellings {
+                list.push(dir.join(spelling).join(file));
+            }
+        }
+        list
+    }
+}
+
+/// The package's name, and the same with hyphens for underscores and the other way round: repositories are
+/// often named `my-robot` where the package is `my_robot`.
+fn spellings(package: &str) -> Vec<String> {
+    let mut list = vec![package.to_owned()];
+    for other in [package.replace('_', "-"), package.replace('-', "_")] {
+        if !list.contains(&other) {
+            list.push(other);
+        }
+    }
+    list
+}
+
+/// Whether `dir` is the package: by its `package.xml`, or by its own name.
+fn is_package(dir: &Path, package: &str) -> bool {
+    let spellings = spellings(package);
+    let named = dir
+        .file_name()
+        .and_then(|name| name.to_str())
+        .is_some_and(|name| spellings.iter().any(|s| s == name));
+    named || manifest_name(dir).is_some_and(|name| spellings.contains(&name))
+}
+
+/// The `<name>` in a folder's `package.xml`.
+fn manifest_name(dir: &Path) -> Option<String> {
+    let path = dir.join("package.xml");
+    let size = fs::metadata(&path)
+        .ok()
+        .filter(fs::Metadata::is_file)?
+        .len();
+    if size > LARGEST_MANIFEST {
+        return None;
+    }
+    let text = fs::read_to_string(path).ok()?;
+    let (_, rest) = text.split_once("<name>")?;
+    let (name, _) = rest.split_once("</name>")?;
+    Some(name.trim().to_owned())
+}
+
+/// Folders in a folder, sorted: the same answer on every machine.
+fn folders(dir: &Path) -> Vec<PathBuf> {
+    let Ok(entries) = fs::read_dir(dir) else {
+        return Vec::new();
+    };
+    let mut list: Vec<PathBuf> = entries
+        .take(MOST_ENTRIES)
+        .filter_map(|entry| Some(entry.ok()?.path()))
+        .filter(|path| path.is_dir())
+        .collect();
+    list.sort();
+    list
+}
+
+/// Without `.`, and with `name/..` taken out.
+fn tidy(path: &Path) -> PathBuf {
+    let mut tidy = PathBuf::new();
+    for part in path.components() {
+        match part {
+            Component::CurDir => {}
+            Component::ParentDir
+                if matches!(tidy.components().next_back(), Some(Component::Normal(_))) =>
+            {
+                tidy.pop();
+            }
+            other => tidy.push(other),
+        }
+    }
+    // `a/link/..` is not `a` where `link` is a symbolic link.
+    if path.exists() == tidy.exists() {
+        tidy
+    } else {
+        path.to_owned()
+    }
+}
+
+fn distinct(paths: impl Iterator<Item = PathBuf>) -> Vec<PathBuf> {
+    let mut list = Vec::new();
+    for path in paths {
+        if !list.contains(&path) {
+            list.push(path);
+        }
+    }
+    list
+}
+
+/// `%20` → space; anything that is not an escape stays.
+fn percent_decoded(text: &str) -> String {
+    let bytes = text.as_bytes();
+    let mut out = Vec::with_capacity(bytes.len());
+    let mut i = 0;
+    while i < bytes.len() {
+        let escaped = (bytes[i] == b'%')
+            .then(|| text.get(i + 1..i + 3))
+            .flatten()
+            .and_then(|hex| u8::from_str_radix(hex, 16).ok());
+        if let Some(byte) = escaped {
+            out.push(byte);
+            i += 3;
+        } else {
+            out.push(bytes[i]);
+            i += 1;
+        }
+    }
+    String::from_utf8(out).unwrap_or_else(|_| text.to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A folder of its own below the system's temporary folder, removed at the end.
+    struct Folder(PathBuf);
+
+    impl Folder {
+        fn new(name: &str, files: &[(&str, &str)]) -> Self {
+            let root = std::env::temp_dir().join(format!("urdf2fmu-{name}-{}", std::process::id()));
+            for (path, text) in files {
+                let path = root.join(path);
+                fs::create_dir_all(path.parent().expect("a folder")).expect("folder");
+                fs::write(path, text).expect("file");
+            }
+            Self(fs::canonicalize(root).expect("path"))
+        }
+    }
+
+    impl Drop for Folder {
+        fn drop(&mut self) {
+            let _ = fs::remove_dir_all(&self.0);
+        }
+    }
+
+    fn found(folder: &Folder, base: &str, paths: &[&str], name: &str) -> Option<String> {
+        let options = ReadOptions {
+            package_paths: paths.iter().map(|p| folder.0.join(p)).collect(),
+            ..ReadOptions::default()
+        };
+        let base = folder.0.join(base);
+        let path = Resolver::new(&base, &options).find(name).ok()?;
+        let relative = path.strip_prefix(&folder.0).ok()?;
+        Some(relative.to_string_lossy().replace('\\', "/"))
+    }
+
+    #[test]
+    fn every_form_of_name_is_found() {
+        let folder = Folder::new(
+            "resolve",
+            &[
+                (
+                    "ws/my-robot/package.xml",
+                    "<package><name>my_robot</name></package>",
+                ),
+                ("ws/my-robot/meshes/a.stl", ""),
+                ("ws/my-robot/urdf/r.urdf", ""),
+                ("ws/my-robot/urdf/b c.stl", ""),
+                ("ws/other/meshes/o.stl", ""),
+                ("prefix/share/third/t.stl", ""),
+                ("src/repo/fourth/f.stl", ""),
+                ("odd/package.xml", "<package><name>fifth</name></package>"),
+                ("odd/g.stl", ""),
+            ],
+        );
+        let from = |paths: &[&str], name: &str| found(&folder, "ws/my-robot/urdf", paths, name);
+        let a = Some("ws/my-robot/meshes/a.stl".to_owned());
+        // up to the package.xml of that name, whatever the folder is called
+        assert_eq!(from(&[], "package://my_robot/meshes/a.stl"), a);
+        assert_eq!(from(&[], "model://my-robot/meshes/a.stl"), a);
+        assert_eq!(from(&[], "../meshes/a.stl"), a);
+        assert_eq!(from(&[], "..\\meshes\\a.stl"), a);
+        let spaced = Some("ws/my-robot/urdf/b c.stl".to_owned());
+        assert_eq!(from(&[], "b c.stl"), spaced);
+        let url = format!("file://{}/ws/my-robot/urdf/b%20c.stl", folder.0.display());
+        assert_eq!(from(&[], &url), spaced);
+        // up to a folder that holds one of that name
+        assert_eq!(
+            from(&[], "package://other/meshes/o.stl").as_deref(),
+            Some("ws/other/meshes/o.stl")
+        );
+        assert_eq!(
+            from(&["prefix"], "package://third/t.stl").as_deref(),
+            Some("prefix/share/third/t.stl")
+        );
+        assert_eq!(
+            from(&["src"], "package://fourth/f.stl").as_deref(),
+            Some("src/repo/fourth/f.stl")
+        );
+        assert_eq!(
+            from(&["src/repo/fourth"], "package://fourth/f.stl").as_deref(),
+            Some("src/repo/fourth/f.stl")
+        );
+        assert_eq!(
+            from(&["odd"], "package://fifth/g.stl").as_deref(),
+            Some("odd/g.stl")
+        );
+        assert_eq!(from(&["odd"], "package://sixth/g.stl"), None);
+    }
+
+    #[test]
+    fn what_is_not_found_lists_every_place_and_an_advice() {
+        let options = ReadOptions {
+            package_paths: vec![PathBuf::from("/nowhere")],
+            ..ReadOptions::default()
+        };
+        let resolver = Resolver::new(Path::new("/none/urdf"), &options);
+        let missing = resolver
+            .find("package://arm/meshes/a.stl")
+            .expect_err("missing");
+        for place in [
+            "/nowhere/arm/meshes/a.stl",
+            "/nowhere/share/arm/meshes/a.stl",
+            "/none/urdf/arm/meshes/a.stl",
+            "/none/arm/meshes/a.stl",
+            "/arm/meshes/a.stl",
+        ] {
+            assert!(missing.tried.contains(&PathBuf::from(place)), "{missing:?}");
+        }
+        assert!(missing.help().contains("--package-path"));
+        let missing = resolver.find("http://host/a.stl").expect_err("missing");
+        assert!(missing.help().contains("not supported"));
+        let missing = resolver.find("$(find arm)/a.stl").expect_err("missing");
+        assert!(missing.help().contains("xacro"));
+    }
+}

@@ -1,0 +1,331 @@
+//! Reading numbers and children of one link or joint, with every problem reported at its place.
+
+use super::diagnostic::{Report, Severity, did_you_mean};
+use super::xml::{Attribute, Node};
+use crate::spatial::{Mat3, Vec3, rpy_from_rotation};
+use nalgebra::{Quaternion, UnitQuaternion};
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+use std::ops::Range;
+
+/// Numbers beyond this are refused: squares and products of smaller ones stay finite. Limits of 1e16 for
+/// "none" are in use.
+const LARGEST: f64 = 1e30;
+
+/// URDF versions that change how a file is read.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct Version(pub(super) u32, pub(super) u32);
+
+/// What is known while a file is checked.
+pub(super) struct Scope<'r, 'a> {
+    pub(super) report: &'r mut Report<'a>,
+    /// Who is looked at, for messages: `link 'arm'`.
+    pub(super) owner: String,
+    pub(super) version: Version,
+    /// Tags that are left out: kind, first place, number.
+    ignored: BTreeMap<String, (Range<usize>, usize)>,
+    /// Severity of a bad number: visuals do not move the robot.
+    pub(super) severity: Severity,
+    /// Inertia matrices are not used: what is wrong with them is a warning.
+    pub(super) ignore_inertia: bool,
+}
+
+impl<'r, 'a> Scope<'r, 'a> {
+    pub(super) fn new(report: &'r mut Report<'a>) -> Self {
+        Self {
+            report,
+            owner: String::new(),
+            version: Version::default(),
+            ignored: BTreeMap::new(),
+            severity: Severity::Error,
+            ignore_inertia: false,
+        }
+    }
+
+    /// Reports with the owner's name in front.
+    pub(super) fn problem(
+        &mut self,
+        code: &'static str,
+        at: Range<usize>,
+        message: &str,
+        help: impl Into<String>,
+    ) {
+        let message = format!("{}: {message}", self.owner);
+        self.report
+            .add(self.severity, code, at, message, help.into());
+    }
+
+    pub(super) fn warning(
+        &mut self,
+        code: &'static str,
+        at: Range<usize>,
+        message: &str,
+        help: impl Into<String>,
+    ) {
+        let message = format!("{}: {message}", self.owner);
+        self.report.warning(code, at, message, help);
+    }
+
+    pub(super) fn note(
+        &mut self,
+        code: &'static str,
+        at: Range<usize>,
+        message: &str,
+        help: impl Into<String>,
+    ) {
+        let message = format!("{}: {message}", self.owner);
+        self.report.note(code, at, message, help);
+    }
+
+    /// The attribute's number, if it is there and is one.
+    pub(super) fn number(&mut self, node: Node, name: &str) -> Option<f64> {
+        let attribute = node.attribute(name)?;
+        let numbers = self.numbers(node, name, attribute)?;
+        if let [number] = numbers[..] {
+            return Some(number);
+        }
+        self.wrong_count(node, name, attribute, numbers.len(), 1);
+        None
+    }
+
+    /// As [`Self::number`]; a missing attribute is a problem too.
+    pub(super) fn required_number(&mut self, node: Node, name: &str) -> Option<f64> {
+        if node.attribute(name).is_none() {
+            self.missing_attribute(node, name, &format!("write {name}=\"…\""));
+        }
+        self.number(node, name)
+    }
+
+    /// As many numbers as `N`, separated by white space.
+    pub(super) fn vector<const N: usize>(&mut self, node: Node, name: &str) -> Option<[f64; N]> {
+        let attribute = node.attribute(name)?;
+        let numbers = self.numbers(node, name, attribute)?;
+        let vector = <[f64; N]>::try_from(numbers.as_slice()).ok();
+        if vector.is_none() {
+            self.wrong_count(node, name, attribute, numbers.len(), N);
+        }
+        vector
+    }
+
+    pub(super) fn missing_attribute(&mut self, node: Node, name: &str, help: &str) {
+        let message = format!("<{}> has no attribute '{name}'", node.name());
+        self.problem("U015", node.tag_at(), &message, help);
+    }
+
+    fn wrong_count(&mut self, node: Node, name: &str, a: &Attribute, found: usize, needed: usize) {
+        let s = if needed == 1 { "" } else { "s" };
+        let message = format!(
+            "<{}> {name} needs {needed} number{s}, not {found}",
+            node.name()
+        );
+        let help = match needed {
+            1 => "write one number",
+            3 => "write x, y and z, separated by spaces",
+            _ => "separate the numbers by spaces",
+        };
+        self.problem("U031", a.at.clone(), &message, help);
+    }
+
+    fn numbers(&mut self, node: Node, name: &str, attribute: &Attribute) -> Option<Vec<f64>> {
+        let mut list = Vec::new();
+        let (value, assumed) = without_optenv(&attribute.value);
+        if assumed {
+            let message = format!(
+                "<{}> {name}: the default '{value}' of xacro's optenv is used",
+                node.name()
+            );
+            let help = "expand the file with the xacro command to use the environment";
+            self.warning("U034", attribute.at.clone(), &message, help);
+        }
+        for word in value.split_whitespace() {
+            match parse(word) {
+                Ok(number) => list.push(number),
+                Err((code, help)) => {
+                    let message = format!("<{}> {name}: '{word}' is not a number", node.name());
+                    let message = if code == "U032" {
+                        format!("<{}> {name}: '{word}' is not a finite number", node.name())
+                    } else {
+                        message
+                    };
+                    self.problem(code, attribute.at.clone(), &message, help);
+                    return None;
+                }
+            }
+        }
+        Some(list)
+    }
+
+    /// The only child of that name; a second one is a problem.
+    pub(super) fn single<'d>(&mut self, node: Node<'d>, name: &'static str) -> Option<Node<'d>> {
+        let mut all = node.children_named(name);
+        let first = all.next()?;
+        if let Some(second) = all.next() {
+            let help = format!("<{}> takes one <{name}>; remove the other", node.name());
+            if first.same_as(second) {
+                let message = format!("<{name}> is written twice");
+                self.warning("U018", second.tag_at(), &message, help);
+            } else {
+                let message = format!("a second <{name}>, different from the first");
+                self.problem("U018", second.tag_at(), &message, help);
+            }
+        }
+        Some(first)
+    }
+
+    /// `<origin>` below `node`: position as in the file, fixed-axis roll, pitch, yaw in rad.
+    pub(super) fn origin(&mut self, node: Node) -> (Vec3, Vec3) {
+        let Some(origin) = self.single(node, "origin") else {
+            return (Vec3::zeros(), Vec3::zeros());
+        };
+        self.known_attributes(origin, &["xyz", "rpy", "quat_xyzw"]);
+        let xyz = self.vector::<3>(origin, "xyz").unwrap_or_default();
+        let mut rpy = Vec3::from(self.vector::<3>(origin, "rpy").unwrap_or_default());
+        if let Some(attribute) = origin.attribute("quat_xyzw") {
+            if self.version < Version(1, 1) {
+                let help = "write <robot version=\"1.1\"> or use rpy";
+                let message = "quat_xyzw is ignored before URDF version 1.1";
+                self.warning("U019", attribute.at.clone(), message, help);
+            } else if origin.attribute("rpy").is_some() {
+                let message = "<origin> has both rpy and quat_xyzw";
+                self.problem("U018", attribute.at.clone(), message, "keep one of them");
+            } else if let Some([x, y, z, w]) = self.vector::<4>(origin, "quat_xyzw") {
+                match UnitQuaternion::try_new(Quaternion::new(w, x, y, z), 1e-6) {
+                    Some(q) => {
+                        let R: Mat3 = q.to_rotation_matrix().into_inner();
+                        rpy = rpy_from_rotation(&R);
+                    }
+                    None => self.problem(
+                        "U033",
+                        attribute.at.clone(),
+                        "quat_xyzw is not a rotation: its length is zero",
+                        "write \"0 0 0 1\" for no rotation",
+                    ),
+                }
+            }
+        }
+        (Vec3::from(xyz), rpy)
+    }
+
+    /// Warns about attributes outside `known`. Those with a prefix belong to somebody else.
+    pub(super) fn known_attributes(&mut self, node: Node, known: &[&str]) {
+        for (name, at) in node.attribute_names() {
+            if !known.contains(&name) && !name.contains(':') && name != "xmlns" {
+                let message = format!(
+                    "<{}> attribute '{name}' is unknown and ignored",
+                    node.name()
+                );
+                let help = did_you_mean(name, known.iter().copied());
+                self.warning("U019", at, &message, help);
+            }
+        }
+    }
+
+    /// Warns about children outside `known`; those in `foreign`, and prefixed ones, are only counted.
+    pub(super) fn known_children(&mut self, node: Node, known: &[&str], foreign: &[&str]) {
+        for child in node.children() {
+            let name = child.name();
+            if known.contains(&name) {
+                continue;
+            }
+            if foreign.contains(&name) || name.contains(':') {
+                self.ignore(child);
+                continue;
+            }
+            let message = format!("<{name}> is unknown here and ignored");
+            let help = did_you_mean(name, known.iter().copied());
+            self.warning("U019", child.name_at(), &message, help);
+        }
+    }
+
+    /// Counts a tag that is known but not used.
+    pub(super) fn ignore(&mut self, node: Node) {
+        let entry = self
+            .ignored
+            .entry(node.name().to_owned())
+            .or_insert_with(|| (node.name_at(), 0));
+        entry.1 += 1;
+    }
+
+    /// One note per kind of ignored tag.
+    pub(super) fn report_ignored(&mut self) {
+        for (name, (at, count)) in std::mem::take(&mut self.ignored) {
+            let times = match count {
+                1 => String::new(),
+                n => format!(" ({n} times, first here)"),
+            };
+            self.report
+                .note("U020", at, format!("<{name}> is not used{times}"), "");
+        }
+    }
+}
+
+/// The value with `$(optenv NAME default)` replaced by the default, and whether there was one. Some published
+/// files still contain it; the environment is not read, so that a file means the same everywhere.
+fn without_optenv(value: &str) -> (Cow<'_, str>, bool) {
+    let parts = || {
+        let (before, rest) = value.split_once("$(optenv")?;
+        let (inner, after) = rest.split_once(')')?;
+        let (_, default) = inner.trim_start().split_once(char::is_whitespace)?;
+        Some(format!("{before}{}{after}", default.trim()))
+    };
+    match parts() {
+        Some(replaced) => (Cow::Owned(replaced), true),
+        None => (Cow::Borrowed(value), false),
+    }
+}
+
+/// A finite decimal number, or a code and what to do.
+fn parse(word: &str) -> Result<f64, (&'static str, &'static str)> {
+    // Rust also reads "inf" and "NaN"; URDF does not.
+    match word.parse::<f64>() {
+        Ok(number) if number.is_nan() => Err(("U032", "write a number")),
+        Ok(number) if number.is_infinite() => {
+            Err(("U032", "leave the attribute out, or write a large number"))
+        }
+        Ok(number) if number.abs() > LARGEST => {
+            Err(("U032", "numbers beyond 1e30 are not accepted"))
+        }
+        Ok(number) => Ok(number),
+        Err(_) if word.contains(',') => Err((
+            "U030",
+            "the decimal sign is a point, and numbers are separated by spaces",
+        )),
+        Err(_) if word.to_ascii_lowercase().contains("0x") => Err(("U030", "write it in decimal")),
+        Err(_) if word.contains("${") || word.contains("$(") => Err((
+            "U030",
+            "this is xacro code: expand the file with the xacro command first",
+        )),
+        Err(_) => Err(("U030", "write a decimal number such as 0.5 or 1e-3")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_default_of_optenv_is_taken() {
+        let value = |text| without_optenv(text).0.into_owned();
+        assert_eq!(
+            value("$(optenv IMU_RPY 0 -1.5708 3.1416)"),
+            "0 -1.5708 3.1416"
+        );
+        assert_eq!(value("1 $(optenv Y 2) 3"), "1 2 3");
+        for unchanged in ["1 2 3", "$(optenv Y)", "$(optenv Y 2", "$(find pkg)"] {
+            assert_eq!(without_optenv(unchanged), (Cow::Borrowed(unchanged), false));
+        }
+    }
+
+    #[test]
+    fn numbers_are_plain_decimal() {
+        for (text, value) in [("1", 1.0), ("-.5", -0.5), ("+2.", 2.0), ("1e-3", 1e-3)] {
+            assert_eq!(parse(text), Ok(value), "{text}");
+        }
+        for text in ["", "1,0", "0x10", "1.0f", "one", "--1", "1e", "${r}"] {
+            assert_eq!(parse(text).map_err(|e| e.0), Err("U030"), "{text}");
+        }
+        for text in ["nan", "NaN", "inf", "-INF", "infinity", "1e999", "1e31"] {
+            assert_eq!(parse(text).map_err(|e| e.0), Err("U032"), "{text}");
+        }
+    }
+}

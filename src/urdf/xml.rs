@@ -1,0 +1,499 @@
+//! XML text → a tree in which every element and attribute knows its place.
+//!
+//! What an XML bomb needs is refused: DOCTYPE and entities, deep nesting, masses of elements.
+//! Namespaces are not resolved; a prefix is part of the name.
+
+use super::diagnostic::Report;
+use quick_xml::Reader;
+use quick_xml::errors::{Error, IllFormedError};
+use quick_xml::escape;
+use quick_xml::events::attributes::AttrError;
+use quick_xml::events::{BytesStart, Event};
+use std::borrow::Cow;
+use std::ops::Range;
+
+/// Deepest nesting that is read. URDF needs 6, COLLADA's node trees may be deeper.
+const DEEPEST: usize = 200;
+
+/// Most elements that are read: a hundred times the largest robot, and some hundred MB.
+const MOST_ELEMENTS: usize = 1_000_000;
+
+/// A tree of elements over the text that it was read from. Element 0 is the root.
+pub(super) struct Document<'t> {
+    text: &'t str,
+    elements: Vec<Element>,
+}
+
+struct Element {
+    name: Range<usize>,
+    /// The start tag with its brackets.
+    tag: Range<usize>,
+    attributes: Vec<Attribute>,
+    children: Vec<usize>,
+    content: Vec<Range<usize>>,
+}
+
+/// An attribute and where it stands.
+pub(super) struct Attribute {
+    name: Range<usize>,
+    /// The value between its quotes.
+    pub(super) at: Range<usize>,
+    /// The value with its entities resolved.
+    pub(super) value: String,
+}
+
+/// An element of a document.
+#[derive(Clone, Copy)]
+pub(super) struct Node<'d> {
+    document: &'d Document<'d>,
+    index: usize,
+}
+
+impl<'t> Document<'t> {
+    /// Reads `text`; `None` after reporting why it is not XML.
+    pub(super) fn parse(text: &'t str, report: &mut Report) -> Option<Self> {
+        Builder {
+            text,
+            elements: Vec::new(),
+            open: Vec::new(),
+            closed: false,
+        }
+        .run(report)
+    }
+
+    pub(super) fn root(&self) -> Node<'_> {
+        Node {
+            document: self,
+            index: 0,
+        }
+    }
+}
+
+impl<'d> Node<'d> {
+    fn element(self) -> &'d Element {
+        &self.document.elements[self.index]
+    }
+
+    pub(super) fn name(self) -> &'d str {
+        &self.document.text[self.element().name.clone()]
+    }
+
+    /// The name without its prefix.
+    pub(super) fn local_name(self) -> &'d str {
+        let name = self.name();
+        name.rsplit_once(':').map_or(name, |(_, local)| local)
+    }
+
+    /// Where the name stands in the start tag.
+    pub(super) fn name_at(self) -> Range<usize> {
+        self.element().name.clone()
+    }
+
+    /// Where the start tag stands.
+    pub(super) fn tag_at(self) -> Range<usize> {
+        self.element().tag.clone()
+    }
+
+    pub(super) fn attribute(self, name: &str) -> Option<&'d Attribute> {
+        self.element()
+            .attributes
+            .iter()
+            .find(|a| &self.document.text[a.name.clone()] == name)
+    }
+
+    /// The value of an attribute.
+    pub(super) fn value(self, name: &str) -> Option<&'d str> {
+        self.attribute(name).map(|a| a.value.as_str())
+    }
+
+    /// Names of the attributes and where they stand.
+    pub(super) fn attribute_names(self) -> impl Iterator<Item = (&'d str, Range<usize>)> {
+        self.element()
+            .attributes
+            .iter()
+            .map(move |a| (&self.document.text[a.name.clone()], a.name.clone()))
+    }
+
+    pub(super) fn children(self) -> impl Iterator<Item = Node<'d>> {
+        self.element().children.iter().map(move |&index| Node {
+            document: self.document,
+            index,
+        })
+    }
+
+    pub(super) fn children_named(self, name: &'static str) -> impl Iterator<Item = Node<'d>> {
+        self.children().filter(move |c| c.name() == name)
+    }
+
+    pub(super) fn child(self, name: &'static str) -> Option<Node<'d>> {
+        self.children_named(name).next()
+    }
+
+    /// The element's own text, not that of its children.
+    pub(super) fn content(self) -> Cow<'d, str> {
+        let text = self.document.text;
+        let raw = match self.element().content.as_slice() {
+            [] => return Cow::Borrowed(""),
+            [one] => Cow::Borrowed(&text[one.clone()]),
+            several => Cow::Owned(several.iter().map(|r| &text[r.clone()]).collect()),
+        };
+        if !raw.contains('&') {
+            return raw;
+        }
+        match escape::unescape(&raw) {
+            Ok(resolved) => Cow::Owned(resolved.into_owned()),
+            Err(_) => raw,
+        }
+    }
+
+    /// Where the element's text stands; the start tag if it has none.
+    pub(super) fn content_at(self) -> Range<usize> {
+        self.element()
+            .content
+            .first()
+            .cloned()
+            .unwrap_or_else(|| self.tag_at())
+    }
+
+    /// Whether two elements without children have the same attributes.
+    pub(super) fn same_as(self, other: Self) -> bool {
+        let attributes = |node: Self| {
+            let mut list: Vec<(&str, &str)> = node
+                .element()
+                .attributes
+                .iter()
+                .map(|a| (&node.document.text[a.name.clone()], a.value.as_str()))
+                .collect();
+            list.sort_unstable();
+            list
+        };
+        let plain = self.element().children.is_empty() && other.element().children.is_empty();
+        plain && attributes(self) == attributes(other)
+    }
+
+    /// Every element of the tree below, this one first, in file order.
+    pub(super) fn descendants(self) -> impl Iterator<Item = Node<'d>> {
+        let mut open = vec![self];
+        std::iter::from_fn(move || {
+            let next = open.pop()?;
+            let below = next.element().children.iter().rev();
+            open.extend(below.map(|&index| Node {
+                document: next.document,
+                index,
+            }));
+            Some(next)
+        })
+    }
+}
+
+struct Builder<'t> {
+    text: &'t str,
+    elements: Vec<Element>,
+    open: Vec<usize>,
+    /// Whether the root has ended.
+    closed: bool,
+}
+
+impl<'t> Builder<'t> {
+    fn run(mut self, report: &mut Report) -> Option<Document<'t>> {
+        let mut reader = Reader::from_str(self.text);
+        loop {
+            let start = position(reader.buffer_position());
+            let event = match reader.read_event() {
+                Ok(event) => event,
+                Err(error) => {
+                    let end = position(reader.buffer_position());
+                    let at = position(reader.error_position());
+                    self.malformed(&error, at, end, report);
+                    return None;
+                }
+            };
+            let end = position(reader.buffer_position());
+            match event {
+                Event::Start(tag) => self.start(&tag, start..end, false, report)?,
+                Event::Empty(tag) => self.start(&tag, start..end, true, report)?,
+                Event::End(_) => {
+                    self.open.pop();
+                    self.closed = self.open.is_empty();
+                }
+                Event::Text(_) | Event::GeneralRef(_) => self.content(start..end, report)?,
+                Event::CData(_) => {
+                    // `<![CDATA[` and `]]>`
+                    self.content((start + 9).min(end)..end.saturating_sub(3), report)?;
+                }
+                Event::Decl(_) if !self.text[..start].is_empty() => report.warning(
+                    "U008",
+                    start..end,
+                    "the XML declaration is not at the start of the file",
+                    "remove what stands before it: strict XML readers refuse the file",
+                ),
+                Event::DocType(_) => {
+                    report.error(
+                        "U004",
+                        start..end,
+                        "DOCTYPE and entity declarations are not read",
+                        "remove the declaration and write the text out where an entity is used",
+                    );
+                    return None;
+                }
+                Event::Decl(_) | Event::Comment(_) | Event::PI(_) => {}
+                Event::Eof => return self.end(report),
+            }
+        }
+    }
+
+    fn end(self, report: &mut Report) -> Option<Document<'t>> {
+        if let Some(&last) = self.open.last() {
+            let element = &self.elements[last];
+            let name = &self.text[element.name.clone()];
+            report.error(
+                "U003",
+                element.tag.clone(),
+                format!("not XML: <{name}> is never closed"),
+                format!("add </{name}>; is the file complete?"),
+            );
+            return None;
+        }
+        if self.elements.is_empty() {
+            let what = if self.text.trim().is_empty() {
+                "the file is empty"
+            } else {
+                "not XML: there is no element"
+            };
+            report.error("U003", 0..0, what, "a URDF starts with <robot name=\"…\">");
+            return None;
+        }
+        Some(Document {
+            text: self.text,
+            elements: self.elements,
+        })
+    }
+
+    fn content(&mut self, at: Range<usize>, report: &mut Report) -> Option<()> {
+        if at.is_empty() {
+            return Some(());
+        }
+        if let Some(&parent) = self.open.last() {
+            self.elements[parent].content.push(at);
+            return Some(());
+        }
+        let text = &self.text[at.clone()];
+        let solid = text.trim_matches(|c: char| c.is_whitespace() || c == '\0' || c == '\u{feff}');
+        if !solid.is_empty() {
+            let from = at.start + text.find(solid).unwrap_or(0);
+            let what = "not XML: text outside the root element";
+            let help = "a URDF is one <robot> element; remove the text or make it a comment";
+            report.error("U003", from..from + solid.len(), what, help);
+            return None;
+        }
+        if let Some(zero) = text.find('\0') {
+            report.warning(
+                "U008",
+                at.start + zero..at.start + zero + 1,
+                "a NUL byte outside the root element",
+                "remove it: strict XML readers refuse the file",
+            );
+        }
+        Some(())
+    }
+
+    fn start(
+        &mut self,
+        tag: &BytesStart,
+        at: Range<usize>,
+        empty: bool,
+        report: &mut Report,
+    ) -> Option<()> {
+        // Right behind the opening bracket.
+        let name_start = at.start + 1;
+        let name = name_start..name_start + tag.name().as_ref().len();
+        if self.open.is_empty() && self.closed {
+            report.error(
+                "U003",
+                at,
+                "not XML: a second root element",
+                "a URDF is one <robot> element; put one robot into a file",
+            );
+            return None;
+        }
+        if self.open.len() >= DEEPEST || self.elements.len() >= MOST_ELEMENTS {
+            let what = if self.open.len() >= DEEPEST {
+                format!("elements are nested more than {DEEPEST} deep")
+            } else {
+                format!("more than {MOST_ELEMENTS} elements")
+            };
+            report.error(
+                "U005",
+                at,
+                what,
+                "a robot needs far fewer; the file is refused",
+            );
+            return None;
+        }
+        let attributes = self.attributes(tag, name_start, &at, report)?;
+        let index = self.elements.len();
+        self.elements.push(Element {
+            name,
+            tag: at,
+            attributes,
+            children: Vec::new(),
+            content: Vec::new(),
+        });
+        if let Some(&parent) = self.open.last() {
+            self.elements[parent].children.push(index);
+        }
+        if empty {
+            self.closed = self.open.is_empty();
+        } else {
+            self.open.push(index);
+        }
+        Some(())
+    }
+
+    fn attributes(
+        &self,
+        tag: &BytesStart,
+        name_start: usize,
+        at: &Range<usize>,
+        report: &mut Report,
+    ) -> Option<Vec<Attribute>> {
+        let mut list = Vec::new();
+        for attribute in tag.attributes() {
+            let attribute = match attribute {
+                Ok(attribute) => attribute,
+                Err(error) => {
+                    let (offset, what) = attribute_problem(&error);
+                    let from = (name_start + offset).min(at.end);
+                    report.error(
+                        "U003",
+                        from..from + 1,
+                        format!("not XML: {what}"),
+                        "an attribute is written name=\"value\", once per element",
+                    );
+                    return None;
+                }
+            };
+            let name = self.range_of(attribute.key.as_ref(), at);
+            let value = self.range_of(&attribute.value, at);
+            match escape::unescape(&self.text[value.clone()]) {
+                Ok(resolved) => list.push(Attribute {
+                    name,
+                    at: value,
+                    value: resolved.into_owned(),
+                }),
+                Err(error) => {
+                    report.error(
+                        "U003",
+                        value,
+                        format!("not XML: {error}"),
+                        "write '&' as &amp; and '<' as &lt;",
+                    );
+                    return None;
+                }
+            }
+        }
+        Some(list)
+    }
+
+    /// Where a part of the text stands that quick-xml borrowed from it.
+    fn range_of(&self, part: &str, within: &Range<usize>) -> Range<usize> {
+        let offset = (part.as_ptr() as usize).wrapping_sub(self.text.as_ptr() as usize);
+        if within.contains(&offset) && offset + part.len() <= within.end {
+            offset..offset + part.len()
+        } else {
+            // Not borrowed, which quick-xml does not do for a text in memory: the start of the tag.
+            within.start..within.start
+        }
+    }
+
+    fn malformed(&self, error: &Error, at: usize, end: usize, report: &mut Report) {
+        let help = match error {
+            Error::IllFormed(IllFormedError::MismatchedEndTag { expected, .. }) => {
+                match self.open.last() {
+                    Some(&open) => {
+                        let line = self.text[..self.elements[open].tag.start]
+                            .bytes()
+                            .filter(|&b| b == b'\n')
+                            .count();
+                        format!("<{expected}> of line {} is still open", line + 1)
+                    }
+                    None => String::new(),
+                }
+            }
+            Error::Syntax(_) => "is the file complete?".to_owned(),
+            _ => String::new(),
+        };
+        let at = at.min(self.text.len());
+        report.error("U003", at..end.max(at), format!("not XML: {error}"), help);
+    }
+}
+
+fn position(at: u64) -> usize {
+    usize::try_from(at).unwrap_or(usize::MAX)
+}
+
+/// Offset from the start of the tag's name, and what is wrong.
+fn attribute_problem(error: &AttrError) -> (usize, &'static str) {
+    match *error {
+        AttrError::ExpectedEq(at) => (at, "'=' is missing after the attribute's name"),
+        AttrError::ExpectedValue(at) => (at, "the attribute has no value"),
+        AttrError::UnquotedValue(at) => (at, "the attribute's value is not in quotes"),
+        AttrError::ExpectedQuote(at, _) => (at, "the attribute's value lacks its closing quote"),
+        AttrError::Duplicated(at, _) => (at, "the attribute stands twice in one element"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn problem(text: &str) -> String {
+        let mut report = Report::new("t", text);
+        assert!(Document::parse(text, &mut report).is_none(), "{text}");
+        let list = report.finish();
+        let place = list[0].place.as_ref().expect("a place");
+        format!("{} {}:{}", list[0].code, place.line, place.column)
+    }
+
+    #[test]
+    fn elements_and_attributes_know_their_places() {
+        let text =
+            "<?xml version='1.0'?>\n<a>\n <b x = 'ä' y=\"1 &lt; 2\"/><c>7<!-- . -->8</c></a>\n";
+        let mut report = Report::new("t", text);
+        let document = Document::parse(text, &mut report).expect("XML");
+        let root = document.root();
+        let b = root.child("b").expect("b");
+        let y = b.attribute("y").expect("y");
+        assert_eq!(&text[y.at.clone()], "1 &lt; 2");
+        assert_eq!(y.value, "1 < 2");
+        assert_eq!(&text[b.tag_at()], "<b x = 'ä' y=\"1 &lt; 2\"/>");
+        assert_eq!(root.child("c").expect("c").content(), "78");
+        let names: Vec<&str> = root.descendants().map(Node::name).collect();
+        assert_eq!(names, ["a", "b", "c"]);
+        assert!(report.finish().is_empty());
+    }
+
+    #[test]
+    fn what_is_not_xml_is_told_with_its_place() {
+        assert_eq!(problem(""), "U003 1:1");
+        assert_eq!(problem("hello"), "U003 1:1");
+        assert_eq!(problem("<a>\n <b>\n</a>"), "U003 3:1");
+        assert_eq!(problem("<a>\n <b>\n"), "U003 2:2");
+        assert_eq!(problem("<a>\n <b x=1/></a>"), "U003 2:7");
+        assert_eq!(problem("<a>\n <b x='1' x='2'/></a>"), "U003 2:11");
+        assert_eq!(problem("<a>\n <b x='&bomb;'/></a>"), "U003 2:8");
+        assert_eq!(problem("<a/>\n<a/>"), "U003 2:1");
+        assert_eq!(problem("<a/>\n text"), "U003 2:2");
+        assert_eq!(problem("<!DOCTYPE a [<!ENTITY b 'c'>]>\n<a/>"), "U004 1:1");
+        assert_eq!(problem(&"<a>".repeat(300)), "U005 1:601");
+    }
+
+    #[test]
+    fn a_late_declaration_and_a_nul_at_the_end_are_warnings() {
+        let text = "\n<?xml version='1.0'?><a/>\0";
+        let mut report = Report::new("t", text);
+        assert!(Document::parse(text, &mut report).is_some());
+        let codes: Vec<_> = report.finish().iter().map(|d| d.code).collect();
+        assert_eq!(codes, ["U008", "U008"]);
+    }
+}
