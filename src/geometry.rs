@@ -67,10 +67,12 @@ impl Shape {
     /// How far the shape reaches along `-direction` from the origin of the frame that `pose` is given in:
     /// the minimum of `direction·x` over its points. `direction` is a unit vector.
     pub fn lowest(&self, pose: &Pose, direction: &Vec3) -> f64 {
-        let center = pose.p.dot(direction);
-        // The direction seen from the shape.
-        let d = pose.R.transpose() * direction;
-        let depth = match self {
+        pose.p.dot(direction) - self.depth(&(pose.R.transpose() * direction))
+    }
+
+    /// How far the shape reaches from its origin against the unit vector `d`, given in its own axes.
+    pub fn depth(&self, d: &Vec3) -> f64 {
+        match self {
             Self::Sphere { radius } => *radius,
             Self::Capsule {
                 radius,
@@ -79,14 +81,13 @@ impl Shape {
             Self::Cylinder {
                 radius,
                 half_length,
-            } => half_length * d.z.abs() + radius * libm::hypot(d.x, d.y),
+            } => half_length * d.z.abs() + radius * (d.x * d.x + d.y * d.y).sqrt(),
             Self::Box { half } => half.x * d.x.abs() + half.y * d.y.abs() + half.z * d.z.abs(),
             Self::Hull { vertices } => vertices
                 .iter()
-                .map(|v| -v.dot(&d))
+                .map(|v| -v.dot(d))
                 .fold(f64::NEG_INFINITY, f64::max),
-        };
-        center - depth
+        }
     }
 
     /// How many friction displacements the state keeps for this shape, see [`crate::contact`].

@@ -119,4 +119,9 @@ impl State {
             .iter()
             .all(|field| field.iter().all(|x| x.is_finite()))
     }
+
+    /// Whether positions and velocities are finite; nothing else can be infinite without them.
+    pub fn moves_finitely(&self) -> bool {
+        self.q.iter().chain(&self.v).all(|x| x.is_finite())
+    }
 }

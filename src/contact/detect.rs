@@ -135,6 +135,11 @@ impl Finder<'_> {
                 self.add(collider, V, center - axis - n * *radius, 1.0, slot + 1);
             }
             Shape::Box { half } => {
+                let local = collider.X.R.transpose() * (X_OB.R.transpose() * n);
+                let lowest = self.height + n.dot(center) - shape.depth(&local);
+                if lowest >= reach {
+                    return;
+                }
                 let R = X_OB.R * collider.X.R;
                 let (x, y, z) = (
                     R.column(0) * half.x,
@@ -144,7 +149,9 @@ impl Finder<'_> {
                 for corner in 0..8 {
                     let sign = |bit: usize| if corner & bit == 0 { -1.0 } else { 1.0 };
                     let point = center + x * sign(1) + y * sign(2) + z * sign(4);
-                    self.add(collider, V, point, 1.0, slot + corner);
+                    if self.height + n.dot(&point) < reach {
+                        self.add(collider, V, point, 1.0, slot + corner);
+                    }
                 }
             }
             Shape::Hull { vertices } => {
@@ -177,8 +184,7 @@ impl Finder<'_> {
         slot: usize,
     ) {
         let n = self.plane.normal;
-        let R = X_OB.R * collider.X.R;
-        let axis: Vec3 = R.column(2).into_owned();
+        let axis = X_OB.R * collider.X.R.column(2);
         let along = n.dot(&axis);
         let rise = ((along.abs() - FADE.0) / (FADE.1 - FADE.0)).clamp(0.0, 1.0);
         let standing = rise * rise * (3.0 - 2.0 * rise);
@@ -192,6 +198,7 @@ impl Finder<'_> {
             self.add(collider, V, center - down, line * 4.0 / 3.0, slot + 2);
         }
         if standing > 0.0 {
+            let R = X_OB.R * collider.X.R;
             let (x, y) = (R.column(0) * radius, R.column(1) * radius);
             let rims = [axis * half_length, axis * -half_length];
             for (rim, end) in rims.iter().enumerate() {

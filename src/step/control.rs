@@ -187,7 +187,7 @@ impl Stepper {
         } else {
             self.advance_controlled(ctx, state, end)
         };
-        if result.is_ok() && state.is_finite() {
+        if result.is_ok() && state.moves_finitely() {
             state.time = end;
             for (index, last) in state.commands.iter_mut().enumerate() {
                 *last = ctx.inputs.command(index);
@@ -225,7 +225,8 @@ impl Stepper {
     fn fixed_step(&mut self, ctx: &Context, state: &mut State, h: f64) -> Result<(), NotFinite> {
         let tree = ctx.tree;
         let problem = self.start.problem(tree, h, FIXED_ACCURACY);
-        let outcome = self.full.solve(&problem, &state.v);
+        self.full.guess_start(&problem, &state.v);
+        let outcome = self.full.solve(&problem);
         count(state, outcome.iterations);
         for (contact, response) in self.start.contacts.iter_mut().zip(&self.full.responses) {
             contact.cap = contact.mu * contact.normal.dot(&response.impulse) / h;
@@ -235,9 +236,9 @@ impl Stepper {
         }
         forward(tree, &self.start.kin.S, &self.guess, &mut self.start.kin.V);
         rnea::bias(tree, &mut self.start.kin, &self.guess, ctx.wrenches);
-        self.guess.copy_from_slice(&self.full.v);
-        let problem = self.start.problem(tree, h, FIXED_ACCURACY);
-        let outcome = self.full.solve(&problem, &self.guess);
+        let outcome = self
+            .full
+            .solve(&self.start.problem(tree, h, FIXED_ACCURACY));
         count(state, outcome.iterations);
         if !outcome.converged {
             state.counters[1] += 1;
@@ -483,15 +484,12 @@ impl Stepper {
     /// Solves over `h` and twice over `h/2`; returns the error relative to the tolerance, infinite if a solve fails.
     fn doubled_step(&mut self, ctx: &Context, state: &mut State, h: f64, accuracy: f64) -> f64 {
         let tree = ctx.tree;
-        let full = self
-            .full
-            .solve(&self.start.problem(tree, h, accuracy), &state.v);
-        for ((g, a), b) in self.guess.iter_mut().zip(&state.v).zip(&self.full.v) {
-            *g = 0.5 * (a + b);
-        }
-        let first = self
-            .first
-            .solve(&self.start.problem(tree, 0.5 * h, accuracy), &self.guess);
+        let problem = self.start.problem(tree, h, accuracy);
+        self.full.guess_start(&problem, &state.v);
+        let full = self.full.solve(&problem);
+        let problem = self.start.problem(tree, 0.5 * h, accuracy);
+        self.first.guess_between(&problem, &state.v, &self.full);
+        let first = self.first.solve(&problem);
         count(state, full.iterations.max(first.iterations));
         if !(full.converged && first.converged) {
             return f64::INFINITY;
@@ -499,9 +497,9 @@ impl Stepper {
         advance(tree, &state.q, &self.first.v, 0.5 * h, &mut self.half.q);
         store(ctx, &self.start, &self.first, 0.5 * h, &mut self.half);
         self.middle.update(ctx, &self.half, 0.5 * h);
-        let second = self
-            .second
-            .solve(&self.middle.problem(tree, 0.5 * h, accuracy), &self.full.v);
+        let problem = self.middle.problem(tree, 0.5 * h, accuracy);
+        self.second.guess(&problem, &self.full.v);
+        let second = self.second.solve(&problem);
         count(state, second.iterations);
         if !second.converged {
             return f64::INFINITY;

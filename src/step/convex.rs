@@ -55,7 +55,8 @@ pub struct Newton {
     H: Vec<f64>,
     V: Vec<Vec6>,
     point_direction: Vec<Vec3>,
-    joint_stiffness: Vec<f64>,
+    /// Impulse and stiffness of each joint term.
+    joint_responses: Vec<(f64, f64)>,
     F: Vec<Vec6>,
     G: Vec<[f64; 21]>,
     /// Bodies with contacts in their subtree, tips first.
@@ -98,7 +99,7 @@ impl Newton {
             H: vec![0.0; tree.sparsity.entries()],
             V: vec![[0.0; 6]; nb],
             point_direction: Vec::with_capacity(contacts),
-            joint_stiffness: vec![0.0; nv],
+            joint_responses: Vec::with_capacity(nv),
             F: vec![[0.0; 6]; nb],
             G: vec![[0.0; 21]; nb],
             loaded: Vec::with_capacity(nb),
@@ -106,10 +107,51 @@ impl Newton {
         }
     }
 
-    /// Minimises from the guess `v`.
-    pub fn solve(&mut self, p: &Problem, guess: &[f64]) -> Outcome {
+    /// Takes the velocity at the start of the step as the guess.
+    pub fn guess_start(&mut self, p: &Problem, v0: &[f64]) {
+        self.v.copy_from_slice(v0);
+        self.momentum.copy_from_slice(&p.kin.momentum);
+        self.point_velocity.clear();
+        let points = p
+            .contacts
+            .iter()
+            .map(|c| velocity_at(&p.kin.V[c.body], &c.x));
+        self.point_velocity.extend(points);
+    }
+
+    /// Guesses half way between the velocity at the start of the step and another solution from the same start.
+    pub fn guess_between(&mut self, p: &Problem, v0: &[f64], other: &Self) {
+        for ((v, a), b) in self.v.iter_mut().zip(v0).zip(&other.v) {
+            *v = 0.5 * (a + b);
+        }
+        let momenta = p.kin.momentum.iter().zip(&other.momentum);
+        for (m, (a, b)) in self.momentum.iter_mut().zip(momenta) {
+            *m = 0.5 * (a + b);
+        }
+        self.point_velocity.clear();
+        let points = p.contacts.iter().zip(&other.point_velocity);
+        self.point_velocity
+            .extend(points.map(|(c, v)| (velocity_at(&p.kin.V[c.body], &c.x) + v) * 0.5));
+    }
+
+    /// Takes any velocity as the guess.
+    pub fn guess(&mut self, p: &Problem, v: &[f64]) {
+        self.v.copy_from_slice(v);
+        p.tree.sparsity.multiply(&p.kin.M, v, &mut self.momentum);
+        if !p.contacts.is_empty() {
+            forward(p.tree, &p.kin.S, v, &mut self.V);
+        }
+        self.point_velocity.clear();
+        let points = p
+            .contacts
+            .iter()
+            .map(|c| velocity_at(&self.V[c.body], &c.x));
+        self.point_velocity.extend(points);
+    }
+
+    /// Minimises from the guess that stands in `v`: one of the `guess` functions, or the last solution.
+    pub fn solve(&mut self, p: &Problem) -> Outcome {
         let Problem { tree, kin, h, .. } = *p;
-        self.v.copy_from_slice(guess);
         self.mark_loaded(tree, p.contacts);
         let D2 = &kin.inverse_diagonal;
         let (mut bias_scale, mut momentum_scale) = (0.0, 0.0);
@@ -122,19 +164,10 @@ impl Newton {
         // accelerating in small steps.
         let bias_scale = h * h * bias_scale;
         let floor = (8.0 * f64::EPSILON) * (8.0 * f64::EPSILON) * momentum_scale;
-        tree.sparsity.multiply(&kin.M, &self.v, &mut self.momentum);
-        if !p.contacts.is_empty() {
-            forward(tree, &kin.S, &self.v, &mut self.V);
-        }
-        self.point_velocity.clear();
-        self.point_velocity.extend(
-            p.contacts
-                .iter()
-                .map(|c| velocity_at(&self.V[c.body], &c.x)),
-        );
+        self.respond(p);
         let mut iterations = 0;
         loop {
-            let impulse_scale = self.evaluate(p);
+            let impulse_scale = self.collect(p);
             let mut norm = 0.0;
             for (g, d) in self.gradient.iter().zip(D2) {
                 norm += d * g * g;
@@ -185,7 +218,8 @@ impl Newton {
         self.point_velocity.clear();
         self.point_velocity
             .extend(p.contacts.iter().map(|_| Vec3::zeros()));
-        let impulse_scale = self.evaluate(p);
+        self.respond(p);
+        let impulse_scale = self.collect(p);
         let norm: f64 = self
             .gradient
             .iter()
@@ -210,21 +244,29 @@ impl Newton {
         }
     }
 
-    /// Responses and gradient at the current velocity; returns the squared scale of the impulses.
-    fn evaluate(&mut self, p: &Problem) -> f64 {
-        let Problem { tree, kin, h, .. } = *p;
+    /// Responses of contacts and joint terms at the current velocity.
+    fn respond(&mut self, p: &Problem) {
+        self.joint_responses.clear();
+        self.joint_responses
+            .extend(p.joints.iter().map(|t| t.response(self.v[t.dof], p.h)));
+        self.responses.clear();
+        let points = p.contacts.iter().zip(&self.point_velocity);
+        self.responses
+            .extend(points.map(|(contact, v)| contact.response(v, p.h)));
+    }
+
+    /// Gradient from the responses; returns the squared scale of the impulses.
+    fn collect(&mut self, p: &Problem) -> f64 {
+        let Problem { tree, kin, .. } = *p;
         let D2 = &kin.inverse_diagonal;
         for ((g, m), r) in self.gradient.iter_mut().zip(&self.momentum).zip(&self.r) {
             *g = m - r;
         }
         let mut scale = 0.0;
-        for term in p.joints {
-            let (impulse, stiffness) = term.response(self.v[term.dof], h);
+        for (term, (impulse, _)) in p.joints.iter().zip(&self.joint_responses) {
             self.gradient[term.dof] -= impulse;
-            self.joint_stiffness[term.dof] = stiffness;
             scale += D2[term.dof] * impulse * impulse;
         }
-        self.responses.clear();
         if p.contacts.is_empty() {
             return scale;
         }
@@ -232,10 +274,8 @@ impl Newton {
             self.F[b] = [0.0; 6];
         }
         self.F[0] = [0.0; 6];
-        for (contact, velocity) in p.contacts.iter().zip(&self.point_velocity) {
-            let response = contact.response(velocity, h);
+        for (contact, response) in p.contacts.iter().zip(&self.responses) {
             add_force_at(&mut self.F[contact.body], &contact.x, &response.impulse);
-            self.responses.push(response);
         }
         let mut contact_scale = 0.0;
         for &b in &self.loaded {
@@ -263,8 +303,8 @@ impl Newton {
         let Problem { tree, kin, .. } = *p;
         let pattern = &tree.sparsity;
         self.H.copy_from_slice(&kin.M);
-        for term in p.joints {
-            self.H[pattern.diagonal(term.dof)] += self.joint_stiffness[term.dof];
+        for (term, (_, stiffness)) in p.joints.iter().zip(&self.joint_responses) {
+            self.H[pattern.diagonal(term.dof)] += stiffness;
         }
         if p.contacts.is_empty() {
             return;
@@ -317,9 +357,10 @@ impl Newton {
         }
     }
 
-    /// Length along `direction` at which the slope of the cost is (nearly) zero, at most 1.
+    /// Length along `direction` at which the slope of the cost is (nearly) zero, at most 1. The responses are then
+    /// those at that length.
     fn line_search(&mut self, p: &Problem) -> f64 {
-        let Problem { tree, kin, h, .. } = *p;
+        let Problem { tree, kin, .. } = *p;
         tree.sparsity
             .multiply(&kin.M, &self.direction, &mut self.direction_momentum);
         self.point_direction.clear();
@@ -331,7 +372,7 @@ impl Newton {
                 .map(|c| velocity_at(&self.V[c.body], &c.x));
             self.point_direction.extend(velocities);
         }
-        let (mut linear, mut quadratic, mut initial) = (0.0, 0.0, 0.0);
+        let (mut linear, mut quadratic, mut initial) = (0.0, 0.0, 0.0_f64);
         for i in 0..self.v.len() {
             let w = self.direction[i];
             linear += (self.momentum[i] - self.r[i]) * w;
@@ -339,42 +380,23 @@ impl Newton {
             initial += self.gradient[i] * w;
         }
         let initial = initial.abs();
-        // Slope of the cost and its derivative at `alpha`.
-        let slope = |alpha: f64| {
-            let (mut slope, mut curvature) = (linear + alpha * quadratic, quadratic);
-            let points = self.point_velocity.iter().zip(&self.point_direction);
-            for (contact, (v, w)) in p.contacts.iter().zip(points) {
-                let r = contact.response(&(v + w * alpha), h);
-                let wn = contact.normal.dot(w);
-                let ws = r.slip.dot(w);
-                slope -= r.impulse.dot(w);
-                curvature +=
-                    r.tangential * (w.norm_squared() - wn * wn - ws * ws) + r.normal * wn * wn;
-            }
-            for term in p.joints {
-                let w = self.direction[term.dof];
-                let (impulse, stiffness) = term.response(self.v[term.dof] + alpha * w, h);
-                slope -= impulse * w;
-                curvature += stiffness * w * w;
-            }
-            (slope, curvature)
-        };
-        let (mut value, mut curvature) = slope(1.0);
+        let mut alpha = 1.0;
+        let mut value = linear + quadratic + self.respond_along(p, alpha);
         if value <= ACCEPTED_SLOPE * initial {
-            return 1.0;
+            return alpha;
         }
         // Newton inside a shrinking bracket; every third time, and where Newton leaves it, bisection: at a friction
         // element's kink the zone of the root can be a millionth of the bracket.
-        let (mut low, mut high, mut alpha) = (0.0, 1.0, 1.0);
+        let (mut low, mut high) = (0.0, 1.0);
         for trial in 0..60 {
             let inner = 1e-3 * (high - low);
-            let newton: f64 = alpha - value / curvature;
+            let newton: f64 = alpha - value / (quadratic + self.curvature(p));
             alpha = if newton > low + inner && newton < high - inner && trial % 3 != 2 {
                 newton
             } else {
                 0.5 * (low + high)
             };
-            (value, curvature) = slope(alpha);
+            value = linear + alpha * quadratic + self.respond_along(p, alpha);
             if value.abs() <= LINE_SEARCH_TOLERANCE * initial {
                 break;
             }
@@ -385,6 +407,42 @@ impl Newton {
             }
         }
         alpha
+    }
+
+    /// Responses at `v + alpha · direction`; returns what they add to the slope of the cost.
+    fn respond_along(&mut self, p: &Problem, alpha: f64) -> f64 {
+        let mut slope = 0.0;
+        self.responses.clear();
+        let points = self.point_velocity.iter().zip(&self.point_direction);
+        for (contact, (v, w)) in p.contacts.iter().zip(points) {
+            let response = contact.response(&(v + w * alpha), p.h);
+            slope -= response.impulse.dot(w);
+            self.responses.push(response);
+        }
+        self.joint_responses.clear();
+        for term in p.joints {
+            let w = self.direction[term.dof];
+            let response = term.response(self.v[term.dof] + alpha * w, p.h);
+            slope -= response.0 * w;
+            self.joint_responses.push(response);
+        }
+        slope
+    }
+
+    /// Second derivative of the cost of contacts and joints along `direction`, from the responses.
+    fn curvature(&self, p: &Problem) -> f64 {
+        let mut curvature = 0.0;
+        let points = self.responses.iter().zip(&self.point_direction);
+        for (contact, (r, w)) in p.contacts.iter().zip(points) {
+            let wn = contact.normal.dot(w);
+            let ws = r.slip.dot(w);
+            curvature += r.tangential * (w.norm_squared() - wn * wn - ws * ws) + r.normal * wn * wn;
+        }
+        for (term, (_, stiffness)) in p.joints.iter().zip(&self.joint_responses) {
+            let w = self.direction[term.dof];
+            curvature += stiffness * w * w;
+        }
+        curvature
     }
 }
 
