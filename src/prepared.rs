@@ -93,17 +93,25 @@ impl PreparedModel {
     /// # Errors
     /// [`PreparedModelError`] for anything else.
     pub fn from_json(text: &str) -> Result<Self, PreparedModelError> {
-        let refuse = |error: serde_json::Error| PreparedModelError::Text {
-            reason: error.to_string(),
+        let unreadable = match serde_json::from_str::<Self>(text) {
+            Ok(prepared) if prepared.format == FORMAT => return Ok(prepared),
+            Ok(prepared) => {
+                return Err(PreparedModelError::Format {
+                    found: prepared.format,
+                    exporter: prepared.exporter,
+                });
+            }
+            Err(error) => error,
         };
-        let header: Header = serde_json::from_str(text).map_err(refuse)?;
-        if header.format != FORMAT {
-            return Err(PreparedModelError::Format {
+        match serde_json::from_str::<Header>(text) {
+            Ok(header) if header.format != FORMAT => Err(PreparedModelError::Format {
                 found: header.format,
                 exporter: header.exporter,
-            });
+            }),
+            _ => Err(PreparedModelError::Text {
+                reason: unreadable.to_string(),
+            }),
         }
-        serde_json::from_str(text).map_err(refuse)
     }
 }
 

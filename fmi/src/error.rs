@@ -1,0 +1,98 @@
+//! Everything that can be wrong with a call, as data; the text goes to the importer's logger.
+
+use crate::phase::{Function, Phase};
+use crate::uri::UriError;
+use urdf2fmu_core::prepared::PreparedModelError;
+use urdf2fmu_core::simulation::SimulationError;
+use urdf2fmu_core::variables::TableError;
+
+/// Why a call on an instance fails.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub(crate) enum FmiError {
+    #[error("called in phase '{phase}'; {}", function.advice(*phase))]
+    Phase { function: Function, phase: Phase },
+    #[error("'{argument}' is NULL")]
+    NullPointer { argument: &'static str },
+    #[error("'{argument}' is NULL, but {len} elements are announced")]
+    NullArray { argument: &'static str, len: usize },
+    #[error("'{argument}' cannot have {len} elements")]
+    Length { argument: &'static str, len: usize },
+    #[error("no variable has value reference {value_reference}; they run from 0 to {}", count.saturating_sub(1))]
+    ValueReference { value_reference: u32, count: usize },
+    #[error("variable '{name}' (value reference {value_reference}) is {is}, not {asked}")]
+    Kind {
+        name: String,
+        value_reference: u32,
+        is: &'static str,
+        asked: &'static str,
+    },
+    #[error("output '{name}' cannot be set")]
+    Output { name: String },
+    #[error(
+        "fixed parameter '{name}' cannot be set after fmi2ExitInitializationMode; call fmi2Reset and set it \
+         before the next initialisation"
+    )]
+    Fixed { name: String },
+    #[error("variable '{name}' must be {expected}, not {value}")]
+    Value {
+        name: String,
+        expected: &'static str,
+        value: f64,
+    },
+    #[error("argument '{argument}' is {value}; it must be {expected}")]
+    Argument {
+        argument: &'static str,
+        value: f64,
+        expected: &'static str,
+    },
+    #[error("the step would begin at {given} s, but the instance is at {expected} s")]
+    CommunicationPoint { given: f64, expected: f64 },
+    #[error(
+        "the step would begin at {begin} s, at or after the stop time {stop} s of fmi2SetupExperiment"
+    )]
+    StopTime { begin: f64, stop: f64 },
+    #[error("{0}")]
+    Simulation(#[from] SimulationError),
+    #[error("saved state refused: {reason}")]
+    State { reason: String },
+    #[error("log category '{name}' is not declared in modelDescription.xml; nothing is changed")]
+    Category { name: String },
+    #[error("{what} are not offered: modelDescription.xml says {attribute}")]
+    NotOffered {
+        what: &'static str,
+        attribute: &'static str,
+    },
+    #[error("status kind {kind} has no {is} value")]
+    StatusKind { kind: i32, is: &'static str },
+    #[error("internal error: {message}; please report it")]
+    Panic { message: String },
+}
+
+/// Why there is no instance.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum InstantiateError {
+    #[error("fmuType is {found}; this FMU is for co-simulation (1) only")]
+    Type { found: i32 },
+    #[error(transparent)]
+    Uri(#[from] UriError),
+    #[error(
+        "cannot read '{path}': {error}; unzip the whole FMU and pass the URI of its folder 'resources'"
+    )]
+    Read { path: String, error: std::io::Error },
+    #[error("'{path}': {error}")]
+    Prepared {
+        path: String,
+        error: PreparedModelError,
+    },
+    #[error("'{path}': {error}")]
+    Table { path: String, error: TableError },
+    #[error(
+        "fmuGUID is '{given}', but this FMU's is '{expected}': modelDescription.xml and resources belong to \
+         different exports; unzip the FMU again"
+    )]
+    Guid { given: String, expected: String },
+    #[error(
+        "internal error while loading: {message}; export the FMU again, and report it if that does not help"
+    )]
+    Panic { message: String },
+}

@@ -1,0 +1,451 @@
+//! A rover with one driven wheel on the ground, and what an instance of it must do.
+
+#![allow(
+    clippy::float_cmp,
+    clippy::too_many_lines,
+    reason = "times are exact; a model is long"
+)]
+
+use super::*;
+use crate::pointers::{In, Out};
+use urdf2fmu_core::geometry::Shape;
+use urdf2fmu_core::model::{
+    Actuator, ActuatorMode, Body, Collider, ContactDefaults, Dof, DofId, Ground, Initial, Joint,
+    JointId, JointKind, Link, LinkId, Motion, OutputSelection, SolverDefaults, World,
+};
+use urdf2fmu_core::simulation::{InputSlot, OutputSlot, ParameterSlot};
+use urdf2fmu_core::spatial::{Mat3, Pose, RigidInertia, Vec3};
+use urdf2fmu_core::variables::Unit;
+
+const WHEEL_VELOCITY: u32 = 0;
+const MAX_EFFORT: u32 = 1;
+const HEIGHT: u32 = 2;
+const STEPS: u32 = 3;
+const GRAVITY: u32 = 4;
+const START_HEIGHT: u32 = 5;
+const WHEEL_SPEED: u32 = 6;
+
+/// A freshly instantiated one that logs nowhere.
+pub(crate) fn instance() -> Instance {
+    let logger = Logger::new(None, std::ptr::null_mut(), c"test".into(), false);
+    Instance::new(logger, GuidHash::new("{test}"), Arc::new(rover()), rows())
+}
+
+/// Initialised at 0 s.
+fn running() -> Instance {
+    let mut instance = instance();
+    instance.enter_initialization_mode();
+    instance.exit_initialization_mode().expect("a legal rover");
+    instance
+}
+
+fn rover() -> Model {
+    let ball = |mass: f64, radius: f64| RigidInertia {
+        mass,
+        com: Vec3::zeros(),
+        I_cm: Mat3::identity() * (0.4 * mass * radius * radius),
+    };
+    let axis = Vec3::new(0.0, 1.0, 0.0);
+    let link = |name: &str, index: usize, inertia| Link {
+        name: name.into(),
+        joint: (index > 0).then(|| JointId::from(index - 1)),
+        body: index.into(),
+        X_BL: Pose::IDENTITY,
+        inertia,
+        friction: 0.8,
+        restitution: 0.0,
+    };
+    let below = Pose {
+        p: Vec3::new(0.0, 0.0, -0.2),
+        ..Pose::IDENTITY
+    };
+    let body = |link: usize, motion, coordinate, dof| Body {
+        link: link.into(),
+        parent: (link > 0).then(|| 0.into()),
+        joint: (link > 0).then(|| 0.into()),
+        motion,
+        X_PB: if link > 0 { below } else { Pose::IDENTITY },
+        coordinate,
+        dof: DofId(dof),
+        ratio: 1.0,
+        offset: 0.0,
+    };
+    let collider = |index: usize, radius, slot| Collider {
+        link: index.into(),
+        body: index.into(),
+        X_BG: Pose::IDENTITY,
+        shape: Shape::Sphere { radius },
+        slot,
+    };
+    Model {
+        name: "rover".into(),
+        links: vec![
+            link("base", 0, ball(4.0, 0.2)),
+            link("wheel", 1, ball(1.0, 0.1)),
+        ],
+        joints: vec![Joint {
+            name: "axle".into(),
+            kind: JointKind::Continuous,
+            parent: LinkId(0),
+            child: LinkId(1),
+            X_PJ: below,
+            axis,
+            bodies: vec![1.into()],
+            limits: None,
+            effort: None,
+            velocity: None,
+            damping: 0.0,
+            friction: 0.0,
+            armature: 0.0,
+            mimic: None,
+        }],
+        bodies: vec![
+            body(0, Motion::Free, 0, 0),
+            body(1, Motion::Revolute(axis), 7, 6),
+        ],
+        dofs: (0..7)
+            .map(|dof| Dof {
+                body: usize::from(dof == 6).into(),
+                limits: None,
+            })
+            .collect(),
+        nq: 8,
+        colliders: vec![collider(0, 0.2, 0), collider(1, 0.1, 1)],
+        actuators: vec![Actuator {
+            joint: JointId(0),
+            dof: DofId(6),
+            mode: ActuatorMode::Velocity,
+            max_effort: 5.0,
+            reference_effort: 5.0,
+            kp: 0.0,
+            kd: 0.0,
+        }],
+        initial: Initial {
+            position: Vec3::new(0.0, 0.0, 0.35),
+            rpy: Vec3::zeros(),
+            linear_velocity: Vec3::zeros(),
+            angular_velocity: Vec3::zeros(),
+            joint_positions: vec![0.0],
+            joint_velocities: vec![0.0],
+        },
+        solver: SolverDefaults {
+            step_size: 0.0,
+            tolerance: 0.0,
+        },
+        contact: ContactDefaults {
+            penetration: 1e-4,
+            stiffness: None,
+            dissipation: 51.0,
+        },
+        world: World {
+            gravity: Vec3::new(0.0, 0.0, -9.81),
+            ground: Some(Ground {
+                friction: 0.8,
+                restitution: 0.0,
+            }),
+        },
+        outputs: OutputSelection::default(),
+    }
+}
+
+/// A few rows of each causality and type; the real table is the core's business.
+fn rows() -> Vec<Variable> {
+    let slots = [
+        (
+            "cmd.axle.velocity",
+            Slot::Input(InputSlot::Velocity(0.into())),
+            Kind::Real,
+        ),
+        (
+            "cmd.axle.max_effort",
+            Slot::Input(InputSlot::MaxEffort(0.into())),
+            Kind::Real,
+        ),
+        (
+            "base.position.z",
+            Slot::Output(OutputSlot::BasePosition(2)),
+            Kind::Real,
+        ),
+        (
+            "solver.steps",
+            Slot::Output(OutputSlot::Steps),
+            Kind::Integer,
+        ),
+        (
+            "world.gravity.z",
+            Slot::Parameter(ParameterSlot::Gravity(2)),
+            Kind::Real,
+        ),
+        (
+            "initial.base.position.z",
+            Slot::Parameter(ParameterSlot::InitialBasePosition(2)),
+            Kind::Real,
+        ),
+        (
+            "joint.axle.velocity",
+            Slot::Output(OutputSlot::JointVelocity(0.into(), 0)),
+            Kind::Real,
+        ),
+    ];
+    let row = |(index, (name, slot, kind)): (usize, (&str, Slot, Kind))| Variable {
+        name: name.into(),
+        value_reference: u32::try_from(index).expect("few"),
+        description: String::new(),
+        slot,
+        kind,
+        start: None,
+        min: None,
+        max: (name == "cmd.axle.velocity").then_some(100.0),
+        unit: Unit::One,
+    };
+    slots.into_iter().enumerate().map(row).collect()
+}
+
+fn set(instance: &mut Instance, references: &[u32], values: &[f64]) -> Result<(), FmiError> {
+    assert_eq!(references.len(), values.len());
+    #[allow(unsafe_code, reason = "slices are valid arrays")]
+    // SAFETY: slices are valid arrays.
+    let (references, values) = unsafe {
+        (
+            In::new("vr", references.as_ptr(), references.len())?,
+            In::new("value", values.as_ptr(), values.len())?,
+        )
+    };
+    instance.set(Kind::Real, &references, &values, |x| x)
+}
+
+fn get(instance: &mut Instance, references: &[u32]) -> Result<Vec<f64>, FmiError> {
+    let mut values = vec![0.0; references.len()];
+    #[allow(unsafe_code, reason = "slices are valid arrays")]
+    // SAFETY: slices are valid arrays.
+    let (references, mut place) = unsafe {
+        (
+            In::new("vr", references.as_ptr(), references.len())?,
+            Out::new("value", values.as_mut_ptr(), references.len())?,
+        )
+    };
+    instance.get(Kind::Real, &references, &mut place, |x| x)?;
+    Ok(values)
+}
+
+fn bits(instance: &mut Instance) -> Vec<u64> {
+    let all = [
+        WHEEL_VELOCITY,
+        MAX_EFFORT,
+        HEIGHT,
+        GRAVITY,
+        START_HEIGHT,
+        WHEEL_SPEED,
+    ];
+    get(instance, &all)
+        .expect("known")
+        .into_iter()
+        .map(f64::to_bits)
+        .collect()
+}
+
+#[test]
+fn a_set_call_with_one_bad_part_changes_nothing() {
+    let mut instance = running();
+    let before = bits(&mut instance);
+    for (references, values) in [
+        (vec![WHEEL_VELOCITY, 99], vec![3.0, 0.0]),
+        (vec![WHEEL_VELOCITY, HEIGHT], vec![3.0, 0.0]),
+        (vec![WHEEL_VELOCITY, STEPS], vec![3.0, 0.0]),
+        (vec![WHEEL_VELOCITY, GRAVITY], vec![3.0, f64::NAN]),
+        (vec![WHEEL_VELOCITY, MAX_EFFORT], vec![3.0, f64::INFINITY]),
+        (vec![WHEEL_VELOCITY, MAX_EFFORT], vec![3.0, -1.0]),
+        (vec![WHEEL_VELOCITY, START_HEIGHT], vec![3.0, 1.0]),
+    ] {
+        assert!(
+            set(&mut instance, &references, &values).is_err(),
+            "{references:?} {values:?}"
+        );
+        assert_eq!(bits(&mut instance), before, "{references:?} {values:?}");
+    }
+}
+
+#[test]
+fn messages_name_the_variable_and_what_is_legal() {
+    let mut instance = running();
+    let mut message = |reference, value| {
+        set(&mut instance, &[reference], &[value])
+            .expect_err("illegal")
+            .to_string()
+    };
+    assert_eq!(
+        message(MAX_EFFORT, -1.0),
+        "variable 'cmd.axle.max_effort' must be 0 or more, not -1"
+    );
+    assert_eq!(
+        message(STEPS, 1.0),
+        "variable 'solver.steps' (value reference 3) is Integer, not Real"
+    );
+    assert_eq!(
+        message(7, 1.0),
+        "no variable has value reference 7; they run from 0 to 6"
+    );
+    assert_eq!(
+        message(HEIGHT, 1.0),
+        "output 'base.position.z' cannot be set"
+    );
+}
+
+#[test]
+fn fixed_parameters_can_be_set_until_initialisation_ends() {
+    let mut instance = instance();
+    set(&mut instance, &[START_HEIGHT], &[0.5]).expect("instantiated");
+    assert_eq!(get(&mut instance, &[HEIGHT]), Ok(vec![0.5]));
+    instance.enter_initialization_mode();
+    set(&mut instance, &[START_HEIGHT], &[0.75]).expect("initialization mode");
+    instance.exit_initialization_mode().expect("legal");
+    assert_eq!(get(&mut instance, &[HEIGHT]), Ok(vec![0.75]));
+    assert_eq!(
+        set(&mut instance, &[START_HEIGHT], &[1.0]),
+        Err(FmiError::Fixed {
+            name: "initial.base.position.z".into()
+        })
+    );
+    set(&mut instance, &[GRAVITY], &[-1.62]).expect("tunable");
+}
+
+#[test]
+fn values_outside_the_range_are_used() {
+    let mut instance = running();
+    set(&mut instance, &[WHEEL_VELOCITY], &[250.0]).expect("max is 100");
+    assert_eq!(get(&mut instance, &[WHEEL_VELOCITY]), Ok(vec![250.0]));
+    assert!(instance.range_logged[WHEEL_VELOCITY as usize]);
+}
+
+#[test]
+fn steps_land_exactly_whatever_their_size() {
+    let mut instance = running();
+    for step in [1e-3, 1e-12, 1.0 / 3.0, 1e-9, 0.1] {
+        let point = instance.last_successful_time();
+        assert_eq!(instance.do_step(point, step), Ok(fmi2Status::OK));
+        assert_eq!(instance.last_successful_time(), point + step);
+    }
+}
+
+#[test]
+fn a_step_too_small_for_the_clock_is_done_already() {
+    let mut instance = instance();
+    instance.setup_experiment(None, 1e6, None).expect("legal");
+    instance.enter_initialization_mode();
+    instance.exit_initialization_mode().expect("legal");
+    // Doubles near 1e6 are 1.2e-10 apart.
+    assert_eq!(instance.do_step(1e6, 1e-12), Ok(fmi2Status::OK));
+    assert_eq!(instance.last_successful_time(), 1e6);
+}
+
+#[test]
+fn the_beginning_of_a_step_may_jitter_but_not_jump() {
+    let mut instance = running();
+    instance.do_step(0.0, 1.0).expect("legal");
+    for (point, legal) in [
+        (1.0 + 1e-16, true),
+        (1.0 + 0.9e-6, true),
+        (1.0 - 0.9e-6, true),
+        (1.0 + 1.2e-6, false),
+        (0.0, false),
+        (f64::NAN, false),
+        (f64::INFINITY, false),
+    ] {
+        let state = instance.save();
+        let result = instance.do_step(point, 1e-3);
+        assert_eq!(result.is_ok(), legal, "{point}");
+        if legal {
+            assert_eq!(instance.last_successful_time(), point + 1e-3);
+        }
+        instance.restore(&state).expect("own state");
+    }
+}
+
+#[test]
+fn illegal_step_sizes_are_refused() {
+    let mut instance = running();
+    for step in [0.0, -0.1, f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300] {
+        assert!(
+            matches!(instance.do_step(0.0, step), Err(FmiError::Argument { .. })),
+            "{step}"
+        );
+        assert_eq!(instance.last_successful_time(), 0.0);
+    }
+}
+
+#[test]
+fn the_last_step_may_end_past_the_stop_time_but_none_begins_there() {
+    let mut instance = instance();
+    instance
+        .setup_experiment(None, 0.0, Some(1.0))
+        .expect("legal");
+    instance.enter_initialization_mode();
+    instance.exit_initialization_mode().expect("legal");
+    assert_eq!(instance.do_step(0.0, 0.7), Ok(fmi2Status::OK));
+    assert_eq!(instance.do_step(0.7, 0.7), Ok(fmi2Status::OK));
+    assert!(instance.overshoot_logged);
+    assert!(matches!(
+        instance.do_step(1.4, 0.7),
+        Err(FmiError::StopTime { .. })
+    ));
+}
+
+#[test]
+fn experiments_that_make_no_sense_are_refused() {
+    let mut instance = instance();
+    assert!(instance.setup_experiment(None, f64::NAN, None).is_err());
+    assert!(
+        instance
+            .setup_experiment(None, 0.0, Some(f64::NAN))
+            .is_err()
+    );
+    assert!(instance.setup_experiment(None, 1.0, Some(0.5)).is_err());
+    assert!(instance.setup_experiment(Some(-1.0), 0.0, None).is_err());
+    assert!(
+        instance
+            .setup_experiment(Some(f64::NAN), 0.0, None)
+            .is_err()
+    );
+    assert!(
+        instance
+            .setup_experiment(Some(1e-4), -5.0, Some(f64::INFINITY))
+            .is_ok()
+    );
+}
+
+#[test]
+fn a_saved_state_continues_bit_for_bit_in_another_instance() {
+    let mut first = running();
+    set(&mut first, &[WHEEL_VELOCITY, GRAVITY], &[5.0, -3.7]).expect("legal");
+    first.do_step(0.0, 0.25).expect("legal");
+    let bytes = first.save().to_bytes();
+    first.do_step(0.25, 0.25).expect("legal");
+
+    let mut second = instance();
+    let state = SavedState::from_bytes(second.guid(), second.model(), &bytes).expect("same FMU");
+    second.restore(&state).expect("same FMU");
+    second.do_step(0.25, 0.25).expect("legal");
+    assert_eq!(bits(&mut second), bits(&mut first));
+    assert!(get(&mut first, &[WHEEL_SPEED]).expect("known")[0] > 4.0);
+}
+
+#[test]
+fn reset_gives_the_bits_of_a_new_instance() {
+    let run = |instance: &mut Instance| {
+        instance.enter_initialization_mode();
+        instance.exit_initialization_mode().expect("legal");
+        set(instance, &[WHEEL_VELOCITY], &[2.0]).expect("legal");
+        instance.do_step(0.0, 0.5).expect("legal");
+        bits(instance)
+    };
+    let fresh = run(&mut instance());
+    let mut used = instance();
+    used.setup_experiment(Some(1e-2), 3.0, Some(9.0))
+        .expect("legal");
+    set(&mut used, &[START_HEIGHT, GRAVITY], &[1.0, -1.0]).expect("legal");
+    used.enter_initialization_mode();
+    used.exit_initialization_mode().expect("legal");
+    used.do_step(3.0, 0.5).expect("legal");
+    used.reset();
+    assert_eq!(run(&mut used), fresh);
+}

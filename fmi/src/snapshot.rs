@@ -1,0 +1,296 @@
+//! Saved states: what fmi2GetFMUstate hands out, and its bytes.
+//!
+//! Bytes, little-endian:
+//!
+//! | at | size | what |
+//! |---|---|---|
+//! | 0 | 8 | `urdf2fmu` |
+//! | 8 | 4 | [`VERSION`] |
+//! | 12 | 4 | phase |
+//! | 16 | 8 | FNV-1a of the guid |
+//! | 24 | 8 | start time, s |
+//! | 32 | 8 | stop time, s; infinite if undefined |
+//! | 40 | 8 | tolerance; 0 if undefined |
+//! | 48 | 8 | length n of the simulation's bytes |
+//! | 56 | n | the simulation's bytes, see the core |
+//! | 56 + n | 8 | FNV-1a of all before |
+//!
+//! A saved state holds no pointer, so it serves any instance of the same FMU, in any process. Log settings are the
+//! importer's business and are not in it.
+#![allow(unsafe_code, reason = "hands states to the importer as pointers")]
+
+use crate::error::FmiError;
+use crate::instance::Experiment;
+use crate::phase::Phase;
+use crate::types::fmi2FMUstate;
+use urdf2fmu_core::model::Model;
+use urdf2fmu_core::simulation::Snapshot;
+
+const MAGIC: &[u8; 8] = b"urdf2fmu";
+const VERSION: u32 = 1;
+const HEADER: usize = 56;
+const CHECKSUM: usize = 8;
+
+/// Marks a living saved state, so that most wrong pointers are refused instead of followed.
+const TAG: u64 = 0x7564_6632_666d_7573;
+
+/// A copy of an instance's state.
+#[derive(Debug)]
+#[repr(C)]
+pub(crate) struct SavedState {
+    /// [`TAG`]; 0 once freed.
+    tag: u64,
+    pub(crate) guid: GuidHash,
+    pub(crate) phase: Phase,
+    pub(crate) experiment: Experiment,
+    pub(crate) simulation: Snapshot,
+}
+
+/// Identifies the FMU that a state belongs to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct GuidHash(u64);
+
+impl GuidHash {
+    /// Of a guid as it stands in modelDescription.xml.
+    pub(crate) fn new(guid: &str) -> Self {
+        Self(fnv1a(guid.as_bytes()))
+    }
+}
+
+impl SavedState {
+    pub(crate) fn new(
+        guid: GuidHash,
+        phase: Phase,
+        experiment: Experiment,
+        simulation: Snapshot,
+    ) -> Self {
+        Self {
+            tag: TAG,
+            guid,
+            phase,
+            experiment,
+            simulation,
+        }
+    }
+
+    /// Length of [`Self::to_bytes`].
+    pub(crate) fn byte_len(&self) -> usize {
+        HEADER + self.simulation.byte_len() + CHECKSUM
+    }
+
+    /// See the module's table.
+    pub(crate) fn to_bytes(&self) -> Vec<u8> {
+        let simulation = self.simulation.to_bytes();
+        let mut bytes = Vec::with_capacity(HEADER + simulation.len() + CHECKSUM);
+        bytes.extend(MAGIC);
+        bytes.extend(VERSION.to_le_bytes());
+        bytes.extend((self.phase as u32).to_le_bytes());
+        bytes.extend(self.guid.0.to_le_bytes());
+        bytes.extend(self.experiment.start.to_le_bytes());
+        bytes.extend(self.experiment.stop.to_le_bytes());
+        bytes.extend(self.experiment.tolerance.to_le_bytes());
+        bytes.extend((simulation.len() as u64).to_le_bytes());
+        bytes.extend(simulation);
+        bytes.extend(fnv1a(&bytes).to_le_bytes());
+        bytes
+    }
+
+    /// Reads what [`Self::to_bytes`] wrote for the same FMU.
+    ///
+    /// # Errors
+    /// [`FmiError::State`] for anything else.
+    pub(crate) fn from_bytes(
+        guid: GuidHash,
+        model: &Model,
+        bytes: &[u8],
+    ) -> Result<Self, FmiError> {
+        let refused = |reason: &str| FmiError::State {
+            reason: reason.to_owned(),
+        };
+        let mut reader = Reader { rest: bytes };
+        let short = || refused("it is too short");
+        if reader.take::<8>().ok_or_else(short)? != *MAGIC {
+            return Err(refused("it does not begin like a saved state of urdf2fmu"));
+        }
+        let version = reader.u32().ok_or_else(short)?;
+        if version != VERSION {
+            return Err(FmiError::State {
+                reason: format!("it has version {version}; this library reads version {VERSION}"),
+            });
+        }
+        let phase = reader.u32().ok_or_else(short)?;
+        let found = GuidHash(reader.u64().ok_or_else(short)?);
+        let experiment = Experiment {
+            start: reader.f64().ok_or_else(short)?,
+            stop: reader.f64().ok_or_else(short)?,
+            tolerance: reader.f64().ok_or_else(short)?,
+        };
+        let len = reader.u64().ok_or_else(short)?;
+        let Some((body, checksum)) = reader.rest.split_last_chunk::<CHECKSUM>() else {
+            return Err(short());
+        };
+        if len != body.len() as u64 {
+            return Err(FmiError::State {
+                reason: format!("it has {} bytes of simulation instead of {len}", body.len()),
+            });
+        }
+        if fnv1a(&bytes[..bytes.len() - CHECKSUM]) != u64::from_le_bytes(*checksum) {
+            return Err(refused("its checksum is wrong: it has been damaged"));
+        }
+        if found != guid {
+            return Err(refused("it belongs to another FMU"));
+        }
+        let phase = Phase::from_number(phase)
+            .filter(|phase| *phase != Phase::Error)
+            .ok_or_else(|| refused("its phase does not exist"))?;
+        if !experiment.is_legal() {
+            return Err(refused("its experiment is not legal"));
+        }
+        let simulation = Snapshot::from_bytes(model, body)?;
+        Ok(Self::new(guid, phase, experiment, simulation))
+    }
+
+    /// Hands it to the importer.
+    pub(crate) fn into_pointer(self) -> fmi2FMUstate {
+        Box::into_raw(Box::new(self)).cast()
+    }
+}
+
+/// The saved state behind a pointer from [`SavedState::into_pointer`].
+///
+/// # Errors
+/// [`FmiError`] if it is null or not one of ours.
+///
+/// # Safety
+/// `state` is null or points to readable memory of the size of a saved state, such as this library returned; no
+/// other call uses it meanwhile.
+pub(crate) unsafe fn saved<'a>(state: fmi2FMUstate) -> Result<&'a mut SavedState, FmiError> {
+    let pointer = state.cast::<SavedState>();
+    if pointer.is_null() {
+        return Err(FmiError::NullPointer {
+            argument: "FMUstate",
+        });
+    }
+    // SAFETY: not null and readable by the caller's promise; nothing but the tag is read before it is known.
+    if !pointer.is_aligned() || unsafe { (&raw const (*pointer).tag).read() } != TAG {
+        return Err(FmiError::State {
+            reason: "the pointer does not come from this library, or was freed".into(),
+        });
+    }
+    // SAFETY: the tag says that `into_pointer` made it and `free` has not yet dropped it.
+    Ok(unsafe { &mut *pointer })
+}
+
+/// Drops the saved state behind `state`; null is legal.
+///
+/// # Errors
+/// [`FmiError`] if it is not one of ours.
+///
+/// # Safety
+/// As [`saved`]; afterwards `state` is dangling.
+pub(crate) unsafe fn free(state: fmi2FMUstate) -> Result<(), FmiError> {
+    if state.is_null() {
+        return Ok(());
+    }
+    // SAFETY: the caller's promise.
+    let saved = unsafe { saved(state) }?;
+    // Volatile, or the compiler drops a store to memory that is freed at once.
+    // SAFETY: a valid reference.
+    unsafe { (&raw mut saved.tag).write_volatile(0) };
+    // SAFETY: made by `into_pointer`, and the tag is gone, so that it is not followed again.
+    drop(unsafe { Box::from_raw(state.cast::<SavedState>()) });
+    Ok(())
+}
+
+struct Reader<'a> {
+    rest: &'a [u8],
+}
+
+impl Reader<'_> {
+    fn take<const N: usize>(&mut self) -> Option<[u8; N]> {
+        let (first, rest) = self.rest.split_first_chunk::<N>()?;
+        self.rest = rest;
+        Some(*first)
+    }
+
+    fn u32(&mut self) -> Option<u32> {
+        self.take().map(u32::from_le_bytes)
+    }
+
+    fn u64(&mut self) -> Option<u64> {
+        self.take().map(u64::from_le_bytes)
+    }
+
+    fn f64(&mut self) -> Option<f64> {
+        self.take().map(f64::from_le_bytes)
+    }
+}
+
+/// The hash of Fowler, Noll and Vo. A change of any one byte changes it: each step is a bijection.
+fn fnv1a(bytes: &[u8]) -> u64 {
+    bytes.iter().fold(0xCBF2_9CE4_8422_2325, |hash, byte| {
+        (hash ^ u64::from(*byte)).wrapping_mul(0x0000_0100_0000_01B3)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::instance::tests::instance;
+
+    #[test]
+    fn fnv1a_has_its_published_values() {
+        // Test vectors of draft-eastlake-fnv.
+        assert_eq!(fnv1a(b""), 0xCBF2_9CE4_8422_2325);
+        assert_eq!(fnv1a(b"foobar"), 0x8594_4171_F739_67E8);
+    }
+
+    #[test]
+    fn bytes_read_back_to_the_same_bytes() {
+        let instance = instance();
+        let state = instance.save();
+        let bytes = state.to_bytes();
+        assert_eq!(bytes.len(), state.byte_len());
+        let read = SavedState::from_bytes(state.guid, instance.model(), &bytes).expect("own bytes");
+        assert_eq!(read.to_bytes(), bytes);
+    }
+
+    #[test]
+    fn every_truncation_and_every_flipped_bit_is_refused() {
+        let instance = instance();
+        let state = instance.save();
+        let mut bytes = state.to_bytes();
+        let read = |bytes: &[u8]| SavedState::from_bytes(state.guid, instance.model(), bytes);
+        for len in 0..bytes.len() {
+            assert!(read(&bytes[..len]).is_err(), "cut to {len} bytes");
+        }
+        for bit in 0..8 * bytes.len() {
+            bytes[bit / 8] ^= 1 << (bit % 8);
+            assert!(read(&bytes).is_err(), "bit {bit} flipped");
+            bytes[bit / 8] ^= 1 << (bit % 8);
+        }
+        bytes.push(0);
+        assert!(read(&bytes).is_err(), "one byte too many");
+    }
+
+    #[test]
+    fn a_state_of_another_fmu_is_refused_with_the_reason() {
+        let instance = instance();
+        let bytes = instance.save().to_bytes();
+        let error = SavedState::from_bytes(GuidHash::new("{other}"), instance.model(), &bytes)
+            .expect_err("another guid");
+        assert!(error.to_string().contains("another FMU"), "{error}");
+    }
+
+    #[test]
+    fn bytes_with_a_forged_checksum_but_an_illegal_phase_are_refused() {
+        let instance = instance();
+        let state = instance.save();
+        let mut bytes = state.to_bytes();
+        bytes[12] = Phase::Error as u8;
+        let end = bytes.len() - CHECKSUM;
+        let checksum = fnv1a(&bytes[..end]).to_le_bytes();
+        bytes[end..].copy_from_slice(&checksum);
+        assert!(SavedState::from_bytes(state.guid, instance.model(), &bytes).is_err());
+    }
+}

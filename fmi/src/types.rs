@@ -1,0 +1,97 @@
+//! The types of fmi2TypesPlatform.h and fmi2FunctionTypes.h, spelled as there.
+//!
+//! What comes from C stays an integer until it has been checked: an incoming value outside a Rust enum would be
+//! undefined behaviour. Only [`fmi2Status`], which this library alone produces, is an enum.
+
+#![allow(
+    non_camel_case_types,
+    non_snake_case,
+    reason = "the names of the FMI 2.0 headers are kept"
+)]
+
+use std::ffi::{c_char, c_int, c_uint, c_void};
+
+/// Opaque pointer to an instance.
+pub type fmi2Component = *mut c_void;
+/// Opaque pointer that belongs to the importer.
+pub type fmi2ComponentEnvironment = *mut c_void;
+/// Opaque pointer to a saved state.
+pub type fmi2FMUstate = *mut c_void;
+/// Handle of a variable.
+pub type fmi2ValueReference = c_uint;
+/// `double`
+pub type fmi2Real = f64;
+/// `int`
+pub type fmi2Integer = c_int;
+/// `int`: 0 is false.
+pub type fmi2Boolean = c_int;
+/// Zero-terminated UTF-8.
+pub type fmi2String = *const c_char;
+/// Smallest addressable unit.
+pub type fmi2Byte = c_char;
+/// `fmi2Type`: [`FMI2_CO_SIMULATION`] or Model Exchange.
+pub type fmi2Type = c_int;
+/// `fmi2StatusKind`: one of [`FMI2_DO_STEP_STATUS`] and those below it.
+pub type fmi2StatusKind = c_int;
+
+/// `fmi2True`
+pub const FMI2_TRUE: fmi2Boolean = 1;
+/// `fmi2False`
+pub const FMI2_FALSE: fmi2Boolean = 0;
+/// `fmi2CoSimulation`
+pub const FMI2_CO_SIMULATION: fmi2Type = 1;
+/// `fmi2DoStepStatus`
+pub const FMI2_DO_STEP_STATUS: fmi2StatusKind = 0;
+/// `fmi2PendingStatus`
+pub const FMI2_PENDING_STATUS: fmi2StatusKind = 1;
+/// `fmi2LastSuccessfulTime`
+pub const FMI2_LAST_SUCCESSFUL_TIME: fmi2StatusKind = 2;
+/// `fmi2Terminated`
+pub const FMI2_TERMINATED: fmi2StatusKind = 3;
+
+/// What a function returns. `fmi2Fatal` and `fmi2Pending` are never returned: one instance cannot spoil another,
+/// and every step is finished when fmi2DoStep returns.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum fmi2Status {
+    /// `fmi2OK`
+    OK = 0,
+    /// `fmi2Warning`
+    Warning = 1,
+    /// `fmi2Discard`
+    Discard = 2,
+    /// `fmi2Error`
+    Error = 3,
+}
+
+/// `fmi2CallbackLogger`; variadic, the message is a printf format.
+pub type fmi2CallbackLogger = unsafe extern "C" fn(
+    fmi2ComponentEnvironment,
+    fmi2String,
+    fmi2Status,
+    fmi2String,
+    fmi2String,
+    ...
+);
+/// `fmi2CallbackAllocateMemory`; never called.
+pub type fmi2CallbackAllocateMemory = unsafe extern "C" fn(usize, usize) -> *mut c_void;
+/// `fmi2CallbackFreeMemory`; never called.
+pub type fmi2CallbackFreeMemory = unsafe extern "C" fn(*mut c_void);
+/// `fmi2StepFinished`; never called, steps are synchronous.
+pub type fmi2StepFinished = unsafe extern "C" fn(fmi2ComponentEnvironment, fmi2Status);
+
+/// `fmi2CallbackFunctions`
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct fmi2CallbackFunctions {
+    /// May be null.
+    pub logger: Option<fmi2CallbackLogger>,
+    /// May be null.
+    pub allocateMemory: Option<fmi2CallbackAllocateMemory>,
+    /// May be null.
+    pub freeMemory: Option<fmi2CallbackFreeMemory>,
+    /// May be null.
+    pub stepFinished: Option<fmi2StepFinished>,
+    /// Passed back as it came; may be null.
+    pub componentEnvironment: fmi2ComponentEnvironment,
+}
