@@ -312,4 +312,47 @@ mod tests {
             assert!(obj(wrong).is_err(), "{wrong}");
         }
     }
+
+    /// Random changes to valid files: points or an error, never a panic, and never more points than bytes.
+    #[test]
+    fn mutated_meshes_never_panic() {
+        let mut state = 0x9E37_79B9_7F4A_7C15_u64;
+        let mut below = |end: usize| {
+            state ^= state << 13;
+            state ^= state >> 7;
+            state ^= state << 17;
+            usize::try_from(state >> 33).unwrap_or(0) % end.max(1)
+        };
+        let meshes = ["ascii.STL", "solid.stl", "corner.obj", "corner.dae"].map(|name| {
+            let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/robots/meshes");
+            std::fs::read(path.join(name)).expect("a mesh")
+        });
+        let mut read_well = [0; 4];
+        for _ in 0..2000 {
+            for (kind, mesh) in meshes.iter().enumerate() {
+                let mut bytes = mesh.clone();
+                for _ in 0..=below(3) {
+                    let at = below(bytes.len());
+                    match below(4) {
+                        0 => bytes.truncate(at),
+                        1 => bytes.insert(at, b"0123456789-.e <>\"/#"[below(19)]),
+                        2 => drop(bytes.drain(at..(at + below(20)).min(bytes.len()))),
+                        _ if bytes.is_empty() => {}
+                        _ => bytes[at] = u8::try_from(below(256)).unwrap_or(0),
+                    }
+                }
+                let points = match kind {
+                    0 | 1 => stl(&bytes),
+                    2 => obj(&String::from_utf8_lossy(&bytes)),
+                    _ => collada::read(&bytes),
+                };
+                if let Ok(points) = points {
+                    assert!(points.len() <= bytes.len());
+                    read_well[kind] += usize::from(crate::geometry::convex_hull(&points).is_ok());
+                }
+            }
+        }
+        // Else the changes are too rough to reach the later checks.
+        assert!(read_well.iter().all(|&n| n > 100), "{read_well:?}");
+    }
 }

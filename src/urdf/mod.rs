@@ -155,7 +155,7 @@ impl ReadOptions {
 /// Everything that is wrong with the file, errors and warnings, in file order.
 pub fn read(path: &Path, options: &ReadOptions) -> Result<Description, Vec<Diagnostic>> {
     let file = path.display().to_string();
-    let text = text(path).map_err(|finding| vec![finding])?;
+    let text = text(path).map_err(|finding| vec![*finding])?;
     let base_dir = match path.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent,
         _ => Path::new("."),
@@ -235,13 +235,15 @@ fn describe(
 }
 
 /// The text of a file.
-fn text(path: &Path) -> Result<String, Diagnostic> {
-    let problem = |code, message: String, help: &str| Diagnostic {
-        severity: Severity::Error,
-        code,
-        message,
-        help: (!help.is_empty()).then(|| help.to_owned()),
-        place: None,
+fn text(path: &Path) -> Result<String, Box<Diagnostic>> {
+    let problem = |code, message: String, help: &str| {
+        Box::new(Diagnostic {
+            severity: Severity::Error,
+            code,
+            message,
+            help: (!help.is_empty()).then(|| help.to_owned()),
+            place: None,
+        })
     };
     let name = path.display();
     let io = |error: std::io::Error| problem("U001", format!("{name} cannot be read: {error}"), "");
@@ -274,10 +276,9 @@ fn text(path: &Path) -> Result<String, Diagnostic> {
         };
         let shown = String::from_utf8_lossy(bytes);
         // What stands before the bad byte is the same in both.
+        let mut finding = problem("U002", message, "save the file as UTF-8");
         let place = Place::in_text(&name.to_string(), &shown, valid..valid + 1);
-        Diagnostic {
-            place: Some(place),
-            ..problem("U002", message, "save the file as UTF-8")
-        }
+        finding.place = Some(place);
+        finding
     })
 }

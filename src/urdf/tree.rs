@@ -7,6 +7,7 @@ use super::scope::{Scope, Version};
 use super::xml::{Document, Node};
 use std::collections::HashMap;
 use std::ops::Range;
+use std::path::Path;
 
 /// A robot whose tags have been checked.
 pub(super) struct CheckedRobot<'d> {
@@ -99,13 +100,16 @@ fn refuse_xacro(scope: &mut Scope, root: Node, file: &str) -> Option<()> {
     let Some(code) = root.descendants().find(prefixed) else {
         return Some(());
     };
-    let output = match file.strip_suffix(".xacro") {
-        Some(stem) if stem.ends_with(".urdf") => stem.to_owned(),
-        Some(stem) => format!("{stem}.urdf"),
-        None => format!(
-            "{}.expanded.urdf",
-            file.strip_suffix(".urdf").unwrap_or(file)
-        ),
+    // a.urdf.xacro and a.xacro become a.urdf, a.urdf becomes a.expanded.urdf.
+    let stem = file.strip_suffix(".xacro").unwrap_or(file);
+    let is_urdf = Path::new(stem).extension().is_some_and(|e| e == "urdf");
+    let output = match (is_urdf, stem == file) {
+        (true, false) => stem.to_owned(),
+        (true, true) => Path::new(stem)
+            .with_extension("expanded.urdf")
+            .display()
+            .to_string(),
+        (false, _) => format!("{stem}.urdf"),
     };
     let message = format!(
         "<{}> is xacro code: the file is not yet a URDF",

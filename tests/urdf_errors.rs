@@ -1,0 +1,291 @@
+//! Every broken file of `tests/robots/broken` gives exactly the findings that its `.expected` file lists.
+//!
+//! A line there is: severity, code, line in the file, part of the message. All errors must be listed, in file
+//! order; of warnings and notes those that matter.
+
+use std::fmt::Write as _;
+use std::fs;
+use std::path::{Path, PathBuf};
+use urdf2fmu_core::urdf::{Description, Diagnostic, ReadOptions, Severity, read, read_str};
+
+fn broken() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/robots/broken")
+}
+
+fn files() -> Vec<PathBuf> {
+    let mut files: Vec<PathBuf> = fs::read_dir(broken())
+        .expect("the folder")
+        .map(|entry| entry.expect("an entry").path())
+        .filter(|path| path.extension().is_some_and(|e| e == "urdf"))
+        .collect();
+    files.sort();
+    files
+}
+
+struct Expected {
+    severity: Severity,
+    code: String,
+    line: usize,
+    fragment: String,
+}
+
+fn expected(path: &Path) -> Vec<Expected> {
+    let text = fs::read_to_string(path.with_extension("expected")).expect("an .expected file");
+    text.lines()
+        .map(|line| {
+            let mut words = line.splitn(4, ' ');
+            let mut word = || words.next().expect("four words");
+            Expected {
+                severity: match word() {
+                    "error" => Severity::Error,
+                    "warning" => Severity::Warning,
+                    _ => Severity::Note,
+                },
+                code: word().to_owned(),
+                line: word().parse().expect("a line number"),
+                fragment: word().to_owned(),
+            }
+        })
+        .collect()
+}
+
+fn matches(found: &Diagnostic, expected: &Expected) -> bool {
+    found.severity == expected.severity
+        && found.code == expected.code
+        && found
+            .place
+            .as_ref()
+            .is_some_and(|p| p.line == expected.line)
+        && found.message.contains(&expected.fragment)
+}
+
+#[test]
+fn every_broken_file_gives_its_expected_findings() {
+    let files = files();
+    assert!(files.len() > 90, "{} files", files.len());
+    let mut wrong = String::new();
+    for path in files {
+        let name = path
+            .file_name()
+            .expect("a name")
+            .to_string_lossy()
+            .into_owned();
+        let expected = expected(&path);
+        let result = read(&path, &ReadOptions::default());
+        let refused = result.is_err();
+        let found = result.map_or_else(|list| list, |description| description.diagnostics);
+        let errors = |d: &&Diagnostic| d.severity == Severity::Error;
+        let must_refuse = expected.iter().any(|e| e.severity == Severity::Error);
+        let exact = found.iter().filter(errors).count()
+            == expected
+                .iter()
+                .filter(|e| e.severity == Severity::Error)
+                .count();
+        let all = expected.iter().all(|e| found.iter().any(|d| matches(d, e)));
+        if refused != must_refuse || !exact || !all {
+            writeln!(wrong, "--- {name}").expect("a string");
+            for finding in &found {
+                writeln!(wrong, "{finding}").expect("a string");
+            }
+        }
+        // What a user sees names the file and its line.
+        for finding in found.iter().filter(errors) {
+            let place = finding
+                .place
+                .as_ref()
+                .expect("errors in a file have a place");
+            let shown = finding.to_string();
+            assert!(
+                shown.contains(&format!("{name}:{}:", place.line)),
+                "{shown}"
+            );
+        }
+    }
+    assert!(wrong.is_empty(), "{wrong}");
+}
+
+#[test]
+fn the_help_for_xacro_is_the_command_line() {
+    let text = "<robot name='r'><xacro:include filename='a'/></robot>";
+    let read = |file| read_str(text, file, Path::new("."), &ReadOptions::default());
+    let help = |file| {
+        read(file).expect_err("xacro")[0]
+            .help
+            .clone()
+            .unwrap_or_default()
+    };
+    assert!(
+        help("robots/arm.urdf.xacro").contains("xacro robots/arm.urdf.xacro -o robots/arm.urdf\n")
+    );
+    assert!(help("my arm.xacro").contains("xacro 'my arm.xacro' -o 'my arm.urdf'\n"));
+}
+
+#[test]
+fn a_missing_file_and_a_folder_are_errors_without_a_place() {
+    for path in [broken().join("no_such_file.urdf"), broken()] {
+        let list = read(&path, &ReadOptions::default()).expect_err("nothing to read");
+        assert_eq!(list.len(), 1);
+        assert_eq!((list[0].code, list[0].place.is_none()), ("U001", true));
+    }
+}
+
+#[test]
+fn a_scale_that_is_no_size_is_an_error() {
+    for scale in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        let options = ReadOptions {
+            scale,
+            ..ReadOptions::default()
+        };
+        let text = "<robot name='r'><link name='a'/></robot>";
+        assert!(read_str(text, "r.urdf", Path::new("."), &options).is_err());
+    }
+}
+
+/// A file of a hundred thousand links, each with the same fault.
+#[test]
+fn a_flood_of_errors_is_cut_off() {
+    let mut text = String::from("<robot name='r'>");
+    for _ in 0..100_000 {
+        text.push_str("<link name='a'><inertial/></link>");
+    }
+    text.push_str("</robot>");
+    let list =
+        read_str(&text, "r.urdf", Path::new("."), &ReadOptions::default()).expect_err("faults");
+    assert!(list.len() < 300, "{}", list.len());
+    assert!(
+        list.last()
+            .is_some_and(|d| d.message.contains("more errors"))
+    );
+}
+
+/// A chain of five thousand links: no pass may recurse or go through all pairs.
+#[test]
+fn a_long_chain_is_read_in_order() {
+    const LINKS: usize = 5000;
+    let mut text = String::from("<robot name='r'><link name='l0'/>");
+    // From the tip, so that file order is the reverse of tree order.
+    for i in (1..LINKS).rev() {
+        let up = i - 1;
+        write!(
+            text,
+            "<link name='l{i}'/><joint name='j{i}' type='continuous'><parent link='l{up}'/><child link='l{i}'/></joint>"
+        )
+        .expect("a string");
+    }
+    text.push_str("</robot>");
+    let robot =
+        read_str(&text, "r.urdf", Path::new("."), &ReadOptions::default()).expect("a chain");
+    assert_eq!(robot.links.len(), LINKS);
+    let in_order = |d: &Description| {
+        d.joints
+            .iter()
+            .enumerate()
+            .all(|(i, joint)| joint.parent == i && joint.child == i + 1)
+    };
+    assert!(in_order(&robot));
+}
+
+/// Random changes to valid files: an answer, never a panic, and errors have places.
+#[test]
+fn mutated_files_never_panic() {
+    let mut random = Random(0x2545_F491_4F6C_DD1D);
+    let sources: Vec<Vec<u8>> = files()
+        .iter()
+        .map(|path| fs::read(path).expect("a file"))
+        .chain(vec![include_bytes!("robots/every_tag.urdf").to_vec(); 40])
+        .filter(|bytes| bytes.len() < 10_000)
+        .collect();
+    let words: [&[u8]; 24] = [
+        b"<",
+        b">",
+        b"/>",
+        b"\"",
+        b"&",
+        b"&lt;",
+        b"<!--",
+        b"]]>",
+        b"<![CDATA[",
+        b"nan",
+        b"-",
+        b"1e308",
+        b"0",
+        b" ",
+        b"\n",
+        b"\0",
+        b"\xff",
+        b"<link name=\"a\">",
+        b"</link>",
+        b"<robot>",
+        b"<?xml?>",
+        b"revolute",
+        b"planar",
+        b"floating",
+    ];
+    let mut read_well = 0;
+    for round in 0..4000 {
+        let mut bytes = sources[random.below(sources.len())].clone();
+        for _ in 0..=random.below(3) {
+            let at = random.below(bytes.len() + 1);
+            let end = (at + random.below(12)).min(bytes.len());
+            match random.below(8) {
+                0 => drop(bytes.drain(at..end)),
+                1 => drop(bytes.splice(at..end, words[random.below(words.len())].iter().copied())),
+                2 => drop(bytes.splice(at..at, words[random.below(words.len())].iter().copied())),
+                3 => {
+                    // A piece from elsewhere in the file.
+                    let from = random.below(bytes.len() + 1);
+                    let to = (from + random.below(200)).min(bytes.len());
+                    let piece = bytes[from..to].to_vec();
+                    drop(bytes.splice(at..at, piece));
+                }
+                4 => bytes.truncate(at),
+                // A digit, which leaves most files robots.
+                _ => {
+                    let digits: Vec<usize> = (0..bytes.len())
+                        .filter(|&i| bytes[i].is_ascii_digit())
+                        .collect();
+                    if !digits.is_empty() {
+                        bytes[digits[random.below(digits.len())]] =
+                            b"0123456789.-e"[random.below(13)];
+                    }
+                }
+            }
+        }
+        let text = String::from_utf8_lossy(&bytes);
+        match read_str(&text, "mutated.urdf", &broken(), &ReadOptions::default()) {
+            Ok(robot) => {
+                read_well += 1;
+                assert_eq!(robot.links.len(), robot.joints.len() + 1, "round {round}");
+                for (i, joint) in robot.joints.iter().enumerate() {
+                    assert!(joint.child == i + 1 && joint.parent <= i, "round {round}");
+                }
+            }
+            Err(list) => {
+                let errors = list.iter().filter(|d| d.severity == Severity::Error);
+                assert!(
+                    errors.count() > 0,
+                    "round {round}: refused without an error\n{text}"
+                );
+                for finding in &list {
+                    // U009 would be a fault that only urdf-rs sees.
+                    assert_ne!(finding.code, "U009", "round {round}: {finding}\n{text}");
+                    assert!(!finding.to_string().is_empty());
+                }
+            }
+        }
+    }
+    // Else the changes are too rough to reach the later checks.
+    assert!(read_well > 100, "only {read_well} of 4000 are still robots");
+}
+
+/// Numbers from a fixed seed (xorshift).
+struct Random(u64);
+
+impl Random {
+    fn below(&mut self, end: usize) -> usize {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        usize::try_from(self.0 >> 33).unwrap_or(0) % end
+    }
+}

@@ -1,0 +1,305 @@
+//! What a URDF says is what the description holds: `tests/robots/every_tag.urdf`, meshes, encodings, scale.
+//!
+//! Expected values are worked out by hand from the file.
+
+#![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
+
+use std::path::{Path, PathBuf};
+use urdf2fmu_core::geometry::Shape;
+use urdf2fmu_core::model::{JointKind, Limits};
+use urdf2fmu_core::spatial::{Mat3, Vec3};
+use urdf2fmu_core::urdf::{Description, ReadOptions, Severity, read, read_str};
+
+fn robots() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/robots")
+}
+
+fn every_tag(scale: f64) -> Description {
+    let options = ReadOptions {
+        scale,
+        ..ReadOptions::default()
+    };
+    read(&robots().join("every_tag.urdf"), &options).expect("a robot")
+}
+
+fn from_text(text: &str) -> Description {
+    read_str(text, "r.urdf", &robots(), &ReadOptions::default()).expect("a robot")
+}
+
+fn close(a: f64, b: f64) -> bool {
+    (a - b).abs() < 1e-12
+}
+
+#[test]
+fn links_come_parents_first_and_joints_like_their_children() {
+    let robot = every_tag(1.0);
+    assert_eq!(robot.name, "every_tag");
+    let names: Vec<&str> = robot.links.iter().map(|l| l.name.as_str()).collect();
+    let expected = [
+        "base", "turret", "slide", "finger", "wheel", "cart", "ball", "sensor",
+    ];
+    assert_eq!(names, expected);
+    let joints: Vec<&str> = robot.joints.iter().map(|j| j.name.as_str()).collect();
+    assert_eq!(
+        joints,
+        ["yaw", "lift", "grip", "roll", "drift", "free", "mount"]
+    );
+    let parents: Vec<usize> = robot.joints.iter().map(|j| j.parent).collect();
+    assert_eq!(parents, [0, 1, 2, 0, 4, 5, 6]);
+    assert_eq!((robot.links[0].line, robot.joints[0].line), (5, 35));
+    assert_eq!(robot.sources, [robots().join("every_tag.urdf")]);
+}
+
+#[test]
+fn inertia_is_turned_into_the_axes_of_the_link() {
+    let inertia = every_tag(1.0).links[0].inertial.expect("an inertia");
+    assert!(close(inertia.mass, 10.0));
+    assert!((inertia.com - Vec3::new(0.1, 0.2, 0.3)).norm() < 1e-15);
+    // A quarter turn about z takes the inertial frame's x to the link's y and its y to -x:
+    // Ixx = iyy, Iyy = ixx, Ixy = -ixy, Ixz = -iyz, Iyz = ixz.
+    let expected = Mat3::new(0.2, -0.01, -0.03, -0.01, 0.1, 0.02, -0.03, 0.02, 0.25);
+    assert!((inertia.I_cm - expected).norm() < 1e-15, "{}", inertia.I_cm);
+    assert!(every_tag(1.0).links[1].inertial.is_none());
+}
+
+#[test]
+fn shapes_and_surface_are_read() {
+    let robot = every_tag(1.0);
+    let base = &robot.links[0];
+    let shapes: Vec<Shape> = base.collisions.iter().map(|c| c.shape.clone()).collect();
+    let (radius, half_length) = (0.1, 0.25);
+    assert_eq!(
+        shapes,
+        [
+            Shape::Box {
+                half: Vec3::new(0.1, 0.2, 0.3)
+            },
+            Shape::Sphere { radius: 0.25 },
+            Shape::Cylinder {
+                radius,
+                half_length
+            },
+            Shape::Capsule {
+                radius,
+                half_length
+            },
+        ]
+    );
+    // pitch of a quarter turn: the shape's x points down, its z along the link's x
+    let X = &base.collisions[0].X_LG;
+    assert!((X.point(&Vec3::x()) - Vec3::new(0.0, 0.0, -0.5)).norm() < 1e-15);
+    assert!((X.point(&Vec3::z()) - Vec3::new(1.0, 0.0, 0.5)).norm() < 1e-15);
+    assert_eq!((base.friction, base.restitution), (Some(0.7), Some(0.3)));
+    assert_eq!(robot.links[4].friction, Some(1.25));
+    assert_eq!(robot.links[1].friction, None);
+}
+
+#[test]
+fn joints_are_read() {
+    let robot = every_tag(1.0);
+    let [yaw, lift, grip, roll, drift, free, mount] = &robot.joints[..] else {
+        panic!("seven joints");
+    };
+    assert_eq!(yaw.kind, JointKind::Revolute);
+    assert_eq!(yaw.axis, Vec3::z());
+    assert_eq!(
+        yaw.limits,
+        Some(Limits {
+            lower: -1.5,
+            upper: 2.5
+        })
+    );
+    assert_eq!((yaw.effort, yaw.velocity), (Some(30.0), Some(4.0)));
+    assert_eq!((yaw.damping, yaw.friction), (0.5, 0.25));
+    assert_eq!(yaw.X_PJ.p, Vec3::z());
+    assert_eq!(lift.kind, JointKind::Prismatic);
+    assert!((lift.axis - Vec3::new(0.0, 0.6, 0.8)).norm() < 1e-15);
+    // without <axis>
+    assert_eq!(grip.axis, Vec3::x());
+    assert_eq!(grip.mimic, Some(("yaw".to_owned(), -0.02, 0.01)));
+    // the limits of a continuous joint bound effort and velocity only
+    assert_eq!(
+        (roll.kind, roll.limits, roll.effort),
+        (JointKind::Continuous, None, Some(5.0))
+    );
+    assert_eq!(
+        (drift.kind, drift.limits, drift.effort),
+        (JointKind::Planar, None, None)
+    );
+    assert_eq!(free.kind, JointKind::Floating);
+    assert_eq!(mount.kind, JointKind::Fixed);
+    assert_eq!(mount.X_PJ.p, Vec3::new(1.0, 2.0, 3.0));
+}
+
+#[test]
+fn scale_changes_lengths_and_nothing_else() {
+    let (one, two) = (every_tag(1.0), every_tag(2.0));
+    let (a, b) = (
+        one.links[0].inertial.expect("one"),
+        two.links[0].inertial.expect("one"),
+    );
+    assert!(close(b.mass, a.mass));
+    assert!((b.com - a.com * 2.0).norm() < 1e-15 && (b.I_cm - a.I_cm * 4.0).norm() < 1e-15);
+    assert_eq!(
+        two.links[0].collisions[1].shape,
+        Shape::Sphere { radius: 0.5 }
+    );
+    assert_eq!(two.links[0].collisions[0].X_LG.p, Vec3::z());
+    assert_eq!(two.joints[0].X_PJ.p, Vec3::z() * 2.0);
+    // angles stay, travels and their rates scale
+    assert_eq!(two.joints[0].limits, one.joints[0].limits);
+    assert_eq!(
+        two.joints[1].limits,
+        Some(Limits {
+            lower: 0.2,
+            upper: 0.8
+        })
+    );
+    assert_eq!(
+        (two.joints[1].effort, two.joints[1].velocity),
+        (Some(100.0), Some(1.0))
+    );
+    // m of the finger per rad of the turret
+    assert_eq!(two.joints[2].mimic, Some(("yaw".to_owned(), -0.04, 0.02)));
+}
+
+#[test]
+fn what_is_not_used_is_told_once_per_kind() {
+    let robot = every_tag(1.0);
+    let notes: Vec<&str> = robot
+        .diagnostics
+        .iter()
+        .map(|d| d.message.as_str())
+        .collect();
+    let expected = ["safety_controller", "calibration", "gazebo", "transmission"];
+    assert_eq!(notes.len(), expected.len(), "{notes:?}");
+    for tag in expected {
+        assert!(
+            notes
+                .iter()
+                .any(|n| n.starts_with(&format!("<{tag}> is not used"))),
+            "{notes:?}"
+        );
+    }
+    assert!(
+        robot
+            .diagnostics
+            .iter()
+            .all(|d| d.severity == Severity::Note)
+    );
+}
+
+#[test]
+fn byte_order_mark_and_line_ends_of_windows_do_no_harm() {
+    let robot = from_text(
+        "\u{feff}<?xml version=\"1.0\"?>\r\n<robot name=\"ä\">\r\n<link name='b &amp; \"c\"'/>\r\n</robot>\r\n",
+    );
+    assert_eq!(robot.name, "ä");
+    assert_eq!(
+        (robot.links[0].name.as_str(), robot.links[0].line),
+        ("b & \"c\"", 3)
+    );
+    assert!(robot.diagnostics.is_empty(), "{:?}", robot.diagnostics);
+}
+
+#[test]
+fn urdf_1_1_quaternions_turn_and_earlier_ones_are_told() {
+    let text = |version: &str| {
+        format!(
+            "<robot name='r' version='{version}'><link name='a'/><link name='b'/><joint name='j' type='fixed'>
+             <parent link='a'/><child link='b'/><origin quat_xyzw='0 0 2 2'/></joint></robot>"
+        )
+    };
+    // a quarter turn about z, not of unit length
+    let quarter = Mat3::new(0.0, -1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0);
+    let new = from_text(&text("1.1"));
+    assert!((new.joints[0].X_PJ.R - quarter).norm() < 1e-15);
+    let old = from_text(&text("1.0"));
+    assert_eq!(old.joints[0].X_PJ.R, Mat3::identity());
+    assert!(
+        old.diagnostics
+            .iter()
+            .any(|d| d.message.contains("quat_xyzw is ignored"))
+    );
+}
+
+#[test]
+fn urdf_1_2_joints_without_limits_have_none() {
+    let text = |version: &str| {
+        format!(
+            "<robot name='r' version='{version}'><link name='a'/><link name='b'/><joint name='j' type='revolute'>
+             <parent link='a'/><child link='b'/><limit effort='1' velocity='1'/></joint></robot>"
+        )
+    };
+    assert_eq!(from_text(&text("1.2")).joints[0].limits, None);
+    let zero = Limits {
+        lower: 0.0,
+        upper: 0.0,
+    };
+    assert_eq!(from_text(&text("1.0")).joints[0].limits, Some(zero));
+}
+
+/// One tetrahedron with corners 0, x, y, z at 1, 2, 3 m in three formats, mirrored and in mm.
+#[test]
+fn meshes_of_every_format_give_the_same_hull() {
+    for file in ["ascii.STL", "solid.stl", "corner.obj", "corner.dae"] {
+        let text = format!(
+            "<robot name='r'><link name='a'><collision><geometry>
+             <mesh filename='meshes/{file}' scale='-0.001 0.001 0.001'/></geometry></collision></link></robot>"
+        );
+        let robot = from_text(&text);
+        let collision = &robot.links[0].collisions[0];
+        assert!(collision.mesh.as_ref().is_some_and(|m| m.ends_with(file)));
+        assert_eq!(robot.sources, [robots().join("meshes").join(file)]);
+        let Shape::Hull { vertices } = &collision.shape else {
+            panic!("{file} is no hull");
+        };
+        assert_eq!(vertices.len(), 4, "{file}: {vertices:?}");
+        let corners = [
+            [0.0, 0.0, 0.0],
+            [-1e-3, 0.0, 0.0],
+            [0.0, 2e-3, 0.0],
+            [0.0, 0.0, 3e-3],
+        ];
+        for corner in corners.map(Vec3::from) {
+            assert!(
+                vertices.iter().any(|v| (v - corner).norm() < 1e-9),
+                "{file}: {vertices:?}"
+            );
+        }
+        // Solid of a tetrahedron at a right-angled corner: centre of mass a quarter of the edges,
+        // Ixx = 3/80 m (b² + c²) about it.
+        let solid = collision.shape.solid_inertia(2.0);
+        assert!((solid.com - Vec3::new(-0.25e-3, 0.5e-3, 0.75e-3)).norm() < 1e-9);
+        let expected = 3.0 / 80.0 * 2.0 * (4.0 + 9.0) * 1e-6;
+        assert!(
+            (solid.I_cm[(0, 0)] - expected).abs() < 1e-9 * expected.max(1e-3),
+            "{file}"
+        );
+    }
+}
+
+#[test]
+fn problems_with_inertia_are_warnings_where_it_is_not_used() {
+    let text = "<robot name='r'><link name='a'><inertial><mass value='1'/>
+                <inertia ixx='1' ixy='2' ixz='0' iyy='1' iyz='0' izz='1'/></inertial></link></robot>";
+    let read = |ignore_inertia| {
+        let options = ReadOptions {
+            ignore_inertia,
+            ..ReadOptions::default()
+        };
+        read_str(text, "r.urdf", &robots(), &options)
+    };
+    let refused = read(false).expect_err("not a body");
+    assert_eq!(refused[0].code, "U061");
+    // eigenvalues 3, 1, -1: second moments 3/2 - those = -3/2, 1/2, 5/2, the first to zero:
+    // moments 3, 5/2, 1/2 along (1,1,0)/√2, z, (1,-1,0)/√2
+    let help = refused[0].help.as_deref().unwrap_or_default();
+    assert!(
+        help.contains("ixx=\"1.750000e0\" ixy=\"1.250000e0\""),
+        "{help}"
+    );
+    let robot = read(true).expect("a robot");
+    assert_eq!(robot.diagnostics[0].code, "U061");
+    assert_eq!(robot.diagnostics[0].severity, Severity::Warning);
+}
