@@ -1,0 +1,326 @@
+//! Builds `fmi/` as a shared library and embeds it into the `urdf2fmu` command.
+//!
+//! A package that is both cdylib and rlib would be built without link-time optimisation, so `fmi/` is an rlib and
+//! this script runs `cargo rustc --crate-type cdylib` on it, in a target directory of its own (the outer build
+//! holds the lock of its own one) and with a profile of its own: a debug `urdf2fmu` exports the same library as a
+//! released one.
+//!
+//! | variable | effect |
+//! |---|---|
+//! | `URDF2FMU_LIBRARY` | a ready library for the target platform; `none`: this platform is left out |
+//! | `URDF2FMU_LIBRARY_DIR` | a folder with `<platform>/` folders, each with one library; all are embedded |
+
+use std::env;
+use std::error::Error;
+use std::fmt::Write as _;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, ExitCode};
+
+/// A library to embed.
+struct Library {
+    /// FMI 2.0's name of the platform.
+    platform: String,
+    file: PathBuf,
+}
+
+fn main() -> ExitCode {
+    match run() {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            println!("cargo::error={error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run() -> Result<(), Box<dyn Error>> {
+    println!("cargo::rerun-if-changed=build.rs");
+    let target = Target::from_environment()?;
+    let mut libraries = match variable("URDF2FMU_LIBRARY_DIR") {
+        Some(folder) => ready_libraries(Path::new(&folder))?,
+        None => Vec::new(),
+    };
+    let own = match variable("URDF2FMU_LIBRARY").as_deref() {
+        Some("none") => None,
+        Some(file) => Some(existing(Path::new(file))?),
+        None if libraries
+            .iter()
+            .any(|library| library.platform == target.platform) =>
+        {
+            None
+        }
+        None => Some(nested_build(&target)?),
+    };
+    if let Some(file) = own {
+        libraries.retain(|library| library.platform != target.platform);
+        libraries.push(Library {
+            platform: target.platform.to_owned(),
+            file,
+        });
+    }
+    libraries.sort_by(|a, b| a.platform.cmp(&b.platform));
+    if let Some(library) = libraries
+        .iter()
+        .find(|library| library.platform == target.platform)
+    {
+        // For the tests that drive the library through its C functions.
+        println!(
+            "cargo::rustc-env=URDF2FMU_HOST_LIBRARY={}",
+            library.file.display()
+        );
+    }
+    let place = PathBuf::from(env::var("OUT_DIR")?).join("libraries.rs");
+    fs::write(place, source(&libraries)?)?;
+    Ok(())
+}
+
+/// An environment variable on which the result depends; empty counts as unset.
+fn variable(name: &str) -> Option<String> {
+    println!("cargo::rerun-if-env-changed={name}");
+    env::var(name).ok().filter(|value| !value.is_empty())
+}
+
+/// An absolute path to a file that is there.
+fn existing(file: &Path) -> Result<PathBuf, Box<dyn Error>> {
+    println!("cargo::rerun-if-changed={}", file.display());
+    file.canonicalize()
+        .map_err(|error| format!("library '{}': {error}", file.display()).into())
+}
+
+/// The one shared library in each `<platform>/` folder.
+fn ready_libraries(folder: &Path) -> Result<Vec<Library>, Box<dyn Error>> {
+    println!("cargo::rerun-if-changed={}", folder.display());
+    let list = |folder: &Path| -> Result<Vec<PathBuf>, Box<dyn Error>> {
+        let entries = fs::read_dir(folder)
+            .map_err(|error| format!("folder of libraries '{}': {error}", folder.display()))?;
+        Ok(entries
+            .map(|entry| entry.map(|entry| entry.path()))
+            .collect::<Result<_, _>>()?)
+    };
+    let mut libraries = Vec::new();
+    for platform in list(folder)?.into_iter().filter(|path| path.is_dir()) {
+        let mut files = list(&platform)?;
+        files.retain(|file| {
+            file.extension()
+                .is_some_and(|end| ["so", "dll", "dylib"].iter().any(|known| end == *known))
+        });
+        let [file] = files.as_slice() else {
+            let (folder, count) = (platform.display(), files.len());
+            return Err(
+                format!("'{folder}' holds {count} shared libraries; it must hold one").into(),
+            );
+        };
+        let name = platform
+            .file_name()
+            .unwrap_or_default()
+            .to_string_lossy()
+            .into_owned();
+        libraries.push(Library {
+            platform: name,
+            file: existing(file)?,
+        });
+    }
+    Ok(libraries)
+}
+
+/// What the command is built for; its library is for the same.
+struct Target {
+    triple: String,
+    /// FMI 2.0's name.
+    platform: &'static str,
+    /// File of the library as cargo names it.
+    file: &'static str,
+    /// What only the linker of this system understands.
+    link_args: &'static [&'static str],
+}
+
+impl Target {
+    fn from_environment() -> Result<Self, Box<dyn Error>> {
+        let triple = env::var("TARGET")?;
+        let system = env::var("CARGO_CFG_TARGET_OS")?;
+        let wide = env::var("CARGO_CFG_TARGET_POINTER_WIDTH")? == "64";
+        let pick = |narrow, broad| if wide { broad } else { narrow };
+        // FMI 2.0 names no processors: 64-bit ARM shares the folder.
+        let (platform, file) = match system.as_str() {
+            "windows" => (pick("win32", "win64"), "urdf2fmu_fmi.dll"),
+            "macos" => (pick("darwin32", "darwin64"), "liburdf2fmu_fmi.dylib"),
+            _ => (pick("linux32", "linux64"), "liburdf2fmu_fmi.so"),
+        };
+        // A host that defines a function of the same name must not get its own in our calls, and must not see
+        // what the static parts of the library bring along.
+        let link_args: &[&str] = match system.as_str() {
+            "windows" | "macos" => &[],
+            _ => &[
+                "-Wl,-Bsymbolic",
+                "-Wl,--exclude-libs,ALL",
+                "-Wl,-z,relro,-z,now",
+            ],
+        };
+        Ok(Self {
+            triple,
+            platform,
+            file,
+            link_args,
+        })
+    }
+}
+
+/// Runs cargo on `fmi/`.
+fn nested_build(target: &Target) -> Result<PathBuf, Box<dyn Error>> {
+    let package = PathBuf::from(
+        env::var("DEP_URDF2FMU_FMI_MANIFEST_DIR")
+            .map_err(|_| "the build script of urdf2fmu-fmi has not said where it lies")?,
+    );
+    let folder = PathBuf::from(env::var("OUT_DIR")?).join("library");
+    let mut cargo = Command::new(env::var("CARGO")?);
+    isolate(&mut cargo, &package);
+    cargo
+        .args(["rustc", "--lib", "--crate-type", "cdylib", "--release"])
+        .arg("--manifest-path")
+        .arg(package.join("Cargo.toml"))
+        .args(["--target", &target.triple, "--target-dir"])
+        .arg(&folder)
+        .arg("--")
+        .args(
+            target
+                .link_args
+                .iter()
+                .map(|arg| format!("-Clink-arg={arg}")),
+        );
+    let status = cargo
+        .status()
+        .map_err(|error| format!("cannot run cargo: {error}"))?;
+    if !status.success() {
+        return Err(format!(
+            "building the FMU's library failed ({status}); cargo's messages are above. URDF2FMU_LIBRARY=<file> \
+             embeds a ready library instead"
+        )
+        .into());
+    }
+    let built = folder.join(&target.triple).join("release");
+    watch(&built.join(target.file).with_extension("d"), &package)?;
+    existing_output(&built.join(target.file))
+}
+
+fn existing_output(file: &Path) -> Result<PathBuf, Box<dyn Error>> {
+    if file.is_file() {
+        Ok(file.to_owned())
+    } else {
+        Err(format!("cargo has not made '{}'", file.display()).into())
+    }
+}
+
+/// Takes away what the outer build has set and what would make another library of the same sources.
+fn isolate(cargo: &mut Command, package: &Path) {
+    const PREFIXES: [&str; 9] = [
+        "CARGO_CFG_",
+        "CARGO_FEATURE_",
+        "CARGO_MANIFEST_",
+        "CARGO_PKG_",
+        "CARGO_PROFILE_",
+        "CARGO_BUILD_",
+        "CARGO_BIN_",
+        "DEP_",
+        "RUSTFLAGS",
+    ];
+    const NAMES: [&str; 11] = [
+        "CARGO_TARGET_DIR",
+        "CARGO_ENCODED_RUSTFLAGS",
+        "RUSTC_WORKSPACE_WRAPPER",
+        "OUT_DIR",
+        "TARGET",
+        "HOST",
+        "PROFILE",
+        "OPT_LEVEL",
+        "DEBUG",
+        "NUM_JOBS",
+        "CARGO_PRIMARY_PACKAGE",
+    ];
+    for (name, _) in env::vars_os() {
+        let text = name.to_string_lossy();
+        let target_flags = text.starts_with("CARGO_TARGET_") && text.ends_with("_RUSTFLAGS");
+        if target_flags
+            || NAMES.contains(&&*text)
+            || PREFIXES.iter().any(|prefix| text.starts_with(prefix))
+        {
+            cargo.env_remove(&name);
+        }
+    }
+    // Set, so that flags of a configuration file, such as `target-cpu=native`, do not count either. Messages of
+    // panics name sources; without the folders of this machine the same sources make the same library anywhere.
+    let mut flags = Vec::new();
+    if let Some(workspace) = package.parent() {
+        flags.push(format!(
+            "--remap-path-prefix={}=urdf2fmu",
+            workspace.display()
+        ));
+    }
+    let home = env::var_os("CARGO_HOME")
+        .map(PathBuf::from)
+        .or_else(|| Some(env::home_dir()?.join(".cargo")));
+    if let Some(home) = home {
+        flags.push(format!("--remap-path-prefix={}=cargo", home.display()));
+    }
+    cargo.env("CARGO_ENCODED_RUSTFLAGS", flags.join("\x1f"));
+    // The workspace's release profile, for the case that the package lies outside of its workspace.
+    for (name, value) in [
+        ("OPT_LEVEL", "3"),
+        ("LTO", "fat"),
+        ("CODEGEN_UNITS", "1"),
+        ("STRIP", "true"),
+        ("PANIC", "unwind"),
+        ("DEBUG", "false"),
+        ("DEBUG_ASSERTIONS", "false"),
+        ("OVERFLOW_CHECKS", "false"),
+        ("INCREMENTAL", "false"),
+    ] {
+        cargo.env(format!("CARGO_PROFILE_RELEASE_{name}"), value);
+    }
+}
+
+/// Makes cargo run this script again when a source of the library changes; `list` is cargo's list of them.
+fn watch(list: &Path, package: &Path) -> Result<(), Box<dyn Error>> {
+    let text = fs::read_to_string(list)
+        .map_err(|error| format!("cargo's list of sources '{}': {error}", list.display()))?;
+    // `library: source source …`, blanks in names escaped by a backslash.
+    let sources = text
+        .split_once(": ")
+        .map_or("", |(_, sources)| sources)
+        .trim();
+    for source in sources.replace("\\ ", "\0").split(' ') {
+        println!("cargo::rerun-if-changed={}", source.replace('\0', " "));
+    }
+    let workspace = package.join("..");
+    for file in [
+        package.join("Cargo.toml"),
+        workspace.join("Cargo.toml"),
+        workspace.join("Cargo.lock"),
+    ] {
+        if file.is_file() {
+            println!("cargo::rerun-if-changed={}", file.display());
+        }
+    }
+    Ok(())
+}
+
+/// The list of libraries as Rust code.
+fn source(libraries: &[Library]) -> Result<String, Box<dyn Error>> {
+    let mut code = String::from("&[\n");
+    for Library { platform, file } in libraries {
+        let extension = file
+            .extension()
+            .unwrap_or_default()
+            .to_string_lossy()
+            .into_owned();
+        let path = file
+            .to_str()
+            .ok_or("the path of a library is not Unicode")?;
+        writeln!(
+            code,
+            "    Library {{ platform: {platform:?}, extension: {extension:?}, bytes: include_bytes!({path:?}) }},"
+        )?;
+    }
+    code.push_str("]\n");
+    Ok(code)
+}
