@@ -303,3 +303,29 @@ fn problems_with_inertia_are_warnings_where_it_is_not_used() {
     assert_eq!(robot.diagnostics[0].code, "U061");
     assert_eq!(robot.diagnostics[0].severity, Severity::Warning);
 }
+
+/// The names go through urdf-rs and two XML readers of its own.
+#[test]
+fn names_of_any_characters_come_through_unchanged() {
+    let names = [
+        "a b", " a", "a ", "a  b", "a/b", "a::b", "<a>", "a&b", "'a'", "\"a\"", "]]>", "--", "ä",
+        "日本", "🤖", "\u{2028}", "\u{fffd}", "\u{e000}", "{a}", "&amp;", "a=b", "%s", "\\", "0",
+        "-",
+    ];
+    for name in names {
+        let escaped = name
+            .replace('&', "&amp;")
+            .replace('<', "&lt;")
+            .replace('"', "&quot;");
+        let text = format!(
+            "<robot name=\"r\"><link name=\"{escaped}\"/><link name=\"other\"/><joint name=\"{escaped}\" type=\"fixed\">
+             <parent link=\"{escaped}\"/><child link=\"other\"/></joint></robot>"
+        );
+        let robot = from_text(&text);
+        assert_eq!(robot.links[0].name, name);
+        assert_eq!(
+            (robot.joints[0].name.as_str(), robot.joints[0].parent),
+            (name, 0)
+        );
+    }
+}

@@ -45,6 +45,7 @@ pub(super) fn read_meshes(
     };
     // The same mesh often stands in many links; `None` if it was reported already.
     let mut known: HashMap<(PathBuf, [u64; 3]), Option<ReadMesh>> = HashMap::new();
+    let mut found = HashMap::new();
     let mut first_mesh: Option<Range<usize>> = None;
     let mut count = 0;
     for (i, link) in robot.links.iter().enumerate() {
@@ -60,8 +61,11 @@ pub(super) fn read_meshes(
             };
             first_mesh.get_or_insert_with(|| at.clone());
             count += 1;
-            let path = match resolver.find(filename) {
-                Ok(path) => path,
+            let path = match found
+                .entry(*filename)
+                .or_insert_with(|| resolver.find(filename))
+            {
+                Ok(path) => path.clone(),
                 Err(missing) => {
                     let message = format!("mesh not found: {filename}");
                     scope.problem("U104", at.clone(), &message, missing.help());

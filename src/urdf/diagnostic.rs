@@ -274,11 +274,20 @@ impl<'a> Report<'a> {
     }
 }
 
+/// Words longer than this, and more candidates than this, are not compared: the work is their product.
+const MOST_COMPARED: (usize, usize) = (100, 5000);
+
 /// The word of `known` that is nearest to `word`, if one is near enough to be a slip of the pen.
 pub(super) fn nearest<'k>(word: &str, known: impl IntoIterator<Item = &'k str>) -> Option<&'k str> {
-    let slips = word.chars().count().div_ceil(3).max(1);
+    let length = word.chars().count();
+    if length > MOST_COMPARED.0 {
+        return None;
+    }
+    let slips = length.div_ceil(3).max(1);
     known
         .into_iter()
+        .take(MOST_COMPARED.1)
+        .filter(|k| k.len().abs_diff(word.len()) <= 4 * slips)
         .map(|k| (strsim::damerau_levenshtein(word, k), k))
         .filter(|&(distance, _)| distance <= slips)
         .min_by_key(|&(distance, _)| distance)

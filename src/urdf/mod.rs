@@ -211,7 +211,12 @@ fn describe(
     let robot = tree::check(&mut scope, &document, file_name)?;
     let order = tree::order(&mut scope, &robot);
     inertia::judge(&mut scope, &robot, order.as_ref());
-    let resolver = Resolver::new(base_dir, options);
+    let mesh_dir = document
+        .root()
+        .child("mujoco")
+        .and_then(|mujoco| mujoco.child("compiler"))
+        .and_then(|compiler| compiler.value("meshdir"));
+    let resolver = Resolver::new(base_dir, options, mesh_dir);
     let meshes = assemble::read_meshes(&mut scope, &robot, &resolver, options.scale);
     assemble::check_visuals(&mut scope, &robot, &resolver);
     scope.report_ignored();

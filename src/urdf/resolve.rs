@@ -16,6 +16,8 @@ const MOST_ENTRIES: usize = 2000;
 pub(super) struct Resolver<'o> {
     base_dir: &'o Path,
     package_paths: &'o [PathBuf],
+    /// `<mujoco><compiler meshdir>`, counted from the URDF's folder.
+    mesh_dir: Option<&'o str>,
 }
 
 /// A mesh file that was not found.
@@ -46,10 +48,15 @@ impl NotFound {
 }
 
 impl<'o> Resolver<'o> {
-    pub(super) fn new(base_dir: &'o Path, options: &'o ReadOptions) -> Self {
+    pub(super) fn new(
+        base_dir: &'o Path,
+        options: &'o ReadOptions,
+        mesh_dir: Option<&'o str>,
+    ) -> Self {
         Self {
             base_dir,
             package_paths: &options.package_paths,
+            mesh_dir,
         }
     }
 
@@ -60,10 +67,16 @@ impl<'o> Resolver<'o> {
         let (candidates, advice) = self.candidates(&name);
         match candidates.iter().find(|path| path.is_file()) {
             Some(path) => Ok(tidy(path)),
-            None => Err(NotFound {
-                tried: distinct(candidates.iter().map(|path| tidy(path))),
-                advice,
-            }),
+            None => {
+                let tried = distinct(candidates.iter().map(|path| tidy(path)));
+                let advice = match other_case(&tried) {
+                    Some(path) => {
+                        format!("there is {}: upper and lower case matter", path.display())
+                    }
+                    None => advice,
+                };
+                Err(NotFound { tried, advice })
+            }
         }
     }
 
@@ -107,6 +120,12 @@ impl<'o> Resolver<'o> {
 
     fn plain(&self, path: &str) -> Vec<PathBuf> {
         let mut list = vec![self.base_dir.join(path)];
+        if let Some(dir) = self.mesh_dir {
+            let dir = self.base_dir.join(dir.replace('\\', "/"));
+            list.push(dir.join(path));
+            // MuJoCo strips the path by default.
+            list.extend(Path::new(path).file_name().map(|name| dir.join(name)));
+        }
         if Path::new(path).is_relative() {
             list.extend(self.package_paths.iter().map(|dir| dir.join(path)));
         }
@@ -185,6 +204,25 @@ fn manifest_name(dir: &Path) -> Option<String> {
     let (_, rest) = text.split_once("<name>")?;
     let (name, _) = rest.split_once("</name>")?;
     Some(name.trim().to_owned())
+}
+
+/// A file that differs from one of those in upper and lower case only.
+fn other_case(tried: &[PathBuf]) -> Option<PathBuf> {
+    tried.iter().find_map(|path| {
+        let wanted = path.file_name()?.to_string_lossy().to_lowercase();
+        let entries = fs::read_dir(path.parent()?).ok()?.take(MOST_ENTRIES);
+        let mut same: Vec<PathBuf> = entries
+            .filter_map(|entry| Some(entry.ok()?.path()))
+            .filter(|other| {
+                let name = other
+                    .file_name()
+                    .map(|name| name.to_string_lossy().to_lowercase());
+                name.as_ref() == Some(&wanted) && other.is_file()
+            })
+            .collect();
+        same.sort();
+        same.into_iter().next()
+    })
 }
 
 /// Folders in a folder, sorted: the same answer on every machine.
@@ -285,7 +323,7 @@ mod tests {
             ..ReadOptions::default()
         };
         let base = folder.0.join(base);
-        let path = Resolver::new(&base, &options).find(name).ok()?;
+        let path = Resolver::new(&base, &options, None).find(name).ok()?;
         let relative = path.strip_prefix(&folder.0).ok()?;
         Some(relative.to_string_lossy().replace('\\', "/"))
     }
@@ -345,12 +383,46 @@ mod tests {
     }
 
     #[test]
+    fn the_mesh_folder_of_mujoco_is_looked_into() {
+        let folder = Folder::new(
+            "meshdir",
+            &[("r/assets/a.stl", ""), ("r/assets/b/c.stl", "")],
+        );
+        let (base, options) = (folder.0.join("r"), ReadOptions::default());
+        let resolver = Resolver::new(&base, &options, Some("./assets/"));
+        for (name, file) in [
+            ("a.stl", "a.stl"),
+            ("x/a.stl", "a.stl"),
+            ("b/c.stl", "b/c.stl"),
+        ] {
+            assert_eq!(
+                resolver.find(name),
+                Ok(base.join("assets").join(file)),
+                "{name}"
+            );
+        }
+    }
+
+    #[test]
+    fn a_name_in_other_case_is_hinted_at() {
+        let folder = Folder::new("case", &[("Link.STL", "")]);
+        let options = ReadOptions::default();
+        // On a file system that ignores case the file is simply found.
+        if let Err(missing) = Resolver::new(&folder.0, &options, None).find("link.stl") {
+            assert!(
+                missing.advice.contains("Link.STL: upper and lower case"),
+                "{missing:?}"
+            );
+        }
+    }
+
+    #[test]
     fn what_is_not_found_lists_every_place_and_an_advice() {
         let options = ReadOptions {
             package_paths: vec![PathBuf::from("/nowhere")],
             ..ReadOptions::default()
         };
-        let resolver = Resolver::new(Path::new("/none/urdf"), &options);
+        let resolver = Resolver::new(Path::new("/none/urdf"), &options, None);
         let missing = resolver
             .find("package://arm/meshes/a.stl")
             .expect_err("missing");

@@ -4,7 +4,7 @@ use super::diagnostic::did_you_mean;
 use super::joint::{self, CheckedJoint};
 use super::link::{self, CheckedLink};
 use super::scope::{Scope, Version};
-use super::xml::{Document, Node};
+use super::xml::{Document, Node, is_unprintable};
 use std::collections::HashMap;
 use std::ops::Range;
 use std::path::Path;
@@ -96,7 +96,21 @@ pub(super) fn check<'d>(
 
 /// A file with xacro code in it is not yet a URDF.
 fn refuse_xacro(scope: &mut Scope, root: Node, file: &str) -> Option<()> {
-    let prefixed = |node: &Node| node.name().starts_with("xacro:");
+    // The prefix is xacro by custom; the root may bind another.
+    let mut prefixes = vec!["xacro"];
+    for (name, _) in root.attribute_names() {
+        let prefix = name.strip_prefix("xmlns:").filter(|&p| p != "xacro");
+        let is_xacro = || root.value(name).is_some_and(|uri| uri.contains("/xacro"));
+        if let Some(prefix) = prefix
+            && is_xacro()
+        {
+            prefixes.push(prefix);
+        }
+    }
+    let prefixed = |node: &Node| {
+        let prefix = node.name().split_once(':').map(|(prefix, _)| prefix);
+        prefix.is_some_and(|prefix| prefixes.contains(&prefix))
+    };
     let Some(code) = root.descendants().find(prefixed) else {
         return Some(());
     };
@@ -157,7 +171,7 @@ fn robot_name(scope: &mut Scope, root: Node, file: &str) -> String {
         .map(str::trim)
         .filter(|name| !name.is_empty())
     {
-        return name.to_owned();
+        return name.replace(is_unprintable, " ");
     }
     let stem = file.rsplit(['/', '\\']).next().unwrap_or(file);
     let stem = stem
@@ -190,6 +204,14 @@ fn named<'d>(scope: &mut Scope, root: Node<'d>, tag: &'static str) -> Vec<(Node<
             scope
                 .report
                 .error("U015", attribute.at.clone(), message, "give it a name");
+            continue;
+        }
+        if name.contains(is_unprintable) {
+            let message = format!("the name of a <{tag}> contains a control character");
+            let help = "use letters, digits and _";
+            scope
+                .report
+                .error("U015", attribute.at.clone(), message, help);
             continue;
         }
         if let Some(earlier) = first.get(name) {

@@ -7,6 +7,7 @@
 use super::joint::CheckedJoint;
 use super::link::{CheckedCollision, CheckedInertial, Geometry};
 use super::tree::{CheckedRobot, Order};
+use super::xml::is_unprintable;
 use crate::model::JointKind;
 use crate::spatial::Vec3;
 use quick_xml::escape::escape;
@@ -78,7 +79,8 @@ fn write_collision(out: &mut String, collision: &CheckedCollision) {
         } => write!(
             out,
             "<mesh filename=\"{}\" scale=\"{x} {y} {z}\"/>",
-            escape(*filename)
+            // Only its place in the list counts: the mesh has been read.
+            escape(filename.replace(is_unprintable, " "))
         ),
     };
     out.push_str("</geometry></collision>\n");

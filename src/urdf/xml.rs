@@ -428,6 +428,11 @@ impl<'t> Builder<'t> {
     }
 }
 
+/// Characters that names must not have: XML forbids most of them, and none of them shows.
+pub(super) fn is_unprintable(c: char) -> bool {
+    c.is_control() || matches!(c, '\u{fffe}' | '\u{ffff}')
+}
+
 fn position(at: u64) -> usize {
     usize::try_from(at).unwrap_or(usize::MAX)
 }
