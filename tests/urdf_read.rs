@@ -309,8 +309,7 @@ fn problems_with_inertia_are_warnings_where_it_is_not_used() {
 fn names_of_any_characters_come_through_unchanged() {
     let names = [
         "a b", " a", "a ", "a  b", "a/b", "a::b", "<a>", "a&b", "'a'", "\"a\"", "]]>", "--", "ä",
-        "日本", "🤖", "\u{2028}", "\u{fffd}", "\u{e000}", "{a}", "&amp;", "a=b", "%s", "\\", "0",
-        "-",
+        "日本", "🤖", "\u{fffd}", "\u{e000}", "{a}", "&amp;", "a=b", "%s", "\\", "0", "-",
     ];
     for name in names {
         let escaped = name

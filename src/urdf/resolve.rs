@@ -65,19 +65,14 @@ impl<'o> Resolver<'o> {
         // Windows tools write backslashes.
         let name = name.trim().replace('\\', "/");
         let (candidates, advice) = self.candidates(&name);
-        match candidates.iter().find(|path| path.is_file()) {
-            Some(path) => Ok(tidy(path)),
-            None => {
-                let tried = distinct(candidates.iter().map(|path| tidy(path)));
-                let advice = match other_case(&tried) {
-                    Some(path) => {
-                        format!("there is {}: upper and lower case matter", path.display())
-                    }
-                    None => advice,
-                };
-                Err(NotFound { tried, advice })
-            }
+        if let Some(path) = candidates.iter().find(|path| path.is_file()) {
+            return Ok(tidy(path));
         }
+        let tried = distinct(candidates.iter().map(|path| tidy(path)));
+        let hint =
+            |path: PathBuf| format!("there is {}: upper and lower case matter", path.display());
+        let advice = other_case(&tried).map_or(advice, hint);
+        Err(NotFound { tried, advice })
     }
 
     fn candidates(&self, name: &str) -> (Vec<PathBuf>, String) {
