@@ -21,8 +21,9 @@ pub struct State {
     pub dry: Vec<f64>,
     /// Commands (velocity, position, effort, limit of each actuator) of the last step, to see that they jump.
     pub commands: Vec<[f64; 4]>,
-    /// Step that the error control proposes, and the one it proposes just after a communication point, s.
-    pub step: [f64; 2],
+    /// Step that the error control proposes, the one it proposes just after a communication point, and the shortest
+    /// that it may ask for, s.
+    pub step: [f64; 3],
     /// Steps taken, steps rejected, most Newton iterations in a solve, steps taken at the smallest size.
     pub counters: [u64; 4],
     /// Contact impulse per link over the last communication step, N·s, and that step's length, s.
@@ -55,7 +56,7 @@ impl State {
             motor: vec![0.0; model.actuators.len()],
             dry: vec![0.0; model.nv()],
             commands: vec![[0.0; 4]; model.actuators.len()],
-            step: [INITIAL_STEP; 2],
+            step: [INITIAL_STEP, INITIAL_STEP, 0.0],
             counters: [0; 4],
             impulse: vec![[0.0; 3]; model.links.len()],
             last_step: 0.0,

@@ -26,6 +26,8 @@ const MAX_STEP: f64 = 0.05;
 const MAX_EXPLICIT_STEP: f64 = 0.1;
 /// Shortest step that error control asks for, s; a step that fails its test there is accepted and counted.
 const MIN_STEP: f64 = 1e-7;
+/// Largest value that the shortest step may rise to, s, see [`patience`].
+const MAX_FLOOR: f64 = 1e-4;
 /// Weight of a velocity error against a position error, s. Without it impacts go unnoticed.
 const VELOCITY_WEIGHT: f64 = 0.1;
 /// Speed below which a robot may be at rest, rad/s or m/s.
@@ -319,12 +321,16 @@ impl Stepper {
             loop {
                 let error = self.doubled_step(ctx, state, h, accuracy);
                 let factor = (0.9 / error.max(1e-12).sqrt()).clamp(GROWTH.0, GROWTH.1);
-                if error <= 1.0 || (h <= MIN_STEP && error.is_finite()) {
+                let floor = patience(state, ctx.tolerance, h);
+                if error <= 1.0 || (h <= floor && error.is_finite()) {
                     if error > 1.0 {
                         state.counters[3] += 1;
+                        // Extrapolation is for motions that the step resolves; the two half steps alone are damped.
+                        self.difference.fill(0.0);
+                        self.full.v.copy_from_slice(&self.second.v);
                     }
                     self.accept_doubled(ctx, state, h);
-                    proposed = next_proposal(proposed, h, factor);
+                    proposed = next_proposal(proposed, h, factor).max(floor);
                     done = if h >= remaining { span } else { done + h };
                     self.accepted(state, first, h, proposed);
                     first = false;
@@ -334,7 +340,7 @@ impl Stepper {
                     return Err(NotFinite);
                 }
                 state.counters[1] += 1;
-                h = (h * factor).max(MIN_STEP);
+                h = (h * factor).max(if error.is_finite() { floor } else { MIN_STEP });
                 proposed = h;
             }
         }
@@ -583,6 +589,22 @@ impl Stepper {
         add_impulses(&self.middle.contacts, &self.second, 2.0, &mut state.impulse);
         add_impulses(&self.start.contacts, &self.full, -1.0, &mut state.impulse);
     }
+}
+
+/// Shortest step that error control may ask for now; books that a step of `h` seconds was tried.
+///
+/// Some contacts of very light bodies on heavy robots oscillate in nanoseconds between normal force and friction
+/// (Painlevé's problem): resolving that buys nothing and stalls the host. A run of steps near the floor therefore
+/// raises it, slowly enough that an impact passes unhindered, and longer steps lower it again.
+fn patience(state: &mut State, tolerance: f64, h: f64) -> f64 {
+    let floor = &mut state.step[2];
+    *floor = floor.max(MIN_STEP);
+    if h < 10.0 * *floor {
+        *floor = (*floor * (1.0 + 0.02 * (tolerance / 1e-3).sqrt().min(1.0))).min(MAX_FLOOR);
+    } else if h > 100.0 * *floor {
+        *floor *= 0.5;
+    }
+    floor.max(MIN_STEP)
 }
 
 /// The next proposal: a step that was cut short and went well does not shrink it.
