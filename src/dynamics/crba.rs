@@ -19,6 +19,8 @@ pub fn mass_matrix(tree: &Tree, kin: &mut Kinematics) {
         ..
     } = kin;
     let pattern = &tree.sparsity;
+    // Not `pattern.floating`: the rows of a fixed serial chain of six joints or more look the same.
+    let floating = tree.bodies[0].motion == Move::Free;
     composite.copy_from_slice(I);
     if !tree.pure {
         M.fill(0.0);
@@ -45,7 +47,7 @@ pub fn mass_matrix(tree: &Tree, kin: &mut Kinematics) {
             if tree.pure {
                 let (start, depth) = (pattern.start[c], pattern.depth[c]);
                 let mut from = 0;
-                if pattern.floating {
+                if floating {
                     M[start..start + 6].copy_from_slice(&F);
                     from = 6;
                 }

@@ -4,11 +4,11 @@
 
 use super::{aba::Articulated, crba, energy, rnea};
 use crate::kinematics::{Kinematics, advance};
-use crate::model::Model;
+use crate::model::{Model, Motion};
 use crate::parameters::Parameters;
-use crate::spatial::{Vec3, Vec6, angular};
+use crate::spatial::{Pose, RigidInertia, Vec3, Vec6, angular};
 use crate::state::State;
-use crate::testing::{Random, random_tree};
+use crate::testing::{Builder, Random, inertia, random_tree};
 use crate::tree::Tree;
 
 struct Case {
@@ -21,7 +21,13 @@ struct Case {
 /// A random tree at a random state.
 fn case(seed: u64, n: usize, floating: bool, mimic: bool) -> Case {
     let mut random = Random(seed);
-    let model: Model = random_tree(&mut random, n, floating, mimic);
+    let model = random_tree(&mut random, n, floating, mimic);
+    case_of(model, random)
+}
+
+/// A model at a random state.
+fn case_of(model: Model, mut random: Random) -> Case {
+    let floating = model.is_floating();
     let mut tree = Tree::new(&model, &Parameters::new(&model));
     for k in 0..model.nv() {
         tree.armature[k] = if k < 6 && floating { 0.0 } else { 0.01 };
@@ -85,6 +91,26 @@ fn aba_agrees_with_crba_and_rnea_on_random_trees() {
         let case = case(seed, 3 + seed as usize, floating, false);
         let mut random = Random(seed + 1000);
         let tau: Vec<f64> = case.v.iter().map(|_| random.uniform(-5.0, 5.0)).collect();
+        let mut vdot = vec![0.0; case.v.len()];
+        let mut aba = Articulated::new(&case.tree);
+        aba.accelerations(&case.tree, &case.kin, &case.v, &tau, &mut vdot);
+        close(&vdot, &case.accelerations(&tau), 1e-11);
+    }
+}
+
+/// The rows of such a chain's matrix are as long as those of a floating base, but mean something else.
+#[test]
+fn aba_agrees_with_crba_and_rnea_on_a_fixed_serial_arm() {
+    for n in 5..10 {
+        let mut random = Random(n);
+        let mut b = Builder::new(false, RigidInertia::ZERO);
+        for i in 0..n as usize {
+            let X = Pose::from_xyz_rpy(random.vector(0.4), random.vector(3.0));
+            let body = inertia(1.0, random.vector(0.2), [0.02, 0.025, 0.03]);
+            b.link(i.into(), X, Motion::Revolute(random.unit()), body);
+        }
+        let case = case_of(b.model, random);
+        let tau = vec![1.0; case.v.len()];
         let mut vdot = vec![0.0; case.v.len()];
         let mut aba = Articulated::new(&case.tree);
         aba.accelerations(&case.tree, &case.kin, &case.v, &tau, &mut vdot);

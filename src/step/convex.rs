@@ -323,6 +323,8 @@ impl Newton {
         if !any {
             return;
         }
+        // Not `pattern.floating`: the rows of a fixed serial chain of six joints or more look the same.
+        let floating = tree.bodies[0].motion == Move::Free;
         for &b in &self.loaded {
             let body = &tree.bodies[b];
             let G = self.G[b];
@@ -331,7 +333,7 @@ impl Newton {
                 if tree.pure {
                     let (start, depth) = (pattern.start[c], pattern.depth[c]);
                     let mut from = 0;
-                    if pattern.floating {
+                    if floating {
                         for (m, f) in self.H[start..start + 6].iter_mut().zip(&F) {
                             *m += f;
                         }
@@ -350,7 +352,7 @@ impl Newton {
                 *sum += g;
             }
         }
-        if tree.bodies[0].motion == Move::Free {
+        if floating {
             for (m, g) in self.H[..21].iter_mut().zip(&self.G[0]) {
                 *m += g;
             }
