@@ -1,0 +1,361 @@
+//! Every key of the settings file: what it takes, what holds without it, what it is for.
+//!
+//! A path names tables by dots; `*` stands for a name that the user chooses (a glob over joints or links),
+//! `[]` for the elements of an array of tables.
+
+/// One key.
+#[derive(Clone, Copy, Debug)]
+pub struct Key {
+    /// Where it stands, such as `solver.tolerance` or `actuator[].joint`.
+    pub path: &'static str,
+    /// What may be given.
+    pub takes: Takes,
+    /// What holds where it is not given, in TOML; none where something else decides (see `about`).
+    pub default: Option<&'static str>,
+    /// What it is for, with its unit.
+    pub about: &'static str,
+}
+
+/// What a key takes.
+#[derive(Clone, Copy, Debug)]
+pub enum Takes {
+    /// A finite number of a range.
+    Number(Range),
+    /// The same, or a text like `"1/240"`.
+    NumberOrRatio(Range),
+    /// `true` or `false`.
+    Flag,
+    /// One of some words.
+    Word(&'static [&'static str]),
+    /// A name or glob.
+    Pattern,
+    /// A list of names or globs.
+    Patterns,
+    /// One of some words, or a list of names or globs.
+    WordOrPatterns(&'static [&'static str]),
+    /// A list of finite numbers, with its least and greatest length.
+    Numbers(usize, usize),
+    /// Planned, not there yet.
+    Later,
+}
+
+/// Which numbers are legal.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Range {
+    /// Every finite one.
+    Any,
+    /// From 0 on.
+    NotNegative,
+    /// Above 0.
+    Positive,
+    /// From 0 to 1.
+    Share,
+}
+
+impl Range {
+    /// Whether `value` is legal.
+    pub fn contains(self, value: f64) -> bool {
+        value.is_finite()
+            && match self {
+                Self::Any => true,
+                Self::NotNegative => value >= 0.0,
+                Self::Positive => value > 0.0,
+                Self::Share => (0.0..=1.0).contains(&value),
+            }
+    }
+
+    /// What a legal number is.
+    pub fn expected(self) -> &'static str {
+        match self {
+            Self::Any => "a finite number",
+            Self::NotNegative => "a finite number that is not negative",
+            Self::Positive => "a finite number above 0",
+            Self::Share => "a number from 0 to 1",
+        }
+    }
+}
+
+use Range::{Any, NotNegative, Positive, Share};
+use Takes::{Flag, Later, Number, NumberOrRatio, Numbers, Pattern, Patterns, Word, WordOrPatterns};
+
+const fn key(
+    path: &'static str,
+    takes: Takes,
+    default: Option<&'static str>,
+    about: &'static str,
+) -> Key {
+    Key {
+        path,
+        takes,
+        default,
+        about,
+    }
+}
+
+/// The table.
+pub const KEYS: &[Key] = &[
+    key(
+        "robot.base",
+        Word(&["auto", "floating", "fixed"]),
+        Some("\"auto\""),
+        "whether the base can move; auto: fixed where the root is named 'world' or has no mass and a moving child",
+    ),
+    key(
+        "robot.scale",
+        Number(Positive),
+        Some("1.0"),
+        "every length times this; masses stay, so inertias grow with its square",
+    ),
+    key(
+        "robot.inertia",
+        Word(&["urdf", "collision"]),
+        Some("\"urdf\""),
+        "rotational inertia from the file, or recomputed from the collision shapes as solids",
+    ),
+    key(
+        "robot.self_collision",
+        Flag,
+        Some("false"),
+        "contact between links",
+    ),
+    key(
+        "robot.compat",
+        Word(&["none", "pybullet"]),
+        Some("\"none\""),
+        "conventions of another simulator",
+    ),
+    key(
+        "fmu.naming",
+        Word(&["structured", "flat"]),
+        Some("\"structured\""),
+        "variable names with dots, or with underscores instead",
+    ),
+    key(
+        "solver.step_size",
+        NumberOrRatio(NotNegative),
+        Some("0"),
+        "s; 0: error controlled",
+    ),
+    key(
+        "solver.tolerance",
+        Number(Positive),
+        None,
+        "error per step in m, and in rad at 1 m reach; without it the importer's, else 1e-3",
+    ),
+    key(
+        "contact.penetration",
+        Number(Positive),
+        Some("1e-4"),
+        "m, static, under the robot's weight on four points",
+    ),
+    key(
+        "contact.stiffness",
+        Number(Positive),
+        None,
+        "N/m of a contact point, instead of penetration",
+    ),
+    key(
+        "contact.dissipation",
+        Number(NotNegative),
+        Some("51"),
+        "s/m, where restitution is 0",
+    ),
+    key(
+        "world.gravity",
+        Numbers(3, 3),
+        Some("[0, 0, -9.81]"),
+        "m/s²",
+    ),
+    key(
+        "world.ground.type",
+        Word(&["plane", "none", "heightfield"]),
+        Some("\"plane\""),
+        "what there is to stand on: the plane z = 0, or nothing",
+    ),
+    key(
+        "world.ground.friction",
+        Number(NotNegative),
+        Some("0.8"),
+        "Coulomb coefficient; combined with the link's by the harmonic mean",
+    ),
+    key(
+        "world.ground.restitution",
+        Number(Share),
+        Some("0.0"),
+        "Newton's coefficient; combined with the link's by the larger of the two",
+    ),
+    key("world.object", Later, None, "more robots and obstacles"),
+    key(
+        "initial.xyz",
+        Numbers(2, 3),
+        None,
+        "m, base position; z, or all of it, may be left out: the lowest collision point then touches the ground",
+    ),
+    key(
+        "initial.rpy",
+        Numbers(3, 3),
+        Some("[0, 0, 0]"),
+        "rad, base roll, pitch, yaw",
+    ),
+    key(
+        "initial.linear_velocity",
+        Numbers(3, 3),
+        Some("[0, 0, 0]"),
+        "m/s, of a floating base, world axes",
+    ),
+    key(
+        "initial.angular_velocity",
+        Numbers(3, 3),
+        Some("[0, 0, 0]"),
+        "rad/s, of a floating base, world axes",
+    ),
+    key(
+        "initial.joints.*",
+        Number(Any),
+        None,
+        "rad or m, by joint name or glob",
+    ),
+    key(
+        "initial.joint_velocities.*",
+        Number(Any),
+        None,
+        "rad/s or m/s, by joint name or glob",
+    ),
+    key(
+        "actuator[].joint",
+        Pattern,
+        None,
+        "joint name or glob; later entries win",
+    ),
+    key(
+        "actuator[].mode",
+        Word(&["velocity", "position", "effort", "pd", "none"]),
+        None,
+        "what is commanded; without it position for limited joints, velocity for the others",
+    ),
+    key(
+        "actuator[].max_effort",
+        Number(NotNegative),
+        None,
+        "N·m or N; without it the file's effort limit",
+    ),
+    key(
+        "actuator[].kp",
+        Number(NotNegative),
+        None,
+        "N·m/rad or N/m, pd mode",
+    ),
+    key(
+        "actuator[].kd",
+        Number(NotNegative),
+        None,
+        "N·m·s/rad or N·s/m, pd mode",
+    ),
+    key(
+        "joint.*.damping",
+        Number(NotNegative),
+        None,
+        "N·m·s/rad or N·s/m, instead of the file's",
+    ),
+    key(
+        "joint.*.friction",
+        Number(NotNegative),
+        None,
+        "N·m or N, dry, instead of the file's",
+    ),
+    key(
+        "joint.*.armature",
+        Number(NotNegative),
+        None,
+        "kg·m² or kg: rotor inertia times gear ratio squared",
+    ),
+    key(
+        "joint.*.limits.lower",
+        Number(Any),
+        None,
+        "rad or m, instead of the file's",
+    ),
+    key(
+        "joint.*.limits.upper",
+        Number(Any),
+        None,
+        "rad or m, instead of the file's",
+    ),
+    key(
+        "joint.*.effort",
+        Number(NotNegative),
+        None,
+        "N·m or N, instead of the file's effort limit",
+    ),
+    key(
+        "joint.*.velocity",
+        Number(NotNegative),
+        None,
+        "rad/s or m/s, instead of the file's velocity limit; 0: none",
+    ),
+    key("loop", Later, None, "kinematic loops"),
+    key("group", Later, None, "joints that share a command"),
+    key(
+        "outputs.contacts",
+        WordOrPatterns(&["auto", "none"]),
+        Some("\"auto\""),
+        "links with contact outputs; auto: those with collision shapes at the end of the tree",
+    ),
+    key(
+        "outputs.links",
+        Patterns,
+        Some("[]"),
+        "links with pose and velocity outputs",
+    ),
+    key("sensor", Later, None, "imu, force/torque, ray"),
+    key(
+        "external_wrench[].link",
+        Pattern,
+        None,
+        "link name or glob that gets force and torque inputs",
+    ),
+    key(
+        "link.*.friction",
+        Number(NotNegative),
+        None,
+        "Coulomb coefficient; without it the file's, else 0.8",
+    ),
+    key(
+        "link.*.restitution",
+        Number(Share),
+        None,
+        "Newton's coefficient; without it the file's, else 0",
+    ),
+    key(
+        "link.*.mass",
+        Number(Positive),
+        None,
+        "kg, instead of the file's; the inertia scales with it",
+    ),
+];
+
+/// The key at `path`.
+pub fn find(path: &str) -> Option<&'static Key> {
+    KEYS.iter().find(|key| key.path == path)
+}
+
+/// The names that may stand in the table at `path` (`""` is the file itself), each once, in file order;
+/// `*` where the user chooses the names.
+pub fn children(path: &str) -> Vec<&'static str> {
+    let mut names = Vec::new();
+    for key in KEYS {
+        let rest = if path.is_empty() {
+            Some(key.path)
+        } else {
+            key.path
+                .strip_prefix(path)
+                .and_then(|rest| rest.strip_prefix('.'))
+        };
+        let Some(rest) = rest else { continue };
+        let name = rest.split(['.', '[']).next().unwrap_or(rest);
+        if !names.contains(&name) {
+            names.push(name);
+        }
+    }
+    names
+}

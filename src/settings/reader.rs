@@ -1,0 +1,476 @@
+//! Text → checked keys and values: syntax, unknown keys, types and ranges, all findings at once.
+//!
+//! What may stand where is [`super::keys::KEYS`]; nothing here knows a key by name.
+
+use super::keys::{self, Key, Takes};
+use crate::urdf::{Diagnostic, Place, Severity};
+use std::ops;
+use toml::Spanned;
+use toml::de::{DeArray, DeTable, DeValue};
+
+/// Bytes of the text.
+pub(super) type Span = ops::Range<usize>;
+
+/// Keys of one table, in file order.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Section {
+    pub(super) entries: Vec<Entry>,
+    /// Keys that are there but wrong; they have been reported.
+    pub(super) rejected: Vec<String>,
+    /// Path of the table in [`keys::KEYS`].
+    path: String,
+    /// Its header, or its key.
+    pub(super) span: Span,
+}
+
+#[derive(Clone, Debug)]
+pub(super) struct Entry {
+    pub(super) name: String,
+    pub(super) span: Span,
+    pub(super) node: Node,
+}
+
+#[derive(Clone, Debug)]
+pub(super) enum Node {
+    Value(Value),
+    Table(Section),
+    Tables(Vec<Section>),
+}
+
+/// A value that passed the checks of its key.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Value {
+    Number(f64),
+    Flag(bool),
+    Word(String),
+    Numbers(Vec<f64>),
+    Texts(Vec<(String, Span)>),
+}
+
+impl Section {
+    fn child(&self, name: &str) -> String {
+        if self.path.is_empty() {
+            name.to_owned()
+        } else {
+            format!("{}.{name}", self.path)
+        }
+    }
+
+    pub(super) fn entry(&self, name: &str) -> Option<&Entry> {
+        self.entries.iter().find(|entry| entry.name == name)
+    }
+
+    /// What the file gives, else the table's default.
+    pub(super) fn value(&self, name: &str) -> Option<Value> {
+        match self.entry(name).map(|entry| &entry.node) {
+            Some(Node::Value(value)) => Some(value.clone()),
+            _ => keys::find(&self.child(name)).and_then(default_value),
+        }
+    }
+
+    pub(super) fn number(&self, name: &str) -> Option<f64> {
+        match self.value(name) {
+            Some(Value::Number(number)) => Some(number),
+            _ => None,
+        }
+    }
+
+    pub(super) fn numbers(&self, name: &str) -> Option<Vec<f64>> {
+        match self.value(name) {
+            Some(Value::Numbers(numbers)) => Some(numbers),
+            _ => None,
+        }
+    }
+
+    pub(super) fn flag(&self, name: &str) -> bool {
+        self.value(name) == Some(Value::Flag(true))
+    }
+
+    pub(super) fn word(&self, name: &str) -> Option<String> {
+        match self.value(name) {
+            Some(Value::Word(word)) => Some(word),
+            _ => None,
+        }
+    }
+
+    /// The table `name`; an empty one where the file has none.
+    pub(super) fn table(&self, name: &str) -> Section {
+        match self.entry(name).map(|entry| &entry.node) {
+            Some(Node::Table(section)) => section.clone(),
+            _ => Section {
+                path: self.child(name),
+                ..Section::default()
+            },
+        }
+    }
+
+    /// The array of tables `name`.
+    pub(super) fn tables(&self, name: &str) -> Vec<Section> {
+        match self.entry(name).map(|entry| &entry.node) {
+            Some(Node::Tables(sections)) => sections.clone(),
+            _ => Vec::new(),
+        }
+    }
+}
+
+/// A key's default, read like the file.
+fn default_value(key: &Key) -> Option<Value> {
+    let value = DeValue::parse(key.default?).ok()?;
+    let mut reader = Reader::new("", "");
+    reader.value(key, key.path, &value)
+}
+
+/// Reads one text; findings gather in `findings`.
+pub(super) struct Reader<'a> {
+    file: &'a str,
+    text: &'a str,
+    pub(super) findings: Vec<Diagnostic>,
+}
+
+impl<'a> Reader<'a> {
+    pub(super) fn new(file: &'a str, text: &'a str) -> Self {
+        Self {
+            file,
+            text,
+            findings: Vec::new(),
+        }
+    }
+
+    pub(super) fn place(&self, span: &Span) -> Place {
+        Place::in_text(self.file, self.text, span.clone())
+    }
+
+    pub(super) fn error(
+        &mut self,
+        code: &'static str,
+        span: &Span,
+        message: impl Into<String>,
+        help: impl Into<String>,
+    ) {
+        let help = help.into();
+        let finding = Diagnostic {
+            severity: Severity::Error,
+            code,
+            message: message.into(),
+            help: (!help.is_empty()).then_some(help),
+            place: Some(self.place(span)),
+        };
+        self.findings.push(finding);
+    }
+
+    /// The whole file; after a syntax error an empty section.
+    pub(super) fn read(&mut self) -> Section {
+        let (table, errors) = DeTable::parse_recoverable(self.text);
+        for error in &errors {
+            let span = error.span().unwrap_or(0..0);
+            self.error("S101", &span, error.message(), "the file must be TOML 1.0");
+        }
+        if errors.is_empty() {
+            self.section("", table.get_ref(), table.span())
+        } else {
+            Section::default()
+        }
+    }
+
+    fn section(&mut self, path: &str, table: &DeTable, span: Span) -> Section {
+        let mut pairs: Vec<_> = table.iter().collect();
+        pairs.sort_by_key(|(name, _)| name.span().start);
+        let mut section = Section {
+            path: path.to_owned(),
+            span,
+            ..Section::default()
+        };
+        let known = keys::children(path);
+        for (name, value) in pairs {
+            let text: &str = name.get_ref();
+            let child = if known == ["*"] {
+                section.child("*")
+            } else if known.contains(&text) {
+                section.child(text)
+            } else {
+                self.unknown(path, text, &known, &name.span());
+                continue;
+            };
+            if let Some(node) = self.node(&child, text, value, &name.span()) {
+                section.entries.push(Entry {
+                    name: text.to_owned(),
+                    span: name.span(),
+                    node,
+                });
+            } else {
+                section.rejected.push(text.to_owned());
+            }
+        }
+        section
+    }
+
+    fn unknown(&mut self, path: &str, name: &str, known: &[&str], span: &Span) {
+        let shown = |path: &str| {
+            if path.is_empty() {
+                "the settings".to_owned()
+            } else {
+                format!("[{}]", path.replace(".*", ".\"…\"").replace("[]", ""))
+            }
+        };
+        // The same key in another table is likelier meant than another key here.
+        let elsewhere = keys::KEYS.iter().find(|key| {
+            key.path
+                .rsplit_once('.')
+                .is_some_and(|(_, last)| last == name)
+        });
+        let help = match elsewhere {
+            Some(key) => {
+                let (table, last) = key.path.rsplit_once('.').unwrap_or(("", key.path));
+                format!("'{last}' belongs into {}", shown(table))
+            }
+            None => nearest(name, known.iter().copied()).map_or_else(String::new, |nearest| {
+                format!("did you mean '{nearest}'? known are {}", known.join(", "))
+            }),
+        };
+        let message = format!("unknown key '{name}' in {}", shown(path));
+        self.error("S102", span, message, help);
+    }
+
+    fn node(
+        &mut self,
+        path: &str,
+        name: &str,
+        value: &Spanned<DeValue>,
+        name_span: &Span,
+    ) -> Option<Node> {
+        if let Some(key) = keys::find(path) {
+            if matches!(key.takes, Takes::Later) {
+                let message = format!("'{name}' ({}) is not supported yet", key.about);
+                self.error("S105", name_span, message, "leave it out");
+                return None;
+            }
+            return self.value(key, name, value).map(Node::Value);
+        }
+        let element = format!("{path}[]");
+        if keys::children(&element).is_empty() {
+            let Some(table) = value.get_ref().as_table() else {
+                self.wrong_type(name, "a table", value);
+                return None;
+            };
+            return Some(Node::Table(self.section(path, table, name_span.clone())));
+        }
+        let Some(array) = value.get_ref().as_array() else {
+            let expected = format!("an array of tables, [[{name}]]");
+            self.wrong_type(name, &expected, value);
+            return None;
+        };
+        let mut sections = Vec::new();
+        for value in array {
+            if let Some(table) = value.get_ref().as_table() {
+                sections.push(self.section(&element, table, value.span()));
+            } else {
+                self.wrong_type(name, "an array of tables", value);
+            }
+        }
+        Some(Node::Tables(sections))
+    }
+
+    fn wrong_type(&mut self, name: &str, expected: &str, value: &Spanned<DeValue>) {
+        let found = value.get_ref().type_str();
+        let message = format!(
+            "'{name}' must be {expected}, not {} {found}",
+            article(found)
+        );
+        self.error("S103", &value.span(), message, "");
+    }
+
+    fn value(&mut self, key: &Key, name: &str, value: &Spanned<DeValue>) -> Option<Value> {
+        match key.takes {
+            Takes::Number(range) | Takes::NumberOrRatio(range) => {
+                let ratio = matches!(key.takes, Takes::NumberOrRatio(_));
+                self.number(name, range, ratio, value).map(Value::Number)
+            }
+            Takes::Flag => {
+                if let Some(flag) = value.get_ref().as_bool() {
+                    Some(Value::Flag(flag))
+                } else {
+                    self.wrong_type(name, "true or false", value);
+                    None
+                }
+            }
+            Takes::Word(words) => {
+                if let Some(word) = value.get_ref().as_str() {
+                    self.word(name, words, word, value)
+                } else {
+                    self.wrong_type(name, &one_of(words), value);
+                    None
+                }
+            }
+            Takes::Pattern => {
+                if let Some(text) = value.get_ref().as_str() {
+                    Some(Value::Texts(vec![(text.to_owned(), value.span())]))
+                } else {
+                    self.wrong_type(name, "a name or glob in quotes", value);
+                    None
+                }
+            }
+            Takes::Patterns | Takes::WordOrPatterns(_) => self.patterns(key, name, value),
+            Takes::Numbers(least, most) => self.numbers(name, least, most, value),
+            Takes::Later => None,
+        }
+    }
+
+    fn word(
+        &mut self,
+        name: &str,
+        words: &[&str],
+        word: &str,
+        value: &Spanned<DeValue>,
+    ) -> Option<Value> {
+        if words.contains(&word) {
+            return Some(Value::Word(word.to_owned()));
+        }
+        let help = nearest(word, words.iter().copied())
+            .map_or_else(String::new, |nearest| format!("did you mean '{nearest}'?"));
+        let message = format!("'{name}' must be {}, not '{word}'", one_of(words));
+        self.error("S104", &value.span(), message, help);
+        None
+    }
+
+    fn patterns(&mut self, key: &Key, name: &str, value: &Spanned<DeValue>) -> Option<Value> {
+        let words = match key.takes {
+            Takes::WordOrPatterns(words) => words,
+            _ => &[],
+        };
+        let mut expected = "a list of names or globs".to_owned();
+        if !words.is_empty() {
+            expected = format!("{} or {expected}", one_of(words));
+        }
+        if let (Some(word), false) = (value.get_ref().as_str(), words.is_empty()) {
+            return self.word(name, words, word, value);
+        }
+        let Some(array) = value.get_ref().as_array() else {
+            self.wrong_type(name, &expected, value);
+            return None;
+        };
+        let mut texts = Vec::new();
+        for element in array {
+            if let Some(text) = element.get_ref().as_str() {
+                texts.push((text.to_owned(), element.span()));
+            } else {
+                self.wrong_type(name, &expected, element);
+            }
+        }
+        Some(Value::Texts(texts))
+    }
+
+    fn numbers(
+        &mut self,
+        name: &str,
+        least: usize,
+        most: usize,
+        value: &Spanned<DeValue>,
+    ) -> Option<Value> {
+        let fits = |array: &&DeArray| (least..=most).contains(&array.len());
+        let Some(array) = value.get_ref().as_array().filter(fits) else {
+            let count = if least == most {
+                format!("{least}")
+            } else {
+                format!("{least} or {most}")
+            };
+            let found = value.get_ref();
+            let message = match found.as_array() {
+                Some(array) => format!("'{name}' must have {count} numbers, not {}", array.len()),
+                None => format!(
+                    "'{name}' must be a list of {count} numbers, not {} {}",
+                    article(found.type_str()),
+                    found.type_str()
+                ),
+            };
+            self.error("S103", &value.span(), message, "");
+            return None;
+        };
+        let numbers: Vec<_> = array
+            .iter()
+            .filter_map(|element| self.number(name, keys::Range::Any, false, element))
+            .collect();
+        (numbers.len() == array.len()).then_some(Value::Numbers(numbers))
+    }
+
+    fn number(
+        &mut self,
+        name: &str,
+        range: keys::Range,
+        ratio: bool,
+        value: &Spanned<DeValue>,
+    ) -> Option<f64> {
+        let number = match value.get_ref() {
+            DeValue::Float(float) => float.as_str().parse::<f64>().ok(),
+            // An integer beyond 2^63 is no quantity of a robot.
+            #[expect(
+                clippy::cast_precision_loss,
+                reason = "a quantity, not a count: rounding to the nearest is what a float key means"
+            )]
+            DeValue::Integer(integer) => i64::from_str_radix(integer.as_str(), integer.radix())
+                .ok()
+                .map(|integer| integer as f64),
+            DeValue::String(text) if ratio => {
+                let number = ratio_of(text);
+                if number.is_none() {
+                    let message = format!("'{name}' must be a number or a text like \"1/240\"");
+                    self.error("S104", &value.span(), message, "");
+                    return None;
+                }
+                number
+            }
+            _ => {
+                self.wrong_type(name, "a number", value);
+                return None;
+            }
+        };
+        match number {
+            Some(number) if range.contains(number) => Some(number),
+            _ => {
+                let span = value.span();
+                let given = self.text.get(span.clone()).unwrap_or_default();
+                let message = format!("'{name}' must be {}, not {given}", range.expected());
+                self.error("S104", &span, message, "");
+                None
+            }
+        }
+    }
+}
+
+/// `"1/240"` or `"0.01"`.
+fn ratio_of(text: &str) -> Option<f64> {
+    let number = |text: &str| text.trim().parse::<f64>().ok();
+    match text.split_once('/') {
+        Some((above, below)) => Some(number(above)? / number(below)?),
+        None => number(text),
+    }
+}
+
+fn article(noun: &str) -> &'static str {
+    if noun.starts_with(['a', 'e', 'i', 'o', 'u']) {
+        "an"
+    } else {
+        "a"
+    }
+}
+
+fn one_of(words: &[&str]) -> String {
+    let quoted: Vec<_> = words.iter().map(|word| format!("\"{word}\"")).collect();
+    quoted.join(" or ")
+}
+
+/// The candidate that looks most like `name`, however far it is.
+pub(crate) fn nearest<'c>(
+    name: &str,
+    candidates: impl IntoIterator<Item = &'c str>,
+) -> Option<&'c str> {
+    let mut best: Option<(f64, &str)> = None;
+    for candidate in candidates {
+        let likeness = strsim::normalized_damerau_levenshtein(name, candidate)
+            + 0.5 * strsim::jaro_winkler(name, candidate);
+        // The first of equals, so that the answer does not depend on anything but the order.
+        if best.is_none_or(|(most, _)| likeness > most) {
+            best = Some((likeness, candidate));
+        }
+    }
+    best.map(|(_, candidate)| candidate)
+}
