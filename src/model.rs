@@ -7,6 +7,8 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
+mod validate;
+
 use crate::geometry::Shape;
 use crate::spatial::{Pose, RigidInertia, Vec3};
 use serde::{Deserialize, Serialize};
@@ -298,7 +300,7 @@ pub enum ActuatorMode {
 }
 
 /// Initial state.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Initial {
     /// Base position `p_WB`, m. For a fixed base: where it is mounted.
@@ -371,7 +373,29 @@ pub struct OutputSelection {
     pub external_wrenches: Vec<LinkId>,
 }
 
+/// Why a model cannot be computed with.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ModelError {
+    /// Fields that contradict each other.
+    #[error("{part} {wrong}")]
+    Invalid {
+        /// Which part.
+        part: String,
+        /// What is wrong with it.
+        wrong: &'static str,
+    },
+}
+
 impl Model {
+    /// Whether everything that the solver relies on holds: indices, order, lengths, units, finite numbers.
+    ///
+    /// # Errors
+    /// [`ModelError::Invalid`] names the first part that is wrong.
+    pub fn validate(&self) -> Result<(), ModelError> {
+        validate::validate(self)
+    }
+
     /// Whether the base can move.
     pub fn is_floating(&self) -> bool {
         self.bodies

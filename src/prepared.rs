@@ -3,7 +3,7 @@
 //! The library loads this file and nothing else. Floats are written with the fewest digits that read back
 //! to the same bits.
 
-use crate::model::Model;
+use crate::model::{Model, ModelError};
 use serde::{Deserialize, Serialize};
 
 /// Layout of the file. A library reads its own format only: it travels in the same FMU as the file.
@@ -55,6 +55,9 @@ pub enum PreparedModelError {
         /// Version that wrote it.
         exporter: String,
     },
+    /// A model that cannot be computed with.
+    #[error("the prepared model is damaged: {0}; export the FMU again")]
+    Damaged(#[from] ModelError),
     /// A number that JSON cannot hold, or a model that contradicts itself.
     #[error("the model cannot be stored: {reason}")]
     Model {
@@ -77,24 +80,32 @@ impl PreparedModel {
     /// The text of the file. The same robot gives the same text.
     ///
     /// # Errors
-    /// [`PreparedModelError::Model`] if the model holds a number that is not finite: it would not read back.
+    /// [`PreparedModelError::Model`] if the model would not be read back, [`Model::validate`].
     pub fn to_json(&self) -> Result<String, PreparedModelError> {
         let refuse = |error: serde_json::Error| PreparedModelError::Model {
             reason: error.to_string(),
         };
+        self.model
+            .validate()
+            .map_err(|error| PreparedModelError::Model {
+                reason: error.to_string(),
+            })?;
         let text = serde_json::to_string_pretty(self).map_err(refuse)?;
         // JSON has no NaN or infinity: they become `null`, which then fails here instead of in the FMU.
         serde_json::from_str::<Self>(&text).map_err(refuse)?;
         Ok(text)
     }
 
-    /// Reads what [`Self::to_json`] wrote.
+    /// Reads what [`Self::to_json`] wrote. What it returns can be computed with, see [`Model::validate`].
     ///
     /// # Errors
     /// [`PreparedModelError`] for anything else.
     pub fn from_json(text: &str) -> Result<Self, PreparedModelError> {
         let unreadable = match serde_json::from_str::<Self>(text) {
-            Ok(prepared) if prepared.format == FORMAT => return Ok(prepared),
+            Ok(prepared) if prepared.format == FORMAT => {
+                prepared.model.validate()?;
+                return Ok(prepared);
+            }
             Ok(prepared) => {
                 return Err(PreparedModelError::Format {
                     found: prepared.format,
@@ -118,42 +129,14 @@ impl PreparedModel {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::{ContactDefaults, Initial, OutputSelection, SolverDefaults, World};
     use crate::spatial::Vec3;
+    use crate::testing::{Builder, inertia};
 
     fn model() -> Model {
-        Model {
-            name: "empty".into(),
-            links: vec![],
-            joints: vec![],
-            bodies: vec![],
-            dofs: vec![],
-            nq: 0,
-            colliders: vec![],
-            actuators: vec![],
-            initial: Initial {
-                position: Vec3::new(0.1, 1.0 / 3.0, 5e-324),
-                rpy: Vec3::zeros(),
-                linear_velocity: Vec3::zeros(),
-                angular_velocity: Vec3::zeros(),
-                joint_positions: vec![],
-                joint_velocities: vec![],
-            },
-            solver: SolverDefaults {
-                step_size: 1.0 / 240.0,
-                tolerance: 1e-3,
-            },
-            contact: ContactDefaults {
-                penetration: 1e-4,
-                stiffness: None,
-                dissipation: 51.0,
-            },
-            world: World {
-                gravity: Vec3::new(0.0, 0.0, -9.81),
-                ground: None,
-            },
-            outputs: OutputSelection::default(),
-        }
+        let mut model = Builder::new(true, inertia(1.0, Vec3::zeros(), [0.1; 3])).model;
+        model.initial.position = Vec3::new(0.1, 1.0 / 3.0, 5e-324);
+        model.solver.step_size = 1.0 / 240.0;
+        model
     }
 
     #[test]
@@ -193,5 +176,20 @@ mod tests {
             .expect_err("half a file")
             .to_string();
         assert!(message.contains("line"), "{message}");
+    }
+
+    #[test]
+    fn a_model_that_contradicts_itself_is_neither_written_nor_read() {
+        let prepared = PreparedModel::new("{0}".into(), model());
+        let text = prepared.to_json().expect("legal");
+        let damaged = text.replacen("\"nq\": 7", "\"nq\": 8", 1);
+        assert_ne!(damaged, text);
+        let error = PreparedModel::from_json(&damaged).expect_err("nq does not fit");
+        assert!(matches!(error, PreparedModelError::Damaged(_)), "{error}");
+
+        let mut wrong = model();
+        wrong.nq = 8;
+        let result = PreparedModel::new("{0}".into(), wrong).to_json();
+        assert!(matches!(result, Err(PreparedModelError::Model { .. })));
     }
 }

@@ -1,0 +1,556 @@
+//! What must hold for a [`Model`] before anything computes with it.
+//!
+//! A `model.json` may be damaged or hostile: whatever indexes, divides or allocates later relies on the checks
+//! made here, so that a wrong file is an error and never a panic.
+
+#![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
+
+use super::{Body, Joint, JointKind, LinkId, Model, ModelError, Motion};
+use crate::geometry::Shape;
+use crate::spatial::{Mat3, Pose, Vec3};
+use std::collections::HashSet;
+
+/// Most links, joints, bodies, colliders or actuators. The largest robots have some hundred.
+const MOST_PARTS: usize = 20_000;
+
+/// Most degrees of freedom: the mass matrix then takes 32 MB.
+const MOST_DOFS: usize = 2_000;
+
+/// Most corners of all hulls, and most contact slots.
+const MOST_CORNERS: usize = 2_000_000;
+
+/// Largest magnitude of any number: squares and products of a few of them stay finite.
+const LARGEST: f64 = 1e50;
+
+/// How far rotations and unit vectors may be off: far above round-off, far below what matters.
+const UNIT_TOLERANCE: f64 = 1e-6;
+
+type Check = Result<(), ModelError>;
+
+/// An error unless `holds`.
+fn require(holds: bool, part: impl FnOnce() -> String, wrong: &'static str) -> Check {
+    if holds {
+        Ok(())
+    } else {
+        Err(ModelError::Invalid {
+            part: part(),
+            wrong,
+        })
+    }
+}
+
+pub(super) fn validate(model: &Model) -> Check {
+    sizes(model)?;
+    links(model)?;
+    joints(model)?;
+    bodies(model)?;
+    dofs(model)?;
+    colliders(model)?;
+    actuators(model)?;
+    initial(model)?;
+    rest(model)
+}
+
+fn sizes(model: &Model) -> Check {
+    let model_part = || "the model".to_owned();
+    require(!model.links.is_empty(), model_part, "has no links")?;
+    require(!model.bodies.is_empty(), model_part, "has no bodies")?;
+    let parts = [
+        model.links.len(),
+        model.joints.len(),
+        model.bodies.len(),
+        model.colliders.len(),
+        model.actuators.len(),
+    ];
+    require(
+        parts.iter().all(|&n| n <= MOST_PARTS),
+        model_part,
+        "has too many parts",
+    )?;
+    require(
+        model.dofs.len() <= MOST_DOFS,
+        model_part,
+        "has too many degrees of freedom",
+    )?;
+    require(
+        model.joints.len() + 1 == model.links.len(),
+        model_part,
+        "must have one link more than joints",
+    )
+}
+
+fn links(model: &Model) -> Check {
+    let mut names = HashSet::new();
+    for (l, link) in model.links.iter().enumerate() {
+        let part = || format!("link '{}'", link.name);
+        require(
+            names.insert(link.name.as_str()),
+            part,
+            "has the name of another link",
+        )?;
+        // Links and joints are ordered alike: joint i carries link i + 1.
+        let joint = l.checked_sub(1);
+        require(
+            link.joint.map(super::JointId::index) == joint,
+            part,
+            "does not hang on the joint before it in the list",
+        )?;
+        require(
+            link.body.index() < model.bodies.len(),
+            part,
+            "belongs to a body that does not exist",
+        )?;
+        pose(&link.X_BL, part)?;
+        let inertia = &link.inertia;
+        require(
+            number(inertia.mass) && inertia.mass >= 0.0,
+            part,
+            "has a mass that is not finite or negative",
+        )?;
+        require(
+            vector(&inertia.com) && symmetric(&inertia.I_cm),
+            part,
+            "has an inertia that is not finite and symmetric",
+        )?;
+        require(
+            not_negative(link.friction),
+            part,
+            "has a friction that is not finite or negative",
+        )?;
+        require(
+            (0.0..=1.0).contains(&link.restitution),
+            part,
+            "has a restitution outside 0 … 1",
+        )?;
+    }
+    Ok(())
+}
+
+fn joints(model: &Model) -> Check {
+    let mut names = HashSet::new();
+    for (j, joint) in model.joints.iter().enumerate() {
+        let part = || format!("joint '{}'", joint.name);
+        require(
+            names.insert(joint.name.as_str()),
+            part,
+            "has the name of another joint",
+        )?;
+        require(
+            joint.child.index() == j + 1 && joint.parent.index() <= j,
+            part,
+            "breaks the order: parents come before children",
+        )?;
+        pose(&joint.X_PJ, part)?;
+        require(
+            unit(&joint.axis),
+            part,
+            "has an axis that is no unit vector",
+        )?;
+        if let Some(limits) = &joint.limits {
+            require(
+                number(limits.lower) && number(limits.upper) && limits.lower <= limits.upper,
+                part,
+                "has limits that are no range",
+            )?;
+        }
+        let optional = [joint.effort, joint.velocity];
+        require(
+            optional.iter().flatten().all(|&value| not_negative(value)),
+            part,
+            "has an effort or velocity limit that is not finite or negative",
+        )?;
+        let terms = [joint.damping, joint.friction, joint.armature];
+        require(
+            terms.iter().all(|&value| not_negative(value)),
+            part,
+            "has damping, friction or armature that is not finite or negative",
+        )?;
+        let count = match joint.kind {
+            JointKind::Fixed => 0,
+            JointKind::Revolute | JointKind::Continuous | JointKind::Prismatic => 1,
+            JointKind::Planar => 3,
+            JointKind::Floating => 4,
+        };
+        require(
+            joint.bodies.len() == count,
+            part,
+            "has not the number of bodies of its type",
+        )?;
+        let exist = joint
+            .bodies
+            .iter()
+            .all(|b| (1..model.bodies.len()).contains(&b.index()));
+        require(exist, part, "names a body that does not exist")?;
+        mimic(model, joint)?;
+    }
+    Ok(())
+}
+
+fn mimic(model: &Model, joint: &Joint) -> Check {
+    let part = || format!("joint '{}'", joint.name);
+    let Some(mimic) = &joint.mimic else {
+        return Ok(());
+    };
+    let scalar = |kind| {
+        matches!(
+            kind,
+            JointKind::Revolute | JointKind::Continuous | JointKind::Prismatic
+        )
+    };
+    let source = model.joints.get(mimic.joint.index());
+    require(
+        scalar(joint.kind) && source.is_some_and(|s| s.mimic.is_none() && scalar(s.kind)),
+        part,
+        "mimics what cannot be mimicked",
+    )?;
+    require(
+        number(mimic.multiplier) && number(mimic.offset),
+        part,
+        "has a mimic ratio or offset that is not finite",
+    )
+}
+
+fn bodies(model: &Model) -> Check {
+    for (b, body) in model.bodies.iter().enumerate() {
+        let part = || format!("body {b}");
+        require(
+            body.link.index() < model.links.len(),
+            part,
+            "names a link that does not exist",
+        )?;
+        let before = match body.parent {
+            None => b == 0,
+            Some(parent) => parent.index() < b,
+        };
+        require(before, part, "does not come after its parent")?;
+        let base = matches!(body.motion, Motion::Welded | Motion::Free);
+        require(
+            base == (b == 0) && base == body.joint.is_none(),
+            part,
+            "is no base but moves like one, or the other way round",
+        )?;
+        pose(&body.X_PB, part)?;
+        if let Motion::Revolute(axis) | Motion::Prismatic(axis) = &body.motion {
+            require(unit(axis), part, "has an axis that is no unit vector")?;
+        }
+        require(
+            number(body.ratio) && number(body.offset),
+            part,
+            "has a ratio or offset that is not finite",
+        )?;
+        let nq = body.motion.nq();
+        let nv = body.motion.nv();
+        let fits = |first: usize, count: usize, all: usize| {
+            first.checked_add(count).is_some_and(|end| end <= all)
+        };
+        require(
+            fits(body.coordinate, nq, model.nq) && fits(body.dof.index(), nv, model.dofs.len()),
+            part,
+            "has coordinates that do not exist",
+        )?;
+        if let Some(joint) = body.joint {
+            let listed = model
+                .joints
+                .get(joint.index())
+                .is_some_and(|joint| joint.bodies.iter().any(|other| other.index() == b));
+            require(listed, part, "is not one of its joint's")?;
+        }
+    }
+    for joint in &model.joints {
+        chain(model, joint)?;
+    }
+    for (l, link) in model.links.iter().enumerate() {
+        let part = || format!("link '{}'", link.name);
+        let expected = match link.joint {
+            None => Some(super::BodyId(0)),
+            Some(joint) => {
+                let joint = &model.joints[joint.index()];
+                let moved = joint.bodies.last().copied();
+                moved.or_else(|| Some(model.links[joint.parent.index()].body))
+            }
+        };
+        require(
+            expected == Some(link.body),
+            part,
+            "is not on the body that its joint moves",
+        )?;
+        let owner = model.bodies[link.body.index()].link;
+        require(
+            owner != LinkId::from(l) || link.X_BL == Pose::IDENTITY,
+            part,
+            "gives its body the frame but has a pose in it",
+        )?;
+    }
+    Ok(())
+}
+
+/// The bodies of a joint hang on each other and move as its type says.
+fn chain(model: &Model, joint: &Joint) -> Check {
+    let part = || format!("joint '{}'", joint.name);
+    let mut parent = model.links[joint.parent.index()].body;
+    for (i, &b) in joint.bodies.iter().enumerate() {
+        let body: &Body = &model.bodies[b.index()];
+        let kind = match joint.kind {
+            JointKind::Fixed => false,
+            JointKind::Revolute | JointKind::Continuous => {
+                matches!(body.motion, Motion::Revolute(_))
+            }
+            JointKind::Prismatic => matches!(body.motion, Motion::Prismatic(_)),
+            JointKind::Planar if i < 2 => matches!(body.motion, Motion::Prismatic(_)),
+            JointKind::Planar => matches!(body.motion, Motion::Revolute(_)),
+            JointKind::Floating if i < 3 => matches!(body.motion, Motion::Prismatic(_)),
+            JointKind::Floating => body.motion == Motion::Spherical,
+        };
+        let own = body.joint.is_some_and(|j| {
+            model
+                .joints
+                .get(j.index())
+                .is_some_and(|other| other.child == joint.child)
+        });
+        require(
+            kind && own && body.parent == Some(parent) && body.link == joint.child,
+            part,
+            "has bodies that are not its own",
+        )?;
+        parent = b;
+    }
+    Ok(())
+}
+
+/// Every place in `q` and `v` belongs to exactly one independent body; mimics share their source's.
+fn dofs(model: &Model) -> Check {
+    let part = || "the list of degrees of freedom".to_owned();
+    let (mut nq, mut nv) = (0, 0);
+    for (b, body) in model.bodies.iter().enumerate() {
+        let mimic = body
+            .joint
+            .and_then(|joint| model.joints[joint.index()].mimic);
+        if let Some(mimic) = mimic {
+            let source = model.joints[mimic.joint.index()].bodies[0].index();
+            let source = &model.bodies[source];
+            require(
+                body.coordinate == source.coordinate && body.dof == source.dof,
+                || format!("body {b}"),
+                "does not share the coordinate of the joint that it mimics",
+            )?;
+            #[expect(clippy::float_cmp, reason = "one is a copy of the other")]
+            let same = body.ratio == mimic.multiplier && body.offset == mimic.offset;
+            require(
+                same,
+                || format!("body {b}"),
+                "does not have the ratio of the joint that it mimics",
+            )?;
+            continue;
+        }
+        #[expect(clippy::float_cmp, reason = "exact by construction")]
+        let own = body.ratio == 1.0 && body.offset == 0.0;
+        require(
+            own && body.coordinate == nq && body.dof.index() == nv,
+            || format!("body {b}"),
+            "does not have the next free coordinate",
+        )?;
+        nq += body.motion.nq();
+        for dof in nv..nv + body.motion.nv() {
+            require(
+                model.dofs.get(dof).is_some_and(|dof| dof.body.index() == b),
+                part,
+                "names wrong bodies",
+            )?;
+        }
+        nv += body.motion.nv();
+    }
+    require(
+        nq == model.nq && nv == model.dofs.len(),
+        part,
+        "does not fit the bodies",
+    )?;
+    for dof in &model.dofs {
+        if let Some(limits) = &dof.limits {
+            let scalar = model.bodies[dof.body.index()].motion.nv() == 1;
+            require(
+                scalar
+                    && number(limits.lower)
+                    && number(limits.upper)
+                    && limits.lower <= limits.upper,
+                part,
+                "has limits that are no range",
+            )?;
+        }
+    }
+    Ok(())
+}
+
+fn colliders(model: &Model) -> Check {
+    let mut slot = 0_usize;
+    let mut corners = 0_usize;
+    for (c, collider) in model.colliders.iter().enumerate() {
+        let part = || format!("collider {c}");
+        let link = model.links.get(collider.link.index());
+        require(
+            link.is_some_and(|link| link.body == collider.body),
+            part,
+            "is not on the body of its link",
+        )?;
+        pose(&collider.X_BG, part)?;
+        let fits = match &collider.shape {
+            Shape::Sphere { radius } => positive(*radius),
+            Shape::Capsule {
+                radius,
+                half_length,
+            } => positive(*radius) && not_negative(*half_length),
+            Shape::Cylinder {
+                radius,
+                half_length,
+            } => positive(*radius) && positive(*half_length),
+            Shape::Box { half } => half.iter().all(|&h| positive(h)),
+            Shape::Hull { vertices } => !vertices.is_empty() && vertices.iter().all(vector),
+        };
+        require(fits, part, "has a shape without size")?;
+        require(
+            collider.slot == slot,
+            part,
+            "does not have the next free contact slot",
+        )?;
+        corners = corners.saturating_add(match &collider.shape {
+            Shape::Hull { vertices } => vertices.len(),
+            _ => 0,
+        });
+        slot = slot.saturating_add(collider.shape.slots());
+        require(
+            corners.max(slot) <= MOST_CORNERS,
+            part,
+            "takes the corners beyond what is supported",
+        )?;
+    }
+    Ok(())
+}
+
+fn actuators(model: &Model) -> Check {
+    let mut driven = HashSet::new();
+    for (a, actuator) in model.actuators.iter().enumerate() {
+        let part = || format!("actuator {}", a + 1);
+        let body = model
+            .joints
+            .get(actuator.joint.index())
+            .filter(|joint| joint.mimic.is_none())
+            .and_then(|_| model.scalar_body(actuator.joint));
+        require(
+            body.is_some_and(|b| model.bodies[b.index()].dof == actuator.dof),
+            part,
+            "does not drive an independent turning or sliding joint",
+        )?;
+        require(
+            driven.insert(actuator.joint),
+            part,
+            "drives the joint of another one",
+        )?;
+        let values = [actuator.max_effort, actuator.kp, actuator.kd];
+        require(
+            values.iter().all(|&value| not_negative(value)) && positive(actuator.reference_effort),
+            part,
+            "has an effort or gain that is not finite or negative",
+        )?;
+    }
+    Ok(())
+}
+
+fn initial(model: &Model) -> Check {
+    let part = || "the initial state".to_owned();
+    let initial = &model.initial;
+    let vectors = [
+        &initial.position,
+        &initial.rpy,
+        &initial.linear_velocity,
+        &initial.angular_velocity,
+    ];
+    require(
+        vectors.into_iter().all(vector),
+        part,
+        "has a number that is not finite",
+    )?;
+    let per_joint = [&initial.joint_positions, &initial.joint_velocities];
+    require(
+        per_joint
+            .into_iter()
+            .all(|list| list.len() == model.joints.len() && list.iter().all(|&x| number(x))),
+        part,
+        "must have one finite number per joint",
+    )
+}
+
+fn rest(model: &Model) -> Check {
+    let solver = &model.solver;
+    require(
+        not_negative(solver.step_size) && not_negative(solver.tolerance),
+        || "the solver's settings".to_owned(),
+        "have a number that is not finite or negative",
+    )?;
+    let contact = &model.contact;
+    require(
+        positive(contact.penetration)
+            && contact.stiffness.is_none_or(positive)
+            && not_negative(contact.dissipation),
+        || "the contact law".to_owned(),
+        "has a number out of range",
+    )?;
+    let ground = model.world.ground.as_ref();
+    require(
+        vector(&model.world.gravity)
+            && ground.is_none_or(|ground| {
+                not_negative(ground.friction) && (0.0..=1.0).contains(&ground.restitution)
+            }),
+        || "the world".to_owned(),
+        "has a number out of range",
+    )?;
+    let outputs = &model.outputs;
+    for list in [
+        &outputs.contacts,
+        &outputs.links,
+        &outputs.external_wrenches,
+    ] {
+        let mut seen = HashSet::new();
+        require(
+            list.iter()
+                .all(|link| link.index() < model.links.len() && seen.insert(*link)),
+            || "the selection of outputs".to_owned(),
+            "names a link twice or one that does not exist",
+        )?;
+    }
+    Ok(())
+}
+
+fn number(value: f64) -> bool {
+    value.is_finite() && value.abs() <= LARGEST
+}
+
+fn not_negative(value: f64) -> bool {
+    number(value) && value >= 0.0
+}
+
+fn positive(value: f64) -> bool {
+    number(value) && value > 0.0
+}
+
+fn vector(v: &Vec3) -> bool {
+    v.iter().all(|&x| number(x))
+}
+
+fn unit(v: &Vec3) -> bool {
+    vector(v) && (v.norm() - 1.0).abs() <= UNIT_TOLERANCE
+}
+
+fn symmetric(I: &Mat3) -> bool {
+    let size = I.iter().copied().map(f64::abs).fold(0.0, f64::max);
+    I.iter().all(|&x| number(x)) && (I - I.transpose()).amax() <= 1e-9 * size
+}
+
+fn pose(X: &Pose, part: impl Fn() -> String) -> Check {
+    require(vector(&X.p), &part, "has a position that is not finite")?;
+    let rotation = X.R.iter().all(|&x| number(x))
+        && (X.R.transpose() * X.R - Mat3::identity()).amax() <= UNIT_TOLERANCE
+        && X.R.determinant() > 0.0;
+    require(rotation, &part, "has a rotation that is none")
+}
+
+#[cfg(all(test, feature = "urdf"))]
+mod tests;
