@@ -2,6 +2,8 @@
 #![forbid(unsafe_code)]
 
 pub mod actuator;
+#[cfg(feature = "urdf")]
+pub mod assemble;
 pub mod contact;
 pub mod dynamics;
 pub mod geometry;

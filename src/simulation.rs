@@ -510,7 +510,7 @@ impl Simulation {
 }
 
 /// The state that the parameters ask for.
-fn initial_state(model: &Model, parameters: &Parameters, time: f64) -> State {
+pub(crate) fn initial_state(model: &Model, parameters: &Parameters, time: f64) -> State {
     use ParameterSlot as P;
     let mut state = State::new(model);
     state.time = time;

@@ -1,8 +1,13 @@
 //! THE TABLE: every variable of the FMU, once. modelDescription.xml prints it, the C functions index it,
 //! the documentation shows it.
 
+mod build;
+mod outputs;
+mod settable;
+
 use crate::model::Model;
 use crate::simulation::{InputSlot, OutputSlot, ParameterSlot};
+use build::Table;
 
 /// One row.
 #[derive(Clone, Debug, PartialEq)]
@@ -75,8 +80,23 @@ pub enum Unit {
 ///
 /// # Errors
 /// [`TableError`] if two names clash.
-pub fn table(_model: &Model) -> Result<Vec<Variable>, TableError> {
-    Ok(Vec::new())
+pub fn table(model: &Model) -> Result<Vec<Variable>, TableError> {
+    let mut table = Table::new(model);
+    table.inputs();
+    table.base_outputs();
+    table.joint_outputs();
+    table.link_outputs();
+    table.contact_outputs();
+    table.common_outputs();
+    table.initial_parameters();
+    table.tunable_parameters();
+    table.solver_parameters();
+    table.finish()
+}
+
+/// The row named `name`.
+pub fn find<'t>(table: &'t [Variable], name: &str) -> Option<&'t Variable> {
+    table.iter().find(|variable| variable.name == name)
 }
 
 /// Why a table cannot be made.
@@ -85,14 +105,17 @@ pub fn table(_model: &Model) -> Result<Vec<Variable>, TableError> {
 pub enum TableError {
     /// Two URDF names become one variable name.
     #[error(
-        "'{first}' and '{second}' both become the variable '{name}'; rename one of them in the URDF"
+        "{first} and {second} both become the variable '{name}'; rename one of them in the URDF"
     )]
     Clash {
-        /// URDF name
+        /// Whose variable, with the URDF's name.
         first: String,
-        /// URDF name
+        /// Whose variable, with the URDF's name.
         second: String,
         /// Variable name
         name: String,
     },
 }
+
+#[cfg(test)]
+mod tests;

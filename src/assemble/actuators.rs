@@ -1,0 +1,157 @@
+//! Which joints are commanded, how, and with how much effort.
+
+use super::findings::{Findings, counted, listed};
+use super::initial::{Poses, reach};
+use super::robot::{Lines, is_scalar, kind_name};
+use crate::model::{Actuator, ActuatorMode, JointId, JointKind, Model};
+use crate::settings::{ActuatorSettings, ModeChoice, Settings};
+
+/// Standard gravity, m/s², for the default effort; the tunable gravity may be anything.
+const REFERENCE_GRAVITY: f64 = 9.81;
+
+/// Shortest lever of a default effort, m.
+const SHORTEST_REACH: f64 = 0.1;
+
+/// Smallest default effort, N·m or N, for a robot whose moving parts weigh nothing.
+const SMALLEST_EFFORT: f64 = 1e-3;
+
+/// Fills `model.actuators`: one for each independent turning or sliding joint that is not passive.
+pub(super) fn add(
+    model: &mut Model,
+    poses: &Poses,
+    lines: &Lines,
+    settings: &Settings,
+    findings: &mut Findings,
+) {
+    let chosen = choices(model, settings, findings);
+    // Able to carry the whole robot at its full reach twice over, or ten times its weight.
+    let weight = poses.tree.moving_mass * REFERENCE_GRAVITY;
+    let turning = (2.0 * weight * reach(model, poses).max(SHORTEST_REACH)).max(SMALLEST_EFFORT);
+    let sliding = (10.0 * weight).max(SMALLEST_EFFORT);
+    let (mut without, mut without_gains) = (Vec::new(), Vec::new());
+    for (j, choice) in chosen.iter().enumerate() {
+        let joint = &model.joints[j];
+        let id = JointId::from(j);
+        let (Some(body), None) = (model.scalar_body(id), joint.mimic) else {
+            continue;
+        };
+        let mode = choice.mode.or(settings.default_mode).unwrap_or({
+            ModeChoice::Commanded(if joint.limits.is_some() {
+                ActuatorMode::Position
+            } else {
+                ActuatorMode::Velocity
+            })
+        });
+        let ModeChoice::Commanded(mode) = mode else {
+            continue;
+        };
+        let default = round(if joint.kind == JointKind::Prismatic {
+            sliding
+        } else {
+            turning
+        });
+        let given = choice.max_effort.or(joint.effort);
+        if given.is_none() && mode != ActuatorMode::Effort {
+            without.push(format!("{} = {default}", joint.name));
+        }
+        if given == Some(0.0) && mode != ActuatorMode::Effort && choice.max_effort.is_none() {
+            let message = format!(
+                "joint '{}' has effort limit 0: its motor can do nothing until max_effort is set",
+                joint.name
+            );
+            let help = "set [[actuator]] max_effort, or mode = \"none\"";
+            findings.warning("A114", findings.line(lines.joints[j]), message, help);
+        }
+        let gains = choice.kp.is_some() || choice.kd.is_some();
+        if mode == ActuatorMode::Pd && !gains {
+            without_gains.push(joint.name.clone());
+        } else if mode != ActuatorMode::Pd && gains {
+            let message = format!("the gains of joint '{}' are not used", joint.name);
+            findings.warning("A120", None, message, "set mode = \"pd\"");
+        }
+        let positive = |value: &f64| *value > 0.0;
+        model.actuators.push(Actuator {
+            joint: id,
+            dof: model.bodies[body.index()].dof,
+            mode,
+            max_effort: given.unwrap_or(default),
+            reference_effort: given
+                .filter(positive)
+                .or(joint.effort.filter(positive))
+                .unwrap_or(default),
+            kp: choice.kp.unwrap_or(0.0),
+            kd: choice.kd.unwrap_or(0.0),
+        });
+    }
+    if !without.is_empty() {
+        let message = format!(
+            "{} without effort limit can hold the whole robot outstretched: {}",
+            counted(without.len(), "joint"),
+            listed(&without).replace('\'', "")
+        );
+        let help = "set [[actuator]] max_effort; units are N·m and N";
+        findings.note("A113", message, help);
+    }
+    if !without_gains.is_empty() {
+        let message = format!(
+            "pd mode without gains gives no effort of its own: {}",
+            listed(&without_gains)
+        );
+        let help = "set [[actuator]] kp and kd, or the FMU's parameters of that name";
+        findings.warning("A120", None, message, help);
+    }
+}
+
+/// Three digits: a default should not look measured.
+fn round(value: f64) -> f64 {
+    let unit = libm::pow(10.0, libm::floor(libm::log10(value)) - 2.0);
+    let rounded = libm::round(value / unit) * unit;
+    // Without the noise of the multiplication.
+    format!("{rounded:.2e}").parse().unwrap_or(rounded)
+}
+
+/// What the settings say about each joint; each key is the last entry's that has it.
+fn choices(model: &Model, settings: &Settings, findings: &mut Findings) -> Vec<ActuatorSettings> {
+    let names: Vec<&str> = model.joints.iter().map(|j| j.name.as_str()).collect();
+    let mut merged = vec![ActuatorSettings::new(""); names.len()];
+    let unsuitable = |j: usize| {
+        let joint = &model.joints[j];
+        match joint.mimic {
+            _ if !is_scalar(joint.kind) => Some(format!(
+                "{}: only turning and sliding joints can be driven",
+                kind_name(joint.kind)
+            )),
+            Some(mimic) => Some(format!(
+                "follows '{}', which can be driven",
+                model.joints[mimic.joint.index()].name
+            )),
+            None => None,
+        }
+    };
+    for entry in &settings.actuators {
+        for j in findings.select(&entry.joint, "joint", &names, unsuitable) {
+            let choice = &mut merged[j];
+            choice.mode = entry.mode.or(choice.mode);
+            choice.max_effort = entry.max_effort.or(choice.max_effort);
+            choice.kp = entry.kp.or(choice.kp);
+            choice.kd = entry.kd.or(choice.kd);
+        }
+    }
+    merged
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    #[expect(
+        clippy::float_cmp,
+        reason = "the nearest double of three digits is meant"
+    )]
+    fn default_efforts_have_three_digits() {
+        assert_eq!(round(1234.5), 1230.0);
+        assert_eq!(round(0.001_239), 0.001_24);
+        assert_eq!(round(99.96), 100.0);
+    }
+}

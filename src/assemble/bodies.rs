@@ -1,0 +1,368 @@
+//! The solver's bodies: choice of the base, one chain of bodies per moving joint, coordinates, colliders.
+
+#![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
+
+use super::findings::{Findings, counted, listed};
+use super::robot::Robot;
+use crate::model::{
+    Body, BodyId, Collider, Dof, DofId, JointId, JointKind, Limits, LinkId, Model, Motion,
+};
+use crate::settings::{BaseChoice, Settings};
+use crate::spatial::{Pose, Vec3};
+use crate::urdf::CollisionDescription;
+
+/// How the base moves and where it is.
+pub(super) struct Base {
+    pub(super) motion: Motion,
+    /// Pose of the base link in what the settings place.
+    pub(super) X_RB: Pose,
+}
+
+/// Links that the root carries by fixed joints alone, itself included.
+fn base_links(robot: &Robot) -> Vec<bool> {
+    let mut on_base = vec![false; robot.links.len()];
+    on_base[0] = true;
+    for joint in &robot.joints {
+        on_base[joint.child.index()] =
+            joint.kind == JointKind::Fixed && on_base[joint.parent.index()];
+    }
+    on_base
+}
+
+/// Decides whether the base is fixed or floating; leaves out a root that only stands for the world.
+pub(super) fn choose_base(robot: &mut Robot, settings: &Settings, findings: &mut Findings) -> Base {
+    let root_joints = || {
+        robot
+            .joints
+            .iter()
+            .filter(|joint| joint.parent.index() == 0)
+    };
+    let root_is_world = robot.links[0].inertia.mass <= 0.0
+        && robot.shapes[0].is_empty()
+        && root_joints().count() == 1
+        && root_joints().all(|joint| joint.kind == JointKind::Floating);
+    if root_is_world {
+        return leave_out_root(robot, settings, findings);
+    }
+    let on_base = base_links(robot);
+    let mass: f64 = (0..robot.links.len())
+        .filter(|&l| on_base[l])
+        .map(|l| robot.links[l].inertia.mass)
+        .sum();
+    let has_moving_child = robot
+        .joints
+        .iter()
+        .any(|joint| joint.kind != JointKind::Fixed && on_base[joint.parent.index()]);
+    let name = &robot.links[0].name;
+    let reason = if name == "world" {
+        Some("the root link is named 'world'".to_owned())
+    } else if mass <= 0.0 && has_moving_child {
+        Some(format!(
+            "the root link '{name}' has no mass and carries moving links"
+        ))
+    } else {
+        None
+    };
+    let fixed = match settings.base {
+        BaseChoice::Fixed => true,
+        BaseChoice::Floating => false,
+        BaseChoice::Auto => {
+            if let Some(reason) = &reason {
+                let message = format!("the base is fixed: {reason}");
+                findings.note(
+                    "A107",
+                    message,
+                    "set [robot] base = \"floating\" if it can move",
+                );
+            } else {
+                let message = format!("the base is floating, its frame is that of '{name}'");
+                findings.note(
+                    "A107",
+                    message,
+                    "set [robot] base = \"fixed\" to bolt it down",
+                );
+            }
+            reason.is_some()
+        }
+    };
+    Base {
+        motion: if fixed { Motion::Welded } else { Motion::Free },
+        X_RB: Pose::IDENTITY,
+    }
+}
+
+/// Drops the root and its floating joint: the child becomes the base.
+fn leave_out_root(robot: &mut Robot, settings: &Settings, findings: &mut Findings) -> Base {
+    let root = robot.links.remove(0);
+    let joint = robot.joints.remove(0);
+    robot.shapes.remove(0);
+    robot.mimics.remove(0);
+    robot.lines.links.remove(0);
+    robot.lines.joints.remove(0);
+    for (l, link) in robot.links.iter_mut().enumerate() {
+        link.joint = l.checked_sub(1).map(JointId::from);
+    }
+    for joint in &mut robot.joints {
+        joint.parent = LinkId::from(joint.parent.index() - 1);
+        joint.child = LinkId::from(joint.child.index() - 1);
+    }
+    let fixed = settings.base == BaseChoice::Fixed;
+    let message = format!(
+        "root link '{}' stands for the world: with its floating joint '{}' it is left out, the base is '{}'{}",
+        root.name,
+        joint.name,
+        robot.links[0].name,
+        if fixed { ", fixed" } else { ", floating" }
+    );
+    findings.note("A107", message, "");
+    Base {
+        motion: if fixed { Motion::Welded } else { Motion::Free },
+        X_RB: joint.X_PJ,
+    }
+}
+
+/// Fills bodies, degrees of freedom, colliders, and what links and joints know of them.
+pub(super) fn add(
+    model: &mut Model,
+    base: &Base,
+    shapes: &[Vec<CollisionDescription>],
+    findings: &mut Findings,
+) {
+    model.bodies.push(Body {
+        link: LinkId(0),
+        parent: None,
+        joint: None,
+        motion: base.motion,
+        X_PB: Pose::IDENTITY,
+        coordinate: 0,
+        dof: DofId(0),
+        ratio: 1.0,
+        offset: 0.0,
+    });
+    for j in 0..model.joints.len() {
+        add_joint(model, j);
+    }
+    number_coordinates(model);
+    narrow_limits(model, findings);
+    report_merged(model, findings);
+    add_colliders(model, shapes);
+}
+
+/// The bodies of joint `j`, and the place of its child link.
+fn add_joint(model: &mut Model, j: usize) {
+    let joint = &model.joints[j];
+    let parent = &model.links[joint.parent.index()];
+    let X_BJ = parent.X_BL.compose(&joint.X_PJ);
+    let child = joint.child;
+    let mut body = parent.body;
+    let n = joint.axis;
+    let motions = match joint.kind {
+        JointKind::Fixed => {
+            let link = &mut model.links[child.index()];
+            link.body = body;
+            link.X_BL = X_BJ;
+            return;
+        }
+        JointKind::Revolute | JointKind::Continuous => vec![Motion::Revolute(n)],
+        JointKind::Prismatic => vec![Motion::Prismatic(n)],
+        JointKind::Planar => {
+            let [u, w] = plane_axes(&n);
+            vec![
+                Motion::Prismatic(u),
+                Motion::Prismatic(w),
+                Motion::Revolute(n),
+            ]
+        }
+        JointKind::Floating => vec![
+            Motion::Prismatic(Vec3::x()),
+            Motion::Prismatic(Vec3::y()),
+            Motion::Prismatic(Vec3::z()),
+            Motion::Spherical,
+        ],
+    };
+    let mut X_PB = X_BJ;
+    for motion in motions {
+        let id = BodyId::from(model.bodies.len());
+        model.bodies.push(Body {
+            link: child,
+            parent: Some(body),
+            joint: Some(JointId::from(j)),
+            motion,
+            X_PB,
+            coordinate: 0,
+            dof: DofId(0),
+            ratio: 1.0,
+            offset: 0.0,
+        });
+        model.joints[j].bodies.push(id);
+        body = id;
+        X_PB = Pose::IDENTITY;
+    }
+    let link = &mut model.links[child.index()];
+    link.body = body;
+    link.X_BL = Pose::IDENTITY;
+}
+
+/// Two unit vectors `u`, `w` that span the plane normal to the unit vector `n`; `u`, `w`, `n` are right-handed.
+///
+/// `u` is the part in the plane of the coordinate axis that follows the one nearest to `n`:
+/// x for z, y for x, z for y.
+pub(super) fn plane_axes(n: &Vec3) -> [Vec3; 2] {
+    let next = (n.iamax() + 1) % 3;
+    let mut u = Vec3::zeros();
+    u[next] = 1.0;
+    u -= n * n[next];
+    u.normalize_mut();
+    [u, n.cross(&u)]
+}
+
+/// Gives each independent body the next places in `q` and `v`, then mimics those of their leaders.
+fn number_coordinates(model: &mut Model) {
+    let mimic_of = |model: &Model, body: &Body| {
+        body.joint
+            .and_then(|joint| model.joints[joint.index()].mimic)
+    };
+    for b in 0..model.bodies.len() {
+        if mimic_of(model, &model.bodies[b]).is_some() {
+            continue;
+        }
+        let dof = DofId::from(model.dofs.len());
+        let body = &mut model.bodies[b];
+        body.coordinate = model.nq;
+        body.dof = dof;
+        let (motion, joint) = (body.motion, body.joint);
+        model.nq += motion.nq();
+        // Limits belong to turning and sliding joints, which have one body with one degree of freedom.
+        let limits = joint.and_then(|joint| model.joints[joint.index()].limits);
+        model.dofs.extend((0..motion.nv()).map(|_| Dof {
+            body: BodyId::from(b),
+            limits,
+        }));
+    }
+    for b in 0..model.bodies.len() {
+        let Some(mimic) = mimic_of(model, &model.bodies[b]) else {
+            continue;
+        };
+        let source = model.joints[mimic.joint.index()].bodies[0];
+        let (coordinate, dof) = {
+            let source = &model.bodies[source.index()];
+            (source.coordinate, source.dof)
+        };
+        let body = &mut model.bodies[b];
+        body.coordinate = coordinate;
+        body.dof = dof;
+        body.ratio = mimic.multiplier;
+        body.offset = mimic.offset;
+    }
+}
+
+/// A joint may go only where those that mimic it may go, too.
+fn narrow_limits(model: &mut Model, findings: &mut Findings) {
+    for j in 0..model.joints.len() {
+        let follower = &model.joints[j];
+        let (Some(mimic), Some(limits)) = (follower.mimic, follower.limits) else {
+            continue;
+        };
+        let source = &model.joints[mimic.joint.index()];
+        let dof = model.bodies[source.bodies[0].index()].dof;
+        let own = model.dofs[dof.index()].limits;
+        let names = format!("joint '{}' mimics '{}'", follower.name, source.name);
+        let (m, o) = (mimic.multiplier, mimic.offset);
+        if m == 0.0 {
+            if !(limits.lower..=limits.upper).contains(&o) {
+                let message = format!("{names} with multiplier 0 at {o}, outside its own limits");
+                findings.warning("A118", None, message, "the limits are not used");
+            }
+            continue;
+        }
+        let ends = [(limits.lower - o) / m, (limits.upper - o) / m];
+        let mapped = Limits {
+            lower: ends[0].min(ends[1]),
+            upper: ends[0].max(ends[1]),
+        };
+        let narrowed = Limits {
+            lower: own.map_or(mapped.lower, |own| own.lower.max(mapped.lower)),
+            upper: own.map_or(mapped.upper, |own| own.upper.min(mapped.upper)),
+        };
+        if narrowed.lower > narrowed.upper {
+            let message = format!("{names}, but its limits exclude every position of the other");
+            findings.warning("A118", None, message, "its limits are not used");
+            continue;
+        }
+        // Files round their numbers.
+        let slack = 1e-6 * (1.0 + mapped.lower.abs().max(mapped.upper.abs()));
+        let changed = own.is_none_or(|own| {
+            narrowed.lower > own.lower + slack || narrowed.upper < own.upper - slack
+        });
+        if changed {
+            let message = format!(
+                "{names}: its limits narrow those to {:.6} … {:.6}",
+                narrowed.lower, narrowed.upper
+            );
+            findings.note("A118", message, "");
+            model.dofs[dof.index()].limits = Some(narrowed);
+        }
+    }
+}
+
+/// Which links lost their own body, and which move without mass.
+fn report_merged(model: &Model, findings: &mut Findings) {
+    let merged: Vec<&str> = model
+        .joints
+        .iter()
+        .filter(|joint| joint.kind == JointKind::Fixed)
+        .map(|joint| model.links[joint.child.index()].name.as_str())
+        .collect();
+    if !merged.is_empty() {
+        let message = format!(
+            "{} on fixed joints merged into {}: {}",
+            counted(merged.len(), "link"),
+            if merged.len() == 1 {
+                "its parent"
+            } else {
+                "their parents"
+            },
+            listed(&merged)
+        );
+        findings.note("A108", message, "their frames and names stay");
+    }
+    let mut mass = vec![0.0; model.bodies.len()];
+    for link in &model.links {
+        mass[link.body.index()] += link.inertia.mass;
+    }
+    let massless: Vec<&str> = model
+        .joints
+        .iter()
+        .filter(|joint| joint.bodies.last().is_some_and(|b| mass[b.index()] <= 0.0))
+        .map(|joint| model.links[joint.child.index()].name.as_str())
+        .collect();
+    if !massless.is_empty() {
+        let message = format!(
+            "{} without mass {}: {}",
+            counted(massless.len(), "link"),
+            if massless.len() == 1 { "moves" } else { "move" },
+            listed(&massless)
+        );
+        findings.note(
+            "A109",
+            message,
+            "what hangs on it must give the joint inertia",
+        );
+    }
+}
+
+fn add_colliders(model: &mut Model, shapes: &[Vec<CollisionDescription>]) {
+    let mut slot = 0;
+    for (l, (link, shapes)) in model.links.iter().zip(shapes).enumerate() {
+        for collision in shapes {
+            model.colliders.push(Collider {
+                link: LinkId::from(l),
+                body: link.body,
+                X_BG: link.X_BL.compose(&collision.X_LG),
+                shape: collision.shape.clone(),
+                slot,
+            });
+            slot += collision.shape.slots();
+        }
+    }
+}

@@ -1,0 +1,137 @@
+//! What assembly has to say, and the choice of joints and links by pattern.
+
+use crate::settings::{Pattern, nearest};
+use crate::urdf::{Description, Diagnostic, Place, Severity};
+
+/// Findings so far.
+pub(super) struct Findings {
+    file: Option<String>,
+    pub(super) list: Vec<Diagnostic>,
+}
+
+impl Findings {
+    pub(super) fn new(description: &Description) -> Self {
+        Self {
+            file: description
+                .sources
+                .first()
+                .map(|path| path.display().to_string()),
+            list: Vec::new(),
+        }
+    }
+
+    /// A line of the URDF; none where the robot was not read from a file.
+    pub(super) fn line(&self, line: usize) -> Option<Place> {
+        let file = self.file.clone().filter(|_| line > 0)?;
+        Some(Place {
+            file,
+            line,
+            column: 1,
+            length: 1,
+            text: String::new(),
+        })
+    }
+
+    fn add(
+        &mut self,
+        severity: Severity,
+        code: &'static str,
+        place: Option<Place>,
+        message: String,
+        help: &str,
+    ) {
+        self.list.push(Diagnostic {
+            severity,
+            code,
+            message,
+            help: (!help.is_empty()).then(|| help.to_owned()),
+            place,
+        });
+    }
+
+    pub(super) fn note(&mut self, code: &'static str, message: String, help: &str) {
+        self.add(Severity::Note, code, None, message, help);
+    }
+
+    pub(super) fn warning(
+        &mut self,
+        code: &'static str,
+        place: Option<Place>,
+        message: String,
+        help: &str,
+    ) {
+        self.add(Severity::Warning, code, place, message, help);
+    }
+
+    pub(super) fn error(
+        &mut self,
+        code: &'static str,
+        place: Option<Place>,
+        message: String,
+        help: &str,
+    ) {
+        self.add(Severity::Error, code, place, message, help);
+    }
+
+    pub(super) fn has_errors(&self) -> bool {
+        self.list.iter().any(|d| d.severity == Severity::Error)
+    }
+
+    /// Indices of what `pattern` means among `names`, in order. `unsuitable` says why one cannot be meant:
+    /// a glob passes over it, a name that means only such ones is an error.
+    pub(super) fn select(
+        &mut self,
+        pattern: &Pattern,
+        kind: &str,
+        names: &[&str],
+        unsuitable: impl Fn(usize) -> Option<String>,
+    ) -> Vec<usize> {
+        let matching: Vec<usize> = (0..names.len())
+            .filter(|&i| pattern.matches(names[i]))
+            .collect();
+        let Some(&first) = matching.first() else {
+            let help = nearest(&pattern.text, names.iter().copied())
+                .map_or_else(String::new, |name| {
+                    format!("the nearest {kind} is '{name}'")
+                });
+            let message = format!("no {kind} matches '{}'", pattern.text);
+            self.error("A101", pattern.place.clone(), message, &help);
+            return Vec::new();
+        };
+        let suitable: Vec<usize> = matching
+            .iter()
+            .copied()
+            .filter(|&i| unsuitable(i).is_none())
+            .collect();
+        if suitable.is_empty()
+            && let Some(reason) = unsuitable(first)
+        {
+            let message = format!("{kind} '{}' {reason}", names[first]);
+            self.error("A102", pattern.place.clone(), message, "choose another one");
+        }
+        suitable
+    }
+}
+
+/// Up to five names in quotes, and how many more there are.
+pub(super) fn listed<S: AsRef<str>>(names: &[S]) -> String {
+    const MOST: usize = 5;
+    let mut shown: Vec<String> = names
+        .iter()
+        .take(MOST)
+        .map(|name| format!("'{}'", name.as_ref()))
+        .collect();
+    if names.len() > MOST {
+        shown.push(format!("{} more", names.len() - MOST));
+    }
+    shown.join(", ")
+}
+
+/// "1 link", "2 links".
+pub(super) fn counted(count: usize, noun: &str) -> String {
+    if count == 1 {
+        format!("1 {noun}")
+    } else {
+        format!("{count} {noun}s")
+    }
+}

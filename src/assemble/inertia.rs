@@ -1,0 +1,168 @@
+//! Inertia of links from their shapes, and whether the robot's mass matrix can be inverted.
+
+#![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
+
+use super::findings::Findings;
+use super::initial::Poses;
+use super::robot::Lines;
+use crate::dynamics::crba;
+use crate::model::{LinkId, Model};
+use crate::spatial::{Mat3, RigidInertia};
+use crate::urdf::CollisionDescription;
+use std::fmt::Write;
+
+/// Density of a suggested inertia, kg/m³: most robot parts are between plastics and hollow metal.
+const SUGGESTED_DENSITY: f64 = 1000.0;
+
+/// Part of its own inertia that must be left to a degree of freedom when all those behind it move freely.
+/// Far above the round-off of a mass matrix, far below any real mechanism.
+const SMALLEST_SHARE: f64 = 1e-11;
+
+/// Smallest inertia of a degree of freedom, kg·m² or kg: a grain of sand at its own radius.
+const SMALLEST_INERTIA: f64 = 1e-16;
+
+/// Inertia tensor in the link's axes of a link of `mass` kg that consists of `shapes`, each a solid, all of one
+/// density; about the shapes' common centre of mass. None where they have no volume.
+///
+/// The link keeps the centre of mass that the file gives: as with `PyBullet`, whose default this follows, the shapes
+/// say how large the link is, not where its mass lies.
+pub(super) fn of_solids(mass: f64, shapes: &[CollisionDescription]) -> Option<Mat3> {
+    let volumes: Vec<f64> = shapes.iter().map(|c| c.shape.volume()).collect();
+    let volume: f64 = volumes.iter().sum();
+    if !(volume > 0.0 && volume.is_finite()) {
+        return None;
+    }
+    let mut total = RigidInertia::ZERO;
+    for (collision, own) in shapes.iter().zip(&volumes) {
+        if *own > 0.0 {
+            let solid = collision.shape.solid_inertia(mass * own / volume);
+            total = total.joined(&solid.transformed(&collision.X_LG));
+        }
+    }
+    // Symmetric to the last bit.
+    Some((total.I_cm + total.I_cm.transpose()) * 0.5)
+}
+
+/// Reports degrees of freedom without inertia.
+///
+/// The mass matrix is factored from the tips to the base; the pivot of a degree of freedom is the inertia that is
+/// left to it when all those behind it move freely, its articulated inertia. All must be positive.
+pub(super) fn check(model: &Model, poses: &Poses, lines: &Lines, findings: &mut Findings) {
+    let mut kin = poses.kin.clone();
+    let tree = &poses.tree;
+    crba::mass_matrix(tree, &mut kin);
+    let n = model.nv();
+    let pattern = &tree.sparsity;
+    // The pattern is that of a tree where no joint mimics another one far away; here a full matrix is simplest.
+    let mut M = nalgebra::DMatrix::<f64>::zeros(n, n);
+    for i in 0..n {
+        for (k, &j) in row(pattern, i).iter().enumerate() {
+            M[(i, j as usize)] = kin.M[pattern.start[i] + k];
+            M[(j as usize, i)] = M[(i, j as usize)];
+        }
+    }
+    let diagonal = M.diagonal();
+    for i in (0..n).rev() {
+        let pivot = M[(i, i)];
+        if !pivot.is_finite() || !diagonal[i].is_finite() {
+            let message =
+                "the mass matrix is not finite: masses or lengths are out of all proportion";
+            findings.error(
+                "A121",
+                None,
+                message.to_owned(),
+                "check the units: m, kg, kg m²",
+            );
+            return;
+        }
+        if pivot <= SMALLEST_INERTIA.max(SMALLEST_SHARE * diagonal[i]) {
+            report(model, i, lines, findings);
+            return;
+        }
+        // Rows that are coupled with this one; far fewer than all in a tree.
+        let coupled: Vec<usize> = (0..i).filter(|&j| M[(i, j)] != 0.0).collect();
+        for (a, &j) in coupled.iter().enumerate() {
+            let factor = M[(i, j)] / pivot;
+            for &k in &coupled[..=a] {
+                M[(j, k)] -= factor * M[(i, k)];
+            }
+        }
+    }
+}
+
+/// Columns of row `i` of the packed mass matrix.
+fn row(pattern: &crate::sparsity::Sparsity, i: usize) -> &[u32] {
+    &pattern.column[pattern.start[i]..=pattern.start[i] + pattern.depth[i]]
+}
+
+fn report(model: &Model, dof: usize, lines: &Lines, findings: &mut Findings) {
+    let body = &model.bodies[model.dofs[dof].body.index()];
+    let link = &model.links[body.link.index()];
+    let place = findings.line(lines.links[body.link.index()]);
+    let name = &link.name;
+    let suggestion = suggestion(model, body.link);
+    let Some(joint) = body.joint else {
+        let total: f64 = model.links.iter().map(|link| link.inertia.mass).sum();
+        if total > 0.0 {
+            let message = format!("the floating base '{name}' has no inertia of its own");
+            let help = format!(
+                "give it one, for instance\n{suggestion}\nor fix it: [robot] base = \"fixed\""
+            );
+            findings.error("A104", place, message, &help);
+        } else {
+            let message = format!("the robot can move, but nothing has mass; its base is '{name}'");
+            let help = format!(
+                "give it one, for instance\n{suggestion}\nor fix it: [robot] base = \"fixed\""
+            );
+            findings.error("A105", place, message, &help);
+        }
+        return;
+    };
+    let joint = &model.joints[joint.index()].name;
+    let what = if link.inertia.mass > 0.0 {
+        format!("link '{name}' and what hangs on it have no inertia along joint '{joint}'")
+    } else {
+        format!(
+            "link '{name}' moves, but neither it nor what hangs on it has inertia along joint '{joint}'"
+        )
+    };
+    let help = format!("give the link one, for instance\n{suggestion}\nor make the joint fixed");
+    findings.error("A104", place, what, &help);
+}
+
+/// An `<inertial>` that the link could have: its shapes as solids, else a ball of 5 cm.
+fn suggestion(model: &Model, link: LinkId) -> String {
+    let X_BL = &model.links[link.index()].X_BL;
+    let mut total = RigidInertia::ZERO;
+    for collider in model.colliders.iter().filter(|c| c.link == link) {
+        let mass = SUGGESTED_DENSITY * collider.shape.volume();
+        if mass > 0.0 && mass.is_finite() {
+            let X_LG = X_BL.inverse().compose(&collider.X_BG);
+            total = total.joined(&collider.shape.solid_inertia(mass).transformed(&X_LG));
+        }
+    }
+    if total.mass <= 0.0 {
+        total = crate::geometry::Shape::Sphere { radius: 0.05 }.solid_inertia(0.1);
+    }
+    // Round-off beside the largest entry is not worth printing.
+    let largest = total.I_cm.amax();
+    let I = total
+        .I_cm
+        .map(|i| if i.abs() < 1e-9 * largest { 0.0 } else { i });
+    let c = total.com.map(|x| if x.abs() < 1e-9 { 0.0 } else { x });
+    let mut text = String::from("<inertial>");
+    let _ = write!(text, "<origin xyz=\"{:.4} {:.4} {:.4}\"/>", c.x, c.y, c.z);
+    let _ = write!(text, "<mass value=\"{:.4}\"/>", total.mass.max(1e-4));
+    let _ = write!(
+        text,
+        "<inertia ixx=\"{:.3e}\" ixy=\"{:.3e}\" ixz=\"{:.3e}\" iyy=\"{:.3e}\" iyz=\"{:.3e}\" izz=\"{:.3e}\"/>",
+        I[(0, 0)],
+        I[(0, 1)],
+        I[(0, 2)],
+        I[(1, 1)],
+        I[(1, 2)],
+        I[(2, 2)]
+    );
+    text.push_str("</inertial>");
+    text
+}

@@ -1,0 +1,256 @@
+//! The initial state: joint positions inside their limits, the base on the ground.
+
+#![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
+
+use super::bodies::Base;
+use super::findings::{Findings, listed};
+use super::robot::{is_scalar, kind_name};
+use crate::kinematics::Kinematics;
+use crate::model::{Collider, JointId, LinkId, Model, Motion};
+use crate::parameters::Parameters;
+use crate::settings::{Pattern, Settings};
+use crate::simulation::initial_state;
+use crate::spatial::{Pose, Vec3, rpy_from_rotation};
+use crate::tree::Tree;
+
+/// How far outside its limits an initial position may be and is moved onto them: files round their numbers.
+const LIMIT_SLACK: f64 = 1e-6;
+
+/// Where everything is at the start, relative to the base's origin, in world axes.
+pub(super) struct Poses {
+    pub(super) tree: Tree,
+    pub(super) kin: Kinematics,
+}
+
+/// The initial pose of the model as it is.
+pub(super) fn poses(model: &Model) -> Poses {
+    let parameters = Parameters::new(model);
+    let tree = Tree::new(model, &parameters);
+    let mut kin = Kinematics::new(&tree);
+    kin.update_poses(&tree, &initial_state(model, &parameters, 0.0).q);
+    Poses { tree, kin }
+}
+
+impl Poses {
+    /// Pose of a collider.
+    pub(super) fn collider(&self, model: &Model, collider: &Collider) -> Pose {
+        let link = &model.links[collider.link.index()];
+        self.link(model, collider.link)
+            .compose(&link.X_BL.inverse())
+            .compose(&collider.X_BG)
+    }
+
+    /// Pose of a link.
+    pub(super) fn link(&self, model: &Model, link: LinkId) -> Pose {
+        let body = model.links[link.index()].body;
+        self.kin.X[body.index()].compose(&self.tree.link_pose[link.index()])
+    }
+}
+
+/// Initial joint positions and velocities from the settings, else zero or the nearest limit.
+pub(super) fn joints(model: &mut Model, settings: &Settings, findings: &mut Findings) {
+    let count = model.joints.len();
+    let positions = values(model, &settings.initial.joints, findings);
+    let velocities = values(model, &settings.initial.joint_velocities, findings);
+    model.initial.joint_positions = vec![0.0; count];
+    model.initial.joint_velocities = vec![0.0; count];
+    let mut moved = Vec::new();
+    for j in 0..count {
+        let joint = &model.joints[j];
+        let (Some(body), None) = (model.scalar_body(JointId::from(j)), joint.mimic) else {
+            continue;
+        };
+        let dof = model.bodies[body.index()].dof;
+        let (mut position, given) = match &positions[j] {
+            Some((value, pattern)) => (*value, Some(pattern)),
+            None => (0.0, None),
+        };
+        if let Some(limits) = model.dofs[dof.index()].limits {
+            let inside = position.clamp(limits.lower, limits.upper);
+            let slack = LIMIT_SLACK * (1.0 + inside.abs());
+            match given {
+                Some(pattern) if (position - inside).abs() > slack => {
+                    let message = format!(
+                        "the initial position {position} of joint '{}' is outside its limits {} … {}",
+                        joint.name, limits.lower, limits.upper
+                    );
+                    let help = format!("the nearest possible one is {inside}");
+                    findings.error("A106", pattern.place.clone(), message, &help);
+                }
+                None if (position - inside).abs() > slack => {
+                    moved.push(format!("{} = {inside}", joint.name));
+                }
+                _ => {}
+            }
+            position = inside;
+        }
+        model.initial.joint_positions[j] = position;
+        model.initial.joint_velocities[j] = velocities[j].as_ref().map_or(0.0, |(v, _)| *v);
+        if let (Some((value, pattern)), Some(limit)) = (&velocities[j], joint.velocity)
+            && value.abs() > limit
+        {
+            let message = format!(
+                "the initial velocity {value} of joint '{}' is beyond its limit {limit}",
+                joint.name
+            );
+            findings.warning("A106", pattern.place.clone(), message, "");
+        }
+    }
+    if !moved.is_empty() {
+        let message = format!(
+            "joint zero is outside the limits, the initial position is the nearest limit: {}",
+            listed(&moved).replace('\'', "")
+        );
+        findings.note("A110", message, "set [initial] joints to start elsewhere");
+    }
+}
+
+/// What the settings give per joint; later entries win, plain names over globs.
+fn values(
+    model: &Model,
+    given: &[(Pattern, f64)],
+    findings: &mut Findings,
+) -> Vec<Option<(f64, Pattern)>> {
+    let names: Vec<&str> = model.joints.iter().map(|j| j.name.as_str()).collect();
+    let mut values: Vec<Option<(f64, Pattern)>> = vec![None; names.len()];
+    let unsuitable = |j: usize| {
+        let joint = &model.joints[j];
+        match joint.mimic {
+            _ if !is_scalar(joint.kind) => Some(format!(
+                "{}: only turning and sliding joints have an initial value",
+                kind_name(joint.kind)
+            )),
+            Some(mimic) => Some(format!(
+                "follows '{}', which can be set",
+                model.joints[mimic.joint.index()].name
+            )),
+            None => None,
+        }
+    };
+    for (pattern, value) in given {
+        for j in findings.select(pattern, "joint", &names, unsuitable) {
+            let named = values[j].as_ref().is_some_and(|(_, p)| !p.is_glob());
+            if !(named && pattern.is_glob()) {
+                values[j] = Some((*value, pattern.clone()));
+            }
+        }
+    }
+    values
+}
+
+/// Base pose and velocity from the settings; z is 0 where it has to be found.
+pub(super) fn base(model: &mut Model, base: &Base, settings: &Settings, findings: &mut Findings) {
+    let initial = &settings.initial;
+    let place = Vec3::new(initial.xy[0], initial.xy[1], initial.z.unwrap_or(0.0));
+    if base.X_RB == Pose::IDENTITY {
+        // The very numbers of the settings.
+        model.initial.position = place;
+        model.initial.rpy = initial.rpy;
+    } else {
+        let X_WR = Pose::from_xyz_rpy(place, initial.rpy);
+        let X_WB = X_WR.compose(&base.X_RB);
+        model.initial.position = X_WB.p;
+        model.initial.rpy = rpy_from_rotation(&X_WB.R);
+    }
+    if base.motion == Motion::Free {
+        model.initial.linear_velocity = initial.linear_velocity;
+        model.initial.angular_velocity = initial.angular_velocity;
+    } else if initial.linear_velocity != Vec3::zeros() || initial.angular_velocity != Vec3::zeros()
+    {
+        let message = "a fixed base has no initial velocity".to_owned();
+        let place = initial.velocity_place.clone();
+        findings.error("A106", place, message, "set [robot] base = \"floating\"");
+    }
+}
+
+/// Places a floating base on the ground where the settings give no height; warns of a start inside the ground.
+pub(super) fn height(
+    model: &mut Model,
+    poses: &Poses,
+    settings: &Settings,
+    findings: &mut Findings,
+) {
+    let floating = model.is_floating();
+    let lowest = lowest_point(model, poses);
+    let given = settings.initial.z.is_some();
+    if floating && !given {
+        match lowest {
+            Some((link, z)) if model.world.ground.is_some() => {
+                // Adding 0 turns -0 into 0.
+                model.initial.position.z = -z + 0.0;
+                let message = format!(
+                    "the robot starts with its base at z = {:.6} m, where its lowest collision point, of link '{}', touches the ground",
+                    model.initial.position.z,
+                    model.links[link.index()].name
+                );
+                findings.note("A111", message, "set [initial] xyz to start elsewhere");
+            }
+            _ => {
+                model.initial.position.z = 0.0;
+                let why = if model.world.ground.is_some() {
+                    "it has no collision shapes to stand on"
+                } else {
+                    "there is no ground"
+                };
+                let message = format!("the robot starts with its base at z = 0: {why}");
+                findings.note("A111", message, "set [initial] xyz to start elsewhere");
+            }
+        }
+        return;
+    }
+    let (Some((link, z)), Some(_)) = (lowest, &model.world.ground) else {
+        return;
+    };
+    let depth = -(z + model.initial.position.z);
+    // A robot at rest is this deep in the ground.
+    if depth > model.contact.penetration {
+        let message = format!(
+            "the robot starts {:.3} mm inside the ground, with link '{}'",
+            1e3 * depth,
+            model.links[link.index()].name
+        );
+        let z = -z;
+        let help = if floating {
+            format!(
+                "it touches the ground with its base at z = {z:.6} m: leave out z to start there"
+            )
+        } else {
+            format!(
+                "mount the base at z = {z:.6} m ([initial] xyz), or use ground = {{ type = \"none\" }}"
+            )
+        };
+        findings.warning("A112", None, message, &help);
+    }
+}
+
+/// Height of the lowest point of all shapes that move, above the base's origin, and its link.
+fn lowest_point(model: &Model, poses: &Poses) -> Option<(LinkId, f64)> {
+    let moving =
+        |collider: &&Collider| model.bodies[collider.body.index()].motion != Motion::Welded;
+    model
+        .colliders
+        .iter()
+        .filter(moving)
+        .map(|collider| {
+            let X = poses.collider(model, collider);
+            (collider.link, collider.shape.lowest(&X, &Vec3::z()))
+        })
+        .min_by(|a, b| a.1.total_cmp(&b.1))
+}
+
+/// Largest distance of a shape or centre of mass from the base's origin, m.
+pub(super) fn reach(model: &Model, poses: &Poses) -> f64 {
+    let shapes = model.colliders.iter().map(|collider| {
+        poses.collider(model, collider).p.norm() + collider.shape.bounding_radius()
+    });
+    let masses = model
+        .links
+        .iter()
+        .enumerate()
+        .filter(|(_, link)| link.inertia.mass > 0.0)
+        .map(|(l, link)| {
+            let X = poses.link(model, LinkId::from(l));
+            X.point(&link.inertia.com).norm()
+        });
+    shapes.chain(masses).fold(0.0, f64::max)
+}

@@ -1,0 +1,313 @@
+//! The described robot with the settings applied, as the model's links and joints that do not know bodies yet.
+
+#![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
+
+use super::findings::{Findings, counted, listed};
+use super::inertia;
+use crate::model::{Joint, JointKind, Limits, Link};
+use crate::settings::{InertiaSource, JointSettings, LinkSettings, Settings};
+use crate::spatial::{Pose, RigidInertia};
+use crate::urdf::{CollisionDescription, Description, JointDescription, LinkDescription};
+
+/// Coulomb coefficient of a link where neither the file nor the settings give one.
+const DEFAULT_FRICTION: f64 = 0.8;
+
+/// Links and joints in the model's form; mimics by name.
+pub(super) struct Robot {
+    pub(super) name: String,
+    pub(super) links: Vec<Link>,
+    pub(super) joints: Vec<Joint>,
+    /// Per joint, as in the file.
+    pub(super) mimics: Vec<Option<(String, f64, f64)>>,
+    /// Per link.
+    pub(super) shapes: Vec<Vec<CollisionDescription>>,
+    pub(super) lines: Lines,
+}
+
+/// Lines of the URDF.
+pub(super) struct Lines {
+    /// Per link.
+    pub(super) links: Vec<usize>,
+    /// Per joint.
+    pub(super) joints: Vec<usize>,
+}
+
+/// A turning or sliding joint.
+pub(super) fn is_scalar(kind: JointKind) -> bool {
+    matches!(
+        kind,
+        JointKind::Revolute | JointKind::Continuous | JointKind::Prismatic
+    )
+}
+
+/// What a joint of this kind is called in a sentence.
+pub(super) fn kind_name(kind: JointKind) -> &'static str {
+    match kind {
+        JointKind::Fixed => "is fixed",
+        JointKind::Planar => "is planar",
+        JointKind::Floating => "is floating",
+        JointKind::Revolute | JointKind::Continuous => "turns",
+        JointKind::Prismatic => "slides",
+    }
+}
+
+impl Robot {
+    pub(super) fn new(
+        description: &Description,
+        settings: &Settings,
+        findings: &mut Findings,
+    ) -> Self {
+        let joint_overrides = joint_overrides(description, &settings.joints, findings);
+        let link_overrides = link_overrides(description, &settings.links, findings);
+        let mut robot = Self {
+            name: description.name.clone(),
+            links: Vec::new(),
+            joints: Vec::new(),
+            mimics: description.joints.iter().map(|j| j.mimic.clone()).collect(),
+            shapes: description
+                .links
+                .iter()
+                .map(|link| link.collisions.clone())
+                .collect(),
+            lines: Lines {
+                links: description.links.iter().map(|link| link.line).collect(),
+                joints: description.joints.iter().map(|joint| joint.line).collect(),
+            },
+        };
+        for (joint, overrides) in description.joints.iter().zip(&joint_overrides) {
+            robot.joints.push(model_joint(joint, overrides, findings));
+        }
+        let mut default_friction = 0;
+        for (l, (link, overrides)) in description.links.iter().zip(&link_overrides).enumerate() {
+            let friction = overrides.friction.or(link.friction);
+            default_friction += usize::from(friction.is_none() && !link.collisions.is_empty());
+            robot.links.push(Link {
+                name: link.name.clone(),
+                joint: l.checked_sub(1).map(Into::into),
+                body: 0.into(),
+                X_BL: Pose::IDENTITY,
+                inertia: link_inertia(link, overrides, settings, findings),
+                friction: friction.unwrap_or(DEFAULT_FRICTION),
+                restitution: overrides.restitution.or(link.restitution).unwrap_or(0.0),
+            });
+        }
+        if default_friction > 0 {
+            let message = format!(
+                "the friction coefficient of {} is not given and taken as {DEFAULT_FRICTION}",
+                counted(default_friction, "link")
+            );
+            let help = "set [link.\"…\"] friction, or link.<name>.friction in the FMU";
+            findings.note("A116", message, help);
+        }
+        if settings.inertia == InertiaSource::Collision {
+            let message = "rotational inertia is computed from the collision shapes as solids; masses and centres of mass are the file's";
+            findings.note("A119", message.to_owned(), "");
+        }
+        robot
+    }
+}
+
+/// What the settings say about each joint; later entries win.
+fn joint_overrides(
+    description: &Description,
+    settings: &[JointSettings],
+    findings: &mut Findings,
+) -> Vec<JointSettings> {
+    let names: Vec<&str> = description.joints.iter().map(|j| j.name.as_str()).collect();
+    let mut merged = vec![JointSettings::new(""); names.len()];
+    for entry in settings {
+        let limited = entry.lower.is_some() || entry.upper.is_some();
+        let unsuitable = |j: usize| {
+            let kind = description.joints[j].kind;
+            match kind {
+                JointKind::Fixed => Some("is fixed: it has no such property".to_owned()),
+                JointKind::Planar | JointKind::Floating if limited => Some(format!(
+                    "{}: only turning and sliding joints have limits",
+                    kind_name(kind)
+                )),
+                _ => None,
+            }
+        };
+        for j in findings.select(&entry.joint, "joint", &names, unsuitable) {
+            let joint = &mut merged[j];
+            joint.damping = entry.damping.or(joint.damping);
+            joint.friction = entry.friction.or(joint.friction);
+            joint.armature = entry.armature.or(joint.armature);
+            joint.lower = entry.lower.or(joint.lower);
+            joint.upper = entry.upper.or(joint.upper);
+            joint.effort = entry.effort.or(joint.effort);
+            joint.velocity = entry.velocity.or(joint.velocity);
+            if limited {
+                joint.joint.place.clone_from(&entry.joint.place);
+            }
+        }
+    }
+    merged
+}
+
+/// What the settings say about each link; later entries win.
+fn link_overrides(
+    description: &Description,
+    settings: &[LinkSettings],
+    findings: &mut Findings,
+) -> Vec<LinkSettings> {
+    let names: Vec<&str> = description.links.iter().map(|l| l.name.as_str()).collect();
+    let mut merged = vec![LinkSettings::new(""); names.len()];
+    for entry in settings {
+        let unsuitable = |l: usize| {
+            let massless = description.links[l].inertial.is_none_or(|i| i.mass <= 0.0);
+            (entry.mass.is_some() && massless)
+                .then(|| "has no <inertial> with mass whose mass could be replaced".to_owned())
+        };
+        for l in findings.select(&entry.link, "link", &names, unsuitable) {
+            let link = &mut merged[l];
+            link.friction = entry.friction.or(link.friction);
+            link.restitution = entry.restitution.or(link.restitution);
+            link.mass = entry.mass.or(link.mass);
+        }
+    }
+    merged
+}
+
+fn model_joint(
+    joint: &JointDescription,
+    overrides: &JointSettings,
+    findings: &mut Findings,
+) -> Joint {
+    let scalar = is_scalar(joint.kind);
+    let place = || findings.line(joint.line);
+    let place = place();
+    let name = &joint.name;
+    let mut damping = overrides.damping.unwrap_or(joint.damping);
+    let mut friction = overrides.friction.unwrap_or(joint.friction);
+    let mut armature = overrides.armature.unwrap_or(0.0);
+    if !scalar {
+        if damping + friction + armature > 0.0 && joint.kind != JointKind::Fixed {
+            let message = format!(
+                "joint '{name}' {}: its damping, dry friction and armature are not used",
+                kind_name(joint.kind)
+            );
+            let help = "one number cannot mean both sliding and turning";
+            findings.warning("A122", place.clone(), message, help);
+        }
+        (damping, friction, armature) = (0.0, 0.0, 0.0);
+    }
+    // Infinite means that there is none.
+    let usable = |value: Option<f64>| value.filter(|value| value.is_finite() && *value >= 0.0);
+    let velocity = usable(overrides.velocity.or(joint.velocity)).filter(|_| scalar);
+    if velocity == Some(0.0) {
+        let message = format!("the velocity limit 0 of joint '{name}' counts as none");
+        findings.note("A115", message, "");
+    }
+    Joint {
+        name: name.clone(),
+        kind: joint.kind,
+        parent: joint.parent.into(),
+        child: joint.child.into(),
+        X_PJ: joint.X_PJ,
+        axis: joint.axis,
+        bodies: Vec::new(),
+        limits: limits(joint, overrides, findings).filter(|_| scalar),
+        effort: usable(overrides.effort.or(joint.effort)).filter(|_| scalar),
+        velocity: velocity.filter(|&velocity| velocity > 0.0),
+        damping,
+        friction,
+        armature,
+        mimic: None,
+    }
+}
+
+/// The file's limits with those of the settings; none where they are no range.
+fn limits(
+    joint: &JointDescription,
+    overrides: &JointSettings,
+    findings: &mut Findings,
+) -> Option<Limits> {
+    let file = joint.limits;
+    if overrides.lower.is_none() && overrides.upper.is_none() && file.is_none() {
+        return None;
+    }
+    let lower = overrides.lower.or(file.map(|l| l.lower));
+    let upper = overrides.upper.or(file.map(|l| l.upper));
+    let (Some(lower), Some(upper)) = (lower, upper) else {
+        let message = format!(
+            "joint '{}' has no limits in the file, the settings give one side only",
+            joint.name
+        );
+        let place = overrides.joint.place.clone();
+        findings.error("A117", place, message, "give both lower and upper");
+        return None;
+    };
+    let range = format!("{lower} … {upper}");
+    if overrides.lower.or(overrides.upper).is_some() && lower > upper {
+        let message = format!("the limits {range} of joint '{}' are no range", joint.name);
+        let place = overrides.joint.place.clone();
+        findings.error("A117", place, message, "give both lower and upper");
+        return None;
+    }
+    if !(lower.is_finite() && upper.is_finite() && lower <= upper) {
+        let message = format!(
+            "the limits {range} of joint '{}' are no range and count as none",
+            joint.name
+        );
+        let help = "correct them, or use type=\"continuous\"";
+        findings.warning("A117", findings.line(joint.line), message, help);
+        return None;
+    }
+    #[expect(clippy::float_cmp, reason = "a range without width")]
+    if lower == upper {
+        let message = format!("the limits of joint '{}' keep it at {lower}", joint.name);
+        let help = "correct them, or use type=\"fixed\"";
+        findings.warning("A117", findings.line(joint.line), message, help);
+    }
+    Some(Limits { lower, upper })
+}
+
+/// The file's inertia, its mass replaced and its tensor recomputed where the settings want it.
+fn link_inertia(
+    link: &LinkDescription,
+    overrides: &LinkSettings,
+    settings: &Settings,
+    findings: &mut Findings,
+) -> RigidInertia {
+    let Some(mut inertia) = link.inertial else {
+        return RigidInertia::ZERO;
+    };
+    if inertia.mass <= 0.0 {
+        return RigidInertia::ZERO;
+    }
+    if let Some(mass) = overrides.mass {
+        inertia.I_cm *= mass / inertia.mass;
+        inertia.mass = mass;
+    }
+    if settings.inertia == InertiaSource::Collision {
+        match inertia::of_solids(inertia.mass, &link.collisions) {
+            Some(I_cm) => inertia.I_cm = I_cm,
+            None if link.collisions.is_empty() => {
+                let message = format!(
+                    "link '{}' has no collision shape: its inertia is the file's",
+                    link.name
+                );
+                findings.note("A119", message, "");
+            }
+            None => {
+                let names: Vec<_> = link
+                    .collisions
+                    .iter()
+                    .filter_map(|c| c.mesh.as_ref())
+                    .collect();
+                let names: Vec<_> = names
+                    .iter()
+                    .map(|path| path.display().to_string())
+                    .collect();
+                let message = format!(
+                    "the collision shapes of link '{}' have no volume ({}): its inertia is the file's",
+                    link.name,
+                    listed(&names)
+                );
+                findings.warning("A119", findings.line(link.line), message, "");
+            }
+        }
+    }
+    inertia
+}

@@ -1,0 +1,247 @@
+//! What rows of [`super::table`] are made of.
+
+use super::{Kind, Slot, TableError, Unit, Variable};
+use crate::model::{Joint, JointId, JointKind, Limits, Model};
+use crate::simulation::{Axis, InputSlot, OutputSlot, ParameterSlot};
+use std::collections::HashMap;
+
+pub(super) const XYZ: [&str; 3] = ["x", "y", "z"];
+pub(super) const XYZW: [&str; 4] = ["x", "y", "z", "w"];
+pub(super) const RPY: [&str; 3] = ["roll", "pitch", "yaw"];
+
+/// Names with their axes.
+pub(super) fn axes<'n>(names: &'n [&'n str]) -> impl Iterator<Item = (Axis, &'n str)> {
+    (0..).zip(names.iter().copied())
+}
+
+/// A table in the making.
+pub(super) struct Table<'m> {
+    pub(super) model: &'m Model,
+    rows: Vec<Variable>,
+    /// Whose row it is, for [`TableError::Clash`].
+    owners: Vec<String>,
+}
+
+/// A row without name and place in the table.
+pub(super) struct Row {
+    slot: Slot,
+    kind: Kind,
+    unit: Unit,
+    start: Option<f64>,
+    range: (Option<f64>, Option<f64>),
+    description: String,
+}
+
+impl Row {
+    pub(super) fn input(slot: InputSlot, unit: Unit, start: f64, description: String) -> Self {
+        Self {
+            slot: Slot::Input(slot),
+            kind: Kind::Real,
+            unit,
+            start: Some(start),
+            range: (None, None),
+            description,
+        }
+    }
+
+    pub(super) fn output(slot: OutputSlot, unit: Unit, description: String) -> Self {
+        Self {
+            slot: Slot::Output(slot),
+            kind: Kind::Real,
+            unit,
+            start: None,
+            range: (None, None),
+            description,
+        }
+    }
+
+    pub(super) fn parameter(
+        slot: ParameterSlot,
+        unit: Unit,
+        start: f64,
+        description: String,
+    ) -> Self {
+        Self {
+            slot: Slot::Parameter(slot),
+            kind: Kind::Real,
+            unit,
+            start: Some(start),
+            range: (None, None),
+            description,
+        }
+    }
+
+    pub(super) fn kind(self, kind: Kind) -> Self {
+        Self { kind, ..self }
+    }
+
+    /// Bounds, moved to the start value where they exclude it: FMI wants the start inside.
+    pub(super) fn within(self, min: Option<f64>, max: Option<f64>) -> Self {
+        let start = self.start.unwrap_or(0.0);
+        Self {
+            range: (min.map(|min| min.min(start)), max.map(|max| max.max(start))),
+            ..self
+        }
+    }
+
+    pub(super) fn not_negative(self) -> Self {
+        self.within(Some(0.0), None)
+    }
+
+    pub(super) fn limits(self, limits: Option<Limits>) -> Self {
+        self.within(limits.map(|l| l.lower), limits.map(|l| l.upper))
+    }
+
+    /// ± `bound`, where there is one.
+    pub(super) fn symmetric(self, bound: Option<f64>) -> Self {
+        let bound = bound.filter(|&bound| bound > 0.0);
+        self.within(bound.map(|bound| -bound), bound)
+    }
+}
+
+/// Rows that differ by an axis: `slot` makes the slot of one.
+#[derive(Clone, Copy)]
+pub(super) struct Group<F> {
+    pub(super) name: &'static str,
+    pub(super) axes: &'static [&'static str],
+    pub(super) unit: Unit,
+    pub(super) slot: F,
+    pub(super) about: &'static str,
+}
+
+pub(super) fn group<F>(
+    name: &'static str,
+    axes: &'static [&'static str],
+    unit: Unit,
+    slot: F,
+    about: &'static str,
+) -> Group<F> {
+    Group {
+        name,
+        axes,
+        unit,
+        slot,
+        about,
+    }
+}
+
+/// Units of a joint's own coordinate.
+pub(super) struct JointUnits {
+    pub(super) position: Unit,
+    pub(super) velocity: Unit,
+    pub(super) acceleration: Unit,
+    pub(super) effort: Unit,
+    pub(super) stiffness: Unit,
+    pub(super) damping: Unit,
+}
+
+const TURNING: JointUnits = JointUnits {
+    position: Unit::Radian,
+    velocity: Unit::RadianPerSecond,
+    acceleration: Unit::RadianPerSecondSquared,
+    effort: Unit::NewtonMeter,
+    stiffness: Unit::NewtonMeterPerRadian,
+    damping: Unit::NewtonMeterSecondPerRadian,
+};
+
+const SLIDING: JointUnits = JointUnits {
+    position: Unit::Meter,
+    velocity: Unit::MeterPerSecond,
+    acceleration: Unit::MeterPerSecondSquared,
+    effort: Unit::Newton,
+    stiffness: Unit::NewtonPerMeter,
+    damping: Unit::NewtonSecondPerMeter,
+};
+
+pub(super) fn units(kind: JointKind) -> &'static JointUnits {
+    match kind {
+        JointKind::Prismatic => &SLIDING,
+        _ => &TURNING,
+    }
+}
+
+pub(super) fn is_scalar(joint: &Joint) -> bool {
+    matches!(
+        joint.kind,
+        JointKind::Revolute | JointKind::Continuous | JointKind::Prismatic
+    )
+}
+
+/// Characters outside `[A-Za-z0-9_]` become `_`; a leading digit gets one in front, so does nothing at all.
+pub(super) fn identifier(name: &str) -> String {
+    let mut identifier: String = name
+        .chars()
+        .map(|c| if c.is_ascii_alphanumeric() { c } else { '_' })
+        .collect();
+    if identifier.is_empty() || identifier.starts_with(|c: char| c.is_ascii_digit()) {
+        identifier.insert(0, '_');
+    }
+    identifier
+}
+
+impl<'m> Table<'m> {
+    pub(super) fn new(model: &'m Model) -> Self {
+        Self {
+            model,
+            rows: Vec::new(),
+            owners: Vec::new(),
+        }
+    }
+
+    /// Adds a row; `owner` says whose it is in the URDF's own names.
+    pub(super) fn add(&mut self, name: String, owner: &str, row: Row) {
+        let name = if self.model.outputs.flat_names {
+            name.replace('.', "_")
+        } else {
+            name
+        };
+        let value_reference =
+            u32::try_from(self.rows.len()).expect("a robot has fewer than 2^32 variables");
+        let (min, max) = row.range;
+        self.owners.push(owner.to_owned());
+        self.rows.push(Variable {
+            name,
+            value_reference,
+            description: row.description,
+            slot: row.slot,
+            kind: row.kind,
+            start: row.start,
+            min,
+            max,
+            unit: row.unit,
+        });
+    }
+
+    pub(super) fn finish(self) -> Result<Vec<Variable>, TableError> {
+        let mut owners = HashMap::new();
+        for (row, owner) in self.rows.iter().zip(&self.owners) {
+            if let Some(first) = owners.insert(row.name.as_str(), owner) {
+                return Err(TableError::Clash {
+                    first: first.clone(),
+                    second: owner.clone(),
+                    name: row.name.clone(),
+                });
+            }
+        }
+        Ok(self.rows)
+    }
+
+    pub(super) fn joints(&self) -> impl Iterator<Item = (JointId, &'m Joint)> + use<'m> {
+        let joints = self.model.joints.iter().enumerate();
+        joints.map(|(j, joint)| (JointId::from(j), joint))
+    }
+
+    /// Turning and sliding joints that mimic nothing: those with an initial value of their own.
+    pub(super) fn independent_joints(
+        &self,
+    ) -> impl Iterator<Item = (JointId, &'m Joint)> + use<'m> {
+        self.joints()
+            .filter(|(_, joint)| is_scalar(joint) && joint.mimic.is_none())
+    }
+
+    /// The range of an independent joint, its mimics' included.
+    pub(super) fn limits(&self, joint: &Joint) -> Option<Limits> {
+        let body = &self.model.bodies[joint.bodies.first()?.index()];
+        self.model.dofs[body.dof.index()].limits
+    }
+}

@@ -1,0 +1,323 @@
+//! Outputs: base, joints, links, contacts, energy, counters.
+
+use super::build::{Group, RPY, Row, Table, XYZ, XYZW, axes, group, identifier, units};
+use super::{Kind, Unit};
+use crate::model::{JointId, JointKind, LinkId};
+use crate::simulation::{Axis, OutputSlot};
+
+/// Slots by axis.
+type OfBase = fn(Axis) -> OutputSlot;
+type OfJoint = fn(JointId, Axis) -> OutputSlot;
+type OfLink = fn(LinkId, Axis) -> OutputSlot;
+
+impl Table<'_> {
+    pub(super) fn base_outputs(&mut self) {
+        if !self.model.is_floating() {
+            return;
+        }
+        let owner = format!("base link '{}'", self.model.links[0].name);
+        let groups: [Group<OfBase>; 5] = [
+            group(
+                "position",
+                &XYZ,
+                Unit::Meter,
+                OutputSlot::BasePosition,
+                "Position in the world of",
+            ),
+            group(
+                "orientation",
+                &XYZW,
+                Unit::One,
+                OutputSlot::BaseOrientation,
+                "Orientation quaternion in the world of",
+            ),
+            group(
+                "rpy",
+                &RPY,
+                Unit::Radian,
+                OutputSlot::BaseRpy,
+                "Fixed-axis roll, pitch, yaw in the world of",
+            ),
+            group(
+                "linear_velocity",
+                &XYZ,
+                Unit::MeterPerSecond,
+                OutputSlot::BaseLinearVelocity,
+                "Velocity in world axes of the origin of",
+            ),
+            group(
+                "angular_velocity",
+                &XYZ,
+                Unit::RadianPerSecond,
+                OutputSlot::BaseAngularVelocity,
+                "Angular velocity in world axes of",
+            ),
+        ];
+        for Group {
+            name: group,
+            axes: names,
+            unit,
+            slot,
+            about,
+        } in groups
+        {
+            for (axis, name) in axes(names) {
+                let row = Row::output(slot(axis), unit, format!("{about} {owner}, {name}"));
+                self.add(format!("base.{group}.{name}"), &owner, row);
+            }
+        }
+    }
+
+    pub(super) fn joint_outputs(&mut self) {
+        for (id, joint) in self.joints() {
+            let owner = format!("joint '{}'", joint.name);
+            let prefix = format!("joint.{}", identifier(&joint.name));
+            match joint.kind {
+                JointKind::Fixed => {}
+                JointKind::Revolute | JointKind::Continuous | JointKind::Prismatic => {
+                    let units = units(joint.kind);
+                    let rows = [
+                        (
+                            "position",
+                            OutputSlot::JointPosition(id, 0),
+                            units.position,
+                            "Position of",
+                        ),
+                        (
+                            "velocity",
+                            OutputSlot::JointVelocity(id, 0),
+                            units.velocity,
+                            "Velocity of",
+                        ),
+                        (
+                            "acceleration",
+                            OutputSlot::JointAcceleration(id, 0),
+                            units.acceleration,
+                            "Acceleration of",
+                        ),
+                        (
+                            "effort",
+                            OutputSlot::JointEffort(id),
+                            units.effort,
+                            "Effort of the motor alone of",
+                        ),
+                    ];
+                    for (quantity, slot, unit, about) in rows {
+                        let row = Row::output(slot, unit, format!("{about} {owner}"));
+                        self.add(format!("{prefix}.{quantity}"), &owner, row);
+                    }
+                }
+                JointKind::Planar => self.planar_outputs(id, &owner, &prefix),
+                JointKind::Floating => self.floating_outputs(id, &owner, &prefix),
+            }
+        }
+    }
+
+    fn planar_outputs(&mut self, id: JointId, owner: &str, prefix: &str) {
+        let groups: [(&str, OfJoint, [Unit; 2]); 3] = [
+            (
+                "position",
+                OutputSlot::JointPosition,
+                [Unit::Meter, Unit::Radian],
+            ),
+            (
+                "velocity",
+                OutputSlot::JointVelocity,
+                [Unit::MeterPerSecond, Unit::RadianPerSecond],
+            ),
+            (
+                "acceleration",
+                OutputSlot::JointAcceleration,
+                [Unit::MeterPerSecondSquared, Unit::RadianPerSecondSquared],
+            ),
+        ];
+        for (group, slot, [sliding, turning]) in groups {
+            for (axis, name) in axes(&["x", "y", "angle"]) {
+                let unit = if name == "angle" { turning } else { sliding };
+                let row = Row::output(
+                    slot(id, axis),
+                    unit,
+                    format!("Planar {group} of {owner}, {name}"),
+                );
+                self.add(format!("{prefix}.{group}.{name}"), owner, row);
+            }
+        }
+    }
+
+    fn floating_outputs(&mut self, id: JointId, owner: &str, prefix: &str) {
+        let groups: [Group<OfJoint>; 6] = [
+            group(
+                "position",
+                &XYZ,
+                Unit::Meter,
+                OutputSlot::JointPosition,
+                "joint frame",
+            ),
+            group(
+                "orientation",
+                &XYZW,
+                Unit::One,
+                OutputSlot::JointOrientation,
+                "quaternion, joint frame",
+            ),
+            group(
+                "linear_velocity",
+                &XYZ,
+                Unit::MeterPerSecond,
+                OutputSlot::JointVelocity,
+                "joint frame",
+            ),
+            group(
+                "angular_velocity",
+                &XYZ,
+                Unit::RadianPerSecond,
+                |joint, axis| OutputSlot::JointVelocity(joint, axis + 3),
+                "child axes",
+            ),
+            group(
+                "linear_acceleration",
+                &XYZ,
+                Unit::MeterPerSecondSquared,
+                OutputSlot::JointAcceleration,
+                "joint frame",
+            ),
+            group(
+                "angular_acceleration",
+                &XYZ,
+                Unit::RadianPerSecondSquared,
+                |joint, axis| OutputSlot::JointAcceleration(joint, axis + 3),
+                "child axes",
+            ),
+        ];
+        for Group {
+            name: group,
+            axes: names,
+            unit,
+            slot,
+            about,
+        } in groups
+        {
+            for (axis, name) in axes(names) {
+                let quantity = group.replace('_', " ");
+                let about = format!("Floating {quantity} of {owner}, {about}, {name}");
+                let row = Row::output(slot(id, axis), unit, about);
+                self.add(format!("{prefix}.{group}.{name}"), owner, row);
+            }
+        }
+    }
+
+    pub(super) fn link_outputs(&mut self) {
+        let groups: [Group<OfLink>; 4] = [
+            group(
+                "position",
+                &XYZ,
+                Unit::Meter,
+                OutputSlot::LinkPosition,
+                "Position in the world of the origin of",
+            ),
+            group(
+                "orientation",
+                &XYZW,
+                Unit::One,
+                OutputSlot::LinkOrientation,
+                "Orientation quaternion in the world of",
+            ),
+            group(
+                "linear_velocity",
+                &XYZ,
+                Unit::MeterPerSecond,
+                OutputSlot::LinkLinearVelocity,
+                "Velocity in world axes of the origin of",
+            ),
+            group(
+                "angular_velocity",
+                &XYZ,
+                Unit::RadianPerSecond,
+                OutputSlot::LinkAngularVelocity,
+                "Angular velocity in world axes of",
+            ),
+        ];
+        for &id in &self.model.outputs.links {
+            let name = &self.model.links[id.index()].name;
+            let (owner, prefix) = (
+                format!("link '{name}'"),
+                format!("link.{}", identifier(name)),
+            );
+            for Group {
+                name: group,
+                axes: names,
+                unit,
+                slot,
+                about,
+            } in groups
+            {
+                for (axis, letter) in axes(names) {
+                    let about = format!("{about} {owner}, {letter}");
+                    let row = Row::output(slot(id, axis), unit, about);
+                    self.add(format!("{prefix}.{group}.{letter}"), &owner, row);
+                }
+            }
+        }
+    }
+
+    pub(super) fn contact_outputs(&mut self) {
+        for &id in &self.model.outputs.contacts {
+            let name = &self.model.links[id.index()].name;
+            let (owner, prefix) = (
+                format!("link '{name}'"),
+                format!("contact.{}", identifier(name)),
+            );
+            let about = format!("Whether {owner} touches something");
+            let row = Row::output(OutputSlot::ContactActive(id), Unit::One, about);
+            self.add(format!("{prefix}.active"), &owner, row.kind(Kind::Boolean));
+            for (axis, letter) in axes(&XYZ) {
+                let about = format!(
+                    "Net contact force on {owner} in world axes, mean over the communication step, {letter}"
+                );
+                let row = Row::output(OutputSlot::ContactForce(id, axis), Unit::Newton, about);
+                self.add(format!("{prefix}.force.{letter}"), &owner, row);
+            }
+        }
+    }
+
+    pub(super) fn common_outputs(&mut self) {
+        let owner = "the robot";
+        let energies = [
+            (
+                "kinetic",
+                OutputSlot::EnergyKinetic,
+                "Kinetic energy of the robot",
+            ),
+            (
+                "potential",
+                OutputSlot::EnergyPotential,
+                "Potential energy of the robot in gravity, 0 at world height 0",
+            ),
+        ];
+        for (name, slot, about) in energies {
+            let row = Row::output(slot, Unit::Joule, about.to_owned());
+            self.add(format!("energy.{name}"), owner, row);
+        }
+        let counters = [
+            (
+                "steps",
+                OutputSlot::Steps,
+                "Solver steps taken since the start",
+            ),
+            (
+                "rejected",
+                OutputSlot::Rejected,
+                "Solver steps rejected since the start",
+            ),
+            (
+                "newton_max",
+                OutputSlot::NewtonMax,
+                "Most Newton iterations of one solve since the start",
+            ),
+        ];
+        for (name, slot, about) in counters {
+            let row = Row::output(slot, Unit::One, about.to_owned()).kind(Kind::Integer);
+            self.add(format!("solver.{name}"), owner, row);
+        }
+    }
+}

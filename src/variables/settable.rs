@@ -1,0 +1,288 @@
+//! What can be set: inputs and parameters.
+
+use super::Unit;
+use super::build::{Group, RPY, Row, Table, XYZ, axes, group, identifier, is_scalar, units};
+use crate::model::{Actuator, ActuatorId, ActuatorMode, LinkId};
+use crate::simulation::{Axis, InputSlot, ParameterSlot};
+
+/// Slots by axis.
+type OfAxis = fn(Axis) -> ParameterSlot;
+
+impl Table<'_> {
+    pub(super) fn inputs(&mut self) {
+        for (a, actuator) in self.model.actuators.iter().enumerate() {
+            self.commands(ActuatorId::from(a), actuator);
+        }
+        for &id in &self.model.outputs.external_wrenches {
+            let name = &self.model.links[id.index()].name;
+            let (owner, prefix) = (
+                format!("link '{name}'"),
+                format!("ext.{}", identifier(name)),
+            );
+            for (axis, letter) in axes(&XYZ) {
+                let about = format!("Force on {owner} at its centre of mass, world {letter}");
+                let slot = InputSlot::ExternalForce(id, axis);
+                let row = Row::input(slot, Unit::Newton, 0.0, about);
+                self.add(format!("{prefix}.force.{letter}"), &owner, row);
+            }
+            for (axis, letter) in axes(&XYZ) {
+                let about = format!("Torque on {owner}, world {letter}");
+                let slot = InputSlot::ExternalTorque(id, axis);
+                let row = Row::input(slot, Unit::NewtonMeter, 0.0, about);
+                self.add(format!("{prefix}.torque.{letter}"), &owner, row);
+            }
+        }
+    }
+
+    fn commands(&mut self, id: ActuatorId, actuator: &Actuator) {
+        let joint = &self.model.joints[actuator.joint.index()];
+        let start = self.model.initial.joint_positions[actuator.joint.index()];
+        let limits = self.limits(joint);
+        let units = units(joint.kind);
+        let owner = format!("joint '{}'", joint.name);
+        let prefix = format!("cmd.{}", identifier(&joint.name));
+        let mode = actuator.mode;
+        let pd = mode == ActuatorMode::Pd;
+        if pd || mode == ActuatorMode::Position {
+            let about = format!("Commanded position of {owner}");
+            let row = Row::input(InputSlot::Position(id), units.position, start, about);
+            self.add(format!("{prefix}.position"), &owner, row.limits(limits));
+        }
+        if pd || mode == ActuatorMode::Velocity {
+            let about = format!("Commanded velocity of {owner}");
+            let row = Row::input(InputSlot::Velocity(id), units.velocity, 0.0, about);
+            self.add(
+                format!("{prefix}.velocity"),
+                &owner,
+                row.symmetric(joint.velocity),
+            );
+        }
+        if pd || mode == ActuatorMode::Effort {
+            let about = format!("Commanded effort of {owner}");
+            let row = Row::input(InputSlot::Effort(id), units.effort, 0.0, about);
+            self.add(
+                format!("{prefix}.effort"),
+                &owner,
+                row.symmetric(joint.effort),
+            );
+        }
+        if mode != ActuatorMode::Effort {
+            let about = format!("Most effort that the motor of {owner} gives; 0 lets it go");
+            let start = actuator.max_effort;
+            let row = Row::input(InputSlot::MaxEffort(id), units.effort, start, about);
+            self.add(format!("{prefix}.max_effort"), &owner, row.not_negative());
+        }
+    }
+
+    pub(super) fn initial_parameters(&mut self) {
+        let initial = &self.model.initial;
+        let owner = format!("base link '{}'", self.model.links[0].name);
+        let groups: [(Group<OfAxis>, [f64; 3]); 4] = [
+            (
+                group(
+                    "position",
+                    &XYZ,
+                    Unit::Meter,
+                    ParameterSlot::InitialBasePosition,
+                    "Initial position in the world of",
+                ),
+                initial.position.into(),
+            ),
+            (
+                group(
+                    "rpy",
+                    &RPY,
+                    Unit::Radian,
+                    ParameterSlot::InitialBaseRpy,
+                    "Initial fixed-axis roll, pitch, yaw of",
+                ),
+                initial.rpy.into(),
+            ),
+            (
+                group(
+                    "linear_velocity",
+                    &XYZ,
+                    Unit::MeterPerSecond,
+                    ParameterSlot::InitialBaseLinearVelocity,
+                    "Initial velocity in world axes of the origin of",
+                ),
+                initial.linear_velocity.into(),
+            ),
+            (
+                group(
+                    "angular_velocity",
+                    &XYZ,
+                    Unit::RadianPerSecond,
+                    ParameterSlot::InitialBaseAngularVelocity,
+                    "Initial angular velocity in world axes of",
+                ),
+                initial.angular_velocity.into(),
+            ),
+        ];
+        // A fixed base can be mounted anywhere, but does not move.
+        let count = if self.model.is_floating() { 4 } else { 2 };
+        for (
+            Group {
+                name: group,
+                axes: names,
+                unit,
+                slot,
+                about,
+            },
+            starts,
+        ) in groups.into_iter().take(count)
+        {
+            for ((axis, name), start) in axes(names).zip(starts) {
+                let row =
+                    Row::parameter(slot(axis), unit, start, format!("{about} {owner}, {name}"));
+                self.add(format!("initial.base.{group}.{name}"), &owner, row);
+            }
+        }
+        for (id, joint) in self.independent_joints() {
+            let owner = format!("joint '{}'", joint.name);
+            let prefix = format!("initial.joint.{}", identifier(&joint.name));
+            let units = units(joint.kind);
+            let start = initial.joint_positions[id.index()];
+            let slot = ParameterSlot::InitialJointPosition(id);
+            let about = format!("Initial position of {owner}");
+            let row = Row::parameter(slot, units.position, start, about);
+            self.add(
+                format!("{prefix}.position"),
+                &owner,
+                row.limits(self.limits(joint)),
+            );
+            let start = initial.joint_velocities[id.index()];
+            let slot = ParameterSlot::InitialJointVelocity(id);
+            let about = format!("Initial velocity of {owner}");
+            let row = Row::parameter(slot, units.velocity, start, about);
+            self.add(
+                format!("{prefix}.velocity"),
+                &owner,
+                row.symmetric(joint.velocity),
+            );
+        }
+    }
+
+    pub(super) fn tunable_parameters(&mut self) {
+        let model = self.model;
+        for (a, actuator) in model.actuators.iter().enumerate() {
+            if actuator.mode != ActuatorMode::Pd {
+                continue;
+            }
+            let id = ActuatorId::from(a);
+            let joint = &model.joints[actuator.joint.index()];
+            let owner = format!("joint '{}'", joint.name);
+            let prefix = format!("cmd.{}", identifier(&joint.name));
+            let units = units(joint.kind);
+            let rows = [
+                (
+                    "kp",
+                    ParameterSlot::Kp(id),
+                    units.stiffness,
+                    actuator.kp,
+                    "Position gain of",
+                ),
+                (
+                    "kd",
+                    ParameterSlot::Kd(id),
+                    units.damping,
+                    actuator.kd,
+                    "Velocity gain of",
+                ),
+            ];
+            for (name, slot, unit, start, about) in rows {
+                let row = Row::parameter(slot, unit, start, format!("{about} {owner}"));
+                self.add(format!("{prefix}.{name}"), &owner, row.not_negative());
+            }
+        }
+        for (id, joint) in self.joints().filter(|(_, joint)| is_scalar(joint)) {
+            let owner = format!("joint '{}'", joint.name);
+            let prefix = format!("joint.{}", identifier(&joint.name));
+            let units = units(joint.kind);
+            let rows = [
+                (
+                    "damping",
+                    ParameterSlot::JointDamping(id),
+                    units.damping,
+                    joint.damping,
+                    "Viscous damping of",
+                ),
+                (
+                    "friction",
+                    ParameterSlot::JointFriction(id),
+                    units.effort,
+                    joint.friction,
+                    "Dry friction of",
+                ),
+            ];
+            for (name, slot, unit, start, about) in rows {
+                let row = Row::parameter(slot, unit, start, format!("{about} {owner}"));
+                self.add(format!("{prefix}.{name}"), &owner, row.not_negative());
+            }
+        }
+        self.link_parameters();
+        for ((axis, letter), start) in axes(&XYZ).zip(model.world.gravity.iter().copied()) {
+            let slot = ParameterSlot::Gravity(axis);
+            let about = format!("Gravity, world {letter}");
+            let row = Row::parameter(slot, Unit::MeterPerSecondSquared, start, about);
+            self.add(format!("world.gravity.{letter}"), "the world", row);
+        }
+        if let Some(ground) = &model.world.ground {
+            let about = "Coulomb coefficient of the ground".to_owned();
+            let slot = ParameterSlot::GroundFriction;
+            let row = Row::parameter(slot, Unit::One, ground.friction, about).not_negative();
+            self.add("world.ground.friction".to_owned(), "the ground", row);
+            let about = "Newton's coefficient of restitution of the ground".to_owned();
+            let slot = ParameterSlot::GroundRestitution;
+            let row = Row::parameter(slot, Unit::One, ground.restitution, about);
+            let row = row.within(Some(0.0), Some(1.0));
+            self.add("world.ground.restitution".to_owned(), "the ground", row);
+        }
+    }
+
+    fn link_parameters(&mut self) {
+        let model = self.model;
+        for (l, link) in model.links.iter().enumerate() {
+            let id = LinkId::from(l);
+            let owner = format!("link '{}'", link.name);
+            let prefix = format!("link.{}", identifier(&link.name));
+            if model.colliders.iter().any(|collider| collider.link == id) {
+                let about = format!("Coulomb coefficient of the surface of {owner}");
+                let slot = ParameterSlot::LinkFriction(id);
+                let row = Row::parameter(slot, Unit::One, link.friction, about);
+                self.add(format!("{prefix}.friction"), &owner, row.not_negative());
+            }
+            if link.inertia.mass > 0.0 {
+                let about = format!("Mass of {owner}; its rotational inertia scales with it");
+                let slot = ParameterSlot::LinkMass(id);
+                let row = Row::parameter(slot, Unit::Kilogram, link.inertia.mass, about);
+                self.add(format!("{prefix}.mass"), &owner, row.not_negative());
+            }
+        }
+    }
+
+    pub(super) fn solver_parameters(&mut self) {
+        let solver = &self.model.solver;
+        let about = "Fixed solver step; 0: error controlled".to_owned();
+        let row = Row::parameter(
+            ParameterSlot::StepSize,
+            Unit::Second,
+            solver.step_size,
+            about,
+        );
+        self.add(
+            "solver.step_size".to_owned(),
+            "the solver",
+            row.not_negative(),
+        );
+        let about =
+            "Error allowed per step in m, and in rad at 1 m reach; 0: the importer's, else 1e-3";
+        let slot = ParameterSlot::Tolerance;
+        let row = Row::parameter(slot, Unit::One, solver.tolerance, about.to_owned());
+        self.add(
+            "solver.tolerance".to_owned(),
+            "the solver",
+            row.not_negative(),
+        );
+    }
+}
