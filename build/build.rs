@@ -2,7 +2,7 @@
 //!
 //! A package that is both cdylib and rlib would be built without link-time optimisation, so `fmi/` is an rlib and
 //! this script runs `cargo rustc --crate-type cdylib` on it, in a target directory of its own (the outer build
-//! holds the lock of its own one) and with a profile of its own: a debug `urdf2fmu` exports the same library as a
+//! holds the lock of the usual one) and with a profile of its own: a debug `urdf2fmu` exports the same library as a
 //! released one.
 //!
 //! | variable | effect |
@@ -172,7 +172,14 @@ fn nested_build(target: &Target) -> Result<PathBuf, Box<dyn Error>> {
         env::var("DEP_URDF2FMU_FMI_MANIFEST_DIR")
             .map_err(|_| "the build script of urdf2fmu-fmi has not said where it lies")?,
     );
-    let folder = PathBuf::from(env::var("OUT_DIR")?).join("library");
+    let out = PathBuf::from(env::var("OUT_DIR")?);
+    // Beside the folders of all build scripts (target/<profile>/build/<package>/out), not inside of this one: the
+    // outer profiles `dev` and `test` have an OUT_DIR each and would build the same library twice.
+    let folder = out
+        .ancestors()
+        .nth(3)
+        .unwrap_or(&out)
+        .join("urdf2fmu-library");
     let mut cargo = Command::new(env::var("CARGO")?);
     isolate(&mut cargo, &package);
     cargo
@@ -200,15 +207,12 @@ fn nested_build(target: &Target) -> Result<PathBuf, Box<dyn Error>> {
     }
     let built = folder.join(&target.triple).join("release");
     watch(&built.join(target.file).with_extension("d"), &package)?;
-    existing_output(&built.join(target.file))
-}
-
-fn existing_output(file: &Path) -> Result<PathBuf, Box<dyn Error>> {
-    if file.is_file() {
-        Ok(file.to_owned())
-    } else {
-        Err(format!("cargo has not made '{}'", file.display()).into())
-    }
+    // A copy of its own, which stays as it is when another outer profile builds the library anew.
+    let copy = out.join(target.file);
+    let made = built.join(target.file);
+    fs::copy(&made, &copy)
+        .map_err(|error| format!("cargo has not made '{}': {error}", made.display()))?;
+    Ok(copy)
 }
 
 /// Takes away what the outer build has set and what would make another library of the same sources.

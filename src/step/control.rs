@@ -285,7 +285,7 @@ impl Stepper {
                     self.explicit.restart();
                 }
                 let error = self.explicit_step(ctx, state, h);
-                let factor = (0.9 * error.max(1e-10).powf(-0.2)).clamp(GROWTH.0, GROWTH.1);
+                let factor = (0.9 * libm::pow(error.max(1e-10), -0.2)).clamp(GROWTH.0, GROWTH.1);
                 if error <= 1.0 || (h <= MIN_STEP && error.is_finite()) {
                     accept_explicit(&mut self.explicit, state);
                     proposed = next_proposal(proposed, h, factor);
