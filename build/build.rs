@@ -181,11 +181,13 @@ fn nested_build(target: &Target) -> Result<PathBuf, Box<dyn Error>> {
         .unwrap_or(&out)
         .join("urdf2fmu-library");
     let mut cargo = Command::new(env::var("CARGO")?);
-    isolate(&mut cargo, &package);
+    let sources = Sources::find(&package, &out)?;
+    isolate(&mut cargo, &sources.package);
     cargo
         .args(["rustc", "--lib", "--crate-type", "cdylib", "--release"])
+        .args(&sources.options)
         .arg("--manifest-path")
-        .arg(package.join("Cargo.toml"))
+        .arg(sources.package.join("Cargo.toml"))
         .args(["--target", &target.triple, "--target-dir"])
         .arg(&folder)
         .arg("--")
@@ -213,6 +215,62 @@ fn nested_build(target: &Target) -> Result<PathBuf, Box<dyn Error>> {
     fs::copy(&made, &copy)
         .map_err(|error| format!("cargo has not made '{}': {error}", made.display()))?;
     Ok(copy)
+}
+
+/// Where `fmi/` is built from.
+struct Sources {
+    package: PathBuf,
+    /// Further options for cargo.
+    options: Vec<String>,
+}
+
+impl Sources {
+    /// In its workspace the package is built as it lies there, with the workspace's lock file. From a registry it
+    /// comes without either, and its folder must not be written to: a copy is built. All that it needs has been
+    /// fetched with it (the command depends on it, too), so the network stays off; the core of the same version
+    /// lies beside it, which matters as long as that version is not published.
+    fn find(package: &Path, out: &Path) -> Result<Self, Box<dyn Error>> {
+        let workspace = fs::read_to_string(package.join("../Cargo.toml")).unwrap_or_default();
+        if workspace.contains("[workspace]") {
+            return Ok(Self {
+                package: package.to_owned(),
+                options: Vec::new(),
+            });
+        }
+        let copy = out.join("urdf2fmu-fmi");
+        if copy.exists() {
+            fs::remove_dir_all(&copy)?;
+        }
+        copy_folder(&package.join("src"), &copy.join("src"))?;
+        fs::copy(package.join("build.rs"), copy.join("build.rs"))?;
+        let manifest = fs::read_to_string(package.join("Cargo.toml"))?;
+        fs::write(copy.join("Cargo.toml"), manifest + "\n[workspace]\n")?;
+        let mut options = vec!["--offline".to_owned()];
+        let core =
+            package.with_file_name(format!("urdf2fmu-core-{}", env::var("CARGO_PKG_VERSION")?));
+        if core.is_dir() {
+            options.push("--config".to_owned());
+            options.push(format!("patch.crates-io.urdf2fmu-core.path={core:?}"));
+        }
+        Ok(Self {
+            package: copy,
+            options,
+        })
+    }
+}
+
+fn copy_folder(from: &Path, to: &Path) -> Result<(), Box<dyn Error>> {
+    fs::create_dir_all(to)?;
+    for entry in fs::read_dir(from)? {
+        let entry = entry?;
+        let place = to.join(entry.file_name());
+        if entry.file_type()?.is_dir() {
+            copy_folder(&entry.path(), &place)?;
+        } else {
+            fs::copy(entry.path(), place)?;
+        }
+    }
+    Ok(())
 }
 
 /// Takes away what the outer build has set and what would make another library of the same sources.
