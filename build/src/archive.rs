@@ -1,0 +1,398 @@
+//! A zip that is the same, byte for byte, for the same content.
+//!
+//! In: names and bytes. Out: one file, complete or not there at all. Entries are sorted by name, their time is the
+//! format's first (1980-01-01), and nothing of the machine is recorded. No zip64, no links, no folders, only stored and
+//! deflated entries: some importers' unzip reads no more.
+//!
+//! The only module that names the `zip` crate.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::io::{Cursor, Read, Write};
+use std::path::{Path, PathBuf};
+use zip::write::SimpleFileOptions;
+use zip::{CompressionMethod, DateTime, ZipWriter};
+
+/// Largest size of one entry and of the whole zip that needs no zip64, in bytes.
+const MAX_BYTES: usize = u32::MAX as usize - 1;
+/// Largest number of entries that needs no zip64.
+const MAX_ENTRIES: usize = u16::MAX as usize - 1;
+
+/// Files to be zipped.
+#[derive(Debug, Default)]
+pub struct Archive {
+    entries: BTreeMap<String, Entry>,
+    /// Lower-case names: two entries must not fall together where the file system ignores case.
+    folded: BTreeSet<String>,
+}
+
+#[derive(Debug)]
+struct Entry {
+    bytes: Vec<u8>,
+    /// Unix permission bits.
+    mode: u32,
+}
+
+/// Why a zip cannot be made or read.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ArchiveError {
+    /// A name that would leave the folder that the zip is unpacked in, or that some system cannot store.
+    #[error("'{name}' is no safe name for a file in a zip")]
+    Name {
+        /// As given.
+        name: String,
+    },
+    /// Two files with one name.
+    #[error("two files would be called '{name}' in the zip")]
+    Clash {
+        /// As given.
+        name: String,
+    },
+    /// Too large for a zip that every importer can read.
+    #[error(
+        "{what} exceeds what a zip without 64-bit extensions can hold; leave out large meshes that the robot does not need"
+    )]
+    TooLarge {
+        /// An entry's name, or "the FMU".
+        what: String,
+    },
+    /// The compressor failed.
+    #[error("cannot pack '{name}': {source}")]
+    Pack {
+        /// Entry.
+        name: String,
+        /// Why.
+        source: zip::result::ZipError,
+    },
+    /// The zip was refused.
+    #[error("'{}' is not a readable FMU: {source}", path.display())]
+    Unpack {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: zip::result::ZipError,
+    },
+    /// The file could not be written or read.
+    #[error("cannot {doing} '{}': {source}", path.display())]
+    Io {
+        /// "write" or "read".
+        doing: &'static str,
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+}
+
+impl Archive {
+    /// Adds a file, `name` with forward slashes.
+    ///
+    /// # Errors
+    /// [`ArchiveError::Name`], [`ArchiveError::Clash`].
+    pub fn add(
+        &mut self,
+        name: impl Into<String>,
+        bytes: impl Into<Vec<u8>>,
+    ) -> Result<(), ArchiveError> {
+        self.insert(name.into(), bytes.into(), 0o644)
+    }
+
+    /// Adds a file that may be executed; some importers keep the bits and some loaders want them.
+    ///
+    /// # Errors
+    /// As [`Self::add`].
+    pub fn add_executable(
+        &mut self,
+        name: impl Into<String>,
+        bytes: impl Into<Vec<u8>>,
+    ) -> Result<(), ArchiveError> {
+        self.insert(name.into(), bytes.into(), 0o755)
+    }
+
+    fn insert(&mut self, name: String, bytes: Vec<u8>, mode: u32) -> Result<(), ArchiveError> {
+        if !is_safe(&name) {
+            return Err(ArchiveError::Name { name });
+        }
+        if !self.folded.insert(name.to_lowercase()) {
+            return Err(ArchiveError::Clash { name });
+        }
+        self.entries.insert(name, Entry { bytes, mode });
+        Ok(())
+    }
+
+    /// The zip's bytes.
+    ///
+    /// # Errors
+    /// [`ArchiveError::TooLarge`], [`ArchiveError::Pack`].
+    pub fn to_bytes(&self) -> Result<Vec<u8>, ArchiveError> {
+        if self.entries.len() > MAX_ENTRIES {
+            return Err(ArchiveError::TooLarge {
+                what: "the number of files".to_owned(),
+            });
+        }
+        let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
+        for (name, entry) in &self.entries {
+            if entry.bytes.len() > MAX_BYTES {
+                return Err(ArchiveError::TooLarge { what: name.clone() });
+            }
+            let options = SimpleFileOptions::default()
+                .compression_method(CompressionMethod::Deflated)
+                .last_modified_time(DateTime::DEFAULT)
+                // Else the writer's own operating system is recorded.
+                .system(zip::System::Unix)
+                .unix_permissions(entry.mode)
+                .large_file(false);
+            let pack = |source| ArchiveError::Pack {
+                name: name.clone(),
+                source,
+            };
+            zip.start_file(name.as_str(), options).map_err(pack)?;
+            zip.write_all(&entry.bytes).map_err(|e| pack(e.into()))?;
+        }
+        let bytes = zip
+            .finish()
+            .map_err(|source| ArchiveError::Pack {
+                name: "the directory of the zip".to_owned(),
+                source,
+            })?
+            .into_inner();
+        if bytes.len() > MAX_BYTES {
+            return Err(ArchiveError::TooLarge {
+                what: "the FMU".to_owned(),
+            });
+        }
+        Ok(bytes)
+    }
+}
+
+/// Writes `bytes` to `path`: beside it first and then renamed, so that a failure leaves what was there before.
+///
+/// # Errors
+/// [`ArchiveError::Io`].
+pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), ArchiveError> {
+    let failed = |source| ArchiveError::Io {
+        doing: "write",
+        path: path.to_owned(),
+        source,
+    };
+    if path.is_dir() {
+        return Err(failed(std::io::ErrorKind::IsADirectory.into()));
+    }
+    let folder = match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    };
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".urdf2fmu-").suffix(".part");
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        // As for any new file; a temporary file is private by default.
+        builder.permissions(std::fs::Permissions::from_mode(0o666));
+    }
+    let mut file = builder.tempfile_in(folder).map_err(failed)?;
+    file.write_all(bytes).map_err(failed)?;
+    file.as_file().sync_all().map_err(failed)?;
+    file.persist(path).map_err(|e| failed(e.error))?;
+    Ok(())
+}
+
+/// One entry of a zip on disk; none where it has no such entry.
+///
+/// # Errors
+/// [`ArchiveError::Io`], [`ArchiveError::Unpack`].
+pub fn read_entry(path: &Path, name: &str) -> Result<Option<Vec<u8>>, ArchiveError> {
+    let io = |source| ArchiveError::Io {
+        doing: "read",
+        path: path.to_owned(),
+        source,
+    };
+    let unpack = |source| ArchiveError::Unpack {
+        path: path.to_owned(),
+        source,
+    };
+    let file = std::fs::File::open(path).map_err(io)?;
+    let mut zip = zip::ZipArchive::new(file).map_err(unpack)?;
+    let mut entry = match zip.by_name(name) {
+        Ok(entry) => entry,
+        Err(zip::result::ZipError::FileNotFound) => return Ok(None),
+        Err(source) => return Err(unpack(source)),
+    };
+    let mut bytes = Vec::new();
+    entry.read_to_end(&mut bytes).map_err(io)?;
+    Ok(Some(bytes))
+}
+
+/// Whether `name` stays inside the folder that it is unpacked in, on every system.
+fn is_safe(name: &str) -> bool {
+    !name.is_empty()
+        && name.len() <= 1000
+        && name
+            .split('/')
+            .all(|part| !part.is_empty() && part == safe_component(part))
+}
+
+/// `part` as a file name that every system can store and none takes for something else: ASCII letters, digits, `.`,
+/// `-`, `_`, `+` and inner spaces stay, all else becomes `_`.
+pub fn safe_component(part: &str) -> String {
+    let mut name: String = part
+        .chars()
+        .map(|c| match c {
+            'a'..='z' | 'A'..='Z' | '0'..='9' | '.' | '-' | '_' | '+' | ' ' => c,
+            _ => '_',
+        })
+        .collect();
+    // `.` and `..` walk; Windows drops dots and spaces at the end, and reads `con.stl` as a device.
+    if name.starts_with(' ') || name.chars().all(|c| c == '.') {
+        name.insert(0, '_');
+    }
+    if name.ends_with(['.', ' ']) {
+        name.push('_');
+    }
+    let stem = name.split('.').next().unwrap_or_default().trim_end();
+    if is_device(stem) {
+        name.insert(0, '_');
+    }
+    name
+}
+
+/// Whether Windows takes a file of this name, with any extension, for a device.
+pub fn is_device(stem: &str) -> bool {
+    let stem = stem.to_ascii_lowercase();
+    let numbered = |prefix: &str| {
+        stem.strip_prefix(prefix)
+            .is_some_and(|n| n.len() == 1 && n.bytes().all(|b| b.is_ascii_digit()))
+    };
+    ["con", "prn", "aux", "nul"].contains(&stem.as_str()) || numbered("com") || numbered("lpt")
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "a test may fail")]
+    use super::*;
+
+    fn u16_at(bytes: &[u8], at: usize) -> u16 {
+        u16::from_le_bytes(bytes[at..at + 2].try_into().unwrap())
+    }
+
+    fn u32_at(bytes: &[u8], at: usize) -> usize {
+        u32::from_le_bytes(bytes[at..at + 4].try_into().unwrap()) as usize
+    }
+
+    /// The layout is that of PKWARE's APPNOTE 6.3.3: end record 4.3.16, directory 4.3.12.
+    #[test]
+    fn zip_has_sorted_entries_fixed_times_and_no_zip64() {
+        let mut archive = Archive::default();
+        archive.add("resources/model.json", vec![7; 5000]).unwrap();
+        archive
+            .add_executable("binaries/linux64/a.so", "x")
+            .unwrap();
+        archive.add("modelDescription.xml", "<x/>").unwrap();
+        let bytes = archive.to_bytes().unwrap();
+
+        let end = bytes.len() - 22;
+        assert_eq!(&bytes[end..end + 4], b"PK\x05\x06");
+        assert_eq!(u16_at(&bytes, end + 10), 3);
+        let mut at = u32_at(&bytes, end + 16);
+        let mut names = Vec::new();
+        for _ in 0..3 {
+            assert_eq!(&bytes[at..at + 4], b"PK\x01\x02");
+            let (version, method) = (u16_at(&bytes, at + 6), u16_at(&bytes, at + 10));
+            assert!(version <= 20, "needs version {version}: more than deflate");
+            assert!(method == 0 || method == 8, "compression method {method}");
+            assert_eq!(u16_at(&bytes, at + 12), 0, "midnight");
+            assert_eq!(u16_at(&bytes, at + 14), (1 << 5) | 1, "1980-01-01");
+            let (name, extra) = (u16_at(&bytes, at + 28), u16_at(&bytes, at + 30));
+            assert_eq!(extra, 0, "extra fields carry zip64 sizes, users and times");
+            let mode = u32_at(&bytes, at + 38) >> 16;
+            let name = String::from_utf8(bytes[at + 46..at + 46 + usize::from(name)].to_vec());
+            let name = name.unwrap();
+            let expected = if name.starts_with("binaries/") {
+                0o100_755
+            } else {
+                0o100_644
+            };
+            assert_eq!(mode, expected, "{name}");
+            at += 46 + name.len();
+            names.push(name);
+        }
+        assert_eq!(at, end);
+        assert!(names.is_sorted(), "{names:?}");
+    }
+
+    #[test]
+    fn order_of_adding_changes_nothing() {
+        let files = [("a", "1"), ("b/c", "22"), ("b/d", "333")];
+        let zip = |order: [usize; 3]| {
+            let mut archive = Archive::default();
+            for i in order {
+                archive.add(files[i].0, files[i].1).unwrap();
+            }
+            archive.to_bytes().unwrap()
+        };
+        assert_eq!(zip([0, 1, 2]), zip([2, 0, 1]));
+    }
+
+    #[test]
+    fn names_that_leave_the_folder_are_refused() {
+        for name in [
+            "",
+            "/etc/passwd",
+            "../a",
+            "a/../b",
+            "a//b",
+            "a/",
+            "C:/a",
+            "a\\b",
+            "a/./b",
+            "nul",
+            "x/con.stl",
+            "a.",
+            "a\n",
+        ] {
+            let refused = Archive::default().add(name, "");
+            assert!(
+                matches!(refused, Err(ArchiveError::Name { .. })),
+                "{name:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn names_that_differ_by_case_alone_clash() {
+        let mut archive = Archive::default();
+        archive.add("Mesh.STL", "").unwrap();
+        assert!(matches!(
+            archive.add("mesh.stl", ""),
+            Err(ArchiveError::Clash { .. })
+        ));
+    }
+
+    #[test]
+    fn safe_component_is_safe_and_keeps_ordinary_names() {
+        for ordinary in ["base_link.stl", "Link 1.STL", "a+b-c.obj", ".hidden"] {
+            assert_eq!(safe_component(ordinary), ordinary);
+        }
+        for odd in [
+            "..", ".", "é.stl", "a:b", "aux", "COM1.obj", "dot.", " x", "a/b",
+        ] {
+            let name = safe_component(odd);
+            assert!(is_safe(&name), "{odd} became {name}");
+        }
+    }
+
+    #[test]
+    fn failed_write_keeps_the_old_file_and_leaves_no_other() {
+        let folder = tempfile::tempdir().unwrap();
+        let target = folder.path().join("occupied");
+        std::fs::create_dir(&target).unwrap();
+        assert!(write_file(&target, b"new").is_err());
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+
+        let file = folder.path().join("a.fmu");
+        write_file(&file, b"old").unwrap();
+        write_file(&file, b"new").unwrap();
+        assert_eq!(std::fs::read(&file).unwrap(), b"new");
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 2);
+    }
+}

@@ -1,0 +1,330 @@
+//! The command line: what can be asked for, and how the answer is printed.
+//!
+//! Results go to standard output, findings and problems to standard error.
+
+#![allow(
+    clippy::print_stdout,
+    clippy::print_stderr,
+    reason = "a command prints"
+)]
+
+use crate::diagnostics::{self, Style};
+use crate::stage::{self, Request, Robot, StageError};
+use crate::{archive, info, summary};
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use serde_json::json;
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+use urdf2fmu_core::model::ActuatorMode;
+use urdf2fmu_core::prepared::{FILE_NAME, PreparedModel, PreparedModelError};
+use urdf2fmu_core::settings::BaseChoice;
+use urdf2fmu_core::urdf::{Diagnostic, Severity};
+use urdf2fmu_core::variables::{self, TableError};
+
+/// Any URDF robot in, a self-contained FMI 2.0 co-simulation FMU out.
+#[derive(Debug, Parser)]
+#[command(version, about, long_about = None, max_term_width = 100)]
+#[command(
+    after_help = "Exit codes: 0 ok, 1 a problem in the robot or a file, 2 wrong usage, 3 the simulation failed."
+)]
+pub struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Make an FMU of a robot
+    #[command(after_help = "Example: urdf2fmu export rover.urdf -o rover.fmu")]
+    Export(Export),
+    /// Show joints, links and variables of a robot or an FMU
+    Info(Info),
+    /// Show everything that looks wrong in a robot, with file, line and advice
+    Check(Check),
+}
+
+/// How a robot is read.
+#[derive(Debug, Args)]
+struct Source {
+    /// Settings file (TOML)
+    #[arg(short, long, value_name = "FILE")]
+    config: Option<PathBuf>,
+    /// Mount the base in the world
+    #[arg(long, conflicts_with = "floating_base")]
+    fixed_base: bool,
+    /// Let the base move freely
+    #[arg(long)]
+    floating_base: bool,
+    /// What is commanded, for every joint that the settings leave open
+    #[arg(long, value_name = "MODE")]
+    mode: Option<Mode>,
+    /// Names of variables: `joint.elbow.position` or `joint_elbow_position`
+    #[arg(long, value_name = "STYLE")]
+    naming: Option<NamingStyle>,
+    /// Folder to look in for `package://`; may be repeated
+    #[arg(long = "package-path", value_name = "DIR")]
+    package_paths: Vec<PathBuf>,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum Mode {
+    /// Reach and hold a velocity within an effort
+    Velocity,
+    /// Reach and hold a position within an effort
+    Position,
+    /// Apply an effort
+    Effort,
+    /// Effort plus gains on position and velocity errors
+    Pd,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum NamingStyle {
+    /// With dots, as FMI's structured names
+    Structured,
+    /// With underscores, for tools that make trees or buses of dots
+    Flat,
+}
+
+#[derive(Debug, Args)]
+struct Export {
+    /// The robot
+    #[arg(value_name = "ROBOT.urdf")]
+    urdf: PathBuf,
+    /// The FMU to write [default: the URDF's name with .fmu, in this folder]
+    #[arg(short, long, value_name = "FILE.fmu")]
+    output: Option<PathBuf>,
+    #[command(flatten)]
+    source: Source,
+}
+
+#[derive(Debug, Args)]
+struct Info {
+    /// A URDF or an FMU made by urdf2fmu
+    #[arg(value_name = "ROBOT.urdf|ROBOT.fmu")]
+    file: PathBuf,
+    /// For other programs
+    #[arg(long)]
+    json: bool,
+    /// List the FMU's variables too
+    #[arg(long)]
+    variables: bool,
+    #[command(flatten)]
+    source: Source,
+}
+
+#[derive(Debug, Args)]
+struct Check {
+    /// The robot
+    #[arg(value_name = "ROBOT.urdf")]
+    urdf: PathBuf,
+    /// Treat them as errors
+    #[arg(long, value_name = "WHAT")]
+    deny: Option<Deny>,
+    /// For other programs
+    #[arg(long)]
+    json: bool,
+    #[command(flatten)]
+    source: Source,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Deny {
+    /// Findings that are legal but suspicious
+    Warnings,
+}
+
+/// What ends the program early.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum CliError {
+    /// Findings; they are printed one by one.
+    #[error("{summary}")]
+    Findings {
+        /// All of them, errors too.
+        findings: Vec<Diagnostic>,
+        /// One line for the end.
+        summary: String,
+    },
+    /// Anything on the way to an FMU.
+    #[error(transparent)]
+    Stage(StageError),
+    /// Reading or writing a zip.
+    #[error(transparent)]
+    Archive(#[from] archive::ArchiveError),
+    /// The FMU's model.
+    #[error("'{}': {source}", path.display())]
+    Prepared {
+        /// The FMU.
+        path: PathBuf,
+        /// Why.
+        source: PreparedModelError,
+    },
+    /// The FMU's table.
+    #[error(transparent)]
+    Table(#[from] TableError),
+    /// A zip of somebody else.
+    #[error("'{}' was not made by urdf2fmu: it has no resources/{FILE_NAME}", path.display())]
+    ForeignFmu {
+        /// The file.
+        path: PathBuf,
+    },
+}
+
+impl CliError {
+    /// The program's exit code.
+    pub fn exit_code(&self) -> u8 {
+        match self {
+            Self::Stage(StageError::Trial(_)) => 3,
+            _ => 1,
+        }
+    }
+}
+
+impl From<StageError> for CliError {
+    fn from(error: StageError) -> Self {
+        match error {
+            StageError::Robot(findings) => {
+                let tally = diagnostics::tally(&findings).unwrap_or_default();
+                Self::Findings {
+                    findings,
+                    summary: format!("the robot cannot be used: {tally}"),
+                }
+            }
+            other => Self::Stage(other),
+        }
+    }
+}
+
+impl Source {
+    fn request(&self, urdf: &Path) -> Request {
+        let base = match (self.fixed_base, self.floating_base) {
+            (true, _) => Some(BaseChoice::Fixed),
+            (_, true) => Some(BaseChoice::Floating),
+            _ => None,
+        };
+        Request {
+            urdf: urdf.to_owned(),
+            config: self.config.clone(),
+            base,
+            mode: self.mode.map(|mode| match mode {
+                Mode::Velocity => ActuatorMode::Velocity,
+                Mode::Position => ActuatorMode::Position,
+                Mode::Effort => ActuatorMode::Effort,
+                Mode::Pd => ActuatorMode::Pd,
+            }),
+            flat_names: self
+                .naming
+                .map(|naming| matches!(naming, NamingStyle::Flat)),
+            package_paths: self.package_paths.clone(),
+        }
+    }
+}
+
+impl Cli {
+    /// Does what was asked.
+    ///
+    /// # Errors
+    /// [`CliError`]; the caller prints it.
+    pub fn run(&self) -> Result<(), CliError> {
+        match &self.command {
+            Command::Export(args) => export(args),
+            Command::Info(args) => show(args),
+            Command::Check(args) => check(args),
+        }
+    }
+}
+
+fn export(args: &Export) -> Result<(), CliError> {
+    let robot = stage::robot(&args.source.request(&args.urdf))?;
+    print_findings(&robot.diagnostics, Severity::Warning);
+    let fmu = stage::fmu(&robot, &args.urdf)?;
+    let output = args.output.clone().unwrap_or_else(|| {
+        let stem = args.urdf.file_stem().unwrap_or("robot".as_ref());
+        PathBuf::from(stem).with_extension("fmu")
+    });
+    archive::write_file(&output, &fmu.bytes)?;
+    print(&summary::text(&output, &fmu, &robot));
+    Ok(())
+}
+
+fn show(args: &Info) -> Result<(), CliError> {
+    let is_fmu = args
+        .file
+        .extension()
+        .is_some_and(|e| e.eq_ignore_ascii_case("fmu"));
+    let (model, table) = if is_fmu {
+        let path = args.file.clone();
+        let Some(bytes) = archive::read_entry(&path, &format!("resources/{FILE_NAME}"))? else {
+            return Err(CliError::ForeignFmu { path });
+        };
+        let prepared = PreparedModel::from_json(&String::from_utf8_lossy(&bytes))
+            .map_err(|source| CliError::Prepared { path, source })?;
+        let table = variables::table(&prepared.model)?;
+        (prepared.model, table)
+    } else {
+        let robot = stage::robot(&args.source.request(&args.file))?;
+        print_findings(&robot.diagnostics, Severity::Warning);
+        (robot.model, robot.table)
+    };
+    if args.json {
+        print(&format!(
+            "{:#}\n",
+            info::json(&model, &table, args.variables)
+        ));
+    } else {
+        print(&info::text(&model, &table, args.variables));
+    }
+    Ok(())
+}
+
+fn check(args: &Check) -> Result<(), CliError> {
+    let findings = match stage::robot(&args.source.request(&args.urdf)) {
+        Ok(Robot { diagnostics, .. }) => diagnostics,
+        Err(StageError::Robot(findings)) => findings,
+        Err(other) => return Err(other.into()),
+    };
+    let worst = findings.iter().map(|d| d.severity).max();
+    let refused = worst == Some(Severity::Error)
+        || worst == Some(Severity::Warning) && args.deny == Some(Deny::Warnings);
+    let tally = diagnostics::tally(&findings);
+    if args.json {
+        let list: Vec<_> = findings.iter().map(diagnostics::to_json).collect();
+        print(&format!(
+            "{:#}\n",
+            json!({ "ok": !refused, "findings": list })
+        ));
+    } else if !refused {
+        let findings_text: String = findings
+            .iter()
+            .map(|d| diagnostics::render(d, Style::of_stdout()))
+            .collect();
+        let verdict = tally
+            .clone()
+            .map_or("ok".to_owned(), |tally| format!("ok, with {tally}"));
+        print(&format!(
+            "{findings_text}{}: {verdict}\n",
+            args.urdf.display()
+        ));
+    }
+    if !refused {
+        return Ok(());
+    }
+    Err(CliError::Findings {
+        summary: format!("{}: {}", args.urdf.display(), tally.unwrap_or_default()),
+        findings: if args.json { Vec::new() } else { findings },
+    })
+}
+
+/// Prints findings that are at least as bad as `least`.
+pub fn print_findings(findings: &[Diagnostic], least: Severity) {
+    let style = Style::of_stderr();
+    for finding in findings.iter().filter(|d| d.severity >= least) {
+        eprint!("{}", diagnostics::render(finding, style));
+    }
+}
+
+/// Prints a result; a reader that has seen enough (`| head`) is no error.
+fn print(text: &str) {
+    _ = std::io::stdout().lock().write_all(text.as_bytes());
+}

@@ -1,0 +1,302 @@
+//! The XML is read back by a reader that knows the specification and nothing of the writer.
+#![allow(clippy::unwrap_used, reason = "a test may fail")]
+
+#[path = "../../tests/export/model_description.rs"]
+mod model_description;
+
+use super::*;
+use model_description::{Element, problems};
+use urdf2fmu_core::model::{
+    ActuatorId, ContactDefaults, Initial, Joint, JointId, JointKind, LinkId, Mimic,
+    OutputSelection, SolverDefaults, World,
+};
+use urdf2fmu_core::simulation::{InputSlot, OutputSlot, ParameterSlot};
+use urdf2fmu_core::spatial::{Pose, Vec3};
+
+/// Two joints, the second mimics the first; nothing here looks at links or bodies.
+fn model() -> Model {
+    let joint = |name: &str, mimic| Joint {
+        name: name.to_owned(),
+        kind: JointKind::Revolute,
+        parent: LinkId(0),
+        child: LinkId(1),
+        X_PJ: Pose::IDENTITY,
+        axis: Vec3::x(),
+        bodies: Vec::new(),
+        limits: None,
+        effort: None,
+        velocity: None,
+        damping: 0.0,
+        friction: 0.0,
+        armature: 0.0,
+        mimic,
+    };
+    let mimic = Mimic {
+        joint: JointId(0),
+        multiplier: 1.0,
+        offset: 0.0,
+    };
+    Model {
+        name: "two".to_owned(),
+        links: Vec::new(),
+        joints: vec![joint("a", None), joint("b", Some(mimic))],
+        bodies: Vec::new(),
+        dofs: Vec::new(),
+        nq: 0,
+        colliders: Vec::new(),
+        actuators: Vec::new(),
+        initial: Initial {
+            position: Vec3::zeros(),
+            rpy: Vec3::zeros(),
+            linear_velocity: Vec3::zeros(),
+            angular_velocity: Vec3::zeros(),
+            joint_positions: Vec::new(),
+            joint_velocities: Vec::new(),
+        },
+        solver: SolverDefaults {
+            step_size: 0.0,
+            tolerance: 0.0,
+        },
+        contact: ContactDefaults {
+            penetration: 1e-4,
+            stiffness: None,
+            dissipation: 51.0,
+        },
+        world: World {
+            gravity: Vec3::zeros(),
+            ground: None,
+        },
+        outputs: OutputSelection::default(),
+    }
+}
+
+fn row(value_reference: u32, slot: Slot, kind: Kind, unit: Unit, start: Option<f64>) -> Variable {
+    Variable {
+        name: format!("v{value_reference}"),
+        value_reference,
+        description: "a <b> & \"c\"\u{7}\n'd'".to_owned(),
+        slot,
+        kind,
+        start,
+        min: None,
+        max: None,
+        unit,
+    }
+}
+
+/// Rows 1 … 7.
+fn table() -> Vec<Variable> {
+    let input = Slot::Input(InputSlot::Velocity(ActuatorId(0)));
+    let position = |joint| Slot::Output(OutputSlot::JointPosition(JointId(joint), 0));
+    let initial = |slot| Slot::Parameter(slot);
+    let mut table = vec![
+        row(0, input, Kind::Real, Unit::RadianPerSecond, Some(0.1 + 0.2)),
+        row(1, position(0), Kind::Real, Unit::Radian, None),
+        row(2, position(1), Kind::Real, Unit::Radian, None),
+        row(
+            3,
+            Slot::Output(OutputSlot::JointEffort(JointId(0))),
+            Kind::Real,
+            Unit::NewtonMeter,
+            None,
+        ),
+        row(
+            4,
+            Slot::Output(OutputSlot::ContactActive(LinkId(0))),
+            Kind::Boolean,
+            Unit::One,
+            None,
+        ),
+        row(
+            5,
+            initial(ParameterSlot::InitialJointPosition(JointId(0))),
+            Kind::Real,
+            Unit::Radian,
+            Some(-0.0),
+        ),
+        row(
+            6,
+            initial(ParameterSlot::Gravity(2)),
+            Kind::Real,
+            Unit::MeterPerSecondSquared,
+            Some(-9.81),
+        ),
+        row(
+            7,
+            Slot::Output(OutputSlot::Steps),
+            Kind::Integer,
+            Unit::One,
+            None,
+        ),
+    ];
+    table[0].min = Some(-1e300);
+    table[0].max = Some(7.0);
+    table
+}
+
+fn xml(table: &[Variable]) -> Result<String, DescribeError> {
+    let header = Header {
+        model_name: "two & more",
+        model_identifier: "two",
+        guid: "{0}",
+        date: "1980-01-01T00:00:00Z",
+        description: "x",
+    };
+    model_description(&header, &model(), table).map(|bytes| String::from_utf8(bytes).unwrap())
+}
+
+#[test]
+fn description_keeps_every_rule_of_the_specification() {
+    assert_eq!(problems(&xml(&table()).unwrap()), Vec::<String>::new());
+}
+
+/// Else the test above could not fail.
+#[test]
+fn the_reader_notices_broken_rules() {
+    let good = xml(&table()).unwrap();
+    for (from, to) in [
+        ("valueReference=\"1\"", "valueReference=\"2\""),
+        ("start=\"-9.81\"", "start=\"NaN\""),
+        ("max=\"7\"", "max=\"0.1\""),
+        ("<Unit name=\"rad\"", "<Unit name=\"radian\""),
+        ("<Unknown index=\"2\"", "<Unknown index=\"1\""),
+        ("dependencies=\"6\"", "dependencies=\"2\""),
+        ("variability=\"tunable\"", "variability=\"continuous\""),
+        ("modelIdentifier=\"two\"", "modelIdentifier=\"2\""),
+        (
+            "<Real declaredType=\"Torque\"",
+            "<Real start=\"1\" declaredType=\"Torque\"",
+        ),
+    ] {
+        assert!(good.contains(from), "{from} not in the text");
+        assert!(
+            !problems(&good.replacen(from, to, 1)).is_empty(),
+            "{to} goes unnoticed"
+        );
+    }
+}
+
+#[test]
+fn doubles_and_texts_read_back_exactly() {
+    let text = xml(&table()).unwrap();
+    let root = Element::read(&text);
+    let variables = root.list("ModelVariables");
+    let attribute = |i: usize, name: &str| variables[i].children[0].get(name).unwrap().to_owned();
+    let start: f64 = attribute(0, "start").parse().unwrap();
+    assert_eq!(start.to_bits(), (0.1_f64 + 0.2).to_bits());
+    assert_eq!(attribute(0, "min"), "-1e300");
+    assert_eq!(attribute(5, "start"), "0");
+    assert_eq!(root.get("modelName"), Some("two & more"));
+    assert_eq!(variables[0].get("description"), Some("a <b> & \"c\"  'd'"));
+}
+
+#[test]
+fn initial_position_of_a_mimic_joint_follows_its_leader_and_forces_follow_everything() {
+    let root = Element::read(&xml(&table()).unwrap());
+    let unknowns: Vec<_> = root
+        .child("ModelStructure")
+        .unwrap()
+        .list("InitialUnknowns")
+        .iter()
+        .map(|u| (u.get("index").unwrap(), u.get("dependencies")))
+        .collect();
+    let expected = [
+        ("2", Some("6")),
+        ("3", Some("6")),
+        ("4", None),
+        ("5", None),
+        ("8", Some("")),
+    ];
+    assert_eq!(unknowns, expected);
+}
+
+#[test]
+fn angles_have_degrees_and_radians_are_a_base_unit() {
+    let root = Element::read(&xml(&table()).unwrap());
+    let unit = |name: &str| {
+        root.list("UnitDefinitions")
+            .iter()
+            .find(|u| u.get("name") == Some(name))
+            .unwrap()
+    };
+    assert_eq!(unit("rad").child("BaseUnit").unwrap().get("rad"), Some("1"));
+    let degrees = unit("rad").child("DisplayUnit").unwrap();
+    assert_eq!(degrees.get("name"), Some("deg"));
+    // π rad are 180 degrees.
+    let factor: f64 = degrees.get("factor").unwrap().parse().unwrap();
+    assert!((factor * std::f64::consts::PI - 180.0).abs() < 1e-13);
+    let torque = unit("N.m").child("BaseUnit").unwrap();
+    assert_eq!(
+        (torque.get("kg"), torque.get("m"), torque.get("s")),
+        (Some("1"), Some("2"), Some("-2"))
+    );
+    assert_eq!(torque.get("rad"), None);
+}
+
+/// SI brochure: N = kg m/s², J = N m; a stiffness is per angle, a damping per angular velocity.
+#[test]
+fn derived_units_are_products_of_their_parts() {
+    let exponents = |unit| units::facts(unit).exponents.map(|(_, n)| n);
+    let minus = |a: [i8; 4], b: [i8; 4]| [0, 1, 2, 3].map(|i| a[i] - b[i]);
+    let (force, torque) = (exponents(Unit::Newton), exponents(Unit::NewtonMeter));
+    assert_eq!(force, [1, 1, -2, 0]);
+    assert_eq!(exponents(Unit::Joule), minus(force, [0, -1, 0, 0]));
+    for (quotient, above, below) in [
+        (Unit::NewtonPerMeter, force, Unit::Meter),
+        (Unit::NewtonSecondPerMeter, force, Unit::MeterPerSecond),
+        (Unit::NewtonMeterPerRadian, torque, Unit::Radian),
+        (
+            Unit::NewtonMeterSecondPerRadian,
+            torque,
+            Unit::RadianPerSecond,
+        ),
+        (
+            Unit::MeterPerSecondSquared,
+            exponents(Unit::MeterPerSecond),
+            Unit::Second,
+        ),
+        (
+            Unit::RadianPerSecondSquared,
+            exponents(Unit::RadianPerSecond),
+            Unit::Second,
+        ),
+    ] {
+        assert_eq!(
+            exponents(quotient),
+            minus(above, exponents(below)),
+            "{quotient:?}"
+        );
+    }
+}
+
+#[test]
+fn a_table_that_fmi_forbids_is_refused() {
+    let broken = |change: fn(&mut Vec<Variable>)| {
+        let mut table = table();
+        change(&mut table);
+        xml(&table)
+    };
+    assert!(matches!(
+        broken(|t| t[0].start = Some(f64::INFINITY)),
+        Err(DescribeError::NotFinite {
+            attribute: "start",
+            ..
+        })
+    ));
+    assert!(matches!(
+        broken(|t| t[0].max = Some(0.0)),
+        Err(DescribeError::Range { .. })
+    ));
+    assert!(matches!(
+        broken(|t| t[1].name = "v0".into()),
+        Err(DescribeError::Duplicate { .. })
+    ));
+    assert!(matches!(
+        broken(|t| t[1].value_reference = 0),
+        Err(DescribeError::Duplicate { .. })
+    ));
+    assert!(matches!(
+        broken(|t| t[6].start = None),
+        Err(DescribeError::NoStart { .. })
+    ));
+}

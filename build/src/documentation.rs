@@ -1,0 +1,224 @@
+//! documentation/index.html: one page without links to elsewhere.
+//!
+//! Printed from the same table as modelDescription.xml. It says what was assumed, and names no path of the machine that
+//! made the FMU.
+
+use crate::info::{count, role, short, total_mass, unit};
+use std::fmt::{Display, Write as _};
+use urdf2fmu_core::model::Model;
+use urdf2fmu_core::urdf::Severity;
+use urdf2fmu_core::variables::{Slot, Variable};
+
+/// Something that was assumed or looks wrong.
+#[derive(Clone, Debug)]
+pub struct Remark {
+    /// Whether it is an assumption or a warning.
+    pub severity: Severity,
+    /// `U104`
+    pub code: &'static str,
+    /// In words.
+    pub message: String,
+    /// `rover.urdf, line 12`; none for what has no place.
+    pub place: Option<String>,
+}
+
+/// What the page shows beside the model and its table.
+#[derive(Debug)]
+pub struct Page<'a> {
+    /// C identifier of the FMU.
+    pub model_identifier: &'a str,
+    /// See modelDescription.xml.
+    pub guid: &'a str,
+    /// `linux64` …
+    pub platforms: &'a [&'a str],
+    /// In order of appearance.
+    pub remarks: &'a [Remark],
+    /// Names below `resources/source/`.
+    pub sources: &'a [String],
+}
+
+/// The page.
+pub fn html(page: &Page, model: &Model, table: &[Variable]) -> String {
+    let mut out = String::new();
+    let name = escape(&model.name);
+    _ = write!(
+        out,
+        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+         <meta name=\"viewport\" content=\"width=device-width\">\n<title>{name}</title>\n<style>\n{}</style>\n</head>\n\
+         <body>\n<h1>{name}</h1>\n<p class=\"quiet\">FMI 2.0 co-simulation FMU of a URDF robot, made by urdf2fmu {}</p>\n",
+        include_str!("documentation.css"),
+        env!("CARGO_PKG_VERSION"),
+    );
+    facts(&mut out, page, model, table);
+    remarks(&mut out, page);
+    out.push_str(CONVENTIONS);
+    variables(&mut out, table);
+    let sources: Vec<String> = page.sources.iter().map(code).collect();
+    _ = write!(
+        out,
+        "<h2>Licences</h2>\n<p>The robot's description and meshes in <code>resources/source/</code> belong to their \
+         authors: {}. The simulator in <code>binaries/</code> is MIT OR Apache-2.0, as are the parts it is made of or \
+         under terms as free; see <code>documentation/licenses/license.txt</code>.</p>\n</body>\n</html>\n",
+        sources.join(", "),
+    );
+    out
+}
+
+fn facts(out: &mut String, page: &Page, model: &Model, table: &[Variable]) {
+    let number_of = |f: fn(&Slot) -> bool| table.iter().filter(|v| f(&v.slot)).count();
+    let gravity = model.world.gravity;
+    let ground = model.world.ground.as_ref().map_or_else(
+        || "none".to_owned(),
+        |g| {
+            format!(
+                "plane z = 0, friction {}, restitution {}",
+                short(g.friction),
+                short(g.restitution)
+            )
+        },
+    );
+    let rows: [(&str, String); 8] = [
+        (
+            "Base",
+            if model.is_floating() {
+                "floating"
+            } else {
+                "fixed"
+            }
+            .to_owned(),
+        ),
+        (
+            "Parts",
+            format!(
+                "{}, {}, {}",
+                count(model.links.len(), "link"),
+                count(model.joints.len(), "joint"),
+                count(model.nv(), "degree of freedom")
+            ),
+        ),
+        ("Mass", format!("{} kg", short(total_mass(model)))),
+        (
+            "Gravity",
+            format!(
+                "({}, {}, {}) m/s²",
+                short(gravity.x),
+                short(gravity.y),
+                short(gravity.z)
+            ),
+        ),
+        ("Ground", ground),
+        (
+            "Variables",
+            format!(
+                "{}, {}, {}",
+                count(number_of(|s| matches!(s, Slot::Input(_))), "input"),
+                count(number_of(|s| matches!(s, Slot::Output(_))), "output"),
+                count(number_of(|s| matches!(s, Slot::Parameter(_))), "parameter"),
+            ),
+        ),
+        ("Platforms", page.platforms.join(", ")),
+        (
+            "Identity",
+            format!("{}, guid {}", page.model_identifier, page.guid),
+        ),
+    ];
+    out.push_str("<table class=\"facts\">\n");
+    for (what, value) in rows {
+        _ = writeln!(out, "<tr><td>{what}</td><td>{}</td></tr>", escape(&value));
+    }
+    out.push_str("</table>\n");
+}
+
+fn remarks(out: &mut String, page: &Page) {
+    out.push_str("<h2>What was assumed</h2>\n");
+    if page.remarks.is_empty() {
+        out.push_str("<p>Nothing beyond the robot's files.</p>\n");
+        return;
+    }
+    out.push_str("<ul>\n");
+    for remark in page.remarks {
+        let warning = if remark.severity == Severity::Note {
+            ""
+        } else {
+            "<strong>Warning:</strong> "
+        };
+        let place = remark
+            .place
+            .as_ref()
+            .map_or_else(String::new, |p| format!(", {}", escape(p)));
+        _ = writeln!(
+            out,
+            "<li>{warning}{} <span class=\"quiet\">({}{place})</span></li>",
+            escape(&remark.message),
+            remark.code,
+        );
+    }
+    out.push_str("</ul>\n");
+}
+
+/// What a number means.
+const CONVENTIONS: &str = "<h2>Units and frames</h2>
+<p>SI units: m, kg, s, rad, N. The world frame has z up and the ground at z = 0. <code>base.*</code> is the frame of the
+URDF's root link, at its origin and not at its centre of mass; velocities are those of that point, in world axes.
+Quaternions are x, y, z, w; roll, pitch and yaw turn about fixed axes, as in URDF. Joint positions and velocities have
+the sign and the zero of the URDF; <code>effort</code> is the actuator's alone, without friction and damping. Contact
+forces are net forces on the link in world axes, averaged over the last communication step.</p>
+<p>Outputs are values at the end of the communication step. An unconnected input keeps its start value. A
+<code>max_effort</code> of 0 lets the joint go. Tunable parameters may change between steps, fixed ones only before or
+during initialisation. <code>solver.step_size</code> = 0 means error controlled by <code>solver.tolerance</code>; 0
+there means the importer's tolerance, or 0.001.</p>
+";
+
+/// A heading and what stands under it.
+type Group = (&'static str, fn(&Slot) -> bool);
+
+fn variables(out: &mut String, table: &[Variable]) {
+    out.push_str("<h2>Variables</h2>\n");
+    let groups: [Group; 3] = [
+        ("Inputs", |s| matches!(s, Slot::Input(_))),
+        ("Outputs", |s| matches!(s, Slot::Output(_))),
+        ("Parameters", |s| matches!(s, Slot::Parameter(_))),
+    ];
+    for (title, belongs) in groups {
+        let rows: Vec<&Variable> = table.iter().filter(|v| belongs(&v.slot)).collect();
+        if rows.is_empty() {
+            continue;
+        }
+        _ = write!(
+            out,
+            "<h3>{title}</h3>\n<table>\n<tr><th>Name</th><th>Unit</th><th>Start</th><th>Range</th><th>Kind</th>\
+             <th>Meaning</th></tr>\n"
+        );
+        for v in rows {
+            let range = match (v.min, v.max) {
+                (None, None) => String::new(),
+                (min, max) => format!(
+                    "{} … {}",
+                    min.map_or_else(|| "−∞".to_owned(), short),
+                    max.map_or_else(|| "∞".to_owned(), short)
+                ),
+            };
+            _ = writeln!(
+                out,
+                "<tr><td>{}</td><td>{}</td><td class=\"n\">{}</td><td class=\"n\">{range}</td><td>{}</td><td>{}</td></tr>",
+                code(&v.name),
+                unit(v),
+                v.start.map_or_else(String::new, short),
+                role(v),
+                escape(&v.description),
+            );
+        }
+        out.push_str("</table>\n");
+    }
+}
+
+fn code(text: impl Display) -> String {
+    format!("<code>{}</code>", escape(&text.to_string()))
+}
+
+fn escape(text: &str) -> String {
+    text.replace('&', "&amp;")
+        .replace('<', "&lt;")
+        .replace('>', "&gt;")
+        .replace('"', "&quot;")
+}

@@ -1,0 +1,315 @@
+//! What a robot consists of, as text and as JSON: joints with the columns of PyBullet's `getJointInfo`, links with the
+//! inertia that the solver uses, the FMU's variables.
+
+#![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
+
+use crate::columns::Columns;
+use crate::describe::{causality, number, variability};
+use crate::units;
+use serde_json::{Value, json};
+use std::fmt::Write as _;
+use urdf2fmu_core::model::{Joint, JointId, JointKind, LinkId, Model};
+use urdf2fmu_core::spatial::{Mat3, quaternion_from_rotation};
+use urdf2fmu_core::variables::{Kind, Variable};
+
+/// The robot in a few lines, then its joints and links.
+pub fn text(model: &Model, table: &[Variable], with_variables: bool) -> String {
+    let mut out = format!(
+        "{}: {}, {}, {}, {}, {} kg\n",
+        model.name,
+        if model.is_floating() {
+            "floating base"
+        } else {
+            "fixed base"
+        },
+        count(model.links.len(), "link"),
+        count(model.joints.len(), "joint"),
+        count(model.nv(), "degree of freedom"),
+        short(total_mass(model)),
+    );
+    if !model.joints.is_empty() {
+        _ = write!(out, "\nJoints\n{}", joints(model).indented());
+    }
+    _ = write!(out, "\nLinks\n{}", links(model).indented());
+    if with_variables {
+        _ = write!(out, "\nVariables\n{}", variables(table).indented());
+    }
+    out
+}
+
+/// `1 link`, `2 links`, `2 degrees of freedom`.
+pub fn count(n: usize, thing: &str) -> String {
+    if n == 1 {
+        return format!("1 {thing}");
+    }
+    match thing.split_once(' ') {
+        Some((head, rest)) => format!("{n} {head}s {rest}"),
+        None => format!("{n} {thing}s"),
+    }
+}
+
+/// kg, all links together.
+pub fn total_mass(model: &Model) -> f64 {
+    model.links.iter().map(|l| l.inertia.mass).sum()
+}
+
+/// Six significant digits: for eyes, not for computing.
+pub fn short(x: f64) -> String {
+    let rounded: f64 = format!("{x:.5e}").parse().unwrap_or(x);
+    number(rounded)
+}
+
+fn joints(model: &Model) -> Columns {
+    let mut rows = Columns::new(&[
+        "#", "joint", "type", "parent", "child", "axis", "lower", "upper", "effort", "velocity",
+        "damping", "friction", "command",
+    ]);
+    for (i, joint) in model.joints.iter().enumerate() {
+        let moving = joint.kind != JointKind::Fixed;
+        let optional = |x: Option<f64>| x.map_or_else(String::new, short);
+        let of_motion = |x: f64| if moving { short(x) } else { String::new() };
+        rows.row([
+            i.to_string(),
+            joint.name.clone(),
+            kind(joint.kind).to_owned(),
+            model.links[joint.parent.index()].name.clone(),
+            model.links[joint.child.index()].name.clone(),
+            if moving && joint.kind != JointKind::Floating {
+                joint
+                    .axis
+                    .iter()
+                    .map(|x| short(*x))
+                    .collect::<Vec<_>>()
+                    .join(" ")
+            } else {
+                String::new()
+            },
+            optional(joint.limits.map(|l| l.lower)),
+            optional(joint.limits.map(|l| l.upper)),
+            optional(joint.effort.filter(|_| moving)),
+            optional(joint.velocity.filter(|_| moving)),
+            of_motion(joint.damping),
+            of_motion(joint.friction),
+            command(model, JointId::from(i)),
+        ]);
+    }
+    rows
+}
+
+/// What drives a joint: an actuator's mode, or the joint that it mimics.
+fn command(model: &Model, joint: JointId) -> String {
+    if let Some(mimic) = model.joints[joint.index()].mimic {
+        let leader = &model.joints[mimic.joint.index()].name;
+        let offset = if mimic.offset == 0.0 {
+            String::new()
+        } else {
+            format!(" + {}", short(mimic.offset))
+        };
+        return format!("{} × {leader}{offset}", short(mimic.multiplier));
+    }
+    model
+        .actuators
+        .iter()
+        .find(|a| a.joint == joint)
+        .map(|a| format!("{:?}", a.mode).to_lowercase())
+        .unwrap_or_default()
+}
+
+fn links(model: &Model) -> Columns {
+    let mut rows = Columns::new(&[
+        "#",
+        "link",
+        "mass kg",
+        "com x y z m",
+        "ixx kg.m2",
+        "iyy",
+        "izz",
+        "ixy",
+        "ixz",
+        "iyz",
+        "friction",
+        "shapes",
+    ]);
+    for (i, link) in model.links.iter().enumerate() {
+        let com = link.inertia.com;
+        let I = link.inertia.I_cm;
+        let shapes = colliders(model, LinkId::from(i));
+        rows.row([
+            i.to_string(),
+            link.name.clone(),
+            short(link.inertia.mass),
+            format!("{} {} {}", short(com.x), short(com.y), short(com.z)),
+            short(I[(0, 0)]),
+            short(I[(1, 1)]),
+            short(I[(2, 2)]),
+            short(I[(0, 1)]),
+            short(I[(0, 2)]),
+            short(I[(1, 2)]),
+            short(link.friction),
+            shapes.join(" "),
+        ]);
+    }
+    rows
+}
+
+fn colliders(model: &Model, link: LinkId) -> Vec<&'static str> {
+    use urdf2fmu_core::geometry::Shape;
+    model
+        .colliders
+        .iter()
+        .filter(|c| c.link == link)
+        .map(|c| match c.shape {
+            Shape::Sphere { .. } => "sphere",
+            Shape::Capsule { .. } => "capsule",
+            Shape::Cylinder { .. } => "cylinder",
+            Shape::Box { .. } => "box",
+            Shape::Hull { .. } => "hull",
+        })
+        .collect()
+}
+
+fn variables(table: &[Variable]) -> Columns {
+    let mut rows = Columns::new(&["vr", "variable", "kind", "start", "min", "max", "unit"]);
+    for v in table {
+        let optional = |x: Option<f64>| x.map_or_else(String::new, short);
+        rows.row([
+            v.value_reference.to_string(),
+            v.name.clone(),
+            role(v),
+            optional(v.start),
+            optional(v.min),
+            optional(v.max),
+            unit(v).to_owned(),
+        ]);
+    }
+    rows
+}
+
+/// `input`, `output`, `fixed parameter`, `tunable parameter`.
+pub fn role(v: &Variable) -> String {
+    match causality(v) {
+        "parameter" => format!("{} parameter", variability(v)),
+        other => other.to_owned(),
+    }
+}
+
+/// FMI's unit name; empty for what is not a Real.
+pub fn unit(v: &Variable) -> &'static str {
+    if v.kind == Kind::Real {
+        units::facts(v.unit).name
+    } else {
+        ""
+    }
+}
+
+fn kind(kind: JointKind) -> &'static str {
+    match kind {
+        JointKind::Fixed => "fixed",
+        JointKind::Revolute => "revolute",
+        JointKind::Continuous => "continuous",
+        JointKind::Prismatic => "prismatic",
+        JointKind::Planar => "planar",
+        JointKind::Floating => "floating",
+    }
+}
+
+/// The same for other programs; numbers exact.
+pub fn json(model: &Model, table: &[Variable], with_variables: bool) -> Value {
+    let mut value = json!({
+        "robot": model.name,
+        "base": if model.is_floating() { "floating" } else { "fixed" },
+        "degrees_of_freedom": model.nv(),
+        "mass": total_mass(model),
+        "joints": model.joints.iter().enumerate().map(|(i, j)| joint_json(model, i, j)).collect::<Vec<_>>(),
+        "links": model.links.iter().enumerate().map(|(i, link)| json!({
+            "index": i,
+            "name": link.name,
+            "mass": link.inertia.mass,
+            "com": link.inertia.com.as_slice(),
+            "inertia": matrix(&link.inertia.I_cm),
+            "friction": link.friction,
+            "restitution": link.restitution,
+            "collision": colliders(model, LinkId::from(i)),
+        })).collect::<Vec<_>>(),
+    });
+    if with_variables {
+        value["variables"] = table.iter().map(variable_json).collect();
+    }
+    value
+}
+
+/// The 17 columns of `getJointInfo`, by PyBullet's names where FMI and URDF have none; frames are the URDF's: the
+/// joint's origin in its parent link, not in the parent's inertial frame.
+fn joint_json(model: &Model, index: usize, joint: &Joint) -> Value {
+    let body = joint.bodies.first().map(|b| &model.bodies[b.index()]);
+    let moving = body.filter(|_| joint.mimic.is_none());
+    let turn = quaternion_from_rotation(&joint.X_PJ.R);
+    json!({
+        "index": index,
+        "name": joint.name,
+        "type": kind(joint.kind),
+        "q_index": moving.map(|b| b.coordinate),
+        "v_index": moving.map(|b| b.dof.index()),
+        "mimic": joint.mimic.map(|m| json!({
+            "joint": model.joints[m.joint.index()].name,
+            "multiplier": m.multiplier,
+            "offset": m.offset,
+        })),
+        "damping": joint.damping,
+        "friction": joint.friction,
+        "armature": joint.armature,
+        "lower": joint.limits.map(|l| l.lower),
+        "upper": joint.limits.map(|l| l.upper),
+        "max_effort": joint.effort,
+        "max_velocity": joint.velocity,
+        "link": model.links[joint.child.index()].name,
+        "axis": joint.axis.as_slice(),
+        "origin_position": joint.X_PJ.p.as_slice(),
+        "origin_orientation_xyzw": [turn.i, turn.j, turn.k, turn.w],
+        "parent": model.links[joint.parent.index()].name,
+        "command": model.actuators.iter().find(|a| a.joint.index() == index)
+            .map(|a| format!("{:?}", a.mode).to_lowercase()),
+    })
+}
+
+fn variable_json(v: &Variable) -> Value {
+    json!({
+        "name": v.name,
+        "value_reference": v.value_reference,
+        "causality": causality(v),
+        "variability": variability(v),
+        "type": format!("{:?}", v.kind),
+        "unit": unit(v),
+        "start": v.start,
+        "min": v.min,
+        "max": v.max,
+        "description": v.description,
+    })
+}
+
+/// Rows of a symmetric matrix.
+fn matrix(m: &Mat3) -> Vec<Vec<f64>> {
+    m.row_iter()
+        .map(|row| row.iter().copied().collect())
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn short_keeps_six_digits_and_drops_noise() {
+        assert_eq!(short(0.1 + 0.2), "0.3");
+        assert_eq!(short(1.0 / 3.0), "0.333333");
+        assert_eq!(short(-0.0), "0");
+        assert_eq!(short(1e-12), "1e-12");
+        assert_eq!(short(14.2), "14.2");
+    }
+
+    #[test]
+    fn count_spells_plurals() {
+        assert_eq!(count(1, "link"), "1 link");
+        assert_eq!(count(3, "degree of freedom"), "3 degrees of freedom");
+    }
+}

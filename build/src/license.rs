@@ -1,0 +1,122 @@
+//! documentation/licenses/license.txt: the terms of everything in `binaries/`.
+
+use std::fmt::Write as _;
+
+/// Crates compiled into the FMU's library, with the licence that each is used under. A test holds this list to what
+/// cargo says.
+const PARTS: [(&str, License); 22] = [
+    ("approx", License::Apache),
+    ("bytemuck", License::Both),
+    ("itoa", License::Both),
+    ("libc", License::Both),
+    ("libm", License::Mit),
+    ("matrixmultiply", License::Both),
+    ("memchr", License::Mit),
+    ("nalgebra", License::Apache),
+    ("num-complex", License::Both),
+    ("num-integer", License::Both),
+    ("num-rational", License::Both),
+    ("num-traits", License::Both),
+    ("rawpointer", License::Both),
+    ("safe_arch", License::Both),
+    ("serde", License::Both),
+    ("serde_core", License::Both),
+    ("serde_json", License::Both),
+    ("simba", License::Apache),
+    ("thiserror", License::Both),
+    ("typenum", License::Both),
+    ("wide", License::Both),
+    ("zmij", License::Mit),
+];
+
+/// Copyright lines that the licences of parts ask to pass on.
+const NOTICES: &str = "
+libm: Copyright (c) 2018 Jorge Aparicio. Portions derived from musl libc, Copyright (c) 2005-2020 Rich Felker, et al.;
+its math library is Copyright (c) 1993, 2004 Sun Microsystems, 2003-2011 David Schultz, 2003-2009 Steven G. Kargl,
+2003-2009 Bruce D. Evans, 2008 Stephen L. Moshier and 2017-2018 Arm Limited. Portions from the CORE-MATH project (MIT).
+";
+
+#[derive(Clone, Copy, Debug)]
+enum License {
+    Mit,
+    Apache,
+    Both,
+}
+
+/// The text.
+pub fn text() -> String {
+    let mut out = format!(
+        "This FMU was made by urdf2fmu {}.\n\n\
+         The robot's description, settings and meshes (resources/) belong to their authors and are under their terms.\n\n\
+         The libraries in binaries/ contain the urdf2fmu simulator (MIT OR Apache-2.0), Rust's standard library (MIT OR\n\
+         Apache-2.0) and these crates:\n\n",
+        env!("CARGO_PKG_VERSION")
+    );
+    for (name, license) in PARTS {
+        let license = match license {
+            License::Mit => "MIT",
+            License::Apache => "Apache-2.0",
+            License::Both => "MIT OR Apache-2.0",
+        };
+        _ = writeln!(out, "  {name:<16} {license}");
+    }
+    out.push_str(NOTICES);
+    for (title, license) in [
+        ("MIT", include_str!("../LICENSE-MIT")),
+        ("Apache-2.0", include_str!("../LICENSE-APACHE")),
+    ] {
+        let line = "-".repeat(78);
+        _ = write!(out, "\n{line}\n{title}\n{line}\n\n{license}");
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "a test may fail")]
+    use super::*;
+    use std::collections::BTreeSet;
+
+    /// Procedural macros run at build time and are not part of the library; their dependencies neither.
+    const BUILD_TIME: [&str; 7] = [
+        "proc-macro2",
+        "quote",
+        "serde_derive",
+        "syn",
+        "thiserror-impl",
+        "unicode-ident",
+        "urdf2fmu",
+    ];
+
+    #[test]
+    fn list_of_parts_is_what_cargo_links_into_the_library() {
+        let output = std::process::Command::new(env!("CARGO"))
+            .args([
+                "tree",
+                "--offline",
+                "--locked",
+                "-p",
+                "urdf2fmu-fmi",
+                "-e",
+                "normal",
+            ])
+            .args(["--prefix", "none", "-f", "{p}"])
+            .current_dir(env!("CARGO_MANIFEST_DIR"))
+            .output()
+            .unwrap();
+        assert!(
+            output.status.success(),
+            "{}",
+            String::from_utf8_lossy(&output.stderr)
+        );
+        let text = String::from_utf8(output.stdout).unwrap();
+        let linked: BTreeSet<&str> = text
+            .lines()
+            .filter_map(|line| line.split_whitespace().next())
+            .filter(|name| !BUILD_TIME.contains(name) && !name.starts_with("urdf2fmu"))
+            .collect();
+        let listed: BTreeSet<&str> = PARTS.iter().map(|(name, _)| *name).collect();
+        let missing: Vec<_> = linked.difference(&listed).collect();
+        assert!(missing.is_empty(), "not in license.txt: {missing:?}");
+    }
+}

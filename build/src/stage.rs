@@ -1,0 +1,377 @@
+//! From a URDF to everything that goes into an FMU.
+//!
+//! URDF → settings → description → model → prepared model → variable table → modelDescription.xml → files of the zip.
+//! Each step stops at the first thing that makes it impossible; findings that do not are collected. What will be
+//! loaded is what was checked: the prepared model is read back and runs one step before anything is written.
+
+use crate::archive::{Archive, ArchiveError};
+use crate::describe::{self, DescribeError, Header};
+use crate::documentation::{self, Page, Remark};
+use crate::identifier::model_identifier;
+use crate::library::{self, Library};
+use crate::{license, sources};
+use sha2::{Digest, Sha256};
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use urdf2fmu_core::assemble;
+use urdf2fmu_core::model::{ActuatorMode, Model};
+use urdf2fmu_core::prepared::{FILE_NAME, PreparedModel, PreparedModelError};
+use urdf2fmu_core::settings::{ActuatorSettings, BaseChoice, ModeChoice, Settings};
+use urdf2fmu_core::simulation::{Simulation, SimulationError};
+use urdf2fmu_core::urdf::{self, Diagnostic, ReadOptions};
+use urdf2fmu_core::variables::{self, TableError, Variable};
+
+/// What a person asked for. What stands here wins over the settings file.
+#[derive(Clone, Debug, Default)]
+pub struct Request {
+    /// The robot.
+    pub urdf: PathBuf,
+    /// The settings file.
+    pub config: Option<PathBuf>,
+    /// `--fixed-base`, `--floating-base`.
+    pub base: Option<BaseChoice>,
+    /// `--mode`: for every joint that the settings file does not mention.
+    pub mode: Option<ActuatorMode>,
+    /// `--naming`.
+    pub flat_names: Option<bool>,
+    /// Searched before those of the environment.
+    pub package_paths: Vec<PathBuf>,
+}
+
+/// A robot that is ready to simulate.
+#[derive(Debug)]
+pub struct Robot {
+    /// As prepared.
+    pub model: Model,
+    /// Every variable of its FMU.
+    pub table: Vec<Variable>,
+    /// What was assumed and what looks wrong.
+    pub diagnostics: Vec<Diagnostic>,
+    /// Files that it was read from: the URDF, its meshes, then the settings.
+    pub sources: Vec<PathBuf>,
+}
+
+/// An FMU, not yet on disk.
+#[derive(Debug)]
+pub struct Fmu {
+    /// The zip.
+    pub bytes: Vec<u8>,
+    /// `linux64` …
+    pub platforms: Vec<&'static str>,
+}
+
+/// Why no FMU could be made.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum StageError {
+    /// The robot's files or the settings; each finding has its place.
+    #[error("the robot cannot be read")]
+    Robot(Vec<Diagnostic>),
+    /// Names clash.
+    #[error(transparent)]
+    Table(#[from] TableError),
+    /// The prepared model.
+    #[error(transparent)]
+    Prepared(#[from] PreparedModelError),
+    /// The trial step.
+    #[error("the robot was read, but its first step fails: {0}")]
+    Trial(#[from] SimulationError),
+    /// The XML.
+    #[error(transparent)]
+    Describe(#[from] DescribeError),
+    /// The zip.
+    #[error(transparent)]
+    Archive(#[from] ArchiveError),
+    /// A file that was there a moment ago.
+    #[error("cannot read '{}': {source}", path.display())]
+    Source {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// This program was built without a library for any platform.
+    #[error(
+        "this urdf2fmu carries no FMU library; build it again without URDF2FMU_LIBRARY pointing to nothing"
+    )]
+    NoLibrary,
+}
+
+/// Reads a robot and its settings.
+///
+/// # Errors
+/// [`StageError::Robot`] with everything found so far, [`StageError::Table`].
+pub fn robot(request: &Request) -> Result<Robot, StageError> {
+    let mut settings = match &request.config {
+        Some(path) => Settings::read(path).map_err(StageError::Robot)?,
+        None => Settings::default(),
+    };
+    if let Some(base) = request.base {
+        settings.base = base;
+    }
+    if let Some(flat_names) = request.flat_names {
+        settings.flat_names = flat_names;
+    }
+    if let Some(mode) = request.mode {
+        // First, so that what the file says of a joint wins.
+        let everything = ActuatorSettings {
+            joint: "*".into(),
+            mode: Some(ModeChoice::Commanded(mode)),
+            max_effort: None,
+            kp: None,
+            kd: None,
+        };
+        settings.actuators.insert(0, everything);
+    }
+    let mut options = ReadOptions::from_environment();
+    options
+        .package_paths
+        .splice(0..0, request.package_paths.iter().cloned());
+
+    let description = urdf::read(&request.urdf, &options).map_err(StageError::Robot)?;
+    let mut diagnostics = description.diagnostics.clone();
+    let assembled = match assemble::build(&description, &settings) {
+        Ok(assembled) => assembled,
+        Err(errors) => {
+            diagnostics.extend(errors);
+            return Err(StageError::Robot(diagnostics));
+        }
+    };
+    diagnostics.extend(assembled.diagnostics);
+    let table = variables::table(&assembled.model)?;
+    let mut sources = description.sources;
+    sources.extend(request.config.clone());
+    Ok(Robot {
+        model: assembled.model,
+        table,
+        diagnostics,
+        sources,
+    })
+}
+
+/// Makes an FMU of a robot.
+///
+/// # Errors
+/// [`StageError`].
+pub fn fmu(robot: &Robot, urdf: &Path) -> Result<Fmu, StageError> {
+    let libraries = library::embedded();
+    if libraries.is_empty() {
+        return Err(StageError::NoLibrary);
+    }
+    let stem = urdf.file_stem().unwrap_or_default().to_string_lossy();
+    let model_identifier = model_identifier(&robot.model.name, &stem);
+    let guid = guid(&model_identifier, robot, libraries)?;
+    let prepared = PreparedModel::new(guid.clone(), robot.model.clone()).to_json()?;
+    trial(&prepared)?;
+
+    let mut archive = Archive::default();
+    let xml = describe::model_description(
+        &Header {
+            model_name: &robot.model.name,
+            model_identifier: &model_identifier,
+            guid: &guid,
+            date: &date(std::env::var("SOURCE_DATE_EPOCH").ok().as_deref()),
+            description: &sentence(robot),
+        },
+        &robot.model,
+        &robot.table,
+    )?;
+    archive.add("modelDescription.xml", xml)?;
+    for library in libraries {
+        let name = format!(
+            "binaries/{}/{model_identifier}.{}",
+            library.platform, library.extension
+        );
+        archive.add_executable(name, library.bytes)?;
+    }
+    archive.add(format!("resources/{FILE_NAME}"), prepared)?;
+    let names = add_sources(&mut archive, &robot.sources)?;
+    let platforms: Vec<&str> = libraries.iter().map(|l| l.platform).collect();
+    let page = Page {
+        model_identifier: &model_identifier,
+        guid: &guid,
+        platforms: &platforms,
+        remarks: &remarks(robot, &names),
+        sources: &names,
+    };
+    let html = documentation::html(&page, &robot.model, &robot.table);
+    archive.add("documentation/index.html", html)?;
+    archive.add("documentation/licenses/license.txt", license::text())?;
+    Ok(Fmu {
+        bytes: archive.to_bytes()?,
+        platforms,
+    })
+}
+
+/// Loads what the FMU will load and takes one step of the default experiment.
+fn trial(prepared: &str) -> Result<(), StageError> {
+    let prepared = PreparedModel::from_json(prepared)?;
+    let mut simulation = Simulation::new(Arc::new(prepared.model));
+    simulation.initialize(0.0)?;
+    simulation.advance_to(describe::STEP_SIZE)?;
+    Ok(())
+}
+
+/// Identifies what the FMU is: model, table and library. Written as FMI 2 likes it, a UUID (version 8) in braces.
+fn guid(
+    model_identifier: &str,
+    robot: &Robot,
+    libraries: &[Library],
+) -> Result<String, StageError> {
+    let mut hash = Sha256::new();
+    // Lengths keep neighbouring parts apart.
+    let mut part = |bytes: &[u8]| {
+        hash.update((bytes.len() as u64).to_le_bytes());
+        hash.update(bytes);
+    };
+    part(model_identifier.as_bytes());
+    // The guid stands in the prepared model, so an empty one is hashed.
+    part(
+        PreparedModel::new(String::new(), robot.model.clone())
+            .to_json()?
+            .as_bytes(),
+    );
+    for v in &robot.table {
+        part(format!("{v:?}").as_bytes());
+    }
+    for library in libraries {
+        part(library.platform.as_bytes());
+        part(library.bytes);
+    }
+    let mut bytes = [0_u8; 16];
+    bytes.copy_from_slice(&hash.finalize()[..16]);
+    bytes[6] = (bytes[6] & 0x0f) | 0x80;
+    bytes[8] = (bytes[8] & 0x3f) | 0x80;
+    let mut text = String::from("{");
+    for (i, byte) in bytes.iter().enumerate() {
+        if [4, 6, 8, 10].contains(&i) {
+            text.push('-');
+        }
+        _ = write!(text, "{byte:02x}");
+    }
+    text.push('}');
+    Ok(text)
+}
+
+/// One sentence for importers that show it.
+fn sentence(robot: &Robot) -> String {
+    let model = &robot.model;
+    format!(
+        "{} with {} base and {}, on its own simulator with contact and force-limited motors",
+        model.name,
+        if model.is_floating() {
+            "floating"
+        } else {
+            "fixed"
+        },
+        crate::info::count(model.nv(), "degree of freedom"),
+    )
+}
+
+/// Adds the robot's own files; gives their names below `resources/source/`.
+fn add_sources(archive: &mut Archive, paths: &[PathBuf]) -> Result<Vec<String>, StageError> {
+    let mut contents = Vec::with_capacity(paths.len());
+    for path in paths {
+        contents.push(std::fs::read(path).map_err(|source| StageError::Source {
+            path: path.clone(),
+            source,
+        })?);
+    }
+    let urdf = contents
+        .first()
+        .map(|c| String::from_utf8_lossy(c).into_owned());
+    let names = sources::layout(paths, &urdf.unwrap_or_default());
+    for (name, content) in names.iter().zip(contents) {
+        archive.add(format!("resources/source/{name}"), content)?;
+    }
+    Ok(names)
+}
+
+/// Findings as the documentation shows them: files by their names in the FMU, no path of this machine.
+fn remarks(robot: &Robot, names: &[String]) -> Vec<Remark> {
+    let rename = |text: &str| {
+        robot
+            .sources
+            .iter()
+            .zip(names)
+            .fold(text.to_owned(), |text, (path, name)| {
+                text.replace(&path.display().to_string(), name)
+            })
+    };
+    robot
+        .diagnostics
+        .iter()
+        .map(|d| Remark {
+            severity: d.severity,
+            code: d.code,
+            message: rename(&d.message),
+            place: d
+                .place
+                .as_ref()
+                .map(|p| format!("{}, line {}", rename(&p.file), p.line)),
+        })
+        .collect()
+}
+
+/// `generationDateAndTime`: `SOURCE_DATE_EPOCH` (seconds since 1970) where it is set, else the zip format's first day,
+/// so that the same robot gives the same bytes on every day.
+fn date(source_date_epoch: Option<&str>) -> String {
+    /// 1980-01-01T00:00:00Z
+    const FIXED: i64 = 315_532_800;
+    let seconds = source_date_epoch
+        .and_then(|text| text.trim().parse().ok())
+        // Four digits for the year.
+        .filter(|s| (0..253_402_300_800).contains(s))
+        .unwrap_or(FIXED);
+    let (days, second) = (seconds.div_euclid(86_400), seconds.rem_euclid(86_400));
+    // Days since 1970 to a Gregorian date, by eras of 400 years that begin on a first of March, so that the leap day
+    // is the last day of its year.
+    let z = days + 719_468;
+    let (era, day_of_era) = (z.div_euclid(146_097), z.rem_euclid(146_097));
+    let year_of_era =
+        (day_of_era - day_of_era / 1_460 + day_of_era / 36_524 - day_of_era / 146_096) / 365;
+    let day_of_year = day_of_era - (365 * year_of_era + year_of_era / 4 - year_of_era / 100);
+    let month_from_march = (5 * day_of_year + 2) / 153;
+    let day = day_of_year - (153 * month_from_march + 2) / 5 + 1;
+    let month = (month_from_march + 2) % 12 + 1;
+    let year = era * 400 + year_of_era + i64::from(month <= 2);
+    format!(
+        "{year:04}-{month:02}-{day:02}T{:02}:{:02}:{:02}Z",
+        second / 3600,
+        second / 60 % 60,
+        second % 60
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Expected values: `date -u -d @SECONDS`.
+    #[test]
+    fn date_follows_the_calendar() {
+        for (seconds, expected) in [
+            ("0", "1970-01-01T00:00:00Z"),
+            ("951782399", "2000-02-28T23:59:59Z"),
+            ("951782400", "2000-02-29T00:00:00Z"),
+            ("1709208000", "2024-02-29T12:00:00Z"),
+            ("4107542400", "2100-03-01T00:00:00Z"),
+        ] {
+            assert_eq!(date(Some(seconds)), expected);
+        }
+    }
+
+    #[test]
+    fn date_is_fixed_where_nothing_sensible_is_given() {
+        for nothing in [
+            None,
+            Some(""),
+            Some("-1"),
+            Some("tomorrow"),
+            Some("99999999999999999"),
+        ] {
+            assert_eq!(date(nothing), "1980-01-01T00:00:00Z");
+        }
+    }
+}

@@ -1,0 +1,162 @@
+//! What each output depends on while the FMU initialises.
+//!
+//! Positions and velocities are kinematics of the initial values and of nothing else; accelerations, efforts, contact
+//! forces and energies come out of the dynamics and may depend on everything. Outputs between steps depend on nothing
+//! that an importer sets at that time (see [`crate::describe`]).
+
+use urdf2fmu_core::model::{BodyId, JointId, JointKind, Model};
+use urdf2fmu_core::simulation::{OutputSlot, ParameterSlot};
+use urdf2fmu_core::variables::{Slot, Variable};
+
+/// Indexes (from 1, ascending) of the table's inputs and parameters that `output` follows in initialisation mode;
+/// none where it may follow all of them.
+pub fn initial_dependencies(
+    model: &Model,
+    table: &[Variable],
+    output: OutputSlot,
+) -> Option<Vec<usize>> {
+    let follows = Follows::new(model, output)?;
+    Some(
+        (1..)
+            .zip(table)
+            .filter(|(_, v)| matches!(v.slot, Slot::Parameter(p) if follows.parameter(p)))
+            .map(|(index, _)| index)
+            .collect(),
+    )
+}
+
+/// Which initial values matter to one output.
+#[expect(
+    clippy::struct_excessive_bools,
+    reason = "one for each group of initial values"
+)]
+#[derive(Clone, Copy, Debug, Default)]
+struct Follows {
+    base_position: bool,
+    base_rpy: bool,
+    base_linear_velocity: bool,
+    base_angular_velocity: bool,
+    joint_positions: Joints,
+    joint_velocities: Joints,
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+enum Joints {
+    #[default]
+    None,
+    One(JointId),
+    All,
+}
+
+impl Joints {
+    fn has(self, joint: JointId) -> bool {
+        match self {
+            Self::None => false,
+            Self::One(id) => id == joint,
+            Self::All => true,
+        }
+    }
+}
+
+impl Follows {
+    /// None where the output comes out of the dynamics.
+    fn new(model: &Model, output: OutputSlot) -> Option<Self> {
+        let none = Self::default();
+        let pose = Self {
+            base_position: true,
+            base_rpy: true,
+            joint_positions: Joints::All,
+            ..none
+        };
+        // A mimic joint moves with the one that it follows.
+        let leader = |joint: JointId| {
+            let leader = model.joints[joint.index()].mimic.map_or(joint, |m| m.joint);
+            Joints::One(leader)
+        };
+        // The joint of a floating base: its motion is the base's.
+        let is_base = |joint: JointId| {
+            let joint = &model.joints[joint.index()];
+            joint.kind == JointKind::Floating && joint.bodies.as_slice() == [BodyId(0)]
+        };
+        Some(match output {
+            OutputSlot::BasePosition(_) => Self {
+                base_position: true,
+                ..none
+            },
+            OutputSlot::BaseOrientation(_) | OutputSlot::BaseRpy(_) => Self {
+                base_rpy: true,
+                ..none
+            },
+            OutputSlot::BaseLinearVelocity(_) => Self {
+                base_linear_velocity: true,
+                ..none
+            },
+            OutputSlot::BaseAngularVelocity(_) => Self {
+                base_angular_velocity: true,
+                ..none
+            },
+            OutputSlot::JointPosition(joint, _) if is_base(joint) => Self {
+                base_position: true,
+                ..none
+            },
+            OutputSlot::JointOrientation(joint, _) if is_base(joint) => Self {
+                base_rpy: true,
+                ..none
+            },
+            // Its angular part is expressed in the child's axes.
+            OutputSlot::JointVelocity(joint, _) if is_base(joint) => Self {
+                base_rpy: true,
+                base_linear_velocity: true,
+                base_angular_velocity: true,
+                ..none
+            },
+            OutputSlot::JointPosition(joint, _) | OutputSlot::JointOrientation(joint, _) => Self {
+                joint_positions: leader(joint),
+                ..none
+            },
+            OutputSlot::JointVelocity(joint, _) => Self {
+                joint_velocities: leader(joint),
+                ..none
+            },
+            OutputSlot::LinkPosition(..) => pose,
+            OutputSlot::LinkOrientation(..) => Self {
+                base_position: false,
+                ..pose
+            },
+            // The velocity of a point turns with the robot and grows with its distance from the axes.
+            OutputSlot::LinkLinearVelocity(..) => Self {
+                base_position: false,
+                base_linear_velocity: true,
+                base_angular_velocity: true,
+                joint_velocities: Joints::All,
+                ..pose
+            },
+            OutputSlot::LinkAngularVelocity(..) => Self {
+                base_position: false,
+                base_angular_velocity: true,
+                joint_velocities: Joints::All,
+                ..pose
+            },
+            // Counters start at zero whatever is set.
+            OutputSlot::Steps | OutputSlot::Rejected | OutputSlot::NewtonMax => none,
+            OutputSlot::JointAcceleration(..)
+            | OutputSlot::JointEffort(_)
+            | OutputSlot::ContactActive(_)
+            | OutputSlot::ContactForce(..)
+            | OutputSlot::EnergyKinetic
+            | OutputSlot::EnergyPotential => return None,
+        })
+    }
+
+    fn parameter(self, slot: ParameterSlot) -> bool {
+        match slot {
+            ParameterSlot::InitialBasePosition(_) => self.base_position,
+            ParameterSlot::InitialBaseRpy(_) => self.base_rpy,
+            ParameterSlot::InitialBaseLinearVelocity(_) => self.base_linear_velocity,
+            ParameterSlot::InitialBaseAngularVelocity(_) => self.base_angular_velocity,
+            ParameterSlot::InitialJointPosition(joint) => self.joint_positions.has(joint),
+            ParameterSlot::InitialJointVelocity(joint) => self.joint_velocities.has(joint),
+            _ => false,
+        }
+    }
+}

@@ -1,0 +1,103 @@
+//! What `export` says when it is done: the file, the robot, every assumption.
+
+use crate::info::{count, short, total_mass};
+use crate::stage::{Fmu, Robot};
+use std::fmt::Write as _;
+use std::path::Path;
+use urdf2fmu_core::urdf::Severity;
+use urdf2fmu_core::variables::Slot;
+
+/// A few lines of plain text.
+pub fn text(output: &Path, fmu: &Fmu, robot: &Robot) -> String {
+    let model = &robot.model;
+    let number_of = |f: fn(&Slot) -> bool| robot.table.iter().filter(|v| f(&v.slot)).count();
+    let mut out = format!(
+        "{}  {}, FMI 2.0 co-simulation, {}\n",
+        output.display(),
+        size(fmu.bytes.len()),
+        fmu.platforms.join(" "),
+    );
+    _ = writeln!(
+        out,
+        "  robot      {}: {} base, {}, {}, {}, {} kg",
+        model.name,
+        if model.is_floating() {
+            "floating"
+        } else {
+            "fixed"
+        },
+        count(model.links.len(), "link"),
+        count(model.joints.len(), "joint"),
+        count(model.nv(), "degree of freedom"),
+        short(total_mass(model)),
+    );
+    _ = writeln!(
+        out,
+        "  variables  {}, {}, {}",
+        count(number_of(|s| matches!(s, Slot::Input(_))), "input"),
+        count(number_of(|s| matches!(s, Slot::Output(_))), "output"),
+        count(number_of(|s| matches!(s, Slot::Parameter(_))), "parameter"),
+    );
+    let assumptions: Vec<_> = robot
+        .diagnostics
+        .iter()
+        .filter(|d| d.severity == Severity::Note)
+        .collect();
+    if !assumptions.is_empty() {
+        out.push_str("  assumed (urdf2fmu check says how to change it)\n");
+    }
+    for assumption in assumptions {
+        let place = assumption
+            .place
+            .as_ref()
+            .map_or_else(String::new, |p| format!(" ({}:{})", p.file, p.line));
+        let lines = wrap(&format!("{}{place}", assumption.message), 92);
+        _ = writeln!(out, "    - {}", lines.join("\n      "));
+    }
+    out
+}
+
+/// Lines of at most `width` characters, broken between words; a longer word stands alone.
+fn wrap(text: &str, width: usize) -> Vec<String> {
+    let mut lines = vec![String::new()];
+    for word in text.split_whitespace() {
+        let line = lines.last_mut().expect("there is a first line");
+        if !line.is_empty() && line.chars().count() + 1 + word.chars().count() > width {
+            lines.push(word.to_owned());
+        } else {
+            if !line.is_empty() {
+                line.push(' ');
+            }
+            line.push_str(word);
+        }
+    }
+    lines
+}
+
+/// `1.2 MB`
+fn size(bytes: usize) -> String {
+    let bytes = u32::try_from(bytes).map_or(f64::from(u32::MAX), f64::from);
+    if bytes < 1e6 {
+        format!("{:.0} kB", (bytes / 1e3).max(1.0))
+    } else {
+        format!("{:.1} MB", bytes / 1e6)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn wrap_breaks_between_words_only() {
+        assert_eq!(wrap("one two three", 7), ["one two", "three"]);
+        assert_eq!(wrap("extraordinary a b", 3), ["extraordinary", "a b"]);
+    }
+
+    #[test]
+    fn size_is_readable() {
+        assert_eq!(size(10), "1 kB");
+        assert_eq!(size(532_800), "533 kB");
+        assert_eq!(size(1_234_567), "1.2 MB");
+    }
+}
