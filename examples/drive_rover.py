@@ -14,12 +14,13 @@ fmu.exitInitializationMode()
 
 for step in range(4 * 240):
     left, right = (5.0, 5.0) if step < 2 * 240 else (-5.0, 5.0)  # rad/s
-    for wheel, speed in {"left_front": left, "left_rear": left, "right_front": right, "right_rear": right}.items():
-        names = [f"cmd.{wheel}_wheel_joint.velocity", f"cmd.{wheel}_wheel_joint.max_effort"]
-        fmu.setReal([ref[name] for name in names], [speed, 3.0])  # 3 N.m per motor
+    for wheel, speed in ("left_front", left), ("left_rear", left), ("right_front", right), ("right_rear", right):
+        command = f"cmd.{wheel}_wheel_joint"
+        fmu.setReal([ref[command + ".velocity"], ref[command + ".max_effort"]], [speed, 3.0])  # at most 3 N.m
     fmu.doStep(step / 240, 1 / 240)
     if step % 120 == 119:
-        x, y, z, yaw = fmu.getReal([ref[name] for name in ("base.position.x", "base.position.y", "base.position.z", "base.rpy.yaw")])
+        x, y, z, yaw = fmu.getReal([ref["base." + name] for name in ("position.x", "position.y", "position.z", "rpy.yaw")])
+        y = round(y, 3) + 0.0  # no "-0.000"
         print(f"t = {(step + 1) / 240:.1f} s   x = {x:.3f} m   y = {y:+.3f} m   z = {z:.4f} m   yaw = {yaw:+.3f} rad")
 
 fmu.terminate()
