@@ -1,13 +1,14 @@
 //! Saved states: everything that a later run needs to go on bit for bit. The workspace is not in it.
 //!
 //! Bytes, little-endian: magic `U2FS`, format version (u32), hash of the model (u64), then lists, each with its
-//! length (u64): parameters, inputs, the state's fields and counters, the run's settings; last an FNV-1a checksum
-//! (u64) of all before it. Lengths must be those of the model, so that nothing is allocated on a stranger's word.
+//! length (u64): parameters, inputs, the state's fields, the run's settings; the counters; the touches (a count, then
+//! slot, displacement and touch-down speed of each); last an FNV-1a checksum (u64) of all before it. Lengths must be
+//! those of the model, so that nothing is allocated on a stranger's word.
 
 use crate::model::Model;
 use crate::parameters::{Inputs, Parameters};
 use crate::simulation::{SimulationError, fnv, model_hash};
-use crate::state::State;
+use crate::state::{State, Touch};
 
 const MAGIC: &[u8; 4] = b"U2FS";
 const VERSION: u32 = 1;
@@ -47,6 +48,13 @@ impl Snapshot {
             bytes.extend(counter.to_le_bytes());
         }
         bytes.extend(u64::from(self.initialized).to_le_bytes());
+        bytes.extend((self.state.touches.len() as u64).to_le_bytes());
+        for touch in &self.state.touches {
+            bytes.extend((touch.slot as u64).to_le_bytes());
+            for value in touch.displacement.iter().chain([&touch.touchdown]) {
+                bytes.extend(value.to_le_bytes());
+            }
+        }
         bytes.extend(fnv(&bytes).to_le_bytes());
         bytes
     }
@@ -59,7 +67,8 @@ impl Snapshot {
             + fields.iter().map(|f| f.len()).sum::<usize>()
             + 2;
         let lists = fields.len() + 3;
-        16 + 8 * (numbers + lists + self.state.counters.len() + 2)
+        let touches = 1 + 5 * self.state.touches.len();
+        16 + 8 * (numbers + lists + self.state.counters.len() + touches + 2)
     }
 
     /// Reads what [`Self::to_bytes`] wrote for the same model.
@@ -89,7 +98,8 @@ impl Snapshot {
         if bytes.get(8..16) != Some(&hash.to_le_bytes()) {
             return Err(refused("it belongs to another model"));
         }
-        if bytes.len() != snapshot.byte_len() {
+        let touches = bytes.len().wrapping_sub(snapshot.byte_len());
+        if touches % 40 != 0 || touches / 40 > model.contact_slots() {
             return Err(refused("its length is not that of this model's states"));
         }
         let (body, checksum) = bytes.split_at(bytes.len() - 8);
@@ -115,6 +125,24 @@ impl Snapshot {
             *counter = reader.integer();
         }
         snapshot.initialized = reader.integer() == 1;
+        complete = complete && reader.integer() == (touches / 40) as u64;
+        for _ in 0..touches / 40 {
+            let slot = usize::try_from(reader.integer()).unwrap_or(usize::MAX);
+            let mut numbers = [0.0; 4];
+            reader.numbers(&mut numbers);
+            let [x, y, z, touchdown] = numbers;
+            let ascending = snapshot
+                .state
+                .touches
+                .last()
+                .is_none_or(|last| last.slot < slot);
+            complete = complete && ascending && slot < model.contact_slots();
+            snapshot.state.touches.push(Touch {
+                slot,
+                displacement: [x, y, z],
+                touchdown,
+            });
+        }
         [snapshot.importer_tolerance, snapshot.start] = tail;
         // Effort limits may be infinite; nothing may be NaN.
         let sound = snapshot.parameters.iter().all(|x| x.is_finite())
@@ -143,12 +171,16 @@ impl Reader<'_> {
 
     /// Fills a list of known length; false if the bytes say another.
     fn list(&mut self, values: &mut [f64]) -> bool {
-        if self.integer() != values.len() as u64 {
-            return false;
+        let known = self.integer() == values.len() as u64;
+        if known {
+            self.numbers(values);
         }
+        known
+    }
+
+    fn numbers(&mut self, values: &mut [f64]) {
         for value in values {
             *value = f64::from_bits(self.integer());
         }
-        true
     }
 }

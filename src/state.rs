@@ -11,10 +11,8 @@ pub struct State {
     pub q: Vec<f64>,
     /// Generalised velocities.
     pub v: Vec<f64>,
-    /// Elastic displacement ς of the friction at each contact slot, world axes, m.
-    pub contact: Vec<[f64; 3]>,
-    /// Approach speed at touch-down of each contact slot, m/s; 0 where nothing touches.
-    pub touchdown: Vec<f64>,
+    /// What the contacts remember, by ascending slot; slots that are not listed remember nothing.
+    pub touches: Vec<Touch>,
     /// Elastic displacement of each velocity motor, rad or m.
     pub motor: Vec<f64>,
     /// Elastic displacement of the dry friction of each degree of freedom, rad or m.
@@ -32,6 +30,17 @@ pub struct State {
     pub last_step: f64,
 }
 
+/// What a contact point remembers from step to step.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Touch {
+    /// Place of the point, see [`crate::model::Collider::slot`].
+    pub slot: usize,
+    /// Elastic displacement ς of the friction, world axes, m.
+    pub displacement: [f64; 3],
+    /// Approach speed at touch-down, m/s; 0 for a contact that does not bounce.
+    pub touchdown: f64,
+}
+
 /// First guess of the step after initialisation, s; the error control corrects it within a few steps.
 pub const INITIAL_STEP: f64 = 1e-3;
 
@@ -46,13 +55,11 @@ impl State {
                 _ => {}
             }
         }
-        let slots = model.contact_slots();
         Self {
             time: 0.0,
             q,
             v: vec![0.0; model.nv()],
-            contact: vec![[0.0; 3]; slots],
-            touchdown: vec![0.0; slots],
+            touches: Vec::with_capacity(model.contact_slots()),
             motor: vec![0.0; model.actuators.len()],
             dry: vec![0.0; model.nv()],
             commands: vec![[0.0; 4]; model.actuators.len()],
@@ -68,8 +75,8 @@ impl State {
         self.time = other.time;
         self.q.copy_from_slice(&other.q);
         self.v.copy_from_slice(&other.v);
-        self.contact.copy_from_slice(&other.contact);
-        self.touchdown.copy_from_slice(&other.touchdown);
+        self.touches.clear();
+        self.touches.extend_from_slice(&other.touches);
         self.motor.copy_from_slice(&other.motor);
         self.dry.copy_from_slice(&other.dry);
         self.commands.copy_from_slice(&other.commands);
@@ -79,15 +86,13 @@ impl State {
         self.last_step = other.last_step;
     }
 
-    /// Every stored real number, in saved order; the counters are the only other content. A new field goes here,
-    /// into [`Self::copy_from`] and nowhere else.
-    pub fn fields_mut(&mut self) -> [&mut [f64]; 11] {
+    /// Every stored list of real numbers, in saved order; touches and counters are the only other content. A new
+    /// field goes here, into [`Self::copy_from`] and nowhere else.
+    pub fn fields_mut(&mut self) -> [&mut [f64]; 9] {
         [
             std::slice::from_mut(&mut self.time),
             &mut self.q,
             &mut self.v,
-            self.contact.as_flattened_mut(),
-            &mut self.touchdown,
             &mut self.motor,
             &mut self.dry,
             self.commands.as_flattened_mut(),
@@ -98,13 +103,11 @@ impl State {
     }
 
     /// See [`Self::fields_mut`].
-    pub fn fields(&self) -> [&[f64]; 11] {
+    pub fn fields(&self) -> [&[f64]; 9] {
         [
             std::slice::from_ref(&self.time),
             &self.q,
             &self.v,
-            self.contact.as_flattened(),
-            &self.touchdown,
             &self.motor,
             &self.dry,
             self.commands.as_flattened(),
@@ -116,9 +119,15 @@ impl State {
 
     /// Whether every number is finite.
     pub fn is_finite(&self) -> bool {
-        self.fields()
+        let touches = self
+            .touches
             .iter()
-            .all(|field| field.iter().all(|x| x.is_finite()))
+            .flat_map(|t| t.displacement.iter().chain([&t.touchdown]));
+        self.fields()
+            .into_iter()
+            .flatten()
+            .chain(touches)
+            .all(|x| x.is_finite())
     }
 
     /// Whether positions and velocities are finite; nothing else can be infinite without them.

@@ -13,7 +13,7 @@ use crate::geometry::Shape;
 use crate::kinematics::Kinematics;
 use crate::model::Model;
 use crate::spatial::{Pose, Vec3, Vec6, velocity_at};
-use crate::state::State;
+use crate::state::Touch;
 use crate::tree::{Tree, TreeCollider};
 
 /// The half space `normal·x < offset` is solid.
@@ -56,7 +56,7 @@ const FADE: (f64, f64) = (0.990_268_068_741_570_4, 0.998_629_534_754_573_9);
 pub fn detect(
     model: &Model,
     tree: &Tree,
-    state: &State,
+    touches: &[Touch],
     kin: &Kinematics,
     h: f64,
     stiffness_limit: f64,
@@ -71,7 +71,7 @@ pub fn detect(
     let stiffness = tree.stiffness.min(stiffness_limit);
     let mut finder = Finder {
         tree,
-        state,
+        touches,
         plane,
         // Height of O over the plane.
         height: plane.normal.dot(&kin.origin) - plane.offset,
@@ -98,7 +98,8 @@ pub fn detect(
 
 struct Finder<'a> {
     tree: &'a Tree,
-    state: &'a State,
+    /// What is left of the stored touches: points are found by ascending slot.
+    touches: &'a [Touch],
     plane: Plane,
     height: f64,
     h: f64,
@@ -234,10 +235,14 @@ impl Finder<'_> {
             tangential_damping: self.damping * share.sqrt(),
             ..Contact::default()
         };
+        let stored = self.stored(slot);
         contact.dissipation = self.tree.dissipation;
         if collider.restitution > 0.0 {
-            let stored = self.state.touchdown[slot];
-            let approach = if stored > 0.0 { stored } else { -vn };
+            let approach = if stored.touchdown > 0.0 {
+                stored.touchdown
+            } else {
+                -vn
+            };
             if approach > BOUNCE_THRESHOLD {
                 contact.touchdown = approach;
                 contact.dissipation = collider.dissipation_number / approach;
@@ -253,7 +258,7 @@ impl Finder<'_> {
         }
         contact.cap = contact.mu * contact.normal_force(vn);
         // The displacement follows the tangent plane and keeps its length.
-        let stored = Vec3::from(self.state.contact[slot]);
+        let stored = Vec3::from(stored.displacement);
         let length = stored.norm();
         if length > 0.0 {
             let flat = stored - normal * normal.dot(&stored);
@@ -263,5 +268,20 @@ impl Finder<'_> {
             }
         }
         self.contacts.push(contact);
+    }
+
+    /// What the point in `slot` remembers.
+    #[inline]
+    fn stored(&mut self, slot: usize) -> Touch {
+        while let Some((first, rest)) = self.touches.split_first() {
+            if first.slot > slot {
+                break;
+            }
+            self.touches = rest;
+            if first.slot == slot {
+                return *first;
+            }
+        }
+        Touch::default()
     }
 }

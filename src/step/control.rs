@@ -15,7 +15,7 @@ use crate::kinematics::{Kinematics, advance, difference, forward};
 use crate::model::Model;
 use crate::parameters::{Inputs, Parameters};
 use crate::spatial::{Vec3, velocity_at};
-use crate::state::State;
+use crate::state::{State, Touch};
 use crate::step::convex::{Newton, Problem};
 use crate::step::smooth::Explicit;
 use crate::tree::Tree;
@@ -108,7 +108,15 @@ impl Point {
         } else {
             f64::INFINITY
         };
-        detect(model, tree, state, &self.kin, h, limit, &mut self.contacts);
+        detect(
+            model,
+            tree,
+            &state.touches,
+            &self.kin,
+            h,
+            limit,
+            &mut self.contacts,
+        );
         self.joints.update(
             model,
             tree,
@@ -151,7 +159,6 @@ pub struct Stepper {
     difference: Vec<f64>,
     q_full: Vec<f64>,
     q_halves: Vec<f64>,
-    slots: Vec<Vec3>,
 }
 
 impl Stepper {
@@ -172,7 +179,6 @@ impl Stepper {
             difference: vec![0.0; model.nv()],
             q_full: vec![0.0; model.nq],
             q_halves: vec![0.0; model.nq],
-            slots: vec![Vec3::zeros(); slots],
         }
     }
 
@@ -325,11 +331,8 @@ impl Stepper {
                 if error <= 1.0 || (h <= floor && error.is_finite()) {
                     if error > 1.0 {
                         state.counters[3] += 1;
-                        // Extrapolation is for motions that the step resolves; the two half steps alone are damped.
-                        self.difference.fill(0.0);
-                        self.full.v.copy_from_slice(&self.second.v);
                     }
-                    self.accept_doubled(ctx, state, h);
+                    self.accept_doubled(ctx, state, h, error <= 1.0);
                     proposed = next_proposal(proposed, h, factor).max(floor);
                     done = if h >= remaining { span } else { done + h };
                     self.accepted(state, first, h, proposed);
@@ -469,11 +472,12 @@ impl Stepper {
             .is_balanced(&self.start.problem(ctx.tree, h, accuracy));
         if balanced {
             state.counters[0] += 1;
-            for contact in &self.start.contacts {
-                if contact.cap <= 0.0 {
-                    state.contact[contact.slot] = [0.0; 3];
-                }
-            }
+            // Who carries nothing forgets.
+            let contacts = &self.start.contacts;
+            state.touches.retain(|touch| {
+                contacts.iter().any(|c| c.slot == touch.slot && c.cap > 0.0)
+                    || touch.touchdown > 0.0
+            });
             add_impulses(
                 &self.start.contacts,
                 &self.full,
@@ -536,30 +540,45 @@ impl Stepper {
         }
     }
 
-    /// Extrapolates the two results of [`Self::doubled_step`] into the state.
-    fn accept_doubled(&mut self, ctx: &Context, state: &mut State, h: f64) {
+    /// Takes the results of [`Self::doubled_step`] into the state: extrapolated, or the half steps' as they are,
+    /// which damp what the step does not resolve.
+    fn accept_doubled(&mut self, ctx: &Context, state: &mut State, h: f64, extrapolate: bool) {
         let tree = ctx.tree;
-        advance(tree, &self.q_halves, &self.difference, 1.0, &mut state.q);
-        // Displacements: of the full step by slot, then twice the second half step's minus those.
-        for contact in &self.start.contacts {
-            self.slots[contact.slot] = Vec3::zeros();
-        }
-        for contact in &self.middle.contacts {
-            self.slots[contact.slot] = Vec3::zeros();
-        }
-        for (contact, v) in self.start.contacts.iter().zip(&self.full.point_velocity) {
-            self.slots[contact.slot] = contact.next_displacement(v, h);
-        }
         store(ctx, &self.middle, &self.second, 0.5 * h, state);
-        for contact in &self.middle.contacts {
-            let slot = contact.slot;
-            let limit = if contact.cap > 0.0 {
-                contact.cap / contact.tangential_stiffness
-            } else {
-                0.0
-            };
-            let extrapolated = Vec3::from(state.contact[slot]) * 2.0 - self.slots[slot];
-            state.contact[slot] = crate::contact::clip(extrapolated, limit).into();
+        if !extrapolate {
+            state.q.copy_from_slice(&self.q_halves);
+            add_impulses(&self.start.contacts, &self.first, 1.0, &mut state.impulse);
+            add_impulses(&self.middle.contacts, &self.second, 1.0, &mut state.impulse);
+            return;
+        }
+        advance(tree, &self.q_halves, &self.difference, 1.0, &mut state.q);
+        // Twice the displacement after the second half step minus that after the full one; both by ascending slot.
+        let mut full = self
+            .start
+            .contacts
+            .iter()
+            .zip(&self.full.point_velocity)
+            .peekable();
+        let mut middle = self.middle.contacts.iter().peekable();
+        for touch in &mut state.touches {
+            while full
+                .next_if(|(contact, _)| contact.slot < touch.slot)
+                .is_some()
+            {}
+            while middle
+                .next_if(|contact| contact.slot < touch.slot)
+                .is_some()
+            {}
+            let before = full
+                .next_if(|(contact, _)| contact.slot == touch.slot)
+                .map_or(Vec3::zeros(), |(contact, v)| {
+                    contact.next_displacement(v, h)
+                });
+            let limit = middle
+                .next_if(|contact| contact.slot == touch.slot && contact.cap > 0.0)
+                .map_or(0.0, |contact| contact.cap / contact.tangential_stiffness);
+            let extrapolated = Vec3::from(touch.displacement) * 2.0 - before;
+            touch.displacement = crate::contact::clip(extrapolated, limit).into();
         }
         let terms = self
             .start
@@ -625,12 +644,16 @@ fn count(state: &mut State, iterations: usize) {
 /// Velocity, displacements and touch-down speeds after a solve; positions are the caller's.
 fn store(ctx: &Context, point: &Point, newton: &Newton, h: f64, state: &mut State) {
     state.v.copy_from_slice(&newton.v);
-    state.contact.fill([0.0; 3]);
-    state.touchdown.fill(0.0);
+    state.touches.clear();
     for (contact, v) in point.contacts.iter().zip(&newton.point_velocity) {
-        state.contact[contact.slot] = contact.next_displacement(v, h).into();
-        if contact.touchdown > 0.0 && contact.gap + h * contact.normal.dot(v) < 0.0 {
-            state.touchdown[contact.slot] = contact.touchdown;
+        let inside = contact.gap + h * contact.normal.dot(v) < 0.0;
+        let touchdown = if inside { contact.touchdown } else { 0.0 };
+        if contact.cap > 0.0 || touchdown > 0.0 {
+            state.touches.push(Touch {
+                slot: contact.slot,
+                displacement: contact.next_displacement(v, h).into(),
+                touchdown,
+            });
         }
     }
     debug_assert_eq!(state.motor.len(), ctx.model.actuators.len());
@@ -661,8 +684,7 @@ fn add_impulses(contacts: &[Contact], newton: &Newton, share: f64, impulse: &mut
 fn accept_explicit(explicit: &mut Explicit, state: &mut State) {
     state.q.copy_from_slice(&explicit.q);
     state.v.copy_from_slice(&explicit.v);
-    state.contact.fill([0.0; 3]);
-    state.touchdown.fill(0.0);
+    state.touches.clear();
     state.motor.fill(0.0);
     state.dry.fill(0.0);
     explicit.accept();
