@@ -127,7 +127,7 @@ fn window(line: &str, column: usize, length: usize) -> (String, usize, usize) {
     }
     let shown: String = characters[from..to].iter().collect();
     let before = start - from + head.chars().count();
-    let marked = length.clamp(1, (to - start).max(1));
+    let marked = length.clamp(1, to.saturating_sub(start).max(1));
     (format!("{head}{shown}{tail}"), before, marked)
 }
 
@@ -205,6 +205,20 @@ mod tests {
         let at = source.chars().position(|c| c == 'B');
         assert_eq!(at, marks.chars().position(|c| c == '^'));
         assert!(source.chars().count() < 130);
+    }
+
+    #[test]
+    fn mark_ends_where_the_shown_part_of_its_line_ends() {
+        let mut finding = finding();
+        if let Some(place) = &mut finding.place {
+            place.text = "x".repeat(1000);
+            place.column = 11;
+            place.length = 900;
+        }
+        let text = render(&finding, Style::PLAIN);
+        let lines: Vec<_> = text.lines().collect();
+        // The last character shown is the ellipsis.
+        assert_eq!(lines[3].chars().count(), lines[2].chars().count() - 1);
     }
 
     #[test]

@@ -46,11 +46,15 @@ pub fn text(output: &Path, fmu: &Fmu, robot: &Robot) -> String {
     if !assumptions.is_empty() {
         out.push_str("  assumed (urdf2fmu check says how to change it)\n");
     }
+    let urdf = robot.sources.first().map(|path| path.display().to_string());
     for assumption in assumptions {
-        let place = assumption
-            .place
-            .as_ref()
-            .map_or_else(String::new, |p| format!(" ({}:{})", p.file, p.line));
+        let place = assumption.place.as_ref().map_or_else(String::new, |p| {
+            if urdf.as_ref() == Some(&p.file) {
+                format!(" (line {})", p.line)
+            } else {
+                format!(" ({}:{})", p.file, p.line)
+            }
+        });
         let lines = wrap(&format!("{}{place}", assumption.message), 92);
         _ = writeln!(out, "    - {}", lines.join("\n      "));
     }
