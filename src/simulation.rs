@@ -459,11 +459,14 @@ impl Simulation {
 
     /// Copies everything that a later run needs.
     pub fn save(&self) -> Snapshot {
+        // Not a clone: room for all touches, so that saving again needs none.
+        let mut state = State::new(&self.model);
+        state.copy_from(&self.state);
         Snapshot {
             hash: self.hash,
             parameters: self.parameters.values.clone(),
             inputs: self.inputs.values.clone(),
-            state: self.state.clone(),
+            state,
             importer_tolerance: self.importer_tolerance,
             start: self.start,
             initialized: self.initialized,
