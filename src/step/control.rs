@@ -165,13 +165,14 @@ impl Stepper {
     /// Buffers for a robot.
     pub fn new(model: &Model, tree: &Tree) -> Self {
         let slots = model.contact_slots();
-        let newton = Newton::new(tree, slots);
+        // Not clones of one: a clone has no room beyond its length.
+        let newton = || Newton::new(tree, slots);
         Self {
             start: Point::new(model, tree),
             middle: Point::new(model, tree),
-            full: newton.clone(),
-            first: newton.clone(),
-            second: newton,
+            full: newton(),
+            first: newton(),
+            second: newton(),
             half: State::new(model),
             backup: State::new(model),
             explicit: Explicit::new(tree, model.nq),
