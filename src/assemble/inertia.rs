@@ -106,7 +106,8 @@ fn report(model: &Model, dof: usize, lines: &Lines, findings: &mut Findings) {
         if total > 0.0 {
             let message = format!("the floating base '{name}' has no inertia of its own");
             let help = format!(
-                "give it one, for instance\n{suggestion}\nor fix it: [robot] base = \"fixed\""
+                "give it one, for instance\n{suggestion}\n{}or fix it: [robot] base = \"fixed\"",
+                from_shapes(model, body.link)
             );
             findings.error("A104", place, message, &help);
         } else {
@@ -126,8 +127,21 @@ fn report(model: &Model, dof: usize, lines: &Lines, findings: &mut Findings) {
             "link '{name}' moves, but neither it nor what hangs on it has inertia along joint '{joint}'"
         )
     };
-    let help = format!("give the link one, for instance\n{suggestion}\nor make the joint fixed");
+    let help = format!(
+        "give the link one, for instance\n{suggestion}\n{}or give the joint rotor inertia: [joint.\"{joint}\"] armature = 1e-4 in the settings",
+        from_shapes(model, body.link)
+    );
     findings.error("A104", place, what, &help);
+}
+
+/// The way out of an `<inertia>` of zeros, where the link has a mass and a shape.
+fn from_shapes(model: &Model, link: LinkId) -> &'static str {
+    let shaped = model.colliders.iter().any(|c| c.link == link);
+    if shaped && model.links[link.index()].inertia.mass > 0.0 {
+        "or compute all from the collision shapes: [robot] inertia = \"collision\" in the settings\n"
+    } else {
+        ""
+    }
 }
 
 /// An `<inertial>` that the link could have: its shapes as solids, else a ball of 5 cm.
