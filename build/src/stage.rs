@@ -17,7 +17,7 @@ use std::sync::Arc;
 use urdf2fmu_core::assemble;
 use urdf2fmu_core::model::{ActuatorMode, Model};
 use urdf2fmu_core::prepared::{FILE_NAME, PreparedModel, PreparedModelError};
-use urdf2fmu_core::settings::{ActuatorSettings, BaseChoice, ModeChoice, Settings};
+use urdf2fmu_core::settings::{BaseChoice, ModeChoice, Settings};
 use urdf2fmu_core::simulation::{Simulation, SimulationError};
 use urdf2fmu_core::urdf::{self, Diagnostic, ReadOptions};
 use urdf2fmu_core::variables::{self, TableError, Variable};
@@ -114,17 +114,9 @@ pub fn robot(request: &Request) -> Result<Robot, StageError> {
         settings.flat_names = flat_names;
     }
     if let Some(mode) = request.mode {
-        // First, so that what the file says of a joint wins.
-        let everything = ActuatorSettings {
-            joint: "*".into(),
-            mode: Some(ModeChoice::Commanded(mode)),
-            max_effort: None,
-            kp: None,
-            kd: None,
-        };
-        settings.actuators.insert(0, everything);
+        settings.default_mode = Some(ModeChoice::Commanded(mode));
     }
-    let mut options = ReadOptions::from_environment();
+    let mut options = settings.read_options(ReadOptions::from_environment());
     options
         .package_paths
         .splice(0..0, request.package_paths.iter().cloned());

@@ -479,6 +479,35 @@ fn info_lists_joints_with_the_file_s_numbers() {
 }
 
 #[test]
+fn scale_of_the_settings_reaches_the_reader() {
+    let folder = tempfile::tempdir().unwrap();
+    let settings = folder.path().join("s.toml");
+    fs::write(&settings, "[robot]\nscale = 2\n").unwrap();
+    let arm = info(&example("arm.urdf"), &["-c", text(&settings)]);
+    let joints = arm["joints"].as_array().unwrap();
+    let elbow = joints.iter().find(|j| j["name"] == "elbow").unwrap();
+    // Lengths double (0.42 m in the file), masses stay.
+    assert_eq!(
+        elbow["origin_position"],
+        serde_json::json!([0.0, 0.0, 0.84])
+    );
+    assert!((arm["mass"].as_f64().unwrap() - 24.5).abs() < 1e-12);
+}
+
+#[test]
+fn a_mode_for_all_joints_is_legal_where_there_are_none() {
+    let folder = tempfile::tempdir().unwrap();
+    let urdf = folder.path().join("ball.urdf");
+    let ball = r#"<robot name="ball"><link name="ball"><inertial><mass value="1"/>
+        <inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial></link></robot>"#;
+    fs::write(&urdf, ball).unwrap();
+    assert_eq!(
+        info(&urdf, &["--mode", "velocity"])["degrees_of_freedom"],
+        6
+    );
+}
+
+#[test]
 fn command_line_wins_over_the_settings_file() {
     let arm = example("arm.urdf");
     assert_eq!(info(&arm, &["--floating-base"])["base"], "floating");
