@@ -173,13 +173,15 @@ impl Newton {
                 norm += d * g * g;
             }
             let scale = bias_scale.max(impulse_scale);
-            if norm <= (p.accuracy * p.accuracy * scale).max(floor) {
+            // An infinite scale would call anything converged.
+            let finite = norm.is_finite() && scale.is_finite();
+            if finite && norm <= (p.accuracy * p.accuracy * scale).max(floor) {
                 return Outcome {
                     iterations,
                     converged: true,
                 };
             }
-            if iterations >= MAX_ITERATIONS || !norm.is_finite() {
+            if iterations >= MAX_ITERATIONS || !finite {
                 return Outcome {
                     iterations,
                     converged: false,
@@ -226,7 +228,8 @@ impl Newton {
             .zip(&p.kin.inverse_diagonal)
             .map(|(g, d)| d * g * g)
             .sum();
-        norm <= p.accuracy * p.accuracy * scale.max(impulse_scale)
+        let scale = scale.max(impulse_scale);
+        scale.is_finite() && norm <= p.accuracy * p.accuracy * scale
     }
 
     /// Lists the bodies between the base and any contact, tips first.

@@ -1,0 +1,80 @@
+/* importer LIBRARY RESOURCES GUID TEST [ARGUMENT…]: runs one test; exit code 0 if every check holds. */
+#include "importer.h"
+#include <stdlib.h>
+#include <string.h>
+
+void test_phases(void);
+void test_discard(void);
+void test_null(void);
+void test_values(void);
+void test_times(void);
+void test_jitter(void);
+void test_instantiate(void);
+void test_locations(int count, char **locations);
+void test_broken(int count, char **locations);
+void test_logging(void);
+void test_states(void);
+void test_damage(void);
+void test_save(const char *path);
+void test_resume(const char *path);
+void test_foreign(const char *path);
+void test_reset(void);
+void test_cycles(void);
+void test_unload(const char *path);
+void test_control_word(void);
+void test_signals(void);
+void test_threads(void);
+
+static const struct {
+    const char *name;
+    void (*run)(void);
+} tests[] = {
+    {"phases", test_phases},
+    {"discard", test_discard},
+    {"null", test_null},
+    {"values", test_values},
+    {"times", test_times},
+    {"jitter", test_jitter},
+    {"instantiate", test_instantiate},
+    {"logging", test_logging},
+    {"states", test_states},
+    {"damage", test_damage},
+    {"reset", test_reset},
+    {"cycles", test_cycles},
+    {"control_word", test_control_word},
+    {"signals", test_signals},
+    {"threads", test_threads},
+};
+
+int main(int argc, char **argv)
+{
+    int known = 0;
+    if (argc < 5)
+        return 2;
+    resources = argv[2];
+    guid = argv[3];
+    load(argv[1]);
+    CHECK(strcmp(fmu.GetTypesPlatform(), "default") == 0, "platform");
+    CHECK(strcmp(fmu.GetVersion(), "2.0") == 0, "version");
+    for (size_t i = 0; i < sizeof tests / sizeof *tests; i++) {
+        if (strcmp(argv[4], tests[i].name) == 0) {
+            tests[i].run();
+            known = 1;
+        }
+    }
+    if (strcmp(argv[4], "locations") == 0)
+        test_locations(argc - 5, argv + 5);
+    else if (strcmp(argv[4], "broken") == 0)
+        test_broken(argc - 5, argv + 5);
+    else if (strcmp(argv[4], "save") == 0)
+        test_save(argv[5]);
+    else if (strcmp(argv[4], "resume") == 0)
+        test_resume(argv[5]);
+    else if (strcmp(argv[4], "foreign") == 0)
+        test_foreign(argv[5]);
+    else if (strcmp(argv[4], "unload") == 0)
+        test_unload(argv[1]);
+    else if (!known)
+        return 2;
+    return failures ? 1 : 0;
+}

@@ -1,0 +1,376 @@
+//! The C functions, driven from outside: an importer written in C loads the library with dlopen, as any importer
+//! does, and misuses it in every way that we could think of. Each test is a run of that program.
+//!
+//! Skipped, with a message, where there is no C compiler or the command was built without a library.
+
+#![allow(clippy::print_stderr, reason = "says why a test is skipped")]
+
+use std::ffi::OsStr;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+use std::sync::LazyLock;
+use urdf2fmu_core::assemble;
+use urdf2fmu_core::model::Model;
+use urdf2fmu_core::prepared::PreparedModel;
+use urdf2fmu_core::settings::Settings;
+use urdf2fmu_core::urdf::{self, ReadOptions};
+use urdf2fmu_core::variables::{Kind, find, table};
+
+const GUID: &str = "{5d7a42b4-9b64-8f5c-8f0e-0a86de6d1c11}";
+
+/// Where everything is, made once for all tests of this file.
+struct Bench {
+    importer: PathBuf,
+    library: &'static str,
+    /// Holds `model.json`.
+    resources: PathBuf,
+}
+
+/// None where it cannot be made.
+static BENCH: LazyLock<Option<Bench>> = LazyLock::new(|| {
+    let Some(library) = option_env!("URDF2FMU_HOST_LIBRARY") else {
+        eprintln!("skipped: this urdf2fmu was built without a library for its own platform");
+        return None;
+    };
+    let compiler = std::env::var("CC").unwrap_or_else(|_| "cc".into());
+    if Command::new(&compiler).arg("--version").output().is_err() {
+        eprintln!("skipped: there is no C compiler '{compiler}'; set CC");
+        return None;
+    }
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("c_api");
+    let resources = folder.join("resources");
+    fs::create_dir_all(&resources).expect("a folder for the tests");
+    let model = rover();
+    let prepared = PreparedModel::new(GUID.into(), model.clone());
+    let text = prepared.to_json().expect("a model that can be stored");
+    fs::write(resources.join("model.json"), text).expect("a file for the tests");
+    fs::write(folder.join("robot.h"), header(&model)).expect("a file for the tests");
+
+    let sources = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/c_api");
+    let importer = folder.join("importer");
+    let output = Command::new(compiler)
+        .args([
+            "-std=gnu11",
+            "-O1",
+            "-g",
+            "-Wall",
+            "-Wextra",
+            "-Werror",
+            "-o",
+        ])
+        .arg(&importer)
+        .arg("-I")
+        .arg(&folder)
+        .args(
+            [
+                "main.c",
+                "importer.c",
+                "phases.c",
+                "misuse.c",
+                "states.c",
+                "host.c",
+            ]
+            .map(|file| sources.join(file)),
+        )
+        .args(["-ldl", "-lm", "-lpthread"])
+        .output()
+        .expect("the compiler answers");
+    assert!(
+        output.status.success(),
+        "{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+    Some(Bench {
+        importer,
+        library,
+        resources,
+    })
+});
+
+/// The example rover: four driven wheels on the ground.
+fn rover() -> Model {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/rover.urdf");
+    let description = urdf::read(&file, &ReadOptions::default()).expect("the example can be read");
+    assemble::build(&description, &Settings::default())
+        .expect("the example can be built")
+        .model
+}
+
+/// Value references for the importer, which reads no modelDescription.xml.
+fn header(model: &Model) -> String {
+    let table = table(model).expect("a table");
+    let reference = |name: &str| {
+        find(&table, name)
+            .unwrap_or_else(|| panic!("no variable '{name}'"))
+            .value_reference
+    };
+    let mut text = String::new();
+    for (constant, name) in [
+        ("LEFT_VELOCITY", "cmd.left_front_wheel_joint.velocity"),
+        ("RIGHT_VELOCITY", "cmd.right_front_wheel_joint.velocity"),
+        ("LEFT_MAX_EFFORT", "cmd.left_front_wheel_joint.max_effort"),
+        ("BASE_Z", "base.position.z"),
+        ("STEPS", "solver.steps"),
+        ("INITIAL_Z", "initial.base.position.z"),
+        ("GRAVITY_Z", "world.gravity.z"),
+        ("GROUND_FRICTION", "world.ground.friction"),
+    ] {
+        text += &format!("#define {constant} {}u\n", reference(name));
+    }
+    let reals: Vec<String> = table
+        .iter()
+        .filter(|variable| variable.kind == Kind::Real)
+        .map(|variable| format!("{}u", variable.value_reference))
+        .collect();
+    text + &format!("#define REAL_REFERENCES {}\n", reals.join(", "))
+}
+
+fn uri(folder: &Path) -> String {
+    format!("file://{}", folder.display())
+}
+
+impl Bench {
+    /// The importer, told what to do; `wrapper` is a program that runs it.
+    fn command<A: AsRef<OsStr>>(&self, wrapper: &[&str], guid: &str, arguments: &[A]) -> Command {
+        let mut command = match wrapper {
+            [] => Command::new(&self.importer),
+            [program, options @ ..] => {
+                let mut command = Command::new(program);
+                command.args(options).arg(&self.importer);
+                command
+            }
+        };
+        command
+            .arg(self.library)
+            .arg(uri(&self.resources))
+            .arg(guid)
+            .args(arguments);
+        command
+    }
+
+    /// What the importer prints when every check holds and nothing is said on stderr.
+    fn run<A: AsRef<OsStr>>(&self, arguments: &[A]) -> String {
+        let output = self
+            .command(&[], GUID, arguments)
+            // Memory in use is exact only without glibc's cache of freed blocks.
+            .env("GLIBC_TUNABLES", "glibc.malloc.tcache_count=0")
+            .output()
+            .expect("the importer runs");
+        let (said, complained) = texts(&output);
+        assert!(
+            output.status.success(),
+            "{}\n{said}\n{complained}",
+            output.status
+        );
+        assert_eq!(complained, "", "the library must be silent on stderr");
+        said
+    }
+}
+
+fn texts(output: &Output) -> (String, String) {
+    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+    (text(&output.stdout), text(&output.stderr))
+}
+
+macro_rules! runs {
+    ($($name:ident: $test:literal;)*) => {$(
+        #[test]
+        fn $name() {
+            if let Some(bench) = &*BENCH {
+                bench.run(&[$test]);
+            }
+        }
+    )*};
+}
+
+runs! {
+    every_function_in_every_phase_answers_as_the_table_says: "phases";
+    a_step_that_cannot_be_done_is_discarded_and_can_be_taken_back: "discard";
+    null_pointers_are_errors_or_nothing: "null";
+    wrong_references_types_and_values_are_errors_without_effect: "values";
+    wrong_times_are_errors_and_near_ones_are_not: "times";
+    a_thousand_jittering_steps_land_exactly: "jitter";
+    an_fmu_that_cannot_be_instantiated_says_why: "instantiate";
+    messages_are_safe_to_print_and_come_as_asked_for: "logging";
+    saved_states_go_on_bit_for_bit_in_every_instance: "states";
+    damaged_states_are_refused: "damage";
+    reset_gives_the_bits_of_a_new_instance: "reset";
+    a_hundred_instances_leave_no_memory_behind: "cycles";
+    the_library_leaves_when_it_is_unloaded: "unload";
+    the_hosts_control_word_is_kept_and_changes_nothing: "control_word";
+    signal_handlers_stay: "signals";
+    instances_on_several_threads_give_the_bits_of_one: "threads";
+}
+
+#[test]
+fn a_saved_state_goes_on_bit_for_bit_in_a_new_process() {
+    let Some(bench) = &*BENCH else { return };
+    let file = bench.resources.with_file_name("state.bin");
+    let argument = |test| [OsStr::new(test), file.as_os_str()];
+    let first = bench.run(&argument("save"));
+    assert!(first.lines().count() > 50, "{first}");
+    assert_eq!(bench.run(&argument("resume")), first);
+
+    // The same robot under another guid is another FMU.
+    let other = bench.resources.with_file_name("other");
+    let guid = "{00000000-0000-8000-8000-000000000000}";
+    fs::create_dir_all(&other).expect("a folder for the test");
+    let prepared = PreparedModel::new(guid.into(), rover());
+    fs::write(
+        other.join("model.json"),
+        prepared.to_json().expect("finite"),
+    )
+    .expect("a file for the test");
+    let other = Bench {
+        importer: bench.importer.clone(),
+        library: bench.library,
+        resources: other,
+    };
+    let output = other
+        .command(&[], guid, &argument("foreign"))
+        .output()
+        .expect("it runs");
+    assert!(output.status.success(), "{}", texts(&output).0);
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn resources_are_found_under_every_spelling_of_their_location() {
+    let Some(bench) = &*BENCH else { return };
+    let mut locations = Vec::new();
+    for name in [
+        "plain",
+        "a b",
+        "café",
+        "ä#1",
+        "100%",
+        "a%20b",
+        "q?x=1&y",
+        "semi;colon",
+    ] {
+        let folder = bench
+            .resources
+            .with_file_name("places")
+            .join(name)
+            .join("resources");
+        fs::create_dir_all(&folder).expect("a folder for the test");
+        fs::copy(
+            bench.resources.join("model.json"),
+            folder.join("model.json"),
+        )
+        .expect("a file for the test");
+        let plain = folder.to_str().expect("Unicode");
+        for path in [plain.to_owned(), encoded(plain)] {
+            for prefix in [
+                "file://",
+                "file:",
+                "file:///",
+                "file://localhost",
+                "FILE://",
+            ] {
+                locations.push(format!("{prefix}{path}"));
+                locations.push(format!("{prefix}{path}/"));
+            }
+        }
+        locations.push(plain.to_owned());
+    }
+    let mut arguments = vec!["locations".to_owned()];
+    arguments.extend(locations);
+    bench.run(&arguments);
+}
+
+/// RFC 3986: all but unreserved characters and slashes as `%HH`.
+fn encoded(path: &str) -> String {
+    path.bytes()
+        .map(|byte| match byte {
+            b'/' | b'-' | b'.' | b'_' | b'~' => char::from(byte).to_string(),
+            _ if byte.is_ascii_alphanumeric() => char::from(byte).to_string(),
+            _ => format!("%{byte:02X}"),
+        })
+        .collect()
+}
+
+#[test]
+fn a_missing_or_broken_model_is_an_error_that_names_the_file() {
+    let Some(bench) = &*BENCH else { return };
+    let good = fs::read_to_string(bench.resources.join("model.json")).expect("written before");
+    let cut = &good[..good.len() / 2];
+    let other_format = good.replacen("\"format\": 1", "\"format\": 99", 1);
+    assert_ne!(other_format, good);
+    let wild_index = good.replacen("\"parent\": 0", "\"parent\": 4000000000", 1);
+    assert_ne!(wild_index, good);
+    let not_a_number = good.replacen("\"mass\": ", "\"mass\": null, \"was\": ", 1);
+    let mut arguments = vec!["broken".to_owned()];
+    for (name, bytes) in [
+        ("empty", &b""[..]),
+        ("cut", cut.as_bytes()),
+        ("format", other_format.as_bytes()),
+        ("index", wild_index.as_bytes()),
+        ("null", not_a_number.as_bytes()),
+        ("binary", &[0xFF, 0xFE, 0x00, 0x80]),
+        ("list", b"[1, 2, 3]"),
+    ] {
+        let folder = bench.resources.with_file_name("broken").join(name);
+        fs::create_dir_all(&folder).expect("a folder for the test");
+        fs::write(folder.join("model.json"), bytes).expect("a file for the test");
+        arguments.push(uri(&folder));
+    }
+    let folder = bench.resources.with_file_name("broken").join("missing");
+    fs::create_dir_all(&folder).expect("a folder for the test");
+    arguments.push(uri(&folder));
+    bench.run(&arguments);
+}
+
+#[test]
+fn valgrind_finds_nothing() {
+    let Some(bench) = &*BENCH else { return };
+    if Command::new("valgrind").arg("--version").output().is_err() {
+        eprintln!("skipped: there is no valgrind");
+        return;
+    }
+    let valgrind = [
+        "valgrind",
+        "--quiet",
+        "--error-exitcode=9",
+        "--leak-check=full",
+        "--show-leak-kinds=definite,indirect",
+    ];
+    for test in ["null", "values", "logging", "instantiate", "states"] {
+        let output = bench
+            .command(&valgrind, GUID, &[test])
+            .output()
+            .expect("valgrind runs");
+        let (said, complained) = texts(&output);
+        assert!(
+            output.status.success(),
+            "{test}: {}\n{said}\n{complained}",
+            output.status
+        );
+        assert_eq!(complained, "", "{test}");
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn only_fmi_functions_are_visible() {
+    let Some(bench) = &*BENCH else { return };
+    let Ok(output) = Command::new("nm")
+        .args(["-D", "--defined-only", bench.library])
+        .output()
+    else {
+        eprintln!("skipped: there is no nm");
+        return;
+    };
+    let (symbols, _) = texts(&output);
+    let names: Vec<&str> = symbols
+        .lines()
+        .filter_map(|line| line.split(' ').nth(2))
+        .collect();
+    // FMI 2.0.4: 25 common functions, 10 of Model Exchange, 9 of co-simulation.
+    assert_eq!(names.len(), 44, "{names:?}");
+    assert!(
+        names.iter().all(|name| name.starts_with("fmi2")),
+        "{names:?}"
+    );
+}

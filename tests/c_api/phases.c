@@ -1,0 +1,220 @@
+/* Every function in every phase that an importer can reach, against the table of FMI 2.0. */
+#include "importer.h"
+#include "robot.h"
+#include <math.h>
+#include <string.h>
+
+enum { INSTANTIATED, INITIALIZATION, COMPLETE, FAILED, TERMINATED, PHASES };
+static const char *const names[PHASES] = {"instantiated", "initialization mode", "step complete", "step failed",
+                                          "terminated"};
+
+/* A new instance in the given phase. */
+static fmi2Component in_phase(int phase)
+{
+    const fmi2ValueReference gravity = GRAVITY_Z;
+    const double absurd = 1e308;
+    fmi2Component c = instantiate();
+    if (phase >= INITIALIZATION)
+        CHECK(fmu.EnterInitializationMode(c) == fmi2OK, "enter");
+    if (phase >= COMPLETE)
+        CHECK(fmu.ExitInitializationMode(c) == fmi2OK, "exit");
+    if (phase == FAILED) {
+        /* No solver survives this gravity: the step is discarded. */
+        CHECK(fmu.SetReal(c, &gravity, 1, &absurd) == fmi2OK, "gravity");
+        CHECK(fmu.DoStep(c, 0.0, 0.1, fmi2True) == fmi2Discard, "a step that cannot be done");
+        CHECK(strcmp(heard.category, "logStatusDiscard") == 0, "category");
+    }
+    if (phase == TERMINATED)
+        CHECK(fmu.Terminate(c) == fmi2OK, "terminate");
+    return c;
+}
+
+static fmi2FMUstate state;
+static fmi2Byte bytes[1 << 16];
+static size_t size;
+
+/* One legal call of each function. */
+#define CALL(name, call) \
+    static fmi2Status name(fmi2Component c) { return call; }
+static const fmi2ValueReference velocity = LEFT_VELOCITY, steps = STEPS;
+static fmi2Real real;
+static fmi2Integer integer;
+static fmi2Boolean boolean;
+static fmi2String string;
+static fmi2Status status;
+static fmi2EventInfo info;
+static fmi2FMUstate made;
+CALL(set_debug_logging, fmu.SetDebugLogging(c, fmi2False, 0, NULL))
+CALL(setup_experiment, fmu.SetupExperiment(c, fmi2True, 1e-4, 0.0, fmi2True, 1.0))
+CALL(enter, fmu.EnterInitializationMode(c))
+CALL(leave, fmu.ExitInitializationMode(c))
+CALL(terminate, fmu.Terminate(c))
+CALL(reset, fmu.Reset(c))
+CALL(get_real, fmu.GetReal(c, &velocity, 1, &real))
+CALL(get_integer, fmu.GetInteger(c, &steps, 1, &integer))
+CALL(get_boolean, fmu.GetBoolean(c, NULL, 0, &boolean))
+CALL(get_string, fmu.GetString(c, NULL, 0, &string))
+CALL(set_real, fmu.SetReal(c, &velocity, 1, &real))
+CALL(set_integer, fmu.SetInteger(c, NULL, 0, &integer))
+CALL(set_boolean, fmu.SetBoolean(c, NULL, 0, &boolean))
+CALL(set_string, fmu.SetString(c, NULL, 0, &string))
+CALL(set_state, fmu.SetFMUstate(c, state))
+CALL(state_size, fmu.SerializedFMUstateSize(c, state, &size))
+CALL(serialize, fmu.SerializeFMUstate(c, state, bytes, size))
+CALL(directional, fmu.GetDirectionalDerivative(c, NULL, 0, NULL, 0, NULL, NULL))
+CALL(input_derivatives, fmu.SetRealInputDerivatives(c, NULL, 0, NULL, NULL))
+CALL(output_derivatives, fmu.GetRealOutputDerivatives(c, NULL, 0, NULL, NULL))
+CALL(step, fmu.DoStep(c, 0.0, 0.01, fmi2True))
+CALL(cancel, fmu.CancelStep(c))
+CALL(get_status, fmu.GetStatus(c, fmi2DoStepStatus, &status))
+CALL(get_real_status, fmu.GetRealStatus(c, fmi2LastSuccessfulTime, &real))
+CALL(get_boolean_status, fmu.GetBooleanStatus(c, fmi2Terminated, &boolean))
+CALL(get_string_status, fmu.GetStringStatus(c, fmi2PendingStatus, &string))
+CALL(event_mode, fmu.EnterEventMode(c))
+CALL(discrete, fmu.NewDiscreteStates(c, &info))
+CALL(continuous, fmu.EnterContinuousTimeMode(c))
+CALL(integrator, fmu.CompletedIntegratorStep(c, fmi2True, &boolean, &boolean))
+CALL(set_time, fmu.SetTime(c, 0.0))
+CALL(set_states, fmu.SetContinuousStates(c, &real, 1))
+CALL(derivatives, fmu.GetDerivatives(c, &real, 1))
+CALL(indicators, fmu.GetEventIndicators(c, &real, 1))
+CALL(get_states, fmu.GetContinuousStates(c, &real, 1))
+CALL(nominals, fmu.GetNominalsOfContinuousStates(c, &real, 1))
+
+static fmi2Status get_state(fmi2Component c)
+{
+    fmi2FMUstate own = NULL;
+    fmi2Status result = fmu.GetFMUstate(c, &own);
+    CHECK((own != NULL) == (result == fmi2OK), "a state only if all went well");
+    CHECK(fmu.FreeFMUstate(c, &own) == fmi2OK && own == NULL, "free");
+    return result;
+}
+
+static fmi2Status deserialize(fmi2Component c)
+{
+    fmi2Status result;
+    made = NULL;
+    result = fmu.DeSerializeFMUstate(c, bytes, size, &made);
+    CHECK(made != NULL, "a state");
+    return result;
+}
+
+static fmi2Status free_state(fmi2Component c)
+{
+    fmi2FMUstate own = made;
+    made = NULL;
+    return fmu.FreeFMUstate(c, &own);
+}
+
+/* Columns: instantiated, initialization, complete, failed, terminated. */
+static const struct {
+    const char *function;
+    fmi2Status (*call)(fmi2Component);
+    const char *allowed;
+} table[] = {
+    {"fmi2SetDebugLogging", set_debug_logging, "xxxxx"},
+    {"fmi2SetupExperiment", setup_experiment, "x----"},
+    {"fmi2EnterInitializationMode", enter, "x----"},
+    {"fmi2ExitInitializationMode", leave, "-x---"},
+    {"fmi2Terminate", terminate, "--xx-"},
+    {"fmi2Reset", reset, "xxxxx"},
+    {"fmi2GetReal", get_real, "xxxxx"},
+    {"fmi2GetInteger", get_integer, "xxxxx"},
+    {"fmi2GetBoolean", get_boolean, "xxxxx"},
+    {"fmi2GetString", get_string, "xxxxx"},
+    {"fmi2SetReal", set_real, "xxx--"},
+    {"fmi2SetInteger", set_integer, "xxx--"},
+    {"fmi2SetBoolean", set_boolean, "xxx--"},
+    {"fmi2SetString", set_string, "xxx--"},
+    {"fmi2GetFMUstate", get_state, "xxxxx"},
+    {"fmi2SerializedFMUstateSize", state_size, "xxxxx"},
+    {"fmi2SerializeFMUstate", serialize, "xxxxx"},
+    {"fmi2DeSerializeFMUstate", deserialize, "xxxxx"},
+    {"fmi2FreeFMUstate", free_state, "xxxxx"},
+    {"fmi2SetFMUstate", set_state, "xxxxx"},
+    {"fmi2GetDirectionalDerivative", directional, "-xxxx"},
+    {"fmi2SetRealInputDerivatives", input_derivatives, "xxx--"},
+    {"fmi2GetRealOutputDerivatives", output_derivatives, "--xxx"},
+    {"fmi2DoStep", step, "--x--"},
+    {"fmi2CancelStep", cancel, "-----"},
+    {"fmi2GetStatus", get_status, "--xxx"},
+    {"fmi2GetRealStatus", get_real_status, "--xxx"},
+    {"fmi2GetBooleanStatus", get_boolean_status, "--xxx"},
+    {"fmi2GetStringStatus", get_string_status, "--xxx"},
+    {"fmi2EnterEventMode", event_mode, "-----"},
+    {"fmi2NewDiscreteStates", discrete, "-----"},
+    {"fmi2EnterContinuousTimeMode", continuous, "-----"},
+    {"fmi2CompletedIntegratorStep", integrator, "-----"},
+    {"fmi2SetTime", set_time, "-----"},
+    {"fmi2SetContinuousStates", set_states, "-----"},
+    {"fmi2GetDerivatives", derivatives, "-----"},
+    {"fmi2GetEventIndicators", indicators, "-----"},
+    {"fmi2GetContinuousStates", get_states, "-----"},
+    {"fmi2GetNominalsOfContinuousStates", nominals, "-----"},
+};
+
+void test_phases(void)
+{
+    fmi2Component helper = running();
+    CHECK_OK(fmu.GetFMUstate(helper, &state));
+    CHECK_OK(fmu.SerializedFMUstateSize(helper, state, &size));
+    CHECK(size <= sizeof bytes, "%zu bytes", size);
+    for (int phase = 0; phase < PHASES; phase++) {
+        for (size_t row = 0; row < sizeof table / sizeof *table; row++) {
+            fmi2Component c = in_phase(phase);
+            fmi2Status result;
+            forget();
+            result = table[row].call(c);
+            if (table[row].allowed[phase] == 'x') {
+                CHECK(result == fmi2OK, "%s when %s", table[row].function, names[phase]);
+            } else {
+                CHECK(result == fmi2Error, "%s when %s", table[row].function, names[phase]);
+                CHECK(strstr(heard.text, table[row].function) && strstr(heard.text, names[phase]),
+                      "the message names %s and %s", table[row].function, names[phase]);
+                /* A rejected call has no effect: the phase is still the same. */
+                CHECK(fmu.Reset(c) == fmi2OK, "%s has broken the instance", table[row].function);
+            }
+            fmu.FreeInstance(c);
+        }
+    }
+    /* No status kind has an Integer value, in any phase. */
+    CHECK_ERROR(fmu.GetIntegerStatus(helper, fmi2DoStepStatus, &integer), "Integer");
+    CHECK_ERROR(fmu.GetStatus(helper, fmi2Terminated, &status), "kind");
+    CHECK_ERROR(fmu.GetStatus(helper, 77, &status), "77");
+    CHECK_OK(fmu.FreeFMUstate(helper, &state));
+    fmu.FreeInstance(helper);
+}
+
+/* What a discarded step leaves behind, and the way back. */
+void test_discard(void)
+{
+    const fmi2ValueReference gravity = GRAVITY_Z;
+    const double absurd = 1e308, earth = -9.81;
+    fmi2FMUstate before = NULL;
+    unsigned long long expected;
+    fmi2Component c = running();
+    drive(c, 0.0, 0.05, 4);
+    CHECK_OK(fmu.GetFMUstate(c, &before));
+    drive(c, 0.2, 0.05, 2);
+    expected = hash_state(c);
+
+    CHECK_OK(fmu.SetFMUstate(c, before));
+    CHECK_OK(fmu.SetReal(c, &gravity, 1, &absurd));
+    forget();
+    CHECK(fmu.DoStep(c, 0.2, 0.1, fmi2False) == fmi2Discard, "absurd gravity");
+    CHECK(heard.status == fmi2Discard && heard.messages == 1, "one message");
+    CHECK_OK(fmu.GetStatus(c, fmi2DoStepStatus, &status));
+    CHECK(status == fmi2Discard, "%d", status);
+    CHECK_OK(fmu.GetRealStatus(c, fmi2LastSuccessfulTime, &real));
+    CHECK(real >= 0.2 && real < 0.3, "%.17g", real);
+    CHECK_OK(fmu.GetBooleanStatus(c, fmi2Terminated, &boolean));
+    CHECK(boolean == fmi2False, "%d", boolean);
+    CHECK_ERROR(fmu.DoStep(c, real, 0.01, fmi2False), "step failed");
+    CHECK_ERROR(fmu.SetReal(c, &gravity, 1, &earth), "step failed");
+
+    CHECK_OK(fmu.SetFMUstate(c, before));
+    drive(c, 0.2, 0.05, 2);
+    CHECK(hash_state(c) == expected, "restored after a discarded step");
+    CHECK_OK(fmu.FreeFMUstate(c, &before));
+    fmu.FreeInstance(c);
+}
