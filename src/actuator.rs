@@ -212,6 +212,17 @@ fn desired_speed(e: f64, slope: f64, braking: f64, limit: f64) -> (f64, f64) {
     }
 }
 
+/// What a joint term gives for a velocity.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct JointResponse {
+    /// N·m·s or N·s
+    pub impulse: f64,
+    /// Minus the derivative of the impulse with the velocity, never negative.
+    pub stiffness: f64,
+    /// Sum of the magnitudes in the impulse: what a balance of motor and limit is to be measured by.
+    pub effort: f64,
+}
+
 /// Everything that acts along one degree of freedom in a step.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct JointTerm {
@@ -234,28 +245,34 @@ pub struct JointTerm {
 }
 
 impl JointTerm {
-    /// Impulse and its stiffness (minus its derivative, never negative) for the velocity `v` at the end of the step.
+    /// Response to the velocity `v` at the end of a step of `h` seconds.
     #[inline]
-    pub fn response(&self, v: f64, h: f64) -> (f64, f64) {
+    pub fn response(&self, v: f64, h: f64) -> JointResponse {
         let (force, slope) = self.drive.force(v, h);
-        let mut impulse = h * (force - self.damping * v);
-        let mut stiffness = h * (self.damping - slope);
+        let resistance = self.damping * v;
+        let mut r = JointResponse {
+            impulse: h * (force - resistance),
+            stiffness: h * (self.damping - slope),
+            effort: h * (force.abs() + resistance.abs()),
+        };
         if self.dry.cap > 0.0 {
             let (force, slope) = self.dry.force(v, h);
-            impulse -= h * force;
-            stiffness += h * slope;
+            r.impulse -= h * force;
+            r.stiffness += h * slope;
+            r.effort += h * force.abs();
         }
         for (gap, sign) in [(self.gap[0], 1.0), (self.gap[1], -1.0)] {
             let approach = sign * v;
             let elastic = self.limit_stiffness * (-gap - h * approach);
             let damping = 1.0 - self.limit_dissipation * approach;
             if elastic > 0.0 && damping > 0.0 {
-                impulse += sign * h * elastic * damping;
-                stiffness +=
+                r.impulse += sign * h * elastic * damping;
+                r.stiffness +=
                     h * (h * self.limit_stiffness * damping + self.limit_dissipation * elastic);
+                r.effort += h * elastic * damping;
             }
         }
-        (impulse, stiffness)
+        r
     }
 
     /// Force at the start of the step for the velocity `v`: the limit of `response / h` for small `h`.

@@ -292,10 +292,14 @@ impl Stepper {
                     self.explicit.restart();
                 }
                 let error = self.explicit_step(ctx, state, h);
+                let floor = patience(state, ctx.tolerance, h, remaining);
                 let factor = (0.9 * libm::pow(error.max(1e-10), -0.2)).clamp(GROWTH.0, GROWTH.1);
-                if error <= 1.0 || (h <= MIN_STEP && error.is_finite()) {
+                if error <= 1.0 || (h <= floor && error.is_finite()) {
+                    if error > 1.0 {
+                        state.counters[3] += 1;
+                    }
                     accept_explicit(&mut self.explicit, state);
-                    proposed = next_proposal(proposed, h, factor);
+                    proposed = next_proposal(proposed, h, factor).max(floor);
                     done = if h >= remaining { span } else { done + h };
                     self.accepted(state, first, h, proposed);
                     first = false;
@@ -306,7 +310,7 @@ impl Stepper {
                         .find_terms(ctx, state, proposed.min(MAX_EXPLICIT_STEP));
                 } else if error.is_finite() || h > MIN_STEP {
                     state.counters[1] += 1;
-                    proposed = (h * factor).max(MIN_STEP);
+                    proposed = (h * factor).max(if error.is_finite() { floor } else { MIN_STEP });
                     explicit = true;
                 } else {
                     return Err(NotFinite);
@@ -328,7 +332,7 @@ impl Stepper {
             loop {
                 let error = self.doubled_step(ctx, state, h, accuracy);
                 let factor = (0.9 / error.max(1e-12).sqrt()).clamp(GROWTH.0, GROWTH.1);
-                let floor = patience(state, ctx.tolerance, h);
+                let floor = patience(state, ctx.tolerance, h, remaining);
                 if error <= 1.0 || (h <= floor && error.is_finite()) {
                     if error > 1.0 {
                         state.counters[3] += 1;
@@ -614,15 +618,16 @@ impl Stepper {
 /// Shortest step that error control may ask for now; books that a step of `h` seconds was tried.
 ///
 /// Some contacts of very light bodies on heavy robots oscillate in nanoseconds between normal force and friction
-/// (Painlevé's problem): resolving that buys nothing and stalls the host. A run of steps near the floor therefore
-/// raises it, slowly enough that an impact passes unhindered, and longer steps lower it again.
-fn patience(state: &mut State, tolerance: f64, h: f64) -> f64 {
+/// (Painlevé's problem), and a joint may be told to spin at any speed: resolving that buys nothing and stalls the host.
+/// A run of steps near the floor therefore raises it, slowly enough that an impact passes unhindered, and longer steps
+/// lower it again. Steps that are short because the communication step ends do not count.
+fn patience(state: &mut State, tolerance: f64, h: f64, remaining: f64) -> f64 {
     let floor = &mut state.step[2];
     *floor = floor.max(MIN_STEP);
-    if h < 10.0 * *floor {
-        *floor = (*floor * (1.0 + 0.02 * (tolerance / 1e-3).sqrt().min(1.0))).min(MAX_FLOOR);
-    } else if h > 100.0 * *floor {
+    if h >= 10.0 * *floor {
         *floor *= 0.5;
+    } else if h < remaining {
+        *floor = (*floor * (1.0 + 0.02 * (tolerance / 1e-3).sqrt().min(1.0))).min(MAX_FLOOR);
     }
     floor.max(MIN_STEP)
 }

@@ -15,7 +15,7 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
-use crate::actuator::JointTerm;
+use crate::actuator::{JointResponse, JointTerm};
 use crate::contact::{Contact, Response};
 use crate::dynamics::crba::add_row;
 use crate::kinematics::{Kinematics, forward};
@@ -55,8 +55,7 @@ pub struct Newton {
     H: Vec<f64>,
     V: Vec<Vec6>,
     point_direction: Vec<Vec3>,
-    /// Impulse and stiffness of each joint term.
-    joint_responses: Vec<(f64, f64)>,
+    joint_responses: Vec<JointResponse>,
     F: Vec<Vec6>,
     G: Vec<[f64; 21]>,
     /// Bodies with contacts in their subtree, tips first.
@@ -163,7 +162,9 @@ impl Newton {
         // Impulses set the scale, and round-off of the momentum its floor: else free fall would stop
         // accelerating in small steps.
         let bias_scale = h * h * bias_scale;
-        let floor = (8.0 * f64::EPSILON) * (8.0 * f64::EPSILON) * momentum_scale;
+        let round_off = (8.0 * f64::EPSILON) * (8.0 * f64::EPSILON);
+        let lightest = D2.iter().fold(0.0, |m: f64, d| m.max(*d));
+        let lever = 1.0 + tree.reach;
         self.respond(p);
         let mut iterations = 0;
         loop {
@@ -173,8 +174,15 @@ impl Newton {
                 norm += d * g * g;
             }
             let scale = bias_scale.max(impulse_scale);
+            // Contact impulses that cancel along every joint leave their round-off.
+            let cancelled: f64 = self
+                .responses
+                .iter()
+                .map(|r| r.impulse.norm_squared())
+                .sum();
+            let floor = round_off * (momentum_scale + lightest * lever * lever * cancelled);
             // An infinite scale would call anything converged.
-            let finite = norm.is_finite() && scale.is_finite();
+            let finite = norm.is_finite() && scale.is_finite() && floor.is_finite();
             if finite && norm <= (p.accuracy * p.accuracy * scale).max(floor) {
                 return Outcome {
                     iterations,
@@ -266,9 +274,9 @@ impl Newton {
             *g = m - r;
         }
         let mut scale = 0.0;
-        for (term, (impulse, _)) in p.joints.iter().zip(&self.joint_responses) {
-            self.gradient[term.dof] -= impulse;
-            scale += D2[term.dof] * impulse * impulse;
+        for (term, r) in p.joints.iter().zip(&self.joint_responses) {
+            self.gradient[term.dof] -= r.impulse;
+            scale += D2[term.dof] * r.effort * r.effort;
         }
         if p.contacts.is_empty() {
             return scale;
@@ -306,7 +314,8 @@ impl Newton {
         let Problem { tree, kin, .. } = *p;
         let pattern = &tree.sparsity;
         self.H.copy_from_slice(&kin.M);
-        for (term, (_, stiffness)) in p.joints.iter().zip(&self.joint_responses) {
+        for (term, r) in p.joints.iter().zip(&self.joint_responses) {
+            let stiffness = r.stiffness;
             self.H[pattern.diagonal(term.dof)] += stiffness;
         }
         if p.contacts.is_empty() {
@@ -428,7 +437,7 @@ impl Newton {
         for term in p.joints {
             let w = self.direction[term.dof];
             let response = term.response(self.v[term.dof] + alpha * w, p.h);
-            slope -= response.0 * w;
+            slope -= response.impulse * w;
             self.joint_responses.push(response);
         }
         slope
@@ -443,7 +452,8 @@ impl Newton {
             let ws = r.slip.dot(w);
             curvature += r.tangential * (w.norm_squared() - wn * wn - ws * ws) + r.normal * wn * wn;
         }
-        for (term, (_, stiffness)) in p.joints.iter().zip(&self.joint_responses) {
+        for (term, r) in p.joints.iter().zip(&self.joint_responses) {
+            let stiffness = r.stiffness;
             let w = self.direction[term.dof];
             curvature += stiffness * w * w;
         }

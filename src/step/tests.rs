@@ -971,3 +971,100 @@ fn tighter_tolerances_converge_through_contact_and_friction() {
         "{errors:?}"
     );
 }
+
+/// A hinged link deep in the ground that its mounting does not let out: the host lives, and so does the state.
+#[test]
+fn a_link_stuck_deep_in_the_ground_stays_finite() {
+    for rpy in [
+        Vec3::new(0.3, 0.2, 0.1),
+        Vec3::new(0.0, 1.0, 0.0),
+        Vec3::new(1.5, 0.0, 0.3),
+    ] {
+        for friction in [0.0, 0.8, 1.5] {
+            let mut b = Builder::new(false, crate::spatial::RigidInertia::ZERO);
+            let link = b.link(
+                0u32.into_link(),
+                Pose::IDENTITY,
+                Motion::Revolute(Vec3::z()),
+                inertia(1.0, Vec3::zeros(), [1.0; 3]),
+            );
+            b.shape(
+                link,
+                Shape::Box {
+                    half: Vec3::new(0.5, 0.5, 0.5),
+                },
+                Pose::IDENTITY,
+            );
+            b.model.links[link.index()].friction = friction;
+            b.model.world.ground = Some(crate::model::Ground {
+                friction,
+                restitution: 0.0,
+            });
+            b.model.initial.rpy = rpy;
+            b.model.joints[0].damping = 1.0;
+            b.model.joints[0].friction = 1e-4;
+            let mut s = start(b.model, 1e-3);
+            run(&mut s, 1.0, 1.0 / 240.0);
+            assert!(
+                s.state().v.iter().all(|v| v.abs() < 10.0),
+                "{rpy} {:?}",
+                s.state().v
+            );
+        }
+    }
+}
+
+/// Nothing stalls: a joint told to spin at 4e9 rad/s ends its step, rightly or with an error.
+#[test]
+fn an_absurd_initial_speed_does_not_stall_the_host() {
+    let mut b = Builder::new(true, inertia(1.0, Vec3::zeros(), [0.1, 0.2, 0.15]));
+    b.link(
+        0u32.into_link(),
+        at(0.1, 0.0, 0.0),
+        Motion::Revolute(Y),
+        inertia(0.5, X * 0.2, [0.01, 0.02, 0.02]),
+    );
+    b.model.initial.joint_velocities[0] = 4e9;
+    let mut s = start(b.model, 1e-3);
+    for step in 1..=10 {
+        if s.advance_to(f64::from(step) / 240.0).is_err() {
+            break;
+        }
+    }
+    assert!(s.state().is_finite());
+    assert!(
+        s.state().counters[0] + s.state().counters[1] < 100_000,
+        "{:?}",
+        s.state().counters
+    );
+}
+
+/// A servo that pushes against a limit: two large forces balance and nothing else acts.
+#[test]
+fn a_servo_pressed_against_a_limit_rests() {
+    let mut b = Builder::new(false, crate::spatial::RigidInertia::ZERO);
+    let link = b.link(
+        0u32.into_link(),
+        Pose::IDENTITY,
+        Motion::Prismatic(X),
+        inertia(1.0, Vec3::zeros(), [0.01; 3]),
+    );
+    b.limits(link, -0.1, 0.1);
+    b.actuator(link, ActuatorMode::Position, 500.0);
+    let mut s = start(b.model, 1e-3);
+    s.set_input(InputSlot::Position(ActuatorId(0)), 1.0);
+    run(&mut s, 2.0, 1.0 / 240.0);
+    let expected = 0.1 + 500.0 / s.tree().limit_stiffness[0];
+    assert!(
+        (s.state().q[0] - expected).abs() < 1e-8,
+        "{} {expected}",
+        s.state().q[0]
+    );
+    let steps = s.state().counters[0];
+    run(&mut s, 3.0, 1.0);
+    assert!(
+        s.state().counters[0] < steps + 3,
+        "{:?}",
+        s.state().counters
+    );
+}
