@@ -250,7 +250,8 @@ impl Sources {
             package.with_file_name(format!("urdf2fmu-core-{}", env::var("CARGO_PKG_VERSION")?));
         if core.is_dir() {
             options.push("--config".to_owned());
-            options.push(format!("patch.crates-io.urdf2fmu-core.path={core:?}"));
+            let path = core.to_str().ok_or("the path of the core is not Unicode")?;
+            options.push(format!("patch.crates-io.urdf2fmu-core.path={path:?}"));
         }
         Ok(Self {
             package: copy,

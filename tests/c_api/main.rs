@@ -6,6 +6,7 @@
 #![allow(clippy::print_stderr, reason = "says why a test is skipped")]
 
 use std::ffi::OsStr;
+use std::fmt::Write as _;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -116,7 +117,7 @@ fn header(model: &Model) -> String {
         ("GRAVITY_Z", "world.gravity.z"),
         ("GROUND_FRICTION", "world.ground.friction"),
     ] {
-        text += &format!("#define {constant} {}u\n", reference(name));
+        writeln!(text, "#define {constant} {}u", reference(name)).expect("a string");
     }
     let reals: Vec<String> = table
         .iter()
