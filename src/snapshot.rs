@@ -99,7 +99,7 @@ impl Snapshot {
             return Err(refused("it belongs to another model"));
         }
         let touches = bytes.len().wrapping_sub(snapshot.byte_len());
-        if touches % 40 != 0 || touches / 40 > model.contact_slots() {
+        if !touches.is_multiple_of(40) || touches / 40 > model.contact_slots() {
             return Err(refused("its length is not that of this model's states"));
         }
         let (body, checksum) = bytes.split_at(bytes.len() - 8);

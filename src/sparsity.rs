@@ -22,6 +22,9 @@ pub struct Sparsity {
 
 impl Sparsity {
     /// The pattern that holds all pairs within each of the `cliques` of the `n` unknowns.
+    ///
+    /// # Panics
+    /// If there are 2^32 unknowns or more.
     pub fn new(n: usize, cliques: &[Vec<usize>]) -> Self {
         let mut coupled = vec![vec![false; n]; n];
         for clique in cliques {
@@ -191,6 +194,7 @@ impl Sparsity {
 }
 
 #[cfg(test)]
+#[allow(clippy::cast_precision_loss, reason = "small counts")]
 mod tests {
     use super::*;
 

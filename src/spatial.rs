@@ -31,6 +31,7 @@ impl Pose {
     };
 
     /// `X_AC = X_AB * X_BC`.
+    #[must_use]
     pub fn compose(&self, other: &Self) -> Self {
         Self {
             R: self.R * other.R,
@@ -39,6 +40,7 @@ impl Pose {
     }
 
     /// `X_BA` from `X_AB`.
+    #[must_use]
     pub fn inverse(&self) -> Self {
         let R = self.R.transpose();
         Self {
@@ -144,6 +146,7 @@ impl RigidInertia {
     };
 
     /// The same body seen from A, given the pose `X_AB`.
+    #[must_use]
     pub fn transformed(&self, X_AB: &Pose) -> Self {
         Self {
             mass: self.mass,
@@ -153,6 +156,7 @@ impl RigidInertia {
     }
 
     /// Two bodies rigidly joined; both in one frame.
+    #[must_use]
     pub fn joined(&self, other: &Self) -> Self {
         let mass = self.mass + other.mass;
         if mass <= 0.0 {

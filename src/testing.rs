@@ -1,5 +1,11 @@
 //! Models made in code, for tests.
 
+#![allow(
+    clippy::cast_precision_loss,
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "small counts"
+)]
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
 use crate::geometry::Shape;
@@ -10,7 +16,7 @@ use crate::model::{
 };
 use crate::spatial::{Mat3, Pose, RigidInertia, Vec3};
 
-/// Numbers that look random and are the same everywhere (SplitMix64).
+/// Numbers that look random and are the same everywhere (`SplitMix64`).
 pub struct Random(pub u64);
 
 impl Random {

@@ -367,7 +367,7 @@ impl Tree {
                 let X = &poses[b];
                 (
                     b,
-                    X.p + X.R * (self.turn_back(model, b) * c.X_BG.p),
+                    X.p + X.R * (turn_back(model, b) * c.X_BG.p),
                     c.shape.bounding_radius(),
                 )
             })
@@ -428,13 +428,13 @@ impl Tree {
             *k = effort.max(inertia[dof] * 100.0) / LIMIT_DEFLECTION;
         }
     }
+}
 
-    /// Rotation from the model's body frame to the solver's.
-    fn turn_back(&self, model: &Model, body: usize) -> Mat3 {
-        match model.bodies[body].motion {
-            Motion::Revolute(axis) | Motion::Prismatic(axis) => rotation_to_axis(&axis).transpose(),
-            _ => Mat3::identity(),
-        }
+/// Rotation from the model's body frame to the solver's.
+fn turn_back(model: &Model, body: usize) -> Mat3 {
+    match model.bodies[body].motion {
+        Motion::Revolute(axis) | Motion::Prismatic(axis) => rotation_to_axis(&axis).transpose(),
+        _ => Mat3::identity(),
     }
 }
 

@@ -132,9 +132,9 @@ pub fn dissipation_number(e: f64) -> f64 {
     for _ in 0..100 {
         let middle = 0.5 * (low + high);
         if excess(middle) > 0.0 {
-            low = middle
+            low = middle;
         } else {
-            high = middle
+            high = middle;
         }
     }
     0.5 * (low + high)

@@ -74,8 +74,9 @@ impl Articulated {
                 }
                 _ => {
                     let mut relative = [0.0; 6];
-                    for c in body.column..body.column + body.columns {
-                        add_scaled6(&mut relative, &kin.S[c], v[c]);
+                    let columns = body.column..body.column + body.columns;
+                    for (S, v) in kin.S[columns.clone()].iter().zip(&v[columns]) {
+                        add_scaled6(&mut relative, S, *v);
                     }
                     cross_motion(V, &relative)
                 }

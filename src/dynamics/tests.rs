@@ -1,5 +1,11 @@
 //! Two routes to one number: mass matrix, bias and accelerations on random trees.
 
+#![allow(
+    clippy::cast_precision_loss,
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "small counts"
+)]
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
 use super::{aba::Articulated, crba, energy, rnea};
@@ -22,20 +28,20 @@ struct Case {
 fn case(seed: u64, n: usize, floating: bool, mimic: bool) -> Case {
     let mut random = Random(seed);
     let model = random_tree(&mut random, n, floating, mimic);
-    case_of(model, random)
+    case_of(&model, random)
 }
 
 /// A model at a random state.
-fn case_of(model: Model, mut random: Random) -> Case {
+fn case_of(model: &Model, mut random: Random) -> Case {
     let floating = model.is_floating();
-    let mut tree = Tree::new(&model, &Parameters::new(&model));
+    let mut tree = Tree::new(model, &Parameters::new(model));
     for k in 0..model.nv() {
         tree.armature[k] = if k < 6 && floating { 0.0 } else { 0.01 };
     }
     let v: Vec<f64> = (0..model.nv()).map(|_| random.uniform(-1.0, 1.0)).collect();
     let far: Vec<f64> = (0..model.nv()).map(|_| random.uniform(-3.0, 3.0)).collect();
     let mut q = vec![0.0; model.nq];
-    advance(&tree, &State::new(&model).q, &far, 1.0, &mut q);
+    advance(&tree, &State::new(model).q, &far, 1.0, &mut q);
     let mut case = Case {
         kin: Kinematics::new(&tree),
         tree,
@@ -109,7 +115,7 @@ fn aba_agrees_with_crba_and_rnea_on_a_fixed_serial_arm() {
             let body = inertia(1.0, random.vector(0.2), [0.02, 0.025, 0.03]);
             b.link(i.into(), X, Motion::Revolute(random.unit()), body);
         }
-        let case = case_of(b.model, random);
+        let case = case_of(&b.model, random);
         let tau = vec![1.0; case.v.len()];
         let mut vdot = vec![0.0; case.v.len()];
         let mut aba = Articulated::new(&case.tree);

@@ -301,7 +301,7 @@ impl Stepper {
                     accept_explicit(&mut self.explicit, state);
                     proposed = next_proposal(proposed, h, factor).max(floor);
                     done = if h >= remaining { span } else { done + h };
-                    self.accepted(state, first, h, proposed);
+                    accepted(state, first, h, proposed);
                     first = false;
                     explicit = true;
                     // The last stage stands at the new state: it tells whether the next step may be explicit, too.
@@ -340,7 +340,7 @@ impl Stepper {
                     self.accept_doubled(ctx, state, h, error <= 1.0);
                     proposed = next_proposal(proposed, h, factor).max(floor);
                     done = if h >= remaining { span } else { done + h };
-                    self.accepted(state, first, h, proposed);
+                    accepted(state, first, h, proposed);
                     first = false;
                     break;
                 }
@@ -353,15 +353,6 @@ impl Stepper {
             }
         }
         Ok(())
-    }
-
-    /// Books an accepted step and what the controller proposes next.
-    fn accepted(&self, state: &mut State, first: bool, h: f64, proposed: f64) {
-        state.counters[0] += 1;
-        state.step[0] = proposed;
-        if first {
-            state.step[1] = proposed.min(2.0 * state.step[1]).max(h.min(proposed));
-        }
     }
 
     /// Whether an explicit step of `h` seconds is safe: nothing stiff acts, and nothing comes near.
@@ -612,6 +603,15 @@ impl Stepper {
         add_impulses(&self.start.contacts, &self.first, 2.0, &mut state.impulse);
         add_impulses(&self.middle.contacts, &self.second, 2.0, &mut state.impulse);
         add_impulses(&self.start.contacts, &self.full, -1.0, &mut state.impulse);
+    }
+}
+
+/// Books an accepted step and what the controller proposes next.
+fn accepted(state: &mut State, first: bool, h: f64, proposed: f64) {
+    state.counters[0] += 1;
+    state.step[0] = proposed;
+    if first {
+        state.step[1] = proposed.min(2.0 * state.step[1]).max(h.min(proposed));
     }
 }
 

@@ -154,10 +154,11 @@ impl Newton {
         self.mark_loaded(tree, p.contacts);
         let D2 = &kin.inverse_diagonal;
         let (mut bias_scale, mut momentum_scale) = (0.0, 0.0);
-        for i in 0..self.v.len() {
-            self.r[i] = kin.momentum[i] - h * p.bias[i];
-            bias_scale += D2[i] * p.bias[i] * p.bias[i];
-            momentum_scale += D2[i] * kin.momentum[i] * kin.momentum[i];
+        let rows = kin.momentum.iter().zip(p.bias).zip(D2);
+        for (r, ((momentum, bias), d)) in self.r.iter_mut().zip(rows) {
+            *r = momentum - h * bias;
+            bias_scale += d * bias * bias;
+            momentum_scale += d * momentum * momentum;
         }
         // Impulses set the scale, and round-off of the momentum its floor: else free fall would stop
         // accelerating in small steps.
@@ -415,9 +416,9 @@ impl Newton {
                 break;
             }
             if value < 0.0 {
-                low = alpha
+                low = alpha;
             } else {
-                high = alpha
+                high = alpha;
             }
         }
         alpha

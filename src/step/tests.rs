@@ -1,5 +1,11 @@
 //! Physics against closed forms: each expected value's source stands beside it.
 
+#![allow(
+    clippy::cast_precision_loss,
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "small counts"
+)]
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
 use crate::geometry::Shape;
@@ -115,7 +121,7 @@ fn a_free_asymmetric_body_has_the_period_of_jacobis_functions() {
     assert!((w - Vec3::new(1.0, 1.0, 1.0)).norm() < 1e-6, "{w}");
 }
 
-/// A point-like mass on a massless rod of 1 m, released from horizontal: T = 4 K(1/√2)/√(g) (IFToMM A01).
+/// A point-like mass on a massless rod of 1 m, released from horizontal: T = 4 K(1/√2)/√(g) (`IFToMM` A01).
 #[test]
 fn a_pendulum_released_from_horizontal_has_the_exact_period() {
     let mut b = Builder::new(false, crate::spatial::RigidInertia::ZERO);
@@ -332,7 +338,7 @@ fn a_ball_rests_at_its_static_penetration_and_does_not_move_again() {
     assert!((force - G).abs() < 1e-6 * G, "{force}");
 }
 
-/// RaiSim issue 55's case: μ = 0.5, 1 kg: 4.90 N holds, 4.92 N gives a = 4.92 − 4.905 = 0.015 m/s².
+/// `RaiSim` issue 55's case: μ = 0.5, 1 kg: 4.90 N holds, 4.92 N gives a = 4.92 − 4.905 = 0.015 m/s².
 #[test]
 fn a_block_sticks_just_below_the_cone_and_slides_just_above_it() {
     for (force, moves) in [(4.90, false), (4.92, true)] {
