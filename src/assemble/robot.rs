@@ -274,7 +274,10 @@ fn link_inertia(
         return RigidInertia::ZERO;
     };
     if inertia.mass <= 0.0 {
-        return RigidInertia::ZERO;
+        return match settings.inertia {
+            InertiaSource::Urdf => inertia,
+            InertiaSource::Collision => RigidInertia::ZERO,
+        };
     }
     if let Some(mass) = overrides.mass {
         inertia.I_cm *= mass / inertia.mass;

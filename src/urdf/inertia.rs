@@ -39,7 +39,7 @@ pub(super) fn matrix(i: &[f64; 6]) -> Mat3 {
     Mat3::new(i[0], i[1], i[2], i[1], i[3], i[4], i[2], i[4], i[5])
 }
 
-/// Reports what no body can have. A massless link loses its rotational inertia.
+/// Reports what no body can have.
 pub(super) fn check(scope: &mut Scope, inertial: &mut CheckedInertial, mass: Node, inertia: Node) {
     let at = |node: Node, name: &str| {
         node.attribute(name)
@@ -51,21 +51,22 @@ pub(super) fn check(scope: &mut Scope, inertial: &mut CheckedInertial, mass: Nod
         scope.problem("U060", at(mass, "value"), &message, help);
         return;
     }
+    if inertial.mass == 0.0 {
+        // The file's numbers hold, as in Pinocchio: franka_panda of pybullet_data has such a link on its hand.
+        let zero = inertial.inertia.iter().all(|i| i.abs() <= POINT * POINT);
+        if zero {
+            inertial.inertia = [0.0; 6];
+            return;
+        }
+        scope.warning(
+            "U064",
+            at(mass, "value"),
+            "the mass is zero and the inertia is not: it is used as it is",
+            "give a mass, or leave <inertial> out",
+        );
+    }
     let point = inertial.mass * POINT * POINT;
     let zero = inertial.inertia.iter().all(|i| i.abs() <= point);
-    if inertial.mass == 0.0 {
-        if !zero {
-            let message = "the mass is zero and the inertia is not: the link counts as massless";
-            scope.warning(
-                "U064",
-                at(mass, "value"),
-                message,
-                "give a mass, or leave <inertial> out",
-            );
-            inertial.inertia = [0.0; 6];
-        }
-        return;
-    }
     if zero {
         let message = format!(
             "{} kg without rotational inertia: the link counts as a point mass",
