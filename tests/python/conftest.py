@@ -1,0 +1,74 @@
+"""What the tests share: the command under test, other people's robots, exports (made once), and a driven robot."""
+
+import hashlib
+import os
+import subprocess
+from pathlib import Path
+
+import pytest
+
+import robots
+from robot import Robot
+
+
+def pytest_configure(config):
+    if "URDF2FMU" not in os.environ or "PYBULLET_DATA" not in os.environ:
+        raise pytest.UsageError("run `cargo test`: it builds the command and names it in URDF2FMU, "
+                                "and the folder of PyBullet's robots in PYBULLET_DATA")
+
+
+@pytest.fixture(scope="session")
+def pybullet_data() -> Path:
+    """Folder of the robots that come with PyBullet."""
+    return Path(os.environ["PYBULLET_DATA"])
+
+
+@pytest.fixture(scope="session")
+def example_robots() -> Path:
+    """Folder of the robots of example-robot-data."""
+    return robots.example_robots()
+
+
+@pytest.fixture(scope="session")
+def command():
+    """Runs the `urdf2fmu` command and returns the finished process, whatever its exit code."""
+
+    def run(*arguments) -> subprocess.CompletedProcess:
+        return subprocess.run([os.environ["URDF2FMU"], *map(str, arguments)], capture_output=True, text=True,
+                              timeout=120, check=False)
+
+    return run
+
+
+@pytest.fixture(scope="session")
+def export(command, tmp_path_factory):
+    """Exports a URDF with settings (TOML text) and further arguments; the same export is made once."""
+    folder = tmp_path_factory.mktemp("fmu")
+
+    def run(urdf: Path, settings: str = "", *arguments) -> Path:
+        key = hashlib.sha256(repr((str(urdf), settings, arguments)).encode()).hexdigest()[:12]
+        fmu = folder / f"{urdf.stem}_{key}.fmu"
+        if not fmu.exists():
+            config = fmu.with_suffix(".toml")
+            config.write_text(settings)
+            done = command("export", urdf, "-o", fmu, "-c", config, *arguments)
+            assert done.returncode == 0, done.stderr
+        return fmu
+
+    return run
+
+
+@pytest.fixture
+def load():
+    """Loads an FMU in FMPy and initialises it; frees it when the test ends."""
+    made = []
+
+    def run(fmu: Path, start=None, **options) -> Robot:
+        robot = Robot(fmu, **options)
+        made.append(robot)
+        robot.initialize(start or {})
+        return robot
+
+    yield run
+    for robot in made:
+        robot.free()

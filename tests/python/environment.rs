@@ -1,0 +1,92 @@
+//! The Python environment of the tests, made at first use.
+//!
+//! A virtual environment with pinned packages under `target/`; a change of the pinned versions makes a new one.
+//! `PYTHON` names the interpreter to start from (default `python3`).
+
+use std::fs::{self, File};
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// A virtual environment with everything that the tests need.
+pub struct Environment {
+    /// Its Python.
+    pub interpreter: PathBuf,
+    /// The robots that come with PyBullet.
+    pub pybullet_data: PathBuf,
+    /// For files of the tests.
+    pub folder: PathBuf,
+}
+
+const REQUIREMENTS: [&str; 3] = [
+    include_str!("requirements.txt"),
+    include_str!("requirements-data.txt"),
+    include_str!("environment.py"),
+];
+
+/// The folder of the Python tests.
+pub fn tests() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/python")
+}
+
+/// Interpreter to start from.
+fn python() -> String {
+    std::env::var("PYTHON")
+        .unwrap_or_else(|_| if cfg!(windows) { "python" } else { "python3" }.to_owned())
+}
+
+/// FNV-1a: a short name for what an environment is made from. Not for secrets.
+fn hash(texts: &[&str]) -> u64 {
+    texts
+        .iter()
+        .flat_map(|text| text.bytes().chain([0]))
+        .fold(0xcbf2_9ce4_8422_2325, |h, byte| {
+            (h ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
+        })
+}
+
+/// The environment, made if need be.
+pub fn make() -> Environment {
+    let python = python();
+    let version = Command::new(&python)
+        .args(["-c", "import sys; print(sys.version, sys.prefix)"])
+        .output()
+        .unwrap_or_else(|error| {
+            panic!(
+                "the tests need Python 3, but `{python}` does not start ({error}); \
+                 install it, or set the environment variable PYTHON"
+            )
+        });
+    assert!(version.status.success(), "`{python}` does not run");
+    let version = String::from_utf8_lossy(&version.stdout);
+    let name = hash(&[REQUIREMENTS[0], REQUIREMENTS[1], REQUIREMENTS[2], &version]);
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("python-{name:016x}"));
+    let ready = folder.join("ready");
+
+    // Two test runs at once: the second waits. The lock ends with the process, whatever becomes of it.
+    let lock = File::create(folder.with_extension("lock")).expect("target/ is writable");
+    lock.lock().expect("target/ can be locked");
+    if !ready.exists() {
+        if folder.exists() {
+            fs::remove_dir_all(&folder).expect("an unfinished environment can be removed");
+        }
+        let status = Command::new(&python)
+            .arg(tests().join("environment.py"))
+            .arg(&folder)
+            .status()
+            .expect("python has just run");
+        assert!(
+            status.success(),
+            "the Python environment could not be made; the reason stands above"
+        );
+        File::create(ready).expect("target/ is writable");
+    }
+    Environment {
+        interpreter: folder.join(if cfg!(windows) {
+            "Scripts/python.exe"
+        } else {
+            "bin/python"
+        }),
+        pybullet_data: folder.join("data/pybullet_data"),
+        folder,
+    }
+}
