@@ -70,11 +70,14 @@ fn reference() -> &'static BTreeMap<String, Robot> {
 
 /// Reads the robot with our own reader.
 fn read(robot: &Robot) -> Model {
-    let mut settings = Settings::default();
-    settings.base = if robot.floating {
+    let base = if robot.floating {
         BaseChoice::Floating
     } else {
         BaseChoice::Fixed
+    };
+    let settings = Settings {
+        base,
+        ..Settings::default()
     };
     let description = urdf::read(
         Path::new(&robot.urdf),
