@@ -1,6 +1,6 @@
 //! What the robot *is*: links, joints, shapes, actuators and defaults. Immutable once loaded.
 //!
-//! A `Model` is prepared once at export (see `urdf/` and [`Model::build`]) and is all that the FMU loads.
+//! A `Model` is prepared once at export (see `urdf/` and [`crate::assemble`]) and is all that the FMU loads.
 //! Links and joints are the URDF's, fixed ones included. Bodies are the solver's: links joined by fixed
 //! joints are one body; a planar or floating joint is a chain of bodies with one kind of motion each.
 //! Parents come before children in all three lists.

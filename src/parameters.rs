@@ -11,7 +11,7 @@ pub struct Parameters {
     actuators: usize,
     joints: usize,
     links: usize,
-    /// In the order that [`Self::index`] gives.
+    /// In the order that `Self::index` gives.
     pub values: Vec<f64>,
 }
 
@@ -89,7 +89,7 @@ pub struct Inputs {
     actuators: usize,
     /// Per link, its place among those with an external wrench.
     wrench: Vec<Option<u32>>,
-    /// In the order that [`Self::index`] gives.
+    /// In the order that `Self::index` gives.
     pub values: Vec<f64>,
 }
 

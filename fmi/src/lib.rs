@@ -1,7 +1,7 @@
 //! The FMI 2.0 co-simulation C functions of an urdf2fmu robot.
 //!
 //! This is the one package with `unsafe` code. Every function that takes a component does nothing but call the
-//! guard in [`call`], which checks pointer and phase, sets the floating-point control word, catches panics, logs
+//! guard in `call`, which checks pointer and phase, sets the floating-point control word, catches panics, logs
 //! and answers. What the functions do is in `instance`; which may be called when, in `phase`.
 //!
 //! | module | holds |
