@@ -59,6 +59,13 @@ impl ElastoPlastic {
     }
 }
 
+/// Stiffness and damping of a velocity motor on a joint with the given inertia at the initial position.
+pub fn motor_constants(reference_effort: f64, inertia: f64) -> (f64, f64) {
+    let stiffness = reference_effort / MOTOR_DEFLECTION;
+    let critical = 2.0 * (stiffness * inertia).sqrt();
+    (stiffness, critical.max(stiffness * MOTOR_RELAXATION))
+}
+
 /// What an actuator does in a step.
 #[derive(Clone, Copy, Debug, Default)]
 pub enum Drive {
@@ -371,12 +378,11 @@ impl Joints {
                     Drive::Effort(effort.clamp(-actuator.max_effort, actuator.max_effort))
                 }
                 ActuatorMode::Velocity => {
-                    let stiffness = reference / MOTOR_DEFLECTION;
-                    let critical = 2.0 * (stiffness * tree.inertia[dof]).sqrt();
+                    let (stiffness, damping) = tree.motors[index];
                     let element = ElastoPlastic {
                         cap,
                         stiffness,
-                        damping: critical.max(stiffness * MOTOR_RELAXATION),
+                        damping,
                         displacement: motor[index],
                     };
                     if cap > 0.0 {

@@ -114,6 +114,8 @@ pub struct Tree {
     pub inertia: Vec<f64>,
     /// Stiffness of the position limits per degree of freedom, N·m/rad or N/m.
     pub limit_stiffness: Vec<f64>,
+    /// Stiffness and damping of each actuator as a velocity motor.
+    pub motors: Vec<(f64, f64)>,
     /// Weight of an error in each degree of freedom, 1 at one metre or at one radian of a metre's reach.
     pub weight: Vec<f64>,
     /// Largest extent of the robot from its base, m.
@@ -159,6 +161,7 @@ impl Tree {
             limits: model.dofs.iter().map(|d| d.limits).collect(),
             inertia: vec![0.0; model.nv()],
             limit_stiffness: vec![0.0; model.nv()],
+            motors: vec![(0.0, 0.0); model.actuators.len()],
             weight: vec![1.0; model.nv()],
             reach: 0.0,
         };
@@ -418,6 +421,10 @@ impl Tree {
                     Move::Ball => lever(None).max(gyration).min(1.0),
                 };
             }
+        }
+        for (motor, actuator) in self.motors.iter_mut().zip(&model.actuators) {
+            let inertia = inertia[actuator.dof.index()];
+            *motor = crate::actuator::motor_constants(actuator.reference_effort, inertia);
         }
         for (k, dof) in self.limit_stiffness.iter_mut().zip(0..) {
             let joint = model.bodies[model.dofs[dof].body.index()].joint;

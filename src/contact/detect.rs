@@ -259,10 +259,12 @@ impl Finder<'_> {
         contact.cap = contact.mu * contact.normal_force(vn);
         // The displacement follows the tangent plane and keeps its length.
         let stored = Vec3::from(stored.displacement);
-        let length = stored.norm();
-        if length > 0.0 {
-            let flat = stored - normal * normal.dot(&stored);
-            let flat_length = flat.norm();
+        let out = normal.dot(&stored);
+        if out == 0.0 {
+            contact.displacement = stored;
+        } else {
+            let flat = stored - normal * out;
+            let (length, flat_length) = (stored.norm(), flat.norm());
             if flat_length > 1e-3 * length {
                 contact.displacement = flat * (length / flat_length);
             }

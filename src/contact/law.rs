@@ -99,11 +99,11 @@ impl Contact {
         let u = v - self.normal * self.normal.dot(v);
         let (k, d) = (self.tangential_stiffness, self.tangential_damping);
         let y = self.displacement * k + u * (k * h + d);
-        let length = y.norm();
-        let force = if length <= self.cap {
+        let squared = y.norm_squared();
+        let force = if squared <= self.cap * self.cap {
             y
         } else {
-            y * (self.cap / length)
+            y * (self.cap / squared.sqrt())
         };
         clip((force - u * d) / k, self.cap / k)
     }
@@ -112,9 +112,9 @@ impl Contact {
 /// `x`, shortened to `length` where it is longer.
 #[inline]
 pub(crate) fn clip(x: Vec3, length: f64) -> Vec3 {
-    let norm = x.norm();
-    if norm > length {
-        x * (length / norm)
+    let squared = x.norm_squared();
+    if squared > length * length {
+        x * (length / squared.sqrt())
     } else {
         x
     }
