@@ -45,6 +45,9 @@ fn hash(texts: &[&str]) -> u64 {
 }
 
 /// The environment, made if need be.
+///
+/// # Panics
+/// If that fails; the message says what to do.
 pub fn make() -> Environment {
     let python = python();
     let version = Command::new(&python)
