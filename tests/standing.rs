@@ -1,0 +1,91 @@
+//! Robots that stand, stand: for an hour, with their weight on their feet.
+
+use std::path::Path;
+use std::sync::Arc;
+use urdf2fmu_core::model::LinkId;
+use urdf2fmu_core::settings::Settings;
+use urdf2fmu_core::simulation::{OutputSlot, Simulation};
+use urdf2fmu_core::{assemble, urdf};
+
+/// An example robot with its settings, initialised.
+fn example(name: &str) -> Simulation {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples");
+    let settings = Settings::read(&folder.join(format!("{name}.toml"))).expect("an example");
+    let options = settings.read_options(urdf::ReadOptions::default());
+    let description =
+        urdf::read(&folder.join(format!("{name}.urdf")), &options).expect("an example");
+    let model = assemble::build(&description, &settings)
+        .expect("an example")
+        .model;
+    let mut simulation = Simulation::new(Arc::new(model));
+    simulation.initialize(0.0).expect("a sound model");
+    simulation
+}
+
+/// Contact force in z over all links, N.
+fn carried(simulation: &mut Simulation) -> f64 {
+    let links = simulation.model().links.len();
+    (0..links)
+        .map(|l| simulation.output(OutputSlot::ContactForce(LinkId::from(l), 2)))
+        .sum()
+}
+
+/// Peers: PyBullet's R2D2 turns by 0.7° an hour and walks millimetres (design, §6.1).
+#[test]
+fn a_rover_and_a_quadruped_stand_for_an_hour_without_moving() {
+    for name in ["rover", "quadruped"] {
+        let mut simulation = example(name);
+        for step in 1..=2400_u32 {
+            simulation
+                .advance_to(f64::from(step) / 240.0)
+                .expect("finite");
+        }
+        let settled = simulation.state().clone();
+        assert!(
+            settled.v.iter().all(|v| v.abs() < 1e-9),
+            "{name}: {:?}",
+            settled.v
+        );
+        for second in 11..=3610_u32 {
+            simulation.advance_to(f64::from(second)).expect("finite");
+        }
+        for (before, after) in settled.q.iter().zip(&simulation.state().q) {
+            assert!((before - after).abs() < 1e-9, "{name}: {before} {after}");
+        }
+        let weight: f64 = simulation
+            .model()
+            .links
+            .iter()
+            .map(|l| l.inertia.mass)
+            .sum::<f64>()
+            * simulation.model().world.gravity.norm();
+        let force = carried(&mut simulation);
+        assert!(
+            (force / weight - 1.0).abs() < 1e-6,
+            "{name}: {force} N for {weight} N"
+        );
+    }
+}
+
+/// The same hour in fixed steps of 1/240 s; a minute of it, at the cost of each step.
+#[test]
+fn they_stand_in_fixed_steps_too() {
+    for name in ["rover", "quadruped"] {
+        let mut simulation = example(name);
+        simulation.set_parameter(
+            urdf2fmu_core::simulation::ParameterSlot::StepSize,
+            1.0 / 240.0,
+        );
+        simulation.initialize(0.0).expect("a sound model");
+        for step in 1..=2400_u32 {
+            simulation
+                .advance_to(f64::from(step) / 240.0)
+                .expect("finite");
+        }
+        let settled = simulation.state().q.clone();
+        simulation.advance_to(70.0).expect("finite");
+        for (before, after) in settled.iter().zip(&simulation.state().q) {
+            assert!((before - after).abs() < 1e-9, "{name}: {before} {after}");
+        }
+    }
+}
