@@ -374,6 +374,12 @@ impl Joints {
             let q = q[body.coordinate];
             let reference = actuator.reference_effort;
             term.drive = match actuator.mode {
+                // A released motor does nothing, whatever it is told.
+                ActuatorMode::Velocity | ActuatorMode::Position | ActuatorMode::Pd
+                    if cap <= 0.0 =>
+                {
+                    Drive::None
+                }
                 ActuatorMode::Effort => {
                     Drive::Effort(effort.clamp(-actuator.max_effort, actuator.max_effort))
                 }
@@ -385,13 +391,9 @@ impl Joints {
                         damping,
                         displacement: motor[index],
                     };
-                    if cap > 0.0 {
-                        Drive::Velocity {
-                            target: velocity,
-                            element,
-                        }
-                    } else {
-                        Drive::None
+                    Drive::Velocity {
+                        target: velocity,
+                        element,
                     }
                 }
                 ActuatorMode::Position => {

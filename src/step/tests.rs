@@ -1045,6 +1045,33 @@ fn an_absurd_initial_speed_does_not_stall_the_host() {
     );
 }
 
+/// Every mode with `max_effort` 0, on a joint that nothing loads: the motor lets go.
+#[test]
+fn a_released_motor_leaves_its_joint_alone() {
+    for mode in [
+        ActuatorMode::Velocity,
+        ActuatorMode::Position,
+        ActuatorMode::Pd,
+    ] {
+        let mut b = Builder::new(false, crate::spatial::RigidInertia::ZERO);
+        let link = b.link(
+            0u32.into_link(),
+            Pose::IDENTITY,
+            Motion::Prismatic(X),
+            inertia(1.0, Vec3::zeros(), [0.01; 3]),
+        );
+        b.actuator(link, mode, 5.0);
+        b.model.actuators[0].kp = 100.0;
+        b.model.joints[0].friction = 0.1;
+        let mut s = start(b.model, 1e-3);
+        s.set_input(InputSlot::MaxEffort(ActuatorId(0)), 0.0);
+        s.set_input(InputSlot::Position(ActuatorId(0)), 1.0);
+        s.set_input(InputSlot::Velocity(ActuatorId(0)), 1.0);
+        run(&mut s, 1.0, 0.01);
+        assert_eq!((s.state().q[0], s.state().v[0]), (0.0, 0.0), "{mode:?}");
+    }
+}
+
 /// A servo that pushes against a limit: two large forces balance and nothing else acts.
 #[test]
 fn a_servo_pressed_against_a_limit_rests() {
