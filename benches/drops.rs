@@ -16,7 +16,7 @@ use urdf2fmu_core::{assemble, urdf};
 const H: f64 = 1.0 / 240.0;
 const STEPS: u32 = 480;
 
-/// SplitMix64, so that a seed means the same everywhere.
+/// `SplitMix64`, so that a seed means the same everywhere.
 struct Random(u64);
 
 impl Random {
@@ -53,7 +53,7 @@ fn main() {
         "| robot | degrees of freedom | drops | failed | energy gained, limp | steps at the floor | µs per 1/240 s, mean | slowest drop |"
     );
     println!("|---|---|---|---|---|---|---|---|");
-    for file in arguments.iter().filter(|a| a.ends_with(".urdf")) {
+    for file in arguments.iter().filter(|a| a.parse::<u64>().is_err()) {
         let settings = Settings::default();
         let options = settings.read_options(urdf::ReadOptions::from_environment());
         let description = match urdf::read(Path::new(file), &options) {
@@ -94,7 +94,7 @@ fn main() {
 /// Throws the robot once and adds to the tally.
 fn drop_once(model: &Arc<Model>, seed: u64, tally: &mut Tally) {
     let mut random = Random(seed);
-    let limp = seed % 2 == 0;
+    let limp = seed.is_multiple_of(2);
     let mut s = Simulation::new(Arc::clone(model));
     let base = model.bodies[0].motion == urdf2fmu_core::model::Motion::Free;
     for axis in 0..3 {
