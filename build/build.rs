@@ -168,10 +168,16 @@ impl Target {
 
 /// Runs cargo on `fmi/`.
 fn nested_build(target: &Target) -> Result<PathBuf, Box<dyn Error>> {
-    let package = PathBuf::from(
-        env::var("DEP_URDF2FMU_FMI_MANIFEST_DIR")
-            .map_err(|_| "the build script of urdf2fmu-fmi has not said where it lies")?,
-    );
+    // What the other build script said is cached and goes stale when the workspace moves with its target folder.
+    let beside = Path::new(&env::var("CARGO_MANIFEST_DIR")?).with_file_name("fmi");
+    let package = if beside.join("Cargo.toml").is_file() {
+        beside
+    } else {
+        PathBuf::from(
+            env::var("DEP_URDF2FMU_FMI_MANIFEST_DIR")
+                .map_err(|_| "the build script of urdf2fmu-fmi has not said where it lies")?,
+        )
+    };
     let out = PathBuf::from(env::var("OUT_DIR")?);
     // Beside the folders of all build scripts (target/<profile>/build/<package>/out), not inside of this one: the
     // outer profiles `dev` and `test` have an OUT_DIR each and would build the same library twice.
