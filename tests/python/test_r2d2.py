@@ -15,7 +15,6 @@ import pytest
 
 GRAVITY = 9.8
 WHEEL_RADIUS = 0.035
-HALF_WHEELBASE = 0.133333333333
 RIGHT = ["right_front_wheel_joint", "right_back_wheel_joint"]
 LEFT = ["left_front_wheel_joint", "left_back_wheel_joint"]
 
@@ -129,32 +128,72 @@ def test_the_fixed_step_meets_the_same_gate(r2d2):
     assert run.position[2] == pytest.approx(0.470, abs=1e-3)
 
 
-def centre_of_mass_height(urdf):
-    """m above the ground, by Pinocchio, with the wheels on the ground."""
+def tipping_share(urdf):
+    """Forward friction, as a share of the weight, above which the front wheels lift: lever to the rear wheels / height.
+
+    By Pinocchio, standing; the robot drives towards +y.
+    """
     model = pinocchio.buildModelFromUrdf(str(urdf), pinocchio.JointModelFreeFlyer())
     data = model.createData()
     q = pinocchio.neutral(model)
-    pinocchio.forwardKinematics(model, data, q)
-    pinocchio.updateFramePlacements(model, data)
-    wheel = data.oMf[model.getFrameId("right_front_wheel")].translation[2]
-    return pinocchio.centerOfMass(model, data, q)[2] - wheel + WHEEL_RADIUS
+    pinocchio.framesForwardKinematics(model, data, q)
+    rear = data.oMf[model.getFrameId("right_back_wheel")].translation
+    centre = pinocchio.centerOfMass(model, data, q)
+    return (centre[1] - rear[1]) / (centre[2] - rear[2] + WHEEL_RADIUS)
 
 
-@pytest.mark.parametrize("friction", [0.5, 0.3])
-def test_at_100_rad_per_s_it_tips_over_exactly_where_friction_can_lift_its_front(friction, r2d2, pybullet_data):
-    # Told to drive at w = 100 the wheels spin: 10 N·m / 0.035 m is far above what friction holds, until the robot
-    # has reached w r = 3.5 m/s. Meanwhile friction μ m g at the ground turns the robot backwards about its rear
-    # wheels and gravity turns it forwards: the front lifts where μ h > half the wheelbase. With μ = 0.5 it does.
-    # At w = 10 that lasts for w r / (μ g) = 0.07 s, too short to matter; at w = 100 ten times as long, and the
-    # robot falls on its back. With μ = 0.3 it never lifts.
-    lever = friction * centre_of_mass_height(pybullet_data / "r2d2.urdf")
-    lifts = lever > HALF_WHEELBASE
-    assert lifts == (friction == 0.5)
-    run = drive(r2d2(friction), 100)
-    print(run, lever)
-    assert (run.tilt > 1.0) == lifts
-    if not lifts:
-        assert run.tilt < 1e-2
+def drive_forward(robot, w):
+    """The last phase alone; largest forward friction as a share of the weight while the robot stands, and the tilt."""
+    weight = sum(float(variable.start) for name, variable in robot.variables.items()
+                 if name.startswith("link.") and name.endswith(".mass")) * GRAVITY
+    wheels = [joint.removesuffix("_joint") for joint in RIGHT + LEFT]
+    for joint in RIGHT + LEFT:
+        robot[f"cmd.{joint}.velocity"] = -w
+        robot[f"cmd.{joint}.max_effort"] = 10
+    share, window = 0.0, []
+    for _ in range(500):
+        robot.step(1 / 240)
+        if robot.tilt < 0.02:
+            x, y = (sum(robot[f"contact.{wheel}.force.{axis}"] for wheel in wheels) for axis in "xy")
+            # Over 0.1 s: a shorter push cannot lift it.
+            window = [*window[-23:], (y * math.cos(robot.yaw) - x * math.sin(robot.yaw)) / weight]
+            if len(window) == 24:
+                share = max(share, sum(window) / 24)
+    assert robot.finite()
+    return share, robot.tilt
+
+
+@pytest.mark.parametrize("of_threshold", [0.9, 1.1])
+def test_from_rest_it_tips_where_friction_lifts_its_front(of_threshold, r2d2, pybullet_data):
+    # Wheels at 100 rad/s spin until the robot has 3.5 m/s: 10 N·m / 0.035 m is far above what friction holds. All of
+    # the friction μ m g then pushes forward, and the front lifts where μ exceeds the share above.
+    threshold = tipping_share(pybullet_data / "r2d2.urdf")
+    robot = r2d2(round(of_threshold * threshold, 6))
+    robot.run(1)
+    share, tilt = drive_forward(robot, 100)
+    print(f"threshold {threshold}, forward share {share}, tilt {tilt}")
+    assert (tilt > 1.0) == (of_threshold > 1)
+
+
+@pytest.mark.parametrize(("friction", "tips"), [(0.3, False), (0.4, False), (0.5, True), (0.6, True)])
+def test_the_tutorials_100_rad_per_s_tips_it_over_where_enough_friction_points_forward(friction, tips, r2d2,
+                                                                                       pybullet_data):
+    # The tutorial's run has friction 0.5 and tips over on its back in the forward phase. It enters that phase spinning
+    # at 11 rad/s, so a part of the friction brakes the spin, and only what points forward lifts the front. With 0.4
+    # that stays below the threshold, although 0.4 itself is above it: from rest it would tip over.
+    threshold = tipping_share(pybullet_data / "r2d2.urdf")
+    robot = r2d2(friction)
+    robot.run(1)
+    for joints, w in ((RIGHT, -100), (LEFT, 100)):
+        for joint in joints:
+            robot[f"cmd.{joint}.velocity"] = w
+            robot[f"cmd.{joint}.max_effort"] = 50
+    robot.run(1)
+    spin = robot["base.angular_velocity.z"]
+    share, tilt = drive_forward(robot, 100)
+    print(f"threshold {threshold}, spin {spin}, forward share {share}, tilt {tilt}")
+    assert (tilt > 1.0) == tips
+    assert (share > threshold) == tips
 
 
 def test_the_tutorials_start_inside_the_ground_is_warned_about_and_left_gently(pybullet_data, command, load,
