@@ -304,7 +304,7 @@ impl JointTerm {
 /// The joint terms of a model, with what is constant between steps already in place; [`Joints::update`] does the rest.
 #[derive(Clone, Debug, Default)]
 pub struct Joints {
-    /// One per degree of freedom that has any term.
+    /// One per degree of freedom that has any term, in that order.
     pub terms: Vec<JointTerm>,
 }
 

@@ -144,12 +144,10 @@ impl Readout {
             return 0.0;
         }
         let dof = model.bodies[body.index()].dof.index();
-        self.point
-            .joints
-            .terms
-            .iter()
-            .find(|term| term.dof == dof)
-            .map_or(0.0, |term| term.drive.force(state.v[dof], 0.0).0)
+        let terms = &self.point.joints.terms;
+        terms
+            .binary_search_by_key(&dof, |term| term.dof)
+            .map_or(0.0, |place| terms[place].drive.force(state.v[dof], 0.0).0)
     }
 
     /// `M vdot = tau − k + Jᵀ f` with the forces of this moment.

@@ -507,6 +507,8 @@ impl Simulation {
             self.place();
         }
         self.state.copy_from(&snapshot.state);
+        // Before initialisation the state follows from the parameters.
+        self.stale = !self.initialized;
         self.readout.invalidate();
         Ok(())
     }
