@@ -35,15 +35,10 @@ impl Readout {
         }
     }
 
-    /// The state has changed.
+    /// The state, a parameter or an input has changed.
     pub fn invalidate(&mut self) {
         self.has_point = false;
         self.has_accelerations = false;
-    }
-
-    /// The inputs have changed.
-    pub fn invalidate_forces(&mut self) {
-        self.invalidate();
     }
 
     /// Value of an output.

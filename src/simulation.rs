@@ -318,7 +318,7 @@ impl Simulation {
     /// Sets an input; `value` has passed [`Self::check_input`].
     pub fn set_input(&mut self, slot: InputSlot, value: f64) {
         self.inputs.set(slot, value);
-        self.readout.invalidate_forces();
+        self.readout.invalidate();
     }
 
     /// Reads an input back.

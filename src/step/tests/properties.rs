@@ -1,0 +1,412 @@
+//! Properties of the step: saved states, energy, convergence, what must not break it.
+
+use super::*;
+
+/// A model with everything in it, falling onto the ground.
+fn everything() -> Model {
+    let mut random = Random(11);
+    let mut model = random_tree(&mut random, 9, true, true);
+    let mut slot = 0;
+    for (i, link) in model.links.iter().enumerate() {
+        let shape = match i % 4 {
+            0 => Shape::Sphere { radius: 0.1 },
+            1 => Shape::Cylinder {
+                radius: 0.08,
+                half_length: 0.1,
+            },
+            2 => Shape::Box {
+                half: Vec3::new(0.05, 0.1, 0.07),
+            },
+            _ => Shape::Capsule {
+                radius: 0.05,
+                half_length: 0.1,
+            },
+        };
+        let slots = shape.slots();
+        model.colliders.push(crate::model::Collider {
+            link: (i).into(),
+            body: link.body,
+            X_BG: Pose::IDENTITY,
+            shape,
+            slot,
+        });
+        slot += slots;
+    }
+    model.world.ground = Some(crate::model::Ground {
+        friction: 0.8,
+        restitution: 0.3,
+    });
+    model.initial.position.z = 1.2;
+    for joint in &mut model.joints {
+        joint.damping = 0.1;
+        joint.friction = 0.05;
+    }
+    let joint = model.joints[0].clone();
+    let body = joint.bodies[0];
+    model.actuators.push(crate::model::Actuator {
+        joint: 0usize.into(),
+        dof: model.bodies[body.index()].dof,
+        mode: ActuatorMode::Velocity,
+        max_effort: 5.0,
+        reference_effort: 5.0,
+        kp: 0.0,
+        kd: 0.0,
+    });
+    model
+}
+
+#[test]
+fn a_saved_state_continues_bit_for_bit_through_bytes_and_in_another_instance() {
+    let model = everything();
+    let mut s = start(model.clone(), 1e-3);
+    s.set_input(InputSlot::Velocity(ActuatorId(0)), 3.0);
+    run(&mut s, 0.7, 1.0 / 240.0);
+    let saved = s.save();
+    let bytes = saved.to_bytes();
+    assert_eq!(bytes.len(), saved.byte_len());
+    run(&mut s, 1.5, 1.0 / 240.0);
+    let expected = s.state().clone();
+    s.restore(&saved).expect("its own state");
+    run(&mut s, 1.5, 1.0 / 240.0);
+    assert_eq!(s.state(), &expected);
+    let read = crate::simulation::Snapshot::from_bytes(&s.model().clone(), &bytes)
+        .expect("what was written");
+    let mut other = start(
+        Model {
+            solver: s.model().solver.clone(),
+            ..model
+        },
+        1e-3,
+    );
+    other.restore(&read).expect("the same model");
+    run(&mut other, 1.5, 1.0 / 240.0);
+    assert_eq!(other.state(), &expected);
+}
+
+#[test]
+fn changed_bytes_of_a_saved_state_are_refused() {
+    let s = start(everything(), 1e-3);
+    let model = s.model().clone();
+    let bytes = s.save().to_bytes();
+    for place in 0..bytes.len() {
+        let mut changed = bytes.clone();
+        changed[place] ^= 0x10;
+        assert!(crate::simulation::Snapshot::from_bytes(&model, &changed).is_err());
+        assert!(crate::simulation::Snapshot::from_bytes(&model, &bytes[..place]).is_err());
+    }
+}
+
+#[test]
+fn a_heap_of_everything_falls_and_never_gains_energy_while_passive() {
+    for fixed in [0.0, 1.0 / 240.0] {
+        let mut model = everything();
+        model.actuators.clear();
+        model.solver.step_size = fixed;
+        for link in &mut model.links {
+            link.restitution = 0.0;
+        }
+        model.world.ground = Some(crate::model::Ground {
+            friction: 0.8,
+            restitution: 0.0,
+        });
+        let mut s = start(model, 1e-3);
+        let mut before = f64::INFINITY;
+        let highest = s.output(OutputSlot::EnergyPotential);
+        for i in 1..=1200 {
+            s.advance_to(f64::from(i) / 240.0).expect("finite");
+            let energy =
+                s.output(OutputSlot::EnergyKinetic) + s.output(OutputSlot::EnergyPotential);
+            // What the contacts store elastically may come back: the weight times the penetration.
+            assert!(
+                energy < before + 1e-3 * highest,
+                "{fixed} {i}: {energy} {before}"
+            );
+            before = energy;
+        }
+    }
+}
+
+#[test]
+fn the_communication_step_does_not_change_the_result_beyond_the_tolerance() {
+    let mut ends = Vec::new();
+    for h in [1.0 / 1000.0, 1.0 / 240.0, 1.0 / 60.0, 0.1] {
+        let mut b = block(1.0, 0.5);
+        b.model.initial.linear_velocity = Vec3::new(1.0, 0.5, 0.0);
+        b.model.initial.angular_velocity.z = 2.0;
+        let mut s = start(b.model, 1e-4);
+        run(&mut s, 1.0, h);
+        ends.push(Vec3::new(s.state().q[0], s.state().q[1], s.state().q[6]));
+    }
+    for end in &ends {
+        assert!((end - ends[0]).norm() < 1e-3, "{ends:?}");
+    }
+}
+
+#[test]
+fn nan_in_the_scratch_between_steps_changes_nothing() {
+    let model = everything();
+    let mut a = start(model.clone(), 1e-3);
+    let mut b = start(model, 1e-3);
+    for i in 1..=100 {
+        let t = f64::from(i) / 240.0;
+        a.advance_to(t).expect("finite");
+        // A new stepper has nothing of the old one's scratch.
+        let saved = b.save();
+        b = Simulation::new(Arc::new(b.model().clone()));
+        b.restore(&saved).expect("the same model");
+        b.advance_to(t).expect("finite");
+        assert_eq!(a.state(), b.state(), "step {i}");
+    }
+}
+
+/// Random robots with random actuators, masses over six decades, random commands and steps: nothing fails.
+#[test]
+fn random_robots_under_random_commands_stay_finite() {
+    for seed in 0..40_u64 {
+        let mut random = Random(seed);
+        let mut model = random_tree(&mut random, 2 + seed as usize % 9, true, seed % 3 == 0);
+        let mut slot = 0;
+        for (i, link) in model.links.iter_mut().enumerate() {
+            let scale = libm::pow(10.0, random.uniform(-3.0, 3.0));
+            link.inertia.mass *= scale;
+            link.inertia.I_cm *= scale;
+            let shape = match (i as u64 + seed) % 4 {
+                0 => Shape::Sphere {
+                    radius: random.uniform(0.01, 0.3),
+                },
+                1 => Shape::Cylinder {
+                    radius: 0.08,
+                    half_length: random.uniform(0.01, 0.3),
+                },
+                2 => Shape::Box {
+                    half: Vec3::from_fn(|_, _| random.uniform(0.01, 0.2)),
+                },
+                _ => Shape::Capsule {
+                    radius: 0.05,
+                    half_length: 0.1,
+                },
+            };
+            let slots = shape.slots();
+            model.colliders.push(crate::model::Collider {
+                link: i.into(),
+                body: link.body,
+                X_BG: Pose::from_xyz_rpy(random.vector(0.1), random.vector(3.0)),
+                shape,
+                slot,
+            });
+            slot += slots;
+        }
+        let e = if seed % 2 == 0 {
+            0.0
+        } else {
+            random.uniform(0.0, 1.0)
+        };
+        model.world.ground = Some(crate::model::Ground {
+            friction: random.uniform(0.0, 1.5),
+            restitution: e,
+        });
+        model.initial.position.z = random.uniform(-0.3, 1.5);
+        model.initial.rpy = random.vector(3.0);
+        for joint in &mut model.joints {
+            joint.damping = libm::pow(10.0, random.uniform(-4.0, 3.0));
+            joint.friction = random.uniform(0.0, 1.0);
+        }
+        let modes = [
+            ActuatorMode::Velocity,
+            ActuatorMode::Position,
+            ActuatorMode::Effort,
+            ActuatorMode::Pd,
+        ];
+        for joint in 0..model.joints.len() {
+            let body = &model.bodies[model.joints[joint].bodies[0].index()];
+            if model.joints[joint].mimic.is_some() || body.motion.nv() != 1 {
+                continue;
+            }
+            let effort = libm::pow(10.0, random.uniform(-3.0, 4.0));
+            model.actuators.push(crate::model::Actuator {
+                joint: joint.into(),
+                dof: body.dof,
+                mode: modes[joint % 4],
+                max_effort: effort,
+                reference_effort: effort,
+                kp: libm::pow(10.0, random.uniform(0.0, 6.0)),
+                kd: libm::pow(10.0, random.uniform(-1.0, 4.0)),
+            });
+            if joint % 3 == 0 {
+                model.dofs[body.dof.index()].limits = Some(crate::model::Limits {
+                    lower: -0.5,
+                    upper: 0.5,
+                });
+            }
+        }
+        if seed % 5 == 0 {
+            model.solver.step_size = 1.0 / 240.0;
+        }
+        let actuators = model.actuators.len();
+        let mut s = start(model, 1e-3);
+        let mut t = 0.0;
+        for step in 0..150 {
+            if step % 10 == 0 {
+                for a in 0..actuators {
+                    let a = ActuatorId::from(a);
+                    s.set_input(InputSlot::Velocity(a), random.uniform(-30.0, 30.0));
+                    s.set_input(InputSlot::Position(a), random.uniform(-1.0, 1.0));
+                    s.set_input(InputSlot::Effort(a), random.uniform(-50.0, 50.0));
+                }
+            }
+            t += libm::pow(10.0, random.uniform(-5.0, -1.5));
+            let result = s.advance_to(t);
+            assert!(result.is_ok(), "seed {seed}, t = {t}: {result:?}");
+        }
+        // Not stalled, either: chattering contacts of gram-sized links on tonnes do not drive the step to nothing.
+        let taken = s.state().counters[0] + s.state().counters[1];
+        assert!(taken < 100_000, "seed {seed}: {:?}", s.state().counters);
+    }
+}
+
+/// Halving the tolerance tenfold reduces the error of a motion through contact: the step converges.
+#[test]
+fn tighter_tolerances_converge_through_contact_and_friction() {
+    let end = |tolerance: f64| {
+        let mut b = block(1.0, 0.4);
+        b.model.initial.position.z = 0.15;
+        b.model.initial.linear_velocity = Vec3::new(1.0, 0.3, 0.0);
+        b.model.initial.angular_velocity = Vec3::new(0.3, 0.2, 1.0);
+        let mut s = start(b.model, tolerance);
+        run(&mut s, 0.5, 0.05);
+        Vec3::new(s.state().q[0], s.state().q[1], s.state().q[6])
+    };
+    let exact = end(1e-8);
+    let errors: Vec<f64> = [1e-3, 1e-4, 1e-5, 1e-6]
+        .map(|t| (end(t) - exact).norm())
+        .to_vec();
+    assert!(errors[0] < 1e-2 && errors[3] < 1e-4, "{errors:?}");
+    assert!(
+        errors.windows(2).all(|pair| pair[1] < 0.5 * pair[0]),
+        "{errors:?}"
+    );
+}
+
+/// A hinged link deep in the ground that its mounting does not let out: the host lives, and so does the state.
+#[test]
+fn a_link_stuck_deep_in_the_ground_stays_finite() {
+    for rpy in [
+        Vec3::new(0.3, 0.2, 0.1),
+        Vec3::new(0.0, 1.0, 0.0),
+        Vec3::new(1.5, 0.0, 0.3),
+    ] {
+        for friction in [0.0, 0.8, 1.5] {
+            let mut b = Builder::new(false, crate::spatial::RigidInertia::ZERO);
+            let link = b.link(
+                0u32.into_link(),
+                Pose::IDENTITY,
+                Motion::Revolute(Vec3::z()),
+                inertia(1.0, Vec3::zeros(), [1.0; 3]),
+            );
+            b.shape(
+                link,
+                Shape::Box {
+                    half: Vec3::new(0.5, 0.5, 0.5),
+                },
+                Pose::IDENTITY,
+            );
+            b.model.links[link.index()].friction = friction;
+            b.model.world.ground = Some(crate::model::Ground {
+                friction,
+                restitution: 0.0,
+            });
+            b.model.initial.rpy = rpy;
+            b.model.joints[0].damping = 1.0;
+            b.model.joints[0].friction = 1e-4;
+            let mut s = start(b.model, 1e-3);
+            run(&mut s, 1.0, 1.0 / 240.0);
+            assert!(
+                s.state().v.iter().all(|v| v.abs() < 10.0),
+                "{rpy} {:?}",
+                s.state().v
+            );
+        }
+    }
+}
+
+/// Nothing stalls: a joint told to spin at 4e9 rad/s ends its step, rightly or with an error.
+#[test]
+fn an_absurd_initial_speed_does_not_stall_the_host() {
+    let mut b = Builder::new(true, inertia(1.0, Vec3::zeros(), [0.1, 0.2, 0.15]));
+    b.link(
+        0u32.into_link(),
+        at(0.1, 0.0, 0.0),
+        Motion::Revolute(Y),
+        inertia(0.5, X * 0.2, [0.01, 0.02, 0.02]),
+    );
+    b.model.initial.joint_velocities[0] = 4e9;
+    let mut s = start(b.model, 1e-3);
+    for step in 1..=10 {
+        if s.advance_to(f64::from(step) / 240.0).is_err() {
+            break;
+        }
+    }
+    assert!(s.state().is_finite());
+    assert!(
+        s.state().counters[0] + s.state().counters[1] < 100_000,
+        "{:?}",
+        s.state().counters
+    );
+}
+
+/// Every mode with `max_effort` 0, on a joint that nothing loads: the motor lets go.
+#[test]
+fn a_released_motor_leaves_its_joint_alone() {
+    for mode in [
+        ActuatorMode::Velocity,
+        ActuatorMode::Position,
+        ActuatorMode::Pd,
+    ] {
+        let mut b = Builder::new(false, crate::spatial::RigidInertia::ZERO);
+        let link = b.link(
+            0u32.into_link(),
+            Pose::IDENTITY,
+            Motion::Prismatic(X),
+            inertia(1.0, Vec3::zeros(), [0.01; 3]),
+        );
+        b.actuator(link, mode, 5.0);
+        b.model.actuators[0].kp = 100.0;
+        b.model.joints[0].friction = 0.1;
+        let mut s = start(b.model, 1e-3);
+        s.set_input(InputSlot::MaxEffort(ActuatorId(0)), 0.0);
+        s.set_input(InputSlot::Position(ActuatorId(0)), 1.0);
+        s.set_input(InputSlot::Velocity(ActuatorId(0)), 1.0);
+        run(&mut s, 1.0, 0.01);
+        assert_eq!((s.state().q[0], s.state().v[0]), (0.0, 0.0), "{mode:?}");
+    }
+}
+
+/// A servo that pushes against a limit: two large forces balance and nothing else acts.
+#[test]
+fn a_servo_pressed_against_a_limit_rests() {
+    let mut b = Builder::new(false, crate::spatial::RigidInertia::ZERO);
+    let link = b.link(
+        0u32.into_link(),
+        Pose::IDENTITY,
+        Motion::Prismatic(X),
+        inertia(1.0, Vec3::zeros(), [0.01; 3]),
+    );
+    b.limits(link, -0.1, 0.1);
+    b.actuator(link, ActuatorMode::Position, 500.0);
+    let mut s = start(b.model, 1e-3);
+    s.set_input(InputSlot::Position(ActuatorId(0)), 1.0);
+    run(&mut s, 2.0, 1.0 / 240.0);
+    let expected = 0.1 + 500.0 / s.tree().limit_stiffness[0];
+    assert!(
+        (s.state().q[0] - expected).abs() < 1e-8,
+        "{} {expected}",
+        s.state().q[0]
+    );
+    let steps = s.state().counters[0];
+    run(&mut s, 3.0, 1.0);
+    assert!(
+        s.state().counters[0] < steps + 3,
+        "{:?}",
+        s.state().counters
+    );
+}
