@@ -188,6 +188,21 @@ pub enum SimulationError {
     },
 }
 
+/// What a step and a readout look at. A macro, because a method would borrow what they change, too.
+macro_rules! context {
+    ($simulation:ident) => {
+        Context {
+            model: &$simulation.model,
+            tree: &$simulation.tree,
+            parameters: &$simulation.parameters,
+            inputs: &$simulation.inputs,
+            wrenches: &$simulation.wrenches,
+            tolerance: $simulation.tolerance(),
+            fixed_step: $simulation.parameters.get(ParameterSlot::StepSize),
+        }
+    };
+}
+
 /// Tolerance where neither the model nor the importer gives one.
 const DEFAULT_TOLERANCE: f64 = 1e-3;
 
@@ -383,15 +398,7 @@ impl Simulation {
             self.place();
         }
         self.set_wrenches();
-        let ctx = Context {
-            model: &self.model,
-            tree: &self.tree,
-            parameters: &self.parameters,
-            inputs: &self.inputs,
-            wrenches: &self.wrenches,
-            tolerance: DEFAULT_TOLERANCE,
-            fixed_step: 0.0,
-        };
+        let ctx = context!(self);
         self.readout.read(&ctx, &self.state, slot)
     }
 
@@ -435,15 +442,7 @@ impl Simulation {
             return Ok(());
         }
         self.set_wrenches();
-        let ctx = Context {
-            model: &self.model,
-            tree: &self.tree,
-            parameters: &self.parameters,
-            inputs: &self.inputs,
-            wrenches: &self.wrenches,
-            tolerance: self.tolerance(),
-            fixed_step: self.parameters.get(ParameterSlot::StepSize),
-        };
+        let ctx = context!(self);
         let result = self.stepper.advance(&ctx, &mut self.state, end);
         self.readout.invalidate();
         result.map_err(|_| SimulationError::NotFinite {

@@ -390,20 +390,8 @@ impl Stepper {
             h,
         );
         let [velocity, position] = &self.explicit.error;
-        let mut worst = 0.0;
-        for ((v, q), weight) in velocity.iter().zip(position).zip(&ctx.tree.weight) {
-            let error = weight * q.abs().max(VELOCITY_WEIGHT * v.abs());
-            worst = if error > worst || error.is_nan() {
-                error
-            } else {
-                worst
-            };
-        }
-        if worst.is_nan() {
-            f64::INFINITY
-        } else {
-            worst / ctx.tolerance
-        }
+        let errors = position.iter().copied().zip(velocity.iter().copied());
+        worst_error(errors, &ctx.tree.weight) / ctx.tolerance
     }
 
     /// A step must not jump over what a changed command sets going: full and half steps would both arrive at the
@@ -519,21 +507,9 @@ impl Stepper {
             &mut self.q_halves,
         );
         difference(tree, &self.q_halves, &self.q_full, &mut self.difference);
-        let mut worst = 0.0;
-        let velocities = self.second.v.iter().zip(&self.full.v);
-        for ((d, (b, f)), weight) in self.difference.iter().zip(velocities).zip(&tree.weight) {
-            let error = weight * d.abs().max(VELOCITY_WEIGHT * (b - f).abs());
-            worst = if error > worst || error.is_nan() {
-                error
-            } else {
-                worst
-            };
-        }
-        if worst.is_nan() {
-            f64::INFINITY
-        } else {
-            worst / ctx.tolerance
-        }
+        let velocities = self.second.v.iter().zip(&self.full.v).map(|(b, f)| b - f);
+        let errors = self.difference.iter().copied().zip(velocities);
+        worst_error(errors, &tree.weight) / ctx.tolerance
     }
 
     /// Takes the results of [`Self::doubled_step`] into the state: extrapolated, or the half steps' as they are,
@@ -640,6 +616,21 @@ fn next_proposal(proposed: f64, h: f64, factor: f64) -> f64 {
     } else {
         next
     }
+}
+
+/// The largest of the weighted errors of positions and velocities; infinite if one is not a number.
+fn worst_error(errors: impl Iterator<Item = (f64, f64)>, weights: &[f64]) -> f64 {
+    errors
+        .zip(weights)
+        .fold(0.0, |worst: f64, ((position, velocity), weight)| {
+            let error = weight * position.abs().max(VELOCITY_WEIGHT * velocity.abs());
+            // `f64::max` would drop a NaN.
+            if error.is_nan() || position.is_nan() || velocity.is_nan() {
+                f64::INFINITY
+            } else {
+                worst.max(error)
+            }
+        })
 }
 
 /// Counts the iterations of a solve.
