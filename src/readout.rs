@@ -19,7 +19,10 @@ pub struct Readout {
     pub point: Point,
     vdot: Vec<f64>,
     factor: Vec<f64>,
-    has_point: bool,
+    /// Poses and velocities are those of the state.
+    has_kinematics: bool,
+    /// So are mass matrix, bias, contacts and joint terms.
+    has_forces: bool,
     has_accelerations: bool,
 }
 
@@ -30,14 +33,16 @@ impl Readout {
             point: Point::new(model, tree),
             vdot: vec![0.0; model.nv()],
             factor: vec![0.0; tree.sparsity.entries()],
-            has_point: false,
+            has_kinematics: false,
+            has_forces: false,
             has_accelerations: false,
         }
     }
 
     /// The state, a parameter or an input has changed.
     pub fn invalidate(&mut self) {
-        self.has_point = false;
+        self.has_kinematics = false;
+        self.has_forces = false;
         self.has_accelerations = false;
     }
 
@@ -73,9 +78,20 @@ impl Readout {
             }
             _ => {}
         }
-        if !self.has_point {
+        let forces = matches!(
+            slot,
+            O::ContactActive(_)
+                | O::ContactForce(..)
+                | O::JointEffort(_)
+                | O::JointAcceleration(..)
+        );
+        if forces && !self.has_forces {
             self.point.update(ctx, state, 0.0);
-            self.has_point = true;
+            (self.has_kinematics, self.has_forces) = (true, true);
+        } else if !self.has_kinematics {
+            self.point.kin.update_poses(ctx.tree, &state.q);
+            self.point.kin.update_velocities(ctx.tree, &state.v);
+            self.has_kinematics = true;
         }
         let kin = &self.point.kin;
         match slot {
