@@ -371,6 +371,25 @@ fn no_key_stands_in_the_table_twice() {
 }
 
 #[test]
+fn the_documentation_lists_every_key() {
+    let page = include_str!("../../docs/interface.md");
+    // The variables have a table of their own, with some of the same names.
+    let (_, page) = page.split_once("\n## Settings\n").unwrap();
+    for key in KEYS {
+        let default = key.default.unwrap_or_default();
+        let row = page
+            .lines()
+            .find(|line| line.contains(&format!("`{}`", key.path)));
+        let row = row.unwrap_or_else(|| panic!("{} is not in docs/interface.md", key.path));
+        assert!(
+            row.contains(default) && row.contains(key.about),
+            "{}",
+            key.path
+        );
+    }
+}
+
+#[test]
 fn garbage_never_panics() {
     // Every prefix and every single-byte damage of a file that uses all kinds of values.
     let text = "[solver]\nstep_size = \"1/240\"\n[[actuator]]\njoint = \"*\"\nkp = 0x1F\n[joint.\"é\"]\n\
