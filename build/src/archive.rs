@@ -182,6 +182,13 @@ pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), ArchiveError> {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
         _ => Path::new("."),
     };
+    if !folder.is_dir() {
+        // Else the system's words name the temporary file, which nobody asked for.
+        return Err(failed(std::io::Error::new(
+            std::io::ErrorKind::NotFound,
+            format!("there is no folder '{}'; make it first", folder.display()),
+        )));
+    }
     let mut builder = tempfile::Builder::new();
     builder.prefix(".urdf2fmu-").suffix(".part");
     #[cfg(unix)]
