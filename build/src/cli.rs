@@ -163,6 +163,12 @@ pub enum CliError {
     /// The FMU's table.
     #[error(transparent)]
     Table(#[from] TableError),
+    /// The output is a file that the robot is made from.
+    #[error("'{}' is one of the robot's own files; give another name with -o", path.display())]
+    OverwritesInput {
+        /// The file.
+        path: PathBuf,
+    },
     /// A zip of somebody else.
     #[error("'{}' was not made by urdf2fmu: it has no resources/{FILE_NAME}", path.display())]
     ForeignFmu {
@@ -243,6 +249,15 @@ fn export(args: &Export) -> Result<(), CliError> {
         let stem = args.urdf.file_stem().unwrap_or("robot".as_ref());
         PathBuf::from(stem).with_extension("fmu")
     });
+    // Resolved, so that neither links nor other spellings of the path get through.
+    if let Ok(target) = output.canonicalize()
+        && robot
+            .sources
+            .iter()
+            .any(|source| source.canonicalize().is_ok_and(|s| s == target))
+    {
+        return Err(CliError::OverwritesInput { path: output });
+    }
     archive::write_file(&output, &fmu.bytes)?;
     print(&summary::text(&output, &fmu, &robot));
     Ok(())

@@ -374,7 +374,9 @@ fn no_key_stands_in_the_table_twice() {
 fn the_documentation_lists_every_key() {
     let page = include_str!("../../docs/interface.md");
     // The variables have a table of their own, with some of the same names.
-    let (_, page) = page.split_once("\n## Settings\n").unwrap();
+    let (_, page) = page
+        .split_once("\n## Settings\n")
+        .expect("the page has settings");
     for key in KEYS {
         let default = key.default.unwrap_or_default();
         let row = page

@@ -339,6 +339,28 @@ fn failed_export_leaves_the_old_fmu_alone() {
 }
 
 #[test]
+fn an_export_never_overwrites_what_it_is_made_from() {
+    let folder = tempfile::tempdir().unwrap();
+    let (urdf, config) = (folder.path().join("a.urdf"), folder.path().join("a.toml"));
+    fs::copy(example("rover.urdf"), &urdf).unwrap();
+    fs::copy(example("rover.toml"), &config).unwrap();
+    for target in [&urdf, &config] {
+        let before = fs::read(target).unwrap();
+        let run = urdf2fmu([
+            "export",
+            text(&urdf),
+            "-c",
+            text(&config),
+            "-o",
+            text(target),
+        ]);
+        assert_eq!(run.code, 1, "{run:?}");
+        assert!(run.err.contains("give another name"), "{}", run.err);
+        assert_eq!(fs::read(target).unwrap(), before);
+    }
+}
+
+#[test]
 fn files_that_cannot_be_read_or_written_are_named() {
     let folder = tempfile::tempdir().unwrap();
     let missing = folder.path().join("missing.urdf");
