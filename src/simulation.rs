@@ -297,6 +297,7 @@ impl Simulation {
         for (index, last) in self.state.commands.iter_mut().enumerate() {
             *last = self.inputs.command(index);
         }
+        self.set_wrenches();
         self.stale = false;
         self.readout.invalidate();
     }
@@ -333,6 +334,12 @@ impl Simulation {
     /// Sets an input; `value` has passed [`Self::check_input`].
     pub fn set_input(&mut self, slot: InputSlot, value: f64) {
         self.inputs.set(slot, value);
+        if matches!(
+            slot,
+            InputSlot::ExternalForce(..) | InputSlot::ExternalTorque(..)
+        ) {
+            self.set_wrenches();
+        }
         self.readout.invalidate();
     }
 
@@ -397,11 +404,11 @@ impl Simulation {
         if self.stale {
             self.place();
         }
-        self.set_wrenches();
         let ctx = context!(self);
         self.readout.read(&ctx, &self.state, slot)
     }
 
+    /// The external wrenches that the inputs ask for.
     fn set_wrenches(&mut self) {
         self.wrenches.clear();
         for (place, link) in self.model.outputs.external_wrenches.iter().enumerate() {
@@ -441,7 +448,6 @@ impl Simulation {
         if end.is_nan() || end <= self.state.time {
             return Ok(());
         }
-        self.set_wrenches();
         let ctx = context!(self);
         let result = self.stepper.advance(&ctx, &mut self.state, end);
         self.readout.invalidate();
@@ -505,6 +511,7 @@ impl Simulation {
         if !same {
             self.place();
         }
+        self.set_wrenches();
         self.state.copy_from(&snapshot.state);
         // Before initialisation the state follows from the parameters.
         self.stale = !self.initialized;

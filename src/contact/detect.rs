@@ -96,6 +96,22 @@ pub fn detect(
     }
 }
 
+/// Whether nothing comes near the ground within `h` seconds, by twice the way that velocities and gravity take it; reads
+/// poses and velocities of `kin`.
+pub fn is_clear(tree: &Tree, kin: &Kinematics, h: f64) -> bool {
+    let plane = Plane::GROUND;
+    let height = plane.normal.dot(&kin.origin) - plane.offset;
+    let fall = 2.0 * h * h * tree.gravity.norm();
+    tree.colliders.iter().all(|collider| {
+        let (X_OB, V) = (&kin.X[collider.body], &kin.V[collider.body]);
+        let center = X_OB.p + X_OB.R * collider.X.p;
+        let clearance = height + plane.normal.dot(&center) - collider.radius;
+        let spin = V[0].abs() + V[1].abs() + V[2].abs();
+        let speed = velocity_at(V, &center).norm() + spin * collider.radius;
+        clearance > 2.0 * h * speed + fall + 2.0 * MARGIN
+    })
+}
+
 struct Finder<'a> {
     tree: &'a Tree,
     /// What is left of the stored touches: points are found by ascending slot.

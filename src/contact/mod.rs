@@ -3,7 +3,7 @@
 mod detect;
 mod law;
 
-pub use detect::{Plane, detect};
+pub use detect::{Plane, detect, is_clear};
 pub(crate) use law::clip;
 pub use law::{Response, dissipation_number};
 

@@ -8,7 +8,7 @@
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
 use crate::actuator::Joints;
-use crate::contact::{Contact, detect};
+use crate::contact::{Contact, detect, is_clear};
 use crate::dynamics::rnea::ExternalWrench;
 use crate::dynamics::{crba, rnea};
 use crate::kinematics::{Kinematics, advance, difference, forward};
@@ -367,14 +367,7 @@ impl Stepper {
                     && !term.near_limit(v, h)
                     && h * term.damping * kin.inverse_diagonal[term.dof] < 1.0
             })
-            && tree.colliders.iter().all(|collider| {
-                let (X, V) = (&kin.X[collider.body], &kin.V[collider.body]);
-                let center = X.p + X.R * collider.X.p;
-                let clearance = kin.origin.z + center.z - collider.radius;
-                let spin = V[0].abs() + V[1].abs() + V[2].abs();
-                let speed = velocity_at(V, &center).norm() + spin * collider.radius;
-                clearance > 2.0 * h * speed + 2.0 * h * h * tree.gravity.norm() + 2e-3
-            })
+            && is_clear(tree, kin, h)
     }
 
     /// Explicit step into `self.explicit`; returns its error relative to the tolerance.

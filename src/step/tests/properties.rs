@@ -410,3 +410,25 @@ fn a_servo_pressed_against_a_limit_rests() {
         s.state().counters
     );
 }
+
+/// A saved state carries the pushes from outside; what was pushed since is forgotten.
+#[test]
+fn a_restored_state_is_pushed_as_when_it_was_saved() {
+    let mut b = block(1.0, 0.5);
+    b.model.outputs.external_wrenches = vec![0u32.into_link()];
+    let mut s = start(b.model, 1e-3);
+    s.set_input(InputSlot::ExternalForce(0u32.into_link(), 0), 8.0);
+    run(&mut s, 0.5, 0.01);
+    let saved = s.save();
+    run(&mut s, 1.0, 0.01);
+    let pushed = s.state().clone();
+    s.set_input(InputSlot::ExternalForce(0u32.into_link(), 0), -8.0);
+    run(&mut s, 1.2, 0.01);
+    s.restore(&saved).expect("its own state");
+    run(&mut s, 1.0, 0.01);
+    assert_eq!(s.state(), &pushed);
+    s.reset();
+    s.initialize(0.0).expect("a sound model");
+    run(&mut s, 0.5, 0.01);
+    assert!(s.state().q[0].abs() < 1e-9, "a reset robot is not pushed");
+}
