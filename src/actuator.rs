@@ -235,6 +235,8 @@ pub struct JointResponse {
 pub struct JointTerm {
     /// Degree of freedom.
     pub dof: usize,
+    /// Place of its position in `q`; of a ball joint the first of four.
+    pub coordinate: usize,
     /// Index of the actuator in the model's list, where there is one.
     pub actuator: Option<usize>,
     /// N·m·s/rad or N·s/m
@@ -314,10 +316,11 @@ impl Joints {
         let mut terms = Vec::new();
         for dof in 0..model.nv() {
             let actuator = model.actuators.iter().position(|a| a.dof.index() == dof);
-            let joint = model.bodies[model.dofs[dof].body.index()].joint;
-            if joint.is_some() {
+            let body = &model.bodies[model.dofs[dof].body.index()];
+            if body.joint.is_some() {
                 terms.push(JointTerm {
                     dof,
+                    coordinate: body.coordinate,
                     actuator,
                     gap: [f64::INFINITY; 2],
                     ..JointTerm::default()

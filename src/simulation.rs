@@ -249,6 +249,7 @@ impl Simulation {
     /// The state, to be set from outside; positions and velocities as [`crate::model::Motion`] says.
     pub fn state_mut(&mut self) -> &mut State {
         self.readout.invalidate();
+        self.state.ahead.input_changed();
         &mut self.state
     }
 
@@ -333,7 +334,11 @@ impl Simulation {
 
     /// Sets an input; `value` has passed [`Self::check_input`].
     pub fn set_input(&mut self, slot: InputSlot, value: f64) {
+        if self.inputs.get(slot).to_bits() == value.to_bits() {
+            return;
+        }
         self.inputs.set(slot, value);
+        self.state.ahead.input_changed();
         if matches!(
             slot,
             InputSlot::ExternalForce(..) | InputSlot::ExternalTorque(..)
@@ -385,7 +390,11 @@ impl Simulation {
 
     /// Sets a parameter; `value` has passed [`Self::check_parameter`]. Fixed ones only before [`Self::initialize`].
     pub fn set_parameter(&mut self, slot: ParameterSlot, value: f64) {
+        if self.parameters.get(slot).to_bits() == value.to_bits() {
+            return;
+        }
         self.parameters.set(slot, value);
+        self.state.ahead.input_changed();
         if self.initialized {
             self.tree.tune(&self.model, &self.parameters);
         } else {

@@ -1,17 +1,19 @@
 //! Saved states: everything that a later run needs to go on bit for bit. The workspace is not in it.
 //!
 //! Bytes, little-endian: magic `U2FS`, format version (u32), hash of the model (u64), then lists, each with its
-//! length (u64): parameters, inputs, the state's fields, the run's settings; the counters; the touches (a count, then
-//! slot, displacement and touch-down speed of each); last an FNV-1a checksum (u64) of all before it. Lengths must be
-//! those of the model, so that nothing is allocated on a stranger's word.
+//! length (u64): parameters, inputs, the state's fields, the run's settings; the counters; the number of touches and of
+//! coefficients of the smooth step under way; the touches (slot, displacement and touch-down speed of each); the
+//! coefficients; last an FNV-1a checksum (u64) of all before it. Lengths must be those of the model, so that nothing is
+//! allocated on a stranger's word.
 
 use crate::model::Model;
 use crate::parameters::{Inputs, Parameters};
 use crate::simulation::{SimulationError, fnv, model_hash};
+use crate::state::ahead::COEFFICIENTS;
 use crate::state::{State, Touch};
 
 const MAGIC: &[u8; 4] = b"U2FS";
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 
 /// Everything that a later run needs to go on bit for bit.
 #[derive(Clone, Debug, PartialEq)]
@@ -48,12 +50,17 @@ impl Snapshot {
             bytes.extend(counter.to_le_bytes());
         }
         bytes.extend(u64::from(self.initialized).to_le_bytes());
+        let coefficients = &self.state.ahead.coefficients;
         bytes.extend((self.state.touches.len() as u64).to_le_bytes());
+        bytes.extend((coefficients.len() as u64).to_le_bytes());
         for touch in &self.state.touches {
             bytes.extend((touch.slot as u64).to_le_bytes());
             for value in touch.displacement.iter().chain([&touch.touchdown]) {
                 bytes.extend(value.to_le_bytes());
             }
+        }
+        for value in coefficients {
+            bytes.extend(value.to_le_bytes());
         }
         bytes.extend(fnv(&bytes).to_le_bytes());
         bytes
@@ -67,8 +74,22 @@ impl Snapshot {
             + fields.iter().map(|f| f.len()).sum::<usize>()
             + 2;
         let lists = fields.len() + 3;
-        let touches = 1 + 5 * self.state.touches.len();
-        16 + 8 * (numbers + lists + self.state.counters.len() + touches + 2)
+        let touches = 5 * self.state.touches.len();
+        let coefficients = self.state.ahead.coefficients.len();
+        16 + 8 * (numbers + lists + self.state.counters.len() + touches + coefficients + 4)
+    }
+
+    /// Numbers of touches and of coefficients in `bytes`, if they are possible and fit their length; `self` has neither.
+    fn counts(&self, model: &Model, bytes: &[u8]) -> Option<(usize, usize)> {
+        let fixed = self.byte_len();
+        let counts = bytes.get(fixed.checked_sub(24)?..fixed - 8)?;
+        let mut reader = Reader { bytes: counts };
+        let touches = usize::try_from(reader.integer()).ok()?;
+        let coefficients = usize::try_from(reader.integer()).ok()?;
+        let possible = touches <= model.contact_slots()
+            && (coefficients == 0 || coefficients == COEFFICIENTS * (model.nq + model.nv()));
+        (possible && bytes.len() == fixed + 40 * touches + 8 * coefficients)
+            .then_some((touches, coefficients))
     }
 
     /// Reads what [`Self::to_bytes`] wrote for the same model.
@@ -98,10 +119,9 @@ impl Snapshot {
         if bytes.get(8..16) != Some(&hash.to_le_bytes()) {
             return Err(refused("it belongs to another model"));
         }
-        let touches = bytes.len().wrapping_sub(snapshot.byte_len());
-        if !touches.is_multiple_of(40) || touches / 40 > model.contact_slots() {
-            return Err(refused("its length is not that of this model's states"));
-        }
+        let (touches, coefficients) = snapshot
+            .counts(model, bytes)
+            .ok_or_else(|| refused("its length is not that of this model's states"))?;
         let (body, checksum) = bytes.split_at(bytes.len() - 8);
         if checksum != fnv(body).to_le_bytes() {
             return Err(refused(
@@ -125,8 +145,10 @@ impl Snapshot {
             *counter = reader.integer();
         }
         snapshot.initialized = reader.integer() == 1;
-        complete = complete && reader.integer() == (touches / 40) as u64;
-        for _ in 0..touches / 40 {
+        // Known already: the counts.
+        reader.integer();
+        reader.integer();
+        for _ in 0..touches {
             let slot = usize::try_from(reader.integer()).unwrap_or(usize::MAX);
             let mut numbers = [0.0; 4];
             reader.numbers(&mut numbers);
@@ -143,6 +165,10 @@ impl Snapshot {
                 touchdown,
             });
         }
+        snapshot.state.ahead.coefficients.resize(coefficients, 0.0);
+        reader.numbers(&mut snapshot.state.ahead.coefficients);
+        let ahead = &snapshot.state.ahead;
+        complete = complete && (ahead.is_empty() || ahead.length > 0.0);
         [snapshot.importer_tolerance, snapshot.start] = tail;
         // Effort limits may be infinite; nothing may be NaN.
         let sound = snapshot.parameters.iter().all(|x| x.is_finite())

@@ -88,6 +88,11 @@ impl Sparsity {
         self.column.len()
     }
 
+    /// Multiplications of filling and factorising the matrix, nearly.
+    pub fn factor_cost(&self) -> usize {
+        self.depth.iter().map(|d| d * (d + 13) / 2).sum()
+    }
+
     /// Place of entry (i, j); the pair must be in the pattern.
     #[inline]
     pub fn place(&self, i: usize, j: usize) -> usize {

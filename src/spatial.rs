@@ -336,6 +336,23 @@ impl SpatialInertia {
     }
 }
 
+/// `A s` of a symmetric 6×6 matrix given by its lower triangle, row by row.
+#[inline]
+pub fn multiply_lower(A: &[f64; 21], s: &Vec6) -> Vec6 {
+    let mut y = [0.0; 6];
+    let mut place = 0;
+    for i in 0..6 {
+        for j in 0..i {
+            y[i] += A[place] * s[j];
+            y[j] += A[place] * s[i];
+            place += 1;
+        }
+        y[i] += A[place] * s[i];
+        place += 1;
+    }
+    y
+}
+
 /// Rotation that takes z to the unit vector `axis`; exact for the coordinate axes.
 pub fn rotation_to_axis(axis: &Vec3) -> Mat3 {
     let z = *axis;

@@ -1,5 +1,8 @@
 //! What the next step reads and cannot recompute.
 
+pub mod ahead;
+
+use self::ahead::Ahead;
 use crate::model::Model;
 
 /// State of a robot. All quantities in SI units; layout of `q` and `v`: [`crate::model::Motion`].
@@ -28,6 +31,8 @@ pub struct State {
     pub impulse: Vec<[f64; 3]>,
     /// Length of the last communication step, s; 0 before the first.
     pub last_step: f64,
+    /// The smooth step under way.
+    pub ahead: Ahead,
 }
 
 /// What a contact point remembers from step to step.
@@ -67,6 +72,7 @@ impl State {
             counters: [0; 4],
             impulse: vec![[0.0; 3]; model.links.len()],
             last_step: 0.0,
+            ahead: Ahead::new(model),
         }
     }
 
@@ -84,11 +90,13 @@ impl State {
         self.counters = other.counters;
         self.impulse.copy_from_slice(&other.impulse);
         self.last_step = other.last_step;
+        self.ahead.copy_from(&other.ahead);
     }
 
-    /// Every stored list of real numbers, in saved order; touches and counters are the only other content. A new
+    /// Every stored list of real numbers, in saved order; touches, the step under way
+    /// and counters are the only other content. A new
     /// field goes here, into [`Self::copy_from`] and nowhere else.
-    pub fn fields_mut(&mut self) -> [&mut [f64]; 9] {
+    pub fn fields_mut(&mut self) -> [&mut [f64]; 12] {
         [
             std::slice::from_mut(&mut self.time),
             &mut self.q,
@@ -99,11 +107,14 @@ impl State {
             &mut self.step,
             self.impulse.as_flattened_mut(),
             std::slice::from_mut(&mut self.last_step),
+            std::slice::from_mut(&mut self.ahead.start),
+            std::slice::from_mut(&mut self.ahead.length),
+            std::slice::from_mut(&mut self.ahead.changed),
         ]
     }
 
     /// See [`Self::fields_mut`].
-    pub fn fields(&self) -> [&[f64]; 9] {
+    pub fn fields(&self) -> [&[f64]; 12] {
         [
             std::slice::from_ref(&self.time),
             &self.q,
@@ -114,6 +125,9 @@ impl State {
             &self.step,
             self.impulse.as_flattened(),
             std::slice::from_ref(&self.last_step),
+            std::slice::from_ref(&self.ahead.start),
+            std::slice::from_ref(&self.ahead.length),
+            std::slice::from_ref(&self.ahead.changed),
         ]
     }
 
@@ -127,6 +141,7 @@ impl State {
             .into_iter()
             .flatten()
             .chain(touches)
+            .chain(&self.ahead.coefficients)
             .all(|x| x.is_finite())
     }
 

@@ -10,7 +10,9 @@ use crate::model::{Limits, Model, Motion};
 use crate::parameters::Parameters;
 use crate::simulation::ParameterSlot as P;
 use crate::sparsity::Sparsity;
-use crate::spatial::{Mat3, Pose, RigidInertia, Vec3, rotation_from_rpy, rotation_to_axis};
+use crate::spatial::{
+    Mat3, Pose, RigidInertia, Vec3, quaternion_normalized, rotation_from_rpy, rotation_to_axis,
+};
 
 /// How a body moves in its parent, along or about the z axis of its own solver frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -84,6 +86,8 @@ pub struct Tree {
     pub sparsity: Sparsity,
     /// Whether every column is its own degree of freedom.
     pub pure: bool,
+    /// Whether the articulated-body algorithm is cheaper than mass matrix and factor: chains of many joints.
+    pub long: bool,
     /// Pose of each link in its body's solver frame.
     pub link_pose: Vec<Pose>,
     /// Pose of a fixed base in the world.
@@ -125,6 +129,10 @@ pub struct Tree {
 /// Standard gravity, m/s²: gives the weight that contact stiffness is made from, whatever the tunable gravity is.
 pub const REFERENCE_GRAVITY: f64 = 9.81;
 
+/// Multiplications per body that the articulated-body algorithm needs beyond the mass matrix' own, measured where
+/// both cost the same.
+const ARTICULATED_COST: usize = 150;
+
 /// Position error of a limit, or of a servo under its reference effort, rad or m.
 pub const LIMIT_DEFLECTION: f64 = 1e-4;
 
@@ -143,6 +151,7 @@ impl Tree {
             dof: Vec::new(),
             sparsity: Sparsity::default(),
             pure: true,
+            long: false,
             link_pose: Vec::new(),
             base: Pose {
                 R: rotation_from_rpy(&axes(P::InitialBaseRpy)),
@@ -169,6 +178,7 @@ impl Tree {
         tree.add_inertia(model, parameters, &turned);
         tree.add_colliders(model, &turned);
         tree.sparsity = tree.pattern(model.nv());
+        tree.long = tree.pure && tree.sparsity.factor_cost() > ARTICULATED_COST * tree.bodies.len();
         for joint in &model.joints {
             for body in &joint.bodies {
                 let body = &tree.bodies[body.index()];
@@ -433,6 +443,21 @@ impl Tree {
                 .unwrap_or(0.0);
             let effort = if effort.is_finite() { effort } else { 0.0 };
             *k = effort.max(inertia[dof] * 100.0) / LIMIT_DEFLECTION;
+        }
+    }
+}
+
+impl Tree {
+    /// Brings the quaternions in `q` back to unit length.
+    pub fn normalize(&self, q: &mut [f64]) {
+        for body in &self.bodies {
+            let c = match body.motion {
+                Move::Free => body.coordinate + 3,
+                Move::Ball => body.coordinate,
+                _ => continue,
+            };
+            let unit = quaternion_normalized(&[q[c], q[c + 1], q[c + 2], q[c + 3]]);
+            q[c..c + 4].copy_from_slice(&unit);
         }
     }
 }

@@ -3,25 +3,29 @@
 //! Solves `M(q) vdot + k(q, v) = tau` without forming `M`. For trees without mimic joints: exact coupling of two
 //! branches needs the joint-space matrix, see [`crate::dynamics::crba`].
 //!
-//! Source: Featherstone 2008, table 7.1, in world axes.
+//! Source: Featherstone 2008, table 7.1, in world axes: inertias of parent and child add up without transforms.
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
+use super::rnea::{ExternalWrench, add_wrenches};
 use crate::kinematics::Kinematics;
-use crate::spatial::{Vec6, add_scaled6, add6, cross_motion, dot6};
+use crate::spatial::{
+    Mat3, Vec6, add_scaled6, add6, angular, cross_force, cross_motion, dot6, linear, multiply_lower,
+};
 use crate::tree::{Move, Tree};
-use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
+use nalgebra::{Matrix6, Vector6};
 
 /// Scratch of the algorithm.
 #[derive(Clone, Debug)]
 pub struct Articulated {
-    IA: Vec<Matrix6<f64>>,
+    /// Articulated inertia of each body: lower triangle of the 6×6 matrix, row by row.
+    IA: Vec<[f64; 21]>,
     pA: Vec<Vec6>,
     c: Vec<Vec6>,
     /// `IA S`, per column.
     U: Vec<Vec6>,
-    /// Inverse of `Sᵀ IA S` of a body: a scalar in the corner, or 3×3.
-    D: Vec<Matrix3<f64>>,
+    /// Inverse of `Sᵀ IA S`, per column; of a ball joint the inverse 3×3 matrix, a row per column.
+    D: Vec<[f64; 3]>,
     /// `tau − Sᵀ pA`, per column.
     u: Vec<f64>,
     A: Vec<Vec6>,
@@ -32,11 +36,11 @@ impl Articulated {
     pub fn new(tree: &Tree) -> Self {
         let (nb, nc) = (tree.bodies.len(), tree.dof.len());
         Self {
-            IA: vec![Matrix6::zeros(); nb],
+            IA: vec![[0.0; 21]; nb],
             pA: vec![[0.0; 6]; nb],
             c: vec![[0.0; 6]; nb],
             U: vec![[0.0; 6]; nc],
-            D: vec![Matrix3::zeros(); nb],
+            D: vec![[0.0; 3]; nc],
             u: vec![0.0; nc],
             A: vec![[0.0; 6]; nb],
         }
@@ -44,9 +48,9 @@ impl Articulated {
 
     /// Joint accelerations.
     ///
-    /// - `kin`: poses, velocities for `v`, inertias, and `kin.bias` with the external wrenches in
-    ///   `kin.force` *not* accumulated; this function recomputes the body forces itself and ignores wrenches
+    /// - `kin`: poses, joint motions, inertias, and velocities for `v`
     /// - `tau`: `nv`, N·m or N
+    /// - `wrenches`: external wrenches on bodies
     /// - `vdot`: `nv`, overwritten
     ///
     /// # Panics
@@ -57,131 +61,174 @@ impl Articulated {
         kin: &Kinematics,
         v: &[f64],
         tau: &[f64],
+        wrenches: &[ExternalWrench],
         vdot: &mut [f64],
     ) {
         assert!(
             tree.pure,
             "the articulated-body algorithm does not couple branches"
         );
-        // Pass 1, base to tip: rigid inertia, velocity-product acceleration, bias force.
+        // Base to tip: rigid inertia, velocity-product acceleration, bias force.
         for (b, body) in tree.bodies.iter().enumerate() {
             let (V, I) = (&kin.V[b], &kin.I[b]);
             self.c[b] = match body.motion {
                 Move::Welded => [0.0; 6],
                 Move::Free => {
-                    let a = -crate::spatial::angular(V).cross(&crate::spatial::linear(V));
+                    let a = -angular(V).cross(&linear(V));
                     [0.0, 0.0, 0.0, a.x, a.y, a.z]
                 }
-                _ => {
+                Move::Turn | Move::Slide => {
+                    // V × S v = V_parent × S v: the joint's own share vanishes.
+                    let mut c = cross_motion(V, &kin.S[body.column]);
+                    for c in &mut c {
+                        *c *= v[body.column];
+                    }
+                    c
+                }
+                Move::Ball => {
                     let mut relative = [0.0; 6];
-                    let columns = body.column..body.column + body.columns;
+                    let columns = body.column..body.column + 3;
                     for (S, v) in kin.S[columns.clone()].iter().zip(&v[columns]) {
                         add_scaled6(&mut relative, S, *v);
                     }
                     cross_motion(V, &relative)
                 }
             };
-            self.IA[b] = full(I);
-            self.pA[b] = crate::spatial::cross_force(V, &I.mul(V));
+            self.IA[b] = I.lower();
+            self.pA[b] = cross_force(V, &I.mul(V));
         }
-        // Pass 2, tip to base: articulated inertia and bias force.
+        add_wrenches(kin, wrenches, &mut self.pA);
         for b in (1..tree.bodies.len()).rev() {
             let body = &tree.bodies[b];
-            let columns = body.column..body.column + body.columns;
-            let IA = self.IA[b];
-            let mut D = Matrix3::identity();
-            for c in columns.clone() {
-                let U = IA * Vector6::from(kin.S[c]);
-                self.U[c] = U.into();
-                self.u[c] = tau[c] - dot6(&kin.S[c], &self.pA[b]);
-                for a in columns.clone() {
-                    D[(a - body.column, c - body.column)] = dot6(&kin.S[a], &self.U[c]);
-                }
-                D[(c - body.column, c - body.column)] += tree.armature[c];
+            if body.columns == 1 {
+                self.fold_one(tree, kin, tau, b);
+            } else {
+                self.fold_ball(tree, kin, tau, b);
             }
-            // Positive definite: checked when the model was built.
-            let D = invert(&D, body.columns);
-            self.D[b] = D;
-            let mut Ia = IA;
-            let mut pa = self.pA[b];
-            for i in 0..body.columns {
-                let mut gain = 0.0;
-                for j in 0..body.columns {
-                    let d = D[(i, j)];
-                    let (Ui, Uj) = (self.U[body.column + i], self.U[body.column + j]);
-                    Ia -= Vector6::from(Ui) * Vector6::from(Uj).transpose() * d;
-                    gain += d * self.u[body.column + j];
-                }
-                let Ui = self.U[body.column + i];
-                add_scaled6(&mut pa, &Ui, gain);
-            }
-            let carried: Vec6 = (Ia * Vector6::from(self.c[b])).into();
-            add6(&mut pa, &carried);
-            self.IA[body.parent] += Ia;
-            add6(&mut self.pA[body.parent], &pa);
         }
-        // Pass 3, base to tip: accelerations; gravity as an upward acceleration of the base.
+        self.spread(tree, kin, tau, vdot);
+    }
+
+    /// Hangs the body `b` of a turning or sliding joint on its parent.
+    #[inline]
+    fn fold_one(&mut self, tree: &Tree, kin: &Kinematics, tau: &[f64], b: usize) {
+        let body = &tree.bodies[b];
+        let column = body.column;
+        let S = &kin.S[column];
+        let mut IA = self.IA[b];
+        let mut pA = self.pA[b];
+        let U = multiply_lower(&IA, S);
+        let u = tau[column] - dot6(S, &pA);
+        // Positive definite: checked when the model was built.
+        let D = 1.0 / (dot6(S, &U) + tree.armature[column]);
+        let mut place = 0;
+        for i in 0..6 {
+            let scaled = U[i] * D;
+            for (x, y) in IA[place..=place + i].iter_mut().zip(&U) {
+                *x -= scaled * y;
+            }
+            place += i + 1;
+        }
+        add6(&mut pA, &multiply_lower(&IA, &self.c[b]));
+        add_scaled6(&mut pA, &U, D * u);
+        self.U[column] = U;
+        self.u[column] = u;
+        self.D[column][0] = D;
+        for (sum, x) in self.IA[body.parent].iter_mut().zip(&IA) {
+            *sum += x;
+        }
+        add6(&mut self.pA[body.parent], &pA);
+    }
+
+    /// Hangs the body `b` of a ball joint on its parent.
+    fn fold_ball(&mut self, tree: &Tree, kin: &Kinematics, tau: &[f64], b: usize) {
+        let body = &tree.bodies[b];
+        let first = body.column;
+        let mut IA = self.IA[b];
+        let mut pA = self.pA[b];
+        let mut D = Mat3::zeros();
+        for i in 0..3 {
+            let S = &kin.S[first + i];
+            let U = multiply_lower(&IA, S);
+            self.U[first + i] = U;
+            self.u[first + i] = tau[first + i] - dot6(S, &pA);
+            for j in 0..3 {
+                D[(j, i)] = dot6(&kin.S[first + j], &U);
+            }
+            D[(i, i)] += tree.armature[first + i];
+        }
+        let D = D.try_inverse().unwrap_or_else(Mat3::zeros);
+        for i in 0..3 {
+            let mut scaled = [0.0; 6];
+            let mut gain = 0.0;
+            for j in 0..3 {
+                self.D[first + i][j] = D[(i, j)];
+                add_scaled6(&mut scaled, &self.U[first + j], D[(i, j)]);
+                gain += D[(i, j)] * self.u[first + j];
+            }
+            let U = self.U[first + i];
+            let mut place = 0;
+            for row in 0..6 {
+                for (x, y) in IA[place..=place + row].iter_mut().zip(&scaled) {
+                    *x -= U[row] * y;
+                }
+                place += row + 1;
+            }
+            add_scaled6(&mut pA, &U, gain);
+        }
+        add6(&mut pA, &multiply_lower(&IA, &self.c[b]));
+        for (sum, x) in self.IA[body.parent].iter_mut().zip(&IA) {
+            *sum += x;
+        }
+        add6(&mut self.pA[body.parent], &pA);
+    }
+
+    /// Base to tip: accelerations; gravity as an upward acceleration of the base.
+    fn spread(&mut self, tree: &Tree, kin: &Kinematics, tau: &[f64], vdot: &mut [f64]) {
         let g = tree.gravity;
         let base = &tree.bodies[0];
-        if base.motion == Move::Free {
+        self.A[0] = if base.motion == Move::Free {
             let mut a0 = self.c[0];
             for i in 0..3 {
                 a0[3 + i] -= g[i];
             }
-            let right = Vector6::from_fn(|i, _| {
-                tau[i] - self.pA[0][i] - (self.IA[0] * Vector6::from(a0))[i]
+            let carried = multiply_lower(&self.IA[0], &a0);
+            let right = Vector6::from_fn(|i, _| tau[i] - self.pA[0][i] - carried[i]);
+            let IA = Matrix6::from_fn(|i, j| {
+                let (high, low) = (i.max(j), i.min(j));
+                let armature = if i == j { tree.armature[i] } else { 0.0 };
+                self.IA[0][high * (high + 1) / 2 + low] + armature
             });
-            let mut IA = self.IA[0];
-            for i in 0..6 {
-                IA[(i, i)] += tree.armature[i];
-            }
             let x = IA
                 .cholesky()
                 .map_or(Vector6::zeros(), |factor| factor.solve(&right));
-            for i in 0..6 {
-                vdot[i] = x[i];
-                self.A[0][i] = a0[i] + x[i];
-            }
+            vdot[..6].copy_from_slice(x.as_slice());
+            std::array::from_fn(|i| a0[i] + x[i])
         } else {
-            self.A[0] = [0.0, 0.0, 0.0, -g.x, -g.y, -g.z];
-        }
+            [0.0, 0.0, 0.0, -g.x, -g.y, -g.z]
+        };
         for b in 1..tree.bodies.len() {
             let body = &tree.bodies[b];
             let mut A = self.A[body.parent];
             add6(&mut A, &self.c[b]);
-            let rest = Vector3::from_fn(|i, _| {
-                if i < body.columns {
-                    self.u[body.column + i] - dot6(&self.U[body.column + i], &A)
-                } else {
-                    0.0
+            let columns = body.column..body.column + body.columns;
+            if body.columns == 1 {
+                let c = body.column;
+                let x = self.D[c][0] * (self.u[c] - dot6(&self.U[c], &A));
+                vdot[c] = x;
+                add_scaled6(&mut A, &kin.S[c], x);
+            } else {
+                let mut rest = [0.0; 3];
+                for (rest, c) in rest.iter_mut().zip(columns.clone()) {
+                    *rest = self.u[c] - dot6(&self.U[c], &A);
                 }
-            });
-            let x = self.D[b] * rest;
-            for i in 0..body.columns {
-                vdot[body.column + i] = x[i];
-                add_scaled6(&mut A, &kin.S[body.column + i], x[i]);
+                for c in columns {
+                    let x = self.D[c].iter().zip(&rest).map(|(d, r)| d * r).sum();
+                    vdot[c] = x;
+                    add_scaled6(&mut A, &kin.S[c], x);
+                }
             }
             self.A[b] = A;
         }
     }
-}
-
-/// Inverse of the leading `n` by `n` block, n = 1 or 3.
-fn invert(D: &Matrix3<f64>, n: usize) -> Matrix3<f64> {
-    if n == 1 {
-        let mut inverse = Matrix3::zeros();
-        inverse[(0, 0)] = 1.0 / D[(0, 0)];
-        inverse
-    } else {
-        D.try_inverse().unwrap_or_else(Matrix3::zeros)
-    }
-}
-
-/// The 6×6 matrix of an inertia.
-fn full(I: &crate::spatial::SpatialInertia) -> Matrix6<f64> {
-    let lower = I.lower();
-    Matrix6::from_fn(|i, j| {
-        let (i, j) = (i.max(j), i.min(j));
-        lower[i * (i + 1) / 2 + j]
-    })
 }

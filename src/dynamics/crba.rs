@@ -70,6 +70,29 @@ pub fn mass_matrix(tree: &Tree, kin: &mut Kinematics) {
     }
 }
 
+/// Fills `kin.inverse_diagonal` alone, for trees without mimic joints; `kin.M` stays as it is.
+pub fn diagonal(tree: &Tree, kin: &mut Kinematics) {
+    let Kinematics {
+        S,
+        I,
+        composite,
+        inverse_diagonal,
+        ..
+    } = kin;
+    composite.copy_from_slice(I);
+    for b in (0..tree.bodies.len()).rev() {
+        let body = &tree.bodies[b];
+        for c in body.column..body.column + body.columns {
+            let diagonal = dot6(&S[c], &composite[b].mul(&S[c])) + tree.armature[c];
+            inverse_diagonal[c] = 1.0 / diagonal.max(f64::MIN_POSITIVE);
+        }
+        if b > 0 {
+            let sub = composite[b];
+            composite[body.parent].add(&sub);
+        }
+    }
+}
+
 /// Adds `S_aᵀ F` for column `c` of body `b` and every column `a` between the base and `c`, where columns share
 /// degrees of freedom.
 pub(crate) fn add_row(

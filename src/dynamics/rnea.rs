@@ -5,7 +5,9 @@
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
 use crate::kinematics::Kinematics;
-use crate::spatial::{Vec3, Vec6, add6, angular, cross_force, cross_motion, dot6, linear};
+use crate::spatial::{
+    Vec3, Vec6, add_scaled6, add6, angular, cross_force, cross_motion, dot6, linear,
+};
 use crate::tree::{Move, Tree};
 
 /// Torque and force on a body about its link's centre of mass, see [`bias`].
@@ -24,34 +26,11 @@ pub struct ExternalWrench {
 /// - `v`: `nv`, the velocities that `kin.V` was made from
 /// - `wrenches`: external wrenches on bodies; they are taken off the bias
 pub fn bias(tree: &Tree, kin: &mut Kinematics, v: &[f64], wrenches: &[ExternalWrench]) {
-    let Kinematics {
-        S,
-        V,
-        I,
-        force,
-        C,
-        bias,
-        X,
-        ..
-    } = kin;
-    accelerations(tree, S, V, v, C);
-    for b in 0..tree.bodies.len() {
-        force[b] = if tree.bodies[b].motion == Move::Welded {
-            [0.0; 6]
-        } else {
-            body_force(&I[b], &V[b], &C[b])
-        };
-    }
-    for w in wrenches {
-        let x = X[w.body].point(&w.point);
-        let f = linear(&w.wrench);
-        let torque = angular(&w.wrench) + x.cross(&f);
-        let F = &mut force[w.body];
-        for i in 0..3 {
-            F[i] -= torque[i];
-            F[3 + i] -= f[i];
-        }
-    }
+    let mut force = std::mem::take(&mut kin.force);
+    body_forces(tree, kin, v, &mut force);
+    add_wrenches(kin, wrenches, &mut force);
+    kin.force = force;
+    let Kinematics { S, force, bias, .. } = kin;
     if !tree.pure {
         bias.fill(0.0);
     }
@@ -78,34 +57,56 @@ pub fn bias(tree: &Tree, kin: &mut Kinematics, v: &[f64], wrenches: &[ExternalWr
     }
 }
 
-/// Accelerations of the bodies for `vdot = 0`, with gravity as an upward acceleration of the base.
-fn accelerations(tree: &Tree, S: &[Vec6], V: &[Vec6], v: &[f64], C: &mut [Vec6]) {
+/// Force that each body needs for `vdot = 0`, with gravity as an upward acceleration of the base.
+fn body_forces(tree: &Tree, kin: &mut Kinematics, v: &[f64], force: &mut [Vec6]) {
+    let Kinematics { S, V, I, C, .. } = kin;
     let g = tree.gravity;
     for (b, body) in tree.bodies.iter().enumerate() {
+        let V_b = &V[b];
         C[b] = match body.motion {
-            Move::Welded => [0.0, 0.0, 0.0, -g.x, -g.y, -g.z],
+            Move::Welded => {
+                C[b] = [0.0, 0.0, 0.0, -g.x, -g.y, -g.z];
+                force[b] = [0.0; 6];
+                continue;
+            }
             Move::Free => {
                 // Spatial acceleration is the rate of V at a fixed point: −ω × ṗ appears because O moves with the base.
-                let a = -angular(&V[b]).cross(&linear(&V[b])) - g;
+                let a = -angular(V_b).cross(&linear(V_b)) - g;
                 [0.0, 0.0, 0.0, a.x, a.y, a.z]
             }
-            Move::Turn | Move::Slide | Move::Ball => {
+            Move::Turn | Move::Slide => {
+                let mut sum = C[body.parent];
+                let turn = cross_motion(V_b, &S[body.column]);
+                add_scaled6(&mut sum, &turn, v[tree.dof[body.column]]);
+                sum
+            }
+            Move::Ball => {
                 let mut relative = [0.0; 6];
-                for c in body.column..body.column + body.columns {
-                    crate::spatial::add_scaled6(&mut relative, &S[c], v[tree.dof[c]]);
+                for c in body.column..body.column + 3 {
+                    add_scaled6(&mut relative, &S[c], v[tree.dof[c]]);
                 }
-                let mut sum = cross_motion(&V[b], &relative);
+                let mut sum = cross_motion(V_b, &relative);
                 add6(&mut sum, &C[body.parent]);
                 sum
             }
         };
+        // `I A + V ×f (I V)`
+        let mut F = I[b].mul(&C[b]);
+        add6(&mut F, &cross_force(V_b, &I[b].mul(V_b)));
+        force[b] = F;
     }
 }
 
-/// `I A + V ×f (I V)`.
-#[inline]
-fn body_force(I: &crate::spatial::SpatialInertia, V: &Vec6, A: &Vec6) -> Vec6 {
-    let mut F = I.mul(A);
-    add6(&mut F, &cross_force(V, &I.mul(V)));
-    F
+/// Takes external wrenches off the forces that the bodies need.
+pub(super) fn add_wrenches(kin: &Kinematics, wrenches: &[ExternalWrench], force: &mut [Vec6]) {
+    for w in wrenches {
+        let x = kin.X[w.body].point(&w.point);
+        let f = linear(&w.wrench);
+        let torque = angular(&w.wrench) + x.cross(&f);
+        let F = &mut force[w.body];
+        for i in 0..3 {
+            F[i] -= torque[i];
+            F[3 + i] -= f[i];
+        }
+    }
 }

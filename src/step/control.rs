@@ -3,7 +3,8 @@
 //! An error-controlled step is solved once over `h` and twice over `h/2`; the difference of the two results is the
 //! error estimate, positions and velocities together, and twice the second minus the first is the solution that goes
 //! on: second order in smooth motion at the price of the estimate. Steps end at touch-down rather than across it.
-//! Where nothing is stiff, explicit steps of fifth order take over (see [`super::smooth`]).
+//! Where nothing is stiff, explicit steps of fifth order take over (see [`super::smooth`]); as long as no input changes
+//! they are as long as the motion allows, and communication points are read off inside them (see [`crate::state::ahead`]).
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
@@ -17,7 +18,7 @@ use crate::parameters::{Inputs, Parameters};
 use crate::spatial::{Vec3, velocity_at};
 use crate::state::{State, Touch};
 use crate::step::convex::{Newton, Problem};
-use crate::step::smooth::Explicit;
+use crate::step::smooth::{BOGACKI_SHAMPINE, DORMAND_PRINCE, Explicit, Pair, Smooth};
 use crate::tree::Tree;
 
 /// Longest step, s: a robot at rest in the air must still notice that it falls.
@@ -34,6 +35,16 @@ const VELOCITY_WEIGHT: f64 = 0.1;
 const REST_SPEED: f64 = 1e-7;
 /// Relative accuracy of the impulses in fixed-step mode.
 const FIXED_ACCURACY: f64 = 1e-8;
+/// The short pair takes steps below `SHORT · tolerance^PAIR_EXPONENT` times what the long one proposes: there both
+/// meet the tolerance if errors grow like powers of one time scale, `tolerance^(1/3 − 1/5)`.
+const SHORT: f64 = 0.5;
+/// Share of the tolerance that an explicit step may use: its steps are few and long, and what many of them add up to
+/// shall be of the size of the tolerance still. Twice the steps for a fiftieth of the error.
+const EXPLICIT_SHARE: f64 = 0.02;
+/// Error that an explicit step counts as if it has run into something: half the step is tried next.
+const HIT: f64 = 32.0;
+/// See [`SHORT`].
+const PAIR_EXPONENT: f64 = 2.0 / 15.0;
 /// Growth and shrinkage of the step, at most.
 const GROWTH: (f64, f64) = (0.1, 5.0);
 
@@ -86,6 +97,20 @@ impl Point {
         self.kin.update_poses(tree, &state.q);
         crba::mass_matrix(tree, &mut self.kin);
         self.update_motion(ctx, state, h);
+    }
+
+    /// What an explicit step needs of `state`, without the mass matrix if the tree is long: then it is for explicit steps
+    /// alone.
+    fn update_smooth(&mut self, ctx: &Context, state: &State, h: f64) {
+        let tree = ctx.tree;
+        if !tree.long {
+            self.update(ctx, state, h);
+            return;
+        }
+        self.kin.update_poses(tree, &state.q);
+        self.kin.update_velocities(tree, &state.v);
+        crba::diagonal(tree, &mut self.kin);
+        self.find_terms(ctx, state, h);
     }
 
     /// What depends on velocities, after the poses are up to date.
@@ -198,6 +223,7 @@ impl Stepper {
         };
         if result.is_ok() && state.moves_finitely() {
             state.time = end;
+            state.ahead.changed = 0.0;
             for (index, last) in state.commands.iter_mut().enumerate() {
                 *last = ctx.inputs.command(index);
             }
@@ -271,61 +297,64 @@ impl Stepper {
     ) -> Result<(), NotFinite> {
         let accuracy = (1e-3 * ctx.tolerance).clamp(1e-10, 1e-5);
         let span = end - state.time;
-        let mut done = 0.0;
-        let mut first = true;
-        let mut explicit = false;
-        // Inputs may have jumped at the communication point: begin with the step that was good there last time.
-        let mut proposed = state.step[0].min(state.step[1]);
+        let begin = state.time;
+        let mut done = follow(ctx.tree, state, end);
+        // Inputs that have jumped make the first step shorter than those after it: begin with what was good last time.
+        let mut first = state.ahead.changed != 0.0;
+        // Whether `self.start` stands at the state already, after an explicit step.
+        let mut current = false;
+        let mut proposed = state.step[0];
+        if first {
+            proposed = proposed.min(state.step[1]);
+        }
         while done < span {
             let remaining = span - done;
-            let mut h = proposed.min(MAX_EXPLICIT_STEP);
-            if h >= remaining {
-                h = remaining;
-            } else if 1.5 * h > remaining {
-                h = 0.5 * remaining;
+            if !current {
+                let h = landing(proposed.min(MAX_STEP), remaining);
+                self.start.update_smooth(ctx, state, h);
+                self.explicit.restart();
             }
-            if !explicit {
-                self.start.update(ctx, state, h.min(MAX_STEP));
-            }
-            if self.is_smooth(ctx, state, h) {
-                if !explicit {
-                    self.explicit.restart();
-                }
-                let error = self.explicit_step(ctx, state, h);
+            if let Some((pair, h)) = self.smooth_step(ctx, state, proposed, remaining) {
+                let error = self.explicit_step(ctx, pair, state, h);
                 let floor = patience(state, ctx.tolerance, h, remaining);
-                let factor = (0.9 * libm::pow(error.max(1e-10), -0.2)).clamp(GROWTH.0, GROWTH.1);
+                let power = -1.0 / f64::from(pair.order);
+                let factor = (0.9 * libm::pow(error.max(1e-10), power)).clamp(GROWTH.0, GROWTH.1);
                 if error <= 1.0 || (h <= floor && error.is_finite()) {
                     if error > 1.0 {
                         state.counters[3] += 1;
                     }
-                    accept_explicit(&mut self.explicit, state);
-                    proposed = next_proposal(proposed, h, factor).max(floor);
-                    done = if h >= remaining { span } else { done + h };
-                    accepted(state, first, h, proposed);
+                    proposed = next_proposal(proposed, h, pair, factor, ctx.tolerance).max(floor);
+                    accepted(state, first, h.min(remaining), proposed);
                     first = false;
-                    explicit = true;
+                    if h > remaining {
+                        self.look_ahead(ctx, state, begin + done, h, end);
+                        return Ok(());
+                    }
+                    accept_explicit(&mut self.explicit, pair, state);
+                    done = if h >= remaining { span } else { done + h };
                     // The last stage stands at the new state: it tells whether the next step may be explicit, too.
                     std::mem::swap(&mut self.start.kin, &mut self.middle.kin);
-                    self.start
-                        .find_terms(ctx, state, proposed.min(MAX_EXPLICIT_STEP));
+                    let next = landing(proposed.min(MAX_STEP), span - done);
+                    self.start.find_terms(ctx, state, next);
+                    current = true;
                 } else if error.is_finite() || h > MIN_STEP {
                     state.counters[1] += 1;
                     proposed = (h * factor).max(if error.is_finite() { floor } else { MIN_STEP });
-                    explicit = true;
+                    current = true;
                 } else {
                     return Err(NotFinite);
                 }
                 continue;
             }
-            if explicit {
-                explicit = false;
-                self.start.update(ctx, state, h.min(MAX_STEP));
+            let mut h = landing(proposed.min(MAX_STEP), remaining);
+            if current || ctx.tree.long {
+                self.start.update(ctx, state, h);
             }
+            current = false;
             if first {
                 proposed = self.cap_by_command(ctx, state, proposed, remaining);
             }
-            h = h.min(proposed).min(MAX_STEP);
-            h = self.cap_by_touchdown(h);
+            h = self.cap_by_touchdown(h.min(proposed));
             if self.rest(ctx, state, h, remaining, accuracy) {
                 return Ok(());
             }
@@ -338,7 +367,7 @@ impl Stepper {
                         state.counters[3] += 1;
                     }
                     self.accept_doubled(ctx, state, h, error <= 1.0);
-                    proposed = next_proposal(proposed, h, factor).max(floor);
+                    proposed = grown(proposed, h, factor).max(floor);
                     done = if h >= remaining { span } else { done + h };
                     accepted(state, first, h, proposed);
                     first = false;
@@ -355,36 +384,90 @@ impl Stepper {
         Ok(())
     }
 
-    /// Whether an explicit step of `h` seconds is safe: nothing stiff acts, and nothing comes near.
-    fn is_smooth(&self, ctx: &Context, state: &State, h: f64) -> bool {
-        let Context { tree, .. } = *ctx;
-        let kin = &self.start.kin;
-        self.start.contacts.is_empty()
-            && self.start.joints.terms.iter().all(|term| {
-                let v = state.v[term.dof];
-                !term.drive.is_stiff()
-                    && term.dry.cap <= 0.0
-                    && !term.near_limit(v, h)
-                    && h * term.damping * kin.inverse_diagonal[term.dof] < 1.0
-            })
-            && is_clear(tree, kin, h)
+    /// Method and length of the next explicit step: beyond the communication point as long as inputs stay as they
+    /// are, else up to it; none where something stiff acts.
+    fn smooth_step(
+        &self,
+        ctx: &Context,
+        state: &State,
+        proposed: f64,
+        remaining: f64,
+    ) -> Option<(&'static Pair, f64)> {
+        if !self.nothing_stiff(ctx) {
+            return None;
+        }
+        let long = proposed.min(MAX_EXPLICIT_STEP);
+        if state.ahead.changed == 0.0 && self.is_free(ctx, state, long) {
+            return Some((&DORMAND_PRINCE, long));
+        }
+        let h = landing(long, remaining);
+        let short = h < SHORT * proposed * libm::pow(ctx.tolerance, PAIR_EXPONENT);
+        let pair = if short {
+            &BOGACKI_SHAMPINE
+        } else {
+            &DORMAND_PRINCE
+        };
+        self.is_free(ctx, state, h).then_some((pair, h))
     }
 
+    /// Keeps what lies beyond the communication point at `end` of the explicit step of `h` seconds from time `start`.
+    fn look_ahead(&mut self, ctx: &Context, state: &mut State, start: f64, h: f64, end: f64) {
+        self.explicit
+            .extension(&state.q, &state.v, h, &mut state.ahead.coefficients);
+        state.ahead.start = start;
+        state.ahead.length = h;
+        accept_explicit(&mut self.explicit, &DORMAND_PRINCE, state);
+        let State { ahead, q, v, .. } = state;
+        ahead.evaluate(ctx.tree, end, q, v);
+    }
+
+    /// Whether no joint has anything but efforts and gentle damping.
+    fn nothing_stiff(&self, ctx: &Context) -> bool {
+        self.start.contacts.is_empty()
+            && self
+                .start
+                .joints
+                .terms
+                .iter()
+                .all(|term| !term.drive.is_stiff() && term.dry.cap <= 0.0 && term.damping >= 0.0)
+            && ctx.fixed_step == 0.0
+    }
+
+    /// Whether nothing comes near within `h` seconds, and damping is resolved.
+    fn is_free(&self, ctx: &Context, state: &State, h: f64) -> bool {
+        let kin = &self.start.kin;
+        self.start.joints.terms.iter().all(|term| {
+            !term.near_limit(state.v[term.dof], h)
+                && h * term.damping * kin.inverse_diagonal[term.dof] < 1.0
+        }) && is_clear(ctx.tree, kin, h)
+    }
     /// Explicit step into `self.explicit`; returns its error relative to the tolerance.
-    fn explicit_step(&mut self, ctx: &Context, state: &State, h: f64) -> f64 {
-        let terms = &self.start.joints.terms;
-        self.explicit.step(
-            ctx.tree,
-            &mut self.middle.kin,
-            terms,
-            ctx.wrenches,
-            &state.q,
-            &state.v,
-            h,
-        );
+    fn explicit_step(&mut self, ctx: &Context, pair: &Pair, state: &State, h: f64) -> f64 {
+        let system = Smooth {
+            tree: ctx.tree,
+            joints: &self.start.joints.terms,
+            wrenches: ctx.wrenches,
+        };
+        let (start, middle) = (&self.start.kin, &mut self.middle.kin);
+        self.explicit
+            .step(pair, &system, start, middle, &state.q, &state.v, h);
         let [velocity, position] = &self.explicit.error;
         let errors = position.iter().copied().zip(velocity.iter().copied());
-        worst_error(errors, &ctx.tree.weight) / ctx.tolerance
+        let error = worst_error(errors, &ctx.tree.weight) / (EXPLICIT_SHARE * ctx.tolerance);
+        if self.arrives_free(ctx) {
+            error
+        } else {
+            error.max(HIT)
+        }
+    }
+
+    /// Whether the explicit step just taken has ended within all limits and off the ground.
+    fn arrives_free(&self, ctx: &Context) -> bool {
+        let within = self.start.joints.terms.iter().all(|term| {
+            let q = self.explicit.q[term.coordinate];
+            ctx.tree.limits[term.dof].is_none_or(|limits| q >= limits.lower && q <= limits.upper)
+        });
+        within && is_clear(ctx.tree, &self.middle.kin, 0.0)
     }
 
     /// A step must not jump over what a changed command sets going: full and half steps would both arrive at the
@@ -601,8 +684,46 @@ fn patience(state: &mut State, tolerance: f64, h: f64, remaining: f64) -> f64 {
     floor.max(MIN_STEP)
 }
 
+/// Goes along the smooth step under way, at most to `end`; returns how far.
+fn follow(tree: &Tree, state: &mut State, end: f64) -> f64 {
+    if state.ahead.is_empty() {
+        return 0.0;
+    }
+    let State { ahead, q, v, .. } = state;
+    let last = ahead.end();
+    if end < last {
+        ahead.evaluate(tree, end, q, v);
+        return end - state.time;
+    }
+    ahead.evaluate(tree, last, q, v);
+    ahead.clear();
+    (last - state.time).min(end - state.time)
+}
+
+/// Length of the next step on the way to a communication point: no crumb is left over.
+fn landing(h: f64, remaining: f64) -> f64 {
+    if h >= remaining {
+        remaining
+    } else if 1.5 * h > remaining {
+        0.5 * remaining
+    } else {
+        h
+    }
+}
+
+/// The next proposal after an explicit step, in steps of the longer pair.
+fn next_proposal(proposed: f64, h: f64, pair: &Pair, factor: f64, tolerance: f64) -> f64 {
+    if pair.order == DORMAND_PRINCE.order {
+        grown(proposed, h, factor)
+    } else if factor >= GROWTH.1 {
+        proposed
+    } else {
+        proposed.min(h * factor / (SHORT * libm::pow(tolerance, PAIR_EXPONENT)))
+    }
+}
+
 /// The next proposal: a step that was cut short and went well does not shrink it.
-fn next_proposal(proposed: f64, h: f64, factor: f64) -> f64 {
+fn grown(proposed: f64, h: f64, factor: f64) -> f64 {
     let next = h * factor;
     if h < proposed && factor >= GROWTH.1 {
         proposed.max(next)
@@ -671,11 +792,11 @@ fn add_impulses(contacts: &[Contact], newton: &Newton, share: f64, impulse: &mut
 }
 
 /// Takes over an explicit step: nothing touches, so nothing is displaced.
-fn accept_explicit(explicit: &mut Explicit, state: &mut State) {
+fn accept_explicit(explicit: &mut Explicit, pair: &Pair, state: &mut State) {
     state.q.copy_from_slice(&explicit.q);
     state.v.copy_from_slice(&explicit.v);
     state.touches.clear();
     state.motor.fill(0.0);
     state.dry.fill(0.0);
-    explicit.accept();
+    explicit.accept(pair);
 }

@@ -19,7 +19,7 @@ use crate::actuator::{JointResponse, JointTerm};
 use crate::contact::{Contact, Response};
 use crate::dynamics::crba::add_row;
 use crate::kinematics::{Kinematics, forward};
-use crate::spatial::{Vec3, Vec6, add_force_at, add6, dot6, velocity_at};
+use crate::spatial::{Vec3, Vec6, add_force_at, add6, dot6, multiply_lower, velocity_at};
 use crate::tree::{Move, Tree};
 
 /// Newton iterations after which a solve gives up; random contact problems need up to 26.
@@ -517,21 +517,4 @@ fn add_point_stiffness(G_B: &mut [f64; 21], contact: &Contact, r: &Response) {
     G_B[18] += g[3];
     G_B[19] += g[4];
     G_B[20] += g[5];
-}
-
-/// `A s` of a symmetric 6×6 matrix given by its lower triangle.
-#[inline]
-fn multiply_lower(A: &[f64; 21], s: &Vec6) -> Vec6 {
-    let mut y = [0.0; 6];
-    let mut place = 0;
-    for i in 0..6 {
-        for j in 0..i {
-            y[i] += A[place] * s[j];
-            y[j] += A[place] * s[i];
-            place += 1;
-        }
-        y[i] += A[place] * s[i];
-        place += 1;
-    }
-    y
 }

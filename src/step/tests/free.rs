@@ -1,6 +1,8 @@
 //! No contact: flight, spin, pendulums.
 
 use super::*;
+use crate::snapshot::Snapshot;
+use crate::state::State;
 
 #[test]
 fn a_thrown_body_follows_the_parabola_while_it_spins() {
@@ -92,4 +94,101 @@ fn a_double_pendulum_ends_where_the_reference_says() {
         let error = (a + 0.482_971_53).abs().max((b + 1.324_048_71).abs());
         assert!(error < allowed, "{tolerance}: {error} ({a}, {b})");
     }
+}
+
+/// A mass on a rail, a pendulum on the mass.
+fn swing() -> Builder {
+    let mut b = Builder::new(false, crate::spatial::RigidInertia::ZERO);
+    let cart = b.link(
+        0u32.into_link(),
+        Pose::IDENTITY,
+        Motion::Prismatic(X),
+        inertia(1.0, Vec3::zeros(), [0.01; 3]),
+    );
+    b.link(
+        cart,
+        Pose::IDENTITY,
+        Motion::Revolute(Y),
+        inertia(0.5, X * 0.4, [0.01; 3]),
+    );
+    b.actuator(cart, ActuatorMode::Effort, 10.0);
+    b
+}
+
+/// Smooth steps are as long as the motion allows: who looks how often changes nothing but round-off.
+#[test]
+fn communication_points_leave_a_smooth_motion_alone() {
+    let ends: Vec<State> = [1.0 / 1000.0, 1.0 / 240.0, 0.125]
+        .into_iter()
+        .map(|h| {
+            let mut s = start(swing().model, 1e-3);
+            run(&mut s, 3.0, h);
+            s.state().clone()
+        })
+        .collect();
+    for end in &ends[1..] {
+        assert_eq!(end.counters, ends[0].counters);
+        for (a, b) in end.q.iter().zip(&ends[0].q) {
+            assert!((a - b).abs() < 1e-12, "{a} {b}");
+        }
+    }
+}
+
+/// 1 N on 1 kg from t = 0.5 s on: x = ½ (t − ½)², whatever had been foreseen.
+#[test]
+fn an_effort_acts_from_the_communication_point_at_which_it_is_set() {
+    let mut b = Builder::new(false, crate::spatial::RigidInertia::ZERO);
+    let cart = b.link(
+        0u32.into_link(),
+        Pose::IDENTITY,
+        Motion::Prismatic(X),
+        inertia(1.0, Vec3::zeros(), [0.01; 3]),
+    );
+    b.actuator(cart, ActuatorMode::Effort, 10.0);
+    let mut s = start(b.model, 1e-3);
+    run(&mut s, 0.5, 0.01);
+    s.set_input(InputSlot::Effort(ActuatorId(0)), 1.0);
+    run(&mut s, 1.0, 0.01);
+    assert!((s.state().q[0] - 0.125).abs() < 1e-12, "{}", s.state().q[0]);
+}
+
+/// Saved in the middle of a step that reaches beyond the communication point.
+#[test]
+fn a_state_saved_within_a_long_step_continues_bit_for_bit() {
+    let mut s = start(swing().model, 1e-3);
+    run(&mut s, 0.5, 0.01);
+    assert!(!s.state().ahead.is_empty());
+    let bytes = s.save().to_bytes();
+    let mut other = start(swing().model, 1e-3);
+    let saved = Snapshot::from_bytes(other.model(), &bytes).expect("its own bytes");
+    other.restore(&saved).expect("its own state");
+    run(&mut s, 2.0, 0.01);
+    run(&mut other, 2.0, 0.01);
+    assert_eq!(s.state(), other.state());
+}
+
+/// A joint pushed towards its limit from rest: nothing tells the first step that it will get there.
+#[test]
+fn a_long_step_does_not_jump_over_a_limit() {
+    let mut b = Builder::new(false, crate::spatial::RigidInertia::ZERO);
+    let cart = b.link(
+        0u32.into_link(),
+        Pose::IDENTITY,
+        Motion::Prismatic(X),
+        inertia(1.0, Vec3::zeros(), [0.01; 3]),
+    );
+    b.limits(cart, -0.1, 0.1);
+    b.actuator(cart, ActuatorMode::Effort, 200.0);
+    let mut s = start(b.model, 1e-3);
+    s.set_input(InputSlot::Effort(ActuatorId(0)), 100.0);
+    run(&mut s, 0.01, 0.01);
+    // It arrives with 4.5 m/s; the limit's law takes that on within millimetres.
+    let mut farthest = 0.0_f64;
+    for i in 1..=100 {
+        s.advance_to(0.01 + f64::from(i) * 0.01).expect("finite");
+        farthest = farthest.max(s.state().q[0]);
+    }
+    let rest = 0.1 + 100.0 / s.tree().limit_stiffness[0];
+    assert!((s.state().q[0] - rest).abs() < 1e-9);
+    assert!(farthest < 0.1 + 0.01, "{farthest}");
 }
