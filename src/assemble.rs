@@ -39,6 +39,7 @@
 //! | A120 | gains |
 //! | A121 | a model that cannot be computed with |
 //! | A122 | damping and friction of planar and floating joints |
+//! | A125 | friction at rest that does not go with sliding friction |
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 

@@ -98,6 +98,12 @@ pub struct Link {
     pub friction: f64,
     /// Newton's coefficient of its surface; combined with the ground's by the larger of the two.
     pub restitution: f64,
+    /// Friction at rest over sliding friction, less 1: 0 where they are equal.
+    pub static_excess: f64,
+    /// Moment against rolling over normal force, m; combined with the ground's by the larger of the two.
+    pub rolling_friction: f64,
+    /// Moment against turning about the normal over normal force, m; combined likewise.
+    pub torsional_friction: f64,
 }
 
 /// A URDF joint.
@@ -337,6 +343,8 @@ pub struct ContactDefaults {
     pub stiffness: Option<f64>,
     /// Hunt–Crossley dissipation where restitution is 0, s/m.
     pub dissipation: f64,
+    /// Sliding speed at which friction has lost most of what it has more at rest, m/s.
+    pub stribeck_velocity: f64,
 }
 
 /// Gravity and ground.
@@ -350,13 +358,19 @@ pub struct World {
 }
 
 /// The plane z = 0.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Ground {
     /// Coulomb coefficient.
     pub friction: f64,
     /// Newton's coefficient.
     pub restitution: f64,
+    /// As [`Link::static_excess`].
+    pub static_excess: f64,
+    /// As [`Link::rolling_friction`].
+    pub rolling_friction: f64,
+    /// As [`Link::torsional_friction`].
+    pub torsional_friction: f64,
 }
 
 /// What the FMU shows beyond what it always shows.

@@ -7,7 +7,7 @@ use crate::model::{Model, ModelError};
 use serde::{Deserialize, Serialize};
 
 /// Layout of the file. A library reads its own format only: it travels in the same FMU as the file.
-pub const FORMAT: u32 = 1;
+pub const FORMAT: u32 = 2;
 
 /// Name of the file in an FMU's resources folder.
 pub const FILE_NAME: &str = "model.json";

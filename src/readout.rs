@@ -2,6 +2,7 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
+use crate::contact::angular;
 use crate::dynamics::energy;
 use crate::model::{JointId, Model, Motion};
 use crate::simulation::{Axis, OutputSlot};
@@ -167,6 +168,7 @@ impl Readout {
         let Point {
             kin,
             contacts,
+            turns,
             joints,
         } = &mut self.point;
         for (a, k) in self.vdot.iter_mut().zip(&kin.bias) {
@@ -181,6 +183,12 @@ impl Readout {
         for contact in contacts.iter() {
             let force = contact.force(&velocity_at(&kin.V[contact.body], &contact.x));
             add_force_at(&mut F[contact.body], &contact.x, &force);
+        }
+        for turn in turns.iter() {
+            let moment = turn.force(&angular(&kin.V[turn.body]));
+            for (sum, x) in F[turn.body].iter_mut().zip(moment.iter()) {
+                *sum += x;
+            }
         }
         for b in (1..tree.bodies.len()).rev() {
             let body = &tree.bodies[b];

@@ -228,6 +228,12 @@ pub struct LinkSettings {
     pub link: Pattern,
     /// Coulomb coefficient.
     pub friction: Option<f64>,
+    /// Coulomb coefficient at rest.
+    pub static_friction: Option<f64>,
+    /// m
+    pub rolling_friction: Option<f64>,
+    /// m
+    pub torsional_friction: Option<f64>,
     /// Newton's coefficient.
     pub restitution: Option<f64>,
     /// kg; the inertia scales with it.
@@ -240,6 +246,9 @@ impl LinkSettings {
         Self {
             link: link.into(),
             friction: None,
+            static_friction: None,
+            rolling_friction: None,
+            torsional_friction: None,
             restitution: None,
             mass: None,
         }
@@ -348,6 +357,9 @@ fn fill(reader: &mut Reader, root: &Section) -> Settings {
             .map(|(link, section)| LinkSettings {
                 link,
                 friction: section.number("friction"),
+                static_friction: section.number("static_friction"),
+                rolling_friction: section.number("rolling_friction"),
+                torsional_friction: section.number("torsional_friction"),
                 restitution: section.number("restitution"),
                 mass: section.number("mass"),
             })
@@ -393,6 +405,7 @@ fn contact(reader: &mut Reader, section: &Section) -> ContactDefaults {
         penetration: section.number("penetration").unwrap_or(0.0),
         stiffness: section.number("stiffness"),
         dissipation: section.number("dissipation").unwrap_or(0.0),
+        stribeck_velocity: section.number("stribeck_velocity").unwrap_or(0.0),
     }
 }
 
@@ -402,13 +415,44 @@ fn world(reader: &mut Reader, section: &Section) -> World {
     if kind.as_deref() == Some("heightfield") {
         unsupported(reader, &ground, "type", "a heightfield");
     }
+    let friction = ground.number("friction").unwrap_or(0.0);
+    let static_friction = ground.number("static_friction").unwrap_or(friction);
+    let static_excess = static_excess(friction, static_friction).unwrap_or_else(|| {
+        let span = ground
+            .entry("static_friction")
+            .map_or(0..0, |entry| entry.span.clone());
+        let message = format!(
+            "the friction {static_friction} at rest is below or far above the friction {friction}"
+        );
+        reader.error("S106", &span, message, STATIC_FRICTION_HELP);
+        0.0
+    });
     World {
         gravity: vector(section, "gravity"),
         ground: (kind.as_deref() != Some("none")).then(|| Ground {
-            friction: ground.number("friction").unwrap_or(0.0),
+            friction,
             restitution: ground.number("restitution").unwrap_or(0.0),
+            static_excess,
+            rolling_friction: ground.number("rolling_friction").unwrap_or(0.0),
+            torsional_friction: ground.number("torsional_friction").unwrap_or(0.0),
         }),
     }
+}
+
+/// What to do about a static friction that [`static_excess`] refuses.
+pub(crate) const STATIC_FRICTION_HELP: &str = "static_friction must lie between friction and 1000 times friction; leave it out where they are equal";
+
+/// Static over sliding friction, less 1; none where it is negative, or has no sliding friction to go with.
+pub(crate) fn static_excess(friction: f64, static_friction: f64) -> Option<f64> {
+    #[expect(
+        clippy::float_cmp,
+        reason = "one is often a copy of the other, and both may be 0"
+    )]
+    if friction == static_friction {
+        return Some(0.0);
+    }
+    let excess = static_friction / friction - 1.0;
+    (0.0..=1e3).contains(&excess).then_some(excess)
 }
 
 fn initial(reader: &mut Reader, section: &Section) -> InitialSettings {

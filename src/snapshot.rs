@@ -2,8 +2,8 @@
 //!
 //! Bytes, little-endian: magic `U2FS`, format version (u32), hash of the model (u64), then lists, each with its
 //! length (u64): parameters, inputs, the state's fields, the run's settings; the counters; the number of touches and of
-//! coefficients of the smooth step under way; the touches (slot, displacement and touch-down speed of each); the
-//! coefficients; last an FNV-1a checksum (u64) of all before it. Lengths must be those of the model, so that nothing is
+//! coefficients of the smooth step under way; the touches (slot, displacement, angle and touch-down speed of each);
+//! the coefficients; last an FNV-1a checksum (u64) of all before it. Lengths must be those of the model, so that nothing is
 //! allocated on a stranger's word.
 
 use crate::model::Model;
@@ -13,7 +13,10 @@ use crate::state::ahead::COEFFICIENTS;
 use crate::state::{State, Touch};
 
 const MAGIC: &[u8; 4] = b"U2FS";
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
+
+/// Bytes of a saved touch: slot and numbers.
+const TOUCH: usize = 64;
 
 /// Everything that a later run needs to go on bit for bit.
 #[derive(Clone, Debug, PartialEq)]
@@ -55,7 +58,7 @@ impl Snapshot {
         bytes.extend((coefficients.len() as u64).to_le_bytes());
         for touch in &self.state.touches {
             bytes.extend((touch.slot as u64).to_le_bytes());
-            for value in touch.displacement.iter().chain([&touch.touchdown]) {
+            for value in touch.numbers() {
                 bytes.extend(value.to_le_bytes());
             }
         }
@@ -74,7 +77,7 @@ impl Snapshot {
             + fields.iter().map(|f| f.len()).sum::<usize>()
             + 2;
         let lists = fields.len() + 3;
-        let touches = 5 * self.state.touches.len();
+        let touches = TOUCH / 8 * self.state.touches.len();
         let coefficients = self.state.ahead.coefficients.len();
         16 + 8 * (numbers + lists + self.state.counters.len() + touches + coefficients + 4)
     }
@@ -88,7 +91,7 @@ impl Snapshot {
         let coefficients = usize::try_from(reader.integer()).ok()?;
         let possible = touches <= model.contact_slots()
             && (coefficients == 0 || coefficients == COEFFICIENTS * (model.nq + model.nv()));
-        (possible && bytes.len() == fixed + 40 * touches + 8 * coefficients)
+        (possible && bytes.len() == fixed + TOUCH * touches + 8 * coefficients)
             .then_some((touches, coefficients))
     }
 
@@ -150,20 +153,16 @@ impl Snapshot {
         reader.integer();
         for _ in 0..touches {
             let slot = usize::try_from(reader.integer()).unwrap_or(usize::MAX);
-            let mut numbers = [0.0; 4];
+            let mut numbers = [0.0; 7];
             reader.numbers(&mut numbers);
-            let [x, y, z, touchdown] = numbers;
             let ascending = snapshot
                 .state
                 .touches
                 .last()
                 .is_none_or(|last| last.slot < slot);
             complete = complete && ascending && slot < model.contact_slots();
-            snapshot.state.touches.push(Touch {
-                slot,
-                displacement: [x, y, z],
-                touchdown,
-            });
+            let touch = Touch::from_numbers(slot, numbers);
+            snapshot.state.touches.push(touch);
         }
         snapshot.state.ahead.coefficients.resize(coefficients, 0.0);
         reader.numbers(&mut snapshot.state.ahead.coefficients);

@@ -42,8 +42,28 @@ pub struct Touch {
     pub slot: usize,
     /// Elastic displacement ς of the friction, world axes, m.
     pub displacement: [f64; 3],
+    /// Elastic angle of the friction against turning, world axes, rad.
+    pub turn: [f64; 3],
     /// Approach speed at touch-down, m/s; 0 for a contact that does not bounce.
     pub touchdown: f64,
+}
+
+impl Touch {
+    /// Every number that is stored of it but the slot, in saved order.
+    pub fn numbers(&self) -> [f64; 7] {
+        let ([x, y, z], [a, b, c]) = (self.displacement, self.turn);
+        [x, y, z, a, b, c, self.touchdown]
+    }
+
+    /// The inverse of [`Self::numbers`].
+    pub fn from_numbers(slot: usize, [x, y, z, a, b, c, touchdown]: [f64; 7]) -> Self {
+        Self {
+            slot,
+            displacement: [x, y, z],
+            turn: [a, b, c],
+            touchdown,
+        }
+    }
 }
 
 /// First guess of the step after initialisation, s; the error control corrects it within a few steps.
@@ -133,16 +153,14 @@ impl State {
 
     /// Whether every number is finite.
     pub fn is_finite(&self) -> bool {
-        let touches = self
-            .touches
-            .iter()
-            .flat_map(|t| t.displacement.iter().chain([&t.touchdown]));
+        let touches = self.touches.iter().flat_map(Touch::numbers);
         self.fields()
             .into_iter()
             .flatten()
+            .copied()
             .chain(touches)
-            .chain(&self.ahead.coefficients)
-            .all(|x| x.is_finite())
+            .chain(self.ahead.coefficients.iter().copied())
+            .all(f64::is_finite)
     }
 
     /// Whether positions and velocities are finite; nothing else can be infinite without them.

@@ -62,6 +62,9 @@ impl Builder {
                 inertia,
                 friction: 0.8,
                 restitution: 0.0,
+                static_excess: 0.0,
+                rolling_friction: 0.0,
+                torsional_friction: 0.0,
             }],
             joints: Vec::new(),
             bodies: vec![Body {
@@ -95,6 +98,7 @@ impl Builder {
                 penetration: 1e-4,
                 stiffness: None,
                 dissipation: 51.0,
+                stribeck_velocity: 0.01,
             },
             world: World {
                 gravity: Vec3::new(0.0, 0.0, -9.81),
@@ -151,6 +155,9 @@ impl Builder {
             inertia,
             friction: 0.8,
             restitution: 0.0,
+            static_excess: 0.0,
+            rolling_friction: 0.0,
+            torsional_friction: 0.0,
         });
         m.bodies.push(Body {
             link,
@@ -198,7 +205,7 @@ impl Builder {
         let m = &mut self.model;
         m.world.ground.get_or_insert(Ground {
             friction: 0.8,
-            restitution: 0.0,
+            ..Ground::default()
         });
         let slot = m.contact_slots();
         let body = m.links[link.index()].body;

@@ -67,12 +67,30 @@ pub struct TreeCollider {
     pub X: Pose,
     /// Radius of a ball about `X.p` that holds the shape, m.
     pub radius: f64,
-    /// Combined Coulomb coefficient with the ground.
+    /// Combined Coulomb coefficient with the ground, sliding.
     pub mu: f64,
+    /// The same at rest, not below.
+    pub mu_at_rest: f64,
     /// Combined coefficient of restitution with the ground.
     pub restitution: f64,
     /// Hunt–Crossley dissipation times approach speed for that restitution.
     pub dissipation_number: f64,
+}
+
+/// What all contacts of a link have in common against turning.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Turning {
+    /// Combined torsional and rolling friction with the ground, m.
+    pub coefficient: [f64; 2],
+    /// Inertia that the damping is critical for, kg·m².
+    pub inertia: f64,
+}
+
+impl Turning {
+    /// Whether there is any.
+    pub fn acts(&self) -> bool {
+        self.coefficient[0] > 0.0 || self.coefficient[1] > 0.0
+    }
 }
 
 /// Everything that follows from a model and its parameters and is constant in a step.
@@ -96,6 +114,10 @@ pub struct Tree {
     pub colliders: Vec<TreeCollider>,
     /// Index of each entry of `colliders` in the model's list.
     pub collider_index: Vec<usize>,
+    /// Friction against turning of each link's contacts.
+    pub turning: Vec<Turning>,
+    /// Whether any of them has some.
+    pub resists_turning: bool,
     /// m/s²
     pub gravity: Vec3,
     /// Mass of all moving bodies, kg.
@@ -104,6 +126,8 @@ pub struct Tree {
     pub stiffness: f64,
     /// Contact dissipation without restitution, s/m.
     pub dissipation: f64,
+    /// Sliding speed at which friction has lost most of what it has more at rest, m/s.
+    pub stribeck_velocity: f64,
     /// Static penetration that the stiffness stands for, m.
     pub penetration: f64,
     /// Rotor inertia per degree of freedom.
@@ -159,10 +183,13 @@ impl Tree {
             },
             colliders: Vec::new(),
             collider_index: Vec::new(),
+            turning: vec![Turning::default(); model.links.len()],
+            resists_turning: false,
             gravity: Vec3::zeros(),
             moving_mass: 0.0,
             stiffness: 0.0,
             dissipation: model.contact.dissipation,
+            stribeck_velocity: model.contact.stribeck_velocity,
             penetration: model.contact.penetration,
             armature: vec![0.0; model.nv()],
             damping: vec![0.0; model.nv()],
@@ -269,9 +296,9 @@ impl Tree {
     }
 
     fn add_colliders(&mut self, model: &Model, turned: &[Mat3]) {
-        if model.world.ground.is_none() {
+        let Some(ground) = &model.world.ground else {
             return;
-        }
+        };
         for (index, collider) in model.colliders.iter().enumerate() {
             let b = collider.body.index();
             if self.bodies[b].motion == Move::Welded {
@@ -287,10 +314,22 @@ impl Tree {
                 },
                 radius: collider.shape.bounding_radius(),
                 mu: 0.0,
+                mu_at_rest: 0.0,
                 restitution: 0.0,
                 dissipation_number: f64::INFINITY,
             });
             self.collider_index.push(index);
+            let link = &model.links[collider.link.index()];
+            let turning = &mut self.turning[collider.link.index()];
+            turning.coefficient = [
+                link.torsional_friction.max(ground.torsional_friction),
+                link.rolling_friction.max(ground.rolling_friction),
+            ];
+            // Half the robot at the shape's radius: a ball alone, or one wheel of four.
+            let radius = collider.shape.bounding_radius();
+            let inertia = 0.5 * self.moving_mass * radius * radius;
+            turning.inertia = turning.inertia.max(inertia);
+            self.resists_turning |= turning.acts();
         }
     }
 
@@ -339,10 +378,16 @@ impl Tree {
         }
         let ground_mu = parameters.get(P::GroundFriction);
         let ground_e = parameters.get(P::GroundRestitution);
+        let ground = model.world.ground.as_ref();
+        let ground_excess = ground.map_or(0.0, |ground| ground.static_excess);
         for collider in &mut self.colliders {
             let link = &model.links[collider.link];
             let mu = parameters.get(P::LinkFriction(collider.link.into()));
             collider.mu = harmonic_mean(mu, ground_mu);
+            collider.mu_at_rest = harmonic_mean(
+                mu * (1.0 + link.static_excess),
+                ground_mu * (1.0 + ground_excess),
+            );
             let e = link.restitution.max(ground_e);
             #[expect(
                 clippy::float_cmp,

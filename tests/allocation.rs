@@ -48,11 +48,20 @@ fn the_counter_counts() {
 
 #[test]
 fn do_step_save_and_read_do_not_allocate() {
-    for name in ["rover", "arm", "quadruped"] {
+    // Once more with everything that contacts can have.
+    let rough =
+        "[world.ground]\nrolling_friction = 1e-3\ntorsional_friction = 1e-3\nstatic_friction = 1\n";
+    for (name, settings) in [
+        ("rover", ""),
+        ("arm", ""),
+        ("quadruped", ""),
+        ("rover", rough),
+    ] {
+        let settings = Settings::parse(settings, "settings").expect("legal settings");
         let file = format!("{}/examples/{name}.urdf", env!("CARGO_MANIFEST_DIR"));
         let description =
             urdf::read(Path::new(&file), &ReadOptions::default()).expect("an example");
-        let model = assemble::build(&description, &Settings::default())
+        let model = assemble::build(&description, &settings)
             .expect("an example")
             .model;
         let actuators = model.actuators.len();

@@ -61,6 +61,7 @@ fn model() -> Model {
             penetration: 1e-4,
             stiffness: None,
             dissipation: 51.0,
+            stribeck_velocity: 0.01,
         },
         world: World {
             gravity: Vec3::zeros(),

@@ -5,7 +5,9 @@
 use super::findings::{Findings, counted, listed};
 use super::inertia;
 use crate::model::{Joint, JointKind, Limits, Link};
-use crate::settings::{InertiaSource, JointSettings, LinkSettings, Settings};
+use crate::settings::{
+    InertiaSource, JointSettings, LinkSettings, STATIC_FRICTION_HELP, Settings, static_excess,
+};
 use crate::spatial::{Pose, RigidInertia};
 use crate::urdf::{CollisionDescription, Description, JointDescription, LinkDescription};
 
@@ -81,14 +83,28 @@ impl Robot {
         for (l, (link, overrides)) in description.links.iter().zip(&link_overrides).enumerate() {
             let friction = overrides.friction.or(link.friction);
             default_friction += usize::from(friction.is_none() && !link.collisions.is_empty());
+            let friction = friction.unwrap_or(DEFAULT_FRICTION);
+            let static_friction = overrides.static_friction.unwrap_or(friction);
+            let static_excess = static_excess(friction, static_friction).unwrap_or_else(|| {
+                let message = format!(
+                    "the friction {static_friction} of link '{}' at rest does not go with its friction {friction}",
+                    link.name
+                );
+                let place = overrides.link.place.clone();
+                findings.error("A125", place, message, STATIC_FRICTION_HELP);
+                0.0
+            });
             robot.links.push(Link {
                 name: link.name.clone(),
                 joint: l.checked_sub(1).map(Into::into),
                 body: 0.into(),
                 X_BL: Pose::IDENTITY,
                 inertia: link_inertia(link, overrides, settings, findings),
-                friction: friction.unwrap_or(DEFAULT_FRICTION),
+                friction,
                 restitution: overrides.restitution.or(link.restitution).unwrap_or(0.0),
+                static_excess,
+                rolling_friction: overrides.rolling_friction.unwrap_or(0.0),
+                torsional_friction: overrides.torsional_friction.unwrap_or(0.0),
             });
         }
         if default_friction > 0 {
@@ -163,6 +179,12 @@ fn link_overrides(
             let link = &mut merged[l];
             link.friction = entry.friction.or(link.friction);
             link.restitution = entry.restitution.or(link.restitution);
+            link.static_friction = entry.static_friction.or(link.static_friction);
+            link.rolling_friction = entry.rolling_friction.or(link.rolling_friction);
+            link.torsional_friction = entry.torsional_friction.or(link.torsional_friction);
+            if entry.static_friction.is_some() {
+                link.link.place.clone_from(&entry.link.place);
+            }
             link.mass = entry.mass.or(link.mass);
         }
     }

@@ -931,3 +931,21 @@ fn what_was_built_can_be_simulated() {
     simulation.initialize(0.0).expect("a legal start");
     simulation.advance_to(0.05).expect("finite");
 }
+
+#[test]
+fn surfaces_take_their_friction_at_rest_and_against_turning_from_the_settings() {
+    let settings = "[link.\"*_wheel\"]\nfriction = 0.5\nstatic_friction = 0.6\n\
+                    rolling_friction = 2e-3\ntorsional_friction = 1e-3\n";
+    let model = model(&cart(), settings);
+    let wheel = model.links.iter().find(|l| l.name == "left_wheel");
+    let wheel = wheel.expect("the wheel");
+    // 0.6/0.5 − 1.
+    assert!(close(wheel.static_excess, 0.2));
+    assert!(close(wheel.rolling_friction, 2e-3) && close(wheel.torsional_friction, 1e-3));
+    let chassis = &model.links[0];
+    assert!(close(chassis.static_excess, 0.0) && close(chassis.rolling_friction, 0.0));
+    let low = "[link.chassis]\nstatic_friction = 0.3\n";
+    let refused = error(&cart(), low);
+    assert_eq!(refused.code, "A125");
+    assert!(refused.place.is_some());
+}

@@ -9,6 +9,7 @@
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
 use super::Contact;
+use super::law::stribeck;
 use crate::geometry::Shape;
 use crate::kinematics::Kinematics;
 use crate::model::Model;
@@ -233,7 +234,8 @@ impl Finder<'_> {
     fn add(&mut self, collider: &TreeCollider, V: &Vec6, x: Vec3, share: f64, slot: usize) {
         let normal = self.plane.normal;
         let gap = self.height + normal.dot(&x);
-        let vn = normal.dot(&velocity_at(V, &x));
+        let v = velocity_at(V, &x);
+        let vn = normal.dot(&v);
         if gap >= self.h * vn.abs() + self.fall + MARGIN {
             return;
         }
@@ -246,7 +248,7 @@ impl Finder<'_> {
             normal,
             gap,
             stiffness,
-            mu: collider.mu,
+            mu: self.friction(collider, &(v - normal * vn)),
             tangential_stiffness: TANGENTIAL_RATIO * stiffness,
             tangential_damping: self.damping * share.sqrt(),
             ..Contact::default()
@@ -286,6 +288,17 @@ impl Finder<'_> {
             }
         }
         self.contacts.push(contact);
+    }
+
+    /// Coulomb coefficient of a point that slides at `u`.
+    #[inline]
+    fn friction(&self, collider: &TreeCollider, u: &Vec3) -> f64 {
+        if collider.mu_at_rest > collider.mu {
+            let reference = self.tree.stribeck_velocity;
+            stribeck(collider.mu_at_rest, collider.mu, u.norm(), reference)
+        } else {
+            collider.mu
+        }
     }
 
     /// What the point in `slot` remembers.

@@ -4,8 +4,11 @@
 //! minimisation whatever touches what. In the normal direction, with `x = −gap − h vₙ` the penetration at the end,
 //! `n = k x₊ (1 − d vₙ)₊`. In the tangent plane a spring–damper with a stored displacement ς carries any load below
 //! `μ n` without motion; above it slips: `y = k_t ς + (k_t h + d_t) u`, `F = y` while `|y| ≤ F̄`, else `F̄ y/|y|`.
+//! Where friction at rest is higher than sliding friction, `μ` follows the speed at the start of the step (Stribeck):
+//! within the step it is constant, which keeps the law convex.
 //!
-//! Source: Hunt & Crossley 1975; Castro et al. 2022; the friction is the Moreau envelope of Coulomb's dissipation.
+//! Source: Hunt & Crossley 1975; Castro et al. 2022; the friction is the Moreau envelope of Coulomb's dissipation;
+//! Armstrong-Hélouvry, Dupont & Canudas de Wit 1994 for the Stribeck curve.
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
@@ -37,19 +40,12 @@ impl Contact {
             ..Response::default()
         };
         if self.cap > 0.0 {
-            let b = self.tangential_stiffness * h + self.tangential_damping;
             let u = v - self.normal * vn;
-            let y = self.displacement * self.tangential_stiffness + u * b;
-            let squared = y.norm_squared();
-            if squared <= self.cap * self.cap {
-                response.impulse -= y * h;
-                response.tangential = h * b;
-            } else {
-                let inverse = 1.0 / squared.sqrt();
-                response.slip = y * inverse;
-                response.impulse -= response.slip * (h * self.cap);
-                response.tangential = h * b * self.cap * inverse;
-            }
+            let spring = (self.tangential_stiffness, self.tangential_damping);
+            let (force, slope, slip) = slide(&self.displacement, &u, spring, self.cap, h);
+            response.impulse -= force * h;
+            response.tangential = h * slope;
+            response.slip = slip;
         }
         response
     }
@@ -73,13 +69,8 @@ impl Contact {
         let mut force = self.normal * self.normal_force(vn);
         if self.cap > 0.0 {
             let u = v - self.normal * vn;
-            let y = self.displacement * self.tangential_stiffness + u * self.tangential_damping;
-            let length = y.norm();
-            force -= if length <= self.cap {
-                y
-            } else {
-                y * (self.cap / length)
-            };
+            let spring = (self.tangential_stiffness, self.tangential_damping);
+            force -= slide(&self.displacement, &u, spring, self.cap, 0.0).0;
         }
         force
     }
@@ -98,15 +89,45 @@ impl Contact {
         }
         let u = v - self.normal * self.normal.dot(v);
         let (k, d) = (self.tangential_stiffness, self.tangential_damping);
-        let y = self.displacement * k + u * (k * h + d);
-        let squared = y.norm_squared();
-        let force = if squared <= self.cap * self.cap {
-            y
-        } else {
-            y * (self.cap / squared.sqrt())
-        };
+        let (force, ..) = slide(&self.displacement, &u, (k, d), self.cap, h);
         clip((force - u * d) / k, self.cap / k)
     }
+}
+
+/// The elasto-plastic element in a plane: resisting force for the velocity `u` at the end of a step of `h` seconds,
+/// its derivative with the velocity in every direction but that of the slip, and that direction; zero while it sticks.
+///
+/// - `spring`: stiffness and damping
+/// - `cap`: force that slips; 0: there is none
+#[inline]
+pub(super) fn slide(
+    displacement: &Vec3,
+    u: &Vec3,
+    (stiffness, damping): (f64, f64),
+    cap: f64,
+    h: f64,
+) -> (Vec3, f64, Vec3) {
+    if cap <= 0.0 {
+        return (Vec3::zeros(), 0.0, Vec3::zeros());
+    }
+    let b = stiffness * h + damping;
+    let y = displacement * stiffness + u * b;
+    let squared = y.norm_squared();
+    if squared <= cap * cap {
+        (y, b, Vec3::zeros())
+    } else {
+        let inverse = 1.0 / squared.sqrt();
+        let slip = y * inverse;
+        (slip * cap, b * cap * inverse, slip)
+    }
+}
+
+/// Coulomb coefficient at a sliding speed, m/s: `rest` at none, `sliding` far above the Stribeck speed `reference`,
+/// with a smooth fall `exp(−(u/u_s)²)` between.
+#[inline]
+pub(crate) fn stribeck(rest: f64, sliding: f64, speed: f64, reference: f64) -> f64 {
+    let s = speed / reference;
+    sliding + (rest - sliding) * libm::exp(-s * s)
 }
 
 /// `x`, shortened to `length` where it is longer.
@@ -194,6 +215,14 @@ mod tests {
                 );
             }
         }
+    }
+
+    #[test]
+    fn stribecks_curve_runs_from_rest_to_sliding() {
+        assert!((stribeck(0.6, 0.4, 0.0, 0.01) - 0.6).abs() < 1e-15);
+        // exp(−1) of the difference is left at the reference speed.
+        assert!((stribeck(0.6, 0.4, 0.01, 0.01) - (0.4 + 0.2 * (-1.0_f64).exp())).abs() < 1e-15);
+        assert!((stribeck(0.6, 0.4, 0.1, 0.01) - 0.4).abs() < 1e-15);
     }
 
     #[test]

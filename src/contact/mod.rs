@@ -2,10 +2,12 @@
 
 mod detect;
 mod law;
+mod turn;
 
 pub use detect::{Plane, detect, is_clear};
 pub(crate) use law::clip;
 pub use law::{Response, dissipation_number};
+pub use turn::{Turn, angular, find_turns};
 
 use crate::spatial::Vec3;
 
@@ -30,7 +32,7 @@ pub struct Contact {
     pub dissipation: f64,
     /// Approach speed that the dissipation was chosen for, m/s; 0 without restitution.
     pub touchdown: f64,
-    /// Coulomb coefficient.
+    /// Coulomb coefficient at the sliding speed at the start of the step.
     pub mu: f64,
     /// Friction force that slips, N: `μ` times the normal force at the start of the step.
     pub cap: f64,
@@ -40,4 +42,11 @@ pub struct Contact {
     pub tangential_damping: f64,
     /// Elastic displacement at the start, in the tangent plane, world axes, m.
     pub displacement: Vec3,
+}
+
+/// Length of `x` along the unit vector `normal`, and what is left of it.
+#[inline]
+fn normal_part(normal: &Vec3, x: &Vec3) -> (f64, Vec3) {
+    let along = normal.dot(x);
+    (along, x - normal * along)
 }

@@ -122,6 +122,16 @@ fn links(model: &Model) -> Check {
             part,
             "has a restitution outside 0 … 1",
         )?;
+        let more = [
+            link.static_excess,
+            link.rolling_friction,
+            link.torsional_friction,
+        ];
+        require(
+            more.iter().all(|&value| not_negative(value)),
+            part,
+            "has a static, rolling or torsional friction that is not finite or negative",
+        )?;
     }
     Ok(())
 }
@@ -489,7 +499,8 @@ fn rest(model: &Model) -> Check {
     require(
         positive(contact.penetration)
             && contact.stiffness.is_none_or(positive)
-            && not_negative(contact.dissipation),
+            && not_negative(contact.dissipation)
+            && positive(contact.stribeck_velocity),
         || "the contact law".to_owned(),
         "has a number out of range",
     )?;
@@ -497,7 +508,14 @@ fn rest(model: &Model) -> Check {
     require(
         vector(&model.world.gravity)
             && ground.is_none_or(|ground| {
-                not_negative(ground.friction) && (0.0..=1.0).contains(&ground.restitution)
+                let more = [
+                    ground.friction,
+                    ground.static_excess,
+                    ground.rolling_friction,
+                    ground.torsional_friction,
+                ];
+                more.iter().all(|&value| not_negative(value))
+                    && (0.0..=1.0).contains(&ground.restitution)
             }),
         || "the world".to_owned(),
         "has a number out of range",

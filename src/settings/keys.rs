@@ -161,6 +161,12 @@ pub const KEYS: &[Key] = &[
         "s/m, where restitution is 0",
     ),
     key(
+        "contact.stribeck_velocity",
+        Number(Positive),
+        Some("0.01"),
+        "m/s, sliding speed at which friction has lost 63 % of what static_friction has more",
+    ),
+    key(
         "world.gravity",
         Numbers(3, 3),
         Some("[0, 0, -9.81]"),
@@ -177,6 +183,24 @@ pub const KEYS: &[Key] = &[
         Number(NotNegative),
         Some("0.8"),
         "Coulomb coefficient; combined with the link's by the harmonic mean",
+    ),
+    key(
+        "world.ground.static_friction",
+        Number(NotNegative),
+        None,
+        "Coulomb coefficient at rest, not below friction; without it the same; combined likewise",
+    ),
+    key(
+        "world.ground.rolling_friction",
+        Number(NotNegative),
+        Some("0"),
+        "m: moment against rolling over normal force; combined with the link's by the larger of the two",
+    ),
+    key(
+        "world.ground.torsional_friction",
+        Number(NotNegative),
+        Some("0"),
+        "m: moment against turning about the normal over normal force; combined likewise",
     ),
     key(
         "world.ground.restitution",
@@ -319,6 +343,24 @@ pub const KEYS: &[Key] = &[
         Number(NotNegative),
         None,
         "Coulomb coefficient; without it the file's, else 0.8",
+    ),
+    key(
+        "link.*.static_friction",
+        Number(NotNegative),
+        None,
+        "Coulomb coefficient at rest, not below friction; without it the same",
+    ),
+    key(
+        "link.*.rolling_friction",
+        Number(NotNegative),
+        None,
+        "m: moment against rolling over normal force; without it 0",
+    ),
+    key(
+        "link.*.torsional_friction",
+        Number(NotNegative),
+        None,
+        "m: moment against turning about the contact normal over normal force; without it 0",
     ),
     key(
         "link.*.restitution",

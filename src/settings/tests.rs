@@ -407,3 +407,22 @@ fn garbage_never_panics() {
         }
     }
 }
+
+#[test]
+fn static_friction_goes_with_sliding_friction() {
+    let ground = |text: &str| {
+        let text = format!("[world.ground]\n{text}");
+        Settings::parse(&text, "f").map(|s| s.world.ground.expect("a ground").static_excess)
+    };
+    assert_eq!(ground("friction = 0.5"), Ok(0.0));
+    assert_eq!(ground("friction = 0.5\nstatic_friction = 0.75"), Ok(0.5));
+    assert_eq!(ground("friction = 0\nstatic_friction = 0"), Ok(0.0));
+    for wrong in [
+        "friction = 0.5\nstatic_friction = 0.4",
+        "friction = 0\nstatic_friction = 0.4",
+    ] {
+        let findings = ground(wrong).expect_err("less at rest than sliding");
+        assert_eq!(findings[0].code, "S106");
+        assert_eq!(findings[0].place.as_ref().map(|p| p.line), Some(3));
+    }
+}

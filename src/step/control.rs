@@ -9,7 +9,7 @@
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
 use crate::actuator::Joints;
-use crate::contact::{Contact, detect, is_clear};
+use crate::contact::{Contact, Turn, detect, find_turns, is_clear};
 use crate::dynamics::rnea::ExternalWrench;
 use crate::dynamics::{crba, rnea};
 use crate::kinematics::{Kinematics, advance, difference, forward};
@@ -78,6 +78,8 @@ pub struct Point {
     pub kin: Kinematics,
     /// Contact points.
     pub contacts: Vec<Contact>,
+    /// Friction of contacts against turning.
+    pub turns: Vec<Turn>,
     /// Joint terms.
     pub joints: Joints,
 }
@@ -87,6 +89,7 @@ impl Point {
         Self {
             kin: Kinematics::new(tree),
             contacts: Vec::with_capacity(model.contact_slots()),
+            turns: Vec::with_capacity(model.contact_slots()),
             joints: Joints::new(model),
         }
     }
@@ -142,6 +145,13 @@ impl Point {
             limit,
             &mut self.contacts,
         );
+        find_turns(
+            tree,
+            &state.touches,
+            &self.kin,
+            &self.contacts,
+            &mut self.turns,
+        );
         self.joints.update(
             model,
             tree,
@@ -161,6 +171,7 @@ impl Point {
             kin: &self.kin,
             bias: &self.kin.bias,
             contacts: &self.contacts,
+            turns: &self.turns,
             joints: &self.joints.terms,
             h,
             accuracy,
@@ -265,6 +276,10 @@ impl Stepper {
         count(state, outcome.iterations);
         for (contact, response) in self.start.contacts.iter_mut().zip(&self.full.responses) {
             contact.cap = contact.mu * contact.normal.dot(&response.impulse) / h;
+        }
+        for turn in &mut self.start.turns {
+            let response = &self.full.responses[turn.contact];
+            turn.carry(turn.normal.dot(&response.impulse) / h);
         }
         for ((g, a), b) in self.guess.iter_mut().zip(&state.v).zip(&self.full.v) {
             *g = 0.5 * (a + b);
@@ -533,9 +548,13 @@ impl Stepper {
         if balanced {
             state.counters[0] += 1;
             // Who carries nothing forgets.
-            let contacts = &self.start.contacts;
+            let Point {
+                contacts, turns, ..
+            } = &self.start;
             state.touches.retain(|touch| {
-                contacts.iter().any(|c| c.slot == touch.slot && c.cap > 0.0)
+                let slot = touch.slot;
+                contacts.iter().any(|c| c.slot == slot && c.cap > 0.0)
+                    || turns.iter().any(|t| t.slot == slot && t.holds())
                     || touch.touchdown > 0.0
             });
             add_impulses(
@@ -608,6 +627,7 @@ impl Stepper {
             .zip(&self.full.point_velocity)
             .peekable();
         let mut middle = self.middle.contacts.iter().peekable();
+        self.extrapolate_turns(state, h);
         for touch in &mut state.touches {
             while full
                 .next_if(|(contact, _)| contact.slot < touch.slot)
@@ -655,6 +675,28 @@ impl Stepper {
         add_impulses(&self.start.contacts, &self.first, 2.0, &mut state.impulse);
         add_impulses(&self.middle.contacts, &self.second, 2.0, &mut state.impulse);
         add_impulses(&self.start.contacts, &self.full, -1.0, &mut state.impulse);
+    }
+
+    /// The stored angles of friction against turning, extrapolated like the displacements.
+    fn extrapolate_turns(&self, state: &mut State, h: f64) {
+        let mut full = self
+            .start
+            .turns
+            .iter()
+            .zip(&self.full.turn_velocity)
+            .peekable();
+        let mut touches = state.touches.iter_mut().peekable();
+        for turn in &self.middle.turns {
+            while full.next_if(|(t, _)| t.slot < turn.slot).is_some() {}
+            while touches.next_if(|t| t.slot < turn.slot).is_some() {}
+            let before = full
+                .next_if(|(t, _)| t.slot == turn.slot)
+                .map_or(Vec3::zeros(), |(t, w)| t.next_displacement(w, h));
+            if let Some(touch) = touches.next_if(|t| t.slot == turn.slot) {
+                let extrapolated = Vec3::from(touch.turn) * 2.0 - before;
+                touch.turn = turn.clipped(&extrapolated).into();
+            }
+        }
     }
 }
 
@@ -756,13 +798,18 @@ fn count(state: &mut State, iterations: usize) {
 fn store(ctx: &Context, point: &Point, newton: &Newton, h: f64, state: &mut State) {
     state.v.copy_from_slice(&newton.v);
     state.touches.clear();
+    let mut turns = point.turns.iter().zip(&newton.turn_velocity).peekable();
     for (contact, v) in point.contacts.iter().zip(&newton.point_velocity) {
         let inside = contact.gap + h * contact.normal.dot(v) < 0.0;
         let touchdown = if inside { contact.touchdown } else { 0.0 };
-        if contact.cap > 0.0 || touchdown > 0.0 {
+        let turn = turns.next_if(|(turn, _)| turn.slot == contact.slot);
+        let turns = turn.is_some_and(|(turn, _)| turn.holds());
+        if contact.cap > 0.0 || turns || touchdown > 0.0 {
+            let angle = turn.map(|(turn, w)| turn.next_displacement(w, h));
             state.touches.push(Touch {
                 slot: contact.slot,
                 displacement: contact.next_displacement(v, h).into(),
+                turn: angle.unwrap_or_default().into(),
                 touchdown,
             });
         }

@@ -16,7 +16,7 @@
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
 use crate::actuator::{JointResponse, JointTerm};
-use crate::contact::{Contact, Response};
+use crate::contact::{Contact, Response, Turn, angular};
 use crate::dynamics::crba::add_row;
 use crate::kinematics::{Kinematics, forward};
 use crate::spatial::{Vec3, Vec6, add_force_at, add6, dot6, multiply_lower, velocity_at};
@@ -47,6 +47,8 @@ pub struct Newton {
     pub responses: Vec<Response>,
     /// Velocity of each contact point at the solution, m/s.
     pub point_velocity: Vec<Vec3>,
+    /// Angular velocity of each contact that resists turning at the solution, rad/s.
+    pub turn_velocity: Vec<Vec3>,
     r: Vec<f64>,
     momentum: Vec<f64>,
     gradient: Vec<f64>,
@@ -55,6 +57,8 @@ pub struct Newton {
     H: Vec<f64>,
     V: Vec<Vec6>,
     point_direction: Vec<Vec3>,
+    turn_responses: Vec<Response>,
+    turn_direction: Vec<Vec3>,
     joint_responses: Vec<JointResponse>,
     F: Vec<Vec6>,
     G: Vec<[f64; 21]>,
@@ -74,6 +78,8 @@ pub struct Problem<'a> {
     pub bias: &'a [f64],
     /// Contact points.
     pub contacts: &'a [Contact],
+    /// Friction against turning of some of the contacts.
+    pub turns: &'a [Turn],
     /// Joint terms.
     pub joints: &'a [JointTerm],
     /// s
@@ -90,6 +96,7 @@ impl Newton {
             v: vec![0.0; nv],
             responses: Vec::with_capacity(contacts),
             point_velocity: Vec::with_capacity(contacts),
+            turn_velocity: Vec::with_capacity(contacts),
             r: vec![0.0; nv],
             momentum: vec![0.0; nv],
             gradient: vec![0.0; nv],
@@ -98,6 +105,8 @@ impl Newton {
             H: vec![0.0; tree.sparsity.entries()],
             V: vec![[0.0; 6]; nb],
             point_direction: Vec::with_capacity(contacts),
+            turn_responses: Vec::with_capacity(contacts),
+            turn_direction: Vec::with_capacity(contacts),
             joint_responses: Vec::with_capacity(nv),
             F: vec![[0.0; 6]; nb],
             G: vec![[0.0; 21]; nb],
@@ -116,6 +125,9 @@ impl Newton {
             .iter()
             .map(|c| velocity_at(&p.kin.V[c.body], &c.x));
         self.point_velocity.extend(points);
+        self.turn_velocity.clear();
+        let turns = p.turns.iter().map(|t| angular(&p.kin.V[t.body]));
+        self.turn_velocity.extend(turns);
     }
 
     /// Guesses half way between the velocity at the start of the step and another solution from the same start.
@@ -131,6 +143,10 @@ impl Newton {
         let points = p.contacts.iter().zip(&other.point_velocity);
         self.point_velocity
             .extend(points.map(|(c, v)| (velocity_at(&p.kin.V[c.body], &c.x) + v) * 0.5));
+        self.turn_velocity.clear();
+        let turns = p.turns.iter().zip(&other.turn_velocity);
+        self.turn_velocity
+            .extend(turns.map(|(t, w)| (angular(&p.kin.V[t.body]) + w) * 0.5));
     }
 
     /// Takes any velocity as the guess.
@@ -146,6 +162,9 @@ impl Newton {
             .iter()
             .map(|c| velocity_at(&self.V[c.body], &c.x));
         self.point_velocity.extend(points);
+        self.turn_velocity.clear();
+        let turns = p.turns.iter().map(|t| angular(&self.V[t.body]));
+        self.turn_velocity.extend(turns);
     }
 
     /// Minimises from the guess that stands in `v`: one of the `guess` functions, or the last solution.
@@ -179,6 +198,7 @@ impl Newton {
             let cancelled: f64 = self
                 .responses
                 .iter()
+                .chain(&self.turn_responses)
                 .map(|r| r.impulse.norm_squared())
                 .sum();
             let floor = round_off * (momentum_scale + lightest * lever * lever * cancelled);
@@ -213,6 +233,9 @@ impl Newton {
             for (v, w) in self.point_velocity.iter_mut().zip(&self.point_direction) {
                 *v += w * alpha;
             }
+            for (v, w) in self.turn_velocity.iter_mut().zip(&self.turn_direction) {
+                *v += w * alpha;
+            }
         }
     }
 
@@ -229,6 +252,9 @@ impl Newton {
         self.point_velocity.clear();
         self.point_velocity
             .extend(p.contacts.iter().map(|_| Vec3::zeros()));
+        self.turn_velocity.clear();
+        self.turn_velocity
+            .extend(p.turns.iter().map(|_| Vec3::zeros()));
         self.respond(p);
         let impulse_scale = self.collect(p);
         let norm: f64 = self
@@ -265,6 +291,10 @@ impl Newton {
         let points = p.contacts.iter().zip(&self.point_velocity);
         self.responses
             .extend(points.map(|(contact, v)| contact.response(v, p.h)));
+        self.turn_responses.clear();
+        let turns = p.turns.iter().zip(&self.turn_velocity);
+        self.turn_responses
+            .extend(turns.map(|(turn, w)| turn.response(w, p.h)));
     }
 
     /// Gradient from the responses; returns the squared scale of the impulses.
@@ -288,6 +318,12 @@ impl Newton {
         self.F[0] = [0.0; 6];
         for (contact, response) in p.contacts.iter().zip(&self.responses) {
             add_force_at(&mut self.F[contact.body], &contact.x, &response.impulse);
+        }
+        for (turn, response) in p.turns.iter().zip(&self.turn_responses) {
+            let moment = &mut self.F[turn.body][..3];
+            for (sum, x) in moment.iter_mut().zip(response.impulse.iter()) {
+                *sum += x;
+            }
         }
         let mut contact_scale = 0.0;
         for &b in &self.loaded {
@@ -331,6 +367,15 @@ impl Newton {
             if response.normal > 0.0 || response.tangential > 0.0 {
                 any = true;
                 add_point_stiffness(&mut self.G[contact.body], contact, response);
+            }
+        }
+        for (turn, response) in p.turns.iter().zip(&self.turn_responses) {
+            if response.normal > 0.0 || response.tangential > 0.0 {
+                any = true;
+                let stiffness = lower_triangle(&turn.normal, response);
+                for (sum, g) in self.G[turn.body].iter_mut().zip(stiffness) {
+                    *sum += g;
+                }
             }
         }
         if !any {
@@ -387,6 +432,9 @@ impl Newton {
                 .map(|c| velocity_at(&self.V[c.body], &c.x));
             self.point_direction.extend(velocities);
         }
+        self.turn_direction.clear();
+        let turns = p.turns.iter().map(|t| angular(&self.V[t.body]));
+        self.turn_direction.extend(turns);
         let (mut linear, mut quadratic, mut initial) = (0.0, 0.0, 0.0_f64);
         for i in 0..self.v.len() {
             let w = self.direction[i];
@@ -434,6 +482,13 @@ impl Newton {
             slope -= response.impulse.dot(w);
             self.responses.push(response);
         }
+        self.turn_responses.clear();
+        let turns = self.turn_velocity.iter().zip(&self.turn_direction);
+        for (turn, (v, w)) in p.turns.iter().zip(turns) {
+            let response = turn.response(&(v + w * alpha), p.h);
+            slope -= response.impulse.dot(w);
+            self.turn_responses.push(response);
+        }
         self.joint_responses.clear();
         for term in p.joints {
             let w = self.direction[term.dof];
@@ -449,9 +504,11 @@ impl Newton {
         let mut curvature = 0.0;
         let points = self.responses.iter().zip(&self.point_direction);
         for (contact, (r, w)) in p.contacts.iter().zip(points) {
-            let wn = contact.normal.dot(w);
-            let ws = r.slip.dot(w);
-            curvature += r.tangential * (w.norm_squared() - wn * wn - ws * ws) + r.normal * wn * wn;
+            curvature += along(&contact.normal, r, w);
+        }
+        let turns = self.turn_responses.iter().zip(&self.turn_direction);
+        for (turn, (r, w)) in p.turns.iter().zip(turns) {
+            curvature += along(&turn.normal, r, w);
         }
         for (term, r) in p.joints.iter().zip(&self.joint_responses) {
             let stiffness = r.stiffness;
@@ -462,19 +519,33 @@ impl Newton {
     }
 }
 
-/// `G_B += Φᵀ G Φ` with `Φ = [−[x]× 1]` and `G = t 1 + (n − t) n̂n̂ᵀ − t ŝŝᵀ`, lower triangle.
+/// `wᵀ G w` of a response's stiffness.
+#[inline]
+fn along(normal: &Vec3, r: &Response, w: &Vec3) -> f64 {
+    let wn = normal.dot(w);
+    let ws = r.slip.dot(w);
+    r.tangential * (w.norm_squared() - wn * wn - ws * ws) + r.normal * wn * wn
+}
+
+/// `G = t 1 + (n − t) n̂n̂ᵀ − t ŝŝᵀ` of a response, lower triangle.
+#[inline]
+fn lower_triangle(n: &Vec3, r: &Response) -> [f64; 6] {
+    let (t, s) = (r.tangential, &r.slip);
+    let N = r.normal - t;
+    [
+        t + N * n.x * n.x - t * s.x * s.x,
+        N * n.y * n.x - t * s.y * s.x,
+        t + N * n.y * n.y - t * s.y * s.y,
+        N * n.z * n.x - t * s.z * s.x,
+        N * n.z * n.y - t * s.z * s.y,
+        t + N * n.z * n.z - t * s.z * s.z,
+    ]
+}
+
+/// `G_B += Φᵀ G Φ` with `Φ = [−[x]× 1]` and a response's `G`, lower triangle.
 #[inline]
 fn add_point_stiffness(G_B: &mut [f64; 21], contact: &Contact, r: &Response) {
-    let t = r.tangential;
-    let (n, s) = (&contact.normal, &r.slip);
-    let N = r.normal - t;
-    let mut g = [0.0; 6];
-    g[0] = t + N * n.x * n.x - t * s.x * s.x;
-    g[1] = N * n.y * n.x - t * s.y * s.x;
-    g[2] = t + N * n.y * n.y - t * s.y * s.y;
-    g[3] = N * n.z * n.x - t * s.z * s.x;
-    g[4] = N * n.z * n.y - t * s.z * s.y;
-    g[5] = t + N * n.z * n.z - t * s.z * s.z;
+    let g = lower_triangle(&contact.normal, r);
     let (x, y, z) = (contact.x.x, contact.x.y, contact.x.z);
     // P = [x]× G
     let P = [

@@ -54,6 +54,9 @@ fn rover() -> Model {
         inertia,
         friction: 0.8,
         restitution: 0.0,
+        static_excess: 0.0,
+        rolling_friction: 0.0,
+        torsional_friction: 0.0,
     };
     let below = Pose {
         p: Vec3::new(0.0, 0.0, -0.2),
@@ -136,12 +139,13 @@ fn rover() -> Model {
             penetration: 1e-4,
             stiffness: None,
             dissipation: 51.0,
+            stribeck_velocity: 0.01,
         },
         world: World {
             gravity: Vec3::new(0.0, 0.0, -9.81),
             ground: Some(Ground {
                 friction: 0.8,
-                restitution: 0.0,
+                ..Default::default()
             }),
         },
         outputs: OutputSelection::default(),

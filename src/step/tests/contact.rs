@@ -73,7 +73,7 @@ fn a_sliding_sphere_ends_up_rolling_at_five_sevenths() {
     b.model.links[0].friction = 0.3;
     b.model.world.ground = Some(crate::model::Ground {
         friction: 0.3,
-        restitution: 0.0,
+        ..Default::default()
     });
     let mut s = start(b.model, 1e-5);
     run(&mut s, 1.0, 0.01);

@@ -45,7 +45,7 @@ fn a_velocity_motor_drives_a_cart_with_its_effort_and_then_holds_its_speed() {
     b.model.links[hub.index()].friction = 3.0;
     b.model.world.ground = Some(crate::model::Ground {
         friction: 3.0,
-        restitution: 0.0,
+        ..Default::default()
     });
     let mut s = start(b.model, 1e-4);
     run(&mut s, 0.2, 1.0 / 240.0);

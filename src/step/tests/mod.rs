@@ -10,7 +10,7 @@
 
 use crate::geometry::Shape;
 use crate::model::{ActuatorId, ActuatorMode, Model, Motion};
-use crate::simulation::{InputSlot, OutputSlot, Simulation};
+use crate::simulation::{InputSlot, OutputSlot, ParameterSlot, Simulation};
 use crate::spatial::{Pose, Vec3};
 use crate::testing::{Builder, Random, inertia, random_tree};
 use std::sync::Arc;
@@ -20,6 +20,7 @@ mod free;
 mod joints;
 mod properties;
 mod slope;
+mod turning;
 
 const G: f64 = 9.81;
 const X: Vec3 = Vec3::new(1.0, 0.0, 0.0);
@@ -66,7 +67,7 @@ fn block(mass: f64, mu: f64) -> Builder {
     b.model.links[0].friction = mu;
     b.model.world.ground = Some(crate::model::Ground {
         friction: mu,
-        restitution: 0.0,
+        ..Default::default()
     });
     b
 }

@@ -35,8 +35,14 @@ fn everything() -> Model {
     model.world.ground = Some(crate::model::Ground {
         friction: 0.8,
         restitution: 0.3,
+        ..Default::default()
     });
     model.initial.position.z = 1.2;
+    for (i, link) in model.links.iter_mut().enumerate() {
+        link.static_excess = [0.0, 0.3][i % 2];
+        link.rolling_friction = [1e-3, 0.0][i % 2];
+        link.torsional_friction = [0.0, 2e-3, 5e-3][i % 3];
+    }
     for joint in &mut model.joints {
         joint.damping = 0.1;
         joint.friction = 0.05;
@@ -107,7 +113,7 @@ fn a_heap_of_everything_falls_and_never_gains_energy_while_passive() {
         }
         model.world.ground = Some(crate::model::Ground {
             friction: 0.8,
-            restitution: 0.0,
+            ..Default::default()
         });
         let mut s = start(model, 1e-3);
         let mut before = f64::INFINITY;
@@ -159,6 +165,15 @@ fn nan_in_the_scratch_between_steps_changes_nothing() {
     }
 }
 
+/// Gives every surface friction at rest, against rolling and against turning.
+fn roughen(model: &mut Model, random: &mut Random) {
+    for link in &mut model.links {
+        link.static_excess = random.uniform(0.0, 0.5);
+        link.rolling_friction = libm::pow(10.0, random.uniform(-6.0, -1.0));
+        link.torsional_friction = libm::pow(10.0, random.uniform(-6.0, -1.0));
+    }
+}
+
 /// Random robots with random actuators, masses over six decades, random commands and steps: nothing fails.
 #[test]
 fn random_robots_under_random_commands_stay_finite() {
@@ -204,7 +219,11 @@ fn random_robots_under_random_commands_stay_finite() {
         model.world.ground = Some(crate::model::Ground {
             friction: random.uniform(0.0, 1.5),
             restitution: e,
+            ..Default::default()
         });
+        if seed % 3 == 1 {
+            roughen(&mut model, &mut random);
+        }
         model.initial.position.z = random.uniform(-0.3, 1.5);
         model.initial.rpy = random.vector(3.0);
         for joint in &mut model.joints {
@@ -313,7 +332,7 @@ fn a_link_stuck_deep_in_the_ground_stays_finite() {
             b.model.links[link.index()].friction = friction;
             b.model.world.ground = Some(crate::model::Ground {
                 friction,
-                restitution: 0.0,
+                ..Default::default()
             });
             b.model.initial.rpy = rpy;
             b.model.joints[0].damping = 1.0;

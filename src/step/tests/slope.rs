@@ -3,7 +3,7 @@
 use super::*;
 
 /// Gravity as on a slope of `angle`, falling along +x.
-fn slope(angle: f64) -> Vec3 {
+pub(super) fn slope(angle: f64) -> Vec3 {
     Vec3::new(libm::sin(angle), 0.0, -libm::cos(angle)) * G
 }
 
@@ -112,7 +112,7 @@ fn painleves_rod_finishes_without_gaining_energy() {
         b.model.links[0].friction = 2.0;
         b.model.world.ground = Some(crate::model::Ground {
             friction: 2.0,
-            restitution: 0.0,
+            ..Default::default()
         });
         b.model.initial.rpy.y = -0.6;
         b.model.initial.position.z = 0.5 * libm::cos(0.6) + 0.01;

@@ -1,0 +1,216 @@
+//! Rolling and torsional friction, and friction that is higher at rest, against rigid-body formulas.
+
+use super::*;
+
+/// Fixed steps or error control: step size and tolerance.
+const MODES: [(f64, f64); 2] = [(0.0, 1e-5), (1.0 / 240.0, 1e-5)];
+
+const RADIUS: f64 = 0.1;
+
+/// A ball of 1 kg and 0.1 m on the ground, in its resting place.
+fn ball(rolling: f64, torsional: f64) -> Builder {
+    let mut b = Builder::new(true, inertia(1.0, Vec3::zeros(), [4e-3; 3]));
+    let shape = Shape::Sphere { radius: RADIUS };
+    b.shape(0u32.into_link(), shape, Pose::IDENTITY);
+    // One point carries the weight that the stiffness spreads over four.
+    b.model.initial.position.z = RADIUS - 4e-4;
+    b.model.links[0].rolling_friction = rolling;
+    b.model.links[0].torsional_friction = torsional;
+    b
+}
+
+fn started(mut b: Builder, (step, tolerance): (f64, f64)) -> Simulation {
+    b.model.solver.step_size = step;
+    start(b.model, tolerance)
+}
+
+/// About the contact: (I + m R²) ω̇ = −c m g, so a ball loses 5/7 c g/R; it stops where v0²/2a says, for good.
+#[test]
+fn a_rolling_ball_slows_down_by_its_rolling_friction_and_stands() {
+    let (c, v0) = (2e-3, 0.5);
+    let a = 5.0 / 7.0 * c * G / RADIUS;
+    for mode in MODES {
+        let mut b = ball(c, 0.0);
+        b.model.initial.linear_velocity.x = v0;
+        b.model.initial.angular_velocity.y = v0 / RADIUS;
+        let mut s = started(b, mode);
+        run(&mut s, 1.0, 0.01);
+        let v1 = s.state().v[3];
+        run(&mut s, 3.0, 0.01);
+        let found = 0.5 * (v1 - s.state().v[3]);
+        assert!((found - a).abs() < 1e-4 * a, "{mode:?}: {found} {a}");
+        run(&mut s, 6.0, 0.01);
+        let x = s.state().q[0];
+        // The element gives by a milliradian and more before it holds: 4 · 1e-3 R.
+        assert!((x - v0 * v0 / (2.0 * a)).abs() < 1e-3, "{mode:?}: {x}");
+        run(&mut s, 10.0, 0.01);
+        let x = s.state().q[0];
+        run(&mut s, 70.0, 0.1);
+        assert!((s.state().q[0] - x).abs() < 1e-12, "{mode:?}");
+    }
+}
+
+/// A solid cylinder has I = ½ m R² about its axis: a = 2/3 c g/R, its weight on three points.
+#[test]
+fn a_rolling_cylinder_slows_down_by_its_rolling_friction() {
+    let c = 1e-3;
+    let a = 2.0 / 3.0 * c * G / RADIUS;
+    for mode in MODES {
+        let i = (3.0 * RADIUS * RADIUS + 0.1 * 0.1) / 12.0;
+        let mut b = Builder::new(true, inertia(1.0, Vec3::zeros(), [i, i, 5e-3]));
+        let shape = Shape::Cylinder {
+            radius: RADIUS,
+            half_length: 0.05,
+        };
+        b.shape(0u32.into_link(), shape, Pose::IDENTITY);
+        b.model.initial.rpy.x = std::f64::consts::FRAC_PI_2;
+        b.model.initial.position.z = RADIUS - 2e-4;
+        b.model.initial.linear_velocity.x = 1.0;
+        b.model.initial.angular_velocity.y = 1.0 / RADIUS;
+        b.model.world.ground = Some(crate::model::Ground {
+            friction: 0.8,
+            rolling_friction: c,
+            ..Default::default()
+        });
+        let mut s = started(b, mode);
+        run(&mut s, 1.0, 0.01);
+        let v1 = s.state().v[3];
+        run(&mut s, 3.0, 0.01);
+        let found = 0.5 * (v1 - s.state().v[3]);
+        assert!((found - a).abs() < 1e-4 * a, "{mode:?}: {found} {a}");
+    }
+}
+
+/// Statics: a ball stays on a slope up to tan θ = c/R, and above it rolls with 5/7 g (sin θ − c/R cos θ).
+#[test]
+fn a_ball_stands_for_an_hour_on_a_slope_below_its_rolling_threshold_and_rolls_above() {
+    let c = 1e-3;
+    let limit = libm::atan(c / RADIUS);
+    for mode in MODES {
+        let mut b = ball(c, 0.0);
+        b.model.world.gravity = slope::slope(0.9 * limit);
+        let mut s = started(b, mode);
+        run(&mut s, 10.0, 0.1);
+        let x = s.state().q[0];
+        // Released into the load, it first gives way by some milliradians: BREAKAWAY at four times the load.
+        assert!(x < 1e-2 * RADIUS, "{mode:?}: {x}");
+        run(&mut s, 3610.0, 1.0);
+        let creep = (s.state().q[0] - x).abs();
+        assert!(creep < 1e-9, "{mode:?}: {creep}");
+
+        let mut b = ball(c, 0.0);
+        let angle = 1.2 * limit;
+        b.model.world.gravity = slope::slope(angle);
+        let mut s = started(b, mode);
+        run(&mut s, 2.0, 0.01);
+        let v1 = s.state().v[3];
+        run(&mut s, 6.0, 0.01);
+        let a = 0.25 * (s.state().v[3] - v1);
+        let expected = 5.0 / 7.0 * G * (libm::sin(angle) - c / RADIUS * libm::cos(angle));
+        assert!(
+            (a - expected).abs() < 1e-3 * expected,
+            "{mode:?}: {a} {expected}"
+        );
+    }
+}
+
+/// A body that spins on one point: `ω̇ = −μ_t m g/I`. Friction at a point has no lever to slow it.
+#[test]
+fn a_spinning_ball_slows_down_by_its_torsional_friction_alone() {
+    let c = 1e-3;
+    for mode in MODES {
+        for (torsional, rolling) in [(c, 0.0), (0.0, c)] {
+            let mut b = ball(rolling, torsional);
+            b.model.initial.angular_velocity.z = 10.0;
+            let mut s = started(b, mode);
+            run(&mut s, 0.5, 0.01);
+            let w = s.state().v[2];
+            run(&mut s, 2.5, 0.01);
+            let found = 0.5 * (w - s.state().v[2]);
+            let expected = torsional * G / 4e-3;
+            assert!(
+                (found - expected).abs() < 1e-4,
+                "{mode:?}: {found} {expected}"
+            );
+            run(&mut s, 10.0, 0.01);
+            let spins = s.state().v[2].abs() > 1e-9;
+            assert_eq!(spins, torsional == 0.0, "{mode:?}");
+        }
+    }
+}
+
+#[test]
+fn of_two_surfaces_the_larger_resistance_to_turning_counts() {
+    let mut b = ball(2e-3, 5e-4);
+    b.model.world.ground = Some(crate::model::Ground {
+        friction: 0.8,
+        rolling_friction: 1e-3,
+        torsional_friction: 3e-3,
+        ..Default::default()
+    });
+    let s = start(b.model, 1e-3);
+    let [torsional, rolling] = s.tree().turning[0].coefficient;
+    assert!((torsional - 3e-3).abs() < 1e-15 && (rolling - 2e-3).abs() < 1e-15);
+}
+
+/// Coulomb with two coefficients: it breaks away at `μ_s N` and then accelerates with the rest of the force.
+#[test]
+fn a_block_breaks_away_at_its_static_friction_and_slides_with_its_dynamic_one() {
+    let (sliding, rest) = (0.4, 0.6);
+    for mode in MODES {
+        for (share, moves) in [(0.999, false), (1.002, true)] {
+            let mut b = block(1.0, sliding);
+            b.model.links[0].static_excess = rest / sliding - 1.0;
+            b.model.world.ground = Some(crate::model::Ground {
+                friction: sliding,
+                static_excess: rest / sliding - 1.0,
+                ..Default::default()
+            });
+            let mut s = started(b, mode);
+            // The block is pushed by a gravity that leans, slowly: a load that jumps may overshoot.
+            for i in 0..=100 {
+                let push = share * rest * G * (f64::from(i) / 100.0);
+                s.set_parameter(ParameterSlot::Gravity(0), push);
+                let end = s.time() + 0.01;
+                run(&mut s, end, 0.01);
+            }
+            run(&mut s, 3.0, 0.01);
+            let (x, v) = (s.state().q[0], s.state().v[3]);
+            if moves {
+                run(&mut s, 4.0, 0.01);
+                let a = s.state().v[3] - v;
+                let expected = (share * rest - sliding) * G;
+                assert!((a - expected).abs() < 1e-4 * expected, "{mode:?}: {a}");
+            } else {
+                run(&mut s, 63.0, 0.1);
+                let moved = s.state().q[0] - x;
+                assert!(moved.abs() < 1e-9, "{mode:?}: {moved}");
+            }
+        }
+    }
+}
+
+/// `v0²/(2 μ_d g)`; the higher friction below a few cm/s shortens it by less than `v_s²/(μ_d g)`.
+#[test]
+fn a_sliding_block_stops_after_the_distance_of_its_dynamic_friction() {
+    let (sliding, rest) = (0.4, 0.6);
+    for mode in MODES {
+        let mut b = block(1.0, sliding);
+        b.model.links[0].static_excess = rest / sliding - 1.0;
+        b.model.world.ground = Some(crate::model::Ground {
+            friction: sliding,
+            static_excess: rest / sliding - 1.0,
+            ..Default::default()
+        });
+        b.model.initial.linear_velocity.x = 1.0;
+        b.model.initial.position.z = 0.1 - 1e-4;
+        let mut s = started(b, mode);
+        run(&mut s, 1.0, 0.01);
+        let x = s.state().q[0];
+        let expected = 1.0 / (2.0 * sliding * G);
+        // Fixed steps are of first order: half a step at the initial speed.
+        let allowed = if mode.0 > 0.0 { 0.5 * mode.0 } else { 2e-4 };
+        assert!((x - expected).abs() < allowed, "{mode:?}: {x} {expected}");
+        assert!(s.state().v[3].abs() < 1e-9, "{mode:?}");
+    }
+}
