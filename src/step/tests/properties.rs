@@ -174,93 +174,99 @@ fn roughen(model: &mut Model, random: &mut Random) {
     }
 }
 
+/// A random robot with random actuators and masses over six decades.
+fn random_robot(seed: u64, random: &mut Random) -> Model {
+    let mut model = random_tree(random, 2 + seed as usize % 9, true, seed.is_multiple_of(3));
+    let mut slot = 0;
+    for (i, link) in model.links.iter_mut().enumerate() {
+        let scale = libm::pow(10.0, random.uniform(-3.0, 3.0));
+        link.inertia.mass *= scale;
+        link.inertia.I_cm *= scale;
+        let shape = match (i as u64 + seed) % 4 {
+            0 => Shape::Sphere {
+                radius: random.uniform(0.01, 0.3),
+            },
+            1 => Shape::Cylinder {
+                radius: 0.08,
+                half_length: random.uniform(0.01, 0.3),
+            },
+            2 => Shape::Box {
+                half: Vec3::from_fn(|_, _| random.uniform(0.01, 0.2)),
+            },
+            _ => Shape::Capsule {
+                radius: 0.05,
+                half_length: 0.1,
+            },
+        };
+        let slots = shape.slots();
+        model.colliders.push(crate::model::Collider {
+            link: i.into(),
+            body: link.body,
+            X_BG: Pose::from_xyz_rpy(random.vector(0.1), random.vector(3.0)),
+            shape,
+            slot,
+        });
+        slot += slots;
+    }
+    let e = if seed.is_multiple_of(2) {
+        0.0
+    } else {
+        random.uniform(0.0, 1.0)
+    };
+    model.world.ground = Some(crate::model::Ground {
+        friction: random.uniform(0.0, 1.5),
+        restitution: e,
+        ..Default::default()
+    });
+    if seed % 3 == 1 {
+        roughen(&mut model, random);
+    }
+    model.initial.position.z = random.uniform(-0.3, 1.5);
+    model.initial.rpy = random.vector(3.0);
+    for joint in &mut model.joints {
+        joint.damping = libm::pow(10.0, random.uniform(-4.0, 3.0));
+        joint.friction = random.uniform(0.0, 1.0);
+    }
+    let modes = [
+        ActuatorMode::Velocity,
+        ActuatorMode::Position,
+        ActuatorMode::Effort,
+        ActuatorMode::Pd,
+    ];
+    for joint in 0..model.joints.len() {
+        let body = &model.bodies[model.joints[joint].bodies[0].index()];
+        if model.joints[joint].mimic.is_some() || body.motion.nv() != 1 {
+            continue;
+        }
+        let effort = libm::pow(10.0, random.uniform(-3.0, 4.0));
+        model.actuators.push(crate::model::Actuator {
+            joint: joint.into(),
+            dof: body.dof,
+            mode: modes[joint % 4],
+            max_effort: effort,
+            reference_effort: effort,
+            kp: libm::pow(10.0, random.uniform(0.0, 6.0)),
+            kd: libm::pow(10.0, random.uniform(-1.0, 4.0)),
+        });
+        if joint % 3 == 0 {
+            model.dofs[body.dof.index()].limits = Some(crate::model::Limits {
+                lower: -0.5,
+                upper: 0.5,
+            });
+        }
+    }
+    if seed.is_multiple_of(5) {
+        model.solver.step_size = 1.0 / 240.0;
+    }
+    model
+}
+
 /// Random robots with random actuators, masses over six decades, random commands and steps: nothing fails.
 #[test]
 fn random_robots_under_random_commands_stay_finite() {
     for seed in 0..40_u64 {
         let mut random = Random(seed);
-        let mut model = random_tree(&mut random, 2 + seed as usize % 9, true, seed % 3 == 0);
-        let mut slot = 0;
-        for (i, link) in model.links.iter_mut().enumerate() {
-            let scale = libm::pow(10.0, random.uniform(-3.0, 3.0));
-            link.inertia.mass *= scale;
-            link.inertia.I_cm *= scale;
-            let shape = match (i as u64 + seed) % 4 {
-                0 => Shape::Sphere {
-                    radius: random.uniform(0.01, 0.3),
-                },
-                1 => Shape::Cylinder {
-                    radius: 0.08,
-                    half_length: random.uniform(0.01, 0.3),
-                },
-                2 => Shape::Box {
-                    half: Vec3::from_fn(|_, _| random.uniform(0.01, 0.2)),
-                },
-                _ => Shape::Capsule {
-                    radius: 0.05,
-                    half_length: 0.1,
-                },
-            };
-            let slots = shape.slots();
-            model.colliders.push(crate::model::Collider {
-                link: i.into(),
-                body: link.body,
-                X_BG: Pose::from_xyz_rpy(random.vector(0.1), random.vector(3.0)),
-                shape,
-                slot,
-            });
-            slot += slots;
-        }
-        let e = if seed % 2 == 0 {
-            0.0
-        } else {
-            random.uniform(0.0, 1.0)
-        };
-        model.world.ground = Some(crate::model::Ground {
-            friction: random.uniform(0.0, 1.5),
-            restitution: e,
-            ..Default::default()
-        });
-        if seed % 3 == 1 {
-            roughen(&mut model, &mut random);
-        }
-        model.initial.position.z = random.uniform(-0.3, 1.5);
-        model.initial.rpy = random.vector(3.0);
-        for joint in &mut model.joints {
-            joint.damping = libm::pow(10.0, random.uniform(-4.0, 3.0));
-            joint.friction = random.uniform(0.0, 1.0);
-        }
-        let modes = [
-            ActuatorMode::Velocity,
-            ActuatorMode::Position,
-            ActuatorMode::Effort,
-            ActuatorMode::Pd,
-        ];
-        for joint in 0..model.joints.len() {
-            let body = &model.bodies[model.joints[joint].bodies[0].index()];
-            if model.joints[joint].mimic.is_some() || body.motion.nv() != 1 {
-                continue;
-            }
-            let effort = libm::pow(10.0, random.uniform(-3.0, 4.0));
-            model.actuators.push(crate::model::Actuator {
-                joint: joint.into(),
-                dof: body.dof,
-                mode: modes[joint % 4],
-                max_effort: effort,
-                reference_effort: effort,
-                kp: libm::pow(10.0, random.uniform(0.0, 6.0)),
-                kd: libm::pow(10.0, random.uniform(-1.0, 4.0)),
-            });
-            if joint % 3 == 0 {
-                model.dofs[body.dof.index()].limits = Some(crate::model::Limits {
-                    lower: -0.5,
-                    upper: 0.5,
-                });
-            }
-        }
-        if seed % 5 == 0 {
-            model.solver.step_size = 1.0 / 240.0;
-        }
+        let model = random_robot(seed, &mut random);
         let actuators = model.actuators.len();
         let mut s = start(model, 1e-3);
         let mut t = 0.0;
