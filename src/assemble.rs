@@ -39,6 +39,7 @@
 //! | A120 | gains |
 //! | A121 | a model that cannot be computed with |
 //! | A122 | damping and friction of planar and floating joints |
+//! | A123 | an inertia of zeros replaced by that of the shapes |
 //! | A125 | friction at rest that does not go with sliding friction |
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
@@ -126,7 +127,7 @@ fn assemble(
         return None;
     }
     let poses = initial::poses(&model);
-    inertia::check(&model, &poses, &robot.lines, findings);
+    let poses = inertia::complete(&mut model, poses, &robot.shapes, &robot.lines, findings);
     initial::height(&mut model, &poses, settings, findings);
     actuators::add(&mut model, &poses, &robot.lines, settings, findings);
     outputs::select(&mut model, settings, findings);

@@ -158,6 +158,60 @@ fn a_flood_of_errors_is_cut_off() {
     );
 }
 
+/// What takes other readers down takes no time and little memory here: refused in the same second.
+#[test]
+fn hostile_files_are_refused_fast() {
+    let bomb = {
+        let mut text = String::from("<!DOCTYPE r [<!ENTITY a0 'ha'>");
+        for i in 1..30 {
+            write!(text, "<!ENTITY a{i} '&a{};&a{};'>", i - 1, i - 1).expect("a string");
+        }
+        text + "]><robot name='&a29;'><link name='a'/></robot>"
+    };
+    let attributes = (0..200_000).fold(String::from("<robot name='r'><link"), |mut text, i| {
+        write!(text, " a{i}=''").expect("a string");
+        text
+    }) + "/></robot>";
+    let number = format!(
+        "<robot name='r'><link name='a'><inertial><mass value='{}'/>\
+         <inertia ixx='1' ixy='0' ixz='0' iyy='1' iyz='0' izz='1'/></inertial></link></robot>",
+        "9".repeat(50_000_000)
+    );
+    let words = format!(
+        "<robot name='r'><link name='a'><collision><geometry><box size='{}'/></geometry></collision></link></robot>",
+        "1 ".repeat(20_000_000)
+    );
+    let kind = format!(
+        "<robot name='r'><link name='a'/><link name='b'/><joint name='j' type='{}'><parent link='a'/><child link='b'/>\
+         </joint></robot>",
+        "revolute".repeat(5_000_000)
+    );
+    let nested = "<a>".repeat(20_000);
+    let nested_in = format!("<robot name='r'>{}", "<link name='a'>".repeat(20_000));
+    for (what, text, code) in [
+        ("an XML bomb", bomb, "U004"),
+        ("nested tags", nested, "U005"),
+        ("nested links", nested_in, "U005"),
+        ("many attributes", attributes, "U005"),
+        ("a number of 50 MB", number, "U032"),
+        ("twenty million numbers", words, "U031"),
+        ("a word of 40 MB", kind, "U040"),
+    ] {
+        let start = std::time::Instant::now();
+        let list = read_str(&text, "r.urdf", Path::new("."), &ReadOptions::default())
+            .expect_err("it is refused");
+        assert!(
+            list.iter().any(|d| d.code == code),
+            "{what}: {}",
+            list[0].code
+        );
+        let shown: usize = list.iter().map(|d| d.to_string().len()).sum();
+        assert!(shown < 20_000, "{what}: {shown} bytes of findings");
+        let seconds = start.elapsed().as_secs_f64();
+        assert!(seconds < 5.0, "{what}: {seconds} s");
+    }
+}
+
 /// A chain of five thousand links: no pass may recurse or go through all pairs.
 #[test]
 fn a_long_chain_is_read_in_order() {

@@ -224,19 +224,25 @@ fn urdf_1_1_quaternions_turn_and_earlier_ones_are_told() {
 }
 
 #[test]
-fn urdf_1_2_joints_without_limits_have_none() {
-    let text = |version: &str| {
-        format!(
+fn joints_without_lower_and_upper_have_no_limits_and_half_a_range_counts_from_zero() {
+    let joint = |version: &str, limit: &str| {
+        let text = format!(
             "<robot name='r' version='{version}'><link name='a'/><link name='b'/><joint name='j' type='revolute'>
-             <parent link='a'/><child link='b'/><limit effort='1' velocity='1'/></joint></robot>"
-        )
+             <parent link='a'/><child link='b'/><limit {limit} effort='1' velocity='1'/></joint></robot>"
+        );
+        from_text(&text).joints[0].limits
     };
-    assert_eq!(from_text(&text("1.2")).joints[0].limits, None);
-    let zero = Limits {
+    // The specification of 1.0 has 0 for both, which locks the joint; no program that steps robots takes it so.
+    assert_eq!(joint("1.2", ""), None);
+    assert_eq!(joint("1.0", ""), None);
+    let upper = Limits {
         lower: 0.0,
-        upper: 0.0,
+        upper: 2.0,
     };
-    assert_eq!(from_text(&text("1.0")).joints[0].limits, Some(zero));
+    assert_eq!(joint("1.0", "upper='2'"), Some(upper));
+    // PyBullet's two ways to write "none".
+    assert_eq!(joint("1.0", "lower='1' upper='-1'"), None);
+    assert_eq!(joint("1.0", "lower='0' upper='-1'"), None);
 }
 
 /// One tetrahedron with corners 0, x, y, z at 1, 2, 3 m in three formats, mirrored and in mm.

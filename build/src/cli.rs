@@ -17,7 +17,7 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use urdf2fmu_core::model::ActuatorMode;
 use urdf2fmu_core::prepared::{FILE_NAME, PreparedModel, PreparedModelError};
-use urdf2fmu_core::settings::BaseChoice;
+use urdf2fmu_core::settings::{BaseChoice, InertiaSource};
 use urdf2fmu_core::urdf::{Diagnostic, Severity};
 use urdf2fmu_core::variables::{self, TableError};
 
@@ -58,6 +58,12 @@ struct Source {
     /// What is commanded, for every joint that the settings leave open
     #[arg(long, value_name = "MODE")]
     mode: Option<Mode>,
+    /// Rotational inertia: from the file, or of the collision shapes as solids
+    #[arg(long, value_name = "SOURCE")]
+    inertia: Option<Inertia>,
+    /// Factor on every length; masses stay
+    #[arg(long, value_name = "FACTOR", value_parser = factor)]
+    scale: Option<f64>,
     /// Names of variables: `joint.elbow.position` or `joint_elbow_position`
     #[arg(long, value_name = "STYLE")]
     naming: Option<NamingStyle>,
@@ -76,6 +82,22 @@ enum Mode {
     Effort,
     /// Effort plus gains on position and velocity errors
     Pd,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum Inertia {
+    /// As `<inertia>` says
+    Urdf,
+    /// Computed from the collision shapes and the mass
+    Collision,
+}
+
+/// A number above zero.
+fn factor(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(factor) if factor.is_finite() && factor > 0.0 => Ok(factor),
+        _ => Err("must be a finite number above 0".to_owned()),
+    }
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -219,6 +241,11 @@ impl Source {
                 Mode::Effort => ActuatorMode::Effort,
                 Mode::Pd => ActuatorMode::Pd,
             }),
+            inertia: self.inertia.map(|inertia| match inertia {
+                Inertia::Urdf => InertiaSource::Urdf,
+                Inertia::Collision => InertiaSource::Collision,
+            }),
+            scale: self.scale,
             flat_names: self
                 .naming
                 .map(|naming| matches!(naming, NamingStyle::Flat)),

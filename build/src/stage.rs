@@ -17,7 +17,7 @@ use std::sync::Arc;
 use urdf2fmu_core::assemble;
 use urdf2fmu_core::model::{ActuatorMode, Model};
 use urdf2fmu_core::prepared::{FILE_NAME, PreparedModel, PreparedModelError};
-use urdf2fmu_core::settings::{BaseChoice, ModeChoice, Settings};
+use urdf2fmu_core::settings::{BaseChoice, InertiaSource, ModeChoice, Settings};
 use urdf2fmu_core::simulation::{Simulation, SimulationError};
 use urdf2fmu_core::urdf::{self, Diagnostic, ReadOptions};
 use urdf2fmu_core::variables::{self, TableError, Variable};
@@ -33,6 +33,10 @@ pub struct Request {
     pub base: Option<BaseChoice>,
     /// `--mode`: for every joint that the settings file does not mention.
     pub mode: Option<ActuatorMode>,
+    /// `--inertia`.
+    pub inertia: Option<InertiaSource>,
+    /// `--scale`.
+    pub scale: Option<f64>,
     /// `--naming`.
     pub flat_names: Option<bool>,
     /// Searched before those of the environment.
@@ -109,6 +113,12 @@ pub fn robot(request: &Request) -> Result<Robot, StageError> {
     };
     if let Some(base) = request.base {
         settings.base = base;
+    }
+    if let Some(inertia) = request.inertia {
+        settings.inertia = inertia;
+    }
+    if let Some(scale) = request.scale {
+        settings.scale = scale;
     }
     if let Some(flat_names) = request.flat_names {
         settings.flat_names = flat_names;

@@ -54,6 +54,19 @@ pub(super) fn choose_base(robot: &mut Robot, settings: &Settings, findings: &mut
         .iter()
         .any(|joint| joint.kind != JointKind::Fixed && on_base[joint.parent.index()]);
     let name = &robot.links[0].name;
+    // PyBullet's plane, tables, trays: without mass, what stands alone stands still.
+    let scenery = !has_moving_child && robot.links.iter().all(|link| link.inertia.mass <= 0.0);
+    if scenery && settings.base == BaseChoice::Auto {
+        let message = format!("nothing in '{}' has mass: it stands still", robot.name);
+        let help =
+            "the ground is the FMU's own, [world] ground; give a link mass if it should move";
+        let place = findings.line(robot.lines.links[0]);
+        findings.warning("A107", place, message, help);
+        return Base {
+            motion: Motion::Welded,
+            X_RB: Pose::IDENTITY,
+        };
+    }
     let reason = if name == "world" {
         Some("the root link is named 'world'".to_owned())
     } else if mass <= 0.0 && has_moving_child {

@@ -2,10 +2,15 @@
 
 use crate::settings::{Pattern, nearest};
 use crate::urdf::{Description, Diagnostic, Place, Severity};
+use std::sync::Arc;
 
 /// Findings so far.
 pub(super) struct Findings {
     file: Option<String>,
+    /// The URDF.
+    text: Arc<str>,
+    /// Where its lines start.
+    starts: Vec<usize>,
     pub(super) list: Vec<Diagnostic>,
 }
 
@@ -16,19 +21,31 @@ impl Findings {
                 .sources
                 .first()
                 .map(|path| path.display().to_string()),
+            starts: std::iter::once(0)
+                .chain(description.text.match_indices('\n').map(|(at, _)| at + 1))
+                .collect(),
+            text: Arc::clone(&description.text),
             list: Vec::new(),
         }
     }
 
-    /// A line of the URDF; none where the robot was not read from a file.
+    /// A line of the URDF, its tag marked; none where the robot was not read from a file.
     pub(super) fn line(&self, line: usize) -> Option<Place> {
         let file = self.file.clone().filter(|_| line > 0)?;
+        let start = self.starts.get(line - 1).copied();
+        let text = start.map_or("", |start| &self.text[start..]);
+        let text = text.lines().next().unwrap_or_default();
+        // A line that is too long to show is left out.
+        let text = if text.len() > 10_000 { "" } else { text };
+        let indent = text.len() - text.trim_start().len();
+        let tag = text.trim();
+        let tag = tag.find('>').map_or(tag, |end| &tag[..=end]);
         Some(Place {
             file,
             line,
-            column: 1,
-            length: 1,
-            text: String::new(),
+            column: text[..indent].chars().count() + 1,
+            length: tag.chars().count().max(1),
+            text: text.to_owned(),
         })
     }
 

@@ -6,7 +6,7 @@ use super::findings::Findings;
 use super::initial::Poses;
 use super::robot::Lines;
 use crate::dynamics::crba;
-use crate::model::{LinkId, Model};
+use crate::model::{BodyId, LinkId, Model};
 use crate::spatial::{Mat3, RigidInertia};
 use crate::urdf::CollisionDescription;
 use std::fmt::Write;
@@ -43,11 +43,84 @@ pub(super) fn of_solids(mass: f64, shapes: &[CollisionDescription]) -> Option<Ma
     Some((total.I_cm + total.I_cm.transpose()) * 0.5)
 }
 
-/// Reports degrees of freedom without inertia.
+/// Gives links of zero `<inertia>` that of their shapes where the robot could not move otherwise, and reports degrees of
+/// freedom that have none even so. Returns the poses of the model as it is then.
+///
+/// A point mass is a legal body as long as something turns it about another point. Where nothing does, zeros can only
+/// mean that nobody worked the inertia out: a thousand of `PyBullet`'s own objects are written so.
+pub(super) fn complete(
+    model: &mut Model,
+    mut poses: Poses,
+    shapes: &[Vec<CollisionDescription>],
+    lines: &Lines,
+    findings: &mut Findings,
+) -> Poses {
+    loop {
+        let dof = match weakest(model, &poses) {
+            Weakest::None => return poses,
+            Weakest::Dof(dof) => dof,
+            Weakest::NotFinite => {
+                let message =
+                    "the mass matrix is not finite: masses or lengths are out of all proportion";
+                findings.error(
+                    "A121",
+                    None,
+                    message.to_owned(),
+                    "check the units: m, kg, kg m²",
+                );
+                return poses;
+            }
+        };
+        let mut changed = false;
+        for l in zero_links_from(model, model.dofs[dof].body) {
+            let link = &mut model.links[l];
+            let Some(I_cm) = of_solids(link.inertia.mass, &shapes[l]) else {
+                continue;
+            };
+            link.inertia.I_cm = I_cm;
+            changed = true;
+            let message = format!(
+                "link '{}' has {} kg and no rotational inertia, and cannot move so: it gets that of its collision shapes as solids",
+                link.name, link.inertia.mass
+            );
+            let help = format!(
+                "write it into the file to be sure of it:\n{}",
+                element(&I_cm)
+            );
+            findings.warning("A123", findings.line(lines.links[l]), message, &help);
+        }
+        if !changed {
+            report(model, dof, lines, findings);
+            return poses;
+        }
+        poses = super::initial::poses(model);
+    }
+}
+
+/// Links with mass and an inertia of zeros, of `body` and of all that it carries.
+fn zero_links_from(model: &Model, body: BodyId) -> Vec<usize> {
+    let mut carried = vec![false; model.bodies.len()];
+    for (b, other) in model.bodies.iter().enumerate() {
+        carried[b] = b == body.index() || other.parent.is_some_and(|p| carried[p.index()]);
+    }
+    let zero = |inertia: &RigidInertia| inertia.mass > 0.0 && inertia.I_cm == Mat3::zeros();
+    (0..model.links.len())
+        .filter(|&l| carried[model.links[l].body.index()] && zero(&model.links[l].inertia))
+        .collect()
+}
+
+/// The degree of freedom with too little inertia that is nearest to the tips.
+enum Weakest {
+    None,
+    Dof(usize),
+    NotFinite,
+}
+
+/// Looks for degrees of freedom without inertia.
 ///
 /// The mass matrix is factored from the tips to the base; the pivot of a degree of freedom is the inertia that is
 /// left to it when all those behind it move freely, its articulated inertia. All must be positive.
-pub(super) fn check(model: &Model, poses: &Poses, lines: &Lines, findings: &mut Findings) {
+fn weakest(model: &Model, poses: &Poses) -> Weakest {
     let mut kin = poses.kin.clone();
     let tree = &poses.tree;
     crba::mass_matrix(tree, &mut kin);
@@ -65,19 +138,10 @@ pub(super) fn check(model: &Model, poses: &Poses, lines: &Lines, findings: &mut 
     for i in (0..n).rev() {
         let pivot = M[(i, i)];
         if !pivot.is_finite() || !diagonal[i].is_finite() {
-            let message =
-                "the mass matrix is not finite: masses or lengths are out of all proportion";
-            findings.error(
-                "A121",
-                None,
-                message.to_owned(),
-                "check the units: m, kg, kg m²",
-            );
-            return;
+            return Weakest::NotFinite;
         }
         if pivot <= SMALLEST_INERTIA.max(SMALLEST_SHARE * diagonal[i]) {
-            report(model, i, lines, findings);
-            return;
+            return Weakest::Dof(i);
         }
         // Rows that are coupled with this one; far fewer than all in a tree.
         let coupled: Vec<usize> = (0..i).filter(|&j| M[(i, j)] != 0.0).collect();
@@ -88,6 +152,7 @@ pub(super) fn check(model: &Model, poses: &Poses, lines: &Lines, findings: &mut 
             }
         }
     }
+    Weakest::None
 }
 
 /// Columns of row `i` of the packed mass matrix.
@@ -134,11 +199,11 @@ fn report(model: &Model, dof: usize, lines: &Lines, findings: &mut Findings) {
     findings.error("A104", place, what, &help);
 }
 
-/// The way out of an `<inertia>` of zeros, where the link has a mass and a shape.
+/// The way out of an `<inertia>` that is none, where the link has a mass and a shape.
 fn from_shapes(model: &Model, link: LinkId) -> &'static str {
     let shaped = model.colliders.iter().any(|c| c.link == link);
     if shaped && model.links[link.index()].inertia.mass > 0.0 {
-        "or compute all from the collision shapes: [robot] inertia = \"collision\" in the settings\n"
+        "or compute all from the collision shapes: --inertia collision\n"
     } else {
         ""
     }
@@ -158,17 +223,21 @@ fn suggestion(model: &Model, link: LinkId) -> String {
     if total.mass <= 0.0 {
         total = crate::geometry::Shape::Sphere { radius: 0.05 }.solid_inertia(0.1);
     }
-    // Round-off beside the largest entry is not worth printing.
-    let largest = total.I_cm.amax();
-    let I = total
-        .I_cm
-        .map(|i| if i.abs() < 1e-9 * largest { 0.0 } else { i });
     let c = total.com.map(|x| if x.abs() < 1e-9 { 0.0 } else { x });
     let mut text = String::from("<inertial>");
     let _ = write!(text, "<origin xyz=\"{:.4} {:.4} {:.4}\"/>", c.x, c.y, c.z);
     let _ = write!(text, "<mass value=\"{:.4}\"/>", total.mass.max(1e-4));
-    let _ = write!(
-        text,
+    text.push_str(&element(&total.I_cm));
+    text.push_str("</inertial>");
+    text
+}
+
+/// `<inertia …/>` with four digits.
+fn element(I: &Mat3) -> String {
+    // Round-off beside the largest entry is not worth printing.
+    let largest = I.amax();
+    let I = I.map(|i| if i.abs() < 1e-9 * largest { 0.0 } else { i });
+    format!(
         "<inertia ixx=\"{:.3e}\" ixy=\"{:.3e}\" ixz=\"{:.3e}\" iyy=\"{:.3e}\" iyz=\"{:.3e}\" izz=\"{:.3e}\"/>",
         I[(0, 0)],
         I[(0, 1)],
@@ -176,7 +245,5 @@ fn suggestion(model: &Model, link: LinkId) -> String {
         I[(1, 1)],
         I[(1, 2)],
         I[(2, 2)]
-    );
-    text.push_str("</inertial>");
-    text
+    )
 }

@@ -17,6 +17,7 @@ pub(crate) fn robot(root: LinkDescription) -> Description {
         joints: Vec::new(),
         sources: vec!["test.urdf".into()],
         diagnostics: Vec::new(),
+        text: "".into(),
     }
 }
 

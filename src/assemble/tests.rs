@@ -235,7 +235,7 @@ fn the_base_is_chosen_by_name_and_mass_unless_the_settings_say_it() {
 
 #[test]
 fn a_floating_robot_without_mass_is_an_error() {
-    let found = error(&robot(frame("plane")), "");
+    let found = error(&robot(frame("plane")), "robot.base = \"floating\"");
     assert_eq!(found.code, "A105");
     assert!(
         found.help.as_deref().is_some_and(|h| h.contains("fixed")),
@@ -246,6 +246,21 @@ fn a_floating_robot_without_mass_is_an_error() {
             .dofs
             .is_empty()
     );
+}
+
+#[test]
+fn what_has_no_mass_and_no_moving_joint_stands_still() {
+    // As PyBullet's plane.urdf, and a table of several links.
+    let mut top = frame("top");
+    top.collisions = vec![collision(Pose::IDENTITY, ball())];
+    let table = robot(frame("table")).with("table", "f", Fixed, at(0.0, 0.0, 1.0), top);
+    for scenery in [robot(frame("plane")), table] {
+        let built = assembled(&scenery, "");
+        assert!(built.model.dofs.is_empty() && !built.model.is_floating());
+        let found = note(&built, "A107");
+        assert_eq!(found.severity, Severity::Warning);
+        assert!(found.message.contains("stands still"), "{}", found.message);
+    }
 }
 
 #[test]
@@ -577,6 +592,34 @@ fn a_point_mass_on_its_own_axis_has_no_inertia_about_it() {
         error(&robot(point("bob", 1.0, Vec3::zeros())), "").code,
         "A104"
     );
+}
+
+#[test]
+fn an_inertia_of_zeros_is_that_of_the_shapes_where_the_link_could_not_move() {
+    // As PyBullet's random_urdfs: a mass, zeros, a collision shape. A ball has (2/5) m r².
+    let mut thing = point("thing", 2.0, Vec3::zeros());
+    thing.collisions = vec![collision(Pose::IDENTITY, ball())];
+    let built = assembled(&robot(thing.clone()), "");
+    let found = note(&built, "A123");
+    assert_eq!(found.severity, Severity::Warning);
+    assert_eq!(found.place.map(|p| p.line), Some(7));
+    assert!(found.help.is_some_and(|h| h.contains("ixx=\"8.000e-3\"")));
+    let I = built.model.links[0].inertia.I_cm;
+    assert!((I - Mat3::identity() * 0.4 * 2.0 * 0.01).amax() < 1e-15);
+    // On the end of a lever the same link is the point mass that the file says.
+    let lever = robot(mass("base", 1.0)).with("base", "j", Revolute, at(0.0, 0.0, 0.0), {
+        let mut bob = thing.clone();
+        bob.inertial = point("bob", 2.0, Vec3::x()).inertial;
+        bob
+    });
+    let built = assembled(&lever, "");
+    assert!(!has(&built, "A123"));
+    assert_eq!(built.model.links[1].inertia.I_cm, Mat3::zeros());
+    // Without mass nothing can be worked out.
+    let mut empty = frame("shape");
+    empty.collisions = thing.collisions;
+    let moving = robot(mass("base", 1.0)).with("base", "j", Revolute, at(0.0, 0.0, 0.0), empty);
+    assert_eq!(error(&moving, "").code, "A104");
 }
 
 #[test]

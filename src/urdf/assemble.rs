@@ -5,7 +5,7 @@
 use super::inertia;
 use super::link::{self, Geometry};
 use super::mesh;
-use super::resolve::Resolver;
+use super::resolve::{Found, Missing, Resolver};
 use super::scope::Scope;
 use super::tree::{CheckedRobot, Order};
 use super::{CollisionDescription, Description, JointDescription, LinkDescription};
@@ -14,7 +14,7 @@ use crate::model::{JointKind, Limits};
 use crate::spatial::{Pose, RigidInertia, Vec3, rotation_from_rpy};
 use std::collections::{HashMap, HashSet};
 use std::ops::Range;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Part of a mesh's size by which its hull may be off without a note.
 const SILENT_ERROR: f64 = 1e-3;
@@ -23,6 +23,8 @@ const SILENT_ERROR: f64 = 1e-3;
 #[derive(Clone)]
 pub(super) struct ReadMesh {
     path: PathBuf,
+    /// Not to be packed: a symbolic link leads out of the robot's folders.
+    linked: bool,
     vertices: Vec<Vec3>,
 }
 
@@ -61,23 +63,22 @@ pub(super) fn read_meshes(
             };
             first_mesh.get_or_insert_with(|| at.clone());
             count += 1;
-            let path = match found
+            let file = match found
                 .entry(*filename)
                 .or_insert_with(|| resolver.find(filename))
             {
-                Ok(path) => path.clone(),
+                Ok(file) => file.clone(),
                 Err(missing) => {
-                    let message = format!("mesh not found: {filename}");
-                    scope.problem("U104", at.clone(), &message, missing.help());
+                    report_missing(scope, filename, at, missing);
                     continue;
                 }
             };
             let factors = factors.map(|f| f * scale);
             let read = known
-                .entry((path.clone(), factors.map(f64::to_bits)))
-                .or_insert_with(|| read_mesh(scope, path, Vec3::from(factors), at));
+                .entry((file.path.clone(), factors.map(f64::to_bits)))
+                .or_insert_with(|| read_mesh(scope, file, Vec3::from(factors), at));
             if let Some(mesh) = read {
-                if !meshes.sources.contains(&mesh.path) {
+                if !mesh.linked && !meshes.sources.contains(&mesh.path) {
                     meshes.sources.push(mesh.path.clone());
                 }
                 meshes.hulls.insert((i, k), mesh.clone());
@@ -92,12 +93,39 @@ pub(super) fn read_meshes(
     meshes
 }
 
-fn read_mesh(
-    scope: &mut Scope,
-    path: PathBuf,
-    factors: Vec3,
-    at: &Range<usize>,
-) -> Option<ReadMesh> {
+fn report_missing(scope: &mut Scope, filename: &str, at: &Range<usize>, missing: &Missing) {
+    match missing {
+        Missing::NotFound(missing) => {
+            let message = format!("mesh not found: {filename}");
+            scope.problem("U104", at.clone(), &message, missing.help());
+        }
+        Missing::Outside(path) => {
+            let message = format!("mesh outside of the robot's folders: {filename}");
+            scope.problem("U112", at.clone(), &message, outside_help(path));
+        }
+    }
+}
+
+fn outside_help(path: &Path) -> String {
+    let folder = path.parent().unwrap_or(path).display();
+    format!(
+        "an FMU takes no other files of this machine; if it belongs to the robot, pass --package-path {folder}"
+    )
+}
+
+fn read_mesh(scope: &mut Scope, file: Found, factors: Vec3, at: &Range<usize>) -> Option<ReadMesh> {
+    let Found { path, linked } = file;
+    let name = path
+        .file_name()
+        .unwrap_or(path.as_os_str())
+        .to_string_lossy()
+        .into_owned();
+    if linked {
+        let message = format!(
+            "mesh {name} is a symbolic link out of the robot's folders: it is used, but no copy is packed"
+        );
+        scope.note("U113", at.clone(), &message, "");
+    }
     let points = match mesh::read(&path) {
         Ok(points) => points,
         Err(error) => {
@@ -113,11 +141,6 @@ fn read_mesh(
             return None;
         }
     };
-    let name = path
-        .file_name()
-        .unwrap_or(path.as_os_str())
-        .to_string_lossy()
-        .into_owned();
     let points: Vec<Vec3> = points.iter().map(|p| p.component_mul(&factors)).collect();
     let hull = match bounded_hull(&points, MOST_CORNERS) {
         Ok(hull) => hull,
@@ -152,6 +175,7 @@ fn read_mesh(
     }
     Some(ReadMesh {
         path,
+        linked,
         vertices: hull.vertices,
     })
 }
@@ -166,10 +190,13 @@ pub(super) fn check_visuals(scope: &mut Scope, robot: &CheckedRobot, resolver: &
             if !seen.insert(filename) {
                 continue;
             }
-            if let Err(not_found) = resolver.find(filename) {
-                count += 1;
-                missing.get_or_insert_with(|| (at, filename.to_owned(), not_found.help()));
-            }
+            let help = match resolver.find(filename) {
+                Ok(_) => continue,
+                Err(Missing::NotFound(missing)) => missing.help(),
+                Err(Missing::Outside(path)) => outside_help(&path),
+            };
+            count += 1;
+            missing.get_or_insert_with(|| (at, filename.to_owned(), help));
         }
     }
     if let Some((at, filename, help)) = missing {
@@ -276,6 +303,7 @@ pub(super) fn description(
         joints,
         sources: meshes.sources.clone(),
         diagnostics: Vec::new(),
+        text: "".into(),
     })
 }
 

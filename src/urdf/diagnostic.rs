@@ -241,6 +241,8 @@ impl<'a> Report<'a> {
             self.more += usize::from(severity == Severity::Error);
             return;
         }
+        // What a file says may be of any length.
+        let (message, help) = (cut(message, 1_000), cut(help, 10_000));
         self.list.push(Diagnostic {
             severity,
             code,
@@ -272,6 +274,15 @@ impl<'a> Report<'a> {
         }
         self.list
     }
+}
+
+/// The text, or its first `most` bytes or so and an ellipsis.
+fn cut(mut text: String, most: usize) -> String {
+    if text.len() > most {
+        text.truncate(floor_char(&text, most));
+        text.push('…');
+    }
+    text
 }
 
 /// Words longer than this, and more candidates than this, are not compared: the work is their product.

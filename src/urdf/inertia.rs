@@ -5,6 +5,7 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
+use super::Description;
 use super::link::CheckedInertial;
 use super::scope::Scope;
 use super::tree::{CheckedRobot, Order};
@@ -26,6 +27,14 @@ const TRIANGLE: f64 = 1e-3;
 
 /// Radius of gyration, m, below which a body counts as a point: exporters write round-off such as 1e-20.
 const POINT: f64 = 1e-6;
+
+/// How many times further out than a link's shapes and joints reach its mass may lie before it is told: collision
+/// shapes are simplified.
+const TOO_FAR: f64 = 3.0;
+
+/// Part of the size of a link's largest shape below which its radius of gyration is told: even a motor in a light
+/// cover has a tenth.
+const TOO_NEAR: f64 = 1.0 / 30.0;
 
 /// An inertia that is not positive definite.
 pub(super) struct Suspect {
@@ -69,10 +78,10 @@ pub(super) fn check(scope: &mut Scope, inertial: &mut CheckedInertial, mass: Nod
     let zero = inertial.inertia.iter().all(|i| i.abs() <= point);
     if zero {
         let message = format!(
-            "{} kg without rotational inertia: the link counts as a point mass",
+            "{} kg without rotational inertia: a point mass, where the robot can move with one",
             inertial.mass
         );
-        let help = "give its inertia, or use inertia = \"collision\" in the settings";
+        let help = "give its inertia, or use --inertia collision";
         scope.warning("U063", inertia.tag_at(), &message, help);
         inertial.inertia = [0.0; 6];
         return;
@@ -197,6 +206,87 @@ fn rigid_bodies(robot: &CheckedRobot, order: &Order) -> Vec<RigidInertia> {
         }
     }
     top.iter().map(|(body, _)| bodies[*body]).collect()
+}
+
+/// Warns of inertias that the link's size contradicts: placeholders such as 1 kg m² on a gripper, or numbers in
+/// another unit. All mass of a body lies within some distance `r` of its centre of mass, so no moment exceeds `m r²`.
+pub(super) fn compare_with_shapes(
+    scope: &mut Scope,
+    robot: &CheckedRobot,
+    order: &Order,
+    description: &Description,
+) {
+    if scope.ignore_inertia {
+        return;
+    }
+    let mut found: Vec<(Range<usize>, String)> = Vec::new();
+    for (i, link) in description.links.iter().enumerate() {
+        let Some(inertial) = link.inertial.filter(|i| i.mass > 0.0) else {
+            continue;
+        };
+        let Some(checked) = &robot.links[order.links[i]].inertial else {
+            continue;
+        };
+        let [_, _, largest] = principal_moments(&inertial.I_cm);
+        let gyration = (largest / inertial.mass).max(0.0).sqrt();
+        let size = link
+            .collisions
+            .iter()
+            .map(|c| c.shape.bounding_radius())
+            .fold(0.0, f64::max);
+        // A point mass has its own finding.
+        if size <= 0.0 || largest <= 0.0 {
+            continue;
+        }
+        let shapes = link
+            .collisions
+            .iter()
+            .map(|c| (c.X_LG.p - inertial.com).norm() + c.shape.bounding_radius());
+        let joints = description
+            .joints
+            .iter()
+            .filter(|joint| joint.parent == i)
+            .map(|joint| (joint.X_PJ.p - inertial.com).norm());
+        let reach = shapes.chain(joints).fold(inertial.com.norm(), f64::max);
+        let what = if gyration > TOO_FAR * reach {
+            format!("would need its mass {gyration:.3} m from its centre, but reaches {reach:.3} m")
+        } else if gyration < TOO_NEAR * size {
+            format!("would need all its mass within {gyration:.3e} m, but is {size:.3} m large")
+        } else {
+            continue;
+        };
+        let message = format!(
+            "the inertia does not fit the link: with {largest:.4} kg m² and {} kg it {what}",
+            inertial.mass
+        );
+        found.push((
+            checked.at.clone(),
+            format!("link '{}': {message}", link.name),
+        ));
+    }
+    let Some((at, message)) = found.first() else {
+        return;
+    };
+    let others: Vec<String> = found[1..]
+        .iter()
+        .map(|(at, _)| scope.report.line(at.start).to_string())
+        .collect();
+    let mut help = "--inertia collision computes all inertias from the collision shapes".to_owned();
+    if !others.is_empty() {
+        const MOST: usize = 20;
+        let more = others.len().saturating_sub(MOST);
+        let shown = others[..others.len() - more].join(", ");
+        let tail = if more > 0 {
+            format!(" and {more} more")
+        } else {
+            String::new()
+        };
+        let s = if others.len() == 1 { "" } else { "s" };
+        help = format!("the same in line{s} {shown}{tail}\n{help}");
+    }
+    scope
+        .report
+        .warning("U065", at.clone(), message.clone(), help);
 }
 
 /// Whether no moment is negative but for round-off; the moments ascend.

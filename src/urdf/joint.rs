@@ -69,6 +69,10 @@ const CHILDREN: [&str; 9] = [
 /// Written by others, read by others.
 const FOREIGN: [&str; 3] = ["joint_properties", "hardwareInterface", "physics"];
 
+/// Lower and upper limits that PyBullet's own files write for a joint without limits: its solver takes a lower
+/// limit above the upper one for none.
+const NO_LIMITS: [(f64, f64); 2] = [(1.0, -1.0), (0.0, -1.0)];
+
 /// Squared length of an axis below which it has no direction.
 const NO_DIRECTION: f64 = 1e-12;
 
@@ -254,6 +258,13 @@ fn range(
             }
         }
     }
+    if given == (false, false) {
+        // By the letter both are 0 and the joint is locked; Drake, MuJoCo and PyBullet all take it as free.
+        let message = "<limit> has neither lower nor upper: the joint counts as unlimited";
+        let help = "give the range in rad or m, or use type=\"continuous\" or \"fixed\"";
+        scope.warning("U044", node.tag_at(), message, help);
+        return None;
+    }
     let (lower, upper) = (lower.unwrap_or(0.0), upper.unwrap_or(0.0));
     if lower > upper {
         let at = node
@@ -261,15 +272,15 @@ fn range(
             .or_else(|| node.attribute("upper"))
             .map_or_else(|| node.tag_at(), |a| a.at.clone());
         let message = format!("the lower limit {lower} is above the upper limit {upper}");
+        if NO_LIMITS.contains(&(lower, upper)) {
+            let message = format!("{message}: PyBullet's way to write \"none\", and read so");
+            let help = "give the range in rad or m, or use type=\"continuous\"";
+            scope.warning("U043", at, &message, help);
+            return None;
+        }
         let help = "exchange them; for a joint without limits use type=\"continuous\"";
         scope.problem("U043", at, &message, help);
         return None;
-    }
-    if given == (false, false) {
-        let message =
-            "<limit> has neither lower nor upper: both count as 0 and the joint cannot move";
-        let help = "give the range in rad or m, or use type=\"fixed\" or \"continuous\"";
-        scope.warning("U044", node.tag_at(), message, help);
     }
     Some((lower, upper))
 }

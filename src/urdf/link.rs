@@ -29,6 +29,8 @@ pub(super) struct CheckedInertial {
     pub(super) mass: f64,
     /// ixx, ixy, ixz, iyy, iyz, izz about the centre of mass, kg m²
     pub(super) inertia: [f64; 6],
+    /// Where `<inertia>` stands.
+    pub(super) at: Range<usize>,
     /// What is wrong with the inertia, if it is wrong for a body on its own.
     pub(super) suspect: Option<Suspect>,
 }
@@ -168,6 +170,7 @@ fn check_inertial(scope: &mut Scope, node: Node) -> Option<CheckedInertial> {
         rpy,
         mass,
         inertia: values,
+        at: inertia_node.tag_at(),
         suspect: None,
     };
     inertia::check(scope, &mut inertial, mass_node, inertia_node);

@@ -32,6 +32,7 @@ use scope::Scope;
 use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use xml::Document;
 
 /// URDF files larger than this, in bytes, are refused.
@@ -50,6 +51,8 @@ pub struct Description {
     pub sources: Vec<PathBuf>,
     /// Warnings and notes, each with its place in the file.
     pub diagnostics: Vec<Diagnostic>,
+    /// The URDF's text, for marks in later findings; empty for a robot that was made in code.
+    pub text: Arc<str>,
 }
 
 /// A link as the file has it.
@@ -186,6 +189,7 @@ pub fn read_str(
     match description {
         Some(description) if !failed => Ok(Description {
             diagnostics,
+            text: text.into(),
             ..description
         }),
         _ => Err(diagnostics),
@@ -225,7 +229,12 @@ fn describe(
     }
     let order = order?;
     match typed::read(&robot, &order) {
-        Ok(typed) => assemble::description(&robot, &order, &typed, &meshes, options.scale),
+        Ok(typed) => {
+            let description =
+                assemble::description(&robot, &order, &typed, &meshes, options.scale)?;
+            inertia::compare_with_shapes(&mut scope, &robot, &order, &description);
+            Some(description)
+        }
         Err(error) => {
             let help = "please report this with the file: the checks should have found it";
             report.error(

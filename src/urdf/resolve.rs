@@ -1,6 +1,10 @@
 //! Mesh file names → files: `package://`, `model://`, `file://`, relative and absolute paths.
 //!
 //! A package is looked for in the package paths, then up from the URDF's folder. ROS itself is not needed.
+//!
+//! A URDF is somebody else's text: what it names is read only where it lies in the robot's own folders or in a package
+//! path, so that no other file of the machine gets into an FMU. The robot's own folders are the URDF's, the one of the
+//! `package.xml` above it, and its parent where its name says that it is one part of a robot's (`urdf`, `robots` …).
 
 use super::ReadOptions;
 use std::fs;
@@ -18,6 +22,40 @@ pub(super) struct Resolver<'o> {
     package_paths: &'o [PathBuf],
     /// `<mujoco><compiler meshdir>`, counted from the URDF's folder.
     mesh_dir: Option<&'o str>,
+    /// Where files may lie, absolute.
+    roots: Vec<PathBuf>,
+}
+
+/// Names of a folder that holds a robot's URDF beside others that hold its meshes.
+const PART_OF_A_ROBOT: [&str; 9] = [
+    "description",
+    "model",
+    "models",
+    "robot",
+    "robots",
+    "sdf",
+    "urdf",
+    "urdfs",
+    "xacro",
+];
+
+/// How far up the robot's `package.xml` may be.
+const DEEPEST_IN_PACKAGE: usize = 6;
+
+/// A mesh file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Found {
+    pub(super) path: PathBuf,
+    /// A symbolic link leads to it from inside the robot's folders: it is read, but not packed.
+    pub(super) linked: bool,
+}
+
+/// Why there is no mesh file.
+#[derive(Debug, PartialEq, Eq)]
+pub(super) enum Missing {
+    NotFound(NotFound),
+    /// It is there, but outside of the robot's folders.
+    Outside(PathBuf),
 }
 
 /// A mesh file that was not found.
@@ -57,25 +95,56 @@ impl<'o> Resolver<'o> {
             base_dir,
             package_paths: &options.package_paths,
             mesh_dir,
+            roots: roots(base_dir, &options.package_paths),
         }
     }
 
     /// The file that `name` means.
-    pub(super) fn find(&self, name: &str) -> Result<PathBuf, NotFound> {
+    pub(super) fn find(&self, name: &str) -> Result<Found, Missing> {
         // Windows tools write backslashes.
         let name = name.trim().replace('\\', "/");
         let (candidates, advice) = self.candidates(&name);
-        if let Some(path) = candidates.iter().find(|path| path.is_file()) {
-            return Ok(tidy(path));
+        let mut outside = None;
+        for candidate in candidates.iter().filter(|c| c.path.is_file()) {
+            let path = tidy(&candidate.path);
+            let root = candidate.package.as_deref();
+            if self.holds(&normal(&path), root) {
+                let linked = fs::canonicalize(&path).is_ok_and(|real| {
+                    !self.holds(
+                        &real,
+                        root.and_then(|r| fs::canonicalize(r).ok()).as_deref(),
+                    )
+                });
+                return Ok(Found { path, linked });
+            }
+            outside.get_or_insert(path);
         }
-        let tried = distinct(candidates.iter().map(|path| tidy(path)));
+        if let Some(path) = outside {
+            return Err(Missing::Outside(path));
+        }
+        let tried = distinct(candidates.iter().map(|c| tidy(&c.path)));
         let hint =
             |path: PathBuf| format!("there is {}: upper and lower case matter", path.display());
-        let advice = other_case(&tried).map_or(advice, hint);
-        Err(NotFound { tried, advice })
+        let looped = tried
+            .iter()
+            .find(|path| fs::symlink_metadata(path).is_ok_and(|m| m.is_symlink()));
+        let advice = match looped {
+            Some(path) => format!("{} is a symbolic link that leads nowhere", path.display()),
+            None => other_case(&tried).map_or(advice, hint),
+        };
+        Err(Missing::NotFound(NotFound { tried, advice }))
     }
 
-    fn candidates(&self, name: &str) -> (Vec<PathBuf>, String) {
+    /// Whether a file lies in the robot's folders, in a package path or in the package that was found for it.
+    fn holds(&self, file: &Path, package: Option<&Path>) -> bool {
+        let package = package.map(normal);
+        self.roots
+            .iter()
+            .chain(&package)
+            .any(|root| file.starts_with(root))
+    }
+
+    fn candidates(&self, name: &str) -> (Vec<Candidate>, String) {
         if name.is_empty() {
             return (Vec::new(), "give the file's name".to_owned());
         }
@@ -113,7 +182,7 @@ impl<'o> Resolver<'o> {
         }
     }
 
-    fn plain(&self, path: &str) -> Vec<PathBuf> {
+    fn plain(&self, path: &str) -> Vec<Candidate> {
         let mut list = vec![self.base_dir.join(path)];
         if let Some(dir) = self.mesh_dir {
             let dir = self.base_dir.join(dir.replace('\\', "/"));
@@ -124,28 +193,42 @@ impl<'o> Resolver<'o> {
         if Path::new(path).is_relative() {
             list.extend(self.package_paths.iter().map(|dir| dir.join(path)));
         }
-        list
+        let candidate = |path| Candidate {
+            path,
+            package: None,
+        };
+        list.into_iter().map(candidate).collect()
     }
 
     /// Every place where `file` of `package` may be.
-    fn in_package(&self, package: &str, file: &str) -> Vec<PathBuf> {
+    fn in_package(&self, package: &str, file: &str) -> Vec<Candidate> {
         let mut list = Vec::new();
+        let mut add = |folder: PathBuf| {
+            list.push(Candidate {
+                path: folder.join(file.trim_start_matches('/')),
+                package: Some(folder),
+            });
+        };
+        // A name such as `..` would lead out of the package path.
+        if package.is_empty() || package.starts_with('.') {
+            return Vec::new();
+        }
         let spellings = spellings(package);
         for dir in self.package_paths {
             if is_package(dir, package) {
-                list.push(dir.join(file));
+                add(dir.clone());
             }
             for spelling in &spellings {
-                list.push(dir.join(spelling).join(file));
+                add(dir.join(spelling));
                 // An install prefix (AMENT_PREFIX_PATH) keeps packages in share/.
-                list.push(dir.join("share").join(spelling).join(file));
+                add(dir.join("share").join(spelling));
             }
             // A source tree keeps them in repositories, one level down.
             for below in folders(dir) {
                 for spelling in &spellings {
                     let folder = below.join(spelling);
                     if folder.is_dir() {
-                        list.push(folder.join(file));
+                        add(folder);
                     }
                 }
             }
@@ -153,14 +236,65 @@ impl<'o> Resolver<'o> {
         let start = fs::canonicalize(self.base_dir).unwrap_or_else(|_| self.base_dir.to_owned());
         for dir in start.ancestors() {
             if is_package(dir, package) {
-                list.push(dir.join(file));
+                add(dir.to_owned());
             }
             for spelling in &spellings {
-                list.push(dir.join(spelling).join(file));
+                add(dir.join(spelling));
             }
         }
         list
     }
+}
+
+/// A place where a file may be.
+struct Candidate {
+    path: PathBuf,
+    /// The package's folder, where the name has a package.
+    package: Option<PathBuf>,
+}
+
+/// Folders that a robot's files may lie in, absolute.
+fn roots(base_dir: &Path, package_paths: &[PathBuf]) -> Vec<PathBuf> {
+    let mut list = vec![normal(base_dir)];
+    let real = fs::canonicalize(base_dir).unwrap_or_else(|_| normal(base_dir));
+    let package = real
+        .ancestors()
+        .take(DEEPEST_IN_PACKAGE)
+        .find(|dir| dir.join("package.xml").is_file());
+    list.extend(package.map(Path::to_owned));
+    let part = |dir: &Path| {
+        let name = dir
+            .file_name()
+            .map(|name| name.to_string_lossy().to_lowercase());
+        name.is_some_and(|name| PART_OF_A_ROBOT.contains(&name.as_str()))
+    };
+    for dir in [list[0].clone(), real] {
+        if part(&dir) {
+            list.extend(dir.parent().map(Path::to_owned));
+        }
+        list.push(dir);
+    }
+    for path in package_paths {
+        list.push(normal(path));
+        list.extend(fs::canonicalize(path).ok());
+    }
+    // A root that is the whole machine is none.
+    list.retain(|root| root.parent().is_some());
+    list
+}
+
+/// Absolute and without `.` and `..`, links not followed.
+fn normal(path: &Path) -> PathBuf {
+    let absolute = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+    let mut normal = PathBuf::new();
+    for part in absolute.components() {
+        match part {
+            Component::ParentDir => drop(normal.pop()),
+            Component::CurDir => {}
+            other => normal.push(other),
+        }
+    }
+    normal
 }
 
 /// The package's name, and the same with hyphens for underscores and the other way round: repositories are
@@ -318,8 +452,8 @@ mod tests {
             ..ReadOptions::default()
         };
         let base = folder.0.join(base);
-        let path = Resolver::new(&base, &options, None).find(name).ok()?;
-        let relative = path.strip_prefix(&folder.0).ok()?;
+        let found = Resolver::new(&base, &options, None).find(name).ok()?;
+        let relative = found.path.strip_prefix(&folder.0).ok()?;
         Some(relative.to_string_lossy().replace('\\', "/"))
     }
 
@@ -390,11 +524,8 @@ mod tests {
             ("x/a.stl", "a.stl"),
             ("b/c.stl", "b/c.stl"),
         ] {
-            assert_eq!(
-                resolver.find(name),
-                Ok(base.join("assets").join(file)),
-                "{name}"
-            );
+            let found = resolver.find(name).map(|found| found.path);
+            assert_eq!(found, Ok(base.join("assets").join(file)), "{name}");
         }
     }
 
@@ -403,7 +534,9 @@ mod tests {
         let folder = Folder::new("case", &[("Link.STL", "")]);
         let options = ReadOptions::default();
         // On a file system that ignores case the file is simply found.
-        if let Err(missing) = Resolver::new(&folder.0, &options, None).find("link.stl") {
+        if let Err(Missing::NotFound(missing)) =
+            Resolver::new(&folder.0, &options, None).find("link.stl")
+        {
             assert!(
                 missing.advice.contains("Link.STL: upper and lower case"),
                 "{missing:?}"
@@ -418,9 +551,11 @@ mod tests {
             ..ReadOptions::default()
         };
         let resolver = Resolver::new(Path::new("/none/urdf"), &options, None);
-        let missing = resolver
-            .find("package://arm/meshes/a.stl")
-            .expect_err("missing");
+        let missing = |name: &str| match resolver.find(name) {
+            Err(Missing::NotFound(missing)) => missing,
+            other => panic!("{name}: {other:?}"),
+        };
+        let found = missing("package://arm/meshes/a.stl");
         for place in [
             "/nowhere/arm/meshes/a.stl",
             "/nowhere/share/arm/meshes/a.stl",
@@ -428,12 +563,116 @@ mod tests {
             "/none/arm/meshes/a.stl",
             "/arm/meshes/a.stl",
         ] {
-            assert!(missing.tried.contains(&PathBuf::from(place)), "{missing:?}");
+            assert!(found.tried.contains(&PathBuf::from(place)), "{found:?}");
         }
-        assert!(missing.help().contains("--package-path"));
-        let missing = resolver.find("http://host/a.stl").expect_err("missing");
-        assert!(missing.help().contains("not supported"));
-        let missing = resolver.find("$(find arm)/a.stl").expect_err("missing");
-        assert!(missing.help().contains("xacro"));
+        assert!(found.help().contains("--package-path"));
+        let help = missing("http://host/a.stl").help();
+        assert!(help.contains("not supported"));
+        assert!(missing("$(find arm)/a.stl").help().contains("xacro"));
+    }
+
+    #[test]
+    fn a_file_outside_of_the_robot_s_folders_is_not_taken() {
+        let folder = Folder::new(
+            "outside",
+            &[
+                ("secret.stl", ""),
+                ("ws/secret.stl", ""),
+                ("ws/bot/r.urdf", ""),
+                ("ws/bot/m/a.stl", ""),
+                ("ws/arm/urdf/r.urdf", ""),
+                ("ws/arm/meshes/b.stl", ""),
+                ("ws/pkg/package.xml", "<name>pkg</name>"),
+                ("ws/pkg/a/b/r.urdf", ""),
+                ("ws/pkg/c.stl", ""),
+            ],
+        );
+        let find = |base: &str, paths: &[&str], name: &str| {
+            let options = ReadOptions {
+                package_paths: paths.iter().map(|p| folder.0.join(p)).collect(),
+                ..ReadOptions::default()
+            };
+            let base = folder.0.join(base);
+            Resolver::new(&base, &options, None)
+                .find(name)
+                .map(|found| found.path)
+        };
+        let there = |file: &str| Ok(folder.0.join(file));
+        let outside = |file: &str| Err(Missing::Outside(folder.0.join(file)));
+        let absolute = |file: &str| folder.0.join(file).display().to_string();
+        // Below the URDF, in its package, beside a folder that is called urdf.
+        assert_eq!(find("ws/bot", &[], "m/../m/a.stl"), there("ws/bot/m/a.stl"));
+        assert_eq!(
+            find("ws/bot", &[], &absolute("ws/bot/m/a.stl")),
+            there("ws/bot/m/a.stl")
+        );
+        assert_eq!(
+            find("ws/pkg/a/b", &[], "../../c.stl"),
+            there("ws/pkg/c.stl")
+        );
+        assert_eq!(
+            find("ws/arm/urdf", &[], "../meshes/b.stl"),
+            there("ws/arm/meshes/b.stl")
+        );
+        // Anywhere else, however it is written.
+        for name in [
+            "../secret.stl",
+            "m/../../secret.stl",
+            &absolute("ws/secret.stl"),
+            &format!("file://{}", absolute("ws/secret.stl")),
+            "package://bot/../secret.stl",
+        ] {
+            assert_eq!(
+                find("ws/bot", &[], name),
+                outside("ws/secret.stl"),
+                "{name}"
+            );
+        }
+        assert_eq!(
+            find("ws/bot", &[], "../../secret.stl"),
+            outside("secret.stl")
+        );
+        assert_eq!(
+            find("ws/arm/urdf", &[], "../../secret.stl"),
+            outside("ws/secret.stl")
+        );
+        assert!(find("ws/bot", &[], "package://../secret.stl").is_err());
+        // Unless the user says that it belongs there.
+        assert_eq!(
+            find("ws/bot", &["ws"], "../secret.stl"),
+            there("ws/secret.stl")
+        );
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn symbolic_links_are_followed_but_told_and_loops_end() {
+        use std::os::unix::fs::symlink;
+        let folder = Folder::new("links", &[("far/a.stl", ""), ("bot/own.stl", "")]);
+        let bot = folder.0.join("bot");
+        for (target, name) in [
+            ("../far/a.stl", "out.stl"),
+            ("own.stl", "in.stl"),
+            ("loop_b.stl", "loop_a.stl"),
+            ("loop_a.stl", "loop_b.stl"),
+            (".", "again"),
+        ] {
+            symlink(target, bot.join(name)).expect("a link");
+        }
+        let options = ReadOptions::default();
+        let resolver = Resolver::new(&bot, &options, None);
+        let linked = |name: &str| resolver.find(name).map(|found| found.linked);
+        assert_eq!(linked("out.stl"), Ok(true));
+        assert_eq!(linked("in.stl"), Ok(false));
+        assert_eq!(linked("again/again/own.stl"), Ok(false));
+        let Err(Missing::NotFound(lost)) = resolver.find("loop_a.stl") else {
+            panic!("a loop leads nowhere");
+        };
+        assert!(lost.advice.contains("leads nowhere"), "{lost:?}");
+        assert!(
+            resolver
+                .find(&format!("{}x.stl", "again/".repeat(500)))
+                .is_err()
+        );
     }
 }

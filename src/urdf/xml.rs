@@ -18,6 +18,9 @@ const DEEPEST: usize = 200;
 /// Most elements that are read: a hundred times the largest robot, and some hundred MB.
 const MOST_ELEMENTS: usize = 1_000_000;
 
+/// Most attributes of one element; that no name stands twice is found out by comparing all pairs.
+const MOST_ATTRIBUTES: usize = 1_000;
+
 /// A tree of elements over the text that it was read from. Element 0 is the root.
 pub(super) struct Document<'t> {
     text: &'t str,
@@ -359,6 +362,15 @@ impl<'t> Builder<'t> {
     ) -> Option<Vec<Attribute>> {
         let mut list = Vec::new();
         for attribute in tag.attributes() {
+            if list.len() >= MOST_ATTRIBUTES {
+                report.error(
+                    "U005",
+                    at.start..name_start,
+                    format!("an element with more than {MOST_ATTRIBUTES} attributes"),
+                    "a robot needs far fewer; the file is refused",
+                );
+                return None;
+            }
             let attribute = match attribute {
                 Ok(attribute) => attribute,
                 Err(error) => {
