@@ -5,8 +5,9 @@
 //! and a capped force, which holds a load without creep. Position servos brake along `v = √(2 a e)` and end in a
 //! critically damped spring, so that they do not overshoot within their effort.
 
+use crate::inputs::{Command, Inputs};
 use crate::model::{ActuatorMode, Model};
-use crate::parameters::{Inputs, Parameters};
+use crate::parameters::Parameters;
 use crate::simulation::ParameterSlot;
 use crate::tree::Tree;
 
@@ -81,12 +82,14 @@ pub enum Drive {
         /// Relative to the target.
         element: ElastoPlastic,
     },
-    /// Position servo: `F = clamp(load + gain (v_des(target − q) − v), ±cap)`.
+    /// Position servo: `F = clamp(load + gain (rate + v_des(target − q) − v), ±cap)`.
     Position {
         /// What gravity and motion ask of the joint, N·m or N: carried without an error.
         load: f64,
-        /// `target − q` at the start of the step.
+        /// Target at the end of the step minus `q` at its start.
         error: f64,
+        /// Speed of the target, rad/s or m/s: a moving target is followed without lag.
+        rate: f64,
         /// N·m·s/rad or N·s/m
         gain: f64,
         /// Slope of `v_des` near the target, 1/s.
@@ -128,16 +131,17 @@ impl Drive {
             Self::Position {
                 load,
                 error,
+                rate,
                 gain,
                 slope,
                 braking,
                 speed,
                 cap,
             } => {
-                let (desired, rate) = desired_speed(error - h * v, slope, braking, speed);
+                let (desired, change) = servo_speed(error - h * v, rate, slope, braking, speed);
                 let force = load + gain * (desired - v);
                 if force.abs() <= cap {
-                    (force, -gain * (h * rate + 1.0))
+                    (force, -gain * (h * change + 1.0))
                 } else {
                     (cap.copysign(force), 0.0)
                 }
@@ -178,6 +182,7 @@ impl Drive {
             } => (element.cap, (v - target).abs()),
             Self::Position {
                 error,
+                rate,
                 slope,
                 braking,
                 speed,
@@ -185,7 +190,7 @@ impl Drive {
                 ..
             } => (
                 cap,
-                (desired_speed(error, slope, braking, speed).0 - v).abs(),
+                (servo_speed(error, rate, slope, braking, speed).0 - v).abs(),
             ),
             Self::Pd {
                 offset, kd, cap, ..
@@ -217,6 +222,24 @@ fn desired_speed(e: f64, slope: f64, braking: f64, limit: f64) -> (f64, f64) {
     } else {
         (limit.copysign(e), 0.0)
     }
+}
+
+/// [`desired_speed`] towards a target that moves at `rate`, within `limit`, and its derivative with the distance.
+#[inline]
+fn servo_speed(e: f64, rate: f64, slope: f64, braking: f64, limit: f64) -> (f64, f64) {
+    let (speed, change) = desired_speed(e, slope, braking, limit);
+    let total = speed + rate;
+    if total.abs() <= limit {
+        (total, change)
+    } else {
+        (limit.copysign(total), 0.0)
+    }
+}
+
+/// Effort of an actuator in effort mode.
+pub fn effort(model: &Model, index: usize, command: &Command) -> f64 {
+    let limit = model.actuators[index].max_effort;
+    command.effort.clamp(-limit, limit)
 }
 
 /// What a joint term gives for a velocity.
@@ -332,6 +355,7 @@ impl Joints {
 
     /// Sets up the terms for a step from the given positions and displacements.
     ///
+    /// - `inputs`: over the `h` seconds that begin `t` seconds after the communication point
     /// - `inertia`: `M_kk` of degree of freedom `k`; `bias`: `k(q, v)`; both at the start of the step
     #[expect(
         clippy::too_many_arguments,
@@ -343,6 +367,7 @@ impl Joints {
         tree: &Tree,
         parameters: &Parameters,
         inputs: &Inputs,
+        [t, h]: [f64; 2],
         q: &[f64],
         motor: &[f64],
         dry: &[f64],
@@ -373,7 +398,8 @@ impl Joints {
             }
             let Some(index) = term.actuator else { continue };
             let actuator = &model.actuators[index];
-            let [velocity, position, effort, cap] = inputs.command(index);
+            let command = inputs.command(index, t, h);
+            let cap = command.max_effort;
             let q = q[body.coordinate];
             let reference = actuator.reference_effort;
             term.drive = match actuator.mode {
@@ -383,9 +409,7 @@ impl Joints {
                 {
                     Drive::None
                 }
-                ActuatorMode::Effort => {
-                    Drive::Effort(effort.clamp(-actuator.max_effort, actuator.max_effort))
-                }
+                ActuatorMode::Effort => Drive::Effort(effort(model, index, &command)),
                 ActuatorMode::Velocity => {
                     let (stiffness, damping) = tree.motors[index];
                     let element = ElastoPlastic {
@@ -395,7 +419,7 @@ impl Joints {
                         displacement: motor[index],
                     };
                     Drive::Velocity {
-                        target: velocity,
+                        target: command.velocity,
                         element,
                     }
                 }
@@ -407,7 +431,8 @@ impl Joints {
                     let joint = &model.joints[actuator.joint.index()];
                     Drive::Position {
                         load: bias[dof],
-                        error: position - q,
+                        error: command.position - q,
+                        rate: command.rate,
                         gain,
                         slope: kp / gain,
                         braking: BRAKING_SHARE * free / inertia,
@@ -420,7 +445,9 @@ impl Joints {
                     let kp = parameters.get(ParameterSlot::Kp(id));
                     let kd = parameters.get(ParameterSlot::Kd(id));
                     Drive::Pd {
-                        offset: effort + kp * (position - q) + kd * velocity,
+                        offset: command.effort
+                            + kp * (command.position - q)
+                            + kd * command.velocity,
                         kp,
                         kd,
                         cap,
@@ -461,6 +488,7 @@ mod tests {
             Drive::Position {
                 load: 0.4,
                 error: 0.3,
+                rate: 0.1,
                 gain: 20.0,
                 slope: 30.0,
                 braking: 5.0,

@@ -34,7 +34,7 @@
 //! ```
 //!
 //! Inside, from the bottom up: [`spatial`] vectors, [`geometry`] of shapes, [`sparsity`] of the joint-space matrix; the
-//! [`tree`] that follows from a model and its [`parameters`], the [`state`]; [`kinematics`], [`actuator`]s;
+//! [`tree`] that follows from a model and its [`parameters`], the [`inputs`], the [`state`]; [`kinematics`], [`actuator`]s;
 //! [`dynamics`] and [`contact`]; the [`step`]. The method is described in `docs/design.md`.
 //!
 //! # Bibliography
@@ -55,6 +55,7 @@ pub mod assemble;
 pub mod contact;
 pub mod dynamics;
 pub mod geometry;
+pub mod inputs;
 pub mod kinematics;
 pub mod model;
 pub mod parameters;

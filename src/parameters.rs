@@ -1,9 +1,10 @@
-//! What a user may set, and what the robot is commanded: flat lists of numbers with one index function each.
+//! What a user may set: a flat list of numbers with one index function.
 //!
-//! What follows from the parameters (inertias, stiffness) is in [`crate::tree`].
+//! What follows from the parameters (inertias, stiffness) is in [`crate::tree`]; what the robot is commanded, in
+//! [`crate::inputs`].
 
 use crate::model::Model;
-use crate::simulation::{InputSlot, ParameterSlot};
+use crate::simulation::ParameterSlot;
 
 /// Values of all parameters of a model.
 #[derive(Clone, Debug, PartialEq)]
@@ -80,87 +81,5 @@ impl Parameters {
     pub fn set(&mut self, slot: ParameterSlot, value: f64) {
         let index = self.index(slot);
         self.values[index] = value;
-    }
-}
-
-/// Values of all inputs of a model.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Inputs {
-    actuators: usize,
-    /// Per link, its place among those with an external wrench.
-    wrench: Vec<Option<u32>>,
-    /// In the order that `Self::index` gives.
-    pub values: Vec<f64>,
-}
-
-impl Inputs {
-    /// Start values: positions as initialised, efforts as the model says, all else 0.
-    pub fn new(model: &Model) -> Self {
-        let n = model.actuators.len();
-        let mut wrench = vec![None; model.links.len()];
-        for (place, link) in (0..).zip(&model.outputs.external_wrenches) {
-            wrench[link.index()] = Some(place);
-        }
-        let mut values = vec![0.0; n];
-        values.extend(
-            model
-                .actuators
-                .iter()
-                .map(|a| model.initial.joint_positions[a.joint.index()]),
-        );
-        values.extend(std::iter::repeat_n(0.0, n));
-        values.extend(model.actuators.iter().map(|a| a.max_effort));
-        values.extend(std::iter::repeat_n(
-            0.0,
-            6 * model.outputs.external_wrenches.len(),
-        ));
-        Self {
-            actuators: n,
-            wrench,
-            values,
-        }
-    }
-
-    fn index(&self, slot: InputSlot) -> Option<usize> {
-        let n = self.actuators;
-        let wrench =
-            |link: crate::model::LinkId| self.wrench[link.index()].map(|w| 4 * n + 6 * w as usize);
-        match slot {
-            InputSlot::Velocity(a) => Some(a.index()),
-            InputSlot::Position(a) => Some(n + a.index()),
-            InputSlot::Effort(a) => Some(2 * n + a.index()),
-            InputSlot::MaxEffort(a) => Some(3 * n + a.index()),
-            InputSlot::ExternalTorque(link, axis) => wrench(link).map(|w| w + axis as usize),
-            InputSlot::ExternalForce(link, axis) => wrench(link).map(|w| w + 3 + axis as usize),
-        }
-    }
-
-    /// Value of an input; 0 for the wrench of a link that has none.
-    pub fn get(&self, slot: InputSlot) -> f64 {
-        self.index(slot).map_or(0.0, |i| self.values[i])
-    }
-
-    /// Sets an input; ignored for the wrench of a link that has none.
-    pub fn set(&mut self, slot: InputSlot, value: f64) {
-        if let Some(index) = self.index(slot) {
-            self.values[index] = value;
-        }
-    }
-
-    /// Velocity, position, effort and effort limit commanded to actuator `a`.
-    pub fn command(&self, a: usize) -> [f64; 4] {
-        let n = self.actuators;
-        [
-            self.values[a],
-            self.values[n + a],
-            self.values[2 * n + a],
-            self.values[3 * n + a],
-        ]
-    }
-
-    /// Torque and force of the external wrench number `place`, world axes.
-    pub fn wrench(&self, place: usize) -> [f64; 6] {
-        let start = 4 * self.actuators + 6 * place;
-        std::array::from_fn(|i| self.values[start + i])
     }
 }

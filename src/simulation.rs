@@ -4,9 +4,9 @@
 //! set inputs and tunable parameters, [`Simulation::advance_to`], read outputs, and again.
 
 use crate::dynamics::crba;
-use crate::dynamics::rnea::ExternalWrench;
+use crate::inputs::Inputs;
 use crate::model::{ActuatorId, JointId, LinkId, Model};
-use crate::parameters::{Inputs, Parameters};
+use crate::parameters::Parameters;
 use crate::readout::Readout;
 pub use crate::snapshot::Snapshot;
 use crate::spatial::{Vec3, quaternion_from_rotation, rotation_from_rpy};
@@ -146,10 +146,11 @@ pub struct Simulation {
     hash: u64,
     parameters: Parameters,
     inputs: Inputs,
+    /// Inputs as the last step ended with them: outputs show no others.
+    applied: Inputs,
     state: State,
     tree: Tree,
     stepper: Stepper,
-    wrenches: Vec<ExternalWrench>,
     readout: Readout,
     importer_tolerance: f64,
     start: f64,
@@ -190,13 +191,13 @@ pub enum SimulationError {
 
 /// What a step and a readout look at. A macro, because a method would borrow what they change, too.
 macro_rules! context {
-    ($simulation:ident) => {
+    ($simulation:ident, $inputs:ident) => {
         Context {
             model: &$simulation.model,
             tree: &$simulation.tree,
             parameters: &$simulation.parameters,
-            inputs: &$simulation.inputs,
-            wrenches: &$simulation.wrenches,
+            inputs: &$simulation.$inputs,
+            elapsed: 0.0,
             tolerance: $simulation.tolerance(),
             fixed_step: $simulation.parameters.get(ParameterSlot::StepSize),
         }
@@ -217,9 +218,9 @@ impl Simulation {
             state: State::new(&model),
             stepper: Stepper::new(&model, &tree),
             readout: Readout::new(&model, &tree),
-            wrenches: Vec::with_capacity(model.outputs.external_wrenches.len()),
             model,
             parameters,
+            applied: inputs.clone(),
             inputs,
             tree,
             importer_tolerance: 0.0,
@@ -296,9 +297,10 @@ impl Simulation {
         self.state = initial_state(&self.model, &self.parameters, self.start);
         self.scale_tree(&self.state.q.clone());
         for (index, last) in self.state.commands.iter_mut().enumerate() {
-            *last = self.inputs.command(index);
+            *last = self.inputs.values(index, 0.0);
         }
-        self.set_wrenches();
+        self.inputs.gather(&self.model, &self.tree);
+        self.applied.copy_from(&self.inputs);
         self.stale = false;
         self.readout.invalidate();
     }
@@ -338,14 +340,31 @@ impl Simulation {
             return;
         }
         self.inputs.set(slot, value);
+        self.input_changed(slot);
+    }
+
+    /// Sets the time derivative of order 1 … [`crate::inputs::INPUT_ORDERS`] of an input, for the next step: there the
+    /// input follows its Taylor polynomial, after it the input stays where that has ended and its derivatives are 0.
+    /// `value` is finite.
+    pub fn set_input_derivative(&mut self, slot: InputSlot, order: usize, value: f64) {
+        if self.inputs.set_derivative(slot, order, value) {
+            self.input_changed(slot);
+        }
+    }
+
+    /// What hangs on an input follows it. Outputs do not, once a simulation runs.
+    fn input_changed(&mut self, slot: InputSlot) {
         self.state.ahead.input_changed();
         if matches!(
             slot,
             InputSlot::ExternalForce(..) | InputSlot::ExternalTorque(..)
         ) {
-            self.set_wrenches();
+            self.inputs.gather(&self.model, &self.tree);
         }
-        self.readout.invalidate();
+        if !self.initialized {
+            self.applied.copy_from(&self.inputs);
+            self.readout.invalidate();
+        }
     }
 
     /// Reads an input back.
@@ -413,24 +432,8 @@ impl Simulation {
         if self.stale {
             self.place();
         }
-        let ctx = context!(self);
+        let ctx = context!(self, applied);
         self.readout.read(&ctx, &self.state, slot)
-    }
-
-    /// The external wrenches that the inputs ask for.
-    fn set_wrenches(&mut self) {
-        self.wrenches.clear();
-        for (place, link) in self.model.outputs.external_wrenches.iter().enumerate() {
-            let wrench = self.inputs.wrench(place);
-            if wrench.iter().any(|x| *x != 0.0) {
-                let link = link.index();
-                self.wrenches.push(ExternalWrench {
-                    body: self.model.links[link].body.index(),
-                    point: self.tree.link_pose[link].point(&self.model.links[link].inertia.com),
-                    wrench,
-                });
-            }
-        }
     }
 
     /// Error allowed per step, as parameter, importer and default say.
@@ -457,13 +460,30 @@ impl Simulation {
         if end.is_nan() || end <= self.state.time {
             return Ok(());
         }
-        let ctx = context!(self);
+        let span = end - self.state.time;
+        let refused = |time| SimulationError::NotFinite {
+            time,
+            hint: "forces or commands are out of all proportion to the masses",
+        };
+        if !self.inputs.is_finite_at(span) {
+            return Err(refused(self.state.time));
+        }
+        let ctx = context!(self, inputs);
         let result = self.stepper.advance(&ctx, &mut self.state, end);
         self.readout.invalidate();
-        result.map_err(|_| SimulationError::NotFinite {
-            time: self.state.time,
-            hint: "forces or commands are out of all proportion to the masses",
-        })
+        if result.is_err() {
+            return Err(refused(self.state.time));
+        }
+        self.applied.copy_from(&self.inputs);
+        if self.inputs.varies() {
+            self.applied.shift(span);
+            self.applied.gather(&self.model, &self.tree);
+            self.inputs.copy_from(&self.applied);
+            self.inputs.hold();
+            self.inputs.gather(&self.model, &self.tree);
+            self.state.ahead.input_changed();
+        }
+        Ok(())
     }
 
     /// Current time, s.
@@ -479,7 +499,8 @@ impl Simulation {
         Snapshot {
             hash: self.hash,
             parameters: self.parameters.values.clone(),
-            inputs: self.inputs.values.clone(),
+            inputs: self.inputs.numbers.clone(),
+            applied: self.applied.numbers.clone(),
             state,
             importer_tolerance: self.importer_tolerance,
             start: self.start,
@@ -494,7 +515,8 @@ impl Simulation {
             return;
         }
         snapshot.parameters.copy_from_slice(&self.parameters.values);
-        snapshot.inputs.copy_from_slice(&self.inputs.values);
+        snapshot.inputs.copy_from_slice(&self.inputs.numbers);
+        snapshot.applied.copy_from_slice(&self.applied.numbers);
         snapshot.state.copy_from(&self.state);
         snapshot.importer_tolerance = self.importer_tolerance;
         snapshot.start = self.start;
@@ -513,14 +535,16 @@ impl Simulation {
         }
         let same = self.parameters.values == snapshot.parameters && !self.stale;
         self.parameters.values.copy_from_slice(&snapshot.parameters);
-        self.inputs.values.copy_from_slice(&snapshot.inputs);
+        self.inputs.restore(&snapshot.inputs);
         self.importer_tolerance = snapshot.importer_tolerance;
         self.start = snapshot.start;
         self.initialized = snapshot.initialized;
         if !same {
             self.place();
         }
-        self.set_wrenches();
+        self.inputs.gather(&self.model, &self.tree);
+        self.applied.restore(&snapshot.applied);
+        self.applied.gather(&self.model, &self.tree);
         self.state.copy_from(&snapshot.state);
         // Before initialisation the state follows from the parameters.
         self.stale = !self.initialized;

@@ -1,19 +1,20 @@
 //! Saved states: everything that a later run needs to go on bit for bit. The workspace is not in it.
 //!
 //! Bytes, little-endian: magic `U2FS`, format version (u32), hash of the model (u64), then lists, each with its
-//! length (u64): parameters, inputs, the state's fields, the run's settings; the counters; the number of touches and of
-//! coefficients of the smooth step under way; the touches (slot, displacement, angle and touch-down speed of each);
+//! length (u64): parameters, inputs, inputs as the last step ended with them, the state's fields, the run's settings;
+//! the counters; the number of touches and of coefficients of the smooth step under way; the touches (slot, displacement, angle and touch-down speed of each);
 //! the coefficients; last an FNV-1a checksum (u64) of all before it. Lengths must be those of the model, so that nothing is
 //! allocated on a stranger's word.
 
+use crate::inputs::Inputs;
 use crate::model::Model;
-use crate::parameters::{Inputs, Parameters};
+use crate::parameters::Parameters;
 use crate::simulation::{SimulationError, fnv, model_hash};
 use crate::state::ahead::COEFFICIENTS;
 use crate::state::{State, Touch};
 
 const MAGIC: &[u8; 4] = b"U2FS";
-const VERSION: u32 = 3;
+const VERSION: u32 = 4;
 
 /// Bytes of a saved touch: slot and numbers.
 const TOUCH: usize = 64;
@@ -24,6 +25,7 @@ pub struct Snapshot {
     pub(crate) hash: u64,
     pub(crate) parameters: Vec<f64>,
     pub(crate) inputs: Vec<f64>,
+    pub(crate) applied: Vec<f64>,
     pub(crate) state: State,
     pub(crate) importer_tolerance: f64,
     pub(crate) start: f64,
@@ -45,6 +47,7 @@ impl Snapshot {
         };
         list(&self.parameters);
         list(&self.inputs);
+        list(&self.applied);
         for field in self.state.fields() {
             list(field);
         }
@@ -74,9 +77,10 @@ impl Snapshot {
         let fields = self.state.fields();
         let numbers = self.parameters.len()
             + self.inputs.len()
+            + self.applied.len()
             + fields.iter().map(|f| f.len()).sum::<usize>()
             + 2;
-        let lists = fields.len() + 3;
+        let lists = fields.len() + 4;
         let touches = TOUCH / 8 * self.state.touches.len();
         let coefficients = self.state.ahead.coefficients.len();
         16 + 8 * (numbers + lists + self.state.counters.len() + touches + coefficients + 4)
@@ -104,10 +108,12 @@ impl Snapshot {
             reason: reason.into(),
         };
         let hash = model_hash(model);
+        let start = Inputs::new(model);
         let mut snapshot = Self {
             hash,
             parameters: Parameters::new(model).values,
-            inputs: Inputs::new(model).values,
+            inputs: start.numbers.clone(),
+            applied: start.numbers.clone(),
             state: State::new(model),
             importer_tolerance: 0.0,
             start: 0.0,
@@ -136,10 +142,11 @@ impl Snapshot {
         let Self {
             parameters,
             inputs,
+            applied,
             state,
             ..
         } = &mut snapshot;
-        let mut complete = reader.list(parameters) && reader.list(inputs);
+        let mut complete = reader.list(parameters) && reader.list(inputs) && reader.list(applied);
         for field in state.fields_mut() {
             complete = complete && reader.list(field);
         }
@@ -169,9 +176,10 @@ impl Snapshot {
         let ahead = &snapshot.state.ahead;
         complete = complete && (ahead.is_empty() || ahead.length > 0.0);
         [snapshot.importer_tolerance, snapshot.start] = tail;
-        // Effort limits may be infinite; nothing may be NaN.
+        // Effort limits may be infinite.
         let sound = snapshot.parameters.iter().all(|x| x.is_finite())
-            && !snapshot.inputs.iter().any(|x| x.is_nan())
+            && start.is_sound(&snapshot.inputs)
+            && start.is_sound(&snapshot.applied)
             && snapshot.state.is_finite();
         if !complete || !sound {
             return Err(refused("its contents are not those of a state"));

@@ -7,7 +7,8 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
-use super::rnea::{ExternalWrench, add_wrenches};
+use super::rnea::add_wrenches;
+use crate::inputs::ExternalWrench;
 use crate::kinematics::Kinematics;
 use crate::spatial::{
     Mat3, Vec6, add_scaled6, add6, angular, cross_force, cross_motion, dot6, linear, multiply_lower,
@@ -50,7 +51,7 @@ impl Articulated {
     ///
     /// - `kin`: poses, joint motions, inertias, and velocities for `v`
     /// - `tau`: `nv`, N·m or N
-    /// - `wrenches`: external wrenches on bodies
+    /// - `wrenches`: external wrenches on bodies, and the time since the communication point
     /// - `vdot`: `nv`, overwritten
     ///
     /// # Panics
@@ -61,7 +62,7 @@ impl Articulated {
         kin: &Kinematics,
         v: &[f64],
         tau: &[f64],
-        wrenches: &[ExternalWrench],
+        (wrenches, t): (&[ExternalWrench], f64),
         vdot: &mut [f64],
     ) {
         assert!(
@@ -97,7 +98,7 @@ impl Articulated {
             self.IA[b] = I.lower();
             self.pA[b] = cross_force(V, &I.mul(V));
         }
-        add_wrenches(kin, wrenches, &mut self.pA);
+        add_wrenches(kin, wrenches, t, &mut self.pA);
         for b in (1..tree.bodies.len()).rev() {
             let body = &tree.bodies[b];
             if body.columns == 1 {

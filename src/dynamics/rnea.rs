@@ -4,31 +4,19 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
+use crate::inputs::ExternalWrench;
 use crate::kinematics::Kinematics;
-use crate::spatial::{
-    Vec3, Vec6, add_scaled6, add6, angular, cross_force, cross_motion, dot6, linear,
-};
+use crate::spatial::{Vec6, add_scaled6, add6, angular, cross_force, cross_motion, dot6, linear};
 use crate::tree::{Move, Tree};
-
-/// Torque and force on a body about its link's centre of mass, see [`bias`].
-#[derive(Clone, Copy, Debug)]
-pub struct ExternalWrench {
-    /// Index of the body.
-    pub body: usize,
-    /// Point of attack in the body's solver frame, m.
-    pub point: Vec3,
-    /// `[τ; f]`, world axes.
-    pub wrench: Vec6,
-}
 
 /// Fills `kin.bias` with `k(q, v)`, so that `M vdot + k = tau`, from `kin.S`, `kin.V` and `kin.I`.
 ///
 /// - `v`: `nv`, the velocities that `kin.V` was made from
-/// - `wrenches`: external wrenches on bodies; they are taken off the bias
-pub fn bias(tree: &Tree, kin: &mut Kinematics, v: &[f64], wrenches: &[ExternalWrench]) {
+/// - `wrenches`: external wrenches on bodies, `t` seconds after the communication point; they are taken off the bias
+pub fn bias(tree: &Tree, kin: &mut Kinematics, v: &[f64], wrenches: &[ExternalWrench], t: f64) {
     let mut force = std::mem::take(&mut kin.force);
     body_forces(tree, kin, v, &mut force);
-    add_wrenches(kin, wrenches, &mut force);
+    add_wrenches(kin, wrenches, t, &mut force);
     kin.force = force;
     let Kinematics { S, force, bias, .. } = kin;
     if !tree.pure {
@@ -98,11 +86,17 @@ fn body_forces(tree: &Tree, kin: &mut Kinematics, v: &[f64], force: &mut [Vec6])
 }
 
 /// Takes external wrenches off the forces that the bodies need.
-pub(super) fn add_wrenches(kin: &Kinematics, wrenches: &[ExternalWrench], force: &mut [Vec6]) {
+pub(super) fn add_wrenches(
+    kin: &Kinematics,
+    wrenches: &[ExternalWrench],
+    t: f64,
+    force: &mut [Vec6],
+) {
     for w in wrenches {
         let x = kin.X[w.body].point(&w.point);
-        let f = linear(&w.wrench);
-        let torque = angular(&w.wrench) + x.cross(&f);
+        let wrench = w.at(t);
+        let f = linear(&wrench);
+        let torque = angular(&wrench) + x.cross(&f);
         let F = &mut force[w.body];
         for i in 0..3 {
             F[i] -= torque[i];

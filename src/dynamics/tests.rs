@@ -57,7 +57,7 @@ impl Case {
         self.kin.update_poses(&self.tree, &self.q);
         self.kin.update_velocities(&self.tree, &self.v);
         crba::mass_matrix(&self.tree, &mut self.kin);
-        rnea::bias(&self.tree, &mut self.kin, &self.v, &[]);
+        rnea::bias(&self.tree, &mut self.kin, &self.v, &[], 0.0);
     }
 
     /// `M⁻¹ (tau − k)`.
@@ -99,7 +99,7 @@ fn aba_agrees_with_crba_and_rnea_on_random_trees() {
         let tau: Vec<f64> = case.v.iter().map(|_| random.uniform(-5.0, 5.0)).collect();
         let mut vdot = vec![0.0; case.v.len()];
         let mut aba = Articulated::new(&case.tree);
-        aba.accelerations(&case.tree, &case.kin, &case.v, &tau, &[], &mut vdot);
+        aba.accelerations(&case.tree, &case.kin, &case.v, &tau, (&[], 0.0), &mut vdot);
         close(&vdot, &case.accelerations(&tau), 1e-11);
     }
 }
@@ -119,7 +119,7 @@ fn aba_agrees_with_crba_and_rnea_on_a_fixed_serial_arm() {
         let tau = vec![1.0; case.v.len()];
         let mut vdot = vec![0.0; case.v.len()];
         let mut aba = Articulated::new(&case.tree);
-        aba.accelerations(&case.tree, &case.kin, &case.v, &tau, &[], &mut vdot);
+        aba.accelerations(&case.tree, &case.kin, &case.v, &tau, (&[], 0.0), &mut vdot);
         close(&vdot, &case.accelerations(&tau), 1e-11);
     }
 }

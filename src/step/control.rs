@@ -8,13 +8,13 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
-use crate::actuator::Joints;
+use crate::actuator::{Drive, JointTerm, Joints};
 use crate::contact::{Contact, Turn, detect, find_turns, is_clear};
-use crate::dynamics::rnea::ExternalWrench;
 use crate::dynamics::{crba, rnea};
+use crate::inputs::Inputs;
 use crate::kinematics::{Kinematics, advance, difference, forward};
 use crate::model::Model;
-use crate::parameters::{Inputs, Parameters};
+use crate::parameters::Parameters;
 use crate::spatial::{Vec3, velocity_at};
 use crate::state::{State, Touch};
 use crate::step::convex::{Newton, Problem};
@@ -57,14 +57,24 @@ pub struct Context<'a> {
     pub tree: &'a Tree,
     /// Gains.
     pub parameters: &'a Parameters,
-    /// Commands.
+    /// Commands, and wrenches from outside.
     pub inputs: &'a Inputs,
-    /// Wrenches from outside.
-    pub wrenches: &'a [ExternalWrench],
+    /// Time since the communication point at which the inputs were set, s.
+    pub elapsed: f64,
     /// Error allowed per step.
     pub tolerance: f64,
     /// Fixed step, s; 0 for error control.
     pub fixed_step: f64,
+}
+
+impl Context<'_> {
+    /// The same, `h` seconds later.
+    pub(crate) fn after(&self, h: f64) -> Self {
+        Self {
+            elapsed: self.elapsed + h,
+            ..*self
+        }
+    }
 }
 
 /// The state stopped being finite at the smallest step.
@@ -120,7 +130,8 @@ impl Point {
     fn update_motion(&mut self, ctx: &Context, state: &State, h: f64) {
         let tree = ctx.tree;
         self.kin.update_velocities(tree, &state.v);
-        rnea::bias(tree, &mut self.kin, &state.v, ctx.wrenches);
+        let wrenches = &ctx.inputs.wrenches;
+        rnea::bias(tree, &mut self.kin, &state.v, wrenches, ctx.elapsed);
         tree.sparsity
             .multiply(&self.kin.M, &state.v, &mut self.kin.momentum);
         self.find_terms(ctx, state, h);
@@ -152,17 +163,30 @@ impl Point {
             &self.contacts,
             &mut self.turns,
         );
+        self.find_joint_terms(ctx, state, 0.0);
+    }
+
+    /// Joint terms for a step of `h` seconds: commands that vary count as they are at its end.
+    fn find_joint_terms(&mut self, ctx: &Context, state: &State, h: f64) {
         self.joints.update(
-            model,
-            tree,
+            ctx.model,
+            ctx.tree,
             ctx.parameters,
             ctx.inputs,
+            [ctx.elapsed, h],
             &state.q,
             &state.motor,
             &state.dry,
             &self.kin.inverse_diagonal,
             &self.kin.bias,
         );
+    }
+
+    /// Joint terms for a step of `h` seconds from here, where commands vary.
+    fn expect_commands(&mut self, ctx: &Context, state: &State, h: f64) {
+        if ctx.inputs.varies() {
+            self.find_joint_terms(ctx, state, h);
+        }
     }
 
     fn problem<'a>(&'a self, tree: &'a Tree, h: f64, accuracy: f64) -> Problem<'a> {
@@ -236,7 +260,7 @@ impl Stepper {
             state.time = end;
             state.ahead.changed = 0.0;
             for (index, last) in state.commands.iter_mut().enumerate() {
-                *last = ctx.inputs.command(index);
+                *last = ctx.inputs.values(index, state.last_step);
             }
             Ok(())
         } else {
@@ -257,6 +281,7 @@ impl Stepper {
         let h = span / count;
         let mut done = 0.0;
         while done < count {
+            let ctx = &ctx.after(done * h);
             self.start.update(ctx, state, h);
             if self.rest(ctx, state, h, span - done * h, FIXED_ACCURACY) {
                 return Ok(());
@@ -270,6 +295,7 @@ impl Stepper {
     /// One solve with the friction cone and the bias of the start, one with those of the middle.
     fn fixed_step(&mut self, ctx: &Context, state: &mut State, h: f64) -> Result<(), NotFinite> {
         let tree = ctx.tree;
+        self.start.expect_commands(ctx, state, h);
         let problem = self.start.problem(tree, h, FIXED_ACCURACY);
         self.full.guess_start(&problem, &state.v);
         let outcome = self.full.solve(&problem);
@@ -285,7 +311,8 @@ impl Stepper {
             *g = 0.5 * (a + b);
         }
         forward(tree, &self.start.kin.S, &self.guess, &mut self.start.kin.V);
-        rnea::bias(tree, &mut self.start.kin, &self.guess, ctx.wrenches);
+        let (wrenches, middle) = (&ctx.inputs.wrenches, ctx.elapsed + 0.5 * h);
+        rnea::bias(tree, &mut self.start.kin, &self.guess, wrenches, middle);
         let outcome = self
             .full
             .solve(&self.start.problem(tree, h, FIXED_ACCURACY));
@@ -323,6 +350,7 @@ impl Stepper {
             proposed = proposed.min(state.step[1]);
         }
         while done < span {
+            let ctx = &ctx.after(done);
             let remaining = span - done;
             if !current {
                 let h = landing(proposed.min(MAX_STEP), remaining);
@@ -350,7 +378,7 @@ impl Stepper {
                     // The last stage stands at the new state: it tells whether the next step may be explicit, too.
                     std::mem::swap(&mut self.start.kin, &mut self.middle.kin);
                     let next = landing(proposed.min(MAX_STEP), span - done);
-                    self.start.find_terms(ctx, state, next);
+                    self.start.find_terms(&ctx.after(h), state, next);
                     current = true;
                 } else if error.is_finite() || h > MIN_STEP {
                     state.counters[1] += 1;
@@ -438,13 +466,19 @@ impl Stepper {
 
     /// Whether no joint has anything but efforts and gentle damping.
     fn nothing_stiff(&self, ctx: &Context) -> bool {
+        // A motor that is let go may take hold again within the step.
+        let may_become_stiff = |term: &JointTerm| {
+            ctx.inputs.varies()
+                && term.actuator.is_some()
+                && !matches!(term.drive, Drive::Effort(_))
+        };
         self.start.contacts.is_empty()
-            && self
-                .start
-                .joints
-                .terms
-                .iter()
-                .all(|term| !term.drive.is_stiff() && term.dry.cap <= 0.0 && term.damping >= 0.0)
+            && self.start.joints.terms.iter().all(|term| {
+                !term.drive.is_stiff()
+                    && !may_become_stiff(term)
+                    && term.dry.cap <= 0.0
+                    && term.damping >= 0.0
+            })
             && ctx.fixed_step == 0.0
     }
 
@@ -459,9 +493,8 @@ impl Stepper {
     /// Explicit step into `self.explicit`; returns its error relative to the tolerance.
     fn explicit_step(&mut self, ctx: &Context, pair: &Pair, state: &State, h: f64) -> f64 {
         let system = Smooth {
-            tree: ctx.tree,
+            ctx: *ctx,
             joints: &self.start.joints.terms,
-            wrenches: ctx.wrenches,
         };
         let (start, middle) = (&self.start.kin, &mut self.middle.kin);
         self.explicit
@@ -491,10 +524,10 @@ impl Stepper {
         let mut capped = proposed;
         for term in &self.start.joints.terms {
             let Some(index) = term.actuator else { continue };
-            let command = ctx.inputs.command(index);
+            let command = ctx.inputs.values(index, 0.0);
             #[expect(clippy::float_cmp, reason = "any change counts")]
             let unchanged = command == state.commands[index];
-            if unchanged {
+            if unchanged && !ctx.inputs.varies() {
                 continue;
             }
             let (cap, error) = term.drive.velocity_error(state.v[term.dof]);
@@ -534,7 +567,8 @@ impl Stepper {
         accuracy: f64,
     ) -> bool {
         let speed = state.v.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
-        if speed >= REST_SPEED {
+        // Forces that balance now need not balance later if a command changes.
+        if speed >= REST_SPEED || ctx.inputs.varies() {
             return false;
         }
         if speed > 0.0 {
@@ -573,9 +607,11 @@ impl Stepper {
     /// Solves over `h` and twice over `h/2`; returns the error relative to the tolerance, infinite if a solve fails.
     fn doubled_step(&mut self, ctx: &Context, state: &mut State, h: f64, accuracy: f64) -> f64 {
         let tree = ctx.tree;
+        self.start.expect_commands(ctx, state, h);
         let problem = self.start.problem(tree, h, accuracy);
         self.full.guess_start(&problem, &state.v);
         let full = self.full.solve(&problem);
+        self.start.expect_commands(ctx, state, 0.5 * h);
         let problem = self.start.problem(tree, 0.5 * h, accuracy);
         self.first.guess_between(&problem, &state.v, &self.full);
         let first = self.first.solve(&problem);
@@ -585,7 +621,11 @@ impl Stepper {
         }
         advance(tree, &state.q, &self.first.v, 0.5 * h, &mut self.half.q);
         store(ctx, &self.start, &self.first, 0.5 * h, &mut self.half);
+        // As the full step saw them: `accept_doubled` asks again.
+        self.start.expect_commands(ctx, state, h);
+        let ctx = &ctx.after(0.5 * h);
         self.middle.update(ctx, &self.half, 0.5 * h);
+        self.middle.expect_commands(ctx, &self.half, 0.5 * h);
         let problem = self.middle.problem(tree, 0.5 * h, accuracy);
         self.second.guess(&problem, &self.full.v);
         let second = self.second.solve(&problem);
@@ -656,7 +696,7 @@ impl Stepper {
             .zip(&self.middle.joints.terms);
         for (start, middle) in terms {
             let dof = start.dof;
-            if let (Some(index), crate::actuator::Drive::Velocity { target, element }) =
+            if let (Some(index), Drive::Velocity { target, element }) =
                 (start.actuator, start.drive)
             {
                 let full = element.next(self.full.v[dof] - target, h);
@@ -818,9 +858,7 @@ fn store(ctx: &Context, point: &Point, newton: &Newton, h: f64, state: &mut Stat
     for term in &point.joints.terms {
         if let Some(index) = term.actuator {
             state.motor[index] = match term.drive {
-                crate::actuator::Drive::Velocity { target, element } => {
-                    element.next(newton.v[term.dof] - target, h)
-                }
+                Drive::Velocity { target, element } => element.next(newton.v[term.dof] - target, h),
                 _ => 0.0,
             };
         }

@@ -6,12 +6,13 @@
 //!
 //! Source: Dormand & Prince 1980; Bogacki & Shampine 1989; Hairer, Nørsett & Wanner 1993, sections II.4 to II.6.
 
-use crate::actuator::{Drive, JointTerm};
+use crate::actuator::{self, Drive, JointTerm};
 use crate::dynamics::aba::Articulated;
 use crate::dynamics::{crba, rnea};
 use crate::kinematics::Kinematics;
 use crate::spatial::quaternion_product;
 use crate::state::ahead::COEFFICIENTS;
+use crate::step::control::Context;
 use crate::tree::{Move, Tree};
 
 /// Most stages of a pair; the last one stands at the new state.
@@ -93,12 +94,10 @@ const EXTENSION: [f64; STAGES] = [
 /// What drives the robot in an explicit step.
 #[derive(Clone, Copy, Debug)]
 pub struct Smooth<'a> {
-    /// The robot.
-    pub tree: &'a Tree,
+    /// The robot, its inputs, and the time at which it stands.
+    pub ctx: Context<'a>,
     /// Damping and efforts.
     pub joints: &'a [JointTerm],
-    /// Wrenches from outside.
-    pub wrenches: &'a [rnea::ExternalWrench],
 }
 
 /// Scratch of the explicit step.
@@ -163,7 +162,7 @@ impl Explicit {
         v: &[f64],
         h: f64,
     ) {
-        let tree = system.tree;
+        let tree = system.ctx.tree;
         if !self.fresh {
             self.accelerations(system, start, 0, v);
             position_rates(tree, q, v, &mut self.q_rate[0]);
@@ -175,11 +174,14 @@ impl Explicit {
             combine(&mut stage_q, q, &self.q_rate, weights, h);
             combine(&mut stage_v, v, &self.v_rate, weights, h);
             tree.normalize(&mut stage_q);
+            // The time of a stage is the sum of its weights.
+            let ctx = system.ctx.after(h * weights.iter().sum::<f64>());
+            let system = &Smooth { ctx, ..*system };
             kin.update_poses(tree, &stage_q);
             kin.update_velocities(tree, &stage_v);
             if !tree.long {
                 crba::mass_matrix(tree, kin);
-                rnea::bias(tree, kin, &stage_v, system.wrenches);
+                rnea::bias(tree, kin, &stage_v, &ctx.inputs.wrenches, ctx.elapsed);
             }
             self.accelerations(system, kin, stage + 1, &stage_v);
             position_rates(tree, &stage_q, &stage_v, &mut self.q_rate[stage + 1]);
@@ -253,12 +255,16 @@ impl Explicit {
 
     /// Accelerations of stage `stage` from up-to-date kinematics.
     fn accelerations(&mut self, system: &Smooth, kin: &Kinematics, stage: usize, v: &[f64]) {
-        let tree = system.tree;
+        let Context { tree, inputs, .. } = system.ctx;
         let acceleration = &mut self.v_rate[stage];
         self.effort.fill(0.0);
         for term in system.joints {
-            let effort = match term.drive {
-                Drive::Effort(effort) => effort,
+            let effort = match (term.drive, term.actuator) {
+                (Drive::Effort(_), Some(index)) if inputs.varies() => {
+                    let command = inputs.command(index, system.ctx.elapsed, 0.0);
+                    actuator::effort(system.ctx.model, index, &command)
+                }
+                (Drive::Effort(effort), _) => effort,
                 _ => 0.0,
             };
             self.effort[term.dof] += effort - term.damping * v[term.dof];
@@ -269,7 +275,7 @@ impl Explicit {
                 kin,
                 v,
                 &self.effort,
-                system.wrenches,
+                (&inputs.wrenches, system.ctx.elapsed),
                 acceleration,
             );
             return;

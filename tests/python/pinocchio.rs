@@ -144,7 +144,7 @@ fn differences(robot: &Robot) -> [f64; 4] {
         kin.update_poses(&tree, &q);
         kin.update_velocities(&tree, &v);
         crba::mass_matrix(&tree, &mut kin);
-        rnea::bias(&tree, &mut kin, &v, &[]);
+        rnea::bias(&tree, &mut kin, &v, &[], 0.0);
         // Column by column, so that the packing is checked along with the numbers.
         let mut rows = vec![vec![0.0; model.nv()]; model.nv()];
         for (k, row) in rows.iter_mut().enumerate() {

@@ -17,6 +17,7 @@ use std::sync::Arc;
 
 mod contact;
 mod free;
+mod inputs;
 mod joints;
 mod properties;
 mod slope;

@@ -1,0 +1,252 @@
+//! Inputs that vary within a step: their derivatives reach the solver's steps.
+
+use super::*;
+use crate::model::LinkId;
+
+const COMMAND: ActuatorId = ActuatorId(0);
+
+/// A slider of `mass` along x without gravity, on a fixed base.
+fn slider(mass: f64, mode: ActuatorMode, effort: f64) -> Builder {
+    let mut b = Builder::new(false, crate::spatial::RigidInertia::ZERO);
+    let cart = b.link(
+        0u32.into_link(),
+        Pose::IDENTITY,
+        Motion::Prismatic(X),
+        inertia(mass, Vec3::zeros(), [0.1; 3]),
+    );
+    b.actuator(cart, mode, effort);
+    b.model.world.gravity = Vec3::zeros();
+    b
+}
+
+/// `m ẍ = a t + b t²/2 + c t³/6`, so `m x = a t³/6 + b t⁴/24 + c t⁵/120`. A third-order method has the first term
+/// exactly; all of it is right to the share of the tolerance that explicit steps use.
+#[test]
+fn an_effort_that_varies_in_time_is_integrated_within_one_step() {
+    for ([a, b, c], accuracy) in [([3.0, 0.0, 0.0], 1e-12), ([3.0, -4.0, 5.0], 2e-8)] {
+        let mut s = start(slider(2.0, ActuatorMode::Effort, 100.0).model, 1e-6);
+        for (order, value) in [(1, a), (2, b), (3, c)] {
+            s.set_input_derivative(InputSlot::Effort(COMMAND), order, value);
+        }
+        s.advance_to(1.0).expect("finite");
+        let x = 0.5 * (a / 6.0 + b / 24.0 + c / 120.0);
+        let error = (s.state().q[0] - x).abs();
+        assert!(error < accuracy, "{error}");
+        // After the step the input stands where its polynomial ended, and stays there.
+        let end = a + b / 2.0 + c / 6.0;
+        assert!((s.input(InputSlot::Effort(COMMAND)) - end).abs() < 1e-15);
+        let v = s.state().v[0];
+        s.advance_to(2.0).expect("finite");
+        assert!((s.state().v[0] - v - end / 2.0).abs() < 1e-12);
+    }
+}
+
+/// A fixed step sees the effort at its middle: `v = t²/2m` of a ramp is exact. `x = t³/6m` then has the first-order
+/// error of semi-implicit positions, as for a constant effort.
+#[test]
+fn fixed_steps_see_an_effort_ramp_at_their_middle() {
+    let error = |h: f64| {
+        let mut model = slider(1.0, ActuatorMode::Effort, 100.0).model;
+        model.solver.step_size = h;
+        let mut s = start(model, 1e-3);
+        s.set_input_derivative(InputSlot::Effort(COMMAND), 1, 1.0);
+        s.advance_to(1.0).expect("finite");
+        assert!((s.state().v[0] - 0.5).abs() < 1e-12, "{}", s.state().v[0]);
+        (s.state().q[0] - 1.0 / 6.0).abs()
+    };
+    let ratio = error(0.01) / error(0.005);
+    assert!(ratio > 1.9, "{ratio}");
+}
+
+/// A block on the ground, pushed by a force that grows at 2 N/s from 0: it starts at `μ m g = 2 t`, and then
+/// `m v = t² − t₁² − μ m g (t − t₁)`. One communication step holds all of it.
+#[test]
+fn a_block_at_rest_starts_to_slide_when_a_growing_force_exceeds_friction() {
+    let mut b = block(0.5, 0.4);
+    b.model.outputs.external_wrenches = vec![LinkId(0)];
+    let mut s = start(b.model, 1e-5);
+    run(&mut s, 1.0, 0.1);
+    let x0 = s.state().q[0];
+    s.set_input_derivative(InputSlot::ExternalForce(LinkId(0), 0), 1, 2.0);
+    let friction = 0.4 * 0.5 * G;
+    let begin = friction / 2.0;
+    s.advance_to(1.0 + begin - 0.05).expect("finite");
+    assert!((s.state().q[0] - x0).abs() < 1e-3, "too early");
+    // The derivative holds for one step: give it again.
+    s.set_input_derivative(InputSlot::ExternalForce(LinkId(0), 0), 1, 2.0);
+    s.advance_to(3.0).expect("finite");
+    let t: f64 = 2.0;
+    let v = (t * t - begin * begin - friction * (t - begin)) / 0.5;
+    let x = ((t.powi(3) - begin.powi(3)) / 3.0
+        - begin * begin * (t - begin)
+        - 0.5 * friction * (t - begin).powi(2))
+        / 0.5;
+    assert!(
+        (s.state().v[3] - v).abs() < 2e-3 * v,
+        "{} {v}",
+        s.state().v[3]
+    );
+    let moved = s.state().q[0] - x0;
+    assert!((moved - x).abs() < 5e-3 * x, "{moved} {x}");
+}
+
+/// The target moves at 0.5 m/s: a servo that knows the rate follows without lag, at any communication step. Without
+/// it the lag is that of a critically damped spring, `v/slope`.
+#[test]
+fn a_position_servo_follows_a_ramp_without_lag() {
+    for (h, fixed) in [(2.0, 0.0), (0.1, 0.0), (0.013, 0.0), (0.05, 1e-3)] {
+        let mut model = slider(2.0, ActuatorMode::Position, 50.0).model;
+        model.solver.step_size = fixed;
+        let mut s = start(model, 1e-4);
+        let slot = InputSlot::Position(COMMAND);
+        let mut t = 0.0_f64;
+        while t < 2.0 - 1e-9 {
+            let end = (t + h).min(2.0);
+            s.set_input(slot, 0.5 * t);
+            s.set_input_derivative(slot, 1, 0.5);
+            s.advance_to(end).expect("finite");
+            t = end;
+        }
+        let lag = 1.0 - s.state().q[0];
+        assert!(lag.abs() < 1e-6, "{h} {fixed}: {lag}");
+        assert!((s.state().v[0] - 0.5).abs() < 1e-5, "{}", s.state().v[0]);
+        // Outputs are those of the end of the step: the servo does not brake.
+        let effort = s.output(OutputSlot::JointEffort(0usize.into()));
+        assert!(effort.abs() < 1e-2, "{h} {fixed}: {effort} N");
+    }
+}
+
+/// B7 of the solver's test list: `q_d = c t`, `v_d = c`: zero lag.
+#[test]
+fn pd_control_follows_a_ramp_without_lag() {
+    let mut b = slider(2.0, ActuatorMode::Pd, 50.0);
+    b.model.actuators[0].kp = 400.0;
+    b.model.actuators[0].kd = 40.0;
+    let mut s = start(b.model, 1e-4);
+    s.set_input(InputSlot::Velocity(COMMAND), 0.5);
+    s.set_input_derivative(InputSlot::Position(COMMAND), 1, 0.5);
+    s.advance_to(4.0).expect("finite");
+    let lag = 2.0 - s.state().q[0];
+    assert!(lag.abs() < 1e-5, "{lag}");
+}
+
+/// A velocity motor far from its limit follows `u(t)` to within its elastic displacement, 1 mm under full effort.
+#[test]
+fn a_velocity_motor_accelerates_along_a_ramp_within_one_step() {
+    let mut s = start(slider(1.0, ActuatorMode::Velocity, 100.0).model, 1e-5);
+    s.set_input_derivative(InputSlot::Velocity(COMMAND), 1, 3.0);
+    s.advance_to(1.0).expect("finite");
+    assert!((s.state().q[0] - 1.5).abs() < 1e-3, "{}", s.state().q[0]);
+    assert!((s.state().v[0] - 3.0).abs() < 1e-3, "{}", s.state().v[0]);
+}
+
+/// The same signal, cut into communication steps in several ways: differences stay within the tolerance's reach.
+#[test]
+fn how_a_varying_input_is_cut_into_steps_does_not_matter() {
+    let drive = |h: f64| {
+        let mut b = slider(1.0, ActuatorMode::Velocity, 20.0);
+        b.model.world.gravity = Vec3::new(0.0, 0.0, -G);
+        let mut s = start(b.model, 1e-4);
+        let slot = InputSlot::Velocity(COMMAND);
+        let count = (2.0 / h).round() as u64;
+        for i in 0..count {
+            let t = 2.0 * i as f64 / count as f64;
+            // u = 2 t − t²/2
+            s.set_input(slot, 2.0 * t - 0.5 * t * t);
+            s.set_input_derivative(slot, 1, 2.0 - t);
+            s.set_input_derivative(slot, 2, -1.0);
+            s.advance_to(2.0 * (i + 1) as f64 / count as f64)
+                .expect("finite");
+        }
+        s.state().q[0]
+    };
+    let whole = drive(2.0);
+    for h in [0.5, 0.1, 0.01, 0.003] {
+        let cut = drive(h);
+        assert!((cut - whole).abs() < 1e-3, "{h}: {cut} {whole}");
+    }
+}
+
+#[test]
+fn a_motor_that_is_let_go_takes_hold_when_its_limit_grows() {
+    let mut s = start(slider(1.0, ActuatorMode::Velocity, 10.0).model, 1e-4);
+    s.set_input(InputSlot::Velocity(COMMAND), 100.0);
+    s.set_input(InputSlot::MaxEffort(COMMAND), 0.0);
+    s.set_input_derivative(InputSlot::MaxEffort(COMMAND), 1, 2.0);
+    s.advance_to(1.0).expect("finite");
+    // m v = ∫ 2 t dt = 1.
+    assert!((s.state().v[0] - 1.0).abs() < 1e-3, "{}", s.state().v[0]);
+}
+
+#[test]
+fn derivatives_of_zero_change_no_bit() {
+    let go = |derivative: bool| {
+        let mut s = start(slider(1.0, ActuatorMode::Velocity, 10.0).model, 1e-3);
+        s.set_input(InputSlot::Velocity(COMMAND), 1.0);
+        if derivative {
+            s.set_input_derivative(InputSlot::Velocity(COMMAND), 1, 1.0);
+            s.set_input_derivative(InputSlot::Velocity(COMMAND), 1, 0.0);
+        }
+        run(&mut s, 0.5, 0.01);
+        s.state().clone()
+    };
+    assert_eq!(go(true), go(false));
+}
+
+#[test]
+fn a_state_saved_with_derivatives_continues_bit_for_bit() {
+    let mut b = block(1.0, 0.5);
+    b.model.outputs.external_wrenches = vec![LinkId(0)];
+    let mut s = start(b.model, 1e-3);
+    let slot = InputSlot::ExternalForce(LinkId(0), 0);
+    s.set_input_derivative(slot, 1, 20.0);
+    s.advance_to(0.3).expect("finite");
+    s.set_input_derivative(slot, 2, 30.0);
+    let bytes = s.save().to_bytes();
+    let read = |s: &mut Simulation| {
+        [
+            s.output(OutputSlot::BaseLinearVelocity(0)),
+            s.output(OutputSlot::EnergyKinetic),
+            s.input(slot),
+        ]
+        .map(f64::to_bits)
+    };
+    let then = read(&mut s);
+    s.advance_to(0.7).expect("finite");
+    let expected = (s.state().clone(), read(&mut s));
+    let snapshot = crate::simulation::Snapshot::from_bytes(s.model(), &bytes).expect("own bytes");
+    s.restore(&snapshot).expect("own state");
+    assert_eq!(read(&mut s), then);
+    s.advance_to(0.7).expect("finite");
+    assert_eq!((s.state().clone(), read(&mut s)), expected);
+}
+
+/// Outputs have no direct feed-through: `ModelStructure` says `dependencies=""`.
+#[test]
+fn outputs_do_not_change_when_an_input_is_set_between_two_steps() {
+    let mut s = start(slider(1.0, ActuatorMode::Effort, 10.0).model, 1e-3);
+    s.set_input(InputSlot::Effort(COMMAND), 2.0);
+    s.advance_to(0.1).expect("finite");
+    let joint = crate::model::JointId(0);
+    let read = |s: &mut Simulation| {
+        [
+            s.output(OutputSlot::JointEffort(joint)),
+            s.output(OutputSlot::JointAcceleration(joint, 0)),
+        ]
+    };
+    let before = read(&mut s);
+    assert!((before[0] - 2.0).abs() < 1e-15 && (before[1] - 2.0).abs() < 1e-12);
+    s.set_input(InputSlot::Effort(COMMAND), 5.0);
+    s.set_input_derivative(InputSlot::Effort(COMMAND), 1, 5.0);
+    assert_eq!(read(&mut s).map(f64::to_bits), before.map(f64::to_bits));
+}
+
+/// 1e300 N/s² for 1e10 s is no number: refused before anything moves.
+#[test]
+fn an_input_that_leaves_the_numbers_is_an_error_that_changes_nothing() {
+    let mut s = start(slider(1.0, ActuatorMode::Effort, 10.0).model, 1e-3);
+    s.set_input_derivative(InputSlot::Effort(COMMAND), 2, 1e300);
+    let before = s.state().clone();
+    assert!(s.advance_to(1e10).is_err());
+    assert_eq!(s.state(), &before);
+}
