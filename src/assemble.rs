@@ -41,6 +41,7 @@
 //! | A122 | damping and friction of planar and floating joints |
 //! | A123 | an inertia of zeros replaced by that of the shapes |
 //! | A125 | friction at rest that does not go with sliding friction |
+//! | A126 | commands that the file's hardware takes |
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 

@@ -6,7 +6,7 @@
 
 use std::path::{Path, PathBuf};
 use urdf2fmu_core::geometry::Shape;
-use urdf2fmu_core::model::{JointKind, Limits};
+use urdf2fmu_core::model::{ActuatorMode, JointKind, Limits};
 use urdf2fmu_core::spatial::{Mat3, Vec3};
 use urdf2fmu_core::urdf::{Description, ReadOptions, Severity, read, read_str};
 
@@ -91,6 +91,7 @@ fn shapes_and_surface_are_read() {
     assert!((X.point(&Vec3::z()) - Vec3::new(1.0, 0.0, 0.5)).norm() < 1e-15);
     assert_eq!((base.friction, base.restitution), (Some(0.7), Some(0.3)));
     assert_eq!(robot.links[4].friction, Some(1.25));
+    assert_eq!(robot.links[4].rolling_friction, None);
     assert_eq!(robot.links[1].friction, None);
 }
 
@@ -171,15 +172,18 @@ fn what_is_not_used_is_told_once_per_kind() {
         .iter()
         .map(|d| d.message.as_str())
         .collect();
-    let expected = ["safety_controller", "calibration", "gazebo", "transmission"];
+    let expected = [
+        "<safety_controller> is not used",
+        "<calibration> is not used",
+        "<kp> is not used",
+        "<transmission> is not used",
+        "<lateral_friction> is read",
+        "<restitution> is read",
+        "<mu1> is read",
+    ];
     assert_eq!(notes.len(), expected.len(), "{notes:?}");
     for tag in expected {
-        assert!(
-            notes
-                .iter()
-                .any(|n| n.starts_with(&format!("<{tag}> is not used"))),
-            "{notes:?}"
-        );
+        assert!(notes.contains(&tag), "{tag} {notes:?}");
     }
     assert!(
         robot
@@ -187,6 +191,75 @@ fn what_is_not_used_is_told_once_per_kind() {
             .iter()
             .all(|d| d.severity == Severity::Note)
     );
+}
+
+/// `tests/robots/foreign_tags.urdf`: what `PyBullet`, Gazebo, ROS, Drake and `MuJoCo` add to a URDF.
+#[test]
+fn tags_of_other_programs_are_read_told_or_warned_about() {
+    let robot =
+        read(&robots().join("foreign_tags.urdf"), &ReadOptions::default()).expect("a robot");
+    let link = |name: &str| robot.links.iter().find(|l| l.name == name).expect("a link");
+    let joint = |name: &str| {
+        robot
+            .joints
+            .iter()
+            .find(|j| j.name == name)
+            .expect("a joint")
+    };
+    let (base, wheel) = (link("base"), link("wheel"));
+    assert_eq!(
+        (base.friction, base.static_friction),
+        (Some(0.6), Some(0.9))
+    );
+    assert_eq!((wheel.friction, wheel.restitution), (Some(0.7), Some(0.3)));
+    assert_eq!(
+        (wheel.rolling_friction, wheel.torsional_friction),
+        (Some(0.001), Some(0.02))
+    );
+    assert_eq!(wheel.inertia_scaling, Some(3.0));
+    assert_eq!(
+        (link("foot").friction, link("tail").friction),
+        (Some(1.5), Some(0.4))
+    );
+    // 100² · 2e-5 kg m² at the joint.
+    assert!(close(joint("hip").armature, 0.2));
+    assert!(close(joint("drive").armature, 0.25));
+    assert_eq!(joint("thumb").mimic, Some(("finger".to_owned(), -1.0, 0.5)));
+    assert_eq!(joint("hip").interfaces, [ActuatorMode::Effort]);
+    assert_eq!(
+        joint("wag").interfaces,
+        [ActuatorMode::Velocity, ActuatorMode::Effort]
+    );
+
+    let has = |severity, code, line, part: &str| {
+        let found = robot.diagnostics.iter().any(|d| {
+            (d.severity, d.code) == (severity, code)
+                && d.place.as_ref().is_some_and(|p| p.line == line)
+                && d.message.contains(part)
+        });
+        assert!(found, "{code} {line} {part}\n{:#?}", robot.diagnostics);
+    };
+    has(Severity::Warning, "U022", 5, "balanceinertia");
+    has(
+        Severity::Warning,
+        "U022",
+        54,
+        "1.5 in one direction and 1.2 in the other",
+    );
+    has(Severity::Warning, "U022", 57, "<turnGravityOff>");
+    has(Severity::Warning, "U022", 62, "<springStiffness>");
+    has(Severity::Warning, "U022", 81, "<drake:ball_constraint>");
+    has(Severity::Warning, "U021", 79, "'wig'");
+    has(Severity::Note, "U020", 25, "<stiffness> is not used");
+    has(Severity::Note, "U020", 26, "<inertia_scaling> is not used");
+    has(
+        Severity::Note,
+        "U020",
+        15,
+        "<drake:hunt_crossley_dissipation> is not used",
+    );
+    has(Severity::Note, "U023", 69, "<drake:rotor_inertia> is read");
+    has(Severity::Note, "U023", 65, "<hardwareInterface> is read");
 }
 
 #[test]

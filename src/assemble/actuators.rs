@@ -29,6 +29,7 @@ pub(super) fn add(
     let turning = (2.0 * weight * reach(model, poses).max(SHORTEST_REACH)).max(SMALLEST_EFFORT);
     let sliding = (10.0 * weight).max(SMALLEST_EFFORT);
     let (mut without, mut without_gains) = (Vec::new(), Vec::new());
+    let mut other_interface: Vec<(ActuatorMode, &str)> = Vec::new();
     for (j, choice) in chosen.iter().enumerate() {
         let joint = &model.joints[j];
         let id = JointId::from(j);
@@ -45,6 +46,12 @@ pub(super) fn add(
         let ModeChoice::Commanded(mode) = mode else {
             continue;
         };
+        if let [first, ..] = lines.interfaces[j][..]
+            && choice.mode.or(settings.default_mode).is_none()
+            && !lines.interfaces[j].contains(&mode)
+        {
+            other_interface.push((first, &joint.name));
+        }
         let default = round(if joint.kind == JointKind::Prismatic {
             sliding
         } else {
@@ -91,6 +98,27 @@ pub(super) fn add(
         );
         let help = "set [[actuator]] max_effort; units are N·m and N";
         findings.note("A113", message, help);
+    }
+    for (mode, word) in [
+        (ActuatorMode::Position, "position"),
+        (ActuatorMode::Velocity, "velocity"),
+        (ActuatorMode::Effort, "effort"),
+    ] {
+        let names: Vec<&str> = other_interface
+            .iter()
+            .filter(|(of, _)| *of == mode)
+            .map(|(_, name)| *name)
+            .collect();
+        if !names.is_empty() {
+            let message = format!(
+                "the file's hardware takes {word} commands for {}, the FMU others: {}",
+                counted(names.len(), "joint"),
+                listed(&names)
+            );
+            let help =
+                format!("--mode {word}, or [[actuator]] mode = \"{word}\", does as the hardware");
+            findings.note("A126", message, &help);
+        }
     }
     if !without_gains.is_empty() {
         let message = format!(

@@ -112,6 +112,7 @@ fn leave_out_root(robot: &mut Robot, settings: &Settings, findings: &mut Finding
     robot.mimics.remove(0);
     robot.lines.links.remove(0);
     robot.lines.joints.remove(0);
+    robot.lines.interfaces.remove(0);
     for (l, link) in robot.links.iter_mut().enumerate() {
         link.joint = l.checked_sub(1).map(JointId::from);
     }

@@ -4,7 +4,7 @@
 
 use super::findings::{Findings, counted, listed};
 use super::inertia;
-use crate::model::{Joint, JointKind, Limits, Link};
+use crate::model::{ActuatorMode, Joint, JointKind, Limits, Link};
 use crate::settings::{
     InertiaSource, JointSettings, LinkSettings, STATIC_FRICTION_HELP, Settings, static_excess,
 };
@@ -26,12 +26,14 @@ pub(super) struct Robot {
     pub(super) lines: Lines,
 }
 
-/// Lines of the URDF.
+/// What the URDF says of links and joints that the model does not keep: lines, interfaces.
 pub(super) struct Lines {
     /// Per link.
     pub(super) links: Vec<usize>,
     /// Per joint.
     pub(super) joints: Vec<usize>,
+    /// Per joint: what its hardware takes, as the file says.
+    pub(super) interfaces: Vec<Vec<ActuatorMode>>,
 }
 
 /// A turning or sliding joint.
@@ -74,6 +76,11 @@ impl Robot {
             lines: Lines {
                 links: description.links.iter().map(|link| link.line).collect(),
                 joints: description.joints.iter().map(|joint| joint.line).collect(),
+                interfaces: description
+                    .joints
+                    .iter()
+                    .map(|joint| joint.interfaces.clone())
+                    .collect(),
             },
         };
         for (joint, overrides) in description.joints.iter().zip(&joint_overrides) {
@@ -84,7 +91,14 @@ impl Robot {
             let friction = overrides.friction.or(link.friction);
             default_friction += usize::from(friction.is_none() && !link.collisions.is_empty());
             let friction = friction.unwrap_or(DEFAULT_FRICTION);
-            let static_friction = overrides.static_friction.unwrap_or(friction);
+            let static_friction = overrides.static_friction.or_else(|| {
+                // The file's two go together; a sliding friction of the settings stands alone.
+                let file = link
+                    .static_friction
+                    .filter(|_| overrides.friction.is_none());
+                file.filter(|&at_rest| at_rest >= friction)
+            });
+            let static_friction = static_friction.unwrap_or(friction);
             let static_excess = static_excess(friction, static_friction).unwrap_or_else(|| {
                 let message = format!(
                     "the friction {static_friction} of link '{}' at rest does not go with its friction {friction}",
@@ -103,8 +117,14 @@ impl Robot {
                 friction,
                 restitution: overrides.restitution.or(link.restitution).unwrap_or(0.0),
                 static_excess,
-                rolling_friction: overrides.rolling_friction.unwrap_or(0.0),
-                torsional_friction: overrides.torsional_friction.unwrap_or(0.0),
+                rolling_friction: overrides
+                    .rolling_friction
+                    .or(link.rolling_friction)
+                    .unwrap_or(0.0),
+                torsional_friction: overrides
+                    .torsional_friction
+                    .or(link.torsional_friction)
+                    .unwrap_or(0.0),
             });
         }
         if default_friction > 0 {
@@ -202,7 +222,7 @@ fn model_joint(
     let name = &joint.name;
     let mut damping = overrides.damping.unwrap_or(joint.damping);
     let mut friction = overrides.friction.unwrap_or(joint.friction);
-    let mut armature = overrides.armature.unwrap_or(0.0);
+    let mut armature = overrides.armature.unwrap_or(joint.armature);
     if !scalar {
         if damping + friction + armature > 0.0 && joint.kind != JointKind::Fixed {
             let message = format!(

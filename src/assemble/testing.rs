@@ -28,7 +28,11 @@ pub(crate) fn frame(name: &str) -> LinkDescription {
         inertial: None,
         collisions: Vec::new(),
         friction: None,
+        static_friction: None,
+        rolling_friction: None,
+        torsional_friction: None,
         restitution: None,
+        inertia_scaling: None,
         line: 7,
     }
 }
@@ -91,6 +95,8 @@ impl Description {
             velocity: Some(5.0),
             damping: 0.0,
             friction: 0.0,
+            armature: 0.0,
+            interfaces: Vec::new(),
             mimic: None,
             line: 9,
         });

@@ -928,6 +928,49 @@ fn properties_of_planar_and_floating_joints_are_not_used() {
 }
 
 #[test]
+fn what_other_programs_say_of_surfaces_and_rotors_is_used_unless_the_settings_differ() {
+    let mut wheel = body("wheel", 1.0);
+    wheel.friction = Some(0.5);
+    wheel.static_friction = Some(0.75);
+    wheel.rolling_friction = Some(0.001);
+    wheel.torsional_friction = Some(0.02);
+    let description = robot(mass("base", 1.0))
+        .with("base", "j", Continuous, at(0.0, 0.0, 0.0), wheel)
+        .and(|j| j.armature = 0.25);
+    let built = model(&description, "");
+    let link = &built.links[1];
+    assert!(close(link.friction, 0.5) && close(link.static_excess, 0.5));
+    assert!(close(link.rolling_friction, 0.001) && close(link.torsional_friction, 0.02));
+    assert!(close(built.joints[0].armature, 0.25));
+    let set = "[link.wheel]\nrolling_friction = 0\nfriction = 0.9\n[joint.j]\narmature = 1";
+    let built = model(&description, set);
+    let link = &built.links[1];
+    // The file's friction at rest goes with the file's sliding friction.
+    assert!(close(link.friction, 0.9) && close(link.static_excess, 0.0));
+    assert!(close(link.rolling_friction, 0.0) && close(link.torsional_friction, 0.02));
+    assert!(close(built.joints[0].armature, 1.0));
+}
+
+#[test]
+fn the_commands_that_the_hardware_takes_are_suggested_not_taken() {
+    let description = robot(mass("base", 1.0))
+        .with("base", "j", Revolute, at(0.0, 0.0, 0.0), mass("arm", 1.0))
+        .and(|j| j.interfaces = vec![ActuatorMode::Effort]);
+    let built = assembled(&description, "");
+    assert_eq!(built.model.actuators[0].mode, ActuatorMode::Position);
+    let found = note(&built, "A126");
+    assert!(found.message.contains("effort commands for 1 joint") && found.message.contains("'j'"));
+    assert!(found.help.is_some_and(|h| h.contains("--mode effort")));
+    let chosen = assembled(
+        &description,
+        "[[actuator]]\njoint = \"j\"\nmode = \"position\"",
+    );
+    assert!(!has(&chosen, "A126"));
+    let both = description.and(|j| j.interfaces.push(ActuatorMode::Position));
+    assert!(!has(&assembled(&both, ""), "A126"));
+}
+
+#[test]
 fn default_friction_is_told_once_and_only_where_it_is_used() {
     assert!(
         note(&assembled(&cart(), ""), "A116")

@@ -291,7 +291,7 @@ pub const KEYS: &[Key] = &[
         "joint.*.armature",
         Number(NotNegative),
         None,
-        "kg·m² or kg: rotor inertia times gear ratio squared",
+        "kg·m² or kg: rotor inertia times gear ratio squared, instead of the file's",
     ),
     key(
         "joint.*.limits.lower",
@@ -348,19 +348,19 @@ pub const KEYS: &[Key] = &[
         "link.*.static_friction",
         Number(NotNegative),
         None,
-        "Coulomb coefficient at rest, not below friction; without it the same",
+        "Coulomb coefficient at rest, not below friction; without it the file's, else the same",
     ),
     key(
         "link.*.rolling_friction",
         Number(NotNegative),
         None,
-        "m: moment against rolling over normal force; without it 0",
+        "m: moment against rolling over normal force; without it the file's, else 0",
     ),
     key(
         "link.*.torsional_friction",
         Number(NotNegative),
         None,
-        "m: moment against turning about the contact normal over normal force; without it 0",
+        "m: moment against turning about the contact normal over normal force; without it the file's, else 0",
     ),
     key(
         "link.*.restitution",

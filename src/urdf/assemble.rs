@@ -245,8 +245,12 @@ pub(super) fn description(
                 .is_some()
                 .then(|| inertial(&typed.inertial, scale)),
             collisions,
-            friction: checked.friction,
-            restitution: checked.restitution,
+            friction: checked.surface.friction,
+            static_friction: checked.surface.static_friction,
+            rolling_friction: checked.surface.rolling_friction,
+            torsional_friction: checked.surface.torsional_friction,
+            restitution: checked.surface.restitution,
+            inertia_scaling: checked.surface.inertia_scaling,
             line: checked.line,
         });
     }
@@ -283,6 +287,9 @@ pub(super) fn description(
             velocity: checked.velocity.map(|_| typed.limit.velocity * own),
             damping: typed.dynamics.as_ref().map_or(0.0, |d| d.damping),
             friction: typed.dynamics.as_ref().map_or(0.0, |d| d.friction),
+            // Turning: lengths do not enter. Sliding: a mass.
+            armature: checked.armature,
+            interfaces: checked.interfaces.clone(),
             mimic: typed.mimic.as_ref().map(|mimic| {
                 let other = kinds
                     .get(mimic.joint.as_str())

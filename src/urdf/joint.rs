@@ -3,7 +3,7 @@
 use super::diagnostic::did_you_mean;
 use super::scope::{Scope, Version};
 use super::xml::Node;
-use crate::model::JointKind;
+use crate::model::{ActuatorMode, JointKind};
 use crate::spatial::Vec3;
 use std::collections::HashMap;
 use std::ops::Range;
@@ -27,6 +27,10 @@ pub(super) struct CheckedJoint<'d> {
     pub(super) velocity: Option<f64>,
     pub(super) damping: f64,
     pub(super) friction: f64,
+    /// Of rotors, at the joint.
+    pub(super) armature: f64,
+    /// What its hardware takes.
+    pub(super) interfaces: Vec<ActuatorMode>,
     pub(super) mimic: Option<CheckedMimic<'d>>,
 }
 
@@ -54,7 +58,7 @@ const KINDS: [(&str, JointKind); 6] = [
     ("floating", JointKind::Floating),
 ];
 
-const CHILDREN: [&str; 9] = [
+const CHILDREN: [&str; 10] = [
     "origin",
     "parent",
     "child",
@@ -64,6 +68,7 @@ const CHILDREN: [&str; 9] = [
     "mimic",
     "safety_controller",
     "calibration",
+    "drake:mimic",
 ];
 
 /// Written by others, read by others.
@@ -94,7 +99,7 @@ pub(super) fn check<'d>(scope: &mut Scope, node: Node<'d>, name: &'d str) -> Che
     let child = link(scope, node, "child");
     let axis = axis(scope, node, kind);
     let (limits, effort, velocity) = limit(scope, node, kind);
-    let (damping, friction) = dynamics(scope, node);
+    let [damping, friction, armature] = dynamics(scope, node);
     let mimic = mimic(scope, node, kind);
     for unused in ["safety_controller", "calibration"] {
         if let Some(child) = scope.single(node, unused) {
@@ -116,6 +121,8 @@ pub(super) fn check<'d>(scope: &mut Scope, node: Node<'d>, name: &'d str) -> Che
         velocity,
         damping,
         friction,
+        armature,
+        interfaces: Vec::new(),
         mimic,
     }
 }
@@ -298,18 +305,25 @@ fn not_negative(scope: &mut Scope, node: Node, name: &str) -> Option<f64> {
     None
 }
 
-fn dynamics(scope: &mut Scope, node: Node) -> (f64, f64) {
+/// Damping, dry friction and rotor inertia; the last is no part of URDF, but written by many tools.
+fn dynamics(scope: &mut Scope, node: Node) -> [f64; 3] {
     let Some(child) = scope.single(node, "dynamics") else {
-        return (0.0, 0.0);
+        return [0.0; 3];
     };
-    scope.known_attributes(child, &["damping", "friction"]);
-    let damping = not_negative(scope, child, "damping").unwrap_or(0.0);
-    let friction = not_negative(scope, child, "friction").unwrap_or(0.0);
-    (damping, friction)
+    const NAMES: [&str; 3] = ["damping", "friction", "armature"];
+    scope.known_attributes(child, &NAMES);
+    NAMES.map(|name| not_negative(scope, child, name).unwrap_or(0.0))
 }
 
 fn mimic<'d>(scope: &mut Scope, node: Node<'d>, kind: JointKind) -> Option<CheckedMimic<'d>> {
-    let child = scope.single(node, "mimic")?;
+    let child = match scope.single(node, "mimic") {
+        Some(child) => child,
+        None => {
+            let child = scope.single(node, "drake:mimic")?;
+            scope.used(child);
+            child
+        }
+    };
     scope.known_attributes(child, &["joint", "multiplier", "offset"]);
     let multiplier = scope.number(child, "multiplier");
     let offset = scope.number(child, "offset");

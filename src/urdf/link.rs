@@ -1,6 +1,7 @@
 //! Checks of `<link>`: mass, shapes, surface.
 
 use super::diagnostic::{Severity, did_you_mean};
+use super::foreign::{self, Surface};
 use super::inertia::{self, Suspect};
 use super::scope::Scope;
 use super::xml::Node;
@@ -15,8 +16,7 @@ pub(super) struct CheckedLink<'d> {
     pub(super) name: &'d str,
     pub(super) inertial: Option<CheckedInertial>,
     pub(super) collisions: Vec<CheckedCollision<'d>>,
-    pub(super) friction: Option<f64>,
-    pub(super) restitution: Option<f64>,
+    pub(super) surface: Surface,
 }
 
 /// `<inertial>`.
@@ -90,24 +90,28 @@ pub(super) fn check<'d>(scope: &mut Scope, node: Node<'d>, name: &'d str) -> Che
     let inertial = scope
         .single(node, "inertial")
         .and_then(|inertial| check_inertial(scope, inertial));
+    let mut surface = foreign::contact(scope, node);
     let mut collisions = Vec::new();
     for collision in node.children_named("collision") {
         scope.known_attributes(collision, &["name", "concave", "group", "mask"]);
-        scope.known_children(collision, &["origin", "geometry"], &["material", "verbose"]);
+        scope.known_children(
+            collision,
+            &["origin", "geometry", "drake:proximity_properties"],
+            &["material", "verbose"],
+        );
+        foreign::proximity(scope, collision, &mut surface);
         let (xyz, rpy) = scope.origin(collision);
         if let Some(geometry) = geometry(scope, collision) {
             collisions.push(CheckedCollision { xyz, rpy, geometry });
         }
     }
-    let (friction, restitution) = surface(scope, node);
     CheckedLink {
         node,
         line: scope.report.line(node.tag_at().start),
         name,
         inertial,
         collisions,
-        friction,
-        restitution,
+        surface,
     }
 }
 
@@ -309,61 +313,4 @@ fn positive_or_problem(scope: &mut Scope, node: Node, name: &str, positive: bool
         "give the size in m, or remove the shape",
     );
     None
-}
-
-/// PyBullet's `<contact>`: friction and restitution.
-fn surface(scope: &mut Scope, node: Node) -> (Option<f64>, Option<f64>) {
-    let Some(contact) = scope.single(node, "contact") else {
-        return (None, None);
-    };
-    let mut values = [None, None];
-    for child in contact.children() {
-        let (slot, highest) = match child.name() {
-            "lateral_friction" => (0, f64::INFINITY),
-            "restitution" => (1, 1.0),
-            _ => {
-                scope.ignore(child);
-                continue;
-            }
-        };
-        let Some(value) = scope.required_number(child, "value") else {
-            continue;
-        };
-        if (0.0..=highest).contains(&value) {
-            values[slot] = Some(value);
-        } else {
-            let message = format!("<{}> {value} is out of range", child.name());
-            let help = match slot {
-                0 => "a coefficient of friction is not negative",
-                _ => "a coefficient of restitution lies between 0 and 1",
-            };
-            scope.problem("U071", child.tag_at(), &message, help);
-        }
-    }
-    (values[0], values[1])
-}
-
-/// Gazebo's `<gazebo reference="link"><mu1>`: a coefficient of friction.
-pub(super) fn gazebo_friction(scope: &mut Scope, gazebo: Node) -> Option<f64> {
-    let mut friction = None;
-    for child in gazebo.children() {
-        if child.name() != "mu1" && child.name() != "mu" {
-            continue;
-        }
-        let (text, at) = match child.attribute("value") {
-            Some(attribute) => (attribute.value.clone(), attribute.at.clone()),
-            None => (child.content().trim().to_owned(), child.content_at()),
-        };
-        match text.trim().parse::<f64>() {
-            Ok(value) if value.is_finite() && value >= 0.0 => friction = Some(value),
-            _ => {
-                let message = format!(
-                    "<{}> '{text}' is not a coefficient of friction",
-                    child.name()
-                );
-                scope.warning("U071", at, &message, "it is ignored");
-            }
-        }
-    }
-    friction
 }

@@ -11,6 +11,7 @@
 mod assemble;
 mod collada;
 mod diagnostic;
+mod foreign;
 mod inertia;
 mod joint;
 mod link;
@@ -24,7 +25,7 @@ mod xml;
 pub use diagnostic::{Diagnostic, Place, Severity};
 
 use crate::geometry::Shape;
-use crate::model::{JointKind, Limits};
+use crate::model::{ActuatorMode, JointKind, Limits};
 use crate::spatial::{Pose, RigidInertia, Vec3};
 use diagnostic::Report;
 use resolve::Resolver;
@@ -64,10 +65,18 @@ pub struct LinkDescription {
     pub inertial: Option<RigidInertia>,
     /// `<collision>` elements in file order, poses in the link's frame.
     pub collisions: Vec<CollisionDescription>,
-    /// `<contact><lateral_friction>` or Gazebo's mu1, where the file has one.
+    /// `<contact><lateral_friction>`, Drake's `mu_dynamic` or Gazebo's `mu1`, where the file has one.
     pub friction: Option<f64>,
+    /// Drake's `mu_static`, where the file has one.
+    pub static_friction: Option<f64>,
+    /// `<contact><rolling_friction>`, m, where the file has one.
+    pub rolling_friction: Option<f64>,
+    /// `<contact><spinning_friction>`, m, where the file has one.
+    pub torsional_friction: Option<f64>,
     /// `<contact><restitution>`, where the file has one.
     pub restitution: Option<f64>,
+    /// `<contact><inertia_scaling>`, where the file has one; nothing is done with it here.
+    pub inertia_scaling: Option<f64>,
     /// 1-based line of the `<link>` element.
     pub line: usize,
 }
@@ -108,6 +117,10 @@ pub struct JointDescription {
     pub damping: f64,
     /// `<dynamics friction>`, 0 where the file has none.
     pub friction: f64,
+    /// Rotor inertia times gear ratio squared, kg·m² or kg: Drake's tags, or `<dynamics armature>`.
+    pub armature: f64,
+    /// What its hardware takes, by `<ros2_control>` and `<transmission>`.
+    pub interfaces: Vec<ActuatorMode>,
     /// `<mimic>`: name of the joint followed, multiplier, offset.
     pub mimic: Option<(String, f64, f64)>,
     /// 1-based line of the `<joint>` element.
@@ -223,7 +236,7 @@ fn describe(
     let resolver = Resolver::new(base_dir, options, mesh_dir);
     let meshes = assemble::read_meshes(&mut scope, &robot, &resolver, options.scale);
     assemble::check_visuals(&mut scope, &robot, &resolver);
-    scope.report_ignored();
+    scope.report_tags();
     if scope.report.has_errors() {
         return None;
     }

@@ -24,6 +24,8 @@ pub(super) struct Scope<'r, 'a> {
     pub(super) version: Version,
     /// Tags that are left out: kind, first place, number.
     ignored: BTreeMap<String, (Range<usize>, usize)>,
+    /// Tags of other programs that are read, likewise.
+    read: BTreeMap<String, (Range<usize>, usize)>,
     /// Severity of a bad number: visuals do not move the robot.
     pub(super) severity: Severity,
     /// Inertia matrices are not used: what is wrong with them is a warning.
@@ -37,6 +39,7 @@ impl<'r, 'a> Scope<'r, 'a> {
             owner: String::new(),
             version: Version::default(),
             ignored: BTreeMap::new(),
+            read: BTreeMap::new(),
             severity: Severity::Error,
             ignore_inertia: false,
         }
@@ -246,15 +249,28 @@ impl<'r, 'a> Scope<'r, 'a> {
         entry.1 += 1;
     }
 
-    /// One note per kind of ignored tag.
-    pub(super) fn report_ignored(&mut self) {
+    /// Counts a tag of another program that is read.
+    pub(super) fn used(&mut self, node: Node) {
+        let entry = self
+            .read
+            .entry(node.name().to_owned())
+            .or_insert_with(|| (node.name_at(), 0));
+        entry.1 += 1;
+    }
+
+    /// One note per kind of ignored tag, and per kind of other programs' tag that is read.
+    pub(super) fn report_tags(&mut self) {
+        let times = |count| match count {
+            1 => String::new(),
+            n => format!(" ({n} times, first here)"),
+        };
         for (name, (at, count)) in std::mem::take(&mut self.ignored) {
-            let times = match count {
-                1 => String::new(),
-                n => format!(" ({n} times, first here)"),
-            };
-            self.report
-                .note("U020", at, format!("<{name}> is not used{times}"), "");
+            let message = format!("<{name}> is not used{}", times(count));
+            self.report.note("U020", at, message, "");
+        }
+        for (name, (at, count)) in std::mem::take(&mut self.read) {
+            let message = format!("<{name}> is read{}", times(count));
+            self.report.note("U023", at, message, "");
         }
     }
 }

@@ -1,6 +1,7 @@
 //! Checks of the robot as a whole: names, parents, one root, no cycles; and the order of its parts.
 
 use super::diagnostic::did_you_mean;
+use super::foreign;
 use super::joint::{self, CheckedJoint};
 use super::link::{self, CheckedLink};
 use super::scope::{Scope, Version};
@@ -29,17 +30,12 @@ pub(super) struct Order {
 }
 
 /// Top-level tags of other programs.
-const FOREIGN: [&str; 11] = [
+const FOREIGN: [&str; 6] = [
     "deformable",
-    "gazebo",
     "group",
     "link_state_publisher",
-    "loop",
     "model",
-    "mujoco",
-    "ros2_control",
     "sensor",
-    "transmission",
     "velocity",
 ];
 
@@ -64,13 +60,21 @@ pub(super) fn check<'d>(
     }
     "robot".clone_into(&mut scope.owner);
     scope.known_attributes(root, &["name", "version"]);
-    scope.known_children(root, &["link", "joint", "material", "gazebo"], &FOREIGN);
+    let known: Vec<&str> = ["link", "joint", "material"]
+        .into_iter()
+        .chain(foreign::TOP_LEVEL)
+        .collect();
+    scope.known_children(root, &known, &FOREIGN);
     scope.version = version(scope, root);
     let name = robot_name(scope, root, file);
     let links = named(scope, root, "link");
     let joints = named(scope, root, "joint");
     if links.is_empty() && root.child("link").is_none() {
-        let help = "a robot has at least one <link name=\"…\"/> directly in <robot>";
+        let help = if root.child("disable_collisions").is_some() || root.child("group").is_some() {
+            "this is an SRDF file, which says which links may touch each other: give the URDF"
+        } else {
+            "a robot has at least one <link name=\"…\"/> directly in <robot>"
+        };
         scope
             .report
             .error("U010", root.tag_at(), "the robot has no links", help);
@@ -90,7 +94,7 @@ pub(super) fn check<'d>(
             .collect(),
     };
     joint::check_mimics(scope, &robot.joints);
-    gazebo(scope, root, &mut robot);
+    foreign::read(scope, root, &mut robot);
     Some(robot)
 }
 
@@ -227,39 +231,6 @@ fn named<'d>(scope: &mut Scope, root: Node<'d>, tag: &'static str) -> Vec<(Node<
         list.push((node, name));
     }
     list
-}
-
-/// Friction from `<gazebo reference="link">`, where the link has none from `<contact>`.
-fn gazebo(scope: &mut Scope, root: Node, robot: &mut CheckedRobot) {
-    let links: HashMap<&str, usize> = robot
-        .links
-        .iter()
-        .enumerate()
-        .map(|(i, link)| (link.name, i))
-        .collect();
-    for node in root.children_named("gazebo") {
-        let Some(attribute) = node.attribute("reference") else {
-            scope.ignore(node);
-            continue;
-        };
-        let name = attribute.value.as_str();
-        scope.owner = format!("<gazebo> of '{name}'");
-        let friction = link::gazebo_friction(scope, node);
-        let read = |child: Node| matches!(child.name(), "mu1" | "mu");
-        if node.children().any(|child| !read(child)) {
-            scope.ignore(node);
-        }
-        if let Some(&i) = links.get(name) {
-            let link = &mut robot.links[i];
-            link.friction = link.friction.or(friction);
-        } else if !robot.joints.iter().any(|joint| joint.name == name) {
-            let message = format!("<gazebo> refers to '{name}', which does not exist");
-            let help = did_you_mean(name, links.keys().copied());
-            scope
-                .report
-                .warning("U021", attribute.at.clone(), message, help);
-        }
-    }
 }
 
 /// Checks that the links hang together as one tree, and orders them.

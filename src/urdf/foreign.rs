@@ -1,0 +1,389 @@
+//! What other programs' tags say about the motion: PyBullet's `<contact>`, Gazebo's `<gazebo>`, ROS's `<transmission>`
+//! and `<ros2_control>`, Drake's `<drake:…>`, MuJoCo's `<mujoco>`.
+//!
+//! Read: friction (sliding, at rest, rolling, about the normal), restitution, rotor inertia with its gear ratio, and
+//! which quantity a joint's hardware takes. What would change the motion elsewhere and is not used here is a warning
+//! (U022); what is read (U023) and what is left out (U020) is counted by tag.
+
+use super::diagnostic::did_you_mean;
+use super::scope::Scope;
+use super::tree::CheckedRobot;
+use super::xml::Node;
+use crate::model::ActuatorMode;
+use std::collections::HashMap;
+
+/// Of a link's surface, where a tag gives it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Surface {
+    /// Coulomb coefficient, sliding.
+    pub(super) friction: Option<f64>,
+    /// Coulomb coefficient at rest.
+    pub(super) static_friction: Option<f64>,
+    /// Newton's coefficient.
+    pub(super) restitution: Option<f64>,
+    /// Moment against rolling over normal force, m.
+    pub(super) rolling_friction: Option<f64>,
+    /// Moment against turning about the normal over normal force, m.
+    pub(super) torsional_friction: Option<f64>,
+    /// Factor that PyBullet multiplies the inertia by.
+    pub(super) inertia_scaling: Option<f64>,
+}
+
+/// Top-level tags that are read here, or warned about.
+pub(super) const TOP_LEVEL: [&str; 11] = [
+    "drake:ball_constraint",
+    "drake:joint",
+    "drake:linear_bushing_rpy",
+    "drake:linear_spring_damper",
+    "drake:tendon_constraint",
+    "gazebo",
+    "loop",
+    "loop_joint",
+    "mujoco",
+    "ros2_control",
+    "transmission",
+];
+
+/// PyBullet's `<contact>`.
+pub(super) fn contact(scope: &mut Scope, link: Node) -> Surface {
+    let mut surface = Surface::default();
+    let Some(contact) = scope.single(link, "contact") else {
+        return surface;
+    };
+    for child in contact.children() {
+        let (slot, highest) = match child.name() {
+            "lateral_friction" => (&mut surface.friction, f64::INFINITY),
+            "rolling_friction" => (&mut surface.rolling_friction, f64::INFINITY),
+            "spinning_friction" => (&mut surface.torsional_friction, f64::INFINITY),
+            "restitution" => (&mut surface.restitution, 1.0),
+            "inertia_scaling" => {
+                surface.inertia_scaling = child.value("value").and_then(|v| v.trim().parse().ok());
+                scope.ignore(child);
+                continue;
+            }
+            _ => {
+                scope.ignore(child);
+                continue;
+            }
+        };
+        let Some(value) = scope.required_number(child, "value") else {
+            continue;
+        };
+        if (0.0..=highest).contains(&value) {
+            *slot = Some(value);
+            scope.used(child);
+        } else {
+            let message = format!("<{}> {value} is out of range", child.name());
+            let help = if highest > 1.0 {
+                "a coefficient of friction is not negative"
+            } else {
+                "a coefficient of restitution lies between 0 and 1"
+            };
+            scope.problem("U071", child.tag_at(), &message, help);
+        }
+    }
+    surface
+}
+
+/// Drake's `<drake:proximity_properties>` of a collision shape; the link's other shapes share them.
+pub(super) fn proximity(scope: &mut Scope, collision: Node, surface: &mut Surface) {
+    let Some(properties) = collision.child("drake:proximity_properties") else {
+        return;
+    };
+    for child in properties.children() {
+        let slot = match child.name() {
+            "drake:mu_dynamic" => &mut surface.friction,
+            "drake:mu_static" => &mut surface.static_friction,
+            _ => {
+                scope.ignore(child);
+                continue;
+            }
+        };
+        if let Some(value) = coefficient(scope, child) {
+            slot.get_or_insert(value);
+        }
+    }
+    // One of them alone stands for both.
+    surface.friction = surface.friction.or(surface.static_friction);
+}
+
+/// A number of 0 or more in the attribute `value` or between the tags; else a warning, and it is left out.
+fn coefficient(scope: &mut Scope, node: Node) -> Option<f64> {
+    let (text, at) = match node.attribute("value") {
+        Some(attribute) => (attribute.value.clone(), attribute.at.clone()),
+        None => (node.content().trim().to_owned(), node.content_at()),
+    };
+    match text.trim().parse::<f64>() {
+        Ok(value) if value.is_finite() && value >= 0.0 => {
+            scope.used(node);
+            Some(value)
+        }
+        _ => {
+            let message = format!("<{}> '{text}' is not a number of 0 or more", node.name());
+            scope.warning("U071", at, &message, "it is ignored");
+            None
+        }
+    }
+}
+
+/// Whether a tag that is a switch is on.
+fn is_on(node: Node) -> bool {
+    matches!(node.content().trim(), "1" | "true" | "True")
+}
+
+/// Whether a tag holds a number other than zero.
+fn is_something(node: Node) -> bool {
+    let content = node.content();
+    let text = node.value("value").unwrap_or(content.trim());
+    text.parse::<f64>().is_ok_and(|value| value != 0.0)
+}
+
+/// Everything at the top level.
+pub(super) fn read(scope: &mut Scope, root: Node, robot: &mut CheckedRobot) {
+    let links: HashMap<String, usize> = (0..)
+        .zip(&robot.links)
+        .map(|(i, link)| (link.name.to_owned(), i))
+        .collect();
+    let joints: HashMap<String, usize> = (0..)
+        .zip(&robot.joints)
+        .map(|(i, joint)| (joint.name.to_owned(), i))
+        .collect();
+    for node in root.children() {
+        match node.name() {
+            "gazebo" => gazebo(scope, node, robot, &links, &joints),
+            "transmission" => transmission(scope, node, robot, &joints),
+            "ros2_control" => ros2_control(scope, node, robot, &joints),
+            "mujoco" => mujoco(scope, node),
+            "drake:joint" => {
+                let name = node.value("name").unwrap_or_default();
+                let kind = node.value("type").unwrap_or_default();
+                scope.owner = format!("joint '{name}'");
+                let message = format!("<drake:joint> of type '{kind}' is not read");
+                let help = "write it as <joint> of a type of URDF, or of type \"spherical\"";
+                scope.problem("U040", node.tag_at(), &message, help);
+            }
+            // The others tie links together or pull at them.
+            name if TOP_LEVEL.contains(&name) => {
+                let message = format!("<{name}> is not used: the robot moves without it");
+                let help = "links are held by the tree of joints alone";
+                scope.report.warning("U022", node.tag_at(), message, help);
+            }
+            _ => {}
+        }
+    }
+}
+
+/// `<gazebo reference="link or joint">`.
+fn gazebo(
+    scope: &mut Scope,
+    node: Node,
+    robot: &mut CheckedRobot,
+    links: &HashMap<String, usize>,
+    joints: &HashMap<String, usize>,
+) {
+    let Some(attribute) = node.attribute("reference") else {
+        scope.ignore(node);
+        return;
+    };
+    let name = attribute.value.as_str();
+    scope.owner = format!("<gazebo> of '{name}'");
+    if !links.contains_key(name) && !joints.contains_key(name) {
+        let message = format!("<gazebo> refers to '{name}', which does not exist");
+        let help = did_you_mean(name, links.keys().map(String::as_str));
+        scope
+            .report
+            .warning("U021", attribute.at.clone(), message, help);
+    }
+    let (mut mu, mut mu2) = (None, None);
+    for child in node.children() {
+        match child.name() {
+            "mu1" | "mu" => mu = coefficient(scope, child),
+            "mu2" => mu2 = coefficient(scope, child),
+            "collision" => {
+                // As SDF has it: collision/surface/friction/ode/mu.
+                for inner in child.descendants() {
+                    match inner.name() {
+                        "mu" => mu = coefficient(scope, inner),
+                        "mu2" => mu2 = coefficient(scope, inner),
+                        _ => {}
+                    }
+                }
+            }
+            "turnGravityOff" if is_on(child) => weightless(scope, child),
+            "gravity" if matches!(child.content().trim(), "0" | "false") => {
+                weightless(scope, child);
+            }
+            "springStiffness" | "spring_stiffness" if is_something(child) => {
+                let message = format!("<{}> is not used: the joint has no spring", child.name());
+                let help = "command the joint in pd mode with the spring's kp";
+                scope.warning("U022", child.tag_at(), &message, help);
+            }
+            _ => scope.ignore(child),
+        }
+    }
+    #[expect(clippy::float_cmp, reason = "one is mostly a copy of the other")]
+    if let (Some(first), Some(second)) = (mu, mu2)
+        && first != second
+    {
+        let message = format!(
+            "friction {first} in one direction and {second} in the other: {first} is used in both"
+        );
+        scope.warning("U022", node.tag_at(), &message, "");
+    }
+    if let (Some(&i), Some(friction)) = (links.get(name), mu.or(mu2)) {
+        robot.links[i].surface.friction.get_or_insert(friction);
+    }
+}
+
+fn weightless(scope: &mut Scope, node: Node) {
+    let message = format!("<{}> is not used: the link has weight", node.name());
+    scope.warning(
+        "U022",
+        node.tag_at(),
+        &message,
+        "gravity is the whole world's",
+    );
+}
+
+/// The quantity that a hardware interface takes, from its name in ROS 1 or 2.
+fn interface(name: &str) -> Option<ActuatorMode> {
+    let name = name.trim().to_ascii_lowercase();
+    let name = name.rsplit('/').next().unwrap_or_default();
+    [
+        ("effort", ActuatorMode::Effort),
+        ("velocity", ActuatorMode::Velocity),
+        ("position", ActuatorMode::Position),
+    ]
+    .into_iter()
+    .find(|(word, _)| name.starts_with(word))
+    .map(|(_, mode)| mode)
+}
+
+/// `<transmission>`: interfaces, and Drake's rotors.
+fn transmission(
+    scope: &mut Scope,
+    node: Node,
+    robot: &mut CheckedRobot,
+    joints: &HashMap<String, usize>,
+) {
+    let (mut ratio, mut rotor) = (None, None);
+    for actuator in node.children_named("actuator") {
+        for child in actuator.children() {
+            match child.name() {
+                "drake:gear_ratio" => ratio = coefficient(scope, child),
+                "drake:rotor_inertia" => rotor = coefficient(scope, child),
+                // Efforts are the joint's.
+                "hardwareInterface" | "mechanicalReduction" => {}
+                _ => scope.ignore(child),
+            }
+        }
+    }
+    let mut named = 0;
+    for joint in node.children_named("joint") {
+        let Some(attribute) = joint.attribute("name") else {
+            continue;
+        };
+        let Some(&j) = joints.get(&attribute.value) else {
+            unknown_joint(scope, node, &attribute.value, attribute.at.clone(), joints);
+            continue;
+        };
+        named += 1;
+        let words = joint.children_named("hardwareInterface").chain(
+            node.children_named("actuator")
+                .flat_map(|a| a.children_named("hardwareInterface")),
+        );
+        for word in words {
+            if let Some(mode) = interface(&word.content()) {
+                scope.used(word);
+                robot.joints[j].interfaces.push(mode);
+            }
+        }
+        if let Some(rotor) = rotor {
+            let ratio = ratio.unwrap_or(1.0);
+            robot.joints[j].armature += rotor * ratio * ratio;
+        }
+    }
+    if named == 0 {
+        scope.ignore(node);
+    }
+}
+
+/// `<ros2_control>`: command interfaces of its joints.
+fn ros2_control(
+    scope: &mut Scope,
+    node: Node,
+    robot: &mut CheckedRobot,
+    joints: &HashMap<String, usize>,
+) {
+    for joint in node.children_named("joint") {
+        let Some(attribute) = joint.attribute("name") else {
+            continue;
+        };
+        let Some(&j) = joints.get(&attribute.value) else {
+            unknown_joint(scope, node, &attribute.value, attribute.at.clone(), joints);
+            continue;
+        };
+        for command in joint.children_named("command_interface") {
+            match command.value("name").and_then(interface) {
+                Some(mode) => {
+                    scope.used(command);
+                    robot.joints[j].interfaces.push(mode);
+                }
+                None => scope.ignore(command),
+            }
+        }
+    }
+    for child in node.children().filter(|child| child.name() != "joint") {
+        scope.ignore(child);
+    }
+}
+
+fn unknown_joint(
+    scope: &mut Scope,
+    node: Node,
+    name: &str,
+    at: std::ops::Range<usize>,
+    joints: &HashMap<String, usize>,
+) {
+    let message = format!(
+        "<{}> names joint '{name}', which does not exist",
+        node.name()
+    );
+    let mut names: Vec<&str> = joints.keys().map(String::as_str).collect();
+    names.sort_unstable();
+    scope
+        .report
+        .warning("U021", at, message, did_you_mean(name, names));
+}
+
+/// `<mujoco>`: the mesh folder is the resolver's business; some switches would change masses.
+fn mujoco(scope: &mut Scope, node: Node) {
+    for child in node.children() {
+        if child.name() != "compiler" {
+            scope.ignore(child);
+            continue;
+        }
+        scope.used(child);
+        for (name, at) in child.attribute_names() {
+            let value = child.value(name).unwrap_or_default().trim();
+            let acts = match name {
+                "balanceinertia" | "inertiafromgeom" => value == "true",
+                "boundmass" | "boundinertia" => value.parse::<f64>().is_ok_and(|v| v > 0.0),
+                "settotalmass" => value.parse::<f64>().is_ok_and(|v| v > 0.0),
+                _ => false,
+            };
+            if acts {
+                let message = format!(
+                    "<compiler> {name}=\"{value}\" is not used: masses and inertias are those of the links"
+                );
+                let help = match name {
+                    "inertiafromgeom" => {
+                        "--inertia collision does the same with the collision shapes"
+                    }
+                    _ => "",
+                };
+                scope.report.warning("U022", at, message, help);
+            }
+        }
+    }
+}
