@@ -2,9 +2,12 @@
 //!
 //! Each gives an impulse that falls with the velocity at the end of the step, so that the step stays a convex
 //! minimisation. Velocity motors and dry friction are elasto-plastic: a spring–damper with a stored displacement
-//! and a capped force, which holds a load without creep. Position servos brake along `v = √(2 a e)` and end in a
-//! critically damped spring, so that they do not overshoot within their effort.
+//! and a capped force, which holds a load without creep. Dry friction that is higher at rest follows the speed at the
+//! start of the step (Stribeck), which keeps it convex. A motor's effort may fall with its speed: as it falls in the
+//! direction of motion alone, the force still falls with the velocity and needs no lag. Position servos brake along
+//! `v = √(2 a e)` and end in a critically damped spring, so that they do not overshoot within their effort.
 
+use crate::contact::stribeck;
 use crate::inputs::{Command, Inputs};
 use crate::model::{ActuatorMode, Model};
 use crate::parameters::Parameters;
@@ -51,12 +54,69 @@ impl ElastoPlastic {
     /// Stored displacement after the step.
     #[inline]
     pub fn next(&self, u: f64, h: f64) -> f64 {
+        self.settle(self.force(u, h).0, u)
+    }
+
+    /// The same where something else has cut the force down to `force`.
+    #[inline]
+    fn settle(&self, force: f64, u: f64) -> f64 {
         if self.cap <= 0.0 {
             return 0.0;
         }
-        let (force, _) = self.force(u, h);
         let limit = self.cap / self.stiffness;
         ((force - self.damping * u) / self.stiffness).clamp(-limit, limit)
+    }
+}
+
+/// Torque–speed line of a motor: while it drives, its effort is at most `stall (1 − |v|/no_load)`, not below 0; while it
+/// brakes, the line does not act.
+#[derive(Clone, Copy, Debug)]
+pub struct SpeedLine {
+    /// Effort at standstill, N·m or N.
+    pub stall: f64,
+    /// Speed without effort, rad/s or m/s; infinite: there is no line.
+    pub no_load: f64,
+}
+
+impl Default for SpeedLine {
+    /// No line.
+    fn default() -> Self {
+        Self {
+            stall: 0.0,
+            no_load: f64::INFINITY,
+        }
+    }
+}
+
+impl SpeedLine {
+    /// A line if there is a no-load speed and a finite effort to begin with.
+    fn new(stall: f64, no_load: Option<f64>) -> Self {
+        match no_load {
+            Some(no_load) if stall.is_finite() => Self { stall, no_load },
+            _ => Self::default(),
+        }
+    }
+
+    /// Steepest fall of the effort with the velocity.
+    fn slope(&self) -> f64 {
+        self.stall / self.no_load
+    }
+
+    /// Cuts a force and its derivative at velocity `v` down to the line. Both bounds fall with `v`, so a force that does
+    /// still does.
+    #[inline]
+    pub fn cut(&self, (force, slope): (f64, f64), v: f64) -> (f64, f64) {
+        if self.no_load == f64::INFINITY || force * v <= 0.0 {
+            return (force, slope);
+        }
+        let most = self.stall - self.slope() * v.abs();
+        if most <= 0.0 {
+            (0.0, 0.0)
+        } else if force.abs() > most {
+            (most.copysign(force), -self.slope())
+        } else {
+            (force, slope)
+        }
     }
 }
 
@@ -274,13 +334,51 @@ pub struct JointTerm {
     pub limit_dissipation: f64,
     /// Actuator.
     pub drive: Drive,
+    /// What the actuator's effort is at most.
+    pub line: SpeedLine,
+    /// Enforced speed limit, rad/s or m/s; infinite without.
+    pub speed_limit: f64,
+    /// Damping beyond it, N·m·s/rad or N·s/m.
+    pub speed_damping: f64,
 }
 
 impl JointTerm {
+    /// The actuator's force and its (never positive) derivative with the velocity `v` at the end of a step of `h` seconds.
+    #[inline]
+    pub fn drive_force(&self, v: f64, h: f64) -> (f64, f64) {
+        self.line.cut(self.drive.force(v, h), v)
+    }
+
+    /// Elastic displacement of a velocity motor after the step; 0 for other actuators.
+    pub fn next_motor(&self, v: f64, h: f64) -> f64 {
+        match &self.drive {
+            Drive::Velocity { target, element } => {
+                element.settle(-self.drive_force(v, h).0, v - target)
+            }
+            _ => 0.0,
+        }
+    }
+
+    /// Speed beyond the limit, with its sign; 0 below it.
+    #[inline]
+    fn overspeed(&self, v: f64) -> f64 {
+        v - v.clamp(-self.speed_limit, self.speed_limit)
+    }
+
+    /// Whether only implicit steps resolve what acts here, whatever the state.
+    pub fn is_stiff(&self) -> bool {
+        self.drive.is_stiff() || self.dry.cap > 0.0 || self.speed_limit.is_finite()
+    }
+
+    /// Steepest fall of the forces of a term that is not stiff with the velocity.
+    pub fn steepness(&self) -> f64 {
+        self.damping + self.line.slope()
+    }
+
     /// Response to the velocity `v` at the end of a step of `h` seconds.
     #[inline]
     pub fn response(&self, v: f64, h: f64) -> JointResponse {
-        let (force, slope) = self.drive.force(v, h);
+        let (force, slope) = self.drive_force(v, h);
         let resistance = self.damping * v;
         let mut r = JointResponse {
             impulse: h * (force - resistance),
@@ -291,6 +389,13 @@ impl JointTerm {
             let (force, slope) = self.dry.force(v, h);
             r.impulse -= h * force;
             r.stiffness += h * slope;
+            r.effort += h * force.abs();
+        }
+        let overspeed = self.overspeed(v);
+        if overspeed != 0.0 {
+            let force = self.speed_damping * overspeed;
+            r.impulse -= h * force;
+            r.stiffness += h * self.speed_damping;
             r.effort += h * force.abs();
         }
         for (gap, sign) in [(self.gap[0], 1.0), (self.gap[1], -1.0)] {
@@ -309,7 +414,8 @@ impl JointTerm {
 
     /// Force at the start of the step for the velocity `v`: the limit of `response / h` for small `h`.
     pub fn force(&self, v: f64) -> f64 {
-        let mut force = self.drive.force(v, 0.0).0 - self.damping * v;
+        let mut force = self.drive_force(v, 0.0).0 - self.damping * v;
+        force -= self.speed_damping * self.overspeed(v);
         if self.dry.cap > 0.0 {
             force -= self.dry.force(v, 0.0).0;
         }
@@ -346,6 +452,7 @@ impl Joints {
                     coordinate: body.coordinate,
                     actuator,
                     gap: [f64::INFINITY; 2],
+                    speed_limit: f64::INFINITY,
                     ..JointTerm::default()
                 });
             }
@@ -356,6 +463,7 @@ impl Joints {
     /// Sets up the terms for a step from the given positions and displacements.
     ///
     /// - `inputs`: over the `h` seconds that begin `t` seconds after the communication point
+    /// - `v`: velocities, for friction that depends on them
     /// - `inertia`: `M_kk` of degree of freedom `k`; `bias`: `k(q, v)`; both at the start of the step
     #[expect(
         clippy::too_many_arguments,
@@ -369,6 +477,7 @@ impl Joints {
         inputs: &Inputs,
         [t, h]: [f64; 2],
         q: &[f64],
+        v: &[f64],
         motor: &[f64],
         dry: &[f64],
         inverse_inertia: &[f64],
@@ -379,11 +488,19 @@ impl Joints {
             term.damping = tree.damping[dof];
             term.limit_stiffness = tree.limit_stiffness[dof];
             term.limit_dissipation = tree.dissipation;
-            let friction = tree.friction[dof];
-            term.dry = if friction > 0.0 {
-                let stiffness = friction / FRICTION_DEFLECTION;
+            term.speed_limit = tree.speed_limit[dof];
+            term.speed_damping = tree.speed_damping[dof];
+            let friction = &tree.friction[dof];
+            term.dry = if friction.moving > 0.0 {
+                let stiffness = friction.moving / FRICTION_DEFLECTION;
+                let cap = if friction.at_rest > friction.moving {
+                    let reference = friction.stribeck_velocity;
+                    stribeck(friction.at_rest, friction.moving, v[dof], reference)
+                } else {
+                    friction.moving
+                };
                 ElastoPlastic {
-                    cap: friction,
+                    cap,
                     stiffness,
                     damping: 2.0 * (stiffness * tree.inertia[dof]).sqrt(),
                     displacement: dry[dof],
@@ -401,6 +518,11 @@ impl Joints {
             let command = inputs.command(index, t, h);
             let cap = command.max_effort;
             let q = q[body.coordinate];
+            let stall = match actuator.mode {
+                ActuatorMode::Effort => actuator.max_effort,
+                _ => cap,
+            };
+            term.line = SpeedLine::new(stall, actuator.no_load_speed);
             let reference = actuator.reference_effort;
             term.drive = match actuator.mode {
                 // A released motor does nothing, whatever it is told.
@@ -511,6 +633,49 @@ mod tests {
                     (difference - slope).abs() <= 1e-4 * (1.0 + slope.abs()),
                     "{drive:?} {v}"
                 );
+            }
+        }
+    }
+
+    #[test]
+    fn a_force_cut_by_the_torque_speed_line_still_falls_with_the_velocity() {
+        let mut random = crate::testing::Random(3);
+        for _ in 0..200 {
+            let mut term = JointTerm {
+                line: SpeedLine {
+                    stall: random.uniform(0.0, 10.0),
+                    no_load: random.uniform(0.1, 20.0),
+                },
+                speed_limit: random.uniform(1.0, 20.0),
+                speed_damping: random.uniform(0.0, 5.0),
+                gap: [f64::INFINITY; 2],
+                ..JointTerm::default()
+            };
+            term.drive = Drive::Pd {
+                offset: random.uniform(-30.0, 30.0),
+                kp: random.uniform(0.0, 100.0),
+                kd: random.uniform(0.0, 2.0),
+                cap: term.line.stall,
+            };
+            let h = libm::pow(10.0, random.uniform(-5.0, -1.0));
+            let mut last = term.response(-30.0, h).impulse;
+            for i in 1..=600 {
+                let v = -30.0 + 0.1 * f64::from(i) + 1e-3;
+                let r = term.response(v, h);
+                assert!(r.impulse <= last + 1e-12, "{term:?} {v}");
+                last = r.impulse;
+                let d = 1e-7;
+                let [ahead, behind] = [d, -d].map(|d| term.response(v + d, h).impulse);
+                // Off the kinks, where the derivative jumps.
+                let kinks = [0.0, term.speed_limit, term.line.no_load];
+                if kinks.iter().all(|k| (v.abs() - k).abs() > 1e-3) {
+                    let difference = (behind - ahead) / (2.0 * d);
+                    let kink = (ahead + behind - 2.0 * r.impulse).abs() > 1e-9 * h;
+                    assert!(
+                        kink || (difference - r.stiffness).abs() < 1e-5 * (1.0 + r.stiffness),
+                        "{term:?} {v}"
+                    );
+                }
             }
         }
     }

@@ -40,6 +40,7 @@
 //! | A121 | a model that cannot be computed with |
 //! | A122 | damping and friction of planar and floating joints |
 //! | A123 | an inertia of zeros replaced by that of the shapes |
+//! | A124 | velocity limits that do not bind |
 //! | A125 | friction at rest that does not go with sliding friction |
 //! | A126 | commands that the file's hardware takes |
 
@@ -131,6 +132,7 @@ fn assemble(
     let poses = inertia::complete(&mut model, poses, &robot.shapes, &robot.lines, findings);
     initial::height(&mut model, &poses, settings, findings);
     actuators::add(&mut model, &poses, &robot.lines, settings, findings);
+    actuators::report_velocity_limits(&model, findings);
     outputs::select(&mut model, settings, findings);
     if !findings.has_errors()
         && let Err(error) = model.validate()

@@ -134,8 +134,14 @@ pub struct Joint {
     pub velocity: Option<f64>,
     /// Viscous damping, N·m·s/rad or N·s/m.
     pub damping: f64,
-    /// Dry friction, N·m or N.
+    /// Dry friction while it moves, N·m or N.
     pub friction: f64,
+    /// Dry friction at rest over that while it moves, less 1: 0 where they are equal.
+    pub static_excess: f64,
+    /// Speed at which the friction has lost most of what it has more at rest, rad/s or m/s.
+    pub stribeck_velocity: f64,
+    /// Whether a damper keeps the joint from going faster than `velocity`; position servos do not anyway.
+    pub enforce_velocity: bool,
     /// Rotor inertia times gear ratio squared, kg·m² or kg.
     pub armature: f64,
     /// Exact coupling to another joint.
@@ -289,6 +295,9 @@ pub struct Actuator {
     pub kp: f64,
     /// Start value of the tunable gain, pd mode only: N·m·s/rad or N·s/m.
     pub kd: f64,
+    /// Speed at which the motor has no effort left, rad/s or m/s: towards it the effort limit falls in proportion
+    /// while the motor drives, and stays what it is while it brakes. None: the limit does not depend on the speed.
+    pub no_load_speed: Option<f64>,
 }
 
 /// What an actuator is told.

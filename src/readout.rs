@@ -159,7 +159,7 @@ impl Readout {
         let terms = &self.point.joints.terms;
         terms
             .binary_search_by_key(&dof, |term| term.dof)
-            .map_or(0.0, |place| terms[place].drive.force(state.v[dof], 0.0).0)
+            .map_or(0.0, |place| terms[place].drive_force(state.v[dof], 0.0).0)
     }
 
     /// `M vdot = tau − k + Jᵀ f` with the forces of this moment.

@@ -146,6 +146,8 @@ pub struct ActuatorSettings {
     pub kp: Option<f64>,
     /// N·m·s/rad or N·s/m.
     pub kd: Option<f64>,
+    /// rad/s or m/s.
+    pub no_load_speed: Option<f64>,
 }
 
 impl ActuatorSettings {
@@ -157,6 +159,7 @@ impl ActuatorSettings {
             max_effort: None,
             kp: None,
             kd: None,
+            no_load_speed: None,
         }
     }
 }
@@ -195,6 +198,12 @@ pub struct JointSettings {
     pub friction: Option<f64>,
     /// kg·m² or kg.
     pub armature: Option<f64>,
+    /// N·m or N, dry, at rest.
+    pub static_friction: Option<f64>,
+    /// rad/s or m/s.
+    pub stribeck_velocity: Option<f64>,
+    /// Whether the velocity limit binds.
+    pub enforce_velocity: Option<bool>,
     /// rad or m.
     pub lower: Option<f64>,
     /// rad or m.
@@ -213,6 +222,9 @@ impl JointSettings {
             damping: None,
             friction: None,
             armature: None,
+            static_friction: None,
+            stribeck_velocity: None,
+            enforce_velocity: None,
             lower: None,
             upper: None,
             effort: None,
@@ -499,16 +511,22 @@ fn actuator(reader: &mut Reader, section: &Section) -> Option<ActuatorSettings> 
         max_effort: section.number("max_effort"),
         kp: section.number("kp"),
         kd: section.number("kd"),
+        no_load_speed: section.number("no_load_speed"),
     };
-    for key in ["kp", "kd", "max_effort"] {
+    for key in ["kp", "kd", "max_effort", "no_load_speed"] {
         let Some(entry) = section.entry(key) else {
             continue;
         };
         let useless = match mode {
             None => false,
             Some(ModeChoice::Passive) => true,
-            Some(ModeChoice::Commanded(ActuatorMode::Effort)) => key == "max_effort",
-            Some(ModeChoice::Commanded(mode)) => key != "max_effort" && mode != ActuatorMode::Pd,
+            // The line starts from max_effort, whatever is commanded.
+            Some(ModeChoice::Commanded(ActuatorMode::Effort)) => {
+                key == "max_effort" && settings.no_load_speed.is_none()
+            }
+            Some(ModeChoice::Commanded(mode)) => {
+                matches!(key, "kp" | "kd") && mode != ActuatorMode::Pd
+            }
         };
         if useless {
             let mode = section.word("mode").unwrap_or_default();
@@ -534,6 +552,11 @@ fn joint_settings(reader: &mut Reader, joint: Pattern, section: &Section) -> Joi
         damping: section.number("damping"),
         friction: section.number("friction"),
         armature: section.number("armature"),
+        static_friction: section.number("static_friction"),
+        stribeck_velocity: section.number("stribeck_velocity"),
+        enforce_velocity: section
+            .entry("enforce_velocity")
+            .map(|_| section.flag("enforce_velocity")),
         lower,
         upper,
         effort: section.number("effort"),

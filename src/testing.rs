@@ -145,6 +145,9 @@ impl Builder {
             damping: 0.0,
             friction: 0.0,
             armature: 0.0,
+            static_excess: 0.0,
+            stribeck_velocity: 0.01,
+            enforce_velocity: false,
             mimic: None,
         });
         m.links.push(Link {
@@ -231,6 +234,7 @@ impl Builder {
             reference_effort: if max_effort > 0.0 { max_effort } else { 1.0 },
             kp: 0.0,
             kd: 0.0,
+            no_load_speed: None,
         });
     }
 

@@ -6,7 +6,7 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
-use crate::model::{Limits, Model, Motion};
+use crate::model::{Joint, Limits, Model, Motion};
 use crate::parameters::Parameters;
 use crate::simulation::ParameterSlot as P;
 use crate::sparsity::Sparsity;
@@ -77,6 +77,29 @@ pub struct TreeCollider {
     pub dissipation_number: f64,
 }
 
+/// Dry friction of a degree of freedom.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct DryFriction {
+    /// Far above the Stribeck speed, N·m or N.
+    pub moving: f64,
+    /// At rest, not below.
+    pub at_rest: f64,
+    /// Stribeck speed, rad/s or m/s; 0 without friction.
+    pub stribeck_velocity: f64,
+}
+
+impl DryFriction {
+    /// Adds that of a joint which moves `ratio` times as fast.
+    fn add(&mut self, joint: &Joint, friction: f64, ratio: f64) {
+        self.moving += friction * ratio;
+        self.at_rest += friction * ratio * (1.0 + joint.static_excess);
+        if friction * ratio > 0.0 {
+            let own = joint.stribeck_velocity / ratio;
+            self.stribeck_velocity = self.stribeck_velocity.max(own);
+        }
+    }
+}
+
 /// What all contacts of a link have in common against turning.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Turning {
@@ -134,8 +157,12 @@ pub struct Tree {
     pub armature: Vec<f64>,
     /// Viscous damping per degree of freedom.
     pub damping: Vec<f64>,
-    /// Dry friction per degree of freedom.
-    pub friction: Vec<f64>,
+    /// Dry friction per degree of freedom, at rest and far above the Stribeck speed, and that speed.
+    pub friction: Vec<DryFriction>,
+    /// Enforced speed limit per degree of freedom, rad/s or m/s; infinite without.
+    pub speed_limit: Vec<f64>,
+    /// Damping beyond the speed limit per degree of freedom, N·m·s/rad or N·s/m.
+    pub speed_damping: Vec<f64>,
     /// Position limits per degree of freedom.
     pub limits: Vec<Option<Limits>>,
     /// Diagonal of the mass matrix at the initial position, per degree of freedom.
@@ -156,6 +183,11 @@ pub const REFERENCE_GRAVITY: f64 = 9.81;
 /// Multiplications per body that the articulated-body algorithm needs beyond the mass matrix' own, measured where
 /// both cost the same.
 const ARTICULATED_COST: usize = 150;
+
+/// Share by which the joint's effort limit drives it beyond its enforced speed limit.
+const OVERSPEED: f64 = 0.01;
+/// Longest time that a joint takes to fall back to its enforced speed limit, s.
+const SPEED_RELAXATION: f64 = 1e-3;
 
 /// Position error of a limit, or of a servo under its reference effort, rad or m.
 pub const LIMIT_DEFLECTION: f64 = 1e-4;
@@ -193,7 +225,9 @@ impl Tree {
             penetration: model.contact.penetration,
             armature: vec![0.0; model.nv()],
             damping: vec![0.0; model.nv()],
-            friction: vec![0.0; model.nv()],
+            friction: vec![DryFriction::default(); model.nv()],
+            speed_limit: vec![f64::INFINITY; model.nv()],
+            speed_damping: vec![0.0; model.nv()],
             limits: model.dofs.iter().map(|d| d.limits).collect(),
             inertia: vec![0.0; model.nv()],
             limit_stiffness: vec![0.0; model.nv()],
@@ -210,7 +244,12 @@ impl Tree {
             for body in &joint.bodies {
                 let body = &tree.bodies[body.index()];
                 for c in body.column..body.column + body.columns {
-                    tree.armature[tree.dof[c]] += joint.armature * body.ratio * body.ratio;
+                    let dof = tree.dof[c];
+                    tree.armature[dof] += joint.armature * body.ratio * body.ratio;
+                    if let Some(limit) = joint.velocity.filter(|_| joint.enforce_velocity) {
+                        let limit = limit / body.ratio.abs();
+                        tree.speed_limit[dof] = tree.speed_limit[dof].min(limit);
+                    }
                 }
             }
         }
@@ -358,7 +397,7 @@ impl Tree {
             parameters.get(P::Gravity(2)),
         );
         self.damping.fill(0.0);
-        self.friction.fill(0.0);
+        self.friction.fill(DryFriction::default());
         for (id, joint) in (0..).map(crate::model::JointId).zip(&model.joints) {
             let (damping, friction) = (
                 parameters.get(P::JointDamping(id)),
@@ -372,7 +411,7 @@ impl Tree {
                 for c in body.column..body.column + body.columns {
                     let dof = self.dof[c];
                     self.damping[dof] += damping * body.ratio * body.ratio;
-                    self.friction[dof] += friction * body.ratio.abs();
+                    self.friction[dof].add(joint, friction, body.ratio.abs());
                 }
             }
         }
@@ -488,6 +527,11 @@ impl Tree {
                 .unwrap_or(0.0);
             let effort = if effort.is_finite() { effort } else { 0.0 };
             *k = effort.max(inertia[dof] * 100.0) / LIMIT_DEFLECTION;
+            let limit = self.speed_limit[dof];
+            if limit.is_finite() {
+                let damping = effort / (OVERSPEED * limit);
+                self.speed_damping[dof] = damping.max(inertia[dof] / SPEED_RELAXATION);
+            }
         }
     }
 }

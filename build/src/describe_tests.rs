@@ -29,6 +29,9 @@ fn model() -> Model {
         damping: 0.0,
         friction: 0.0,
         armature: 0.0,
+        static_excess: 0.0,
+        stribeck_velocity: 0.01,
+        enforce_velocity: false,
         mimic,
     };
     let mimic = Mimic {

@@ -58,7 +58,8 @@ pub(super) fn add(
             turning
         });
         let given = choice.max_effort.or(joint.effort);
-        if given.is_none() && mode != ActuatorMode::Effort {
+        let limited = mode != ActuatorMode::Effort || choice.no_load_speed.is_some();
+        if given.is_none() && limited {
             without.push(format!("{} = {default}", joint.name));
         }
         if given == Some(0.0) && mode != ActuatorMode::Effort && choice.max_effort.is_none() {
@@ -88,6 +89,7 @@ pub(super) fn add(
                 .unwrap_or(default),
             kp: choice.kp.unwrap_or(0.0),
             kd: choice.kd.unwrap_or(0.0),
+            no_load_speed: choice.no_load_speed,
         });
     }
     if !without.is_empty() {
@@ -130,6 +132,29 @@ pub(super) fn add(
     }
 }
 
+/// Tells which velocity limits of the file do not bind.
+pub(super) fn report_velocity_limits(model: &Model, findings: &mut Findings) {
+    let servo = |id: JointId| {
+        let mut actuators = model.actuators.iter();
+        actuators.any(|a| a.joint == id && a.mode == ActuatorMode::Position)
+    };
+    let names: Vec<&str> = (0..)
+        .map(JointId)
+        .zip(&model.joints)
+        .filter(|(id, joint)| joint.velocity.is_some() && !joint.enforce_velocity && !servo(*id))
+        .map(|(_, joint)| joint.name.as_str())
+        .collect();
+    if !names.is_empty() {
+        let message = format!(
+            "the velocity limits of {} do not bind: {}",
+            counted(names.len(), "joint"),
+            listed(&names)
+        );
+        let help = "set [joint.\"…\"] enforce_velocity = true; position servos keep to it anyway";
+        findings.note("A124", message, help);
+    }
+}
+
 /// Three digits: a default should not look measured.
 fn round(value: f64) -> f64 {
     let unit = libm::pow(10.0, libm::floor(libm::log10(value)) - 2.0);
@@ -163,6 +188,7 @@ fn choices(model: &Model, settings: &Settings, findings: &mut Findings) -> Vec<A
             choice.max_effort = entry.max_effort.or(choice.max_effort);
             choice.kp = entry.kp.or(choice.kp);
             choice.kd = entry.kd.or(choice.kd);
+            choice.no_load_speed = entry.no_load_speed.or(choice.no_load_speed);
         }
     }
     merged

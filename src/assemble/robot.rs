@@ -14,6 +14,9 @@ use crate::urdf::{CollisionDescription, Description, JointDescription, LinkDescr
 /// Coulomb coefficient of a link where neither the file nor the settings give one.
 const DEFAULT_FRICTION: f64 = 0.8;
 
+/// Stribeck speed of a joint where the settings give none, rad/s or m/s.
+const DEFAULT_STRIBECK_VELOCITY: f64 = 0.01;
+
 /// Links and joints in the model's form; mimics by name.
 pub(super) struct Robot {
     pub(super) name: String,
@@ -169,11 +172,14 @@ fn joint_overrides(
             joint.damping = entry.damping.or(joint.damping);
             joint.friction = entry.friction.or(joint.friction);
             joint.armature = entry.armature.or(joint.armature);
+            joint.static_friction = entry.static_friction.or(joint.static_friction);
+            joint.stribeck_velocity = entry.stribeck_velocity.or(joint.stribeck_velocity);
+            joint.enforce_velocity = entry.enforce_velocity.or(joint.enforce_velocity);
             joint.lower = entry.lower.or(joint.lower);
             joint.upper = entry.upper.or(joint.upper);
             joint.effort = entry.effort.or(joint.effort);
             joint.velocity = entry.velocity.or(joint.velocity);
-            if limited {
+            if limited || entry.static_friction.is_some() {
                 joint.joint.place.clone_from(&entry.joint.place);
             }
         }
@@ -234,6 +240,15 @@ fn model_joint(
         }
         (damping, friction, armature) = (0.0, 0.0, 0.0);
     }
+    let static_friction = overrides.static_friction.unwrap_or(friction);
+    let static_excess = static_excess(friction, static_friction).unwrap_or_else(|| {
+        let message = format!(
+            "the friction {static_friction} of joint '{name}' at rest does not go with its friction {friction}"
+        );
+        let place = overrides.joint.place.clone();
+        findings.error("A125", place, message, STATIC_FRICTION_HELP);
+        0.0
+    });
     // Infinite means that there is none.
     let usable = |value: Option<f64>| value.filter(|value| value.is_finite() && *value >= 0.0);
     let velocity = usable(overrides.velocity.or(joint.velocity)).filter(|_| scalar);
@@ -255,6 +270,11 @@ fn model_joint(
         damping,
         friction,
         armature,
+        static_excess,
+        stribeck_velocity: overrides
+            .stribeck_velocity
+            .unwrap_or(DEFAULT_STRIBECK_VELOCITY),
+        enforce_velocity: overrides.enforce_velocity.unwrap_or(false),
         mimic: None,
     }
 }

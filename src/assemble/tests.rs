@@ -1035,3 +1035,28 @@ fn surfaces_take_their_friction_at_rest_and_against_turning_from_the_settings() 
     assert_eq!(refused.code, "A125");
     assert!(refused.place.is_some());
 }
+
+#[test]
+fn joints_and_motors_take_their_laws_from_the_settings() {
+    let settings = "[joint.left]\nfriction = 0.2\nstatic_friction = 0.3\nstribeck_velocity = 0.05\n\
+                    enforce_velocity = true\n[[actuator]]\njoint = \"left\"\nno_load_speed = 30\n";
+    let assembled = assembled(&cart(), settings);
+    let left = &assembled.model.joints[0];
+    // 0.3/0.2 − 1.
+    assert!(close(left.static_excess, 0.5) && close(left.stribeck_velocity, 0.05));
+    assert!(left.enforce_velocity && !assembled.model.joints[1].enforce_velocity);
+    let speeds: Vec<_> = assembled
+        .model
+        .actuators
+        .iter()
+        .map(|a| a.no_load_speed)
+        .collect();
+    assert_eq!(speeds, [Some(30.0), None]);
+    // The other wheel has a velocity limit in the file and no position servo.
+    let unbound = note(&assembled, "A124");
+    assert!(unbound.message.contains("1 joint") && unbound.message.contains("'right'"));
+    assert_eq!(
+        error(&cart(), "[joint.left]\nstatic_friction = 0.3\n").code,
+        "A125"
+    );
+}

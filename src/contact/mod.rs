@@ -5,8 +5,8 @@ mod law;
 mod turn;
 
 pub use detect::{Plane, detect, is_clear};
-pub(crate) use law::clip;
 pub use law::{Response, dissipation_number};
+pub(crate) use law::{clip, stribeck};
 pub use turn::{Turn, angular, find_turns};
 
 use crate::spatial::Vec3;

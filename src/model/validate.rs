@@ -169,9 +169,14 @@ fn joints(model: &Model) -> Check {
             part,
             "has an effort or velocity limit that is not finite or negative",
         )?;
-        let terms = [joint.damping, joint.friction, joint.armature];
+        let terms = [
+            joint.damping,
+            joint.friction,
+            joint.armature,
+            joint.static_excess,
+        ];
         require(
-            terms.iter().all(|&value| not_negative(value)),
+            terms.iter().all(|&value| not_negative(value)) && positive(joint.stribeck_velocity),
             part,
             "has damping, friction or armature that is not finite or negative",
         )?;
@@ -456,9 +461,11 @@ fn actuators(model: &Model) -> Check {
         )?;
         let values = [actuator.max_effort, actuator.kp, actuator.kd];
         require(
-            values.iter().all(|&value| not_negative(value)) && positive(actuator.reference_effort),
+            values.iter().all(|&value| not_negative(value))
+                && positive(actuator.reference_effort)
+                && actuator.no_load_speed.is_none_or(positive),
             part,
-            "has an effort or gain that is not finite or negative",
+            "has an effort, gain or speed that is not finite or negative",
         )?;
     }
     Ok(())

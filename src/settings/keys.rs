@@ -264,6 +264,12 @@ pub const KEYS: &[Key] = &[
         "N·m or N; without it the file's effort limit",
     ),
     key(
+        "actuator[].no_load_speed",
+        Number(Positive),
+        None,
+        "rad/s or m/s at which the motor has no effort left to drive with: max_effort falls in proportion to the speed, for braking it stays; without it, it does not depend on the speed",
+    ),
+    key(
         "actuator[].kp",
         Number(NotNegative),
         None,
@@ -286,6 +292,18 @@ pub const KEYS: &[Key] = &[
         Number(NotNegative),
         None,
         "N·m or N, dry, instead of the file's",
+    ),
+    key(
+        "joint.*.static_friction",
+        Number(NotNegative),
+        None,
+        "N·m or N, dry friction at rest, not below friction; without it the same",
+    ),
+    key(
+        "joint.*.stribeck_velocity",
+        Number(Positive),
+        None,
+        "rad/s or m/s at which friction has lost 63 % of what static_friction has more; without it 0.01",
     ),
     key(
         "joint.*.armature",
@@ -316,6 +334,12 @@ pub const KEYS: &[Key] = &[
         Number(NotNegative),
         None,
         "rad/s or m/s, instead of the file's velocity limit; 0: none",
+    ),
+    key(
+        "joint.*.enforce_velocity",
+        Flag,
+        None,
+        "whether a damper holds the joint at its velocity limit: 1 % above it under the effort limit; without it false, but position servos keep to the limit anyway",
     ),
     key("loop", Later, None, "kinematic loops"),
     key("group", Later, None, "joints that share a command"),

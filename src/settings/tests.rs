@@ -426,3 +426,17 @@ fn static_friction_goes_with_sliding_friction() {
         assert_eq!(findings[0].place.as_ref().map(|p| p.line), Some(3));
     }
 }
+
+#[test]
+fn a_no_load_speed_goes_with_every_mode_that_has_effort() {
+    let actuator = |mode: &str| {
+        let text = format!(
+            "[[actuator]]\njoint = \"*\"\nmode = \"{mode}\"\nno_load_speed = 5\nmax_effort = 2\n"
+        );
+        Settings::parse(&text, "f").map(|s| s.actuators[0].no_load_speed)
+    };
+    for mode in ["velocity", "position", "effort", "pd"] {
+        assert_eq!(actuator(mode), Ok(Some(5.0)), "{mode}");
+    }
+    assert_eq!(actuator("none").expect_err("no motor")[0].code, "S106");
+}

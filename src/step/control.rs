@@ -175,6 +175,7 @@ impl Point {
             ctx.inputs,
             [ctx.elapsed, h],
             &state.q,
+            &state.v,
             &state.motor,
             &state.dry,
             &self.kin.inverse_diagonal,
@@ -473,12 +474,12 @@ impl Stepper {
                 && !matches!(term.drive, Drive::Effort(_))
         };
         self.start.contacts.is_empty()
-            && self.start.joints.terms.iter().all(|term| {
-                !term.drive.is_stiff()
-                    && !may_become_stiff(term)
-                    && term.dry.cap <= 0.0
-                    && term.damping >= 0.0
-            })
+            && self
+                .start
+                .joints
+                .terms
+                .iter()
+                .all(|term| !term.is_stiff() && !may_become_stiff(term) && term.damping >= 0.0)
             && ctx.fixed_step == 0.0
     }
 
@@ -487,7 +488,7 @@ impl Stepper {
         let kin = &self.start.kin;
         self.start.joints.terms.iter().all(|term| {
             !term.near_limit(state.v[term.dof], h)
-                && h * term.damping * kin.inverse_diagonal[term.dof] < 1.0
+                && h * term.steepness() * kin.inverse_diagonal[term.dof] < 1.0
         }) && is_clear(ctx.tree, kin, h)
     }
     /// Explicit step into `self.explicit`; returns its error relative to the tolerance.
@@ -696,10 +697,8 @@ impl Stepper {
             .zip(&self.middle.joints.terms);
         for (start, middle) in terms {
             let dof = start.dof;
-            if let (Some(index), Drive::Velocity { target, element }) =
-                (start.actuator, start.drive)
-            {
-                let full = element.next(self.full.v[dof] - target, h);
+            if let (Some(index), Drive::Velocity { element, .. }) = (start.actuator, start.drive) {
+                let full = start.next_motor(self.full.v[dof], h);
                 let limit = element.cap / element.stiffness;
                 state.motor[index] = (2.0 * state.motor[index] - full).clamp(-limit, limit);
             }
@@ -857,10 +856,7 @@ fn store(ctx: &Context, point: &Point, newton: &Newton, h: f64, state: &mut Stat
     debug_assert_eq!(state.motor.len(), ctx.model.actuators.len());
     for term in &point.joints.terms {
         if let Some(index) = term.actuator {
-            state.motor[index] = match term.drive {
-                Drive::Velocity { target, element } => element.next(newton.v[term.dof] - target, h),
-                _ => 0.0,
-            };
+            state.motor[index] = term.next_motor(newton.v[term.dof], h);
         }
         state.dry[term.dof] = term.dry.next(newton.v[term.dof], h);
     }

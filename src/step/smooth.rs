@@ -259,6 +259,7 @@ impl Explicit {
         let acceleration = &mut self.v_rate[stage];
         self.effort.fill(0.0);
         for term in system.joints {
+            let v = v[term.dof];
             let effort = match (term.drive, term.actuator) {
                 (Drive::Effort(_), Some(index)) if inputs.varies() => {
                     let command = inputs.command(index, system.ctx.elapsed, 0.0);
@@ -267,7 +268,7 @@ impl Explicit {
                 (Drive::Effort(effort), _) => effort,
                 _ => 0.0,
             };
-            self.effort[term.dof] += effort - term.damping * v[term.dof];
+            self.effort[term.dof] += term.line.cut((effort, 0.0), v).0 - term.damping * v;
         }
         if tree.long {
             self.articulated.accelerations(

@@ -163,7 +163,7 @@ fn differences(robot: &Robot) -> [f64; 4] {
         // Exact coupling of two branches is out of its reach.
         let mut by_bodies = by_factor.clone();
         if tree.pure {
-            aba.accelerations(&tree, &kin, &v, &tau, &mut by_bodies);
+            aba.accelerations(&tree, &kin, &v, &tau, (&[], 0.0), &mut by_bodies);
         }
 
         let ours = |x: &[f64]| place.iter().map(|&k| x[k]).collect::<Vec<_>>().into_iter();

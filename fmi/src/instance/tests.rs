@@ -100,6 +100,9 @@ fn rover() -> Model {
             damping: 0.0,
             friction: 0.0,
             armature: 0.0,
+            static_excess: 0.0,
+            stribeck_velocity: 0.01,
+            enforce_velocity: false,
             mimic: None,
         }],
         bodies: vec![
@@ -122,6 +125,7 @@ fn rover() -> Model {
             reference_effort: 5.0,
             kp: 0.0,
             kd: 0.0,
+            no_load_speed: None,
         }],
         initial: Initial {
             position: Vec3::new(0.0, 0.0, 0.35),

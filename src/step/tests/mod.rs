@@ -19,6 +19,7 @@ mod contact;
 mod free;
 mod inputs;
 mod joints;
+mod motors;
 mod properties;
 mod slope;
 mod turning;
@@ -84,4 +85,13 @@ impl IntoLink for u32 {
 
 fn height(s: &mut Simulation) -> f64 {
     s.output(OutputSlot::BasePosition(2))
+}
+
+trait IntoJoint {
+    fn into_joint(self) -> crate::model::JointId;
+}
+impl IntoJoint for u32 {
+    fn into_joint(self) -> crate::model::JointId {
+        crate::model::JointId(self)
+    }
 }

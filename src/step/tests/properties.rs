@@ -46,6 +46,9 @@ fn everything() -> Model {
     for joint in &mut model.joints {
         joint.damping = 0.1;
         joint.friction = 0.05;
+        joint.static_excess = 0.5;
+        joint.velocity = Some(4.0);
+        joint.enforce_velocity = true;
     }
     let joint = model.joints[0].clone();
     let body = joint.bodies[0];
@@ -57,6 +60,7 @@ fn everything() -> Model {
         reference_effort: 5.0,
         kp: 0.0,
         kd: 0.0,
+        no_load_speed: Some(8.0),
     });
     model
 }
@@ -226,6 +230,11 @@ fn random_robot(seed: u64, random: &mut Random) -> Model {
     for joint in &mut model.joints {
         joint.damping = libm::pow(10.0, random.uniform(-4.0, 3.0));
         joint.friction = random.uniform(0.0, 1.0);
+        joint.static_excess = [0.0, 0.5][seed as usize % 2];
+        if seed % 4 == 2 {
+            joint.velocity = Some(random.uniform(0.1, 10.0));
+            joint.enforce_velocity = true;
+        }
     }
     let modes = [
         ActuatorMode::Velocity,
@@ -247,6 +256,7 @@ fn random_robot(seed: u64, random: &mut Random) -> Model {
             reference_effort: effort,
             kp: libm::pow(10.0, random.uniform(0.0, 6.0)),
             kd: libm::pow(10.0, random.uniform(-1.0, 4.0)),
+            no_load_speed: (seed % 4 == 1).then(|| random.uniform(0.1, 50.0)),
         });
         if joint % 3 == 0 {
             model.dofs[body.dof.index()].limits = Some(crate::model::Limits {

@@ -1,0 +1,219 @@
+//! Torque–speed lines, rotor inertia, speed limits and dry friction of joints, against closed forms.
+
+use super::*;
+
+/// Fixed steps or error control: step size and tolerance.
+const MODES: [(f64, f64); 2] = [(0.0, 1e-5), (1.0 / 240.0, 1e-5)];
+
+const INERTIA: f64 = 0.02;
+
+/// A rotor of 0.02 kg·m² about the vertical.
+fn rotor(mode: ActuatorMode, max_effort: f64) -> Builder {
+    let mut b = Builder::new(false, crate::spatial::RigidInertia::ZERO);
+    let link = b.link(
+        0u32.into_link(),
+        Pose::IDENTITY,
+        Motion::Revolute(Vec3::z()),
+        inertia(1.0, Vec3::zeros(), [0.1, 0.1, INERTIA]),
+    );
+    b.actuator(link, mode, max_effort);
+    b
+}
+
+/// A lift of 2 kg on a vertical slide.
+fn lift(max_effort: f64) -> Builder {
+    let mut b = Builder::new(false, crate::spatial::RigidInertia::ZERO);
+    let link = b.link(
+        0u32.into_link(),
+        Pose::IDENTITY,
+        Motion::Prismatic(Vec3::z()),
+        inertia(2.0, Vec3::zeros(), [0.1; 3]),
+    );
+    b.actuator(link, ActuatorMode::Velocity, max_effort);
+    b
+}
+
+fn started(mut b: Builder, (step, tolerance): (f64, f64)) -> Simulation {
+    b.model.solver.step_size = step;
+    start(b.model, tolerance)
+}
+
+/// J ω̇ = e0 (1 − ω/ω0): ω = ω0 (1 − exp(−t/τ)), τ = J ω0/e0; whatever mode asks for more than there is.
+#[test]
+fn a_rotor_runs_up_along_its_torque_speed_line() {
+    let (e0, w0) = (0.5, 40.0);
+    let tau = INERTIA * w0 / e0;
+    for mode in MODES {
+        for command in [
+            ActuatorMode::Effort,
+            ActuatorMode::Velocity,
+            ActuatorMode::Position,
+            ActuatorMode::Pd,
+        ] {
+            let mut b = rotor(command, e0);
+            b.model.actuators[0].no_load_speed = Some(w0);
+            b.model.actuators[0].kp = 10.0;
+            b.model.actuators[0].kd = 0.1;
+            let mut s = started(b, mode);
+            let a = ActuatorId(0);
+            match command {
+                ActuatorMode::Effort => s.set_input(InputSlot::Effort(a), 2.0),
+                ActuatorMode::Velocity => s.set_input(InputSlot::Velocity(a), -100.0),
+                ActuatorMode::Position | ActuatorMode::Pd => {
+                    s.set_input(InputSlot::Position(a), 1e6);
+                }
+            }
+            let sign = if command == ActuatorMode::Velocity {
+                -1.0
+            } else {
+                1.0
+            };
+            for i in 1..=8 {
+                let t = 0.5 * tau * f64::from(i);
+                run(&mut s, t, 0.01);
+                let expected = w0 * (1.0 - libm::exp(-t / tau));
+                let found = sign * s.state().v[0];
+                // Implicit Euler is behind by at most h/(2 e τ).
+                let allowed = if mode.0 > 0.0 {
+                    mode.0 / tau / 5.0
+                } else {
+                    1e-5
+                };
+                assert!(
+                    (found - expected).abs() < allowed * w0,
+                    "{mode:?} {command:?} at {t}: {found} {expected}"
+                );
+                let effort = sign * s.output(OutputSlot::JointEffort(0u32.into_joint()));
+                let line = e0 * (1.0 - found / w0);
+                assert!((effort - line).abs() < 1e-9, "{effort} {line}");
+            }
+        }
+    }
+}
+
+/// Up: stall effort twice the weight, so the line carries the weight at half the no-load speed. Down: the weight drives,
+/// the motor brakes, and for that it has its whole effort and holds the speed that it was told.
+#[test]
+fn a_loaded_motor_settles_where_its_line_meets_the_load_and_brakes_with_all_its_effort() {
+    let weight = 2.0 * G;
+    // Impulses are balanced to 1e-3 of the tolerance, here 1e-8 of the weight; the line turns that into 2e-8 m/s.
+    let exact = 3e-8;
+    for mode in MODES {
+        let mut b = lift(2.0 * weight);
+        b.model.actuators[0].no_load_speed = Some(4.0);
+        let mut s = started(b, mode);
+        s.set_input(InputSlot::Velocity(ActuatorId(0)), 10.0);
+        run(&mut s, 10.0, 0.01);
+        assert!(
+            (s.state().v[0] - 2.0).abs() < exact,
+            "{mode:?}: {}",
+            s.state().v[0]
+        );
+        let steps = s.state().counters[0];
+        run(&mut s, 20.0, 0.05);
+        assert!((s.state().v[0] - 2.0).abs() < exact, "{mode:?}");
+        // No chatter: nothing but steps of full length.
+        let most = if mode.0 > 0.0 { 2400 } else { 400 };
+        assert!(
+            s.state().counters[0] - steps <= most,
+            "{:?}",
+            s.state().counters
+        );
+        s.set_input(InputSlot::Velocity(ActuatorId(0)), -10.0);
+        run(&mut s, 30.0, 0.01);
+        assert!(
+            (s.state().v[0] + 10.0).abs() < exact,
+            "{mode:?}: {}",
+            s.state().v[0]
+        );
+        let effort = s.output(OutputSlot::JointEffort(0u32.into_joint()));
+        assert!((effort - weight).abs() < 1e-6, "{mode:?}: {effort}");
+        // Below its line it follows exactly.
+        s.set_input(InputSlot::Velocity(ActuatorId(0)), 1.5);
+        run(&mut s, 40.0, 0.01);
+        assert!(
+            (s.state().v[0] - 1.5).abs() < exact,
+            "{mode:?}: {}",
+            s.state().v[0]
+        );
+    }
+}
+
+/// With a gear of ratio n, a rotor of inertia `I_r` counts as n² `I_r`: ω = e t/(I + n² `I_r`), exactly linear in time.
+#[test]
+fn a_geared_rotor_adds_its_inertia_times_the_ratio_squared() {
+    let (n, rotor_inertia, e) = (100.0, 3e-5, 1.5);
+    for mode in MODES {
+        let mut b = rotor(ActuatorMode::Effort, 2.0);
+        b.model.joints[0].armature = n * n * rotor_inertia;
+        let mut s = started(b, mode);
+        s.set_input(InputSlot::Effort(ActuatorId(0)), e);
+        run(&mut s, 2.0, 0.01);
+        let expected = 2.0 * e / (INERTIA + n * n * rotor_inertia);
+        let found = s.state().v[0];
+        assert!((found / expected - 1.0).abs() < 1e-8, "{mode:?}: {found}");
+    }
+}
+
+/// The damper's law: at the effort limit 1 % above the speed limit, at a tenth of it 0.1 %; off, speed grows as e t/J.
+#[test]
+fn an_enforced_velocity_limit_is_exceeded_by_one_percent_under_the_effort_limit() {
+    let (e, limit) = (0.5, 3.0);
+    for mode in MODES {
+        for (enforced, share) in [(true, 1.0), (true, 0.1), (false, 1.0)] {
+            let mut b = rotor(ActuatorMode::Effort, e);
+            b.model.joints[0].velocity = Some(limit);
+            b.model.joints[0].effort = Some(e);
+            b.model.joints[0].enforce_velocity = enforced;
+            let mut s = started(b, mode);
+            s.set_input(InputSlot::Effort(ActuatorId(0)), -share * e);
+            run(&mut s, 4.0, 0.01);
+            let expected = if enforced {
+                // The damping is that or one that stops in a millisecond, whichever is more.
+                let damping = (e / (0.01 * limit)).max(INERTIA / 1e-3);
+                limit + share * e / damping
+            } else {
+                4.0 * e / INERTIA
+            };
+            let found = -s.state().v[0];
+            assert!(
+                (found - expected).abs() < 1e-8 * expected,
+                "{mode:?}: {found} {expected}"
+            );
+        }
+    }
+}
+
+/// Dry friction 0.6 at rest and 0.4 in motion: holds 0.599, starts at 0.602 and then accelerates with the rest.
+#[test]
+fn a_joint_breaks_away_at_its_static_friction_and_turns_with_its_dynamic_one() {
+    for mode in MODES {
+        for (effort, moves) in [(0.599, false), (0.602, true)] {
+            let mut b = rotor(ActuatorMode::Effort, 2.0);
+            b.model.joints[0].friction = 0.4;
+            b.model.joints[0].static_excess = 0.5;
+            let mut s = started(b, mode);
+            for i in 1..=50 {
+                s.set_input(
+                    InputSlot::Effort(ActuatorId(0)),
+                    effort * f64::from(i) / 50.0,
+                );
+                run(&mut s, 0.02 * f64::from(i), 0.01);
+            }
+            run(&mut s, 2.0, 0.01);
+            let (q, v) = (s.state().q[0], s.state().v[0]);
+            if moves {
+                run(&mut s, 3.0, 0.01);
+                let a = s.state().v[0] - v;
+                let expected = (effort - 0.4) / INERTIA;
+                assert!(
+                    (a - expected).abs() < 1e-4 * expected,
+                    "{mode:?}: {a} {expected}"
+                );
+            } else {
+                run(&mut s, 62.0, 0.1);
+                assert!((s.state().q[0] - q).abs() < 1e-12, "{mode:?}");
+            }
+        }
+    }
+}
