@@ -101,6 +101,19 @@ pub(super) fn add(
         let help = "set [[actuator]] max_effort; units are N·m and N";
         findings.note("A113", message, help);
     }
+    report_interfaces(&other_interface, findings);
+    if !without_gains.is_empty() {
+        let message = format!(
+            "pd mode without gains gives no effort of its own: {}",
+            listed(&without_gains)
+        );
+        let help = "set [[actuator]] kp and kd, or the FMU's parameters of that name";
+        findings.warning("A120", None, message, help);
+    }
+}
+
+/// Tells which joints are commanded otherwise than the file's hardware does it.
+fn report_interfaces(other_interface: &[(ActuatorMode, &str)], findings: &mut Findings) {
     for (mode, word) in [
         (ActuatorMode::Position, "position"),
         (ActuatorMode::Velocity, "velocity"),
@@ -121,14 +134,6 @@ pub(super) fn add(
                 format!("--mode {word}, or [[actuator]] mode = \"{word}\", does as the hardware");
             findings.note("A126", message, &help);
         }
-    }
-    if !without_gains.is_empty() {
-        let message = format!(
-            "pd mode without gains gives no effort of its own: {}",
-            listed(&without_gains)
-        );
-        let help = "set [[actuator]] kp and kd, or the FMU's parameters of that name";
-        findings.warning("A120", None, message, help);
     }
 }
 
