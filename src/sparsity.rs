@@ -16,7 +16,9 @@ pub struct Sparsity {
     pub depth: Vec<usize>,
     /// Column of every entry.
     pub column: Vec<u32>,
-    /// Rows whose ancestors begin with 0 … 5: all of them for a floating base.
+    /// How many of each row's ancestors are 0, 1, 2, …: there no column needs to be looked up.
+    pub prefix: Vec<usize>,
+    /// Whether the ancestors of every row begin with 0 … 5, as they do for a floating base.
     pub floating: bool,
 }
 
@@ -63,6 +65,9 @@ impl Sparsity {
                 .take(6.min(k + 1))
                 .enumerate()
                 .all(|(i, &j)| i == j);
+            let ancestors = &path[..path.len() - 1];
+            let prefix = ancestors.iter().zip(0..).take_while(|(c, i)| **c == *i);
+            pattern.prefix.push(prefix.count());
             pattern.start.push(pattern.column.len());
             pattern.depth.push(path.len() - 1);
             pattern.column.extend(
@@ -111,25 +116,14 @@ impl Sparsity {
         for k in 0..self.len() {
             let (s, d) = (self.start[k], self.depth[k]);
             let row = &a[s..=s + d];
-            let columns = &self.column[s..s + d];
             let xk = x[k];
-            let mut sum = row[d] * xk;
-            // The first six columns of a floating robot's rows are 0 … 5: no gather.
-            let mut from = 0;
-            if self.floating && d >= 6 {
-                let (r6, x6) = (&row[..6], &x[..6]);
-                let (mut even, mut odd) = (0.0, 0.0);
-                for i in 0..3 {
-                    even += r6[2 * i] * x6[2 * i];
-                    odd += r6[2 * i + 1] * x6[2 * i + 1];
-                }
-                sum += even + odd;
-                for (y, r) in y[..6].iter_mut().zip(r6) {
-                    *y += r * xk;
-                }
-                from = 6;
+            let (near, far) = row[..d].split_at(self.prefix[k]);
+            let mut sum = dot(near, &x[..near.len()]) + row[d] * xk;
+            for (y, r) in y.iter_mut().zip(near) {
+                *y += r * xk;
             }
-            for (r, &c) in row[from..d].iter().zip(&columns[from..]) {
+            let columns = &self.column[s + near.len()..s + d];
+            for (r, &c) in far.iter().zip(columns) {
                 let c = c as usize;
                 sum += r * x[c];
                 y[c] += r * xk;
@@ -139,9 +133,10 @@ impl Sparsity {
     }
 
     /// Overwrites `a` by its factor `L` with `A = LᵀL`; the diagonal holds reciprocals. A pivot that round-off has
-    /// made smaller than `1e-14` of the row's diagonal is replaced by that floor, so that the direction stays finite.
+    /// made smaller than the smallest positive number is replaced by that, so that the direction stays finite.
     pub fn factor(&self, a: &mut [f64]) {
-        for k in (0..self.len()).rev() {
+        let base = if self.floating { 6 } else { 0 };
+        for k in (base..self.len()).rev() {
             let (s, d) = (self.start[k], self.depth[k]);
             let (above, rest) = a.split_at_mut(s);
             let row = &mut rest[..=d];
@@ -150,21 +145,13 @@ impl Sparsity {
             for x in &mut row[..d] {
                 *x *= reciprocal;
             }
-            let mut from = 0;
-            if self.floating && d >= 6 {
-                let r: [f64; 6] = std::array::from_fn(|i| row[i]);
-                let lower = &mut above[..21];
-                let mut place = 0;
-                for i in 0..6 {
-                    for rj in &r[..=i] {
-                        lower[place] -= r[i] * rj;
-                        place += 1;
-                    }
-                }
-                from = 6;
+            if base > 0 {
+                let r: &[f64; 6] = row.first_chunk().expect("a floating base's rows");
+                let lower: &mut [f64; 21] = above.first_chunk_mut().expect("a floating base");
+                subtract_square(lower, r);
             }
             let columns = &self.column[s..s + d];
-            for (q, &column) in columns.iter().enumerate().skip(from) {
+            for (q, &column) in columns.iter().enumerate().skip(base) {
                 let target = self.start[column as usize];
                 let factor = row[q];
                 let target = &mut above[target..=target + q];
@@ -172,6 +159,9 @@ impl Sparsity {
                     *t -= factor * r;
                 }
             }
+        }
+        if base > 0 {
+            factor_base(a.first_chunk_mut().expect("a floating base"));
         }
     }
 
@@ -182,18 +172,74 @@ impl Sparsity {
             let row = &factor[s..=s + d];
             let xk = x[k] * row[d];
             x[k] = xk;
-            for (r, &c) in row[..d].iter().zip(&self.column[s..s + d]) {
+            let (near, far) = row[..d].split_at(self.prefix[k]);
+            for (x, r) in x.iter_mut().zip(near) {
+                *x -= r * xk;
+            }
+            let columns = &self.column[s + near.len()..s + d];
+            for (r, &c) in far.iter().zip(columns) {
                 x[c as usize] -= r * xk;
             }
         }
         for k in 0..self.len() {
             let (s, d) = (self.start[k], self.depth[k]);
             let row = &factor[s..=s + d];
-            let mut sum = x[k];
-            for (r, &c) in row[..d].iter().zip(&self.column[s..s + d]) {
+            let (near, far) = row[..d].split_at(self.prefix[k]);
+            let mut sum = x[k] - dot(near, &x[..near.len()]);
+            let columns = &self.column[s + near.len()..s + d];
+            for (r, &c) in far.iter().zip(columns) {
                 sum -= r * x[c as usize];
             }
             x[k] = sum * row[d];
+        }
+    }
+}
+
+/// Inner product in two running sums, so that two lanes suffice.
+#[inline]
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    let (pairs, others) = (a.chunks_exact(2), b.chunks_exact(2));
+    let last = match (pairs.remainder(), others.remainder()) {
+        ([a], [b]) => a * b,
+        _ => 0.0,
+    };
+    let (mut even, mut odd) = (0.0, 0.0);
+    for (a, b) in pairs.zip(others) {
+        even += a[0] * b[0];
+        odd += a[1] * b[1];
+    }
+    even + odd + last
+}
+
+/// `A −= r rᵀ`, lower triangle.
+#[inline]
+fn subtract_square(lower: &mut [f64; 21], r: &[f64; 6]) {
+    let mut place = 0;
+    for i in 0..6 {
+        for j in 0..=i {
+            lower[place + j] -= r[i] * r[j];
+        }
+        place += i + 1;
+    }
+}
+
+/// The last rows of [`Sparsity::factor`]: those of a floating base, all of known length.
+#[inline]
+fn factor_base(lower: &mut [f64; 21]) {
+    let mut start = 21;
+    for k in (0..6).rev() {
+        start -= k + 1;
+        let reciprocal = 1.0 / lower[start + k].max(f64::MIN_POSITIVE).sqrt();
+        lower[start + k] = reciprocal;
+        for j in 0..k {
+            lower[start + j] *= reciprocal;
+        }
+        let mut place = 0;
+        for i in 0..k {
+            for j in 0..=i {
+                lower[place + j] -= lower[start + i] * lower[start + j];
+            }
+            place += i + 1;
         }
     }
 }
