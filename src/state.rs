@@ -25,6 +25,8 @@ pub struct State {
     /// Step that the error control proposes, the one it proposes just after a communication point, and the shortest
     /// that it may ask for, s.
     pub step: [f64; 3],
+    /// Mean accelerations over the last step, where it was an implicit one.
+    pub trend: Vec<f64>,
     /// Steps taken, steps rejected, most Newton iterations in a solve, steps taken at the smallest size.
     pub counters: [u64; 4],
     /// Contact impulse per link over the last communication step, N·s, and that step's length, s.
@@ -89,6 +91,7 @@ impl State {
             dry: vec![0.0; model.nv()],
             commands: vec![[0.0; 4]; model.actuators.len()],
             step: [INITIAL_STEP, INITIAL_STEP, 0.0],
+            trend: vec![0.0; model.nv()],
             counters: [0; 4],
             impulse: vec![[0.0; 3]; model.links.len()],
             last_step: 0.0,
@@ -107,16 +110,16 @@ impl State {
         self.dry.copy_from_slice(&other.dry);
         self.commands.copy_from_slice(&other.commands);
         self.step = other.step;
+        self.trend.copy_from_slice(&other.trend);
         self.counters = other.counters;
         self.impulse.copy_from_slice(&other.impulse);
         self.last_step = other.last_step;
         self.ahead.copy_from(&other.ahead);
     }
 
-    /// Every stored list of real numbers, in saved order; touches, the step under way
-    /// and counters are the only other content. A new
-    /// field goes here, into [`Self::copy_from`] and nowhere else.
-    pub fn fields_mut(&mut self) -> [&mut [f64]; 12] {
+    /// Every stored list of real numbers, in saved order; touches, the step under way and counters are the only other
+    /// content. A new field goes here, into [`Self::copy_from`] and nowhere else.
+    pub fn fields_mut(&mut self) -> [&mut [f64]; 13] {
         [
             std::slice::from_mut(&mut self.time),
             &mut self.q,
@@ -125,6 +128,7 @@ impl State {
             &mut self.dry,
             self.commands.as_flattened_mut(),
             &mut self.step,
+            &mut self.trend,
             self.impulse.as_flattened_mut(),
             std::slice::from_mut(&mut self.last_step),
             std::slice::from_mut(&mut self.ahead.start),
@@ -134,7 +138,7 @@ impl State {
     }
 
     /// See [`Self::fields_mut`].
-    pub fn fields(&self) -> [&[f64]; 12] {
+    pub fn fields(&self) -> [&[f64]; 13] {
         [
             std::slice::from_ref(&self.time),
             &self.q,
@@ -143,6 +147,7 @@ impl State {
             &self.dry,
             self.commands.as_flattened(),
             &self.step,
+            &self.trend,
             self.impulse.as_flattened(),
             std::slice::from_ref(&self.last_step),
             std::slice::from_ref(&self.ahead.start),

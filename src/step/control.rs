@@ -31,6 +31,9 @@ const MIN_STEP: f64 = 1e-7;
 const MAX_FLOOR: f64 = 1e-4;
 /// Weight of a velocity error against a position error, s. Without it impacts go unnoticed.
 const VELOCITY_WEIGHT: f64 = 0.1;
+/// Error, relative to the tolerance and per second, up to which one solve does for a step that the communication step
+/// cuts short: what such steps add up to stays below the tolerance.
+const SINGLE_RATE: f64 = 0.3;
 /// Speed below which a robot may be at rest, rad/s or m/s.
 const REST_SPEED: f64 = 1e-7;
 /// Relative accuracy of the impulses in fixed-step mode.
@@ -403,14 +406,29 @@ impl Stepper {
                 return Ok(());
             }
             loop {
-                let error = self.doubled_step(ctx, state, h, accuracy);
+                let solved = self.full_solve(ctx, state, h, accuracy);
+                // Cut short by the communication step, and hardly anything happens: the one solve does.
+                let settled = solved && !first && 2.0 * h <= proposed && !ctx.inputs.varies();
+                if settled && self.single_error(ctx, state, h) <= SINGLE_RATE * h {
+                    self.accept_single(ctx, state, h);
+                    done = if h >= remaining { span } else { done + h };
+                    accepted(state, first, h, proposed);
+                    break;
+                }
+                let error = if solved {
+                    self.doubled_step(ctx, state, h, accuracy)
+                } else {
+                    f64::INFINITY
+                };
                 let factor = (0.9 / error.max(1e-12).sqrt()).clamp(GROWTH.0, GROWTH.1);
                 let floor = patience(state, ctx.tolerance, h, remaining);
                 if error <= 1.0 || (h <= floor && error.is_finite()) {
                     if error > 1.0 {
                         state.counters[3] += 1;
                     }
+                    begin_trend(state);
                     self.accept_doubled(ctx, state, h, error <= 1.0);
+                    end_trend(state, h);
                     proposed = grown(proposed, h, factor).max(floor);
                     done = if h >= remaining { span } else { done + h };
                     accepted(state, first, h, proposed);
@@ -581,6 +599,7 @@ impl Stepper {
             .full
             .is_balanced(&self.start.problem(ctx.tree, h, accuracy));
         if balanced {
+            state.trend.fill(0.0);
             state.counters[0] += 1;
             // Who carries nothing forgets.
             let Point {
@@ -605,19 +624,47 @@ impl Stepper {
         balanced
     }
 
-    /// Solves over `h` and twice over `h/2`; returns the error relative to the tolerance, infinite if a solve fails.
-    fn doubled_step(&mut self, ctx: &Context, state: &mut State, h: f64, accuracy: f64) -> f64 {
-        let tree = ctx.tree;
+    /// Solves over `h`; tells whether that went well.
+    fn full_solve(&mut self, ctx: &Context, state: &mut State, h: f64, accuracy: f64) -> bool {
         self.start.expect_commands(ctx, state, h);
-        let problem = self.start.problem(tree, h, accuracy);
+        let problem = self.start.problem(ctx.tree, h, accuracy);
         self.full.guess_start(&problem, &state.v);
         let full = self.full.solve(&problem);
+        count(state, full.iterations);
+        full.converged
+    }
+
+    /// Error of the full solve by itself, relative to the tolerance: positions lag behind by half the change of
+    /// velocity, velocities by half the change of acceleration since the last step (Milne's device).
+    fn single_error(&self, ctx: &Context, state: &State, h: f64) -> f64 {
+        let changes = self.full.v.iter().zip(&state.v).zip(&state.trend);
+        let errors = changes.map(|((v, v0), trend)| {
+            let change = v - v0;
+            (0.5 * h * change, 0.5 * (change - h * trend))
+        });
+        worst_error(errors, &ctx.tree.weight) / ctx.tolerance
+    }
+
+    /// Takes the full solve into the state as it is.
+    fn accept_single(&mut self, ctx: &Context, state: &mut State, h: f64) {
+        begin_trend(state);
+        store(ctx, &self.start, &self.full, h, state);
+        self.q_full.copy_from_slice(&state.q);
+        advance(ctx.tree, &self.q_full, &self.full.v, h, &mut state.q);
+        add_impulses(&self.start.contacts, &self.full, 1.0, &mut state.impulse);
+        end_trend(state, h);
+    }
+
+    /// Solves twice over `h/2` beside the full solve; returns the error relative to the tolerance, infinite if a solve
+    /// fails.
+    fn doubled_step(&mut self, ctx: &Context, state: &mut State, h: f64, accuracy: f64) -> f64 {
+        let tree = ctx.tree;
         self.start.expect_commands(ctx, state, 0.5 * h);
         let problem = self.start.problem(tree, 0.5 * h, accuracy);
         self.first.guess_between(&problem, &state.v, &self.full);
         let first = self.first.solve(&problem);
-        count(state, full.iterations.max(first.iterations));
-        if !(full.converged && first.converged) {
+        count(state, first.iterations);
+        if !first.converged {
             return f64::INFINITY;
         }
         advance(tree, &state.q, &self.first.v, 0.5 * h, &mut self.half.q);
@@ -736,6 +783,18 @@ impl Stepper {
                 touch.turn = turn.clipped(&extrapolated).into();
             }
         }
+    }
+}
+
+/// Remembers the velocity before a step, see [`end_trend`].
+fn begin_trend(state: &mut State) {
+    state.trend.copy_from_slice(&state.v);
+}
+
+/// The mean acceleration over the step of `h` seconds that has just been taken.
+fn end_trend(state: &mut State, h: f64) {
+    for (trend, v) in state.trend.iter_mut().zip(&state.v) {
+        *trend = (v - *trend) / h;
     }
 }
 
@@ -879,5 +938,6 @@ fn accept_explicit(explicit: &mut Explicit, pair: &Pair, state: &mut State) {
     state.touches.clear();
     state.motor.fill(0.0);
     state.dry.fill(0.0);
+    state.trend.fill(0.0);
     explicit.accept(pair);
 }
