@@ -2,12 +2,15 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
+mod derivative;
+
 use crate::contact::angular;
 use crate::dynamics::energy;
 use crate::model::{JointId, Model, Motion};
 use crate::simulation::{Axis, OutputSlot};
 use crate::spatial::{
-    Pose, Vec3, add_force_at, add6, dot6, quaternion_from_rotation, rpy_from_rotation, velocity_at,
+    Pose, Vec3, Vec6, add_force_at, add6, dot6, quaternion_from_rotation, rpy_from_rotation,
+    velocity_at,
 };
 use crate::state::State;
 use crate::step::control::{Context, Point};
@@ -19,6 +22,8 @@ pub struct Readout {
     /// Kinematics, contacts and joint terms at the state.
     pub point: Point,
     vdot: Vec<f64>,
+    /// Accelerations of the bodies; scratch of derivatives.
+    A: Vec<Vec6>,
     factor: Vec<f64>,
     /// Poses and velocities are those of the state.
     has_kinematics: bool,
@@ -33,6 +38,7 @@ impl Readout {
         Self {
             point: Point::new(model, tree),
             vdot: vec![0.0; model.nv()],
+            A: vec![[0.0; 6]; tree.bodies.len()],
             factor: vec![0.0; tree.sparsity.entries()],
             has_kinematics: false,
             has_forces: false,
@@ -86,9 +92,8 @@ impl Readout {
                 | O::JointEffort(_)
                 | O::JointAcceleration(..)
         );
-        if forces && !self.has_forces {
-            self.point.update(ctx, state, 0.0);
-            (self.has_kinematics, self.has_forces) = (true, true);
+        if forces {
+            self.update_forces(ctx, state);
         } else if !self.has_kinematics {
             self.point.kin.update_poses(ctx.tree, &state.q);
             self.point.kin.update_velocities(ctx.tree, &state.v);
@@ -130,10 +135,7 @@ impl Readout {
             O::EnergyPotential => energy::potential(ctx.tree, kin),
             O::JointEffort(joint) => self.joint_effort(model, state, joint),
             O::JointAcceleration(joint, axis) => {
-                if !self.has_accelerations {
-                    self.accelerations(ctx, state);
-                    self.has_accelerations = true;
-                }
+                self.update_accelerations(ctx, state);
                 joint_rate(model, &state.q, &self.vdot, joint, axis)
             }
             // Answered above for a floating base; a fixed one does not move.
@@ -160,6 +162,23 @@ impl Readout {
         terms
             .binary_search_by_key(&dof, |term| term.dof)
             .map_or(0.0, |place| terms[place].drive_force(state.v[dof], 0.0).0)
+    }
+
+    /// Kinematics, contacts and joint terms of this moment.
+    fn update_forces(&mut self, ctx: &Context, state: &State) {
+        if !self.has_forces {
+            self.point.update(ctx, state, 0.0);
+            (self.has_kinematics, self.has_forces) = (true, true);
+        }
+    }
+
+    /// `vdot` of this moment.
+    fn update_accelerations(&mut self, ctx: &Context, state: &State) {
+        self.update_forces(ctx, state);
+        if !self.has_accelerations {
+            self.accelerations(ctx, state);
+            self.has_accelerations = true;
+        }
     }
 
     /// `M vdot = tau − k + Jᵀ f` with the forces of this moment.

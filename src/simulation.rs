@@ -436,6 +436,15 @@ impl Simulation {
         self.readout.read(&ctx, &self.state, slot)
     }
 
+    /// First time derivative of an output; None where it has none, see `readout`.
+    pub fn output_derivative(&mut self, slot: OutputSlot) -> Option<f64> {
+        if self.stale {
+            self.place();
+        }
+        let ctx = context!(self, applied);
+        self.readout.derivative(&ctx, &self.state, slot)
+    }
+
     /// Error allowed per step, as parameter, importer and default say.
     pub fn tolerance(&self) -> f64 {
         let own = self.parameters.get(ParameterSlot::Tolerance);

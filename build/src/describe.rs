@@ -200,7 +200,8 @@ fn co_simulation(xml: &mut Writer<Vec<u8>>, model_identifier: &str) -> io::Resul
         .with_attributes([
             ("needsExecutionTool", "false"),
             ("canHandleVariableCommunicationStepSize", "true"),
-            ("canInterpolateInputs", "false"),
+            ("canInterpolateInputs", "true"),
+            ("maxOutputDerivativeOrder", "1"),
             ("canRunAsynchronuously", "false"),
             ("canBeInstantiatedOnlyOncePerProcess", "false"),
             // The callbacks' allocator is never used: every instance owns its memory.

@@ -1,6 +1,7 @@
 //! Everything that can be wrong with a call, as data; the text goes to the importer's logger.
 
 use crate::phase::{Function, Phase};
+use crate::types::fmi2Status;
 use crate::uri::UriError;
 use urdf2fmu_core::prepared::PreparedModelError;
 use urdf2fmu_core::simulation::SimulationError;
@@ -64,8 +65,38 @@ pub(crate) enum FmiError {
     },
     #[error("status kind {kind} has no {is} value")]
     StatusKind { kind: i32, is: &'static str },
+    #[error("variable '{name}' is no input: only inputs have derivatives that can be set")]
+    NotInput { name: String },
+    #[error("variable '{name}' is no output: only outputs have derivatives that can be read")]
+    NotOutput { name: String },
+    #[error("derivative of order {order} of variable '{name}': orders begin at 1")]
+    Order { name: String, order: i32 },
+    #[error("derivative of order {order} of variable '{name}': orders up to {highest} are known")]
+    HighOrder {
+        name: String,
+        order: i32,
+        highest: i32,
+    },
+    #[error(
+        "output '{name}' has no derivative here: positions, orientations and velocities have one, efforts, \
+         forces, accelerations and energies have none"
+    )]
+    NoDerivative { name: String },
     #[error("internal error: {message}; please report it")]
     Panic { message: String },
+}
+
+impl FmiError {
+    /// What the function returns. `fmi2Discard` where FMI 2.0.4 foresees that the FMU has no answer and the importer
+    /// can go on without it (sections 2.1.3 and 4.2.3).
+    pub(crate) fn status(&self) -> fmi2Status {
+        match self {
+            Self::StatusKind { .. } | Self::HighOrder { .. } | Self::NoDerivative { .. } => {
+                fmi2Status::Discard
+            }
+            _ => fmi2Status::Error,
+        }
+    }
 }
 
 /// Why there is no instance.

@@ -418,16 +418,18 @@ pub unsafe extern "C" fn fmi2GetDirectionalDerivative(
             In::new("vKnown_ref", vKnown_ref, nKnown)?;
             In::new("dvKnown", dvKnown, nKnown)?;
             let asked = Out::new("dvUnknown", dvUnknown, nUnknown)?.len();
-            offered(
-                asked,
-                "directional derivatives",
-                "providesDirectionalDerivative=\"false\"",
-            )
+            if asked == 0 {
+                return OK;
+            }
+            Err(FmiError::NotOffered {
+                what: "directional derivatives",
+                attribute: "providesDirectionalDerivative=\"false\"",
+            })
         })
     }
 }
 
-/// Not offered: legal without elements.
+/// Sets derivatives of inputs for the next step: all of them or none.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2SetRealInputDerivatives(
     c: fmi2Component,
@@ -438,16 +440,17 @@ pub unsafe extern "C" fn fmi2SetRealInputDerivatives(
 ) -> fmi2Status {
     // SAFETY: FMI's contract.
     unsafe {
-        call(c, Function::SetRealInputDerivatives, |_| {
-            In::new("order", order, nvr)?;
-            In::new("value", value, nvr)?;
-            let asked = In::new("vr", vr, nvr)?.len();
-            offered(asked, "input derivatives", "canInterpolateInputs=\"false\"")
+        call(c, Function::SetRealInputDerivatives, |instance| {
+            let vr = In::new("vr", vr, nvr)?;
+            let order = In::new("order", order, nvr)?;
+            let value = In::new("value", value, nvr)?;
+            instance.set_input_derivatives(&vr, &order, &value)?;
+            OK
         })
     }
 }
 
-/// Not offered: legal without elements.
+/// First derivatives of positions, orientations and velocities.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2GetRealOutputDerivatives(
     c: fmi2Component,
@@ -458,29 +461,13 @@ pub unsafe extern "C" fn fmi2GetRealOutputDerivatives(
 ) -> fmi2Status {
     // SAFETY: FMI's contract.
     unsafe {
-        call(c, Function::GetRealOutputDerivatives, |_| {
-            In::new("vr", vr, nvr)?;
-            In::new("order", order, nvr)?;
-            let asked = Out::new("value", value, nvr)?.len();
-            offered(
-                asked,
-                "output derivatives",
-                "maxOutputDerivativeOrder=\"0\"",
-            )
+        call(c, Function::GetRealOutputDerivatives, |instance| {
+            let vr = In::new("vr", vr, nvr)?;
+            let order = In::new("order", order, nvr)?;
+            let mut value = Out::new("value", value, nvr)?;
+            instance.output_derivatives(&vr, &order, &mut value)?;
+            OK
         })
-    }
-}
-
-/// Nothing is asked for, or an error.
-fn offered(
-    asked: usize,
-    what: &'static str,
-    attribute: &'static str,
-) -> Result<fmi2Status, FmiError> {
-    if asked == 0 {
-        OK
-    } else {
-        Err(FmiError::NotOffered { what, attribute })
     }
 }
 
@@ -541,7 +528,7 @@ pub unsafe extern "C" fn fmi2GetRealStatus(
     }
 }
 
-/// No status kind has an Integer value.
+/// No status kind has an Integer value: `fmi2Discard`, as for every status that the FMU cannot tell.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2GetIntegerStatus(
     c: fmi2Component,

@@ -10,6 +10,7 @@ use crate::pointers::{In, Out};
 use crate::snapshot::{GuidHash, SavedState};
 use crate::types::fmi2Status;
 use std::sync::Arc;
+use urdf2fmu_core::inputs::INPUT_ORDERS;
 use urdf2fmu_core::model::Model;
 use urdf2fmu_core::simulation::{Simulation, SimulationError};
 use urdf2fmu_core::variables::{Kind, Slot, Variable};
@@ -104,12 +105,16 @@ impl Instance {
 
     /// Logs why `function` fails.
     pub(crate) fn report(&self, function: Function, error: &FmiError) -> fmi2Status {
-        if self.logger.wants(Category::StatusError) {
+        let status = error.status();
+        let category = match status {
+            fmi2Status::Discard => Category::StatusDiscard,
+            _ => Category::StatusError,
+        };
+        if self.logger.wants(category) {
             let message = format!("{}: {error}", function.name());
-            self.logger
-                .log(fmi2Status::Error, Category::StatusError, &message);
+            self.logger.log(status, category, &message);
         }
-        fmi2Status::Error
+        status
     }
 
     fn warn(&self, message: &str) {
@@ -193,6 +198,7 @@ impl Instance {
         self.experiment = Experiment::DEFAULT;
         self.range_logged.fill(false);
         self.overshoot_logged = false;
+        self.event(|| "reset".into());
     }
 
     /// A simulation in which nothing of an interrupted call is left.
@@ -231,6 +237,7 @@ impl Instance {
         self.simulation.restore(&state.simulation)?;
         self.phase = state.phase;
         self.experiment = state.experiment;
+        self.event(|| format!("restored a state of {} s", self.simulation.time()));
         Ok(())
     }
 
@@ -296,9 +303,16 @@ impl Instance {
         }
         for (value_reference, value) in value_references.iter().zip(values.iter()) {
             let number = to_number(value);
-            match self.variables[value_reference as usize].slot {
+            // Read again: the importer may write to its array meanwhile, so nothing is taken for granted.
+            let Some(variable) = self.variables.get(value_reference as usize) else {
+                break;
+            };
+            match variable.slot {
                 Slot::Input(slot) => self.simulation.set_input(slot, number),
-                Slot::Parameter(slot) => self.simulation.set_parameter(slot, number),
+                Slot::Parameter(slot) => {
+                    self.simulation.set_parameter(slot, number);
+                    self.event(|| format!("parameter '{}' is set to {number}", variable.name));
+                }
                 Slot::Output(_) => {}
             }
             self.note_range(value_reference as usize, number);
@@ -357,6 +371,73 @@ impl Instance {
         ));
     }
 
+    /// fmi2SetRealInputDerivatives: nothing is set unless all of it is legal.
+    pub(crate) fn set_input_derivatives(
+        &mut self,
+        value_references: &In<u32>,
+        orders: &In<i32>,
+        values: &In<f64>,
+    ) -> Result<(), FmiError> {
+        let all = || {
+            let places = value_references.iter().zip(orders.iter());
+            places.zip(values.iter())
+        };
+        for ((value_reference, order), value) in all() {
+            let variable = self.variable(value_reference, Asked::Kind(Kind::Real))?;
+            let name = || variable.name.clone();
+            if !matches!(variable.slot, Slot::Input(_)) {
+                return Err(FmiError::NotInput { name: name() });
+            }
+            check_order(order, INPUT_ORDERS, name)?;
+            if !value.is_finite() {
+                return Err(FmiError::Value {
+                    name: name(),
+                    expected: "given a finite derivative",
+                    value,
+                });
+            }
+        }
+        for ((value_reference, order), value) in all() {
+            let row = self.variables.get(value_reference as usize);
+            if let (Some(Slot::Input(slot)), Ok(order)) =
+                (row.map(|row| row.slot), usize::try_from(order))
+            {
+                self.simulation
+                    .set_input_derivative(slot, order.clamp(1, INPUT_ORDERS), value);
+            }
+        }
+        Ok(())
+    }
+
+    /// fmi2GetRealOutputDerivatives: nothing is written unless all of it is known.
+    pub(crate) fn output_derivatives(
+        &mut self,
+        value_references: &In<u32>,
+        orders: &In<i32>,
+        values: &mut Out<f64>,
+    ) -> Result<(), FmiError> {
+        // The second pass writes what the first has found to be there.
+        for write in [false, true] {
+            let places = value_references.iter().zip(orders.iter());
+            for (index, (value_reference, order)) in places.enumerate() {
+                let variable = self.variable(value_reference, Asked::Kind(Kind::Real))?;
+                let name = || variable.name.clone();
+                let Slot::Output(slot) = variable.slot else {
+                    return Err(FmiError::NotOutput { name: name() });
+                };
+                check_order(order, 1, name)?;
+                let Some(value) = self.simulation.output_derivative(slot) else {
+                    let name = self.variables[value_reference as usize].name.clone();
+                    return Err(FmiError::NoDerivative { name });
+                };
+                if write {
+                    values.set(index, value);
+                }
+            }
+        }
+        Ok(())
+    }
+
     /// fmi2GetString and fmi2SetString: there are no String variables.
     pub(crate) fn refuse_strings(&self, value_references: &In<u32>) -> Result<(), FmiError> {
         match value_references.iter().next() {
@@ -398,7 +479,10 @@ impl Instance {
             return Ok(fmi2Status::OK);
         }
         match self.simulation.advance_to(end) {
-            Ok(()) => Ok(fmi2Status::OK),
+            Ok(()) => {
+                self.tell_solver();
+                Ok(fmi2Status::OK)
+            }
             Err(error) => {
                 self.phase = Phase::StepFailed;
                 let message = format!(
@@ -413,6 +497,20 @@ impl Instance {
         }
     }
 
+    /// Debug logging of what the solver has done so far.
+    fn tell_solver(&self) {
+        if self.logger.wants(Category::NonlinearSystems) {
+            let [steps, rejected, newton, forced] = self.simulation.state().counters;
+            let message = format!(
+                "at {} s: {steps} solver steps since the start, {rejected} rejected, {forced} at the smallest \
+                 size; at most {newton} Newton iterations in one solve",
+                self.simulation.time()
+            );
+            self.logger
+                .log(fmi2Status::OK, Category::NonlinearSystems, &message);
+        }
+    }
+
     /// fmi2LastSuccessfulTime, s.
     pub(crate) fn last_successful_time(&self) -> f64 {
         self.simulation.time()
@@ -424,6 +522,25 @@ impl Instance {
             Phase::StepFailed => fmi2Status::Discard,
             _ => fmi2Status::OK,
         }
+    }
+}
+
+/// Whether derivatives of this order exist.
+fn check_order(order: i32, highest: usize, name: impl Fn() -> String) -> Result<(), FmiError> {
+    let highest = i32::try_from(highest).unwrap_or(i32::MAX);
+    if order < 1 {
+        Err(FmiError::Order {
+            name: name(),
+            order,
+        })
+    } else if order > highest {
+        Err(FmiError::HighOrder {
+            name: name(),
+            order,
+            highest,
+        })
+    } else {
+        Ok(())
     }
 }
 

@@ -51,6 +51,16 @@ extern const char *resources;
         CHECK(strstr(heard.text, words) != NULL, "expected '%s'", words);              \
     } while (0)
 
+/* fmi2Discard with a message that contains `words`. */
+#define CHECK_DISCARD(call, words)                                                         \
+    do {                                                                                   \
+        forget();                                                                          \
+        CHECK((call) == fmi2Discard, "expected fmi2Discard");                              \
+        CHECK(heard.messages == 1 && heard.status == fmi2Discard, "expected one message"); \
+        CHECK(strcmp(heard.category, "logStatusDiscard") == 0, "wrong category");          \
+        CHECK(strstr(heard.text, words) != NULL, "expected '%s'", words);                  \
+    } while (0)
+
 /* fmi2OK and not a word. */
 #define CHECK_OK(call)                                      \
     do {                                                    \

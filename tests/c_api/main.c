@@ -18,6 +18,10 @@ void test_damage(void);
 void test_save(const char *path);
 void test_resume(const char *path);
 void test_foreign(const char *path);
+void test_input_derivatives(void);
+void test_output_derivatives(void);
+void test_initialization(void);
+void test_parameters(void);
 void test_reset(void);
 void test_cycles(void);
 void test_unload(const char *path);
@@ -39,6 +43,10 @@ static const struct {
     {"logging", test_logging},
     {"states", test_states},
     {"damage", test_damage},
+    {"input_derivatives", test_input_derivatives},
+    {"output_derivatives", test_output_derivatives},
+    {"initialization", test_initialization},
+    {"parameters", test_parameters},
     {"reset", test_reset},
     {"cycles", test_cycles},
     {"control_word", test_control_word},

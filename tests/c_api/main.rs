@@ -70,6 +70,8 @@ static BENCH: LazyLock<Option<Bench>> = LazyLock::new(|| {
                 "phases.c",
                 "misuse.c",
                 "states.c",
+                "derivatives.c",
+                "values.c",
                 "host.c",
             ]
             .map(|file| sources.join(file)),
@@ -110,8 +112,26 @@ fn header(model: &Model) -> String {
     for (constant, name) in [
         ("LEFT_VELOCITY", "cmd.left_front_wheel_joint.velocity"),
         ("RIGHT_VELOCITY", "cmd.right_front_wheel_joint.velocity"),
+        ("LEFT_REAR_VELOCITY", "cmd.left_rear_wheel_joint.velocity"),
+        ("RIGHT_REAR_VELOCITY", "cmd.right_rear_wheel_joint.velocity"),
         ("LEFT_MAX_EFFORT", "cmd.left_front_wheel_joint.max_effort"),
+        ("BASE_X", "base.position.x"),
         ("BASE_Z", "base.position.z"),
+        ("BASE_VX", "base.linear_velocity.x"),
+        ("BASE_VZ", "base.linear_velocity.z"),
+        ("BASE_QW", "base.orientation.w"),
+        ("LEFT_SPEED", "joint.left_front_wheel_joint.velocity"),
+        (
+            "LEFT_ACCELERATION",
+            "joint.left_front_wheel_joint.acceleration",
+        ),
+        ("LEFT_EFFORT", "joint.left_front_wheel_joint.effort"),
+        ("KINETIC", "energy.kinetic"),
+        ("POTENTIAL", "energy.potential"),
+        ("CONTACT_Z", "contact.left_front_wheel.force.z"),
+        ("BASE_MASS", "link.base_link.mass"),
+        ("INITIAL_VX", "initial.base.linear_velocity.x"),
+        ("INITIAL_WZ", "initial.base.angular_velocity.z"),
         ("STEPS", "solver.steps"),
         ("INITIAL_Z", "initial.base.position.z"),
         ("GRAVITY_Z", "world.gravity.z"),
@@ -196,6 +216,10 @@ runs! {
     messages_are_safe_to_print_and_come_as_asked_for: "logging";
     saved_states_go_on_bit_for_bit_in_every_instance: "states";
     damaged_states_are_refused: "damage";
+    input_derivatives_take_effect_within_the_step: "input_derivatives";
+    output_derivatives_are_velocities_and_accelerations: "output_derivatives";
+    outputs_at_the_start_are_right_and_inputs_of_the_initialisation_count: "initialization";
+    tunable_parameters_count_from_the_next_step_and_fixed_ones_at_the_start: "parameters";
     reset_gives_the_bits_of_a_new_instance: "reset";
     a_hundred_instances_leave_no_memory_behind: "cycles";
     the_library_leaves_when_it_is_unloaded: "unload";
@@ -297,7 +321,7 @@ fn a_missing_or_broken_model_is_an_error_that_names_the_file() {
     let Some(bench) = &*BENCH else { return };
     let good = fs::read_to_string(bench.resources.join("model.json")).expect("written before");
     let cut = &good[..good.len() / 2];
-    let other_format = good.replacen("\"format\": 1", "\"format\": 99", 1);
+    let other_format = good.replacen("\"format\": ", "\"format\": 99", 1);
     assert_ne!(other_format, good);
     let wild_index = good.replacen("\"parent\": 0", "\"parent\": 4000000000", 1);
     assert_ne!(wild_index, good);

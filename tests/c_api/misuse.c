@@ -142,8 +142,6 @@ void test_values(void)
     CHECK(values[0] == 1e4, "%g", values[0]);
 
     /* Not offered, and said so in modelDescription.xml. */
-    CHECK_ERROR(fmu.SetRealInputDerivatives(c, &one, 1, &integer, &real), "canInterpolateInputs");
-    CHECK_ERROR(fmu.GetRealOutputDerivatives(c, &one, 1, &integer, &real), "maxOutputDerivativeOrder");
     CHECK_ERROR(fmu.GetDirectionalDerivative(c, &height, 1, &one, 1, &real, &real), "providesDirectionalDerivative");
     fmu.FreeInstance(c);
 }

@@ -1,0 +1,258 @@
+//! First time derivatives of outputs: of positions, orientations and velocities. Others (efforts, contact forces,
+//! accelerations, energies) have none: they may jump.
+
+use super::{Readout, joint_orientation, quaternion};
+use crate::kinematics::forward;
+use crate::model::{JointId, Model, Motion};
+use crate::simulation::{Axis, OutputSlot};
+use crate::spatial::{Vec3, angular, linear, quaternion_product, rpy_from_rotation};
+use crate::state::State;
+use crate::step::control::Context;
+
+impl Readout {
+    /// Time derivative of an output at the state's time, from the right where forces jump; None if it has none.
+    pub fn derivative(&mut self, ctx: &Context, state: &State, slot: OutputSlot) -> Option<f64> {
+        use OutputSlot as O;
+        let model = ctx.model;
+        let derivative = match slot {
+            O::BasePosition(axis) => self.read(ctx, state, O::BaseLinearVelocity(axis)),
+            O::BaseOrientation(axis) => {
+                let q =
+                    std::array::from_fn(|i| self.read(ctx, state, O::BaseOrientation(LETTERS[i])));
+                world_quaternion_rate(q, &self.base_spin(ctx, state), axis)
+            }
+            O::BaseRpy(axis) => {
+                let omega = self.base_spin(ctx, state);
+                rpy_rate(&rpy_from_rotation(&self.point.kin.X[0].R), &omega, axis)
+            }
+            O::BaseLinearVelocity(axis) if model.is_floating() => {
+                self.update_accelerations(ctx, state);
+                self.vdot[3 + axis as usize]
+            }
+            O::BaseAngularVelocity(axis) if model.is_floating() => {
+                self.update_accelerations(ctx, state);
+                self.vdot[axis as usize]
+            }
+            O::BaseLinearVelocity(_) | O::BaseAngularVelocity(_) => 0.0,
+            O::JointPosition(joint, axis) => self.read(ctx, state, O::JointVelocity(joint, axis)),
+            O::JointVelocity(joint, axis) => {
+                self.read(ctx, state, O::JointAcceleration(joint, axis))
+            }
+            O::JointOrientation(joint, axis) => {
+                joint_orientation_rate(model, state, joint, axis, |axis| {
+                    super::joint_rate(model, &state.q, &state.v, joint, axis)
+                })
+            }
+            O::LinkPosition(link, axis) => self.read(ctx, state, O::LinkLinearVelocity(link, axis)),
+            O::LinkOrientation(link, axis) => {
+                let omega = Vec3::from_fn(|i, _| {
+                    self.read(ctx, state, O::LinkAngularVelocity(link, LETTERS[i]))
+                });
+                let q = quaternion(&self.link_pose(ctx, link.index()));
+                world_quaternion_rate(q, &omega, axis)
+            }
+            O::LinkAngularVelocity(link, axis) => {
+                let body = model.links[link.index()].body.index();
+                self.link_accelerations(ctx, state);
+                self.A[body][axis as usize]
+            }
+            O::LinkLinearVelocity(link, axis) => {
+                let body = model.links[link.index()].body.index();
+                self.link_accelerations(ctx, state);
+                let (A, V) = (&self.A[body], &self.point.kin.V[body]);
+                let r = self.link_pose(ctx, link.index()).p;
+                let omega = angular(V);
+                // Spatial accelerations are rates at a fixed point: that of the link's origin moves on with it.
+                let velocity = linear(V) + omega.cross(&r);
+                let a = linear(A) + angular(A).cross(&r) + omega.cross(&velocity);
+                a[axis as usize]
+            }
+            O::JointAcceleration(..)
+            | O::JointEffort(_)
+            | O::ContactActive(_)
+            | O::ContactForce(..)
+            | O::EnergyKinetic
+            | O::EnergyPotential
+            | O::Steps
+            | O::Rejected
+            | O::NewtonMax => return None,
+        };
+        // Roll and yaw have no rate where pitch is ±90°.
+        derivative.is_finite().then_some(derivative)
+    }
+
+    fn base_spin(&mut self, ctx: &Context, state: &State) -> Vec3 {
+        // Brings the kinematics up to date, too.
+        self.read(ctx, state, OutputSlot::BaseRpy(0));
+        angular(&self.point.kin.V[0])
+    }
+
+    /// Fills `self.A` with the spatial accelerations of the bodies.
+    fn link_accelerations(&mut self, ctx: &Context, state: &State) {
+        self.update_accelerations(ctx, state);
+        forward(ctx.tree, &self.point.kin.S, &self.vdot, &mut self.A);
+        let g = ctx.tree.gravity;
+        for (A, C) in self.A.iter_mut().zip(&self.point.kin.C) {
+            for i in 0..3 {
+                A[i] += C[i];
+                // The bias accelerations have gravity as an upward acceleration of the base.
+                A[3 + i] += C[3 + i] + g[i];
+            }
+        }
+    }
+}
+
+/// Axes of a vector or quaternion.
+const LETTERS: [Axis; 4] = [0, 1, 2, 3];
+
+/// `q̇ = ½ ω q` of a quaternion x, y, z, w, with `ω` in world axes.
+fn world_quaternion_rate([x, y, z, w]: [f64; 4], omega: &Vec3, axis: Axis) -> f64 {
+    let spin = [0.0, 0.5 * omega.x, 0.5 * omega.y, 0.5 * omega.z];
+    quaternion_product(&spin, &[w, x, y, z])[(axis as usize + 1) % 4]
+}
+
+/// Rates of roll, pitch and yaw about fixed axes: `ω = ψ̇ ẑ + Rz(ψ) (θ̇ ŷ + Ry(θ) φ̇ x̂)` solved for them.
+fn rpy_rate(rpy: &Vec3, omega: &Vec3, axis: Axis) -> f64 {
+    let (sin_pitch, cos_pitch) = (libm::sin(rpy.y), libm::cos(rpy.y));
+    let (sin_yaw, cos_yaw) = (libm::sin(rpy.z), libm::cos(rpy.z));
+    let roll = (cos_yaw * omega.x + sin_yaw * omega.y) / cos_pitch;
+    match axis {
+        0 => roll,
+        1 => cos_yaw * omega.y - sin_yaw * omega.x,
+        _ => omega.z + sin_pitch * roll,
+    }
+}
+
+/// Rate of the orientation of a floating joint; `rate` gives its velocities by axis, 3–5 in child axes.
+fn joint_orientation_rate(
+    model: &Model,
+    state: &State,
+    joint: JointId,
+    axis: Axis,
+    rate: impl Fn(Axis) -> f64,
+) -> f64 {
+    let Some(body) = model.joints[joint.index()].bodies.last() else {
+        return 0.0;
+    };
+    if !matches!(
+        model.bodies[body.index()].motion,
+        Motion::Free | Motion::Spherical
+    ) {
+        return 0.0;
+    }
+    let [x, y, z, w] = LETTERS.map(|axis| joint_orientation(model, state, joint, axis));
+    // `q̇ = ½ q ω` with ω in child axes.
+    let spin = [0.0, 0.5 * rate(3), 0.5 * rate(4), 0.5 * rate(5)];
+    quaternion_product(&[w, x, y, z], &spin)[(axis as usize + 1) % 4]
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::model::{LinkId, Model};
+    use crate::simulation::{OutputSlot, Simulation};
+    use crate::spatial::Vec3;
+    use crate::testing::{Random, random_tree};
+    use crate::variables::{Kind, Slot, table};
+    use std::sync::Arc;
+
+    /// Central differences over ± 1e-4 s: their error is 1e-8/6 times the third derivative, up to some 1e3 here.
+    fn check(mut model: Model, random: &mut Random) {
+        model.outputs.links = (0..model.links.len()).map(LinkId::from).collect();
+        model.initial.position = Vec3::new(1.0, -2.0, 3.0);
+        model.initial.rpy = Vec3::new(0.4, -0.7, 2.0);
+        model.initial.angular_velocity = random.vector(2.0);
+        model.initial.linear_velocity = random.vector(1.0);
+        for velocity in &mut model.initial.joint_velocities {
+            *velocity = random.uniform(-2.0, 2.0);
+        }
+        model.world.ground = None;
+        model.solver.tolerance = 1e-10;
+        let rows = table(&model).expect("names do not clash");
+        let slots: Vec<(String, OutputSlot)> = rows
+            .into_iter()
+            .filter(|row| row.kind == Kind::Real)
+            .filter_map(|row| match row.slot {
+                Slot::Output(slot) => Some((row.name, slot)),
+                _ => None,
+            })
+            .collect();
+        let mut s = Simulation::new(Arc::new(model));
+        s.initialize(0.0).expect("a sound model");
+        // A joint without an initial velocity of its own turns and slides, too.
+        for v in &mut s.state_mut().v {
+            *v += random.uniform(-1.0, 1.0);
+        }
+        let mut at = |time: f64| -> Vec<(f64, Option<f64>)> {
+            s.advance_to(time).expect("finite");
+            let slots = slots.iter();
+            slots
+                .map(|(_, slot)| (s.output(*slot), s.output_derivative(*slot)))
+                .collect()
+        };
+        let (t, d) = (0.2, 1e-4);
+        let (before, now, after) = (at(t - d), at(t), at(t + d));
+        for (i, (name, _)) in slots.iter().enumerate() {
+            let Some(derivative) = now[i].1 else {
+                let jumps = ["acceleration", "effort", "contact", "energy"];
+                assert!(jumps.iter().any(|word| name.contains(word)), "{name}");
+                continue;
+            };
+            let difference = (after[i].0 - before[i].0) / (2.0 * d);
+            assert!(
+                (derivative - difference).abs() < 1e-4 * (1.0 + difference.abs()),
+                "{name}: {derivative} {difference}"
+            );
+        }
+    }
+
+    #[test]
+    fn derivatives_are_those_of_the_outputs_over_time() {
+        for (seed, floating) in [(3, true), (5, false), (8, true)] {
+            let mut random = Random(seed);
+            let model = random_tree(&mut random, 6, floating, true);
+            check(model, &mut random);
+        }
+    }
+
+    #[cfg(feature = "urdf")]
+    #[test]
+    fn derivatives_of_planar_and_floating_joints_are_those_of_the_outputs_over_time() {
+        let link = |name: &str| {
+            format!(
+                "<link name='{name}'><inertial><origin xyz='0.1 0.2 -0.1'/><mass value='2'/>\
+                 <inertia ixx='0.1' iyy='0.2' izz='0.25' ixy='0' ixz='0' iyz='0'/></inertial></link>"
+            )
+        };
+        let joint = |kind: &str, parent: &str, child: &str| {
+            format!(
+                "<joint name='to_{child}' type='{kind}'><parent link='{parent}'/><child link='{child}'/>\
+                 <origin xyz='0.3 0.1 0.2' rpy='0.5 0.4 0.3'/><axis xyz='0 0.6 0.8'/></joint>"
+            )
+        };
+        let text = format!(
+            "<robot name='r'>{}{}{}{}{}</robot>",
+            link("base"),
+            link("drone"),
+            link("puck"),
+            joint("floating", "base", "drone"),
+            joint("planar", "drone", "puck"),
+        );
+        let options = crate::urdf::ReadOptions::default();
+        let folder = std::path::Path::new(".");
+        let description =
+            crate::urdf::read_str(&text, "r.urdf", folder, &options).expect("a robot");
+        let settings = crate::settings::Settings::default();
+        let model = crate::assemble::build(&description, &settings).expect("a model");
+        check(model.model, &mut Random(4));
+    }
+
+    #[test]
+    fn roll_and_yaw_have_no_rate_where_pitch_is_a_right_angle() {
+        let omega = Vec3::new(0.0, 1.0, 0.0);
+        let rpy = Vec3::new(0.0, 0.0, 0.0);
+        assert!((super::rpy_rate(&rpy, &omega, 1) - 1.0).abs() < 1e-15);
+        // At exactly 90° in floating point the cosine is 6e-17: rates are finite but huge unless nothing turns.
+        let rpy = Vec3::new(0.0, std::f64::consts::FRAC_PI_2, 0.0);
+        assert!(super::rpy_rate(&rpy, &Vec3::x(), 0).abs() > 1e15);
+    }
+}
