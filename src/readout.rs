@@ -13,7 +13,7 @@ use crate::spatial::{
     velocity_at,
 };
 use crate::state::State;
-use crate::step::control::{Context, Point};
+use crate::step::point::{Context, Point};
 use crate::tree::{Move, Tree};
 
 /// What is known of the current state.

@@ -11,7 +11,8 @@ use crate::readout::Readout;
 pub use crate::snapshot::Snapshot;
 use crate::spatial::{Vec3, quaternion_from_rotation, rotation_from_rpy};
 use crate::state::State;
-use crate::step::control::{Context, Stepper};
+use crate::step::control::Stepper;
+use crate::step::point::Context;
 use crate::tree::Tree;
 use std::sync::Arc;
 

@@ -145,9 +145,10 @@ impl Sparsity {
             for x in &mut row[..d] {
                 *x *= reciprocal;
             }
-            if base > 0 {
-                let r: &[f64; 6] = row.first_chunk().expect("a floating base's rows");
-                let lower: &mut [f64; 21] = above.first_chunk_mut().expect("a floating base");
+            // A floating base's rows begin with its six.
+            if base > 0
+                && let (Some(lower), Some(r)) = (above.first_chunk_mut(), row.first_chunk())
+            {
                 subtract_square(lower, r);
             }
             let columns = &self.column[s..s + d];
@@ -160,8 +161,10 @@ impl Sparsity {
                 }
             }
         }
-        if base > 0 {
-            factor_base(a.first_chunk_mut().expect("a floating base"));
+        if base > 0
+            && let Some(lower) = a.first_chunk_mut()
+        {
+            factor_base(lower);
         }
     }
 

@@ -2,7 +2,11 @@
 
 pub mod control;
 pub mod convex;
-pub mod smooth;
+mod doubled;
+mod fixed;
+pub mod point;
+pub mod runge_kutta;
+mod smooth;
 
 #[cfg(test)]
 mod tests;

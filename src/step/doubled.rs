@@ -1,0 +1,249 @@
+//! An implicit step with its error: one solve over `h`, two over `h/2`, and what is made of them.
+
+#![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
+
+use crate::actuator::Drive;
+use crate::contact::Contact;
+use crate::kinematics::{advance, difference};
+use crate::spatial::Vec3;
+use crate::state::{State, Touch};
+use crate::step::control::{Stepper, count, worst_error};
+use crate::step::convex::Newton;
+use crate::step::point::{Context, Point};
+
+impl Stepper {
+    /// Solves over `h`; tells whether that went well.
+    pub(super) fn full_solve(
+        &mut self,
+        ctx: &Context,
+        state: &mut State,
+        h: f64,
+        accuracy: f64,
+    ) -> bool {
+        self.start.expect_commands(ctx, state, h);
+        let problem = self.start.problem(ctx.tree, h, accuracy);
+        self.full.guess_start(&problem, &state.v);
+        let full = self.full.solve(&problem);
+        count(state, full.iterations);
+        full.converged
+    }
+
+    /// Error of the full solve by itself, relative to the tolerance: positions lag behind by half the change of
+    /// velocity, velocities by half the change of acceleration since the last step (Milne's device).
+    pub(super) fn single_error(&self, ctx: &Context, state: &State, h: f64) -> f64 {
+        let changes = self.full.v.iter().zip(&state.v).zip(&state.trend);
+        let errors = changes.map(|((v, v0), trend)| {
+            let change = v - v0;
+            (0.5 * h * change, 0.5 * (change - h * trend))
+        });
+        worst_error(errors, &ctx.tree.weight) / ctx.tolerance
+    }
+
+    /// Takes the full solve into the state as it is.
+    pub(super) fn accept_single(&mut self, ctx: &Context, state: &mut State, h: f64) {
+        begin_trend(state);
+        store(ctx, &self.start, &self.full, h, state);
+        self.q_full.copy_from_slice(&state.q);
+        advance(ctx.tree, &self.q_full, &self.full.v, h, &mut state.q);
+        add_impulses(&self.start.contacts, &self.full, 1.0, &mut state.impulse);
+        end_trend(state, h);
+    }
+
+    /// Solves twice over `h/2` beside the full solve; returns the error relative to the tolerance, infinite if a solve
+    /// fails.
+    pub(super) fn doubled_step(
+        &mut self,
+        ctx: &Context,
+        state: &mut State,
+        h: f64,
+        accuracy: f64,
+    ) -> f64 {
+        let tree = ctx.tree;
+        self.start.expect_commands(ctx, state, 0.5 * h);
+        let problem = self.start.problem(tree, 0.5 * h, accuracy);
+        self.first.guess_between(&problem, &state.v, &self.full);
+        let first = self.first.solve(&problem);
+        count(state, first.iterations);
+        if !first.converged {
+            return f64::INFINITY;
+        }
+        advance(tree, &state.q, &self.first.v, 0.5 * h, &mut self.half.q);
+        store(ctx, &self.start, &self.first, 0.5 * h, &mut self.half);
+        // As the full step saw them: `accept_doubled` asks again.
+        self.start.expect_commands(ctx, state, h);
+        let ctx = &ctx.after(0.5 * h);
+        self.middle.update(ctx, &self.half, 0.5 * h);
+        self.middle.expect_commands(ctx, &self.half, 0.5 * h);
+        let problem = self.middle.problem(tree, 0.5 * h, accuracy);
+        self.second.guess(&problem, &self.full.v);
+        let second = self.second.solve(&problem);
+        count(state, second.iterations);
+        if !second.converged {
+            return f64::INFINITY;
+        }
+        advance(tree, &state.q, &self.full.v, h, &mut self.q_full);
+        advance(
+            tree,
+            &self.half.q,
+            &self.second.v,
+            0.5 * h,
+            &mut self.q_halves,
+        );
+        difference(tree, &self.q_halves, &self.q_full, &mut self.difference);
+        let velocities = self.second.v.iter().zip(&self.full.v).map(|(b, f)| b - f);
+        let errors = self.difference.iter().copied().zip(velocities);
+        worst_error(errors, &tree.weight) / ctx.tolerance
+    }
+
+    /// Takes the results of [`Self::doubled_step`] into the state: extrapolated, or the half steps' as they are,
+    /// which damp what the step does not resolve.
+    pub(super) fn accept_doubled(
+        &mut self,
+        ctx: &Context,
+        state: &mut State,
+        h: f64,
+        extrapolate: bool,
+    ) {
+        let tree = ctx.tree;
+        store(ctx, &self.middle, &self.second, 0.5 * h, state);
+        if !extrapolate {
+            state.q.copy_from_slice(&self.q_halves);
+            add_impulses(&self.start.contacts, &self.first, 1.0, &mut state.impulse);
+            add_impulses(&self.middle.contacts, &self.second, 1.0, &mut state.impulse);
+            return;
+        }
+        advance(tree, &self.q_halves, &self.difference, 1.0, &mut state.q);
+        // Twice the displacement after the second half step minus that after the full one; both by ascending slot.
+        let mut full = self
+            .start
+            .contacts
+            .iter()
+            .zip(&self.full.point_velocity)
+            .peekable();
+        let mut middle = self.middle.contacts.iter().peekable();
+        self.extrapolate_turns(state, h);
+        for touch in &mut state.touches {
+            while full
+                .next_if(|(contact, _)| contact.slot < touch.slot)
+                .is_some()
+            {}
+            while middle
+                .next_if(|contact| contact.slot < touch.slot)
+                .is_some()
+            {}
+            let before = full
+                .next_if(|(contact, _)| contact.slot == touch.slot)
+                .map_or(Vec3::zeros(), |(contact, v)| {
+                    contact.next_displacement(v, h)
+                });
+            let limit = middle
+                .next_if(|contact| contact.slot == touch.slot && contact.cap > 0.0)
+                .map_or(0.0, |contact| contact.cap / contact.tangential_stiffness);
+            let extrapolated = Vec3::from(touch.displacement) * 2.0 - before;
+            touch.displacement = crate::contact::clip(extrapolated, limit).into();
+        }
+        let terms = self
+            .start
+            .joints
+            .terms
+            .iter()
+            .zip(&self.middle.joints.terms);
+        for (start, middle) in terms {
+            let dof = start.dof;
+            if let (Some(index), Drive::Velocity { element, .. }) = (start.actuator, start.drive) {
+                let full = start.next_motor(self.full.v[dof], h);
+                let limit = element.cap / element.stiffness;
+                state.motor[index] = (2.0 * state.motor[index] - full).clamp(-limit, limit);
+            }
+            if start.dry.cap > 0.0 {
+                let full = start.dry.next(self.full.v[dof], h);
+                let limit = middle.dry.cap / middle.dry.stiffness;
+                state.dry[dof] = (2.0 * state.dry[dof] - full).clamp(-limit, limit);
+            }
+        }
+        for ((v, second), full) in state.v.iter_mut().zip(&self.second.v).zip(&self.full.v) {
+            *v = 2.0 * second - full;
+        }
+        add_impulses(&self.start.contacts, &self.first, 2.0, &mut state.impulse);
+        add_impulses(&self.middle.contacts, &self.second, 2.0, &mut state.impulse);
+        add_impulses(&self.start.contacts, &self.full, -1.0, &mut state.impulse);
+    }
+
+    /// The stored angles of friction against turning, extrapolated like the displacements.
+    fn extrapolate_turns(&self, state: &mut State, h: f64) {
+        let mut full = self
+            .start
+            .turns
+            .iter()
+            .zip(&self.full.turn_velocity)
+            .peekable();
+        let mut touches = state.touches.iter_mut().peekable();
+        for turn in &self.middle.turns {
+            while full.next_if(|(t, _)| t.slot < turn.slot).is_some() {}
+            while touches.next_if(|t| t.slot < turn.slot).is_some() {}
+            let before = full
+                .next_if(|(t, _)| t.slot == turn.slot)
+                .map_or(Vec3::zeros(), |(t, w)| t.next_displacement(w, h));
+            if let Some(touch) = touches.next_if(|t| t.slot == turn.slot) {
+                let extrapolated = Vec3::from(touch.turn) * 2.0 - before;
+                touch.turn = turn.clipped(&extrapolated).into();
+            }
+        }
+    }
+}
+
+/// Remembers the velocity before a step, see [`end_trend`].
+pub(super) fn begin_trend(state: &mut State) {
+    state.trend.copy_from_slice(&state.v);
+}
+
+/// The mean acceleration over the step of `h` seconds that has just been taken.
+pub(super) fn end_trend(state: &mut State, h: f64) {
+    for (trend, v) in state.trend.iter_mut().zip(&state.v) {
+        *trend = (v - *trend) / h;
+    }
+}
+
+/// Velocity, displacements and touch-down speeds after a solve; positions are the caller's.
+pub(super) fn store(ctx: &Context, point: &Point, newton: &Newton, h: f64, state: &mut State) {
+    state.v.copy_from_slice(&newton.v);
+    state.touches.clear();
+    let mut turns = point.turns.iter().zip(&newton.turn_velocity).peekable();
+    for (contact, v) in point.contacts.iter().zip(&newton.point_velocity) {
+        let inside = contact.gap + h * contact.normal.dot(v) < 0.0;
+        let touchdown = if inside { contact.touchdown } else { 0.0 };
+        let turn = turns.next_if(|(turn, _)| turn.slot == contact.slot);
+        let turns = turn.is_some_and(|(turn, _)| turn.holds());
+        if contact.cap > 0.0 || turns || touchdown > 0.0 {
+            let angle = turn.map(|(turn, w)| turn.next_displacement(w, h));
+            state.touches.push(Touch {
+                slot: contact.slot,
+                displacement: contact.next_displacement(v, h).into(),
+                turn: angle.unwrap_or_default().into(),
+                touchdown,
+            });
+        }
+    }
+    debug_assert_eq!(state.motor.len(), ctx.model.actuators.len());
+    for term in &point.joints.terms {
+        if let Some(index) = term.actuator {
+            state.motor[index] = term.next_motor(newton.v[term.dof], h);
+        }
+        state.dry[term.dof] = term.dry.next(newton.v[term.dof], h);
+    }
+}
+
+/// Adds `share` times the contact impulses to their links.
+pub(super) fn add_impulses(
+    contacts: &[Contact],
+    newton: &Newton,
+    share: f64,
+    impulse: &mut [[f64; 3]],
+) {
+    for (contact, response) in contacts.iter().zip(&newton.responses) {
+        let sum = &mut impulse[contact.link];
+        for (sum, x) in sum.iter_mut().zip(response.impulse.iter()) {
+            *sum += share * x;
+        }
+    }
+}

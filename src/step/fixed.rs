@@ -1,0 +1,75 @@
+//! Steps of a length that the user fixes.
+
+use crate::dynamics::rnea;
+use crate::kinematics::{advance, forward};
+use crate::state::State;
+use crate::step::control::{NotFinite, Stepper, count};
+use crate::step::doubled::{add_impulses, store};
+use crate::step::point::Context;
+
+/// Relative accuracy of the impulses in fixed-step mode.
+const FIXED_ACCURACY: f64 = 1e-8;
+
+impl Stepper {
+    pub(super) fn advance_fixed(
+        &mut self,
+        ctx: &Context,
+        state: &mut State,
+        end: f64,
+    ) -> Result<(), NotFinite> {
+        let span = end - state.time;
+        // Importers' steps carry round-off: a millionth more than a whole number of steps is that number.
+        let count = (span / ctx.fixed_step - 1e-6).ceil().max(1.0);
+        let h = span / count;
+        let mut done = 0.0;
+        while done < count {
+            let ctx = &ctx.after(done * h);
+            self.start.update(ctx, state, h);
+            if self.rest(ctx, state, h, span - done * h, FIXED_ACCURACY) {
+                return Ok(());
+            }
+            self.fixed_step(ctx, state, h)?;
+            done += 1.0;
+        }
+        Ok(())
+    }
+
+    /// One solve with the friction cone and the bias of the start, one with those of the middle.
+    fn fixed_step(&mut self, ctx: &Context, state: &mut State, h: f64) -> Result<(), NotFinite> {
+        let tree = ctx.tree;
+        self.start.expect_commands(ctx, state, h);
+        let problem = self.start.problem(tree, h, FIXED_ACCURACY);
+        self.full.guess_start(&problem, &state.v);
+        let outcome = self.full.solve(&problem);
+        count(state, outcome.iterations);
+        for (contact, response) in self.start.contacts.iter_mut().zip(&self.full.responses) {
+            contact.cap = contact.mu * contact.normal.dot(&response.impulse) / h;
+        }
+        for turn in &mut self.start.turns {
+            let response = &self.full.responses[turn.contact];
+            turn.carry(turn.normal.dot(&response.impulse) / h);
+        }
+        for ((g, a), b) in self.guess.iter_mut().zip(&state.v).zip(&self.full.v) {
+            *g = 0.5 * (a + b);
+        }
+        forward(tree, &self.start.kin.S, &self.guess, &mut self.start.kin.V);
+        let (wrenches, middle) = (&ctx.inputs.wrenches, ctx.elapsed + 0.5 * h);
+        rnea::bias(tree, &mut self.start.kin, &self.guess, wrenches, middle);
+        let outcome = self
+            .full
+            .solve(&self.start.problem(tree, h, FIXED_ACCURACY));
+        count(state, outcome.iterations);
+        if !outcome.converged {
+            state.counters[1] += 1;
+        }
+        if !self.full.v.iter().all(|v| v.is_finite()) {
+            return Err(NotFinite);
+        }
+        self.q_full.copy_from_slice(&state.q);
+        advance(tree, &self.q_full, &self.full.v, h, &mut state.q);
+        store(ctx, &self.start, &self.full, h, state);
+        add_impulses(&self.start.contacts, &self.full, 1.0, &mut state.impulse);
+        state.counters[0] += 1;
+        Ok(())
+    }
+}

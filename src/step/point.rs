@@ -1,0 +1,166 @@
+//! One place in time: what a step knows of the robot before it is taken.
+
+#![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
+
+use crate::actuator::Joints;
+use crate::contact::{Contact, Turn, detect, find_turns};
+use crate::dynamics::{crba, rnea};
+use crate::inputs::Inputs;
+use crate::kinematics::Kinematics;
+use crate::model::Model;
+use crate::parameters::Parameters;
+use crate::state::State;
+use crate::step::convex::Problem;
+use crate::tree::Tree;
+
+/// What a step needs and does not change.
+#[derive(Clone, Copy, Debug)]
+pub struct Context<'a> {
+    /// The robot.
+    pub model: &'a Model,
+    /// What follows from it and the parameters.
+    pub tree: &'a Tree,
+    /// Gains.
+    pub parameters: &'a Parameters,
+    /// Commands, and wrenches from outside.
+    pub inputs: &'a Inputs,
+    /// Time since the communication point at which the inputs were set, s.
+    pub elapsed: f64,
+    /// Error allowed per step.
+    pub tolerance: f64,
+    /// Fixed step, s; 0 for error control.
+    pub fixed_step: f64,
+}
+
+impl Context<'_> {
+    /// The same, `h` seconds later.
+    pub(crate) fn after(&self, h: f64) -> Self {
+        Self {
+            elapsed: self.elapsed + h,
+            ..*self
+        }
+    }
+}
+
+/// One place in time: kinematics, contacts and joint terms.
+#[derive(Clone, Debug)]
+pub struct Point {
+    /// Poses, velocities, mass matrix, bias.
+    pub kin: Kinematics,
+    /// Contact points.
+    pub contacts: Vec<Contact>,
+    /// Friction of contacts against turning.
+    pub turns: Vec<Turn>,
+    /// Joint terms.
+    pub joints: Joints,
+}
+
+impl Point {
+    pub(crate) fn new(model: &Model, tree: &Tree) -> Self {
+        Self {
+            kin: Kinematics::new(tree),
+            contacts: Vec::with_capacity(model.contact_slots()),
+            turns: Vec::with_capacity(model.contact_slots()),
+            joints: Joints::new(model),
+        }
+    }
+
+    /// Everything at `state`, for steps of at most `h` seconds.
+    pub fn update(&mut self, ctx: &Context, state: &State, h: f64) {
+        let tree = ctx.tree;
+        self.kin.update_poses(tree, &state.q);
+        crba::mass_matrix(tree, &mut self.kin);
+        self.update_motion(ctx, state, h);
+    }
+
+    /// What an explicit step needs of `state`, without the mass matrix if the tree is long: then it is for explicit steps
+    /// alone.
+    pub(super) fn update_smooth(&mut self, ctx: &Context, state: &State, h: f64) {
+        let tree = ctx.tree;
+        if !tree.long {
+            self.update(ctx, state, h);
+            return;
+        }
+        self.kin.update_poses(tree, &state.q);
+        self.kin.update_velocities(tree, &state.v);
+        crba::diagonal(tree, &mut self.kin);
+        self.find_terms(ctx, state, h);
+    }
+
+    /// What depends on velocities, after the poses are up to date.
+    pub(super) fn update_motion(&mut self, ctx: &Context, state: &State, h: f64) {
+        let tree = ctx.tree;
+        self.kin.update_velocities(tree, &state.v);
+        let wrenches = &ctx.inputs.wrenches;
+        rnea::bias(tree, &mut self.kin, &state.v, wrenches, ctx.elapsed);
+        tree.sparsity
+            .multiply(&self.kin.M, &state.v, &mut self.kin.momentum);
+        self.find_terms(ctx, state, h);
+    }
+
+    /// Contacts and joint terms, after the kinematics are up to date.
+    pub(super) fn find_terms(&mut self, ctx: &Context, state: &State, h: f64) {
+        let Context { model, tree, .. } = *ctx;
+        let limit = if ctx.fixed_step > 0.0 {
+            // A step cannot resolve an oscillation faster than itself.
+            let omega = std::f64::consts::TAU / h.max(f64::MIN_POSITIVE);
+            0.25 * tree.moving_mass * omega * omega
+        } else {
+            f64::INFINITY
+        };
+        detect(
+            model,
+            tree,
+            &state.touches,
+            &self.kin,
+            h,
+            limit,
+            &mut self.contacts,
+        );
+        find_turns(
+            tree,
+            &state.touches,
+            &self.kin,
+            &self.contacts,
+            &mut self.turns,
+        );
+        self.find_joint_terms(ctx, state, 0.0);
+    }
+
+    /// Joint terms for a step of `h` seconds: commands that vary count as they are at its end.
+    fn find_joint_terms(&mut self, ctx: &Context, state: &State, h: f64) {
+        self.joints.update(
+            ctx.model,
+            ctx.tree,
+            ctx.parameters,
+            ctx.inputs,
+            [ctx.elapsed, h],
+            &state.q,
+            &state.v,
+            &state.motor,
+            &state.dry,
+            &self.kin.inverse_diagonal,
+            &self.kin.bias,
+        );
+    }
+
+    /// Joint terms for a step of `h` seconds from here, where commands vary.
+    pub(super) fn expect_commands(&mut self, ctx: &Context, state: &State, h: f64) {
+        if ctx.inputs.varies() {
+            self.find_joint_terms(ctx, state, h);
+        }
+    }
+
+    pub(super) fn problem<'a>(&'a self, tree: &'a Tree, h: f64, accuracy: f64) -> Problem<'a> {
+        Problem {
+            tree,
+            kin: &self.kin,
+            bias: &self.kin.bias,
+            contacts: &self.contacts,
+            turns: &self.turns,
+            joints: &self.joints.terms,
+            h,
+            accuracy,
+        }
+    }
+}
