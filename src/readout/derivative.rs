@@ -7,7 +7,7 @@ use crate::model::{JointId, Model, Motion};
 use crate::simulation::{Axis, OutputSlot};
 use crate::spatial::{Vec3, angular, linear, quaternion_product, rpy_from_rotation};
 use crate::state::State;
-use crate::step::control::Context;
+use crate::step::point::Context;
 
 impl Readout {
     /// Time derivative of an output at the state's time, from the right where forces jump; None if it has none.
