@@ -11,6 +11,7 @@
 //! - A massless root whose only joint is floating is the world: root and joint are left out, the child is a
 //!   floating base.
 //! - Mimic joints share the coordinate of the joint that they follow in the end.
+//! - A mesh on a continuous joint that is round about it becomes a cylinder or a ball.
 //! - A moving link may be massless as long as what hangs on it gives every degree of freedom inertia.
 //!
 //! Not done here: reading files, scaling, solving.
@@ -43,6 +44,8 @@
 //! | A124 | velocity limits that do not bind |
 //! | A125 | friction at rest that does not go with sliding friction |
 //! | A126 | commands that the file's hardware takes |
+//! | A127 | wheels fitted to meshes |
+//! | A128 | driven wheels that are polygons |
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
@@ -54,6 +57,7 @@ mod initial;
 mod mimic;
 mod outputs;
 mod robot;
+mod wheels;
 
 use crate::model::{Initial, Model, OutputSelection};
 use crate::settings::Settings;
@@ -119,6 +123,7 @@ fn assemble(
         },
     };
     bodies::add(&mut model, &base, &robot.shapes, findings);
+    let polygons = wheels::fit(&mut model, &robot.shapes, &robot.wheels, findings);
     initial::joints(&mut model, settings, findings);
     initial::base(&mut model, &base, settings, findings);
     if let Err(error) = model.validate() {
@@ -133,6 +138,7 @@ fn assemble(
     initial::height(&mut model, &poses, settings, findings);
     actuators::add(&mut model, &poses, &robot.lines, settings, findings);
     actuators::report_velocity_limits(&model, findings);
+    wheels::warn(&model, &poses, &polygons, findings);
     outputs::select(&mut model, settings, findings);
     if !findings.has_errors()
         && let Err(error) = model.validate()

@@ -233,6 +233,32 @@ impl JointSettings {
     }
 }
 
+/// What the collision mesh of a wheel becomes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum WheelFit {
+    /// A cylinder or a ball where it is one, on a continuous joint.
+    Auto,
+    /// A cylinder.
+    Cylinder,
+    /// A ball.
+    Sphere,
+    /// The hull of the mesh.
+    None,
+}
+
+impl WheelFit {
+    /// From its word in the settings.
+    pub fn from_word(word: &str) -> Option<Self> {
+        Some(match word {
+            "auto" => Self::Auto,
+            "cylinder" => Self::Cylinder,
+            "sphere" => Self::Sphere,
+            "none" => Self::None,
+            _ => return None,
+        })
+    }
+}
+
 /// Overrides of the file's links.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LinkSettings {
@@ -250,6 +276,8 @@ pub struct LinkSettings {
     pub restitution: Option<f64>,
     /// kg; the inertia scales with it.
     pub mass: Option<f64>,
+    /// What its collision meshes roll as.
+    pub wheel_fit: Option<WheelFit>,
 }
 
 impl LinkSettings {
@@ -263,6 +291,7 @@ impl LinkSettings {
             torsional_friction: None,
             restitution: None,
             mass: None,
+            wheel_fit: None,
         }
     }
 }
@@ -374,6 +403,9 @@ fn fill(reader: &mut Reader, root: &Section) -> Settings {
                 torsional_friction: section.number("torsional_friction"),
                 restitution: section.number("restitution"),
                 mass: section.number("mass"),
+                wheel_fit: section
+                    .word("wheel_fit")
+                    .and_then(|word| WheelFit::from_word(&word)),
             })
             .collect(),
         contact_outputs: match outputs.value("contacts") {

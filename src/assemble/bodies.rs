@@ -109,6 +109,7 @@ fn leave_out_root(robot: &mut Robot, settings: &Settings, findings: &mut Finding
     let root = robot.links.remove(0);
     let joint = robot.joints.remove(0);
     robot.shapes.remove(0);
+    robot.wheels.remove(0);
     robot.mimics.remove(0);
     robot.lines.links.remove(0);
     robot.lines.joints.remove(0);

@@ -6,10 +6,11 @@ use super::findings::{Findings, counted, listed};
 use super::inertia;
 use crate::model::{ActuatorMode, Joint, JointKind, Limits, Link};
 use crate::settings::{
-    InertiaSource, JointSettings, LinkSettings, STATIC_FRICTION_HELP, Settings, static_excess,
+    InertiaSource, JointSettings, LinkSettings, STATIC_FRICTION_HELP, Settings, WheelFit,
+    static_excess,
 };
 use crate::spatial::{Pose, RigidInertia};
-use crate::urdf::{CollisionDescription, Description, JointDescription, LinkDescription};
+use crate::urdf::{CollisionDescription, Description, JointDescription, LinkDescription, Place};
 
 /// Coulomb coefficient of a link where neither the file nor the settings give one.
 const DEFAULT_FRICTION: f64 = 0.8;
@@ -26,6 +27,8 @@ pub(super) struct Robot {
     pub(super) mimics: Vec<Option<(String, f64, f64)>>,
     /// Per link.
     pub(super) shapes: Vec<Vec<CollisionDescription>>,
+    /// Per link.
+    pub(super) wheels: Vec<WheelChoice>,
     pub(super) lines: Lines,
 }
 
@@ -37,6 +40,12 @@ pub(super) struct Lines {
     pub(super) joints: Vec<usize>,
     /// Per joint: what its hardware takes, as the file says.
     pub(super) interfaces: Vec<Vec<ActuatorMode>>,
+}
+
+/// What the settings want to be made of a link's meshes.
+pub(super) struct WheelChoice {
+    pub(super) fit: WheelFit,
+    pub(super) place: Option<Place>,
 }
 
 /// A turning or sliding joint.
@@ -75,6 +84,13 @@ impl Robot {
                 .links
                 .iter()
                 .map(|link| link.collisions.clone())
+                .collect(),
+            wheels: link_overrides
+                .iter()
+                .map(|link| WheelChoice {
+                    fit: link.wheel_fit.unwrap_or(WheelFit::Auto),
+                    place: link.link.place.clone(),
+                })
                 .collect(),
             lines: Lines {
                 links: description.links.iter().map(|link| link.line).collect(),
@@ -208,10 +224,11 @@ fn link_overrides(
             link.static_friction = entry.static_friction.or(link.static_friction);
             link.rolling_friction = entry.rolling_friction.or(link.rolling_friction);
             link.torsional_friction = entry.torsional_friction.or(link.torsional_friction);
-            if entry.static_friction.is_some() {
+            if entry.static_friction.is_some() || entry.wheel_fit.is_some() {
                 link.link.place.clone_from(&entry.link.place);
             }
             link.mass = entry.mass.or(link.mass);
+            link.wheel_fit = entry.wheel_fit.or(link.wheel_fit);
         }
     }
     merged

@@ -62,6 +62,7 @@ pub(crate) fn collision(X_LG: Pose, shape: Shape) -> CollisionDescription {
         X_LG,
         shape,
         mesh: None,
+        outline: None,
     }
 }
 

@@ -393,6 +393,12 @@ pub const KEYS: &[Key] = &[
         "Newton's coefficient; without it the file's, else 0",
     ),
     key(
+        "link.*.wheel_fit",
+        Word(&["auto", "cylinder", "sphere", "none"]),
+        None,
+        "what the link's collision meshes roll as: fitted to the mesh about its joint's axis, or none; without it auto: on a continuous joint, where the mesh is off the circle by less than 5 % of its radius",
+    ),
+    key(
         "link.*.mass",
         Number(Positive),
         None,

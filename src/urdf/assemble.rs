@@ -15,9 +15,13 @@ use crate::spatial::{Pose, RigidInertia, Vec3, rotation_from_rpy};
 use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Part of a mesh's size by which its hull may be off without a note.
 const SILENT_ERROR: f64 = 1e-3;
+
+/// Corners that are kept of the hull of what may be a wheel.
+const MOST_OUTLINE: usize = 1024;
 
 /// The hull of a mesh, scaled.
 #[derive(Clone)]
@@ -26,6 +30,8 @@ pub(super) struct ReadMesh {
     /// Not to be packed: a symbolic link leads out of the robot's folders.
     linked: bool,
     vertices: Vec<Vec3>,
+    /// More of them, where the mesh may be a wheel.
+    outline: Option<Arc<[Vec3]>>,
 }
 
 /// Meshes by link and collision, both in file order.
@@ -47,6 +53,7 @@ pub(super) fn read_meshes(
     };
     // The same mesh often stands in many links; `None` if it was reported already.
     let mut known: HashMap<(PathBuf, [u64; 3]), Option<ReadMesh>> = HashMap::new();
+    let wheels = wheel_meshes(robot);
     let mut found = HashMap::new();
     let mut first_mesh: Option<Range<usize>> = None;
     let mut count = 0;
@@ -76,7 +83,15 @@ pub(super) fn read_meshes(
             let factors = factors.map(|f| f * scale);
             let read = known
                 .entry((file.path.clone(), factors.map(f64::to_bits)))
-                .or_insert_with(|| read_mesh(scope, file, Vec3::from(factors), at));
+                .or_insert_with(|| {
+                    read_mesh(
+                        scope,
+                        file,
+                        Vec3::from(factors),
+                        wheels.contains(filename),
+                        at,
+                    )
+                });
             if let Some(mesh) = read {
                 if !mesh.linked && !meshes.sources.contains(&mesh.path) {
                     meshes.sources.push(mesh.path.clone());
@@ -113,7 +128,13 @@ fn outside_help(path: &Path) -> String {
     )
 }
 
-fn read_mesh(scope: &mut Scope, file: Found, factors: Vec3, at: &Range<usize>) -> Option<ReadMesh> {
+fn read_mesh(
+    scope: &mut Scope,
+    file: Found,
+    factors: Vec3,
+    wheel: bool,
+    at: &Range<usize>,
+) -> Option<ReadMesh> {
     let Found { path, linked } = file;
     let name = path
         .file_name()
@@ -156,6 +177,10 @@ fn read_mesh(scope: &mut Scope, file: Found, factors: Vec3, at: &Range<usize>) -
             return None;
         }
     };
+    let outline = wheel
+        .then(|| bounded_hull(&points, MOST_OUTLINE))
+        .and_then(Result::ok)
+        .map(|hull| hull.vertices.into());
     if hull.flat {
         let message = format!("mesh {name} has no volume: it is used as it is");
         scope.warning("U109", at.clone(), &message, "");
@@ -177,7 +202,42 @@ fn read_mesh(scope: &mut Scope, file: Found, factors: Vec3, at: &Range<usize>) -
         path,
         linked,
         vertices: hull.vertices,
+        outline,
     })
+}
+
+/// Files of the meshes that turn with a continuous joint.
+fn wheel_meshes<'d>(robot: &CheckedRobot<'d>) -> HashSet<&'d str> {
+    let mut carried_by = HashMap::new();
+    for joint in &robot.joints {
+        if let Some(child) = &joint.child {
+            carried_by.entry(child.name).or_insert(joint);
+        }
+    }
+    let turns = |mut link: &'d str| {
+        // No more steps than joints: whether they go in a circle is not known yet.
+        for _ in 0..robot.joints.len() {
+            match (carried_by.get(link), carried_by.get(link).map(|j| j.kind)) {
+                (Some(joint), Some(JointKind::Fixed)) => match &joint.parent {
+                    Some(parent) => link = parent.name,
+                    None => return false,
+                },
+                (_, kind) => return kind == Some(JointKind::Continuous),
+            }
+        }
+        false
+    };
+    let mut files = HashSet::new();
+    for link in &robot.links {
+        for collision in &link.collisions {
+            if let Geometry::Mesh { filename, .. } = &collision.geometry
+                && turns(link.name)
+            {
+                files.insert(*filename);
+            }
+        }
+    }
+    files
 }
 
 /// Visuals do not move the robot: whatever is wrong with them is a warning.
@@ -235,6 +295,7 @@ pub(super) fn description(
                     X_LG: pose(&collision.origin, scale),
                     shape: shape(&collision.geometry, mesh, scale)?,
                     mesh: mesh.map(|mesh| mesh.path.clone()),
+                    outline: mesh.and_then(|mesh| mesh.outline.clone()),
                 })
             })
             .collect::<Option<Vec<_>>>()?;

@@ -90,6 +90,8 @@ pub struct CollisionDescription {
     pub shape: Shape,
     /// The mesh file that it was read from.
     pub mesh: Option<PathBuf>,
+    /// Mesh that turns with a continuous joint: corners of its hull, more than the shape has.
+    pub outline: Option<Arc<[Vec3]>>,
 }
 
 /// A joint as the file has it.
