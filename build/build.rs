@@ -8,7 +8,7 @@
 //! | variable | effect |
 //! |---|---|
 //! | `URDF2FMU_LIBRARY` | a ready library for the target platform; `none`: this platform is left out |
-//! | `URDF2FMU_LIBRARY_DIR` | a folder with `<platform>/` folders, each with one library; all are embedded |
+//! | `URDF2FMU_LIBRARY_DIR` | a folder with `<platform>/` folders, each with one library, such as `platforms.sh` makes; all are embedded |
 
 use std::env;
 use std::error::Error;
@@ -22,6 +22,8 @@ struct Library {
     /// FMI 2.0's name of the platform.
     platform: String,
     file: PathBuf,
+    /// From the folder of libraries.
+    ready: bool,
 }
 
 fn main() -> ExitCode {
@@ -57,9 +59,16 @@ fn run() -> Result<(), Box<dyn Error>> {
         libraries.push(Library {
             platform: target.platform.to_owned(),
             file,
+            ready: false,
         });
     }
     libraries.sort_by(|a, b| a.platform.cmp(&b.platform));
+    for library in libraries.iter().filter(|library| library.ready) {
+        // For the tests of what `platforms.sh` makes.
+        let (platform, file) = (library.platform.to_uppercase(), library.file.display());
+        println!("cargo::rustc-env=URDF2FMU_READY_{platform}={file}");
+        warn_if_old(&library.file)?;
+    }
     if let Some(library) = libraries
         .iter()
         .find(|library| library.platform == target.platform)
@@ -119,9 +128,37 @@ fn ready_libraries(folder: &Path) -> Result<Vec<Library>, Box<dyn Error>> {
         libraries.push(Library {
             platform: name,
             file: existing(file)?,
+            ready: true,
         });
     }
     Ok(libraries)
+}
+
+/// Tells that a ready library is older than the sources that lie here.
+fn warn_if_old(library: &Path) -> Result<(), Box<dyn Error>> {
+    let workspace = Path::new(&env::var("CARGO_MANIFEST_DIR")?).join("..");
+    let mut folders = vec![workspace.join("src"), workspace.join("fmi/src")];
+    let made = fs::metadata(library)?.modified()?;
+    while let Some(folder) = folders.pop() {
+        if !folder.is_dir() {
+            continue;
+        }
+        println!("cargo::rerun-if-changed={}", folder.display());
+        for entry in fs::read_dir(&folder)? {
+            let entry = entry?;
+            if entry.file_type()?.is_dir() {
+                folders.push(entry.path());
+            } else if entry.metadata()?.modified()? > made {
+                println!(
+                    "cargo::warning=the ready library '{}' is older than '{}'; make it again, see docs/platforms.md",
+                    library.display(),
+                    entry.path().display()
+                );
+                return Ok(());
+            }
+        }
+    }
+    Ok(())
 }
 
 /// What the command is built for; its library is for the same.
@@ -149,7 +186,10 @@ impl Target {
         };
         // A host that defines a function of the same name must not get its own in our calls, and must not see
         // what the static parts of the library bring along.
+        let gnu = env::var("CARGO_CFG_TARGET_ENV")? == "gnu";
         let link_args: &[&str] = match system.as_str() {
+            // Without the time of day the same sources make the same library.
+            "windows" if gnu => &["-Wl,--no-insert-timestamp"],
             "windows" | "macos" => &[],
             _ => &[
                 "-Wl,-Bsymbolic",
@@ -376,7 +416,7 @@ fn watch(list: &Path, package: &Path) -> Result<(), Box<dyn Error>> {
 /// The list of libraries as Rust code.
 fn source(libraries: &[Library]) -> Result<String, Box<dyn Error>> {
     let mut code = String::from("&[\n");
-    for Library { platform, file } in libraries {
+    for Library { platform, file, .. } in libraries {
         let extension = file
             .extension()
             .unwrap_or_default()

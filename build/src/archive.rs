@@ -230,6 +230,32 @@ pub fn read_entry(path: &Path, name: &str) -> Result<Option<Vec<u8>>, ArchiveErr
     Ok(Some(bytes))
 }
 
+/// Names of the folders of a zip on disk that lie directly in `parent` (with a slash at its end) and are not empty,
+/// sorted.
+///
+/// # Errors
+/// [`ArchiveError::Io`], [`ArchiveError::Unpack`].
+pub fn folders(path: &Path, parent: &str) -> Result<Vec<String>, ArchiveError> {
+    let file = std::fs::File::open(path).map_err(|source| ArchiveError::Io {
+        doing: "read",
+        path: path.to_owned(),
+        source,
+    })?;
+    let zip = zip::ZipArchive::new(file).map_err(|source| ArchiveError::Unpack {
+        path: path.to_owned(),
+        source,
+    })?;
+    let folders: BTreeSet<String> = zip
+        .file_names()
+        .filter_map(|name| {
+            let name = name.ok()?;
+            let (folder, file) = name.strip_prefix(parent)?.split_once('/')?;
+            (!file.is_empty()).then(|| folder.to_owned())
+        })
+        .collect();
+    Ok(folders.into_iter().collect())
+}
+
 /// Whether `name` stays inside the folder that it is unpacked in, on every system.
 fn is_safe(name: &str) -> bool {
     !name.is_empty()

@@ -10,7 +10,7 @@
 
 use crate::diagnostics::{self, Style};
 use crate::stage::{self, Request, Robot, StageError};
-use crate::{archive, info, summary};
+use crate::{archive, info, library, summary};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use serde_json::json;
 use std::io::Write as _;
@@ -116,6 +116,9 @@ struct Export {
     /// The FMU to write [default: the URDF's name with .fmu, in this folder]
     #[arg(short, long, value_name = "FILE.fmu")]
     output: Option<PathBuf>,
+    /// Platforms that the FMU runs on, such as `linux64,win64` [default: all that this program carries]
+    #[arg(long = "platform", value_name = "NAMES", value_delimiter = ',')]
+    platforms: Vec<String>,
     #[command(flatten)]
     source: Source,
 }
@@ -203,6 +206,7 @@ impl CliError {
     /// The program's exit code.
     pub fn exit_code(&self) -> u8 {
         match self {
+            Self::Stage(StageError::Platform { .. }) => 2,
             Self::Stage(StageError::Trial(_)) => 3,
             _ => 1,
         }
@@ -271,7 +275,7 @@ impl Cli {
 fn export(args: &Export) -> Result<(), CliError> {
     let robot = stage::robot(&args.source.request(&args.urdf))?;
     print_findings(&robot.diagnostics, Severity::Warning);
-    let fmu = stage::fmu(&robot, &args.urdf)?;
+    let fmu = stage::fmu(&robot, &args.urdf, &args.platforms)?;
     let output = args.output.clone().unwrap_or_else(|| {
         let stem = args.urdf.file_stem().unwrap_or("robot".as_ref());
         PathBuf::from(stem).with_extension("fmu")
@@ -295,27 +299,31 @@ fn show(args: &Info) -> Result<(), CliError> {
         .file
         .extension()
         .is_some_and(|e| e.eq_ignore_ascii_case("fmu"));
-    let (model, table) = if is_fmu {
+    let (model, table, platforms) = if is_fmu {
         let path = args.file.clone();
         let Some(bytes) = archive::read_entry(&path, &format!("resources/{FILE_NAME}"))? else {
             return Err(CliError::ForeignFmu { path });
         };
+        let platforms = archive::folders(&path, "binaries/")?;
         let prepared = PreparedModel::from_json(&String::from_utf8_lossy(&bytes))
             .map_err(|source| CliError::Prepared { path, source })?;
         let table = variables::table(&prepared.model)?;
-        (prepared.model, table)
+        (prepared.model, table, platforms)
     } else {
         let robot = stage::robot(&args.source.request(&args.file))?;
         print_findings(&robot.diagnostics, Severity::Warning);
-        (robot.model, robot.table)
+        // Those that its FMU would get.
+        let platforms = library::embedded().iter();
+        let platforms = platforms.map(|l| l.platform.to_owned()).collect();
+        (robot.model, robot.table, platforms)
     };
     if args.json {
-        print(&format!(
-            "{:#}\n",
-            info::json(&model, &table, args.variables)
-        ));
+        let mut value = info::json(&model, &table, args.variables);
+        value["platforms"] = json!(platforms);
+        print(&format!("{value:#}\n"));
     } else {
         print(&info::text(&model, &table, args.variables));
+        print(&format!("\nPlatforms\n  {}\n", platforms.join(" ")));
     }
     Ok(())
 }

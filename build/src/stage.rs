@@ -95,10 +95,20 @@ pub enum StageError {
         /// Why.
         source: std::io::Error,
     },
-    /// This program was built without a library for any platform.
+    /// `--platform`.
     #[error(
-        "this urdf2fmu carries no FMU library; build it again without URDF2FMU_LIBRARY pointing to nothing"
+        "this urdf2fmu carries no library for the platform '{asked}', only for {}; one that carries several is built \
+         as docs/platforms.md says",
+        known.join(", ")
     )]
+    Platform {
+        /// As asked for.
+        asked: String,
+        /// What there is.
+        known: Vec<&'static str>,
+    },
+    /// This program was built without a library for any platform.
+    #[error("this urdf2fmu carries no FMU library; build it again without URDF2FMU_LIBRARY=none")]
     NoLibrary,
 }
 
@@ -152,15 +162,12 @@ pub fn robot(request: &Request) -> Result<Robot, StageError> {
     })
 }
 
-/// Makes an FMU of a robot.
+/// Makes an FMU of a robot, with the libraries of the platforms asked for, or of all that there are.
 ///
 /// # Errors
 /// [`StageError`].
-pub fn fmu(robot: &Robot, urdf: &Path) -> Result<Fmu, StageError> {
-    let libraries = library::embedded();
-    if libraries.is_empty() {
-        return Err(StageError::NoLibrary);
-    }
+pub fn fmu(robot: &Robot, urdf: &Path, platforms: &[String]) -> Result<Fmu, StageError> {
+    let libraries = &select(library::embedded(), platforms)?;
     let stem = urdf.file_stem().unwrap_or_default().to_string_lossy();
     let model_identifier = model_identifier(&robot.model.name, &stem);
     let guid = guid(&model_identifier, robot, libraries)?;
@@ -204,6 +211,25 @@ pub fn fmu(robot: &Robot, urdf: &Path) -> Result<Fmu, StageError> {
         bytes: archive.to_bytes()?,
         platforms,
     })
+}
+
+/// The libraries of `platforms`, or all where none is named.
+fn select(all: &'static [Library], platforms: &[String]) -> Result<Vec<Library>, StageError> {
+    if all.is_empty() {
+        return Err(StageError::NoLibrary);
+    }
+    for asked in platforms {
+        if !all.iter().any(|library| library.platform == *asked) {
+            return Err(StageError::Platform {
+                asked: asked.clone(),
+                known: all.iter().map(|library| library.platform).collect(),
+            });
+        }
+    }
+    let wanted = |library: &&Library| {
+        platforms.is_empty() || platforms.iter().any(|asked| library.platform == *asked)
+    };
+    Ok(all.iter().filter(wanted).copied().collect())
 }
 
 /// Loads what the FMU will load and takes one step of the default experiment.

@@ -53,9 +53,59 @@ fn to_path(bytes: &[u8]) -> PathBuf {
     PathBuf::from(std::ffi::OsStr::from_bytes(bytes))
 }
 
-#[cfg(not(unix))]
+/// FMI's strings are UTF-8, but some importers on Windows pass, or percent-encode, bytes of the machine's code page.
+#[cfg(windows)]
+fn to_path(bytes: &[u8]) -> PathBuf {
+    use std::os::windows::ffi::OsStringExt;
+    match std::str::from_utf8(bytes) {
+        Ok(text) => PathBuf::from(text),
+        Err(_) => std::ffi::OsString::from_wide(&code_page::decode(bytes)).into(),
+    }
+}
+
+#[cfg(not(any(unix, windows)))]
 fn to_path(bytes: &[u8]) -> PathBuf {
     PathBuf::from(String::from_utf8_lossy(bytes).into_owned())
+}
+
+#[cfg(windows)]
+mod code_page {
+    #![allow(unsafe_code, reason = "only Windows knows its code page")]
+
+    #[link(name = "kernel32")]
+    unsafe extern "system" {
+        fn MultiByteToWideChar(
+            code_page: u32,
+            flags: u32,
+            bytes: *const u8,
+            bytes_length: i32,
+            wide: *mut u16,
+            wide_length: i32,
+        ) -> i32;
+    }
+
+    /// The machine's own, as Windows' functions without W take it.
+    const ACTIVE: u32 = 0;
+
+    /// UTF-16; empty where the bytes are too many for a path, which then is not found.
+    pub(super) fn decode(bytes: &[u8]) -> Vec<u16> {
+        // No code page makes more than two units of a byte.
+        let mut wide = vec![0_u16; 2 * bytes.len()];
+        let length = |length: usize| i32::try_from(length).unwrap_or(0);
+        // SAFETY: both pointers are good for the lengths that are passed with them.
+        let written = unsafe {
+            MultiByteToWideChar(
+                ACTIVE,
+                0,
+                bytes.as_ptr(),
+                length(bytes.len()),
+                wide.as_mut_ptr(),
+                length(wide.len()),
+            )
+        };
+        wide.truncate(usize::try_from(written).unwrap_or(0));
+        wide
+    }
 }
 
 /// [`folders`] as bytes, for either family of systems.

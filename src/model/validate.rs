@@ -8,7 +8,7 @@
 use super::{Body, Joint, JointKind, LinkId, Model, ModelError, Motion};
 use crate::geometry::Shape;
 use crate::spatial::{Mat3, Pose, Vec3};
-use std::collections::HashSet;
+use std::collections::BTreeSet;
 
 /// Most links, joints, bodies, colliders or actuators. The largest robots have some hundred.
 const MOST_PARTS: usize = 20_000;
@@ -80,7 +80,7 @@ fn sizes(model: &Model) -> Check {
 }
 
 fn links(model: &Model) -> Check {
-    let mut names = HashSet::new();
+    let mut names = BTreeSet::new();
     for (l, link) in model.links.iter().enumerate() {
         let part = || format!("link '{}'", link.name);
         require(
@@ -137,7 +137,7 @@ fn links(model: &Model) -> Check {
 }
 
 fn joints(model: &Model) -> Check {
-    let mut names = HashSet::new();
+    let mut names = BTreeSet::new();
     for (j, joint) in model.joints.iter().enumerate() {
         let part = || format!("joint '{}'", joint.name);
         require(
@@ -441,7 +441,7 @@ fn colliders(model: &Model) -> Check {
 }
 
 fn actuators(model: &Model) -> Check {
-    let mut driven = HashSet::new();
+    let mut driven = BTreeSet::new();
     for (a, actuator) in model.actuators.iter().enumerate() {
         let part = || format!("actuator {}", a + 1);
         let body = model
@@ -533,7 +533,7 @@ fn rest(model: &Model) -> Check {
         &outputs.links,
         &outputs.external_wrenches,
     ] {
-        let mut seen = HashSet::new();
+        let mut seen = BTreeSet::new();
         require(
             list.iter()
                 .all(|link| link.index() < model.links.len() && seen.insert(*link)),

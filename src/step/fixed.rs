@@ -19,7 +19,7 @@ impl Stepper {
     ) -> Result<(), NotFinite> {
         let span = end - state.time;
         // Importers' steps carry round-off: a millionth more than a whole number of steps is that number.
-        let count = (span / ctx.fixed_step - 1e-6).ceil().max(1.0);
+        let count = libm::ceil(span / ctx.fixed_step - 1e-6).max(1.0);
         let h = span / count;
         let mut done = 0.0;
         while done < count {

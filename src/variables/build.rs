@@ -3,7 +3,7 @@
 use super::{Kind, Slot, TableError, Unit, Variable};
 use crate::model::{Joint, JointId, JointKind, Limits, Model};
 use crate::simulation::{Axis, InputSlot, OutputSlot, ParameterSlot};
-use std::collections::HashMap;
+use std::collections::BTreeMap;
 
 pub(super) const XYZ: [&str; 3] = ["x", "y", "z"];
 pub(super) const XYZW: [&str; 4] = ["x", "y", "z", "w"];
@@ -213,7 +213,7 @@ impl<'m> Table<'m> {
     }
 
     pub(super) fn finish(self) -> Result<Vec<Variable>, TableError> {
-        let mut owners = HashMap::new();
+        let mut owners = BTreeMap::new();
         for (row, owner) in self.rows.iter().zip(&self.owners) {
             if let Some(first) = owners.insert(row.name.as_str(), owner) {
                 return Err(TableError::Clash {

@@ -1,6 +1,6 @@
 #include "importer.h"
 #include "robot.h"
-#include <dlfcn.h>
+#include "system.h"
 #include <stdarg.h>
 #include <stdint.h>
 #include <stdlib.h>
@@ -14,13 +14,13 @@ const char *resources;
 
 void load(const char *path)
 {
-    fmu.library = dlopen(path, RTLD_NOW | RTLD_LOCAL);
+    fmu.library = library_open(path);
     if (!fmu.library) {
-        printf("dlopen: %s\n", dlerror());
+        printf("%s: %s\n", path, library_problem());
         exit(2);
     }
 #define FIND(result, name, arguments)                                  \
-    *(void **)&fmu.name = dlsym(fmu.library, "fmi2" #name);            \
+    *(void **)&fmu.name = library_find(fmu.library, "fmi2" #name);     \
     if (!fmu.name) {                                                   \
         printf("fmi2" #name " is not exported\n");                     \
         exit(2);                                                       \

@@ -1,4 +1,4 @@
-/* A small importer: loads a library with dlopen, records what is logged, counts failed checks. */
+/* A small importer: loads a library, records what is logged, counts failed checks. */
 #ifndef IMPORTER_H
 #define IMPORTER_H
 

@@ -1,5 +1,6 @@
 /* importer LIBRARY RESOURCES GUID TEST [ARGUMENT…]: runs one test; exit code 0 if every check holds. */
 #include "importer.h"
+#include "system.h"
 #include <stdlib.h>
 #include <string.h>
 
@@ -50,7 +51,9 @@ static const struct {
     {"reset", test_reset},
     {"cycles", test_cycles},
     {"control_word", test_control_word},
+#ifndef _WIN32
     {"signals", test_signals},
+#endif
     {"threads", test_threads},
 };
 
@@ -59,6 +62,7 @@ int main(int argc, char **argv)
     int known = 0;
     if (argc < 5)
         return 2;
+    argv = utf8_arguments(argv);
     resources = argv[2];
     guid = argv[3];
     load(argv[1]);

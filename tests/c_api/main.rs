@@ -5,6 +5,8 @@
 
 #![allow(clippy::print_stderr, reason = "says why a test is skipped")]
 
+mod windows;
+
 use std::ffi::OsStr;
 use std::fmt::Write as _;
 use std::fs;
@@ -48,7 +50,6 @@ static BENCH: LazyLock<Option<Bench>> = LazyLock::new(|| {
     fs::write(resources.join("model.json"), text).expect("a file for the tests");
     fs::write(folder.join("robot.h"), header(&model)).expect("a file for the tests");
 
-    let sources = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/c_api");
     let importer = folder.join("importer");
     let output = Command::new(compiler)
         .args([
@@ -63,19 +64,7 @@ static BENCH: LazyLock<Option<Bench>> = LazyLock::new(|| {
         .arg(&importer)
         .arg("-I")
         .arg(&folder)
-        .args(
-            [
-                "main.c",
-                "importer.c",
-                "phases.c",
-                "misuse.c",
-                "states.c",
-                "derivatives.c",
-                "values.c",
-                "host.c",
-            ]
-            .map(|file| sources.join(file)),
-        )
+        .args(sources())
         .args(["-ldl", "-lm", "-lpthread"])
         .output()
         .expect("the compiler answers");
@@ -90,6 +79,22 @@ static BENCH: LazyLock<Option<Bench>> = LazyLock::new(|| {
         resources,
     })
 });
+
+/// Of the importer.
+fn sources() -> Vec<PathBuf> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/c_api");
+    let names = [
+        "main.c",
+        "importer.c",
+        "phases.c",
+        "misuse.c",
+        "states.c",
+        "derivatives.c",
+        "values.c",
+        "host.c",
+    ];
+    names.iter().map(|name| folder.join(name)).collect()
+}
 
 /// The example rover: four driven wheels on the ground.
 fn rover() -> Model {
@@ -195,7 +200,10 @@ fn texts(output: &Output) -> (String, String) {
 }
 
 macro_rules! runs {
-    ($($name:ident: $test:literal;)*) => {$(
+    ($($name:ident: $test:literal;)*) => {
+        /// What the importer is told to do in these tests.
+        const TESTS: &[&str] = &[$($test),*];
+    $(
         #[test]
         fn $name() {
             if let Some(bench) = &*BENCH {

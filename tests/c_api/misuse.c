@@ -1,6 +1,7 @@
 /* Null pointers, wrong references, wrong values, wrong times, wrong FMUs: an error each, and the host lives. */
 #include "importer.h"
 #include "robot.h"
+#include "system.h"
 #include <math.h>
 #include <stdint.h>
 #include <string.h>
@@ -210,7 +211,7 @@ void test_instantiate(void)
     REFUSED("fmuGUID is ''", "robot", fmi2CoSimulation, NULL, resources);
     REFUSED("fmuResourceLocation is empty", "robot", fmi2CoSimulation, guid, NULL);
     REFUSED("fmuResourceLocation is empty", "robot", fmi2CoSimulation, guid, "");
-    REFUSED("/no/such/place/model.json", "robot", fmi2CoSimulation, guid, "file:///no/such/place");
+    REFUSED("/no/such/place" SEPARATOR "model.json", "robot", fmi2CoSimulation, guid, "file:///no/such/place");
     REFUSED("scheme 'http'", "robot", fmi2CoSimulation, guid, "http://example.org/resources");
     /* A path that printf would choke on arrives unharmed; FMI's escape sign stays doubled. */
     REFUSED("/%s%n%d##r1##/", "robot", fmi2CoSimulation, guid, "file:///%s%n%d#r1#/");

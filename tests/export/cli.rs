@@ -594,3 +594,48 @@ fn help_and_version_are_printed() {
     }
     assert!(urdf2fmu(["--version"]).out.starts_with("urdf2fmu "));
 }
+
+#[test]
+fn fmu_holds_every_platform_of_the_command_unless_told_which() {
+    let platforms = |fmu: &Path| -> Vec<String> {
+        let run = urdf2fmu(["info", text(fmu), "--json"]);
+        assert_eq!(run.code, 0, "{}", run.err);
+        let info: Value = serde_json::from_str(&run.out).unwrap();
+        let (names, _) = entries(fmu);
+        let listed: Vec<String> = serde_json::from_value(info["platforms"].clone()).unwrap();
+        for platform in &listed {
+            let folder = format!("binaries/{platform}/rover.");
+            assert!(names.iter().any(|name| name.starts_with(&folder)));
+        }
+        let libraries = names.iter().filter(|name| name.starts_with("binaries/"));
+        assert_eq!(libraries.count(), listed.len(), "{names:?}");
+        listed
+    };
+    let (_folder, all) = export(&example("rover.urdf"), &[]);
+    let carried = platforms(&all);
+    assert!(!carried.is_empty());
+    for platform in &carried {
+        let (_folder, fmu) = export(&example("rover.urdf"), &["--platform", platform]);
+        assert_eq!(platforms(&fmu), std::slice::from_ref(platform));
+        let run = urdf2fmu(["info", text(&fmu)]);
+        assert!(run.out.contains(&format!("\nPlatforms\n  {platform}\n")));
+    }
+    let (_folder, both) = export(&example("rover.urdf"), &["--platform", &carried.join(",")]);
+    assert_eq!(platforms(&both), carried);
+
+    let folder = tempfile::tempdir().unwrap();
+    let fmu = folder.path().join("robot.fmu");
+    let urdf = example("rover.urdf");
+    let run = urdf2fmu([
+        "export",
+        text(&urdf),
+        "-o",
+        text(&fmu),
+        "--platform",
+        "amiga",
+    ]);
+    assert_eq!(run.code, 2, "{}", run.err);
+    assert!(run.err.contains("'amiga'"), "{}", run.err);
+    assert!(run.err.contains(&carried.join(", ")), "{}", run.err);
+    assert!(!fmu.exists());
+}

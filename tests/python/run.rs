@@ -27,6 +27,10 @@ fn the_python_tests_pass() {
         .arg(environment::tests())
         .env("URDF2FMU", env!("CARGO_BIN_EXE_urdf2fmu"))
         .env("PYBULLET_DATA", environment.pybullet_data)
+        .env(
+            "URDF2FMU_WINE",
+            concat!(env!("CARGO_TARGET_TMPDIR"), "/wine"),
+        )
         .env_remove("PYTHONPATH")
         .status()
         .expect("the environment has an interpreter");

@@ -1,0 +1,339 @@
+//! The libraries of both platforms, as they lie in an FMU: what they need, what they show, and that they calculate the
+//! same bits.
+//!
+//! Of a command that was built with the libraries of `build/platforms.sh`; else skipped, with a message on standard
+//! error that says what is missing.
+
+#![allow(clippy::unwrap_used, reason = "a test may fail")]
+
+#[allow(dead_code, reason = "only the robots of PyBullet are used")]
+#[path = "../python/environment.rs"]
+mod environment;
+mod wine;
+
+use serde_json::Value;
+use std::collections::BTreeSet;
+use std::fmt::Write as _;
+use std::fs;
+use std::io::Read as _;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use wine::{Wine, skipped};
+
+/// An FMU of a robot, unpacked.
+struct Fmu {
+    folder: PathBuf,
+    name: String,
+    guid: String,
+    /// As `urdf2fmu info --json --variables` tells.
+    variables: Vec<Value>,
+    _temporary: tempfile::TempDir,
+}
+
+fn example(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../examples")
+        .join(name)
+}
+
+fn output(program: &mut Command) -> String {
+    let output = program.output().unwrap();
+    assert!(
+        output.status.success(),
+        "{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+    String::from_utf8(output.stdout).unwrap()
+}
+
+impl Fmu {
+    fn of(urdf: &Path, options: &[&str]) -> Self {
+        let temporary = tempfile::tempdir().unwrap();
+        let folder = temporary.path().to_owned();
+        let fmu = folder.join("robot.fmu");
+        let urdf2fmu = || Command::new(env!("CARGO_BIN_EXE_urdf2fmu"));
+        output(
+            urdf2fmu()
+                .arg("export")
+                .arg(urdf)
+                .arg("-o")
+                .arg(&fmu)
+                .args(options),
+        );
+        let mut zip = zip::ZipArchive::new(fs::File::open(&fmu).unwrap()).unwrap();
+        for i in 0..zip.len() {
+            let mut entry = zip.by_index(i).unwrap();
+            let place = folder.join(entry.enclosed_name().unwrap());
+            fs::create_dir_all(place.parent().unwrap()).unwrap();
+            let mut bytes = Vec::new();
+            entry.read_to_end(&mut bytes).unwrap();
+            fs::write(place, bytes).unwrap();
+        }
+        let info = output(
+            urdf2fmu()
+                .arg("info")
+                .arg(&fmu)
+                .args(["--json", "--variables"]),
+        );
+        let info: Value = serde_json::from_str(&info).unwrap();
+        let xml = fs::read_to_string(folder.join("modelDescription.xml")).unwrap();
+        let attribute = |name: &str| {
+            let from = xml.find(&format!("{name}=\"")).unwrap() + name.len() + 2;
+            xml[from..].split('"').next().unwrap().to_owned()
+        };
+        Self {
+            name: attribute("modelIdentifier"),
+            guid: attribute("guid"),
+            variables: info["variables"].as_array().unwrap().clone(),
+            folder,
+            _temporary: temporary,
+        }
+    }
+
+    /// The library for a platform, if it is of `build/platforms.sh`: the build script says so.
+    fn library(&self, platform: &str) -> Option<PathBuf> {
+        let made = match platform {
+            "linux64" => option_env!("URDF2FMU_READY_LINUX64"),
+            _ => option_env!("URDF2FMU_READY_WIN64"),
+        };
+        if made.is_none() {
+            skipped(&format!(
+                "this urdf2fmu was built without a library for {platform} in URDF2FMU_LIBRARY_DIR; \
+                 build/platforms.sh makes it"
+            ));
+            return None;
+        }
+        let end = if platform == "linux64" { "so" } else { "dll" };
+        let file = self
+            .folder
+            .join("binaries")
+            .join(platform)
+            .join(format!("{}.{end}", self.name));
+        assert!(file.is_file(), "{}", file.display());
+        Some(file)
+    }
+
+    fn resources(&self) -> String {
+        format!("file://{}", self.folder.join("resources").display())
+    }
+
+    /// The Reals of a causality: value references, names and start values.
+    fn reals(&self, causality: &str) -> Vec<(u64, &str, f64)> {
+        self.variables
+            .iter()
+            .filter(|v| v["causality"] == causality && v["type"] == "Real")
+            .map(|v| {
+                let reference = v["value_reference"].as_u64().unwrap();
+                let start = v["start"].as_f64().unwrap_or(0.0);
+                (reference, v["name"].as_str().unwrap(), start)
+            })
+            .collect()
+    }
+
+    /// Two seconds of commands that wander, in steps of changing size; the format is in `trace.c`.
+    fn script(&self) -> String {
+        const SIZES: [f64; 4] = [1.0 / 240.0, 0.01, 1e-3, 1.0 / 30.0];
+        const STEPS: u32 = 164;
+        let (inputs, outputs) = (self.reals("input"), self.reals("output"));
+        let mut text = String::new();
+        for list in [&inputs, &outputs] {
+            _ = write!(text, "{}", list.len());
+            for (reference, ..) in list {
+                _ = write!(text, " {reference}");
+            }
+            text.push('\n');
+        }
+        _ = writeln!(text, "{STEPS}");
+        let mut time = 0.0;
+        for (step, h) in (0..STEPS).zip(SIZES.iter().cycle()) {
+            _ = write!(text, "{:016x}", h.to_bits());
+            for (i, (_, name, start)) in (1_u32..).zip(&inputs) {
+                let amplitude = match name.rsplit('.').next() {
+                    Some("velocity") => 3.0,
+                    Some("position") => 0.3,
+                    Some("effort") => 1.0,
+                    _ => 0.0,
+                };
+                // Between −1 and 1, with a period of its own for every input; now and then a jump.
+                let phase = time * (0.3 + 0.1 * f64::from(i % 7)) + f64::from(step / 50) * 0.2;
+                let wave = 4.0 * (phase - phase.floor() - 0.5).abs() - 1.0;
+                _ = write!(text, " {:016x}", (start + amplitude * wave).to_bits());
+            }
+            text.push('\n');
+            time += h;
+        }
+        text
+    }
+}
+
+/// `objdump -p` and the dynamic symbols.
+fn objdump(option: &str, library: &Path) -> Option<String> {
+    if Command::new("objdump").arg("--version").output().is_err() {
+        skipped("there is no objdump; on Debian: apt-get install binutils");
+        return None;
+    }
+    Some(output(Command::new("objdump").arg(option).arg(library)))
+}
+
+/// FMI 2.0.4: 25 common functions, 10 of Model Exchange, 9 of co-simulation.
+fn assert_all_of_fmi<'a>(names: impl Iterator<Item = &'a str>) {
+    let names: Vec<&str> = names.collect();
+    assert!(
+        names.iter().all(|name| name.starts_with("fmi2")),
+        "{names:?}"
+    );
+    assert_eq!(names.len(), 44, "{names:?}");
+}
+
+#[test]
+fn the_linux_library_needs_glibc_2_17_and_nothing_else() {
+    let fmu = Fmu::of(&example("rover.urdf"), &[]);
+    let Some(library) = fmu.library("linux64") else {
+        return;
+    };
+    let Some(text) = objdump("-p", &library) else {
+        return;
+    };
+    let needed: BTreeSet<&str> = text
+        .lines()
+        .filter_map(|line| line.trim().strip_prefix("NEEDED"))
+        .map(str::trim)
+        .collect();
+    let allowed = ["libc.so.6", "libm.so.6", "ld-linux-x86-64.so.2"];
+    assert!(needed.contains("libc.so.6"), "{text}");
+    assert!(
+        needed.iter().all(|name| allowed.contains(name)),
+        "{needed:?}"
+    );
+    // Neither a search path nor relocations in the code.
+    for tag in ["RPATH", "RUNPATH", "TEXTREL"] {
+        assert!(!text.contains(tag), "{text}");
+    }
+
+    let Some(symbols) = objdump("-T", &library) else {
+        return;
+    };
+    let versions: Vec<(u32, u32)> = symbols
+        .split("(GLIBC_")
+        .skip(1)
+        .map(|rest| {
+            let mut parts = rest.split([')', '.']).map(|part| part.parse().unwrap());
+            (parts.next().unwrap(), parts.next().unwrap())
+        })
+        .collect();
+    assert!(versions.len() > 20, "{symbols}");
+    assert!(
+        versions.iter().all(|version| *version <= (2, 17)),
+        "{symbols}"
+    );
+    // FMI's functions are all that is defined.
+    let defined = symbols.lines().filter(|line| line.contains(" g "));
+    assert_all_of_fmi(defined.filter_map(|line| line.split_whitespace().last()));
+    // Imports of mathematical functions would differ between C libraries.
+    for name in symbols.split_whitespace() {
+        assert!(!["sin", "cos", "exp", "pow", "log", "atan2", "hypot", "fma"].contains(&name));
+    }
+}
+
+#[test]
+fn the_windows_library_needs_windows_and_nothing_else() {
+    let fmu = Fmu::of(&example("rover.urdf"), &[]);
+    let Some(library) = fmu.library("win64") else {
+        return;
+    };
+    let Some(text) = objdump("-p", &library) else {
+        return;
+    };
+    let dlls: Vec<String> = text
+        .lines()
+        .filter_map(|line| line.trim().strip_prefix("DLL Name: "))
+        .map(str::to_lowercase)
+        .collect();
+    assert!(dlls.iter().any(|dll| dll == "kernel32.dll"), "{text}");
+    assert!(dlls.iter().all(|dll| is_of_windows(dll)), "{dlls:?}");
+    let names = text
+        .split_once("[Ordinal/Name Pointer] Table")
+        .unwrap()
+        .1
+        .lines()
+        .skip(1)
+        .map_while(|line| line.split_whitespace().last());
+    assert_all_of_fmi(names);
+    // May be loaded anywhere in memory, and not run from its data.
+    assert!(
+        text.contains("DYNAMIC_BASE") && text.contains("NX_COMPAT"),
+        "{text}"
+    );
+}
+
+/// Parts of every Windows since 10: the kernel, its C library of old, and the sets that they are also known by.
+fn is_of_windows(dll: &str) -> bool {
+    ["kernel32.dll", "ntdll.dll", "msvcrt.dll", "ucrtbase.dll"].contains(&dll)
+        || dll.starts_with("api-ms-win-")
+}
+
+#[test]
+fn linux_and_windows_calculate_the_same_bits() {
+    let wine = match Wine::find() {
+        Ok(wine) => wine,
+        Err(why) => return skipped(&why),
+    };
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("platforms");
+    fs::create_dir_all(&folder).unwrap();
+    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/platforms/trace.c");
+    let (native, foreign) = (folder.join("trace"), folder.join("trace.exe"));
+    wine.compile(&foreign, &folder, std::slice::from_ref(&source));
+    let compiler = std::env::var("CC").unwrap_or_else(|_| "cc".into());
+    output(
+        Command::new(compiler)
+            .args(["-std=gnu11", "-O1", "-o"])
+            .arg(&native)
+            .arg(&source)
+            .arg("-ldl"),
+    );
+
+    let data = environment::make().pybullet_data;
+    let settings = example("quadruped.toml");
+    let settings = ["-c", settings.to_str().unwrap()];
+    for (urdf, options) in [
+        (data.join("r2d2.urdf"), &[][..]),
+        (data.join("kuka_iiwa/model.urdf"), &[]),
+        (data.join("a1/a1.urdf"), &[]),
+        (example("arm.urdf"), &[]),
+        (example("quadruped.urdf"), &settings),
+        (example("rover.urdf"), &[]),
+    ] {
+        let fmu = Fmu::of(&urdf, options);
+        let (Some(so), Some(dll)) = (fmu.library("linux64"), fmu.library("win64")) else {
+            return;
+        };
+        let script = fmu.folder.join("script");
+        fs::write(&script, fmu.script()).unwrap();
+        let arguments = |library: PathBuf| {
+            let script = script.to_str().unwrap().to_owned();
+            [
+                library.to_str().unwrap().to_owned(),
+                fmu.resources(),
+                fmu.guid.clone(),
+                script,
+            ]
+        };
+        let expected = output(Command::new(&native).args(arguments(so)));
+        let ended = wine.run(&foreign, &arguments(dll));
+        assert!(ended.success, "{}: {}", urdf.display(), ended.said);
+        assert_eq!(ended.complained, "", "the library must be silent on stderr");
+
+        let states = expected.lines().filter(|line| !line.starts_with("message"));
+        let states: BTreeSet<&str> = states.map(|line| &line[17..]).collect();
+        assert!(
+            states.len() > 160,
+            "{}: {} states",
+            urdf.display(),
+            states.len()
+        );
+        for (step, (linux, windows)) in expected.lines().zip(ended.said.lines()).enumerate() {
+            assert_eq!(linux, windows, "{}, line {step}", urdf.display());
+        }
+        assert_eq!(expected, ended.said);
+    }
+}
