@@ -203,14 +203,16 @@ macro_rules! runs {
     ($($name:ident: $test:literal;)*) => {
         /// What the importer is told to do in these tests.
         const TESTS: &[&str] = &[$($test),*];
-    $(
-        #[test]
-        fn $name() {
-            if let Some(bench) = &*BENCH {
-                bench.run(&[$test]);
+
+        $(
+            #[test]
+            fn $name() {
+                if let Some(bench) = &*BENCH {
+                    bench.run(&[$test]);
+                }
             }
-        }
-    )*};
+        )*
+    };
 }
 
 runs! {
