@@ -589,3 +589,6 @@ fn add_point_stiffness(G_B: &mut [f64; 21], contact: &Contact, r: &Response) {
     G_B[19] += g[4];
     G_B[20] += g[5];
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,180 @@
+//! The assembled derivatives against differences, and the minimum against a step away from it.
+
+use super::*;
+use crate::actuator::{Drive, SpeedLine};
+use crate::dynamics::{crba, rnea};
+use crate::parameters::Parameters;
+use crate::testing::{Random, random_tree};
+
+/// A random robot in motion with a contact on every body, each resisting turning, and a motor on every joint.
+struct Case {
+    tree: Tree,
+    kin: Kinematics,
+    contacts: Vec<Contact>,
+    turns: Vec<Turn>,
+    joints: Vec<JointTerm>,
+    h: f64,
+}
+
+impl Case {
+    fn new(seed: u64) -> Self {
+        let mut random = Random(seed);
+        let floating = seed.is_multiple_of(2);
+        let model = random_tree(&mut random, 6, floating, seed.is_multiple_of(3));
+        let tree = Tree::new(&model, &Parameters::new(&model));
+        let mut kin = Kinematics::new(&tree);
+        let state = crate::state::State::new(&model);
+        kin.update_poses(&tree, &state.q);
+        crba::mass_matrix(&tree, &mut kin);
+        let v: Vec<f64> = (0..model.nv()).map(|_| random.uniform(-1.0, 1.0)).collect();
+        kin.update_velocities(&tree, &v);
+        rnea::bias(&tree, &mut kin, &v, &[], 0.0);
+        tree.sparsity.multiply(&kin.M, &v, &mut kin.momentum);
+        let first = usize::from(!floating);
+        let contacts: Vec<Contact> = (first..tree.bodies.len())
+            .map(|body| Contact {
+                body,
+                slot: body,
+                x: random.vector(0.5),
+                normal: random.unit(),
+                gap: -2e-3,
+                stiffness: 1e4,
+                dissipation: 0.2,
+                cap: random.uniform(0.0, 20.0),
+                tangential_stiffness: 8e3,
+                tangential_damping: 30.0,
+                ..Contact::default()
+            })
+            .collect();
+        let turns = contacts
+            .iter()
+            .enumerate()
+            .map(|(contact, c)| Turn {
+                contact,
+                body: c.body,
+                slot: c.slot,
+                normal: c.normal,
+                coefficient: [0.1, 0.05],
+                cap: [random.uniform(0.0, 4.0), random.uniform(0.0, 4.0)],
+                stiffness: [50.0, 80.0],
+                damping: [2.0, 1.0],
+                displacement: random.vector(1e-2),
+            })
+            .collect();
+        let joints = (if floating { 6 } else { 0 }..model.nv())
+            .map(|dof| JointTerm {
+                dof,
+                damping: 0.1,
+                gap: [f64::INFINITY; 2],
+                drive: Drive::Pd {
+                    offset: random.uniform(-9.0, 9.0),
+                    kp: 30.0,
+                    kd: 1.0,
+                    cap: 8.0,
+                },
+                line: SpeedLine {
+                    stall: 8.0,
+                    no_load: 1.5,
+                },
+                speed_limit: 0.5,
+                speed_damping: 3.0,
+                ..JointTerm::default()
+            })
+            .collect();
+        Self {
+            tree,
+            kin,
+            contacts,
+            turns,
+            joints,
+            h: 5e-3,
+        }
+    }
+
+    fn problem(&self) -> Problem<'_> {
+        Problem {
+            tree: &self.tree,
+            kin: &self.kin,
+            bias: &self.kin.bias,
+            contacts: &self.contacts,
+            turns: &self.turns,
+            joints: &self.joints,
+            h: self.h,
+            accuracy: 1e-10,
+        }
+    }
+
+    /// The gradient at `v`, but for the part of `r`, which is constant.
+    fn gradient(&self, newton: &mut Newton, v: &[f64]) -> Vec<f64> {
+        let problem = self.problem();
+        newton.guess(&problem, v);
+        newton.mark_loaded(&self.tree, &self.contacts);
+        newton.respond(&problem);
+        newton.collect(&problem);
+        newton.gradient.clone()
+    }
+}
+
+/// Two routes to `H w`: the assembled matrix, and a central difference of the gradient along `w`.
+#[test]
+fn the_hessian_is_the_derivative_of_the_gradient() {
+    let mut compared = 0;
+    for seed in 0..60 {
+        let case = Case::new(seed);
+        let mut random = Random(1000 + seed);
+        let mut newton = Newton::new(&case.tree, case.contacts.len());
+        let n = newton.v.len();
+        let mut draw =
+            |size: f64| -> Vec<f64> { (0..n).map(|_| random.uniform(-size, size)).collect() };
+        let (v, w) = (draw(1.0), draw(1.0));
+        let shifted = |d: f64| -> Vec<f64> { v.iter().zip(&w).map(|(v, w)| v + d * w).collect() };
+        let d = 1e-7;
+        let ahead = case.gradient(&mut newton, &shifted(d));
+        let behind = case.gradient(&mut newton, &shifted(-d));
+        let middle = case.gradient(&mut newton, &v);
+        newton.assemble(&case.problem());
+        let mut product = vec![0.0; n];
+        case.tree.sparsity.multiply(&newton.H, &w, &mut product);
+        let size = product.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+        for i in 0..n {
+            let difference = (ahead[i] - behind[i]) / (2.0 * d);
+            // Where a kink lies within the difference, its two halves differ.
+            let bend = (ahead[i] - 2.0 * middle[i] + behind[i]).abs() / d;
+            if bend < 1e-5 * size {
+                compared += 1;
+                assert!(
+                    (difference - product[i]).abs() < 1e-5 * size,
+                    "seed {seed}, row {i}: {difference} {}",
+                    product[i]
+                );
+            }
+        }
+    }
+    assert!(compared > 400, "{compared}");
+}
+
+/// Convex: from any guess the same minimum, where every direction leads uphill.
+#[test]
+fn the_minimum_does_not_depend_on_the_guess() {
+    for seed in 0..60 {
+        let case = Case::new(seed);
+        let problem = case.problem();
+        let mut random = Random(2000 + seed);
+        let mut newton = Newton::new(&case.tree, case.contacts.len());
+        let n = newton.v.len();
+        let mut found: Vec<Vec<f64>> = Vec::new();
+        for size in [0.0, 1.0, 30.0] {
+            let guess: Vec<f64> = (0..n).map(|_| random.uniform(-1.0, 1.0) * size).collect();
+            newton.guess(&problem, &guess);
+            let outcome = newton.solve(&problem);
+            assert!(outcome.converged, "seed {seed}: {outcome:?}");
+            found.push(newton.v.clone());
+        }
+        let speed = found[0].iter().fold(1.0, |m: f64, v| m.max(v.abs()));
+        for other in &found[1..] {
+            for (a, b) in found[0].iter().zip(other) {
+                assert!((a - b).abs() < 1e-6 * speed, "seed {seed}: {a} {b}");
+            }
+        }
+    }
+}
