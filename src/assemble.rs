@@ -46,6 +46,8 @@
 //! | A126 | commands that the file's hardware takes |
 //! | A127 | wheels fitted to meshes |
 //! | A128 | driven wheels that are polygons |
+//! | A130 | groups |
+//! | A131 | sensors |
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 

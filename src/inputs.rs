@@ -4,7 +4,7 @@
 //! `u(t) = u + t u′ + t² u″/2 + t³ u‴/6`, so that a command which changes within a step changes within the solver's
 //! steps, too. Without derivatives it is a constant, and costs what a constant costs.
 
-use crate::model::{LinkId, Model};
+use crate::model::{ActuatorId, LinkId, Model};
 use crate::simulation::InputSlot;
 use crate::spatial::{Vec3, Vec6};
 use crate::tree::Tree;
@@ -42,6 +42,8 @@ impl ExternalWrench {
 #[derive(Clone, Debug)]
 pub struct Inputs {
     actuators: usize,
+    /// Per actuator, the one whose inputs it takes: the first of its group, or itself.
+    leader: Vec<usize>,
     /// Number of inputs.
     count: usize,
     /// Per link, its place among those with an external wrench.
@@ -86,6 +88,7 @@ impl Inputs {
         }
         Self {
             actuators: n,
+            leader: model.leaders(),
             count,
             wrench,
             numbers,
@@ -97,11 +100,12 @@ impl Inputs {
     fn index(&self, slot: InputSlot) -> Option<usize> {
         let n = self.actuators;
         let wrench = |link: LinkId| self.wrench[link.index()].map(|w| 4 * n + 6 * w as usize);
+        let leader = |a: ActuatorId| self.leader[a.index()];
         match slot {
-            InputSlot::Velocity(a) => Some(a.index()),
-            InputSlot::Position(a) => Some(n + a.index()),
-            InputSlot::Effort(a) => Some(2 * n + a.index()),
-            InputSlot::MaxEffort(a) => Some(3 * n + a.index()),
+            InputSlot::Velocity(a) => Some(leader(a)),
+            InputSlot::Position(a) => Some(n + leader(a)),
+            InputSlot::Effort(a) => Some(2 * n + leader(a)),
+            InputSlot::MaxEffort(a) => Some(3 * n + leader(a)),
             InputSlot::ExternalTorque(link, axis) => wrench(link).map(|w| w + axis as usize),
             InputSlot::ExternalForce(link, axis) => wrench(link).map(|w| w + 3 + axis as usize),
         }
@@ -158,6 +162,7 @@ impl Inputs {
     #[inline]
     pub fn command(&self, a: usize, t: f64, h: f64) -> Command {
         let n = self.actuators;
+        let a = self.leader[a];
         if self.varies {
             return self.varying_command(a, t, h);
         }

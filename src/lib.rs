@@ -61,6 +61,7 @@ pub mod model;
 pub mod parameters;
 pub mod prepared;
 mod readout;
+mod sensor;
 #[cfg(feature = "urdf")]
 pub mod settings;
 pub mod simulation;

@@ -46,6 +46,8 @@ id! {
     DofId,
     /// Index into [`Model::actuators`].
     ActuatorId,
+    /// Index into [`OutputSelection::sensors`].
+    SensorId,
 }
 
 /// A robot, prepared for simulation.
@@ -394,6 +396,54 @@ pub struct OutputSelection {
     pub links: Vec<LinkId>,
     /// Links with `ext.*` inputs.
     pub external_wrenches: Vec<LinkId>,
+    /// Actuators that share their inputs.
+    pub groups: Vec<Group>,
+    /// Sensors with `sensor.*` outputs.
+    pub sensors: Vec<Sensor>,
+}
+
+/// Actuators that are told the same: they share the inputs, and the gains, of the first.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Group {
+    /// Takes the joint's place in the names of the inputs.
+    pub name: String,
+    /// Ascending, at least one; of one mode, all turning or all sliding, with equal start values.
+    pub actuators: Vec<ActuatorId>,
+}
+
+/// An ideal sensor.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Sensor {
+    /// In the names of its outputs.
+    pub name: String,
+    /// The link that it is fixed to; of a force–torque sensor the one whose axes it has.
+    pub link: LinkId,
+    /// Its frame in the link's.
+    pub X_LS: Pose,
+    /// What it measures.
+    pub kind: SensorKind,
+}
+
+/// What a sensor measures.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase", deny_unknown_fields)]
+pub enum SensorKind {
+    /// Orientation in the world, angular velocity and specific force in its own axes.
+    Imu,
+    /// Force and torque that a joint's parent exerts on its child, about the child's origin.
+    ForceTorque {
+        /// Any joint, fixed ones included.
+        joint: JointId,
+    },
+    /// Distances to the ground.
+    Ray {
+        /// Unit vectors in the sensor's frame.
+        directions: Vec<Vec3>,
+        /// Largest distance, m.
+        range: f64,
+    },
 }
 
 /// Why a model cannot be computed with.
@@ -436,6 +486,19 @@ impl Model {
         self.colliders
             .last()
             .map_or(0, |c| c.slot + c.shape.slots())
+    }
+
+    /// The first actuator of each one's group: itself for those in none.
+    pub fn leaders(&self) -> Vec<usize> {
+        let mut leaders: Vec<usize> = (0..self.actuators.len()).collect();
+        for group in &self.outputs.groups {
+            if let Some(first) = group.actuators.first() {
+                for member in &group.actuators {
+                    leaders[member.index()] = first.index();
+                }
+            }
+        }
+        leaders
     }
 
     /// The body of a turning or sliding joint; none for fixed, planar and floating ones.

@@ -10,6 +10,8 @@ use crate::simulation::ParameterSlot;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Parameters {
     actuators: usize,
+    /// Per actuator, the one whose gains it has: the first of its group, or itself.
+    leader: Vec<usize>,
     joints: usize,
     links: usize,
     /// In the order that `Self::index` gives.
@@ -21,6 +23,7 @@ impl Parameters {
     pub fn new(model: &Model) -> Self {
         let mut p = Self {
             actuators: model.actuators.len(),
+            leader: model.leaders(),
             joints: model.joints.len(),
             links: model.links.len(),
             values: Vec::new(),
@@ -52,8 +55,8 @@ impl Parameters {
         let links = joints + 4 * self.joints;
         let world = links + 2 * self.links;
         match slot {
-            ParameterSlot::Kp(a) => a.index(),
-            ParameterSlot::Kd(a) => self.actuators + a.index(),
+            ParameterSlot::Kp(a) => self.leader[a.index()],
+            ParameterSlot::Kd(a) => self.actuators + self.leader[a.index()],
             ParameterSlot::JointDamping(j) => joints + j.index(),
             ParameterSlot::JointFriction(j) => joints + self.joints + j.index(),
             ParameterSlot::InitialJointPosition(j) => joints + 2 * self.joints + j.index(),

@@ -7,6 +7,7 @@ mod derivative;
 use crate::contact::angular;
 use crate::dynamics::energy;
 use crate::model::{JointId, Model, Motion};
+use crate::sensor::{self, Sensors};
 use crate::simulation::{Axis, OutputSlot};
 use crate::spatial::{
     Pose, Vec3, Vec6, add_force_at, add6, dot6, quaternion_from_rotation, rpy_from_rotation,
@@ -30,6 +31,7 @@ pub struct Readout {
     /// So are mass matrix, bias, contacts and joint terms.
     has_forces: bool,
     has_accelerations: bool,
+    sensors: Sensors,
 }
 
 impl Readout {
@@ -43,6 +45,7 @@ impl Readout {
             has_kinematics: false,
             has_forces: false,
             has_accelerations: false,
+            sensors: Sensors::new(model),
         }
     }
 
@@ -51,6 +54,7 @@ impl Readout {
         self.has_kinematics = false;
         self.has_forces = false;
         self.has_accelerations = false;
+        self.sensors.invalidate();
     }
 
     /// Value of an output.
@@ -91,6 +95,9 @@ impl Readout {
                 | O::ContactForce(..)
                 | O::JointEffort(_)
                 | O::JointAcceleration(..)
+                | O::SensorAcceleration(..)
+                | O::SensorForce(..)
+                | O::SensorTorque(..)
         );
         if forces {
             self.update_forces(ctx, state);
@@ -138,7 +145,47 @@ impl Readout {
                 self.update_accelerations(ctx, state);
                 joint_rate(model, &state.q, &self.vdot, joint, axis)
             }
+            O::SensorOrientation(..)
+            | O::SensorAngularVelocity(..)
+            | O::SensorAcceleration(..)
+            | O::SensorForce(..)
+            | O::SensorTorque(..)
+            | O::SensorDistance(..) => self.sensor(ctx, state, slot),
             // Answered above for a floating base; a fixed one does not move.
+            _ => 0.0,
+        }
+    }
+
+    /// What a sensor measures; poses, velocities and, where it needs them, forces are up to date.
+    fn sensor(&mut self, ctx: &Context, state: &State, slot: OutputSlot) -> f64 {
+        use OutputSlot as O;
+        match slot {
+            O::SensorOrientation(sensor, axis) => {
+                let (_, X) = sensor::pose(ctx, &self.point, sensor.index());
+                quaternion(&X)[axis as usize]
+            }
+            O::SensorAngularVelocity(sensor, axis) => {
+                sensor::angular_velocity(ctx, &self.point, sensor.index())[axis as usize]
+            }
+            O::SensorAcceleration(sensor, axis) => {
+                self.update_accelerations(ctx, state);
+                let (point, vdot) = (&self.point, &self.vdot);
+                self.sensors
+                    .specific_force(ctx, point, vdot, sensor.index())[axis as usize]
+            }
+            O::SensorForce(sensor, axis) | O::SensorTorque(sensor, axis) => {
+                self.update_accelerations(ctx, state);
+                let (point, vdot) = (&self.point, &self.vdot);
+                let [torque, force] = self.sensors.wrench(ctx, point, vdot, sensor.index());
+                if matches!(slot, O::SensorForce(..)) {
+                    force[axis as usize]
+                } else {
+                    torque[axis as usize]
+                }
+            }
+            O::SensorDistance(sensor, ray) => {
+                sensor::distance(ctx, &self.point, sensor.index(), ray as usize)
+            }
             _ => 0.0,
         }
     }

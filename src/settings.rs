@@ -60,6 +60,55 @@ pub struct Settings {
     pub link_outputs: Vec<Pattern>,
     /// Links with force and torque inputs.
     pub external_wrenches: Vec<Pattern>,
+    /// Joints that share a command.
+    pub groups: Vec<GroupSettings>,
+    /// Sensors.
+    pub sensors: Vec<SensorSettings>,
+}
+
+/// Joints that share a command.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GroupSettings {
+    /// Its name, and where it was given.
+    pub name: Pattern,
+    /// Which joints.
+    pub joints: Vec<Pattern>,
+}
+
+/// A sensor.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SensorSettings {
+    /// Its name; none: that of its link or joint.
+    pub name: Option<Pattern>,
+    /// The link, or the joint of a force–torque sensor.
+    pub on: Pattern,
+    /// Origin in the link, m.
+    pub xyz: Vec3,
+    /// Roll, pitch, yaw in the link, rad.
+    pub rpy: Vec3,
+    /// What it measures.
+    pub kind: SensorSettingsKind,
+}
+
+/// What a sensor measures.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum SensorSettingsKind {
+    /// Orientation, angular velocity and specific force.
+    Imu,
+    /// Force and torque in a joint, in the axes of its parent or its child.
+    ForceTorque {
+        /// Whether in those of its parent.
+        in_parent: bool,
+    },
+    /// Distances to the ground.
+    Ray {
+        /// How many.
+        rays: u32,
+        /// Angle from the first to the last, rad.
+        fov: f64,
+        /// Largest distance, m.
+        range: f64,
+    },
 }
 
 /// A name or glob (`*`: any characters, `?`: one) and where it was given.
@@ -422,7 +471,81 @@ fn fill(reader: &mut Reader, root: &Section) -> Settings {
             .iter()
             .filter_map(|section| required(reader, section, "link", "external_wrench"))
             .collect(),
+        groups: root
+            .tables("group")
+            .iter()
+            .filter_map(|section| group(reader, section))
+            .collect(),
+        sensors: root
+            .tables("sensor")
+            .iter()
+            .filter_map(|section| sensor(reader, section))
+            .collect(),
     }
+}
+
+fn group(reader: &mut Reader, section: &Section) -> Option<GroupSettings> {
+    let name = required(reader, section, "name", "group")?;
+    let joints = match section.value("joints") {
+        Some(Value::Texts(texts)) if !texts.is_empty() => patterns(reader, texts),
+        _ => {
+            required(reader, section, "joints", "group")?;
+            return None;
+        }
+    };
+    Some(GroupSettings { name, joints })
+}
+
+fn sensor(reader: &mut Reader, section: &Section) -> Option<SensorSettings> {
+    let Some(word) = section.word("type") else {
+        if !section.rejected.iter().any(|rejected| rejected == "type") {
+            let message = "[[sensor]] needs 'type'";
+            let help = "type = \"imu\", \"ft\" or \"ray\"";
+            reader.error("S107", &section.span.clone(), message, help);
+        }
+        return None;
+    };
+    let (on, foreign): (&str, &[&str]) = match word.as_str() {
+        "imu" => ("link", &["joint", "frame", "rays", "fov", "range"]),
+        "ft" => ("joint", &["link", "xyz", "rpy", "rays", "fov", "range"]),
+        _ => ("link", &["joint", "frame"]),
+    };
+    for key in foreign {
+        if let Some(entry) = section.entry(key) {
+            let message = format!("'{key}' has no meaning for a sensor of type \"{word}\"");
+            reader.error("S106", &entry.span.clone(), message, "leave it out");
+        }
+    }
+    let (rays, fov) = (section.number("rays"), section.number("fov"));
+    if let (None | Some(1.0), Some(entry)) = (rays, section.entry("fov")) {
+        let message = "'fov' has no meaning for one ray";
+        reader.error("S106", &entry.span.clone(), message, "set rays, too");
+    }
+    Some(SensorSettings {
+        on: required(reader, section, on, "sensor")?,
+        name: match section.value("name") {
+            Some(Value::Texts(texts)) => patterns(reader, texts).into_iter().next(),
+            _ => None,
+        },
+        xyz: vector(section, "xyz"),
+        rpy: vector(section, "rpy"),
+        kind: match word.as_str() {
+            "imu" => SensorSettingsKind::Imu,
+            "ft" => SensorSettingsKind::ForceTorque {
+                in_parent: section.word("frame").as_deref() == Some("parent"),
+            },
+            _ => SensorSettingsKind::Ray {
+                #[expect(
+                    clippy::cast_possible_truncation,
+                    clippy::cast_sign_loss,
+                    reason = "checked: a whole number from 1 to ten thousand"
+                )]
+                rays: rays.unwrap_or(1.0) as u32,
+                fov: fov.unwrap_or(0.0),
+                range: section.number("range").unwrap_or(10.0),
+            },
+        },
+    })
 }
 
 fn unsupported(reader: &mut Reader, section: &Section, key: &str, what: &str) {
@@ -619,7 +742,11 @@ fn required(reader: &mut Reader, section: &Section, key: &str, table: &str) -> O
         if !section.rejected.iter().any(|rejected| rejected == key) {
             let span = section.span.clone();
             let message = format!("[[{table}]] needs '{key}'");
-            let help = format!("{key} = \"a name or glob\"");
+            let help = match key {
+                "name" => "name = \"a name of your own\"".to_owned(),
+                "joints" => "joints = [\"names or globs\"]".to_owned(),
+                _ => format!("{key} = \"a name or glob\""),
+            };
             reader.error("S107", &span, message, help);
         }
         None

@@ -5,7 +5,7 @@
 
 use crate::dynamics::crba;
 use crate::inputs::Inputs;
-use crate::model::{ActuatorId, JointId, LinkId, Model};
+use crate::model::{ActuatorId, JointId, LinkId, Model, SensorId};
 use crate::parameters::Parameters;
 use crate::readout::Readout;
 pub use crate::snapshot::Snapshot;
@@ -131,6 +131,18 @@ pub enum OutputSlot {
     EnergyKinetic,
     /// J, of gravity, zero at world height 0.
     EnergyPotential,
+    /// x, y, z, w: orientation of the sensor's frame in the world.
+    SensorOrientation(SensorId, Axis),
+    /// rad/s, sensor axes.
+    SensorAngularVelocity(SensorId, Axis),
+    /// m/s², acceleration less gravity of the sensor's origin, sensor axes.
+    SensorAcceleration(SensorId, Axis),
+    /// N, that a joint's parent exerts on its child, sensor axes.
+    SensorForce(SensorId, Axis),
+    /// N·m, about the child's origin, likewise.
+    SensorTorque(SensorId, Axis),
+    /// m, to the ground along a ray (0, 1, …), or the sensor's range.
+    SensorDistance(SensorId, u32),
     /// Steps taken since the start.
     Steps,
     /// Steps rejected since the start.

@@ -8,6 +8,7 @@ mod settable;
 use crate::model::Model;
 use crate::simulation::{InputSlot, OutputSlot, ParameterSlot};
 use build::Table;
+pub(crate) use build::identifier;
 
 /// One row.
 #[derive(Clone, Debug, PartialEq)]
@@ -87,6 +88,7 @@ pub fn table(model: &Model) -> Result<Vec<Variable>, TableError> {
     table.joint_outputs();
     table.link_outputs();
     table.contact_outputs();
+    table.sensor_outputs();
     table.common_outputs();
     table.initial_parameters();
     table.tunable_parameters();

@@ -118,8 +118,8 @@ impl Follows {
                 joint_velocities: leader(joint),
                 ..none
             },
-            OutputSlot::LinkPosition(..) => pose,
-            OutputSlot::LinkOrientation(..) => Self {
+            OutputSlot::LinkPosition(..) | OutputSlot::SensorDistance(..) => pose,
+            OutputSlot::LinkOrientation(..) | OutputSlot::SensorOrientation(..) => Self {
                 base_position: false,
                 ..pose
             },
@@ -131,7 +131,7 @@ impl Follows {
                 joint_velocities: Joints::All,
                 ..pose
             },
-            OutputSlot::LinkAngularVelocity(..) => Self {
+            OutputSlot::LinkAngularVelocity(..) | OutputSlot::SensorAngularVelocity(..) => Self {
                 base_position: false,
                 base_angular_velocity: true,
                 joint_velocities: Joints::All,
@@ -143,6 +143,9 @@ impl Follows {
             | OutputSlot::JointEffort(_)
             | OutputSlot::ContactActive(_)
             | OutputSlot::ContactForce(..)
+            | OutputSlot::SensorAcceleration(..)
+            | OutputSlot::SensorForce(..)
+            | OutputSlot::SensorTorque(..)
             | OutputSlot::EnergyKinetic
             | OutputSlot::EnergyPotential => return None,
         })

@@ -1,8 +1,14 @@
 //! Which links have outputs and inputs of their own.
 
 use super::findings::Findings;
-use crate::model::{JointKind, LinkId, Model, Motion};
-use crate::settings::{ContactOutputs, Pattern, Settings};
+use crate::model::{
+    ActuatorId, ActuatorMode, Group, JointId, JointKind, LinkId, Model, Motion, Sensor, SensorKind,
+};
+use crate::settings::{
+    ContactOutputs, GroupSettings, Pattern, SensorSettings, SensorSettingsKind, Settings,
+};
+use crate::spatial::{Pose, Vec3};
+use crate::variables::identifier;
 
 /// Fills `model.outputs` from the settings.
 pub(super) fn select(model: &mut Model, settings: &Settings, findings: &mut Findings) {
@@ -26,6 +32,204 @@ pub(super) fn select(model: &mut Model, settings: &Settings, findings: &mut Find
     model.outputs.contacts = contacts;
     model.outputs.links = shown;
     model.outputs.external_wrenches = wrenches;
+    for group in &settings.groups {
+        if let Some(group) = self::group(model, group, findings) {
+            model.outputs.groups.push(group);
+        }
+    }
+    for sensor in &settings.sensors {
+        if let Some(sensor) = self::sensor(model, sensor, findings) {
+            model.outputs.sensors.push(sensor);
+        }
+    }
+}
+
+/// The commanded joints of a group, which then have one effort limit.
+fn group(model: &mut Model, settings: &GroupSettings, findings: &mut Findings) -> Option<Group> {
+    let name = &settings.name.text;
+    let place = || settings.name.place.clone();
+    let mut error = |message: String, help: &str| -> Option<Group> {
+        findings.error("A130", place(), message, help);
+        None
+    };
+    if let Some(joint) = model
+        .joints
+        .iter()
+        .find(|joint| identifier(&joint.name) == identifier(name))
+    {
+        let message = format!("group '{name}' has the name of joint '{}'", joint.name);
+        return error(message, "give it another one");
+    }
+    let taken = |group: &&Group| identifier(&group.name) == identifier(name);
+    if model.outputs.groups.iter().any(|group| taken(&group)) {
+        return error(
+            format!("a second group is named '{name}'"),
+            "give it another name",
+        );
+    }
+    let names: Vec<&str> = model.joints.iter().map(|j| j.name.as_str()).collect();
+    let commanded: Vec<Option<usize>> = (0..names.len())
+        .map(|j| model.actuators.iter().position(|a| a.joint.index() == j))
+        .collect();
+    let mut chosen = vec![false; model.actuators.len()];
+    for pattern in &settings.joints {
+        let unsuitable = |j: usize| {
+            commanded[j]
+                .is_none()
+                .then(|| "is not commanded: it is fixed, passive or follows another one".to_owned())
+        };
+        for j in findings.select(pattern, "joint", &names, unsuitable) {
+            if let Some(a) = commanded[j] {
+                chosen[a] = true;
+            }
+        }
+    }
+    let members: Vec<usize> = (0..chosen.len()).filter(|&a| chosen[a]).collect();
+    let &first = members.first()?;
+    let joint_name = |a: usize| &model.joints[model.actuators[a].joint.index()].name;
+    let slides =
+        |a: usize| model.joints[model.actuators[a].joint.index()].kind == JointKind::Prismatic;
+    let start = |a: usize| model.initial.joint_positions[model.actuators[a].joint.index()];
+    let holds_position = matches!(
+        model.actuators[first].mode,
+        ActuatorMode::Position | ActuatorMode::Pd
+    );
+    for &a in &members {
+        let grouped = model
+            .outputs
+            .groups
+            .iter()
+            .find(|group| group.actuators.contains(&ActuatorId::from(a)));
+        let (one, other) = (joint_name(first), joint_name(a));
+        let (message, help) = if let Some(group) = grouped {
+            let message = format!("joint '{other}' is in group '{}' already", group.name);
+            (message, "a joint takes one command")
+        } else if model.actuators[a].mode != model.actuators[first].mode {
+            let message = format!("joints '{one}' and '{other}' take different commands");
+            (message, "give them one mode with [[actuator]]")
+        } else if slides(a) != slides(first) {
+            let message = format!("of joints '{one}' and '{other}' one turns and one slides");
+            (message, "make a group of each")
+        } else if holds_position && start(a).to_bits() != start(first).to_bits() {
+            let message = format!(
+                "joints '{one}' and '{other}' share a position, but start at {} and {}",
+                start(first),
+                start(a)
+            );
+            (message, "let them start alike with [initial] joints")
+        } else {
+            continue;
+        };
+        findings.error("A130", place(), format!("group '{name}': {message}"), help);
+        return None;
+    }
+    share(model, name, &members, findings);
+    Some(Group {
+        name: name.clone(),
+        actuators: members.into_iter().map(ActuatorId::from).collect(),
+    })
+}
+
+/// Gives the members of a group one effort limit, the least of theirs, and one pair of gains, the first's.
+fn share(model: &mut Model, name: &str, members: &[usize], findings: &mut Findings) {
+    let Some(&first) = members.first() else {
+        return;
+    };
+    let least = members
+        .iter()
+        .map(|&a| model.actuators[a].max_effort)
+        .fold(f64::INFINITY, f64::min);
+    #[expect(clippy::float_cmp, reason = "copies of one number are equal")]
+    let differs = |a: &usize| {
+        let (own, first) = (&model.actuators[*a], &model.actuators[first]);
+        own.max_effort != least || own.kp != first.kp || own.kd != first.kd
+    };
+    if members.iter().any(differs) {
+        let message = format!(
+            "the joints of group '{name}' share max_effort = {least}, the least of theirs, and the gains of '{}'",
+            model.joints[model.actuators[first].joint.index()].name
+        );
+        findings.note(
+            "A130",
+            message,
+            "set [[actuator]] max_effort, kp, kd for all of them",
+        );
+    }
+    let (kp, kd) = (model.actuators[first].kp, model.actuators[first].kd);
+    for &a in members {
+        let actuator = &mut model.actuators[a];
+        (actuator.max_effort, actuator.kp, actuator.kd) = (least, kp, kd);
+    }
+}
+
+fn sensor(model: &Model, settings: &SensorSettings, findings: &mut Findings) -> Option<Sensor> {
+    let of_joint = matches!(settings.kind, SensorSettingsKind::ForceTorque { .. });
+    let (kind, names): (&str, Vec<&str>) = if of_joint {
+        (
+            "joint",
+            model.joints.iter().map(|j| j.name.as_str()).collect(),
+        )
+    } else {
+        (
+            "link",
+            model.links.iter().map(|l| l.name.as_str()).collect(),
+        )
+    };
+    let found = findings.select(&settings.on, kind, &names, |_| None);
+    let [index] = found[..] else {
+        if found.len() > 1 {
+            let message = format!(
+                "'{}' means {} {kind}s, a sensor has one",
+                settings.on.text,
+                found.len()
+            );
+            let help = "write a [[sensor]] for each";
+            findings.error("A131", settings.on.place.clone(), message, help);
+        }
+        return None;
+    };
+    let name = settings
+        .name
+        .as_ref()
+        .map_or(names[index], |name| name.text.as_str());
+    if let Some(other) = model
+        .outputs
+        .sensors
+        .iter()
+        .find(|other| identifier(&other.name) == identifier(name))
+    {
+        let message = format!("a second sensor is named '{}'", other.name);
+        let place = settings.name.as_ref().unwrap_or(&settings.on).place.clone();
+        findings.error("A131", place, message, "give one of them a name = \"…\"");
+        return None;
+    }
+    let (link, kind) = match settings.kind {
+        SensorSettingsKind::Imu => (LinkId::from(index), SensorKind::Imu),
+        SensorSettingsKind::ForceTorque { in_parent } => {
+            let joint = &model.joints[index];
+            let link = if in_parent { joint.parent } else { joint.child };
+            let joint = JointId::from(index);
+            (link, SensorKind::ForceTorque { joint })
+        }
+        SensorSettingsKind::Ray { rays, fov, range } => {
+            let angle = |ray: u32| match rays {
+                1 => 0.0,
+                _ => fov * (f64::from(ray) / f64::from(rays - 1) - 0.5),
+            };
+            let direction = |ray| {
+                let (s, c) = libm::sincos(angle(ray));
+                Vec3::new(c, s, 0.0)
+            };
+            let directions = (0..rays).map(direction).collect();
+            (LinkId::from(index), SensorKind::Ray { directions, range })
+        }
+    };
+    Some(Sensor {
+        name: name.to_owned(),
+        link,
+        X_LS: Pose::from_xyz_rpy(settings.xyz, settings.rpy),
+        kind,
+    })
 }
 
 /// Links that match any of the patterns, in the model's order, each once.

@@ -5,7 +5,9 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
-use super::{Body, Joint, JointKind, LinkId, Model, ModelError, Motion};
+use super::{
+    ActuatorMode, Body, Joint, JointId, JointKind, LinkId, Model, ModelError, Motion, SensorKind,
+};
 use crate::geometry::Shape;
 use crate::spatial::{Mat3, Pose, Vec3};
 use std::collections::BTreeSet;
@@ -540,6 +542,71 @@ fn rest(model: &Model) -> Check {
             || "the selection of outputs".to_owned(),
             "names a link twice or one that does not exist",
         )?;
+    }
+    groups(model)?;
+    sensors(model)
+}
+
+fn groups(model: &Model) -> Check {
+    let mut grouped = HashSet::new();
+    for group in &model.outputs.groups {
+        let part = || format!("group '{}'", group.name);
+        let members = &group.actuators;
+        require(
+            !members.is_empty()
+                && members.is_sorted_by(|a, b| a < b)
+                && members
+                    .iter()
+                    .all(|a| a.index() < model.actuators.len() && grouped.insert(*a)),
+            part,
+            "names an actuator twice, out of order or one that does not exist",
+        )?;
+        let all: Vec<_> = members
+            .iter()
+            .map(|a| &model.actuators[a.index()])
+            .collect();
+        let slides = |joint: JointId| model.joints[joint.index()].kind == JointKind::Prismatic;
+        let start = |joint: JointId| model.initial.joint_positions[joint.index()].to_bits();
+        require(
+            all.windows(2).all(|pair| {
+                pair[0].mode == pair[1].mode
+                    && slides(pair[0].joint) == slides(pair[1].joint)
+                    && pair[0].max_effort.to_bits() == pair[1].max_effort.to_bits()
+                    && (pair[0].mode != ActuatorMode::Position && pair[0].mode != ActuatorMode::Pd
+                        || start(pair[0].joint) == start(pair[1].joint))
+            }),
+            part,
+            "has actuators of different kinds or start values",
+        )?;
+    }
+    Ok(())
+}
+
+/// Most rays of one sensor.
+const MOST_RAYS: usize = 10_000;
+
+fn sensors(model: &Model) -> Check {
+    for sensor in &model.outputs.sensors {
+        let part = || format!("sensor '{}'", sensor.name);
+        require(
+            sensor.link.index() < model.links.len(),
+            part,
+            "is on a link that does not exist",
+        )?;
+        pose(&sensor.X_LS, part)?;
+        match &sensor.kind {
+            SensorKind::Imu => {}
+            SensorKind::ForceTorque { joint } => require(
+                joint.index() < model.joints.len(),
+                part,
+                "is in a joint that does not exist",
+            )?,
+            SensorKind::Ray { directions, range } => require(
+                directions.len() <= MOST_RAYS && directions.iter().all(unit) && positive(*range),
+                part,
+                "has a ray or range that is none",
+            )?,
+        }
     }
     Ok(())
 }

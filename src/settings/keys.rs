@@ -29,6 +29,10 @@ pub enum Takes {
     Word(&'static [&'static str]),
     /// A name or glob.
     Pattern,
+    /// A name of the user's own.
+    Name,
+    /// A whole number from 1 on, with its greatest.
+    Count(u32),
     /// A list of names or globs.
     Patterns,
     /// One of some words, or a list of names or globs.
@@ -76,7 +80,10 @@ impl Range {
 }
 
 use Range::{Any, NotNegative, Positive, Share};
-use Takes::{Flag, Later, Number, NumberOrRatio, Numbers, Pattern, Patterns, Word, WordOrPatterns};
+use Takes::{
+    Count, Flag, Later, Name, Number, NumberOrRatio, Numbers, Pattern, Patterns, Word,
+    WordOrPatterns,
+};
 
 const fn key(
     path: &'static str,
@@ -342,7 +349,18 @@ pub const KEYS: &[Key] = &[
         "whether a damper holds the joint at its velocity limit: 1 % above it under the effort limit; without it false, but position servos keep to the limit anyway",
     ),
     key("loop", Later, None, "kinematic loops"),
-    key("group", Later, None, "joints that share a command"),
+    key(
+        "group[].name",
+        Name,
+        None,
+        "takes the place of the joint's in the inputs' names: cmd.<group>.velocity",
+    ),
+    key(
+        "group[].joints",
+        Patterns,
+        None,
+        "commanded joints of one mode that share their inputs and gains",
+    ),
     key(
         "outputs.contacts",
         WordOrPatterns(&["auto", "none"]),
@@ -355,7 +373,66 @@ pub const KEYS: &[Key] = &[
         Some("[]"),
         "links with pose and velocity outputs",
     ),
-    key("sensor", Later, None, "imu, force/torque, ray"),
+    key(
+        "sensor[].type",
+        Word(&["imu", "ft", "ray"]),
+        None,
+        "inertial unit on a link, force and torque in a joint, distances to the ground from a link",
+    ),
+    key(
+        "sensor[].name",
+        Name,
+        None,
+        "in the outputs' names: sensor.<name>.…; without it the link's or joint's",
+    ),
+    key(
+        "sensor[].link",
+        Pattern,
+        None,
+        "imu and ray: where it is fixed",
+    ),
+    key(
+        "sensor[].joint",
+        Pattern,
+        None,
+        "ft: the joint, fixed or moving",
+    ),
+    key(
+        "sensor[].xyz",
+        Numbers(3, 3),
+        None,
+        "m, imu and ray: origin in the link; without it 0",
+    ),
+    key(
+        "sensor[].rpy",
+        Numbers(3, 3),
+        None,
+        "rad, imu and ray: axes in the link; without it 0. Rays lie in the plane x y, the middle one along x",
+    ),
+    key(
+        "sensor[].frame",
+        Word(&["child", "parent"]),
+        None,
+        "ft: whose axes; without it the child's",
+    ),
+    key(
+        "sensor[].rays",
+        Count(10_000),
+        None,
+        "ray: their number; without it 1",
+    ),
+    key(
+        "sensor[].fov",
+        Number(NotNegative),
+        None,
+        "rad, ray: angle from the first to the last; without it 0",
+    ),
+    key(
+        "sensor[].range",
+        Number(Positive),
+        None,
+        "m, ray: largest distance, given where there is nothing; without it 10",
+    ),
     key(
         "external_wrench[].link",
         Pattern,

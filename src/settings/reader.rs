@@ -309,6 +309,27 @@ impl<'a> Reader<'a> {
                     None
                 }
             }
+            Takes::Name => match value.get_ref().as_str().map(str::trim) {
+                Some("") => {
+                    let message = format!("'{name}' must not be empty");
+                    self.error("S104", &value.span(), message, "");
+                    None
+                }
+                Some(text) => Some(Value::Texts(vec![(text.to_owned(), value.span())])),
+                None => {
+                    self.wrong_type(name, "a name in quotes", value);
+                    None
+                }
+            },
+            Takes::Count(most) => {
+                let number = self.number(name, keys::Range::Positive, false, value)?;
+                if number.fract() == 0.0 && number <= f64::from(most) {
+                    return Some(Value::Number(number));
+                }
+                let message = format!("'{name}' must be a whole number from 1 to {most}");
+                self.error("S104", &value.span(), message, "");
+                None
+            }
             Takes::Patterns | Takes::WordOrPatterns(_) => self.patterns(key, name, value),
             Takes::Numbers(least, most) => self.numbers(name, least, most, value),
             Takes::Later => None,

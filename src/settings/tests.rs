@@ -292,8 +292,6 @@ fn what_comes_later_is_not_supported_yet_and_says_which_key() {
         ("world.ground = { type = \"heightfield\" }", "heightfield"),
         ("[[world.object]]\nurdf = \"a\"", "object"),
         ("[[loop]]\ntype = \"ball\"", "loop"),
-        ("[[group]]\nname = \"a\"", "group"),
-        ("[[sensor]]\ntype = \"imu\"", "sensor"),
     ] {
         let found = finding(text);
         assert_eq!(found.code, "S105", "{text}");
@@ -303,6 +301,60 @@ fn what_comes_later_is_not_supported_yet_and_says_which_key() {
             "{}",
             found.message
         );
+    }
+}
+
+#[test]
+fn groups_and_sensors_need_what_they_are_of_and_nothing_else() {
+    for (text, code, part) in [
+        ("[[group]]\nname = \"a\"", "S107", "joints"),
+        ("[[group]]\njoints = [\"a\"]", "S107", "name"),
+        ("[[group]]\nname = \"\"\njoints = [\"a\"]", "S104", "empty"),
+        ("[[group]]\nname = 1\njoints = [\"a\"]", "S103", "name"),
+        ("[[group]]\nname = \"a\"\njoints = \"b\"", "S103", "joints"),
+        ("[[sensor]]\nlink = \"a\"", "S107", "type"),
+        ("[[sensor]]\ntype = \"gps\"\nlink = \"a\"", "S104", "gps"),
+        ("[[sensor]]\ntype = \"imu\"", "S107", "link"),
+        ("[[sensor]]\ntype = \"ft\"", "S107", "joint"),
+        (
+            "[[sensor]]\ntype = \"imu\"\nlink = \"a\"\nrays = 2",
+            "S106",
+            "rays",
+        ),
+        (
+            "[[sensor]]\ntype = \"ft\"\njoint = \"a\"\nxyz = [0, 0, 1]",
+            "S106",
+            "xyz",
+        ),
+        (
+            "[[sensor]]\ntype = \"ray\"\nlink = \"a\"\nframe = \"child\"",
+            "S106",
+            "frame",
+        ),
+        (
+            "[[sensor]]\ntype = \"ray\"\nlink = \"a\"\nfov = 1",
+            "S106",
+            "fov",
+        ),
+        (
+            "[[sensor]]\ntype = \"ray\"\nlink = \"a\"\nrays = 2.5",
+            "S104",
+            "rays",
+        ),
+        (
+            "[[sensor]]\ntype = \"ray\"\nlink = \"a\"\nrays = 10001",
+            "S104",
+            "rays",
+        ),
+        (
+            "[[sensor]]\ntype = \"ray\"\nlink = \"a\"\nrange = 0",
+            "S104",
+            "range",
+        ),
+    ] {
+        let found = finding(text);
+        assert_eq!(found.code, code, "{text}: {}", found.message);
+        assert!(found.message.contains(part), "{text}: {}", found.message);
     }
 }
 

@@ -168,7 +168,7 @@ pub(super) fn is_scalar(joint: &Joint) -> bool {
 }
 
 /// Characters outside `[A-Za-z0-9_]` become `_`; a leading digit gets one in front, so does nothing at all.
-pub(super) fn identifier(name: &str) -> String {
+pub(crate) fn identifier(name: &str) -> String {
     let mut identifier: String = name
         .chars()
         .map(|c| if c.is_ascii_alphanumeric() { c } else { '_' })
@@ -191,7 +191,7 @@ impl<'m> Table<'m> {
     /// Adds a row; `owner` says whose it is in the URDF's own names.
     pub(super) fn add(&mut self, name: String, owner: &str, row: Row) {
         let name = if self.model.outputs.flat_names {
-            name.replace('.', "_")
+            name.replace(['.', '['], "_").replace(']', "")
         } else {
             name
         };

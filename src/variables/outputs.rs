@@ -2,13 +2,14 @@
 
 use super::build::{Group, RPY, Row, Table, XYZ, XYZW, axes, group, identifier, units};
 use super::{Kind, Unit};
-use crate::model::{JointId, JointKind, LinkId};
+use crate::model::{JointId, JointKind, LinkId, SensorId, SensorKind};
 use crate::simulation::{Axis, OutputSlot};
 
 /// Slots by axis.
 type OfBase = fn(Axis) -> OutputSlot;
 type OfJoint = fn(JointId, Axis) -> OutputSlot;
 type OfLink = fn(LinkId, Axis) -> OutputSlot;
+type OfSensor = fn(SensorId, Axis) -> OutputSlot;
 
 impl Table<'_> {
     pub(super) fn base_outputs(&mut self) {
@@ -276,6 +277,80 @@ impl Table<'_> {
                 );
                 let row = Row::output(OutputSlot::ContactForce(id, axis), Unit::Newton, about);
                 self.add(format!("{prefix}.force.{letter}"), &owner, row);
+            }
+        }
+    }
+
+    pub(super) fn sensor_outputs(&mut self) {
+        for (s, sensor) in self.model.outputs.sensors.iter().enumerate() {
+            let id = SensorId::from(s);
+            let owner = format!("sensor '{}'", sensor.name);
+            let prefix = format!("sensor.{}", identifier(&sensor.name));
+            let groups: &[Group<OfSensor>] = match &sensor.kind {
+                SensorKind::Imu => &[
+                    group(
+                        "orientation",
+                        &XYZW,
+                        Unit::One,
+                        OutputSlot::SensorOrientation,
+                        "Orientation quaternion in the world of",
+                    ),
+                    group(
+                        "angular_velocity",
+                        &XYZ,
+                        Unit::RadianPerSecond,
+                        OutputSlot::SensorAngularVelocity,
+                        "Angular velocity in its own axes of",
+                    ),
+                    group(
+                        "linear_acceleration",
+                        &XYZ,
+                        Unit::MeterPerSecondSquared,
+                        OutputSlot::SensorAcceleration,
+                        "Specific force (acceleration less gravity) in its own axes at",
+                    ),
+                ],
+                SensorKind::ForceTorque { .. } => &[
+                    group(
+                        "force",
+                        &XYZ,
+                        Unit::Newton,
+                        OutputSlot::SensorForce,
+                        "Force of the parent link on the child link, at",
+                    ),
+                    group(
+                        "torque",
+                        &XYZ,
+                        Unit::NewtonMeter,
+                        OutputSlot::SensorTorque,
+                        "Torque of the parent link on the child link about its origin, at",
+                    ),
+                ],
+                SensorKind::Ray { .. } => &[],
+            };
+            for Group {
+                name: group,
+                axes: names,
+                unit,
+                slot,
+                about,
+            } in groups
+            {
+                for (axis, letter) in axes(names) {
+                    let about = format!("{about} {owner}, {letter}");
+                    let row = Row::output(slot(id, axis), *unit, about);
+                    self.add(format!("{prefix}.{group}.{letter}"), &owner, row);
+                }
+            }
+            if let SensorKind::Ray { directions, range } = &sensor.kind {
+                for ray in (0..).take(directions.len()) {
+                    let number = ray + 1;
+                    let about = format!(
+                        "Distance to the ground along ray {number} of {owner}, at most {range} m"
+                    );
+                    let row = Row::output(OutputSlot::SensorDistance(id, ray), Unit::Meter, about);
+                    self.add(format!("{prefix}.ray[{number}]"), &owner, row);
+                }
             }
         }
     }

@@ -2,16 +2,27 @@
 
 use super::Unit;
 use super::build::{Group, RPY, Row, Table, XYZ, axes, group, identifier, is_scalar, units};
-use crate::model::{Actuator, ActuatorId, ActuatorMode, LinkId};
+use crate::model::{Actuator, ActuatorId, ActuatorMode, Limits, LinkId};
 use crate::simulation::{Axis, InputSlot, ParameterSlot};
 
 /// Slots by axis.
 type OfAxis = fn(Axis) -> ParameterSlot;
 
+/// What the inputs of an actuator drive: a joint, or a group of them.
+struct Driven {
+    owner: String,
+    prefix: String,
+    limits: Option<Limits>,
+    velocity: Option<f64>,
+    effort: Option<f64>,
+}
+
 impl Table<'_> {
     pub(super) fn inputs(&mut self) {
         for (a, actuator) in self.model.actuators.iter().enumerate() {
-            self.commands(ActuatorId::from(a), actuator);
+            if let Some(driven) = self.driven(a) {
+                self.commands(ActuatorId::from(a), actuator, &driven);
+            }
         }
         for &id in &self.model.outputs.external_wrenches {
             let name = &self.model.links[id.index()].name;
@@ -34,43 +45,79 @@ impl Table<'_> {
         }
     }
 
-    fn commands(&mut self, id: ActuatorId, actuator: &Actuator) {
+    /// What an actuator's inputs drive: its joint, or its group if it is the first of it, else none.
+    fn driven(&self, actuator: usize) -> Option<Driven> {
+        let id = ActuatorId::from(actuator);
+        let groups = &self.model.outputs.groups;
+        let joint_of = |a: &ActuatorId| {
+            let joint = self.model.actuators[a.index()].joint;
+            &self.model.joints[joint.index()]
+        };
+        let Some(group) = groups.iter().find(|group| group.actuators.contains(&id)) else {
+            let joint = joint_of(&id);
+            return Some(Driven {
+                owner: format!("joint '{}'", joint.name),
+                prefix: format!("cmd.{}", identifier(&joint.name)),
+                limits: self.limits(joint),
+                velocity: joint.velocity,
+                effort: joint.effort,
+            });
+        };
+        // Within what every joint of the group can do.
+        let least =
+            |values: &mut dyn Iterator<Item = Option<f64>>| values.flatten().min_by(f64::total_cmp);
+        let joints = || group.actuators.iter().map(joint_of);
+        let limits = joints().filter_map(|joint| self.limits(joint));
+        let limits = limits.reduce(|a, b| Limits {
+            lower: a.lower.max(b.lower),
+            upper: a.upper.min(b.upper),
+        });
+        (group.actuators.first() == Some(&id)).then(|| Driven {
+            owner: format!("group '{}'", group.name),
+            prefix: format!("cmd.{}", identifier(&group.name)),
+            limits: limits.filter(|l| l.lower <= l.upper),
+            velocity: least(&mut joints().map(|joint| joint.velocity)),
+            effort: least(&mut joints().map(|joint| joint.effort)),
+        })
+    }
+
+    fn commands(&mut self, id: ActuatorId, actuator: &Actuator, driven: &Driven) {
         let joint = &self.model.joints[actuator.joint.index()];
         let start = self.model.initial.joint_positions[actuator.joint.index()];
-        let limits = self.limits(joint);
         let units = units(joint.kind);
-        let owner = format!("joint '{}'", joint.name);
-        let prefix = format!("cmd.{}", identifier(&joint.name));
+        let Driven {
+            owner,
+            prefix,
+            limits,
+            velocity,
+            effort,
+        } = driven;
         let mode = actuator.mode;
         let pd = mode == ActuatorMode::Pd;
         if pd || mode == ActuatorMode::Position {
             let about = format!("Commanded position of {owner}");
             let row = Row::input(InputSlot::Position(id), units.position, start, about);
-            self.add(format!("{prefix}.position"), &owner, row.limits(limits));
+            self.add(format!("{prefix}.position"), owner, row.limits(*limits));
         }
         if pd || mode == ActuatorMode::Velocity {
             let about = format!("Commanded velocity of {owner}");
             let row = Row::input(InputSlot::Velocity(id), units.velocity, 0.0, about);
             self.add(
                 format!("{prefix}.velocity"),
-                &owner,
-                row.symmetric(joint.velocity),
+                owner,
+                row.symmetric(*velocity),
             );
         }
         if pd || mode == ActuatorMode::Effort {
             let about = format!("Commanded effort of {owner}");
             let row = Row::input(InputSlot::Effort(id), units.effort, 0.0, about);
-            self.add(
-                format!("{prefix}.effort"),
-                &owner,
-                row.symmetric(joint.effort),
-            );
+            self.add(format!("{prefix}.effort"), owner, row.symmetric(*effort));
         }
         if mode != ActuatorMode::Effort {
             let about = format!("Most effort that the motor of {owner} gives; 0 lets it go");
             let start = actuator.max_effort;
             let row = Row::input(InputSlot::MaxEffort(id), units.effort, start, about);
-            self.add(format!("{prefix}.max_effort"), &owner, row.not_negative());
+            self.add(format!("{prefix}.max_effort"), owner, row.not_negative());
         }
     }
 
@@ -169,10 +216,11 @@ impl Table<'_> {
             if actuator.mode != ActuatorMode::Pd {
                 continue;
             }
+            let Some(Driven { owner, prefix, .. }) = self.driven(a) else {
+                continue;
+            };
             let id = ActuatorId::from(a);
             let joint = &model.joints[actuator.joint.index()];
-            let owner = format!("joint '{}'", joint.name);
-            let prefix = format!("cmd.{}", identifier(&joint.name));
             let units = units(joint.kind);
             let rows = [
                 (

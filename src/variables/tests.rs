@@ -377,3 +377,74 @@ fn bounds_of_a_leader_are_narrowed_by_its_mimics() {
     assert_eq!(position(&description), (Some(-1.0), Some(2.0)));
     assert_eq!(position(&narrow), (Some(-0.5), Some(0.25)));
 }
+
+const WHEELS: &str = "[[group]]\nname = \"drive\"\njoints = [\"*_wheel\"]\n";
+
+/// Four wheels, one of them weaker and slower.
+fn rover() -> Description {
+    let mut rover = robot(body("chassis", 5.0));
+    for (i, name) in ["fl", "fr", "rl", "rr"].iter().enumerate() {
+        let rim = body(&format!("{name}_rim"), 1.0);
+        let joint = format!("{name}_wheel");
+        rover = rover
+            .with("chassis", &joint, Continuous, at(0.0, 0.2, 0.0), rim)
+            .and(|j| {
+                if i == 2 {
+                    j.effort = Some(7.0);
+                    j.velocity = Some(3.0);
+                }
+            });
+    }
+    rover
+}
+
+#[test]
+fn a_group_has_the_inputs_of_its_joints_once() {
+    let table = table_of(&rover(), WHEELS);
+    let inputs = names(&table, |slot| matches!(slot, Slot::Input(_)));
+    assert_eq!(inputs, ["cmd.drive.velocity", "cmd.drive.max_effort"]);
+    // What every wheel can do.
+    let velocity = get(&table, "cmd.drive.velocity");
+    assert_eq!((velocity.min, velocity.max), (Some(-3.0), Some(3.0)));
+    assert_eq!(get(&table, "cmd.drive.max_effort").start, Some(7.0));
+    assert!(velocity.description.contains("group 'drive'"));
+    // Gains are shared, too, and joints outside of the group keep their own.
+    let settings = "[[actuator]]\njoint = \"*\"\nmode = \"pd\"\nkp = 1\nkd = 2\n\
+                    [[group]]\nname = \"left\"\njoints = [\"fl_wheel\", \"rl_wheel\"]\n";
+    let table = table_of(&rover(), settings);
+    let gains: Vec<&str> = names(&table, |slot| matches!(slot, Slot::Parameter(_)))
+        .into_iter()
+        .filter(|name| name.ends_with(".kp"))
+        .collect();
+    assert_eq!(gains, ["cmd.left.kp", "cmd.fr_wheel.kp", "cmd.rr_wheel.kp"]);
+}
+
+#[test]
+fn sensors_have_outputs_in_their_own_names() {
+    let settings = "[[sensor]]\ntype = \"imu\"\nlink = \"chassis\"\n\
+                    [[sensor]]\ntype = \"ft\"\njoint = \"eye\"\nname = \"neck 1\"\n\
+                    [[sensor]]\ntype = \"ray\"\nname = \"scan\"\nlink = \"camera\"\nrays = 3\nfov = 1\n";
+    let sensor_names = |settings: &str| -> Vec<String> {
+        let table = table_of(&cart(), settings);
+        names(&table, |slot| matches!(slot, Slot::Output(_)))
+            .into_iter()
+            .filter(|name| name.starts_with("sensor"))
+            .map(str::to_owned)
+            .collect()
+    };
+    let all = sensor_names(settings);
+    assert_eq!(all.len(), 4 + 3 + 3 + 6 + 3);
+    for name in [
+        "sensor.chassis.orientation.w",
+        "sensor.chassis.angular_velocity.x",
+        "sensor.chassis.linear_acceleration.z",
+        "sensor.neck_1.force.y",
+        "sensor.neck_1.torque.z",
+        "sensor.scan.ray[1]",
+        "sensor.scan.ray[3]",
+    ] {
+        assert!(all.iter().any(|n| n == name), "{name} {all:?}");
+    }
+    let flat = sensor_names(&format!("fmu.naming = \"flat\"\n{settings}"));
+    assert!(flat.iter().any(|n| n == "sensor_scan_ray_2"), "{flat:?}");
+}
