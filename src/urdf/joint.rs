@@ -305,24 +305,25 @@ fn not_negative(scope: &mut Scope, node: Node, name: &str) -> Option<f64> {
     None
 }
 
+/// Attributes of `<dynamics>`.
+const DYNAMICS: [&str; 3] = ["damping", "friction", "armature"];
+
 /// Damping, dry friction and rotor inertia; the last is no part of URDF, but written by many tools.
 fn dynamics(scope: &mut Scope, node: Node) -> [f64; 3] {
     let Some(child) = scope.single(node, "dynamics") else {
         return [0.0; 3];
     };
-    const NAMES: [&str; 3] = ["damping", "friction", "armature"];
-    scope.known_attributes(child, &NAMES);
-    NAMES.map(|name| not_negative(scope, child, name).unwrap_or(0.0))
+    scope.known_attributes(child, &DYNAMICS);
+    DYNAMICS.map(|name| not_negative(scope, child, name).unwrap_or(0.0))
 }
 
 fn mimic<'d>(scope: &mut Scope, node: Node<'d>, kind: JointKind) -> Option<CheckedMimic<'d>> {
-    let child = match scope.single(node, "mimic") {
-        Some(child) => child,
-        None => {
-            let child = scope.single(node, "drake:mimic")?;
-            scope.used(child);
-            child
-        }
+    let child = if let Some(child) = scope.single(node, "mimic") {
+        child
+    } else {
+        let child = scope.single(node, "drake:mimic")?;
+        scope.used(child);
+        child
     };
     scope.known_attributes(child, &["joint", "multiplier", "offset"]);
     let multiplier = scope.number(child, "multiplier");
