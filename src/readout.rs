@@ -168,15 +168,13 @@ impl Readout {
                 sensor::angular_velocity(ctx, &self.point, sensor.index())[axis as usize]
             }
             O::SensorAcceleration(sensor, axis) => {
-                self.update_accelerations(ctx, state);
-                let (point, vdot) = (&self.point, &self.vdot);
-                self.sensors
-                    .specific_force(ctx, point, vdot, sensor.index())[axis as usize]
+                self.link_accelerations(ctx, state);
+                sensor::specific_force(ctx, &self.point, &self.A, sensor.index())[axis as usize]
             }
             O::SensorForce(sensor, axis) | O::SensorTorque(sensor, axis) => {
-                self.update_accelerations(ctx, state);
-                let (point, vdot) = (&self.point, &self.vdot);
-                let [torque, force] = self.sensors.wrench(ctx, point, vdot, sensor.index());
+                self.link_accelerations(ctx, state);
+                let (point, A) = (&self.point, &self.A);
+                let [torque, force] = self.sensors.wrench(ctx, point, A, sensor.index());
                 if matches!(slot, O::SensorForce(..)) {
                     force[axis as usize]
                 } else {

@@ -10,22 +10,18 @@
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
 use crate::contact::angular as spin;
-use crate::kinematics::forward;
 use crate::model::{LinkId, Model, Sensor, SensorKind};
 use crate::simulation::{InputSlot, ParameterSlot};
-use crate::spatial::{Pose, Vec3, Vec6, add6, angular, linear, velocity_at};
-use crate::step::control::{Context, Point};
+use crate::spatial::{Pose, Vec3, Vec6, angular, linear, velocity_at};
+use crate::step::point::{Context, Point};
 
 /// Accelerations of bodies and wrenches in joints, computed when first read.
 #[derive(Clone, Debug)]
 pub struct Sensors {
     /// Links beyond the joint of each sensor, its child first; empty for sensors of another kind.
     beyond: Vec<Vec<usize>>,
-    /// Spatial acceleration of each body less gravity, about O, world axes.
-    A: Vec<Vec6>,
     /// `[τ; f]` that the parent exerts on the child, about the child's origin, world axes, per sensor.
     wrench: Vec<Vec6>,
-    has_accelerations: bool,
     has_wrenches: bool,
 }
 
@@ -48,66 +44,24 @@ impl Sensors {
         };
         Self {
             beyond: sensors.iter().map(beyond).collect(),
-            A: vec![
-                [0.0; 6];
-                if sensors.is_empty() {
-                    0
-                } else {
-                    model.bodies.len()
-                }
-            ],
             wrench: vec![[0.0; 6]; sensors.len()],
-            has_accelerations: false,
             has_wrenches: false,
         }
     }
 
     /// The state, a parameter or an input has changed.
     pub fn invalidate(&mut self) {
-        self.has_accelerations = false;
         self.has_wrenches = false;
     }
 
-    fn update_accelerations(&mut self, ctx: &Context, point: &Point, vdot: &[f64]) {
-        if self.has_accelerations {
-            return;
-        }
-        forward(ctx.tree, &point.kin.S, vdot, &mut self.A);
-        // What is there without `vdot`: centripetal and Coriolis terms, and gravity as an upward acceleration.
-        for (A, C) in self.A.iter_mut().zip(&point.kin.C) {
-            add6(A, C);
-        }
-        self.has_accelerations = true;
-    }
-
-    /// Specific force at the sensor's origin, m/s², sensor axes.
+    /// Wrench `[τ; f]` in the joint, about the child link's origin, sensor axes.
     ///
-    /// `point` is up to date with `state`, forces included; `vdot` are its accelerations.
-    pub fn specific_force(
-        &mut self,
-        ctx: &Context,
-        point: &Point,
-        vdot: &[f64],
-        sensor: usize,
-    ) -> Vec3 {
-        self.update_accelerations(ctx, point, vdot);
-        let (body, X) = pose(ctx, point, sensor);
-        X.R.transpose() * acceleration_at(&self.A[body], &point.kin.V[body], &X.p)
-    }
-
-    /// Wrench `[τ; f]` in the joint, about the child link's origin, sensor axes. As for [`Self::specific_force`].
-    pub fn wrench(
-        &mut self,
-        ctx: &Context,
-        point: &Point,
-        vdot: &[f64],
-        sensor: usize,
-    ) -> [Vec3; 2] {
-        self.update_accelerations(ctx, point, vdot);
+    /// `point` is up to date with the state, forces included; `A` are the bodies' spatial accelerations about O.
+    pub fn wrench(&mut self, ctx: &Context, point: &Point, A: &[Vec6], sensor: usize) -> [Vec3; 2] {
         if !self.has_wrenches {
             for s in 0..self.wrench.len() {
                 if !self.beyond[s].is_empty() {
-                    self.wrench[s] = self.wrench_beyond(ctx, point, &self.beyond[s]);
+                    self.wrench[s] = wrench_beyond(ctx, point, A, &self.beyond[s]);
                 }
             }
             self.has_wrenches = true;
@@ -117,65 +71,72 @@ impl Sensors {
         let W = &self.wrench[sensor];
         [R_SW * angular(W), R_SW * linear(W)]
     }
+}
 
-    fn wrench_beyond(&self, ctx: &Context, point: &Point, links: &[usize]) -> Vec6 {
-        let kin = &point.kin;
-        let origin = links
-            .first()
-            .map_or(Vec3::zeros(), |&l| link_pose(ctx, point, l).p);
-        let (mut moment, mut force) = (Vec3::zeros(), Vec3::zeros());
-        let mut add = |x: &Vec3, f: &Vec3, sign: f64| {
-            force += f * sign;
-            moment += (x - origin).cross(f) * sign;
+/// Specific force at the sensor's origin, m/s², sensor axes. As for [`Sensors::wrench`].
+pub fn specific_force(ctx: &Context, point: &Point, A: &[Vec6], sensor: usize) -> Vec3 {
+    let (body, X) = pose(ctx, point, sensor);
+    X.R.transpose() * support(ctx, &A[body], &point.kin.V[body], &X.p)
+}
+
+/// `[τ; f]` that hold `links`, about the origin of the first, world axes.
+fn wrench_beyond(ctx: &Context, point: &Point, A: &[Vec6], links: &[usize]) -> Vec6 {
+    let kin = &point.kin;
+    let origin = links
+        .first()
+        .map_or(Vec3::zeros(), |&l| link_pose(ctx, point, l).p);
+    let (mut moment, mut force) = (Vec3::zeros(), Vec3::zeros());
+    let mut add = |x: &Vec3, f: &Vec3, sign: f64| {
+        force += f * sign;
+        moment += (x - origin).cross(f) * sign;
+    };
+    let mut couple = Vec3::zeros();
+    for &l in links {
+        let link = &ctx.model.links[l];
+        let body = link.body.index();
+        let X = link_pose(ctx, point, l);
+        let (A, V) = (&A[body], &kin.V[body]);
+        let x = X.point(&link.inertia.com);
+        // The inertia scales with the mass, which may be set.
+        let mass = ctx.parameters.get(ParameterSlot::LinkMass(LinkId::from(l)));
+        let scale = if link.inertia.mass > 0.0 {
+            mass / link.inertia.mass
+        } else {
+            1.0
         };
-        let mut couple = Vec3::zeros();
-        for &l in links {
-            let link = &ctx.model.links[l];
-            let body = link.body.index();
-            let X = link_pose(ctx, point, l);
-            let (A, V) = (&self.A[body], &kin.V[body]);
-            let x = X.point(&link.inertia.com);
-            // The inertia scales with the mass, which may be set.
-            let mass = ctx.parameters.get(ParameterSlot::LinkMass(LinkId::from(l)));
-            let scale = if link.inertia.mass > 0.0 {
-                mass / link.inertia.mass
-            } else {
-                1.0
-            };
-            let I = X.R * link.inertia.I_cm * X.R.transpose() * scale;
-            let omega = angular(V);
-            add(&x, &(acceleration_at(A, V, &x) * mass), 1.0);
-            couple += I * angular(A) + omega.cross(&(I * omega));
-        }
-        let is_beyond = |link: usize| links.binary_search(&link).is_ok();
-        for contact in point.contacts.iter().filter(|c| is_beyond(c.link)) {
-            let f = contact.force(&velocity_at(&kin.V[contact.body], &contact.x));
-            add(&contact.x, &f, -1.0);
-        }
-        for turn in &point.turns {
-            if is_beyond(point.contacts[turn.contact].link) {
-                couple -= turn.force(&spin(&kin.V[turn.body]));
-            }
-        }
-        for &link in &ctx.model.outputs.external_wrenches {
-            if !is_beyond(link.index()) {
-                continue;
-            }
-            let input = |slot: fn(LinkId, u8) -> InputSlot| {
-                Vec3::from(std::array::from_fn(|axis| {
-                    // Three axes.
-                    #[expect(clippy::cast_possible_truncation, reason = "0, 1, 2")]
-                    ctx.inputs.get(slot(link, axis as u8))
-                }))
-            };
-            let com = &ctx.model.links[link.index()].inertia.com;
-            let x = link_pose(ctx, point, link.index()).point(com);
-            add(&x, &input(InputSlot::ExternalForce), -1.0);
-            couple -= input(InputSlot::ExternalTorque);
-        }
-        moment += couple;
-        [moment.x, moment.y, moment.z, force.x, force.y, force.z]
+        let I = X.R * link.inertia.I_cm * X.R.transpose() * scale;
+        let omega = angular(V);
+        add(&x, &(support(ctx, A, V, &x) * mass), 1.0);
+        couple += I * angular(A) + omega.cross(&(I * omega));
     }
+    let is_beyond = |link: usize| links.binary_search(&link).is_ok();
+    for contact in point.contacts.iter().filter(|c| is_beyond(c.link)) {
+        let f = contact.force(&velocity_at(&kin.V[contact.body], &contact.x));
+        add(&contact.x, &f, -1.0);
+    }
+    for turn in &point.turns {
+        if is_beyond(point.contacts[turn.contact].link) {
+            couple -= turn.force(&spin(&kin.V[turn.body]));
+        }
+    }
+    for &link in &ctx.model.outputs.external_wrenches {
+        if !is_beyond(link.index()) {
+            continue;
+        }
+        let input = |slot: fn(LinkId, u8) -> InputSlot| {
+            Vec3::from(std::array::from_fn(|axis| {
+                // Three axes.
+                #[expect(clippy::cast_possible_truncation, reason = "0, 1, 2")]
+                ctx.inputs.get(slot(link, axis as u8))
+            }))
+        };
+        let com = &ctx.model.links[link.index()].inertia.com;
+        let x = link_pose(ctx, point, link.index()).point(com);
+        add(&x, &input(InputSlot::ExternalForce), -1.0);
+        couple -= input(InputSlot::ExternalTorque);
+    }
+    moment += couple;
+    [moment.x, moment.y, moment.z, force.x, force.y, force.z]
 }
 
 /// Angular velocity in sensor axes, rad/s. Needs poses and velocities.
@@ -219,8 +180,9 @@ fn link_pose(ctx: &Context, point: &Point, link: usize) -> Pose {
 }
 
 /// Acceleration less gravity of the point of a body that is at `x` from O.
-fn acceleration_at(A: &Vec6, V: &Vec6, x: &Vec3) -> Vec3 {
-    linear(A) + angular(A).cross(x) + angular(V).cross(&velocity_at(V, x))
+fn support(ctx: &Context, A: &Vec6, V: &Vec6, x: &Vec3) -> Vec3 {
+    let omega = angular(V);
+    linear(A) + angular(A).cross(x) + omega.cross(&velocity_at(V, x)) - ctx.tree.gravity
 }
 
 #[cfg(all(test, feature = "urdf"))]

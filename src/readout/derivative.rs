@@ -4,6 +4,7 @@
 use super::{Readout, joint_orientation, quaternion};
 use crate::kinematics::forward;
 use crate::model::{JointId, Model, Motion};
+use crate::sensor;
 use crate::simulation::{Axis, OutputSlot};
 use crate::spatial::{Vec3, angular, linear, quaternion_product, rpy_from_rotation};
 use crate::state::State;
@@ -67,7 +68,24 @@ impl Readout {
                 let a = linear(A) + angular(A).cross(&r) + omega.cross(&velocity);
                 a[axis as usize]
             }
+            O::SensorOrientation(sensor, axis) => {
+                let q = std::array::from_fn(|i| {
+                    self.read(ctx, state, O::SensorOrientation(sensor, LETTERS[i]))
+                });
+                let (body, _) = sensor::pose(ctx, &self.point, sensor.index());
+                world_quaternion_rate(q, &angular(&self.point.kin.V[body]), axis)
+            }
+            O::SensorAngularVelocity(sensor, axis) => {
+                self.link_accelerations(ctx, state);
+                let (body, X) = sensor::pose(ctx, &self.point, sensor.index());
+                // In moving axes: `d(Rᵀω)/dt = Rᵀ α`, because ω does not turn in its own axes.
+                (X.R.transpose() * angular(&self.A[body]))[axis as usize]
+            }
             O::JointAcceleration(..)
+            | O::SensorAcceleration(..)
+            | O::SensorForce(..)
+            | O::SensorTorque(..)
+            | O::SensorDistance(..)
             | O::JointEffort(_)
             | O::ContactActive(_)
             | O::ContactForce(..)
@@ -88,7 +106,7 @@ impl Readout {
     }
 
     /// Fills `self.A` with the spatial accelerations of the bodies.
-    fn link_accelerations(&mut self, ctx: &Context, state: &State) {
+    pub(super) fn link_accelerations(&mut self, ctx: &Context, state: &State) {
         self.update_accelerations(ctx, state);
         forward(ctx.tree, &self.point.kin.S, &self.vdot, &mut self.A);
         let g = ctx.tree.gravity;
@@ -148,9 +166,9 @@ fn joint_orientation_rate(
 
 #[cfg(test)]
 mod tests {
-    use crate::model::{LinkId, Model};
+    use crate::model::{LinkId, Model, Sensor, SensorKind};
     use crate::simulation::{OutputSlot, Simulation};
-    use crate::spatial::Vec3;
+    use crate::spatial::{Pose, Vec3};
     use crate::testing::{Random, random_tree};
     use crate::variables::{Kind, Slot, table};
     use std::sync::Arc;
@@ -158,6 +176,14 @@ mod tests {
     /// Central differences over ± 1e-4 s: their error is 1e-8/6 times the third derivative, up to some 1e3 here.
     fn check(mut model: Model, random: &mut Random) {
         model.outputs.links = (0..model.links.len()).map(LinkId::from).collect();
+        model.outputs.sensors = (0..model.links.len())
+            .map(|l| Sensor {
+                name: format!("imu{l}"),
+                link: LinkId::from(l),
+                X_LS: Pose::from_xyz_rpy(random.vector(0.5), random.vector(1.0)),
+                kind: SensorKind::Imu,
+            })
+            .collect();
         model.initial.position = Vec3::new(1.0, -2.0, 3.0);
         model.initial.rpy = Vec3::new(0.4, -0.7, 2.0);
         model.initial.angular_velocity = random.vector(2.0);
