@@ -156,16 +156,22 @@ impl State {
         ]
     }
 
-    /// Whether every number is finite.
+    /// Whether every number is finite; the effort limits among the commands may be infinite: no limit.
     pub fn is_finite(&self) -> bool {
         let touches = self.touches.iter().flat_map(Touch::numbers);
-        self.fields()
-            .into_iter()
-            .flatten()
-            .copied()
-            .chain(touches)
-            .chain(self.ahead.coefficients.iter().copied())
-            .all(f64::is_finite)
+        let caps = self.commands.as_flattened();
+        let is_finite =
+            |field: &[f64]| std::ptr::eq(field, caps) || field.iter().all(|x| x.is_finite());
+        self.fields().into_iter().all(is_finite)
+            && touches
+                .chain(self.ahead.coefficients.iter().copied())
+                .all(f64::is_finite)
+            && self
+                .commands
+                .iter()
+                .all(|[velocity, position, effort, cap]| {
+                    [velocity, position, effort].iter().all(|x| x.is_finite()) && !cap.is_nan()
+                })
     }
 
     /// Whether positions and velocities are finite; nothing else can be infinite without them.

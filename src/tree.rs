@@ -484,6 +484,7 @@ impl Tree {
             let m = subtree_mass[b];
             subtree_mass[self.bodies[b].parent] += m;
         }
+        let mut levers = vec![0.0; inertia.len()];
         for (b, body) in self.bodies.iter().enumerate() {
             let within = |mut other: usize| {
                 while other > b {
@@ -503,11 +504,12 @@ impl Tree {
             };
             for c in body.column..body.column + body.columns {
                 let dof = self.dof[c];
+                levers[dof] = lever(Some(poses[b].R.column(2).into_owned()));
                 let gyration = (inertia[dof] / subtree_mass[b].max(1e-12)).sqrt();
                 self.weight[dof] = match body.motion {
                     Move::Free if c >= 3 => 1.0,
                     Move::Slide | Move::Welded => 1.0,
-                    Move::Free => self.reach.min(1.0),
+                    Move::Free => self.reach.max(gyration).min(1.0),
                     Move::Turn => {
                         let axis = poses[b].R.column(2).into_owned();
                         lever(Some(axis)).max(gyration).min(1.0)
@@ -517,7 +519,9 @@ impl Tree {
             }
         }
         for (motor, actuator) in self.motors.iter_mut().zip(&model.actuators) {
-            let inertia = inertia[actuator.dof.index()];
+            let dof = actuator.dof.index();
+            // A wheel on the ground carries the whole robot along: damped for itself alone it would overshoot.
+            let inertia = inertia[dof].max(self.moving_mass * levers[dof] * levers[dof]);
             *motor = crate::actuator::motor_constants(actuator.reference_effort, inertia);
         }
         for (k, dof) in self.limit_stiffness.iter_mut().zip(0..) {

@@ -29,6 +29,9 @@ const VELOCITY_WEIGHT: f64 = 0.1;
 /// Error, relative to the tolerance and per second, up to which one solve does for a step that the communication step
 /// cuts short: what such steps add up to stays below the tolerance.
 const SINGLE_RATE: f64 = 0.3;
+/// Longest step of a contact that bounces, as a share of the time √(m/k) of the robot on the point. A slow bounce is
+/// shallower than the tolerance, which would not notice that it is missing; but it has its restitution, too.
+const BOUNCE_SHARE: f64 = 0.2;
 /// Speed below which a robot may be at rest, rad/s or m/s.
 const REST_SPEED: f64 = 1e-7;
 /// Growth and shrinkage of the step, at most.
@@ -170,7 +173,7 @@ impl Stepper {
             if first {
                 proposed = self.cap_by_command(ctx, state, proposed, remaining);
             }
-            h = self.cap_by_touchdown(h.min(proposed));
+            h = self.cap_by_touchdown(h.min(proposed), ctx.tree.moving_mass);
             if self.rest(ctx, state, h, remaining, accuracy) {
                 return Ok(());
             }
@@ -237,8 +240,8 @@ impl Stepper {
         capped
     }
 
-    /// Ends the step where the first point touches down.
-    fn cap_by_touchdown(&self, h: f64) -> f64 {
+    /// Ends the step where the first point touches down; takes a bounce in parts of its own time.
+    fn cap_by_touchdown(&self, h: f64, mass: f64) -> f64 {
         let mut capped = h;
         for contact in &self.start.contacts {
             if contact.gap > 0.0 {
@@ -248,6 +251,8 @@ impl Stepper {
                 if approach > 0.0 && time < capped && time > MIN_STEP {
                     capped = time;
                 }
+            } else if contact.touchdown > 0.0 {
+                capped = capped.min(BOUNCE_SHARE * (mass / contact.stiffness).sqrt());
             }
         }
         capped
@@ -275,7 +280,7 @@ impl Stepper {
         }
         let balanced = self
             .full
-            .is_balanced(&self.start.problem(ctx.tree, h, accuracy));
+            .is_balanced(&self.start.problem(ctx.tree, h, 0.1 * accuracy));
         if balanced {
             state.trend.fill(0.0);
             state.counters[0] += 1;

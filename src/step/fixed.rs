@@ -35,7 +35,12 @@ impl Stepper {
     }
 
     /// One solve with the friction cone and the bias of the start, one with those of the middle.
-    fn fixed_step(&mut self, ctx: &Context, state: &mut State, h: f64) -> Result<(), NotFinite> {
+    pub(super) fn fixed_step(
+        &mut self,
+        ctx: &Context,
+        state: &mut State,
+        h: f64,
+    ) -> Result<(), NotFinite> {
         let tree = ctx.tree;
         self.start.expect_commands(ctx, state, h);
         let problem = self.start.problem(tree, h, FIXED_ACCURACY);

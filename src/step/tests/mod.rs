@@ -1,4 +1,4 @@
-//! Physics against closed forms: each expected value's source stands beside it.
+//! The step from inside: what must hold whatever moves. Physics against closed forms: `tests/acceptance`.
 
 #![allow(
     clippy::cast_precision_loss,
@@ -15,13 +15,12 @@ use crate::spatial::{Pose, Vec3};
 use crate::testing::{Builder, Random, inertia, random_tree};
 use std::sync::Arc;
 
-mod contact;
 mod free;
 mod inputs;
 mod joints;
 mod motors;
+mod order;
 mod properties;
-mod slope;
 mod turning;
 
 const G: f64 = 9.81;
@@ -83,8 +82,9 @@ impl IntoLink for u32 {
     }
 }
 
-fn height(s: &mut Simulation) -> f64 {
-    s.output(OutputSlot::BasePosition(2))
+/// Gravity as on a slope of `angle`, falling along +x.
+fn slope(angle: f64) -> Vec3 {
+    Vec3::new(libm::sin(angle), 0.0, -libm::cos(angle)) * G
 }
 
 trait IntoJoint {

@@ -88,7 +88,7 @@ fn a_ball_stands_for_an_hour_on_a_slope_below_its_rolling_threshold_and_rolls_ab
     let limit = libm::atan(c / RADIUS);
     for mode in MODES {
         let mut b = ball(c, 0.0);
-        b.model.world.gravity = slope::slope(0.9 * limit);
+        b.model.world.gravity = slope(0.9 * limit);
         let mut s = started(b, mode);
         run(&mut s, 10.0, 0.1);
         let x = s.state().q[0];
@@ -100,7 +100,7 @@ fn a_ball_stands_for_an_hour_on_a_slope_below_its_rolling_threshold_and_rolls_ab
 
         let mut b = ball(c, 0.0);
         let angle = 1.2 * limit;
-        b.model.world.gravity = slope::slope(angle);
+        b.model.world.gravity = slope(angle);
         let mut s = started(b, mode);
         run(&mut s, 2.0, 0.01);
         let v1 = s.state().v[3];

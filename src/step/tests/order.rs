@@ -1,0 +1,124 @@
+//! Observed orders of convergence, by steps of equal length through the parts of the stepper that error control calls.
+
+use crate::inputs::Inputs;
+use crate::model::{Model, Motion};
+use crate::parameters::Parameters;
+use crate::simulation::Simulation;
+use crate::spatial::{Pose, RigidInertia, Vec3};
+use crate::step::control::Stepper;
+use crate::step::point::Context;
+use crate::step::runge_kutta::{BOGACKI_SHAMPINE, DORMAND_PRINCE, Pair};
+use crate::step::smooth::accept_explicit;
+use crate::testing::{Builder, inertia};
+use std::sync::Arc;
+
+/// How a step is taken.
+#[derive(Clone, Copy, Debug)]
+enum Method {
+    Explicit(&'static Pair),
+    Doubled,
+    Fixed,
+}
+
+/// Case A3: a free asymmetric body; A4: a pendulum from horizontal; A5: a double pendulum from horizontal.
+fn motions() -> [(&'static str, Model); 3] {
+    let mut top = Builder::new(true, inertia(1.0, Vec3::zeros(), [1.0, 2.0, 3.0]));
+    top.model.world.gravity = Vec3::zeros();
+    top.model.initial.angular_velocity = Vec3::new(1.0, 1.0, 1.0);
+    let pendulum = |rods: usize| {
+        let mut b = Builder::new(false, RigidInertia::ZERO);
+        for rod in 0..rods {
+            let X = Pose {
+                p: Vec3::new(if rod == 0 { 0.0 } else { 1.0 }, 0.0, 0.0),
+                ..Pose::IDENTITY
+            };
+            let bob = inertia(1.0, Vec3::new(1.0, 0.0, 0.0), [0.0; 3]);
+            let axis = Motion::Revolute(Vec3::new(0.0, 1.0, 0.0));
+            b.link(rod.into(), X, axis, bob);
+        }
+        b.model
+    };
+    [("A3", top.model), ("A4", pendulum(1)), ("A5", pendulum(2))]
+}
+
+/// Positions and velocities after 1 s in `count` equal steps.
+fn end(model: &Model, method: Method, count: u32) -> Vec<f64> {
+    let simulation = Simulation::new(Arc::new(model.clone()));
+    let parameters = Parameters::new(model);
+    let inputs = Inputs::new(model);
+    let h = 1.0 / f64::from(count);
+    let ctx = Context {
+        model,
+        tree: simulation.tree(),
+        parameters: &parameters,
+        inputs: &inputs,
+        elapsed: 0.0,
+        tolerance: 1e-3,
+        fixed_step: if matches!(method, Method::Fixed) {
+            h
+        } else {
+            0.0
+        },
+    };
+    let mut state = simulation.state().clone();
+    let mut stepper = Stepper::new(model, ctx.tree);
+    for _ in 0..count {
+        stepper.start.update(&ctx, &state, h);
+        match method {
+            Method::Explicit(pair) => {
+                stepper.explicit.restart();
+                stepper.explicit_step(&ctx, pair, &state, h);
+                accept_explicit(&mut stepper.explicit, pair, &mut state);
+            }
+            Method::Doubled => {
+                // Sharper than any tolerance asks: the iterations' end must not blur the order.
+                assert!(stepper.full_solve(&ctx, &mut state, h, 1e-12));
+                let error = stepper.doubled_step(&ctx, &mut state, h, 1e-12);
+                assert!(error.is_finite());
+                stepper.accept_doubled(&ctx, &mut state, h, true);
+            }
+            Method::Fixed => stepper.fixed_step(&ctx, &mut state, h).expect("finite"),
+        }
+    }
+    state.q.iter().chain(&state.v).copied().collect()
+}
+
+/// A6. The error falls with the order of the method: 5 and 3 for the explicit pairs, 2 for the extrapolated step, and for
+/// a fixed step that looks at its middle for the bias, 1 (its mass matrix is that of its start). Over three halvings of the step.
+#[test]
+#[allow(clippy::print_stdout, reason = "the table is made from it")]
+fn a6_errors_fall_with_the_order_of_the_method() {
+    // Steps of the pairs: short enough for the order to show, long enough for the error to stay above round-off.
+    for ((case, model), steps) in motions().into_iter().zip([20, 40, 40]) {
+        let exact = end(&model, Method::Explicit(&DORMAND_PRINCE), 2000);
+        let error = |method, count| {
+            let at = end(&model, method, count);
+            let pairs = at.iter().zip(&exact);
+            pairs.fold(0.0_f64, |worst, (a, b)| worst.max((a - b).abs()))
+        };
+        for (name, method, count, order) in [
+            (
+                "Dormand–Prince",
+                Method::Explicit(&DORMAND_PRINCE),
+                steps,
+                5.0,
+            ),
+            (
+                "Bogacki–Shampine",
+                Method::Explicit(&BOGACKI_SHAMPINE),
+                2 * steps,
+                3.0,
+            ),
+            ("extrapolated", Method::Doubled, 100, 2.0),
+            ("fixed", Method::Fixed, 100, 1.0),
+        ] {
+            let slope = libm::log2(error(method, count) / error(method, 8 * count)) / 3.0;
+            println!(
+                "\n| A6 | order of the {name} step on {case} | {order}: theory | 2.0e-1 | {:.1e} | \
+                 `step::tests::order::a6_errors_fall_with_the_order_of_the_method` |",
+                slope - order
+            );
+            assert!((slope - order).abs() < 0.2, "{case}, {name}: order {slope}");
+        }
+    }
+}

@@ -1,0 +1,118 @@
+//! C8, C10, C13: bouncing, fast and deep.
+
+use super::*;
+
+/// Rebound over approach speed of a ball of 1 kg, at the height of the touch-down, in gravity `g`.
+fn restitution(e: f64, speed: f64, g: f64, tolerance: f64) -> f64 {
+    let mut b = ball(0.8);
+    b.model.initial.position.z = 0.11;
+    b.model.initial.linear_velocity.z = -speed;
+    b.model.world.gravity = Vec3::new(0.0, 0.0, -g);
+    b.model.links[0].restitution = e;
+    let mut s = start(b.model, tolerance);
+    // Until it is out of the ground again; the contact lasts about √(m/k) and longer the less it rebounds.
+    for i in 1..=500 {
+        s.advance_to(0.01 * f64::from(i) / speed).expect("finite");
+        let (z, v) = (s.state().q[2], s.state().v[5]);
+        if v > 0.0 && z > 0.1 {
+            let square = v * v + 2.0 * g * (z - 0.1);
+            return (square / (speed * speed + 2.0 * g * 0.01)).sqrt();
+        }
+    }
+    0.0
+}
+
+/// C8. Newton's coefficient at every speed of impact, from 0.1 to 10 m/s, in gravity so light that its own work during
+/// the contact (g t/v with t about 10 ms) does not show.
+#[test]
+fn c8_a_ball_rebounds_with_the_coefficient_of_restitution_at_every_speed() {
+    let table = [0.95, 0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3, 0.2, 0.1, 0.05];
+    let speeds = [10.0, 1.0, 0.1];
+    let tolerances = [(1e-3, 1e-2), (1e-4, 1e-2), (1e-6, 1e-3)];
+    for ((tolerance, allowed), speed) in tolerances
+        .into_iter()
+        .flat_map(|t| speeds.map(|speed| (t, speed)))
+    {
+        let mut worst = 0.0_f64;
+        for e in table {
+            worst = worst.max((restitution(e, speed, 1e-4 * speed, tolerance) - e).abs());
+        }
+        let what = format!("e = 0.05 … 0.95 at {speed} m/s, tol {tolerance:.0e}");
+        hold("C8", &what, "Newton's e", worst, allowed);
+    }
+}
+
+/// C10. A ball of 5 mm at 50 m/s, communication steps of 0.1 s: no deeper than Hunt and Crossley's law lets it in,
+/// ½ k x² = m (v/d − ln(1 + d v)/d²).
+#[test]
+fn c10_a_fast_small_ball_does_not_tunnel() {
+    let sphere = Shape::Sphere { radius: 0.005 };
+    let mut b = single(1e-3, [1e-8; 3], sphere, 0.8);
+    b.model.initial.position.z = 1.0;
+    b.model.initial.linear_velocity.z = -50.0;
+    for tolerance in [1e-3, 1e-4] {
+        let mut s = start(b.model.clone(), tolerance);
+        let (k, d, v) = (s.tree().stiffness, s.tree().dissipation, 50.0);
+        let deepest = (2e-3 / k * (v / d - (d * v).ln_1p() / (d * d))).sqrt();
+        let mut lowest = f64::INFINITY;
+        for i in 1..=40 {
+            s.advance_to(0.1 * f64::from(i)).expect("finite");
+            lowest = lowest.min(s.state().q[2] - 0.005);
+        }
+        let beyond = (-lowest - deepest).max(0.0) / deepest;
+        let what = format!("depth beyond that of the law, relative, tol {tolerance:.0e}");
+        hold("C10", &what, "none", beyond, 5e-2);
+        let rest = s.state().q[2] - (0.005 - 4e-4);
+        hold("C10", "place of rest, m", "m g/k deep", rest, 1e-6);
+    }
+}
+
+/// C13. A block 10 mm deep in the ground comes out no faster than its law allows: 1/d, and while deeper than 50 δ at
+/// most 0.7 √(2 g (depth − 50 δ)), and does not hop.
+#[test]
+fn c13_an_initial_overlap_leaves_gently() {
+    for depth in [0.01, 0.05] {
+        let mut b = block(0.5);
+        b.model.initial.position.z = 0.1 - depth;
+        let mut s = start(b.model, 1e-4);
+        let slow = 1.0 / s.tree().dissipation;
+        let fast = 0.7 * (2.0 * G * (depth - 50.0 * s.tree().penetration)).sqrt();
+        let (mut inside, mut outside, mut highest) = (0.0_f64, 0.0_f64, 0.0_f64);
+        for i in 1..=2000 {
+            s.advance_to(f64::from(i) * 1e-3).expect("finite");
+            let (z, v) = (s.state().q[2], s.state().v[5]);
+            inside = inside.max(v);
+            if z > 0.1 - 1e-3 {
+                outside = outside.max(v);
+            }
+            highest = highest.max(z);
+        }
+        let what = |what: &str| format!("{what}, {} mm deep", depth * 1e3);
+        let expected = "at most max(1/d, 0.7√(2g(depth − 50δ)))";
+        let beyond = (inside / fast.max(slow) - 1.0).max(0.0);
+        hold(
+            "C13",
+            &what("speed inside, relative excess"),
+            expected,
+            beyond,
+            1e-3,
+        );
+        let beyond = (outside / slow - 1.0).max(0.0);
+        hold(
+            "C13",
+            &what("speed at the surface, excess"),
+            "at most 1/d",
+            beyond,
+            1e-3,
+        );
+        hold(
+            "C13",
+            &what("hop, m"),
+            "none",
+            (highest - 0.1).max(0.0),
+            1e-4,
+        );
+        let rest = s.state().q[2] - (0.1 - s.tree().penetration);
+        hold("C13", &what("place of rest, m"), "m g/Σk deep", rest, 1e-6);
+    }
+}

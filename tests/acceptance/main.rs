@@ -1,0 +1,150 @@
+//! The acceptance cases: physics against closed forms, standards and independent programs.
+//!
+//! Each case has a label (A: no contact, B: joints and motors, C: one contact, D: whole robots), and each claim of a
+//! case prints a row of the table in `docs/acceptance.md`; the command that makes the table stands there.
+
+#![allow(
+    clippy::cast_precision_loss,
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "small counts"
+)]
+#![allow(
+    clippy::doc_markdown,
+    reason = "formulas and names of programs, as in their sources"
+)]
+#![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
+
+use std::sync::Arc;
+use testing::{Builder, inertia};
+use urdf2fmu_core::geometry::Shape;
+use urdf2fmu_core::model::{ActuatorId, ActuatorMode, Ground, JointId, LinkId, Model, Motion};
+use urdf2fmu_core::simulation::{InputSlot, OutputSlot, Simulation};
+use urdf2fmu_core::spatial::{Mat3, Pose, RigidInertia, Vec3, rotation_from_quaternion};
+// Where the models of the unit tests look for them.
+use urdf2fmu_core::{geometry, model, spatial};
+
+mod bodies;
+mod bounce;
+mod free;
+mod joints;
+mod robots;
+mod roll;
+mod slide;
+#[path = "../../src/testing.rs"]
+#[allow(dead_code, missing_docs, reason = "shared with the unit tests")]
+mod testing;
+
+const G: f64 = 9.81;
+const X: Vec3 = Vec3::new(1.0, 0.0, 0.0);
+const Y: Vec3 = Vec3::new(0.0, 1.0, 0.0);
+const Z: Vec3 = Vec3::new(0.0, 0.0, 1.0);
+const BASE: LinkId = LinkId(0);
+
+/// Holds one claim of a case: `error` must not exceed `allowed`. Prints the claim's row of the table.
+#[allow(clippy::print_stdout, reason = "the table is made from it")]
+#[track_caller]
+fn hold(case: &str, quantity: &str, expected: &str, error: f64, allowed: f64) {
+    let thread = std::thread::current();
+    let test = thread.name().unwrap_or_default().to_owned();
+    println!("\n| {case} | {quantity} | {expected} | {allowed:.1e} | {error:.1e} | `{test}` |");
+    // A NaN holds nothing.
+    assert!(
+        error.abs() <= allowed,
+        "{case}, {quantity}: off by {error:e}, allowed {allowed:e}"
+    );
+}
+
+fn at(x: f64, y: f64, z: f64) -> Pose {
+    Pose {
+        p: Vec3::new(x, y, z),
+        ..Pose::IDENTITY
+    }
+}
+
+/// A running simulation with a tolerance.
+fn start(mut model: Model, tolerance: f64) -> Simulation {
+    model.solver.tolerance = tolerance;
+    let mut simulation = Simulation::new(Arc::new(model));
+    simulation.initialize(0.0).expect("a sound model");
+    simulation
+}
+
+/// Advances to `end` in steps of `h`, the last one landing on `end`.
+fn run(simulation: &mut Simulation, end: f64, h: f64) {
+    let begin = simulation.time();
+    let count = ((end - begin) / h).round().max(1.0) as u64;
+    for i in 1..=count {
+        simulation
+            .advance_to(begin + (end - begin) * (i as f64 / count as f64))
+            .expect("finite");
+    }
+}
+
+/// A base that does not move and has no inertia: something to hang joints on.
+fn fixed() -> Builder {
+    Builder::new(false, RigidInertia::ZERO)
+}
+
+/// A plane with Coulomb friction alone.
+fn ground(mu: f64) -> Ground {
+    Ground {
+        friction: mu,
+        restitution: 0.0,
+        static_excess: 0.0,
+        rolling_friction: 0.0,
+        torsional_friction: 0.0,
+    }
+}
+
+/// A floating body of `mass` with one shape on a ground of the same friction.
+fn single(mass: f64, diagonal: [f64; 3], shape: Shape, mu: f64) -> Builder {
+    let mut b = Builder::new(true, inertia(mass, Vec3::zeros(), diagonal));
+    b.shape(BASE, shape, Pose::IDENTITY);
+    b.model.links[0].friction = mu;
+    b.model.world.ground = Some(ground(mu));
+    b.model.outputs.external_wrenches = vec![BASE];
+    b
+}
+
+/// A cube of 1 kg with edges of 0.2 m that stands in equilibrium.
+fn block(mu: f64) -> Builder {
+    let half = Vec3::new(0.1, 0.1, 0.1);
+    let mut b = single(1.0, [0.04 / 6.0; 3], Shape::Box { half }, mu);
+    b.model.initial.position.z = 0.1 - b.model.contact.penetration;
+    b
+}
+
+/// A ball of 1 kg and 0.1 m that rests in equilibrium: its one point carries what the stiffness spreads over four.
+fn ball(mu: f64) -> Builder {
+    let mut b = single(1.0, [4e-3; 3], Shape::Sphere { radius: 0.1 }, mu);
+    b.model.initial.position.z = 0.1 - 4.0 * b.model.contact.penetration;
+    b
+}
+
+/// Gravity as on a slope of `angle`, falling along +x.
+fn slope(angle: f64) -> Vec3 {
+    Vec3::new(libm::sin(angle), 0.0, -libm::cos(angle)) * G
+}
+
+/// Orientation of a floating base, or of the spherical body whose quaternion stands at `place` in `q`.
+fn rotation(simulation: &Simulation, place: usize) -> Mat3 {
+    let q = &simulation.state().q;
+    rotation_from_quaternion(&[q[place], q[place + 1], q[place + 2], q[place + 3]])
+}
+
+fn vector(from: &[f64]) -> Vec3 {
+    Vec3::new(from[0], from[1], from[2])
+}
+
+fn energy(simulation: &mut Simulation) -> f64 {
+    simulation.output(OutputSlot::EnergyKinetic) + simulation.output(OutputSlot::EnergyPotential)
+}
+
+/// Vertical contact force on all links, N, mean over the last communication step.
+fn carried(simulation: &mut Simulation) -> f64 {
+    let links = simulation.model().links.len();
+    (0..links)
+        .map(|l| simulation.output(OutputSlot::ContactForce(LinkId::from(l), 2)))
+        .sum()
+}

@@ -1,0 +1,310 @@
+//! A8, A9, D1, D2, D5, D7: whole robots.
+
+use super::*;
+use std::path::Path;
+use testing::Random;
+use urdf2fmu_core::dynamics::energy::momentum;
+use urdf2fmu_core::kinematics::Kinematics;
+use urdf2fmu_core::settings::{ModeChoice, Settings};
+use urdf2fmu_core::{assemble, urdf};
+
+/// A robot of this repository; settings from the file beside it where there is one.
+fn robot(path: &str, settings: impl FnOnce(&mut Settings)) -> Model {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join(path);
+    let beside = file.with_extension("toml");
+    let mut chosen = if beside.exists() {
+        Settings::read(&beside).expect("an example")
+    } else {
+        Settings::default()
+    };
+    settings(&mut chosen);
+    let options = chosen.read_options(urdf::ReadOptions::default());
+    let description = urdf::read(&file, &options).expect("a robot of ours");
+    let built = assemble::build(&description, &chosen);
+    built.expect("a robot of ours").model
+}
+
+fn humanoid(mode: ActuatorMode) -> Model {
+    robot("tests/robots/humanoid.urdf", |s| {
+        s.default_mode = Some(ModeChoice::Commanded(mode));
+    })
+}
+
+/// Momentum about the world's origin: angular, linear.
+fn total_momentum(s: &Simulation) -> (Vec3, Vec3) {
+    let mut kin = Kinematics::new(s.tree());
+    kin.update_poses(s.tree(), &s.state().q);
+    kin.update_velocities(s.tree(), &s.state().v);
+    let P = momentum(&kin);
+    let linear = vector(&P[3..]);
+    (vector(&P) + kin.origin.cross(&linear), linear)
+}
+
+/// A8. A humanoid of 60 degrees of freedom kicks about in space: its momentum stays zero (SimBenchmark's momentum test).
+#[test]
+fn a8_a_kicking_humanoid_in_space_keeps_its_momentum() {
+    let mut model = humanoid(ActuatorMode::Effort);
+    model.world.gravity = Vec3::zeros();
+    model.world.ground = None;
+    for dof in &mut model.dofs {
+        dof.limits = None;
+    }
+    assert_eq!(model.nv(), 60);
+    for (tolerance, allowed) in [(1e-4, 1e-3), (1e-6, 1e-5), (1e-8, 1e-10), (1e-10, 1e-10)] {
+        let mut s = start(model.clone(), tolerance);
+        let mut gross = 0.0_f64;
+        let mut off = 0.0_f64;
+        for i in 0..200 {
+            let t = 0.01 * f64::from(i);
+            for a in 0..model.actuators.len() {
+                let effort = 0.05 * model.actuators[a].max_effort;
+                let phase = a as f64 + 5.0 * t;
+                let slot = InputSlot::Effort(ActuatorId::from(a));
+                s.set_input(slot, effort * libm::sin(phase));
+            }
+            s.advance_to(t + 0.01).expect("finite");
+            let (angular, linear) = total_momentum(&s);
+            off = off.max(angular.norm()).max(linear.norm());
+            gross = gross.max(s.output(OutputSlot::EnergyKinetic));
+        }
+        // What it kicks with: 2 m T is the square of a momentum.
+        let scale = (2.0 * s.tree().moving_mass * gross).sqrt();
+        let what = format!("momentum after 2 s, share of √(2mT), tol {tolerance:.0e}");
+        hold("A8", &what, "0; SimBenchmark", off / scale, allowed);
+    }
+}
+
+/// A9. A quadruped dropped limp, without damping and without a ground: its energy (SimBenchmark's ANYmal energy test).
+#[test]
+fn a9_a_limp_quadruped_in_flight_keeps_its_energy() {
+    let mut model = robot("examples/quadruped.urdf", |s| {
+        s.actuators.clear();
+        s.default_mode = Some(ModeChoice::Commanded(ActuatorMode::Effort));
+    });
+    model.world.ground = None;
+    for dof in &mut model.dofs {
+        dof.limits = None;
+    }
+    let mut random = Random(9);
+    for joint in &mut model.joints {
+        (joint.damping, joint.friction) = (0.0, 0.0);
+    }
+    for speed in &mut model.initial.joint_velocities {
+        *speed = random.uniform(-5.0, 5.0);
+    }
+    model.initial.angular_velocity = Vec3::new(1.0, 2.0, -1.0);
+    let mut s = start(model, 1e-8);
+    let before = energy(&mut s);
+    let mut worst = 0.0_f64;
+    for i in 1..=200 {
+        s.advance_to(0.01 * f64::from(i)).expect("finite");
+        worst = worst.max((energy(&mut s) - before).abs());
+    }
+    let error = worst / s.output(OutputSlot::EnergyKinetic);
+    let what = "energy in 2 s of fall, share of the kinetic, tol 1e-8";
+    hold("A9", what, "constant; SimBenchmark", error, 1e-8);
+}
+
+fn command(s: &mut Simulation, joint: &str, velocity: f64) {
+    let id = s.model().joints.iter().position(|j| j.name == joint);
+    let id = JointId::from(id.unwrap_or_else(|| panic!("no joint {joint}")));
+    let a = s.model().actuators.iter().position(|a| a.joint == id);
+    let a = ActuatorId::from(a.unwrap_or_else(|| panic!("{joint} is not driven")));
+    s.set_input(InputSlot::Velocity(a), velocity);
+}
+
+/// A rover whose sides turn at `left` and `right` rad/s for `time` s after it has settled; its heading, counted on
+/// beyond ±π, and its place.
+fn drive(tolerance: f64, left: f64, right: f64, time: f64) -> (f64, Vec3) {
+    let mut s = start(robot("examples/rover.urdf", |_| {}), tolerance);
+    run(&mut s, 1.0, 1.0 / 240.0);
+    for (side, speed) in [("left", left), ("right", right)] {
+        for end in ["front", "rear"] {
+            command(&mut s, &format!("{side}_{end}_wheel_joint"), speed);
+        }
+    }
+    let (mut heading, mut before) = (0.0, 0.0);
+    let count = (time * 240.0).round() as u32;
+    for i in 1..=count {
+        s.advance_to(1.0 + time * f64::from(i) / f64::from(count))
+            .expect("finite");
+        let yaw = s.output(OutputSlot::BaseRpy(2));
+        let step = yaw - before;
+        heading += step - std::f64::consts::TAU * (step / std::f64::consts::TAU).round();
+        before = yaw;
+    }
+    (heading, vector(&s.state().q))
+}
+
+/// D1. All wheels at 10 rad/s: a straight line, the same as at a tolerance of 1e-8.
+#[test]
+fn d1_a_rover_drives_straight() {
+    let (heading, place) = drive(1e-4, 10.0, 10.0, 3.0);
+    let (reference, end) = drive(1e-8, 10.0, 10.0, 3.0);
+    let way = end.xy().norm();
+    assert!(way > 2.5, "{way}");
+    let error = (heading - reference) / way;
+    hold(
+        "D1",
+        "heading of a rover, rad per m",
+        "that at tol 1e-8",
+        error,
+        1e-6,
+    );
+    let error = place - end;
+    hold(
+        "D1",
+        "place of a rover after 3 s, m",
+        "that at tol 1e-8",
+        error.norm(),
+        1e-3,
+    );
+}
+
+/// D5. Four skidding wheels turn the rover by more than 360°.
+#[test]
+fn d5_a_skid_steered_rover_turns_as_its_converged_self() {
+    let (heading, _) = drive(1e-4, -8.0, 8.0, 4.0);
+    let (reference, _) = drive(1e-8, -8.0, 8.0, 4.0);
+    assert!(reference.abs() > std::f64::consts::TAU, "{reference}");
+    let error = (heading - reference) * std::f64::consts::TAU / reference.abs();
+    hold(
+        "D5",
+        "heading per 360° of skid steering, rad, tol 1e-4",
+        "that at tol 1e-8",
+        error,
+        1e-3,
+    );
+}
+
+/// D2. A quadruped that stands on four feet under pd control: the forces carry the weight, are the same on both of its
+/// sides, and stay what they are. Rigid feet would leave them open; how it came to stand shows in what friction holds,
+/// and through the legs in a small share of them.
+#[test]
+fn d2_a_standing_quadrupeds_forces_are_unique_and_carry_its_weight() {
+    let feet = |s: &mut Simulation| {
+        let weight = s.tree().moving_mass * G;
+        let links = s.model().links.len();
+        let feet: Vec<f64> = (0..links)
+            .map(|l| s.output(OutputSlot::ContactForce(LinkId::from(l), 2)) / weight)
+            .filter(|f| *f > 0.0)
+            .collect();
+        assert_eq!(feet.len(), 4, "{feet:?}");
+        feet
+    };
+    let apart = |a: &[f64], b: &[f64]| {
+        let pairs = a.iter().zip(b);
+        pairs.fold(0.0_f64, |m, (a, b)| m.max((a - b).abs()))
+    };
+    let mut reference = Vec::new();
+    for (tolerance, drop, h, name) in [
+        (1e-4, 0.0, 1.0 / 240.0, "tol 1e-4"),
+        (1e-4, 0.0, 0.05, "tol 1e-4 in communication steps of 50 ms"),
+        (1e-6, 0.0, 1.0 / 240.0, "tol 1e-6"),
+        (1e-4, 0.01, 1.0 / 240.0, "tol 1e-4 after a fall of 10 mm"),
+    ] {
+        let mut model = robot("examples/quadruped.urdf", |_| {});
+        model.initial.position.z += drop;
+        let mut s = start(model, tolerance);
+        run(&mut s, 10.0, h);
+        let stands = feet(&mut s);
+        let sum = stands.iter().sum::<f64>() - 1.0;
+        let what = |what: &str| format!("{what}, {name}");
+        hold(
+            "D2",
+            &what("Σ of the contact forces, relative"),
+            "m g",
+            sum,
+            1e-7,
+        );
+        // front left, front right, rear left, rear right
+        let sides = (stands[0] - stands[1])
+            .abs()
+            .max((stands[2] - stands[3]).abs());
+        hold(
+            "D2",
+            &what("left less right, share of the weight"),
+            "0: symmetry",
+            sides,
+            1e-6,
+        );
+        run(&mut s, 20.0, h);
+        let change = apart(&feet(&mut s), &stands);
+        hold(
+            "D2",
+            &what("change of a foot's force in 10 s"),
+            "0",
+            change,
+            1e-9,
+        );
+        if reference.is_empty() {
+            reference.clone_from(&stands);
+        }
+        let other = apart(&stands, &reference);
+        hold(
+            "D2",
+            &what("from that of the first run"),
+            "what friction holds",
+            other,
+            1e-3,
+        );
+    }
+}
+
+/// D7. Humanoids of 60 degrees of freedom fall in every attitude, limp or servoed: no step fails, nothing is left
+/// unconverged. A sample; the thousand are in docs/robustness.md.
+#[test]
+fn d7_falling_humanoids_stay_finite() {
+    let mut worst = 0.0_f64;
+    let (mut floor, mut steps) = (0, 0);
+    for seed in 0..16_u64 {
+        let mut random = Random(seed);
+        let mode = if seed % 2 == 0 {
+            ActuatorMode::Effort
+        } else {
+            ActuatorMode::Position
+        };
+        let mut model = humanoid(mode);
+        model.initial.rpy = random.vector(3.0);
+        model.initial.angular_velocity = random.vector(3.0);
+        model.initial.linear_velocity = random.vector(1.0);
+        model.initial.position.z = 1.3;
+        for joint in 0..model.joints.len() {
+            if let Some(limits) = model.joints[joint].limits {
+                let q = random.uniform(limits.lower, limits.upper);
+                model.initial.joint_positions[joint] = q;
+            }
+        }
+        let mut s = start(model, 1e-3);
+        for i in 1..=480 {
+            s.advance_to(f64::from(i) / 240.0).expect("finite");
+        }
+        floor += s.state().counters[3];
+        steps += s.state().counters[0];
+        let fast = s.state().v.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+        worst = worst.max(fast);
+        assert!(s.state().q[2] > 0.0, "seed {seed} lies under the ground");
+    }
+    hold(
+        "D7",
+        "failed steps of 16 falls of a humanoid",
+        "0",
+        0.0,
+        0.0,
+    );
+    let share = floor as f64 / steps as f64;
+    hold(
+        "D7",
+        "share of the steps accepted at the floor",
+        "few",
+        share,
+        1e-2,
+    );
+    hold(
+        "D7",
+        "fastest joint or base after 2 s, rad/s",
+        "falling is over",
+        worst,
+        50.0,
+    );
+}
