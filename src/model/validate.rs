@@ -548,7 +548,7 @@ fn rest(model: &Model) -> Check {
 }
 
 fn groups(model: &Model) -> Check {
-    let mut grouped = HashSet::new();
+    let mut grouped = BTreeSet::new();
     for group in &model.outputs.groups {
         let part = || format!("group '{}'", group.name);
         let members = &group.actuators;
