@@ -10,7 +10,7 @@
 
 use crate::diagnostics::{self, Style};
 use crate::stage::{self, Request, Robot, StageError};
-use crate::{archive, info, library, summary};
+use crate::{archive, info, init, library, summary};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use serde_json::json;
 use std::io::Write as _;
@@ -41,6 +41,9 @@ enum Command {
     Info(Info),
     /// Show everything that looks wrong in a robot, with file, line and advice
     Check(Check),
+    /// Write commented settings for a robot, which change nothing until they are edited
+    #[command(after_help = "Example: urdf2fmu init rover.urdf > rover.toml")]
+    Init(Init),
 }
 
 /// How a robot is read.
@@ -70,6 +73,9 @@ struct Source {
     /// Folder to look in for `package://`; may be repeated
     #[arg(long = "package-path", value_name = "DIR")]
     package_paths: Vec<PathBuf>,
+    /// Arguments of a .xacro file
+    #[arg(value_name = "NAME:=VALUE", value_parser = xacro_argument)]
+    xacro_arguments: Vec<String>,
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -90,6 +96,14 @@ enum Inertia {
     Urdf,
     /// Computed from the collision shapes and the mass
     Collision,
+}
+
+/// `name:=value`.
+fn xacro_argument(text: &str) -> Result<String, String> {
+    match text.split_once(":=") {
+        Some((name, _)) if !name.is_empty() && !name.starts_with('-') => Ok(text.to_owned()),
+        _ => Err("arguments of xacro are written name:=value".to_owned()),
+    }
 }
 
 /// A number above zero.
@@ -153,6 +167,15 @@ struct Check {
     source: Source,
 }
 
+#[derive(Debug, Args)]
+struct Init {
+    /// The robot
+    #[arg(value_name = "ROBOT.urdf")]
+    urdf: PathBuf,
+    #[command(flatten)]
+    source: Source,
+}
+
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Deny {
     /// Findings that are legal but suspicious
@@ -194,6 +217,9 @@ pub enum CliError {
         /// The file.
         path: PathBuf,
     },
+    /// `init -c`.
+    #[error("init writes new settings: leave -c out")]
+    InitFromSettings,
     /// A zip of somebody else.
     #[error("'{}' was not made by urdf2fmu: it has no resources/{FILE_NAME}", path.display())]
     ForeignFmu {
@@ -206,7 +232,7 @@ impl CliError {
     /// The program's exit code.
     pub fn exit_code(&self) -> u8 {
         match self {
-            Self::Stage(StageError::Platform { .. }) => 2,
+            Self::Stage(StageError::Platform { .. }) | Self::InitFromSettings => 2,
             Self::Stage(StageError::Trial(_)) => 3,
             _ => 1,
         }
@@ -254,6 +280,7 @@ impl Source {
                 .naming
                 .map(|naming| matches!(naming, NamingStyle::Flat)),
             package_paths: self.package_paths.clone(),
+            xacro_arguments: self.xacro_arguments.clone(),
         }
     }
 }
@@ -268,6 +295,7 @@ impl Cli {
             Command::Export(args) => export(args),
             Command::Info(args) => show(args),
             Command::Check(args) => check(args),
+            Command::Init(args) => init(args),
         }
     }
 }
@@ -325,6 +353,22 @@ fn show(args: &Info) -> Result<(), CliError> {
         print(&info::text(&model, &table, args.variables));
         print(&format!("\nPlatforms\n  {}\n", platforms.join(" ")));
     }
+    Ok(())
+}
+
+fn init(args: &Init) -> Result<(), CliError> {
+    if args.source.config.is_some() {
+        return Err(CliError::InitFromSettings);
+    }
+    let robot = stage::robot(&args.source.request(&args.urdf))?;
+    print_findings(&robot.diagnostics, Severity::Warning);
+    let urdf = args.urdf.file_name().unwrap_or(args.urdf.as_os_str());
+    print(&init::text(&init::Subject {
+        model: &robot.model,
+        settings: &robot.settings,
+        diagnostics: &robot.diagnostics,
+        urdf: &urdf.to_string_lossy(),
+    }));
     Ok(())
 }
 

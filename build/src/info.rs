@@ -8,8 +8,10 @@ use crate::describe::{causality, number, variability};
 use crate::units;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
+use std::sync::Arc;
 use urdf2fmu_core::model::{Joint, JointId, JointKind, LinkId, Model};
-use urdf2fmu_core::spatial::{Mat3, quaternion_from_rotation};
+use urdf2fmu_core::simulation::{OutputSlot, Simulation};
+use urdf2fmu_core::spatial::{Mat3, Vec3, quaternion_from_rotation};
 use urdf2fmu_core::variables::{Kind, Variable};
 
 /// The robot in a few lines, then its joints and links.
@@ -60,19 +62,47 @@ pub fn short(x: f64) -> String {
 }
 
 fn joints(model: &Model) -> Columns {
+    // The 17 of getJointInfo, in its order, and what is commanded.
     let mut rows = Columns::new(&[
-        "#", "joint", "type", "parent", "child", "axis", "lower", "upper", "effort", "velocity",
-        "damping", "friction", "command",
+        "#",
+        "joint",
+        "type",
+        "q",
+        "v",
+        "flags",
+        "damping",
+        "friction",
+        "lower",
+        "upper",
+        "effort",
+        "velocity",
+        "link",
+        "axis",
+        "origin x y z m",
+        "origin x y z w",
+        "parent",
+        "command",
     ]);
     for (i, joint) in model.joints.iter().enumerate() {
         let moving = joint.kind != JointKind::Fixed;
         let optional = |x: Option<f64>| x.map_or_else(String::new, short);
         let of_motion = |x: f64| if moving { short(x) } else { String::new() };
+        let place = places(model, joint);
+        let index = |i: Option<usize>| i.map_or_else(String::new, |i| i.to_string());
+        let turn = quaternion_from_rotation(&joint.X_PJ.R);
         rows.row([
             i.to_string(),
             joint.name.clone(),
             kind(joint.kind).to_owned(),
-            model.links[joint.parent.index()].name.clone(),
+            index(place.map(|(q, _)| q)),
+            index(place.map(|(_, v)| v)),
+            u8::from(is_driven(model, i)).to_string(),
+            of_motion(joint.damping),
+            of_motion(joint.friction),
+            optional(joint.limits.map(|l| l.lower)),
+            optional(joint.limits.map(|l| l.upper)),
+            optional(joint.effort.filter(|_| moving)),
+            optional(joint.velocity.filter(|_| moving)),
             model.links[joint.child.index()].name.clone(),
             if moving && joint.kind != JointKind::Floating {
                 joint
@@ -84,16 +114,30 @@ fn joints(model: &Model) -> Columns {
             } else {
                 String::new()
             },
-            optional(joint.limits.map(|l| l.lower)),
-            optional(joint.limits.map(|l| l.upper)),
-            optional(joint.effort.filter(|_| moving)),
-            optional(joint.velocity.filter(|_| moving)),
-            of_motion(joint.damping),
-            of_motion(joint.friction),
+            triple(&joint.X_PJ.p),
+            [turn.i, turn.j, turn.k, turn.w].map(short).join(" "),
+            model.links[joint.parent.index()].name.clone(),
             command(model, JointId::from(i)),
         ]);
     }
     rows
+}
+
+/// First places of a joint in `q` and `v`; none for fixed ones and those that follow others.
+fn places(model: &Model, joint: &Joint) -> Option<(usize, usize)> {
+    let body = &model.bodies[joint.bodies.first()?.index()];
+    let own = joint.mimic.is_none();
+    own.then(|| (body.coordinate, body.dof.index()))
+}
+
+/// Whether a joint has a motor: PyBullet's flag 1.
+fn is_driven(model: &Model, joint: usize) -> bool {
+    model.actuators.iter().any(|a| a.joint.index() == joint)
+}
+
+/// Three numbers in a cell.
+fn triple(v: &Vec3) -> String {
+    format!("{} {} {}", short(v.x), short(v.y), short(v.z))
 }
 
 /// What drives a joint: an actuator's mode, or the joint that it mimics.
@@ -107,12 +151,36 @@ fn command(model: &Model, joint: JointId) -> String {
         };
         return format!("{} × {leader}{offset}", short(mimic.multiplier));
     }
-    model
-        .actuators
-        .iter()
-        .find(|a| a.joint == joint)
-        .map(|a| format!("{:?}", a.mode).to_lowercase())
-        .unwrap_or_default()
+    let Some(a) = model.actuators.iter().position(|a| a.joint == joint) else {
+        return String::new();
+    };
+    let mode = format!("{:?}", model.actuators[a].mode).to_lowercase();
+    match group(model, a) {
+        Some(group) => format!("{mode} of {group}"),
+        None => mode,
+    }
+}
+
+/// The group that an actuator is told with.
+fn group(model: &Model, actuator: usize) -> Option<&str> {
+    let mut groups = model.outputs.groups.iter();
+    groups
+        .find(|group| group.actuators.iter().any(|a| a.index() == actuator))
+        .map(|group| group.name.as_str())
+}
+
+/// Where the links are at the start, as `getLinkState` has it: origin in the world, orientation x, y, z, w.
+fn poses(model: &Model) -> Vec<([f64; 3], [f64; 4])> {
+    let mut simulation = Simulation::new(Arc::new(model.clone()));
+    (0..model.links.len())
+        .map(|l| {
+            let link = LinkId::from(l);
+            (
+                [0, 1, 2].map(|axis| simulation.output(OutputSlot::LinkPosition(link, axis))),
+                [0, 1, 2, 3].map(|axis| simulation.output(OutputSlot::LinkOrientation(link, axis))),
+            )
+        })
+        .collect()
 }
 
 fn links(model: &Model) -> Columns {
@@ -128,8 +196,14 @@ fn links(model: &Model) -> Columns {
         "ixz",
         "iyz",
         "friction",
+        "rolling m",
+        "spinning m",
+        "restitution",
+        "position x y z m",
+        "orientation x y z w",
         "shapes",
     ]);
+    let poses = poses(model);
     for (i, link) in model.links.iter().enumerate() {
         let com = link.inertia.com;
         let I = link.inertia.I_cm;
@@ -138,7 +212,7 @@ fn links(model: &Model) -> Columns {
             i.to_string(),
             link.name.clone(),
             short(link.inertia.mass),
-            format!("{} {} {}", short(com.x), short(com.y), short(com.z)),
+            triple(&com),
             short(I[(0, 0)]),
             short(I[(1, 1)]),
             short(I[(2, 2)]),
@@ -146,6 +220,11 @@ fn links(model: &Model) -> Columns {
             short(I[(0, 2)]),
             short(I[(1, 2)]),
             short(link.friction),
+            short(link.rolling_friction),
+            short(link.torsional_friction),
+            short(link.restitution),
+            poses[i].0.map(short).join(" "),
+            poses[i].1.map(short).join(" "),
             shapes.join(" "),
         ]);
     }
@@ -215,6 +294,7 @@ fn kind(kind: JointKind) -> &'static str {
 
 /// The same for other programs; numbers exact.
 pub fn json(model: &Model, table: &[Variable], with_variables: bool) -> Value {
+    let poses = poses(model);
     let mut value = json!({
         "robot": model.name,
         "base": if model.is_floating() { "floating" } else { "fixed" },
@@ -228,7 +308,11 @@ pub fn json(model: &Model, table: &[Variable], with_variables: bool) -> Value {
             "com": link.inertia.com.as_slice(),
             "inertia": matrix(&link.inertia.I_cm),
             "friction": link.friction,
+            "rolling_friction": link.rolling_friction,
+            "spinning_friction": link.torsional_friction,
             "restitution": link.restitution,
+            "position": poses[i].0,
+            "orientation_xyzw": poses[i].1,
             "collision": colliders(model, LinkId::from(i)),
         })).collect::<Vec<_>>(),
     });
@@ -241,15 +325,19 @@ pub fn json(model: &Model, table: &[Variable], with_variables: bool) -> Value {
 /// The 17 columns of `getJointInfo`, by PyBullet's names where FMI and URDF have none; frames are the URDF's: the
 /// joint's origin in its parent link, not in the parent's inertial frame.
 fn joint_json(model: &Model, index: usize, joint: &Joint) -> Value {
-    let body = joint.bodies.first().map(|b| &model.bodies[b.index()]);
-    let moving = body.filter(|_| joint.mimic.is_none());
+    let place = places(model, joint);
+    let actuator = model
+        .actuators
+        .iter()
+        .position(|a| a.joint.index() == index);
     let turn = quaternion_from_rotation(&joint.X_PJ.R);
     json!({
         "index": index,
         "name": joint.name,
         "type": kind(joint.kind),
-        "q_index": moving.map(|b| b.coordinate),
-        "v_index": moving.map(|b| b.dof.index()),
+        "q_index": place.map(|(q, _)| q),
+        "v_index": place.map(|(_, v)| v),
+        "flags": u8::from(actuator.is_some()),
         "mimic": joint.mimic.map(|m| json!({
             "joint": model.joints[m.joint.index()].name,
             "multiplier": m.multiplier,
@@ -267,8 +355,9 @@ fn joint_json(model: &Model, index: usize, joint: &Joint) -> Value {
         "origin_position": joint.X_PJ.p.as_slice(),
         "origin_orientation_xyzw": [turn.i, turn.j, turn.k, turn.w],
         "parent": model.links[joint.parent.index()].name,
-        "command": model.actuators.iter().find(|a| a.joint.index() == index)
-            .map(|a| format!("{:?}", a.mode).to_lowercase()),
+        "parent_index": joint.parent.index(),
+        "command": actuator.map(|a| format!("{:?}", model.actuators[a].mode).to_lowercase()),
+        "group": actuator.and_then(|a| group(model, a)),
     })
 }
 

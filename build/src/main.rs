@@ -11,6 +11,7 @@ mod diagnostics;
 mod documentation;
 mod identifier;
 mod info;
+mod init;
 mod library;
 mod license;
 mod sources;
@@ -19,6 +20,7 @@ mod structure;
 mod summary;
 
 mod units;
+mod xacro;
 
 use clap::Parser;
 use std::process::ExitCode;

@@ -9,7 +9,7 @@ use crate::describe::{self, DescribeError, Header};
 use crate::documentation::{self, Page, Remark};
 use crate::identifier::model_identifier;
 use crate::library::{self, Library};
-use crate::{license, sources};
+use crate::{license, sources, xacro};
 use sha2::{Digest, Sha256};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -19,7 +19,7 @@ use urdf2fmu_core::model::{ActuatorMode, Model};
 use urdf2fmu_core::prepared::{FILE_NAME, PreparedModel, PreparedModelError};
 use urdf2fmu_core::settings::{BaseChoice, InertiaSource, ModeChoice, Settings};
 use urdf2fmu_core::simulation::{Simulation, SimulationError};
-use urdf2fmu_core::urdf::{self, Diagnostic, ReadOptions};
+use urdf2fmu_core::urdf::{self, Description, Diagnostic, ReadOptions, Severity};
 use urdf2fmu_core::variables::{self, TableError, Variable};
 
 /// What a person asked for. What stands here wins over the settings file.
@@ -41,6 +41,8 @@ pub struct Request {
     pub flat_names: Option<bool>,
     /// Searched before those of the environment.
     pub package_paths: Vec<PathBuf>,
+    /// `name:=value`, for xacro.
+    pub xacro_arguments: Vec<String>,
 }
 
 /// A robot that is ready to simulate.
@@ -54,6 +56,10 @@ pub struct Robot {
     pub diagnostics: Vec<Diagnostic>,
     /// Files that it was read from: the URDF, its meshes, then the settings.
     pub sources: Vec<PathBuf>,
+    /// As asked for.
+    pub settings: Settings,
+    /// The URDF that a xacro file expands to; none for a URDF.
+    pub expanded: Option<String>,
 }
 
 /// An FMU, not yet on disk.
@@ -141,7 +147,7 @@ pub fn robot(request: &Request) -> Result<Robot, StageError> {
         .package_paths
         .splice(0..0, request.package_paths.iter().cloned());
 
-    let description = urdf::read(&request.urdf, &options).map_err(StageError::Robot)?;
+    let (description, expanded) = read(request, &options).map_err(StageError::Robot)?;
     let mut diagnostics = description.diagnostics.clone();
     let assembled = match assemble::build(&description, &settings) {
         Ok(assembled) => assembled,
@@ -159,7 +165,50 @@ pub fn robot(request: &Request) -> Result<Robot, StageError> {
         table,
         diagnostics,
         sources,
+        settings,
+        expanded,
     })
+}
+
+/// Reads the URDF, or what xacro makes of the file.
+fn read(
+    request: &Request,
+    options: &ReadOptions,
+) -> Result<(Description, Option<String>), Vec<Diagnostic>> {
+    let path = &request.urdf;
+    if !xacro::is_xacro(path) {
+        if let Some(argument) = request.xacro_arguments.first() {
+            return Err(vec![Diagnostic {
+                severity: Severity::Error,
+                code: "U006",
+                message: format!(
+                    "'{argument}' is an argument of xacro, '{}' is no xacro file",
+                    path.display()
+                ),
+                help: Some("leave it out, or give the .xacro file".to_owned()),
+                place: None,
+            }]);
+        }
+        return urdf::read(path, options).map(|description| (description, None));
+    }
+    let (text, note) = xacro::expand(path, &request.xacro_arguments, &options.package_paths)
+        .map_err(|finding| vec![*finding])?;
+    let folder = match path.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
+    };
+    let name = path.display().to_string();
+    match urdf::read_str(&text, &name, folder, options) {
+        Ok(mut description) => {
+            description.sources.insert(0, path.clone());
+            description.diagnostics.insert(0, note);
+            Ok((description, Some(text)))
+        }
+        Err(mut findings) => {
+            findings.insert(0, note);
+            Err(findings)
+        }
+    }
 }
 
 /// Makes an FMU of a robot, with the libraries of the platforms asked for, or of all that there are.
@@ -195,7 +244,7 @@ pub fn fmu(robot: &Robot, urdf: &Path, platforms: &[String]) -> Result<Fmu, Stag
         archive.add_executable(name, library.bytes)?;
     }
     archive.add(format!("resources/{FILE_NAME}"), prepared)?;
-    let names = add_sources(&mut archive, &robot.sources)?;
+    let names = add_sources(&mut archive, robot)?;
     let platforms: Vec<&str> = libraries.iter().map(|l| l.platform).collect();
     let page = Page {
         model_identifier: &model_identifier,
@@ -298,9 +347,14 @@ fn sentence(robot: &Robot) -> String {
 }
 
 /// Adds the robot's own files; gives their names below `resources/source/`.
-fn add_sources(archive: &mut Archive, paths: &[PathBuf]) -> Result<Vec<String>, StageError> {
+fn add_sources(archive: &mut Archive, robot: &Robot) -> Result<Vec<String>, StageError> {
+    let paths = &robot.sources;
     let mut contents = Vec::with_capacity(paths.len());
-    for path in paths {
+    for (i, path) in paths.iter().enumerate() {
+        if let (0, Some(expanded)) = (i, &robot.expanded) {
+            contents.push(expanded.clone().into_bytes());
+            continue;
+        }
         contents.push(std::fs::read(path).map_err(|source| StageError::Source {
             path: path.clone(),
             source,
@@ -309,7 +363,10 @@ fn add_sources(archive: &mut Archive, paths: &[PathBuf]) -> Result<Vec<String>, 
     let urdf = contents
         .first()
         .map(|c| String::from_utf8_lossy(c).into_owned());
-    let names = sources::layout(paths, &urdf.unwrap_or_default());
+    let mut names = sources::layout(paths, &urdf.unwrap_or_default());
+    if let (Some(name), Some(_)) = (names.first_mut(), &robot.expanded) {
+        *name = xacro::urdf_name(name);
+    }
     for (name, content) in names.iter().zip(contents) {
         archive.add(format!("resources/source/{name}"), content)?;
     }

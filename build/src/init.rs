@@ -1,0 +1,287 @@
+//! A settings file for the robot at hand, for people to edit.
+//!
+//! The file says what holds anyway: exporting with it, or with any of its `#key = value` lines made active, gives the
+//! same model. Keys and their meaning come from the table of keys, values from the assembled robot; lines that
+//! start with `# ` are prose.
+
+use std::fmt::Write as _;
+use urdf2fmu_core::model::{ActuatorMode, Joint, JointKind, LinkId, Model};
+use urdf2fmu_core::settings::keys::{KEYS, Key};
+use urdf2fmu_core::settings::{InertiaSource, Settings};
+use urdf2fmu_core::urdf::Diagnostic;
+
+/// What is written about.
+#[derive(Clone, Copy, Debug)]
+pub struct Subject<'r> {
+    /// As assembled.
+    pub model: &'r Model,
+    /// As asked for on the command line.
+    pub settings: &'r Settings,
+    /// Of assembly.
+    pub diagnostics: &'r [Diagnostic],
+    /// The URDF's name, for the heading.
+    pub urdf: &'r str,
+}
+
+/// The file.
+pub fn text(subject: &Subject) -> String {
+    let mut out = format!(
+        "# Settings of {}, for: urdf2fmu export {} -c THIS_FILE\n\
+         # Lines that start with # show what holds without them. Remove the # and change the value.\n",
+        subject.model.name, subject.urdf
+    );
+    robot(&mut out, subject);
+    for table in ["solver", "contact", "world", "world.ground"] {
+        defaults(&mut out, table);
+    }
+    initial(&mut out, subject);
+    actuators(&mut out, subject.model);
+    joints(&mut out, subject.model);
+    links(&mut out, subject.model);
+    outputs(&mut out, subject.model);
+    out
+}
+
+/// A TOML string.
+fn quoted(text: &str) -> String {
+    // JSON's escapes are a part of TOML's.
+    serde_json::Value::from(text).to_string()
+}
+
+/// Every digit.
+fn exact(value: f64) -> String {
+    format!("{value:?}")
+}
+
+fn list(values: &[f64]) -> String {
+    let values: Vec<String> = values.iter().map(|v| exact(*v)).collect();
+    format!("[{}]", values.join(", "))
+}
+
+/// Keys of the table at `path`, with their own names.
+fn keys_of(path: &str) -> impl Iterator<Item = (&'static Key, &'static str)> {
+    KEYS.iter().filter_map(move |key| {
+        let (table, name) = key.path.rsplit_once('.').unwrap_or(("", key.path));
+        (table == path).then_some((key, name))
+    })
+}
+
+/// What a key is for.
+fn about(path: &str) -> &'static str {
+    KEYS.iter()
+        .find(|key| key.path == path)
+        .map_or("", |key| key.about)
+}
+
+/// One line each: a key with what holds without it, or prose for a key that something else decides.
+fn defaults(out: &mut String, table: &str) {
+    _ = writeln!(out, "\n[{table}]");
+    for (key, name) in keys_of(table) {
+        match key.default {
+            Some(default) => _ = writeln!(out, "#{name} = {default}  # {}", key.about),
+            None if key.about.is_empty() => {}
+            None => _ = writeln!(out, "# {name}: {}", key.about),
+        }
+    }
+}
+
+/// A key that holds: active where the command line asked for it.
+fn choice(out: &mut String, table: &str, name: &str, value: &str, active: bool) {
+    let mark = if active { "" } else { "#" };
+    let about = about(&format!("{table}.{name}"));
+    _ = writeln!(out, "{mark}{name} = {value}  # {about}");
+}
+
+fn robot(out: &mut String, subject: &Subject) {
+    let (model, settings) = (subject.model, subject.settings);
+    let default = Settings::default();
+    out.push_str("\n[robot]\n");
+    let base = if model.is_floating() {
+        "floating"
+    } else {
+        "fixed"
+    };
+    choice(
+        out,
+        "robot",
+        "base",
+        &quoted(base),
+        settings.base != default.base,
+    );
+    #[expect(clippy::float_cmp, reason = "the default itself, or another number")]
+    let scaled = settings.scale != default.scale;
+    choice(out, "robot", "scale", &exact(settings.scale), scaled);
+    let inertia = match settings.inertia {
+        InertiaSource::Urdf => "urdf",
+        InertiaSource::Collision => "collision",
+    };
+    let active = settings.inertia != default.inertia;
+    choice(out, "robot", "inertia", &quoted(inertia), active);
+    out.push_str("\n[fmu]\n");
+    let naming = if settings.flat_names {
+        "flat"
+    } else {
+        "structured"
+    };
+    choice(out, "fmu", "naming", &quoted(naming), settings.flat_names);
+}
+
+fn initial(out: &mut String, subject: &Subject) {
+    let model = subject.model;
+    let initial = &model.initial;
+    out.push_str("\n[initial]\n");
+    // A root that stands for the world is placed itself, not the base that the model has.
+    let left_out = subject
+        .diagnostics
+        .iter()
+        .any(|d| d.code == "A107" && d.message.contains("left out"));
+    if left_out {
+        _ = writeln!(out, "# xyz, rpy: m and rad, where the root link is placed");
+    } else {
+        let xyz = list(initial.position.as_slice());
+        choice(out, "initial", "xyz", &xyz, false);
+        choice(out, "initial", "rpy", &list(initial.rpy.as_slice()), false);
+    }
+    if model.is_floating() {
+        let velocity = list(initial.linear_velocity.as_slice());
+        choice(out, "initial", "linear_velocity", &velocity, false);
+        let velocity = list(initial.angular_velocity.as_slice());
+        choice(out, "initial", "angular_velocity", &velocity, false);
+    }
+    let free: Vec<usize> = (0..model.joints.len())
+        .filter(|&j| is_scalar(&model.joints[j]) && model.joints[j].mimic.is_none())
+        .collect();
+    if free.is_empty() {
+        return;
+    }
+    for (table, values) in [
+        ("joints", &initial.joint_positions),
+        ("joint_velocities", &initial.joint_velocities),
+    ] {
+        let about = about(&format!("initial.{table}.*"));
+        _ = writeln!(out, "\n[initial.{table}]  # {about}");
+        for &j in &free {
+            let name = quoted(&model.joints[j].name);
+            _ = writeln!(out, "#{name} = {}", exact(values[j]));
+        }
+    }
+}
+
+fn is_scalar(joint: &Joint) -> bool {
+    matches!(
+        joint.kind,
+        JointKind::Revolute | JointKind::Continuous | JointKind::Prismatic
+    )
+}
+
+/// Prose about all keys of a table.
+fn legend(out: &mut String, table: &str) {
+    for (key, name) in keys_of(table) {
+        _ = writeln!(out, "# {name}: {}", key.about);
+    }
+}
+
+fn actuators(out: &mut String, model: &Model) {
+    if model.actuators.is_empty() {
+        return;
+    }
+    out.push_str("\n# What is commanded. A glob such as \"left_*\" means several joints.\n");
+    legend(out, "actuator[]");
+    for actuator in &model.actuators {
+        let joint = &model.joints[actuator.joint.index()];
+        let mode = match actuator.mode {
+            ActuatorMode::Velocity => "velocity",
+            ActuatorMode::Position => "position",
+            ActuatorMode::Effort => "effort",
+            ActuatorMode::Pd => "pd",
+        };
+        _ = writeln!(
+            out,
+            "[[actuator]]\njoint = {}\nmode = {}",
+            quoted(&joint.name),
+            quoted(mode)
+        );
+        if actuator.mode != ActuatorMode::Effort {
+            _ = writeln!(out, "max_effort = {}", exact(actuator.max_effort));
+        }
+        if actuator.mode == ActuatorMode::Pd {
+            _ = writeln!(out, "#kp = {}", exact(actuator.kp));
+            _ = writeln!(out, "#kd = {}", exact(actuator.kd));
+        }
+    }
+}
+
+fn joints(out: &mut String, model: &Model) {
+    let mut scalar = model
+        .joints
+        .iter()
+        .filter(|joint| is_scalar(joint))
+        .peekable();
+    if scalar.peek().is_none() {
+        return;
+    }
+    out.push_str("\n# Joints. Globs do here, too.\n");
+    legend(out, "joint.*");
+    for joint in scalar {
+        _ = writeln!(out, "[joint.{}]", quoted(&joint.name));
+        _ = writeln!(out, "#damping = {}", exact(joint.damping));
+        _ = writeln!(out, "#friction = {}", exact(joint.friction));
+        _ = writeln!(out, "#armature = {}", exact(joint.armature));
+        if let Some(limits) = joint.limits {
+            let (lower, upper) = (exact(limits.lower), exact(limits.upper));
+            _ = writeln!(out, "#limits = {{ lower = {lower}, upper = {upper} }}");
+        }
+        for (name, value) in [("effort", joint.effort), ("velocity", joint.velocity)] {
+            if let Some(value) = value {
+                _ = writeln!(out, "#{name} = {}", exact(value));
+            }
+        }
+    }
+}
+
+fn links(out: &mut String, model: &Model) {
+    out.push_str("\n# Links. Globs do here, too.\n");
+    legend(out, "link.*");
+    for (l, link) in model.links.iter().enumerate() {
+        let shaped = model.colliders.iter().any(|c| c.link == LinkId::from(l));
+        if !shaped && link.inertia.mass <= 0.0 {
+            continue;
+        }
+        _ = writeln!(out, "[link.{}]", quoted(&link.name));
+        if shaped {
+            _ = writeln!(out, "#friction = {}", exact(link.friction));
+            _ = writeln!(out, "#restitution = {}", exact(link.restitution));
+        }
+        if link.inertia.mass > 0.0 {
+            _ = writeln!(out, "#mass = {}", exact(link.inertia.mass));
+        }
+    }
+}
+
+fn outputs(out: &mut String, model: &Model) {
+    let names: Vec<String> = model
+        .outputs
+        .contacts
+        .iter()
+        .map(|l| quoted(&model.links[l.index()].name))
+        .collect();
+    out.push_str("\n[outputs]\n");
+    let contacts = if names.is_empty() {
+        quoted("none")
+    } else {
+        format!("[{}]", names.join(", "))
+    };
+    choice(out, "outputs", "contacts", &contacts, false);
+    choice(out, "outputs", "links", "[]", false);
+    let link = quoted(&model.links[0].name);
+    out.push_str("\n# More inputs and outputs, as wanted:\n");
+    _ = writeln!(out, "# [[external_wrench]]\n# link = {link}");
+    _ = writeln!(out, "# [[sensor]]\n# type = \"imu\"\n# link = {link}");
+    if let Some(joint) = model.joints.last() {
+        let joint = quoted(&joint.name);
+        _ = writeln!(out, "# [[sensor]]\n# type = \"ft\"\n# joint = {joint}");
+    }
+    if model.actuators.len() > 1 {
+        out.push_str("# [[group]]\n# name = \"drive\"\n# joints = [\"*_wheel_joint\"]\n");
+    }
+}
