@@ -256,6 +256,23 @@ pub fn folders(path: &Path, parent: &str) -> Result<Vec<String>, ArchiveError> {
     Ok(folders.into_iter().collect())
 }
 
+/// Unpacks a zip into `folder`. Names that lead out of it are errors.
+///
+/// # Errors
+/// [`ArchiveError::Io`], [`ArchiveError::Unpack`].
+pub fn unpack(path: &Path, folder: &Path) -> Result<(), ArchiveError> {
+    let file = std::fs::File::open(path).map_err(|source| ArchiveError::Io {
+        doing: "read",
+        path: path.to_owned(),
+        source,
+    })?;
+    let unpacked = zip::ZipArchive::new(file).and_then(|mut zip| zip.extract(folder));
+    unpacked.map_err(|source| ArchiveError::Unpack {
+        path: path.to_owned(),
+        source,
+    })
+}
+
 /// Whether `name` stays inside the folder that it is unpacked in, on every system.
 fn is_safe(name: &str) -> bool {
     !name.is_empty()

@@ -9,6 +9,7 @@
 )]
 
 use crate::diagnostics::{self, Style};
+use crate::importer::run::{self, Experiment, RunError};
 use crate::stage::{self, Request, Robot, StageError};
 use crate::{archive, info, init, library, summary};
 use clap::{Args, Parser, Subcommand, ValueEnum};
@@ -44,6 +45,12 @@ enum Command {
     /// Write commented settings for a robot, which change nothing until they are edited
     #[command(after_help = "Example: urdf2fmu init rover.urdf > rover.toml")]
     Init(Init),
+    /// Simulate an FMU, or a robot by way of its FMU, as an importer does
+    #[command(
+        after_help = "Example: urdf2fmu simulate rover.fmu --start-value cmd.left_front_wheel_joint.velocity 5 \
+                      --stop-time 2 --output-file rover.csv"
+    )]
+    Simulate(Simulate),
 }
 
 /// How a robot is read.
@@ -176,6 +183,43 @@ struct Init {
     source: Source,
 }
 
+#[derive(Debug, Args)]
+struct Simulate {
+    /// A URDF or an FMU
+    #[arg(value_name = "ROBOT.urdf|ROBOT.fmu")]
+    file: PathBuf,
+    /// Inputs over time: CSV, `time` first, then inputs by name; straight lines between the rows
+    #[arg(long, value_name = "FILE.csv")]
+    input_file: Option<PathBuf>,
+    /// Where the results go, as CSV [default: standard output]
+    #[arg(long, value_name = "FILE.csv")]
+    output_file: Option<PathBuf>,
+    /// Sets a parameter or an input at the start; may be repeated
+    #[arg(long, num_args = 2, value_names = ["NAME", "VALUE"], action = clap::ArgAction::Append,
+          allow_negative_numbers = true)]
+    start_value: Vec<String>,
+    /// s [default: the FMU's]
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    start_time: Option<f64>,
+    /// s [default: the FMU's]
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    stop_time: Option<f64>,
+    /// Communication step, s [default: the FMU's]
+    #[arg(long, value_name = "S")]
+    output_interval: Option<f64>,
+    /// Relative tolerance [default: the FMU's]
+    #[arg(long, value_name = "TOL")]
+    tolerance: Option<f64>,
+    /// Tell the FMU the slopes of its inputs, too: they then change within the steps
+    #[arg(long)]
+    set_input_derivatives: bool,
+    /// Print what the FMU has to say about its steps
+    #[arg(long)]
+    debug_logging: bool,
+    #[command(flatten)]
+    source: Source,
+}
+
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Deny {
     /// Findings that are legal but suspicious
@@ -220,6 +264,12 @@ pub enum CliError {
     /// `init -c`.
     #[error("init writes new settings: leave -c out")]
     InitFromSettings,
+    /// The simulation of an FMU.
+    #[error(transparent)]
+    Run(#[from] RunError),
+    /// A folder to unpack an FMU in.
+    #[error("cannot make a temporary folder: {0}")]
+    Temporary(std::io::Error),
     /// A zip of somebody else.
     #[error("'{}' was not made by urdf2fmu: it has no resources/{FILE_NAME}", path.display())]
     ForeignFmu {
@@ -234,6 +284,8 @@ impl CliError {
         match self {
             Self::Stage(StageError::Platform { .. }) | Self::InitFromSettings => 2,
             Self::Stage(StageError::Trial(_)) => 3,
+            Self::Run(error) if error.is_simulation() => 3,
+            Self::Run(error) if error.is_usage() => 2,
             _ => 1,
         }
     }
@@ -296,6 +348,7 @@ impl Cli {
             Command::Info(args) => show(args),
             Command::Check(args) => check(args),
             Command::Init(args) => init(args),
+            Command::Simulate(args) => simulate(args),
         }
     }
 }
@@ -323,11 +376,7 @@ fn export(args: &Export) -> Result<(), CliError> {
 }
 
 fn show(args: &Info) -> Result<(), CliError> {
-    let is_fmu = args
-        .file
-        .extension()
-        .is_some_and(|e| e.eq_ignore_ascii_case("fmu"));
-    let (model, table, platforms) = if is_fmu {
+    let (model, table, platforms) = if is_fmu(&args.file) {
         let path = args.file.clone();
         let Some(bytes) = archive::read_entry(&path, &format!("resources/{FILE_NAME}"))? else {
             return Err(CliError::ForeignFmu { path });
@@ -408,6 +457,58 @@ fn check(args: &Check) -> Result<(), CliError> {
         summary: format!("{}: {}", args.urdf.display(), tally.unwrap_or_default()),
         findings: if args.json { Vec::new() } else { findings },
     })
+}
+
+fn simulate(args: &Simulate) -> Result<(), CliError> {
+    let folder = tempfile::Builder::new()
+        .prefix("urdf2fmu-")
+        .tempdir()
+        .map_err(CliError::Temporary)?;
+    let fmu = if is_fmu(&args.file) {
+        args.file.clone()
+    } else {
+        let robot = stage::robot(&args.source.request(&args.file))?;
+        print_findings(&robot.diagnostics, Severity::Warning);
+        let path = folder.path().join("robot.fmu");
+        archive::write_file(&path, &stage::fmu(&robot, &args.file, &[])?.bytes)?;
+        path
+    };
+    let unpacked = folder.path().join("fmu");
+    archive::unpack(&fmu, &unpacked)?;
+    let pairs = args.start_value.chunks_exact(2);
+    let outcome = run::simulate(
+        &unpacked,
+        &Experiment {
+            start_time: args.start_time,
+            stop_time: args.stop_time,
+            output_interval: args.output_interval,
+            tolerance: args.tolerance,
+            start_values: pairs.map(|p| (p[0].clone(), p[1].clone())).collect(),
+            inputs: args.input_file.clone(),
+            slopes: args.set_input_derivatives,
+            debug_logging: args.debug_logging,
+        },
+    )?;
+    // What was reached is of use even if the end was not.
+    let text = outcome.table.to_text();
+    match &args.output_file {
+        Some(path) => archive::write_file(path, text.as_bytes())?,
+        None => print(&text),
+    }
+    for (status, message) in &outcome.messages {
+        let word = match status {
+            0 => "note",
+            1 => "warning",
+            _ => "error",
+        };
+        eprintln!("{word}: {message}");
+    }
+    outcome.failure.map_or(Ok(()), |error| Err(error.into()))
+}
+
+fn is_fmu(path: &Path) -> bool {
+    path.extension()
+        .is_some_and(|e| e.eq_ignore_ascii_case("fmu"))
 }
 
 /// Prints findings that are at least as bad as `least`.

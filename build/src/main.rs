@@ -1,7 +1,8 @@
 //! The `urdf2fmu` command: any URDF robot in, a Functional Mock-up Unit out.
 //!
 //! `main` only prints errors and maps them to exit codes; [`cli`] says what can be asked for, [`stage`] makes the FMU.
-#![forbid(unsafe_code)]
+//! The one module with unsafe code is `importer::library`, which calls the C functions of an FMU.
+#![deny(unsafe_code)]
 
 mod archive;
 mod cli;
@@ -10,6 +11,7 @@ mod describe;
 mod diagnostics;
 mod documentation;
 mod identifier;
+mod importer;
 mod info;
 mod init;
 mod library;

@@ -30,6 +30,12 @@ def example_robots() -> Path:
 
 
 @pytest.fixture(scope="session")
+def examples() -> Path:
+    """Folder of our own example robots."""
+    return Path(__file__).resolve().parents[2] / "examples"
+
+
+@pytest.fixture(scope="session")
 def command():
     """Runs the `urdf2fmu` command and returns the finished process, whatever its exit code."""
 

@@ -1,0 +1,265 @@
+//! Tables of numbers as comma-separated text: a row of names, `time` first, then one row a time.
+//!
+//! Written as `FMPy` writes them: quoted names, the shortest digits that read back to the same number. Read with or
+//! without quotes; Boolean values may be `true` and `false`, too, and are written as 1 and 0.
+
+use std::fmt::Write as _;
+
+/// A table in columns.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Table {
+    /// Names of the columns, `time` first.
+    pub names: Vec<String>,
+    /// Rows; each has as many numbers as there are names.
+    pub rows: Vec<Vec<f64>>,
+}
+
+/// What is wrong with a file, and where.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum CsvError {
+    /// Nothing in it.
+    #[error("it is empty; the first line names the columns: time,<input>,…")]
+    Empty,
+    /// The first column.
+    #[error("line 1: the first column must be 'time', not '{found}'")]
+    NoTime {
+        /// As written.
+        found: String,
+    },
+    /// A column twice.
+    #[error("line 1, column {column}: '{name}' stands there twice")]
+    Twice {
+        /// From 1.
+        column: usize,
+        /// Which.
+        name: String,
+    },
+    /// A row that is too short or too long.
+    #[error("line {line}: {found} values, but line 1 names {expected} columns")]
+    Width {
+        /// From 1.
+        line: usize,
+        /// Values.
+        found: usize,
+        /// Names.
+        expected: usize,
+    },
+    /// Not a finite number.
+    #[error("line {line}, column {column} ('{name}'): '{text}' is no finite number")]
+    Number {
+        /// From 1.
+        line: usize,
+        /// From 1.
+        column: usize,
+        /// Of the column.
+        name: String,
+        /// As written.
+        text: String,
+    },
+    /// Times that go back.
+    #[error("line {line}: time {time} s comes after {before} s; times must not go back")]
+    Back {
+        /// From 1.
+        line: usize,
+        /// s
+        time: f64,
+        /// s
+        before: f64,
+    },
+    /// Names alone.
+    #[error("it has no values: line 1 must be followed by at least one row")]
+    NoRows,
+}
+
+impl Table {
+    /// Reads a table.
+    ///
+    /// # Errors
+    /// [`CsvError`] with line and column.
+    pub fn parse(text: &str) -> Result<Self, CsvError> {
+        let text = text.trim_start_matches('\u{feff}');
+        let mut lines = text.lines().enumerate();
+        let (_, header) = lines.next().ok_or(CsvError::Empty)?;
+        let names: Vec<String> = header.split(',').map(unquoted).collect();
+        if names[0] != "time" {
+            let found = names[0].clone();
+            return Err(if found.is_empty() {
+                CsvError::Empty
+            } else {
+                CsvError::NoTime { found }
+            });
+        }
+        for (index, name) in names.iter().enumerate() {
+            if names[..index].contains(name) {
+                let (column, name) = (index + 1, name.clone());
+                return Err(CsvError::Twice { column, name });
+            }
+        }
+        let mut rows: Vec<Vec<f64>> = Vec::new();
+        for (index, text) in lines {
+            let line = index + 1;
+            if text.trim().is_empty() {
+                continue;
+            }
+            let cells: Vec<&str> = text.split(',').collect();
+            if cells.len() != names.len() {
+                let (found, expected) = (cells.len(), names.len());
+                return Err(CsvError::Width {
+                    line,
+                    found,
+                    expected,
+                });
+            }
+            let mut row = Vec::with_capacity(cells.len());
+            for (column, (cell, name)) in cells.iter().zip(&names).enumerate() {
+                row.push(number(cell).ok_or_else(|| CsvError::Number {
+                    line,
+                    column: column + 1,
+                    name: name.clone(),
+                    text: cell.trim().to_owned(),
+                })?);
+            }
+            if let Some(before) = rows.last().map(|row| row[0]).filter(|&t| row[0] < t) {
+                let time = row[0];
+                return Err(CsvError::Back { line, time, before });
+            }
+            rows.push(row);
+        }
+        if rows.is_empty() {
+            return Err(CsvError::NoRows);
+        }
+        Ok(Self { names, rows })
+    }
+
+    /// As text.
+    pub fn to_text(&self) -> String {
+        let names: Vec<String> = self
+            .names
+            .iter()
+            .map(|name| format!("\"{name}\""))
+            .collect();
+        let mut text = names.join(",") + "\n";
+        for row in &self.rows {
+            for (column, value) in row.iter().enumerate() {
+                if column > 0 {
+                    text.push(',');
+                }
+                write_number(&mut text, *value);
+            }
+            text.push('\n');
+        }
+        text
+    }
+}
+
+fn unquoted(cell: &str) -> String {
+    let cell = cell.trim();
+    let inner = cell.strip_prefix('"').and_then(|c| c.strip_suffix('"'));
+    inner.unwrap_or(cell).to_owned()
+}
+
+fn number(cell: &str) -> Option<f64> {
+    let text = cell.trim();
+    if text.eq_ignore_ascii_case("true") {
+        return Some(1.0);
+    }
+    if text.eq_ignore_ascii_case("false") {
+        return Some(0.0);
+    }
+    text.parse().ok().filter(|x: &f64| x.is_finite())
+}
+
+/// The shortest digits that read back to `value`, as Python writes them: `0.1`, `1e-05`, `1.5e+16`.
+fn write_number(text: &mut String, value: f64) {
+    let scientific = format!("{value:e}");
+    let exponent = scientific
+        .split_once('e')
+        .and_then(|(digits, power)| Some((digits, power.parse::<i32>().ok()?)));
+    let written = match exponent {
+        Some((digits, power)) if value != 0.0 && !(-4..16).contains(&power) => {
+            let sign = if power < 0 { '-' } else { '+' };
+            write!(text, "{digits}e{sign}{:02}", power.abs())
+        }
+        _ => write!(text, "{value:?}"),
+    };
+    // Writing to a string does not fail.
+    debug_assert!(written.is_ok());
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Python 3.11: `[str(x) for x in …]`.
+    #[test]
+    fn numbers_are_written_as_python_writes_them() {
+        for (value, expected) in [
+            (0.0, "0.0"),
+            (-0.0, "-0.0"),
+            (1.0, "1.0"),
+            (0.1, "0.1"),
+            (1.0 / 3.0, "0.3333333333333333"),
+            (1e-4, "0.0001"),
+            (1e-5, "1e-05"),
+            (1.25e-7, "1.25e-07"),
+            (1e15, "1000000000000000.0"),
+            (1e16, "1e+16"),
+            (-1.5e300, "-1.5e+300"),
+            (5e-324, "5e-324"),
+        ] {
+            let mut text = String::new();
+            write_number(&mut text, value);
+            assert_eq!(text, expected);
+        }
+    }
+
+    #[test]
+    fn a_written_table_reads_back_to_the_same_bits() {
+        let table = Table {
+            names: vec!["time".into(), "a.b[1]".into()],
+            rows: vec![vec![0.0, 1.0 / 3.0], vec![0.1, -2e-300], vec![0.1, 5e22]],
+        };
+        assert!(
+            table
+                .to_text()
+                .starts_with("\"time\",\"a.b[1]\"\n0.0,0.3333333333333333\n")
+        );
+        assert_eq!(Table::parse(&table.to_text()), Ok(table));
+    }
+
+    #[test]
+    fn spaces_quotes_line_ends_and_booleans_of_others_are_read() {
+        let text = "\u{feff}\"time\", on ,x\r\n0,True,1\r\n1,false,+2.5E1\r\n\r\n";
+        let table = Table::parse(text).expect("legal");
+        assert_eq!(table.names, ["time", "on", "x"]);
+        assert_eq!(table.rows, [[0.0, 1.0, 1.0], [1.0, 0.0, 25.0]]);
+    }
+
+    #[test]
+    fn faults_are_told_with_line_and_column() {
+        let message = |text: &str| Table::parse(text).expect_err("faulty").to_string();
+        assert!(message("").contains("empty"));
+        assert_eq!(
+            message("t,x\n0,1"),
+            "line 1: the first column must be 'time', not 't'"
+        );
+        assert_eq!(
+            message("time,x,x\n0,1,1"),
+            "line 1, column 3: 'x' stands there twice"
+        );
+        assert_eq!(
+            message("time,x\n0,1\n1"),
+            "line 3: 1 values, but line 1 names 2 columns"
+        );
+        assert_eq!(
+            message("time,x\n0,1\n1,nan"),
+            "line 3, column 2 ('x'): 'nan' is no finite number"
+        );
+        assert_eq!(
+            message("time,x\n1,1\n0.5,2"),
+            "line 3: time 0.5 s comes after 1 s; times must not go back"
+        );
+        assert!(message("time,x\n").contains("no values"));
+    }
+}

@@ -1,0 +1,283 @@
+//! What an importer needs of modelDescription.xml.
+
+use quick_xml::events::{BytesStart, Event};
+use quick_xml::{Reader, XmlVersion};
+
+/// What an importer needs to know of an FMU.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Description {
+    /// Identifies the FMU.
+    pub guid: String,
+    /// File name of the library.
+    pub model_identifier: String,
+    /// Whether fmi2SetRealInputDerivatives has an effect.
+    pub can_interpolate_inputs: bool,
+    /// Whether steps of any length are possible.
+    pub variable_step: bool,
+    /// s
+    pub start_time: Option<f64>,
+    /// s
+    pub stop_time: Option<f64>,
+    /// Relative tolerance.
+    pub tolerance: Option<f64>,
+    /// s
+    pub step_size: Option<f64>,
+    /// In the order of the file.
+    pub variables: Vec<Variable>,
+}
+
+/// A variable.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Variable {
+    /// As written.
+    pub name: String,
+    /// Handle.
+    pub value_reference: u32,
+    /// Type.
+    pub kind: Kind,
+    /// Causality, as written; `local` where nothing is.
+    pub causality: String,
+    /// Variability, as written; `continuous` where nothing is.
+    pub variability: String,
+    /// `initial`, as written.
+    pub initial: String,
+}
+
+/// Type of a variable.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// `Real`
+    Real,
+    /// `Integer` and `Enumeration`
+    Integer,
+    /// `Boolean`
+    Boolean,
+    /// `String`: not simulated.
+    Text,
+}
+
+impl Variable {
+    /// Whether it is an input.
+    pub fn is_input(&self) -> bool {
+        self.causality == "input"
+    }
+
+    /// Whether it may be set before or during initialisation.
+    pub fn can_start(&self) -> bool {
+        self.is_input()
+            || self.variability != "constant" && matches!(self.initial.as_str(), "exact" | "approx")
+            || self.causality == "parameter"
+    }
+}
+
+/// Why a description cannot be used.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum DescriptionError {
+    /// No XML.
+    #[error("modelDescription.xml cannot be read: {0}")]
+    Xml(String),
+    /// Another version of the standard.
+    #[error("the FMU is for FMI {found}; only FMI 2.0 can be simulated here")]
+    Version {
+        /// As written.
+        found: String,
+    },
+    /// Not for co-simulation.
+    #[error("the FMU is not for co-simulation: modelDescription.xml has no <CoSimulation>")]
+    ModelExchange,
+    /// An attribute.
+    #[error("modelDescription.xml: <{element}> has no valid '{attribute}'")]
+    Attribute {
+        /// Of which element.
+        element: String,
+        /// Which.
+        attribute: &'static str,
+    },
+}
+
+impl Description {
+    /// Reads modelDescription.xml.
+    ///
+    /// # Errors
+    /// [`DescriptionError`] if it is not that of an FMI 2.0 co-simulation FMU.
+    pub fn parse(text: &str) -> Result<Self, DescriptionError> {
+        let mut reader = Reader::from_str(text);
+        let mut description = Self::default();
+        let mut co_simulation = false;
+        // The variable whose type is still to come.
+        let mut pending: Option<Variable> = None;
+        loop {
+            let event = reader.read_event().map_err(|error| {
+                DescriptionError::Xml(format!("{error}, at byte {}", reader.error_position()))
+            })?;
+            let element = match event {
+                Event::Eof => break,
+                Event::Start(element) | Event::Empty(element) => element,
+                _ => continue,
+            };
+            let name = element.name().as_ref().to_owned();
+            let attributes = Attributes::read(&element, &name)?;
+            match name.as_str() {
+                "fmiModelDescription" => {
+                    let found = attributes.text("fmiVersion").unwrap_or_default();
+                    if found != "2.0" {
+                        return Err(DescriptionError::Version { found });
+                    }
+                    description.guid = attributes.required("guid")?;
+                }
+                "CoSimulation" => {
+                    co_simulation = true;
+                    description.model_identifier = attributes.required("modelIdentifier")?;
+                    description.can_interpolate_inputs = attributes.flag("canInterpolateInputs");
+                    description.variable_step =
+                        attributes.flag("canHandleVariableCommunicationStepSize");
+                }
+                "DefaultExperiment" => {
+                    description.start_time = attributes.number("startTime")?;
+                    description.stop_time = attributes.number("stopTime")?;
+                    description.tolerance = attributes.number("tolerance")?;
+                    description.step_size = attributes.number("stepSize")?;
+                }
+                "ScalarVariable" => {
+                    let value_reference = attributes.required("valueReference")?;
+                    let or = |text: Option<String>, other: &str| text.unwrap_or(other.to_owned());
+                    pending = Some(Variable {
+                        name: attributes.required("name")?,
+                        value_reference: value_reference
+                            .parse()
+                            .map_err(|_| attributes.bad("valueReference"))?,
+                        kind: Kind::Real,
+                        causality: or(attributes.text("causality"), "local"),
+                        variability: or(attributes.text("variability"), "continuous"),
+                        initial: attributes.text("initial").unwrap_or_default(),
+                    });
+                }
+                "Real" | "Integer" | "Enumeration" | "Boolean" | "String" => {
+                    // Outside of a variable it is a type definition.
+                    if let Some(mut variable) = pending.take() {
+                        variable.kind = match name.as_str() {
+                            "Real" => Kind::Real,
+                            "Boolean" => Kind::Boolean,
+                            "String" => Kind::Text,
+                            _ => Kind::Integer,
+                        };
+                        description.variables.push(variable);
+                    }
+                }
+                _ => {}
+            }
+        }
+        if description.guid.is_empty() {
+            let message = "it has no <fmiModelDescription>".to_owned();
+            return Err(DescriptionError::Xml(message));
+        }
+        if !co_simulation {
+            return Err(DescriptionError::ModelExchange);
+        }
+        Ok(description)
+    }
+
+    /// The variable of that name.
+    pub fn find(&self, name: &str) -> Option<&Variable> {
+        self.variables.iter().find(|v| v.name == name)
+    }
+}
+
+/// Attributes of one element.
+struct Attributes {
+    element: String,
+    pairs: Vec<(String, String)>,
+}
+
+impl Attributes {
+    fn read(element: &BytesStart, name: &str) -> Result<Self, DescriptionError> {
+        let mut pairs = Vec::new();
+        for attribute in element.attributes() {
+            let wrong = |error: String| DescriptionError::Xml(format!("in <{name}>: {error}"));
+            let attribute = attribute.map_err(|error| wrong(error.to_string()))?;
+            let value = attribute
+                .normalized_value(XmlVersion::Implicit1_0)
+                .map_err(|error| wrong(error.to_string()))?;
+            let key = attribute.key.as_ref().to_owned();
+            pairs.push((key, value.into_owned()));
+        }
+        Ok(Self {
+            element: name.to_owned(),
+            pairs,
+        })
+    }
+
+    fn text(&self, key: &str) -> Option<String> {
+        let pair = self.pairs.iter().find(|(name, _)| name == key);
+        pair.map(|(_, value)| value.clone())
+    }
+
+    fn bad(&self, attribute: &'static str) -> DescriptionError {
+        DescriptionError::Attribute {
+            element: self.element.clone(),
+            attribute,
+        }
+    }
+
+    fn required(&self, key: &'static str) -> Result<String, DescriptionError> {
+        self.text(key).ok_or_else(|| self.bad(key))
+    }
+
+    fn flag(&self, key: &str) -> bool {
+        matches!(self.text(key).as_deref(), Some("true" | "1"))
+    }
+
+    fn number(&self, key: &'static str) -> Result<Option<f64>, DescriptionError> {
+        let parse = |text: String| text.trim().parse().map_err(|_| self.bad(key));
+        self.text(key).map(parse).transpose()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TEXT: &str = r#"<?xml version="1.0"?>
+<fmiModelDescription fmiVersion="2.0" modelName="m" guid="{&lt;1&gt;}">
+  <CoSimulation modelIdentifier="m" canHandleVariableCommunicationStepSize="true"/>
+  <TypeDefinitions><SimpleType name="T"><Real unit="m"/></SimpleType></TypeDefinitions>
+  <DefaultExperiment stopTime="2.5" tolerance="1e-4"/>
+  <ModelVariables>
+    <ScalarVariable name="u" valueReference="7" causality="input"><Real start="0"/></ScalarVariable>
+    <ScalarVariable name="on" valueReference="8" causality="output" variability="discrete"><Boolean/></ScalarVariable>
+  </ModelVariables>
+</fmiModelDescription>"#;
+
+    #[test]
+    fn variables_keep_their_order_and_type_definitions_are_none() {
+        let description = Description::parse(TEXT).expect("FMI 2.0");
+        assert_eq!(description.guid, "{<1>}");
+        assert_eq!(
+            (description.stop_time, description.step_size),
+            (Some(2.5), None)
+        );
+        assert!(description.variable_step && !description.can_interpolate_inputs);
+        let names: Vec<_> = description
+            .variables
+            .iter()
+            .map(|v| (v.name.as_str(), v.value_reference, v.kind))
+            .collect();
+        assert_eq!(names, [("u", 7, Kind::Real), ("on", 8, Kind::Boolean)]);
+    }
+
+    #[test]
+    fn what_cannot_be_simulated_is_told() {
+        let message = |from: &str, to: &str| {
+            let text = TEXT.replacen(from, to, 1);
+            assert_ne!(text, TEXT);
+            Description::parse(&text)
+                .expect_err("not simulated")
+                .to_string()
+        };
+        assert!(message("fmiVersion=\"2.0\"", "fmiVersion=\"3.0\"").contains("FMI 3.0"));
+        assert!(message("CoSimulation", "ModelExchange").contains("co-simulation"));
+        assert!(message("valueReference=\"7\"", "valueReference=\"x\"").contains("valueReference"));
+        assert!(message("</ModelVariables>", "</Model>").contains("cannot be read"));
+    }
+}

@@ -1,0 +1,406 @@
+//! The C functions of an FMU's library: the only unsafe code of this package.
+//!
+//! What is safe to call is [`Slave`]: it owns the library and one instance of it, knows which arrays belong to which
+//! function, and frees both in the right order.
+#![allow(unsafe_code, reason = "loads a library and calls its C functions")]
+
+use libloading::Library;
+use std::cell::RefCell;
+use std::ffi::{CStr, CString, c_char, c_int, c_uint, c_void};
+use std::path::Path;
+
+type Component = *mut c_void;
+
+/// `fmi2CallbackFunctions`. The logger is declared variadic in the standard; its named arguments arrive all the same in
+/// a function without the dots, on every platform that this program is built for.
+#[repr(C)]
+struct Callbacks {
+    logger: unsafe extern "C" fn(*mut c_void, *const c_char, c_int, *const c_char, *const c_char),
+    allocate: unsafe extern "C" fn(usize, usize) -> *mut c_void,
+    free: unsafe extern "C" fn(*mut c_void),
+    step_finished: *const c_void,
+    environment: *mut c_void,
+}
+
+/// What an FMU has said.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Message {
+    /// `fmi2Status`
+    pub status: i32,
+    /// As the FMU calls it.
+    pub category: String,
+    /// printf's `%%` and FMI's `##` resolved; arguments that were to be put in are not known here.
+    pub text: String,
+}
+
+/// Why an FMU's functions cannot be used.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum LibraryError {
+    /// No library that this system loads.
+    #[error("cannot load '{path}': {source}")]
+    Load {
+        /// The file.
+        path: String,
+        /// Why.
+        source: libloading::Error,
+    },
+    /// A function is missing.
+    #[error("the library does not export {name}")]
+    Missing {
+        /// As in the standard.
+        name: &'static str,
+    },
+    /// No instance.
+    #[error("fmi2Instantiate failed{said}")]
+    Instantiate {
+        /// What it logged, if anything.
+        said: String,
+    },
+    /// A function failed.
+    #[error("{function} returned {status}{said}")]
+    Status {
+        /// As in the standard.
+        function: &'static str,
+        /// `fmi2Error` …
+        status: &'static str,
+        /// What it logged, if anything.
+        said: String,
+    },
+}
+
+macro_rules! functions {
+    ($($name:ident: $symbol:literal, fn($($argument:ty),*) -> $result:ty;)*) => {
+        struct Functions { $($name: unsafe extern "C" fn($($argument),*) -> $result,)* }
+
+        impl Functions {
+            /// # Safety
+            /// The library's functions are those of FMI 2.0.
+            unsafe fn find(library: &Library) -> Result<Self, LibraryError> {
+                Ok(Self { $($name: {
+                    // SAFETY: the caller's promise gives the function its type.
+                    let symbol = unsafe { library.get(concat!($symbol, "\0").as_bytes()) };
+                    *symbol.map_err(|_| LibraryError::Missing { name: $symbol })?
+                },)* })
+            }
+        }
+    };
+}
+
+functions! {
+    instantiate: "fmi2Instantiate",
+        fn(*const c_char, c_int, *const c_char, *const c_char, *const Callbacks, c_int, c_int) -> Component;
+    free: "fmi2FreeInstance", fn(Component) -> ();
+    setup: "fmi2SetupExperiment", fn(Component, c_int, f64, f64, c_int, f64) -> c_int;
+    enter: "fmi2EnterInitializationMode", fn(Component) -> c_int;
+    exit: "fmi2ExitInitializationMode", fn(Component) -> c_int;
+    terminate: "fmi2Terminate", fn(Component) -> c_int;
+    get_real: "fmi2GetReal", fn(Component, *const c_uint, usize, *mut f64) -> c_int;
+    get_integer: "fmi2GetInteger", fn(Component, *const c_uint, usize, *mut c_int) -> c_int;
+    get_boolean: "fmi2GetBoolean", fn(Component, *const c_uint, usize, *mut c_int) -> c_int;
+    set_real: "fmi2SetReal", fn(Component, *const c_uint, usize, *const f64) -> c_int;
+    set_integer: "fmi2SetInteger", fn(Component, *const c_uint, usize, *const c_int) -> c_int;
+    set_boolean: "fmi2SetBoolean", fn(Component, *const c_uint, usize, *const c_int) -> c_int;
+    set_derivatives: "fmi2SetRealInputDerivatives",
+        fn(Component, *const c_uint, usize, *const c_int, *const f64) -> c_int;
+    do_step: "fmi2DoStep", fn(Component, f64, f64, c_int) -> c_int;
+    real_status: "fmi2GetRealStatus", fn(Component, c_int, *mut f64) -> c_int;
+}
+
+/// `fmi2OK`, `fmi2Warning`
+const LAST_GOOD: c_int = 1;
+/// `fmi2Discard`
+const DISCARD: c_int = 2;
+/// `fmi2LastSuccessfulTime`
+const LAST_SUCCESSFUL_TIME: c_int = 2;
+
+/// An instance of an FMU, with its library.
+pub struct Slave {
+    component: Component,
+    functions: Functions,
+    /// Where the logger puts its messages; in a box of its own, because the FMU keeps the address.
+    heard: Box<RefCell<Vec<Message>>>,
+    /// The standard lets an FMU keep a pointer to them.
+    _callbacks: Box<Callbacks>,
+    /// Last: nothing of it may be used once it is gone.
+    _library: Library,
+}
+
+/// What a step came to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Stepped {
+    /// It is done.
+    Done,
+    /// It was discarded; the simulation stands at this time, s.
+    Discarded(f64),
+}
+
+impl Slave {
+    /// Loads a library and makes an instance.
+    ///
+    /// # Errors
+    /// [`LibraryError`]
+    pub fn new(
+        library: &Path,
+        guid: &str,
+        resources: &str,
+        debug_logging: bool,
+    ) -> Result<Self, LibraryError> {
+        // SAFETY: a person asked to run this FMU; its initialisers may do what they like, as in any importer.
+        let loaded = unsafe { Library::new(library) };
+        let library = loaded.map_err(|source| LibraryError::Load {
+            path: library.display().to_string(),
+            source,
+        })?;
+        // SAFETY: modelDescription.xml says that it is an FMI 2.0 co-simulation FMU.
+        let functions = unsafe { Functions::find(&library) }?;
+        let heard = Box::new(RefCell::new(Vec::new()));
+        let callbacks = Box::new(Callbacks {
+            logger: log,
+            allocate: libc_calloc,
+            free: libc_free,
+            step_finished: std::ptr::null(),
+            environment: (&raw const *heard).cast_mut().cast(),
+        });
+        let text = |text: &str| CString::new(text.replace('\0', "")).unwrap_or_default();
+        let (name, guid, resources) = (text("urdf2fmu"), text(guid), text(resources));
+        // SAFETY: strings end with a zero and live during the call, the callbacks as long as the instance.
+        let component = unsafe {
+            (functions.instantiate)(
+                name.as_ptr(),
+                CO_SIMULATION,
+                guid.as_ptr(),
+                resources.as_ptr(),
+                &raw const *callbacks,
+                0,
+                c_int::from(debug_logging),
+            )
+        };
+        if component.is_null() {
+            let said = said(&heard.borrow());
+            return Err(LibraryError::Instantiate { said });
+        }
+        Ok(Self {
+            component,
+            functions,
+            heard,
+            _callbacks: callbacks,
+            _library: library,
+        })
+    }
+
+    /// What has been said since the last time.
+    pub fn messages(&self) -> Vec<Message> {
+        self.heard.take()
+    }
+
+    /// fmi2SetupExperiment
+    ///
+    /// # Errors
+    /// [`LibraryError::Status`], as for all below.
+    pub fn setup(
+        &mut self,
+        tolerance: Option<f64>,
+        start: f64,
+        stop: f64,
+    ) -> Result<(), LibraryError> {
+        let (defined, tolerance) = (c_int::from(tolerance.is_some()), tolerance.unwrap_or(0.0));
+        // SAFETY: the component lives as long as `self`; numbers only. So below.
+        let status =
+            unsafe { (self.functions.setup)(self.component, defined, tolerance, start, 1, stop) };
+        self.check("fmi2SetupExperiment", status)
+    }
+
+    /// fmi2EnterInitializationMode
+    pub fn enter_initialization(&mut self) -> Result<(), LibraryError> {
+        // SAFETY: see `setup`.
+        let status = unsafe { (self.functions.enter)(self.component) };
+        self.check("fmi2EnterInitializationMode", status)
+    }
+
+    /// fmi2ExitInitializationMode
+    pub fn exit_initialization(&mut self) -> Result<(), LibraryError> {
+        // SAFETY: see `setup`.
+        let status = unsafe { (self.functions.exit)(self.component) };
+        self.check("fmi2ExitInitializationMode", status)
+    }
+
+    /// fmi2Terminate
+    pub fn terminate(&mut self) -> Result<(), LibraryError> {
+        // SAFETY: see `setup`.
+        let status = unsafe { (self.functions.terminate)(self.component) };
+        self.check("fmi2Terminate", status)
+    }
+
+    /// fmi2DoStep
+    pub fn do_step(&mut self, time: f64, step: f64) -> Result<Stepped, LibraryError> {
+        // SAFETY: see `setup`.
+        let status = unsafe { (self.functions.do_step)(self.component, time, step, 1) };
+        if status != DISCARD {
+            return self.check("fmi2DoStep", status).map(|()| Stepped::Done);
+        }
+        let mut reached = time;
+        // SAFETY: as above; the place lives during the call.
+        let status = unsafe {
+            (self.functions.real_status)(self.component, LAST_SUCCESSFUL_TIME, &raw mut reached)
+        };
+        Ok(Stepped::Discarded(if status <= LAST_GOOD {
+            reached
+        } else {
+            time
+        }))
+    }
+
+    /// fmi2GetReal; `values` is as long as `references`.
+    pub fn get_real(&mut self, references: &[u32], values: &mut [f64]) -> Result<(), LibraryError> {
+        let n = references.len().min(values.len());
+        let get = self.functions.get_real;
+        // SAFETY: both arrays have `n` elements. So below.
+        let status = unsafe { get(self.component, references.as_ptr(), n, values.as_mut_ptr()) };
+        self.check("fmi2GetReal", status)
+    }
+
+    /// fmi2GetInteger
+    pub fn get_integer(
+        &mut self,
+        references: &[u32],
+        values: &mut [i32],
+    ) -> Result<(), LibraryError> {
+        let n = references.len().min(values.len());
+        let get = self.functions.get_integer;
+        // SAFETY: see `get_real`.
+        let status = unsafe { get(self.component, references.as_ptr(), n, values.as_mut_ptr()) };
+        self.check("fmi2GetInteger", status)
+    }
+
+    /// fmi2GetBoolean
+    pub fn get_boolean(
+        &mut self,
+        references: &[u32],
+        values: &mut [i32],
+    ) -> Result<(), LibraryError> {
+        let n = references.len().min(values.len());
+        let get = self.functions.get_boolean;
+        // SAFETY: see `get_real`.
+        let status = unsafe { get(self.component, references.as_ptr(), n, values.as_mut_ptr()) };
+        self.check("fmi2GetBoolean", status)
+    }
+
+    /// fmi2SetReal
+    pub fn set_real(&mut self, references: &[u32], values: &[f64]) -> Result<(), LibraryError> {
+        let n = references.len().min(values.len());
+        let set = self.functions.set_real;
+        // SAFETY: see `get_real`.
+        let status = unsafe { set(self.component, references.as_ptr(), n, values.as_ptr()) };
+        self.check("fmi2SetReal", status)
+    }
+
+    /// fmi2SetInteger
+    pub fn set_integer(&mut self, reference: u32, value: i32) -> Result<(), LibraryError> {
+        let set = self.functions.set_integer;
+        // SAFETY: arrays of one element.
+        let status = unsafe { set(self.component, &raw const reference, 1, &raw const value) };
+        self.check("fmi2SetInteger", status)
+    }
+
+    /// fmi2SetBoolean
+    pub fn set_boolean(&mut self, reference: u32, value: bool) -> Result<(), LibraryError> {
+        let (set, value) = (self.functions.set_boolean, c_int::from(value));
+        // SAFETY: arrays of one element.
+        let status = unsafe { set(self.component, &raw const reference, 1, &raw const value) };
+        self.check("fmi2SetBoolean", status)
+    }
+
+    /// fmi2SetRealInputDerivatives of first order
+    pub fn set_slopes(&mut self, references: &[u32], slopes: &[f64]) -> Result<(), LibraryError> {
+        let n = references.len().min(slopes.len());
+        let orders = vec![1; n];
+        let set = self.functions.set_derivatives;
+        // SAFETY: all three arrays have `n` elements.
+        let status = unsafe {
+            set(
+                self.component,
+                references.as_ptr(),
+                n,
+                orders.as_ptr(),
+                slopes.as_ptr(),
+            )
+        };
+        self.check("fmi2SetRealInputDerivatives", status)
+    }
+
+    fn check(&self, function: &'static str, status: c_int) -> Result<(), LibraryError> {
+        if (0..=LAST_GOOD).contains(&status) {
+            return Ok(());
+        }
+        let status = match status {
+            2 => "fmi2Discard",
+            3 => "fmi2Error",
+            4 => "fmi2Fatal",
+            5 => "fmi2Pending",
+            _ => "an unknown status",
+        };
+        Err(LibraryError::Status {
+            function,
+            status,
+            said: said(&self.heard.borrow()),
+        })
+    }
+}
+
+impl Drop for Slave {
+    fn drop(&mut self) {
+        // SAFETY: made by fmi2Instantiate, freed once; the library is still there.
+        unsafe { (self.functions.free)(self.component) };
+    }
+}
+
+/// `fmi2CoSimulation`
+const CO_SIMULATION: c_int = 1;
+
+/// The last complaint, for the end of an error's text.
+fn said(messages: &[Message]) -> String {
+    let complaint = messages.iter().rev().find(|m| m.status > LAST_GOOD);
+    complaint.map_or(String::new(), |m| format!(": {}", m.text))
+}
+
+/// The importer's logger.
+///
+/// # Safety
+/// Called by an FMU with the environment that it was given; strings are null or end with a zero.
+unsafe extern "C" fn log(
+    environment: *mut c_void,
+    _instance: *const c_char,
+    status: c_int,
+    category: *const c_char,
+    message: *const c_char,
+) {
+    let text = |pointer: *const c_char| {
+        if pointer.is_null() {
+            return String::new();
+        }
+        // SAFETY: not null; the rest is the FMU's promise.
+        unsafe { CStr::from_ptr(pointer) }
+            .to_string_lossy()
+            .into_owned()
+    };
+    // SAFETY: the environment is the box of the `Slave` that gave it, which outlives the instance.
+    let Some(heard) = (unsafe { environment.cast::<RefCell<Vec<Message>>>().as_ref() }) else {
+        return;
+    };
+    // Never a panic into C: a message that comes while another is looked at is lost.
+    if let Ok(mut heard) = heard.try_borrow_mut() {
+        heard.push(Message {
+            status,
+            category: text(category),
+            text: text(message).replace("%%", "%").replace("##", "#"),
+        });
+    }
+}
+
+unsafe extern "C" {
+    #[link_name = "calloc"]
+    fn libc_calloc(count: usize, size: usize) -> *mut c_void;
+    #[link_name = "free"]
+    fn libc_free(memory: *mut c_void);
+}

@@ -1,0 +1,20 @@
+//! An importer: loads an FMU as any other program does and simulates it.
+//!
+//! In: an FMU (ours or another FMI 2.0 co-simulation FMU), inputs and start values. Out: a table of results. Nothing here
+//! knows the simulator inside: what `urdf2fmu simulate` shows is what every importer gets.
+//!
+//! | module | holds |
+//! |---|---|
+//! | `description` | what modelDescription.xml says |
+//! | `library` | the C functions: the only unsafe code of this package |
+//! | `csv` | tables of numbers as text |
+//! | `signals` | inputs between the rows of a table |
+//! | `run` | from start to stop |
+//!
+//! Steps and inputs are those of `FMPy`'s `simulate_fmu` for the same arguments, to the bit.
+
+pub mod csv;
+pub mod description;
+mod library;
+pub mod run;
+mod signals;

@@ -1,0 +1,187 @@
+//! Inputs between the rows of a table: straight lines for Real inputs, steps for everything else.
+//!
+//! Before the first row its values hold, after the last row those. Two rows at one time are a jump: a step of the
+//! simulation ends there, and what comes after it counts.
+
+use super::csv::Table;
+use super::description::{Kind, Variable};
+
+/// A column of the table and the variable that it is for.
+#[derive(Clone, Debug)]
+pub struct Signal {
+    /// The variable.
+    pub variable: Variable,
+    /// Column of the table.
+    pub column: usize,
+}
+
+impl Signal {
+    /// Whether it goes straight from row to row; else it is constant in between.
+    pub fn is_continuous(&self) -> bool {
+        self.variable.kind == Kind::Real
+            && !matches!(self.variable.variability.as_str(), "discrete" | "tunable")
+    }
+}
+
+/// Signals over time.
+#[derive(Clone, Debug)]
+pub struct Signals {
+    /// One per column but `time`.
+    pub list: Vec<Signal>,
+    table: Table,
+    /// Times at which a step must end.
+    events: Vec<f64>,
+}
+
+/// `math.isclose` of Python with its default tolerance: what `FMPy` takes for the same time.
+pub fn is_close(a: f64, b: f64) -> bool {
+    a.to_bits() == b.to_bits() || (a - b).abs() <= 1e-9 * a.abs().max(b.abs())
+}
+
+impl Signals {
+    /// `list` names the columns of `table` that are used.
+    pub fn new(table: Table, list: Vec<Signal>) -> Self {
+        let mut events = Vec::new();
+        for pair in table.rows.windows(2) {
+            let jump = pair[0][0].to_bits() == pair[1][0].to_bits();
+            let switched = list
+                .iter()
+                .filter(|signal| !signal.is_continuous())
+                .any(|signal| pair[0][signal.column].to_bits() != pair[1][signal.column].to_bits());
+            if jump || switched {
+                events.push(pair[1][0]);
+            }
+        }
+        Self {
+            list,
+            table,
+            events,
+        }
+    }
+
+    /// The next time after `time` at which a step must end.
+    pub fn next_event(&self, time: f64) -> f64 {
+        let later = self.events.iter().copied();
+        later
+            .filter(|&event| event > time && !is_close(event, time))
+            .fold(f64::INFINITY, f64::min)
+    }
+
+    /// Value of a signal at `time`; at a jump the one after it.
+    pub fn value(&self, signal: &Signal, time: f64) -> f64 {
+        let (right, t, value) = self.around(signal, time);
+        let last = self.table.rows.len() - 1;
+        if right > last {
+            return value(last);
+        }
+        let current = self.current(time);
+        let jump = current
+            .is_some_and(|row| row > 0 && is_close(t(row - 1), t(row)) && is_close(time, t(row)));
+        match current {
+            None => value(0),
+            Some(row) if jump || !signal.is_continuous() => value(row),
+            Some(_) if right == 0 => value(0),
+            Some(_) => {
+                let left = right - 1;
+                // The weights as FMPy has them: bits agree.
+                let before = (t(right) - time) / (t(right) - t(left));
+                let after = 1.0 - before;
+                before * value(left) + after * value(right)
+            }
+        }
+    }
+
+    /// Slope of a signal after `time`.
+    pub fn slope(&self, signal: &Signal, time: f64) -> f64 {
+        let (_, t, value) = self.around(signal, time);
+        let last = self.table.rows.len() - 1;
+        match self.current(time) {
+            Some(row) if row < last && signal.is_continuous() => {
+                (value(row + 1) - value(row)) / (t(row + 1) - t(row))
+            }
+            _ => 0.0,
+        }
+    }
+
+    /// The first row at or after `time`; times and values of rows.
+    fn around(
+        &self,
+        signal: &Signal,
+        time: f64,
+    ) -> (usize, impl Fn(usize) -> f64, impl Fn(usize) -> f64) {
+        let rows = &self.table.rows;
+        let column = signal.column;
+        (
+            rows.partition_point(|row| row[0] < time),
+            |row: usize| rows[row][0],
+            move |row: usize| rows[row][column],
+        )
+    }
+
+    /// The last row that counts at `time`; none before the first.
+    fn current(&self, time: f64) -> Option<usize> {
+        let rows = &self.table.rows;
+        let begun = rows.partition_point(|row| row[0] <= time || is_close(row[0], time));
+        begun.checked_sub(1)
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::float_cmp, reason = "values of rows are exact")]
+mod tests {
+    use super::*;
+
+    fn signals(text: &str, variability: &str) -> Signals {
+        let table = Table::parse(text).expect("legal");
+        let variable = Variable {
+            name: "u".into(),
+            value_reference: 0,
+            kind: Kind::Real,
+            causality: "input".into(),
+            variability: variability.into(),
+            initial: String::new(),
+        };
+        let signal = Signal {
+            variable,
+            column: 1,
+        };
+        Signals::new(table, vec![signal])
+    }
+
+    #[test]
+    fn real_inputs_go_straight_from_row_to_row_and_hold_outside() {
+        let s = signals("time,u\n1,10\n2,20\n4,0", "continuous");
+        let at = |time| (s.value(&s.list[0], time), s.slope(&s.list[0], time));
+        assert_eq!(at(0.0), (10.0, 0.0));
+        assert_eq!(at(1.0), (10.0, 10.0));
+        assert_eq!(at(1.5), (15.0, 10.0));
+        assert_eq!(at(2.0), (20.0, -10.0));
+        assert_eq!(at(3.0), (10.0, -10.0));
+        assert_eq!(at(9.0), (0.0, 0.0));
+        assert_eq!(s.next_event(0.0), f64::INFINITY);
+    }
+
+    #[test]
+    fn at_a_jump_a_step_ends_and_the_value_after_it_counts() {
+        let s = signals("time,u\n0,0\n1,0\n1,5\n2,7", "continuous");
+        let at = |time| (s.value(&s.list[0], time), s.slope(&s.list[0], time));
+        assert_eq!(at(1.0), (5.0, 2.0));
+        assert_eq!(at(0.5), (0.0, 0.0));
+        assert_eq!(s.next_event(0.2), 1.0);
+        assert_eq!(s.next_event(1.0), f64::INFINITY);
+    }
+
+    #[test]
+    fn a_jump_at_the_very_beginning_counts_too() {
+        let s = signals("time,u\n0,0\n0,5\n1,5", "continuous");
+        assert_eq!(s.value(&s.list[0], 0.0), 5.0);
+    }
+
+    #[test]
+    fn parameters_change_in_steps() {
+        let s = signals("time,u\n0,1\n1,1\n2,3", "tunable");
+        let at = |time| s.value(&s.list[0], time);
+        assert_eq!((at(0.0), at(1.5), at(2.0), at(3.0)), (1.0, 1.0, 3.0, 3.0));
+        assert_eq!(s.next_event(0.0), 2.0);
+    }
+}
