@@ -8,6 +8,7 @@
 //! - A planar joint is a chain of two sliding and one turning body. With the normal `n` these slide along `u` and
 //!   `n × u`; `u` is the part of a coordinate axis in the plane: x for a normal along z, y for x, z for y.
 //!   A floating joint slides along x, y, z and then turns freely.
+//! - A spherical joint is one body that turns freely; nothing commands it.
 //! - A massless root whose only joint is floating is the world: root and joint are left out, the child is a
 //!   floating base.
 //! - Mimic joints share the coordinate of the joint that they follow in the end.

@@ -125,7 +125,7 @@ pub struct Joint {
     /// Unit vector in the joint frame: axis of turning or sliding, normal of a planar joint.
     pub axis: Vec3,
     /// The bodies that make up its motion, in order: none for a fixed joint, one for a turning or sliding one,
-    /// three for planar (x, y, angle), four for floating (x, y, z, spherical).
+    /// three for planar (x, y, angle), four for floating (x, y, z, spherical), one for spherical.
     /// The joint of a floating base (a massless root with one floating child) names the base alone.
     pub bodies: Vec<BodyId>,
     /// The URDF's limits, for turning and sliding joints with `<limit>`, in rad or m.
@@ -166,6 +166,8 @@ pub enum JointKind {
     Planar,
     /// Six degrees of freedom.
     Floating,
+    /// Turns freely about a point: not URDF's, but `PyBullet`'s and Drake's (`ball`).
+    Spherical,
 }
 
 /// Range of a joint's position.
@@ -508,7 +510,9 @@ impl Model {
             JointKind::Revolute | JointKind::Continuous | JointKind::Prismatic => {
                 joint.bodies.first().copied()
             }
-            JointKind::Fixed | JointKind::Planar | JointKind::Floating => None,
+            JointKind::Fixed | JointKind::Planar | JointKind::Floating | JointKind::Spherical => {
+                None
+            }
         }
     }
 }

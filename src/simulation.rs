@@ -107,7 +107,7 @@ pub enum OutputSlot {
     BaseAngularVelocity(Axis),
     /// rad or m. `Axis` is 0 for turning and sliding joints; x, y, angle of a planar one; x, y, z of a floating one.
     JointPosition(JointId, Axis),
-    /// Orientation x, y, z, w of a floating joint that is not the base.
+    /// Orientation x, y, z, w of a spherical joint, or a floating one that is not the base.
     JointOrientation(JointId, Axis),
     /// rad/s or m/s; axes as for the position; floating: 0–2 linear, 3–5 angular (child axes).
     JointVelocity(JointId, Axis),

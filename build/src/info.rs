@@ -104,7 +104,7 @@ fn joints(model: &Model) -> Columns {
             optional(joint.effort.filter(|_| moving)),
             optional(joint.velocity.filter(|_| moving)),
             model.links[joint.child.index()].name.clone(),
-            if moving && joint.kind != JointKind::Floating {
+            if moving && !matches!(joint.kind, JointKind::Floating | JointKind::Spherical) {
                 joint
                     .axis
                     .iter()
@@ -289,6 +289,7 @@ fn kind(kind: JointKind) -> &'static str {
         JointKind::Prismatic => "prismatic",
         JointKind::Planar => "planar",
         JointKind::Floating => "floating",
+        JointKind::Spherical => "spherical",
     }
 }
 

@@ -6,7 +6,7 @@
 
 use std::fmt::Write as _;
 use urdf2fmu_core::model::{ActuatorMode, Joint, JointKind, LinkId, Model};
-use urdf2fmu_core::settings::keys::{KEYS, Key};
+use urdf2fmu_core::settings::keys::{KEYS, Key, Takes};
 use urdf2fmu_core::settings::{InertiaSource, Settings};
 use urdf2fmu_core::urdf::Diagnostic;
 
@@ -79,7 +79,7 @@ fn defaults(out: &mut String, table: &str) {
     for (key, name) in keys_of(table) {
         match key.default {
             Some(default) => _ = writeln!(out, "#{name} = {default}  # {}", key.about),
-            None if key.about.is_empty() => {}
+            None if matches!(key.takes, Takes::Later) => {}
             None => _ = writeln!(out, "# {name}: {}", key.about),
         }
     }

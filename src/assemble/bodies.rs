@@ -180,6 +180,7 @@ fn add_joint(model: &mut Model, j: usize) {
         }
         JointKind::Revolute | JointKind::Continuous => vec![Motion::Revolute(n)],
         JointKind::Prismatic => vec![Motion::Prismatic(n)],
+        JointKind::Spherical => vec![Motion::Spherical],
         JointKind::Planar => {
             let [u, w] = plane_axes(&n);
             vec![

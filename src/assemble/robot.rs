@@ -62,6 +62,7 @@ pub(super) fn kind_name(kind: JointKind) -> &'static str {
         JointKind::Fixed => "is fixed",
         JointKind::Planar => "is planar",
         JointKind::Floating => "is floating",
+        JointKind::Spherical => "is spherical",
         JointKind::Revolute | JointKind::Continuous => "turns",
         JointKind::Prismatic => "slides",
     }
@@ -176,10 +177,12 @@ fn joint_overrides(
             let kind = description.joints[j].kind;
             match kind {
                 JointKind::Fixed => Some("is fixed: it has no such property".to_owned()),
-                JointKind::Planar | JointKind::Floating if limited => Some(format!(
-                    "{}: only turning and sliding joints have limits",
-                    kind_name(kind)
-                )),
+                JointKind::Planar | JointKind::Floating | JointKind::Spherical if limited => {
+                    Some(format!(
+                        "{}: only turning and sliding joints have limits",
+                        kind_name(kind)
+                    ))
+                }
                 _ => None,
             }
         };
@@ -246,7 +249,16 @@ fn model_joint(
     let mut damping = overrides.damping.unwrap_or(joint.damping);
     let mut friction = overrides.friction.unwrap_or(joint.friction);
     let mut armature = overrides.armature.unwrap_or(joint.armature);
-    if !scalar {
+    if joint.kind == JointKind::Spherical {
+        // Damping acts against any turning alike; friction and rotors have an axis.
+        if friction + armature > 0.0 {
+            let message = format!(
+                "joint '{name}' is spherical: its dry friction and armature are not used, its damping is"
+            );
+            findings.warning("A122", place.clone(), message, "");
+        }
+        (friction, armature) = (0.0, 0.0);
+    } else if !scalar {
         if damping + friction + armature > 0.0 && joint.kind != JointKind::Fixed {
             let message = format!(
                 "joint '{name}' {}: its damping, dry friction and armature are not used",

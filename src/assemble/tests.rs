@@ -5,7 +5,7 @@ use crate::spatial::{Mat3, Pose, RigidInertia, Vec3};
 use crate::urdf::{Description, Severity};
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use JointKind::{Continuous, Fixed, Floating, Planar, Prismatic, Revolute};
+use JointKind::{Continuous, Fixed, Floating, Planar, Prismatic, Revolute, Spherical};
 
 fn close(a: f64, b: f64) -> bool {
     (a - b).abs() <= 1e-12 * (1.0 + b.abs())
@@ -516,6 +516,59 @@ fn a_terminal_link_without_inertia_is_an_error_with_a_suggestion() {
         "{help}"
     );
     assert!(help.contains("ixx=\"5.333e-2\""), "{help}");
+}
+
+/// A spinning top that hangs by its tip: a spherical pendulum. Period of small swings about any horizontal axis:
+/// `2π √(I / m g l)`, with `I` about the tip.
+#[test]
+fn a_spherical_joint_swings_to_all_sides_alike() {
+    use crate::simulation::{OutputSlot, Simulation};
+    use std::sync::Arc;
+    let (m, l) = (2.0, 0.5);
+    let mut bob = mass("bob", m);
+    if let Some(inertia) = &mut bob.inertial {
+        inertia.com = Vec3::new(0.0, 0.0, -l);
+    }
+    let description =
+        robot(frame("world")).with("world", "ball", Spherical, at(0.0, 0.0, 2.0), bob);
+    let built = model(&description, "solver.tolerance = 1e-8");
+    assert_eq!((built.nv(), built.actuators.len()), (3, 0));
+    let I = 0.4 * m * 0.01 + m * l * l;
+    let period = 2.0 * PI * (I / (m * 9.81 * l)).sqrt();
+    for axis in 0..2 {
+        let mut s = Simulation::new(Arc::new(built.clone()));
+        s.initialize(0.0).expect("a legal start");
+        let rate = 0.01;
+        s.state_mut().v[axis] = rate;
+        let mut read = |time: f64| {
+            s.advance_to(time).expect("finite");
+            let ball = JointId(0);
+            let place = u8::try_from(axis).expect("few");
+            (
+                s.output(OutputSlot::JointOrientation(ball, place)),
+                s.output(OutputSlot::JointVelocity(ball, place)),
+            )
+        };
+        // After a quarter it is furthest out: angle ω₀ T/2π, half of it in the quaternion; after a half it comes back.
+        let (turn, _) = read(period / 4.0);
+        let furthest = 0.5 * rate * period / (2.0 * PI);
+        assert!(
+            (turn / furthest - 1.0).abs() < 1e-4,
+            "{turn} is not {furthest}"
+        );
+        let (_, back) = read(period / 2.0);
+        assert!((back / rate + 1.0).abs() < 1e-4, "{back}");
+    }
+    // About the vertical nothing pulls back: with damping d the rate falls as exp(−d t / I_zz).
+    let damped = assembled(&description, "[joint.ball]\ndamping = 0.02\nfriction = 1");
+    assert_eq!(note(&damped, "A122").severity, Severity::Warning);
+    let mut s = Simulation::new(Arc::new(damped.model));
+    s.initialize(0.0).expect("a legal start");
+    s.state_mut().v[2] = 1.0;
+    s.advance_to(0.3).expect("finite");
+    let expected = (-0.02_f64 * 0.3 / (0.4 * m * 0.01)).exp();
+    let rate = s.output(OutputSlot::JointVelocity(JointId(0), 2));
+    assert!((rate - expected).abs() < 2e-3, "{rate} is not {expected}");
 }
 
 #[test]

@@ -187,6 +187,7 @@ fn joints(model: &Model) -> Check {
             JointKind::Revolute | JointKind::Continuous | JointKind::Prismatic => 1,
             JointKind::Planar => 3,
             JointKind::Floating => 4,
+            JointKind::Spherical => 1,
         };
         require(
             joint.bodies.len() == count,
@@ -316,7 +317,7 @@ fn chain(model: &Model, joint: &Joint) -> Check {
             JointKind::Planar if i < 2 => matches!(body.motion, Motion::Prismatic(_)),
             JointKind::Planar => matches!(body.motion, Motion::Revolute(_)),
             JointKind::Floating if i < 3 => matches!(body.motion, Motion::Prismatic(_)),
-            JointKind::Floating => body.motion == Motion::Spherical,
+            JointKind::Floating | JointKind::Spherical => body.motion == Motion::Spherical,
         };
         let own = body.joint.is_some_and(|j| {
             model

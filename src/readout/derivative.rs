@@ -3,7 +3,7 @@
 
 use super::{Readout, joint_orientation, quaternion};
 use crate::kinematics::forward;
-use crate::model::{JointId, Model, Motion};
+use crate::model::{JointId, JointKind, Model, Motion};
 use crate::sensor;
 use crate::simulation::{Axis, OutputSlot};
 use crate::spatial::{Vec3, angular, linear, quaternion_product, rpy_from_rotation};
@@ -158,9 +158,19 @@ fn joint_orientation_rate(
     ) {
         return 0.0;
     }
+    // A floating joint slides along 0–2 first.
+    let first = match model.joints[joint.index()].kind {
+        JointKind::Spherical => 0,
+        _ => 3,
+    };
     let [x, y, z, w] = LETTERS.map(|axis| joint_orientation(model, state, joint, axis));
     // `q̇ = ½ q ω` with ω in child axes.
-    let spin = [0.0, 0.5 * rate(3), 0.5 * rate(4), 0.5 * rate(5)];
+    let spin = [
+        0.0,
+        0.5 * rate(first),
+        0.5 * rate(first + 1),
+        0.5 * rate(first + 2),
+    ];
     quaternion_product(&[w, x, y, z], &spin)[(axis as usize + 1) % 4]
 }
 

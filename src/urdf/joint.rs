@@ -49,13 +49,14 @@ pub(super) struct CheckedMimic<'d> {
     pub(super) at: Range<usize>,
 }
 
-const KINDS: [(&str, JointKind); 6] = [
+const KINDS: [(&str, JointKind); 7] = [
     ("fixed", JointKind::Fixed),
     ("revolute", JointKind::Revolute),
     ("continuous", JointKind::Continuous),
     ("prismatic", JointKind::Prismatic),
     ("planar", JointKind::Planar),
     ("floating", JointKind::Floating),
+    ("spherical", JointKind::Spherical),
 ];
 
 const CHILDREN: [&str; 10] = [
@@ -140,10 +141,6 @@ fn kind(scope: &mut Scope, node: Node) -> JointKind {
     }
     let message = format!("unknown joint type '{}'", attribute.value);
     let help = match did_you_mean(&attribute.value.to_lowercase(), types) {
-        _ if attribute.value == "spherical" => {
-            "URDF has no ball joint: write three revolute joints with massless links between"
-                .to_owned()
-        }
         help if help.is_empty() => format!("known types are {}", types.join(", ")),
         help => help,
     };
@@ -186,7 +183,10 @@ fn axis(scope: &mut Scope, node: Node, kind: JointKind) -> Vec3 {
         return axis;
     }
     // The axis of a fixed or floating joint means nothing; many files write zeros there.
-    if !matches!(kind, JointKind::Fixed | JointKind::Floating) {
+    if !matches!(
+        kind,
+        JointKind::Fixed | JointKind::Floating | JointKind::Spherical
+    ) {
         let help = "write the direction of the axis, such as \"0 0 1\"";
         scope.problem("U041", attribute.at.clone(), "the axis is zero", help);
     }

@@ -94,6 +94,7 @@ fn write_joint(out: &mut String, joint: &CheckedJoint) {
         JointKind::Prismatic => "prismatic",
         JointKind::Planar => "planar",
         JointKind::Floating => "floating",
+        JointKind::Spherical => "spherical",
     };
     let name = |reference: &Option<super::joint::LinkReference>| {
         escape(reference.as_ref().map_or("", |r| r.name)).into_owned()

@@ -110,6 +110,7 @@ impl Table<'_> {
                 }
                 JointKind::Planar => self.planar_outputs(id, &owner, &prefix),
                 JointKind::Floating => self.floating_outputs(id, &owner, &prefix),
+                JointKind::Spherical => self.spherical_outputs(id, &owner, &prefix),
             }
         }
     }
@@ -143,6 +144,33 @@ impl Table<'_> {
                 self.add(format!("{prefix}.{group}.{name}"), owner, row);
             }
         }
+    }
+
+    fn spherical_outputs(&mut self, id: JointId, owner: &str, prefix: &str) {
+        let groups: [Group<OfJoint>; 3] = [
+            group(
+                "orientation",
+                &XYZW,
+                Unit::One,
+                OutputSlot::JointOrientation,
+                "quaternion, joint frame",
+            ),
+            group(
+                "angular_velocity",
+                &XYZ,
+                Unit::RadianPerSecond,
+                OutputSlot::JointVelocity,
+                "child axes",
+            ),
+            group(
+                "angular_acceleration",
+                &XYZ,
+                Unit::RadianPerSecondSquared,
+                OutputSlot::JointAcceleration,
+                "child axes",
+            ),
+        ];
+        self.joint_groups("Spherical", &groups, id, owner, prefix);
     }
 
     fn floating_outputs(&mut self, id: JointId, owner: &str, prefix: &str) {
@@ -190,6 +218,17 @@ impl Table<'_> {
                 "child axes",
             ),
         ];
+        self.joint_groups("Floating", &groups, id, owner, prefix);
+    }
+
+    fn joint_groups(
+        &mut self,
+        kind: &str,
+        groups: &[Group<OfJoint>],
+        id: JointId,
+        owner: &str,
+        prefix: &str,
+    ) {
         for Group {
             name: group,
             axes: names,
@@ -200,8 +239,8 @@ impl Table<'_> {
         {
             for (axis, name) in axes(names) {
                 let quantity = group.replace('_', " ");
-                let about = format!("Floating {quantity} of {owner}, {about}, {name}");
-                let row = Row::output(slot(id, axis), unit, about);
+                let about = format!("{kind} {quantity} of {owner}, {about}, {name}");
+                let row = Row::output(slot(id, axis), *unit, about);
                 self.add(format!("{prefix}.{group}.{name}"), owner, row);
             }
         }

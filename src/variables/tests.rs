@@ -2,7 +2,9 @@
 
 use super::*;
 use crate::assemble::testing::{at, body, frame, mass, model, robot};
-use crate::model::JointKind::{Continuous, Fixed, Floating, Planar, Prismatic, Revolute};
+use crate::model::JointKind::{
+    Continuous, Fixed, Floating, Planar, Prismatic, Revolute, Spherical,
+};
 use crate::model::Limits;
 use crate::urdf::Description;
 
@@ -376,6 +378,23 @@ fn bounds_of_a_leader_are_narrowed_by_its_mimics() {
     };
     assert_eq!(position(&description), (Some(-1.0), Some(2.0)));
     assert_eq!(position(&narrow), (Some(-0.5), Some(0.25)));
+}
+
+#[test]
+fn a_spherical_joint_shows_orientation_and_rates() {
+    let neck = robot(frame("world")).with("world", "neck", Spherical, at(0.0, 0.0, 1.0), {
+        let mut head = mass("head", 1.0);
+        if let Some(inertia) = &mut head.inertial {
+            inertia.com.z = 0.1;
+        }
+        head
+    });
+    let table = table_of(&neck, "");
+    let all = names(&table, |slot| matches!(slot, Slot::Output(_)));
+    let joint: Vec<&&str> = all.iter().filter(|n| n.starts_with("joint.neck")).collect();
+    assert_eq!(joint.len(), 4 + 3 + 3, "{joint:?}");
+    assert!(all.contains(&"joint.neck.orientation.w"));
+    assert!(all.contains(&"joint.neck.angular_acceleration.z"));
 }
 
 const WHEELS: &str = "[[group]]\nname = \"drive\"\njoints = [\"*_wheel\"]\n";
