@@ -184,10 +184,12 @@ fn joints(model: &Model) -> Check {
         )?;
         let count = match joint.kind {
             JointKind::Fixed => 0,
-            JointKind::Revolute | JointKind::Continuous | JointKind::Prismatic => 1,
+            JointKind::Revolute
+            | JointKind::Continuous
+            | JointKind::Prismatic
+            | JointKind::Spherical => 1,
             JointKind::Planar => 3,
             JointKind::Floating => 4,
-            JointKind::Spherical => 1,
         };
         require(
             joint.bodies.len() == count,
