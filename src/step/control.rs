@@ -12,9 +12,9 @@ use crate::model::Model;
 use crate::spatial::velocity_at;
 use crate::state::State;
 use crate::step::convex::Newton;
-use crate::step::doubled::{add_impulses, begin_trend, end_trend};
+use crate::step::doubled::add_impulses;
 use crate::step::point::{Context, Point};
-use crate::step::runge_kutta::Explicit;
+use crate::step::runge_kutta::{Explicit, Pair};
 use crate::step::smooth::{accept_explicit, follow, next_proposal};
 use crate::tree::Tree;
 
@@ -34,6 +34,8 @@ const SINGLE_RATE: f64 = 0.3;
 const BOUNCE_SHARE: f64 = 0.2;
 /// Speed below which a robot may be at rest, rad/s or m/s.
 const REST_SPEED: f64 = 1e-7;
+/// Share of a step after which a joint that reaches its limit ends it: one that is slower in coming there may never.
+const CREEP: f64 = 0.1;
 /// Growth and shrinkage of the step, at most.
 pub(super) const GROWTH: (f64, f64) = (0.1, 5.0);
 
@@ -55,6 +57,8 @@ pub struct Stepper {
     pub(super) explicit: Explicit,
     pub(super) guess: Vec<f64>,
     pub(super) difference: Vec<f64>,
+    pub(super) q_start: Vec<f64>,
+    pub(super) v_start: Vec<f64>,
     pub(super) q_full: Vec<f64>,
     pub(super) q_halves: Vec<f64>,
 }
@@ -76,6 +80,8 @@ impl Stepper {
             explicit: Explicit::new(tree, model.nq),
             guess: vec![0.0; model.nv()],
             difference: vec![0.0; model.nv()],
+            q_start: vec![0.0; model.nq],
+            v_start: vec![0.0; model.nv()],
             q_full: vec![0.0; model.nq],
             q_halves: vec![0.0; model.nq],
         }
@@ -113,109 +119,150 @@ impl Stepper {
         state: &mut State,
         end: f64,
     ) -> Result<(), NotFinite> {
-        let accuracy = (1e-3 * ctx.tolerance).clamp(1e-10, 1e-5);
-        let span = end - state.time;
-        let begin = state.time;
-        let mut done = follow(ctx.tree, state, end);
-        // Inputs that have jumped make the first step shorter than those after it: begin with what was good last time.
-        let mut first = state.ahead.changed != 0.0;
-        // Whether `self.start` stands at the state already, after an explicit step.
-        let mut current = false;
-        let mut proposed = state.step[0];
-        if first {
-            proposed = proposed.min(state.step[1]);
+        let mut way = Way {
+            begin: state.time,
+            end,
+            done: 0.0,
+            proposed: state.step[0],
+            jumped: state.ahead.changed != 0.0,
+            current: false,
+        };
+        if way.jumped {
+            // Begin with what was good after the last jump.
+            way.proposed = way.proposed.min(state.step[1]);
         }
-        while done < span {
-            let ctx = &ctx.after(done);
-            let remaining = span - done;
-            if !current {
-                let h = landing(proposed.min(MAX_STEP), remaining);
+        way.done = follow(ctx.tree, state, end);
+        while way.remaining() > 0.0 {
+            let ctx = &ctx.after(way.done);
+            if !way.current {
+                let h = landing(way.proposed.min(MAX_STEP), way.remaining());
                 self.start.update_smooth(ctx, state, h);
                 self.explicit.restart();
             }
-            if let Some((pair, h)) = self.smooth_step(ctx, state, proposed, remaining) {
-                let error = self.explicit_step(ctx, pair, state, h);
-                let floor = patience(state, ctx.tolerance, h, remaining);
-                let power = -1.0 / f64::from(pair.order);
-                let factor = (0.9 * libm::pow(error.max(1e-10), power)).clamp(GROWTH.0, GROWTH.1);
-                if error <= 1.0 || (h <= floor && error.is_finite()) {
-                    if error > 1.0 {
-                        state.counters[3] += 1;
-                    }
-                    proposed = next_proposal(proposed, h, pair, factor, ctx.tolerance).max(floor);
-                    accepted(state, first, h.min(remaining), proposed);
-                    first = false;
-                    if h > remaining {
-                        self.look_ahead(ctx, state, begin + done, h, end);
-                        return Ok(());
-                    }
-                    accept_explicit(&mut self.explicit, pair, state);
-                    done = if h >= remaining { span } else { done + h };
-                    // The last stage stands at the new state: it tells whether the next step may be explicit, too.
-                    std::mem::swap(&mut self.start.kin, &mut self.middle.kin);
-                    let next = landing(proposed.min(MAX_STEP), span - done);
-                    self.start.find_terms(&ctx.after(h), state, next);
-                    current = true;
-                } else if error.is_finite() || h > MIN_STEP {
-                    state.counters[1] += 1;
-                    proposed = (h * factor).max(if error.is_finite() { floor } else { MIN_STEP });
-                    current = true;
-                } else {
-                    return Err(NotFinite);
-                }
-                continue;
-            }
-            let mut h = landing(proposed.min(MAX_STEP), remaining);
-            if current || ctx.tree.long {
-                self.start.update(ctx, state, h);
-            }
-            current = false;
-            if first {
-                proposed = self.cap_by_command(ctx, state, proposed, remaining);
-            }
-            h = self.cap_by_touchdown(h.min(proposed), ctx.tree.moving_mass);
-            if self.rest(ctx, state, h, remaining, accuracy) {
-                return Ok(());
-            }
-            loop {
-                let solved = self.full_solve(ctx, state, h, accuracy);
-                // Cut short by the communication step, and hardly anything happens: the one solve does.
-                let settled = solved && !first && 2.0 * h <= proposed && !ctx.inputs.varies();
-                if settled && self.single_error(ctx, state, h) <= SINGLE_RATE * h {
-                    self.accept_single(ctx, state, h);
-                    done = if h >= remaining { span } else { done + h };
-                    accepted(state, first, h, proposed);
-                    break;
-                }
-                let error = if solved {
-                    self.doubled_step(ctx, state, h, accuracy)
-                } else {
-                    f64::INFINITY
-                };
-                let factor = (0.9 / error.max(1e-12).sqrt()).clamp(GROWTH.0, GROWTH.1);
-                let floor = patience(state, ctx.tolerance, h, remaining);
-                if error <= 1.0 || (h <= floor && error.is_finite()) {
-                    if error > 1.0 {
-                        state.counters[3] += 1;
-                    }
-                    begin_trend(state);
-                    self.accept_doubled(ctx, state, h, error <= 1.0);
-                    end_trend(state, h);
-                    proposed = grown(proposed, h, factor).max(floor);
-                    done = if h >= remaining { span } else { done + h };
-                    accepted(state, first, h, proposed);
-                    first = false;
-                    break;
-                }
-                if h <= MIN_STEP {
-                    return Err(NotFinite);
-                }
-                state.counters[1] += 1;
-                h = (h * factor).max(if error.is_finite() { floor } else { MIN_STEP });
-                proposed = h;
+            if let Some((pair, h)) = self.smooth_step(ctx, state, way.proposed, way.remaining()) {
+                self.go_explicitly(ctx, state, &mut way, pair, h)?;
+            } else {
+                self.go_implicitly(ctx, state, &mut way)?;
             }
         }
         Ok(())
+    }
+
+    /// Tries an explicit step of `h` seconds.
+    fn go_explicitly(
+        &mut self,
+        ctx: &Context,
+        state: &mut State,
+        way: &mut Way,
+        pair: &'static Pair,
+        h: f64,
+    ) -> Result<(), NotFinite> {
+        let remaining = way.remaining();
+        let error = self.explicit_step(ctx, pair, state, h);
+        let floor = patience(state, ctx.tolerance, h, remaining);
+        let power = -1.0 / f64::from(pair.order);
+        let factor = (0.9 * libm::pow(error.max(1e-10), power)).clamp(GROWTH.0, GROWTH.1);
+        way.current = true;
+        if error <= 1.0 || (h <= floor && error.is_finite()) {
+            if error > 1.0 {
+                state.counters[3] += 1;
+            }
+            way.proposed = next_proposal(way.proposed, h, pair, factor, ctx.tolerance).max(floor);
+            way.book(state, h);
+            if h > remaining {
+                self.look_ahead(ctx, state, way.begin + way.done, h, way.end);
+                way.arrive();
+                return Ok(());
+            }
+            accept_explicit(&mut self.explicit, pair, state);
+            way.go(h);
+            // The last stage stands at the new state: it tells whether the next step may be explicit, too.
+            std::mem::swap(&mut self.start.kin, &mut self.middle.kin);
+            let next = landing(way.proposed.min(MAX_STEP), way.remaining());
+            self.start.find_terms(&ctx.after(h), state, next);
+        } else if error.is_finite() || h > MIN_STEP {
+            state.counters[1] += 1;
+            way.proposed = (h * factor).max(if error.is_finite() { floor } else { MIN_STEP });
+        } else {
+            return Err(NotFinite);
+        }
+        Ok(())
+    }
+
+    /// Takes an implicit step: as long as the error allows, or all the rest of the way where the robot stays.
+    fn go_implicitly(
+        &mut self,
+        ctx: &Context,
+        state: &mut State,
+        way: &mut Way,
+    ) -> Result<(), NotFinite> {
+        let accuracy = (1e-3 * ctx.tolerance).clamp(1e-10, 1e-5);
+        let remaining = way.remaining();
+        let mut h = landing(way.proposed.min(MAX_STEP), remaining);
+        if way.current || ctx.tree.long {
+            self.start.update(ctx, state, h);
+        }
+        way.current = false;
+        if way.jumped {
+            way.proposed = self.cap_by_command(ctx, state, way.proposed, remaining);
+        }
+        h = h.min(way.proposed);
+        if self.may_look_ahead(ctx, state, way.proposed.min(MAX_STEP)) {
+            h = way.proposed.min(MAX_STEP);
+        }
+        h = self.cap_by_touchdown(ctx, state, h);
+        if self.rest(ctx, state, h, remaining, accuracy) {
+            way.arrive();
+            return Ok(());
+        }
+        loop {
+            let solved = self.full_solve(ctx, state, h, accuracy);
+            // Cut short by the communication step, and hardly anything happens: the one solve does.
+            let calm = !way.jumped && 2.0 * h <= way.proposed && !ctx.inputs.varies();
+            if solved && calm && self.single_error(ctx, state, h) <= SINGLE_RATE * h {
+                self.accept_single(ctx, state, h);
+                way.book(state, h);
+                way.go(h);
+                return Ok(());
+            }
+            let error = if solved {
+                self.doubled_step(ctx, state, h, accuracy)
+            } else {
+                f64::INFINITY
+            };
+            let beyond = h > remaining;
+            if beyond && error <= 1.0 && self.meets_limit(state) {
+                // What happens at a limit is no polynomial.
+                state.counters[1] += 1;
+                h = remaining;
+                continue;
+            }
+            let factor = (0.9 / error.max(1e-12).sqrt()).clamp(GROWTH.0, GROWTH.1);
+            let floor = patience(state, ctx.tolerance, h, remaining);
+            if error <= 1.0 || (h <= floor && error.is_finite()) {
+                if error > 1.0 {
+                    state.counters[3] += 1;
+                }
+                way.proposed = grown(way.proposed, h, factor).max(floor);
+                way.book(state, h);
+                self.keep_start(state);
+                self.accept_doubled(ctx, state, h, error <= 1.0);
+                self.end_trend(state, h);
+                if beyond {
+                    self.interpolate(ctx, state, way.begin + way.done, h, way.end);
+                    way.arrive();
+                } else {
+                    way.go(h);
+                }
+                return Ok(());
+            }
+            if h <= MIN_STEP {
+                return Err(NotFinite);
+            }
+            state.counters[1] += 1;
+            h = (h * factor).max(if error.is_finite() { floor } else { MIN_STEP });
+            way.proposed = h;
+        }
     }
 
     /// A step must not jump over what a changed command sets going: full and half steps would both arrive at the
@@ -240,8 +287,10 @@ impl Stepper {
         capped
     }
 
-    /// Ends the step where the first point touches down; takes a bounce in parts of its own time.
-    fn cap_by_touchdown(&self, h: f64, mass: f64) -> f64 {
+    /// Ends the step where the first point touches down or the first joint reaches its limit; takes a bounce in parts of
+    /// its own time.
+    fn cap_by_touchdown(&self, ctx: &Context, state: &State, h: f64) -> f64 {
+        let mass = ctx.tree.moving_mass;
         let mut capped = h;
         for contact in &self.start.contacts {
             if contact.gap > 0.0 {
@@ -253,6 +302,13 @@ impl Stepper {
                 }
             } else if contact.touchdown > 0.0 {
                 capped = capped.min(BOUNCE_SHARE * (mass / contact.stiffness).sqrt());
+            }
+        }
+        for term in &self.start.joints.terms {
+            let v = state.v[term.dof];
+            let time = term.gap[usize::from(v > 0.0)] / v.abs();
+            if time < capped && time > CREEP * h {
+                capped = time;
             }
         }
         capped
@@ -308,12 +364,50 @@ impl Stepper {
     }
 }
 
-/// Books an accepted step and what the controller proposes next.
-fn accepted(state: &mut State, first: bool, h: f64, proposed: f64) {
-    state.counters[0] += 1;
-    state.step[0] = proposed;
-    if first {
-        state.step[1] = proposed.min(2.0 * state.step[1]).max(h.min(proposed));
+/// The way from one communication point to the next.
+struct Way {
+    /// Time at which it begins and ends, s.
+    begin: f64,
+    end: f64,
+    /// How far it has been gone, s.
+    done: f64,
+    /// Step that the error control proposes, s.
+    proposed: f64,
+    /// Whether inputs have jumped at its beginning and no step has been taken since: the first one is shorter than
+    /// those after it.
+    jumped: bool,
+    /// Whether [`Stepper::start`] stands at the state already, after an explicit step.
+    current: bool,
+}
+
+impl Way {
+    fn remaining(&self) -> f64 {
+        self.end - self.begin - self.done
+    }
+
+    /// Takes a step of `h` seconds off the way; the last one ends it to the bit.
+    fn go(&mut self, h: f64) {
+        if h >= self.remaining() {
+            self.arrive();
+        } else {
+            self.done += h;
+        }
+    }
+
+    /// Ends the way.
+    fn arrive(&mut self) {
+        self.done = self.end - self.begin;
+    }
+
+    /// Books an accepted step of `h` seconds and what the controller proposes next.
+    fn book(&mut self, state: &mut State, h: f64) {
+        state.counters[0] += 1;
+        state.step[0] = self.proposed;
+        if self.jumped {
+            let h = h.min(self.remaining()).min(self.proposed);
+            state.step[1] = self.proposed.min(2.0 * state.step[1]).max(h);
+        }
+        self.jumped = false;
     }
 }
 

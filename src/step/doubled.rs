@@ -3,13 +3,14 @@
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
 use crate::actuator::Drive;
-use crate::contact::Contact;
+use crate::contact::{Contact, is_clear};
 use crate::kinematics::{advance, difference};
 use crate::spatial::Vec3;
 use crate::state::{State, Touch};
 use crate::step::control::{Stepper, count, worst_error};
 use crate::step::convex::Newton;
 use crate::step::point::{Context, Point};
+use crate::step::runge_kutta::position_rates;
 
 impl Stepper {
     /// Solves over `h`; tells whether that went well.
@@ -39,14 +40,26 @@ impl Stepper {
         worst_error(errors, &ctx.tree.weight) / ctx.tolerance
     }
 
+    /// Keeps where a step starts, before its result goes into `state`.
+    pub(super) fn keep_start(&mut self, state: &State) {
+        self.v_start.copy_from_slice(&state.v);
+        self.q_start.copy_from_slice(&state.q);
+    }
+
+    /// The mean acceleration over the step of `h` seconds that led from what was kept to `state`.
+    pub(super) fn end_trend(&self, state: &mut State, h: f64) {
+        for ((trend, v), start) in state.trend.iter_mut().zip(&state.v).zip(&self.v_start) {
+            *trend = (v - start) / h;
+        }
+    }
+
     /// Takes the full solve into the state as it is.
     pub(super) fn accept_single(&mut self, ctx: &Context, state: &mut State, h: f64) {
-        begin_trend(state);
+        self.keep_start(state);
         store(ctx, &self.start, &self.full, h, state);
-        self.q_full.copy_from_slice(&state.q);
-        advance(ctx.tree, &self.q_full, &self.full.v, h, &mut state.q);
+        advance(ctx.tree, &self.q_start, &self.full.v, h, &mut state.q);
         add_impulses(&self.start.contacts, &self.full, 1.0, &mut state.impulse);
-        end_trend(state, h);
+        self.end_trend(state, h);
     }
 
     /// Solves twice over `h/2` beside the full solve; returns the error relative to the tolerance, infinite if a solve
@@ -93,6 +106,63 @@ impl Stepper {
         let velocities = self.second.v.iter().zip(&self.full.v).map(|(b, f)| b - f);
         let errors = self.difference.iter().copied().zip(velocities);
         worst_error(errors, &tree.weight) / ctx.tolerance
+    }
+
+    /// Whether a step of `h` seconds may reach beyond the communication point: inputs stay as they are, nothing touches, and
+    /// no term has a memory that would have to be read off in between, too.
+    pub(super) fn may_look_ahead(&self, ctx: &Context, state: &State, h: f64) -> bool {
+        state.ahead.changed == 0.0
+            && self.start.contacts.is_empty()
+            && self.start.joints.terms.iter().all(|term| {
+                // An impact on a limit is no polynomial.
+                let resting = term.gap[0].min(term.gap[1]) > 0.0
+                    || h * state.v[term.dof].abs() * ctx.tree.weight[term.dof] <= ctx.tolerance;
+                resting && term.dry.cap <= 0.0 && !matches!(term.drive, Drive::Velocity { .. })
+            })
+            && is_clear(ctx.tree, &self.start.kin, h)
+    }
+
+    /// Whether the step just solved from `state` brings a joint to its limit or away from it.
+    pub(super) fn meets_limit(&self, state: &State) -> bool {
+        self.start.joints.terms.iter().any(|term| {
+            let moved = self.q_halves[term.coordinate] - state.q[term.coordinate];
+            (term.gap[0] > 0.0) != (term.gap[0] + moved > 0.0)
+                || (term.gap[1] > 0.0) != (term.gap[1] - moved > 0.0)
+        })
+    }
+
+    /// Keeps what lies beyond the communication point at `end` of the implicit step of `h` seconds from time `start` that
+    /// led from what was kept to `state`: cubic polynomials for positions, their derivatives' kind for
+    /// velocities.
+    pub(super) fn interpolate(
+        &mut self,
+        ctx: &Context,
+        state: &mut State,
+        start: f64,
+        h: f64,
+        end: f64,
+    ) {
+        let tree = ctx.tree;
+        let (q0, v0) = (&self.q_start, &self.v_start);
+        let [rate0, rate1] = self.explicit.rates();
+        position_rates(tree, q0, v0, rate0);
+        position_rates(tree, &state.q, &state.v, rate1);
+        difference(tree, &state.q, q0, &mut self.difference);
+        let State { ahead, q, v, .. } = state;
+        ahead.start = start;
+        ahead.length = h;
+        ahead.coefficients.clear();
+        for (i, (a, b)) in q0.iter().zip(q.iter()).enumerate() {
+            let change = b - a;
+            let bend = h * rate0[i] - change;
+            let row = [*a, change, bend, change - h * rate1[i] - bend, 0.0];
+            ahead.coefficients.extend(row);
+        }
+        for ((a, b), moved) in v0.iter().zip(v.iter()).zip(&self.difference) {
+            let bend = 6.0 * moved / h - 3.0 * (a + b);
+            ahead.coefficients.extend([*a, b - a, bend, 0.0, 0.0]);
+        }
+        ahead.evaluate(tree, end, q, v);
     }
 
     /// Takes the results of [`Self::doubled_step`] into the state: extrapolated, or the half steps' as they are,
@@ -189,18 +259,6 @@ impl Stepper {
                 touch.turn = turn.clipped(&extrapolated).into();
             }
         }
-    }
-}
-
-/// Remembers the velocity before a step, see [`end_trend`].
-pub(super) fn begin_trend(state: &mut State) {
-    state.trend.copy_from_slice(&state.v);
-}
-
-/// The mean acceleration over the step of `h` seconds that has just been taken.
-pub(super) fn end_trend(state: &mut State, h: f64) {
-    for (trend, v) in state.trend.iter_mut().zip(&state.v) {
-        *trend = (v - *trend) / h;
     }
 }
 

@@ -140,6 +140,13 @@ impl Explicit {
         self.fresh = false;
     }
 
+    /// Room for the rates of positions at two states; whatever was kept is forgotten.
+    pub fn rates(&mut self) -> [&mut [f64]; 2] {
+        self.fresh = false;
+        let [first, second, ..] = &mut self.q_rate;
+        [first, second]
+    }
+
     /// Takes the rates at the end of the last step by `pair` as those at the start of the next.
     pub fn accept(&mut self, pair: &Pair) {
         self.q_rate.swap(0, pair.weights.len());
@@ -291,7 +298,7 @@ impl Explicit {
 }
 
 /// `q̇` for velocities `v`.
-fn position_rates(tree: &Tree, q: &[f64], v: &[f64], rate: &mut [f64]) {
+pub(super) fn position_rates(tree: &Tree, q: &[f64], v: &[f64], rate: &mut [f64]) {
     for body in &tree.bodies {
         let c = body.coordinate;
         match body.motion {

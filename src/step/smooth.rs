@@ -35,8 +35,14 @@ impl Stepper {
             return None;
         }
         let long = proposed.min(MAX_EXPLICIT_STEP);
-        if state.ahead.changed == 0.0 && self.is_free(ctx, state, long) {
-            return Some((&DORMAND_PRINCE, long));
+        if state.ahead.changed == 0.0 {
+            if self.is_free(ctx, state, long) {
+                return Some((&DORMAND_PRINCE, long));
+            }
+            // Implicit steps reach farther than explicit ones that damping holds up.
+            if self.may_look_ahead(ctx, state, long) {
+                return None;
+            }
         }
         let h = landing(long, remaining);
         let short = h < SHORT * proposed * libm::pow(ctx.tolerance, PAIR_EXPONENT);

@@ -26,18 +26,23 @@ fn swing() -> Builder {
 /// Smooth steps are as long as the motion allows: who looks how often changes nothing but round-off.
 #[test]
 fn communication_points_leave_a_smooth_motion_alone() {
-    let ends: Vec<State> = [1.0 / 1000.0, 1.0 / 240.0, 0.125]
-        .into_iter()
-        .map(|h| {
-            let mut s = start(swing().model, 1e-3);
-            run(&mut s, 3.0, h);
-            s.state().clone()
-        })
-        .collect();
-    for end in &ends[1..] {
-        assert_eq!(end.counters, ends[0].counters);
-        for (a, b) in end.q.iter().zip(&ends[0].q) {
-            assert!((a - b).abs() < 1e-12, "{a} {b}");
+    // Explicit steps; with damping that is stiff, implicit ones.
+    for damping in [0.0, 500.0] {
+        let ends: Vec<State> = [1.0 / 1000.0, 1.0 / 240.0, 0.125]
+            .into_iter()
+            .map(|h| {
+                let mut b = swing();
+                b.model.joints[0].damping = damping;
+                let mut s = start(b.model, 1e-3);
+                run(&mut s, 3.0, h);
+                s.state().clone()
+            })
+            .collect();
+        for end in &ends[1..] {
+            assert_eq!(end.counters, ends[0].counters);
+            for (a, b) in end.q.iter().zip(&ends[0].q) {
+                assert!((a - b).abs() < 1e-12, "{damping}: {a} {b}");
+            }
         }
     }
 }
@@ -63,16 +68,29 @@ fn an_effort_acts_from_the_communication_point_at_which_it_is_set() {
 /// Saved in the middle of a step that reaches beyond the communication point.
 #[test]
 fn a_state_saved_within_a_long_step_continues_bit_for_bit() {
-    let mut s = start(swing().model, 1e-3);
-    run(&mut s, 0.5, 0.01);
-    assert!(!s.state().ahead.is_empty());
-    let bytes = s.save().to_bytes();
-    let mut other = start(swing().model, 1e-3);
-    let saved = Snapshot::from_bytes(other.model(), &bytes).expect("its own bytes");
-    other.restore(&saved).expect("its own state");
-    run(&mut s, 2.0, 0.01);
-    run(&mut other, 2.0, 0.01);
-    assert_eq!(s.state(), other.state());
+    for damping in [0.0, 500.0] {
+        let mut b = swing();
+        b.model.joints[0].damping = damping;
+        let mut s = start(b.model.clone(), 1e-3);
+        run(&mut s, 0.5, 0.001);
+        while s.state().ahead.is_empty() {
+            assert!(s.time() < 3.0, "{damping} {:?}", s.state());
+            let next = s.time() + 0.001;
+            s.advance_to(next).expect("finite");
+        }
+        let bytes = s.save().to_bytes();
+        let mut other = start(b.model, 1e-3);
+        let saved = Snapshot::from_bytes(other.model(), &bytes).expect("its own bytes");
+        other.restore(&saved).expect("its own state");
+        for simulation in [&mut s, &mut other] {
+            for step in 1..=100 {
+                simulation
+                    .advance_to(1.0 + 0.01 * f64::from(step))
+                    .expect("finite");
+            }
+        }
+        assert_eq!(s.state(), other.state());
+    }
 }
 
 /// A joint pushed towards its limit from rest: nothing tells the first step that it will get there.
