@@ -41,7 +41,7 @@
 //! | A120 | gains |
 //! | A121 | a model that cannot be computed with |
 //! | A122 | damping and friction of planar and floating joints |
-//! | A123 | an inertia of zeros replaced by that of the shapes |
+//! | A123 | a singular inertia replaced by that of the shapes |
 //! | A124 | velocity limits that do not bind |
 //! | A125 | friction at rest that does not go with sliding friction |
 //! | A126 | commands that the file's hardware takes |

@@ -43,11 +43,12 @@ pub(super) fn of_solids(mass: f64, shapes: &[CollisionDescription]) -> Option<Ma
     Some((total.I_cm + total.I_cm.transpose()) * 0.5)
 }
 
-/// Gives links of zero `<inertia>` that of their shapes where the robot could not move otherwise, and reports degrees of
+/// Gives links whose `<inertia>` is singular that of their shapes where the robot could not move otherwise, and reports degrees of
 /// freedom that have none even so. Returns the poses of the model as it is then.
 ///
-/// A point mass is a legal body as long as something turns it about another point. Where nothing does, zeros can only
-/// mean that nobody worked the inertia out: a thousand of `PyBullet`'s own objects are written so.
+/// A point mass or a line without width is a legal body as long as something turns it about another axis. Where
+/// nothing does, zeros can only mean that nobody worked the inertia out: a thousand of `PyBullet`'s own objects are
+/// written so, with `ixx="1" iyy="1" izz="0"` for 0.1 kg.
 pub(super) fn complete(
     model: &mut Model,
     mut poses: Poses,
@@ -72,7 +73,7 @@ pub(super) fn complete(
             }
         };
         let mut changed = false;
-        for l in zero_links_from(model, model.dofs[dof].body) {
+        for l in singular_links_from(model, model.dofs[dof].body) {
             let link = &mut model.links[l];
             let Some(I_cm) = of_solids(link.inertia.mass, &shapes[l]) else {
                 continue;
@@ -80,7 +81,7 @@ pub(super) fn complete(
             link.inertia.I_cm = I_cm;
             changed = true;
             let message = format!(
-                "link '{}' has {} kg and no rotational inertia, and cannot move so: it gets that of its collision shapes as solids",
+                "link '{}' has {} kg without rotational inertia about every axis, and cannot move so: it gets the inertia of its collision shapes as solids",
                 link.name, link.inertia.mass
             );
             let help = format!(
@@ -97,15 +98,18 @@ pub(super) fn complete(
     }
 }
 
-/// Links with mass and an inertia of zeros, of `body` and of all that it carries.
-fn zero_links_from(model: &Model, body: BodyId) -> Vec<usize> {
+/// Links with mass and no inertia about some axis, of `body` and of all that it carries.
+fn singular_links_from(model: &Model, body: BodyId) -> Vec<usize> {
     let mut carried = vec![false; model.bodies.len()];
     for (b, other) in model.bodies.iter().enumerate() {
         carried[b] = b == body.index() || other.parent.is_some_and(|p| carried[p.index()]);
     }
-    let zero = |inertia: &RigidInertia| inertia.mass > 0.0 && inertia.I_cm == Mat3::zeros();
+    let singular = |inertia: &RigidInertia| {
+        let moments = inertia.I_cm.symmetric_eigenvalues();
+        inertia.mass > 0.0 && moments.min() <= SMALLEST_SHARE * moments.max()
+    };
     (0..model.links.len())
-        .filter(|&l| carried[model.links[l].body.index()] && zero(&model.links[l].inertia))
+        .filter(|&l| carried[model.links[l].body.index()] && singular(&model.links[l].inertia))
         .collect()
 }
 

@@ -659,6 +659,15 @@ fn an_inertia_of_zeros_is_that_of_the_shapes_where_the_link_could_not_move() {
     assert!(found.help.is_some_and(|h| h.contains("ixx=\"8.000e-3\"")));
     let I = built.model.links[0].inertia.I_cm;
     assert!((I - Mat3::identity() * 0.4 * 2.0 * 0.01).amax() < 1e-15);
+    // The very numbers of random_urdfs: two axes of 1 kg m² and one without.
+    let mut needle = thing.clone();
+    if let Some(inertia) = &mut needle.inertial {
+        inertia.I_cm = Mat3::from_diagonal(&Vec3::new(1.0, 1.0, 0.0));
+    }
+    let built = assembled(&robot(needle), "");
+    assert!(has(&built, "A123"));
+    let I = built.model.links[0].inertia.I_cm;
+    assert!((I - Mat3::identity() * 0.4 * 2.0 * 0.01).amax() < 1e-15);
     // On the end of a lever the same link is the point mass that the file says.
     let lever = robot(mass("base", 1.0)).with("base", "j", Revolute, at(0.0, 0.0, 0.0), {
         let mut bob = thing.clone();
