@@ -27,8 +27,8 @@ const MAX_FLOOR: f64 = 1e-4;
 /// Weight of a velocity error against a position error, s. Without it impacts go unnoticed.
 const VELOCITY_WEIGHT: f64 = 0.1;
 /// Error, relative to the tolerance and per second, up to which one solve does for a step that the communication step
-/// cuts short: what such steps add up to stays below the tolerance.
-const SINGLE_RATE: f64 = 0.3;
+/// cuts short: what such steps add up to in a second stays below the tolerance.
+const SINGLE_RATE: f64 = 1.0;
 /// Longest step of a contact that bounces, as a share of the time √(m/k) of the robot on the point. A slow bounce is
 /// shallower than the tolerance, which would not notice that it is missing; but it has its restitution, too.
 const BOUNCE_SHARE: f64 = 0.2;
