@@ -23,6 +23,9 @@ void test_input_derivatives(void);
 void test_output_derivatives(void);
 void test_initialization(void);
 void test_parameters(void);
+void test_million(void);
+void test_partitions(void);
+void test_two(const char *library, const char *other_resources, const char *other_guid);
 void test_reset(void);
 void test_cycles(void);
 void test_unload(const char *path);
@@ -48,6 +51,10 @@ static const struct {
     {"output_derivatives", test_output_derivatives},
     {"initialization", test_initialization},
     {"parameters", test_parameters},
+#ifndef WITHOUT_LONG
+    {"million", test_million},
+    {"partitions", test_partitions},
+#endif
     {"reset", test_reset},
     {"cycles", test_cycles},
     {"control_word", test_control_word},
@@ -84,6 +91,8 @@ int main(int argc, char **argv)
         test_resume(argv[5]);
     else if (strcmp(argv[4], "foreign") == 0)
         test_foreign(argv[5]);
+    else if (strcmp(argv[4], "two") == 0)
+        test_two(argv[5], argv[6], argv[7]);
     else if (strcmp(argv[4], "unload") == 0)
         test_unload(argv[1]);
     else if (!known)

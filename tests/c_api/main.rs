@@ -80,6 +80,78 @@ static BENCH: LazyLock<Option<Bench>> = LazyLock::new(|| {
     })
 });
 
+/// Two FMUs with a library each, in one process.
+#[test]
+fn two_different_robots_in_one_process_do_not_meet() {
+    let Some(bench) = &*BENCH else { return };
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/quadruped.urdf");
+    let description = urdf::read(&file, &ReadOptions::default()).expect("the example can be read");
+    let model = assemble::build(&description, &Settings::default())
+        .expect("the example can be built")
+        .model;
+    let guid = "{11111111-0000-8000-8000-000000000000}";
+    let folder = bench.resources.with_file_name("quadruped");
+    fs::create_dir_all(&folder).expect("a folder for the test");
+    let text = PreparedModel::new(guid.into(), model)
+        .to_json()
+        .expect("finite");
+    fs::write(folder.join("model.json"), text).expect("a file for the test");
+    let library = folder.join("quadruped.so");
+    fs::copy(bench.library, &library).expect("a file for the test");
+    bench.run(&["two", &library.display().to_string(), &uri(&folder), guid]);
+}
+
+/// The importer again, with functions of its own under names that libraries use, visible to all it loads.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_host_with_functions_of_the_same_names_does_no_harm() {
+    let Some(bench) = &*BENCH else { return };
+    let compiler = std::env::var("CC").unwrap_or_else(|_| "cc".into());
+    let importer = bench.importer.with_file_name("hostile");
+    let object = bench.importer.with_file_name("hostile.o");
+    let hostile = sources()[0].with_file_name("hostile.c");
+    let made = |arguments: &mut Command| {
+        let output = arguments.output().expect("the compiler answers");
+        assert!(output.status.success(), "{}", texts(&output).1);
+    };
+    // Names of the C library mean something else to the compiler.
+    made(
+        Command::new(&compiler)
+            .args(["-c", "-fno-builtin", "-o"])
+            .arg(&object)
+            .arg(hostile),
+    );
+    made(
+        Command::new(&compiler)
+            .args([
+                "-std=gnu11",
+                "-rdynamic",
+                "-Dload=load_library",
+                "-fno-builtin",
+                "-o",
+            ])
+            .arg(&importer)
+            .arg("-I")
+            .arg(bench.importer.parent().expect("a folder"))
+            .args(
+                sources()
+                    .into_iter()
+                    .filter(|file| !file.ends_with("long.c")),
+            )
+            .args(["-DWITHOUT_LONG"])
+            .arg(&object)
+            .args(["-ldl", "-lm", "-lpthread"]),
+    );
+    let hostile = Bench {
+        importer,
+        library: bench.library,
+        resources: bench.resources.clone(),
+    };
+    for test in ["states", "threads", "discard", "null"] {
+        hostile.run(&[test]);
+    }
+}
+
 /// Of the importer.
 fn sources() -> Vec<PathBuf> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/c_api");
@@ -91,6 +163,7 @@ fn sources() -> Vec<PathBuf> {
         "states.c",
         "derivatives.c",
         "values.c",
+        "long.c",
         "host.c",
     ];
     names.iter().map(|name| folder.join(name)).collect()
@@ -230,12 +303,14 @@ runs! {
     output_derivatives_are_velocities_and_accelerations: "output_derivatives";
     outputs_at_the_start_are_right_and_inputs_of_the_initialisation_count: "initialization";
     tunable_parameters_count_from_the_next_step_and_fixed_ones_at_the_start: "parameters";
+    a_million_jittering_steps_land_exactly: "million";
+    steps_of_any_length_give_the_same_drive: "partitions";
     reset_gives_the_bits_of_a_new_instance: "reset";
-    a_hundred_instances_leave_no_memory_behind: "cycles";
-    the_library_leaves_when_it_is_unloaded: "unload";
+    ten_thousand_instances_leave_no_memory_behind: "cycles";
+    a_thousand_loads_leave_no_library_and_no_memory_behind: "unload";
     the_hosts_control_word_is_kept_and_changes_nothing: "control_word";
     signal_handlers_stay: "signals";
-    instances_on_several_threads_give_the_bits_of_one: "threads";
+    sixty_four_instances_on_eight_threads_give_the_bits_of_one: "threads";
 }
 
 #[test]
