@@ -31,6 +31,9 @@ pub struct Readout {
     /// So are mass matrix, bias, contacts and joint terms.
     has_forces: bool,
     has_accelerations: bool,
+    /// What takes long and is asked for in parts, or often.
+    rpy: Option<Vec3>,
+    energies: Option<[f64; 2]>,
     sensors: Sensors,
 }
 
@@ -45,6 +48,8 @@ impl Readout {
             has_kinematics: false,
             has_forces: false,
             has_accelerations: false,
+            rpy: None,
+            energies: None,
             sensors: Sensors::new(model),
         }
     }
@@ -54,6 +59,8 @@ impl Readout {
         self.has_kinematics = false;
         self.has_forces = false;
         self.has_accelerations = false;
+        self.rpy = None;
+        self.energies = None;
         self.sensors.invalidate();
     }
 
@@ -110,7 +117,7 @@ impl Readout {
         match slot {
             O::BasePosition(axis) => kin.origin[axis as usize],
             O::BaseOrientation(axis) => quaternion(&kin.X[0])[axis as usize],
-            O::BaseRpy(axis) => rpy_from_rotation(&kin.X[0].R)[axis as usize],
+            O::BaseRpy(axis) => self.rpy()[axis as usize],
             O::LinkPosition(link, axis) => {
                 (self.link_pose(ctx, link.index()).p + kin.origin)[axis as usize]
             }
@@ -138,8 +145,8 @@ impl Readout {
                 .filter(|c| c.link == link.index())
                 .map(|c| c.force(&velocity_at(&kin.V[c.body], &c.x))[axis as usize])
                 .sum(),
-            O::EnergyKinetic => energy::kinetic(ctx.tree, kin, &state.v),
-            O::EnergyPotential => energy::potential(ctx.tree, kin),
+            O::EnergyKinetic => self.energies(ctx, state)[0],
+            O::EnergyPotential => self.energies(ctx, state)[1],
             O::JointEffort(joint) => self.joint_effort(model, state, joint),
             O::JointAcceleration(joint, axis) => {
                 self.update_accelerations(ctx, state);
@@ -207,6 +214,21 @@ impl Readout {
         terms
             .binary_search_by_key(&dof, |term| term.dof)
             .map_or(0.0, |place| terms[place].drive_force(state.v[dof], 0.0).0)
+    }
+
+    /// Roll, pitch, yaw of the base.
+    fn rpy(&mut self) -> Vec3 {
+        let R = &self.point.kin.X[0].R;
+        *self.rpy.get_or_insert_with(|| rpy_from_rotation(R))
+    }
+
+    /// Kinetic and potential energy.
+    fn energies(&mut self, ctx: &Context, state: &State) -> [f64; 2] {
+        let kin = &self.point.kin;
+        *self.energies.get_or_insert_with(|| {
+            let kinetic = energy::kinetic(ctx.tree, kin, &state.v);
+            [kinetic, energy::potential(ctx.tree, kin)]
+        })
     }
 
     /// Kinematics, contacts and joint terms of this moment.

@@ -212,10 +212,17 @@ macro_rules! context {
             inputs: &$simulation.$inputs,
             elapsed: 0.0,
             tolerance: $simulation.tolerance(),
-            fixed_step: $simulation.parameters.get(ParameterSlot::StepSize),
+            fixed_step: match $simulation.parameters.get(ParameterSlot::StepSize) {
+                step if step > 0.0 => step.max(SHORTEST_FIXED_STEP),
+                _ => 0.0,
+            },
         }
     };
 }
+
+/// Shortest fixed step, s. A shorter one is a mistake, and would keep the host waiting for ever; what a model or a saved
+/// state asks for is raised to it.
+const SHORTEST_FIXED_STEP: f64 = 1e-7;
 
 /// Tolerance where neither the model nor the importer gives one.
 const DEFAULT_TOLERANCE: f64 = 1e-3;
@@ -398,8 +405,11 @@ impl Simulation {
             | P::JointFriction(_)
             | P::LinkFriction(_)
             | P::GroundFriction
-            | P::StepSize
             | P::Tolerance => (value >= 0.0, "0 or more"),
+            P::StepSize => (
+                value == 0.0 || value >= SHORTEST_FIXED_STEP,
+                "0, or at least 1e-7 s",
+            ),
             P::GroundRestitution => ((0.0..=1.0).contains(&value), "between 0 and 1"),
             P::LinkMass(_) => (value > 0.0, "above 0"),
             _ => (true, "a finite number"),

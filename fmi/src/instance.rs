@@ -58,6 +58,8 @@ pub(crate) struct Instance {
     model: Arc<Model>,
     /// A variable's position is its value reference.
     variables: Vec<Variable>,
+    /// Type and place of each, side by side: what reading looks at.
+    places: Vec<(Kind, Slot)>,
     simulation: Simulation,
     phase: Phase,
     experiment: Experiment,
@@ -78,6 +80,7 @@ impl Instance {
         Self {
             simulation: Simulation::new(Arc::clone(&model)),
             range_logged: vec![false; variables.len()],
+            places: variables.iter().map(|v| (v.kind, v.slot)).collect(),
             logger,
             guid,
             model,
@@ -273,14 +276,17 @@ impl Instance {
         from_number: impl Fn(f64) -> T,
     ) -> Result<(), FmiError> {
         for value_reference in value_references.iter() {
-            self.variable(value_reference, Asked::Kind(kind))?;
+            let place = self.places.get(value_reference as usize);
+            if place.is_none_or(|(own, _)| *own != kind) {
+                self.variable(value_reference, Asked::Kind(kind))?;
+            }
         }
         for (index, value_reference) in value_references.iter().enumerate() {
             // Read again: the importer's array may overlap with `values`, so nothing is taken for granted.
-            let Some(variable) = self.variables.get(value_reference as usize) else {
+            let Some(&(_, slot)) = self.places.get(value_reference as usize) else {
                 break;
             };
-            let number = match variable.slot {
+            let number = match slot {
                 Slot::Input(slot) => self.simulation.input(slot),
                 Slot::Parameter(slot) => self.simulation.parameter(slot),
                 Slot::Output(slot) => self.simulation.output(slot),

@@ -101,6 +101,94 @@ fn two_different_robots_in_one_process_do_not_meet() {
     bench.run(&["two", &library.display().to_string(), &uri(&folder), guid]);
 }
 
+/// The importer again, its own memory and every call of the allocator watched.
+#[cfg(target_os = "linux")]
+#[test]
+fn address_sanitizer_finds_nothing() {
+    let Some(bench) = &*BENCH else { return };
+    let compiler = std::env::var("CC").unwrap_or_else(|_| "cc".into());
+    let importer = bench.importer.with_file_name("sanitized");
+    let output = Command::new(compiler)
+        .args([
+            "-std=gnu11",
+            "-g",
+            "-fsanitize=address,undefined",
+            "-fno-sanitize-recover=all",
+            "-o",
+        ])
+        .arg(&importer)
+        .arg("-I")
+        .arg(bench.importer.parent().expect("a folder"))
+        .args(sources())
+        .args(["-ldl", "-lm", "-lpthread"])
+        .output()
+        .expect("the compiler answers");
+    if !output.status.success() {
+        eprintln!("skipped: this C compiler has no sanitizers");
+        return;
+    }
+    let sanitized = Bench {
+        importer,
+        library: bench.library,
+        resources: bench.resources.clone(),
+    };
+    for test in [
+        "null",
+        "values",
+        "logging",
+        "instantiate",
+        "states",
+        "damage",
+        "phases",
+        "discard",
+        "input_derivatives",
+        "output_derivatives",
+    ] {
+        sanitized.run(&[test]);
+    }
+}
+
+/// Our importer in Rust does the same as the one in C: load, run, read, free.
+#[cfg(target_os = "linux")]
+#[test]
+fn valgrind_finds_nothing_in_a_simulation_by_the_command() {
+    if Command::new("valgrind").arg("--version").output().is_err() {
+        eprintln!("skipped: there is no valgrind");
+        return;
+    }
+    let Some(bench) = &*BENCH else { return };
+    let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples");
+    let fmu = bench.importer.with_file_name("rover.fmu");
+    let command = env!("CARGO_BIN_EXE_urdf2fmu");
+    let made = Command::new(command)
+        .arg("export")
+        .arg(examples.join("rover.urdf"))
+        .arg("-o")
+        .arg(&fmu)
+        .output()
+        .expect("the command runs");
+    assert!(made.status.success(), "{}", texts(&made).1);
+    let output = Command::new("valgrind")
+        .args(["--quiet", "--error-exitcode=9", "--leak-check=full"])
+        .args(["--show-leak-kinds=definite,indirect", command, "simulate"])
+        .arg(&fmu)
+        .args([
+            "--stop-time",
+            "0.05",
+            "--start-value",
+            "cmd.head_joint.velocity",
+            "1",
+        ])
+        .output()
+        .expect("valgrind runs");
+    let (said, complained) = texts(&output);
+    assert!(output.status.success(), "{}\n{complained}", output.status);
+    assert!(
+        said.lines().count() > 10 && complained.is_empty(),
+        "{complained}"
+    );
+}
+
 /// The importer again, with functions of its own under names that libraries use, visible to all it loads.
 #[cfg(target_os = "linux")]
 #[test]

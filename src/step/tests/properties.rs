@@ -467,3 +467,18 @@ fn a_restored_state_is_pushed_as_when_it_was_saved() {
     run(&mut s, 0.5, 0.01);
     assert!(s.state().q[0].abs() < 1e-9, "a reset robot is not pushed");
 }
+
+/// Found by fuzzing saved states: 5e-324 s would have been the step, and 1e319 of them a communication step.
+#[test]
+fn a_fixed_step_that_never_ends_is_refused_or_raised() {
+    let s = start(block(1.0, 0.5).model, 1e-3);
+    for (step, legal) in [(0.0, true), (1e-7, true), (1e-8, false), (5e-324, false)] {
+        let slot = crate::simulation::ParameterSlot::StepSize;
+        assert_eq!(s.check_parameter(slot, step).is_ok(), legal, "{step}");
+    }
+    let mut model = block(1.0, 0.5).model;
+    model.solver.step_size = 5e-324;
+    let mut s = start(model, 1e-3);
+    s.advance_to(1e-4).expect("finite");
+    assert!(s.state().counters[0] <= 1001, "{:?}", s.state().counters);
+}
