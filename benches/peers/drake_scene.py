@@ -125,14 +125,16 @@ class Drake:
         """To the start."""
         scene, plant, context = self.scene, self.plant, self.plant_context
         self.context.SetTime(0.0)
-        plant.SetVelocities(context, np.zeros(plant.num_velocities()))
+        positions, velocities = plant.GetPositions(context).copy(), np.zeros(plant.num_velocities())
         for joint in self.joints:
-            joint.SetPositions(context, [scene.joints.get(joint.name(), 0.0)])
-            joint.SetVelocities(context, [scene.joint_velocities.get(joint.name(), 0.0)])
+            value, rate = scene.joints.get(joint.name(), 0.0), scene.joint_velocities.get(joint.name(), 0.0)
+            positions[joint.position_start()], velocities[joint.velocity_start()] = value, rate
+        plant.SetPositions(context, positions)
+        plant.SetVelocities(context, velocities)
         if scene.floating:
             body = plant.GetBodyByName(scene.root(), self.model)
             plant.SetFloatingBaseBodyPoseInWorldFrame(context, body, RigidTransform(RollPitchYaw(scene.rpy), scene.position))
-            plant.SetFreeBodySpatialVelocity(body, SpatialVelocity(scene.spin, scene.velocity), context)
+            plant.SetFreeBodySpatialVelocity(context=context, body=body, V_JpJc=SpatialVelocity(scene.spin, scene.velocity))
         self.command(0)
         self.simulator.Initialize()
 

@@ -36,6 +36,7 @@ def compile_peer(folder):
     subprocess.run(["g++", "-O3", "-DNDEBUG", "-march=x86-64", "-std=c++17", "-w",
                     "-DBOOST_MPL_LIMIT_LIST_SIZE=30", "-DBOOST_MPL_LIMIT_VECTOR_SIZE=30",  # as its CMake file asks
                     "-DBOOST_MPL_CFG_NO_PREPROCESSED_HEADERS", "-DBOOST_FUSION_INVOKE_MAX_ARITY=12",
+                    "-DPINOCCHIO_ENABLE_TEMPLATE_INSTANTIATION",  # the library's own, compiled by its makers
                     f"-I{prefix}/include",
                     f"-I{prefix}/include/eigen3", str(Path(__file__).with_name("pinocchio_dynamics.cpp")),
                     "-o", str(program), f"-L{prefix}/lib", "-lpinocchio_default", "-lboost_serialization",

@@ -1,6 +1,6 @@
 """A scene in PyBullet.
 
-Without what its users get unasked: air drag, the joint speed clamp, motors on every joint, inertia from shapes. PD is a
+Without what its users get unasked: air drag, motors on every joint, inertia from shapes. PD is a
 torque computed in Python before every step: `POSITION_CONTROL` means something else at every step size.
 """
 
@@ -36,7 +36,7 @@ class PyBullet:
         self.ids = {p.getJointInfo(self.robot, i, **c)[1].decode(): i for i in range(p.getNumJoints(self.robot, **c))}
         for link in range(-1, p.getNumJoints(self.robot, **c)):
             p.changeDynamics(self.robot, link, lateralFriction=scene.friction, restitution=scene.restitution,
-                             linearDamping=0, angularDamping=0, maxJointVelocity=1e6, rollingFriction=0,
+                             linearDamping=0, angularDamping=0, rollingFriction=0,
                              spinningFriction=0, activationState=p.ACTIVATION_STATE_DISABLE_SLEEPING, **c)
         if scene.ground:
             plane = p.createCollisionShape(p.GEOM_PLANE, **c)

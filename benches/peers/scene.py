@@ -115,7 +115,9 @@ def strip(path, keep=("box", "sphere", "cylinder"), frictionless=True):
             dynamics.attrib.pop("friction", None)
     for joint in tree.findall("joint"):
         for element in list(joint):
-            if element.tag not in ("origin", "parent", "child", "axis", "limit", "dynamics", "mimic"):
+            if element.tag == "mimic" and joint.get("type") == "fixed":
+                joint.remove(element)
+            elif element.tag not in ("origin", "parent", "child", "axis", "limit", "dynamics", "mimic"):
                 joint.remove(element)
     return tree
 
