@@ -90,7 +90,7 @@ fn algorithms(model: &Model) -> [f64; 3] {
         time(|i| {
             kin.update_poses(&tree, &q[i]);
             kin.update_velocities(&tree, &v[i]);
-            articulated.accelerations(&tree, &kin, &v[i], &tau, &mut vdot);
+            articulated.accelerations(&tree, &kin, &v[i], &tau, (&[], 0.0), &mut vdot);
             black_box(&vdot);
         })
     } else {
@@ -104,7 +104,7 @@ fn algorithms(model: &Model) -> [f64; 3] {
     let rnea = time(|i| {
         kin.update_poses(&tree, &q[i]);
         kin.update_velocities(&tree, &v[i]);
-        rnea::bias(&tree, &mut kin, &v[i], &[]);
+        rnea::bias(&tree, &mut kin, &v[i], &[], 0.0);
         black_box(&kin.bias);
     });
     [aba, crba, rnea]

@@ -14,8 +14,7 @@ from pydrake.multibody.tree import PdControllerGains
 from pydrake.systems.analysis import ApplySimulatorConfig, Simulator, SimulatorConfig
 from pydrake.systems.framework import DiagramBuilder
 
-# Gain of velocity servos, N·m·s/rad, and the position gain that Drake wants beside it.
-SERVO = 100.0
+# The position gain that Drake wants beside that of velocity.
 TINY = 1e-9
 
 
@@ -23,7 +22,7 @@ class Drake:
     """`step` > 0: SAP; `accuracy`: CENIC."""
 
     def __init__(self, scene, step=0.0, accuracy=0.0):
-        self.scene, self.rows = scene, scene.rows()
+        self.scene, self.rows, self.cenic = scene, scene.rows(), accuracy > 0
         builder = DiagramBuilder()
         config = MultibodyPlantConfig(time_step=step, discrete_contact_approximation="sap", contact_model="point",
                                       penetration_allowance=scene.penetration)
@@ -57,7 +56,7 @@ class Drake:
             AddContactMaterial(dissipation, stiffness, CoulombFriction(scene.friction, scene.friction), properties)
             plant.RegisterCollisionGeometry(plant.world_body(), RigidTransform(), HalfSpace(), "ground", properties)
         self.retune(plant, graph, model, scene, stiffness, dissipation)
-        if not scene.floating:
+        if not scene.floating and scene.root() != "world":
             plant.WeldFrames(plant.world_frame(), plant.GetFrameByName(scene.root(), model))
         plant.mutable_gravity_field().set_gravity_vector([0, 0, -scene.gravity])
         for a in scene.actuators:
@@ -65,7 +64,7 @@ class Drake:
             if a.kind == "pd":
                 actuator.set_controller_gains(PdControllerGains(p=a.kp, d=a.kd))
             elif a.kind == "velocity":
-                actuator.set_controller_gains(PdControllerGains(p=TINY, d=SERVO))
+                actuator.set_controller_gains(PdControllerGains(p=TINY, d=scene.servo))
         plant.Finalize()
         if scene.ground:
             # Contact with the ground only, as everywhere else.
@@ -144,6 +143,9 @@ class Drake:
             return
         row = np.array(self.rows[i])[self.order]
         kind = self.scene.actuators[0].kind
+        if self.cenic:
+            # Drake 1.51 takes CENIC's desired velocities with the wrong sign: a motor told 10 rad/s turns at −10.
+            row = -row if kind == "velocity" else row
         zero = np.zeros(len(row))
         self.port.FixValue(self.plant_context, np.concatenate([row, zero] if kind == "pd" else [zero, row]))
 

@@ -8,9 +8,6 @@ import numpy as np
 
 from scene import quaternion, rotation
 
-# Gain of velocity servos, N·m·s/rad.
-SERVO = 100.0
-
 
 class MuJoCo:
     """`integrator`: Euler, implicitfast or RK4. `stiff`: elliptic cone, impratio 10, contacts as stiff as the step allows."""
@@ -45,12 +42,15 @@ class MuJoCo:
             actuator.biastype = mujoco.mjtBias.mjBIAS_AFFINE
             if a.kind == "pd":
                 actuator.gainprm[0], actuator.biasprm[1], actuator.biasprm[2] = a.kp, -a.kp, -a.kd
-            elif integrator == "implicitfast":
-                actuator.gainprm[0], actuator.biasprm[2] = SERVO, -SERVO
+            elif integrator == "Euler" and not scene.saturates:
+                # Actuators are explicit here, joint damping is implicit: the servo as damper and torque, without limit.
+                actuator.gainprm[0], actuator.forcelimited = scene.servo, False
+                spec.joint(a.joint).damping[0] += scene.servo
             else:
-                # Elsewhere actuators are explicit: a gain that is stable at any step, and what it costs in accuracy.
-                inertia = self.servo_inertia(scene, a.joint)
-                gain = min(SERVO, 0.5 * inertia / step)
+                # Where actuators are explicit: no gain above what is stable at this step.
+                gain = scene.servo
+                if integrator != "implicitfast":
+                    gain = min(gain, 0.5 * self.servo_inertia(scene, a.joint) / step)
                 actuator.gainprm[0], actuator.biasprm[2] = gain, -gain
         self.scene, self.step, self.rows = scene, step, scene.rows()
         self.model = spec.compile()

@@ -45,7 +45,8 @@ def settings(scene):
     if scene.joint_velocities:
         lines.append(f"joint_velocities = {table(scene.joint_velocities)}")
     lines += ['[link."*"]', f"friction = {scene.friction!r}", f"restitution = {scene.restitution!r}"]
-    lines += ["[[actuator]]", 'joint = "*"', 'mode = "none"']
+    if scene.joint_names():
+        lines += ["[[actuator]]", 'joint = "*"', 'mode = "none"']
     for actuator in scene.actuators:
         lines += ["[[actuator]]", f'joint = "{actuator.joint}"', f'mode = "{actuator.kind}"',
                   f"max_effort = {actuator.limit!r}"]

@@ -47,6 +47,9 @@ class Scene:
     rate: int = 60
     command: object = None  # time in s -> one target per actuator
     penetration: float = 1e-4  # m, what a static load sinks in: ours and Drake's
+    servo: float = 100.0  # N·m·s/rad, gain of velocity motors where there is no better one: MuJoCo, Drake
+    saturates: bool = False  # whether such a servo meets its limit
+    impact: float = 0.0  # m/s, of the first impact: what Drake has to know for a restitution
 
     @property
     def count(self):
@@ -150,21 +153,24 @@ def robot_data(*path):
 
 
 def iiwa_free(end=2.0):
-    """KUKA's arm swinging from a bent pose, with the file's damping, without a motor."""
+    """KUKA's arm hanging from the ceiling and swinging, with the file's damping, without a motor; no limit is hit."""
     tree = strip(data("kuka_iiwa/model.urdf"), keep=())
     names = [f"lbr_iiwa_joint_{i}" for i in range(1, 8)]
-    return Scene("iiwa, free", text(tree), end, floating=False, ground=False,
+    return Scene("iiwa, free", text(tree), end, floating=False, ground=False, gravity=-G,
                  joints=dict(zip(names, (0.0, 0.6, 0.0, -1.2, 0.0, 0.8, 0.0))))
 
 
 def panda_free(end=2.0):
-    """Franka's arm swinging from its usual pose, without a motor; the hand's fingers are fixed."""
+    """Franka's arm hanging from the ceiling and swinging, without a motor; its fingers are fixed, its joints have no
+    limits: it would lie on that of joint 4 most of the time."""
     tree = strip(data("franka_panda/panda.urdf"), keep=())
     for joint in tree.findall("joint"):
         if joint.get("type") == "prismatic":
             joint.set("type", "fixed")
+        elif joint.get("type") == "revolute":
+            joint.set("type", "continuous")
     names = [f"panda_joint{i}" for i in range(1, 8)]
-    return Scene("panda, free", text(tree), end, floating=False, ground=False,
+    return Scene("panda, free", text(tree), end, floating=False, ground=False, gravity=-G,
                  joints=dict(zip(names, (0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785))))
 
 
@@ -207,7 +213,7 @@ def a1_marching(end=2.0):
 
 
 def r2d2(end=2.0, w=10.0):
-    """PyBullet's R2D2: 0.5 s to settle, then a turn on the spot."""
+    """PyBullet's R2D2: 0.5 s to settle, then a turn on the spot. Only its wheels move."""
     from scenario import with_inertia_from_shapes
 
     tree = with_inertia_from_shapes(data("r2d2.urdf"))
@@ -220,14 +226,18 @@ def r2d2(end=2.0, w=10.0):
                 link.remove(element)
             elif element.tag == "collision" and element.find("geometry")[0].tag == "mesh":
                 link.remove(element)
+    for joint in tree.findall("joint"):
+        if "wheel" not in joint.get("name"):
+            joint.set("type", "fixed")
     names = [j.get("name") for j in tree.findall("joint") if j.get("type") != "fixed"]
-    actuators = [Actuator(name, "velocity", 50.0 if "wheel" in name else 300.0) for name in names]
+    actuators = [Actuator(name, "velocity", 50.0) for name in names]
 
     def command(t):
         turn = 0.0 if t < 0.5 - 1e-9 else w
-        return [(-turn if name.startswith("right") else turn) if "wheel" in name else 0.0 for name in names]
+        return [-turn if name.startswith("right") else turn for name in names]
+    # The highest gain that the jump of the command does not saturate: above it, explicit limits make wheels chatter.
     return Scene("R2D2 turning", text(tree), end, gravity=9.8, position=(0, 0, 0.470), actuators=actuators,
-                 command=command)
+                 command=command, servo=50.0 / w)
 
 
 def humanoid(name, end, kp, kd, spheres=False, **options):
