@@ -11,6 +11,9 @@
     reason = "the answers go to standard output, the usage to standard error"
 )]
 
+#[path = "support/clock.rs"]
+mod clock;
+
 use serde::{Deserialize, Serialize};
 use std::io::BufRead;
 use std::path::PathBuf;
@@ -58,25 +61,6 @@ struct Answer {
     steps: f64,
     rejected: f64,
     newton_max: f64,
-}
-
-/// CPU time of this process, s.
-#[cfg(unix)]
-fn now() -> f64 {
-    let t = rustix::time::clock_gettime(rustix::time::ClockId::ProcessCPUTime);
-    #[expect(clippy::cast_precision_loss, reason = "seconds and nanoseconds")]
-    let seconds = t.tv_sec as f64 + t.tv_nsec as f64 * 1e-9;
-    seconds
-}
-
-/// Wall time since the first call, s: no CPU clock without `unsafe` here.
-#[cfg(not(unix))]
-fn now() -> f64 {
-    static START: std::sync::OnceLock<std::time::Instant> = std::sync::OnceLock::new();
-    START
-        .get_or_init(std::time::Instant::now)
-        .elapsed()
-        .as_secs_f64()
 }
 
 fn read(scene: &Scene) -> Result<Model, Vec<urdf::Diagnostic>> {
@@ -156,9 +140,9 @@ impl Stage {
             answer.samples =
                 vec![vec![0.0; self.simulation.state().q.len()]; self.scene.rows.len() + 1];
             answer.samples[0].copy_from_slice(&self.simulation.state().q);
-            let start = now();
+            let start = clock::now();
             self.play(run, &mut answer.samples)?;
-            answer.seconds = answer.seconds.min(now() - start);
+            answer.seconds = answer.seconds.min(clock::now() - start);
         }
         let base = if self.simulation.model().is_floating() {
             7

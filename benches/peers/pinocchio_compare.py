@@ -80,6 +80,8 @@ def main():
                           for x, y in (("aba", "aba"), ("crba", "crba"), ("rnea", "bias")))
         lines.append(f"| {robot} | {a['nv']} | {pair} | {b['rnea'] / 1e3:.2f} |")
     lines += ["", f"Best of {arguments.rounds} rounds on {machine()}; pin {version('pin')}, g++ -O3 -march=x86-64."]
+    chains = subprocess.run([ours], stdout=subprocess.PIPE, text=True, check=True).stdout
+    write("chains", "benches/peers/pinocchio_compare.py", chains.strip(), arguments.write)
     write("pinocchio", "benches/peers/pinocchio_compare.py", "\n".join(lines), arguments.write)
 
 
