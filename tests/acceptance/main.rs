@@ -26,8 +26,12 @@ use urdf2fmu_core::{geometry, model, spatial};
 
 mod bodies;
 mod bounce;
+#[allow(dead_code, missing_docs, reason = "shared with a bench")]
+mod campaign;
+mod extremes;
 mod free;
 mod joints;
+mod repeat;
 mod robots;
 mod roll;
 mod slide;

@@ -9,7 +9,7 @@ use urdf2fmu_core::settings::{ModeChoice, Settings};
 use urdf2fmu_core::{assemble, urdf};
 
 /// A robot of this repository; settings from the file beside it where there is one.
-fn robot(path: &str, settings: impl FnOnce(&mut Settings)) -> Model {
+pub(crate) fn robot(path: &str, settings: impl FnOnce(&mut Settings)) -> Model {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join(path);
     let beside = file.with_extension("toml");
     let mut chosen = if beside.exists() {

@@ -25,7 +25,14 @@ const REQUIREMENTS: [&str; 3] = [
 
 /// The folder of the Python tests.
 pub fn tests() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/python")
+    // Used by tests of the workspace's root and of one of its folders.
+    let package = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let root = if package.join("tests/python").exists() {
+        package
+    } else {
+        package.parent().expect("a folder of the workspace")
+    };
+    root.join("tests/python")
 }
 
 /// Interpreter to start from.

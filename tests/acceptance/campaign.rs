@@ -1,0 +1,362 @@
+//! Random drops: a robot thrown onto the ground in every attitude, limp or driven, as it is or with something about it
+//! driven to an extreme. The tests take a sample; `benches/drops.rs` does the thousands of `docs/robustness.md`.
+
+use std::sync::Arc;
+use urdf2fmu_core::contact::{Contact, detect};
+use urdf2fmu_core::geometry::Shape;
+use urdf2fmu_core::kinematics::Kinematics;
+use urdf2fmu_core::model::{ActuatorId, ActuatorMode, Model, Motion};
+use urdf2fmu_core::simulation::{InputSlot, OutputSlot, ParameterSlot, Simulation};
+
+/// Communication step, s, and number of them in a drop.
+const H: f64 = 1.0 / 240.0;
+const STEPS: u32 = 480;
+
+/// What is unusual about a robot or its world.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Extreme {
+    /// Nothing.
+    None,
+    /// Masses over six decades.
+    MassRatio,
+    /// Every joint under a pd law with 1e6 N·m/rad and 1e3 N·m·s/rad, unlimited.
+    StiffGains,
+    /// It starts anywhere in the ground.
+    Overlap,
+    /// Shapes without size.
+    Points,
+    /// Shapes a thousand times as large.
+    Huge,
+    /// Thrown at the ground without gravity.
+    NoGravity,
+    /// No effort limit.
+    LimitlessEffort,
+    /// No friction.
+    NoFriction,
+    /// Friction of 1e6.
+    HugeFriction,
+    /// It bounces without loss.
+    Bouncing,
+    /// Communication steps from 1 ns to 1 s.
+    AnyStep,
+}
+
+impl Extreme {
+    /// All but [`Extreme::None`].
+    pub const ALL: [Self; 11] = [
+        Self::MassRatio,
+        Self::StiffGains,
+        Self::Overlap,
+        Self::Points,
+        Self::Huge,
+        Self::NoGravity,
+        Self::LimitlessEffort,
+        Self::NoFriction,
+        Self::HugeFriction,
+        Self::Bouncing,
+        Self::AnyStep,
+    ];
+
+    /// As the table calls it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::None => "as it is",
+            Self::MassRatio => "masses times 1e-3 … 1e3",
+            Self::StiffGains => "pd, 1e6 N·m/rad and 1e3 N·m·s/rad, unlimited",
+            Self::Overlap => "begins anywhere in the ground",
+            Self::Points => "shapes without size",
+            Self::Huge => "shapes 1000 times as large",
+            Self::NoGravity => "no gravity",
+            Self::LimitlessEffort => "max_effort infinite",
+            Self::NoFriction => "friction 0",
+            Self::HugeFriction => "friction 1e6",
+            Self::Bouncing => "restitution 1",
+            Self::AnyStep => "doStep of 1 ns … 1 s",
+        }
+    }
+
+    /// Makes a robot and its world extreme.
+    fn apply(self, model: &mut Model, random: &mut Random) {
+        match self {
+            Self::MassRatio => {
+                for link in &mut model.links {
+                    let scale = libm::pow(10.0, random.uniform(-3.0, 3.0));
+                    link.inertia.mass *= scale;
+                    link.inertia.I_cm *= scale;
+                }
+            }
+            Self::StiffGains => {
+                for actuator in &mut model.actuators {
+                    actuator.mode = ActuatorMode::Pd;
+                    (actuator.kp, actuator.kd) = (1e6, 1e3);
+                    actuator.max_effort = f64::INFINITY;
+                }
+            }
+            Self::Points => {
+                for collider in &mut model.colliders {
+                    resize(&mut collider.shape, 0.0);
+                }
+            }
+            Self::Huge => {
+                for collider in &mut model.colliders {
+                    resize(&mut collider.shape, 1e3);
+                }
+            }
+            Self::NoGravity => model.world.gravity *= 0.0,
+            Self::NoFriction | Self::HugeFriction => {
+                let mu = if self == Self::NoFriction { 0.0 } else { 1e6 };
+                for link in &mut model.links {
+                    link.friction = mu;
+                }
+                if let Some(ground) = &mut model.world.ground {
+                    ground.friction = mu;
+                }
+            }
+            Self::Bouncing => {
+                for link in &mut model.links {
+                    link.restitution = 1.0;
+                }
+            }
+            Self::None | Self::Overlap | Self::LimitlessEffort | Self::AnyStep => {}
+        }
+    }
+}
+
+/// Multiplies the lengths of a shape.
+fn resize(shape: &mut Shape, scale: f64) {
+    match shape {
+        Shape::Sphere { radius } => *radius *= scale,
+        Shape::Cylinder {
+            radius,
+            half_length,
+        }
+        | Shape::Capsule {
+            radius,
+            half_length,
+        } => {
+            *radius *= scale;
+            *half_length *= scale;
+        }
+        Shape::Box { half } => *half *= scale,
+        Shape::Hull { vertices } => {
+            for vertex in vertices {
+                *vertex *= scale;
+            }
+        }
+    }
+}
+
+/// `SplitMix64`, so that a seed means the same everywhere.
+pub struct Random(pub u64);
+
+impl Random {
+    /// Uniform in `[low, high)`.
+    pub fn uniform(&mut self, low: f64, high: f64) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^= z >> 31;
+        #[expect(clippy::cast_precision_loss, reason = "53 bits")]
+        let share = (z >> 11) as f64 / (1_u64 << 53) as f64;
+        low + (high - low) * share
+    }
+}
+
+/// The contact points of a state, as a step from it would see them.
+pub fn contacts(s: &Simulation) -> Vec<Contact> {
+    let mut kin = Kinematics::new(s.tree());
+    kin.update_poses(s.tree(), &s.state().q);
+    kin.update_velocities(s.tree(), &s.state().v);
+    let mut list = Vec::new();
+    let touches = &s.state().touches;
+    let limit = f64::INFINITY;
+    detect(s.model(), s.tree(), touches, &kin, 0.0, limit, &mut list);
+    list
+}
+
+/// What the contacts, limits and dry friction of a state hold elastically, J: normal forces and limits ½ k x², and
+/// friction at most F̄²/2k_t each.
+pub fn stored(s: &Simulation) -> [f64; 2] {
+    let (mut springs, mut friction) = (0.0, 0.0);
+    for contact in contacts(s) {
+        let depth = (-contact.gap).max(0.0);
+        springs += 0.5 * contact.stiffness * depth * depth;
+        if contact.cap > 0.0 {
+            friction += 0.5 * contact.cap * contact.cap / contact.tangential_stiffness;
+        }
+    }
+    let tree = s.tree();
+    for (dof, limits) in tree.limits.iter().enumerate() {
+        let body = &s.model().bodies[s.model().dofs[dof].body.index()];
+        if let Some(limits) = limits {
+            let q = s.state().q[body.coordinate];
+            let depth = (limits.lower - q).max(q - limits.upper).max(0.0);
+            springs += 0.5 * tree.limit_stiffness[dof] * depth * depth;
+        }
+        // Its stiffness is the friction over the deflection at which it gives way, 0.1 mm or mrad.
+        friction += 0.5 * tree.friction[dof].at_rest * 1e-4;
+    }
+    [springs, friction]
+}
+
+/// Keeps the books of a passive robot's energy.
+pub struct Ledger {
+    lowest: f64,
+    held: f64,
+    scale: f64,
+    /// Most that it has ever risen beyond what friction may have held, as a share of what it had to fall with.
+    pub gained: f64,
+}
+
+impl Ledger {
+    /// From the state in which the robot is let go.
+    pub fn new(s: &mut Simulation) -> Self {
+        let kinetic = s.output(OutputSlot::EnergyKinetic);
+        let mut ledger = Self {
+            lowest: f64::INFINITY,
+            held: 0.0,
+            scale: kinetic + s.tree().moving_mass * 9.81 * s.tree().reach,
+            gained: 0.0,
+        };
+        ledger.add(s);
+        ledger
+    }
+
+    /// Enters a state.
+    pub fn add(&mut self, s: &mut Simulation) {
+        let [springs, friction] = stored(s);
+        let energy =
+            s.output(OutputSlot::EnergyKinetic) + s.output(OutputSlot::EnergyPotential) + springs;
+        self.held = self.held.max(friction);
+        self.lowest = self.lowest.min(energy);
+        self.gained = self
+            .gained
+            .max((energy - self.lowest - self.held) / self.scale);
+        // A number that is none must not pass for no gain.
+        if energy.is_nan() {
+            self.gained = f64::INFINITY;
+        }
+    }
+}
+
+/// What came of drops.
+#[derive(Debug, Default)]
+pub struct Tally {
+    /// Drops.
+    pub drops: u32,
+    /// Drops that ended with an error or with a number that is none.
+    pub failed: u32,
+    /// Robot and seed of each of them.
+    pub failures: Vec<(String, u64)>,
+    /// Most energy that a limp robot gained, under error control and in fixed steps; see [`Ledger`].
+    pub gained: [f64; 2],
+    /// Steps, and steps accepted at the floor.
+    pub steps: [u64; 2],
+    /// Host time, s: of all, and of the slowest drop.
+    pub seconds: [f64; 2],
+}
+
+impl Tally {
+    fn fail(&mut self, robot: &Model, seed: u64) {
+        self.failed += 1;
+        self.failures.push((robot.name.clone(), seed));
+    }
+}
+
+/// Throws the robot once and adds to the tally. Even seeds are limp, every fourth takes fixed steps.
+pub fn drop_once(robot: &Model, extreme: Extreme, seed: u64, tally: &mut Tally) {
+    let mut random = Random(seed);
+    let limp = seed.is_multiple_of(2);
+    let fixed = seed % 8 >= 6;
+    let mut model = robot.clone();
+    extreme.apply(&mut model, &mut random);
+    let mut s = Simulation::new(Arc::new(model));
+    place(&mut s, extreme, &mut random);
+    if fixed {
+        s.set_parameter(ParameterSlot::StepSize, H);
+    }
+    let actuators = s.model().actuators.len();
+    for a in 0..actuators {
+        let slot = InputSlot::MaxEffort(ActuatorId::from(a));
+        if limp {
+            s.set_input(slot, 0.0);
+        } else if extreme == Extreme::LimitlessEffort {
+            s.set_input(slot, f64::INFINITY);
+        }
+    }
+    tally.drops += 1;
+    if s.initialize(0.0).is_err() {
+        tally.fail(robot, seed);
+        return;
+    }
+    let mut ledger = Ledger::new(&mut s);
+    let mut seconds = 0.0;
+    let mut t = 0.0;
+    for step in 0..STEPS {
+        if !limp && step.is_multiple_of(60) {
+            for a in (0..actuators).map(ActuatorId::from) {
+                s.set_input(InputSlot::Velocity(a), random.uniform(-5.0, 5.0));
+                s.set_input(InputSlot::Position(a), random.uniform(-1.0, 1.0));
+                s.set_input(InputSlot::Effort(a), random.uniform(-10.0, 10.0));
+            }
+        }
+        t += match extreme {
+            Extreme::AnyStep => libm::pow(10.0, random.uniform(-9.0, 0.0)),
+            _ => H,
+        };
+        let start = std::time::Instant::now();
+        let result = s.advance_to(t);
+        seconds += start.elapsed().as_secs_f64();
+        if result.is_err() || !s.state().is_finite() {
+            tally.fail(robot, seed);
+            break;
+        }
+        if limp {
+            ledger.add(&mut s);
+        }
+        if t > 10.0 {
+            break;
+        }
+    }
+    tally.seconds[0] += seconds;
+    tally.seconds[1] = tally.seconds[1].max(seconds);
+    tally.steps[0] += s.state().counters[0];
+    tally.steps[1] += s.state().counters[3];
+    let gained = &mut tally.gained[usize::from(fixed)];
+    *gained = gained.max(ledger.gained);
+}
+
+/// A random attitude, pose and motion above (or, overlapping, in) the ground.
+fn place(s: &mut Simulation, extreme: Extreme, random: &mut Random) {
+    let model = s.model().clone();
+    for axis in 0..3 {
+        let angle = random.uniform(-3.0, 3.0);
+        s.set_parameter(ParameterSlot::InitialBaseRpy(axis), angle);
+        if model.bodies[0].motion == Motion::Free {
+            let spin = random.uniform(-3.0, 3.0);
+            s.set_parameter(ParameterSlot::InitialBaseAngularVelocity(axis), spin);
+            let mut speed = random.uniform(-1.0, 1.0);
+            if extreme == Extreme::NoGravity && axis == 2 {
+                speed -= 2.0;
+            }
+            s.set_parameter(ParameterSlot::InitialBaseLinearVelocity(axis), speed);
+        }
+    }
+    for (index, joint) in model.joints.iter().enumerate() {
+        if let Some(limits) = joint.limits {
+            let (low, high) = (limits.lower.max(-3.0), limits.upper.min(3.0));
+            if low <= high {
+                let slot = ParameterSlot::InitialJointPosition(index.into());
+                s.set_parameter(slot, random.uniform(low, high));
+            }
+        }
+    }
+    let reach = s.tree().reach;
+    let height = if extreme == Extreme::Overlap {
+        random.uniform(-0.5, 0.5) * reach
+    } else {
+        reach + random.uniform(0.2, 1.0)
+    };
+    s.set_parameter(ParameterSlot::InitialBasePosition(2), height);
+}

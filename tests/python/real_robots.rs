@@ -1,0 +1,345 @@
+//! Acceptance cases on robots that nobody here wrote: A1 on random trees against Pinocchio, D1, D2 and rest on PyBullet's R2D2
+//! and on quadrupeds of example-robot-data. Rows of the table in `docs/acceptance.md`, as in `tests/acceptance`.
+
+#![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
+
+#[path = "environment.rs"]
+mod environment;
+
+use serde::Deserialize;
+use std::path::Path;
+use std::process::Command;
+use std::sync::Arc;
+use urdf2fmu_core::dynamics::{aba::Articulated, crba, energy, rnea};
+use urdf2fmu_core::kinematics::Kinematics;
+use urdf2fmu_core::model::{ActuatorId, LinkId, Model, Motion};
+use urdf2fmu_core::parameters::Parameters;
+use urdf2fmu_core::settings::{BaseChoice, Settings};
+use urdf2fmu_core::simulation::{InputSlot, OutputSlot, Simulation};
+use urdf2fmu_core::tree::Tree;
+use urdf2fmu_core::{assemble, urdf};
+
+/// A random tree and Pinocchio's numbers for one state, as `random_trees.py` writes them.
+#[derive(Deserialize)]
+struct Case {
+    urdf: String,
+    floating: bool,
+    /// Moving joints in the order of the numbers.
+    joints: Vec<String>,
+    /// Of the base if it floats, then of each joint.
+    position: Vec<Vec<f64>>,
+    v: Vec<f64>,
+    tau: Vec<f64>,
+    M: Vec<Vec<f64>>,
+    bias: Vec<f64>,
+    vdot: Vec<f64>,
+    kinetic: f64,
+    potential: f64,
+}
+
+/// Holds one claim, and prints its row.
+#[allow(clippy::print_stdout, reason = "the table is made from it")]
+#[track_caller]
+fn hold(case: &str, quantity: &str, expected: &str, error: f64, allowed: f64) {
+    let thread = std::thread::current();
+    let test = thread.name().unwrap_or_default().to_owned();
+    println!("\n| {case} | {quantity} | {expected} | {allowed:.1e} | {error:.1e} | `{test}` |");
+    assert!(
+        error.abs() <= allowed,
+        "{case}, {quantity}: off by {error:e}, allowed {allowed:e}"
+    );
+}
+
+fn model(path: &Path, settings: &Settings) -> Model {
+    let options = settings.read_options(urdf::ReadOptions::from_environment());
+    let description = urdf::read(path, &options).unwrap_or_else(|f| panic!("{f:#?}"));
+    let built = assemble::build(&description, settings).unwrap_or_else(|f| panic!("{f:#?}"));
+    built.model
+}
+
+/// Largest difference, relative to the largest number.
+fn relative(ours: &[f64], theirs: &[f64]) -> f64 {
+    assert_eq!(ours.len(), theirs.len());
+    let scale = theirs.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+    let pairs = ours.iter().zip(theirs);
+    pairs.fold(0.0, |m: f64, (a, b)| m.max((a - b).abs())) / scale
+}
+
+/// Largest relative differences of M, bias, energies, accelerations by articulated bodies and by factorisation, and of
+/// what the two accelerations ask for as forces.
+fn differences(case: &Case) -> [f64; 8] {
+    let base = if case.floating {
+        BaseChoice::Floating
+    } else {
+        BaseChoice::Fixed
+    };
+    let settings = Settings {
+        base,
+        ..Settings::default()
+    };
+    let model = model(Path::new(&case.urdf), &settings);
+    let tree = Tree::new(&model, &Parameters::new(&model));
+    let mut q = vec![0.0; model.nq];
+    // Where each of the reference's degrees of freedom stands in ours.
+    let mut place: Vec<usize> = Vec::new();
+    let mut positions = case.position.iter();
+    if case.floating {
+        q[..7].copy_from_slice(positions.next().expect("one for the base"));
+        place.extend(0..6);
+    }
+    for (name, position) in case.joints.iter().zip(positions) {
+        let joint = model.joints.iter().find(|j| j.name == *name);
+        let mut rest = &position[..];
+        for body in &joint.expect("a joint of the tree").bodies {
+            let body = &model.bodies[body.index()];
+            let (now, later) = rest.split_at(body.motion.nq());
+            q[body.coordinate..body.coordinate + now.len()].copy_from_slice(now);
+            rest = later;
+            place.extend((0..body.motion.nv()).map(|i| body.dof.index() + i));
+        }
+        assert!(rest.is_empty(), "{name} has too few bodies");
+    }
+    let nv = model.nv();
+    assert_eq!(place.len(), nv);
+    let (mut v, mut tau) = (vec![0.0; nv], vec![0.0; nv]);
+    for (k, &ours) in place.iter().enumerate() {
+        (v[ours], tau[ours]) = (case.v[k], case.tau[k]);
+    }
+    let mut kin = Kinematics::new(&tree);
+    kin.update_poses(&tree, &q);
+    kin.update_velocities(&tree, &v);
+    crba::mass_matrix(&tree, &mut kin);
+    rnea::bias(&tree, &mut kin, &v, &[], 0.0);
+    let mut M = Vec::new();
+    for &k in &place {
+        let (mut unit, mut column) = (vec![0.0; nv], vec![0.0; nv]);
+        unit[k] = 1.0;
+        tree.sparsity.multiply(&kin.M, &unit, &mut column);
+        M.extend(place.iter().map(|&j| column[j]));
+    }
+    let mut factor = kin.M.clone();
+    tree.sparsity.factor(&mut factor);
+    let mut by_factor: Vec<f64> = tau.iter().zip(&kin.bias).map(|(t, k)| t - k).collect();
+    tree.sparsity.solve(&factor, &mut by_factor);
+    let mut by_bodies = vec![0.0; nv];
+    Articulated::new(&tree).accelerations(&tree, &kin, &v, &tau, (&[], 0.0), &mut by_bodies);
+    let ours = |x: &[f64]| place.iter().map(|&k| x[k]).collect::<Vec<_>>();
+    let energies = [
+        energy::kinetic(&tree, &kin, &v),
+        energy::potential(&tree, &kin),
+    ];
+    // A long chain's accelerations are ill conditioned, in whatever program: `M v̇ + k` shows how well each meets τ.
+    let residual = |vdot: &[f64]| {
+        let mut forces = vec![0.0; nv];
+        tree.sparsity.multiply(&kin.M, vdot, &mut forces);
+        for (force, k) in forces.iter_mut().zip(&kin.bias) {
+            *force += k;
+        }
+        let scale = kin
+            .bias
+            .iter()
+            .chain(&tau)
+            .fold(0.0, |m: f64, x| m.max(x.abs()));
+        let pairs = forces.iter().zip(&tau);
+        pairs.fold(0.0, |m: f64, (a, b)| m.max((a - b).abs())) / scale
+    };
+    let mut theirs = vec![0.0; nv];
+    for (k, &at) in place.iter().enumerate() {
+        theirs[at] = case.vdot[k];
+    }
+    [
+        relative(&M, &case.M.concat()),
+        relative(&ours(&kin.bias), &case.bias),
+        relative(&energies, &[case.kinetic, case.potential]),
+        residual(&by_bodies),
+        residual(&by_factor),
+        residual(&theirs),
+        relative(&ours(&by_bodies), &case.vdot),
+        relative(&ours(&by_factor), &case.vdot),
+    ]
+}
+
+/// A1. Mass matrix, bias forces, accelerations and energies of 100 random trees of up to 60 degrees of freedom, on a fixed
+/// or a floating base, with every kind of joint, against Pinocchio.
+#[test]
+fn a1_a_hundred_random_trees_move_as_in_pinocchio() {
+    let environment = environment::make();
+    let out = environment.folder.join("trees.json");
+    let status = Command::new(environment.interpreter)
+        .arg("-B")
+        .arg(environment::tests().join("random_trees.py"))
+        .arg(environment.folder.join("trees"))
+        .arg(&out)
+        .env_remove("PYTHONPATH")
+        .status()
+        .expect("the environment has an interpreter");
+    assert!(status.success(), "random_trees.py failed");
+    let text = std::fs::read_to_string(out).expect("it was written");
+    let cases: Vec<Case> = serde_json::from_str(&text).expect("as the script writes it");
+    assert_eq!(cases.len(), 100);
+    let mut worst = [0.0_f64; 8];
+    for case in &cases {
+        for (worst, now) in worst.iter_mut().zip(differences(case)) {
+            *worst = worst.max(now);
+        }
+    }
+    for ((name, allowed), worst) in [
+        ("M", 1e-12),
+        ("bias", 1e-12),
+        ("energies", 1e-12),
+        ("M v̇ + k − τ by ABA", 2e-11),
+        ("M v̇ + k − τ by CRBA", 5e-12),
+        ("M v̇ + k − τ by Pinocchio", 5e-12),
+        // With condition numbers of M up to a million, and two programs that round differently.
+        ("v̇ by ABA", 1e-10),
+        ("v̇ by CRBA", 1e-10),
+    ]
+    .into_iter()
+    .zip(worst)
+    {
+        let what = format!("{name} of 100 random trees, relative");
+        hold("A1", &what, "Pinocchio 4.1.0", worst, allowed);
+    }
+}
+
+/// A robot under its settings at a tolerance, ready to run.
+fn start(mut model: Model, tolerance: f64) -> Simulation {
+    model.solver.tolerance = tolerance;
+    let mut simulation = Simulation::new(Arc::new(model));
+    simulation.initialize(0.0).expect("a sound model");
+    simulation
+}
+
+/// Vertical contact force over the weight of what moves, less one.
+fn unbalanced(s: &mut Simulation) -> f64 {
+    let links = s.model().links.len();
+    let force: f64 = (0..links)
+        .map(|l| s.output(OutputSlot::ContactForce(LinkId::from(l), 2)))
+        .sum();
+    force / (s.tree().moving_mass * s.model().world.gravity.norm()) - 1.0
+}
+
+/// Largest change of any coordinate in an hour after `settle` seconds, m or rad; and how well the ground carries the weight.
+fn hour(s: &mut Simulation, settle: u32) -> [f64; 2] {
+    for step in 1..=240 * settle {
+        s.advance_to(f64::from(step) / 240.0).expect("finite");
+    }
+    let settled = s.state().q.clone();
+    for second in 1..=3600 {
+        s.advance_to(f64::from(settle + second)).expect("finite");
+    }
+    let pairs = settled.iter().zip(&s.state().q);
+    let moved = pairs.fold(0.0_f64, |m, (a, b)| m.max((a - b).abs()));
+    [moved, unbalanced(s)]
+}
+
+/// D1. PyBullet's R2D2 stands for an hour: PyBullet's own walks by millimetres and turns by 0.7° (design, §6.1).
+#[test]
+fn d1_r2d2_stands_for_an_hour() {
+    let robot = environment::make().pybullet_data.join("r2d2.urdf");
+    let mut s = start(model(&robot, &Settings::default()), 1e-3);
+    let [moved, force] = hour(&mut s, 20);
+    hold(
+        "D1",
+        "R2D2 at rest: motion in one hour, m or rad",
+        "0",
+        moved,
+        1e-9,
+    );
+    hold(
+        "D1",
+        "R2D2 at rest: Σ of the contact forces, relative",
+        "m g",
+        force,
+        1e-6,
+    );
+}
+
+/// D1. R2D2's wheels at 10 rad/s: its line is that of the same drive at a tolerance of 1e-8.
+#[test]
+fn d1_r2d2_drives_straight() {
+    let robot = environment::make().pybullet_data.join("r2d2.urdf");
+    // PyBullet takes inertia from the shapes, and so does its tutorial.
+    let tutorial = "[robot]\ninertia = \"collision\"\n";
+    let settings = Settings::parse(tutorial, "here").unwrap_or_else(|f| panic!("{f:#?}"));
+    let drive = |tolerance: f64| {
+        let mut s = start(model(&robot, &settings), tolerance);
+        let mut end = 0.0;
+        while s.time() < 4.0 {
+            if (s.time() - 1.0).abs() < 1e-9 {
+                for a in 0..s.model().actuators.len() {
+                    let joint = s.model().actuators[a].joint;
+                    if s.model().joints[joint.index()]
+                        .name
+                        .ends_with("wheel_joint")
+                    {
+                        s.set_input(InputSlot::Velocity(ActuatorId::from(a)), -10.0);
+                    }
+                }
+            }
+            end += 1.0;
+            s.advance_to(end / 240.0).expect("finite");
+        }
+        let way = s.state().q[0].hypot(s.state().q[1]);
+        (s.output(OutputSlot::BaseRpy(2)), way)
+    };
+    let (yaw, way) = drive(1e-4);
+    let (reference, distance) = drive(1e-8);
+    assert!(distance > 0.9, "{distance}");
+    let error = (yaw - reference) / distance;
+    hold(
+        "D1",
+        "heading of R2D2, rad per m, tol 1e-4",
+        "that at tol 1e-8",
+        error,
+        1e-6,
+    );
+    let error = way - distance;
+    hold(
+        "D1",
+        "way of R2D2 in 3 s, m, tol 1e-4",
+        "that at tol 1e-8",
+        error,
+        1e-3,
+    );
+}
+
+/// D2. Quadrupeds of example-robot-data stand for an hour on servos that hold the pose in which they begin.
+#[test]
+fn d2_quadrupeds_nobody_here_wrote_stand_for_an_hour() {
+    let data = environment::make().pybullet_data;
+    for (name, file, settings) in [
+        (
+            "A1",
+            "a1/a1.urdf",
+            "[initial.joints]\n\"*_upper_joint\" = 0.8\n\"*_lower_joint\" = -1.6\n\
+             [[actuator]]\njoint = \"*\"\nmode = \"pd\"\nkp = 200\nkd = 5\n",
+        ),
+        (
+            "Laikago",
+            "laikago/laikago_toes.urdf",
+            "[initial]\nrpy = [1.5707963267948966, 0, 0]\n[[actuator]]\njoint = \"*\"\nmode = \"pd\"\nkp = 400\nkd = 10\n",
+        ),
+    ] {
+        let settings = Settings::parse(settings, "here").unwrap_or_else(|f| panic!("{f:#?}"));
+        let model = model(&data.join(file), &settings);
+        assert_eq!(model.bodies[0].motion, Motion::Free);
+        let mut s = start(model, 1e-3);
+        let [moved, force] = hour(&mut s, 20);
+        let what = |what: &str| format!("{name} under pd control: {what}");
+        hold(
+            "D2",
+            &what("motion in one hour, m or rad"),
+            "0",
+            moved,
+            1e-9,
+        );
+        hold(
+            "D2",
+            &what("Σ of the contact forces, relative"),
+            "m g",
+            force,
+            1e-6,
+        );
+    }
+}
