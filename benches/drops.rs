@@ -63,8 +63,8 @@ fn main() {
             tally.gained[0],
             tally.gained[1],
             tally.steps[1] as f64 / tally.steps[0].max(1) as f64,
-            tally.seconds[0] / count as f64 / 480.0 * 1e6,
-            tally.seconds[1] / 480.0 * 1e6,
+            tally.seconds[0] / count as f64 / 300.0 * 1e6,
+            tally.seconds[1] / 300.0 * 1e6,
         );
         robots.push(model);
     }

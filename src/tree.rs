@@ -192,6 +192,9 @@ const SPEED_RELAXATION: f64 = 1e-3;
 /// Position error of a limit, or of a servo under its reference effort, rad or m.
 pub const LIMIT_DEFLECTION: f64 = 1e-4;
 
+/// Unevenness of a wheel, as a share of its inertia, that makes no difference.
+const WHEEL: f64 = 0.02;
+
 impl Tree {
     /// Derives the tree; masses, mounting and initial pose come from `parameters`.
     pub fn new(model: &Model, parameters: &Parameters) -> Self {
@@ -437,6 +440,15 @@ impl Tree {
                 collider.dissipation_number = crate::contact::dissipation_number(e);
             }
         }
+    }
+
+    /// Whether a body looks the same to the rest of the robot however it has turned about its joint's axis.
+    pub(crate) fn is_wheel(&self, index: usize) -> bool {
+        let body = &self.bodies[index];
+        let [xx, yy, zz, xy, xz, yz] = body.I_cm;
+        let eccentric = body.mass * (body.com.x * body.com.x + body.com.y * body.com.y);
+        let uneven = (xx - yy).abs() + xy.abs() + xz.abs() + yz.abs() + eccentric;
+        uneven <= WHEEL * (xx + yy + zz) && self.bodies.iter().skip(1).all(|b| b.parent != index)
     }
 
     /// Sets what depends on the initial position: stiffness of contacts and limits, error weights.

@@ -5,12 +5,18 @@ use crate::kinematics::forward;
 use crate::state::State;
 use crate::step::control::{NotFinite, Stepper, count};
 use crate::step::point::Context;
+use crate::tree::Move;
 
 /// Error of one solve by itself, relative to the tolerance and to the square of the step, s⁻², up to which the second is left
 /// out: like the error it falls with the square of the step, so that short steps converge as before. 0.004 at 1/240 s.
 const CALM: f64 = 240.0;
 /// Relative accuracy of the impulses in fixed-step mode.
 const FIXED_ACCURACY: f64 = 1e-8;
+/// Angle, rad, that a limb may turn in a step: one that whirls faster has the step taken in parts. A step takes mass matrix
+/// and lever arms as they are at its start, and a radian on they are others: such limbs gained energy without bound.
+const WHIRL: f64 = 0.2;
+/// Most parts of a step.
+const MAX_PARTS: f64 = 32.0;
 
 impl Stepper {
     pub(super) fn advance_fixed(
@@ -30,7 +36,16 @@ impl Stepper {
             if self.rest(ctx, state, h, span - done * h, FIXED_ACCURACY) {
                 return Ok(());
             }
-            self.fixed_step(ctx, state, h)?;
+            let parts = parts(ctx, state, h);
+            let part = h / parts;
+            self.fixed_step(ctx, state, part)?;
+            let mut taken = 1.0;
+            while taken < parts {
+                let ctx = &ctx.after(taken * part);
+                self.start.update(ctx, state, part);
+                self.fixed_step(ctx, state, part)?;
+                taken += 1.0;
+            }
             done += 1.0;
         }
         Ok(())
@@ -82,4 +97,24 @@ impl Stepper {
         state.counters[0] += 1;
         Ok(())
     }
+}
+
+/// In how many parts to take a step of `h` seconds, for the sake of what turns fast and is not a wheel.
+fn parts(ctx: &Context, state: &State, h: f64) -> f64 {
+    let mut fastest = WHIRL / h;
+    for (index, body) in ctx.tree.bodies.iter().enumerate() {
+        let dofs = &ctx.tree.dof[body.column..body.column + body.columns];
+        let rate = match body.motion {
+            Move::Turn => (body.ratio * state.v[dofs[0]]).abs(),
+            Move::Free | Move::Ball => {
+                let [x, y, z] = [state.v[dofs[0]], state.v[dofs[1]], state.v[dofs[2]]];
+                (x * x + y * y + z * z).sqrt()
+            }
+            Move::Welded | Move::Slide => continue,
+        };
+        if rate > fastest && (body.motion != Move::Turn || !ctx.tree.is_wheel(index)) {
+            fastest = rate;
+        }
+    }
+    libm::ceil(fastest * h / WHIRL - 1e-9).clamp(1.0, MAX_PARTS)
 }

@@ -10,7 +10,7 @@ use urdf2fmu_core::simulation::{InputSlot, OutputSlot, ParameterSlot, Simulation
 
 /// Communication step, s, and number of them in a drop.
 const H: f64 = 1.0 / 240.0;
-const STEPS: u32 = 480;
+const STEPS: u32 = 300;
 
 /// What is unusual about a robot or its world.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
