@@ -124,10 +124,10 @@ fn b3_a_saturated_rotor_takes_j_omega_over_e() {
     for (direction, name) in [(1.0, "forward"), (-1.0, "backward")] {
         let mut s = start(b.model.clone(), 1e-4);
         s.set_input(InputSlot::Velocity(ActuatorId(0)), direction * target);
-        // Saturated while kd (target − ω) > effort.
+        // Saturated while kd (target − ω) > effort; looked at just before.
         let leaves = J * (target - effort / kd) / effort;
-        run(&mut s, leaves, 0.05);
-        let late = (target - effort / kd - direction * s.state().v[0]) * J / effort;
+        run(&mut s, 0.99 * leaves, 0.05);
+        let late = (0.99 * leaves * effort / J - direction * s.state().v[0]) * J / effort;
         let quantity = format!("time to speed, relative, {name}, tol 1e-4");
         hold("B3", &quantity, "J ω/e", late / leaves, 1e-4);
         run(&mut s, 2.0 * leaves, 0.05);
