@@ -180,7 +180,8 @@ impl Snapshot {
         let sound = snapshot.parameters.iter().all(|x| x.is_finite())
             && start.is_sound(&snapshot.inputs)
             && start.is_sound(&snapshot.applied)
-            && snapshot.state.is_finite();
+            && snapshot.state.is_finite()
+            && snapshot.state.lengths_are_positive();
         if !complete || !sound {
             return Err(refused("its contents are not those of a state"));
         }

@@ -156,6 +156,15 @@ impl State {
         ]
     }
 
+    /// Whether no length of time is negative: a step would go back, and then for ever forward again.
+    pub fn lengths_are_positive(&self) -> bool {
+        let mut lengths = self
+            .step
+            .iter()
+            .chain([&self.last_step, &self.ahead.length]);
+        lengths.all(|length| *length >= 0.0)
+    }
+
     /// Whether every number is finite; the effort limits among the commands may be infinite: no limit.
     pub fn is_finite(&self) -> bool {
         let touches = self.touches.iter().flat_map(Touch::numbers);

@@ -1,0 +1,536 @@
+//! What is tried with arbitrary bytes. A target returns whatever happens; what must not happen is a crash, a hang,
+//! undefined behaviour (`AddressSanitizer` watches), or memory that is not given back.
+//!
+//! | target | bytes are |
+//! |---|---|
+//! | `states` | a serialised state, or changes to a good one whose checksums are then put right |
+//! | `model` | a prepared model as text, or changes to the numbers of a good one |
+//! | `settings` | a settings file |
+//! | `calls` | a sequence of FMI calls with their arguments |
+#![allow(
+    unsafe_code,
+    dead_code,
+    clippy::undocumented_unsafe_blocks,
+    clippy::unwrap_used,
+    clippy::cast_possible_truncation,
+    clippy::too_many_lines,
+    missing_docs,
+    reason = "calls C functions as an importer would, with pointers that are valid or null"
+)]
+
+use std::ffi::{CString, c_char, c_void};
+use std::ptr::{null, null_mut};
+use std::sync::{Arc, LazyLock};
+use urdf2fmu_core::prepared::PreparedModel;
+use urdf2fmu_core::settings::Settings;
+use urdf2fmu_core::simulation::Simulation;
+use urdf2fmu_core::variables::{Slot, table};
+use urdf2fmu_core::{assemble, urdf};
+use urdf2fmu_fmi::types::fmi2CallbackFunctions;
+use urdf2fmu_fmi::*;
+
+const GUID: &str = "{fuzz}";
+
+/// A rover with one wheel, an arm with a limit and a force from outside: every kind of variable but sensors.
+const ROBOT: &str = r#"<robot name="r">
+<link name="base"><inertial><mass value="2"/><inertia ixx="0.02" iyy="0.02" izz="0.02" ixy="0" ixz="0" iyz="0"/></inertial>
+  <collision><geometry><box size="0.2 0.2 0.1"/></geometry></collision></link>
+<link name="wheel"><inertial><mass value="0.5"/><inertia ixx="0.002" iyy="0.003" izz="0.002" ixy="0" ixz="0" iyz="0"/></inertial>
+  <collision><geometry><sphere radius="0.1"/></geometry></collision></link>
+<link name="arm"><inertial><mass value="0.3"/><inertia ixx="0.002" iyy="0.003" izz="0.002" ixy="0" ixz="0" iyz="0"/></inertial></link>
+<joint name="axle" type="continuous"><parent link="base"/><child link="wheel"/><origin xyz="0.1 0 0"/><axis xyz="0 1 0"/>
+  <limit effort="5" velocity="20"/><dynamics damping="0.01" friction="0.02"/></joint>
+<joint name="elbow" type="revolute"><parent link="base"/><child link="arm"/><origin xyz="0 0 0.1"/><axis xyz="0 1 0"/>
+  <limit lower="-1" upper="1" effort="3" velocity="4"/></joint>
+</robot>"#;
+
+fn good_model() -> PreparedModel {
+    let options = urdf::ReadOptions::default();
+    let folder = std::path::Path::new(".");
+    let description = urdf::read_str(ROBOT, "r.urdf", folder, &options).unwrap();
+    let settings = "[outputs]\nlinks = [\"arm\"]\n[[external_wrench]]\nlink = \"base\"\n\
+                    [[actuator]]\njoint = \"elbow\"\nmode = \"pd\"\nkp = 5\nkd = 0.5\n";
+    let settings = Settings::parse(settings, "r.toml").unwrap();
+    PreparedModel::new(
+        GUID.into(),
+        assemble::build(&description, &settings).unwrap().model,
+    )
+}
+
+/// The folder that the FMU's library is told to read, as a URI.
+static RESOURCES: LazyLock<CString> = LazyLock::new(|| {
+    let folder = std::env::temp_dir().join(format!("urdf2fmu-fuzz-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    std::fs::write(folder.join("model.json"), good_model().to_json().unwrap()).unwrap();
+    CString::new(format!("file://{}", folder.display())).unwrap()
+});
+
+/// Bytes as arguments; zeros when there are no more.
+struct Bytes<'a>(&'a [u8]);
+
+impl Bytes<'_> {
+    fn byte(&mut self) -> u8 {
+        let Some((first, rest)) = self.0.split_first() else {
+            return 0;
+        };
+        self.0 = rest;
+        *first
+    }
+
+    fn word(&mut self) -> u32 {
+        u32::from_le_bytes(std::array::from_fn(|_| self.byte()))
+    }
+
+    fn number(&mut self) -> f64 {
+        match self.byte() {
+            0 => 0.0,
+            1 => -1.0,
+            2 => f64::NAN,
+            3 => f64::INFINITY,
+            4 => 1e308,
+            5 => 5e-324,
+            6 => -1e-9,
+            7 => 1e-3,
+            8 => f64::from_bits(u64::from(self.word()) << 32 | u64::from(self.word())),
+            small => f64::from(i16::from(small) - 128) * 0.1,
+        }
+    }
+}
+
+fn instantiate() -> *mut c_void {
+    let (name, guid) = (c"fuzz", CString::new(GUID).unwrap());
+    let callbacks = fmi2CallbackFunctions {
+        logger: None,
+        allocateMemory: None,
+        freeMemory: None,
+        stepFinished: None,
+        componentEnvironment: null_mut(),
+    };
+    unsafe {
+        let resources = RESOURCES.as_ptr();
+        fmi2Instantiate(
+            name.as_ptr(),
+            1,
+            guid.as_ptr(),
+            resources,
+            &raw const callbacks,
+            0,
+            1,
+        )
+    }
+}
+
+fn running() -> *mut c_void {
+    let c = instantiate();
+    assert!(!c.is_null());
+    unsafe {
+        fmi2SetupExperiment(c, 0, 0.0, 0.0, 0, 0.0);
+        fmi2EnterInitializationMode(c);
+        fmi2ExitInitializationMode(c);
+    }
+    c
+}
+
+/// An instance that serves many executions: making one takes longer than everything else. States bring it back to the
+/// beginning.
+struct Kept {
+    c: *mut c_void,
+    instantiated: *mut c_void,
+    initialised: *mut c_void,
+}
+
+thread_local! {
+    static KEPT: Kept = {
+        let (c, mut instantiated, mut initialised) = (instantiate(), null_mut(), null_mut());
+        assert!(!c.is_null());
+        unsafe {
+            fmi2GetFMUstate(c, &raw mut instantiated);
+            fmi2SetupExperiment(c, 0, 0.0, 0.0, 0, 0.0);
+            fmi2EnterInitializationMode(c);
+            fmi2ExitInitializationMode(c);
+            fmi2GetFMUstate(c, &raw mut initialised);
+        }
+        Kept { c, instantiated, initialised }
+    };
+}
+
+/// The kept instance, fresh or initialised.
+fn kept(initialised: bool) -> *mut c_void {
+    KEPT.with(|kept| {
+        let state = if initialised {
+            kept.initialised
+        } else {
+            kept.instantiated
+        };
+        let status = unsafe { fmi2SetFMUstate(kept.c, state) };
+        assert!(status as i32 == 0);
+        kept.c
+    })
+}
+
+const VARIABLES: u32 = 200;
+
+/// Reads everything there is.
+fn read_all(c: *mut c_void) {
+    for reference in 0..VARIABLES {
+        let (mut real, mut integer) = (0.0, 0);
+        let (real, integer) = (&raw mut real, &raw mut integer);
+        unsafe {
+            fmi2GetReal(c, &raw const reference, 1, real);
+            fmi2GetInteger(c, &raw const reference, 1, integer);
+            fmi2GetBoolean(c, &raw const reference, 1, integer);
+            fmi2GetRealOutputDerivatives(
+                c,
+                &raw const reference,
+                1,
+                &raw const *integer.cast(),
+                real,
+            );
+        }
+    }
+}
+
+fn fnv(bytes: &[u8]) -> u64 {
+    bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
+        (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3)
+    })
+}
+
+/// Puts the checksum at the end of `bytes` right.
+fn seal(bytes: &mut [u8]) {
+    let end = bytes.len() - 8;
+    let checksum = fnv(&bytes[..end]).to_le_bytes();
+    bytes[end..].copy_from_slice(&checksum);
+}
+
+/// Bytes of a good state, after some motion.
+static STATE: LazyLock<Vec<u8>> = LazyLock::new(|| {
+    let c = running();
+    unsafe {
+        fmi2DoStep(c, 0.0, 0.3, 1);
+        let (mut state, mut size) = (null_mut(), 0);
+        fmi2GetFMUstate(c, &raw mut state);
+        fmi2SerializedFMUstateSize(c, state, &raw mut size);
+        let mut bytes = vec![0_u8; size];
+        fmi2SerializeFMUstate(c, state, bytes.as_mut_ptr().cast(), size);
+        fmi2FreeFMUstate(c, &raw mut state);
+        fmi2FreeInstance(c);
+        bytes
+    }
+});
+
+/// Length of what stands before the simulation's own bytes, see `fmi/src/snapshot.rs`.
+const HEADER: usize = 56;
+
+pub fn states(data: &[u8]) {
+    let mut bytes = Bytes(data);
+    let forged = bytes.byte() % 2 == 1;
+    let state = if forged {
+        let mut state = STATE.clone();
+        while !bytes.0.is_empty() {
+            let place = bytes.word() as usize % (state.len() - 16);
+            if bytes.byte().is_multiple_of(4) {
+                let number = bytes.number().to_le_bytes();
+                let place = place / 8 * 8;
+                state[place..place + 8].copy_from_slice(&number);
+            } else {
+                state[place] ^= bytes.byte();
+            }
+        }
+        let end = state.len() - 8;
+        seal(&mut state[HEADER..end]);
+        seal(&mut state);
+        state
+    } else {
+        bytes.0.to_vec()
+    };
+    let c = kept(true);
+    unsafe {
+        let mut saved = null_mut();
+        let accepted =
+            fmi2DeSerializeFMUstate(c, state.as_ptr().cast(), state.len(), &raw mut saved) as i32
+                == 0;
+        assert_eq!(accepted, !saved.is_null());
+        if accepted {
+            fmi2SetFMUstate(c, saved);
+            let mut time = 0.0;
+            fmi2GetRealStatus(c, 2, &raw mut time);
+            fmi2DoStep(c, time, 1e-4, 0);
+            read_all(c);
+            fmi2GetFMUstate(c, &raw mut saved);
+            fmi2FreeFMUstate(c, &raw mut saved);
+        }
+    }
+}
+
+static MODEL: LazyLock<String> = LazyLock::new(|| good_model().to_json().unwrap());
+
+/// The good model with some of its numbers and words replaced.
+fn changed_model(bytes: &mut Bytes) -> String {
+    const OTHERS: [&str; 16] = [
+        "0",
+        "-1",
+        "1e308",
+        "-1e308",
+        "1e-308",
+        "null",
+        "4294967295",
+        "18446744073709551616",
+        "0.5",
+        "\"\"",
+        "[]",
+        "{}",
+        "true",
+        "3",
+        "1e-9",
+        "7",
+    ];
+    let mut lines: Vec<String> = MODEL.lines().map(str::to_owned).collect();
+    for _ in 0..8 {
+        if bytes.0.is_empty() {
+            break;
+        }
+        let line = (bytes.byte() as usize | (bytes.byte() as usize) << 8) % lines.len();
+        let other = OTHERS[bytes.byte() as usize % OTHERS.len()];
+        let old = lines[line].clone();
+        let tail = if old.ends_with(',') { "," } else { "" };
+        lines[line] = match old.split_once(": ") {
+            Some((key, _)) if !old.ends_with(['{', '[']) => format!("{key}: {other}{tail}"),
+            None if !old.trim_end_matches(',').ends_with(['{', '[', '}', ']']) => {
+                format!("{other}{tail}")
+            }
+            _ => old,
+        };
+    }
+    lines.join("\n")
+}
+
+pub fn model(data: &[u8]) {
+    let mut bytes = Bytes(data);
+    let text = if bytes.byte() % 2 == 1 {
+        changed_model(&mut bytes)
+    } else {
+        String::from_utf8_lossy(bytes.0).into_owned()
+    };
+    let Ok(prepared) = PreparedModel::from_json(&text) else {
+        return;
+    };
+    let Ok(rows) = table(&prepared.model) else {
+        return;
+    };
+    let mut simulation = Simulation::new(Arc::new(prepared.model));
+    if simulation.initialize(0.0).is_ok() {
+        _ = simulation.advance_to(1e-4);
+    }
+    for row in rows {
+        if let Slot::Output(slot) = row.slot {
+            simulation.output(slot);
+            simulation.output_derivative(slot);
+        }
+    }
+}
+
+pub fn settings(data: &[u8]) {
+    _ = Settings::parse(&String::from_utf8_lossy(data), "fuzz.toml");
+}
+
+pub fn calls(data: &[u8]) {
+    let mut bytes = Bytes(data);
+    let mut c = kept(bytes.byte() % 2 == 1);
+    // Only an instance of its own is freed and made again.
+    let mut own = false;
+    let mut saved: [*mut c_void; 2] = [null_mut(); 2];
+    let mut memory: Vec<u8> = Vec::new();
+    let (mut time, mut simulated) = (0.0_f64, 0.0);
+    for _ in 0..64 {
+        if bytes.0.is_empty() {
+            break;
+        }
+        let function = bytes.byte();
+        let count = bytes.byte() as usize % 6;
+        let references: Vec<u32> = (0..count)
+            .map(|_| match bytes.byte() {
+                255 => bytes.word(),
+                small => u32::from(small),
+            })
+            .collect();
+        let mut reals: Vec<f64> = (0..count).map(|_| bytes.number()).collect();
+        let mut integers: Vec<i32> = (0..count).map(|_| i32::from(bytes.byte()) - 2).collect();
+        let (kind, slot) = (i32::from(bytes.byte()) - 1, function as usize % 2);
+        // Null arrays with any length, as long as nothing may be read or written.
+        let absent = bytes.byte() == 1;
+        let n = if absent { bytes.word() as usize } else { count };
+        let vr = if absent { null() } else { references.as_ptr() };
+        let real = if absent {
+            null_mut()
+        } else {
+            reals.as_mut_ptr()
+        };
+        let integer = if absent {
+            null_mut()
+        } else {
+            integers.as_mut_ptr()
+        };
+        unsafe {
+            match function / 2 % 40 {
+                0 | 1 => drop(fmi2SetReal(c, vr, n, real)),
+                2 => drop(fmi2GetReal(c, vr, n, real)),
+                3 => drop(fmi2SetInteger(c, vr, n, integer)),
+                4 => drop(fmi2GetInteger(c, vr, n, integer)),
+                5 => drop(fmi2SetBoolean(c, vr, n, integer)),
+                6 => drop(fmi2GetBoolean(c, vr, n, integer)),
+                7 => {
+                    let strings = vec![null::<c_char>(); count];
+                    fmi2SetString(c, vr, n, if absent { null() } else { strings.as_ptr() });
+                }
+                8 => {
+                    let mut strings = vec![null::<c_char>(); count];
+                    fmi2GetString(
+                        c,
+                        vr,
+                        n,
+                        if absent {
+                            null_mut()
+                        } else {
+                            strings.as_mut_ptr()
+                        },
+                    );
+                }
+                9 | 10 => drop(fmi2SetRealInputDerivatives(c, vr, n, integer, real)),
+                11 => drop(fmi2GetRealOutputDerivatives(c, vr, n, integer, real)),
+                12..=15 => {
+                    // At most a second in all: a sequence is to be short.
+                    let step = [1e-3, 0.01, 1e-9, bytes.number()][kind.unsigned_abs() as usize % 4];
+                    let begin = if slot == 0 { time } else { bytes.number() };
+                    let legal = step.is_nan() || step + simulated <= 1.0 || step > 1e6;
+                    if legal && fmi2DoStep(c, begin, step, kind) as i32 == 0 {
+                        simulated += step.max(0.0);
+                    }
+                    fmi2GetRealStatus(c, 2, &raw mut time);
+                }
+                16 => drop(fmi2SetupExperiment(
+                    c,
+                    kind,
+                    bytes.number(),
+                    bytes.number(),
+                    kind,
+                    bytes.number(),
+                )),
+                17 => drop(fmi2EnterInitializationMode(c)),
+                18 => drop(fmi2ExitInitializationMode(c)),
+                19 => drop(fmi2Terminate(c)),
+                20 => drop(fmi2Reset(c)),
+                21 => drop(fmi2GetFMUstate(
+                    c,
+                    if absent {
+                        null_mut()
+                    } else {
+                        &raw mut saved[slot]
+                    },
+                )),
+                22 => drop(fmi2SetFMUstate(c, saved[slot])),
+                23 => drop(fmi2FreeFMUstate(
+                    c,
+                    if absent {
+                        null_mut()
+                    } else {
+                        &raw mut saved[slot]
+                    },
+                )),
+                24 => {
+                    let mut size = 0;
+                    if fmi2SerializedFMUstateSize(c, saved[slot], &raw mut size) as i32 == 0 {
+                        memory.resize(size - usize::from(kind == 5), 0);
+                        fmi2SerializeFMUstate(
+                            c,
+                            saved[slot],
+                            memory.as_mut_ptr().cast(),
+                            memory.len(),
+                        );
+                    }
+                }
+                25 => {
+                    if let Some(byte) = memory.get_mut(n) {
+                        *byte ^= bytes.byte();
+                    }
+                    // What stood in the slot before would be lost.
+                    fmi2FreeFMUstate(c, &raw mut saved[slot]);
+                    fmi2DeSerializeFMUstate(
+                        c,
+                        memory.as_ptr().cast(),
+                        memory.len(),
+                        &raw mut saved[slot],
+                    );
+                }
+                26 => {
+                    let mut status = urdf2fmu_fmi::types::fmi2Status::OK;
+                    fmi2GetStatus(c, kind, if absent { null_mut() } else { &raw mut status });
+                }
+                27 => drop(fmi2GetRealStatus(
+                    c,
+                    kind,
+                    if count == 0 {
+                        null_mut()
+                    } else {
+                        reals.as_mut_ptr()
+                    },
+                )),
+                28 => drop(fmi2GetIntegerStatus(c, kind, integers.as_mut_ptr())),
+                29 => drop(fmi2GetBooleanStatus(
+                    c,
+                    kind,
+                    if count == 0 {
+                        null_mut()
+                    } else {
+                        integers.as_mut_ptr()
+                    },
+                )),
+                30 => {
+                    let mut text = null();
+                    fmi2GetStringStatus(c, kind, if absent { null_mut() } else { &raw mut text });
+                }
+                31 => {
+                    let names = [
+                        c"logAll".as_ptr(),
+                        c"logEvents".as_ptr(),
+                        null(),
+                        c"no".as_ptr(),
+                    ];
+                    fmi2SetDebugLogging(
+                        c,
+                        kind,
+                        n.min(4),
+                        if absent { null() } else { names.as_ptr() },
+                    );
+                }
+                32 => drop(fmi2GetDirectionalDerivative(c, vr, n, vr, n, real, real)),
+                33 => drop(fmi2CancelStep(c)),
+                34 => drop(fmi2NewDiscreteStates(c, null_mut())),
+                35 => drop(fmi2SetTime(c, bytes.number())),
+                36 => drop(fmi2GetDerivatives(c, real, n)),
+                37 => drop(fmi2GetContinuousStates(c, real, n)),
+                38 => {
+                    // A null component is no instance; a new one can go on from the old one's states.
+                    fmi2GetReal(null_mut(), vr, n, real);
+                    fmi2FreeInstance(null_mut());
+                    if kind > 200 {
+                        if own {
+                            fmi2FreeInstance(c);
+                        }
+                        c = if slot == 0 { running() } else { instantiate() };
+                        own = true;
+                    }
+                }
+                _ => read_all(c),
+            }
+        }
+    }
+    unsafe {
+        for state in &mut saved {
+            fmi2FreeFMUstate(c, &raw mut *state);
+        }
+        if own {
+            fmi2FreeInstance(c);
+        }
+    }
+}
