@@ -51,8 +51,17 @@ impl Stepper {
         Ok(())
     }
 
+    /// Explicit where nothing stiff acts, else implicit.
+    fn fixed_step(&mut self, ctx: &Context, state: &mut State, h: f64) -> Result<(), NotFinite> {
+        if self.fixed_explicit_step(ctx, state, h) {
+            state.counters[0] += 1;
+            return Ok(());
+        }
+        self.fixed_implicit_step(ctx, state, h)
+    }
+
     /// One solve with the friction cone and the bias of the start, one with those of the middle unless that changes nothing.
-    pub(super) fn fixed_step(
+    pub(super) fn fixed_implicit_step(
         &mut self,
         ctx: &Context,
         state: &mut State,

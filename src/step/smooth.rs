@@ -87,7 +87,6 @@ impl Stepper {
                 .terms
                 .iter()
                 .all(|term| !term.is_stiff() && !may_become_stiff(term) && term.damping >= 0.0)
-            && ctx.fixed_step == 0.0
     }
 
     /// Whether nothing comes near within `h` seconds, and damping is resolved.
@@ -122,6 +121,20 @@ impl Stepper {
         } else {
             error.max(HIT)
         }
+    }
+
+    /// Takes an explicit step of `h` seconds, a fixed length, where nothing stiff acts and nothing is met; tells whether.
+    pub(super) fn fixed_explicit_step(&mut self, ctx: &Context, state: &mut State, h: f64) -> bool {
+        if !(self.nothing_stiff(ctx) && self.is_free(ctx, state, h)) {
+            return false;
+        }
+        self.explicit.restart();
+        let error = self.explicit_step(ctx, &BOGACKI_SHAMPINE, state, h);
+        let taken = error.is_finite() && self.stays_free(ctx, state, h);
+        if taken {
+            accept_explicit(&mut self.explicit, &BOGACKI_SHAMPINE, state);
+        }
+        taken
     }
 
     /// Whether the explicit step just taken from `state` has stayed within all limits, and has ended off the ground.

@@ -77,14 +77,16 @@ fn end(model: &Model, method: Method, count: u32) -> Vec<f64> {
                 assert!(error.is_finite());
                 stepper.accept_doubled(&ctx, &mut state, h, true);
             }
-            Method::Fixed => stepper.fixed_step(&ctx, &mut state, h).expect("finite"),
+            Method::Fixed => stepper
+                .fixed_implicit_step(&ctx, &mut state, h)
+                .expect("finite"),
         }
     }
     state.q.iter().chain(&state.v).copied().collect()
 }
 
 /// A6. The error falls with the order of the method: 5 and 3 for the explicit pairs, 2 for the extrapolated step, and for
-/// a fixed step that looks at its middle for the bias, 1 (its mass matrix is that of its start). Over three halvings of the step.
+/// an implicit step of fixed length that looks at its middle for the bias, 1 (its mass matrix is that of its start). Over three halvings of the step.
 #[test]
 #[allow(clippy::print_stdout, reason = "the table is made from it")]
 fn a6_errors_fall_with_the_order_of_the_method() {
