@@ -183,6 +183,14 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Description, Vec<Diagn
     Ok(description)
 }
 
+/// Corners of the faces of a mesh file (STL, OBJ, COLLADA) in m, as a URDF without `scale` takes them.
+///
+/// # Errors
+/// What is wrong with the file.
+pub fn mesh_corners(path: &Path) -> Result<Vec<Vec3>, Box<dyn std::error::Error>> {
+    Ok(mesh::read(path)?)
+}
+
 /// Reads a URDF text and the meshes of its collision shapes.
 ///
 /// - `file_name`: shown in diagnostics

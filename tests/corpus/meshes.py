@@ -1,0 +1,112 @@
+"""Meshes against an independent reader: box around the corners, and volume of their hull.
+
+Usage: python meshes.py DRIVER FOLDER...
+
+DRIVER is `target/debug/examples/corpus`. Every STL, OBJ and COLLADA file below the folders, and COLLADA scenes made
+here (units, up-axis, nested and repeated nodes, mirrored ones), is read by our reader and by trimesh (COLLADA through
+pycollada); both must agree to 1e-6 of the size. Needs trimesh, pycollada, scipy. Ends with exit code 1 if they do not.
+
+Where the two mean different things: trimesh takes `<up_axis>` no more than we do; it turns no axes here either.
+"""
+
+import json
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+import collada
+import numpy as np
+import trimesh
+from scipy.spatial import ConvexHull, QhullError
+
+TOLERANCE = 1e-6
+
+# A tetrahedron with nothing symmetric about it, placed by nodes.
+SCENE = """<?xml version="1.0"?>
+<COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
+<asset><unit name="u" meter="{unit}"/><up_axis>{up}</up_axis></asset>
+<library_geometries><geometry id="g"><mesh>
+<source id="s"><float_array id="a" count="12">0 0 0 1 0 0 0 2 0 0.25 0.5 3</float_array><technique_common>
+<accessor source="#a" count="4" stride="3"><param name="X" type="float"/><param name="Y" type="float"/><param name="Z"
+ type="float"/></accessor></technique_common></source>
+<vertices id="v"><input semantic="POSITION" source="#s"/></vertices>
+<triangles count="4"><input semantic="VERTEX" source="#v" offset="0"/><p>0 2 1 0 1 3 1 2 3 2 0 3</p></triangles>
+</mesh></geometry></library_geometries>
+<library_visual_scenes><visual_scene id="w">{nodes}</visual_scene></library_visual_scenes>
+<scene><instance_visual_scene url="#w"/></scene></COLLADA>"""
+HERE = '<instance_geometry url="#g"/>'
+NODES = {
+    "plain": f"<node>{HERE}</node>",
+    "nested": "<node><translate>1 2 3</translate><rotate>0 0 1 30</rotate><node><scale>2 1 0.5</scale>"
+              f"<rotate>1 0 0 75</rotate>{HERE}</node></node>",
+    "matrix": f"<node><matrix>0 -1 0 4 1 0 0 5 0 0 1 6 0 0 0 1</matrix><node><translate>0 0 1</translate>{HERE}</node></node>",
+    "repeated": "".join(f"<node><translate>{k} {k * k} 0</translate><rotate>0 1 0 {40 * k}</rotate>{HERE}</node>"
+                        for k in range(5)),
+    "mirrored": f"<node><scale>-1 1 2</scale><translate>3 0 0</translate>{HERE}</node>",
+}
+
+
+def independent(path):
+    """Corners of the faces, m, by trimesh; COLLADA by pycollada, whose nodes place the triangles themselves."""
+    if path.suffix.lower() == ".dae":
+        mesh = collada.Collada(str(path), ignore=[collada.common.DaeUnsupportedError, collada.common.DaeBrokenRefError])
+        corners = [face.vertices for geometry in mesh.scene.objects("geometry") for primitive in geometry.primitives()
+                   if hasattr(primitive, "triangleset") or isinstance(primitive, collada.triangleset.BoundTriangleSet)
+                   for face in primitive]
+        points = np.concatenate([np.asarray(c) for c in corners])
+        return points * (mesh.assetInfo.unitmeter or 1.0)
+    mesh = trimesh.load(path, force="mesh", process=False)
+    return np.asarray(mesh.vertices)[np.unique(mesh.faces)]
+
+
+def volume(points):
+    try:
+        return ConvexHull(points).volume
+    except QhullError:  # flat
+        return 0.0
+
+
+def differences(ours, theirs):
+    """Boxes relative to the size, volumes relative to that of the box around."""
+    size = np.linalg.norm(np.ptp(theirs, axis=0))
+    box = max(abs(ours.min(0) - theirs.min(0)).max(), abs(ours.max(0) - theirs.max(0)).max())
+    return box / size, abs(volume(ours) - volume(theirs)) / size ** 3
+
+
+def main():
+    driver, *folders = sys.argv[1:]
+    files = sorted(file for folder in folders for file in Path(folder).rglob("*")
+                   if file.suffix.lower() in (".stl", ".obj", ".dae"))
+    with tempfile.TemporaryDirectory() as made:
+        for unit in ("1", "0.01", "0.0254"):
+            for up in ("X_UP", "Y_UP", "Z_UP"):
+                for name, nodes in NODES.items():
+                    file = Path(made) / f"{name}_{unit}_{up}.dae"
+                    file.write_text(SCENE.format(unit=unit, up=up, nodes=nodes))
+                    files.append(file)
+        listing = Path(made) / "names"
+        listing.write_text("".join(f"{file}\n" for file in files))
+        worst, agree, bad, unread = (0.0, 0.0), 0, [], []
+        with listing.open() as names, subprocess.Popen([driver], stdin=names, stdout=subprocess.PIPE, text=True) as run:
+            for file, line in zip(files, run.stdout, strict=True):
+                told = json.loads(line)
+                try:
+                    theirs, reason = independent(file), None
+                except Exception as error:  # whatever it refuses with
+                    theirs, reason = None, f"{type(error).__name__}: {error}"
+                if "error" in told or theirs is None:
+                    unread.append(f"{file}: we: {told.get('error', 'read')}; they: {reason or 'read'}")
+                    continue
+                found = differences(np.array(told["corners"]), theirs)
+                worst = tuple(map(max, worst, found))
+                agree += max(found) <= TOLERANCE
+                if not max(found) <= TOLERANCE:
+                    bad.append(f"{file}: box {found[0]:.1e}, volume {found[1]:.1e}")
+    print(f"{len(files)} files, {agree} agree, {len(bad)} differ, {len(unread)} not read by one of the two")
+    print("\n".join(["differ:", *bad, "not read:", *unread]))
+    return 1 if bad else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

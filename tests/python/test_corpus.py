@@ -1,0 +1,65 @@
+"""Thirty of other people's robots: exported, loaded, stepped a hundred times, and nothing of the file lost.
+
+All of them are judged by `tests/corpus/corpus.py`, see `docs/corpus.md`. What a file says is counted by Python's own
+XML reader (`tests/corpus/independent.py`).
+"""
+
+import json
+import math
+import sys
+from pathlib import Path
+
+import pytest
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "corpus"))
+from independent import counts
+
+SAMPLE = 30
+RANDOM = 5
+STEPS = 100
+STEP = 1 / 240
+
+
+def evenly(files, count):
+    """So many of them, from the first on."""
+    return [files[k * len(files) // count] for k in range(count)]
+
+
+@pytest.fixture
+def sample(pybullet_data, example_robots):
+    """Every so many-th file; few of the thousand that differ by a shape only."""
+    files = sorted(pybullet_data.rglob("*.urdf")) + sorted(example_robots.rglob("*.urdf"))
+    random = [file for file in files if "random_urdfs" in file.parts]
+    return evenly([file for file in files if file not in set(random)], SAMPLE - RANDOM) + evenly(random, RANDOM)
+
+
+@pytest.mark.parametrize("number", range(SAMPLE))
+def test_a_sample_of_the_corpus_loads_steps_and_loses_nothing(number, sample, command, tmp_path):
+    from robot import Robot
+
+    urdf = sample[number]
+    fmu = tmp_path / "robot.fmu"
+    done = command("export", urdf, "-o", fmu)
+    if done.returncode != 0:
+        # A fault of the file, then, and said where.
+        findings = json.loads(command("check", "--json", urdf).stdout)
+        text = json.dumps(findings)
+        assert '"error"' in text and '"line"' in text, f"{urdf}: {done.stderr}"
+        pytest.skip(f"{urdf.name} is refused: {done.stderr.splitlines()[0]}")
+
+    said, told = counts(urdf), json.loads(command("info", "--json", fmu).stdout)
+    assert sorted(said["links"]) == sorted(link["name"] for link in told["links"])
+    assert sorted(said["joints"]) == sorted(joint["name"] for joint in told["joints"])
+    assert said["colliders"] == {link["name"]: len(link["collision"]) for link in told["links"] if link["collision"]}
+    assert said["masses"] == {link["name"]: link["mass"] for link in told["links"] if link["mass"] > 0}
+
+    robot = Robot(fmu)
+    try:
+        robot.initialize({})
+        outputs = [v.valueReference for v in robot.description.modelVariables
+                   if v.causality == "output" and v.type == "Real"]
+        for k in range(STEPS):
+            robot.slave.doStep(currentCommunicationPoint=k * STEP, communicationStepSize=STEP)
+            assert all(map(math.isfinite, robot.slave.getReal(outputs))), f"{urdf}: step {k + 1}"
+    finally:
+        robot.free()
