@@ -6,7 +6,7 @@ DRIVER is `target/debug/examples/corpus`. Every STL, OBJ and COLLADA file below 
 here (units, up-axis, nested and repeated nodes, mirrored ones), is read by our reader and by trimesh (COLLADA through
 pycollada); both must agree to 1e-6 of the size. Needs trimesh, pycollada, scipy. Ends with exit code 1 if they do not.
 
-Where the two mean different things: trimesh takes `<up_axis>` no more than we do; it turns no axes here either.
+`<up_axis>` turns nothing in either: pycollada gives the file's axes, as RViz, Gazebo and Pinocchio take them.
 """
 
 import json
