@@ -176,7 +176,7 @@ pub fn contacts(s: &Simulation) -> Vec<Contact> {
 }
 
 /// What the contacts, limits and dry friction of a state hold elastically, J: normal forces and limits ½ k x², and
-/// friction at most F̄²/2k_t each.
+/// friction at most `F̄²/2k_t` each.
 pub fn stored(s: &Simulation) -> [f64; 2] {
     let (mut springs, mut friction) = (0.0, 0.0);
     for contact in contacts(s) {
