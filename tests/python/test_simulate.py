@@ -109,7 +109,7 @@ def test_faulty_inputs_are_told_with_their_place(command, export, examples, tmp_
     (["--stop-time", "-1"], 2, "after the start time"),
     (["--output-interval", "0"], 2, "output interval"),
     (["--start-value", "world.gravity.z"], 2, "2 values"),
-    (["--start-value", "solver.step_size", "-1"], 3, "0 or more"),
+    (["--start-value", "solver.step_size", "-1"], 3, "0, or at least 1e-7 s"),
     (["--start-value", "world.gravity.z", "-1e308"], 3, "stopped at 0 s"),
 ])
 def test_exit_codes_tell_whose_fault_it_is(command, export, examples, tmp_path, arguments, code, words):
