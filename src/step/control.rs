@@ -231,7 +231,7 @@ impl Stepper {
                 f64::INFINITY
             };
             let beyond = h > remaining;
-            if beyond && error <= 1.0 && self.meets_limit(state) {
+            if beyond && error <= 1.0 && self.meets_limit(state, h) {
                 // What happens at a limit is no polynomial.
                 state.counters[1] += 1;
                 h = remaining;

@@ -11,6 +11,7 @@ use crate::step::control::{Stepper, count, worst_error};
 use crate::step::convex::Newton;
 use crate::step::point::{Context, Point};
 use crate::step::runge_kutta::position_rates;
+use crate::step::smooth::range;
 
 impl Stepper {
     /// Solves over `h`; tells whether that went well.
@@ -122,12 +123,19 @@ impl Stepper {
             && is_clear(ctx.tree, &self.start.kin, h)
     }
 
-    /// Whether the step just solved from `state` brings a joint to its limit or away from it.
-    pub(super) fn meets_limit(&self, state: &State) -> bool {
+    /// Whether the step of `h` seconds just solved from `state` brings a joint to its limit or away from it, or to it and
+    /// back.
+    pub(super) fn meets_limit(&self, state: &State, h: f64) -> bool {
         self.start.joints.terms.iter().any(|term| {
-            let moved = self.q_halves[term.coordinate] - state.q[term.coordinate];
+            let (place, dof) = (term.coordinate, term.dof);
+            let q = [state.q[place], self.q_halves[place]];
+            let moved = q[1] - q[0];
+            let [low, high] = range(q, [state.v[dof], self.second.v[dof]], h);
+            let far = |gap: f64, most: f64| gap > 0.0 && gap + most <= 0.0;
             (term.gap[0] > 0.0) != (term.gap[0] + moved > 0.0)
                 || (term.gap[1] > 0.0) != (term.gap[1] - moved > 0.0)
+                || far(term.gap[0], low - q[0])
+                || far(term.gap[1], q[0] - high)
         })
     }
 

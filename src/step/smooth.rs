@@ -153,7 +153,7 @@ impl Stepper {
 
 /// Least and greatest of the cubic with positions `q` and velocities `v` at its ends, `h` seconds apart: a joint may reach
 /// its limit and turn back within a long step.
-fn range(q: [f64; 2], v: [f64; 2], h: f64) -> [f64; 2] {
+pub(super) fn range(q: [f64; 2], v: [f64; 2], h: f64) -> [f64; 2] {
     let (low, high) = (q[0].min(q[1]), q[0].max(q[1]));
     if v[0] * v[1] > 0.0 && (q[1] - q[0]) * v[0] > 0.0 {
         return [low, high];
