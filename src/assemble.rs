@@ -49,6 +49,7 @@
 //! | A128 | driven wheels that are polygons |
 //! | A130 | groups |
 //! | A131 | sensors |
+//! | A132 | masses that the conventions of another simulator give |
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
@@ -59,6 +60,7 @@ mod inertia;
 mod initial;
 mod mimic;
 mod outputs;
+mod pybullet;
 mod robot;
 mod wheels;
 

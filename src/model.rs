@@ -96,9 +96,9 @@ pub struct Link {
     pub X_BL: Pose,
     /// As used by the solver, in the link's frame; [`RigidInertia::ZERO`] for a massless link.
     pub inertia: RigidInertia,
-    /// Coulomb coefficient of its surface; combined with the ground's by the harmonic mean.
+    /// Coulomb coefficient of its surface; combined with the ground's, see [`Combination`].
     pub friction: f64,
-    /// Newton's coefficient of its surface; combined with the ground's by the larger of the two.
+    /// Newton's coefficient of its surface; combined with the ground's, see [`Combination`].
     pub restitution: f64,
     /// Friction at rest over sliding friction, less 1: 0 where they are equal.
     pub static_excess: f64,
@@ -366,8 +366,24 @@ pub struct ContactDefaults {
 pub struct World {
     /// m/s²
     pub gravity: Vec3,
+    /// How the friction and the restitution of a link and the ground are combined.
+    pub combination: Combination,
+    /// Drag `c` of every body, 1/s: the force `c m v (1 + |v|)` against the velocity of its centre of mass, and the
+    /// torque `c I ω (1 + |ω|)` against its turning, with `v` in m/s and `ω` in rad/s. `PyBullet`'s; 0 for none.
+    pub drag: f64,
     /// None: nothing to touch.
     pub ground: Option<Ground>,
+}
+
+/// How the surfaces of a link and the ground make one contact.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Combination {
+    /// Friction by the harmonic mean, restitution by the larger of the two.
+    #[default]
+    Mean,
+    /// Both by the product, as in `PyBullet`.
+    Product,
 }
 
 /// The plane z = 0.

@@ -15,12 +15,15 @@
 //! | S107 | a key that must be there is missing |
 //! | S108 | the file cannot be read |
 
+mod compat;
 pub mod keys;
 mod reader;
 
+pub use compat::Compat;
+
 pub(crate) use reader::nearest;
 
-use crate::model::{ActuatorMode, ContactDefaults, Ground, SolverDefaults, World};
+use crate::model::{ActuatorMode, Combination, ContactDefaults, Ground, SolverDefaults, World};
 use crate::spatial::Vec3;
 use crate::urdf::{Diagnostic, Place, ReadOptions, Severity};
 use reader::{Node, Reader, Section, Span, Value};
@@ -29,6 +32,8 @@ use std::path::Path;
 /// A settings file, checked.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Settings {
+    /// Whose conventions hold where nothing says otherwise.
+    pub compat: Compat,
     /// Whether the base can move.
     pub base: BaseChoice,
     /// Every length times this; masses stay.
@@ -159,6 +164,8 @@ pub enum InertiaSource {
     Urdf,
     /// The collision shapes, as solids of the link's mass.
     Collision,
+    /// The box around the collision shapes, as `PyBullet` takes it.
+    PyBullet,
 }
 
 /// Initial state.
@@ -359,16 +366,31 @@ impl Default for Settings {
     fn default() -> Self {
         let mut reader = Reader::new("", "");
         let root = reader.read();
-        fill(&mut reader, &root)
+        fill(&mut reader, &root, None)
     }
 }
 
 impl Settings {
+    /// What an empty file means under the conventions of another simulator.
+    pub fn of(compat: Compat) -> Self {
+        let mut reader = Reader::new("", "");
+        let root = reader.read();
+        fill(&mut reader, &root, Some(compat))
+    }
+
     /// Reads a settings file.
     ///
     /// # Errors
     /// Everything that is wrong with it, see the module's table of codes.
     pub fn read(path: &Path) -> Result<Self, Vec<Diagnostic>> {
+        Self::read_as(path, None)
+    }
+
+    /// Reads a settings file; a given `compat` wins over the file's.
+    ///
+    /// # Errors
+    /// As [`Settings::read`].
+    pub fn read_as(path: &Path, compat: Option<Compat>) -> Result<Self, Vec<Diagnostic>> {
         let name = path.display().to_string();
         let text = std::fs::read_to_string(path).map_err(|error| {
             vec![Diagnostic {
@@ -379,14 +401,14 @@ impl Settings {
                 place: None,
             }]
         })?;
-        Self::parse(&text, &name)
+        Self::parse_as(&text, &name, compat)
     }
 
     /// What the settings mean for the reader of the URDF: `options` with scale and source of inertia.
     pub fn read_options(&self, options: ReadOptions) -> ReadOptions {
         ReadOptions {
             scale: self.scale,
-            ignore_inertia: self.inertia == InertiaSource::Collision,
+            ignore_inertia: self.inertia != InertiaSource::Urdf,
             ..options
         }
     }
@@ -396,9 +418,17 @@ impl Settings {
     /// # Errors
     /// Everything that is wrong with it, see the module's table of codes.
     pub fn parse(text: &str, file_name: &str) -> Result<Self, Vec<Diagnostic>> {
+        Self::parse_as(text, file_name, None)
+    }
+
+    fn parse_as(
+        text: &str,
+        file_name: &str,
+        compat: Option<Compat>,
+    ) -> Result<Self, Vec<Diagnostic>> {
         let mut reader = Reader::new(file_name, text);
         let root = reader.read();
-        let settings = fill(&mut reader, &root);
+        let settings = fill(&mut reader, &root, compat);
         if reader.findings.is_empty() {
             Ok(settings)
         } else {
@@ -409,30 +439,32 @@ impl Settings {
     }
 }
 
-fn fill(reader: &mut Reader, root: &Section) -> Settings {
+fn fill(reader: &mut Reader, root: &Section, compat: Option<Compat>) -> Settings {
     let robot = root.table("robot");
+    let compat = compat
+        .or_else(|| Compat::from_word(&robot.word("compat")?))
+        .unwrap_or_default();
     if robot.flag("self_collision") {
         unsupported(reader, &robot, "self_collision", "self_collision = true");
     }
-    if robot.word("compat").as_deref() == Some("pybullet") {
-        unsupported(reader, &robot, "compat", "compat = \"pybullet\"");
-    }
     let outputs = root.table("outputs");
     Settings {
+        compat,
         base: match robot.word("base").as_deref() {
             Some("floating") => BaseChoice::Floating,
             Some("fixed") => BaseChoice::Fixed,
             _ => BaseChoice::Auto,
         },
         scale: robot.number("scale").unwrap_or(1.0),
-        inertia: match robot.word("inertia").as_deref() {
-            Some("collision") => InertiaSource::Collision,
+        inertia: match robot.value_as("inertia", compat) {
+            Some(Value::Word(word)) if word == "collision" => InertiaSource::Collision,
+            Some(Value::Word(word)) if word == "pybullet" => InertiaSource::PyBullet,
             _ => InertiaSource::Urdf,
         },
         flat_names: root.table("fmu").word("naming").as_deref() == Some("flat"),
-        solver: solver(&root.table("solver")),
+        solver: solver(&root.table("solver"), compat),
         contact: contact(reader, &root.table("contact")),
-        world: world(reader, &root.table("world")),
+        world: world(reader, &root.table("world"), compat),
         initial: initial(reader, &root.table("initial")),
         default_mode: None,
         actuators: root
@@ -554,9 +586,9 @@ fn unsupported(reader: &mut Reader, section: &Section, key: &str, what: &str) {
     reader.error("S105", &span, message, "leave it out");
 }
 
-fn solver(section: &Section) -> SolverDefaults {
+fn solver(section: &Section, compat: Compat) -> SolverDefaults {
     SolverDefaults {
-        step_size: section.number("step_size").unwrap_or(0.0),
+        step_size: section.number_as("step_size", compat).unwrap_or(0.0),
         // 0 leaves the choice to the importer.
         tolerance: section.number("tolerance").unwrap_or(0.0),
     }
@@ -576,13 +608,13 @@ fn contact(reader: &mut Reader, section: &Section) -> ContactDefaults {
     }
 }
 
-fn world(reader: &mut Reader, section: &Section) -> World {
+fn world(reader: &mut Reader, section: &Section, compat: Compat) -> World {
     let ground = section.table("ground");
     let kind = ground.word("type");
     if kind.as_deref() == Some("heightfield") {
         unsupported(reader, &ground, "type", "a heightfield");
     }
-    let friction = ground.number("friction").unwrap_or(0.0);
+    let friction = ground.number_as("friction", compat).unwrap_or(0.0);
     let static_friction = ground.number("static_friction").unwrap_or(friction);
     let static_excess = static_excess(friction, static_friction).unwrap_or_else(|| {
         let span = ground
@@ -596,6 +628,11 @@ fn world(reader: &mut Reader, section: &Section) -> World {
     });
     World {
         gravity: vector(section, "gravity"),
+        combination: match compat {
+            Compat::None => Combination::Mean,
+            Compat::PyBullet => Combination::Product,
+        },
+        drag: compat.drag(),
         ground: (kind.as_deref() != Some("none")).then(|| Ground {
             friction,
             restitution: ground.number("restitution").unwrap_or(0.0),

@@ -10,9 +10,9 @@
 
 use crate::geometry::Shape;
 use crate::model::{
-    Actuator, ActuatorMode, Body, Collider, ContactDefaults, Dof, DofId, Ground, Initial, Joint,
-    JointId, JointKind, Limits, Link, LinkId, Mimic, Model, Motion, OutputSelection,
-    SolverDefaults, World,
+    Actuator, ActuatorMode, Body, Collider, Combination, ContactDefaults, Dof, DofId, Ground,
+    Initial, Joint, JointId, JointKind, Limits, Link, LinkId, Mimic, Model, Motion,
+    OutputSelection, SolverDefaults, World,
 };
 use crate::spatial::{Mat3, Pose, RigidInertia, Vec3};
 
@@ -102,6 +102,8 @@ impl Builder {
             },
             world: World {
                 gravity: Vec3::new(0.0, 0.0, -9.81),
+                combination: Combination::Mean,
+                drag: 0.0,
                 ground: None,
             },
             outputs: OutputSelection::default(),

@@ -6,7 +6,7 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
-use crate::model::{Joint, Limits, Model, Motion};
+use crate::model::{Combination, Joint, Limits, Model, Motion};
 use crate::parameters::Parameters;
 use crate::simulation::ParameterSlot as P;
 use crate::sparsity::Sparsity;
@@ -143,6 +143,8 @@ pub struct Tree {
     pub resists_turning: bool,
     /// m/s²
     pub gravity: Vec3,
+    /// As [`crate::model::World::drag`], 1/s.
+    pub drag: f64,
     /// Mass of all moving bodies, kg.
     pub moving_mass: f64,
     /// Contact stiffness of a point, N/m.
@@ -221,6 +223,7 @@ impl Tree {
             turning: vec![Turning::default(); model.links.len()],
             resists_turning: false,
             gravity: Vec3::zeros(),
+            drag: model.world.drag,
             moving_mass: 0.0,
             stiffness: 0.0,
             dissipation: model.contact.dissipation,
@@ -422,15 +425,22 @@ impl Tree {
         let ground_e = parameters.get(P::GroundRestitution);
         let ground = model.world.ground.as_ref();
         let ground_excess = ground.map_or(0.0, |ground| ground.static_excess);
+        let combined = match model.world.combination {
+            Combination::Mean => harmonic_mean,
+            Combination::Product => |a: f64, b: f64| a * b,
+        };
         for collider in &mut self.colliders {
             let link = &model.links[collider.link];
             let mu = parameters.get(P::LinkFriction(collider.link.into()));
-            collider.mu = harmonic_mean(mu, ground_mu);
-            collider.mu_at_rest = harmonic_mean(
+            collider.mu = combined(mu, ground_mu);
+            collider.mu_at_rest = combined(
                 mu * (1.0 + link.static_excess),
                 ground_mu * (1.0 + ground_excess),
             );
-            let e = link.restitution.max(ground_e);
+            let e = match model.world.combination {
+                Combination::Mean => link.restitution.max(ground_e),
+                Combination::Product => link.restitution * ground_e,
+            };
             #[expect(
                 clippy::float_cmp,
                 reason = "skips the root search where nothing changed"

@@ -18,7 +18,7 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use urdf2fmu_core::model::ActuatorMode;
 use urdf2fmu_core::prepared::{FILE_NAME, PreparedModel, PreparedModelError};
-use urdf2fmu_core::settings::{BaseChoice, InertiaSource};
+use urdf2fmu_core::settings::{BaseChoice, Compat, InertiaSource};
 use urdf2fmu_core::urdf::{Diagnostic, Severity};
 use urdf2fmu_core::variables::{self, TableError};
 
@@ -68,7 +68,10 @@ struct Source {
     /// What is commanded, for every joint that the settings leave open
     #[arg(long, value_name = "MODE")]
     mode: Option<Mode>,
-    /// Rotational inertia: from the file, or of the collision shapes as solids
+    /// Conventions of another simulator
+    #[arg(long, value_name = "SIMULATOR")]
+    compat: Option<Conventions>,
+    /// Rotational inertia: from the file, or recomputed
     #[arg(long, value_name = "SOURCE")]
     inertia: Option<Inertia>,
     /// Factor on every length; masses stay
@@ -103,6 +106,16 @@ enum Inertia {
     Urdf,
     /// Computed from the collision shapes and the mass
     Collision,
+    /// Computed as PyBullet does, of the box around the collision shapes
+    Pybullet,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum Conventions {
+    /// None but ours
+    None,
+    /// PyBullet's: inertia, masses, friction, motors, step, drag
+    Pybullet,
 }
 
 /// `name:=value`.
@@ -326,6 +339,11 @@ impl Source {
             inertia: self.inertia.map(|inertia| match inertia {
                 Inertia::Urdf => InertiaSource::Urdf,
                 Inertia::Collision => InertiaSource::Collision,
+                Inertia::Pybullet => InertiaSource::PyBullet,
+            }),
+            compat: self.compat.map(|compat| match compat {
+                Conventions::None => Compat::None,
+                Conventions::Pybullet => Compat::PyBullet,
             }),
             scale: self.scale,
             flat_names: self

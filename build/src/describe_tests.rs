@@ -7,7 +7,7 @@ mod model_description;
 use super::*;
 use model_description::{Element, problems};
 use urdf2fmu_core::model::{
-    ActuatorId, ContactDefaults, Initial, Joint, JointId, JointKind, LinkId, Mimic,
+    ActuatorId, Combination, ContactDefaults, Initial, Joint, JointId, JointKind, LinkId, Mimic,
     OutputSelection, SolverDefaults, World,
 };
 use urdf2fmu_core::simulation::{InputSlot, OutputSlot, ParameterSlot};
@@ -68,6 +68,8 @@ fn model() -> Model {
         },
         world: World {
             gravity: Vec3::zeros(),
+            combination: Combination::Mean,
+            drag: 0.0,
             ground: None,
         },
         outputs: OutputSelection::default(),

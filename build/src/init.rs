@@ -7,7 +7,7 @@
 use std::fmt::Write as _;
 use urdf2fmu_core::model::{ActuatorMode, Joint, JointKind, LinkId, Model};
 use urdf2fmu_core::settings::keys::{KEYS, Key, Takes};
-use urdf2fmu_core::settings::{InertiaSource, Settings};
+use urdf2fmu_core::settings::{Compat, InertiaSource, Settings};
 use urdf2fmu_core::urdf::Diagnostic;
 
 /// What is written about.
@@ -32,7 +32,7 @@ pub fn text(subject: &Subject) -> String {
     );
     robot(&mut out, subject);
     for table in ["solver", "contact", "world", "world.ground"] {
-        defaults(&mut out, table);
+        defaults(&mut out, table, subject.settings.compat);
     }
     initial(&mut out, subject);
     actuators(&mut out, subject.model);
@@ -74,10 +74,10 @@ fn about(path: &str) -> &'static str {
 }
 
 /// One line each: a key with what holds without it, or prose for a key that something else decides.
-fn defaults(out: &mut String, table: &str) {
+fn defaults(out: &mut String, table: &str, compat: Compat) {
     _ = writeln!(out, "\n[{table}]");
     for (key, name) in keys_of(table) {
-        match key.default {
+        match compat.default_of(key.path).or(key.default) {
             Some(default) => _ = writeln!(out, "#{name} = {default}  # {}", key.about),
             None if matches!(key.takes, Takes::Later) => {}
             None => _ = writeln!(out, "# {name}: {}", key.about),
@@ -94,7 +94,8 @@ fn choice(out: &mut String, table: &str, name: &str, value: &str, active: bool) 
 
 fn robot(out: &mut String, subject: &Subject) {
     let (model, settings) = (subject.model, subject.settings);
-    let default = Settings::default();
+    let compat = settings.compat;
+    let default = Settings::of(compat);
     out.push_str("\n[robot]\n");
     let base = if model.is_floating() {
         "floating"
@@ -114,9 +115,12 @@ fn robot(out: &mut String, subject: &Subject) {
     let inertia = match settings.inertia {
         InertiaSource::Urdf => "urdf",
         InertiaSource::Collision => "collision",
+        InertiaSource::PyBullet => "pybullet",
     };
     let active = settings.inertia != default.inertia;
     choice(out, "robot", "inertia", &quoted(inertia), active);
+    let active = compat != Compat::None;
+    choice(out, "robot", "compat", &quoted(compat.word()), active);
     out.push_str("\n[fmu]\n");
     let naming = if settings.flat_names {
         "flat"

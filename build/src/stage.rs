@@ -17,7 +17,7 @@ use std::sync::Arc;
 use urdf2fmu_core::assemble;
 use urdf2fmu_core::model::{ActuatorMode, Model};
 use urdf2fmu_core::prepared::{FILE_NAME, PreparedModel, PreparedModelError};
-use urdf2fmu_core::settings::{BaseChoice, InertiaSource, ModeChoice, Settings};
+use urdf2fmu_core::settings::{BaseChoice, Compat, InertiaSource, ModeChoice, Settings};
 use urdf2fmu_core::simulation::{Simulation, SimulationError};
 use urdf2fmu_core::urdf::{self, Description, Diagnostic, ReadOptions, Severity};
 use urdf2fmu_core::variables::{self, TableError, Variable};
@@ -33,6 +33,8 @@ pub struct Request {
     pub base: Option<BaseChoice>,
     /// `--mode`: for every joint that the settings file does not mention.
     pub mode: Option<ActuatorMode>,
+    /// `--compat`.
+    pub compat: Option<Compat>,
     /// `--inertia`.
     pub inertia: Option<InertiaSource>,
     /// `--scale`.
@@ -124,8 +126,8 @@ pub enum StageError {
 /// [`StageError::Robot`] with everything found so far, [`StageError::Table`].
 pub fn robot(request: &Request) -> Result<Robot, StageError> {
     let mut settings = match &request.config {
-        Some(path) => Settings::read(path).map_err(StageError::Robot)?,
-        None => Settings::default(),
+        Some(path) => Settings::read_as(path, request.compat).map_err(StageError::Robot)?,
+        None => Settings::of(request.compat.unwrap_or_default()),
     };
     if let Some(base) = request.base {
         settings.base = base;

@@ -4,7 +4,7 @@ use super::findings::{Findings, counted, listed};
 use super::initial::{Poses, reach};
 use super::robot::{Lines, is_scalar, kind_name};
 use crate::model::{Actuator, ActuatorMode, JointId, JointKind, Model};
-use crate::settings::{ActuatorSettings, ModeChoice, Settings};
+use crate::settings::{ActuatorSettings, Compat, ModeChoice, Settings};
 
 /// Standard gravity, m/s², for the default effort; the tunable gravity may be anything.
 const REFERENCE_GRAVITY: f64 = 9.81;
@@ -37,11 +37,13 @@ pub(super) fn add(
             continue;
         };
         let mode = choice.mode.or(settings.default_mode).unwrap_or({
-            ModeChoice::Commanded(if joint.limits.is_some() {
-                ActuatorMode::Position
-            } else {
-                ActuatorMode::Velocity
-            })
+            ModeChoice::Commanded(
+                if joint.limits.is_some() && settings.compat == Compat::None {
+                    ActuatorMode::Position
+                } else {
+                    ActuatorMode::Velocity
+                },
+            )
         });
         let ModeChoice::Commanded(mode) = mode else {
             continue;
@@ -57,7 +59,9 @@ pub(super) fn add(
         } else {
             turning
         });
-        let given = choice.max_effort.or(joint.effort);
+        // PyBullet's motors do not know the file's limit.
+        let file = settings.compat.motor_effort().or(joint.effort);
+        let given = choice.max_effort.or(file);
         let limited = mode != ActuatorMode::Effort || choice.no_load_speed.is_some();
         if given.is_none() && limited {
             without.push(format!("{} = {default}", joint.name));
@@ -85,7 +89,7 @@ pub(super) fn add(
             max_effort: given.unwrap_or(default),
             reference_effort: given
                 .filter(positive)
-                .or(joint.effort.filter(positive))
+                .or(file.filter(positive))
                 .unwrap_or(default),
             kp: choice.kp.unwrap_or(0.0),
             kd: choice.kd.unwrap_or(0.0),

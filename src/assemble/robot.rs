@@ -3,17 +3,14 @@
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
 use super::findings::{Findings, counted, listed};
-use super::inertia;
+use super::{inertia, pybullet};
 use crate::model::{ActuatorMode, Joint, JointKind, Limits, Link};
 use crate::settings::{
-    InertiaSource, JointSettings, LinkSettings, STATIC_FRICTION_HELP, Settings, WheelFit,
+    Compat, InertiaSource, JointSettings, LinkSettings, STATIC_FRICTION_HELP, Settings, WheelFit,
     static_excess,
 };
-use crate::spatial::{Pose, RigidInertia};
+use crate::spatial::{Mat3, Pose, RigidInertia, Vec3};
 use crate::urdf::{CollisionDescription, Description, JointDescription, LinkDescription, Place};
-
-/// Coulomb coefficient of a link where neither the file nor the settings give one.
-const DEFAULT_FRICTION: f64 = 0.8;
 
 /// Stribeck speed of a joint where the settings give none, rad/s or m/s.
 const DEFAULT_STRIBECK_VELOCITY: f64 = 0.01;
@@ -75,7 +72,7 @@ impl Robot {
         findings: &mut Findings,
     ) -> Self {
         let joint_overrides = joint_overrides(description, &settings.joints, findings);
-        let link_overrides = link_overrides(description, &settings.links, findings);
+        let link_overrides = link_overrides(description, settings, findings);
         let mut robot = Self {
             name: description.name.clone(),
             links: Vec::new(),
@@ -104,13 +101,15 @@ impl Robot {
             },
         };
         for (joint, overrides) in description.joints.iter().zip(&joint_overrides) {
-            robot.joints.push(model_joint(joint, overrides, findings));
+            robot
+                .joints
+                .push(model_joint(joint, overrides, settings.compat, findings));
         }
         let mut default_friction = 0;
         for (l, (link, overrides)) in description.links.iter().zip(&link_overrides).enumerate() {
             let friction = overrides.friction.or(link.friction);
             default_friction += usize::from(friction.is_none() && !link.collisions.is_empty());
-            let friction = friction.unwrap_or(DEFAULT_FRICTION);
+            let friction = friction.unwrap_or(settings.compat.link_friction());
             let static_friction = overrides.static_friction.or_else(|| {
                 // The file's two go together; a sliding friction of the settings stands alone.
                 let file = link
@@ -149,12 +148,18 @@ impl Robot {
         }
         if default_friction > 0 {
             let message = format!(
-                "the friction coefficient of {} is not given and taken as {DEFAULT_FRICTION}",
-                counted(default_friction, "link")
+                "the friction coefficient of {} is not given and taken as {}",
+                counted(default_friction, "link"),
+                settings.compat.link_friction()
             );
             let help = "set [link.\"…\"] friction, or link.<name>.friction in the FMU";
             findings.note("A116", message, help);
         }
+        if settings.inertia == InertiaSource::PyBullet {
+            let message = "rotational inertia is computed as PyBullet does, of the box around each link's collision shapes; masses and centres of mass are the file's";
+            findings.note("A119", message.to_owned(), "");
+        }
+        report_missing_masses(description, settings, findings);
         if settings.inertia == InertiaSource::Collision {
             let message = "rotational inertia is computed from the collision shapes as solids; masses and centres of mass are the file's";
             findings.note("A119", message.to_owned(), "");
@@ -209,14 +214,15 @@ fn joint_overrides(
 /// What the settings say about each link; later entries win.
 fn link_overrides(
     description: &Description,
-    settings: &[LinkSettings],
+    settings: &Settings,
     findings: &mut Findings,
 ) -> Vec<LinkSettings> {
     let names: Vec<&str> = description.links.iter().map(|l| l.name.as_str()).collect();
     let mut merged = vec![LinkSettings::new(""); names.len()];
-    for entry in settings {
+    for entry in &settings.links {
         let unsuitable = |l: usize| {
-            let massless = description.links[l].inertial.is_none_or(|i| i.mass <= 0.0);
+            let massless =
+                given_inertia(&description.links[l], settings).is_none_or(|i| i.mass <= 0.0);
             (entry.mass.is_some() && massless)
                 .then(|| "has no <inertial> with mass whose mass could be replaced".to_owned())
         };
@@ -240,6 +246,7 @@ fn link_overrides(
 fn model_joint(
     joint: &JointDescription,
     overrides: &JointSettings,
+    compat: Compat,
     findings: &mut Findings,
 ) -> Joint {
     let scalar = is_scalar(joint.kind);
@@ -280,7 +287,8 @@ fn model_joint(
     });
     // Infinite means that there is none.
     let usable = |value: Option<f64>| value.filter(|value| value.is_finite() && *value >= 0.0);
-    let velocity = usable(overrides.velocity.or(joint.velocity)).filter(|_| scalar);
+    let velocity = overrides.velocity.or(compat.largest_speed());
+    let velocity = usable(velocity.or(joint.velocity)).filter(|_| scalar);
     if velocity == Some(0.0) {
         let message = format!("the velocity limit 0 of joint '{name}' counts as none");
         findings.note("A115", message, "");
@@ -303,7 +311,9 @@ fn model_joint(
         stribeck_velocity: overrides
             .stribeck_velocity
             .unwrap_or(DEFAULT_STRIBECK_VELOCITY),
-        enforce_velocity: overrides.enforce_velocity.unwrap_or(false),
+        enforce_velocity: overrides
+            .enforce_velocity
+            .unwrap_or(scalar && compat.largest_speed().is_some()),
         mimic: None,
     }
 }
@@ -354,6 +364,36 @@ fn limits(
     Some(Limits { lower, upper })
 }
 
+/// The file's inertia, or the mass that the conventions give a link without one.
+fn given_inertia(link: &LinkDescription, settings: &Settings) -> Option<RigidInertia> {
+    link.inertial.or_else(|| {
+        let mass = settings.compat.missing_mass(&link.name)?;
+        // PyBullet's own inertia of such a link, where it is asked not to compute one.
+        let I_cm = Mat3::identity();
+        let com = Vec3::zeros();
+        Some(RigidInertia { mass, com, I_cm })
+    })
+}
+
+/// Which links have a mass that their file does not give.
+fn report_missing_masses(description: &Description, settings: &Settings, findings: &mut Findings) {
+    let names: Vec<&str> = description
+        .links
+        .iter()
+        .filter(|link| link.inertial.is_none() && given_inertia(link, settings).is_some())
+        .map(|link| link.name.as_str())
+        .collect();
+    if !names.is_empty() {
+        let message = format!(
+            "{} without <inertial> {} 1 kg, as in PyBullet: {}",
+            counted(names.len(), "link"),
+            if names.len() == 1 { "weighs" } else { "weigh" },
+            listed(&names)
+        );
+        findings.note("A132", message, "give the link an <inertial>");
+    }
+}
+
 /// The file's inertia, its mass replaced and its tensor recomputed where the settings want it.
 fn link_inertia(
     link: &LinkDescription,
@@ -361,18 +401,25 @@ fn link_inertia(
     settings: &Settings,
     findings: &mut Findings,
 ) -> RigidInertia {
-    let Some(mut inertia) = link.inertial else {
+    let Some(mut inertia) = given_inertia(link, settings) else {
         return RigidInertia::ZERO;
     };
     if inertia.mass <= 0.0 {
         return match settings.inertia {
             InertiaSource::Urdf => inertia,
-            InertiaSource::Collision => RigidInertia::ZERO,
+            InertiaSource::Collision | InertiaSource::PyBullet => RigidInertia::ZERO,
         };
     }
     if let Some(mass) = overrides.mass {
         inertia.I_cm *= mass / inertia.mass;
         inertia.mass = mass;
+    }
+    if settings.inertia == InertiaSource::PyBullet {
+        let X_LI = Pose {
+            R: link.R_LI,
+            p: inertia.com,
+        };
+        inertia.I_cm = pybullet::inertia(inertia.mass, &X_LI, &link.collisions);
     }
     if settings.inertia == InertiaSource::Collision {
         match inertia::of_solids(inertia.mass, &link.collisions) {

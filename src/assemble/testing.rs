@@ -4,7 +4,7 @@ use super::{Assembled, build};
 use crate::geometry::Shape;
 use crate::model::{JointKind, Limits, Model};
 use crate::settings::Settings;
-use crate::spatial::{Pose, RigidInertia, Vec3};
+use crate::spatial::{Mat3, Pose, RigidInertia, Vec3};
 use crate::urdf::{
     CollisionDescription, Description, Diagnostic, JointDescription, LinkDescription,
 };
@@ -26,6 +26,7 @@ pub(crate) fn frame(name: &str) -> LinkDescription {
     LinkDescription {
         name: name.into(),
         inertial: None,
+        R_LI: Mat3::identity(),
         collisions: Vec::new(),
         friction: None,
         static_friction: None,

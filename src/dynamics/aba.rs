@@ -7,7 +7,7 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
-use super::rnea::add_wrenches;
+use super::rnea::{add_drag, add_wrenches};
 use crate::inputs::ExternalWrench;
 use crate::kinematics::Kinematics;
 use crate::spatial::{
@@ -98,6 +98,7 @@ impl Articulated {
             self.IA[b] = I.lower();
             self.pA[b] = cross_force(V, &I.mul(V));
         }
+        add_drag(tree, kin, &mut self.pA);
         add_wrenches(kin, wrenches, t, &mut self.pA);
         for b in (1..tree.bodies.len()).rev() {
             let body = &tree.bodies[b];

@@ -6,7 +6,9 @@
 
 use crate::inputs::ExternalWrench;
 use crate::kinematics::Kinematics;
-use crate::spatial::{Vec6, add_scaled6, add6, angular, cross_force, cross_motion, dot6, linear};
+use crate::spatial::{
+    Vec3, Vec6, add_scaled6, add6, angular, cross_force, cross_motion, dot6, linear,
+};
 use crate::tree::{Move, Tree};
 
 /// Fills `kin.bias` with `k(q, v)`, so that `M vdot + k = tau`, from `kin.S`, `kin.V` and `kin.I`.
@@ -16,6 +18,7 @@ use crate::tree::{Move, Tree};
 pub fn bias(tree: &Tree, kin: &mut Kinematics, v: &[f64], wrenches: &[ExternalWrench], t: f64) {
     let mut force = std::mem::take(&mut kin.force);
     body_forces(tree, kin, v, &mut force);
+    add_drag(tree, kin, &mut force);
     add_wrenches(kin, wrenches, t, &mut force);
     kin.force = force;
     let Kinematics { S, force, bias, .. } = kin;
@@ -101,6 +104,31 @@ pub(super) fn add_wrenches(
         for i in 0..3 {
             F[i] -= torque[i];
             F[3 + i] -= f[i];
+        }
+    }
+}
+
+/// Adds the drag of every body to the forces that the bodies need; see [`crate::model::World::drag`].
+pub(super) fn add_drag(tree: &Tree, kin: &Kinematics, force: &mut [Vec6]) {
+    if tree.drag == 0.0 {
+        return;
+    }
+    for (b, I) in kin.I.iter().enumerate() {
+        if I.mass <= 0.0 || tree.bodies[b].motion == Move::Welded {
+            continue;
+        }
+        // Momentum about O, split into that of the centre of mass and the spin about it.
+        let momentum = I.mul(&kin.V[b]);
+        let p = linear(&momentum);
+        let orbit = Vec3::from(I.moment).cross(&p) / I.mass;
+        let spin = angular(&momentum) - orbit;
+        let along = tree.drag * (1.0 + p.norm() / I.mass);
+        let about = tree.drag * (1.0 + angular(&kin.V[b]).norm());
+        let torque = spin * about + orbit * along;
+        let F = &mut force[b];
+        for i in 0..3 {
+            F[i] += torque[i];
+            F[3 + i] += p[i] * along;
         }
     }
 }

@@ -519,6 +519,7 @@ fn rest(model: &Model) -> Check {
     let ground = model.world.ground.as_ref();
     require(
         vector(&model.world.gravity)
+            && not_negative(model.world.drag)
             && ground.is_none_or(|ground| {
                 let more = [
                     ground.friction,

@@ -115,9 +115,9 @@ pub const KEYS: &[Key] = &[
     ),
     key(
         "robot.inertia",
-        Word(&["urdf", "collision"]),
+        Word(&["urdf", "collision", "pybullet"]),
         Some("\"urdf\""),
-        "rotational inertia from the file, or recomputed from the collision shapes as solids",
+        "rotational inertia from the file, or recomputed: of the collision shapes as solids, or of the box around them as PyBullet does",
     ),
     key(
         "robot.self_collision",
@@ -129,7 +129,7 @@ pub const KEYS: &[Key] = &[
         "robot.compat",
         Word(&["none", "pybullet"]),
         Some("\"none\""),
-        "conventions of another simulator",
+        "conventions of another simulator; defaults change, see pybullet.md",
     ),
     key(
         "fmu.naming",

@@ -2,6 +2,7 @@
 //!
 //! What may stand where is [`super::keys::KEYS`]; nothing here knows a key by name.
 
+use super::Compat;
 use super::keys::{self, Key, Takes};
 use crate::urdf::{Diagnostic, Place, Severity};
 use std::ops;
@@ -65,6 +66,26 @@ impl Section {
         match self.entry(name).map(|entry| &entry.node) {
             Some(Node::Value(value)) => Some(value.clone()),
             _ => keys::find(&self.child(name)).and_then(default_value),
+        }
+    }
+
+    /// What the file gives, else the default under the conventions of `compat`.
+    pub(super) fn value_as(&self, name: &str, compat: Compat) -> Option<Value> {
+        let given = self.entry(name).is_some();
+        let other = compat.default_of(&self.child(name)).filter(|_| !given);
+        match (other, keys::find(&self.child(name))) {
+            (Some(default), Some(key)) => default_value(&Key {
+                default: Some(default),
+                ..*key
+            }),
+            _ => self.value(name),
+        }
+    }
+
+    pub(super) fn number_as(&self, name: &str, compat: Compat) -> Option<f64> {
+        match self.value_as(name, compat) {
+            Some(Value::Number(number)) => Some(number),
+            _ => None,
         }
     }
 

@@ -288,7 +288,6 @@ fn numbers_outside_their_range_are_refused() {
 fn what_comes_later_is_not_supported_yet_and_says_which_key() {
     for (text, key) in [
         ("robot.self_collision = true", "self_collision"),
-        ("robot.compat = \"pybullet\"", "compat"),
         ("world.ground = { type = \"heightfield\" }", "heightfield"),
         ("[[world.object]]\nurdf = \"a\"", "object"),
         ("[[loop]]\ntype = \"ball\"", "loop"),

@@ -305,6 +305,7 @@ pub(super) fn description(
                 .inertial
                 .is_some()
                 .then(|| inertial(&typed.inertial, scale)),
+            R_LI: rotation_from_rpy(&Vec3::from(*typed.inertial.origin.rpy)),
             collisions,
             friction: checked.surface.friction,
             static_friction: checked.surface.static_friction,

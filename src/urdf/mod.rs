@@ -26,7 +26,7 @@ pub use diagnostic::{Diagnostic, Place, Severity};
 
 use crate::geometry::Shape;
 use crate::model::{ActuatorMode, JointKind, Limits};
-use crate::spatial::{Pose, RigidInertia, Vec3};
+use crate::spatial::{Mat3, Pose, RigidInertia, Vec3};
 use diagnostic::Report;
 use resolve::Resolver;
 use scope::Scope;
@@ -63,6 +63,8 @@ pub struct LinkDescription {
     pub name: String,
     /// `<inertial>`, rotated into the link's axes; none where the file has none.
     pub inertial: Option<RigidInertia>,
+    /// Axes of `<inertial><origin>` in the link's; the identity where the file has none.
+    pub R_LI: Mat3,
     /// `<collision>` elements in file order, poses in the link's frame.
     pub collisions: Vec<CollisionDescription>,
     /// `<contact><lateral_friction>`, Drake's `mu_dynamic` or Gazebo's `mu1`, where the file has one.

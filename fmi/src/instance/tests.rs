@@ -10,8 +10,9 @@ use super::*;
 use crate::pointers::{In, Out};
 use urdf2fmu_core::geometry::Shape;
 use urdf2fmu_core::model::{
-    Actuator, ActuatorMode, Body, Collider, ContactDefaults, Dof, DofId, Ground, Initial, Joint,
-    JointId, JointKind, Link, LinkId, Motion, OutputSelection, SolverDefaults, World,
+    Actuator, ActuatorMode, Body, Collider, Combination, ContactDefaults, Dof, DofId, Ground,
+    Initial, Joint, JointId, JointKind, Link, LinkId, Motion, OutputSelection, SolverDefaults,
+    World,
 };
 use urdf2fmu_core::simulation::{InputSlot, OutputSlot, ParameterSlot};
 use urdf2fmu_core::spatial::{Mat3, Pose, RigidInertia, Vec3};
@@ -147,6 +148,8 @@ fn rover() -> Model {
         },
         world: World {
             gravity: Vec3::new(0.0, 0.0, -9.81),
+            combination: Combination::Mean,
+            drag: 0.0,
             ground: Some(Ground {
                 friction: 0.8,
                 ..Default::default()
