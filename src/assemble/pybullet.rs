@@ -14,13 +14,14 @@ const MARGIN: f64 = 0.001;
 /// Inertia tensor in the link's axes of a link of `mass` kg: that of the box about the shapes in the axes of
 /// `<inertial>`, `X_LI`, as if its middle were the centre of mass.
 ///
-/// A single shape that lies exactly in those axes counts as itself: a ball as a ball, a box without margin.
+/// A single shape that lies there exactly, neither it nor the axes turned in the link, counts as itself: a ball as a
+/// ball, a box without margin. (Two equal turns do not cancel to the last bit in `PyBullet`, and so do not count.)
 pub(super) fn inertia(mass: f64, X_LI: &Pose, shapes: &[CollisionDescription]) -> Mat3 {
     let X_IL = X_LI.inverse();
     let own = match shapes {
         [one] => {
-            let X_IG = X_IL.compose(&one.X_LG);
-            let same = X_IG.p == Vec3::zeros() && X_IG.R == Mat3::identity();
+            let turned = X_LI.R != Mat3::identity() || one.X_LG.R != Mat3::identity();
+            let same = one.X_LG.p == X_LI.p && !turned;
             same.then(|| alone(mass, &one.shape))
         }
         _ => None,
@@ -60,7 +61,7 @@ fn alone(mass: f64, shape: &Shape) -> Vec3 {
             let (low, high) = own_bounds(shape);
             cuboid(mass, &((high - low) * 0.5))
         }
-        // A hull's box has the margin twice, and once more when it is weighed.
+        // A hull is weighed with three margins on each side.
         Shape::Cylinder { .. } | Shape::Hull { .. } => {
             let (low, high) = own_bounds(shape);
             cuboid(mass, &((high - low) * 0.5).add_scalar(3.0 * MARGIN))
@@ -81,28 +82,16 @@ fn own_bounds(shape: &Shape) -> (Vec3, Vec3) {
     (reach(-1.0), reach(1.0))
 }
 
-/// Box around a shape at `X_IG` in the axes of I: for boxes and hulls the box around its own turned box.
+/// Box around a shape at `X_IG` in the axes of I: the box around its own turned box, but for balls.
 fn bounds(X_IG: &Pose, shape: &Shape) -> (Vec3, Vec3) {
-    let (low, high) = match shape {
-        Shape::Sphere { .. } => {
-            let (low, high) = own_bounds(shape);
-            return (X_IG.p + low, X_IG.p + high);
-        }
-        Shape::Capsule { .. } => own_bounds(shape),
-        Shape::Box { half } => {
-            let core = half.add_scalar(-MARGIN);
-            (-core, core)
-        }
-        Shape::Cylinder { .. } | Shape::Hull { .. } => {
-            let (low, high) = own_bounds(shape);
-            (low.add_scalar(-MARGIN), high.add_scalar(MARGIN))
-        }
-    };
-    let margin = match shape {
-        Shape::Sphere { .. } | Shape::Capsule { .. } => 0.0,
-        Shape::Box { .. } | Shape::Cylinder { .. } | Shape::Hull { .. } => MARGIN,
+    let (low, high) = own_bounds(shape);
+    let (margin, R) = match shape {
+        Shape::Sphere { .. } => (0.0, Mat3::identity()),
+        Shape::Capsule { .. } | Shape::Box { .. } => (0.0, X_IG.R),
+        Shape::Cylinder { .. } => (2.0 * MARGIN, X_IG.R),
+        Shape::Hull { .. } => (3.0 * MARGIN, X_IG.R),
     };
     let middle = X_IG.p + X_IG.R * ((low + high) * 0.5);
-    let half = (X_IG.R.abs() * ((high - low) * 0.5)).add_scalar(margin);
+    let half = R.abs() * ((high - low) * 0.5).add_scalar(margin);
     (middle - half, middle + half)
 }
