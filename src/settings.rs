@@ -334,6 +334,8 @@ pub struct LinkSettings {
     pub mass: Option<f64>,
     /// What its collision meshes roll as.
     pub wheel_fit: Option<WheelFit>,
+    /// Whether its collision meshes become several convex parts each, not one.
+    pub decompose: Option<bool>,
 }
 
 impl LinkSettings {
@@ -348,6 +350,7 @@ impl LinkSettings {
             restitution: None,
             mass: None,
             wheel_fit: None,
+            decompose: None,
         }
     }
 }
@@ -404,11 +407,17 @@ impl Settings {
         Self::parse_as(&text, &name, compat)
     }
 
-    /// What the settings mean for the reader of the URDF: `options` with scale and source of inertia.
+    /// What the settings mean for the reader of the URDF: `options` with scale, source of inertia and
+    /// links whose meshes become several parts.
     pub fn read_options(&self, options: ReadOptions) -> ReadOptions {
         ReadOptions {
             scale: self.scale,
             ignore_inertia: self.inertia != InertiaSource::Urdf,
+            decomposed: self
+                .links
+                .iter()
+                .filter_map(|entry| Some((entry.link.clone(), entry.decompose?)))
+                .collect(),
             ..options
         }
     }
@@ -487,6 +496,9 @@ fn fill(reader: &mut Reader, root: &Section, compat: Option<Compat>) -> Settings
                 wheel_fit: section
                     .word("wheel_fit")
                     .and_then(|word| WheelFit::from_word(&word)),
+                decompose: section
+                    .word("collision")
+                    .map(|word| word == "decomposition"),
             })
             .collect(),
         contact_outputs: match outputs.value("contacts") {

@@ -221,6 +221,13 @@ fn link_overrides(
     let mut merged = vec![LinkSettings::new(""); names.len()];
     for entry in &settings.links {
         let unsuitable = |l: usize| {
+            let meshes = description.links[l]
+                .collisions
+                .iter()
+                .any(|c| c.mesh.is_some());
+            if entry.decompose.is_some() && !meshes {
+                return Some("has no collision mesh".to_owned());
+            }
             let massless =
                 given_inertia(&description.links[l], settings).is_none_or(|i| i.mass <= 0.0);
             (entry.mass.is_some() && massless)

@@ -202,7 +202,7 @@ fn turns(model: &Model, collider: &Collider) -> Option<(JointId, Vec3)> {
 
 /// Corners of a mesh, as many as are known; none for other shapes.
 fn corners(collision: &CollisionDescription) -> Option<&[Vec3]> {
-    collision.mesh.as_ref()?;
+    collision.mesh.as_ref().filter(|_| !collision.part)?;
     match (&collision.outline, &collision.shape) {
         (Some(outline), _) => Some(outline),
         (None, Shape::Hull { vertices }) => Some(vertices),

@@ -476,6 +476,12 @@ pub const KEYS: &[Key] = &[
         "what the link's collision meshes roll as: fitted to the mesh about its joint's axis, or none; without it auto: on a continuous joint, where the mesh is off the circle by less than 5 % of its radius",
     ),
     key(
+        "link.*.collision",
+        Word(&["hull", "decomposition"]),
+        None,
+        "what the link's collision meshes become: their convex hulls, or a few convex parts each (at most 16, of 32 corners) that leave notches open; without it hull",
+    ),
+    key(
         "link.*.mass",
         Number(Positive),
         None,

@@ -2,13 +2,14 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
+use super::decompose;
 use super::inertia;
 use super::link::{self, Geometry};
 use super::mesh;
 use super::resolve::{Found, Missing, Resolver};
 use super::scope::Scope;
 use super::tree::{CheckedRobot, Order};
-use super::{CollisionDescription, Description, JointDescription, LinkDescription};
+use super::{CollisionDescription, Description, JointDescription, LinkDescription, ReadOptions};
 use crate::geometry::{GeometryError, MOST_CORNERS, Shape, bounded_hull};
 use crate::model::{JointKind, Limits};
 use crate::spatial::{Pose, RigidInertia, Vec3, rotation_from_rpy};
@@ -30,6 +31,8 @@ pub(super) struct ReadMesh {
     /// Not to be packed: a symbolic link leads out of the robot's folders.
     linked: bool,
     vertices: Vec<Vec3>,
+    /// Convex parts in place of the hull, where they are wanted.
+    parts: Option<Arc<[Vec<Vec3>]>>,
     /// More of them, where the mesh may be a wheel.
     outline: Option<Arc<[Vec3]>>,
 }
@@ -45,20 +48,25 @@ pub(super) fn read_meshes(
     scope: &mut Scope,
     robot: &CheckedRobot,
     resolver: &Resolver,
-    scale: f64,
+    options: &ReadOptions,
 ) -> Meshes {
     let mut meshes = Meshes {
         hulls: HashMap::new(),
         sources: Vec::new(),
     };
     // The same mesh often stands in many links; `None` if it was reported already.
-    let mut known: HashMap<(PathBuf, [u64; 3]), Option<ReadMesh>> = HashMap::new();
+    let mut known: HashMap<(PathBuf, [u64; 3], bool), Option<ReadMesh>> = HashMap::new();
     let wheels = wheel_meshes(robot);
     let mut found = HashMap::new();
     let mut first_mesh: Option<Range<usize>> = None;
     let mut count = 0;
     for (i, link) in robot.links.iter().enumerate() {
         scope.owner = format!("link '{}'", link.name);
+        let decompose = options
+            .decomposed
+            .iter()
+            .rfind(|(pattern, _)| pattern.matches(link.name))
+            .is_some_and(|&(_, decompose)| decompose);
         for (k, collision) in link.collisions.iter().enumerate() {
             let Geometry::Mesh {
                 filename,
@@ -68,8 +76,10 @@ pub(super) fn read_meshes(
             else {
                 continue;
             };
-            first_mesh.get_or_insert_with(|| at.clone());
-            count += 1;
+            if !decompose {
+                first_mesh.get_or_insert_with(|| at.clone());
+            }
+            count += usize::from(!decompose);
             let file = match found
                 .entry(*filename)
                 .or_insert_with(|| resolver.find(filename))
@@ -80,15 +90,16 @@ pub(super) fn read_meshes(
                     continue;
                 }
             };
-            let factors = factors.map(|f| f * scale);
+            let factors = factors.map(|f| f * options.scale);
             let read = known
-                .entry((file.path.clone(), factors.map(f64::to_bits)))
+                .entry((file.path.clone(), factors.map(f64::to_bits), decompose))
                 .or_insert_with(|| {
                     read_mesh(
                         scope,
                         file,
                         Vec3::from(factors),
                         wheels.contains(filename),
+                        decompose,
                         at,
                     )
                 });
@@ -133,6 +144,7 @@ fn read_mesh(
     file: Found,
     factors: Vec3,
     wheel: bool,
+    decompose: bool,
     at: &Range<usize>,
 ) -> Option<ReadMesh> {
     let Found { path, linked } = file;
@@ -198,12 +210,55 @@ fn read_mesh(
         );
         scope.note("U108", at.clone(), &message, "");
     }
+    let parts = if decompose && !hull.flat {
+        Some(convex_parts(scope, &path, &name, factors, at)?.into())
+    } else {
+        None
+    };
     Some(ReadMesh {
         path,
         linked,
         vertices: hull.vertices,
+        parts,
         outline,
     })
+}
+
+/// The convex parts of a mesh; says how many, and how much they fill that the mesh does not.
+fn convex_parts(
+    scope: &mut Scope,
+    path: &Path,
+    name: &str,
+    factors: Vec3,
+    at: &Range<usize>,
+) -> Option<Vec<Vec<Vec3>>> {
+    let triangles = mesh::triangles(path).map_err(|error| error.to_string());
+    let scaled = triangles.map(|triangles| {
+        let scaled = |p: Vec3| p.component_mul(&factors);
+        triangles.into_iter().map(|t| t.map(scaled)).collect()
+    });
+    match scaled.and_then(|triangles: Vec<_>| decompose::parts(&triangles)) {
+        Ok(found) => {
+            let volume = match found.excess {
+                Some([parts, hull]) => format!(
+                    "their volume is off the mesh's by {:.1} %, its hull's would be by {:.1} %",
+                    parts * 100.0,
+                    hull * 100.0
+                ),
+                None => "it is not closed, so its volume is not known".to_owned(),
+            };
+            let count = found.parts.len();
+            let message = format!("mesh {name} becomes {count} convex parts; {volume}");
+            scope.note("U114", at.clone(), &message, "");
+            Some(found.parts)
+        }
+        Err(error) => {
+            let message = format!("mesh {name} cannot be decomposed: {error}");
+            let help = "set collision = \"hull\" for this link, or give it several simpler meshes";
+            scope.problem("U115", at.clone(), &message, help);
+            None
+        }
+    }
 }
 
 /// Files of the meshes that turn with a continuous joint.
@@ -291,14 +346,28 @@ pub(super) fn description(
             .enumerate()
             .map(|(k, collision)| {
                 let mesh = meshes.hulls.get(&(i, k));
-                Some(CollisionDescription {
+                let whole = CollisionDescription {
                     X_LG: pose(&collision.origin, scale),
                     shape: shape(&collision.geometry, mesh, scale)?,
+                    part: false,
                     mesh: mesh.map(|mesh| mesh.path.clone()),
                     outline: mesh.and_then(|mesh| mesh.outline.clone()),
-                })
+                };
+                let Some(parts) = mesh.and_then(|mesh| mesh.parts.as_ref()) else {
+                    return Some(vec![whole]);
+                };
+                let part = |vertices: &Vec<Vec3>| CollisionDescription {
+                    shape: Shape::Hull {
+                        vertices: vertices.clone(),
+                    },
+                    part: true,
+                    outline: None,
+                    ..whole.clone()
+                };
+                Some(parts.iter().map(part).collect())
             })
-            .collect::<Option<Vec<_>>>()?;
+            .collect::<Option<Vec<_>>>()?
+            .concat();
         links.push(LinkDescription {
             name: typed.name.clone(),
             inertial: checked

@@ -5,7 +5,7 @@
 //! a skinned geometry stands in its bind pose.
 
 use super::diagnostic::Report;
-use super::mesh::MeshError;
+use super::mesh::{MeshError, fan};
 use super::xml::{Document, Node};
 use crate::spatial::Vec3;
 use nalgebra::{Matrix4, Point3, Rotation3, Unit};
@@ -19,6 +19,20 @@ const MOST_POINTS: usize = 20_000_000;
 
 /// Corners of all faces in the scene.
 pub(super) fn read(bytes: &[u8]) -> Result<Vec<Vec3>, MeshError> {
+    scene(bytes, false)
+}
+
+/// All faces in the scene, cut into triangles.
+pub(super) fn triangles(bytes: &[u8]) -> Result<Vec<[Vec3; 3]>, MeshError> {
+    let corners = scene(bytes, true)?;
+    Ok(corners
+        .chunks_exact(3)
+        .map(|t| [t[0], t[1], t[2]])
+        .collect())
+}
+
+/// Points of the scene: each corner once, or three of each triangle.
+fn scene(bytes: &[u8], triangles: bool) -> Result<Vec<Vec3>, MeshError> {
     let text = std::str::from_utf8(bytes).map_err(|_| problem("the file is not UTF-8"))?;
     let text = text.trim_start_matches('\u{feff}');
     let mut report = Report::new("", text);
@@ -36,7 +50,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Vec<Vec3>, MeshError> {
     if root.local_name() != "COLLADA" {
         return Err(problem("the root element is not <COLLADA>"));
     }
-    Scene::new(root).points()
+    Scene::new(root, triangles).points()
 }
 
 fn problem(what: &str) -> MeshError {
@@ -45,13 +59,15 @@ fn problem(what: &str) -> MeshError {
 
 struct Scene<'d> {
     root: Node<'d>,
+    /// Whether three points of each triangle are wanted, not each corner once.
+    triangles: bool,
     ids: HashMap<&'d str, Node<'d>>,
     /// Points of a geometry, by the place of its tag.
     geometries: HashMap<usize, Vec<Vec3>>,
 }
 
 impl<'d> Scene<'d> {
-    fn new(root: Node<'d>) -> Self {
+    fn new(root: Node<'d>, triangles: bool) -> Self {
         let mut ids = HashMap::new();
         for node in root.descendants() {
             if let Some(id) = node.value("id") {
@@ -60,6 +76,7 @@ impl<'d> Scene<'d> {
         }
         Self {
             root,
+            triangles,
             ids,
             geometries: HashMap::new(),
         }
@@ -198,8 +215,10 @@ impl<'d> Scene<'d> {
             let offset = offset_of(input)?;
             let positions = self.positions(input)?;
             let mut used = vec![false; positions.len()];
+            let mut polygons = Vec::new();
             for p in faces.descendants().filter(|node| node.local_name() == "p") {
                 let content = p.content();
+                let mut face = Vec::new();
                 for word in content
                     .split_ascii_whitespace()
                     .skip(offset)
@@ -211,7 +230,13 @@ impl<'d> Scene<'d> {
                         return Err(MeshError::Collada(what));
                     };
                     used[index] = true;
+                    face.push(positions[index]);
                 }
+                polygons.push(face);
+            }
+            if self.triangles {
+                corners.extend(triangulated(faces, &polygons)?.into_iter().flatten());
+                continue;
             }
             corners.extend(
                 positions
@@ -262,6 +287,34 @@ impl<'d> Scene<'d> {
             .map(|c| Vec3::new(c[0], c[1], c[2]))
             .collect())
     }
+}
+
+/// The triangles of a group of faces; `lists` are the corners in each of its `<p>`.
+fn triangulated(faces: Node, lists: &[Vec<Vec3>]) -> Result<Vec<[Vec3; 3]>, MeshError> {
+    let mut triangles = Vec::new();
+    for list in lists {
+        match faces.local_name() {
+            "triangles" => triangles.extend(list.chunks_exact(3).map(|t| [t[0], t[1], t[2]])),
+            "polylist" => {
+                let mut rest = list.as_slice();
+                let counts = faces.child("vcount").map(|vcount| vcount.content());
+                for word in counts.iter().flat_map(|c| c.split_ascii_whitespace()) {
+                    let polygon = word.parse().ok().and_then(|n| rest.split_at_checked(n));
+                    let (polygon, others) =
+                        polygon.ok_or_else(|| problem("<vcount> and <p> do not agree"))?;
+                    triangles.extend(fan(polygon));
+                    rest = others;
+                }
+            }
+            // Every other triangle of a strip turns the other way.
+            "tristrips" => triangles.extend(list.windows(3).enumerate().map(|(i, t)| {
+                let [a, b] = if i % 2 == 0 { [0, 1] } else { [1, 0] };
+                [t[a], t[b], t[2]]
+            })),
+            _ => triangles.extend(fan(list)),
+        }
+    }
+    Ok(triangles)
 }
 
 fn nodes(node: Node<'_>) -> impl Iterator<Item = Node<'_>> {

@@ -48,6 +48,36 @@ pub(super) enum MeshError {
 
 /// Corners of the mesh's faces in m, as the file has them.
 pub(super) fn read(path: &Path) -> Result<Vec<Vec3>, MeshError> {
+    let (kind, bytes) = open(path)?;
+    parse(&kind, &bytes)
+}
+
+/// The mesh's faces, cut into triangles: what [`read`] has read without complaint.
+pub(super) fn triangles(path: &Path) -> Result<Vec<[Vec3; 3]>, MeshError> {
+    let (kind, bytes) = open(path)?;
+    triangles_of(&kind, &bytes)
+}
+
+/// The same for the bytes of a file, as [`parse`].
+pub(super) fn triangles_of(kind: &str, bytes: &[u8]) -> Result<Vec<[Vec3; 3]>, MeshError> {
+    match kind {
+        "stl" => Ok(stl(bytes)?
+            .chunks_exact(3)
+            .map(|t| [t[0], t[1], t[2]])
+            .collect()),
+        "obj" => obj_triangles(&String::from_utf8_lossy(bytes)),
+        _ => collada::triangles(bytes),
+    }
+}
+
+/// Triangles from the first corner of a polygon to its other sides.
+pub(super) fn fan(corners: &[Vec3]) -> impl Iterator<Item = [Vec3; 3]> + '_ {
+    let sides = corners.get(1..).unwrap_or_default().windows(2);
+    sides.map(|side| [corners[0], side[0], side[1]])
+}
+
+/// Kind and bytes of a file.
+fn open(path: &Path) -> Result<(String, Vec<u8>), MeshError> {
     let kind = path
         .extension()
         .map(|e| e.to_string_lossy().to_ascii_lowercase())
@@ -59,10 +89,15 @@ pub(super) fn read(path: &Path) -> Result<Vec<Vec3>, MeshError> {
     if bytes.is_empty() {
         return Err(MeshError::Empty);
     }
-    let points = match kind.as_str() {
-        "stl" => stl(&bytes)?,
-        "obj" => obj(&String::from_utf8_lossy(&bytes))?,
-        _ => collada::read(&bytes)?,
+    Ok((kind, bytes))
+}
+
+/// The same as [`read`] for the bytes of a file; `kind` is its ending in small letters.
+pub(super) fn parse(kind: &str, bytes: &[u8]) -> Result<Vec<Vec3>, MeshError> {
+    let points = match kind {
+        "stl" => stl(bytes)?,
+        "obj" => obj(&String::from_utf8_lossy(bytes))?,
+        _ => collada::read(bytes)?,
     };
     if points.is_empty() {
         return Err(MeshError::NoFaces);
@@ -211,6 +246,30 @@ fn obj(text: &str) -> Result<Vec<Vec3>, MeshError> {
         vertices.retain(|_| used.next() == Some(true));
     }
     Ok(vertices)
+}
+
+/// Faces of a file that [`obj`] has read.
+fn obj_triangles(text: &str) -> Result<Vec<[Vec3; 3]>, MeshError> {
+    let (mut vertices, mut triangles, mut corners) = (Vec::new(), Vec::new(), Vec::new());
+    for (i, line) in text.lines().enumerate() {
+        let problem = |what: String| MeshError::Line { line: i + 1, what };
+        let mut words = line.split_whitespace();
+        match words.next() {
+            Some("v") => vertices.push(three(&mut words).map_err(problem)?),
+            Some("f") => {
+                corners.clear();
+                for corner in words.take_while(|word| !word.starts_with('#') && *word != "\\") {
+                    let word = corner.split('/').next().unwrap_or(corner);
+                    let index = vertex_index(word, vertices.len())
+                        .ok_or_else(|| problem(format!("there is no vertex '{word}' yet")))?;
+                    corners.push(vertices[index]);
+                }
+                triangles.extend(fan(&corners));
+            }
+            _ => {}
+        }
+    }
+    Ok(triangles)
 }
 
 /// OBJ counts from 1, or backwards from -1.

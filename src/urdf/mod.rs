@@ -10,6 +10,7 @@
 
 mod assemble;
 mod collada;
+mod decompose;
 mod diagnostic;
 mod foreign;
 mod inertia;
@@ -26,6 +27,7 @@ pub use diagnostic::{Diagnostic, Place, Severity};
 
 use crate::geometry::Shape;
 use crate::model::{ActuatorMode, JointKind, Limits};
+use crate::settings::Pattern;
 use crate::spatial::{Mat3, Pose, RigidInertia, Vec3};
 use diagnostic::Report;
 use resolve::Resolver;
@@ -90,6 +92,8 @@ pub struct CollisionDescription {
     pub X_LG: Pose,
     /// Mesh: its convex hull.
     pub shape: Shape,
+    /// Whether it is one of several convex parts of a mesh; these are no wheels.
+    pub part: bool,
     /// The mesh file that it was read from.
     pub mesh: Option<PathBuf>,
     /// Mesh that turns with a continuous joint: corners of its hull, more than the shape has.
@@ -141,6 +145,9 @@ pub struct ReadOptions {
     /// The inertia matrices are not used, because they will be computed from the shapes: what is wrong with them
     /// is a warning.
     pub ignore_inertia: bool,
+    /// Links whose collision meshes become several convex parts each (true) or their hulls (false); of those that
+    /// match, the last holds.
+    pub decomposed: Vec<(Pattern, bool)>,
 }
 
 impl Default for ReadOptions {
@@ -149,6 +156,7 @@ impl Default for ReadOptions {
             package_paths: Vec::new(),
             scale: 1.0,
             ignore_inertia: false,
+            decomposed: Vec::new(),
         }
     }
 }
@@ -221,6 +229,16 @@ pub fn read_str(
     }
 }
 
+/// Corners of the faces of a mesh file, m as the file has them.
+///
+/// - `kind`: how the file's name ends, `stl`, `obj` or `dae`
+///
+/// # Errors
+/// What is wrong with the file, for people.
+pub fn mesh_corners(kind: &str, bytes: &[u8]) -> Result<Vec<Vec3>, String> {
+    mesh::parse(kind, bytes).map_err(|error| error.to_string())
+}
+
 /// `None` only after an error was reported.
 fn describe(
     report: &mut Report,
@@ -246,7 +264,7 @@ fn describe(
         .and_then(|mujoco| mujoco.child("compiler"))
         .and_then(|compiler| compiler.value("meshdir"));
     let resolver = Resolver::new(base_dir, options, mesh_dir);
-    let meshes = assemble::read_meshes(&mut scope, &robot, &resolver, options.scale);
+    let meshes = assemble::read_meshes(&mut scope, &robot, &resolver, options);
     assemble::check_visuals(&mut scope, &robot, &resolver);
     scope.report_tags();
     if scope.report.has_errors() {

@@ -29,6 +29,7 @@ fn mesh(X_LG: Pose, points: &[Vec3]) -> CollisionDescription {
     CollisionDescription {
         mesh: Some("wheel.stl".into()),
         outline: Some(points.clone().into()),
+        part: false,
         ..collision(
             X_LG,
             Shape::Hull {
