@@ -201,4 +201,36 @@ mod tests {
         open.pop();
         assert_eq!(parts(&open).expect("parts").excess, None);
     }
+
+    /// The mesh file is the L of these tests, its ends polygons with six corners.
+    #[test]
+    fn a_link_has_a_collider_for_each_part_where_the_settings_want_it() {
+        use crate::settings::Settings;
+        use crate::urdf::{ReadOptions, read_str};
+        let text = r#"<robot name="r"><link name="foot">
+            <inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>
+            <collision><geometry><mesh filename="bracket.obj"/></geometry></collision></link></robot>"#;
+        let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/robots/meshes");
+        let build = |settings: &str| {
+            let settings = Settings::parse(settings, "s").expect("settings");
+            let options = settings.read_options(ReadOptions::default());
+            let robot = read_str(text, "r", &folder, &options).expect("a robot");
+            let notes = robot.diagnostics.iter().map(|d| d.code).collect::<Vec<_>>();
+            let built = crate::assemble::build(&robot, &settings).expect("a model");
+            (built.model.colliders, notes)
+        };
+        let (hull, notes) = build("");
+        assert_eq!(hull.len(), 1);
+        assert!(notes.contains(&"U110") && !notes.contains(&"U114"));
+        let (parts, notes) = build("[link.\"f*\"]\ncollision = \"decomposition\"\n");
+        assert!(parts.len() >= 2 && !notes.contains(&"U110") && notes.contains(&"U114"));
+        let volume = |shapes: &[crate::model::Collider]| -> f64 {
+            shapes.iter().map(|collider| collider.shape.volume()).sum()
+        };
+        assert!((volume(&hull) - 0.007).abs() < 1e-12);
+        assert!((volume(&parts) / 0.005 - 1.0).abs() < 0.02);
+        let both =
+            "[link.\"*\"]\ncollision = \"decomposition\"\n[link.foot]\ncollision = \"hull\"\n";
+        assert_eq!(build(both).0.len(), 1);
+    }
 }

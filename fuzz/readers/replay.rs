@@ -1,0 +1,59 @@
+//! The fuzz targets over the robots and meshes of tests/robots, whole and cut short at each of many places.
+
+mod targets;
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// The files below a folder.
+fn files(folder: &Path) -> Vec<PathBuf> {
+    let mut found = Vec::new();
+    for entry in fs::read_dir(folder).expect("a folder") {
+        let path = entry.expect("an entry").path();
+        if path.is_dir() {
+            found.extend(files(&path));
+        } else {
+            found.push(path);
+        }
+    }
+    found
+}
+
+/// Runs all files with one ending, and their beginnings; says nothing: a target that returns has passed.
+fn replay(ending: &str, target: fn(&[u8])) {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/robots");
+    let mut count = 0;
+    for path in files(&folder) {
+        if path
+            .extension()
+            .is_some_and(|e| e.eq_ignore_ascii_case(ending))
+        {
+            let bytes = fs::read(&path).expect("a file");
+            for part in 0..=32 {
+                target(&bytes[..bytes.len() * part / 32]);
+            }
+            count += 1;
+        }
+    }
+    assert!(count > 1, "{ending}: {count} files");
+}
+
+#[test]
+fn urdfs_and_their_beginnings_do_no_harm() {
+    replay("urdf", targets::urdf);
+}
+
+#[test]
+fn stl_files_and_their_beginnings_do_no_harm() {
+    replay("stl", targets::stl);
+}
+
+#[test]
+fn obj_files_and_their_beginnings_do_no_harm() {
+    replay("obj", targets::obj);
+}
+
+#[test]
+fn collada_files_and_their_beginnings_do_no_harm() {
+    replay("dae", targets::collada);
+}
