@@ -46,7 +46,7 @@ pub fn collada(data: &[u8]) {
 }
 
 fn mesh(kind: &str, data: &[u8]) {
-    let Ok(points) = urdf::mesh_corners(kind, data) else {
+    let Ok(points) = urdf::mesh_corners_of(kind, data) else {
         return;
     };
     assert!(!points.is_empty());

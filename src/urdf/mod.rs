@@ -235,7 +235,7 @@ pub fn read_str(
 ///
 /// # Errors
 /// What is wrong with the file, for people.
-pub fn mesh_corners(kind: &str, bytes: &[u8]) -> Result<Vec<Vec3>, String> {
+pub fn mesh_corners_of(kind: &str, bytes: &[u8]) -> Result<Vec<Vec3>, String> {
     mesh::parse(kind, bytes).map_err(|error| error.to_string())
 }
 
