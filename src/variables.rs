@@ -8,6 +8,7 @@ mod settable;
 use crate::model::Model;
 use crate::simulation::{InputSlot, OutputSlot, ParameterSlot};
 use build::Table;
+#[cfg(feature = "urdf")]
 pub(crate) use build::identifier;
 
 /// One row.

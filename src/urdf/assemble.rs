@@ -326,6 +326,34 @@ pub(super) fn check_visuals(scope: &mut Scope, robot: &CheckedRobot, resolver: &
     }
 }
 
+/// What a `<collision>` touches with: its shape, the hull of its mesh, or the convex parts that the mesh has been taken into;
+/// `None` without a shape.
+fn collisions(
+    collision: &urdf_rs::Collision,
+    mesh: Option<&ReadMesh>,
+    scale: f64,
+) -> Option<Vec<CollisionDescription>> {
+    let whole = CollisionDescription {
+        X_LG: pose(&collision.origin, scale),
+        shape: shape(&collision.geometry, mesh, scale)?,
+        part: false,
+        mesh: mesh.map(|mesh| mesh.path.clone()),
+        outline: mesh.and_then(|mesh| mesh.outline.clone()),
+    };
+    let Some(parts) = mesh.and_then(|mesh| mesh.parts.as_ref()) else {
+        return Some(vec![whole]);
+    };
+    let part = |vertices: &Vec<Vec3>| CollisionDescription {
+        shape: Shape::Hull {
+            vertices: vertices.clone(),
+        },
+        part: true,
+        outline: None,
+        ..whole.clone()
+    };
+    Some(parts.iter().map(part).collect())
+}
+
 /// Puts everything together. `typed` has the links and joints in `order`; `None` if it does not.
 pub(super) fn description(
     robot: &CheckedRobot,
@@ -344,28 +372,7 @@ pub(super) fn description(
             .collision
             .iter()
             .enumerate()
-            .map(|(k, collision)| {
-                let mesh = meshes.hulls.get(&(i, k));
-                let whole = CollisionDescription {
-                    X_LG: pose(&collision.origin, scale),
-                    shape: shape(&collision.geometry, mesh, scale)?,
-                    part: false,
-                    mesh: mesh.map(|mesh| mesh.path.clone()),
-                    outline: mesh.and_then(|mesh| mesh.outline.clone()),
-                };
-                let Some(parts) = mesh.and_then(|mesh| mesh.parts.as_ref()) else {
-                    return Some(vec![whole]);
-                };
-                let part = |vertices: &Vec<Vec3>| CollisionDescription {
-                    shape: Shape::Hull {
-                        vertices: vertices.clone(),
-                    },
-                    part: true,
-                    outline: None,
-                    ..whole.clone()
-                };
-                Some(parts.iter().map(part).collect())
-            })
+            .map(|(k, collision)| collisions(collision, meshes.hulls.get(&(i, k)), scale))
             .collect::<Option<Vec<_>>>()?
             .concat();
         links.push(LinkDescription {

@@ -297,7 +297,7 @@ fn triangulated(faces: Node, lists: &[Vec<Vec3>]) -> Result<Vec<[Vec3; 3]>, Mesh
             "triangles" => triangles.extend(list.chunks_exact(3).map(|t| [t[0], t[1], t[2]])),
             "polylist" => {
                 let mut rest = list.as_slice();
-                let counts = faces.child("vcount").map(|vcount| vcount.content());
+                let counts = faces.child("vcount").map(super::xml::Node::content);
                 for word in counts.iter().flat_map(|c| c.split_ascii_whitespace()) {
                     let polygon = word.parse().ok().and_then(|n| rest.split_at_checked(n));
                     let (polygon, others) =
