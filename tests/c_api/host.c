@@ -77,6 +77,9 @@ void test_unload(const char *path)
     }
 #ifndef _WIN32
     CHECK(after == before, "%zu bytes before, %zu after %d loads", before, after, LOADS);
+#else
+    (void)before;
+    (void)after;
 #endif
 }
 
