@@ -3,7 +3,7 @@
 //! An error-controlled step is solved once over `h` and twice over `h/2`; the difference of the two results is the
 //! error estimate, positions and velocities together, and twice the second minus the first is the solution that goes
 //! on: second order in smooth motion at the price of the estimate. Steps end at touch-down rather than across it.
-//! Where nothing is stiff, explicit steps of fifth order take over (see [`super::smooth`]); as long as no input changes
+//! Where nothing is stiff, explicit steps of fifth order take over (see `smooth.rs`); as long as no input changes
 //! they are as long as the motion allows, and communication points are read off inside them (see [`crate::state::ahead`]).
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
