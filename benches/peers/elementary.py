@@ -20,6 +20,7 @@ class Case:
     reference: object = None
     truth: str = ""
     measure: str = ""
+    finest: float = 1e-8  # our tolerance for the reference, where it is our own solution
 
 
 def times(scene):

@@ -1,16 +1,17 @@
 """Error against CPU time of urdf2fmu, MuJoCo, PyBullet and Drake on the same URDFs, in one run: docs/accuracy.md.
 
     python3.11 -m venv peers && peers/bin/pip install -r benches/peers/requirements.txt
-    peers/bin/python benches/peers/precision.py [--rounds 5] [--only TEXT] [--write]
+    peers/bin/python benches/peers/precision.py [--rounds 5] [--only TEXT] [--write] [--redraw]
 
 Every simulator is swept over its steps or tolerances. A round runs every setting of every simulator once, in turn, so
 that all of them meet the same load of the machine; the least CPU time of all rounds counts. Loading and set-up are not
 in it. Where a formula or an integration of the equations of motion gives the answer, all are compared with that;
 else each with its own solution at its finest setting, because their contact models differ. `--write` puts tables into
-docs/accuracy.md and figures into docs/accuracy/.
+docs/accuracy.md, figures and the points as JSON into docs/accuracy/.
 """
 
 import argparse
+import json
 import math
 from importlib.metadata import version
 
@@ -32,7 +33,7 @@ ACCURACIES = [10.0**-k for k in range(1, 7)]
 # Steps per sample of 1/60 s.
 STEPS = [1, 2, 4, 8, 16, 32, 64, 128]
 # A setting that takes longer than this for one run, s, ends the sweep of its simulator.
-PATIENCE = 4.0
+PATIENCE = 3.0
 MUJOCO = {"MuJoCo Euler": ("Euler", False), "MuJoCo implicitfast": ("implicitfast", False), "MuJoCo RK4": ("RK4", False),
           "MuJoCo elliptic, stiff": ("implicitfast", True)}
 
@@ -40,9 +41,11 @@ MUJOCO = {"MuJoCo Euler": ("Euler", False), "MuJoCo implicitfast": ("implicitfas
 def robots():
     """Scenes of whole robots, and over which time."""
     own = "its own solution at its finest setting"
-    for scene in (scenes.r2d2(end=1.5), scenes.a1_standing(end=1.0), scenes.a1_marching(end=1.0),
-                  scenes.humanoid_falling(end=0.4)):
-        yield Case(scene, pose_error(True), None, own, f"largest error of the base's pose and the joints in {scene.end:g} s, m and rad")
+    # Our finest tolerance is the one below which shorter steps than the shortest allowed would be needed.
+    for scene, finest in ((scenes.r2d2(end=1.5), 1e-9), (scenes.a1_standing(end=1.0), 1e-9),
+                          (scenes.a1_marching(end=1.0), 1e-8), (scenes.humanoid_falling(end=0.4), 1e-7)):
+        measure = f"largest error of the base's pose and the joints in {scene.end:g} s, m and rad"
+        yield Case(scene, pose_error(True), None, own, measure, finest)
 
 
 class Sweep:
@@ -85,7 +88,8 @@ def sweeps(case, binary):
 
     def fixed(step):
         return lambda: ours.run(step=step, repeat=3)[:2]
-    yield Sweep("urdf2fmu, error control", TOLERANCES + (FINE if case.reference is not None else []), 1e-10, controlled)
+    tolerances = TOLERANCES + FINE if case.reference is not None else [t for t in TOLERANCES if t > 5 * case.finest]
+    yield Sweep("urdf2fmu, error control", tolerances, case.finest, controlled)
     yield Sweep("urdf2fmu, fixed steps", steps, None, fixed)
     for name, (integrator, stiff) in MUJOCO.items():
         if stiff and not scene.ground:
@@ -181,7 +185,6 @@ def draw(results):
 
     matplotlib.rcParams.update({"font.size": 9, "svg.hashsalt": "urdf2fmu", "svg.fonttype": "none"})
     folder = ROOT / "docs/accuracy"
-    folder.mkdir(exist_ok=True)
     for case, points in results:
         figure, axes = pyplot.subplots(figsize=(6.4, 4.2), layout="constrained")
         for name, list_ in points.items():
@@ -227,26 +230,61 @@ def summary(results):
     return "\n".join(lines)
 
 
+def at_240(results):
+    """Error of everyone at steps of 1/240 s, ours and CENIC also at 1e-3."""
+    wanted = {"urdf2fmu, error control": 1e-3, "Drake CENIC": 1e-3}
+    names = list(STYLES)
+    lines = ["| scene | " + " | ".join(f"{n}, {'1e-3' if n in wanted else '1/240'}" for n in names) + " |",
+             "|---|" + "---|" * len(names)]
+    for case, points in results:
+        cells = []
+        for name in names:
+            goal = wanted.get(name, 1 / 240)
+            found = [p for p in points.get(name, []) if abs(p[0] / goal - 1) < 1e-6]
+            cells.append(f"{found[0][2]:.1e} ({found[0][1] * 1e6:.0f})" if found else "–")
+        lines.append(f"| {case.scene.name} | " + " | ".join(cells) + " |")
+    return "\n".join(lines)
+
+
+def cases():
+    """All of them."""
+    return [*(make() for make in elementary.CASES), *robots()]
+
+
 def main():
     """Command line."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--rounds", type=int, default=5)
     parser.add_argument("--only", default="", help="scenes whose name contains this")
     parser.add_argument("--write", action="store_true", help="write docs/accuracy.md and docs/accuracy/")
+    parser.add_argument("--redraw", action="store_true", help="from docs/accuracy/results.json, without measuring")
     arguments = parser.parse_args()
-    binary = build()
+    store = ROOT / "docs/accuracy/results.json"
+    stored = json.loads(store.read_text()) if store.exists() else {}
+    binary = None if arguments.redraw else build()
     results = []
-    for case in [*(make() for make in elementary.CASES), *robots()]:
-        if arguments.only in case.scene.name:
+    for case in cases():
+        if arguments.redraw:
+            points = {name: [tuple(p) for p in list_] for name, list_ in stored[case.scene.name].items()}
+        elif arguments.only in case.scene.name:
             print(f"\n### {case.scene.name}", flush=True)
             points = measure(case, binary, arguments.rounds)
             print(table(case, points), flush=True)
-            results.append((case, points))
-    script = "benches/peers/precision.py"
-    write("summary", script, summary(results), arguments.write, "docs/accuracy.md")
-    if arguments.write:
-        draw(results)
-        write("precision", script, page(results), True, "docs/accuracy.md")
+        else:
+            continue
+        results.append((case, points))
+    if not arguments.write:
+        return
+    if not arguments.redraw:
+        stored.update({case.scene.name: points for case, points in results})
+        store.parent.mkdir(exist_ok=True)
+        store.write_text(json.dumps(stored, indent=1) + "\n")
+        results = [(case, stored[case.scene.name]) for case in cases() if case.scene.name in stored]
+    draw(results)
+    script, page_name = "benches/peers/precision.py", "docs/accuracy.md"
+    write("summary", script, summary(results), True, page_name)
+    write("at240", script, at_240(results), True, page_name)
+    write("precision", script, page(results), True, page_name)
 
 
 if __name__ == "__main__":

@@ -37,7 +37,7 @@ fn sample(extreme: Extreme, seeds: u64) {
         &what("energy gained in fixed steps"),
         "≤ ΣF̄²/2k_t",
         fixed,
-        1e-1,
+        1e-2,
     );
 }
 
