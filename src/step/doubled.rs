@@ -173,6 +173,33 @@ impl Stepper {
         ahead.evaluate(tree, end, q, v);
     }
 
+    /// Whether friction, motors and servos hold in all three solves of a step of `h` seconds, or give way in all three.
+    ///
+    /// Else the three are not solutions of one smooth system: their difference still bounds the error, but extrapolating it
+    /// gains no order, and a long step across break-away can end where it began, again and again.
+    pub(super) fn agrees(&self, h: f64) -> bool {
+        let slips = |newton: &Newton, place: usize| newton.responses[place].slip != Vec3::zeros();
+        let mut middle = self.middle.contacts.iter().enumerate().peekable();
+        for (place, contact) in self.start.contacts.iter().enumerate() {
+            let slip = slips(&self.full, place);
+            if slips(&self.first, place) != slip {
+                return false;
+            }
+            while middle.next_if(|(_, c)| c.slot < contact.slot).is_some() {}
+            let second = middle.next_if(|(_, c)| c.slot == contact.slot);
+            if second.is_some_and(|(place, _)| slips(&self.second, place) != slip) {
+                return false;
+            }
+        }
+        let terms = self.start.joints.terms.iter();
+        terms.zip(&self.middle.joints.terms).all(|(start, middle)| {
+            let dof = start.dof;
+            let full = start.yields(self.full.v[dof], h);
+            full == start.yields(self.first.v[dof], 0.5 * h)
+                && full == middle.yields(self.second.v[dof], 0.5 * h)
+        })
+    }
+
     /// Takes the results of [`Self::doubled_step`] into the state: extrapolated, or the half steps' as they are,
     /// which damp what the step does not resolve.
     pub(super) fn accept_doubled(
