@@ -22,14 +22,14 @@ pub(super) fn inertia(mass: f64, X_LI: &Pose, shapes: &[CollisionDescription]) -
         [one] => {
             let turned = X_LI.R != Mat3::identity() || one.X_LG.R != Mat3::identity();
             let same = one.X_LG.p == X_LI.p && !turned;
-            same.then(|| alone(mass, &one.shape))
+            same.then(|| alone(mass, one))
         }
         _ => None,
     };
     let moments = own.unwrap_or_else(|| {
         let (mut least, mut most) = (Vec3::repeat(f64::MAX), Vec3::repeat(f64::MIN));
         for collision in shapes {
-            let (low, high) = bounds(&X_IL.compose(&collision.X_LG), &collision.shape);
+            let (low, high) = bounds(&X_IL.compose(&collision.X_LG), collision);
             least = least.inf(&low);
             most = most.sup(&high);
         }
@@ -52,30 +52,32 @@ fn cuboid(mass: f64, half: &Vec3) -> Vec3 {
 }
 
 /// Principal moments of a shape on its own.
-fn alone(mass: f64, shape: &Shape) -> Vec3 {
-    match shape {
+fn alone(mass: f64, collision: &CollisionDescription) -> Vec3 {
+    let half = || {
+        let (low, high) = own_bounds(collision);
+        (high - low) * 0.5
+    };
+    match &collision.shape {
         Shape::Sphere { radius } => Vec3::repeat(0.4 * mass * radius * radius),
-        Shape::Box { half } => cuboid(mass, half),
-        // Its margin is its radius, which is counted already.
-        Shape::Capsule { .. } => {
-            let (low, high) = own_bounds(shape);
-            cuboid(mass, &((high - low) * 0.5))
-        }
+        // A capsule's margin is its radius, which is counted already.
+        Shape::Box { .. } | Shape::Capsule { .. } => cuboid(mass, &half()),
         // A hull is weighed with three margins on each side.
         Shape::Cylinder { .. } | Shape::Hull { .. } => {
-            let (low, high) = own_bounds(shape);
-            cuboid(mass, &((high - low) * 0.5).add_scalar(3.0 * MARGIN))
+            cuboid(mass, &half().add_scalar(3.0 * MARGIN))
         }
     }
 }
 
-/// Box around a shape in its own axes.
-fn own_bounds(shape: &Shape) -> (Vec3, Vec3) {
+/// Box around a shape in its own axes; of a mesh around all of it, not around the corners that its hull keeps.
+fn own_bounds(collision: &CollisionDescription) -> (Vec3, Vec3) {
+    if let Some([low, high]) = collision.bounds {
+        return (low, high);
+    }
     let reach = |sign: f64| {
         let depth = |i: usize| {
             let mut direction = Vec3::zeros();
             direction[i] = -sign;
-            sign * shape.depth(&direction)
+            sign * collision.shape.depth(&direction)
         };
         Vec3::new(depth(0), depth(1), depth(2))
     };
@@ -83,13 +85,16 @@ fn own_bounds(shape: &Shape) -> (Vec3, Vec3) {
 }
 
 /// Box around a shape at `X_IG` in the axes of I: the box around its own turned box, but for balls.
-fn bounds(X_IG: &Pose, shape: &Shape) -> (Vec3, Vec3) {
-    let (low, high) = own_bounds(shape);
-    let (margin, R) = match shape {
+fn bounds(X_IG: &Pose, collision: &CollisionDescription) -> (Vec3, Vec3) {
+    let (low, high) = own_bounds(collision);
+    // An OBJ file may hold several hulls: its compound has a margin of its own.
+    let obj = collision.mesh.as_ref().and_then(|mesh| mesh.extension());
+    let obj = obj.is_some_and(|ending| ending.eq_ignore_ascii_case("obj"));
+    let (margin, R) = match collision.shape {
         Shape::Sphere { .. } => (0.0, Mat3::identity()),
         Shape::Capsule { .. } | Shape::Box { .. } => (0.0, X_IG.R),
-        Shape::Cylinder { .. } => (2.0 * MARGIN, X_IG.R),
-        Shape::Hull { .. } => (3.0 * MARGIN, X_IG.R),
+        Shape::Hull { .. } if obj => (3.0 * MARGIN, X_IG.R),
+        Shape::Cylinder { .. } | Shape::Hull { .. } => (2.0 * MARGIN, X_IG.R),
     };
     let middle = X_IG.p + X_IG.R * ((low + high) * 0.5);
     let half = R.abs() * ((high - low) * 0.5).add_scalar(margin);

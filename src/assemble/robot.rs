@@ -428,6 +428,9 @@ fn link_inertia(
         };
         inertia.I_cm = pybullet::inertia(inertia.mass, &X_LI, &link.collisions);
     }
+    if settings.inertia == InertiaSource::PyBullet || settings.compat == Compat::PyBullet {
+        inertia.I_cm *= link.inertia_scaling.unwrap_or(1.0);
+    }
     if settings.inertia == InertiaSource::Collision {
         match inertia::of_solids(inertia.mass, &link.collisions) {
             Some(I_cm) => inertia.I_cm = I_cm,

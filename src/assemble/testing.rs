@@ -64,6 +64,7 @@ pub(crate) fn collision(X_LG: Pose, shape: Shape) -> CollisionDescription {
         shape,
         mesh: None,
         outline: None,
+        bounds: None,
         part: false,
     }
 }

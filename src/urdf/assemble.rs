@@ -31,6 +31,8 @@ pub(super) struct ReadMesh {
     /// Not to be packed: a symbolic link leads out of the robot's folders.
     linked: bool,
     vertices: Vec<Vec3>,
+    /// Least and greatest coordinates of all that the file has.
+    bounds: [Vec3; 2],
     /// Convex parts in place of the hull, where they are wanted.
     parts: Option<Arc<[Vec<Vec3>]>>,
     /// More of them, where the mesh may be a wheel.
@@ -189,6 +191,9 @@ fn read_mesh(
             return None;
         }
     };
+    let bounds = points
+        .iter()
+        .fold([points[0]; 2], |[low, high], p| [low.inf(p), high.sup(p)]);
     let outline = wheel
         .then(|| bounded_hull(&points, MOST_OUTLINE))
         .and_then(Result::ok)
@@ -219,6 +224,7 @@ fn read_mesh(
         path,
         linked,
         vertices: hull.vertices,
+        bounds,
         parts,
         outline,
     })
@@ -339,6 +345,7 @@ fn collisions(
         part: false,
         mesh: mesh.map(|mesh| mesh.path.clone()),
         outline: mesh.and_then(|mesh| mesh.outline.clone()),
+        bounds: mesh.map(|mesh| mesh.bounds),
     };
     let Some(parts) = mesh.and_then(|mesh| mesh.parts.as_ref()) else {
         return Some(vec![whole]);

@@ -79,7 +79,7 @@ pub struct LinkDescription {
     pub torsional_friction: Option<f64>,
     /// `<contact><restitution>`, where the file has one.
     pub restitution: Option<f64>,
-    /// `<contact><inertia_scaling>`, where the file has one; nothing is done with it here.
+    /// `<contact><inertia_scaling>`, where the file has one: PyBullet's factor on the inertia, used with its conventions.
     pub inertia_scaling: Option<f64>,
     /// 1-based line of the `<link>` element.
     pub line: usize,
@@ -98,6 +98,8 @@ pub struct CollisionDescription {
     pub mesh: Option<PathBuf>,
     /// Mesh that turns with a continuous joint: corners of its hull, more than the shape has.
     pub outline: Option<Arc<[Vec3]>>,
+    /// Mesh: least and greatest coordinates of the whole of it, m, in the shape's axes; its hull has fewer corners.
+    pub bounds: Option<[Vec3; 2]>,
 }
 
 /// A joint as the file has it.

@@ -2,6 +2,7 @@
 
 import json
 import math
+import struct
 from pathlib import Path
 
 import pytest
@@ -16,6 +17,7 @@ BALL = '<sphere radius="0.1"/>'
 CYLINDER = '<cylinder radius="0.1" length="0.5"/>'
 CAPSULE = '<capsule radius="0.1" length="0.5"/>'
 MESH = '<mesh filename="corner.obj"/>'
+STL = '<mesh filename="corner.stl" scale="1 2 1"/>'
 
 
 def collision(geometry, xyz="0 0 0", rpy="0 0 0"):
@@ -35,11 +37,15 @@ def arm(kind="continuous", inertia=WRONG, limit=""):
 
 @pytest.fixture
 def write(tmp_path):
-    """Writes a URDF; the mesh of the tests lies beside it."""
+    """Writes a URDF; the meshes of the tests lie beside it."""
 
     def run(content) -> Path:
         (tmp_path / "corner.obj").write_text("v 0 0 0\nv 0.3 0 0\nv 0 0.4 0\nv 0 0 0.5\n"
                                              "f 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n")
+        corners = ((0, 0, 0), (0.3, 0, 0), (0, 0.4, 0), (0, 0, 0.5))
+        faces = [struct.pack("<12fH", 0, 0, 0, *(x for i in face for x in corners[i]), 0)
+                 for face in ((0, 2, 1), (0, 1, 3), (1, 2, 3), (0, 3, 2))]
+        (tmp_path / "corner.stl").write_bytes(bytes(80) + struct.pack("<I", 4) + b"".join(faces))
         urdf = tmp_path / "robot.urdf"
         urdf.write_text(f'<robot name="robot">{content}</robot>')
         return urdf
@@ -80,6 +86,12 @@ def info(command):
     link("a", collision(CAPSULE, rpy="0.3 0.2 0.5")),
     link("a", collision(MESH)),
     link("a", collision(MESH, rpy="0.3 0.2 0.5")),
+    link("a", collision(MESH, "0.1 0.2 0.3")),
+    link("a", collision(STL)),
+    link("a", collision(STL, rpy="0.3 0.2 0.5")),
+    link("a", collision(STL, "0.1 0.2 0.3")),
+    link("a", collision(STL) + collision(MESH, "0.1 0.2 0.3")),
+    link("a", '<contact><inertia_scaling value="3"/></contact>' + collision(BOX)),
     link("a", collision(BOX) + collision(CAPSULE, "0.5 0 0", "0.4 0 0")),
     link("a", collision(BOX) + collision(MESH, "0.1 0.2 0.3", "0.3 0.2 0.5"), xyz="0.1 0 0.2"),
     link("a", ""),
@@ -106,21 +118,32 @@ def test_the_inertia_lies_in_the_axes_of_the_inertial_frame(write, world, info):
     assert [x for row in ours for x in row] == pytest.approx(expected, rel=1e-6, abs=1e-9)
 
 
-def test_the_links_of_the_r2d2_weigh_and_turn_as_in_pybullet(pybullet_data, world, info):
-    urdf = pybullet_data / "r2d2.urdf"
+# Robots whose links have STL, OBJ and COLLADA meshes, boxes, balls, cylinders, several shapes, none; turned
+# `<inertial>` frames; scaled inertias.
+@pytest.mark.parametrize("name", [
+    "r2d2.urdf", "cube_small.urdf", "gripper/wsg50_one_motor_gripper_left_finger.urdf", "husky/husky.urdf",
+    "kuka_iiwa/model.urdf", "franka_panda/panda.urdf", "laikago/laikago_toes.urdf", "quadruped/minitaur.urdf",
+    "xarm/xarm6_with_gripper.urdf", "humanoid/humanoid.urdf", "example:baxter_description/urdf/baxter.urdf",
+    "example:go2_description/urdf/go2.urdf", "example:icub_description/robots/icub.urdf",
+])
+def test_the_links_of_robots_weigh_and_turn_as_in_pybullet(name, pybullet_data, example_robots, world, info):
+    urdf = example_robots / name.removeprefix("example:") if "example:" in name else pybullet_data / name
     robot = world.loadURDF(str(urdf))
     theirs = {world.getBodyInfo(robot)[0].decode(): world.getDynamicsInfo(robot, -1)}
     for joint in range(world.getNumJoints(robot)):
         theirs[world.getJointInfo(robot, joint)[12].decode()] = world.getDynamicsInfo(robot, joint)
     ours = {link["name"]: link for link in info(urdf)["links"]}
-    assert ours.keys() == theirs.keys() and len(ours) > 10
-    for name, (mass, friction, moments, *_) in theirs.items():
+    assert ours.keys() == theirs.keys()
+    for name, (mass, friction, moments, _, orientation, *_) in theirs.items():
         assert ours[name]["mass"] == mass, name
-        I = ours[name]["inertia"]
-        # Collada meshes are left out: their hulls are not made alike, see docs/pybullet.md. A trace has no axes.
-        if "gripper" not in name and "tip" not in name:
-            assert I[0][0] + I[1][1] + I[2][2] == pytest.approx(sum(moments), rel=1e-6), name
-        assert ours[name]["friction"] == friction, name
+        # <gazebo> says more, and PyBullet does not read it.
+        assert "example" in str(urdf) or ours[name]["friction"] == friction, name
+        R = world.getMatrixFromQuaternion(orientation)
+        expected = [sum(R[3 * i + k] * moments[k] * R[3 * j + k] for k in range(3)) for i in range(3) for j in range(3)]
+        told = [x for row in ours[name]["inertia"] for x in row]
+        # PyBullet rounds the corners of a hull to 1/10216 of its extent: two of them, and twice in the square.
+        tolerance = 4e-4 if "hull" in ours[name]["collision"] else 1e-6
+        assert told == pytest.approx(expected, abs=tolerance * max(moments)), name
 
 
 def test_the_inertia_of_the_file_stays_where_it_is_asked_for(write, world, info):
@@ -242,6 +265,121 @@ def test_no_joint_stays_faster_than_100(write, world, export, load):
     assert theirs < 100 and ours["joint.axle.velocity"] < 101
     # What is left is the drag.
     assert math.isclose(ours["joint.axle.velocity"], theirs, rel_tol=0.05)
+
+
+@pytest.mark.parametrize("own, ground", [(0.8, 0.9), (0.5, 1.0)])
+def test_a_ball_bounces_with_the_product_of_the_restitutions(own, ground, write, world, pybullet_data, export, load):
+    urdf = write(link("a", f'<contact><restitution value="{own}"/></contact>' + collision(BALL)))
+    world.setGravity(0, 0, -9.81)
+    plane = world.loadURDF(str(pybullet_data / "plane.urdf"))
+    ball = world.loadURDF(str(urdf), basePosition=[0, 0, 0.6])
+
+    def bounce(count, step, speed):
+        """Largest speed upwards over the largest downwards."""
+        speeds = []
+        for _ in range(count):
+            step()
+            speeds.append(speed())
+        return max(speeds) / -min(speeds)
+
+    theirs = []
+    for restitution in 0, ground:
+        world.changeDynamics(plane, -1, restitution=restitution)
+        world.resetBasePositionAndOrientation(ball, [0, 0, 0.6], [0, 0, 0, 1])
+        world.resetBaseVelocity(ball, [0, 0, 0], [0, 0, 0])
+        theirs.append(bounce(100, world.stepSimulation, lambda: world.getBaseVelocity(ball)[0][2]))
+    # In PyBullet's step ours would lose most of the bounce, see docs/pybullet.md. In a soft contact gravity acts, too.
+    robot = load(export(urdf, COMPAT + f"[solver]\nstep_size = 0\n[contact]\nstiffness = 1e7\n[world.ground]\nrestitution = {ground}\n"
+                        "[initial]\nxyz = [0, 0, 0.6]\n"))
+    ours = bounce(1600, lambda: robot.step(H / 16), lambda: robot["base.linear_velocity.z"])
+    # PyBullet's ball leaves a little faster, because it is pushed out of the ground as well: with no restitution, too.
+    assert theirs[1] - theirs[0] == pytest.approx(own * ground, abs=0.015)
+    # The default tolerance lets a bounce be off by 2 %.
+    assert ours == pytest.approx(own * ground, rel=0.02)
+
+
+def test_the_drag_acts_on_every_body_of_a_chain(write, world, export, load):
+    # A base, an upper arm and a forearm fly and turn without gravity; their centres of mass lie off the joints.
+    ten = WRONG.replace('"1"', '"0.1"')
+    chain = link("base", "", 1, inertia=ten)
+    for parent, child in ("base", "upper"), ("upper", "fore"):
+        chain += link(child, "", 1, "0.3 0 0", inertia=ten)
+        chain += (f'<joint name="to_{child}" type="continuous"><parent link="{parent}"/><child link="{child}"/>'
+                  '<origin xyz="0.2 0 0"/><axis xyz="0 0 1"/></joint>')
+    urdf = write(chain)
+    robot = world.loadURDF(str(urdf), flags=pybullet.URDF_USE_INERTIA_FROM_FILE)
+    world.resetBaseVelocity(robot, [4, 1, 0], [0, 0, 2])
+    for joint, speed in enumerate((3, -1)):
+        world.setJointMotorControl2(robot, joint, pybullet.VELOCITY_CONTROL, force=0)
+        world.resetJointState(robot, joint, 0, speed)
+    for _ in range(240):
+        world.stepSimulation()
+    ours = load(export(urdf, COMPAT + 'inertia = "urdf"\n[world]\ngravity = [0, 0, 0]\nground.type = "none"\n'
+                       '[[actuator]]\njoint = "*"\nmode = "none"\n[initial]\nlinear_velocity = [4, 1, 0]\n'
+                       "angular_velocity = [0, 0, 2]\njoint_velocities = { to_upper = 3, to_fore = -1 }\n"))
+    free = load(export(urdf, '[world]\ngravity = [0, 0, 0]\nground.type = "none"\n[[actuator]]\njoint = "*"\nmode = "none"\n'
+                       "[initial]\nlinear_velocity = [4, 1, 0]\nangular_velocity = [0, 0, 2]\n"
+                       "joint_velocities = { to_upper = 3, to_fore = -1 }\n"))
+    ours.run(1)
+    free.run(1)
+    (x, y, _), (*_, turn) = world.getBaseVelocity(robot)
+    theirs = [x, y, turn, *(world.getJointState(robot, joint)[1] for joint in (0, 1))]
+    told = ["base.linear_velocity.x", "base.linear_velocity.y", "base.angular_velocity.z",
+            "joint.to_upper.velocity", "joint.to_fore.velocity"]
+    assert [ours[name] for name in told] == pytest.approx(theirs, abs=0.05)
+    # What the drag has done is far more than that.
+    assert max(abs(free[name] - value) for name, value in zip(told, theirs)) > 0.5
+
+
+@pytest.mark.parametrize("ground", [0, 0.02])
+def test_rolling_friction_is_a_sum_of_products_there_and_the_larger_here(
+        ground, write, world, pybullet_data, export, load):
+    # docs/pybullet.md: not taken on. The two are the same where the ground has none and a friction of 1, as plane.urdf.
+    contact = '<contact><lateral_friction value="0.8"/><rolling_friction value="0.01"/></contact>'
+    urdf = write(link("a", contact + collision(BALL)))
+    world.setGravity(0, 0, -9.81)
+    plane = world.loadURDF(str(pybullet_data / "plane.urdf"))
+    world.changeDynamics(plane, -1, rollingFriction=ground)
+    ball = world.loadURDF(str(urdf), basePosition=[0, 0, 0.1])
+    robot = load(export(urdf, COMPAT + f"[world.ground]\nrolling_friction = {ground}\n"
+                        "[initial]\nlinear_velocity = [2, 0, 0]\nangular_velocity = [0, 20, 0]\n"))
+    for _ in range(60):
+        world.stepSimulation()
+    world.resetBaseVelocity(ball, [2, 0, 0], [0, 20, 0])
+    for combined, step, speed in (
+            (0.01 * 1 + ground * 0.8, world.stepSimulation, lambda: world.getBaseVelocity(ball)[0][0]),
+            (max(0.01, ground), lambda: robot.step(H), lambda: robot["base.linear_velocity.x"])):
+        speeds = []
+        for _ in range(60):
+            step()
+            speeds.append(speed())
+        fast, slow = speeds[11], speeds[59]
+        v = (fast + slow) / 2
+        # A solid ball of radius r rolls: (1 + 2/5) m r a = -moment, drag against its way and its turning (at v/r).
+        r = 0.1
+        rolling = combined * 9.81 / r
+        drag = 0.04 * v * (1 + v) + 0.4 * 0.04 * v * (1 + v / r)
+        assert fast - slow == pytest.approx(48 * H * (rolling + drag) / 1.4, rel=0.05)
+
+
+def test_a_mimic_joint_is_free_there_and_exact_here(write, world, export, load):
+    # docs/pybullet.md: not taken on.
+    chain = link("base", "", 1) + link("a", collision(BOX), 1) + link("b", collision(BOX), 1)
+    for child, mimic in ("a", ""), ("b", '<mimic joint="to_a" multiplier="-2" offset="0.1"/>'):
+        chain += (f'<joint name="to_{child}" type="continuous"><parent link="base"/><child link="{child}"/>'
+                  f'<axis xyz="0 0 1"/>{mimic}</joint>')
+    urdf = write(chain)
+    robot = world.loadURDF(str(urdf), useFixedBase=True)
+    world.setJointMotorControl2(robot, 0, pybullet.VELOCITY_CONTROL, targetVelocity=1, force=240)
+    ours = load(export(urdf, COMPAT + 'base = "fixed"\n[world]\nground.type = "none"\n'))
+    ours["cmd.to_a.velocity"] = 1
+    for _ in range(240):
+        world.stepSimulation()
+    ours.run(1)
+    assert world.getJointState(robot, 0)[0] == pytest.approx(1, abs=0.02)
+    assert world.getJointState(robot, 1)[0] == pytest.approx(0, abs=1e-6)
+    assert ours["joint.to_a.position"] == pytest.approx(1, abs=0.02)
+    assert ours["joint.to_b.position"] == pytest.approx(0.1 - 2 * ours["joint.to_a.position"], abs=1e-12)
 
 
 def test_the_step_is_a_240th_of_a_second(write, world, export, load):
