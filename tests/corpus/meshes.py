@@ -1,10 +1,15 @@
-"""Meshes against an independent reader: box around the corners, and volume of their hull.
+"""Meshes against an independent reader: how far they reach in 206 directions, which is what their hulls are.
 
 Usage: python meshes.py DRIVER FOLDER...
+       python meshes.py --reference COUNT MADE FOLDER...
 
 DRIVER is `target/debug/examples/corpus`. Every STL, OBJ and COLLADA file below the folders, and COLLADA scenes made
 here (units, up-axis, nested and repeated nodes, mirrored ones), is read by our reader and by trimesh (COLLADA through
-pycollada); both must agree to 1e-6 of the size. Needs trimesh, pycollada, scipy. Ends with exit code 1 if they do not.
+pycollada); both must agree to 1e-6 of the size. Ends with exit code 1 if they do not. Needs trimesh, pycollada.
+
+With `--reference` the other reader's numbers are printed for COUNT files of each kind and the scenes, which are
+written to the folder MADE: `meshes.rs` compares them in the test run. First a line with the directions, then one per
+file.
 
 `<up_axis>` turns nothing in either: pycollada gives the file's axes, as RViz, Gazebo and Pinocchio take them.
 """
@@ -18,9 +23,17 @@ from pathlib import Path
 import collada
 import numpy as np
 import trimesh
-from scipy.spatial import ConvexHull, QhullError
 
 TOLERANCE = 1e-6
+KINDS = (".stl", ".obj", ".dae")
+# Files of the sample are smaller than this, in bytes: larger ones take the other reader seconds.
+LARGEST = 2_000_000
+
+# The axes and a spiral of even density over the sphere (Fibonacci's).
+_k = np.arange(200) + 0.5
+_turn, _z = np.pi * (1 + 5**0.5) * _k, 1 - 2 * _k / 200
+_r = np.sqrt(1 - _z**2)
+DIRECTIONS = np.concatenate([np.eye(3), -np.eye(3), np.stack([_r * np.cos(_turn), _r * np.sin(_turn), _z], axis=1)])
 
 # A tetrahedron with nothing symmetric about it, placed by nodes.
 SCENE = """<?xml version="1.0"?>
@@ -56,38 +69,57 @@ def independent(path):
                    for face in primitive]
         points = np.concatenate([np.asarray(c) for c in corners])
         return points * (mesh.assetInfo.unitmeter or 1.0)
-    mesh = trimesh.load(path, force="mesh", process=False)
-    return np.asarray(mesh.vertices)[np.unique(mesh.faces)]
+    loaded = trimesh.load(path, process=False, skip_materials=True)
+    # Groups of an OBJ file lie in its own frame.
+    meshes = loaded.geometry.values() if isinstance(loaded, trimesh.Scene) else [loaded]
+    return np.concatenate([np.asarray(mesh.vertices)[np.unique(mesh.faces)] for mesh in meshes])
 
 
-def volume(points):
-    try:
-        return ConvexHull(points).volume
-    except QhullError:  # flat
-        return 0.0
+def supports(points):
+    """How far the points reach in each direction, m."""
+    return (points @ DIRECTIONS.T).max(axis=0)
 
 
-def differences(ours, theirs):
-    """Boxes relative to the size, volumes relative to that of the box around."""
-    size = np.linalg.norm(np.ptp(theirs, axis=0))
-    box = max(abs(ours.min(0) - theirs.min(0)).max(), abs(ours.max(0) - theirs.max(0)).max())
-    return box / size, abs(volume(ours) - volume(theirs)) / size ** 3
+def found(folders):
+    """Mesh files below the folders."""
+    return sorted(file for folder in folders for file in Path(folder).rglob("*") if file.suffix.lower() in KINDS)
 
 
-def main():
-    driver, *folders = sys.argv[1:]
-    files = sorted(file for folder in folders for file in Path(folder).rglob("*")
-                   if file.suffix.lower() in (".stl", ".obj", ".dae"))
+def scenes(folder):
+    """Writes the COLLADA scenes."""
+    files = []
+    for unit in ("1", "0.01", "0.0254"):
+        for up in ("X_UP", "Y_UP", "Z_UP"):
+            for name, nodes in NODES.items():
+                file = Path(folder) / f"{name}_{unit}_{up}.dae"
+                file.write_text(SCENE.format(unit=unit, up=up, nodes=nodes))
+                files.append(file)
+    return files
+
+
+def reference(count, made, folders):
+    """Prints what the other reader makes of a sample."""
+    files = [file for file in found(folders) if file.stat().st_size < LARGEST]
+    sample = []
+    for kind in KINDS:
+        same = [file for file in files if file.suffix.lower() == kind]
+        sample += [same[k * len(same) // count] for k in range(count)]
+    print(json.dumps({"directions": DIRECTIONS.tolist()}))
+    for file in [*sample, *scenes(made)]:
+        points = independent(file)
+        size = float(np.linalg.norm(np.ptp(points, axis=0)))
+        print(json.dumps({"file": str(file), "size": size, "supports": supports(points).tolist()}))
+    return 0
+
+
+def compare(driver, folders):
+    """Reads everything with both."""
+    files = found(folders)
     with tempfile.TemporaryDirectory() as made:
-        for unit in ("1", "0.01", "0.0254"):
-            for up in ("X_UP", "Y_UP", "Z_UP"):
-                for name, nodes in NODES.items():
-                    file = Path(made) / f"{name}_{unit}_{up}.dae"
-                    file.write_text(SCENE.format(unit=unit, up=up, nodes=nodes))
-                    files.append(file)
+        files += scenes(made)
         listing = Path(made) / "names"
         listing.write_text("".join(f"{file}\n" for file in files))
-        worst, agree, bad, unread = (0.0, 0.0), 0, [], []
+        worst, agree, bad, unread = 0.0, 0, [], []
         with listing.open() as names, subprocess.Popen([driver], stdin=names, stdout=subprocess.PIPE, text=True) as run:
             for file, line in zip(files, run.stdout, strict=True):
                 told = json.loads(line)
@@ -98,14 +130,22 @@ def main():
                 if "error" in told or theirs is None:
                     unread.append(f"{file}: we: {told.get('error', 'read')}; they: {reason or 'read'}")
                     continue
-                found = differences(np.array(told["corners"]), theirs)
-                worst = tuple(map(max, worst, found))
-                agree += max(found) <= TOLERANCE
-                if not max(found) <= TOLERANCE:
-                    bad.append(f"{file}: box {found[0]:.1e}, volume {found[1]:.1e}")
-    print(f"{len(files)} files, {agree} agree, {len(bad)} differ, {len(unread)} not read by one of the two")
+                size = np.linalg.norm(np.ptp(theirs, axis=0))
+                off = abs(supports(np.array(told["corners"])) - supports(theirs)).max() / size
+                worst = max(worst, off)
+                agree += off <= TOLERANCE
+                if not off <= TOLERANCE:
+                    bad.append(f"{file}: {off:.1e}")
+    print(f"{len(files)} files, {agree} agree (worst {worst:.1e} of the size), {len(bad)} differ, "
+          f"{len(unread)} not read by one of the two")
     print("\n".join(["differ:", *bad, "not read:", *unread]))
     return 1 if bad else 0
+
+
+def main():
+    if sys.argv[1] == "--reference":
+        return reference(int(sys.argv[2]), sys.argv[3], sys.argv[4:])
+    return compare(sys.argv[1], sys.argv[2:])
 
 
 if __name__ == "__main__":
