@@ -330,6 +330,10 @@ pub struct LinkSettings {
     pub torsional_friction: Option<f64>,
     /// Newton's coefficient.
     pub restitution: Option<f64>,
+    /// N/m of a contact point.
+    pub stiffness: Option<f64>,
+    /// s/m
+    pub dissipation: Option<f64>,
     /// kg; the inertia scales with it.
     pub mass: Option<f64>,
     /// What its collision meshes roll as.
@@ -348,6 +352,8 @@ impl LinkSettings {
             rolling_friction: None,
             torsional_friction: None,
             restitution: None,
+            stiffness: None,
+            dissipation: None,
             mass: None,
             wheel_fit: None,
             decompose: None,
@@ -413,6 +419,7 @@ impl Settings {
         ReadOptions {
             scale: self.scale,
             ignore_inertia: self.inertia != InertiaSource::Urdf,
+            pybullet: self.compat == Compat::PyBullet || self.inertia == InertiaSource::PyBullet,
             decomposed: self
                 .links
                 .iter()
@@ -492,6 +499,8 @@ fn fill(reader: &mut Reader, root: &Section, compat: Option<Compat>) -> Settings
                 rolling_friction: section.number("rolling_friction"),
                 torsional_friction: section.number("torsional_friction"),
                 restitution: section.number("restitution"),
+                stiffness: section.number("stiffness"),
+                dissipation: section.number("dissipation"),
                 mass: section.number("mass"),
                 wheel_fit: section
                     .word("wheel_fit")

@@ -65,6 +65,8 @@ impl Builder {
                 static_excess: 0.0,
                 rolling_friction: 0.0,
                 torsional_friction: 0.0,
+                stiffness: None,
+                dissipation: None,
             }],
             joints: Vec::new(),
             bodies: vec![Body {
@@ -163,6 +165,8 @@ impl Builder {
             static_excess: 0.0,
             rolling_friction: 0.0,
             torsional_friction: 0.0,
+            stiffness: None,
+            dissipation: None,
         });
         m.bodies.push(Body {
             link,

@@ -75,6 +75,12 @@ pub struct TreeCollider {
     pub restitution: f64,
     /// Hunt–Crossley dissipation times approach speed for that restitution.
     pub dissipation_number: f64,
+    /// Hunt–Crossley dissipation without restitution, s/m.
+    pub dissipation: f64,
+    /// Stiffness of a point, N/m.
+    pub stiffness: f64,
+    /// Penetration under the robot's weight on four such points, m.
+    pub penetration: f64,
 }
 
 /// Dry friction of a degree of freedom.
@@ -107,6 +113,10 @@ pub struct Turning {
     pub coefficient: [f64; 2],
     /// Inertia that the damping is critical for, kg·m².
     pub inertia: f64,
+    /// As [`TreeCollider::stiffness`].
+    pub stiffness: f64,
+    /// As [`TreeCollider::penetration`].
+    pub penetration: f64,
 }
 
 impl Turning {
@@ -147,9 +157,9 @@ pub struct Tree {
     pub drag: f64,
     /// Mass of all moving bodies, kg.
     pub moving_mass: f64,
-    /// Contact stiffness of a point, N/m.
+    /// Contact stiffness of a point of a link that has none of its own, N/m.
     pub stiffness: f64,
-    /// Contact dissipation without restitution, s/m.
+    /// Dissipation of its contacts without restitution, and of joint limits, s/m.
     pub dissipation: f64,
     /// Sliding speed at which friction has lost most of what it has more at rest, m/s.
     pub stribeck_velocity: f64,
@@ -350,6 +360,7 @@ impl Tree {
                 continue;
             }
             let R_SB = turned[b].transpose();
+            let link = &model.links[collider.link.index()];
             self.colliders.push(TreeCollider {
                 body: b,
                 link: collider.link.index(),
@@ -362,9 +373,11 @@ impl Tree {
                 mu_at_rest: 0.0,
                 restitution: 0.0,
                 dissipation_number: f64::INFINITY,
+                dissipation: link.dissipation.unwrap_or(self.dissipation),
+                stiffness: 0.0,
+                penetration: 0.0,
             });
             self.collider_index.push(index);
-            let link = &model.links[collider.link.index()];
             let turning = &mut self.turning[collider.link.index()];
             turning.coefficient = [
                 link.torsional_friction.max(ground.torsional_friction),
@@ -475,6 +488,14 @@ impl Tree {
             .contact
             .stiffness
             .map_or(model.contact.penetration, |k| weight / (4.0 * k));
+        for collider in &mut self.colliders {
+            let own = model.links[collider.link].stiffness;
+            collider.stiffness = own.unwrap_or(self.stiffness);
+            collider.penetration = own.map_or(self.penetration, |k| weight / (4.0 * k));
+            let turning = &mut self.turning[collider.link];
+            turning.stiffness = collider.stiffness;
+            turning.penetration = collider.penetration;
+        }
         self.inertia.copy_from_slice(inertia);
         // Reach: farthest shape or centre of mass, from the base and from each joint's axis, over its subtree.
         let mut points: Vec<(usize, Vec3, f64)> = model

@@ -216,7 +216,18 @@ fn tags_of_other_programs_are_read_told_or_warned_about() {
         (wheel.rolling_friction, wheel.torsional_friction),
         (Some(0.001), Some(0.02))
     );
-    assert_eq!(wheel.inertia_scaling, Some(3.0));
+    assert_eq!((wheel.inertia_scaling, wheel.stiffness), (None, None));
+    let options = ReadOptions {
+        pybullet: true,
+        ..ReadOptions::default()
+    };
+    let theirs = read(&robots().join("foreign_tags.urdf"), &options).expect("a robot");
+    let wheel = theirs.links.iter().find(|l| l.name == "wheel");
+    let wheel = wheel.expect("a link");
+    assert_eq!(
+        (wheel.inertia_scaling, wheel.stiffness),
+        (Some(3.0), Some(30_000.0))
+    );
     assert_eq!(
         (link("foot").friction, link("tail").friction),
         (Some(1.5), Some(0.4))

@@ -10,6 +10,7 @@ use crate::settings::{
     static_excess,
 };
 use crate::spatial::{Mat3, Pose, RigidInertia, Vec3};
+use crate::tree::REFERENCE_GRAVITY;
 use crate::urdf::{CollisionDescription, Description, JointDescription, LinkDescription, Place};
 
 /// Stribeck speed of a joint where the settings give none, rad/s or m/s.
@@ -144,7 +145,12 @@ impl Robot {
                     .torsional_friction
                     .or(link.torsional_friction)
                     .unwrap_or(0.0),
+                stiffness: overrides.stiffness,
+                dissipation: overrides.dissipation,
             });
+        }
+        if settings.compat == Compat::PyBullet {
+            robot.take_springs(description);
         }
         if default_friction > 0 {
             let message = format!(
@@ -165,6 +171,20 @@ impl Robot {
             findings.note("A119", message.to_owned(), "");
         }
         robot
+    }
+}
+
+impl Robot {
+    /// Takes over the contact springs of the file that the settings leave open. A damping, N·s/m, is `PyBullet`'s where it
+    /// matters, under a fourth of the robot's weight: there a point's damping is its load times the dissipation.
+    fn take_springs(&mut self, description: &Description) {
+        let mass: f64 = self.links.iter().map(|link| link.inertia.mass).sum();
+        let load = 0.25 * mass * REFERENCE_GRAVITY;
+        for (link, file) in self.links.iter_mut().zip(&description.links) {
+            link.stiffness = link.stiffness.or(file.stiffness.filter(|&k| k > 0.0));
+            let dissipation = file.damping.filter(|_| load > 0.0).map(|c| c / load);
+            link.dissipation = link.dissipation.or(dissipation);
+        }
     }
 }
 
@@ -243,6 +263,8 @@ fn link_overrides(
             if entry.static_friction.is_some() || entry.wheel_fit.is_some() {
                 link.link.place.clone_from(&entry.link.place);
             }
+            link.stiffness = entry.stiffness.or(link.stiffness);
+            link.dissipation = entry.dissipation.or(link.dissipation);
             link.mass = entry.mass.or(link.mass);
             link.wheel_fit = entry.wheel_fit.or(link.wheel_fit);
         }

@@ -33,6 +33,8 @@ pub(crate) fn frame(name: &str) -> LinkDescription {
         rolling_friction: None,
         torsional_friction: None,
         restitution: None,
+        stiffness: None,
+        damping: None,
         inertia_scaling: None,
         line: 7,
     }

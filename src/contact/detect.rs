@@ -69,7 +69,6 @@ pub fn detect(
     }
     let plane = Plane::GROUND;
     let g = tree.gravity.norm();
-    let stiffness = tree.stiffness.min(stiffness_limit);
     let mut finder = Finder {
         tree,
         touches,
@@ -78,8 +77,10 @@ pub fn detect(
         height: plane.normal.dot(&kin.origin) - plane.offset,
         h,
         fall: 2.0 * h * h * g,
-        stiffness,
-        damping: 2.0 * (TANGENTIAL_RATIO * stiffness * 0.25 * tree.moving_mass).sqrt(),
+        stiffness_limit,
+        nominal: 0.0,
+        stiffness: 0.0,
+        damping: 0.0,
         gravity: g,
         contacts,
     };
@@ -91,6 +92,7 @@ pub fn detect(
         let speed = plane.normal.dot(&velocity_at(V, &center)).abs() + spin * collider.radius;
         let reach = h * speed + finder.fall + MARGIN;
         if clearance < reach {
+            finder.soften(collider.stiffness);
             let shape = &model.colliders[index];
             finder.points(collider, &shape.shape, shape.slot, X_OB, &center, V, reach);
         }
@@ -121,13 +123,29 @@ struct Finder<'a> {
     height: f64,
     h: f64,
     fall: f64,
+    stiffness_limit: f64,
+    /// Stiffness of a point of the present link, N/m, before and after the limit.
+    nominal: f64,
     stiffness: f64,
+    /// Damping of its sticking friction, N·s/m.
     damping: f64,
     gravity: f64,
     contacts: &'a mut Vec<Contact>,
 }
 
 impl Finder<'_> {
+    /// Takes over a link's stiffness, N/m.
+    #[inline]
+    fn soften(&mut self, nominal: f64) {
+        #[expect(clippy::float_cmp, reason = "nearly all links have the same")]
+        if nominal != self.nominal {
+            self.nominal = nominal;
+            self.stiffness = nominal.min(self.stiffness_limit);
+            let mass = 0.25 * self.tree.moving_mass;
+            self.damping = 2.0 * (TANGENTIAL_RATIO * self.stiffness * mass).sqrt();
+        }
+    }
+
     #[expect(clippy::too_many_arguments, reason = "one shape's place, spelled out")]
     fn points(
         &mut self,
@@ -254,7 +272,7 @@ impl Finder<'_> {
             ..Contact::default()
         };
         let stored = self.stored(slot);
-        contact.dissipation = self.tree.dissipation;
+        contact.dissipation = collider.dissipation;
         if collider.restitution > 0.0 {
             let approach = if stored.touchdown > 0.0 {
                 stored.touchdown
@@ -268,7 +286,7 @@ impl Finder<'_> {
         }
         if contact.touchdown == 0.0 {
             // A deep initial overlap leaves faster than a light touch, but slower than it would hop.
-            let excess = -gap - 50.0 * self.tree.penetration;
+            let excess = -gap - 50.0 * collider.penetration;
             if excess > 0.0 {
                 let emergence = EMERGENCE * (2.0 * self.gravity * excess).sqrt();
                 contact.dissipation = 1.0 / (1.0 / contact.dissipation).max(emergence);

@@ -60,8 +60,8 @@ pub fn find_turns(
         if !turning.acts() {
             continue;
         }
-        let share = contact.stiffness / tree.stiffness;
-        let load = contact.stiffness * tree.penetration;
+        let share = contact.stiffness / turning.stiffness;
+        let load = contact.stiffness * turning.penetration;
         let stiffness = turning.coefficient.map(|c| c * load / BREAKAWAY);
         while touches.next_if(|t| t.slot < contact.slot).is_some() {}
         let stored = touches

@@ -134,6 +134,11 @@ fn links(model: &Model) -> Check {
             part,
             "has a static, rolling or torsional friction that is not finite or negative",
         )?;
+        require(
+            link.stiffness.is_none_or(positive) && link.dissipation.is_none_or(not_negative),
+            part,
+            "has a contact stiffness that is not finite or not positive, or a dissipation that is negative",
+        )?;
     }
     Ok(())
 }

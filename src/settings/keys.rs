@@ -470,6 +470,18 @@ pub const KEYS: &[Key] = &[
         "Newton's coefficient; without it the file's, else 0",
     ),
     key(
+        "link.*.stiffness",
+        Number(Positive),
+        None,
+        "N/m of a contact point of the link; without it [contact]'s",
+    ),
+    key(
+        "link.*.dissipation",
+        Number(NotNegative),
+        None,
+        "s/m, of the link's contact points where restitution is 0; without it [contact]'s",
+    ),
+    key(
         "link.*.wheel_fit",
         Word(&["auto", "cylinder", "sphere", "none"]),
         None,

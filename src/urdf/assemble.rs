@@ -395,6 +395,8 @@ pub(super) fn description(
             rolling_friction: checked.surface.rolling_friction,
             torsional_friction: checked.surface.torsional_friction,
             restitution: checked.surface.restitution,
+            stiffness: checked.surface.stiffness,
+            damping: checked.surface.damping,
             inertia_scaling: checked.surface.inertia_scaling,
             line: checked.line,
         });

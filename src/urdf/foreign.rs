@@ -25,6 +25,10 @@ pub(super) struct Surface {
     pub(super) rolling_friction: Option<f64>,
     /// Moment against turning about the normal over normal force, m.
     pub(super) torsional_friction: Option<f64>,
+    /// PyBullet's, N/m.
+    pub(super) stiffness: Option<f64>,
+    /// PyBullet's, N·s/m.
+    pub(super) damping: Option<f64>,
     /// Factor that PyBullet multiplies the inertia by.
     pub(super) inertia_scaling: Option<f64>,
 }
@@ -56,11 +60,9 @@ pub(super) fn contact(scope: &mut Scope, link: Node) -> Surface {
             "rolling_friction" => (&mut surface.rolling_friction, f64::INFINITY),
             "spinning_friction" => (&mut surface.torsional_friction, f64::INFINITY),
             "restitution" => (&mut surface.restitution, 1.0),
-            "inertia_scaling" => {
-                surface.inertia_scaling = child.value("value").and_then(|v| v.trim().parse().ok());
-                scope.ignore(child);
-                continue;
-            }
+            "inertia_scaling" if scope.pybullet => (&mut surface.inertia_scaling, f64::INFINITY),
+            "stiffness" if scope.pybullet => (&mut surface.stiffness, f64::INFINITY),
+            "damping" if scope.pybullet => (&mut surface.damping, f64::INFINITY),
             _ => {
                 scope.ignore(child);
                 continue;
@@ -75,7 +77,7 @@ pub(super) fn contact(scope: &mut Scope, link: Node) -> Surface {
         } else {
             let message = format!("<{}> {value} is out of range", child.name());
             let help = if highest > 1.0 {
-                "a coefficient of friction is not negative"
+                "it is not negative"
             } else {
                 "a coefficient of restitution lies between 0 and 1"
             };

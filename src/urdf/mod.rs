@@ -79,6 +79,10 @@ pub struct LinkDescription {
     pub torsional_friction: Option<f64>,
     /// `<contact><restitution>`, where the file has one.
     pub restitution: Option<f64>,
+    /// `<contact><stiffness>`, N/m, where the file has one; used with PyBullet's conventions.
+    pub stiffness: Option<f64>,
+    /// `<contact><damping>`, N·s/m, likewise.
+    pub damping: Option<f64>,
     /// `<contact><inertia_scaling>`, where the file has one: PyBullet's factor on the inertia, used with its conventions.
     pub inertia_scaling: Option<f64>,
     /// 1-based line of the `<link>` element.
@@ -147,6 +151,8 @@ pub struct ReadOptions {
     /// The inertia matrices are not used, because they will be computed from the shapes: what is wrong with them
     /// is a warning.
     pub ignore_inertia: bool,
+    /// The numbers of `<contact>` are used that only `PyBullet` has a use for: inertia scaling, stiffness, damping.
+    pub pybullet: bool,
     /// Links whose collision meshes become several convex parts each (true) or their hulls (false); of those that
     /// match, the last holds.
     pub decomposed: Vec<(Pattern, bool)>,
@@ -158,6 +164,7 @@ impl Default for ReadOptions {
             package_paths: Vec::new(),
             scale: 1.0,
             ignore_inertia: false,
+            pybullet: false,
             decomposed: Vec::new(),
         }
     }
@@ -257,6 +264,7 @@ fn describe(
     let document = Document::parse(text, report)?;
     let mut scope = Scope::new(report);
     scope.ignore_inertia = options.ignore_inertia;
+    scope.pybullet = options.pybullet;
     let robot = tree::check(&mut scope, &document, file_name)?;
     let order = tree::order(&mut scope, &robot);
     inertia::judge(&mut scope, &robot, order.as_ref());

@@ -30,6 +30,8 @@ pub(super) struct Scope<'r, 'a> {
     pub(super) severity: Severity,
     /// Inertia matrices are not used: what is wrong with them is a warning.
     pub(super) ignore_inertia: bool,
+    /// As [`super::ReadOptions::pybullet`].
+    pub(super) pybullet: bool,
 }
 
 impl<'r, 'a> Scope<'r, 'a> {
@@ -42,6 +44,7 @@ impl<'r, 'a> Scope<'r, 'a> {
             read: BTreeMap::new(),
             severity: Severity::Error,
             ignore_inertia: false,
+            pybullet: false,
         }
     }
 

@@ -1,9 +1,10 @@
-"""Counts what a URDF says, with Python's own XML reader: what no reader may lose.
+"""What a URDF says, by Python's own XML reader: what no reader may lose.
 
 Usage: python independent.py < NAMES > JSON, one file name per line in, `{name: counts}` out
 """
 
 import json
+import math
 import sys
 import xml.etree.ElementTree as xml
 from pathlib import Path
@@ -17,30 +18,79 @@ def number(text) -> float | None:
         return None
 
 
-def counts(urdf) -> dict:
-    """Names of links and joints, collision shapes by link, masses by link; `fault` where it is not XML."""
-    # Two files of pybullet_data have a line end before the XML declaration, or something after the end: no fault of
-    # what stands between.
+def numbers(text, default) -> list[float]:
+    """Some numbers, or the default."""
+    try:
+        found = [float(word) for word in (text or "").split()]
+    except ValueError:
+        return default
+    return found if len(found) == len(default) else default
+
+
+def times(a, b) -> list[list[float]]:
+    """Product of two matrices."""
+    return [[sum(a[i][k] * b[k][j] for k in range(3)) for j in range(3)] for i in range(3)]
+
+
+def rotation(rpy) -> list[list[float]]:
+    """Matrix of roll, pitch, yaw about fixed axes."""
+    (cr, sr), (cp, sp), (cy, sy) = ((math.cos(angle), math.sin(angle)) for angle in rpy)
+    return [[cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
+            [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
+            [-sp, cp * sr, cp * cr]]
+
+
+def pose(element) -> tuple:
+    """Rotation and place of an element's `<origin>`."""
+    origin = None if element is None else element.find("origin")
+    given = {} if origin is None else origin.attrib
+    zero = [0.0, 0.0, 0.0]
+    return rotation(numbers(given.get("rpy"), zero)), numbers(given.get("xyz"), zero)
+
+
+def inertial(link) -> tuple | None:
+    """Mass, centre and inertia about it in the link's axes of its `<inertial>`; none without."""
+    element = link.find("inertial")
+    if element is None:
+        return None
+    mass = element.find("mass")
+    inertia = element.find("inertia")
+    given = {} if inertia is None else inertia.attrib
+    xx, xy, xz, yy, yz, zz = (number(given.get(name)) or 0.0 for name in ("ixx", "ixy", "ixz", "iyy", "iyz", "izz"))
+    R, place = pose(element)
+    turned = times(times(R, [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]), [list(row) for row in zip(*R)])
+    return (None if mass is None else number(mass.get("value"))) or 0.0, place, turned
+
+
+def root(urdf):
+    """The `<robot>` element.
+
+    Two files of pybullet_data have a line end before the XML declaration, or something after the end: no fault of what
+    stands between.
+    """
     text = Path(urdf).read_bytes().strip()
     end = text.rfind(b"</robot>")
+    return xml.fromstring(text[:end + len(b"</robot>")] if end >= 0 else text)
+
+
+def counts(urdf) -> dict:
+    """Names of links and joints, by link collision shapes, masses above zero, every `<inertial>`; `fault` where it is
+    not XML."""
     try:
-        robot = xml.fromstring(text[:end + len(b"</robot>")] if end >= 0 else text)
+        robot = root(urdf)
     except (xml.ParseError, UnicodeDecodeError, ValueError) as error:
         return {"fault": str(error)}
-    links = robot.findall("link")
-    joints = robot.findall("joint")
-    masses = {}
-    for link in links:
-        mass = link.find("inertial/mass")
-        value = None if mass is None else number(mass.get("value"))
-        if value is not None and value > 0:
-            masses[link.get("name")] = value
+    links, joints = robot.findall("link"), robot.findall("joint")
+    inertials = {link.get("name"): found for link in links if (found := inertial(link)) is not None}
     return {
         "links": [link.get("name") for link in links],
         "joints": {joint.get("name"): joint.get("type") for joint in joints},
         "colliders": {link.get("name"): len(link.findall("collision/geometry/*")) for link in links
                       if link.find("collision/geometry/*") is not None},
-        "masses": masses,
+        "masses": {name: found[0] for name, found in inertials.items() if found[0] > 0},
+        "inertials": inertials,
+        "tree": {joint.get("name"): (joint.find("parent").get("link"), joint.find("child").get("link"), *pose(joint))
+                 for joint in joints if joint.find("parent") is not None and joint.find("child") is not None},
     }
 
 

@@ -3,7 +3,7 @@
 Usage: python meshes.py DRIVER FOLDER...
        python meshes.py --reference COUNT MADE FOLDER...
 
-DRIVER is `target/debug/examples/corpus`. Every STL, OBJ and COLLADA file below the folders, and COLLADA scenes made
+DRIVER is `target/debug/examples/mesh_corners`. Every STL, OBJ and COLLADA file below the folders, and COLLADA scenes made
 here (units, up-axis, nested and repeated nodes, mirrored ones), is read by our reader and by trimesh (COLLADA through
 pycollada); both must agree to 1e-6 of the size. Ends with exit code 1 if they do not. Needs trimesh, pycollada.
 

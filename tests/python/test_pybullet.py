@@ -298,6 +298,37 @@ def test_a_ball_bounces_with_the_product_of_the_restitutions(own, ground, write,
     assert ours == pytest.approx(own * ground, rel=0.02)
 
 
+def test_a_box_on_springs_sinks_as_deep(write, world, pybullet_data, export, load):
+    # 2 kg on four points of 3000 N/m: 1.635 mm.
+    contact = '<contact><stiffness value="3000"/><damping value="100"/></contact>'
+    urdf = write(link("a", contact + collision('<box size="0.4 0.4 0.1"/>')))
+    world.setGravity(0, 0, -9.81)
+    world.loadURDF(str(pybullet_data / "plane.urdf"))
+    box = world.loadURDF(str(urdf), basePosition=[0, 0, 0.05])
+    robot = load(export(urdf, COMPAT))
+    for _ in range(480):
+        world.stepSimulation()
+    robot.run(2)
+    depth = 2 * 9.81 / 4 / 3000
+    assert 0.05 - world.getBasePositionAndOrientation(box)[0][2] == pytest.approx(depth, rel=0.03)
+    assert 0.05 - robot["base.position.z"] == pytest.approx(depth, rel=1e-3)
+
+
+@pytest.mark.parametrize("dissipation", [10, 1000])
+def test_a_box_sinks_into_the_springs_of_the_settings_as_fast_as_their_law_says(dissipation, write, export, load):
+    # m ẍ = m g − 4 k x (1 + d ẋ), x being the depth: Hunt and Crossley's law, integrated by Euler in steps of 1 µs.
+    m, g, k = 2, 9.81, 3000
+    urdf = write(link("a", collision('<box size="0.4 0.4 0.1"/>')))
+    robot = load(export(urdf, f'[link."*"]\nstiffness = {k}\ndissipation = {dissipation}\n[solver]\ntolerance = 1e-6\n'))
+    x = v = 0.0
+    for _ in range(20):
+        for _ in range(5000):
+            v += 1e-6 * (g - 4 * k * x * max(0, 1 + dissipation * v) / m)
+            x += 1e-6 * v
+        robot.step(0.005)
+        assert 0.05 - robot["base.position.z"] == pytest.approx(x, rel=5e-3, abs=1e-6)
+
+
 def test_the_drag_acts_on_every_body_of_a_chain(write, world, export, load):
     # A base, an upper arm and a forearm fly and turn without gravity; their centres of mass lie off the joints.
     ten = WRONG.replace('"1"', '"0.1"')

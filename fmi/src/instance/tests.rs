@@ -58,6 +58,8 @@ fn rover() -> Model {
         static_excess: 0.0,
         rolling_friction: 0.0,
         torsional_friction: 0.0,
+        stiffness: None,
+        dissipation: None,
     };
     let below = Pose {
         p: Vec3::new(0.0, 0.0, -0.2),
