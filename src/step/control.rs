@@ -12,6 +12,7 @@
 use crate::model::Model;
 use crate::spatial::velocity_at;
 use crate::state::State;
+use crate::step::cones::Cones;
 use crate::step::convex::Newton;
 use crate::step::doubled::add_impulses;
 use crate::step::point::{Context, Point};
@@ -26,7 +27,7 @@ const MIN_STEP: f64 = 1e-7;
 /// Largest value that the shortest step may rise to, s, see [`patience`].
 const MAX_FLOOR: f64 = 1e-4;
 /// Weight of a velocity error against a position error, s. Without it impacts go unnoticed.
-const VELOCITY_WEIGHT: f64 = 0.1;
+pub(super) const VELOCITY_WEIGHT: f64 = 0.1;
 /// Error, relative to the tolerance and per second, up to which one solve does for a step that the communication step
 /// cuts short: what such steps add up to in a second stays below the tolerance.
 const SINGLE_RATE: f64 = 1.0;
@@ -53,6 +54,7 @@ pub struct Stepper {
     pub(super) full: Newton,
     pub(super) first: Newton,
     pub(super) second: Newton,
+    pub(super) cones: Cones,
     pub(super) half: State,
     pub(super) backup: State,
     pub(super) explicit: Explicit,
@@ -76,6 +78,7 @@ impl Stepper {
             full: newton(),
             first: newton(),
             second: newton(),
+            cones: Cones::new(slots),
             half: State::new(model),
             backup: State::new(model),
             explicit: Explicit::new(tree, model.nq),
@@ -204,6 +207,7 @@ impl Stepper {
             self.start.update(ctx, state, h);
         }
         way.current = false;
+        self.cones.moved = false;
         if way.jumped {
             way.proposed = self.cap_by_command(ctx, state, way.proposed, remaining);
         }

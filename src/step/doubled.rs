@@ -7,11 +7,17 @@ use crate::contact::{Contact, is_clear};
 use crate::kinematics::{advance, difference};
 use crate::spatial::Vec3;
 use crate::state::{State, Touch};
-use crate::step::control::{Stepper, count, worst_error};
+use crate::step::cones::Cones;
+use crate::step::control::{Stepper, VELOCITY_WEIGHT, count, worst_error};
 use crate::step::convex::Newton;
 use crate::step::point::{Context, Point};
 use crate::step::runge_kutta::position_rates;
 use crate::step::smooth::range;
+
+/// Share of the tolerance that a lag of the friction cones may cost before it is dealt with.
+const LAG_SHARE: f64 = 0.02;
+/// Solves with other friction cones than those of the start, at most.
+const MAX_ATTEMPTS: usize = 3;
 
 impl Stepper {
     /// Solves over `h`; tells whether that went well.
@@ -22,6 +28,9 @@ impl Stepper {
         h: f64,
         accuracy: f64,
     ) -> bool {
+        if self.cones.moved {
+            self.cones.set(&mut self.start, 0.0);
+        }
         self.start.expect_commands(ctx, state, h);
         let problem = self.start.problem(ctx.tree, h, accuracy);
         self.full.guess_start(&problem, &state.v);
@@ -63,6 +72,33 @@ impl Stepper {
         self.end_trend(state, h);
     }
 
+    /// Repeats the full solve with the friction cones that it has found, and sets those of the first half, where the cones
+    /// of the start are too far off; tells whether that went well.
+    fn settle_cones(&mut self, ctx: &Context, state: &mut State, h: f64, accuracy: f64) -> bool {
+        let mass = ctx.tree.moving_mass;
+        let allowed = LAG_SHARE * ctx.tolerance * mass / VELOCITY_WEIGHT;
+        for attempt in 0..MAX_ATTEMPTS {
+            if h * Cones::lag(&self.start, &self.full, mass, h) <= allowed {
+                break;
+            }
+            if attempt == 0 {
+                self.cones.begin(&self.start, &self.full, h);
+            } else {
+                self.cones.improve(&self.start, &self.full, h);
+            }
+            self.cones.set(&mut self.start, 1.0);
+            let full = self.full.solve(&self.start.problem(ctx.tree, h, accuracy));
+            count(state, full.iterations);
+            if !full.converged {
+                return false;
+            }
+        }
+        if self.cones.moved {
+            self.cones.set(&mut self.start, 0.5);
+        }
+        true
+    }
+
     /// Solves twice over `h/2` beside the full solve; returns the error relative to the tolerance, infinite if a solve
     /// fails.
     pub(super) fn doubled_step(
@@ -73,6 +109,9 @@ impl Stepper {
         accuracy: f64,
     ) -> f64 {
         let tree = ctx.tree;
+        if !self.settle_cones(ctx, state, h, accuracy) {
+            return f64::INFINITY;
+        }
         self.start.expect_commands(ctx, state, 0.5 * h);
         let problem = self.start.problem(tree, 0.5 * h, accuracy);
         self.first.guess_between(&problem, &state.v, &self.full);
@@ -87,6 +126,10 @@ impl Stepper {
         self.start.expect_commands(ctx, state, h);
         let ctx = &ctx.after(0.5 * h);
         self.middle.update(ctx, &self.half, 0.5 * h);
+        if self.cones.moved {
+            self.cones.set(&mut self.start, 1.0);
+            self.cones.carry(&self.start, &mut self.middle);
+        }
         self.middle.expect_commands(ctx, &self.half, 0.5 * h);
         let problem = self.middle.problem(tree, 0.5 * h, accuracy);
         self.second.guess(&problem, &self.full.v);

@@ -1,5 +1,6 @@
 //! One communication step: the convex step, smooth explicit steps, and the control of their size.
 
+mod cones;
 pub mod control;
 pub mod convex;
 mod doubled;

@@ -1,0 +1,124 @@
+//! Friction cones within a step: how far a contact's normal force runs ahead of the friction that it allows.
+//!
+//! A solve takes the largest friction of a contact from a normal force that is known before: that of the step's start.
+//! Where a robot pitches because it slips, the normal force answers friction within milliseconds, and a step that is
+//! longer than that sees the answer one solve late: slipping on front and rear wheels then feeds on itself, more so
+//! when it is extrapolated (an error `e` of the forces becomes `(2c² + c) e`, with `c` the share of friction that comes
+//! back as normal force). Where it matters the full solve is therefore repeated with the normal forces that it has
+//! found until they agree, by a secant through the last two tries (Anderson's mixing of depth one); the half steps take
+//! the forces half way to them and at them. All three are then late or early by half their length, and the order is two.
+
+#![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
+
+use crate::spatial::{Vec3, velocity_at};
+use crate::step::convex::Newton;
+use crate::step::point::Point;
+
+/// Normal forces of the contacts of a step, N, in the order of its contacts.
+#[derive(Clone, Debug)]
+pub(super) struct Cones {
+    /// Those at its start, and those that its full solve takes for its end.
+    loads: Vec<[f64; 2]>,
+    /// What the last solve has found more than it took.
+    excess: Vec<f64>,
+    /// Whether the cones of the contacts are not those of the start.
+    pub(super) moved: bool,
+}
+
+impl Cones {
+    /// Room for `slots` contacts.
+    pub(super) fn new(slots: usize) -> Self {
+        Self {
+            loads: Vec::with_capacity(slots),
+            excess: Vec::with_capacity(slots),
+            moved: false,
+        }
+    }
+
+    /// Friction that a solve over `h` seconds has had too little or too much of, by the normal forces that it has found, N.
+    /// Contacts on which `mass` answers more slowly than that do not count: the step resolves them.
+    pub(super) fn lag(start: &Point, solved: &Newton, mass: f64, h: f64) -> f64 {
+        let mut lag = 0.0;
+        for (contact, response) in start.contacts.iter().zip(&solved.responses) {
+            let normal = contact.normal.dot(&response.impulse);
+            let cap = contact.mu * normal / h;
+            let friction = response.impulse - contact.normal * normal;
+            let slips =
+                response.slip != Vec3::zeros() || friction.norm_squared() > h * h * cap * cap;
+            if slips && h * h * contact.stiffness > mass {
+                lag += (cap - contact.cap).abs();
+            }
+        }
+        lag
+    }
+
+    /// Takes the normal forces that the solve over `h` seconds with the cones of the start has found.
+    pub(super) fn begin(&mut self, start: &Point, solved: &Newton, h: f64) {
+        self.loads.clear();
+        self.excess.clear();
+        for (contact, response) in start.contacts.iter().zip(&solved.responses) {
+            let V = &start.kin.V[contact.body];
+            let vn = contact.normal.dot(&velocity_at(V, &contact.x));
+            let begin = contact.normal_force(vn);
+            let end = contact.normal.dot(&response.impulse) / h;
+            self.loads.push([begin, end]);
+            self.excess.push(end - begin);
+        }
+    }
+
+    /// Takes what the last two solves, over `h` seconds, say together.
+    pub(super) fn improve(&mut self, start: &Point, solved: &Newton, h: f64) {
+        let found = |place: usize| {
+            let (contact, response) = (&start.contacts[place], &solved.responses[place]);
+            contact.normal.dot(&response.impulse) / h
+        };
+        let (mut along, mut squared) = (0.0, 0.0);
+        for (place, ([_, taken], before)) in self.loads.iter().zip(&self.excess).enumerate() {
+            let excess = found(place) - taken;
+            along += excess * (excess - before);
+            squared += (excess - before) * (excess - before);
+        }
+        // Excesses that grow the same way would be run away from.
+        let share = if along > 0.0 && along < squared {
+            along / squared
+        } else {
+            0.0
+        };
+        let rows = self.loads.iter_mut().zip(&mut self.excess);
+        for (place, ([_, taken], excess)) in rows.enumerate() {
+            let found = found(place);
+            let before = *taken;
+            *excess = found - before;
+            *taken = found + share * (before - found);
+        }
+    }
+
+    /// Sets the cones of the step's contacts to those at `share` of its length.
+    pub(super) fn set(&mut self, start: &mut Point, share: f64) {
+        self.moved = share > 0.0;
+        for (contact, [a, b]) in start.contacts.iter_mut().zip(&self.loads) {
+            contact.cap = contact.mu * (a + share * (b - a));
+        }
+        for turn in &mut start.turns {
+            let [a, b] = self.loads[turn.contact];
+            turn.carry(a + share * (b - a));
+        }
+    }
+
+    /// Sets the cones of contacts in the middle of the step to those at its end; who has touched down since keeps its own.
+    pub(super) fn carry(&self, start: &Point, middle: &mut Point) {
+        let mut known = start.contacts.iter().zip(&self.loads).peekable();
+        let mut turns = middle.turns.iter_mut().peekable();
+        for (place, contact) in middle.contacts.iter_mut().enumerate() {
+            while known.next_if(|(c, _)| c.slot < contact.slot).is_some() {}
+            let Some((_, [_, end])) = known.next_if(|(c, _)| c.slot == contact.slot) else {
+                continue;
+            };
+            contact.cap = contact.mu * end;
+            while turns.next_if(|t| t.contact < place).is_some() {}
+            if let Some(turn) = turns.next_if(|t| t.contact == place) {
+                turn.carry(*end);
+            }
+        }
+    }
+}
