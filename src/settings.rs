@@ -183,6 +183,8 @@ pub struct InitialSettings {
     pub angular_velocity: Vec3,
     /// rad or m.
     pub joints: Vec<(Pattern, f64)>,
+    /// Of an SRDF's state, rad or m: for joints that `joints` leaves open.
+    pub state: Vec<(Pattern, f64)>,
     /// rad/s or m/s.
     pub joint_velocities: Vec<(Pattern, f64)>,
     /// Where `linear_velocity` or `angular_velocity` was given.
@@ -216,6 +218,15 @@ impl ActuatorSettings {
             kp: None,
             kd: None,
             no_load_speed: None,
+        }
+    }
+
+    /// Nothing drives the joint.
+    pub fn passive(joint: Pattern) -> Self {
+        Self {
+            joint,
+            mode: Some(ModeChoice::Passive),
+            ..Self::new("")
         }
     }
 }
@@ -704,6 +715,7 @@ fn initial(reader: &mut Reader, section: &Section) -> InitialSettings {
         rpy: vector(section, "rpy"),
         linear_velocity: vector(section, "linear_velocity"),
         angular_velocity: vector(section, "angular_velocity"),
+        state: Vec::new(),
         joints: by_name("joints", reader),
         joint_velocities: by_name("joint_velocities", reader),
         velocity_place: section

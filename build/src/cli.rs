@@ -80,6 +80,12 @@ struct Source {
     /// Names of variables: `joint.elbow.position` or `joint_elbow_position`
     #[arg(long, value_name = "STYLE")]
     naming: Option<NamingStyle>,
+    /// SRDF of the robot: its passive joints, and its states for --initial-state
+    #[arg(long, value_name = "FILE.srdf")]
+    srdf: Option<PathBuf>,
+    /// Joint positions to start with: a <group_state> of the SRDF
+    #[arg(long, value_name = "NAME", requires = "srdf")]
+    initial_state: Option<String>,
     /// Folder to look in for `package://`; may be repeated
     #[arg(long = "package-path", value_name = "DIR")]
     package_paths: Vec<PathBuf>,
@@ -349,6 +355,8 @@ impl Source {
             flat_names: self
                 .naming
                 .map(|naming| matches!(naming, NamingStyle::Flat)),
+            srdf: self.srdf.clone(),
+            initial_state: self.initial_state.clone(),
             package_paths: self.package_paths.clone(),
             xacro_arguments: self.xacro_arguments.clone(),
         }

@@ -17,7 +17,9 @@ use std::sync::Arc;
 use urdf2fmu_core::assemble;
 use urdf2fmu_core::model::{ActuatorMode, Model};
 use urdf2fmu_core::prepared::{FILE_NAME, PreparedModel, PreparedModelError};
-use urdf2fmu_core::settings::{BaseChoice, Compat, InertiaSource, ModeChoice, Settings};
+use urdf2fmu_core::settings::{
+    ActuatorSettings, BaseChoice, Compat, InertiaSource, ModeChoice, Settings,
+};
 use urdf2fmu_core::simulation::{Simulation, SimulationError};
 use urdf2fmu_core::urdf::{self, Description, Diagnostic, ReadOptions, Severity};
 use urdf2fmu_core::variables::{self, TableError, Variable};
@@ -41,6 +43,10 @@ pub struct Request {
     pub scale: Option<f64>,
     /// `--naming`.
     pub flat_names: Option<bool>,
+    /// `--srdf`.
+    pub srdf: Option<PathBuf>,
+    /// `--initial-state`: one of the SRDF's.
+    pub initial_state: Option<String>,
     /// Searched before those of the environment.
     pub package_paths: Vec<PathBuf>,
     /// `name:=value`, for xacro.
@@ -56,7 +62,7 @@ pub struct Robot {
     pub table: Vec<Variable>,
     /// What was assumed and what looks wrong.
     pub diagnostics: Vec<Diagnostic>,
-    /// Files that it was read from: the URDF, its meshes, then the settings.
+    /// Files that it was read from: the URDF, its meshes, then the settings and the SRDF.
     pub sources: Vec<PathBuf>,
     /// As asked for.
     pub settings: Settings,
@@ -151,6 +157,22 @@ pub fn robot(request: &Request) -> Result<Robot, StageError> {
 
     let (description, expanded) = read(request, &options).map_err(StageError::Robot)?;
     let mut diagnostics = description.diagnostics.clone();
+    if let Some(path) = &request.srdf {
+        let state = request.initial_state.as_deref();
+        match urdf::read_srdf(path, state, &description) {
+            Ok(semantics) => {
+                diagnostics.extend(semantics.diagnostics);
+                settings.initial.state = semantics.positions;
+                // Whatever the settings say comes later, and wins.
+                let passive = semantics.passive.into_iter().map(ActuatorSettings::passive);
+                settings.actuators.splice(0..0, passive);
+            }
+            Err(findings) => {
+                diagnostics.extend(findings);
+                return Err(StageError::Robot(diagnostics));
+            }
+        }
+    }
     let assembled = match assemble::build(&description, &settings) {
         Ok(assembled) => assembled,
         Err(errors) => {
@@ -162,6 +184,7 @@ pub fn robot(request: &Request) -> Result<Robot, StageError> {
     let table = variables::table(&assembled.model)?;
     let mut sources = description.sources;
     sources.extend(request.config.clone());
+    sources.extend(request.srdf.clone());
     Ok(Robot {
         model: assembled.model,
         table,

@@ -50,7 +50,9 @@ impl Poses {
 /// Initial joint positions and velocities from the settings, else zero or the nearest limit.
 pub(super) fn joints(model: &mut Model, settings: &Settings, findings: &mut Findings) {
     let count = model.joints.len();
-    let positions = values(model, &settings.initial.joints, findings);
+    let state = values(model, &settings.initial.state, findings);
+    let given = values(model, &settings.initial.joints, findings);
+    let positions: Vec<_> = given.into_iter().zip(state).map(|(g, s)| g.or(s)).collect();
     let velocities = values(model, &settings.initial.joint_velocities, findings);
     model.initial.joint_positions = vec![0.0; count];
     model.initial.joint_velocities = vec![0.0; count];

@@ -222,6 +222,11 @@ impl<'a> Report<'a> {
         self.add(Severity::Note, code, at, message.into(), help.into());
     }
 
+    /// The place of a part of the text.
+    pub(super) fn place(&self, at: Range<usize>) -> Place {
+        Place::in_text(self.file, self.text, at)
+    }
+
     /// 1-based line of a byte.
     pub(super) fn line(&self, at: usize) -> usize {
         self.lines.partition_point(|&start| start <= at)

@@ -19,11 +19,13 @@ mod link;
 mod mesh;
 mod resolve;
 mod scope;
+mod srdf;
 mod tree;
 mod typed;
 mod xml;
 
 pub use diagnostic::{Diagnostic, Place, Severity};
+pub use srdf::{Semantics, read_srdf, read_srdf_str};
 
 use crate::geometry::Shape;
 use crate::model::{ActuatorMode, JointKind, Limits};
