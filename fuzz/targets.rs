@@ -24,7 +24,7 @@ use std::sync::{Arc, LazyLock};
 use urdf2fmu_core::prepared::PreparedModel;
 use urdf2fmu_core::settings::Settings;
 use urdf2fmu_core::simulation::Simulation;
-use urdf2fmu_core::variables::{Slot, table};
+use urdf2fmu_core::variables::{Kind, Slot, Variable, table};
 use urdf2fmu_core::{assemble, urdf};
 use urdf2fmu_fmi::types::fmi2CallbackFunctions;
 use urdf2fmu_fmi::*;
@@ -44,16 +44,21 @@ const ROBOT: &str = r#"<robot name="r">
   <limit lower="-1" upper="1" effort="3" velocity="4"/></joint>
 </robot>"#;
 
-fn good_model() -> PreparedModel {
+/// The model of a robot with settings.
+fn prepare(robot: &str, settings: &str) -> PreparedModel {
     let options = urdf::ReadOptions::default();
     let folder = std::path::Path::new(".");
-    let description = urdf::read_str(ROBOT, "r.urdf", folder, &options).unwrap();
-    let settings = "[outputs]\nlinks = [\"arm\"]\n[[external_wrench]]\nlink = \"base\"\n\
-                    [[actuator]]\njoint = \"elbow\"\nmode = \"pd\"\nkp = 5\nkd = 0.5\n";
+    let description = urdf::read_str(robot, "r.urdf", folder, &options).unwrap();
     let settings = Settings::parse(settings, "r.toml").unwrap();
-    PreparedModel::new(
-        GUID.into(),
-        assemble::build(&description, &settings).unwrap().model,
+    let assembled = assemble::build(&description, &settings).unwrap();
+    PreparedModel::new(GUID.into(), assembled.model)
+}
+
+fn good_model() -> PreparedModel {
+    prepare(
+        ROBOT,
+        "[outputs]\nlinks = [\"arm\"]\n[[external_wrench]]\nlink = \"base\"\n\
+         [[actuator]]\njoint = \"elbow\"\nmode = \"pd\"\nkp = 5\nkd = 0.5\n",
     )
 }
 
@@ -168,25 +173,35 @@ fn kept(initialised: bool) -> *mut c_void {
     })
 }
 
-const VARIABLES: u32 = 200;
+/// Value references of the robot's reals, integers and booleans, and those of its real outputs.
+static REFERENCES: LazyLock<[Vec<u32>; 4]> = LazyLock::new(|| {
+    let rows = table(&good_model().model).unwrap();
+    let of = |wanted: &dyn Fn(&Variable) -> bool| {
+        let rows = rows.iter().filter(|row| wanted(row));
+        rows.map(|row| row.value_reference).collect()
+    };
+    let output = |row: &Variable| matches!(row.slot, Slot::Output(_)) && row.kind == Kind::Real;
+    [
+        of(&|row| row.kind == Kind::Real),
+        of(&|row| row.kind == Kind::Integer),
+        of(&|row| row.kind == Kind::Boolean),
+        of(&output),
+    ]
+});
 
 /// Reads everything there is.
 fn read_all(c: *mut c_void) {
-    for reference in 0..VARIABLES {
-        let (mut real, mut integer) = (0.0, 0);
-        let (real, integer) = (&raw mut real, &raw mut integer);
-        unsafe {
-            fmi2GetReal(c, &raw const reference, 1, real);
-            fmi2GetInteger(c, &raw const reference, 1, integer);
-            fmi2GetBoolean(c, &raw const reference, 1, integer);
-            fmi2GetRealOutputDerivatives(
-                c,
-                &raw const reference,
-                1,
-                &raw const *integer.cast(),
-                real,
-            );
-        }
+    let [reals, integers, booleans, outputs] = &*REFERENCES;
+    let mut numbers = vec![0.0; reals.len()];
+    let mut counts = vec![0; integers.len().max(booleans.len())];
+    let orders = vec![1; outputs.len()];
+    let (real, integer) = (numbers.as_mut_ptr(), counts.as_mut_ptr());
+    unsafe {
+        fmi2GetReal(c, reals.as_ptr(), reals.len(), real);
+        fmi2GetInteger(c, integers.as_ptr(), integers.len(), integer);
+        fmi2GetBoolean(c, booleans.as_ptr(), booleans.len(), integer);
+        let (vr, n) = (outputs.as_ptr(), outputs.len());
+        fmi2GetRealOutputDerivatives(c, vr, n, orders.as_ptr(), real);
     }
 }
 
@@ -219,8 +234,35 @@ static STATE: LazyLock<Vec<u8>> = LazyLock::new(|| {
     }
 });
 
+/// Whether an execution goes on with what costs most, by its bytes: one in `many`.
+///
+/// Reading is what bytes decide about; a step after each would leave a fiftieth of the executions.
+fn chosen(data: &[u8], many: u64) -> bool {
+    (fnv(data) >> 32).is_multiple_of(many)
+}
+
 /// Length of what stands before the simulation's own bytes, see `fmi/src/snapshot.rs`.
 const HEADER: usize = 56;
+
+/// A communication step of a few of the steps that the state asks for, s.
+unsafe fn short_step(c: *mut c_void) -> f64 {
+    let mut asked = [0.0; 2];
+    unsafe { fmi2GetReal(c, ASKED.as_ptr(), 2, asked.as_mut_ptr()) };
+    match asked {
+        [fixed, _] if fixed > 0.0 => (4.0 * fixed).clamp(1e-9, 1e-4),
+        [_, tolerance] if tolerance > 0.0 && tolerance < 1e-6 => 1e-6,
+        _ => 1e-4,
+    }
+}
+
+/// Value references of the length of fixed steps and of the tolerance.
+static ASKED: LazyLock<[u32; 2]> = LazyLock::new(|| {
+    let rows = table(&good_model().model).unwrap();
+    ["solver.step_size", "solver.tolerance"].map(|name| {
+        let row = rows.iter().find(|row| row.name == name);
+        row.unwrap().value_reference
+    })
+});
 
 pub fn states(data: &[u8]) {
     let mut bytes = Bytes(data);
@@ -244,7 +286,8 @@ pub fn states(data: &[u8]) {
     } else {
         bytes.0.to_vec()
     };
-    let c = kept(true);
+    // Setting a state comes first, so that the instance need not be brought back to its beginning.
+    let c = KEPT.with(|kept| kept.c);
     unsafe {
         let mut saved = null_mut();
         let accepted =
@@ -252,21 +295,36 @@ pub fn states(data: &[u8]) {
                 == 0;
         assert_eq!(accepted, !saved.is_null());
         if accepted {
-            fmi2SetFMUstate(c, saved);
-            let mut time = 0.0;
-            fmi2GetRealStatus(c, 2, &raw mut time);
-            fmi2DoStep(c, time, 1e-4, 0);
-            read_all(c);
-            fmi2GetFMUstate(c, &raw mut saved);
+            if chosen(data, 8) {
+                fmi2SetFMUstate(c, saved);
+                let mut time = 0.0;
+                fmi2GetRealStatus(c, 2, &raw mut time);
+                fmi2DoStep(c, time, short_step(c), 0);
+                read_all(c);
+                fmi2GetFMUstate(c, &raw mut saved);
+            }
             fmi2FreeFMUstate(c, &raw mut saved);
         }
     }
 }
 
-static MODEL: LazyLock<String> = LazyLock::new(|| good_model().to_json().unwrap());
+/// The smallest robot with a body, a commanded joint with limits and a collider: reading it is most of an execution.
+const SMALL: &str = r#"<robot name="s"><link name="b"/>
+<link name="w"><inertial><mass value="1"/><inertia ixx="0.01" iyy="0.01" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial>
+  <collision><geometry><sphere radius="0.1"/></geometry></collision></link>
+<joint name="j" type="revolute"><parent link="b"/><child link="w"/><axis xyz="0 1 0"/>
+  <limit lower="-1" upper="1" effort="5" velocity="20"/><dynamics damping="0.01" friction="0.02"/></joint></robot>"#;
 
-/// The good model with some of its numbers and words replaced.
-fn changed_model(bytes: &mut Bytes) -> String {
+/// The models whose numbers are changed, line by line: first the small robot, then the other.
+static MODELS: LazyLock<[Vec<String>; 2]> = LazyLock::new(|| {
+    [prepare(SMALL, ""), good_model()].map(|model| {
+        let text = model.to_json().unwrap();
+        text.lines().map(|line| line.trim().to_owned()).collect()
+    })
+});
+
+/// A good model with some of its numbers and words replaced.
+fn changed_model(model: &[String], bytes: &mut Bytes) -> String {
     const OTHERS: [&str; 16] = [
         "0",
         "-1",
@@ -285,36 +343,42 @@ fn changed_model(bytes: &mut Bytes) -> String {
         "1e-9",
         "7",
     ];
-    let mut lines: Vec<String> = MODEL.lines().map(str::to_owned).collect();
-    for _ in 0..8 {
-        if bytes.0.is_empty() {
-            break;
-        }
-        let line = (bytes.byte() as usize | (bytes.byte() as usize) << 8) % lines.len();
-        let other = OTHERS[bytes.byte() as usize % OTHERS.len()];
-        let old = lines[line].clone();
-        let tail = if old.ends_with(',') { "," } else { "" };
-        lines[line] = match old.split_once(": ") {
-            Some((key, _)) if !old.ends_with(['{', '[']) => format!("{key}: {other}{tail}"),
-            None if !old.trim_end_matches(',').ends_with(['{', '[', '}', ']']) => {
-                format!("{other}{tail}")
-            }
-            _ => old,
-        };
+    let mut changes = Vec::new();
+    while changes.len() < 8 && !bytes.0.is_empty() {
+        let line = (bytes.byte() as usize | (bytes.byte() as usize) << 8) % model.len();
+        changes.push((line, OTHERS[bytes.byte() as usize % OTHERS.len()]));
     }
-    lines.join("\n")
+    let mut text = String::new();
+    for (number, old) in model.iter().enumerate() {
+        let change = changes.iter().rev().find(|(line, _)| *line == number);
+        let tail = if old.ends_with(',') { "," } else { "" };
+        match (change, old.split_once(": ")) {
+            (Some((_, other)), Some((key, _))) if !old.ends_with(['{', '[']) => {
+                text.extend([key, ":", other, tail]);
+            }
+            (Some((_, other)), None)
+                if !old.trim_end_matches(',').ends_with(['{', '[', '}', ']']) =>
+            {
+                text.extend([other, tail]);
+            }
+            _ => text.push_str(old),
+        }
+    }
+    text
 }
 
 pub fn model(data: &[u8]) {
     let mut bytes = Bytes(data);
-    let text = if bytes.byte() % 2 == 1 {
-        changed_model(&mut bytes)
-    } else {
-        String::from_utf8_lossy(bytes.0).into_owned()
+    let text = match bytes.byte() {
+        kind if kind % 2 == 0 => String::from_utf8_lossy(bytes.0).into_owned(),
+        kind => changed_model(&MODELS[usize::from(kind >= 224)], &mut bytes),
     };
     let Ok(prepared) = PreparedModel::from_json(&text) else {
         return;
     };
+    if !chosen(data, 8) {
+        return;
+    }
     let Ok(rows) = table(&prepared.model) else {
         return;
     };

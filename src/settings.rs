@@ -385,8 +385,7 @@ impl Default for Settings {
     /// What an empty file means.
     fn default() -> Self {
         let mut reader = Reader::new("", "");
-        let root = reader.read();
-        fill(&mut reader, &root, None)
+        fill(&mut reader, &Section::default(), None)
     }
 }
 
@@ -394,8 +393,7 @@ impl Settings {
     /// What an empty file means under the conventions of another simulator.
     pub fn of(compat: Compat) -> Self {
         let mut reader = Reader::new("", "");
-        let root = reader.read();
-        fill(&mut reader, &root, Some(compat))
+        fill(&mut reader, &Section::default(), Some(compat))
     }
 
     /// Reads a settings file.
@@ -455,13 +453,14 @@ impl Settings {
     ) -> Result<Self, Vec<Diagnostic>> {
         let mut reader = Reader::new(file_name, text);
         let root = reader.read();
-        let settings = fill(&mut reader, &root, compat);
-        if reader.findings.is_empty() {
-            Ok(settings)
-        } else {
-            let mut findings = reader.findings;
-            findings.sort_by_key(|d| d.place.as_ref().map_or((0, 0), |p| (p.line, p.column)));
-            Err(findings)
+        let settings = root.map(|root| fill(&mut reader, &root, compat));
+        match settings {
+            Some(settings) if reader.findings.is_empty() => Ok(settings),
+            _ => {
+                let mut findings = reader.findings;
+                findings.sort_by_key(|d| d.place.as_ref().map_or((0, 0), |p| (p.line, p.column)));
+                Err(findings)
+            }
         }
     }
 }

@@ -222,7 +222,7 @@ macro_rules! context {
 
 /// Shortest fixed step, s. A shorter one is a mistake, and would keep the host waiting for ever; what a model or a saved
 /// state asks for is raised to it.
-const SHORTEST_FIXED_STEP: f64 = 1e-7;
+pub(crate) const SHORTEST_FIXED_STEP: f64 = 1e-7;
 
 /// Tolerance where neither the model nor the importer gives one.
 const DEFAULT_TOLERANCE: f64 = 1e-3;
@@ -297,10 +297,10 @@ impl Simulation {
     pub fn initialize(&mut self, start: f64) -> Result<(), SimulationError> {
         self.start = start;
         self.place();
-        self.initialized = true;
         let finite = self.state.is_finite()
             && self.tree.inertia.iter().all(|m| m.is_finite() && *m > 0.0)
             && self.tree.stiffness.is_finite();
+        self.initialized = finite;
         if finite {
             Ok(())
         } else {
@@ -538,6 +538,14 @@ impl Simulation {
             start: self.start,
             initialized: self.initialized,
         }
+    }
+
+    /// Reads what [`Snapshot::to_bytes`] wrote for the same model; faster than [`Snapshot::from_bytes`].
+    ///
+    /// # Errors
+    /// [`SimulationError::State`] for anything else.
+    pub fn saved_from_bytes(&self, bytes: &[u8]) -> Result<Snapshot, SimulationError> {
+        Snapshot::with_hash(&self.model, self.hash, bytes)
     }
 
     /// Overwrites `snapshot` without allocating if it is of this model, else like [`Self::save`].

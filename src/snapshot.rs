@@ -33,6 +33,11 @@ pub struct Snapshot {
 }
 
 impl Snapshot {
+    /// Whether it was saved after [`crate::simulation::Simulation::initialize`].
+    pub fn is_initialized(&self) -> bool {
+        self.initialized
+    }
+
     /// Little-endian bytes with magic, version and a hash of the model.
     pub fn to_bytes(&self) -> Vec<u8> {
         let mut bytes = Vec::with_capacity(self.byte_len());
@@ -104,10 +109,18 @@ impl Snapshot {
     /// # Errors
     /// [`SimulationError::State`] for anything else.
     pub fn from_bytes(model: &Model, bytes: &[u8]) -> Result<Self, SimulationError> {
+        Self::with_hash(model, model_hash(model), bytes)
+    }
+
+    /// The same where the model's hash is known: it costs more than all the rest.
+    pub(crate) fn with_hash(
+        model: &Model,
+        hash: u64,
+        bytes: &[u8],
+    ) -> Result<Self, SimulationError> {
         let refused = |reason: &str| SimulationError::State {
             reason: reason.into(),
         };
-        let hash = model_hash(model);
         let start = Inputs::new(model);
         let mut snapshot = Self {
             hash,
@@ -154,7 +167,9 @@ impl Snapshot {
         for counter in &mut snapshot.state.counters {
             *counter = reader.integer();
         }
-        snapshot.initialized = reader.integer() == 1;
+        let initialized = reader.integer();
+        complete = complete && initialized <= 1;
+        snapshot.initialized = initialized == 1;
         // Known already: the counts.
         reader.integer();
         reader.integer();

@@ -393,7 +393,7 @@ pub unsafe extern "C" fn fmi2DeSerializeFMUstate(
                     argument: "FMUstate",
                 });
             }
-            let state = SavedState::from_bytes(instance.guid(), instance.model(), &bytes)?;
+            let state = SavedState::from_bytes(instance.guid(), instance.simulation(), &bytes)?;
             pointers::write("FMUstate", FMUstate, state.into_pointer())?;
             OK
         })

@@ -96,9 +96,9 @@ impl Instance {
         self.phase
     }
 
-    /// The robot.
-    pub(crate) fn model(&self) -> &Model {
-        &self.model
+    /// The simulation.
+    pub(crate) fn simulation(&self) -> &Simulation {
+        &self.simulation
     }
 
     /// Identifies the FMU.

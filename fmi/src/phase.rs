@@ -34,6 +34,14 @@ impl Phase {
         Self::Error,
     ];
 
+    /// Whether the simulation has begun.
+    pub(crate) fn is_initialized(self) -> bool {
+        matches!(
+            self,
+            Self::StepComplete | Self::StepFailed | Self::Terminated
+        )
+    }
+
     /// The phase with this number, as saved states hold it.
     pub(crate) fn from_number(number: u32) -> Option<Self> {
         Self::ALL.into_iter().find(|phase| *phase as u32 == number)

@@ -23,8 +23,7 @@ use crate::error::FmiError;
 use crate::instance::Experiment;
 use crate::phase::Phase;
 use crate::types::fmi2FMUstate;
-use urdf2fmu_core::model::Model;
-use urdf2fmu_core::simulation::Snapshot;
+use urdf2fmu_core::simulation::{Simulation, Snapshot};
 
 const MAGIC: &[u8; 8] = b"urdf2fmu";
 const VERSION: u32 = 1;
@@ -101,7 +100,7 @@ impl SavedState {
     /// [`FmiError::State`] for anything else.
     pub(crate) fn from_bytes(
         guid: GuidHash,
-        model: &Model,
+        simulation: &Simulation,
         bytes: &[u8],
     ) -> Result<Self, FmiError> {
         let refused = |reason: &str| FmiError::State {
@@ -146,7 +145,10 @@ impl SavedState {
         if !experiment.is_legal() {
             return Err(refused("its experiment is not legal"));
         }
-        let simulation = Snapshot::from_bytes(model, body)?;
+        let simulation = simulation.saved_from_bytes(body)?;
+        if simulation.is_initialized() != phase.is_initialized() {
+            return Err(refused("its phase does not fit the simulation"));
+        }
         Ok(Self::new(guid, phase, experiment, simulation))
     }
 
@@ -251,7 +253,8 @@ mod tests {
         let state = instance.save();
         let bytes = state.to_bytes();
         assert_eq!(bytes.len(), state.byte_len());
-        let read = SavedState::from_bytes(state.guid, instance.model(), &bytes).expect("own bytes");
+        let read =
+            SavedState::from_bytes(state.guid, instance.simulation(), &bytes).expect("own bytes");
         assert_eq!(read.to_bytes(), bytes);
     }
 
@@ -260,7 +263,7 @@ mod tests {
         let instance = instance();
         let state = instance.save();
         let mut bytes = state.to_bytes();
-        let read = |bytes: &[u8]| SavedState::from_bytes(state.guid, instance.model(), bytes);
+        let read = |bytes: &[u8]| SavedState::from_bytes(state.guid, instance.simulation(), bytes);
         for len in 0..bytes.len() {
             assert!(read(&bytes[..len]).is_err(), "cut to {len} bytes");
         }
@@ -277,7 +280,7 @@ mod tests {
     fn a_state_of_another_fmu_is_refused_with_the_reason() {
         let instance = instance();
         let bytes = instance.save().to_bytes();
-        let error = SavedState::from_bytes(GuidHash::new("{other}"), instance.model(), &bytes)
+        let error = SavedState::from_bytes(GuidHash::new("{other}"), instance.simulation(), &bytes)
             .expect_err("another guid");
         assert!(error.to_string().contains("another FMU"), "{error}");
     }
@@ -291,6 +294,25 @@ mod tests {
         let end = bytes.len() - CHECKSUM;
         let checksum = fnv1a(&bytes[..end]).to_le_bytes();
         bytes[end..].copy_from_slice(&checksum);
-        assert!(SavedState::from_bytes(state.guid, instance.model(), &bytes).is_err());
+        assert!(SavedState::from_bytes(state.guid, instance.simulation(), &bytes).is_err());
+    }
+
+    /// Found by fuzzing: a step from 0.3 s began with a simulation that stood at its beginning, and took 300,000 steps.
+    #[test]
+    fn a_phase_that_does_not_fit_the_simulation_is_refused() {
+        let instance = instance();
+        let state = instance.save();
+        let mut accepted = Vec::new();
+        for phase in Phase::ALL {
+            let mut bytes = state.to_bytes();
+            bytes[12] = phase as u8;
+            let end = bytes.len() - CHECKSUM;
+            let checksum = fnv1a(&bytes[..end]).to_le_bytes();
+            bytes[end..].copy_from_slice(&checksum);
+            if SavedState::from_bytes(state.guid, instance.simulation(), &bytes).is_ok() {
+                accepted.push(phase);
+            }
+        }
+        assert_eq!(accepted, [Phase::Instantiated, Phase::Initialization]);
     }
 }

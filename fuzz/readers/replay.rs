@@ -1,4 +1,5 @@
-//! The fuzz targets over the robots and meshes of tests/robots, whole and cut short at each of many places.
+//! What fuzzing has found worth keeping runs again: every file of the corpus through its target; and the robots and
+//! meshes of tests/robots, whole and cut short at each of many places.
 
 mod targets;
 
@@ -56,4 +57,31 @@ fn obj_files_and_their_beginnings_do_no_harm() {
 #[test]
 fn collada_files_and_their_beginnings_do_no_harm() {
     replay("dae", targets::collada);
+}
+
+/// Runs all files of a target's corpus.
+fn replay_corpus(name: &str, target: fn(&[u8])) {
+    let corpus = Path::new(env!("CARGO_MANIFEST_DIR")).join("fuzz/readers/corpus");
+    let files = files(&corpus.join(name));
+    for path in &files {
+        target(&fs::read(path).expect("a file"));
+    }
+    assert!(files.len() > 10, "{name}: {} files", files.len());
+}
+
+#[test]
+fn the_corpus_of_meshes_does_no_harm() {
+    replay_corpus("stl", targets::stl);
+    replay_corpus("obj", targets::obj);
+    replay_corpus("collada", targets::collada);
+}
+
+#[test]
+fn the_corpus_of_urdfs_does_no_harm() {
+    replay_corpus("urdf", targets::urdf);
+}
+
+#[test]
+fn the_corpus_of_small_meshes_is_decomposed_without_harm() {
+    replay_corpus("decomposition", targets::decomposition);
 }

@@ -4,16 +4,19 @@
 //! | target | bytes are |
 //! |---|---|
 //! | `urdf` | a URDF; what is accepted is made a model of, with the settings' defaults |
-//! | `stl`, `obj`, `collada` | a mesh; what is accepted is enclosed in its hull |
+//! | `stl`, `obj`, `collada` | a mesh, read as corners and as triangles; some of the accepted are enclosed in their hull |
+//! | `decomposition` | the corners of a small mesh, which is cut into convex parts |
 #![allow(
     dead_code,
     missing_docs,
+    clippy::cast_precision_loss,
     reason = "each target is a program of its own that uses a part"
 )]
 
 use std::path::Path;
 use urdf2fmu_core::geometry::{MOST_CORNERS, Shape, bounded_hull};
 use urdf2fmu_core::settings::Settings;
+use urdf2fmu_core::spatial::Vec3;
 use urdf2fmu_core::{assemble, urdf};
 
 pub fn urdf(data: &[u8]) {
@@ -24,9 +27,10 @@ pub fn urdf(data: &[u8]) {
     let Ok(description) = urdf::read_str(&text, "fuzz.urdf", nowhere, &options) else {
         return;
     };
-    let Ok(settings) = Settings::parse("", "none") else {
+    let settings = Settings::default();
+    if !chosen(data) {
         return;
-    };
+    }
     if let Ok(assembled) = assemble::build(&description, &settings) {
         // What is accepted must be what the simulator can work with.
         assembled.model.validate().expect("a legal model");
@@ -45,12 +49,73 @@ pub fn collada(data: &[u8]) {
     mesh("dae", data);
 }
 
+/// Most triangles of a mesh that is decomposed here.
+const FEW: usize = 24;
+
+/// Voxels along its longest side, an eighth of what is made of a robot.
+const VOXELS: u32 = 8;
+
+/// Coordinates on a coarse grid, so that faces meet and solids close: the first byte says how they are joined.
+pub fn decomposition(data: &[u8]) {
+    let Some((&kind, places)) = data.split_first() else {
+        return;
+    };
+    // A byte is a place on a grid of 8 x 8 x 4; one bit of `kind` tears the grid.
+    let points: Vec<Vec3> = places
+        .iter()
+        .take(3 * FEW)
+        .enumerate()
+        .map(|(i, &place)| {
+            let number = |shift: u8, mask: u8| f64::from(place >> shift & mask);
+            let torn = if kind & 1 == 1 { 1e-7 * i as f64 } else { 0.0 };
+            let scale = [1.0, 1e-3, 1e6, 1e-9][usize::from(kind >> 1 & 3)];
+            Vec3::new(number(0, 7) + torn, number(3, 7), number(6, 3)) * scale
+        })
+        .collect();
+    let triangles: Vec<[Vec3; 3]> = if kind & 8 == 0 {
+        let corners = points.chunks_exact(3);
+        corners.map(|t| [t[0], t[1], t[2]]).collect()
+    } else {
+        // The surface of the hull, which is closed, with the last points' triangles taken away or pushed in.
+        let Ok(hull) = bounded_hull(&points, 12) else {
+            return;
+        };
+        let center = hull.vertices.iter().sum::<Vec3>() / hull.vertices.len() as f64;
+        let corners = hull.vertices.windows(3);
+        corners
+            .flat_map(|t| [[t[0], t[1], t[2]], [t[0], t[2], center]])
+            .collect()
+    };
+    let Ok(parts) = urdf::convex_parts_of(&triangles, VOXELS) else {
+        return;
+    };
+    assert!(!parts.is_empty());
+    for vertices in parts {
+        assert!(vertices.iter().flatten().all(|x| x.is_finite()));
+        let shape = Shape::Hull { vertices };
+        assert!(shape.volume() > 0.0 && shape.volume().is_finite());
+    }
+}
+
+/// Largest number of points of which the hull is made here, and largest file of which it is made each time.
+const SMALL_MESH: usize = 64;
+
 fn mesh(kind: &str, data: &[u8]) {
+    let triangles = urdf::mesh_triangles_of(kind, data);
     let Ok(points) = urdf::mesh_corners_of(kind, data) else {
         return;
     };
     assert!(!points.is_empty());
     assert!(points.iter().flatten().all(|x| x.is_finite()));
+    if let Ok(triangles) = triangles {
+        assert!(triangles.iter().flatten().flatten().all(|x| x.is_finite()));
+        // A scene may place a mesh many times.
+        assert!(kind == "dae" || triangles.len() <= data.len());
+    }
+    // Reading is what the bytes decide about: the hull is made for one file in eight.
+    if points.len() > SMALL_MESH || !chosen(data) {
+        return;
+    }
     let Ok(hull) = bounded_hull(&points, MOST_CORNERS) else {
         return;
     };
@@ -60,4 +125,12 @@ fn mesh(kind: &str, data: &[u8]) {
     };
     assert!(shape.volume() >= 0.0);
     assert!(shape.solid_inertia(1.0).I_cm.iter().all(|x| x.is_finite()));
+}
+
+/// One file in eight, by its bytes.
+fn chosen(data: &[u8]) -> bool {
+    let hash = data.iter().fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| {
+        (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3)
+    });
+    (hash >> 32).is_multiple_of(8)
 }

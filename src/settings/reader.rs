@@ -5,7 +5,9 @@
 use super::Compat;
 use super::keys::{self, Key, Takes};
 use crate::urdf::{Diagnostic, Place, Severity};
+use std::collections::BTreeMap;
 use std::ops;
+use std::sync::LazyLock;
 use toml::Spanned;
 use toml::de::{DeArray, DeTable, DeValue};
 
@@ -65,7 +67,7 @@ impl Section {
     pub(super) fn value(&self, name: &str) -> Option<Value> {
         match self.entry(name).map(|entry| &entry.node) {
             Some(Node::Value(value)) => Some(value.clone()),
-            _ => keys::find(&self.child(name)).and_then(default_value),
+            _ => DEFAULTS.get(self.child(name).as_str()).cloned(),
         }
     }
 
@@ -134,6 +136,14 @@ impl Section {
     }
 }
 
+/// The keys' defaults, by path: each settings file needs nearly all of them.
+static DEFAULTS: LazyLock<BTreeMap<&str, Value>> = LazyLock::new(|| {
+    let defaults = keys::KEYS.iter();
+    defaults
+        .filter_map(|key| Some((key.path, default_value(key)?)))
+        .collect()
+});
+
 /// A key's default, read like the file.
 fn default_value(key: &Key) -> Option<Value> {
     let value = DeValue::parse(key.default?).ok()?;
@@ -179,18 +189,16 @@ impl<'a> Reader<'a> {
         self.findings.push(finding);
     }
 
-    /// The whole file; after a syntax error an empty section.
-    pub(super) fn read(&mut self) -> Section {
+    /// The whole file; none after a syntax error.
+    pub(super) fn read(&mut self) -> Option<Section> {
         let (table, errors) = DeTable::parse_recoverable(self.text);
         for error in &errors {
             let span = error.span().unwrap_or(0..0);
             self.error("S101", &span, error.message(), "the file must be TOML 1.0");
         }
-        if errors.is_empty() {
-            self.section("", table.get_ref(), table.span())
-        } else {
-            Section::default()
-        }
+        errors
+            .is_empty()
+            .then(|| self.section("", table.get_ref(), table.span()))
     }
 
     fn section(&mut self, path: &str, table: &DeTable, span: Span) -> Section {

@@ -2,6 +2,7 @@
 
 use crate::dynamics::rnea;
 use crate::kinematics::forward;
+use crate::simulation::SHORTEST_FIXED_STEP;
 use crate::state::State;
 use crate::step::control::{NotFinite, Stepper, count};
 use crate::step::point::Context;
@@ -125,5 +126,7 @@ fn parts(ctx: &Context, state: &State, h: f64) -> f64 {
             fastest = rate;
         }
     }
-    libm::ceil(fastest * h / WHIRL - 1e-9).clamp(1.0, MAX_PARTS)
+    // Parts are not shorter than a fixed step may be.
+    let most = (h / SHORTEST_FIXED_STEP).clamp(1.0, MAX_PARTS);
+    libm::ceil(fastest * h / WHIRL - 1e-9).clamp(1.0, most)
 }

@@ -36,6 +36,11 @@ pub(super) struct Decomposition {
 /// # Errors
 /// What stands against it, for people.
 pub(super) fn parts(triangles: &[[Vec3; 3]]) -> Result<Decomposition, String> {
+    parts_of(triangles, RESOLUTION)
+}
+
+/// The same with another number of voxels along the longest side.
+pub(super) fn parts_of(triangles: &[[Vec3; 3]], voxels: u32) -> Result<Decomposition, String> {
     let corners = triangles.as_flattened();
     let whole = bounded_hull(corners, usize::MAX).map_err(|error| error.to_string())?;
     if whole.flat {
@@ -58,7 +63,7 @@ pub(super) fn parts(triangles: &[[Vec3; 3]]) -> Result<Decomposition, String> {
         .map(|i| [3 * i, 3 * i + 1, 3 * i + 2])
         .collect();
     let parameters = VHACDParameters {
-        resolution: RESOLUTION,
+        resolution: voxels,
         concavity: CONCAVITY,
         max_convex_hulls: MOST_PARTS,
         ..VHACDParameters::default()

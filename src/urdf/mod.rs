@@ -250,6 +250,24 @@ pub fn mesh_corners_of(kind: &str, bytes: &[u8]) -> Result<Vec<Vec3>, String> {
     mesh::parse(kind, bytes).map_err(|error| error.to_string())
 }
 
+/// Faces of a mesh file, cut into triangles, m as the file has them; see [`mesh_corners_of`].
+///
+/// # Errors
+/// What is wrong with the file, for people.
+pub fn mesh_triangles_of(kind: &str, bytes: &[u8]) -> Result<Vec<[Vec3; 3]>, String> {
+    mesh::triangles_of(kind, bytes).map_err(|error| error.to_string())
+}
+
+/// Corners of the convex parts that a mesh is cut into where the settings want a decomposition, m.
+///
+/// - `voxels`: along the longest side; fewer are faster than what is made of a robot
+///
+/// # Errors
+/// What stands against it, for people.
+pub fn convex_parts_of(triangles: &[[Vec3; 3]], voxels: u32) -> Result<Vec<Vec<Vec3>>, String> {
+    decompose::parts_of(triangles, voxels).map(|found| found.parts)
+}
+
 /// `None` only after an error was reported.
 fn describe(
     report: &mut Report,

@@ -435,7 +435,8 @@ fn a_saved_state_continues_bit_for_bit_in_another_instance() {
     first.do_step(0.25, 0.25).expect("legal");
 
     let mut second = instance();
-    let state = SavedState::from_bytes(second.guid(), second.model(), &bytes).expect("same FMU");
+    let state =
+        SavedState::from_bytes(second.guid(), second.simulation(), &bytes).expect("same FMU");
     second.restore(&state).expect("same FMU");
     second.do_step(0.25, 0.25).expect("legal");
     assert_eq!(bits(&mut second), bits(&mut first));

@@ -531,3 +531,22 @@ fn a_saved_state_whose_steps_go_back_is_refused() {
     let bytes = s.save().to_bytes();
     assert!(crate::simulation::Snapshot::from_bytes(&model, &bytes).is_err());
 }
+
+/// Found by fuzzing saved states: speeds that no robot has cut each of the shortest fixed steps into 32 parts.
+#[test]
+fn no_part_of_a_fixed_step_is_shorter_than_a_fixed_step_may_be() {
+    let mut b = Builder::new(true, inertia(5.0, Vec3::zeros(), [0.05; 3]));
+    b.link(
+        0u32.into_link(),
+        at(0.0, 0.1, 0.0),
+        Motion::Revolute(Y),
+        inertia(0.5, X * 0.1, [1e-3; 3]),
+    );
+    b.model.world.gravity = Vec3::zeros();
+    b.model.solver.step_size = 2e-7;
+    b.model.initial.joint_velocities = vec![1e9];
+    let mut s = start(b.model, 1e-3);
+    // Whether it ends well is not the question here.
+    _ = s.advance_to(2e-6);
+    assert!(s.state().counters[0] <= 20, "{:?}", s.state().counters);
+}
