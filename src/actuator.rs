@@ -98,7 +98,7 @@ impl SpeedLine {
     }
 
     /// Steepest fall of the effort with the velocity.
-    fn slope(&self) -> f64 {
+    pub fn slope(&self) -> f64 {
         self.stall / self.no_load
     }
 
@@ -368,11 +368,6 @@ impl JointTerm {
     /// Whether only implicit steps resolve what acts here, whatever the state.
     pub fn is_stiff(&self) -> bool {
         self.drive.is_stiff() || self.dry.cap > 0.0 || self.speed_limit.is_finite()
-    }
-
-    /// Steepest fall of the forces of a term that is not stiff with the velocity.
-    pub fn steepness(&self) -> f64 {
-        self.damping + self.line.slope()
     }
 
     /// Response to the velocity `v` at the end of a step of `h` seconds.

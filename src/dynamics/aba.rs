@@ -62,6 +62,24 @@ impl Articulated {
         kin: &Kinematics,
         v: &[f64],
         tau: &[f64],
+        wrenches: (&[ExternalWrench], f64),
+        vdot: &mut [f64],
+    ) {
+        self.accelerations_with(tree, kin, v, &tree.armature, tau, wrenches, vdot);
+    }
+
+    /// The same with another diagonal than [`Tree::armature`] added to the mass matrix.
+    ///
+    /// # Panics
+    /// If the tree has mimic joints.
+    #[expect(clippy::too_many_arguments, reason = "all that acts")]
+    pub fn accelerations_with(
+        &mut self,
+        tree: &Tree,
+        kin: &Kinematics,
+        v: &[f64],
+        armature: &[f64],
+        tau: &[f64],
         (wrenches, t): (&[ExternalWrench], f64),
         vdot: &mut [f64],
     ) {
@@ -103,17 +121,17 @@ impl Articulated {
         for b in (1..tree.bodies.len()).rev() {
             let body = &tree.bodies[b];
             if body.columns == 1 {
-                self.fold_one(tree, kin, tau, b);
+                self.fold_one(tree, kin, armature, tau, b);
             } else {
-                self.fold_ball(tree, kin, tau, b);
+                self.fold_ball(tree, kin, armature, tau, b);
             }
         }
-        self.spread(tree, kin, tau, vdot);
+        self.spread(tree, kin, armature, tau, vdot);
     }
 
     /// Hangs the body `b` of a turning or sliding joint on its parent.
     #[inline]
-    fn fold_one(&mut self, tree: &Tree, kin: &Kinematics, tau: &[f64], b: usize) {
+    fn fold_one(&mut self, tree: &Tree, kin: &Kinematics, armature: &[f64], tau: &[f64], b: usize) {
         let body = &tree.bodies[b];
         let column = body.column;
         let S = &kin.S[column];
@@ -122,7 +140,7 @@ impl Articulated {
         let U = multiply_lower(&IA, S);
         let u = tau[column] - dot6(S, &pA);
         // Positive definite: checked when the model was built.
-        let D = 1.0 / (dot6(S, &U) + tree.armature[column]);
+        let D = 1.0 / (dot6(S, &U) + armature[column]);
         let mut place = 0;
         for i in 0..6 {
             let scaled = U[i] * D;
@@ -143,7 +161,14 @@ impl Articulated {
     }
 
     /// Hangs the body `b` of a ball joint on its parent.
-    fn fold_ball(&mut self, tree: &Tree, kin: &Kinematics, tau: &[f64], b: usize) {
+    fn fold_ball(
+        &mut self,
+        tree: &Tree,
+        kin: &Kinematics,
+        armature: &[f64],
+        tau: &[f64],
+        b: usize,
+    ) {
         let body = &tree.bodies[b];
         let first = body.column;
         let mut IA = self.IA[b];
@@ -157,7 +182,7 @@ impl Articulated {
             for j in 0..3 {
                 D[(j, i)] = dot6(&kin.S[first + j], &U);
             }
-            D[(i, i)] += tree.armature[first + i];
+            D[(i, i)] += armature[first + i];
         }
         let D = D.try_inverse().unwrap_or_else(Mat3::zeros);
         for i in 0..3 {
@@ -186,7 +211,14 @@ impl Articulated {
     }
 
     /// Base to tip: accelerations; gravity as an upward acceleration of the base.
-    fn spread(&mut self, tree: &Tree, kin: &Kinematics, tau: &[f64], vdot: &mut [f64]) {
+    fn spread(
+        &mut self,
+        tree: &Tree,
+        kin: &Kinematics,
+        armature: &[f64],
+        tau: &[f64],
+        vdot: &mut [f64],
+    ) {
         let g = tree.gravity;
         let base = &tree.bodies[0];
         self.A[0] = if base.motion == Move::Free {
@@ -198,7 +230,7 @@ impl Articulated {
             let right = Vector6::from_fn(|i, _| tau[i] - self.pA[0][i] - carried[i]);
             let IA = Matrix6::from_fn(|i, j| {
                 let (high, low) = (i.max(j), i.min(j));
-                let armature = if i == j { tree.armature[i] } else { 0.0 };
+                let armature = if i == j { armature[i] } else { 0.0 };
                 self.IA[0][high * (high + 1) / 2 + low] + armature
             });
             let x = IA

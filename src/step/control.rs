@@ -21,7 +21,7 @@ use crate::step::smooth::{accept_explicit, follow, next_proposal};
 use crate::tree::Tree;
 
 /// Longest step, s: a robot at rest in the air must still notice that it falls.
-const MAX_STEP: f64 = 0.05;
+pub(super) const MAX_STEP: f64 = 0.05;
 /// Shortest step that error control asks for, s; a step that fails its test there is accepted and counted.
 const MIN_STEP: f64 = 1e-7;
 /// Largest value that the shortest step may rise to, s, see [`patience`].
@@ -38,6 +38,9 @@ const BOUNCE_SHARE: f64 = 0.2;
 const REST_SPEED: f64 = 1e-7;
 /// Share of a step after which a joint that reaches its limit ends it: one that is slower in coming there may never.
 const CREEP: f64 = 0.1;
+/// Share of the step that the error estimate allows which a Runge–Kutta step takes next: at 0.9 every fourth was taken in
+/// vain on swinging arms, at 0.8 every tenth.
+const EXPLICIT_SAFETY: f64 = 0.8;
 /// Growth and shrinkage of the step, at most.
 pub(super) const GROWTH: (f64, f64) = (0.1, 5.0);
 
@@ -165,7 +168,8 @@ impl Stepper {
         let error = self.explicit_step(ctx, pair, state, h);
         let floor = patience(state, ctx.tolerance, h, remaining);
         let power = -1.0 / f64::from(pair.order);
-        let factor = (0.9 * libm::pow(error.max(1e-10), power)).clamp(GROWTH.0, GROWTH.1);
+        let factor = EXPLICIT_SAFETY * libm::pow(error.max(1e-10), power);
+        let factor = factor.clamp(GROWTH.0, GROWTH.1);
         way.current = true;
         if error <= 1.0 || (h <= floor && error.is_finite()) {
             if error > 1.0 {
@@ -174,12 +178,16 @@ impl Stepper {
             way.proposed = next_proposal(way.proposed, h, pair, factor, ctx.tolerance).max(floor);
             way.book(state, h);
             if h > remaining {
-                self.look_ahead(ctx, state, way.begin + way.done, h, way.end);
+                self.look_ahead(ctx, pair, state, way.begin + way.done, h, way.end);
                 way.arrive();
                 return Ok(());
             }
             accept_explicit(&mut self.explicit, pair, state);
             way.go(h);
+            way.current = pair.is_explicit();
+            if !way.current {
+                return Ok(());
+            }
             // The last stage stands at the new state: it tells whether the next step may be explicit, too.
             std::mem::swap(&mut self.start.kin, &mut self.middle.kin);
             let next = landing(way.proposed.min(MAX_STEP), way.remaining());

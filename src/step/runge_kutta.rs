@@ -1,10 +1,22 @@
-//! Explicit steps where nothing is stiff: Runge–Kutta pairs on the equations of motion.
+//! Explicit steps where nothing is stiff but damping: Runge–Kutta pairs on the equations of motion.
 //!
 //! Used while no shape is near the ground, no limit is near, and no motor, servo or dry friction acts: robots in the
 //! air, passive or torque-driven arms. Dormand–Prince 5(4) takes the long steps; Bogacki–Shampine 3(2) those that end
 //! early because the communication step does. Quaternions are integrated as four numbers and normalised after each step.
 //!
-//! Source: Dormand & Prince 1980; Bogacki & Shampine 1989; Hairer, Nørsett & Wanner 1993, sections II.4 to II.6.
+//! Damping that is faster than the motion holds explicit steps up. It is linear, and diagonal in joint space, so it may be
+//! taken implicitly at no cost: with the velocity `u` of the explicit weights and `z` of the implicit ones
+//! ([`KENNEDY_CARPENTER`], whose two sets share the weights of the solution), each stage solves
+//!
+//! ```text
+//! (M(q) + h γ D) v̇ = τ − k(q, u) − D z,    z = v + h Σ (implicit weights of earlier stages) v̇
+//! ```
+//!
+//! with the one factor that an explicit stage needs, too. It is a Runge–Kutta method for `F(u, z)` partitioned by argument,
+//! hence of the order of the pair.
+//!
+//! Source: Dormand & Prince 1980; Bogacki & Shampine 1989; Hairer, Nørsett & Wanner 1993, sections II.4 to II.6; Kennedy &
+//! Carpenter 2003 (ARK4(3)6L[2]SA); Boscarino, Filbet & Russo 2016 (one function of an explicit and an implicit argument).
 
 use crate::actuator::{self, Drive, JointTerm};
 use crate::dynamics::aba::Articulated;
@@ -18,15 +30,29 @@ use crate::tree::{Move, Tree};
 /// Most stages of a pair; the last one stands at the new state.
 const STAGES: usize = 7;
 
-/// A Runge–Kutta pair whose last stage is the first of the next step.
+/// A Runge–Kutta pair. If it is explicit, its last stage is the first of the next step.
 #[derive(Debug)]
 pub struct Pair {
     /// Row `i` holds the weights of stages `0 … i` for stage `i + 1`; the last row is the solution.
     weights: &'static [&'static [f64]],
+    /// The same for the velocity that damping takes, of all rows but the last; empty: damping is explicit.
+    implicit: &'static [&'static [f64]],
+    /// Weight of a stage in its own velocity that damping takes.
+    gamma: f64,
+    /// Share of the tolerance that a step may use: steps are few and long, and what many of them add up to shall be of the
+    /// size of the tolerance still. Damping forgets; without it twice the steps buy a fiftieth of the error.
+    pub share: f64,
     /// Solution minus embedded solution.
     error: &'static [f64],
     /// Order of the error estimate plus one: the error of a step of length h grows like h to this power.
     pub order: i32,
+}
+
+impl Pair {
+    /// Whether damping is explicit like everything else.
+    pub fn is_explicit(&self) -> bool {
+        self.implicit.is_empty()
+    }
 }
 
 /// Dormand–Prince 5(4).
@@ -66,6 +92,9 @@ pub static DORMAND_PRINCE: Pair = Pair {
         22.0 / 525.0,
         -1.0 / 40.0,
     ],
+    implicit: &[],
+    gamma: 0.0,
+    share: 0.02,
     order: 5,
 };
 
@@ -77,7 +106,78 @@ pub static BOGACKI_SHAMPINE: Pair = Pair {
         &[2.0 / 9.0, 1.0 / 3.0, 4.0 / 9.0],
     ],
     error: &[-5.0 / 72.0, 1.0 / 12.0, 1.0 / 9.0, -1.0 / 8.0],
+    implicit: &[],
+    gamma: 0.0,
+    share: 0.02,
     order: 3,
+};
+
+/// Kennedy–Carpenter 4(3), additive, of six stages.
+pub static KENNEDY_CARPENTER: Pair = Pair {
+    weights: &[
+        &[1.0 / 2.0],
+        &[13_861.0 / 62_500.0, 6_889.0 / 62_500.0],
+        &[
+            -116_923_316_275.0 / 2_393_684_061_468.0,
+            -2_731_218_467_317.0 / 15_368_042_101_831.0,
+            9_408_046_702_089.0 / 11_113_171_139_209.0,
+        ],
+        &[
+            -451_086_348_788.0 / 2_902_428_689_909.0,
+            -2_682_348_792_572.0 / 7_519_795_681_897.0,
+            12_662_868_775_082.0 / 11_960_479_115_383.0,
+            3_355_817_975_965.0 / 11_060_851_509_271.0,
+        ],
+        &[
+            647_845_179_188.0 / 3_216_320_057_751.0,
+            73_281_519_250.0 / 8_382_639_484_533.0,
+            552_539_513_391.0 / 3_454_668_386_233.0,
+            3_354_512_671_639.0 / 8_306_763_924_573.0,
+            4_040.0 / 17_871.0,
+        ],
+        &[
+            82_889.0 / 524_892.0,
+            0.0,
+            15_625.0 / 83_664.0,
+            69_875.0 / 102_672.0,
+            -2_260.0 / 8_211.0,
+            1.0 / 4.0,
+        ],
+    ],
+    implicit: &[
+        &[1.0 / 4.0],
+        &[8_611.0 / 62_500.0, -1_743.0 / 31_250.0],
+        &[
+            5_012_029.0 / 34_652_500.0,
+            -654_441.0 / 2_922_500.0,
+            174_375.0 / 388_108.0,
+        ],
+        &[
+            15_267_082_809.0 / 155_376_265_600.0,
+            -71_443_401.0 / 120_774_400.0,
+            730_878_875.0 / 902_184_768.0,
+            2_285_395.0 / 8_070_912.0,
+        ],
+        &[
+            82_889.0 / 524_892.0,
+            0.0,
+            15_625.0 / 83_664.0,
+            69_875.0 / 102_672.0,
+            -2_260.0 / 8_211.0,
+        ],
+    ],
+    gamma: 1.0 / 4.0,
+    // The solution's weights minus those of the embedded third order.
+    error: &[
+        82_889.0 / 524_892.0 - 4_586_570_599.0 / 29_645_900_160.0,
+        0.0,
+        15_625.0 / 83_664.0 - 178_811_875.0 / 945_068_544.0,
+        69_875.0 / 102_672.0 - 814_220_225.0 / 1_159_782_912.0,
+        -2_260.0 / 8_211.0 + 3_700_637.0 / 11_593_932.0,
+        1.0 / 4.0 - 61_727.0 / 225_920.0,
+    ],
+    share: 0.1,
+    order: 4,
 };
 
 /// Weights of the stages in the last coefficient of Dormand–Prince's continuous extension.
@@ -113,6 +213,10 @@ pub struct Explicit {
     v_rate: [Vec<f64>; STAGES],
     factor: Vec<f64>,
     effort: Vec<f64>,
+    /// Velocities that damping takes.
+    damped: Vec<f64>,
+    /// Rotor inertia, and what implicit damping adds to it.
+    armature: Vec<f64>,
     articulated: Articulated,
     /// Whether stage 0 holds the rates at the current state.
     fresh: bool,
@@ -130,6 +234,8 @@ impl Explicit {
             v_rate: std::array::from_fn(|_| vec![0.0; nv]),
             factor: vec![0.0; tree.sparsity.entries()],
             effort: vec![0.0; nv],
+            damped: vec![0.0; nv],
+            armature: vec![0.0; nv],
             articulated: Articulated::new(tree),
             fresh: false,
         }
@@ -147,17 +253,20 @@ impl Explicit {
         [first, second]
     }
 
-    /// Takes the rates at the end of the last step by `pair` as those at the start of the next.
+    /// Takes the rates at the end of the last step by `pair` as those at the start of the next, if there are any.
     pub fn accept(&mut self, pair: &Pair) {
-        self.q_rate.swap(0, pair.weights.len());
-        self.v_rate.swap(0, pair.weights.len());
-        self.fresh = true;
+        self.fresh = pair.is_explicit();
+        if self.fresh {
+            self.q_rate.swap(0, pair.weights.len());
+            self.v_rate.swap(0, pair.weights.len());
+        }
     }
 
-    /// One step of `h` seconds from `(q, v)`, into `self.q`, `self.v` and `self.error`.
+    /// One step of `h` seconds from `(q, v)`, into `self.q` and `self.v`.
     ///
     /// - `start`: kinematics at `(q, v)`: poses and velocities, and unless the tree is `long` mass matrix and bias
-    /// - `kin`: overwritten; stands at the new state afterwards
+    /// - `kin`: overwritten; poses and velocities are those of the new state afterwards
+    /// - `finish`: whether an explicit pair's last stage is wanted, for error and next step
     #[expect(clippy::too_many_arguments, reason = "start and end of a step")]
     pub fn step(
         &mut self,
@@ -168,10 +277,12 @@ impl Explicit {
         q: &[f64],
         v: &[f64],
         h: f64,
+        finish: bool,
     ) {
         let tree = system.ctx.tree;
         if !self.fresh {
-            self.accelerations(system, start, 0, v);
+            self.damped.copy_from_slice(v);
+            self.accelerations(system, start, 0, v, 0.0);
             position_rates(tree, q, v, &mut self.q_rate[0]);
             self.fresh = true;
         }
@@ -186,20 +297,51 @@ impl Explicit {
             let system = &Smooth { ctx, ..*system };
             kin.update_poses(tree, &stage_q);
             kin.update_velocities(tree, &stage_v);
+            let last = stage + 1 == pair.weights.len();
+            if last && !(finish && pair.is_explicit()) {
+                self.q = stage_q;
+                self.v = stage_v;
+                return;
+            }
             if !tree.long {
                 crba::mass_matrix(tree, kin);
                 rnea::bias(tree, kin, &stage_v, &ctx.inputs.wrenches, ctx.elapsed);
             }
-            self.accelerations(system, kin, stage + 1, &stage_v);
-            position_rates(tree, &stage_q, &stage_v, &mut self.q_rate[stage + 1]);
+            let mut own = 0.0;
+            if let Some(weights) = pair.implicit.get(stage) {
+                own = h * pair.gamma;
+                combine(&mut self.damped, v, &self.v_rate, weights, h);
+            } else {
+                self.damped.copy_from_slice(&stage_v);
+            }
+            self.accelerations(system, kin, stage + 1, &stage_v, own);
+            for (z, a) in self.damped.iter_mut().zip(&self.v_rate[stage + 1]) {
+                *z += own * a;
+            }
+            let rates = &mut self.q_rate[stage + 1];
+            position_rates(tree, &stage_q, &self.damped, rates);
             self.q = stage_q;
             self.v = stage_v;
         }
-        self.estimate(pair, tree, h);
     }
 
-    /// The polynomials of the step that was just taken by [`DORMAND_PRINCE`] from `(q, v)`, before it is accepted.
-    pub fn extension(&self, q: &[f64], v: &[f64], h: f64, coefficients: &mut Vec<f64>) {
+    /// The polynomials of the step that was just taken by one of the pairs for long steps from `(q, v)`, before it is accepted:
+    /// cubics through values and rates at both ends, and what Dormand–Prince adds to them. The last stage of an implicit
+    /// pair is at the end, too: positions change there with the new velocity, which is exact, and velocities with an
+    /// acceleration that is third order in h.
+    pub fn extension(
+        &self,
+        pair: &Pair,
+        q: &[f64],
+        v: &[f64],
+        h: f64,
+        coefficients: &mut Vec<f64>,
+    ) {
+        let (weights, end_rate): (&[f64], _) = if pair.is_explicit() {
+            (&EXTENSION, STAGES - 1)
+        } else {
+            (&[], pair.weights.len() - 1)
+        };
         coefficients.clear();
         let parts = [(q, &self.q, &self.q_rate), (v, &self.v, &self.v_rate)];
         for (from, to, rates) in parts {
@@ -207,14 +349,14 @@ impl Explicit {
                 let difference = end - start;
                 let bend = h * rates[0][i] - difference;
                 let mut last = 0.0;
-                for (rate, weight) in rates.iter().zip(EXTENSION) {
+                for (rate, weight) in rates.iter().zip(weights) {
                     last += weight * rate[i];
                 }
                 let row: [f64; COEFFICIENTS] = [
                     *start,
                     difference,
                     bend,
-                    difference - h * rates[STAGES - 1][i] - bend,
+                    difference - h * rates[end_rate][i] - bend,
                     h * last,
                 ];
                 coefficients.extend(row);
@@ -222,8 +364,8 @@ impl Explicit {
         }
     }
 
-    /// Errors of the step just taken.
-    fn estimate(&mut self, pair: &Pair, tree: &Tree, h: f64) {
+    /// Errors of the step just taken, into `self.error`.
+    pub fn estimate(&mut self, pair: &Pair, tree: &Tree, h: f64) {
         let [velocity, position] = &mut self.error;
         for (i, velocity) in velocity.iter_mut().enumerate() {
             *velocity = 0.0;
@@ -260,11 +402,20 @@ impl Explicit {
         }
     }
 
-    /// Accelerations of stage `stage` from up-to-date kinematics.
-    fn accelerations(&mut self, system: &Smooth, kin: &Kinematics, stage: usize, v: &[f64]) {
+    /// Accelerations of stage `stage` from up-to-date kinematics for `v`; damping acts on `self.damped` and `own` seconds of
+    /// the acceleration.
+    fn accelerations(
+        &mut self,
+        system: &Smooth,
+        kin: &Kinematics,
+        stage: usize,
+        v: &[f64],
+        own: f64,
+    ) {
         let Context { tree, inputs, .. } = system.ctx;
         let acceleration = &mut self.v_rate[stage];
         self.effort.fill(0.0);
+        self.armature.copy_from_slice(&tree.armature);
         for term in system.joints {
             let v = v[term.dof];
             let effort = match (term.drive, term.actuator) {
@@ -275,13 +426,16 @@ impl Explicit {
                 (Drive::Effort(effort), _) => effort,
                 _ => 0.0,
             };
-            self.effort[term.dof] += term.line.cut((effort, 0.0), v).0 - term.damping * v;
+            let resistance = term.damping * self.damped[term.dof];
+            self.effort[term.dof] += term.line.cut((effort, 0.0), v).0 - resistance;
+            self.armature[term.dof] += own * term.damping;
         }
         if tree.long {
-            self.articulated.accelerations(
+            self.articulated.accelerations_with(
                 tree,
                 kin,
                 v,
+                &self.armature,
                 &self.effort,
                 (&inputs.wrenches, system.ctx.elapsed),
                 acceleration,
@@ -292,6 +446,11 @@ impl Explicit {
             *a = effort - k;
         }
         self.factor.copy_from_slice(&kin.M);
+        if own > 0.0 {
+            for term in system.joints {
+                self.factor[tree.sparsity.diagonal(term.dof)] += own * term.damping;
+            }
+        }
         tree.sparsity.factor(&mut self.factor);
         tree.sparsity.solve(&self.factor, acceleration);
     }

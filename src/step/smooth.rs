@@ -1,11 +1,13 @@
-//! When nothing stiff acts, and how far an explicit step may then reach.
+//! When nothing stiff acts but damping, and how far a Runge–Kutta step may then reach.
 
 use crate::actuator::{Drive, JointTerm};
 use crate::contact::is_clear;
 use crate::state::State;
-use crate::step::control::{GROWTH, Stepper, grown, landing, worst_error};
+use crate::step::control::{GROWTH, MAX_STEP, Stepper, grown, landing, worst_error};
 use crate::step::point::Context;
-use crate::step::runge_kutta::{BOGACKI_SHAMPINE, DORMAND_PRINCE, Explicit, Pair, Smooth};
+use crate::step::runge_kutta::{
+    BOGACKI_SHAMPINE, DORMAND_PRINCE, Explicit, KENNEDY_CARPENTER, Pair, Smooth,
+};
 use crate::tree::Tree;
 
 /// Longest explicit step, s.
@@ -15,9 +17,6 @@ const MAX_EXPLICIT_STEP: f64 = 0.1;
 const SHORT: f64 = 0.5;
 /// See [`SHORT`].
 const PAIR_EXPONENT: f64 = 2.0 / 15.0;
-/// Share of the tolerance that an explicit step may use: its steps are few and long, and what many of them add up to
-/// shall be of the size of the tolerance still. Twice the steps for a fiftieth of the error.
-const EXPLICIT_SHARE: f64 = 0.02;
 /// Error that an explicit step counts as if it has run into something: half the step is tried next.
 const HIT: f64 = 32.0;
 
@@ -37,37 +36,47 @@ impl Stepper {
         let long = proposed.min(MAX_EXPLICIT_STEP);
         if state.ahead.changed == 0.0 {
             if self.is_free(ctx, state, long) {
-                return Some((&DORMAND_PRINCE, long));
+                return Some(if self.resolves_damping(long) {
+                    (&DORMAND_PRINCE, long)
+                } else {
+                    (&KENNEDY_CARPENTER, long.min(MAX_STEP))
+                });
             }
-            // Implicit steps reach farther than explicit ones that damping holds up.
+            // Implicit steps reach farther than those that end at the communication point.
             if self.may_look_ahead(ctx, state, long) {
                 return None;
             }
         }
         let h = landing(long, remaining);
+        if !self.is_free(ctx, state, h) {
+            return None;
+        }
         let short = h < SHORT * proposed * libm::pow(ctx.tolerance, PAIR_EXPONENT);
-        let pair = if short {
-            &BOGACKI_SHAMPINE
-        } else {
-            &DORMAND_PRINCE
+        let pair = match (self.resolves_damping(h), short) {
+            (true, true) => &BOGACKI_SHAMPINE,
+            (true, false) => &DORMAND_PRINCE,
+            (false, false) => &KENNEDY_CARPENTER,
+            // Cut as short as this, one implicit solve may do.
+            (false, true) => return None,
         };
-        self.is_free(ctx, state, h).then_some((pair, h))
+        Some((pair, h))
     }
 
-    /// Keeps what lies beyond the communication point at `end` of the explicit step of `h` seconds from time `start`.
+    /// Keeps what lies beyond the communication point at `end` of the step of `h` seconds by `pair` from time `start`.
     pub(super) fn look_ahead(
         &mut self,
         ctx: &Context,
+        pair: &Pair,
         state: &mut State,
         start: f64,
         h: f64,
         end: f64,
     ) {
         self.explicit
-            .extension(&state.q, &state.v, h, &mut state.ahead.coefficients);
+            .extension(pair, &state.q, &state.v, h, &mut state.ahead.coefficients);
         state.ahead.start = start;
         state.ahead.length = h;
-        accept_explicit(&mut self.explicit, &DORMAND_PRINCE, state);
+        accept_explicit(&mut self.explicit, pair, state);
         let State { ahead, q, v, .. } = state;
         ahead.evaluate(ctx.tree, end, q, v);
     }
@@ -89,13 +98,22 @@ impl Stepper {
                 .all(|term| !term.is_stiff() && !may_become_stiff(term) && term.damping >= 0.0)
     }
 
-    /// Whether nothing comes near within `h` seconds, and damping is resolved.
+    /// Whether nothing comes near within `h` seconds, and a motor's torque–speed line is resolved.
     fn is_free(&self, ctx: &Context, state: &State, h: f64) -> bool {
         let kin = &self.start.kin;
         self.start.joints.terms.iter().all(|term| {
             !term.near_limit(state.v[term.dof], h)
-                && h * term.steepness() * kin.inverse_diagonal[term.dof] < 1.0
+                && h * term.line.slope() * kin.inverse_diagonal[term.dof] < 1.0
         }) && is_clear(ctx.tree, kin, h)
+    }
+
+    /// Whether damping is slower than a step of `h` seconds.
+    fn resolves_damping(&self, h: f64) -> bool {
+        let inverse = &self.start.kin.inverse_diagonal;
+        let terms = &self.start.joints.terms;
+        terms
+            .iter()
+            .all(|term| h * term.damping * inverse[term.dof] < 1.0)
     }
 
     /// Explicit step into `self.explicit`; returns its error relative to the tolerance.
@@ -106,16 +124,11 @@ impl Stepper {
         state: &State,
         h: f64,
     ) -> f64 {
-        let system = Smooth {
-            ctx: *ctx,
-            joints: &self.start.joints.terms,
-        };
-        let (start, middle) = (&self.start.kin, &mut self.middle.kin);
-        self.explicit
-            .step(pair, &system, start, middle, &state.q, &state.v, h);
+        self.run_stages(ctx, pair, state, h, true);
+        self.explicit.estimate(pair, ctx.tree, h);
         let [velocity, position] = &self.explicit.error;
         let errors = position.iter().copied().zip(velocity.iter().copied());
-        let error = worst_error(errors, &ctx.tree.weight) / (EXPLICIT_SHARE * ctx.tolerance);
+        let error = worst_error(errors, &ctx.tree.weight) / (pair.share * ctx.tolerance);
         if self.stays_free(ctx, state, h) {
             error
         } else {
@@ -123,14 +136,26 @@ impl Stepper {
         }
     }
 
+    fn run_stages(&mut self, ctx: &Context, pair: &Pair, state: &State, h: f64, finish: bool) {
+        let system = Smooth {
+            ctx: *ctx,
+            joints: &self.start.joints.terms,
+        };
+        let (start, end) = (&self.start.kin, &mut self.middle.kin);
+        self.explicit
+            .step(pair, &system, start, end, &state.q, &state.v, h, finish);
+    }
+
     /// Takes an explicit step of `h` seconds, a fixed length, where nothing stiff acts and nothing is met; tells whether.
     pub(super) fn fixed_explicit_step(&mut self, ctx: &Context, state: &mut State, h: f64) -> bool {
-        if !(self.nothing_stiff(ctx) && self.is_free(ctx, state, h)) {
+        if !(self.nothing_stiff(ctx) && self.is_free(ctx, state, h) && self.resolves_damping(h)) {
             return false;
         }
         self.explicit.restart();
-        let error = self.explicit_step(ctx, &BOGACKI_SHAMPINE, state, h);
-        let taken = error.is_finite() && self.stays_free(ctx, state, h);
+        self.run_stages(ctx, &BOGACKI_SHAMPINE, state, h, false);
+        let Explicit { q, v, .. } = &self.explicit;
+        let finite = q.iter().chain(v).all(|x| x.is_finite());
+        let taken = finite && self.stays_free(ctx, state, h);
         if taken {
             accept_explicit(&mut self.explicit, &BOGACKI_SHAMPINE, state);
         }
@@ -199,7 +224,7 @@ pub(super) fn next_proposal(
     factor: f64,
     tolerance: f64,
 ) -> f64 {
-    if pair.order == DORMAND_PRINCE.order {
+    if pair.order > BOGACKI_SHAMPINE.order {
         grown(proposed, h, factor)
     } else if factor >= GROWTH.1 {
         proposed

@@ -65,6 +65,37 @@ fn an_effort_acts_from_the_communication_point_at_which_it_is_set() {
     assert!((s.state().q[0] - 0.125).abs() < 1e-12, "{}", s.state().q[0]);
 }
 
+/// 10 N on 1 kg with damping d: x = F/d (t − m/d (1 − exp(−d t/m))), whatever d. Damping that is a hundred thousand times
+/// faster than the motion costs no more steps than damping as fast as it, and no look in between sees anything else.
+#[test]
+fn damping_of_any_strength_is_followed_in_few_steps() {
+    for damping in [1.0, 1e2, 1e3, 1e5] {
+        let mut b = Builder::new(false, crate::spatial::RigidInertia::ZERO);
+        let cart = b.link(
+            0u32.into_link(),
+            Pose::IDENTITY,
+            Motion::Prismatic(X),
+            inertia(1.0, Vec3::zeros(), [0.01; 3]),
+        );
+        b.actuator(cart, ActuatorMode::Effort, 10.0);
+        b.model.joints[0].damping = damping;
+        let mut s = start(b.model, 1e-3);
+        s.set_input(InputSlot::Effort(ActuatorId(0)), 10.0);
+        let mut worst = 0.0_f64;
+        for i in 1..=1000 {
+            let t = f64::from(i) * 1e-3;
+            s.advance_to(t).expect("finite");
+            let x = 10.0 / damping * (t - (1.0 - libm::exp(-damping * t)) / damping);
+            worst = worst.max((s.state().q[0] - x).abs());
+        }
+        let tries = s.state().counters[0] + s.state().counters[1];
+        assert!(
+            worst < 1e-4 && tries < 60,
+            "{damping}: {worst:e} m in {tries} steps"
+        );
+    }
+}
+
 /// Saved in the middle of a step that reaches beyond the communication point.
 #[test]
 fn a_state_saved_within_a_long_step_continues_bit_for_bit() {

@@ -7,7 +7,7 @@ use crate::simulation::Simulation;
 use crate::spatial::{Pose, RigidInertia, Vec3};
 use crate::step::control::Stepper;
 use crate::step::point::Context;
-use crate::step::runge_kutta::{BOGACKI_SHAMPINE, DORMAND_PRINCE, Pair};
+use crate::step::runge_kutta::{BOGACKI_SHAMPINE, DORMAND_PRINCE, KENNEDY_CARPENTER, Pair};
 use crate::step::smooth::accept_explicit;
 use crate::testing::{Builder, inertia};
 use std::sync::Arc;
@@ -20,8 +20,9 @@ enum Method {
     Fixed,
 }
 
-/// Case A3: a free asymmetric body; A4: a pendulum from horizontal; A5: a double pendulum from horizontal.
-fn motions() -> [(&'static str, Model); 3] {
+/// Case A3: a free asymmetric body; A4: a pendulum from horizontal; A5: a double pendulum from horizontal, and the same with
+/// damping.
+fn motions() -> [(&'static str, Model); 4] {
     let mut top = Builder::new(true, inertia(1.0, Vec3::zeros(), [1.0, 2.0, 3.0]));
     top.model.world.gravity = Vec3::zeros();
     top.model.initial.angular_velocity = Vec3::new(1.0, 1.0, 1.0);
@@ -38,7 +39,16 @@ fn motions() -> [(&'static str, Model); 3] {
         }
         b.model
     };
-    [("A3", top.model), ("A4", pendulum(1)), ("A5", pendulum(2))]
+    let mut damped = pendulum(2);
+    for joint in &mut damped.joints {
+        joint.damping = 2.0;
+    }
+    [
+        ("A3", top.model),
+        ("A4", pendulum(1)),
+        ("A5", pendulum(2)),
+        ("A5 with damping", damped),
+    ]
 }
 
 /// Positions and velocities after 1 s in `count` equal steps.
@@ -85,13 +95,13 @@ fn end(model: &Model, method: Method, count: u32) -> Vec<f64> {
     state.q.iter().chain(&state.v).copied().collect()
 }
 
-/// A6. The error falls with the order of the method: 5 and 3 for the explicit pairs, 2 for the extrapolated step, and for
-/// an implicit step of fixed length that looks at its middle for the bias, 1 (its mass matrix is that of its start). Over three halvings of the step.
+/// A6. The error falls with the order of the method: 5 and 3 for the explicit pairs, 4 for the one that takes damping
+/// implicitly, 2 for the extrapolated step, and for an implicit step of fixed length that looks at its middle for the bias, 1 (its mass matrix is that of its start). Over three halvings of the step.
 #[test]
 #[allow(clippy::print_stdout, reason = "the table is made from it")]
 fn a6_errors_fall_with_the_order_of_the_method() {
     // Steps of the pairs: short enough for the order to show, long enough for the error to stay above round-off.
-    for ((case, model), steps) in motions().into_iter().zip([20, 40, 40]) {
+    for ((case, model), steps) in motions().into_iter().zip([20, 40, 40, 80]) {
         let exact = end(&model, Method::Explicit(&DORMAND_PRINCE), 2000);
         let error = |method, count| {
             let at = end(&model, method, count);
@@ -110,6 +120,12 @@ fn a6_errors_fall_with_the_order_of_the_method() {
                 Method::Explicit(&BOGACKI_SHAMPINE),
                 2 * steps,
                 3.0,
+            ),
+            (
+                "Kennedy–Carpenter",
+                Method::Explicit(&KENNEDY_CARPENTER),
+                steps,
+                4.0,
             ),
             ("extrapolated", Method::Doubled, 100, 2.0),
             ("fixed", Method::Fixed, 100, 1.0),
