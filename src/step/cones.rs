@@ -1,12 +1,17 @@
 //! Friction cones within a step: how far a contact's normal force runs ahead of the friction that it allows.
 //!
 //! A solve takes the largest friction of a contact from a normal force that is known before: that of the step's start.
-//! Where a robot pitches because it slips, the normal force answers friction within milliseconds, and a step that is
-//! longer than that sees the answer one solve late: slipping on front and rear wheels then feeds on itself, more so
-//! when it is extrapolated (an error `e` of the forces becomes `(2c² + c) e`, with `c` the share of friction that comes
-//! back as normal force). Where it matters the full solve is therefore repeated with the normal forces that it has
-//! found until they agree, by a secant through the last two tries (Anderson's mixing of depth one); the half steps take
-//! the forces half way to them and at them. All three are then late or early by half their length, and the order is two.
+//! Two things make that force a bad guess for the step:
+//!
+//! - Where a robot pitches because it slips, the normal force answers friction within milliseconds. A longer step sees
+//!   the answer one solve late, and slipping on front and rear wheels feeds on itself, more so when it is extrapolated:
+//!   an error `e` of the forces becomes `(2c² + c) e`, with `c` the share of friction that comes back as normal force.
+//! - A light link presses into the ground by less than the tolerance: what its penetration at the start says of its
+//!   load is noise.
+//!
+//! There the full solve is repeated with the normal forces that it has found until they agree, by a secant through the
+//! last two tries (Anderson's mixing of depth one); the half steps take the forces half way to them and at them. All
+//! three are then late or early by half their length, and the order is two.
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
@@ -36,8 +41,14 @@ impl Cones {
     }
 
     /// Friction that a solve over `h` seconds has had too little or too much of, by the normal forces that it has found, N.
-    /// Contacts on which `mass` answers more slowly than that do not count: the step resolves them.
-    pub(super) fn lag(start: &Point, solved: &Newton, mass: f64, h: f64) -> f64 {
+    /// Contacts that the step resolves do not count: those on which `mass`, kg, answers more slowly, and which are deeper
+    /// than `tolerance`, m.
+    pub(super) fn lag(
+        start: &Point,
+        solved: &Newton,
+        (mass, tolerance): (f64, f64),
+        h: f64,
+    ) -> f64 {
         let mut lag = 0.0;
         for (contact, response) in start.contacts.iter().zip(&solved.responses) {
             let normal = contact.normal.dot(&response.impulse);
@@ -45,7 +56,10 @@ impl Cones {
             let friction = response.impulse - contact.normal * normal;
             let slips =
                 response.slip != Vec3::zeros() || friction.norm_squared() > h * h * cap * cap;
-            if slips && h * h * contact.stiffness > mass {
+            let load = cap.max(contact.cap) / contact.mu;
+            let coarse = h * h * contact.stiffness > mass || load < tolerance * contact.stiffness;
+            let slips = slips || (contact.cap <= 0.0 && cap > 0.0);
+            if slips && coarse {
                 lag += (cap - contact.cap).abs();
             }
         }

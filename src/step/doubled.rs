@@ -78,7 +78,7 @@ impl Stepper {
         let mass = ctx.tree.moving_mass;
         let allowed = LAG_SHARE * ctx.tolerance * mass / VELOCITY_WEIGHT;
         for attempt in 0..MAX_ATTEMPTS {
-            if h * Cones::lag(&self.start, &self.full, mass, h) <= allowed {
+            if h * Cones::lag(&self.start, &self.full, (mass, ctx.tolerance), h) <= allowed {
                 break;
             }
             if attempt == 0 {
