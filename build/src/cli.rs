@@ -83,7 +83,7 @@ struct Source {
     /// SRDF of the robot: its passive joints, and its states for --initial-state
     #[arg(long, value_name = "FILE.srdf")]
     srdf: Option<PathBuf>,
-    /// Joint positions to start with: a <group_state> of the SRDF
+    /// Joint positions to start with: a group state of the SRDF
     #[arg(long, value_name = "NAME", requires = "srdf")]
     initial_state: Option<String>,
     /// Folder to look in for `package://`; may be repeated
