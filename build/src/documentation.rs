@@ -184,11 +184,21 @@ fn variables(out: &mut String, table: &[Variable]) {
         if rows.is_empty() {
             continue;
         }
-        _ = write!(
-            out,
-            "<h3>{title}</h3>\n<table>\n<tr><th>Name</th><th>Unit</th><th>Start</th><th>Range</th><th>Kind</th>\
-             <th>Meaning</th></tr>\n"
-        );
+        // Outputs have no start and no range; all inputs and all outputs are of one kind.
+        let (starts, kinds) = (title != "Outputs", title == "Parameters");
+        let heads = [
+            (true, "Name"),
+            (true, "Unit"),
+            (starts, "Start"),
+            (starts, "Range"),
+            (kinds, "Kind"),
+            (true, "Meaning"),
+        ];
+        _ = write!(out, "<h3>{title}</h3>\n<table>\n<tr>");
+        for (_, head) in heads.iter().filter(|(shown, _)| *shown) {
+            _ = write!(out, "<th>{head}</th>");
+        }
+        out.push_str("</tr>\n");
         for v in rows {
             let range = match (v.min, v.max) {
                 (None, None) => String::new(),
@@ -198,15 +208,20 @@ fn variables(out: &mut String, table: &[Variable]) {
                     max.map_or_else(|| "∞".to_owned(), short)
                 ),
             };
-            _ = writeln!(
-                out,
-                "<tr><td>{}</td><td>{}</td><td class=\"n\">{}</td><td class=\"n\">{range}</td><td>{}</td><td>{}</td></tr>",
-                code(&v.name),
-                unit(v),
-                v.start.map_or_else(String::new, short),
-                role(v),
-                escape(&v.description),
-            );
+            // A long name breaks after a dot.
+            let name = code(&v.name).replace('.', ".<wbr>");
+            _ = write!(out, "<tr><td>{name}</td><td>{}</td>", unit(v));
+            if starts {
+                let start = v.start.map_or_else(String::new, short);
+                _ = write!(
+                    out,
+                    "<td class=\"n\">{start}</td><td class=\"n\">{range}</td>"
+                );
+            }
+            if kinds {
+                _ = write!(out, "<td>{}</td>", role(v));
+            }
+            _ = writeln!(out, "<td>{}</td></tr>", escape(&v.description));
         }
         out.push_str("</table>\n");
     }

@@ -103,6 +103,14 @@ pub(super) fn check(scope: &mut Scope, inertial: &mut CheckedInertial, mass: Nod
             .map(|(name, value)| format!("{name}=\"{}\"", number(value)))
             .join(" ")
     };
+    // Not the round-off of a zero.
+    let shown = |moment: f64| {
+        if moment.abs() <= 1e-12 * largest {
+            "0".to_owned()
+        } else {
+            format!("{moment:.4e}")
+        }
+    };
     if !is_possible(&moments) {
         let message = format!(
             "the inertia is not positive definite: its principal moments are {smallest:.4e}, {middle:.4e}, {largest:.4e} kg m²"
@@ -118,7 +126,9 @@ pub(super) fn check(scope: &mut Scope, inertial: &mut CheckedInertial, mass: Nod
         });
     } else if largest - smallest - middle > TRIANGLE * largest {
         let message = format!(
-            "no body has this inertia: the principal moment {largest:.4e} exceeds the sum of the others, {smallest:.4e} + {middle:.4e} kg m²"
+            "no body has this inertia: the principal moment {largest:.4e} exceeds the sum of the others, {} + {} kg m²",
+            shown(smallest),
+            shown(middle)
         );
         let help = format!(
             "it is used as it is; the nearest a body can have is\n{}",
