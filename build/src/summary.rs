@@ -41,7 +41,8 @@ pub fn text(output: &Path, fmu: &Fmu, robot: &Robot) -> String {
     let assumptions: Vec<_> = robot
         .diagnostics
         .iter()
-        .filter(|d| d.severity == Severity::Note)
+        // That a tag is read is no assumption.
+        .filter(|d| d.severity == Severity::Note && d.code != "U023")
         .collect();
     if !assumptions.is_empty() {
         out.push_str("  assumed (urdf2fmu check says how to change it)\n");

@@ -22,6 +22,8 @@ const TIME_TOLERANCE: f64 = 1e-9;
 const STEP_TOLERANCE: f64 = 1e-3;
 /// Longest step, s. A longer one is a mistake, and would keep the host waiting for hours.
 const LONGEST_STEP: f64 = 1e6;
+/// How far outside its range a value may be without a word, relative to 1 and to the limit.
+const ROUND_OFF: f64 = 1e-9;
 
 /// What fmi2SetupExperiment says.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -366,7 +368,10 @@ impl Instance {
             variable.min.unwrap_or(f64::NEG_INFINITY),
             variable.max.unwrap_or(f64::INFINITY),
         );
-        if (min..=max).contains(&value) || self.range_logged[index] {
+        // Importers interpolate their tables, with round-off.
+        let slack = |limit: f64| ROUND_OFF * (1.0 + limit.abs());
+        let inside = value >= min - slack(min) && value <= max + slack(max);
+        if inside || self.range_logged[index] {
             return;
         }
         self.range_logged[index] = true;

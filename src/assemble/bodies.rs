@@ -88,7 +88,9 @@ pub(super) fn choose_base(robot: &mut Robot, settings: &Settings, findings: &mut
                     "set [robot] base = \"floating\" if it can move",
                 );
             } else {
-                let message = format!("the base is floating, its frame is that of '{name}'");
+                let message = format!(
+                    "the base is floating (--fixed-base mounts it), its frame is that of '{name}'"
+                );
                 findings.note(
                     "A107",
                     message,

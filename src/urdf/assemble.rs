@@ -31,6 +31,8 @@ pub(super) struct ReadMesh {
     /// Not to be packed: a symbolic link leads out of the robot's folders.
     linked: bool,
     vertices: Vec<Vec3>,
+    /// How far the mesh reaches out of their hull at most, m.
+    error: f64,
     /// Least and greatest coordinates of all that the file has.
     bounds: [Vec3; 2],
     /// Convex parts in place of the hull, where they are wanted.
@@ -113,12 +115,49 @@ pub(super) fn read_meshes(
             }
         }
     }
+    report_rough_hulls(scope, robot, &meshes);
     if let Some(at) = first_mesh {
         let message =
             format!("collision meshes are replaced by their convex hulls ({count}, first here)");
         scope.report.note("U110", at, message, "");
     }
     meshes
+}
+
+/// Tells how far the hulls are off that do not keep all corners, once for all of them, at the worst.
+fn report_rough_hulls(scope: &mut Scope, robot: &CheckedRobot, meshes: &Meshes) {
+    let mut rough: Vec<(&Path, f64, &Range<usize>, &str)> = Vec::new();
+    for (i, link) in robot.links.iter().enumerate() {
+        for (k, collision) in link.collisions.iter().enumerate() {
+            let (Geometry::Mesh { at, .. }, Some(mesh)) =
+                (&collision.geometry, meshes.hulls.get(&(i, k)))
+            else {
+                continue;
+            };
+            let size = (mesh.bounds[1] - mesh.bounds[0]).norm();
+            let known = rough.iter().any(|(path, ..)| *path == mesh.path);
+            if mesh.error > SILENT_ERROR * size && mesh.parts.is_none() && !known {
+                rough.push((&mesh.path, mesh.error, at, link.name));
+            }
+        }
+    }
+    let Some((path, error, at, link)) = rough.iter().max_by(|a, b| a.1.total_cmp(&b.1)) else {
+        return;
+    };
+    let name = path.file_name().unwrap_or(path.as_os_str());
+    let (name, error) = (name.to_string_lossy(), error * 1e3);
+    let message = if rough.len() == 1 {
+        format!(
+            "the hull of mesh {name} keeps {MOST_CORNERS} corners; it is off by at most {error:.2} mm"
+        )
+    } else {
+        format!(
+            "the hulls of {} meshes keep {MOST_CORNERS} corners; they are off by at most {error:.2} mm, that of mesh {name}",
+            rough.len()
+        )
+    };
+    scope.owner = format!("link '{link}'");
+    scope.note("U108", (*at).clone(), &message, "");
 }
 
 fn report_missing(scope: &mut Scope, filename: &str, at: &Range<usize>, missing: &Missing) {
@@ -202,19 +241,6 @@ fn read_mesh(
         let message = format!("mesh {name} has no volume: it is used as it is");
         scope.warning("U109", at.clone(), &message, "");
     }
-    let size = hull
-        .vertices
-        .iter()
-        .map(|v| (v - hull.vertices[0]).norm())
-        .fold(0.0, f64::max);
-    if hull.error > SILENT_ERROR * size {
-        let message = format!(
-            "the hull of mesh {name} keeps {} corners; it is off by at most {:.2} mm",
-            hull.vertices.len(),
-            hull.error * 1e3
-        );
-        scope.note("U108", at.clone(), &message, "");
-    }
     let parts = if decompose && !hull.flat {
         Some(convex_parts(scope, &path, &name, factors, at)?.into())
     } else {
@@ -224,6 +250,7 @@ fn read_mesh(
         path,
         linked,
         vertices: hull.vertices,
+        error: hull.error,
         bounds,
         parts,
         outline,

@@ -325,6 +325,9 @@ fn fixed_parameters_can_be_set_until_initialisation_ends() {
 #[test]
 fn values_outside_the_range_are_used() {
     let mut instance = running();
+    // An importer's round-off is not worth a word.
+    set(&mut instance, &[WHEEL_VELOCITY], &[100.0 + 2e-14]).expect("max is 100");
+    assert!(!instance.range_logged[WHEEL_VELOCITY as usize]);
     set(&mut instance, &[WHEEL_VELOCITY], &[250.0]).expect("max is 100");
     assert_eq!(get(&mut instance, &[WHEEL_VELOCITY]), Ok(vec![250.0]));
     assert!(instance.range_logged[WHEEL_VELOCITY as usize]);
