@@ -167,6 +167,14 @@ fn the_reader_notices_broken_rules() {
         ("<Unit name=\"rad\"", "<Unit name=\"radian\""),
         ("<Unknown index=\"2\"", "<Unknown index=\"1\""),
         ("dependencies=\"6\"", "dependencies=\"2\""),
+        ("dependencies=\"6\"", "dependencies=\"6 1\""),
+        ("canGetAndSetFMUstate=\"true\"", ""),
+        (
+            "providesDirectionalDerivative=\"false\"",
+            "providesDirectionalDerivative=\"true\"",
+        ),
+        ("name=\"v1\"", "name=\"v[2]\""),
+        ("min=\"-1e300\"", "min=\"1\""),
         ("variability=\"tunable\"", "variability=\"continuous\""),
         ("modelIdentifier=\"two\"", "modelIdentifier=\"2\""),
         (

@@ -108,6 +108,50 @@ fn descriptions_keep_the_rules_of_fmi_in_every_mode() {
     }
 }
 
+/// Every kind of variable that settings can ask for, in one FMU.
+const EVERYTHING: &str = r#"
+[outputs]
+contacts = ["*"]
+links = ["*"]
+[[actuator]]
+joint = "left_*_wheel_joint"
+mode = "pd"
+kp = 5
+kd = 0.5
+[[actuator]]
+joint = "right_*_wheel_joint"
+mode = "effort"
+[[group]]
+name = "left"
+joints = ["left_*_wheel_joint"]
+[[external_wrench]]
+link = "*"
+[[sensor]]
+type = "imu"
+link = "base_link"
+[[sensor]]
+type = "ft"
+joint = "head_joint"
+[[sensor]]
+type = "ray"
+link = "head"
+rays = 12
+fov = 1
+"#;
+
+#[test]
+fn a_description_with_every_kind_of_variable_keeps_the_rules_of_fmi() {
+    let folder = tempfile::tempdir().unwrap();
+    let settings = folder.path().join("everything.toml");
+    std::fs::write(&settings, EVERYTHING).unwrap();
+    for naming in ["structured", "flat"] {
+        let options = ["-c", text(&settings), "--naming", naming];
+        let (_folder, fmu) = export(&example("rover.urdf"), &options);
+        let problems = model_description::problems(&description(&fmu));
+        assert!(problems.is_empty(), "{naming}: {problems:#?}");
+    }
+}
+
 #[test]
 fn fmu_holds_the_files_of_the_interface_in_order() {
     let (_folder, fmu) = export(

@@ -96,8 +96,35 @@ pub fn problems(text: &str) -> Vec<String> {
             }
         }
     }
+    arrays(variables, &mut found);
     structure(&root, variables, &mut found);
     found
+}
+
+/// Elements of an array, `name[1]`, `name[2]` …, stand one after the other and count up.
+fn arrays(variables: &[Element], found: &mut Vec<String>) {
+    let mut before: Option<(&str, usize)> = None;
+    let mut ended = BTreeSet::new();
+    for v in variables {
+        let name = v.get("name").unwrap_or_default();
+        let element = name.strip_suffix(']').and_then(|n| n.rsplit_once('['));
+        let element = element.map(|(array, index)| (array, index.parse().unwrap_or(0)));
+        if let Some((array, index)) = element {
+            let expected = match before {
+                Some((last, place)) if last == array => place + 1,
+                _ => 1,
+            };
+            if index != expected || ended.contains(array) {
+                found.push(format!("{name}: elements of an array are not consecutive"));
+            }
+        }
+        if let Some((array, _)) = before
+            && element.is_none_or(|(now, _)| now != array)
+        {
+            ended.insert(array);
+        }
+        before = element;
+    }
 }
 
 fn header(root: &Element, found: &mut Vec<String>) {
@@ -149,6 +176,10 @@ fn header(root: &Element, found: &mut Vec<String>) {
         && cs.get("canGetAndSetFMUstate") != Some("true")
     {
         found.push("state that can be serialised but not read".to_owned());
+    }
+    // They would need dependencies of all unknowns on all knowns, and fmi2GetDirectionalDerivative is not answered.
+    if cs.get("providesDirectionalDerivative") == Some("true") {
+        found.push("directional derivatives".to_owned());
     }
 }
 
