@@ -139,6 +139,33 @@ impl Stepper {
             way.proposed = way.proposed.min(state.step[1]);
         }
         way.done = follow(ctx.tree, state, end);
+        self.walk(ctx, state, way)
+    }
+
+    /// Goes from `begin` to `end` under error control in the midst of fixed steps.
+    pub(super) fn advance_between(
+        &mut self,
+        ctx: &Context,
+        state: &mut State,
+        begin: f64,
+        end: f64,
+    ) -> Result<(), NotFinite> {
+        let way = Way {
+            begin,
+            end,
+            done: 0.0,
+            proposed: state.step[0],
+            jumped: false,
+            current: false,
+        };
+        self.walk(ctx, state, way)?;
+        // The fixed steps go on from here.
+        state.ahead.clear();
+        Ok(())
+    }
+
+    /// Takes steps as long as the error allows until the way is gone.
+    fn walk(&mut self, ctx: &Context, state: &mut State, mut way: Way) -> Result<(), NotFinite> {
         while way.remaining() > 0.0 {
             let ctx = &ctx.after(way.done);
             if !way.current {

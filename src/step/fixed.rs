@@ -1,8 +1,11 @@
 //! Steps of a length that the user fixes.
 
+#![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
+
 use crate::dynamics::rnea;
 use crate::kinematics::forward;
 use crate::simulation::SHORTEST_FIXED_STEP;
+use crate::spatial::velocity_at;
 use crate::state::State;
 use crate::step::control::{NotFinite, Stepper, count};
 use crate::step::point::Context;
@@ -37,6 +40,12 @@ impl Stepper {
             if self.rest(ctx, state, h, span - done * h, FIXED_ACCURACY) {
                 return Ok(());
             }
+            if self.bounces(h) {
+                let begin = state.time + done * h;
+                self.advance_between(ctx, state, begin, begin + h)?;
+                done += 1.0;
+                continue;
+            }
             let parts = parts(ctx, state, h);
             let part = h / parts;
             self.fixed_step(ctx, state, part)?;
@@ -50,6 +59,16 @@ impl Stepper {
             done += 1.0;
         }
         Ok(())
+    }
+
+    /// Whether a point that has restitution touches down within `h` seconds, or has done so and not left yet. A bounce is
+    /// over in less than a fixed step, which would swallow it: it is taken under error control.
+    fn bounces(&self, h: f64) -> bool {
+        self.start.contacts.iter().any(|contact| {
+            let V = &self.start.kin.V[contact.body];
+            let approach = -contact.normal.dot(&velocity_at(V, &contact.x));
+            contact.touchdown > 0.0 && contact.gap < (approach * h).max(f64::MIN_POSITIVE)
+        })
     }
 
     /// Explicit where nothing stiff acts, else implicit.

@@ -288,8 +288,8 @@ def test_a_ball_bounces_with_the_product_of_the_restitutions(own, ground, write,
         world.resetBasePositionAndOrientation(ball, [0, 0, 0.6], [0, 0, 0, 1])
         world.resetBaseVelocity(ball, [0, 0, 0], [0, 0, 0])
         theirs.append(bounce(100, world.stepSimulation, lambda: world.getBaseVelocity(ball)[0][2]))
-    # In PyBullet's step ours would lose most of the bounce, see docs/pybullet.md. In a soft contact gravity acts, too.
-    robot = load(export(urdf, COMPAT + f"[solver]\nstep_size = 0\n[contact]\nstiffness = 1e7\n[world.ground]\nrestitution = {ground}\n"
+    # In a soft contact gravity acts, too.
+    robot = load(export(urdf, COMPAT + f"[contact]\nstiffness = 1e7\n[world.ground]\nrestitution = {ground}\n"
                         "[initial]\nxyz = [0, 0, 0.6]\n"))
     ours = bounce(1600, lambda: robot.step(H / 16), lambda: robot["base.linear_velocity.z"])
     # PyBullet's ball leaves a little faster, because it is pushed out of the ground as well: with no restitution, too.
