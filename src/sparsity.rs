@@ -7,7 +7,7 @@
 //!
 //! Source: Featherstone 2008, section 6.5; elimination trees: Liu 1990.
 
-/// The pattern of a symmetric matrix under `LᵀL` factorisation.
+/// The pattern of a symmetric matrix under `LᵀDL` factorisation.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Sparsity {
     /// First entry of each row.
@@ -132,29 +132,27 @@ impl Sparsity {
         }
     }
 
-    /// Overwrites `a` by its factor `L` with `A = LᵀL`; the diagonal holds reciprocals. A pivot that round-off has
-    /// made smaller than the smallest positive number is replaced by that, so that the direction stays finite.
+    /// Overwrites `a` by its factor: `D L` below the diagonal and `1/D` on it, with `A = LᵀDL`; no roots are taken, whose
+    /// time is that of a whole row. A pivot that round-off has made smaller than the smallest positive number is replaced by
+    /// that, so that the direction stays finite.
     pub fn factor(&self, a: &mut [f64]) {
         let base = if self.floating { 6 } else { 0 };
         for k in (base..self.len()).rev() {
             let (s, d) = (self.start[k], self.depth[k]);
             let (above, rest) = a.split_at_mut(s);
             let row = &mut rest[..=d];
-            let reciprocal = 1.0 / row[d].max(f64::MIN_POSITIVE).sqrt();
+            let reciprocal = 1.0 / row[d].max(f64::MIN_POSITIVE);
             row[d] = reciprocal;
-            for x in &mut row[..d] {
-                *x *= reciprocal;
-            }
             // A floating base's rows begin with its six.
             if base > 0
                 && let (Some(lower), Some(r)) = (above.first_chunk_mut(), row.first_chunk())
             {
-                subtract_square(lower, r);
+                subtract_square(lower, r, reciprocal);
             }
             let columns = &self.column[s..s + d];
             for (q, &column) in columns.iter().enumerate().skip(base) {
                 let target = self.start[column as usize];
-                let factor = row[q];
+                let factor = row[q] * reciprocal;
                 let target = &mut above[target..=target + q];
                 for (t, r) in target.iter_mut().zip(&row[..=q]) {
                     *t -= factor * r;
@@ -174,7 +172,6 @@ impl Sparsity {
             let (s, d) = (self.start[k], self.depth[k]);
             let row = &factor[s..=s + d];
             let xk = x[k] * row[d];
-            x[k] = xk;
             let (near, far) = row[..d].split_at(self.prefix[k]);
             for (x, r) in x.iter_mut().zip(near) {
                 *x -= r * xk;
@@ -214,13 +211,14 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     even + odd + last
 }
 
-/// `A −= r rᵀ`, lower triangle.
+/// `A −= r share rᵀ`, lower triangle.
 #[inline]
-fn subtract_square(lower: &mut [f64; 21], r: &[f64; 6]) {
+fn subtract_square(lower: &mut [f64; 21], r: &[f64; 6], share: f64) {
     let mut place = 0;
     for i in 0..6 {
+        let factor = share * r[i];
         for j in 0..=i {
-            lower[place + j] -= r[i] * r[j];
+            lower[place + j] -= factor * r[j];
         }
         place += i + 1;
     }
@@ -232,15 +230,13 @@ fn factor_base(lower: &mut [f64; 21]) {
     let mut start = 21;
     for k in (0..6).rev() {
         start -= k + 1;
-        let reciprocal = 1.0 / lower[start + k].max(f64::MIN_POSITIVE).sqrt();
+        let reciprocal = 1.0 / lower[start + k].max(f64::MIN_POSITIVE);
         lower[start + k] = reciprocal;
-        for j in 0..k {
-            lower[start + j] *= reciprocal;
-        }
         let mut place = 0;
         for i in 0..k {
+            let factor = reciprocal * lower[start + i];
             for j in 0..=i {
-                lower[place + j] -= lower[start + i] * lower[start + j];
+                lower[place + j] -= factor * lower[start + j];
             }
             place += i + 1;
         }

@@ -9,7 +9,7 @@ use crate::step::control::Stepper;
 use crate::step::point::Context;
 use crate::step::runge_kutta::{BOGACKI_SHAMPINE, DORMAND_PRINCE, KENNEDY_CARPENTER, Pair};
 use crate::step::smooth::accept_explicit;
-use crate::testing::{Builder, inertia};
+use crate::testing::{Builder, Random, inertia, random_tree};
 use std::sync::Arc;
 
 /// How a step is taken.
@@ -53,13 +53,20 @@ fn motions() -> [(&'static str, Model); 4] {
 
 /// Positions and velocities after 1 s in `count` equal steps.
 fn end(model: &Model, method: Method, count: u32) -> Vec<f64> {
+    end_by(model, method, count, false)
+}
+
+/// The same, accelerations by mass matrix and factor or by the articulated-body algorithm.
+fn end_by(model: &Model, method: Method, count: u32, articulated: bool) -> Vec<f64> {
     let simulation = Simulation::new(Arc::new(model.clone()));
+    let mut tree = simulation.tree().clone();
+    tree.long = articulated;
     let parameters = Parameters::new(model);
     let inputs = Inputs::new(model);
     let h = 1.0 / f64::from(count);
     let ctx = Context {
         model,
-        tree: simulation.tree(),
+        tree: &tree,
         parameters: &parameters,
         inputs: &inputs,
         elapsed: 0.0,
@@ -137,6 +144,24 @@ fn a6_errors_fall_with_the_order_of_the_method() {
                 slope - order
             );
             assert!((slope - order).abs() < 0.2, "{case}, {name}: order {slope}");
+        }
+    }
+}
+
+/// Two routes to the same step: what damping adds to the mass matrix' diagonal and to the articulated inertias.
+#[test]
+fn implicit_damping_is_the_same_by_mass_matrix_and_by_articulated_bodies() {
+    let mut random = Random(11);
+    for floating in [false, true] {
+        let mut model = random_tree(&mut random, 12, floating, false);
+        for (i, joint) in (1u8..).zip(&mut model.joints) {
+            joint.damping = 0.1 * f64::from(i);
+            joint.limits = None;
+        }
+        let [a, b] =
+            [false, true].map(|way| end_by(&model, Method::Explicit(&KENNEDY_CARPENTER), 200, way));
+        for (a, b) in a.iter().zip(&b) {
+            assert!((a - b).abs() < 1e-9 * (1.0 + a.abs()), "{a} {b}");
         }
     }
 }
