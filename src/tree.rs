@@ -151,6 +151,8 @@ pub struct Tree {
     pub turning: Vec<Turning>,
     /// Whether any of them has some.
     pub resists_turning: bool,
+    /// Which bodies are wheels: they carry nothing and are even about their joint's axis.
+    pub wheel: Vec<bool>,
     /// m/s²
     pub gravity: Vec3,
     /// As [`crate::model::World::drag`], 1/s.
@@ -232,6 +234,7 @@ impl Tree {
             collider_index: Vec::new(),
             turning: vec![Turning::default(); model.links.len()],
             resists_turning: false,
+            wheel: Vec::new(),
             gravity: Vec3::zeros(),
             drag: model.world.drag,
             moving_mass: 0.0,
@@ -253,6 +256,7 @@ impl Tree {
         };
         let turned = tree.add_bodies(model);
         tree.add_inertia(model, parameters, &turned);
+        tree.wheel = (0..tree.bodies.len()).map(|b| tree.is_wheel(b)).collect();
         tree.add_colliders(model, &turned);
         tree.sparsity = tree.pattern(model.nv());
         tree.long = tree.pure && tree.sparsity.factor_cost() > ARTICULATED_COST * tree.bodies.len();
@@ -466,7 +470,7 @@ impl Tree {
     }
 
     /// Whether a body looks the same to the rest of the robot however it has turned about its joint's axis.
-    pub(crate) fn is_wheel(&self, index: usize) -> bool {
+    fn is_wheel(&self, index: usize) -> bool {
         let body = &self.bodies[index];
         let [xx, yy, zz, xy, xz, yz] = body.I_cm;
         let eccentric = body.mass * (body.com.x * body.com.x + body.com.y * body.com.y);

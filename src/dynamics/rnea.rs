@@ -96,16 +96,20 @@ pub(super) fn add_wrenches(
     force: &mut [Vec6],
 ) {
     for w in wrenches {
-        let x = kin.X[w.body].point(&w.point);
-        let wrench = w.at(t);
-        let f = linear(&wrench);
-        let torque = angular(&wrench) + x.cross(&f);
-        let F = &mut force[w.body];
-        for i in 0..3 {
-            F[i] -= torque[i];
-            F[3 + i] -= f[i];
+        let wrench = about_origin(kin, w, t);
+        for (F, w) in force[w.body].iter_mut().zip(wrench) {
+            *F -= w;
         }
     }
+}
+
+/// An external wrench about O, `t` seconds after the communication point.
+pub(crate) fn about_origin(kin: &Kinematics, w: &ExternalWrench, t: f64) -> Vec6 {
+    let x = kin.X[w.body].point(&w.point);
+    let wrench = w.at(t);
+    let f = linear(&wrench);
+    let torque = angular(&wrench) + x.cross(&f);
+    [torque.x, torque.y, torque.z, f.x, f.y, f.z]
 }
 
 /// Adds the drag of every body to the forces that the bodies need; see [`crate::model::World::drag`].

@@ -54,6 +54,7 @@ pub struct Stepper {
     /// Start of the step.
     pub start: Point,
     pub(super) middle: Point,
+    pub(super) end: Point,
     pub(super) full: Newton,
     pub(super) first: Newton,
     pub(super) second: Newton,
@@ -78,6 +79,7 @@ impl Stepper {
         Self {
             start: Point::new(model, tree),
             middle: Point::new(model, tree),
+            end: Point::new(model, tree),
             full: newton(),
             first: newton(),
             second: newton(),
@@ -133,6 +135,7 @@ impl Stepper {
             proposed: state.step[0],
             jumped: state.ahead.changed != 0.0,
             current: false,
+            posed: false,
         };
         if way.jumped {
             // Begin with what was good after the last jump.
@@ -157,6 +160,7 @@ impl Stepper {
             proposed: state.step[0],
             jumped: false,
             current: false,
+            posed: false,
         };
         self.walk(ctx, state, way)?;
         // The fixed steps go on from here.
@@ -170,7 +174,13 @@ impl Stepper {
             let ctx = &ctx.after(way.done);
             if !way.current {
                 let h = landing(way.proposed.min(MAX_STEP), way.remaining());
+                if way.posed {
+                    std::mem::swap(&mut self.start.kin, &mut self.end.kin);
+                } else {
+                    self.start.pose(ctx, state);
+                }
                 self.start.update_smooth(ctx, state, h);
+                way.posed = false;
                 self.explicit.restart();
             }
             if let Some((pair, h)) = self.smooth_step(ctx, state, way.proposed, way.remaining()) {
@@ -271,7 +281,7 @@ impl Stepper {
                 f64::INFINITY
             };
             let beyond = h > remaining;
-            if beyond && error <= 1.0 && self.meets_limit(state, h) {
+            if beyond && error <= 1.0 && self.meets_limit(ctx, state, h) {
                 // What happens at a limit is no polynomial.
                 state.counters[1] += 1;
                 h = remaining;
@@ -287,7 +297,7 @@ impl Stepper {
                 way.book(state, h);
                 self.keep_start(state);
                 let extrapolate = error <= 1.0 && self.agrees(h);
-                self.accept_doubled(ctx, state, h, extrapolate);
+                way.posed = self.accept_doubled(ctx, state, h, extrapolate);
                 self.end_trend(state, h);
                 if beyond {
                     self.interpolate(ctx, state, way.begin + way.done, h, way.end);
@@ -419,6 +429,8 @@ struct Way {
     jumped: bool,
     /// Whether [`Stepper::start`] stands at the state already, after an explicit step.
     current: bool,
+    /// Whether poses and velocities of [`Stepper::end`] stand at the state, after an implicit step.
+    posed: bool,
 }
 
 impl Way {

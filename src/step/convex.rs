@@ -55,8 +55,9 @@ pub struct Newton {
     pub point_velocity: Vec<Vec3>,
     /// Angular velocity of each contact that resists turning at the solution, rad/s.
     pub turn_velocity: Vec<Vec3>,
+    /// `M v` at the solution.
+    pub(super) momentum: Vec<f64>,
     r: Vec<f64>,
-    momentum: Vec<f64>,
     gradient: Vec<f64>,
     direction: Vec<f64>,
     direction_momentum: Vec<f64>,

@@ -10,9 +10,11 @@ use crate::state::{State, Touch};
 use crate::step::cones::Cones;
 use crate::step::control::{Stepper, VELOCITY_WEIGHT, count, worst_error};
 use crate::step::convex::Newton;
+use crate::step::energy::{EXTRAPOLATION_GAIN, work};
 use crate::step::point::{Context, Point};
 use crate::step::runge_kutta::position_rates;
 use crate::step::smooth::range;
+use crate::tree::REFERENCE_GRAVITY;
 
 /// Share of the tolerance that a lag of the friction cones may cost before it is dealt with.
 const LAG_SHARE: f64 = 0.02;
@@ -166,19 +168,25 @@ impl Stepper {
             && is_clear(ctx.tree, &self.start.kin, h)
     }
 
-    /// Whether the step of `h` seconds just solved from `state` brings a joint to its limit or away from it, or to it and
-    /// back.
-    pub(super) fn meets_limit(&self, state: &State, h: f64) -> bool {
+    /// Whether the step of `h` seconds just solved from `state` brings a joint to its limit or away from it, or deeper into it
+    /// on the way than at its ends: the polynomial that joins them knows nothing of the limit's spring.
+    pub(super) fn meets_limit(&self, ctx: &Context, state: &State, h: f64) -> bool {
+        let tree = ctx.tree;
+        let weight = tree.moving_mass * REFERENCE_GRAVITY;
+        let allowed = EXTRAPOLATION_GAIN * ctx.tolerance * weight * tree.reach;
         self.start.joints.terms.iter().any(|term| {
             let (place, dof) = (term.coordinate, term.dof);
             let q = [state.q[place], self.q_halves[place]];
             let moved = q[1] - q[0];
             let [low, high] = range(q, [state.v[dof], self.second.v[dof]], h);
-            let far = |gap: f64, most: f64| gap > 0.0 && gap + most <= 0.0;
-            (term.gap[0] > 0.0) != (term.gap[0] + moved > 0.0)
-                || (term.gap[1] > 0.0) != (term.gap[1] - moved > 0.0)
-                || far(term.gap[0], low - q[0])
-                || far(term.gap[1], q[0] - high)
+            let meets = |gap: f64, end: f64, least: f64| {
+                let held = |gap: f64| gap.min(0.0) * gap.min(0.0);
+                let more = held(least) - held(gap).max(held(end));
+                (gap > 0.0) != (end > 0.0) || 0.5 * term.limit_stiffness * more > allowed
+            };
+            let [lower, upper] = term.gap;
+            meets(lower, lower + moved, lower + low - q[0])
+                || meets(upper, upper - moved, upper + q[0] - high)
         })
     }
 
@@ -243,23 +251,48 @@ impl Stepper {
         })
     }
 
-    /// Takes the results of [`Self::doubled_step`] into the state: extrapolated, or the half steps' as they are,
-    /// which damp what the step does not resolve.
+    /// Takes the results of [`Self::doubled_step`] from where `self.start` stands into the state: extrapolated, or the half
+    /// steps' as they are, which damp what the step does not resolve. Extrapolation goes where the laws would lead if the
+    /// step resolved them; an impact that it does not, or the spring of a limit that is stiffer than the tolerance, may
+    /// throw the robot back with more than it came with, and then the half steps' results are taken, too. Tells whether
+    /// poses and velocities of `self.end` stand at the new state.
     pub(super) fn accept_doubled(
         &mut self,
         ctx: &Context,
         state: &mut State,
         h: f64,
         extrapolate: bool,
-    ) {
-        let tree = ctx.tree;
-        store(ctx, &self.middle, &self.second, 0.5 * h, state);
-        if !extrapolate {
+    ) -> bool {
+        let (mut extrapolated, mut posed) = (extrapolate, false);
+        let allowed = EXTRAPOLATION_GAIN * ctx.tolerance;
+        if extrapolate && self.may_gain(ctx, state, h, allowed) {
+            let books = self.open_books(ctx, state, allowed);
+            let halves = work(ctx, &self.start, &self.first, 0.5 * h)
+                + work(ctx, &self.middle, &self.second, 0.5 * h);
+            let work = 2.0 * halves - work(ctx, &self.start, &self.full, h);
+            self.extrapolate(ctx, state, h);
+            extrapolated = !self.gains(ctx, &books, state, h, work);
+            posed = extrapolated;
+        } else if extrapolate {
+            self.extrapolate(ctx, state, h);
+        }
+        if extrapolated {
+            add_impulses(&self.start.contacts, &self.first, 2.0, &mut state.impulse);
+            add_impulses(&self.middle.contacts, &self.second, 2.0, &mut state.impulse);
+            add_impulses(&self.start.contacts, &self.full, -1.0, &mut state.impulse);
+        } else {
+            store(ctx, &self.middle, &self.second, 0.5 * h, state);
             state.q.copy_from_slice(&self.q_halves);
             add_impulses(&self.start.contacts, &self.first, 1.0, &mut state.impulse);
             add_impulses(&self.middle.contacts, &self.second, 1.0, &mut state.impulse);
-            return;
         }
+        posed
+    }
+
+    /// Twice the half steps' results less the full step's, into the state; contact impulses are the caller's.
+    fn extrapolate(&mut self, ctx: &Context, state: &mut State, h: f64) {
+        let tree = ctx.tree;
+        store(ctx, &self.middle, &self.second, 0.5 * h, state);
         advance(tree, &self.q_halves, &self.difference, 1.0, &mut state.q);
         // Twice the displacement after the second half step minus that after the full one; both by ascending slot.
         let mut full = self
@@ -312,9 +345,6 @@ impl Stepper {
         for ((v, second), full) in state.v.iter_mut().zip(&self.second.v).zip(&self.full.v) {
             *v = 2.0 * second - full;
         }
-        add_impulses(&self.start.contacts, &self.first, 2.0, &mut state.impulse);
-        add_impulses(&self.middle.contacts, &self.second, 2.0, &mut state.impulse);
-        add_impulses(&self.start.contacts, &self.full, -1.0, &mut state.impulse);
     }
 
     /// The stored angles of friction against turning, extrapolated like the displacements.

@@ -2,12 +2,14 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
-use crate::dynamics::rnea;
-use crate::kinematics::forward;
+use crate::contact::detect;
+use crate::dynamics::{crba, rnea};
+use crate::kinematics::{advance, forward};
 use crate::simulation::SHORTEST_FIXED_STEP;
 use crate::spatial::velocity_at;
 use crate::state::State;
 use crate::step::control::{NotFinite, Stepper, count};
+use crate::step::energy::{GAIN, work};
 use crate::step::point::Context;
 use crate::tree::Move;
 
@@ -19,6 +21,13 @@ const FIXED_ACCURACY: f64 = 1e-8;
 /// Angle, rad, that a limb may turn in a step: one that whirls faster has the step taken in parts. A step takes mass matrix
 /// and lever arms as they are at its start, and a radian on they are others: such limbs gained energy without bound.
 const WHIRL: f64 = 0.2;
+/// Angle, rad, that a limb may turn in a step of the length that the user fixed whose mass matrix and lever arms are those of its start; where it turns
+/// farther they are those of its middle.
+const TURN: f64 = 0.005;
+/// Share of the change of velocity with which such a step takes its bias. The middle of its way lies half a change beyond the
+/// mean velocity, because positions move with the velocity of the step's end: half of that, and the forces of whirling
+/// take as much from one limb as they give to another, up to the third order.
+const AHEAD: f64 = 0.75;
 /// Most parts of a step.
 const MAX_PARTS: f64 = 32.0;
 
@@ -46,16 +55,7 @@ impl Stepper {
                 done += 1.0;
                 continue;
             }
-            let parts = parts(ctx, state, h);
-            let part = h / parts;
-            self.fixed_step(ctx, state, part)?;
-            let mut taken = 1.0;
-            while taken < parts {
-                let ctx = &ctx.after(taken * part);
-                self.start.update(ctx, state, part);
-                self.fixed_step(ctx, state, part)?;
-                taken += 1.0;
-            }
+            self.step_in_parts(ctx, state, h)?;
             done += 1.0;
         }
         Ok(())
@@ -71,22 +71,59 @@ impl Stepper {
         })
     }
 
-    /// Explicit where nothing stiff acts, else implicit.
-    fn fixed_step(&mut self, ctx: &Context, state: &mut State, h: f64) -> Result<(), NotFinite> {
-        if self.fixed_explicit_step(ctx, state, h) {
-            state.counters[0] += 1;
-            return Ok(());
+    /// One fixed step of `h` seconds, from where `self.start` stands: in parts where something whirls.
+    fn step_in_parts(&mut self, ctx: &Context, state: &mut State, h: f64) -> Result<(), NotFinite> {
+        let turn = fastest(ctx, &state.v) * h;
+        // Parts are not shorter than a fixed step may be.
+        let most = (h / SHORTEST_FIXED_STEP).clamp(1.0, MAX_PARTS);
+        let mut parts = libm::ceil(turn / WHIRL - 1e-9).clamp(1.0, most);
+        let mut done = 0.0;
+        let mut current = true;
+        while parts > 0.0 {
+            let part = (h - done) / parts;
+            let ctx = &ctx.after(done);
+            if !current {
+                self.start.update(ctx, state, part);
+            }
+            current = false;
+            if self.fixed_step(ctx, state, part, h)? {
+                done += part;
+                parts -= 1.0;
+            } else {
+                parts *= 2.0;
+            }
         }
-        self.fixed_implicit_step(ctx, state, h)
+        Ok(())
     }
 
-    /// One solve with the friction cone and the bias of the start, one with those of the middle unless that changes nothing.
-    pub(super) fn fixed_implicit_step(
+    /// A step of `h` seconds, part of one of `whole`, explicit where nothing stiff acts, else implicit; tells whether it was
+    /// taken.
+    fn fixed_step(
         &mut self,
         ctx: &Context,
         state: &mut State,
         h: f64,
-    ) -> Result<(), NotFinite> {
+        whole: f64,
+    ) -> Result<bool, NotFinite> {
+        let may_split = h > (1.5 * whole / MAX_PARTS).max(2.0 * SHORTEST_FIXED_STEP);
+        let turning = may_split && fastest(ctx, &state.v) * whole > TURN;
+        let gain = turning.then(|| GAIN * h / whole);
+        if self.fixed_explicit_step(ctx, state, h, gain) {
+            state.counters[0] += 1;
+            return Ok(true);
+        }
+        self.fixed_implicit_step(ctx, state, [h, whole], may_split)
+    }
+
+    /// One solve with the friction cone and the bias of the start, one with those of the middle unless that changes
+    /// nothing. If it `may_split` and something turns too far, it is not taken; tells whether it was.
+    pub(super) fn fixed_implicit_step(
+        &mut self,
+        ctx: &Context,
+        state: &mut State,
+        [h, whole]: [f64; 2],
+        may_split: bool,
+    ) -> Result<bool, NotFinite> {
         let tree = ctx.tree;
         self.start.expect_commands(ctx, state, h);
         let problem = self.start.problem(tree, h, FIXED_ACCURACY);
@@ -97,7 +134,11 @@ impl Stepper {
         if outcome.converged && self.single_error(ctx, state, h) <= CALM * h * h {
             self.accept_single(ctx, state, h);
             state.counters[0] += 1;
-            return Ok(());
+            return Ok(true);
+        }
+        let turn = fastest(ctx, &state.v).max(fastest(ctx, &self.full.v));
+        if may_split && turn * h > WHIRL {
+            return Ok(false);
         }
         for (contact, response) in self.start.contacts.iter_mut().zip(&self.full.responses) {
             contact.cap = contact.mu * contact.normal.dot(&response.impulse) / h;
@@ -106,15 +147,26 @@ impl Stepper {
             let response = &self.full.responses[turn.contact];
             turn.carry(turn.normal.dot(&response.impulse) / h);
         }
+        let turning = turn * whole > TURN;
+        let books = (turning && may_split).then(|| {
+            self.half.copy_from(state);
+            self.open_books(ctx, state, GAIN * h / whole)
+        });
+        let share = if turning { AHEAD } else { 0.5 };
         for ((g, a), b) in self.guess.iter_mut().zip(&state.v).zip(&self.full.v) {
-            *g = 0.5 * (a + b);
+            *g = a + share * (b - a);
+        }
+        if turning {
+            self.go_to_middle(ctx, state, h);
         }
         forward(tree, &self.start.kin.S, &self.guess, &mut self.start.kin.V);
         let (wrenches, middle) = (&ctx.inputs.wrenches, ctx.elapsed + 0.5 * h);
         rnea::bias(tree, &mut self.start.kin, &self.guess, wrenches, middle);
-        let outcome = self
-            .full
-            .solve(&self.start.problem(tree, h, FIXED_ACCURACY));
+        let problem = self.start.problem(tree, h, FIXED_ACCURACY);
+        if turning {
+            self.full.guess(&problem, &self.difference);
+        }
+        let outcome = self.full.solve(&problem);
         count(state, outcome.iterations);
         if !outcome.converged {
             state.counters[1] += 1;
@@ -122,30 +174,74 @@ impl Stepper {
         if !self.full.v.iter().all(|v| v.is_finite()) {
             return Err(NotFinite);
         }
+        let work = work(ctx, &self.start, &self.full, h);
         self.accept_single(ctx, state, h);
+        if books.is_some_and(|books| self.gains(ctx, &books, state, h, work)) {
+            let rejected = state.counters[1] + 1;
+            state.copy_from(&self.half);
+            state.counters[1] = rejected;
+            return Ok(false);
+        }
         state.counters[0] += 1;
-        Ok(())
+        Ok(true)
+    }
+
+    /// Puts mass matrix, joint motions and lever arms to where the robot is half way to what `self.full` has found, which
+    /// is kept in `self.difference`. Gaps stay those of the start, for lever arms of the middle.
+    fn go_to_middle(&mut self, ctx: &Context, state: &State, h: f64) {
+        let tree = ctx.tree;
+        self.difference.copy_from_slice(&self.full.v);
+        advance(
+            tree,
+            &state.q,
+            &self.difference,
+            0.5 * h,
+            &mut self.q_halves,
+        );
+        let kin = &mut self.start.kin;
+        kin.update_poses(tree, &self.q_halves);
+        crba::mass_matrix(tree, kin);
+        tree.sparsity.multiply(&kin.M, &state.v, &mut kin.momentum);
+        kin.update_velocities(tree, &self.difference);
+        let found = &mut self.middle.contacts;
+        detect(
+            ctx.model,
+            tree,
+            &state.touches,
+            kin,
+            h,
+            f64::INFINITY,
+            found,
+        );
+        let mut found = found.iter().peekable();
+        for contact in &mut self.start.contacts {
+            while found.next_if(|f| f.slot < contact.slot).is_some() {}
+            let Some(f) = found.next_if(|f| f.slot == contact.slot) else {
+                continue;
+            };
+            let vn = f.normal.dot(&velocity_at(&kin.V[f.body], &f.x));
+            contact.x = f.x;
+            contact.gap = f.gap - 0.5 * h * vn;
+        }
     }
 }
 
-/// In how many parts to take a step of `h` seconds, for the sake of what turns fast and is not a wheel.
-fn parts(ctx: &Context, state: &State, h: f64) -> f64 {
-    let mut fastest = WHIRL / h;
+/// How fast anything turns that is not a wheel, rad/s.
+fn fastest(ctx: &Context, v: &[f64]) -> f64 {
+    let mut fastest = 0.0;
     for (index, body) in ctx.tree.bodies.iter().enumerate() {
         let dofs = &ctx.tree.dof[body.column..body.column + body.columns];
         let rate = match body.motion {
-            Move::Turn => (body.ratio * state.v[dofs[0]]).abs(),
+            Move::Turn => (body.ratio * v[dofs[0]]).abs(),
             Move::Free | Move::Ball => {
-                let [x, y, z] = [state.v[dofs[0]], state.v[dofs[1]], state.v[dofs[2]]];
+                let [x, y, z] = [v[dofs[0]], v[dofs[1]], v[dofs[2]]];
                 (x * x + y * y + z * z).sqrt()
             }
             Move::Welded | Move::Slide => continue,
         };
-        if rate > fastest && (body.motion != Move::Turn || !ctx.tree.is_wheel(index)) {
+        if rate > fastest && (body.motion != Move::Turn || !ctx.tree.wheel[index]) {
             fastest = rate;
         }
     }
-    // Parts are not shorter than a fixed step may be.
-    let most = (h / SHORTEST_FIXED_STEP).clamp(1.0, MAX_PARTS);
-    libm::ceil(fastest * h / WHIRL - 1e-9).clamp(1.0, most)
+    fastest
 }

@@ -4,6 +4,7 @@ mod cones;
 pub mod control;
 pub mod convex;
 mod doubled;
+mod energy;
 mod fixed;
 pub mod point;
 pub mod runge_kutta;

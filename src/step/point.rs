@@ -67,30 +67,41 @@ impl Point {
 
     /// Everything at `state`, for steps of at most `h` seconds.
     pub fn update(&mut self, ctx: &Context, state: &State, h: f64) {
-        let tree = ctx.tree;
-        self.kin.update_poses(tree, &state.q);
-        crba::mass_matrix(tree, &mut self.kin);
-        self.update_motion(ctx, state, h);
+        self.pose(ctx, state);
+        self.update_dynamics(ctx, state, h);
+    }
+
+    /// Poses and velocities of `state`.
+    pub(super) fn pose(&mut self, ctx: &Context, state: &State) {
+        self.kin.update_poses(ctx.tree, &state.q);
+        self.kin.update_velocities(ctx.tree, &state.v);
     }
 
     /// What an explicit step needs of `state`, without the mass matrix if the tree is long: then it is for explicit steps
-    /// alone.
+    /// alone. After [`Self::pose`].
     pub(super) fn update_smooth(&mut self, ctx: &Context, state: &State, h: f64) {
-        let tree = ctx.tree;
-        if !tree.long {
-            self.update(ctx, state, h);
-            return;
+        if ctx.tree.long {
+            crba::diagonal(ctx.tree, &mut self.kin);
+            self.find_terms(ctx, state, h);
+        } else {
+            self.update_dynamics(ctx, state, h);
         }
-        self.kin.update_poses(tree, &state.q);
-        self.kin.update_velocities(tree, &state.v);
-        crba::diagonal(tree, &mut self.kin);
-        self.find_terms(ctx, state, h);
     }
 
     /// What depends on velocities, after the poses are up to date.
     pub(super) fn update_motion(&mut self, ctx: &Context, state: &State, h: f64) {
+        self.kin.update_velocities(ctx.tree, &state.v);
+        self.update_forces(ctx, state, h);
+    }
+
+    fn update_dynamics(&mut self, ctx: &Context, state: &State, h: f64) {
+        crba::mass_matrix(ctx.tree, &mut self.kin);
+        self.update_forces(ctx, state, h);
+    }
+
+    /// Bias, momentum, contacts and joint terms, after poses, mass matrix and velocities are up to date.
+    fn update_forces(&mut self, ctx: &Context, state: &State, h: f64) {
         let tree = ctx.tree;
-        self.kin.update_velocities(tree, &state.v);
         let wrenches = &ctx.inputs.wrenches;
         rnea::bias(tree, &mut self.kin, &state.v, wrenches, ctx.elapsed);
         tree.sparsity
@@ -101,13 +112,7 @@ impl Point {
     /// Contacts and joint terms, after the kinematics are up to date.
     pub(super) fn find_terms(&mut self, ctx: &Context, state: &State, h: f64) {
         let Context { model, tree, .. } = *ctx;
-        let limit = if ctx.fixed_step > 0.0 {
-            // A step cannot resolve an oscillation faster than itself.
-            let omega = std::f64::consts::TAU / h.max(f64::MIN_POSITIVE);
-            0.25 * tree.moving_mass * omega * omega
-        } else {
-            f64::INFINITY
-        };
+        let limit = stiffness_limit(ctx, h);
         detect(
             model,
             tree,
@@ -162,5 +167,16 @@ impl Point {
             h,
             accuracy,
         }
+    }
+}
+
+/// Stiffest that a contact point may be for steps of `h` seconds, N/m: a fixed step cannot resolve an oscillation faster than
+/// itself.
+pub(super) fn stiffness_limit(ctx: &Context, h: f64) -> f64 {
+    if ctx.fixed_step > 0.0 {
+        let omega = std::f64::consts::TAU / h.max(f64::MIN_POSITIVE);
+        0.25 * ctx.tree.moving_mass * omega * omega
+    } else {
+        f64::INFINITY
     }
 }

@@ -146,8 +146,15 @@ impl Stepper {
             .step(pair, &system, start, end, &state.q, &state.v, h, finish);
     }
 
-    /// Takes an explicit step of `h` seconds, a fixed length, where nothing stiff acts and nothing is met; tells whether.
-    pub(super) fn fixed_explicit_step(&mut self, ctx: &Context, state: &mut State, h: f64) -> bool {
+    /// Takes an explicit step of `h` seconds, a fixed length, where nothing stiff acts, nothing is met and no energy is made
+    /// beyond a `gain`, where one is given, as a share of kinetic energy and weight times reach; tells whether.
+    pub(super) fn fixed_explicit_step(
+        &mut self,
+        ctx: &Context,
+        state: &mut State,
+        h: f64,
+        gain: Option<f64>,
+    ) -> bool {
         if !(self.nothing_stiff(ctx) && self.is_free(ctx, state, h) && self.resolves_damping(h)) {
             return false;
         }
@@ -155,7 +162,11 @@ impl Stepper {
         self.run_stages(ctx, &BOGACKI_SHAMPINE, state, h, false);
         let Explicit { q, v, .. } = &self.explicit;
         let finite = q.iter().chain(v).all(|x| x.is_finite());
-        let taken = finite && self.stays_free(ctx, state, h);
+        let gains = |gain: f64| {
+            let books = self.open_books(ctx, state, gain);
+            self.gains_explicitly(ctx, &books, state)
+        };
+        let taken = finite && self.stays_free(ctx, state, h) && !gain.is_some_and(gains);
         if taken {
             accept_explicit(&mut self.explicit, &BOGACKI_SHAMPINE, state);
         }

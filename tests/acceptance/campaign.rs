@@ -223,6 +223,11 @@ impl Ledger {
         ledger
     }
 
+    /// What it had to fall with, J.
+    pub fn scale(&self) -> f64 {
+        self.scale
+    }
+
     /// Enters a state.
     pub fn add(&mut self, s: &mut Simulation) {
         let [springs, friction] = stored(s);
@@ -251,6 +256,8 @@ pub struct Tally {
     pub failures: Vec<(String, u64)>,
     /// Most energy that a limp robot gained, under error control and in fixed steps; see [`Ledger`].
     pub gained: [f64; 2],
+    /// Robot and seed of each of these two.
+    pub worst: [Option<(String, u64)>; 2],
     /// Steps, and steps accepted at the floor.
     pub steps: [u64; 2],
     /// Host time, s: of all, and of the slowest drop.
@@ -264,67 +271,109 @@ impl Tally {
     }
 }
 
-/// Throws the robot once and adds to the tally. Even seeds are limp, every fourth takes fixed steps.
-pub fn drop_once(robot: &Model, extreme: Extreme, seed: u64, tally: &mut Tally) {
-    let mut random = Random(seed);
-    let limp = seed.is_multiple_of(2);
-    let fixed = seed % 8 >= 6;
-    let mut model = robot.clone();
-    extreme.apply(&mut model, &mut random);
-    let mut s = Simulation::new(Arc::new(model));
-    place(&mut s, extreme, &mut random);
-    if fixed {
-        s.set_parameter(ParameterSlot::StepSize, H);
-    }
-    let actuators = s.model().actuators.len();
-    for a in 0..actuators {
-        let slot = InputSlot::MaxEffort(ActuatorId::from(a));
-        if limp {
-            s.set_input(slot, 0.0);
-        } else if extreme == Extreme::LimitlessEffort {
-            s.set_input(slot, f64::INFINITY);
+/// One drop under way.
+pub struct Drop {
+    /// The robot and its world.
+    pub s: Simulation,
+    /// What it is told is random.
+    random: Random,
+    extreme: Extreme,
+    /// Whether nothing drives it: even seeds.
+    pub limp: bool,
+    /// Whether it takes fixed steps: every fourth seed.
+    pub fixed: bool,
+    /// Communication steps behind it.
+    step: u32,
+}
+
+impl Drop {
+    /// Lets the robot go; none if it cannot be initialised.
+    pub fn new(robot: &Model, extreme: Extreme, seed: u64) -> Option<Self> {
+        let mut random = Random(seed);
+        let limp = seed.is_multiple_of(2);
+        let fixed = seed % 8 >= 6;
+        let mut model = robot.clone();
+        extreme.apply(&mut model, &mut random);
+        let mut s = Simulation::new(Arc::new(model));
+        place(&mut s, extreme, &mut random);
+        if fixed {
+            s.set_parameter(ParameterSlot::StepSize, H);
         }
+        for a in 0..s.model().actuators.len() {
+            let slot = InputSlot::MaxEffort(ActuatorId::from(a));
+            if limp {
+                s.set_input(slot, 0.0);
+            } else if extreme == Extreme::LimitlessEffort {
+                s.set_input(slot, f64::INFINITY);
+            }
+        }
+        s.initialize(0.0).ok()?;
+        Some(Self {
+            s,
+            random,
+            extreme,
+            limp,
+            fixed,
+            step: 0,
+        })
     }
-    tally.drops += 1;
-    if s.initialize(0.0).is_err() {
-        tally.fail(robot, seed);
-        return;
+
+    /// Whether there is a communication step left.
+    pub fn goes_on(&self) -> bool {
+        self.step < STEPS && self.s.state().time <= 10.0
     }
-    let mut ledger = Ledger::new(&mut s);
-    let mut seconds = 0.0;
-    let mut t = 0.0;
-    for step in 0..STEPS {
-        if !limp && step.is_multiple_of(60) {
-            for a in (0..actuators).map(ActuatorId::from) {
+
+    /// The next communication step; tells whether it went well.
+    pub fn advance(&mut self) -> bool {
+        let Self { s, random, .. } = self;
+        if !self.limp && self.step.is_multiple_of(60) {
+            for a in (0..s.model().actuators.len()).map(ActuatorId::from) {
                 s.set_input(InputSlot::Velocity(a), random.uniform(-5.0, 5.0));
                 s.set_input(InputSlot::Position(a), random.uniform(-1.0, 1.0));
                 s.set_input(InputSlot::Effort(a), random.uniform(-10.0, 10.0));
             }
         }
-        t += match extreme {
+        let h = match self.extreme {
             Extreme::AnyStep => libm::pow(10.0, random.uniform(-9.0, 0.0)),
             _ => H,
         };
+        self.step += 1;
+        let end = s.state().time + h;
+        s.advance_to(end).is_ok() && s.state().is_finite()
+    }
+}
+
+/// Throws the robot once and adds to the tally.
+pub fn drop_once(robot: &Model, extreme: Extreme, seed: u64, tally: &mut Tally) {
+    tally.drops += 1;
+    let Some(mut drop) = Drop::new(robot, extreme, seed) else {
+        tally.fail(robot, seed);
+        return;
+    };
+    let mut ledger = Ledger::new(&mut drop.s);
+    let mut seconds = 0.0;
+    while drop.goes_on() {
         let start = std::time::Instant::now();
-        let result = s.advance_to(t);
+        let well = drop.advance();
         seconds += start.elapsed().as_secs_f64();
-        if result.is_err() || !s.state().is_finite() {
+        if !well {
             tally.fail(robot, seed);
             break;
         }
-        if limp {
-            ledger.add(&mut s);
-        }
-        if t > 10.0 {
-            break;
+        if drop.limp {
+            ledger.add(&mut drop.s);
         }
     }
+    let counters = drop.s.state().counters;
     tally.seconds[0] += seconds;
     tally.seconds[1] = tally.seconds[1].max(seconds);
-    tally.steps[0] += s.state().counters[0];
-    tally.steps[1] += s.state().counters[3];
-    let gained = &mut tally.gained[usize::from(fixed)];
-    *gained = gained.max(ledger.gained);
+    tally.steps[0] += counters[0];
+    tally.steps[1] += counters[3];
+    let kind = usize::from(drop.fixed);
+    if ledger.gained > tally.gained[kind] {
+        tally.gained[kind] = ledger.gained;
+        tally.worst[kind] = Some((robot.name.clone(), seed));
+    }
 }
 
 /// A random attitude, pose and motion above (or, overlapping, in) the ground.

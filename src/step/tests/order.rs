@@ -94,9 +94,10 @@ fn end_by(model: &Model, method: Method, count: u32, articulated: bool) -> Vec<f
                 assert!(error.is_finite());
                 stepper.accept_doubled(&ctx, &mut state, h, true);
             }
-            Method::Fixed => stepper
-                .fixed_implicit_step(&ctx, &mut state, h)
-                .expect("finite"),
+            Method::Fixed => {
+                let taken = stepper.fixed_implicit_step(&ctx, &mut state, [h, 1.0], false);
+                assert!(taken.expect("finite"));
+            }
         }
     }
     state.q.iter().chain(&state.v).copied().collect()

@@ -1,0 +1,206 @@
+//! What a step has done to the energy of a robot: kinetic, of gravity, and held by springs.
+//!
+//! The laws take energy in continuous time. A step may give some: it sees the robot as it is at one place of its way. What it
+//! gives is measured here, and a step that gives too much is taken otherwise: shorter, or without extrapolation.
+
+#![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
+
+use crate::actuator::{Drive, ElastoPlastic};
+use crate::contact::{Contact, detect};
+use crate::dynamics::energy::{kinetic, potential};
+use crate::dynamics::rnea::about_origin;
+use crate::kinematics::forward;
+use crate::spatial::{Vec3, angular, dot6, linear, velocity_at};
+use crate::state::State;
+use crate::step::control::Stepper;
+use crate::step::convex::Newton;
+use crate::step::point::{Context, Point, stiffness_limit};
+use crate::tree::{Move, REFERENCE_GRAVITY};
+
+/// Energy that a fixed step may make out of nothing, as a share of kinetic energy and weight times reach: hundreds of steps
+/// together a thousandth.
+pub(super) const GAIN: f64 = 1e-5;
+/// The same for extrapolation, as a share of the tolerance.
+pub(super) const EXTRAPOLATION_GAIN: f64 = 0.05;
+
+/// Energies at the start of a step, J.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Books {
+    /// Kinetic, of gravity, of contacts and limits, and what friction elements hold and may give back.
+    held: f64,
+    /// What the step may make, a share of kinetic energy and of weight times reach.
+    allowed: f64,
+}
+
+impl Stepper {
+    /// Opens the books on a step from `state`, where `self.start` stands, which may make `share` of kinetic energy and
+    /// weight times reach.
+    pub(super) fn open_books(&self, ctx: &Context, state: &State, share: f64) -> Books {
+        let tree = ctx.tree;
+        let Point {
+            kin,
+            contacts,
+            turns,
+            joints,
+        } = &self.start;
+        let moving = kinetic(tree, kin, &state.v);
+        let mut friction = 0.0;
+        for contact in contacts {
+            friction += contact.tangential_stiffness * contact.displacement.norm_squared();
+        }
+        for turn in turns {
+            let stiffness = turn.stiffness[0].max(turn.stiffness[1]);
+            friction += stiffness * turn.displacement.norm_squared();
+        }
+        for term in &joints.terms {
+            friction += twice_stored(&term.dry);
+            if let Drive::Velocity { element, .. } = &term.drive {
+                friction += twice_stored(element);
+            }
+        }
+        Books {
+            held: moving
+                + 0.5 * friction
+                + potential(tree, kin)
+                + springs(contacts)
+                + self.limits(ctx, &state.q),
+            allowed: share * (moving + tree.moving_mass * REFERENCE_GRAVITY * tree.reach),
+        }
+    }
+
+    /// Whether extrapolating the step of `h` seconds from `state` that has just been solved may add more than `share` of
+    /// kinetic energy and weight times reach to what the half steps have left: to first order, with springs exact.
+    pub(super) fn may_gain(&mut self, ctx: &Context, state: &State, h: f64, share: f64) -> bool {
+        let tree = ctx.tree;
+        let Point { kin, contacts, .. } = &self.middle;
+        let mut rise = 0.0;
+        let velocities = self.second.v.iter().zip(&self.full.v);
+        let momenta = self.second.momentum.iter().zip(&self.full.momentum);
+        for ((v, full), (p, full_p)) in velocities.zip(momenta) {
+            rise += (v - full) * (1.5 * p - 0.5 * full_p);
+        }
+        let way = &mut self.end.kin.V;
+        forward(tree, &kin.S, &self.difference, way);
+        for (body, (I, way)) in tree.bodies.iter().zip(kin.I.iter().zip(way.iter())) {
+            if body.motion != Move::Welded {
+                let torque = Vec3::from(I.moment).cross(&tree.gravity);
+                rise -= torque.dot(&angular(way)) + I.mass * tree.gravity.dot(&linear(way));
+            }
+        }
+        for (contact, v) in contacts.iter().zip(&self.second.point_velocity) {
+            let depth = -contact.gap - 0.5 * h * contact.normal.dot(v);
+            let more = -contact
+                .normal
+                .dot(&velocity_at(&way[contact.body], &contact.x));
+            rise += risen(contact.stiffness, depth, more);
+        }
+        for term in &self.middle.joints.terms {
+            let (v, more) = (self.second.v[term.dof], self.difference[term.dof]);
+            let [lower, upper] = term.gap;
+            rise += risen(term.limit_stiffness, -lower - 0.5 * h * v, -more);
+            rise += risen(term.limit_stiffness, -upper + 0.5 * h * v, more);
+        }
+        let moving: f64 = self
+            .start
+            .kin
+            .momentum
+            .iter()
+            .zip(&state.v)
+            .map(|(p, v)| p * v)
+            .sum();
+        let weight = tree.moving_mass * REFERENCE_GRAVITY;
+        // Not `>`: a number that is none must not pass.
+        !(rise <= share * (0.5 * moving + weight * tree.reach))
+    }
+
+    /// Whether the step to `state` has made more energy than allowed; poses and velocities of `self.end` then stand there.
+    ///
+    /// - `h`: the step's length, s
+    /// - `work`: of motors and external wrenches, J
+    pub(super) fn gains(
+        &mut self,
+        ctx: &Context,
+        books: &Books,
+        state: &State,
+        h: f64,
+        work: f64,
+    ) -> bool {
+        let tree = ctx.tree;
+        let kin = &mut self.end.kin;
+        kin.update_poses(tree, &state.q);
+        kin.update_velocities(tree, &state.v);
+        let limit = stiffness_limit(ctx, h);
+        let (touches, contacts) = (&state.touches, &mut self.end.contacts);
+        detect(ctx.model, tree, touches, kin, 0.0, limit, contacts);
+        let held = kinetic(tree, kin, &state.v)
+            + potential(tree, kin)
+            + springs(&self.end.contacts)
+            + self.limits(ctx, &state.q);
+        held - books.held - work > books.allowed
+    }
+
+    /// The same for the explicit step from `state` that has just been tried: nothing touches, and `self.middle` stands at its
+    /// end.
+    pub(super) fn gains_explicitly(&self, ctx: &Context, books: &Books, state: &State) -> bool {
+        let (tree, kin) = (ctx.tree, &self.middle.kin);
+        let mut work = 0.0;
+        for term in &self.start.joints.terms {
+            let place = term.coordinate;
+            let way = self.explicit.q[place] - state.q[place];
+            work += term.drive_force(state.v[term.dof], 0.0).0 * way;
+        }
+        let held = kinetic(tree, kin, &self.explicit.v) + potential(tree, kin);
+        held - books.held - work > books.allowed
+    }
+
+    /// What the joint limits hold at `q`.
+    fn limits(&self, ctx: &Context, q: &[f64]) -> f64 {
+        let mut sum = 0.0;
+        for term in &self.start.joints.terms {
+            if let Some(limits) = &ctx.tree.limits[term.dof] {
+                let q = q[term.coordinate];
+                let depth = (limits.lower - q).max(q - limits.upper).max(0.0);
+                sum += 0.5 * term.limit_stiffness * depth * depth;
+            }
+        }
+        sum
+    }
+}
+
+/// Work of motors and external wrenches over a solved step of `h` seconds, J.
+pub(super) fn work(ctx: &Context, point: &Point, newton: &Newton, h: f64) -> f64 {
+    let mut power = 0.0;
+    for term in &point.joints.terms {
+        let v = newton.v[term.dof];
+        power += term.drive_force(v, h).0 * v;
+    }
+    for wrench in &ctx.inputs.wrenches {
+        power += dot6(
+            &about_origin(&point.kin, wrench, ctx.elapsed),
+            &point.kin.V[wrench.body],
+        );
+    }
+    h * power
+}
+
+/// What a spring that is `depth` deep takes up over `more` of it.
+fn risen(stiffness: f64, depth: f64, more: f64) -> f64 {
+    if depth.max(depth + more) <= 0.0 {
+        return 0.0;
+    }
+    let (before, after) = (depth.max(0.0), (depth + more).max(0.0));
+    0.5 * stiffness * (after * after - before * before)
+}
+
+/// Twice the energy that a friction element holds.
+fn twice_stored(element: &ElastoPlastic) -> f64 {
+    element.stiffness * element.displacement * element.displacement
+}
+
+/// What contacts hold in the normal direction.
+fn springs(contacts: &[Contact]) -> f64 {
+    contacts
+        .iter()
+        .map(|c| 0.5 * c.stiffness * c.gap.min(0.0) * c.gap.min(0.0))
+        .sum()
+}
