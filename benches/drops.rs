@@ -34,7 +34,7 @@ fn main() {
         .collect();
     let mut counts = arguments.iter().filter_map(|a| a.parse::<u64>().ok());
     let (count, each) = (counts.next().unwrap_or(20), counts.next().unwrap_or(4));
-    let (mut robots, mut failures) = (Vec::new(), Vec::new());
+    let (mut robots, mut failures, mut worst) = (Vec::new(), Vec::new(), Vec::new());
     println!(
         "| robot | degrees of freedom | drops | failed | energy gained, limp: error control | fixed steps | share of \
          steps at the floor | µs per 1/240 s, mean | slowest drop |"
@@ -52,6 +52,7 @@ fn main() {
         for seed in 0..count {
             drop_once(&model, Extreme::None, seed, &mut tally);
         }
+        worst.extend(tally.worst.clone().map(|w| (Extreme::None, w)));
         failures.extend(tally.failures.drain(..).map(|f| (Extreme::None, f)));
         let name = Path::new(file).file_stem().unwrap_or_default();
         println!(
@@ -90,9 +91,18 @@ fn main() {
             tally.steps[1] as f64 / tally.steps[0].max(1) as f64,
             tally.seconds[1],
         );
+        worst.extend(tally.worst.map(|w| (extreme, w)));
         failures.extend(tally.failures.into_iter().map(|f| (extreme, f)));
     }
     for (extreme, (robot, seed)) in failures {
         println!("\nfailed: {robot}, {}, seed {seed}", extreme.name());
+    }
+    for (extreme, worst) in worst {
+        if let Some((robot, seed)) = worst {
+            println!(
+                "\nmost energy gained: {robot}, {}, seed {seed}",
+                extreme.name()
+            );
+        }
     }
 }
