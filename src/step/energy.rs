@@ -109,8 +109,8 @@ impl Stepper {
             .map(|(p, v)| p * v)
             .sum();
         let weight = tree.moving_mass * REFERENCE_GRAVITY;
-        // Not `>`: a number that is none must not pass.
-        !(rise <= share * (0.5 * moving + weight * tree.reach))
+        // A number that is none must not pass.
+        rise.is_nan() || rise > share * (0.5 * moving + weight * tree.reach)
     }
 
     /// Whether the step to `state` has made more energy than allowed; poses and velocities of `self.end` then stand there.
