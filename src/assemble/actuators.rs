@@ -28,7 +28,7 @@ pub(super) fn add(
     let weight = poses.tree.moving_mass * REFERENCE_GRAVITY;
     let turning = (2.0 * weight * reach(model, poses).max(SHORTEST_REACH)).max(SMALLEST_EFFORT);
     let sliding = (10.0 * weight).max(SMALLEST_EFFORT);
-    let (mut without, mut without_gains) = (Vec::new(), Vec::new());
+    let (mut without, mut without_gains, mut powerless) = (Vec::new(), Vec::new(), Vec::new());
     let mut other_interface: Vec<(ActuatorMode, &str)> = Vec::new();
     for (j, choice) in chosen.iter().enumerate() {
         let joint = &model.joints[j];
@@ -67,12 +67,7 @@ pub(super) fn add(
             without.push(format!("{} = {default}", joint.name));
         }
         if given == Some(0.0) && mode != ActuatorMode::Effort && choice.max_effort.is_none() {
-            let message = format!(
-                "joint '{}' has effort limit 0: its motor can do nothing until max_effort is set",
-                joint.name
-            );
-            let help = "set [[actuator]] max_effort, or mode = \"none\"";
-            findings.warning("A114", findings.line(lines.joints[j]), message, help);
+            powerless.push(j);
         }
         let gains = choice.kp.is_some() || choice.kd.is_some();
         if mode == ActuatorMode::Pd && !gains {
@@ -104,6 +99,19 @@ pub(super) fn add(
         );
         let help = "set [[actuator]] max_effort; units are N·m and N";
         findings.note("A113", message, help);
+    }
+    if let [first, ..] = powerless[..] {
+        let names: Vec<&str> = powerless
+            .iter()
+            .map(|&j| model.joints[j].name.as_str())
+            .collect();
+        let message = format!(
+            "the motors of {} can do nothing until max_effort is set, because the effort limit is 0: {}",
+            counted(names.len(), "joint"),
+            listed(&names)
+        );
+        let help = "set [[actuator]] max_effort, or mode = \"none\"";
+        findings.warning("A114", findings.line(lines.joints[first]), message, help);
     }
     report_interfaces(&other_interface, findings);
     if !without_gains.is_empty() {

@@ -101,11 +101,12 @@ impl Robot {
                     .collect(),
             },
         };
+        let mut unlimited = Vec::new();
         for (joint, overrides) in description.joints.iter().zip(&joint_overrides) {
-            robot
-                .joints
-                .push(model_joint(joint, overrides, settings.compat, findings));
+            let joint = model_joint(joint, overrides, settings.compat, &mut unlimited, findings);
+            robot.joints.push(joint);
         }
+        report_unlimited(&unlimited, findings);
         let mut default_friction = 0;
         for (l, (link, overrides)) in description.links.iter().zip(&link_overrides).enumerate() {
             let friction = overrides.friction.or(link.friction);
@@ -272,10 +273,24 @@ fn link_overrides(
     merged
 }
 
+fn report_unlimited(joints: &[String], findings: &mut Findings) {
+    if joints.is_empty() {
+        return;
+    }
+    let message = format!(
+        "the velocity limit 0 of {} counts as none: {}",
+        counted(joints.len(), "joint"),
+        listed(joints)
+    );
+    findings.note("A115", message, "");
+}
+
+/// Adds the name to `unlimited` where a velocity limit of 0 counts as none.
 fn model_joint(
     joint: &JointDescription,
     overrides: &JointSettings,
     compat: Compat,
+    unlimited: &mut Vec<String>,
     findings: &mut Findings,
 ) -> Joint {
     let scalar = is_scalar(joint.kind);
@@ -319,8 +334,7 @@ fn model_joint(
     let velocity = overrides.velocity.or(compat.largest_speed());
     let velocity = usable(velocity.or(joint.velocity)).filter(|_| scalar);
     if velocity == Some(0.0) {
-        let message = format!("the velocity limit 0 of joint '{name}' counts as none");
-        findings.note("A115", message, "");
+        unlimited.push(name.clone());
     }
     Joint {
         name: name.clone(),

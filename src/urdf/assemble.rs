@@ -156,8 +156,12 @@ fn report_rough_hulls(scope: &mut Scope, robot: &CheckedRobot, meshes: &Meshes) 
             rough.len()
         )
     };
-    scope.owner = format!("link '{link}'");
-    scope.note("U108", (*at).clone(), &message, "");
+    if rough.len() == 1 {
+        scope.owner = format!("link '{link}'");
+        scope.note("U108", (*at).clone(), &message, "");
+    } else {
+        scope.report.note("U108", (*at).clone(), message, "");
+    }
 }
 
 fn report_missing(scope: &mut Scope, filename: &str, at: &Range<usize>, missing: &Missing) {
