@@ -50,8 +50,8 @@ for target in "$@"; do
   if $merge; then
     rm -rf "$work/smallest" && mkdir "$work/smallest"
     "$binary" -merge=1 -max_len="$length" "$work/smallest" "$kept" "$corpus" > "$work/$target.merge.log" 2>&1
-    # Shortest first: of these a sample is kept, the same each time.
-    rm -f "$kept"/*
+    # By length: of these a sample is kept, the same each time, beside what was found.
+    find "$kept" -type f ! -name 'hang_*' -delete
     find "$work/smallest" -type f -printf '%s %f\n' | sort -n | awk -v most=$most \
       '{ name[NR] = $2 } END { step = NR > most ? NR / most : 1; for (i = 1; i <= NR; i += step) print name[int(i)] }' |
       while read -r name; do cp "$work/smallest/$name" "$kept/${name:0:12}"; done
@@ -62,4 +62,7 @@ for target in "$@"; do
     -entropic=0 -reduce_inputs=0 -detect_leaks=0 -timeout=10 -rss_limit_mb=1024 -print_final_stats=1 \
     > "$work/$target.log" 2>&1 || { tail -n 30 "$work/$target.log" >&2; exit 1; }
   grep -E 'DONE|number_of_executed_units|peak_rss_mb' "$work/$target.log"
+  # What reached something new runs once more, with the quarantine, watched for memory that is not given back.
+  ASAN_OPTIONS=detect_odr_violation=0 "$binary" "$corpus" -runs=0 -detect_leaks=1 -rss_limit_mb=4096 \
+    > "$work/$target.leaks.log" 2>&1 || { tail -n 30 "$work/$target.leaks.log" >&2; exit 1; }
 done

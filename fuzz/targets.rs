@@ -11,6 +11,7 @@
     unsafe_code,
     dead_code,
     clippy::undocumented_unsafe_blocks,
+    clippy::print_stderr,
     clippy::unwrap_used,
     clippy::cast_possible_truncation,
     clippy::too_many_lines,
@@ -20,6 +21,7 @@
 
 use std::ffi::{CString, c_char, c_void};
 use std::ptr::{null, null_mut};
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, LazyLock};
 use urdf2fmu_core::prepared::PreparedModel;
 use urdf2fmu_core::settings::Settings;
@@ -244,14 +246,15 @@ fn chosen(data: &[u8], many: u64) -> bool {
 /// Length of what stands before the simulation's own bytes, see `fmi/src/snapshot.rs`.
 const HEADER: usize = 56;
 
-/// A communication step of a few of the steps that the state asks for, s.
-unsafe fn short_step(c: *mut c_void) -> f64 {
+/// A communication step, s, of a few of the steps that the parameters ask for, at most `most`: who asks for a hundred
+/// nanoseconds or 12 digits waits as long as that takes, which is no finding.
+unsafe fn short_step(c: *mut c_void, most: f64) -> f64 {
     let mut asked = [0.0; 2];
     unsafe { fmi2GetReal(c, ASKED.as_ptr(), 2, asked.as_mut_ptr()) };
     match asked {
-        [fixed, _] if fixed > 0.0 => (4.0 * fixed).clamp(1e-9, 1e-4),
+        [fixed, _] if fixed > 0.0 => (4.0 * fixed).clamp(1e-9, most),
         [_, tolerance] if tolerance > 0.0 && tolerance < 1e-6 => 1e-6,
-        _ => 1e-4,
+        _ => most,
     }
 }
 
@@ -299,7 +302,7 @@ pub fn states(data: &[u8]) {
                 fmi2SetFMUstate(c, saved);
                 let mut time = 0.0;
                 fmi2GetRealStatus(c, 2, &raw mut time);
-                fmi2DoStep(c, time, short_step(c), 0);
+                fmi2DoStep(c, time, short_step(c, 1e-4), 0);
                 read_all(c);
                 fmi2GetFMUstate(c, &raw mut saved);
             }
@@ -398,6 +401,9 @@ pub fn settings(data: &[u8]) {
     _ = Settings::parse(&String::from_utf8_lossy(data), "fuzz.toml");
 }
 
+/// Calls in all sequences so far.
+static CALLS: AtomicU64 = AtomicU64::new(0);
+
 pub fn calls(data: &[u8]) {
     let mut bytes = Bytes(data);
     let mut c = kept(bytes.byte() % 2 == 1);
@@ -409,6 +415,10 @@ pub fn calls(data: &[u8]) {
     for _ in 0..64 {
         if bytes.0.is_empty() {
             break;
+        }
+        let number = CALLS.fetch_add(1, Ordering::Relaxed);
+        if number > 0 && number.is_multiple_of(1_000_000) {
+            eprintln!("{number} calls");
         }
         let function = bytes.byte();
         let count = bytes.byte() as usize % 6;
@@ -463,11 +473,16 @@ pub fn calls(data: &[u8]) {
                 9 | 10 => drop(fmi2SetRealInputDerivatives(c, vr, n, integer, real)),
                 11 => drop(fmi2GetRealOutputDerivatives(c, vr, n, integer, real)),
                 12..=15 => {
-                    // At most a second in all: a sequence is to be short.
+                    // At most 0.2 s in all: a sequence is to be short.
                     let step = [1e-3, 0.01, 1e-9, bytes.number()][kind.unsigned_abs() as usize % 4];
                     let begin = if slot == 0 { time } else { bytes.number() };
-                    let legal = step.is_nan() || step + simulated <= 1.0 || step > 1e6;
-                    if legal && fmi2DoStep(c, begin, step, kind) as i32 == 0 {
+                    let most = short_step(c, 0.05).min(0.2 - simulated);
+                    let step = if step > 1e6 || step.is_nan() {
+                        step
+                    } else {
+                        step.min(most)
+                    };
+                    if fmi2DoStep(c, begin, step, kind) as i32 == 0 {
                         simulated += step.max(0.0);
                     }
                     fmi2GetRealStatus(c, 2, &raw mut time);
