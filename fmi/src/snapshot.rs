@@ -297,7 +297,8 @@ mod tests {
         assert!(SavedState::from_bytes(state.guid, instance.simulation(), &bytes).is_err());
     }
 
-    /// Found by fuzzing: a step from 0.3 s began with a simulation that stood at its beginning, and took 300,000 steps.
+    /// Found by fuzzing: a step from 0.3 s began with a simulation that stood at its beginning, and made up for all of it
+    /// in steps of 1e-7 s.
     #[test]
     fn a_phase_that_does_not_fit_the_simulation_is_refused() {
         let instance = instance();
