@@ -89,8 +89,13 @@ impl Stepper {
             if self.fixed_step(ctx, state, part, h)? {
                 done += part;
                 parts -= 1.0;
-            } else {
+            } else if part > (1.5 * h / MAX_PARTS).max(2.0 * SHORTEST_FIXED_STEP) {
                 parts *= 2.0;
+            } else {
+                // No part is short enough: a limb of grams whirls between tonnes. Error control goes down to a tenth of a
+                // microsecond.
+                let begin = state.time + ctx.elapsed;
+                return self.advance_between(ctx, state, begin, begin + (h - done));
             }
         }
         Ok(())
@@ -105,24 +110,24 @@ impl Stepper {
         h: f64,
         whole: f64,
     ) -> Result<bool, NotFinite> {
-        let may_split = h > (1.5 * whole / MAX_PARTS).max(2.0 * SHORTEST_FIXED_STEP);
-        let turning = may_split && fastest(ctx, &state.v) * whole > TURN;
+        let turning = fastest(ctx, &state.v) * whole > TURN;
         let gain = turning.then(|| GAIN * h / whole);
         if self.fixed_explicit_step(ctx, state, h, gain) {
             state.counters[0] += 1;
             return Ok(true);
         }
-        self.fixed_implicit_step(ctx, state, [h, whole], may_split)
+        self.fixed_implicit_step(ctx, state, [h, whole], true)
     }
 
     /// One solve with the friction cone and the bias of the start, one with those of the middle unless that changes
-    /// nothing. If it `may_split` and something turns too far, it is not taken; tells whether it was.
+    /// nothing. If it is `watched` and something turns too far, gains energy or leaves the numbers, it is not taken; tells
+    /// whether it was.
     pub(super) fn fixed_implicit_step(
         &mut self,
         ctx: &Context,
         state: &mut State,
         [h, whole]: [f64; 2],
-        may_split: bool,
+        watched: bool,
     ) -> Result<bool, NotFinite> {
         let tree = ctx.tree;
         self.start.expect_commands(ctx, state, h);
@@ -137,7 +142,7 @@ impl Stepper {
             return Ok(true);
         }
         let turn = fastest(ctx, &state.v).max(fastest(ctx, &self.full.v));
-        if may_split && turn * h > WHIRL {
+        if watched && turn * h > WHIRL {
             return Ok(false);
         }
         for (contact, response) in self.start.contacts.iter_mut().zip(&self.full.responses) {
@@ -148,7 +153,7 @@ impl Stepper {
             turn.carry(turn.normal.dot(&response.impulse) / h);
         }
         let turning = turn * whole > TURN;
-        let books = (turning && may_split).then(|| {
+        let books = (turning && watched).then(|| {
             self.half.copy_from(state);
             self.open_books(ctx, state, GAIN * h / whole)
         });
@@ -172,7 +177,7 @@ impl Stepper {
             state.counters[1] += 1;
         }
         if !self.full.v.iter().all(|v| v.is_finite()) {
-            return Err(NotFinite);
+            return if watched { Ok(false) } else { Err(NotFinite) };
         }
         let work = work(ctx, &self.start, &self.full, h);
         self.accept_single(ctx, state, h);

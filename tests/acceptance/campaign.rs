@@ -223,11 +223,6 @@ impl Ledger {
         ledger
     }
 
-    /// What it had to fall with, J.
-    pub fn scale(&self) -> f64 {
-        self.scale
-    }
-
     /// Enters a state.
     pub fn add(&mut self, s: &mut Simulation) {
         let [springs, friction] = stored(s);
