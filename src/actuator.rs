@@ -407,13 +407,6 @@ impl JointTerm {
         r
     }
 
-    /// Whether dry friction slips and the drive gives all it has, at the velocity `v` at the end of a step of `h` seconds.
-    pub fn yields(&self, v: f64, h: f64) -> [bool; 2] {
-        let dry = self.dry.cap > 0.0 && self.dry.force(v, h).1 <= 0.0;
-        let drive = self.drive.is_stiff() && self.drive.force(v, h).1 >= 0.0;
-        [dry, drive]
-    }
-
     /// Force at the start of the step for the velocity `v`: the limit of `response / h` for small `h`.
     pub fn force(&self, v: f64) -> f64 {
         let mut force = self.drive_force(v, 0.0).0 - self.damping * v;

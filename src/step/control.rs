@@ -2,8 +2,7 @@
 //!
 //! An error-controlled step is solved once over `h` and twice over `h/2`; the difference of the two results is the
 //! error estimate, positions and velocities together, and twice the second minus the first is the solution that goes
-//! on: second order in smooth motion at the price of the estimate. Where something sticks in one solve and slips in
-//! another the second result goes on as it is. Steps end at touch-down rather than across it.
+//! on: second order in smooth motion at the price of the estimate. Steps end at touch-down rather than across it.
 //! Where nothing is stiff, explicit steps of fifth order take over (see `smooth.rs`); as long as no input changes
 //! they are as long as the motion allows, and communication points are read off inside them (see [`crate::state::ahead`]).
 
@@ -296,8 +295,7 @@ impl Stepper {
                 way.proposed = grown(way.proposed, h, factor).max(floor);
                 way.book(state, h);
                 self.keep_start(state);
-                let extrapolate = error <= 1.0 && self.agrees(h);
-                way.posed = self.accept_doubled(ctx, state, h, extrapolate);
+                way.posed = self.accept_doubled(ctx, state, h, error <= 1.0);
                 self.end_trend(state, h);
                 if beyond {
                     self.interpolate(ctx, state, way.begin + way.done, h, way.end);

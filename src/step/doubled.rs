@@ -224,33 +224,6 @@ impl Stepper {
         ahead.evaluate(tree, end, q, v);
     }
 
-    /// Whether contacts hold in all three solves of a step of `h` seconds or slip in all three, and whether friction, motors
-    /// and servos of joints do the same at the end of the full solve and of the second half.
-    ///
-    /// Else the three are not solutions of one smooth system: their difference still bounds the error, but extrapolating it
-    /// gains no order, and a long step across break-away can end where it began, again and again.
-    pub(super) fn agrees(&self, h: f64) -> bool {
-        let slips = |newton: &Newton, place: usize| newton.responses[place].slip != Vec3::zeros();
-        let mut middle = self.middle.contacts.iter().enumerate().peekable();
-        for (place, contact) in self.start.contacts.iter().enumerate() {
-            let slip = slips(&self.full, place);
-            if slips(&self.first, place) != slip {
-                return false;
-            }
-            while middle.next_if(|(_, c)| c.slot < contact.slot).is_some() {}
-            let second = middle.next_if(|(_, c)| c.slot == contact.slot);
-            if second.is_some_and(|(place, _)| slips(&self.second, place) != slip) {
-                return false;
-            }
-        }
-        // Commands that vary are as at the end of the full step here, which is not where the first half ends.
-        let terms = self.start.joints.terms.iter();
-        terms.zip(&self.middle.joints.terms).all(|(start, middle)| {
-            let dof = start.dof;
-            start.yields(self.full.v[dof], h) == middle.yields(self.second.v[dof], 0.5 * h)
-        })
-    }
-
     /// Takes the results of [`Self::doubled_step`] from where `self.start` stands into the state: extrapolated, or the half
     /// steps' as they are, which damp what the step does not resolve. Extrapolation goes where the laws would lead if the
     /// step resolved them; an impact that it does not, or the spring of a limit that is stiffer than the tolerance, may

@@ -161,8 +161,8 @@ fn drag(tolerance: f64, count: u32) -> f64 {
     s.state().q[0]
 }
 
-/// D5. Break-away does not depend on the communication step: extrapolation across the change from sticking to slipping
-/// once made steps of 19 ms that slipped on the spot for ever.
+/// D5. Break-away does not depend on the communication step: with the loads of their start, steps of 19 ms once slipped on
+/// the spot for ever.
 #[test]
 fn d5_held_wheels_are_dragged_along_at_any_communication_step() {
     let expected = drag(1e-7, 1);

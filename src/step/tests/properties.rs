@@ -299,7 +299,7 @@ fn random_robots_under_random_commands_stay_finite() {
     }
 }
 
-/// Halving the tolerance tenfold reduces the error of a motion through contact: the step converges.
+/// A tolerance a hundred times as tight reduces the error of a motion through contact: the step converges.
 #[test]
 fn tighter_tolerances_converge_through_contact_and_friction() {
     let end = |tolerance: f64| {
@@ -315,9 +315,9 @@ fn tighter_tolerances_converge_through_contact_and_friction() {
     let errors: Vec<f64> = [1e-3, 1e-4, 1e-5, 1e-6]
         .map(|t| (end(t) - exact).norm())
         .to_vec();
-    assert!(errors[0] < 1e-2 && errors[3] < 1e-4, "{errors:?}");
+    assert!(errors[0] < 5e-3 && errors[3] < 1e-4, "{errors:?}");
     assert!(
-        errors.windows(2).all(|pair| pair[1] < 0.5 * pair[0]),
+        errors.windows(3).all(|three| three[2] < 0.2 * three[0]),
         "{errors:?}"
     );
 }
