@@ -106,10 +106,10 @@ pub struct Link {
     pub rolling_friction: f64,
     /// Moment against turning about the normal over normal force, m; combined likewise.
     pub torsional_friction: f64,
-    /// Stiffness of its contact points, N/m, where it is not that of [`Contact`].
+    /// Stiffness of its contact points, N/m, where it is not that of [`ContactDefaults`].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub stiffness: Option<f64>,
-    /// Dissipation of its contact points where restitution is 0, s/m, where it is not that of [`Contact`].
+    /// Dissipation of its contact points where restitution is 0, s/m, where it is not that of [`ContactDefaults`].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub dissipation: Option<f64>,
 }

@@ -16,7 +16,7 @@
 //! hence of the order of the pair.
 //!
 //! Source: Dormand & Prince 1980; Bogacki & Shampine 1989; Hairer, Nørsett & Wanner 1993, sections II.4 to II.6; Kennedy &
-//! Carpenter 2003 (ARK4(3)6L[2]SA); Boscarino, Filbet & Russo 2016 (one function of an explicit and an implicit argument).
+//! Carpenter 2003 (`ARK4(3)6L[2]SA`); Boscarino, Filbet & Russo 2016 (one function of an explicit and an implicit argument).
 
 use crate::actuator::{self, Drive, JointTerm};
 use crate::dynamics::aba::Articulated;
