@@ -20,7 +20,7 @@ for step in range(4 * 240):
     fmu.doStep(step / 240, 1 / 240)
     if step % 120 == 119:
         x, y, z, yaw = fmu.getReal([ref["base." + name] for name in ("position.x", "position.y", "position.z", "rpy.yaw")])
-        y = round(y, 3) + 0.0  # no "-0.000"
+        y, yaw = (round(value, 3) + 0.0 for value in (y, yaw))  # no "-0.000"
         print(f"t = {(step + 1) / 240:.1f} s   x = {x:.3f} m   y = {y:+.3f} m   z = {z:.4f} m   yaw = {yaw:+.3f} rad")
 
 fmu.terminate()

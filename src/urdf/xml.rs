@@ -199,7 +199,11 @@ struct Builder<'t> {
 
 impl<'t> Builder<'t> {
     fn run(mut self, report: &mut Report) -> Option<Document<'t>> {
-        let mut reader = Reader::from_str(self.text);
+        // The reader skips a byte order mark without counting it.
+        let body = self.text.trim_start_matches('\u{feff}');
+        let mark = self.text.len() - body.len();
+        let position = |in_body: u64| mark + position(in_body);
+        let mut reader = Reader::from_str(body);
         loop {
             let start = position(reader.buffer_position());
             let event = match reader.read_event() {
@@ -224,7 +228,7 @@ impl<'t> Builder<'t> {
                     // `<![CDATA[` and `]]>`
                     self.content((start + 9).min(end)..end.saturating_sub(3), report)?;
                 }
-                Event::Decl(_) if !self.text[..start].is_empty() => report.warning(
+                Event::Decl(_) if start > mark => report.warning(
                     "U008",
                     start..end,
                     "the XML declaration is not at the start of the file",
