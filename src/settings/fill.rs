@@ -1,0 +1,394 @@
+//! Checked keys and values → [`Settings`]: what each table means, and which keys contradict each other.
+//!
+//! In: a [`Section`] from the [`Reader`], with types and ranges checked and defaults at hand.
+//! Out: [`Settings`]; findings S105 to S107 in the reader. Nothing here looks at text or knows a robot.
+
+use super::reader::{Node, Reader, Section, Span, Value};
+use super::{
+    ActuatorSettings, BaseChoice, Compat, ContactOutputs, GroupSettings, InertiaSource,
+    InitialSettings, JointSettings, LinkSettings, ModeChoice, Pattern, SensorSettings,
+    SensorSettingsKind, Settings, WheelFit,
+};
+use crate::model::{ActuatorMode, Combination, ContactDefaults, Ground, SolverDefaults, World};
+use crate::spatial::Vec3;
+
+/// What the file at `root` means; a given `compat` wins over the file's.
+///
+/// Whatever is missing or was rejected has its default, so that everything else is checked, too; findings go to `reader`.
+pub(super) fn fill(reader: &mut Reader, root: &Section, compat: Option<Compat>) -> Settings {
+    let robot = root.table("robot");
+    let compat = compat
+        .or_else(|| Compat::from_word(&robot.word("compat")?))
+        .unwrap_or_default();
+    if robot.flag("self_collision") {
+        unsupported(reader, &robot, "self_collision", "self_collision = true");
+    }
+    let outputs = root.table("outputs");
+    Settings {
+        compat,
+        base: match robot.word("base").as_deref() {
+            Some("floating") => BaseChoice::Floating,
+            Some("fixed") => BaseChoice::Fixed,
+            _ => BaseChoice::Auto,
+        },
+        scale: robot.number("scale").unwrap_or(1.0),
+        inertia: match robot.value_as("inertia", compat) {
+            Some(Value::Word(word)) if word == "collision" => InertiaSource::Collision,
+            Some(Value::Word(word)) if word == "pybullet" => InertiaSource::PyBullet,
+            _ => InertiaSource::Urdf,
+        },
+        flat_names: root.table("fmu").word("naming").as_deref() == Some("flat"),
+        solver: solver(&root.table("solver"), compat),
+        contact: contact(reader, &root.table("contact")),
+        world: world(reader, &root.table("world"), compat),
+        initial: initial(reader, &root.table("initial")),
+        default_mode: None,
+        actuators: root
+            .tables("actuator")
+            .iter()
+            .filter_map(|section| actuator(reader, section))
+            .collect(),
+        joints: named_tables(reader, &root.table("joint"))
+            .map(|(joint, section)| joint_settings(reader, joint, &section))
+            .collect(),
+        links: named_tables(reader, &root.table("link"))
+            .map(|(link, section)| LinkSettings {
+                link,
+                friction: section.number("friction"),
+                static_friction: section.number("static_friction"),
+                rolling_friction: section.number("rolling_friction"),
+                torsional_friction: section.number("torsional_friction"),
+                restitution: section.number("restitution"),
+                stiffness: section.number("stiffness"),
+                dissipation: section.number("dissipation"),
+                mass: section.number("mass"),
+                wheel_fit: section
+                    .word("wheel_fit")
+                    .and_then(|word| WheelFit::from_word(&word)),
+                decompose: section
+                    .word("collision")
+                    .map(|word| word == "decomposition"),
+            })
+            .collect(),
+        contact_outputs: match outputs.value("contacts") {
+            Some(Value::Texts(texts)) => ContactOutputs::Links(patterns(reader, texts)),
+            Some(Value::Word(word)) if word == "none" => ContactOutputs::Links(Vec::new()),
+            _ => ContactOutputs::Auto,
+        },
+        link_outputs: match outputs.value("links") {
+            Some(Value::Texts(texts)) => patterns(reader, texts),
+            _ => Vec::new(),
+        },
+        external_wrenches: root
+            .tables("external_wrench")
+            .iter()
+            .filter_map(|section| required(reader, section, "link", "external_wrench"))
+            .collect(),
+        groups: root
+            .tables("group")
+            .iter()
+            .filter_map(|section| group(reader, section))
+            .collect(),
+        sensors: root
+            .tables("sensor")
+            .iter()
+            .filter_map(|section| sensor(reader, section))
+            .collect(),
+    }
+}
+
+fn group(reader: &mut Reader, section: &Section) -> Option<GroupSettings> {
+    let name = required(reader, section, "name", "group")?;
+    let joints = match section.value("joints") {
+        Some(Value::Texts(texts)) if !texts.is_empty() => patterns(reader, texts),
+        _ => {
+            required(reader, section, "joints", "group")?;
+            return None;
+        }
+    };
+    Some(GroupSettings { name, joints })
+}
+
+fn sensor(reader: &mut Reader, section: &Section) -> Option<SensorSettings> {
+    let Some(word) = section.word("type") else {
+        if !section.rejected.iter().any(|rejected| rejected == "type") {
+            let message = "[[sensor]] needs 'type'";
+            let help = "type = \"imu\", \"ft\" or \"ray\"";
+            reader.error("S107", &section.span.clone(), message, help);
+        }
+        return None;
+    };
+    let (on, foreign): (&str, &[&str]) = match word.as_str() {
+        "imu" => ("link", &["joint", "frame", "rays", "fov", "range"]),
+        "ft" => ("joint", &["link", "xyz", "rpy", "rays", "fov", "range"]),
+        _ => ("link", &["joint", "frame"]),
+    };
+    for key in foreign {
+        if let Some(entry) = section.entry(key) {
+            let message = format!("'{key}' has no meaning for a sensor of type \"{word}\"");
+            reader.error("S106", &entry.span.clone(), message, "leave it out");
+        }
+    }
+    let (rays, fov) = (section.number("rays"), section.number("fov"));
+    if let (None | Some(1.0), Some(entry)) = (rays, section.entry("fov")) {
+        let message = "'fov' has no meaning for one ray";
+        reader.error("S106", &entry.span.clone(), message, "set rays, too");
+    }
+    Some(SensorSettings {
+        on: required(reader, section, on, "sensor")?,
+        name: match section.value("name") {
+            Some(Value::Texts(texts)) => patterns(reader, texts).into_iter().next(),
+            _ => None,
+        },
+        xyz: vector(section, "xyz"),
+        rpy: vector(section, "rpy"),
+        kind: match word.as_str() {
+            "imu" => SensorSettingsKind::Imu,
+            "ft" => SensorSettingsKind::ForceTorque {
+                in_parent: section.word("frame").as_deref() == Some("parent"),
+            },
+            _ => SensorSettingsKind::Ray {
+                #[expect(
+                    clippy::cast_possible_truncation,
+                    clippy::cast_sign_loss,
+                    reason = "checked: a whole number from 1 to ten thousand"
+                )]
+                rays: rays.unwrap_or(1.0) as u32,
+                fov: fov.unwrap_or(0.0),
+                range: section.number("range").unwrap_or(10.0),
+            },
+        },
+    })
+}
+
+fn unsupported(reader: &mut Reader, section: &Section, key: &str, what: &str) {
+    let span = section.entry(key).map_or(0..0, |entry| entry.span.clone());
+    let message = format!("{what} is not supported yet");
+    reader.error("S105", &span, message, "leave it out");
+}
+
+fn solver(section: &Section, compat: Compat) -> SolverDefaults {
+    SolverDefaults {
+        step_size: section.number_as("step_size", compat).unwrap_or(0.0),
+        // 0 leaves the choice to the importer.
+        tolerance: section.number("tolerance").unwrap_or(0.0),
+    }
+}
+
+fn contact(reader: &mut Reader, section: &Section) -> ContactDefaults {
+    if let (Some(_), Some(stiffness)) = (section.entry("penetration"), section.entry("stiffness")) {
+        let message = "'stiffness' and 'penetration' say the same thing twice";
+        let span = stiffness.span.clone();
+        reader.error("S106", &span, message, "leave one of them out");
+    }
+    ContactDefaults {
+        penetration: section.number("penetration").unwrap_or(0.0),
+        stiffness: section.number("stiffness"),
+        dissipation: section.number("dissipation").unwrap_or(0.0),
+        stribeck_velocity: section.number("stribeck_velocity").unwrap_or(0.0),
+    }
+}
+
+fn world(reader: &mut Reader, section: &Section, compat: Compat) -> World {
+    let ground = section.table("ground");
+    let kind = ground.word("type");
+    if kind.as_deref() == Some("heightfield") {
+        unsupported(reader, &ground, "type", "a heightfield");
+    }
+    let friction = ground.number_as("friction", compat).unwrap_or(0.0);
+    let static_friction = ground.number("static_friction").unwrap_or(friction);
+    let static_excess = static_excess(friction, static_friction).unwrap_or_else(|| {
+        let span = ground
+            .entry("static_friction")
+            .map_or(0..0, |entry| entry.span.clone());
+        let message = format!(
+            "the friction {static_friction} at rest is below or far above the friction {friction}"
+        );
+        reader.error("S106", &span, message, STATIC_FRICTION_HELP);
+        0.0
+    });
+    World {
+        gravity: vector(section, "gravity"),
+        combination: match compat {
+            Compat::None => Combination::Mean,
+            Compat::PyBullet => Combination::Product,
+        },
+        drag: compat.drag(),
+        ground: (kind.as_deref() != Some("none")).then(|| Ground {
+            friction,
+            restitution: ground.number("restitution").unwrap_or(0.0),
+            static_excess,
+            rolling_friction: ground.number("rolling_friction").unwrap_or(0.0),
+            torsional_friction: ground.number("torsional_friction").unwrap_or(0.0),
+        }),
+    }
+}
+
+/// What to do about a static friction that [`static_excess`] refuses.
+pub(crate) const STATIC_FRICTION_HELP: &str = "static_friction must lie between friction and 1000 times friction; leave it out where they are equal";
+
+/// Static over sliding friction, less 1; none where it is negative, or has no sliding friction to go with.
+pub(crate) fn static_excess(friction: f64, static_friction: f64) -> Option<f64> {
+    #[expect(
+        clippy::float_cmp,
+        reason = "one is often a copy of the other, and both may be 0"
+    )]
+    if friction == static_friction {
+        return Some(0.0);
+    }
+    let excess = static_friction / friction - 1.0;
+    (0.0..=1e3).contains(&excess).then_some(excess)
+}
+
+fn initial(reader: &mut Reader, section: &Section) -> InitialSettings {
+    let xyz = section.numbers("xyz").unwrap_or_default();
+    let by_name = |key: &str, reader: &Reader| {
+        section
+            .table(key)
+            .entries
+            .iter()
+            .filter_map(|entry| match &entry.node {
+                Node::Value(Value::Number(number)) => {
+                    Some((pattern(reader, entry.name.clone(), &entry.span), *number))
+                }
+                _ => None,
+            })
+            .collect()
+    };
+    InitialSettings {
+        xy: [
+            xyz.first().copied().unwrap_or(0.0),
+            xyz.get(1).copied().unwrap_or(0.0),
+        ],
+        z: xyz.get(2).copied(),
+        rpy: vector(section, "rpy"),
+        linear_velocity: vector(section, "linear_velocity"),
+        angular_velocity: vector(section, "angular_velocity"),
+        state: Vec::new(),
+        joints: by_name("joints", reader),
+        joint_velocities: by_name("joint_velocities", reader),
+        velocity_place: section
+            .entry("linear_velocity")
+            .or_else(|| section.entry("angular_velocity"))
+            .map(|entry| reader.place(&entry.span)),
+    }
+}
+
+fn actuator(reader: &mut Reader, section: &Section) -> Option<ActuatorSettings> {
+    let joint = required(reader, section, "joint", "actuator")?;
+    let mode = section
+        .word("mode")
+        .and_then(|word| ModeChoice::from_word(&word));
+    let settings = ActuatorSettings {
+        joint,
+        mode,
+        max_effort: section.number("max_effort"),
+        kp: section.number("kp"),
+        kd: section.number("kd"),
+        no_load_speed: section.number("no_load_speed"),
+    };
+    for key in ["kp", "kd", "max_effort", "no_load_speed"] {
+        let Some(entry) = section.entry(key) else {
+            continue;
+        };
+        let useless = match mode {
+            None => false,
+            Some(ModeChoice::Passive) => true,
+            // The line starts from max_effort, whatever is commanded.
+            Some(ModeChoice::Commanded(ActuatorMode::Effort)) => {
+                key == "max_effort" && settings.no_load_speed.is_none()
+            }
+            Some(ModeChoice::Commanded(mode)) => {
+                matches!(key, "kp" | "kd") && mode != ActuatorMode::Pd
+            }
+        };
+        if useless {
+            let mode = section.word("mode").unwrap_or_default();
+            let message = format!("'{key}' has no meaning in mode \"{mode}\"");
+            let span = entry.span.clone();
+            reader.error("S106", &span, message, "leave it out, or change the mode");
+        }
+    }
+    Some(settings)
+}
+
+fn joint_settings(reader: &mut Reader, joint: Pattern, section: &Section) -> JointSettings {
+    let limits = section.table("limits");
+    let (lower, upper) = (limits.number("lower"), limits.number("upper"));
+    if let (Some(lower), Some(upper)) = (lower, upper)
+        && lower > upper
+    {
+        let message = format!("the lower limit {lower} lies above the upper limit {upper}");
+        reader.error("S106", &limits.span, message, "exchange them");
+    }
+    JointSettings {
+        joint,
+        damping: section.number("damping"),
+        friction: section.number("friction"),
+        armature: section.number("armature"),
+        static_friction: section.number("static_friction"),
+        stribeck_velocity: section.number("stribeck_velocity"),
+        enforce_velocity: section
+            .entry("enforce_velocity")
+            .map(|_| section.flag("enforce_velocity")),
+        lower,
+        upper,
+        effort: section.number("effort"),
+        velocity: section.number("velocity"),
+    }
+}
+
+/// The tables of `[joint."…"]` or `[link."…"]`, in file order.
+fn named_tables(reader: &Reader, section: &Section) -> std::vec::IntoIter<(Pattern, Section)> {
+    let tables: Vec<_> = section
+        .entries
+        .iter()
+        .filter_map(|entry| match &entry.node {
+            Node::Table(table) => Some((
+                pattern(reader, entry.name.clone(), &entry.span),
+                table.clone(),
+            )),
+            Node::Value(_) | Node::Tables(_) => None,
+        })
+        .collect();
+    tables.into_iter()
+}
+
+fn required(reader: &mut Reader, section: &Section, key: &str, table: &str) -> Option<Pattern> {
+    if let Some(Value::Texts(texts)) = section.value(key) {
+        patterns(reader, texts).into_iter().next()
+    } else {
+        if !section.rejected.iter().any(|rejected| rejected == key) {
+            let span = section.span.clone();
+            let message = format!("[[{table}]] needs '{key}'");
+            let help = match key {
+                "name" => "name = \"a name of your own\"".to_owned(),
+                "joints" => "joints = [\"names or globs\"]".to_owned(),
+                _ => format!("{key} = \"a name or glob\""),
+            };
+            reader.error("S107", &span, message, help);
+        }
+        None
+    }
+}
+
+fn pattern(reader: &Reader, text: String, span: &Span) -> Pattern {
+    Pattern {
+        text,
+        place: Some(reader.place(span)),
+    }
+}
+
+fn patterns(reader: &Reader, texts: Vec<(String, Span)>) -> Vec<Pattern> {
+    texts
+        .into_iter()
+        .map(|(text, span)| pattern(reader, text, &span))
+        .collect()
+}
+
+fn vector(section: &Section, key: &str) -> Vec3 {
+    match section.numbers(key).as_deref() {
+        Some([x, y, z]) => Vec3::new(*x, *y, *z),
+        _ => Vec3::zeros(),
+    }
+}
