@@ -1,0 +1,203 @@
+//! Links without inertia, or with that of their shapes.
+
+use super::*;
+
+#[test]
+fn a_terminal_link_without_inertia_is_an_error_with_a_suggestion() {
+    let bare =
+        robot(mass("base", 1.0)).with("base", "j", Revolute, at(0.0, 0.0, 0.0), frame("tip"));
+    let found = error(&bare, "");
+    assert_eq!(found.code, "A104");
+    assert!(found.message.contains("'tip'") && found.message.contains("'j'"));
+    assert_eq!(found.place.map(|p| p.line), Some(7));
+    assert!(
+        found
+            .help
+            .is_some_and(|h| h.contains("<mass value=\"0.1000\"/>"))
+    );
+
+    // A cube of 0.2 m at 1000 kg/m³: 8 kg, I = m a²/6 = 0.0533.
+    let mut shaped = frame("tip");
+    shaped.collisions = vec![collision(
+        at(0.5, 0.0, 0.0),
+        Shape::Box {
+            half: Vec3::repeat(0.1),
+        },
+    )];
+    let found = error(
+        &robot(mass("base", 1.0)).with("base", "j", Revolute, at(0.0, 0.0, 0.0), shaped),
+        "",
+    );
+    let help = found.help.expect("help");
+    assert!(
+        help.contains("<origin xyz=\"0.5000 0.0000 0.0000\"/><mass value=\"8.0000\"/>"),
+        "{help}"
+    );
+    assert!(help.contains("ixx=\"5.333e-2\""), "{help}");
+}
+
+#[test]
+fn massless_links_may_move_what_has_inertia() {
+    // A planar chain in pieces: x, y, then the body; and a gimbal of three axes.
+    let about = |axis: Vec3| move |j: &mut JointDescription| j.axis = axis;
+    let chain = robot(frame("world"))
+        .with("world", "x", Prismatic, at(0.0, 0.0, 0.0), frame("lx"))
+        .and(about(Vec3::x()))
+        .with("lx", "y", Prismatic, at(0.0, 0.0, 0.0), frame("ly"))
+        .and(about(Vec3::y()))
+        .with("ly", "yaw", Continuous, at(0.0, 0.0, 0.0), frame("lyaw"))
+        .with(
+            "lyaw",
+            "pitch",
+            Continuous,
+            at(0.0, 0.0, 0.0),
+            frame("lpitch"),
+        )
+        .and(about(Vec3::y()))
+        .with(
+            "lpitch",
+            "roll",
+            Continuous,
+            at(0.0, 0.0, 0.0),
+            mass("body", 2.0),
+        )
+        .and(about(Vec3::x()));
+    let assembled = assembled(&chain, "");
+    assert_eq!(assembled.model.nv(), 5);
+    assert!(note(&assembled, "A109").message.contains("'lyaw'"));
+    // Two joints about the same axis with nothing between them share one inertia.
+    let twice = robot(frame("world"))
+        .with(
+            "world",
+            "a",
+            Continuous,
+            at(0.0, 0.0, 0.0),
+            frame("between"),
+        )
+        .with(
+            "between",
+            "b",
+            Continuous,
+            at(0.0, 0.0, 0.5),
+            mass("body", 2.0),
+        );
+    let found = error(&twice, "");
+    assert_eq!(found.code, "A104");
+    assert!(
+        found.message.contains("'between'") && found.message.contains("'a'"),
+        "{}",
+        found.message
+    );
+    // Rotor inertia heals it.
+    assert_eq!(model(&twice, "[joint.a]\narmature = 1e-3").nv(), 2);
+}
+
+#[test]
+fn a_point_mass_on_its_own_axis_has_no_inertia_about_it() {
+    let pendulum = |com: Vec3| {
+        robot(mass("base", 1.0)).with(
+            "base",
+            "j",
+            Revolute,
+            at(0.0, 0.0, 0.0),
+            point("bob", 1.0, com),
+        )
+    };
+    assert_eq!(error(&pendulum(Vec3::new(0.0, 0.0, -1.0)), "").code, "A104");
+    assert_eq!(model(&pendulum(Vec3::new(1.0, 0.0, 0.0)), "").nv(), 7);
+    // A floating point mass could not say how it turns.
+    assert_eq!(
+        error(&robot(point("bob", 1.0, Vec3::zeros())), "").code,
+        "A104"
+    );
+}
+
+#[test]
+fn an_inertia_of_zeros_is_that_of_the_shapes_where_the_link_could_not_move() {
+    // As PyBullet's random_urdfs: a mass, zeros, a collision shape. A ball has (2/5) m r².
+    let mut thing = point("thing", 2.0, Vec3::zeros());
+    thing.collisions = vec![collision(Pose::IDENTITY, ball())];
+    let built = assembled(&robot(thing.clone()), "");
+    let found = note(&built, "A123");
+    assert_eq!(found.severity, Severity::Warning);
+    assert_eq!(found.place.map(|p| p.line), Some(7));
+    assert!(found.help.is_some_and(|h| h.contains("ixx=\"8.000e-3\"")));
+    let I = built.model.links[0].inertia.I_cm;
+    assert!((I - Mat3::identity() * 0.4 * 2.0 * 0.01).amax() < 1e-15);
+    // The very numbers of random_urdfs: two axes of 1 kg m² and one without.
+    let mut needle = thing.clone();
+    if let Some(inertia) = &mut needle.inertial {
+        inertia.I_cm = Mat3::from_diagonal(&Vec3::new(1.0, 1.0, 0.0));
+    }
+    let built = assembled(&robot(needle), "");
+    assert!(has(&built, "A123"));
+    let I = built.model.links[0].inertia.I_cm;
+    assert!((I - Mat3::identity() * 0.4 * 2.0 * 0.01).amax() < 1e-15);
+    // On the end of a lever the same link is the point mass that the file says.
+    let lever = robot(mass("base", 1.0)).with("base", "j", Revolute, at(0.0, 0.0, 0.0), {
+        let mut bob = thing.clone();
+        bob.inertial = point("bob", 2.0, Vec3::x()).inertial;
+        bob
+    });
+    let built = assembled(&lever, "");
+    assert!(!has(&built, "A123"));
+    assert_eq!(built.model.links[1].inertia.I_cm, Mat3::zeros());
+    // Without mass nothing can be worked out.
+    let mut empty = frame("shape");
+    empty.collisions = thing.collisions;
+    let moving = robot(mass("base", 1.0)).with("base", "j", Revolute, at(0.0, 0.0, 0.0), empty);
+    assert_eq!(error(&moving, "").code, "A104");
+}
+
+#[test]
+fn very_small_robots_have_inertia_too() {
+    // A milligram, a tenth of a millimetre: (2/5) m r² = 4e-15 kg m².
+    let mut tiny = frame("tip");
+    tiny.inertial = Some(Shape::Sphere { radius: 1e-4 }.solid_inertia(1e-6));
+    let description =
+        robot(mass("base", 1.0)).with("base", "j", Continuous, at(0.0, 0.0, 0.0), tiny);
+    assert_eq!(model(&description, "").nv(), 7);
+}
+
+#[test]
+fn inertia_from_shapes_is_that_of_the_solid_about_its_own_centre() {
+    // A cylinder of 10 kg along y with r = 0.2, l = 0.6, its centre off the file's centre of mass.
+    let cylinder = Shape::Cylinder {
+        radius: 0.2,
+        half_length: 0.3,
+    };
+    let lying = Pose::from_xyz_rpy(Vec3::new(0.0, 0.0, 0.5), Vec3::new(-FRAC_PI_2, 0.0, 0.0));
+    let mut link = mass("drum", 10.0);
+    link.inertial = Some(RigidInertia {
+        mass: 10.0,
+        com: Vec3::new(0.1, 0.2, 0.3),
+        I_cm: Mat3::identity(),
+    });
+    link.collisions = vec![collision(lying, cylinder)];
+    let built = assembled(&robot(link.clone()), "robot.inertia = \"collision\"");
+    let inertia = &built.model.links[0].inertia;
+    assert!(has(&built, "A119"));
+    // m r²/2 along the axis, m (3 r² + l²)/12 across it.
+    let (along, across) = (0.5 * 10.0 * 0.04, 10.0 / 12.0 * (0.12 + 0.36));
+    assert!((inertia.I_cm - Mat3::from_diagonal(&Vec3::new(across, along, across))).amax() < 1e-14);
+    assert_eq!(inertia.com, Vec3::new(0.1, 0.2, 0.3));
+    // Without the setting the file's stays.
+    assert_eq!(
+        model(&robot(link), "").links[0].inertia.I_cm,
+        Mat3::identity()
+    );
+}
+
+#[test]
+fn several_shapes_share_the_mass_by_volume() {
+    // Two equal balls 2 m apart: each (2/5)(m/2) r², and m/2 · 1² across the line between them.
+    let mut link = mass("dumbbell", 4.0);
+    link.collisions = vec![
+        collision(at(1.0, 0.0, 0.0), ball()),
+        collision(at(3.0, 0.0, 0.0), ball()),
+    ];
+    let model = model(&robot(link), "robot.inertia = \"collision\"");
+    let own = 0.4 * 4.0 * 0.01;
+    let expected = Vec3::new(own, own + 4.0, own + 4.0);
+    assert!((model.links[0].inertia.I_cm - Mat3::from_diagonal(&expected)).amax() < 1e-13);
+}

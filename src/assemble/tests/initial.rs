@@ -1,0 +1,126 @@
+//! Where the robot starts.
+
+use super::*;
+
+#[test]
+fn joint_zero_outside_the_limits_moves_to_the_nearest_limit() {
+    let description = robot(mass("base", 1.0))
+        .with(
+            "base",
+            "knee",
+            Revolute,
+            at(0.0, 0.0, 0.0),
+            mass("shank", 1.0),
+        )
+        .and(|j| {
+            j.limits = Some(Limits {
+                lower: -2.7,
+                upper: -0.9,
+            });
+        });
+    let built = assembled(&description, "");
+    assert!(close(built.model.initial.joint_positions[0], -0.9));
+    let found = note(&built, "A110");
+    assert!(found.message.contains("knee = -0.9"), "{}", found.message);
+
+    let set = assembled(&description, "initial.joints = { knee = -2 }");
+    assert!(close(set.model.initial.joint_positions[0], -2.0));
+    assert!(!has(&set, "A110"));
+
+    let found = error(&description, "initial.joints = { knee = 1 }");
+    assert_eq!(found.code, "A106");
+    assert_eq!(
+        found.place.as_ref().map(|p| (p.line, p.column)),
+        Some((1, 20))
+    );
+}
+
+#[test]
+fn a_floating_robot_starts_with_its_lowest_point_on_the_ground() {
+    let built = assembled(&cart(), "");
+    // The wheels' centres are 0.1 below the base's, their radius is 0.1.
+    assert!(close(built.model.initial.position.z, 0.2));
+    assert!(note(&built, "A111").message.contains("z = 0.200000"));
+    // Turned by 90° about x, the right wheel's centre at y = −0.2 is lowest; the left one's after −90°.
+    let leaning = model(&cart(), &format!("initial.rpy = [{FRAC_PI_2}, 0, 0]"));
+    assert!((leaning.initial.position.z - 0.3).abs() < 1e-12);
+    // Upside down nothing but the mast's frames is lower than the chassis' ball.
+    let over = model(
+        &cart(),
+        &format!("initial.rpy = [{PI}, 0, 0]\ninitial.xyz = [5, 6]"),
+    );
+    assert!((over.initial.position - Vec3::new(5.0, 6.0, 0.1)).norm() < 1e-12);
+}
+
+#[test]
+fn joint_positions_count_for_the_initial_height() {
+    let leg = robot(body("trunk", 1.0))
+        .with(
+            "trunk",
+            "hip",
+            Revolute,
+            at(0.0, 0.0, 0.0),
+            mass("thigh", 1.0),
+        )
+        .and(|j| j.axis = Vec3::y())
+        .with(
+            "thigh",
+            "foot_joint",
+            Fixed,
+            at(0.0, 0.0, -1.0),
+            body("foot", 1.0),
+        );
+    assert!(close(model(&leg, "").initial.position.z, 1.1));
+    let bent = model(&leg, "initial.joints = { hip = 1.0471975511965976 }");
+    // 60°: the foot's centre is cos 60° = 0.5 m below.
+    assert!((bent.initial.position.z - 0.6).abs() < 1e-12);
+}
+
+#[test]
+fn a_start_inside_the_ground_is_warned_about_with_its_depth() {
+    let deep = assembled(&cart(), "initial.xyz = [0, 0, 0.1]");
+    let found = note(&deep, "A112");
+    assert!(found.message.contains("100.000 mm"), "{}", found.message);
+    assert!(found.help.is_some_and(|h| h.contains("0.200000")));
+    assert!(close(deep.model.initial.position.z, 0.1));
+    for settings in [
+        "initial.xyz = [0, 0, 0.2]",
+        "initial.xyz = [0, 0, 5]",
+        "initial.xyz = [0, 0, 0.1]\nworld.ground = { type = \"none\" }",
+    ] {
+        assert!(!has(&assembled(&cart(), settings), "A112"), "{settings}");
+    }
+    // A fixed base is where it is; only what moves is looked at.
+    let arm = robot(body("pedestal", 1.0)).with(
+        "pedestal",
+        "j",
+        Revolute,
+        at(0.0, 0.0, 0.05),
+        body("arm", 1.0),
+    );
+    let fixed = assembled(&arm, "robot.base = \"fixed\"");
+    assert!(note(&fixed, "A112").message.contains("50.000 mm"));
+    assert!(close(fixed.model.initial.position.z, 0.0));
+}
+
+#[test]
+fn without_shapes_or_ground_the_base_starts_at_zero() {
+    for (description, settings) in [
+        (robot(mass("satellite", 1.0)), ""),
+        (cart(), "world.ground = { type = \"none\" }"),
+    ] {
+        let assembled = assembled(&description, settings);
+        assert!(close(assembled.model.initial.position.z, 0.0));
+        assert!(note(&assembled, "A111").message.contains("z = 0"));
+    }
+}
+
+#[test]
+fn an_initial_velocity_of_a_fixed_base_is_an_error() {
+    let found = error(
+        &cart(),
+        "robot.base = \"fixed\"\ninitial.linear_velocity = [1, 0, 0]",
+    );
+    assert_eq!(found.code, "A106");
+    assert_eq!(found.place.map(|p| p.line), Some(2));
+}
