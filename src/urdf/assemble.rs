@@ -5,7 +5,7 @@
 use super::decompose;
 use super::inertia;
 use super::link::{self, Geometry};
-use super::mesh;
+use super::mesh::{MeshError, MeshFile};
 use super::resolve::{Found, Missing, Resolver};
 use super::scope::Scope;
 use super::tree::{CheckedRobot, Order};
@@ -204,11 +204,12 @@ fn read_mesh(
         );
         scope.note("U113", at.clone(), &message, "");
     }
-    let points = match mesh::read(&path) {
-        Ok(points) => points,
+    let read = MeshFile::open(&path).and_then(|mesh| Ok((mesh.corners()?, mesh)));
+    let (points, mesh) = match read {
+        Ok(read) => read,
         Err(error) => {
             let (code, help) = match error {
-                mesh::MeshError::Format(_) => ("U106", "convert the mesh to STL or OBJ"),
+                MeshError::Format(_) => ("U106", "convert the mesh to STL or OBJ"),
                 _ => (
                     "U105",
                     "export the mesh again; STL, OBJ and COLLADA are read",
@@ -246,7 +247,7 @@ fn read_mesh(
         scope.warning("U109", at.clone(), &message, "");
     }
     let parts = if decompose && !hull.flat {
-        Some(convex_parts(scope, &path, &name, factors, at)?.into())
+        Some(convex_parts(scope, &mesh, &name, factors, at)?.into())
     } else {
         None
     };
@@ -264,12 +265,12 @@ fn read_mesh(
 /// The convex parts of a mesh; says how many, and how much they fill that the mesh does not.
 fn convex_parts(
     scope: &mut Scope,
-    path: &Path,
+    mesh: &MeshFile,
     name: &str,
     factors: Vec3,
     at: &Range<usize>,
 ) -> Option<Vec<Vec<Vec3>>> {
-    let triangles = mesh::triangles(path).map_err(|error| error.to_string());
+    let triangles = mesh.triangles().map_err(|error| error.to_string());
     let scaled = triangles.map(|triangles| {
         let scaled = |p: Vec3| p.component_mul(&factors);
         triangles.into_iter().map(|t| t.map(scaled)).collect()

@@ -46,19 +46,41 @@ pub(super) enum MeshError {
     NotFinite,
 }
 
-/// Corners of the mesh's faces in m, as the file has them.
-pub(super) fn read(path: &Path) -> Result<Vec<Vec3>, MeshError> {
-    let (kind, bytes) = open(path)?;
-    parse(&kind, &bytes)
+/// A mesh file's bytes, read once for all that is asked of them.
+pub(super) struct MeshFile {
+    /// The name's ending in small letters: a format that is read.
+    kind: String,
+    bytes: Vec<u8>,
 }
 
-/// The mesh's faces, cut into triangles: what [`read`] has read without complaint.
-pub(super) fn triangles(path: &Path) -> Result<Vec<[Vec3; 3]>, MeshError> {
-    let (kind, bytes) = open(path)?;
-    triangles_of(&kind, &bytes)
+impl MeshFile {
+    pub(super) fn open(path: &Path) -> Result<Self, MeshError> {
+        let kind = path
+            .extension()
+            .map(|e| e.to_string_lossy().to_ascii_lowercase())
+            .unwrap_or_default();
+        if !["stl", "obj", "dae"].contains(&kind.as_str()) {
+            return Err(MeshError::Format(format!(".{kind}")));
+        }
+        let bytes = bytes(path)?;
+        if bytes.is_empty() {
+            return Err(MeshError::Empty);
+        }
+        Ok(Self { kind, bytes })
+    }
+
+    /// Corners of the mesh's faces in m, as the file has them.
+    pub(super) fn corners(&self) -> Result<Vec<Vec3>, MeshError> {
+        parse(&self.kind, &self.bytes)
+    }
+
+    /// The mesh's faces, cut into triangles: what [`MeshFile::corners`] has read without complaint.
+    pub(super) fn triangles(&self) -> Result<Vec<[Vec3; 3]>, MeshError> {
+        triangles_of(&self.kind, &self.bytes)
+    }
 }
 
-/// The same for the bytes of a file, as [`parse`].
+/// [`MeshFile::triangles`] for the bytes of a file, as [`parse`].
 pub(super) fn triangles_of(kind: &str, bytes: &[u8]) -> Result<Vec<[Vec3; 3]>, MeshError> {
     match kind {
         "stl" => Ok(stl(bytes)?
@@ -76,23 +98,7 @@ pub(super) fn fan(corners: &[Vec3]) -> impl Iterator<Item = [Vec3; 3]> + '_ {
     sides.map(|side| [corners[0], side[0], side[1]])
 }
 
-/// Kind and bytes of a file.
-fn open(path: &Path) -> Result<(String, Vec<u8>), MeshError> {
-    let kind = path
-        .extension()
-        .map(|e| e.to_string_lossy().to_ascii_lowercase())
-        .unwrap_or_default();
-    if !["stl", "obj", "dae"].contains(&kind.as_str()) {
-        return Err(MeshError::Format(format!(".{kind}")));
-    }
-    let bytes = bytes(path)?;
-    if bytes.is_empty() {
-        return Err(MeshError::Empty);
-    }
-    Ok((kind, bytes))
-}
-
-/// The same as [`read`] for the bytes of a file; `kind` is its ending in small letters.
+/// [`MeshFile::corners`] for the bytes of a file; `kind` is its ending in small letters.
 pub(super) fn parse(kind: &str, bytes: &[u8]) -> Result<Vec<Vec3>, MeshError> {
     let points = match kind {
         "stl" => stl(bytes)?,

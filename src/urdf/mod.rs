@@ -32,6 +32,7 @@ use crate::model::{ActuatorMode, JointKind, Limits};
 use crate::settings::Pattern;
 use crate::spatial::{Mat3, Pose, RigidInertia, Vec3};
 use diagnostic::Report;
+use mesh::MeshFile;
 use resolve::Resolver;
 use scope::Scope;
 use std::fs::File;
@@ -209,7 +210,7 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Description, Vec<Diagn
 /// # Errors
 /// What is wrong with the file.
 pub fn mesh_corners(path: &Path) -> Result<Vec<Vec3>, Box<dyn std::error::Error>> {
-    Ok(mesh::read(path)?)
+    Ok(MeshFile::open(path)?.corners()?)
 }
 
 /// Reads a URDF text and the meshes of its collision shapes.
