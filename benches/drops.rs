@@ -7,6 +7,8 @@
 #[path = "../tests/acceptance/campaign.rs"]
 #[allow(missing_docs, dead_code, reason = "shared with the tests")]
 mod campaign;
+#[path = "../src/testing/random.rs"]
+mod random;
 
 use campaign::{Extreme, Tally, drop_once};
 use std::path::Path;

@@ -15,7 +15,10 @@
 
 #[path = "support/clock.rs"]
 mod clock;
+#[path = "../src/testing/random.rs"]
+mod random;
 
+use random::Random;
 use std::fmt::Write;
 use std::hint::black_box;
 use std::path::Path;
@@ -36,25 +39,9 @@ const STATES: usize = 64;
 const CALLS: usize = 512;
 const ROUNDS: usize = 200;
 
-/// `SplitMix64`, so that a seed means the same everywhere.
-struct Random(u64);
-
-impl Random {
-    /// Uniform in `[-1, 1)`.
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^= z >> 31;
-        #[expect(clippy::cast_precision_loss, reason = "53 bits")]
-        let share = (z >> 11) as f64 / (1_u64 << 52) as f64;
-        share - 1.0
-    }
-
-    fn vector(&mut self, n: usize) -> Vec<f64> {
-        (0..n).map(|_| self.next()).collect()
-    }
+/// Uniform in `[-1, 1)`.
+fn vector(random: &mut Random, n: usize) -> Vec<f64> {
+    (0..n).map(|_| random.uniform(-1.0, 1.0)).collect()
 }
 
 /// Nanoseconds per call, the least of some measurements.
@@ -80,11 +67,17 @@ fn algorithms(model: &Model) -> [f64; 3] {
     let (mut q, mut v) = (Vec::new(), Vec::new());
     for _ in 0..STATES {
         let mut turned = zero.clone();
-        advance(&tree, &zero, &random.vector(model.nv()), 1.0, &mut turned);
+        advance(
+            &tree,
+            &zero,
+            &vector(&mut random, model.nv()),
+            1.0,
+            &mut turned,
+        );
         q.push(turned);
-        v.push(random.vector(model.nv()));
+        v.push(vector(&mut random, model.nv()));
     }
-    let tau = random.vector(model.nv());
+    let tau = vector(&mut random, model.nv());
     let mut vdot = vec![0.0; model.nv()];
     let mut kin = Kinematics::new(&tree);
     let mut articulated = Articulated::new(&tree);

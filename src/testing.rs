@@ -16,20 +16,13 @@ use crate::model::{
 };
 use crate::spatial::{Mat3, Pose, RigidInertia, Vec3};
 
-/// Numbers that look random and are the same everywhere (`SplitMix64`).
-pub struct Random(pub u64);
+// Its place is given because tests/acceptance takes this file by its path, too.
+#[path = "testing/random.rs"]
+pub mod random;
+
+pub use random::Random;
 
 impl Random {
-    /// Uniform in `[low, high)`.
-    pub fn uniform(&mut self, low: f64, high: f64) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^= z >> 31;
-        low + (high - low) * ((z >> 11) as f64 / (1u64 << 53) as f64)
-    }
-
     pub fn vector(&mut self, size: f64) -> Vec3 {
         Vec3::from_fn(|_, _| self.uniform(-size, size))
     }
@@ -294,4 +287,32 @@ pub fn random_tree(random: &mut Random, n: usize, floating: bool, mimic: bool) -
         }
     }
     b.model
+}
+
+/// Gives every link a shape of about 0.1 m: a ball, a cylinder, a box and a capsule in turn.
+pub fn shape_all_links(model: &mut Model) {
+    for (i, link) in model.links.iter().enumerate() {
+        let shape = match i % 4 {
+            0 => Shape::Sphere { radius: 0.1 },
+            1 => Shape::Cylinder {
+                radius: 0.08,
+                half_length: 0.1,
+            },
+            2 => Shape::Box {
+                half: Vec3::new(0.05, 0.1, 0.07),
+            },
+            _ => Shape::Capsule {
+                radius: 0.05,
+                half_length: 0.1,
+            },
+        };
+        let slot = model.contact_slots();
+        model.colliders.push(Collider {
+            link: i.into(),
+            body: link.body,
+            X_BG: Pose::IDENTITY,
+            shape,
+            slot,
+        });
+    }
 }

@@ -1,30 +1,18 @@
 //! What fuzzing has found worth keeping runs again: every file of the corpus through its target; and the robots and
 //! meshes of tests/robots, whole and cut short at each of many places.
 
+#[path = "../files.rs"]
+mod files;
 mod targets;
 
 use std::fs;
-use std::path::{Path, PathBuf};
-
-/// The files below a folder.
-fn files(folder: &Path) -> Vec<PathBuf> {
-    let mut found = Vec::new();
-    for entry in fs::read_dir(folder).expect("a folder") {
-        let path = entry.expect("an entry").path();
-        if path.is_dir() {
-            found.extend(files(&path));
-        } else {
-            found.push(path);
-        }
-    }
-    found
-}
+use std::path::Path;
 
 /// Runs all files with one ending, and their beginnings; says nothing: a target that returns has passed.
 fn replay(ending: &str, target: fn(&[u8])) {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/robots");
     let mut count = 0;
-    for path in files(&folder) {
+    for path in files::below(&folder) {
         if path
             .extension()
             .is_some_and(|e| e.eq_ignore_ascii_case(ending))
@@ -62,11 +50,7 @@ fn collada_files_and_their_beginnings_do_no_harm() {
 /// Runs all files of a target's corpus.
 fn replay_corpus(name: &str, target: fn(&[u8])) {
     let corpus = Path::new(env!("CARGO_MANIFEST_DIR")).join("fuzz/readers/corpus");
-    let files = files(&corpus.join(name));
-    for path in &files {
-        target(&fs::read(path).expect("a file"));
-    }
-    assert!(files.len() > 10, "{name}: {} files", files.len());
+    files::replay(&corpus.join(name), target);
 }
 
 #[test]

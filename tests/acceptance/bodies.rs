@@ -2,7 +2,7 @@
 
 use super::campaign::{Ledger, contacts};
 use super::*;
-use testing::{Random, random_tree};
+use testing::{Random, random_tree, shape_all_links};
 
 /// C9. Static penetration: m g/Σk over the points that touch.
 #[test]
@@ -262,32 +262,7 @@ fn heap(seed: u64) -> Model {
         true,
         seed.is_multiple_of(2),
     );
-    let mut slot = 0;
-    for (i, link) in model.links.iter().enumerate() {
-        let shape = match i % 4 {
-            0 => Shape::Sphere { radius: 0.1 },
-            1 => Shape::Cylinder {
-                radius: 0.08,
-                half_length: 0.1,
-            },
-            2 => Shape::Box {
-                half: Vec3::new(0.05, 0.1, 0.07),
-            },
-            _ => Shape::Capsule {
-                radius: 0.05,
-                half_length: 0.1,
-            },
-        };
-        let slots = shape.slots();
-        model.colliders.push(model::Collider {
-            link: i.into(),
-            body: link.body,
-            X_BG: Pose::IDENTITY,
-            shape,
-            slot,
-        });
-        slot += slots;
-    }
+    shape_all_links(&mut model);
     let mu = random.uniform(0.0, 1.5);
     for link in &mut model.links {
         link.friction = mu;

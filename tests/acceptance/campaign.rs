@@ -1,6 +1,7 @@
 //! Random drops: a robot thrown onto the ground in every attitude, limp or driven, as it is or with something about it
 //! driven to an extreme. The tests take a sample; `benches/drops.rs` does the thousands of `docs/robustness.md`.
 
+use crate::random::Random;
 use std::sync::Arc;
 use urdf2fmu_core::contact::{Contact, detect};
 use urdf2fmu_core::geometry::Shape;
@@ -143,23 +144,6 @@ fn resize(shape: &mut Shape, scale: f64) {
                 *vertex *= scale;
             }
         }
-    }
-}
-
-/// `SplitMix64`, so that a seed means the same everywhere.
-pub struct Random(pub u64);
-
-impl Random {
-    /// Uniform in `[low, high)`.
-    pub fn uniform(&mut self, low: f64, high: f64) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^= z >> 31;
-        #[expect(clippy::cast_precision_loss, reason = "53 bits")]
-        let share = (z >> 11) as f64 / (1_u64 << 53) as f64;
-        low + (high - low) * share
     }
 }
 

@@ -15,8 +15,9 @@
 )]
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
+use claim::hold;
 use std::sync::Arc;
-use testing::{Builder, inertia};
+use testing::{Builder, inertia, random};
 use urdf2fmu_core::geometry::Shape;
 use urdf2fmu_core::model::{ActuatorId, ActuatorMode, Ground, JointId, LinkId, Model, Motion};
 use urdf2fmu_core::simulation::{InputSlot, OutputSlot, Simulation};
@@ -28,6 +29,7 @@ mod bodies;
 mod bounce;
 #[allow(dead_code, missing_docs, reason = "shared with a bench")]
 mod campaign;
+mod claim;
 mod extremes;
 mod free;
 mod joints;
@@ -44,20 +46,6 @@ const X: Vec3 = Vec3::new(1.0, 0.0, 0.0);
 const Y: Vec3 = Vec3::new(0.0, 1.0, 0.0);
 const Z: Vec3 = Vec3::new(0.0, 0.0, 1.0);
 const BASE: LinkId = LinkId(0);
-
-/// Holds one claim of a case: `error` must not exceed `allowed`. Prints the claim's row of the table.
-#[allow(clippy::print_stdout, reason = "the table is made from it")]
-#[track_caller]
-fn hold(case: &str, quantity: &str, expected: &str, error: f64, allowed: f64) {
-    let thread = std::thread::current();
-    let test = thread.name().unwrap_or_default().to_owned();
-    println!("\n| {case} | {quantity} | {expected} | {allowed:.1e} | {error:.1e} | `{test}` |");
-    // A NaN holds nothing.
-    assert!(
-        error.abs() <= allowed,
-        "{case}, {quantity}: off by {error:e}, allowed {allowed:e}"
-    );
-}
 
 fn at(x: f64, y: f64, z: f64) -> Pose {
     Pose {

@@ -1,8 +1,8 @@
 //! The same inputs give the same bits: in every run, instance, restored state and thread.
 
-use super::campaign::Random;
 use super::robots::robot;
 use super::*;
+use testing::Random;
 use urdf2fmu_core::simulation::Snapshot;
 
 /// Every number of a state, as bits.

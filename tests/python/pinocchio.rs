@@ -8,7 +8,9 @@
 
 #[path = "environment.rs"]
 mod environment;
+mod reader;
 
+use reader::model_on;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -16,11 +18,8 @@ use std::process::Command;
 use std::sync::OnceLock;
 use urdf2fmu_core::dynamics::{aba::Articulated, crba, rnea};
 use urdf2fmu_core::kinematics::Kinematics;
-use urdf2fmu_core::model::Model;
 use urdf2fmu_core::parameters::Parameters;
-use urdf2fmu_core::settings::{BaseChoice, Settings};
 use urdf2fmu_core::tree::Tree;
-use urdf2fmu_core::{assemble, urdf};
 
 /// A robot and Pinocchio's answers.
 #[derive(Deserialize)]
@@ -68,27 +67,6 @@ fn reference() -> &'static BTreeMap<String, Robot> {
     })
 }
 
-/// Reads the robot with our own reader.
-fn read(robot: &Robot) -> Model {
-    let base = if robot.floating {
-        BaseChoice::Floating
-    } else {
-        BaseChoice::Fixed
-    };
-    let settings = Settings {
-        base,
-        ..Settings::default()
-    };
-    let description = urdf::read(
-        Path::new(&robot.urdf),
-        &urdf::ReadOptions::from_environment(),
-    )
-    .unwrap_or_else(|findings| panic!("{findings:#?}"));
-    assemble::build(&description, &settings)
-        .unwrap_or_else(|findings| panic!("{findings:#?}"))
-        .model
-}
-
 /// Largest difference, relative to the largest number.
 fn relative<'a>(
     ours: impl Iterator<Item = f64>,
@@ -103,7 +81,7 @@ fn relative<'a>(
 
 /// Largest relative differences of M, bias, accelerations by articulated bodies and by factorisation.
 fn differences(robot: &Robot) -> [f64; 4] {
-    let model = read(robot);
+    let model = model_on(Path::new(&robot.urdf), robot.floating);
     let base = if robot.floating { 6 } else { 0 };
     assert_eq!(model.is_floating(), robot.floating);
     assert_eq!(model.nv(), base + robot.joints.len(), "degrees of freedom");

@@ -3,9 +3,14 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
+#[path = "../acceptance/claim.rs"]
+mod claim;
 #[path = "environment.rs"]
 mod environment;
+mod reader;
 
+use claim::hold;
+use reader::{model, model_on};
 use serde::Deserialize;
 use std::path::Path;
 use std::process::Command;
@@ -14,10 +19,9 @@ use urdf2fmu_core::dynamics::{aba::Articulated, crba, energy, rnea};
 use urdf2fmu_core::kinematics::Kinematics;
 use urdf2fmu_core::model::{ActuatorId, LinkId, Model, Motion};
 use urdf2fmu_core::parameters::Parameters;
-use urdf2fmu_core::settings::{BaseChoice, Settings};
+use urdf2fmu_core::settings::Settings;
 use urdf2fmu_core::simulation::{InputSlot, OutputSlot, Simulation};
 use urdf2fmu_core::tree::Tree;
-use urdf2fmu_core::{assemble, urdf};
 
 /// A random tree and Pinocchio's numbers for one state, as `random_trees.py` writes them.
 #[derive(Deserialize)]
@@ -37,26 +41,6 @@ struct Case {
     potential: f64,
 }
 
-/// Holds one claim, and prints its row.
-#[allow(clippy::print_stdout, reason = "the table is made from it")]
-#[track_caller]
-fn hold(case: &str, quantity: &str, expected: &str, error: f64, allowed: f64) {
-    let thread = std::thread::current();
-    let test = thread.name().unwrap_or_default().to_owned();
-    println!("\n| {case} | {quantity} | {expected} | {allowed:.1e} | {error:.1e} | `{test}` |");
-    assert!(
-        error.abs() <= allowed,
-        "{case}, {quantity}: off by {error:e}, allowed {allowed:e}"
-    );
-}
-
-fn model(path: &Path, settings: &Settings) -> Model {
-    let options = settings.read_options(urdf::ReadOptions::from_environment());
-    let description = urdf::read(path, &options).unwrap_or_else(|f| panic!("{f:#?}"));
-    let built = assemble::build(&description, settings).unwrap_or_else(|f| panic!("{f:#?}"));
-    built.model
-}
-
 /// Largest difference, relative to the largest number.
 fn relative(ours: &[f64], theirs: &[f64]) -> f64 {
     assert_eq!(ours.len(), theirs.len());
@@ -68,16 +52,7 @@ fn relative(ours: &[f64], theirs: &[f64]) -> f64 {
 /// Largest relative differences of M, bias, energies, accelerations by articulated bodies and by factorisation, and of
 /// what the two accelerations ask for as forces.
 fn differences(case: &Case) -> [f64; 8] {
-    let base = if case.floating {
-        BaseChoice::Floating
-    } else {
-        BaseChoice::Fixed
-    };
-    let settings = Settings {
-        base,
-        ..Settings::default()
-    };
-    let model = model(Path::new(&case.urdf), &settings);
+    let model = model_on(Path::new(&case.urdf), case.floating);
     let tree = Tree::new(&model, &Parameters::new(&model));
     let mut q = vec![0.0; model.nq];
     // Where each of the reference's degrees of freedom stands in ours.

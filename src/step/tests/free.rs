@@ -6,13 +6,7 @@ use crate::state::State;
 
 /// A mass on a rail, a pendulum on the mass.
 fn swing() -> Builder {
-    let mut b = Builder::new(false, crate::spatial::RigidInertia::ZERO);
-    let cart = b.link(
-        0u32.into_link(),
-        Pose::IDENTITY,
-        Motion::Prismatic(X),
-        inertia(1.0, Vec3::zeros(), [0.01; 3]),
-    );
+    let (mut b, cart) = cart();
     b.link(
         cart,
         Pose::IDENTITY,
@@ -50,13 +44,7 @@ fn communication_points_leave_a_smooth_motion_alone() {
 /// 1 N on 1 kg from t = 0.5 s on: x = ½ (t − ½)², whatever had been foreseen.
 #[test]
 fn an_effort_acts_from_the_communication_point_at_which_it_is_set() {
-    let mut b = Builder::new(false, crate::spatial::RigidInertia::ZERO);
-    let cart = b.link(
-        0u32.into_link(),
-        Pose::IDENTITY,
-        Motion::Prismatic(X),
-        inertia(1.0, Vec3::zeros(), [0.01; 3]),
-    );
+    let (mut b, cart) = cart();
     b.actuator(cart, ActuatorMode::Effort, 10.0);
     let mut s = start(b.model, 1e-3);
     run(&mut s, 0.5, 0.01);
@@ -70,13 +58,7 @@ fn an_effort_acts_from_the_communication_point_at_which_it_is_set() {
 #[test]
 fn damping_of_any_strength_is_followed_in_few_steps() {
     for damping in [1.0, 1e2, 1e3, 1e5] {
-        let mut b = Builder::new(false, crate::spatial::RigidInertia::ZERO);
-        let cart = b.link(
-            0u32.into_link(),
-            Pose::IDENTITY,
-            Motion::Prismatic(X),
-            inertia(1.0, Vec3::zeros(), [0.01; 3]),
-        );
+        let (mut b, cart) = cart();
         b.actuator(cart, ActuatorMode::Effort, 10.0);
         b.model.joints[0].damping = damping;
         let mut s = start(b.model, 1e-3);
@@ -127,13 +109,7 @@ fn a_state_saved_within_a_long_step_continues_bit_for_bit() {
 /// A joint pushed towards its limit from rest: nothing tells the first step that it will get there.
 #[test]
 fn a_long_step_does_not_jump_over_a_limit() {
-    let mut b = Builder::new(false, crate::spatial::RigidInertia::ZERO);
-    let cart = b.link(
-        0u32.into_link(),
-        Pose::IDENTITY,
-        Motion::Prismatic(X),
-        inertia(1.0, Vec3::zeros(), [0.01; 3]),
-    );
+    let (mut b, cart) = cart();
     b.limits(cart, -0.1, 0.1);
     b.actuator(cart, ActuatorMode::Effort, 200.0);
     let mut s = start(b.model, 1e-3);

@@ -1,13 +1,12 @@
 //! Inputs that vary within a step: their derivatives reach the solver's steps.
 
 use super::*;
-use crate::model::LinkId;
 
 const COMMAND: ActuatorId = ActuatorId(0);
 
 /// A slider of `mass` along x without gravity, on a fixed base.
 fn slider(mass: f64, mode: ActuatorMode, effort: f64) -> Builder {
-    let mut b = Builder::new(false, crate::spatial::RigidInertia::ZERO);
+    let mut b = Builder::new(false, RigidInertia::ZERO);
     let cart = b.link(
         0u32.into_link(),
         Pose::IDENTITY,

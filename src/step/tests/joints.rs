@@ -4,7 +4,7 @@ use super::*;
 
 #[test]
 fn a_position_servo_reaches_its_target_without_overshoot_and_holds_it_under_load() {
-    let mut b = Builder::new(false, crate::spatial::RigidInertia::ZERO);
+    let mut b = Builder::new(false, RigidInertia::ZERO);
     let arm = b.link(
         0u32.into_link(),
         Pose::IDENTITY,

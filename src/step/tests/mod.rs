@@ -9,10 +9,10 @@
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
 use crate::geometry::Shape;
-use crate::model::{ActuatorId, ActuatorMode, Model, Motion};
+use crate::model::{ActuatorId, ActuatorMode, LinkId, Model, Motion};
 use crate::simulation::{InputSlot, OutputSlot, ParameterSlot, Simulation};
-use crate::spatial::{Pose, Vec3};
-use crate::testing::{Builder, Random, inertia, random_tree};
+use crate::spatial::{Pose, RigidInertia, Vec3};
+use crate::testing::{Builder, Random, inertia, random_tree, shape_all_links};
 use std::sync::Arc;
 
 mod free;
@@ -73,12 +73,24 @@ fn block(mass: f64, mu: f64) -> Builder {
     b
 }
 
+/// A mass of 1 kg on a rail along x; builder and link.
+fn cart() -> (Builder, LinkId) {
+    let mut b = Builder::new(false, RigidInertia::ZERO);
+    let cart = b.link(
+        0u32.into_link(),
+        Pose::IDENTITY,
+        Motion::Prismatic(X),
+        inertia(1.0, Vec3::zeros(), [0.01; 3]),
+    );
+    (b, cart)
+}
+
 trait IntoLink {
-    fn into_link(self) -> crate::model::LinkId;
+    fn into_link(self) -> LinkId;
 }
 impl IntoLink for u32 {
-    fn into_link(self) -> crate::model::LinkId {
-        crate::model::LinkId(self)
+    fn into_link(self) -> LinkId {
+        LinkId(self)
     }
 }
 

@@ -9,7 +9,7 @@ const INERTIA: f64 = 0.02;
 
 /// A rotor of 0.02 kg·m² about the vertical.
 fn rotor(mode: ActuatorMode, max_effort: f64) -> Builder {
-    let mut b = Builder::new(false, crate::spatial::RigidInertia::ZERO);
+    let mut b = Builder::new(false, RigidInertia::ZERO);
     let link = b.link(
         0u32.into_link(),
         Pose::IDENTITY,
@@ -22,7 +22,7 @@ fn rotor(mode: ActuatorMode, max_effort: f64) -> Builder {
 
 /// A lift of 2 kg on a vertical slide.
 fn lift(max_effort: f64) -> Builder {
-    let mut b = Builder::new(false, crate::spatial::RigidInertia::ZERO);
+    let mut b = Builder::new(false, RigidInertia::ZERO);
     let link = b.link(
         0u32.into_link(),
         Pose::IDENTITY,

@@ -6,32 +6,7 @@ use super::*;
 fn everything() -> Model {
     let mut random = Random(11);
     let mut model = random_tree(&mut random, 9, true, true);
-    let mut slot = 0;
-    for (i, link) in model.links.iter().enumerate() {
-        let shape = match i % 4 {
-            0 => Shape::Sphere { radius: 0.1 },
-            1 => Shape::Cylinder {
-                radius: 0.08,
-                half_length: 0.1,
-            },
-            2 => Shape::Box {
-                half: Vec3::new(0.05, 0.1, 0.07),
-            },
-            _ => Shape::Capsule {
-                radius: 0.05,
-                half_length: 0.1,
-            },
-        };
-        let slots = shape.slots();
-        model.colliders.push(crate::model::Collider {
-            link: (i).into(),
-            body: link.body,
-            X_BG: Pose::IDENTITY,
-            shape,
-            slot,
-        });
-        slot += slots;
-    }
+    shape_all_links(&mut model);
     model.world.ground = Some(crate::model::Ground {
         friction: 0.8,
         restitution: 0.3,
@@ -331,7 +306,7 @@ fn a_link_stuck_deep_in_the_ground_stays_finite() {
         Vec3::new(1.5, 0.0, 0.3),
     ] {
         for friction in [0.0, 0.8, 1.5] {
-            let mut b = Builder::new(false, crate::spatial::RigidInertia::ZERO);
+            let mut b = Builder::new(false, RigidInertia::ZERO);
             let link = b.link(
                 0u32.into_link(),
                 Pose::IDENTITY,
@@ -397,14 +372,8 @@ fn a_released_motor_leaves_its_joint_alone() {
         ActuatorMode::Position,
         ActuatorMode::Pd,
     ] {
-        let mut b = Builder::new(false, crate::spatial::RigidInertia::ZERO);
-        let link = b.link(
-            0u32.into_link(),
-            Pose::IDENTITY,
-            Motion::Prismatic(X),
-            inertia(1.0, Vec3::zeros(), [0.01; 3]),
-        );
-        b.actuator(link, mode, 5.0);
+        let (mut b, cart) = cart();
+        b.actuator(cart, mode, 5.0);
         b.model.actuators[0].kp = 100.0;
         b.model.joints[0].friction = 0.1;
         let mut s = start(b.model, 1e-3);
@@ -419,15 +388,9 @@ fn a_released_motor_leaves_its_joint_alone() {
 /// A servo that pushes against a limit: two large forces balance and nothing else acts.
 #[test]
 fn a_servo_pressed_against_a_limit_rests() {
-    let mut b = Builder::new(false, crate::spatial::RigidInertia::ZERO);
-    let link = b.link(
-        0u32.into_link(),
-        Pose::IDENTITY,
-        Motion::Prismatic(X),
-        inertia(1.0, Vec3::zeros(), [0.01; 3]),
-    );
-    b.limits(link, -0.1, 0.1);
-    b.actuator(link, ActuatorMode::Position, 500.0);
+    let (mut b, cart) = cart();
+    b.limits(cart, -0.1, 0.1);
+    b.actuator(cart, ActuatorMode::Position, 500.0);
     let mut s = start(b.model, 1e-3);
     s.set_input(InputSlot::Position(ActuatorId(0)), 1.0);
     run(&mut s, 2.0, 1.0 / 240.0);
