@@ -7,6 +7,12 @@
 //! direction of motion alone, the force still falls with the velocity and needs no lag. Position servos brake along
 //! `v = √(2 a e)` and end in a critically damped spring, so that they do not overshoot within their effort.
 
+mod drive;
+mod element;
+
+pub use drive::Drive;
+pub use element::{ElastoPlastic, SpeedLine};
+
 use crate::contact::stribeck;
 use crate::inputs::{Command, Inputs};
 use crate::model::{ActuatorMode, Model};
@@ -25,275 +31,11 @@ const MOTOR_RELAXATION: f64 = 1e-3;
 /// Share of the free effort that a position servo plans to brake with.
 const BRAKING_SHARE: f64 = 0.5;
 
-/// A spring–damper with a plastic cap along one coordinate.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct ElastoPlastic {
-    /// Force that slips, N·m or N; may be infinite.
-    pub cap: f64,
-    /// N·m/rad or N/m
-    pub stiffness: f64,
-    /// N·m·s/rad or N·s/m
-    pub damping: f64,
-    /// Stored displacement at the start of the step, rad or m.
-    pub displacement: f64,
-}
-
-impl ElastoPlastic {
-    /// Resisting force and its derivative with the relative velocity `u` at the end of a step of `h` seconds.
-    #[inline]
-    pub fn force(&self, u: f64, h: f64) -> (f64, f64) {
-        let b = self.stiffness * h + self.damping;
-        let y = self.stiffness * self.displacement + b * u;
-        if y.abs() <= self.cap {
-            (y, b)
-        } else {
-            (self.cap.copysign(y), 0.0)
-        }
-    }
-
-    /// Stored displacement after the step.
-    #[inline]
-    pub fn next(&self, u: f64, h: f64) -> f64 {
-        self.settle(self.force(u, h).0, u)
-    }
-
-    /// The same where something else has cut the force down to `force`.
-    #[inline]
-    fn settle(&self, force: f64, u: f64) -> f64 {
-        if self.cap <= 0.0 {
-            return 0.0;
-        }
-        let limit = self.cap / self.stiffness;
-        ((force - self.damping * u) / self.stiffness).clamp(-limit, limit)
-    }
-}
-
-/// Torque–speed line of a motor: while it drives, its effort is at most `stall (1 − |v|/no_load)`, not below 0; while it
-/// brakes, the line does not act.
-#[derive(Clone, Copy, Debug)]
-pub struct SpeedLine {
-    /// Effort at standstill, N·m or N.
-    pub stall: f64,
-    /// Speed without effort, rad/s or m/s; infinite: there is no line.
-    pub no_load: f64,
-}
-
-impl Default for SpeedLine {
-    /// No line.
-    fn default() -> Self {
-        Self {
-            stall: 0.0,
-            no_load: f64::INFINITY,
-        }
-    }
-}
-
-impl SpeedLine {
-    /// A line if there is a no-load speed and a finite effort to begin with.
-    fn new(stall: f64, no_load: Option<f64>) -> Self {
-        match no_load {
-            Some(no_load) if stall.is_finite() => Self { stall, no_load },
-            _ => Self::default(),
-        }
-    }
-
-    /// Steepest fall of the effort with the velocity.
-    pub fn slope(&self) -> f64 {
-        self.stall / self.no_load
-    }
-
-    /// Cuts a force and its derivative at velocity `v` down to the line. Both bounds fall with `v`, so a force that does
-    /// still does.
-    #[inline]
-    pub fn cut(&self, (force, slope): (f64, f64), v: f64) -> (f64, f64) {
-        if self.no_load == f64::INFINITY || force * v <= 0.0 {
-            return (force, slope);
-        }
-        let most = self.stall - self.slope() * v.abs();
-        if most <= 0.0 {
-            (0.0, 0.0)
-        } else if force.abs() > most {
-            (most.copysign(force), -self.slope())
-        } else {
-            (force, slope)
-        }
-    }
-}
-
 /// Stiffness and damping of a velocity motor on a joint with the given inertia at the initial position.
 pub fn motor_constants(reference_effort: f64, inertia: f64) -> (f64, f64) {
     let stiffness = reference_effort / MOTOR_DEFLECTION;
     let critical = 2.0 * (stiffness * inertia).sqrt();
     (stiffness, critical.max(stiffness * MOTOR_RELAXATION))
-}
-
-/// What an actuator does in a step.
-#[derive(Clone, Copy, Debug, Default)]
-pub enum Drive {
-    /// Nothing.
-    #[default]
-    None,
-    /// Constant force.
-    Effort(f64),
-    /// Elasto-plastic motor that follows a velocity.
-    Velocity {
-        /// rad/s or m/s
-        target: f64,
-        /// Relative to the target.
-        element: ElastoPlastic,
-    },
-    /// Position servo: `F = clamp(load + gain (rate + v_des(target − q) − v), ±cap)`.
-    Position {
-        /// What gravity and motion ask of the joint, N·m or N: carried without an error.
-        load: f64,
-        /// Target at the end of the step minus `q` at its start.
-        error: f64,
-        /// Speed of the target, rad/s or m/s: a moving target is followed without lag.
-        rate: f64,
-        /// N·m·s/rad or N·s/m
-        gain: f64,
-        /// Slope of `v_des` near the target, 1/s.
-        slope: f64,
-        /// Planned braking, rad/s² or m/s².
-        braking: f64,
-        /// Speed limit, rad/s or m/s; may be infinite.
-        speed: f64,
-        /// N·m or N
-        cap: f64,
-    },
-    /// `F = clamp(offset − (kp h + kd) v, ±cap)`.
-    Pd {
-        /// Force at rest: feed-forward and errors at the start of the step.
-        offset: f64,
-        /// N·m/rad or N/m
-        kp: f64,
-        /// N·m·s/rad or N·s/m
-        kd: f64,
-        /// N·m or N
-        cap: f64,
-    },
-}
-
-impl Drive {
-    /// Force and its (never positive) derivative with the velocity `v` at the end of a step of `h` seconds.
-    #[inline]
-    pub fn force(&self, v: f64, h: f64) -> (f64, f64) {
-        match *self {
-            Self::None => (0.0, 0.0),
-            Self::Effort(effort) => (effort, 0.0),
-            Self::Velocity {
-                target,
-                ref element,
-            } => {
-                let (force, slope) = element.force(v - target, h);
-                (-force, -slope)
-            }
-            Self::Position {
-                load,
-                error,
-                rate,
-                gain,
-                slope,
-                braking,
-                speed,
-                cap,
-            } => {
-                let (desired, change) = servo_speed(error - h * v, rate, slope, braking, speed);
-                let force = load + gain * (desired - v);
-                if force.abs() <= cap {
-                    (force, -gain * (h * change + 1.0))
-                } else {
-                    (cap.copysign(force), 0.0)
-                }
-            }
-            Self::Pd {
-                offset,
-                kp,
-                kd,
-                cap,
-            } => {
-                let gain = kp * h + kd;
-                let force = offset - gain * v;
-                if force.abs() <= cap {
-                    (force, -gain)
-                } else {
-                    (cap.copysign(force), 0.0)
-                }
-            }
-        }
-    }
-
-    /// Whether the force changes with position or velocity: then steps must be implicit.
-    pub fn is_stiff(&self) -> bool {
-        match self {
-            Self::None | Self::Effort(_) => false,
-            Self::Velocity { element, .. } => element.cap > 0.0,
-            Self::Position { cap, .. } | Self::Pd { cap, .. } => *cap > 0.0,
-        }
-    }
-
-    /// Effort limit, and how far the velocity is from where the drive wants it: what a jump of the command must cross.
-    pub fn velocity_error(&self, v: f64) -> (f64, f64) {
-        match *self {
-            Self::None | Self::Effort(_) => (f64::INFINITY, 0.0),
-            Self::Velocity {
-                target,
-                ref element,
-            } => (element.cap, (v - target).abs()),
-            Self::Position {
-                error,
-                rate,
-                slope,
-                braking,
-                speed,
-                cap,
-                ..
-            } => (
-                cap,
-                (servo_speed(error, rate, slope, braking, speed).0 - v).abs(),
-            ),
-            Self::Pd {
-                offset, kd, cap, ..
-            } => {
-                let gap = if kd > 0.0 {
-                    (offset / kd - v).abs()
-                } else {
-                    0.0
-                };
-                (cap, gap)
-            }
-        }
-    }
-}
-
-/// Speed that brakes to zero at the target, and its derivative with the distance `e`: `slope · e` near it,
-/// `√(2 a (|e| − e₀))` farther out with the same value and slope where they meet, at most `limit`.
-#[inline]
-fn desired_speed(e: f64, slope: f64, braking: f64, limit: f64) -> (f64, f64) {
-    let distance = e.abs();
-    let (speed, rate) = if distance * slope * slope <= braking {
-        (slope * distance, slope)
-    } else {
-        let speed = (2.0 * braking * (distance - 0.5 * braking / (slope * slope))).sqrt();
-        (speed, braking / speed)
-    };
-    if speed <= limit {
-        (speed.copysign(e), rate)
-    } else {
-        (limit.copysign(e), 0.0)
-    }
-}
-
-/// [`desired_speed`] towards a target that moves at `rate`, within `limit`, and its derivative with the distance.
-#[inline]
-fn servo_speed(e: f64, rate: f64, slope: f64, braking: f64, limit: f64) -> (f64, f64) {
-    let (speed, change) = desired_speed(e, slope, braking, limit);
-    let total = speed + rate;
-    if total.abs() <= limit {
-        (total, change)
-    } else {
-        (limit.copysign(total), 0.0)
-    }
 }
 
 /// Effort of an actuator in effort mode.
@@ -580,59 +322,6 @@ mod tests {
     use super::*;
 
     #[test]
-    fn desired_speed_is_continuous_with_its_slope_where_spring_and_braking_meet() {
-        let (slope, braking) = (50.0, 4.0);
-        let meet = braking / (slope * slope);
-        let (below, rate_below) = desired_speed(meet * (1.0 - 1e-9), slope, braking, f64::INFINITY);
-        let (above, rate_above) = desired_speed(meet * (1.0 + 1e-9), slope, braking, f64::INFINITY);
-        assert!((below - above).abs() < 1e-8 && (rate_below - rate_above).abs() < 1e-5);
-        assert_eq!(desired_speed(-10.0, slope, braking, 2.0), (-2.0, 0.0));
-    }
-
-    #[test]
-    fn drive_stiffness_is_the_derivative_of_its_force() {
-        let element = ElastoPlastic {
-            cap: 5.0,
-            stiffness: 1e3,
-            damping: 10.0,
-            displacement: 1e-3,
-        };
-        let drives = [
-            Drive::Velocity {
-                target: 0.2,
-                element,
-            },
-            Drive::Position {
-                load: 0.4,
-                error: 0.3,
-                rate: 0.1,
-                gain: 20.0,
-                slope: 30.0,
-                braking: 5.0,
-                speed: 9.0,
-                cap: 1e3,
-            },
-            Drive::Pd {
-                offset: 1.0,
-                kp: 40.0,
-                kd: 2.0,
-                cap: 9.0,
-            },
-        ];
-        for drive in drives {
-            for v in [-0.12, 0.19, 0.8] {
-                let (h, d) = (1e-2, 1e-6);
-                let difference = (drive.force(v + d, h).0 - drive.force(v - d, h).0) / (2.0 * d);
-                let (_, slope) = drive.force(v, h);
-                assert!(
-                    (difference - slope).abs() <= 1e-4 * (1.0 + slope.abs()),
-                    "{drive:?} {v}"
-                );
-            }
-        }
-    }
-
-    #[test]
     fn a_force_cut_by_the_torque_speed_line_still_falls_with_the_velocity() {
         let mut random = crate::testing::Random(3);
         for _ in 0..200 {
@@ -673,16 +362,5 @@ mod tests {
                 }
             }
         }
-    }
-
-    #[test]
-    fn a_released_motor_forgets_its_displacement() {
-        let element = ElastoPlastic {
-            cap: 0.0,
-            stiffness: 1e3,
-            damping: 1.0,
-            displacement: 1e-3,
-        };
-        assert!(element.next(0.0, 1e-2).abs() < f64::MIN_POSITIVE);
     }
 }

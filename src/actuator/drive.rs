@@ -1,0 +1,232 @@
+//! What an actuator does in a step: a force that falls with the velocity at its end, or stays.
+//!
+//! Set up from commands by [`super::Joints::update`]; the torque–speed line is not applied here.
+
+use super::ElastoPlastic;
+
+/// What an actuator does in a step.
+#[derive(Clone, Copy, Debug, Default)]
+pub enum Drive {
+    /// Nothing.
+    #[default]
+    None,
+    /// Constant force.
+    Effort(f64),
+    /// Elasto-plastic motor that follows a velocity.
+    Velocity {
+        /// rad/s or m/s
+        target: f64,
+        /// Relative to the target.
+        element: ElastoPlastic,
+    },
+    /// Position servo: `F = clamp(load + gain (rate + v_des(target − q) − v), ±cap)`.
+    Position {
+        /// What gravity and motion ask of the joint, N·m or N: carried without an error.
+        load: f64,
+        /// Target at the end of the step minus `q` at its start.
+        error: f64,
+        /// Speed of the target, rad/s or m/s: a moving target is followed without lag.
+        rate: f64,
+        /// N·m·s/rad or N·s/m
+        gain: f64,
+        /// Slope of `v_des` near the target, 1/s.
+        slope: f64,
+        /// Planned braking, rad/s² or m/s².
+        braking: f64,
+        /// Speed limit, rad/s or m/s; may be infinite.
+        speed: f64,
+        /// N·m or N
+        cap: f64,
+    },
+    /// `F = clamp(offset − (kp h + kd) v, ±cap)`.
+    Pd {
+        /// Force at rest: feed-forward and errors at the start of the step.
+        offset: f64,
+        /// N·m/rad or N/m
+        kp: f64,
+        /// N·m·s/rad or N·s/m
+        kd: f64,
+        /// N·m or N
+        cap: f64,
+    },
+}
+
+impl Drive {
+    /// Force and its (never positive) derivative with the velocity `v` at the end of a step of `h` seconds.
+    #[inline]
+    pub fn force(&self, v: f64, h: f64) -> (f64, f64) {
+        match *self {
+            Self::None => (0.0, 0.0),
+            Self::Effort(effort) => (effort, 0.0),
+            Self::Velocity {
+                target,
+                ref element,
+            } => {
+                let (force, slope) = element.force(v - target, h);
+                (-force, -slope)
+            }
+            Self::Position {
+                load,
+                error,
+                rate,
+                gain,
+                slope,
+                braking,
+                speed,
+                cap,
+            } => {
+                let (desired, change) = servo_speed(error - h * v, rate, slope, braking, speed);
+                let force = load + gain * (desired - v);
+                if force.abs() <= cap {
+                    (force, -gain * (h * change + 1.0))
+                } else {
+                    (cap.copysign(force), 0.0)
+                }
+            }
+            Self::Pd {
+                offset,
+                kp,
+                kd,
+                cap,
+            } => {
+                let gain = kp * h + kd;
+                let force = offset - gain * v;
+                if force.abs() <= cap {
+                    (force, -gain)
+                } else {
+                    (cap.copysign(force), 0.0)
+                }
+            }
+        }
+    }
+
+    /// Whether the force changes with position or velocity: then steps must be implicit.
+    pub fn is_stiff(&self) -> bool {
+        match self {
+            Self::None | Self::Effort(_) => false,
+            Self::Velocity { element, .. } => element.cap > 0.0,
+            Self::Position { cap, .. } | Self::Pd { cap, .. } => *cap > 0.0,
+        }
+    }
+
+    /// Effort limit, and how far the velocity is from where the drive wants it: what a jump of the command must cross.
+    pub fn velocity_error(&self, v: f64) -> (f64, f64) {
+        match *self {
+            Self::None | Self::Effort(_) => (f64::INFINITY, 0.0),
+            Self::Velocity {
+                target,
+                ref element,
+            } => (element.cap, (v - target).abs()),
+            Self::Position {
+                error,
+                rate,
+                slope,
+                braking,
+                speed,
+                cap,
+                ..
+            } => (
+                cap,
+                (servo_speed(error, rate, slope, braking, speed).0 - v).abs(),
+            ),
+            Self::Pd {
+                offset, kd, cap, ..
+            } => {
+                let gap = if kd > 0.0 {
+                    (offset / kd - v).abs()
+                } else {
+                    0.0
+                };
+                (cap, gap)
+            }
+        }
+    }
+}
+
+/// Speed that brakes to zero at the target, and its derivative with the distance `e`: `slope · e` near it,
+/// `√(2 a (|e| − e₀))` farther out with the same value and slope where they meet, at most `limit`.
+#[inline]
+fn desired_speed(e: f64, slope: f64, braking: f64, limit: f64) -> (f64, f64) {
+    let distance = e.abs();
+    let (speed, rate) = if distance * slope * slope <= braking {
+        (slope * distance, slope)
+    } else {
+        let speed = (2.0 * braking * (distance - 0.5 * braking / (slope * slope))).sqrt();
+        (speed, braking / speed)
+    };
+    if speed <= limit {
+        (speed.copysign(e), rate)
+    } else {
+        (limit.copysign(e), 0.0)
+    }
+}
+
+/// [`desired_speed`] towards a target that moves at `rate`, within `limit`, and its derivative with the distance.
+#[inline]
+fn servo_speed(e: f64, rate: f64, slope: f64, braking: f64, limit: f64) -> (f64, f64) {
+    let (speed, change) = desired_speed(e, slope, braking, limit);
+    let total = speed + rate;
+    if total.abs() <= limit {
+        (total, change)
+    } else {
+        (limit.copysign(total), 0.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn desired_speed_is_continuous_with_its_slope_where_spring_and_braking_meet() {
+        let (slope, braking) = (50.0, 4.0);
+        let meet = braking / (slope * slope);
+        let (below, rate_below) = desired_speed(meet * (1.0 - 1e-9), slope, braking, f64::INFINITY);
+        let (above, rate_above) = desired_speed(meet * (1.0 + 1e-9), slope, braking, f64::INFINITY);
+        assert!((below - above).abs() < 1e-8 && (rate_below - rate_above).abs() < 1e-5);
+        assert_eq!(desired_speed(-10.0, slope, braking, 2.0), (-2.0, 0.0));
+    }
+
+    #[test]
+    fn drive_stiffness_is_the_derivative_of_its_force() {
+        let element = ElastoPlastic {
+            cap: 5.0,
+            stiffness: 1e3,
+            damping: 10.0,
+            displacement: 1e-3,
+        };
+        let drives = [
+            Drive::Velocity {
+                target: 0.2,
+                element,
+            },
+            Drive::Position {
+                load: 0.4,
+                error: 0.3,
+                rate: 0.1,
+                gain: 20.0,
+                slope: 30.0,
+                braking: 5.0,
+                speed: 9.0,
+                cap: 1e3,
+            },
+            Drive::Pd {
+                offset: 1.0,
+                kp: 40.0,
+                kd: 2.0,
+                cap: 9.0,
+            },
+        ];
+        for drive in drives {
+            for v in [-0.12, 0.19, 0.8] {
+                let (h, d) = (1e-2, 1e-6);
+                let difference = (drive.force(v + d, h).0 - drive.force(v - d, h).0) / (2.0 * d);
+                let (_, slope) = drive.force(v, h);
+                assert!(
+                    (difference - slope).abs() <= 1e-4 * (1.0 + slope.abs()),
+                    "{drive:?} {v}"
+                );
+            }
+        }
+    }
+}
