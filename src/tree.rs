@@ -2,9 +2,13 @@
 //!
 //! Body frames are turned so that every turning or sliding joint acts along its own z axis; nothing outside the
 //! solver sees these frames. One entry per body degree of freedom ("column"): a mimic joint's column is scaled by its
-//! ratio and belongs to the degree of freedom that it follows.
+//! ratio and belongs to the degree of freedom that it follows. What depends on the initial position is in `scale`.
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
+
+mod scale;
+
+pub use scale::LIMIT_DEFLECTION;
 
 use crate::model::{Combination, Joint, Limits, Model, Motion};
 use crate::parameters::Parameters;
@@ -197,14 +201,6 @@ pub const REFERENCE_GRAVITY: f64 = 9.81;
 /// Multiplications per body that the articulated-body algorithm needs beyond the mass matrix' own, measured where
 /// both cost the same.
 const ARTICULATED_COST: usize = 150;
-
-/// Share by which the joint's effort limit drives it beyond its enforced speed limit.
-const OVERSPEED: f64 = 0.01;
-/// Longest time that a joint takes to fall back to its enforced speed limit, s.
-const SPEED_RELAXATION: f64 = 1e-3;
-
-/// Position error of a limit, or of a servo under its reference effort, rad or m.
-pub const LIMIT_DEFLECTION: f64 = 1e-4;
 
 /// Unevenness of a wheel, as a share of its inertia, that makes no difference.
 const WHEEL: f64 = 0.02;
@@ -478,116 +474,6 @@ impl Tree {
         uneven <= WHEEL * (xx + yy + zz) && self.bodies.iter().skip(1).all(|b| b.parent != index)
     }
 
-    /// Sets what depends on the initial position: stiffness of contacts and limits, error weights.
-    ///
-    /// - `inertia`: diagonal of the mass matrix, per degree of freedom
-    /// - `poses`: pose of each body's solver frame, relative to the base
-    pub fn scale(&mut self, model: &Model, inertia: &[f64], poses: &[Pose]) {
-        let weight = self.moving_mass * REFERENCE_GRAVITY;
-        self.stiffness = model
-            .contact
-            .stiffness
-            .unwrap_or(weight / (4.0 * model.contact.penetration));
-        self.penetration = model
-            .contact
-            .stiffness
-            .map_or(model.contact.penetration, |k| weight / (4.0 * k));
-        for collider in &mut self.colliders {
-            let own = model.links[collider.link].stiffness;
-            collider.stiffness = own.unwrap_or(self.stiffness);
-            collider.penetration = own.map_or(self.penetration, |k| weight / (4.0 * k));
-            let turning = &mut self.turning[collider.link];
-            turning.stiffness = collider.stiffness;
-            turning.penetration = collider.penetration;
-        }
-        self.inertia.copy_from_slice(inertia);
-        // Reach: farthest shape or centre of mass, from the base and from each joint's axis, over its subtree.
-        let mut points: Vec<(usize, Vec3, f64)> = model
-            .colliders
-            .iter()
-            .map(|c| {
-                let b = c.body.index();
-                // The shape's place in the model's body frame and in the solver frame are equally far from the axis.
-                let X = &poses[b];
-                (
-                    b,
-                    X.p + X.R * (turn_back(model, b) * c.X_BG.p),
-                    c.shape.bounding_radius(),
-                )
-            })
-            .collect();
-        for (b, body) in self.bodies.iter().enumerate() {
-            if body.mass > 0.0 {
-                points.push((b, poses[b].point(&body.com), 0.0));
-            }
-        }
-        self.reach = points
-            .iter()
-            .map(|(_, p, r)| p.norm() + r)
-            .fold(0.0, f64::max)
-            .max(0.01);
-        let mut subtree_mass: Vec<f64> = self.bodies.iter().map(|b| b.mass).collect();
-        for b in (1..self.bodies.len()).rev() {
-            let m = subtree_mass[b];
-            subtree_mass[self.bodies[b].parent] += m;
-        }
-        let mut levers = vec![0.0; inertia.len()];
-        for (b, body) in self.bodies.iter().enumerate() {
-            let within = |mut other: usize| {
-                while other > b {
-                    other = self.bodies[other].parent;
-                }
-                other == b
-            };
-            let lever = |axis: Option<Vec3>| {
-                points
-                    .iter()
-                    .filter(|(other, ..)| within(*other))
-                    .map(|(_, p, r)| {
-                        let d = p - poses[b].p;
-                        axis.map_or(d.norm(), |a| a.cross(&d).norm()) + r
-                    })
-                    .fold(0.0, f64::max)
-            };
-            for c in body.column..body.column + body.columns {
-                let dof = self.dof[c];
-                levers[dof] = lever(Some(poses[b].R.column(2).into_owned()));
-                let gyration = (inertia[dof] / subtree_mass[b].max(1e-12)).sqrt();
-                self.weight[dof] = match body.motion {
-                    Move::Free if c >= 3 => 1.0,
-                    Move::Slide | Move::Welded => 1.0,
-                    Move::Free => self.reach.max(gyration).min(1.0),
-                    Move::Turn => {
-                        let axis = poses[b].R.column(2).into_owned();
-                        lever(Some(axis)).max(gyration).min(1.0)
-                    }
-                    Move::Ball => lever(None).max(gyration).min(1.0),
-                };
-            }
-        }
-        for (motor, actuator) in self.motors.iter_mut().zip(&model.actuators) {
-            let dof = actuator.dof.index();
-            // A wheel on the ground carries the whole robot along: damped for itself alone it would overshoot.
-            let inertia = inertia[dof].max(self.moving_mass * levers[dof] * levers[dof]);
-            *motor = crate::actuator::motor_constants(actuator.reference_effort, inertia);
-        }
-        for (k, dof) in self.limit_stiffness.iter_mut().zip(0..) {
-            let joint = model.bodies[model.dofs[dof].body.index()].joint;
-            let effort = joint
-                .and_then(|j| model.joints[j.index()].effort)
-                .unwrap_or(0.0);
-            let effort = if effort.is_finite() { effort } else { 0.0 };
-            *k = effort.max(inertia[dof] * 100.0) / LIMIT_DEFLECTION;
-            let limit = self.speed_limit[dof];
-            if limit.is_finite() {
-                let damping = effort / (OVERSPEED * limit);
-                self.speed_damping[dof] = damping.max(inertia[dof] / SPEED_RELAXATION);
-            }
-        }
-    }
-}
-
-impl Tree {
     /// Brings the quaternions in `q` back to unit length.
     pub fn normalize(&self, q: &mut [f64]) {
         for body in &self.bodies {
@@ -599,14 +485,6 @@ impl Tree {
             let unit = quaternion_normalized(&[q[c], q[c + 1], q[c + 2], q[c + 3]]);
             q[c..c + 4].copy_from_slice(&unit);
         }
-    }
-}
-
-/// Rotation from the model's body frame to the solver's.
-fn turn_back(model: &Model, body: usize) -> Mat3 {
-    match model.bodies[body].motion {
-        Motion::Revolute(axis) | Motion::Prismatic(axis) => rotation_to_axis(&axis).transpose(),
-        _ => Mat3::identity(),
     }
 }
 
