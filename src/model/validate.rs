@@ -5,9 +5,10 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
-use super::{
-    ActuatorMode, Body, Joint, JointId, JointKind, LinkId, Model, ModelError, Motion, SensorKind,
-};
+mod bodies;
+mod outputs;
+
+use super::{Joint, JointId, JointKind, Model, ModelError};
 use crate::geometry::Shape;
 use crate::spatial::{Mat3, Pose, Vec3};
 use std::collections::BTreeSet;
@@ -45,12 +46,12 @@ pub(super) fn validate(model: &Model) -> Check {
     sizes(model)?;
     links(model)?;
     joints(model)?;
-    bodies(model)?;
-    dofs(model)?;
+    bodies::validate(model)?;
     colliders(model)?;
     actuators(model)?;
     initial(model)?;
-    rest(model)
+    settings(model)?;
+    outputs::validate(model)
 }
 
 fn sizes(model: &Model) -> Check {
@@ -93,7 +94,7 @@ fn links(model: &Model) -> Check {
         // Links and joints are ordered alike: joint i carries link i + 1.
         let joint = l.checked_sub(1);
         require(
-            link.joint.map(super::JointId::index) == joint,
+            link.joint.map(JointId::index) == joint,
             part,
             "does not hang on the joint before it in the list",
         )?;
@@ -235,176 +236,6 @@ fn mimic(model: &Model, joint: &Joint) -> Check {
     )
 }
 
-fn bodies(model: &Model) -> Check {
-    for (b, body) in model.bodies.iter().enumerate() {
-        let part = || format!("body {b}");
-        require(
-            body.link.index() < model.links.len(),
-            part,
-            "names a link that does not exist",
-        )?;
-        let before = match body.parent {
-            None => b == 0,
-            Some(parent) => parent.index() < b,
-        };
-        require(before, part, "does not come after its parent")?;
-        let base = matches!(body.motion, Motion::Welded | Motion::Free);
-        require(
-            base == (b == 0) && base == body.joint.is_none(),
-            part,
-            "is no base but moves like one, or the other way round",
-        )?;
-        pose(&body.X_PB, part)?;
-        if let Motion::Revolute(axis) | Motion::Prismatic(axis) = &body.motion {
-            require(unit(axis), part, "has an axis that is no unit vector")?;
-        }
-        require(
-            number(body.ratio) && number(body.offset),
-            part,
-            "has a ratio or offset that is not finite",
-        )?;
-        let nq = body.motion.nq();
-        let nv = body.motion.nv();
-        let fits = |first: usize, count: usize, all: usize| {
-            first.checked_add(count).is_some_and(|end| end <= all)
-        };
-        require(
-            fits(body.coordinate, nq, model.nq) && fits(body.dof.index(), nv, model.dofs.len()),
-            part,
-            "has coordinates that do not exist",
-        )?;
-        if let Some(joint) = body.joint {
-            let listed = model
-                .joints
-                .get(joint.index())
-                .is_some_and(|joint| joint.bodies.iter().any(|other| other.index() == b));
-            require(listed, part, "is not one of its joint's")?;
-        }
-    }
-    for joint in &model.joints {
-        chain(model, joint)?;
-    }
-    for (l, link) in model.links.iter().enumerate() {
-        let part = || format!("link '{}'", link.name);
-        let expected = match link.joint {
-            None => Some(super::BodyId(0)),
-            Some(joint) => {
-                let joint = &model.joints[joint.index()];
-                let moved = joint.bodies.last().copied();
-                moved.or_else(|| Some(model.links[joint.parent.index()].body))
-            }
-        };
-        require(
-            expected == Some(link.body),
-            part,
-            "is not on the body that its joint moves",
-        )?;
-        let owner = model.bodies[link.body.index()].link;
-        require(
-            owner != LinkId::from(l) || link.X_BL == Pose::IDENTITY,
-            part,
-            "gives its body the frame but has a pose in it",
-        )?;
-    }
-    Ok(())
-}
-
-/// The bodies of a joint hang on each other and move as its type says.
-fn chain(model: &Model, joint: &Joint) -> Check {
-    let part = || format!("joint '{}'", joint.name);
-    let mut parent = model.links[joint.parent.index()].body;
-    for (i, &b) in joint.bodies.iter().enumerate() {
-        let body: &Body = &model.bodies[b.index()];
-        let kind = match joint.kind {
-            JointKind::Fixed => false,
-            JointKind::Revolute | JointKind::Continuous => {
-                matches!(body.motion, Motion::Revolute(_))
-            }
-            JointKind::Prismatic => matches!(body.motion, Motion::Prismatic(_)),
-            JointKind::Planar if i < 2 => matches!(body.motion, Motion::Prismatic(_)),
-            JointKind::Planar => matches!(body.motion, Motion::Revolute(_)),
-            JointKind::Floating if i < 3 => matches!(body.motion, Motion::Prismatic(_)),
-            JointKind::Floating | JointKind::Spherical => body.motion == Motion::Spherical,
-        };
-        let own = body.joint.is_some_and(|j| {
-            model
-                .joints
-                .get(j.index())
-                .is_some_and(|other| other.child == joint.child)
-        });
-        require(
-            kind && own && body.parent == Some(parent) && body.link == joint.child,
-            part,
-            "has bodies that are not its own",
-        )?;
-        parent = b;
-    }
-    Ok(())
-}
-
-/// Every place in `q` and `v` belongs to exactly one independent body; mimics share their source's.
-fn dofs(model: &Model) -> Check {
-    let part = || "the list of degrees of freedom".to_owned();
-    let (mut nq, mut nv) = (0, 0);
-    for (b, body) in model.bodies.iter().enumerate() {
-        let mimic = body
-            .joint
-            .and_then(|joint| model.joints[joint.index()].mimic);
-        if let Some(mimic) = mimic {
-            let source = model.joints[mimic.joint.index()].bodies[0].index();
-            let source = &model.bodies[source];
-            require(
-                body.coordinate == source.coordinate && body.dof == source.dof,
-                || format!("body {b}"),
-                "does not share the coordinate of the joint that it mimics",
-            )?;
-            #[expect(clippy::float_cmp, reason = "one is a copy of the other")]
-            let same = body.ratio == mimic.multiplier && body.offset == mimic.offset;
-            require(
-                same,
-                || format!("body {b}"),
-                "does not have the ratio of the joint that it mimics",
-            )?;
-            continue;
-        }
-        #[expect(clippy::float_cmp, reason = "exact by construction")]
-        let own = body.ratio == 1.0 && body.offset == 0.0;
-        require(
-            own && body.coordinate == nq && body.dof.index() == nv,
-            || format!("body {b}"),
-            "does not have the next free coordinate",
-        )?;
-        nq += body.motion.nq();
-        for dof in nv..nv + body.motion.nv() {
-            require(
-                model.dofs.get(dof).is_some_and(|dof| dof.body.index() == b),
-                part,
-                "names wrong bodies",
-            )?;
-        }
-        nv += body.motion.nv();
-    }
-    require(
-        nq == model.nq && nv == model.dofs.len(),
-        part,
-        "does not fit the bodies",
-    )?;
-    for dof in &model.dofs {
-        if let Some(limits) = &dof.limits {
-            let scalar = model.bodies[dof.body.index()].motion.nv() == 1;
-            require(
-                scalar
-                    && number(limits.lower)
-                    && number(limits.upper)
-                    && limits.lower <= limits.upper,
-                part,
-                "has limits that are no range",
-            )?;
-        }
-    }
-    Ok(())
-}
-
 fn colliders(model: &Model) -> Check {
     let mut slot = 0_usize;
     let mut corners = 0_usize;
@@ -505,7 +336,7 @@ fn initial(model: &Model) -> Check {
     )
 }
 
-fn rest(model: &Model) -> Check {
+fn settings(model: &Model) -> Check {
     let solver = &model.solver;
     require(
         not_negative(solver.step_size) && not_negative(solver.tolerance),
@@ -537,87 +368,7 @@ fn rest(model: &Model) -> Check {
             }),
         || "the world".to_owned(),
         "has a number out of range",
-    )?;
-    let outputs = &model.outputs;
-    for list in [
-        &outputs.contacts,
-        &outputs.links,
-        &outputs.external_wrenches,
-    ] {
-        let mut seen = BTreeSet::new();
-        require(
-            list.iter()
-                .all(|link| link.index() < model.links.len() && seen.insert(*link)),
-            || "the selection of outputs".to_owned(),
-            "names a link twice or one that does not exist",
-        )?;
-    }
-    groups(model)?;
-    sensors(model)
-}
-
-fn groups(model: &Model) -> Check {
-    let mut grouped = BTreeSet::new();
-    for group in &model.outputs.groups {
-        let part = || format!("group '{}'", group.name);
-        let members = &group.actuators;
-        require(
-            !members.is_empty()
-                && members.is_sorted_by(|a, b| a < b)
-                && members
-                    .iter()
-                    .all(|a| a.index() < model.actuators.len() && grouped.insert(*a)),
-            part,
-            "names an actuator twice, out of order or one that does not exist",
-        )?;
-        let all: Vec<_> = members
-            .iter()
-            .map(|a| &model.actuators[a.index()])
-            .collect();
-        let slides = |joint: JointId| model.joints[joint.index()].kind == JointKind::Prismatic;
-        let start = |joint: JointId| model.initial.joint_positions[joint.index()].to_bits();
-        require(
-            all.windows(2).all(|pair| {
-                pair[0].mode == pair[1].mode
-                    && slides(pair[0].joint) == slides(pair[1].joint)
-                    && pair[0].max_effort.to_bits() == pair[1].max_effort.to_bits()
-                    && (pair[0].mode != ActuatorMode::Position && pair[0].mode != ActuatorMode::Pd
-                        || start(pair[0].joint) == start(pair[1].joint))
-            }),
-            part,
-            "has actuators of different kinds or start values",
-        )?;
-    }
-    Ok(())
-}
-
-/// Most rays of one sensor.
-const MOST_RAYS: usize = 10_000;
-
-fn sensors(model: &Model) -> Check {
-    for sensor in &model.outputs.sensors {
-        let part = || format!("sensor '{}'", sensor.name);
-        require(
-            sensor.link.index() < model.links.len(),
-            part,
-            "is on a link that does not exist",
-        )?;
-        pose(&sensor.X_LS, part)?;
-        match &sensor.kind {
-            SensorKind::Imu => {}
-            SensorKind::ForceTorque { joint } => require(
-                joint.index() < model.joints.len(),
-                part,
-                "is in a joint that does not exist",
-            )?,
-            SensorKind::Ray { directions, range } => require(
-                directions.len() <= MOST_RAYS && directions.iter().all(unit) && positive(*range),
-                part,
-                "has a ray or range that is none",
-            )?,
-        }
-    }
-    Ok(())
+    )
 }
 
 fn number(value: f64) -> bool {
