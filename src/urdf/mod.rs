@@ -1,8 +1,9 @@
 //! URDF text → [`Description`]: positioned checks, `package://`, meshes, inertia.
 //!
 //! Way of a file: XML with places (`xml`), checks of links (`link`, `inertia`), joints (`joint`) and the whole
-//! (`tree`), typed data by way of urdf-rs (`typed`), meshes found (`resolve`), read (`mesh`, `collada`) and
-//! enclosed in hulls, all put together (`assemble`). All problems of a file are found in one run.
+//! (`tree`), typed data by way of urdf-rs (`typed`), meshes found (`resolve`), read (`mesh`, `collada`) and enclosed
+//! in hulls (`hulls`) or cut into parts (`decompose`), all put together (`assemble`). All problems of a file are found
+//! in one run.
 //!
 //! Not here: merging massless links, initial pose, defaults for what the file leaves out. xacro is not expanded.
 
@@ -13,6 +14,7 @@ mod collada;
 mod decompose;
 mod diagnostic;
 mod foreign;
+mod hulls;
 mod inertia;
 mod joint;
 mod link;
@@ -295,8 +297,8 @@ fn describe(
         .and_then(|mujoco| mujoco.child("compiler"))
         .and_then(|compiler| compiler.value("meshdir"));
     let resolver = Resolver::new(base_dir, options, mesh_dir);
-    let meshes = assemble::read_meshes(&mut scope, &robot, &resolver, options);
-    assemble::check_visuals(&mut scope, &robot, &resolver);
+    let meshes = hulls::read_meshes(&mut scope, &robot, &resolver, options);
+    hulls::check_visuals(&mut scope, &robot, &resolver);
     scope.report_tags();
     if scope.report.has_errors() {
         return None;

@@ -1,0 +1,365 @@
+//! Meshes of a robot's collision shapes → hulls and convex parts, scaled; visual meshes are looked for only.
+//!
+//! A file that many links name at one scale is read and enclosed once. What cannot be is a finding.
+
+use super::ReadOptions;
+use super::decompose;
+use super::link::{self, Geometry};
+use super::mesh::{MeshError, MeshFile};
+use super::resolve::{Found, Missing, Resolver};
+use super::scope::Scope;
+use super::tree::CheckedRobot;
+use crate::geometry::{GeometryError, MOST_CORNERS, bounded_hull};
+use crate::model::JointKind;
+use crate::spatial::Vec3;
+use std::collections::{HashMap, HashSet};
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// Part of a mesh's size by which its hull may be off without a note.
+const SILENT_ERROR: f64 = 1e-3;
+
+/// Corners that are kept of the hull of what may be a wheel.
+const MOST_OUTLINE: usize = 1024;
+
+/// The hull of a mesh, scaled.
+#[derive(Clone)]
+pub(super) struct ReadMesh {
+    pub(super) path: PathBuf,
+    /// Not to be packed: a symbolic link leads out of the robot's folders.
+    linked: bool,
+    pub(super) vertices: Vec<Vec3>,
+    /// How far the mesh reaches out of their hull at most, m.
+    error: f64,
+    /// Least and greatest coordinates of all that the file has.
+    pub(super) bounds: [Vec3; 2],
+    /// Convex parts in place of the hull, where they are wanted.
+    pub(super) parts: Option<Arc<[Vec<Vec3>]>>,
+    /// More of them, where the mesh may be a wheel.
+    pub(super) outline: Option<Arc<[Vec3]>>,
+}
+
+/// Meshes by link and collision, both in file order.
+pub(super) struct Meshes {
+    pub(super) hulls: HashMap<(usize, usize), ReadMesh>,
+    /// Files to be packed, each once.
+    pub(super) sources: Vec<PathBuf>,
+}
+
+/// Reads the meshes of all collision shapes; what cannot be read is reported.
+pub(super) fn read_meshes(
+    scope: &mut Scope,
+    robot: &CheckedRobot,
+    resolver: &Resolver,
+    options: &ReadOptions,
+) -> Meshes {
+    let mut meshes = Meshes {
+        hulls: HashMap::new(),
+        sources: Vec::new(),
+    };
+    // The same mesh often stands in many links; `None` if it was reported already.
+    let mut known: HashMap<(PathBuf, [u64; 3], bool), Option<ReadMesh>> = HashMap::new();
+    let wheels = wheel_meshes(robot);
+    let mut found = HashMap::new();
+    let mut first_mesh: Option<Range<usize>> = None;
+    let mut count = 0;
+    for (i, link) in robot.links.iter().enumerate() {
+        scope.owner = format!("link '{}'", link.name);
+        let decompose = options
+            .decomposed
+            .iter()
+            .rfind(|(pattern, _)| pattern.matches(link.name))
+            .is_some_and(|&(_, decompose)| decompose);
+        for (k, collision) in link.collisions.iter().enumerate() {
+            let Geometry::Mesh {
+                filename,
+                scale: factors,
+                at,
+            } = &collision.geometry
+            else {
+                continue;
+            };
+            if !decompose {
+                first_mesh.get_or_insert_with(|| at.clone());
+            }
+            count += usize::from(!decompose);
+            let file = match found
+                .entry(*filename)
+                .or_insert_with(|| resolver.find(filename))
+            {
+                Ok(file) => file.clone(),
+                Err(missing) => {
+                    report_missing(scope, filename, at, missing);
+                    continue;
+                }
+            };
+            let factors = factors.map(|f| f * options.scale);
+            let read = known
+                .entry((file.path.clone(), factors.map(f64::to_bits), decompose))
+                .or_insert_with(|| {
+                    read_mesh(
+                        scope,
+                        file,
+                        Vec3::from(factors),
+                        wheels.contains(filename),
+                        decompose,
+                        at,
+                    )
+                });
+            if let Some(mesh) = read {
+                if !mesh.linked && !meshes.sources.contains(&mesh.path) {
+                    meshes.sources.push(mesh.path.clone());
+                }
+                meshes.hulls.insert((i, k), mesh.clone());
+            }
+        }
+    }
+    report_rough_hulls(scope, robot, &meshes);
+    if let Some(at) = first_mesh {
+        let message =
+            format!("collision meshes are replaced by their convex hulls ({count}, first here)");
+        scope.report.note("U110", at, message, "");
+    }
+    meshes
+}
+
+/// Tells how far the hulls are off that do not keep all corners, once for all of them, at the worst.
+fn report_rough_hulls(scope: &mut Scope, robot: &CheckedRobot, meshes: &Meshes) {
+    let mut rough: Vec<(&Path, f64, &Range<usize>, &str)> = Vec::new();
+    for (i, link) in robot.links.iter().enumerate() {
+        for (k, collision) in link.collisions.iter().enumerate() {
+            let (Geometry::Mesh { at, .. }, Some(mesh)) =
+                (&collision.geometry, meshes.hulls.get(&(i, k)))
+            else {
+                continue;
+            };
+            let size = (mesh.bounds[1] - mesh.bounds[0]).norm();
+            let known = rough.iter().any(|(path, ..)| *path == mesh.path);
+            if mesh.error > SILENT_ERROR * size && mesh.parts.is_none() && !known {
+                rough.push((&mesh.path, mesh.error, at, link.name));
+            }
+        }
+    }
+    let Some((path, error, at, link)) = rough.iter().max_by(|a, b| a.1.total_cmp(&b.1)) else {
+        return;
+    };
+    let name = path.file_name().unwrap_or(path.as_os_str());
+    let (name, error) = (name.to_string_lossy(), error * 1e3);
+    let message = if rough.len() == 1 {
+        format!(
+            "the hull of mesh {name} keeps {MOST_CORNERS} corners; it is off by at most {error:.2} mm"
+        )
+    } else {
+        format!(
+            "the hulls of {} meshes keep {MOST_CORNERS} corners; they are off by at most {error:.2} mm, that of mesh {name}",
+            rough.len()
+        )
+    };
+    if rough.len() == 1 {
+        scope.owner = format!("link '{link}'");
+        scope.note("U108", (*at).clone(), &message, "");
+    } else {
+        scope.report.note("U108", (*at).clone(), message, "");
+    }
+}
+
+fn report_missing(scope: &mut Scope, filename: &str, at: &Range<usize>, missing: &Missing) {
+    match missing {
+        Missing::NotFound(missing) => {
+            let message = format!("mesh not found: {filename}");
+            scope.problem("U104", at.clone(), &message, missing.help());
+        }
+        Missing::Outside(path) => {
+            let message = format!("mesh outside of the robot's folders: {filename}");
+            scope.problem("U112", at.clone(), &message, outside_help(path));
+        }
+    }
+}
+
+fn outside_help(path: &Path) -> String {
+    let folder = path.parent().unwrap_or(path).display();
+    format!(
+        "an FMU takes no other files of this machine; if it belongs to the robot, pass --package-path {folder}"
+    )
+}
+
+fn read_mesh(
+    scope: &mut Scope,
+    file: Found,
+    factors: Vec3,
+    wheel: bool,
+    decompose: bool,
+    at: &Range<usize>,
+) -> Option<ReadMesh> {
+    let Found { path, linked } = file;
+    let name = path
+        .file_name()
+        .unwrap_or(path.as_os_str())
+        .to_string_lossy()
+        .into_owned();
+    if linked {
+        let message = format!(
+            "mesh {name} is a symbolic link out of the robot's folders: it is used, but no copy is packed"
+        );
+        scope.note("U113", at.clone(), &message, "");
+    }
+    let read = MeshFile::open(&path).and_then(|mesh| Ok((mesh.corners()?, mesh)));
+    let (points, mesh) = match read {
+        Ok(read) => read,
+        Err(error) => {
+            let (code, help) = match error {
+                MeshError::Format(_) => ("U106", "convert the mesh to STL or OBJ"),
+                _ => (
+                    "U105",
+                    "export the mesh again; STL, OBJ and COLLADA are read",
+                ),
+            };
+            let message = format!("mesh {} cannot be read: {error}", path.display());
+            scope.problem(code, at.clone(), &message, help);
+            return None;
+        }
+    };
+    let points: Vec<Vec3> = points.iter().map(|p| p.component_mul(&factors)).collect();
+    let hull = match bounded_hull(&points, MOST_CORNERS) {
+        Ok(hull) => hull,
+        Err(error) => {
+            let help = match error {
+                GeometryError::TooFar { .. } => {
+                    "many meshes are in mm: use scale=\"0.001 0.001 0.001\""
+                }
+                _ => "the mesh needs some extent; export it again",
+            };
+            let message = format!("mesh {} has no convex hull: {error}", path.display());
+            scope.problem("U107", at.clone(), &message, help);
+            return None;
+        }
+    };
+    let bounds = points
+        .iter()
+        .fold([points[0]; 2], |[low, high], p| [low.inf(p), high.sup(p)]);
+    let outline = wheel
+        .then(|| bounded_hull(&points, MOST_OUTLINE))
+        .and_then(Result::ok)
+        .map(|hull| hull.vertices.into());
+    if hull.flat {
+        let message = format!("mesh {name} has no volume: it is used as it is");
+        scope.warning("U109", at.clone(), &message, "");
+    }
+    let parts = if decompose && !hull.flat {
+        Some(convex_parts(scope, &mesh, &name, factors, at)?.into())
+    } else {
+        None
+    };
+    Some(ReadMesh {
+        path,
+        linked,
+        vertices: hull.vertices,
+        error: hull.error,
+        bounds,
+        parts,
+        outline,
+    })
+}
+
+/// The convex parts of a mesh; says how many, and how much they fill that the mesh does not.
+fn convex_parts(
+    scope: &mut Scope,
+    mesh: &MeshFile,
+    name: &str,
+    factors: Vec3,
+    at: &Range<usize>,
+) -> Option<Vec<Vec<Vec3>>> {
+    let triangles = mesh.triangles().map_err(|error| error.to_string());
+    let scaled = triangles.map(|triangles| {
+        let scaled = |p: Vec3| p.component_mul(&factors);
+        triangles.into_iter().map(|t| t.map(scaled)).collect()
+    });
+    match scaled.and_then(|triangles: Vec<_>| decompose::parts(&triangles)) {
+        Ok(found) => {
+            let volume = match found.excess {
+                Some([parts, hull]) => format!(
+                    "their volume is off the mesh's by {:.1} %, its hull's would be by {:.1} %",
+                    parts * 100.0,
+                    hull * 100.0
+                ),
+                None => "it is not closed, so its volume is not known".to_owned(),
+            };
+            let count = found.parts.len();
+            let message = format!("mesh {name} becomes {count} convex parts; {volume}");
+            scope.note("U114", at.clone(), &message, "");
+            Some(found.parts)
+        }
+        Err(error) => {
+            let message = format!("mesh {name} cannot be decomposed: {error}");
+            let help = "set collision = \"hull\" for this link, or give it several simpler meshes";
+            scope.problem("U115", at.clone(), &message, help);
+            None
+        }
+    }
+}
+
+/// Files of the meshes that turn with a continuous joint.
+fn wheel_meshes<'d>(robot: &CheckedRobot<'d>) -> HashSet<&'d str> {
+    let mut carried_by = HashMap::new();
+    for joint in &robot.joints {
+        if let Some(child) = &joint.child {
+            carried_by.entry(child.name).or_insert(joint);
+        }
+    }
+    let turns = |mut link: &'d str| {
+        // No more steps than joints: whether they go in a circle is not known yet.
+        for _ in 0..robot.joints.len() {
+            match (carried_by.get(link), carried_by.get(link).map(|j| j.kind)) {
+                (Some(joint), Some(JointKind::Fixed)) => match &joint.parent {
+                    Some(parent) => link = parent.name,
+                    None => return false,
+                },
+                (_, kind) => return kind == Some(JointKind::Continuous),
+            }
+        }
+        false
+    };
+    let mut files = HashSet::new();
+    for link in &robot.links {
+        for collision in &link.collisions {
+            if let Geometry::Mesh { filename, .. } = &collision.geometry
+                && turns(link.name)
+            {
+                files.insert(*filename);
+            }
+        }
+    }
+    files
+}
+
+/// Visuals do not move the robot: whatever is wrong with them is a warning.
+pub(super) fn check_visuals(scope: &mut Scope, robot: &CheckedRobot, resolver: &Resolver) {
+    let mut seen = HashSet::new();
+    let mut missing: Option<(Range<usize>, String, String)> = None;
+    let mut count = 0;
+    for link in &robot.links {
+        for (filename, at) in link::check_visuals(scope, link) {
+            if !seen.insert(filename) {
+                continue;
+            }
+            let help = match resolver.find(filename) {
+                Ok(_) => continue,
+                Err(Missing::NotFound(missing)) => missing.help(),
+                Err(Missing::Outside(path)) => outside_help(&path),
+            };
+            count += 1;
+            missing.get_or_insert_with(|| (at, filename.to_owned(), help));
+        }
+    }
+    if let Some((at, filename, help)) = missing {
+        let more = if count > 1 {
+            format!(", and {} more", count - 1)
+        } else {
+            String::new()
+        };
+        let message =
+            format!("visual mesh not found: {filename}{more}; the robot moves without it");
+        scope.report.warning("U111", at, message, help);
+    }
+}
