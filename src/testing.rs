@@ -1,4 +1,4 @@
-//! Models made in code, for tests.
+//! Models made in code, and runs of them, for tests.
 
 #![allow(
     clippy::cast_precision_loss,
@@ -10,11 +10,13 @@
 
 use crate::geometry::Shape;
 use crate::model::{
-    Actuator, ActuatorMode, Body, Collider, Combination, ContactDefaults, Dof, DofId, Ground,
-    Initial, Joint, JointId, JointKind, Limits, Link, LinkId, Mimic, Model, Motion,
+    Actuator, ActuatorMode, Body, BodyId, Collider, Combination, ContactDefaults, Dof, DofId,
+    Ground, Initial, Joint, JointId, JointKind, Limits, Link, LinkId, Mimic, Model, Motion,
     OutputSelection, SolverDefaults, World,
 };
+use crate::simulation::Simulation;
 use crate::spatial::{Mat3, Pose, RigidInertia, Vec3};
+use std::sync::Arc;
 
 // Its place is given because tests/acceptance takes this file by its path, too.
 #[path = "testing/random.rs"]
@@ -47,20 +49,7 @@ impl Builder {
         };
         let mut model = Model {
             name: "test".into(),
-            links: vec![Link {
-                name: "base".into(),
-                joint: None,
-                body: 0.into(),
-                X_BL: Pose::IDENTITY,
-                inertia,
-                friction: 0.8,
-                restitution: 0.0,
-                static_excess: 0.0,
-                rolling_friction: 0.0,
-                torsional_friction: 0.0,
-                stiffness: None,
-                dissipation: None,
-            }],
+            links: vec![link("base".into(), None, BodyId(0), inertia)],
             joints: Vec::new(),
             bodies: vec![Body {
                 link: 0.into(),
@@ -147,20 +136,12 @@ impl Builder {
             enforce_velocity: false,
             mimic: None,
         });
-        m.links.push(Link {
-            name: format!("link{}", link.0),
-            joint: Some(joint),
+        m.links.push(self::link(
+            format!("link{}", link.0),
+            Some(joint),
             body,
-            X_BL: Pose::IDENTITY,
             inertia,
-            friction: 0.8,
-            restitution: 0.0,
-            static_excess: 0.0,
-            rolling_friction: 0.0,
-            torsional_friction: 0.0,
-            stiffness: None,
-            dissipation: None,
-        });
+        ));
         m.bodies.push(Body {
             link,
             parent: Some(m.links[parent.index()].body),
@@ -242,6 +223,51 @@ impl Builder {
         let m = &mut self.model;
         let dof = m.bodies[m.links[link.index()].body.index()].dof;
         m.dofs[dof.index()].limits = Some(Limits { lower, upper });
+    }
+}
+
+/// A link in its body's frame.
+fn link(name: String, joint: Option<JointId>, body: BodyId, inertia: RigidInertia) -> Link {
+    Link {
+        name,
+        joint,
+        body,
+        X_BL: Pose::IDENTITY,
+        inertia,
+        friction: 0.8,
+        restitution: 0.0,
+        static_excess: 0.0,
+        rolling_friction: 0.0,
+        torsional_friction: 0.0,
+        stiffness: None,
+        dissipation: None,
+    }
+}
+
+/// A pose without turn, m.
+pub fn at(x: f64, y: f64, z: f64) -> Pose {
+    Pose {
+        p: Vec3::new(x, y, z),
+        ..Pose::IDENTITY
+    }
+}
+
+/// A running simulation with a tolerance.
+pub fn start(mut model: Model, tolerance: f64) -> Simulation {
+    model.solver.tolerance = tolerance;
+    let mut simulation = Simulation::new(Arc::new(model));
+    simulation.initialize(0.0).expect("a sound model");
+    simulation
+}
+
+/// Advances to `end` in steps of about `h`, all of the same length.
+pub fn run(simulation: &mut Simulation, end: f64, h: f64) {
+    let begin = simulation.time();
+    let count = ((end - begin) / h).round().max(1.0) as u64;
+    for i in 1..=count {
+        simulation
+            .advance_to(begin + (end - begin) * (i as f64 / count as f64))
+            .expect("finite");
     }
 }
 

@@ -17,13 +17,13 @@
 
 use claim::hold;
 use std::sync::Arc;
-use testing::{Builder, inertia, random};
+use testing::{Builder, at, inertia, random, run, start};
 use urdf2fmu_core::geometry::Shape;
 use urdf2fmu_core::model::{ActuatorId, ActuatorMode, Ground, JointId, LinkId, Model, Motion};
 use urdf2fmu_core::simulation::{InputSlot, OutputSlot, Simulation};
 use urdf2fmu_core::spatial::{Mat3, Pose, RigidInertia, Vec3, rotation_from_quaternion};
 // Where the models of the unit tests look for them.
-use urdf2fmu_core::{geometry, model, spatial};
+use urdf2fmu_core::{geometry, model, simulation, spatial};
 
 mod bodies;
 mod bounce;
@@ -46,32 +46,6 @@ const X: Vec3 = Vec3::new(1.0, 0.0, 0.0);
 const Y: Vec3 = Vec3::new(0.0, 1.0, 0.0);
 const Z: Vec3 = Vec3::new(0.0, 0.0, 1.0);
 const BASE: LinkId = LinkId(0);
-
-fn at(x: f64, y: f64, z: f64) -> Pose {
-    Pose {
-        p: Vec3::new(x, y, z),
-        ..Pose::IDENTITY
-    }
-}
-
-/// A running simulation with a tolerance.
-fn start(mut model: Model, tolerance: f64) -> Simulation {
-    model.solver.tolerance = tolerance;
-    let mut simulation = Simulation::new(Arc::new(model));
-    simulation.initialize(0.0).expect("a sound model");
-    simulation
-}
-
-/// Advances to `end` in steps of `h`, the last one landing on `end`.
-fn run(simulation: &mut Simulation, end: f64, h: f64) {
-    let begin = simulation.time();
-    let count = ((end - begin) / h).round().max(1.0) as u64;
-    for i in 1..=count {
-        simulation
-            .advance_to(begin + (end - begin) * (i as f64 / count as f64))
-            .expect("finite");
-    }
-}
 
 /// A base that does not move and has no inertia: something to hang joints on.
 fn fixed() -> Builder {

@@ -12,7 +12,7 @@ use crate::geometry::Shape;
 use crate::model::{ActuatorId, ActuatorMode, LinkId, Model, Motion};
 use crate::simulation::{InputSlot, OutputSlot, ParameterSlot, Simulation};
 use crate::spatial::{Pose, RigidInertia, Vec3};
-use crate::testing::{Builder, Random, inertia, random_tree, shape_all_links};
+use crate::testing::{Builder, Random, at, inertia, random_tree, run, shape_all_links, start};
 use std::sync::Arc;
 
 mod free;
@@ -26,32 +26,6 @@ mod turning;
 const G: f64 = 9.81;
 const X: Vec3 = Vec3::new(1.0, 0.0, 0.0);
 const Y: Vec3 = Vec3::new(0.0, 1.0, 0.0);
-
-fn at(x: f64, y: f64, z: f64) -> Pose {
-    Pose {
-        p: Vec3::new(x, y, z),
-        ..Pose::IDENTITY
-    }
-}
-
-/// A running simulation with a tolerance.
-fn start(mut model: Model, tolerance: f64) -> Simulation {
-    model.solver.tolerance = tolerance;
-    let mut simulation = Simulation::new(Arc::new(model));
-    simulation.initialize(0.0).expect("a sound model");
-    simulation
-}
-
-/// Advances to `end` in steps of `h`, the last one landing on `end`.
-fn run(simulation: &mut Simulation, end: f64, h: f64) {
-    let begin = simulation.time();
-    let count = ((end - begin) / h).round() as u64;
-    for i in 1..=count {
-        simulation
-            .advance_to(begin + (end - begin) * (i as f64 / count as f64))
-            .expect("finite");
-    }
-}
 
 /// A block of `mass` with corners ±0.1 on the ground, its base at z = 0.1.
 fn block(mass: f64, mu: f64) -> Builder {
