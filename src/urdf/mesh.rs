@@ -226,28 +226,15 @@ fn three<'w>(words: &mut impl Iterator<Item = &'w str>) -> Result<Vec3, String> 
 
 /// Vertices that a face names; all of them where there is no face.
 fn obj(text: &str) -> Result<Vec<Vec3>, MeshError> {
-    let mut vertices = Vec::new();
     let mut used: Vec<bool> = Vec::new();
-    for (i, line) in text.lines().enumerate() {
-        let problem = |what: String| MeshError::Line { line: i + 1, what };
-        let mut words = line.split_whitespace();
-        match words.next() {
-            Some("v") => {
-                vertices.push(three(&mut words).map_err(problem)?);
-                used.push(false);
-            }
-            Some("f") => {
-                for corner in words.take_while(|word| !word.starts_with('#') && *word != "\\") {
-                    let word = corner.split('/').next().unwrap_or(corner);
-                    let index = vertex_index(word, vertices.len())
-                        .ok_or_else(|| problem(format!("there is no vertex '{word}' yet")))?;
-                    used[index] = true;
-                }
-            }
-            _ => {}
+    let mut vertices = obj_faces(text, |vertices, corners| {
+        used.resize(vertices.len(), false);
+        for &corner in corners {
+            used[corner] = true;
         }
-    }
+    })?;
     if used.contains(&true) {
+        // None names what comes after the last face.
         let mut used = used.into_iter();
         vertices.retain(|_| used.next() == Some(true));
     }
@@ -256,7 +243,18 @@ fn obj(text: &str) -> Result<Vec<Vec3>, MeshError> {
 
 /// Faces of a file that [`obj`] has read.
 fn obj_triangles(text: &str) -> Result<Vec<[Vec3; 3]>, MeshError> {
-    let (mut vertices, mut triangles, mut corners) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut triangles, mut polygon) = (Vec::new(), Vec::new());
+    obj_faces(text, |vertices, corners| {
+        polygon.clear();
+        polygon.extend(corners.iter().map(|&corner| vertices[corner]));
+        triangles.extend(fan(&polygon));
+    })?;
+    Ok(triangles)
+}
+
+/// All vertices; shows each face with the vertices before it and the indices of its corners among them.
+fn obj_faces(text: &str, mut face: impl FnMut(&[Vec3], &[usize])) -> Result<Vec<Vec3>, MeshError> {
+    let (mut vertices, mut corners) = (Vec::new(), Vec::new());
     for (i, line) in text.lines().enumerate() {
         let problem = |what: String| MeshError::Line { line: i + 1, what };
         let mut words = line.split_whitespace();
@@ -268,14 +266,14 @@ fn obj_triangles(text: &str) -> Result<Vec<[Vec3; 3]>, MeshError> {
                     let word = corner.split('/').next().unwrap_or(corner);
                     let index = vertex_index(word, vertices.len())
                         .ok_or_else(|| problem(format!("there is no vertex '{word}' yet")))?;
-                    corners.push(vertices[index]);
+                    corners.push(index);
                 }
-                triangles.extend(fan(&corners));
+                face(&vertices, &corners);
             }
             _ => {}
         }
     }
-    Ok(triangles)
+    Ok(vertices)
 }
 
 /// OBJ counts from 1, or backwards from -1.
