@@ -54,17 +54,22 @@ impl Table<'_> {
                 "Angular velocity in world axes of",
             ),
         ];
-        for Group {
-            name: group,
-            axes: names,
-            unit,
-            slot,
-            about,
-        } in groups
-        {
-            for (axis, name) in axes(names) {
-                let row = Row::output(slot(axis), unit, format!("{about} {owner}, {name}"));
-                self.add(format!("base.{group}.{name}"), &owner, row);
+        self.groups(&groups, |of, axis| of(axis), &owner, "base");
+    }
+
+    /// Rows of a base, link or sensor, one for each axis of each group; `slot` says which slot a group's entry means.
+    fn groups<S: Copy>(
+        &mut self,
+        groups: &[Group<S>],
+        slot: impl Fn(S, Axis) -> OutputSlot,
+        owner: &str,
+        prefix: &str,
+    ) {
+        for group in groups {
+            for (axis, letter) in axes(group.axes) {
+                let about = format!("{} {owner}, {letter}", group.about);
+                let row = Row::output(slot(group.slot, axis), group.unit, about);
+                self.add(format!("{prefix}.{}.{letter}", group.name), owner, row);
             }
         }
     }
@@ -283,20 +288,7 @@ impl Table<'_> {
                 format!("link '{name}'"),
                 format!("link.{}", identifier(name)),
             );
-            for Group {
-                name: group,
-                axes: names,
-                unit,
-                slot,
-                about,
-            } in groups
-            {
-                for (axis, letter) in axes(names) {
-                    let about = format!("{about} {owner}, {letter}");
-                    let row = Row::output(slot(id, axis), unit, about);
-                    self.add(format!("{prefix}.{group}.{letter}"), &owner, row);
-                }
-            }
+            self.groups(&groups, |of, axis| of(id, axis), &owner, &prefix);
         }
     }
 
@@ -367,20 +359,7 @@ impl Table<'_> {
                 ],
                 SensorKind::Ray { .. } => &[],
             };
-            for Group {
-                name: group,
-                axes: names,
-                unit,
-                slot,
-                about,
-            } in groups
-            {
-                for (axis, letter) in axes(names) {
-                    let about = format!("{about} {owner}, {letter}");
-                    let row = Row::output(slot(id, axis), *unit, about);
-                    self.add(format!("{prefix}.{group}.{letter}"), &owner, row);
-                }
-            }
+            self.groups(groups, |of, axis| of(id, axis), &owner, &prefix);
             if let SensorKind::Ray { directions, range } = &sensor.kind {
                 for ray in (0..).take(directions.len()) {
                     let number = ray + 1;
