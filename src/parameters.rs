@@ -4,7 +4,66 @@
 //! [`crate::inputs`].
 
 use crate::model::Model;
-use crate::simulation::ParameterSlot;
+use crate::simulation::{ParameterSlot, SHORTEST_FIXED_STEP};
+
+/// What a parameter's value may be; finite in any case.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Range {
+    /// Anything.
+    Any,
+    /// 0 or more.
+    NotNegative,
+    /// Above 0.
+    Positive,
+    /// From 0 to 1.
+    Share,
+    /// A fixed step, or 0 for error control.
+    Step,
+}
+
+impl Range {
+    /// Whether `value` is in it.
+    pub(crate) fn contains(self, value: f64) -> bool {
+        value.is_finite()
+            && match self {
+                Self::Any => true,
+                Self::NotNegative => value >= 0.0,
+                Self::Positive => value > 0.0,
+                Self::Share => (0.0..=1.0).contains(&value),
+                Self::Step => value == 0.0 || value >= SHORTEST_FIXED_STEP,
+            }
+    }
+
+    /// What to say to who has set something else.
+    pub(crate) fn words(self) -> &'static str {
+        match self {
+            Self::Any => "a finite number",
+            Self::NotNegative => "0 or more",
+            Self::Positive => "above 0",
+            Self::Share => "between 0 and 1",
+            Self::Step => "0, or at least 1e-7 s",
+        }
+    }
+}
+
+impl ParameterSlot {
+    /// What its value may be.
+    pub(crate) fn range(self) -> Range {
+        match self {
+            Self::Kp(_)
+            | Self::Kd(_)
+            | Self::JointDamping(_)
+            | Self::JointFriction(_)
+            | Self::LinkFriction(_)
+            | Self::GroundFriction
+            | Self::Tolerance => Range::NotNegative,
+            Self::LinkMass(_) => Range::Positive,
+            Self::GroundRestitution => Range::Share,
+            Self::StepSize => Range::Step,
+            _ => Range::Any,
+        }
+    }
+}
 
 /// Values of all parameters of a model.
 #[derive(Clone, Debug, PartialEq)]
@@ -73,6 +132,30 @@ impl Parameters {
             ParameterSlot::StepSize => world + 17,
             ParameterSlot::Tolerance => world + 18,
         }
+    }
+
+    /// Whether `values` are what the parameters, with the model's defaults now, may be set to. A default may lie outside of its
+    /// range: a link without mass is one, but nobody can take a link's mass away.
+    pub(crate) fn allow(&self, values: &[f64]) -> bool {
+        let lists = [
+            (2 * self.actuators + 2 * self.joints, Range::NotNegative),
+            (2 * self.joints, Range::Any),
+            (self.links, Range::NotNegative),
+            (self.links, Range::Positive),
+            (15, Range::Any),
+            (1, Range::NotNegative),
+            (1, Range::Share),
+            (1, Range::Step),
+            (1, Range::NotNegative),
+        ];
+        let ranges = lists
+            .into_iter()
+            .flat_map(|(count, range)| std::iter::repeat_n(range, count));
+        ranges
+            .zip(values.iter().zip(&self.values))
+            .all(|(range, (value, default))| {
+                range.contains(*value) || value.to_bits() == default.to_bits()
+            })
     }
 
     /// Value of a parameter.

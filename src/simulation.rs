@@ -6,7 +6,7 @@
 use crate::dynamics::crba;
 use crate::inputs::Inputs;
 use crate::model::{ActuatorId, JointId, LinkId, Model, SensorId};
-use crate::parameters::Parameters;
+use crate::parameters::{Parameters, Range};
 use crate::readout::Readout;
 pub use crate::snapshot::Snapshot;
 use crate::spatial::{Vec3, quaternion_from_rotation, rotation_from_rpy};
@@ -397,37 +397,16 @@ impl Simulation {
     /// # Errors
     /// [`SimulationError::Value`].
     pub fn check_parameter(&self, slot: ParameterSlot, value: f64) -> Result<(), SimulationError> {
-        use ParameterSlot as P;
-        let (legal, expected) = match slot {
-            P::Kp(_)
-            | P::Kd(_)
-            | P::JointDamping(_)
-            | P::JointFriction(_)
-            | P::LinkFriction(_)
-            | P::GroundFriction
-            | P::Tolerance => (value >= 0.0, "0 or more"),
-            P::StepSize => (
-                value == 0.0 || value >= SHORTEST_FIXED_STEP,
-                "0, or at least 1e-7 s",
-            ),
-            P::GroundRestitution => ((0.0..=1.0).contains(&value), "between 0 and 1"),
-            P::LinkMass(_) => (value > 0.0, "above 0"),
-            _ => (true, "a finite number"),
-        };
-        if legal && value.is_finite() {
-            Ok(())
-        } else {
-            let expected = if value.is_finite() {
-                expected
-            } else {
-                "a finite number"
-            };
-            Err(SimulationError::Value {
-                what: format!("parameter {slot:?}"),
-                expected,
-                value,
-            })
+        let range = slot.range();
+        if range.contains(value) {
+            return Ok(());
         }
+        let range = if value.is_finite() { range } else { Range::Any };
+        Err(SimulationError::Value {
+            what: format!("parameter {slot:?}"),
+            expected: range.words(),
+            value,
+        })
     }
 
     /// Sets a parameter; `value` has passed [`Self::check_parameter`]. Fixed ones only before [`Self::initialize`].

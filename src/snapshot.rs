@@ -122,9 +122,10 @@ impl Snapshot {
             reason: reason.into(),
         };
         let start = Inputs::new(model);
+        let defaults = Parameters::new(model);
         let mut snapshot = Self {
             hash,
-            parameters: Parameters::new(model).values,
+            parameters: defaults.values.clone(),
             inputs: start.numbers.clone(),
             applied: start.numbers.clone(),
             state: State::new(model),
@@ -192,7 +193,7 @@ impl Snapshot {
         complete = complete && (ahead.is_empty() || ahead.length > 0.0);
         [snapshot.importer_tolerance, snapshot.start] = tail;
         // Effort limits may be infinite.
-        let sound = snapshot.parameters.iter().all(|x| x.is_finite())
+        let sound = defaults.allow(&snapshot.parameters)
             && start.is_sound(&snapshot.inputs)
             && start.is_sound(&snapshot.applied)
             && snapshot.state.is_finite()

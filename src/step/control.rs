@@ -127,15 +127,8 @@ impl Stepper {
         state: &mut State,
         end: f64,
     ) -> Result<(), NotFinite> {
-        let mut way = Way {
-            begin: state.time,
-            end,
-            done: 0.0,
-            proposed: state.step[0],
-            jumped: state.ahead.changed != 0.0,
-            current: false,
-            posed: false,
-        };
+        let mut way = Way::new(state.time, end, state.step[0]);
+        way.jumped = state.ahead.changed != 0.0;
         if way.jumped {
             // Begin with what was good after the last jump.
             way.proposed = way.proposed.min(state.step[1]);
@@ -152,16 +145,12 @@ impl Stepper {
         begin: f64,
         end: f64,
     ) -> Result<(), NotFinite> {
-        let way = Way {
-            begin,
-            end,
-            done: 0.0,
-            proposed: state.step[0],
-            jumped: false,
-            current: false,
-            posed: false,
+        // What error control takes may be as stiff as it is.
+        let ctx = &Context {
+            fixed_step: 0.0,
+            ..ctx.after(0.0)
         };
-        self.walk(ctx, state, way)?;
+        self.walk(ctx, state, Way::new(begin, end, state.step[0]))?;
         // The fixed steps go on from here.
         state.ahead.clear();
         Ok(())
@@ -350,7 +339,8 @@ impl Stepper {
                     capped = time;
                 }
             } else if contact.touchdown > 0.0 {
-                capped = capped.min(BOUNCE_SHARE * (mass / contact.stiffness).sqrt());
+                let time = BOUNCE_SHARE * (mass / contact.stiffness).sqrt();
+                capped = capped.min(time.max(MIN_STEP));
             }
         }
         for term in &self.start.joints.terms {
@@ -432,6 +422,19 @@ struct Way {
 }
 
 impl Way {
+    /// All of it, to be begun with a step of `proposed` seconds.
+    fn new(begin: f64, end: f64, proposed: f64) -> Self {
+        Self {
+            begin,
+            end,
+            done: 0.0,
+            proposed,
+            jumped: false,
+            current: false,
+            posed: false,
+        }
+    }
+
     fn remaining(&self) -> f64 {
         self.end - self.begin - self.done
     }

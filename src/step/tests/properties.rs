@@ -495,6 +495,41 @@ fn a_saved_state_whose_steps_go_back_is_refused() {
     assert!(crate::simulation::Snapshot::from_bytes(&model, &bytes).is_err());
 }
 
+/// Found by fuzzing: with a link of −1 kg no bounce was short enough.
+#[test]
+fn a_saved_state_with_parameters_that_nobody_may_set_is_refused() {
+    use ParameterSlot as P;
+    let link = 0u32.into_link();
+    let s = start(block(1.0, 0.5).model, 1e-3);
+    for (slot, value) in [
+        (P::LinkMass(link), -1.0),
+        (P::LinkMass(link), 0.0),
+        (P::LinkFriction(link), -0.1),
+        (P::GroundFriction, f64::NAN),
+        (P::GroundRestitution, 1.1),
+        (P::StepSize, 1e-8),
+        (P::Tolerance, -1e-3),
+        (P::Gravity(2), f64::INFINITY),
+    ] {
+        assert!(s.check_parameter(slot, value).is_err(), "{slot:?} {value}");
+        let mut forged = start(block(1.0, 0.5).model, 1e-3);
+        forged.set_parameter(slot, value);
+        let bytes = forged.save().to_bytes();
+        let read = s.saved_from_bytes(&bytes);
+        assert!(read.is_err(), "{slot:?} {value}");
+    }
+    for (slot, value) in [
+        (P::LinkMass(link), 2.0),
+        (P::Gravity(2), 9.81),
+        (P::StepSize, 1e-7),
+    ] {
+        let mut changed = start(block(1.0, 0.5).model, 1e-3);
+        changed.set_parameter(slot, value);
+        let bytes = changed.save().to_bytes();
+        assert!(s.saved_from_bytes(&bytes).is_ok(), "{slot:?} {value}");
+    }
+}
+
 /// Found by fuzzing saved states: speeds that no robot has cut each of the shortest fixed steps into 32 parts.
 #[test]
 fn no_part_of_a_fixed_step_is_shorter_than_a_fixed_step_may_be() {
