@@ -101,13 +101,18 @@ impl Stepper {
     /// [`NotFinite`]; `state` is then what it was.
     pub fn advance(&mut self, ctx: &Context, state: &mut State, end: f64) -> Result<(), NotFinite> {
         self.backup.copy_from(state);
+        let controlled = ctx.fixed_step <= 0.0;
+        let flight = controlled.then(|| self.flight(ctx, state)).flatten();
         state.last_step = end - state.time;
         state.impulse.fill([0.0; 3]);
-        let result = if ctx.fixed_step > 0.0 {
-            self.advance_fixed(ctx, state, end)
+        let result = if controlled {
+            self.advance_controlled(ctx, state, end, flight.is_some())
         } else {
-            self.advance_controlled(ctx, state, end)
+            self.advance_fixed(ctx, state, end)
         };
+        if let (Ok(()), Some(flight)) = (result, &flight) {
+            self.keep_momentum(ctx, state, flight, state.last_step);
+        }
         if result.is_ok() && state.moves_finitely() {
             state.time = end;
             state.ahead.changed = 0.0;
@@ -121,11 +126,13 @@ impl Stepper {
         }
     }
 
+    /// Under error control up to `end`; `posed`: poses and velocities of `self.end` stand at `state`.
     fn advance_controlled(
         &mut self,
         ctx: &Context,
         state: &mut State,
         end: f64,
+        posed: bool,
     ) -> Result<(), NotFinite> {
         let mut way = Way::new(state.time, end, state.step[0]);
         way.jumped = state.ahead.changed != 0.0;
@@ -134,6 +141,7 @@ impl Stepper {
             way.proposed = way.proposed.min(state.step[1]);
         }
         way.done = follow(ctx.tree, state, end);
+        way.posed = posed && way.done == 0.0;
         self.walk(ctx, state, way)
     }
 

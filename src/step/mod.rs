@@ -6,6 +6,7 @@ pub mod convex;
 mod doubled;
 mod energy;
 mod fixed;
+mod flight;
 pub mod point;
 pub mod runge_kutta;
 mod smooth;

@@ -125,3 +125,101 @@ fn a_long_step_does_not_jump_over_a_limit() {
     assert!((s.state().q[0] - rest).abs() < 1e-9);
     assert!(farthest < 0.1 + 0.01, "{farthest}");
 }
+
+/// Newton and Euler: whatever acts inside of a robot in flight, its centre of mass flies a parabola, and its angular momentum
+/// about it stays. Here at the default tolerance, with motors that work, and read off however often.
+#[test]
+fn a_robot_in_flight_flies_a_parabola_and_keeps_its_angular_momentum() {
+    // Masses, their places and momenta, summed up by hand.
+    let measure = |s: &Simulation| {
+        let mut kin = crate::kinematics::Kinematics::new(s.tree());
+        kin.update_poses(s.tree(), &s.state().q);
+        kin.update_velocities(s.tree(), &s.state().v);
+        let (mut mass, mut center, mut linear) = (0.0, Vec3::zeros(), Vec3::zeros());
+        for I in &kin.I {
+            mass += I.mass;
+            center += Vec3::from(I.moment) + kin.origin * I.mass;
+        }
+        let mut angular = Vec3::zeros();
+        for (I, V) in kin.I.iter().zip(&kin.V) {
+            let p = I.mul(V);
+            linear += Vec3::new(p[3], p[4], p[5]);
+            angular += Vec3::new(p[0], p[1], p[2]);
+        }
+        let center = center / mass;
+        (
+            center,
+            linear / mass,
+            angular - (center - kin.origin).cross(&linear),
+        )
+    };
+    for (mode, seed) in [
+        (ActuatorMode::Pd, 1),
+        (ActuatorMode::Effort, 2),
+        (ActuatorMode::Velocity, 3),
+    ] {
+        let mut random = Random(seed);
+        let mut model = random_tree(&mut random, 8, true, true);
+        let mut b = Builder::new(true, inertia(1.0, Vec3::zeros(), [0.1; 3]));
+        std::mem::swap(&mut b.model, &mut model);
+        for link in 1..b.model.links.len() {
+            let moving = b.model.links[link].joint.is_some();
+            if moving && b.model.actuators.len() < 3 {
+                b.actuator(link.into(), mode, 5.0);
+            }
+        }
+        b.model.initial.angular_velocity = Vec3::new(1.0, -2.0, 3.0);
+        b.model.initial.linear_velocity = Vec3::new(3.0, 0.0, 8.0);
+        let ends: Vec<State> = [1.0 / 1000.0, 1.0 / 240.0, 0.125]
+            .into_iter()
+            .map(|h| {
+                let mut s = start(b.model.clone(), 1e-3);
+                let (center, velocity, angular) = measure(&s);
+                let scale = angular.norm();
+                for step in 0..4 {
+                    for a in 0..s.model().actuators.len() {
+                        let command = (step as f64 + a as f64).sin();
+                        s.set_input(InputSlot::Effort(a.into()), command);
+                        s.set_input(InputSlot::Velocity(a.into()), command);
+                        s.set_input(InputSlot::Position(a.into()), command);
+                    }
+                    let from = s.time();
+                    while s.time() < from + 0.25 {
+                        let next = (s.time() + h).min(from + 0.25);
+                        s.advance_to(next).expect("finite");
+                        let t = s.time();
+                        let (c, v, H) = measure(&s);
+                        let fall = Vec3::new(0.0, 0.0, -0.5 * G * t * t);
+                        assert!((c - center - velocity * t - fall).norm() < 1e-12, "{c}");
+                        assert!((v - velocity - fall * (2.0 / t)).norm() < 1e-12, "{v}");
+                        assert!((H - angular).norm() < 1e-12 * scale, "{H} {angular}");
+                    }
+                }
+                s.state().clone()
+            })
+            .collect();
+        let moved: f64 = ends[0].v[6..].iter().map(|v| v.abs()).sum();
+        assert!(moved > 1.0, "{mode:?}: nothing moves inside");
+    }
+}
+
+/// A rod without inertia about its axis: what its momentum about it is, is round-off, and is not made a velocity.
+#[test]
+fn a_thin_rod_in_flight_does_not_spin_up_about_its_axis() {
+    let mut b = Builder::new(true, inertia(1.0, Vec3::zeros(), [1e-12, 0.1, 0.1]));
+    b.model.initial.angular_velocity = Vec3::new(0.3, 1.0, -2.0);
+    let mut s = start(b.model, 1e-3);
+    let about_axis = |s: &Simulation| {
+        let mut kin = crate::kinematics::Kinematics::new(s.tree());
+        kin.update_poses(s.tree(), &s.state().q);
+        let [x, y, z] = [s.state().v[0], s.state().v[1], s.state().v[2]];
+        kin.X[0].R.column(0).dot(&Vec3::new(x, y, z))
+    };
+    let mut worst = 0.0_f64;
+    for i in 1..=1000 {
+        s.advance_to(0.001 * f64::from(i)).expect("finite");
+        worst = worst.max((about_axis(&s) - 0.3).abs());
+    }
+    // Symmetric about the axis: Euler's equations keep the spin about it.
+    assert!(worst < 1e-3, "{worst}");
+}
