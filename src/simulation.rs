@@ -3,153 +3,22 @@
 //! Life of a simulation: [`Simulation::new`], set fixed parameters and inputs, [`Simulation::initialize`], then
 //! set inputs and tunable parameters, [`Simulation::advance_to`], read outputs, and again.
 
+mod slots;
+
+pub use crate::snapshot::Snapshot;
+pub use slots::{Axis, InputSlot, OutputSlot, ParameterSlot};
+
 use crate::dynamics::crba;
 use crate::inputs::Inputs;
-use crate::model::{ActuatorId, JointId, LinkId, Model, SensorId};
+use crate::model::{JointId, Model};
 use crate::parameters::{Parameters, Range};
 use crate::readout::Readout;
-pub use crate::snapshot::Snapshot;
 use crate::spatial::{Vec3, quaternion_from_rotation, rotation_from_rpy};
 use crate::state::State;
 use crate::step::control::Stepper;
 use crate::step::point::Context;
 use crate::tree::Tree;
 use std::sync::Arc;
-
-/// x, y, z or w of a vector or quaternion: 0, 1, 2, 3.
-pub type Axis = u8;
-
-/// A quantity that the outside commands.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum InputSlot {
-    /// rad/s or m/s; velocity and pd mode.
-    Velocity(ActuatorId),
-    /// rad or m; position and pd mode.
-    Position(ActuatorId),
-    /// N·m or N; effort and pd mode.
-    Effort(ActuatorId),
-    /// N·m or N, not negative; velocity, position and pd mode.
-    MaxEffort(ActuatorId),
-    /// N, world axes, at the link's centre of mass.
-    ExternalForce(LinkId, Axis),
-    /// N·m, world axes.
-    ExternalTorque(LinkId, Axis),
-}
-
-/// A quantity that a user may set.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ParameterSlot {
-    /// pd gain, N·m/rad or N/m.
-    Kp(ActuatorId),
-    /// pd gain, N·m·s/rad or N·s/m.
-    Kd(ActuatorId),
-    /// Viscous damping of a moving joint.
-    JointDamping(JointId),
-    /// Dry friction of a moving joint.
-    JointFriction(JointId),
-    /// Coulomb coefficient of a link's surface.
-    LinkFriction(LinkId),
-    /// m/s²
-    Gravity(Axis),
-    /// Coulomb coefficient of the ground.
-    GroundFriction,
-    /// Newton's coefficient of the ground.
-    GroundRestitution,
-    /// kg, fixed; the inertia scales with it.
-    LinkMass(LinkId),
-    /// m, fixed.
-    InitialBasePosition(Axis),
-    /// rad, fixed; roll, pitch, yaw.
-    InitialBaseRpy(Axis),
-    /// m/s, fixed.
-    InitialBaseLinearVelocity(Axis),
-    /// rad/s, fixed.
-    InitialBaseAngularVelocity(Axis),
-    /// rad or m, fixed; turning and sliding joints that mimic nothing.
-    InitialJointPosition(JointId),
-    /// rad/s or m/s, fixed.
-    InitialJointVelocity(JointId),
-    /// s, fixed; 0 means error controlled.
-    StepSize,
-    /// fixed; 0 means the importer's if given, else 1e-3.
-    Tolerance,
-}
-
-impl ParameterSlot {
-    /// Whether it may change between steps; the others are fixed when initialisation ends.
-    pub fn tunable(self) -> bool {
-        matches!(
-            self,
-            Self::Kp(_)
-                | Self::Kd(_)
-                | Self::JointDamping(_)
-                | Self::JointFriction(_)
-                | Self::LinkFriction(_)
-                | Self::Gravity(_)
-                | Self::GroundFriction
-                | Self::GroundRestitution
-        )
-    }
-}
-
-/// A quantity that can be read.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum OutputSlot {
-    /// m, base link origin in the world.
-    BasePosition(Axis),
-    /// x, y, z, w.
-    BaseOrientation(Axis),
-    /// rad: roll, pitch, yaw.
-    BaseRpy(Axis),
-    /// m/s, of the base link origin.
-    BaseLinearVelocity(Axis),
-    /// rad/s, world axes.
-    BaseAngularVelocity(Axis),
-    /// rad or m. `Axis` is 0 for turning and sliding joints; x, y, angle of a planar one; x, y, z of a floating one.
-    JointPosition(JointId, Axis),
-    /// Orientation x, y, z, w of a spherical joint, or a floating one that is not the base.
-    JointOrientation(JointId, Axis),
-    /// rad/s or m/s; axes as for the position; floating: 0–2 linear, 3–5 angular (child axes).
-    JointVelocity(JointId, Axis),
-    /// rad/s² or m/s²; axes as for the velocity.
-    JointAcceleration(JointId, Axis),
-    /// N·m or N, the actuator's alone; turning and sliding joints.
-    JointEffort(JointId),
-    /// m, link origin in the world.
-    LinkPosition(LinkId, Axis),
-    /// x, y, z, w.
-    LinkOrientation(LinkId, Axis),
-    /// m/s, of the link origin, world axes.
-    LinkLinearVelocity(LinkId, Axis),
-    /// rad/s, world axes.
-    LinkAngularVelocity(LinkId, Axis),
-    /// 1 or 0.
-    ContactActive(LinkId),
-    /// N, net contact force on the link, world, mean over the last communication step.
-    ContactForce(LinkId, Axis),
-    /// J
-    EnergyKinetic,
-    /// J, of gravity, zero at world height 0.
-    EnergyPotential,
-    /// x, y, z, w: orientation of the sensor's frame in the world.
-    SensorOrientation(SensorId, Axis),
-    /// rad/s, sensor axes.
-    SensorAngularVelocity(SensorId, Axis),
-    /// m/s², acceleration less gravity of the sensor's origin, sensor axes.
-    SensorAcceleration(SensorId, Axis),
-    /// N, that a joint's parent exerts on its child, sensor axes.
-    SensorForce(SensorId, Axis),
-    /// N·m, about the child's origin, likewise.
-    SensorTorque(SensorId, Axis),
-    /// m, to the ground along a ray (0, 1, …), or the sensor's range.
-    SensorDistance(SensorId, u32),
-    /// Steps taken since the start.
-    Steps,
-    /// Steps rejected since the start.
-    Rejected,
-    /// Most Newton iterations in one solve since the start.
-    NewtonMax,
-}
 
 /// A robot that runs.
 #[derive(Debug)]
