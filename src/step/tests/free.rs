@@ -178,7 +178,7 @@ fn a_robot_in_flight_flies_a_parabola_and_keeps_its_angular_momentum() {
                 let scale = angular.norm();
                 for step in 0..4 {
                     for a in 0..s.model().actuators.len() {
-                        let command = (step as f64 + a as f64).sin();
+                        let command = (f64::from(step) + a as f64).sin();
                         s.set_input(InputSlot::Effort(a.into()), command);
                         s.set_input(InputSlot::Velocity(a.into()), command);
                         s.set_input(InputSlot::Position(a.into()), command);
