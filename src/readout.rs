@@ -133,8 +133,7 @@ impl Readout {
             }
             O::ContactActive(link) => {
                 let touches = self.point.contacts.iter().any(|c| {
-                    let vn = c.normal.dot(&velocity_at(&kin.V[c.body], &c.x));
-                    c.link == link.index() && c.normal_force(vn) > 0.0
+                    c.link == link.index() && c.normal_force(c.normal_velocity(&kin.V)) > 0.0
                 });
                 f64::from(u8::from(touches))
             }
@@ -143,7 +142,7 @@ impl Readout {
                 .contacts
                 .iter()
                 .filter(|c| c.link == link.index())
-                .map(|c| c.force(&velocity_at(&kin.V[c.body], &c.x))[axis as usize])
+                .map(|c| c.force(&c.velocity(&kin.V))[axis as usize])
                 .sum(),
             O::EnergyKinetic => self.energies(ctx, state)[0],
             O::EnergyPotential => self.energies(ctx, state)[1],
@@ -267,7 +266,7 @@ impl Readout {
         let F = &mut kin.force;
         F.fill([0.0; 6]);
         for contact in contacts.iter() {
-            let force = contact.force(&velocity_at(&kin.V[contact.body], &contact.x));
+            let force = contact.force(&contact.velocity(&kin.V));
             add_force_at(&mut F[contact.body], &contact.x, &force);
         }
         for turn in turns.iter() {

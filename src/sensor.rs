@@ -111,7 +111,7 @@ fn wrench_beyond(ctx: &Context, point: &Point, A: &[Vec6], links: &[usize]) -> V
     }
     let is_beyond = |link: usize| links.binary_search(&link).is_ok();
     for contact in point.contacts.iter().filter(|c| is_beyond(c.link)) {
-        let f = contact.force(&velocity_at(&kin.V[contact.body], &contact.x));
+        let f = contact.force(&contact.velocity(&kin.V));
         add(&contact.x, &f, -1.0);
     }
     for turn in &point.turns {

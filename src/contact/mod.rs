@@ -1,5 +1,7 @@
 //! Contact: where shapes meet the ground, and the law of the force there.
 
+#![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
+
 mod detect;
 mod law;
 mod turn;
@@ -9,7 +11,8 @@ pub use law::{Response, dissipation_number};
 pub(crate) use law::{clip, stribeck};
 pub use turn::{Turn, angular, find_turns};
 
-use crate::spatial::Vec3;
+use crate::spatial::{Vec3, Vec6, velocity_at};
+use std::iter::Peekable;
 
 /// A contact point of a step: what was found at its start, constant while the step is solved.
 #[derive(Clone, Copy, Debug, Default)]
@@ -42,6 +45,33 @@ pub struct Contact {
     pub tangential_damping: f64,
     /// Elastic displacement at the start, in the tangent plane, world axes, m.
     pub displacement: Vec3,
+}
+
+impl Contact {
+    /// Velocity of the point on its body, m/s, world axes, where `V` are those of all bodies.
+    #[inline]
+    pub fn velocity(&self, V: &[Vec6]) -> Vec3 {
+        velocity_at(&V[self.body], &self.x)
+    }
+
+    /// Its part along the normal, m/s, positive apart.
+    #[inline]
+    pub fn normal_velocity(&self, V: &[Vec6]) -> f64 {
+        self.normal.dot(&self.velocity(V))
+    }
+}
+
+/// The item of `slot` in a list by ascending slots; those before it are left behind.
+///
+/// - `slot_of`: an item's slot
+#[inline]
+pub(crate) fn seek<I: Iterator>(
+    list: &mut Peekable<I>,
+    slot: usize,
+    slot_of: impl Fn(&I::Item) -> usize,
+) -> Option<I::Item> {
+    while list.next_if(|item| slot_of(item) < slot).is_some() {}
+    list.next_if(|item| slot_of(item) == slot)
 }
 
 /// Length of `x` along the unit vector `normal`, and what is left of it.

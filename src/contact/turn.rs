@@ -9,9 +9,9 @@
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
 use super::law::{Response, clip, slide};
-use super::{Contact, normal_part};
+use super::{Contact, normal_part, seek};
 use crate::kinematics::Kinematics;
-use crate::spatial::{Vec3, Vec6, velocity_at};
+use crate::spatial::{Vec3, Vec6};
 use crate::state::Touch;
 use crate::tree::Tree;
 
@@ -63,10 +63,7 @@ pub fn find_turns(
         let share = contact.stiffness / turning.stiffness;
         let load = contact.stiffness * turning.penetration;
         let stiffness = turning.coefficient.map(|c| c * load / BREAKAWAY);
-        while touches.next_if(|t| t.slot < contact.slot).is_some() {}
-        let stored = touches
-            .next_if(|t| t.slot == contact.slot)
-            .map_or([0.0; 3], |t| t.turn);
+        let stored = seek(&mut touches, contact.slot, |t| t.slot).map_or([0.0; 3], |t| t.turn);
         let mut turn = Turn {
             contact: index,
             body: contact.body,
@@ -78,10 +75,7 @@ pub fn find_turns(
             damping: stiffness.map(|k| 2.0 * (k * turning.inertia * share).sqrt()),
             displacement: stored.into(),
         };
-        let vn = contact
-            .normal
-            .dot(&velocity_at(&kin.V[contact.body], &contact.x));
-        turn.carry(contact.normal_force(vn));
+        turn.carry(contact.normal_force(contact.normal_velocity(&kin.V)));
         turns.push(turn);
     }
 }

@@ -15,7 +15,8 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
-use crate::spatial::{Vec3, velocity_at};
+use crate::contact::{Contact, Response, seek};
+use crate::spatial::Vec3;
 use crate::step::convex::Newton;
 use crate::step::point::Point;
 
@@ -71,10 +72,8 @@ impl Cones {
         self.loads.clear();
         self.excess.clear();
         for (contact, response) in start.contacts.iter().zip(&solved.responses) {
-            let V = &start.kin.V[contact.body];
-            let vn = contact.normal.dot(&velocity_at(V, &contact.x));
-            let begin = contact.normal_force(vn);
-            let end = contact.normal.dot(&response.impulse) / h;
+            let begin = contact.normal_force(contact.normal_velocity(&start.kin.V));
+            let end = found(contact, response, h);
             self.loads.push([begin, end]);
             self.excess.push(end - begin);
         }
@@ -82,13 +81,11 @@ impl Cones {
 
     /// Takes what the last two solves, over `h` seconds, say together.
     pub(super) fn improve(&mut self, start: &Point, solved: &Newton, h: f64) {
-        let found = |place: usize| {
-            let (contact, response) = (&start.contacts[place], &solved.responses[place]);
-            contact.normal.dot(&response.impulse) / h
-        };
+        let solutions = || start.contacts.iter().zip(&solved.responses);
         let (mut along, mut squared) = (0.0, 0.0);
-        for (place, ([_, taken], before)) in self.loads.iter().zip(&self.excess).enumerate() {
-            let excess = found(place) - taken;
+        let rows = self.loads.iter().zip(&self.excess).zip(solutions());
+        for (([_, taken], before), (contact, response)) in rows {
+            let excess = found(contact, response, h) - taken;
             along += excess * (excess - before);
             squared += (excess - before) * (excess - before);
         }
@@ -99,8 +96,8 @@ impl Cones {
             0.0
         };
         let rows = self.loads.iter_mut().zip(&mut self.excess);
-        for (place, ([_, taken], excess)) in rows.enumerate() {
-            let found = found(place);
+        for (([_, taken], excess), (contact, response)) in rows.zip(solutions()) {
+            let found = found(contact, response, h);
             let before = *taken;
             *excess = found - before;
             *taken = found + share * (before - found);
@@ -124,15 +121,18 @@ impl Cones {
         let mut known = start.contacts.iter().zip(&self.loads).peekable();
         let mut turns = middle.turns.iter_mut().peekable();
         for (place, contact) in middle.contacts.iter_mut().enumerate() {
-            while known.next_if(|(c, _)| c.slot < contact.slot).is_some() {}
-            let Some((_, [_, end])) = known.next_if(|(c, _)| c.slot == contact.slot) else {
+            let Some((_, [_, end])) = seek(&mut known, contact.slot, |(c, _)| c.slot) else {
                 continue;
             };
             contact.cap = contact.mu * end;
-            while turns.next_if(|t| t.contact < place).is_some() {}
-            if let Some(turn) = turns.next_if(|t| t.contact == place) {
+            if let Some(turn) = seek(&mut turns, place, |t| t.contact) {
                 turn.carry(*end);
             }
         }
     }
+}
+
+/// Normal force that a solve over `h` seconds has found, N.
+fn found(contact: &Contact, response: &Response, h: f64) -> f64 {
+    contact.normal.dot(&response.impulse) / h
 }

@@ -9,7 +9,6 @@
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
 use crate::model::Model;
-use crate::spatial::velocity_at;
 use crate::state::State;
 use crate::step::cones::Cones;
 use crate::step::convex::Newton;
@@ -340,8 +339,7 @@ impl Stepper {
         let mut capped = h;
         for contact in &self.start.contacts {
             if contact.gap > 0.0 {
-                let V = &self.start.kin.V[contact.body];
-                let approach = -contact.normal.dot(&velocity_at(V, &contact.x));
+                let approach = -contact.normal_velocity(&self.start.kin.V);
                 let time = contact.gap / approach;
                 if approach > 0.0 && time < capped && time > MIN_STEP {
                     capped = time;

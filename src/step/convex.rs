@@ -19,7 +19,7 @@ use crate::actuator::{JointResponse, JointTerm};
 use crate::contact::{Contact, Response, Turn, angular};
 use crate::dynamics::crba::add_row;
 use crate::kinematics::{Kinematics, forward};
-use crate::spatial::{Vec3, Vec6, add_force_at, add6, dot6, multiply_lower, velocity_at};
+use crate::spatial::{Vec3, Vec6, add_force_at, add6, dot6, multiply_lower};
 use crate::tree::{Move, Tree};
 
 /// Newton iterations after which a solve gives up; random contact problems need up to 26.
@@ -127,10 +127,7 @@ impl Newton {
         self.v.copy_from_slice(v0);
         self.momentum.copy_from_slice(&p.kin.momentum);
         self.point_velocity.clear();
-        let points = p
-            .contacts
-            .iter()
-            .map(|c| velocity_at(&p.kin.V[c.body], &c.x));
+        let points = p.contacts.iter().map(|c| c.velocity(&p.kin.V));
         self.point_velocity.extend(points);
         self.turn_velocity.clear();
         let turns = p.turns.iter().map(|t| angular(&p.kin.V[t.body]));
@@ -149,7 +146,7 @@ impl Newton {
         self.point_velocity.clear();
         let points = p.contacts.iter().zip(&other.point_velocity);
         self.point_velocity
-            .extend(points.map(|(c, v)| (velocity_at(&p.kin.V[c.body], &c.x) + v) * 0.5));
+            .extend(points.map(|(c, v)| (c.velocity(&p.kin.V) + v) * 0.5));
         self.turn_velocity.clear();
         let turns = p.turns.iter().zip(&other.turn_velocity);
         self.turn_velocity
@@ -164,10 +161,7 @@ impl Newton {
             forward(p.tree, &p.kin.S, v, &mut self.V);
         }
         self.point_velocity.clear();
-        let points = p
-            .contacts
-            .iter()
-            .map(|c| velocity_at(&self.V[c.body], &c.x));
+        let points = p.contacts.iter().map(|c| c.velocity(&self.V));
         self.point_velocity.extend(points);
         self.turn_velocity.clear();
         let turns = p.turns.iter().map(|t| angular(&self.V[t.body]));
@@ -438,10 +432,7 @@ impl Newton {
         self.point_direction.clear();
         if !p.contacts.is_empty() {
             forward(tree, &kin.S, &self.direction, &mut self.V);
-            let velocities = p
-                .contacts
-                .iter()
-                .map(|c| velocity_at(&self.V[c.body], &c.x));
+            let velocities = p.contacts.iter().map(|c| c.velocity(&self.V));
             self.point_direction.extend(velocities);
         }
         self.turn_direction.clear();

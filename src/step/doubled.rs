@@ -3,7 +3,7 @@
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
 use crate::actuator::Drive;
-use crate::contact::{Contact, is_clear};
+use crate::contact::{Contact, clip, is_clear, seek};
 use crate::kinematics::{advance, difference};
 use crate::spatial::Vec3;
 use crate::state::{State, Touch};
@@ -277,24 +277,15 @@ impl Stepper {
         let mut middle = self.middle.contacts.iter().peekable();
         self.extrapolate_turns(state, h);
         for touch in &mut state.touches {
-            while full
-                .next_if(|(contact, _)| contact.slot < touch.slot)
-                .is_some()
-            {}
-            while middle
-                .next_if(|contact| contact.slot < touch.slot)
-                .is_some()
-            {}
-            let before = full
-                .next_if(|(contact, _)| contact.slot == touch.slot)
+            let before = seek(&mut full, touch.slot, |(contact, _)| contact.slot)
                 .map_or(Vec3::zeros(), |(contact, v)| {
                     contact.next_displacement(v, h)
                 });
-            let limit = middle
-                .next_if(|contact| contact.slot == touch.slot && contact.cap > 0.0)
+            let limit = seek(&mut middle, touch.slot, |contact| contact.slot)
+                .filter(|contact| contact.cap > 0.0)
                 .map_or(0.0, |contact| contact.cap / contact.tangential_stiffness);
             let extrapolated = Vec3::from(touch.displacement) * 2.0 - before;
-            touch.displacement = crate::contact::clip(extrapolated, limit).into();
+            touch.displacement = clip(extrapolated, limit).into();
         }
         let terms = self
             .start
@@ -330,12 +321,9 @@ impl Stepper {
             .peekable();
         let mut touches = state.touches.iter_mut().peekable();
         for turn in &self.middle.turns {
-            while full.next_if(|(t, _)| t.slot < turn.slot).is_some() {}
-            while touches.next_if(|t| t.slot < turn.slot).is_some() {}
-            let before = full
-                .next_if(|(t, _)| t.slot == turn.slot)
+            let before = seek(&mut full, turn.slot, |(t, _)| t.slot)
                 .map_or(Vec3::zeros(), |(t, w)| t.next_displacement(w, h));
-            if let Some(touch) = touches.next_if(|t| t.slot == turn.slot) {
+            if let Some(touch) = seek(&mut touches, turn.slot, |t| t.slot) {
                 let extrapolated = Vec3::from(touch.turn) * 2.0 - before;
                 touch.turn = turn.clipped(&extrapolated).into();
             }

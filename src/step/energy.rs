@@ -10,7 +10,7 @@ use crate::contact::{Contact, detect};
 use crate::dynamics::energy::{kinetic, potential};
 use crate::dynamics::rnea::about_origin;
 use crate::kinematics::forward;
-use crate::spatial::{Vec3, angular, dot6, linear, velocity_at};
+use crate::spatial::{Vec3, angular, dot6, linear};
 use crate::state::State;
 use crate::step::control::Stepper;
 use crate::step::convex::Newton;
@@ -89,9 +89,7 @@ impl Stepper {
         }
         for (contact, v) in contacts.iter().zip(&self.second.point_velocity) {
             let depth = -contact.gap - 0.5 * h * contact.normal.dot(v);
-            let more = -contact
-                .normal
-                .dot(&velocity_at(&way[contact.body], &contact.x));
+            let more = -contact.normal_velocity(way);
             rise += risen(contact.stiffness, depth, more);
         }
         for term in &self.middle.joints.terms {

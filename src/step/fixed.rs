@@ -2,11 +2,10 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
-use crate::contact::detect;
+use crate::contact::{detect, seek};
 use crate::dynamics::{crba, rnea};
 use crate::kinematics::{advance, forward};
 use crate::simulation::SHORTEST_FIXED_STEP;
-use crate::spatial::velocity_at;
 use crate::state::State;
 use crate::step::control::{NotFinite, Stepper, count};
 use crate::step::energy::{GAIN, work};
@@ -65,8 +64,7 @@ impl Stepper {
     /// over in less than a fixed step, which would swallow it: it is taken under error control.
     fn bounces(&self, h: f64) -> bool {
         self.start.contacts.iter().any(|contact| {
-            let V = &self.start.kin.V[contact.body];
-            let approach = -contact.normal.dot(&velocity_at(V, &contact.x));
+            let approach = -contact.normal_velocity(&self.start.kin.V);
             contact.touchdown > 0.0 && contact.gap < (approach * h).max(f64::MIN_POSITIVE)
         })
     }
@@ -179,9 +177,10 @@ impl Stepper {
         if !self.full.v.iter().all(|v| v.is_finite()) {
             return if watched { Ok(false) } else { Err(NotFinite) };
         }
-        let work = work(ctx, &self.start, &self.full, h);
+        let work = books.map(|_| work(ctx, &self.start, &self.full, h));
         self.accept_single(ctx, state, h);
-        if books.is_some_and(|books| self.gains(ctx, &books, state, h, work)) {
+        let gains = books.zip(work);
+        if gains.is_some_and(|(books, work)| self.gains(ctx, &books, state, h, work)) {
             let rejected = state.counters[1] + 1;
             state.copy_from(&self.half);
             state.counters[1] = rejected;
@@ -220,13 +219,10 @@ impl Stepper {
         );
         let mut found = found.iter().peekable();
         for contact in &mut self.start.contacts {
-            while found.next_if(|f| f.slot < contact.slot).is_some() {}
-            let Some(f) = found.next_if(|f| f.slot == contact.slot) else {
-                continue;
-            };
-            let vn = f.normal.dot(&velocity_at(&kin.V[f.body], &f.x));
-            contact.x = f.x;
-            contact.gap = f.gap - 0.5 * h * vn;
+            if let Some(f) = seek(&mut found, contact.slot, |f| f.slot) {
+                contact.x = f.x;
+                contact.gap = f.gap - 0.5 * h * f.normal_velocity(&kin.V);
+            }
         }
     }
 }

@@ -415,7 +415,9 @@ impl Explicit {
         let Context { tree, inputs, .. } = system.ctx;
         let acceleration = &mut self.v_rate[stage];
         self.effort.fill(0.0);
-        self.armature.copy_from_slice(&tree.armature);
+        if tree.long {
+            self.armature.copy_from_slice(&tree.armature);
+        }
         for term in system.joints {
             let v = v[term.dof];
             let effort = match (term.drive, term.actuator) {
@@ -428,7 +430,9 @@ impl Explicit {
             };
             let resistance = term.damping * self.damped[term.dof];
             self.effort[term.dof] += term.line.cut((effort, 0.0), v).0 - resistance;
-            self.armature[term.dof] += own * term.damping;
+            if tree.long {
+                self.armature[term.dof] += own * term.damping;
+            }
         }
         if tree.long {
             self.articulated.accelerations_with(
