@@ -224,14 +224,18 @@ impl Finder<'_> {
         let along = n.dot(&axis);
         let rise = ((along.abs() - FADE.0) / (FADE.1 - FADE.0)).clamp(0.0, 1.0);
         let standing = rise * rise * (3.0 - 2.0 * rise);
+        // How fast the share of the rims rises with the axis: to the side of its tilt.
+        let steepness = 6.0 * rise * (1.0 - rise) / (FADE.1 - FADE.0);
+        let rising = (axis - n * along) * (-0.5 * steepness.copysign(along));
         if standing < 1.0 {
             let across = n - axis * along;
             let down = across * (radius / across.norm());
             let end = axis * half_length;
             let line = 1.0 - standing;
-            self.add(collider, V, center + end - down, line / 3.0, slot);
-            self.add(collider, V, center - end - down, line / 3.0, slot + 1);
-            self.add(collider, V, center - down, line * 4.0 / 3.0, slot + 2);
+            let lean = rising * (-1.0 / line);
+            self.add_leaning(collider, V, center + end - down, line / 3.0, lean, slot);
+            self.add_leaning(collider, V, center - end - down, line / 3.0, lean, slot + 1);
+            self.add_leaning(collider, V, center - down, line * 4.0 / 3.0, lean, slot + 2);
         }
         if standing > 0.0 {
             let R = X_OB.R * collider.X.R;
@@ -241,7 +245,8 @@ impl Finder<'_> {
                 let spokes = [x, y, -x, -y];
                 for (k, spoke) in spokes.iter().enumerate() {
                     let point = center + end + spoke;
-                    self.add(collider, V, point, standing, slot + 3 + 4 * rim + k);
+                    let lean = rising / standing;
+                    self.add_leaning(collider, V, point, standing, lean, slot + 3 + 4 * rim + k);
                 }
             }
         }
@@ -250,6 +255,23 @@ impl Finder<'_> {
     /// Takes the point at `x` (from O) into the list if it can touch within the step; `share` weights its stiffness.
     #[inline]
     fn add(&mut self, collider: &TreeCollider, V: &Vec6, x: Vec3, share: f64, slot: usize) {
+        self.add_leaning(collider, V, x, share, Vec3::zeros(), slot);
+    }
+
+    /// The same for a point whose share changes with the tilt. A spring `½ w k d²` of depth `d` and share `w` does work on
+    /// what changes `w`, too: its force acts `d ∂w/∂θ / 2w` beside the point, where the velocity is that of `√w d`.
+    ///
+    /// - `lean`: how far beside it, per metre of depth
+    #[inline]
+    fn add_leaning(
+        &mut self,
+        collider: &TreeCollider,
+        V: &Vec6,
+        x: Vec3,
+        share: f64,
+        lean: Vec3,
+        slot: usize,
+    ) {
         let normal = self.plane.normal;
         let gap = self.height + normal.dot(&x);
         let v = velocity_at(V, &x);
@@ -262,7 +284,7 @@ impl Finder<'_> {
             body: collider.body,
             link: collider.link,
             slot,
-            x,
+            x: x + lean * (-gap).max(0.0),
             normal,
             gap,
             stiffness,

@@ -80,3 +80,6 @@ fn normal_part(normal: &Vec3, x: &Vec3) -> (f64, Vec3) {
     let along = normal.dot(x);
     (along, x - normal * along)
 }
+
+#[cfg(test)]
+mod tests;

@@ -155,20 +155,21 @@ pub fn contacts(s: &Simulation) -> Vec<Contact> {
     let mut list = Vec::new();
     let touches = &s.state().touches;
     let limit = f64::INFINITY;
-    detect(s.model(), s.tree(), touches, &kin, 0.0, limit, &mut list);
+    detect(s.model(), s.tree(), touches, &kin, H, limit, &mut list);
     list
 }
 
 /// What the contacts, limits and dry friction of a state hold elastically, J: normal forces and limits ½ k x², and
-/// friction at most `F̄²/2k_t` each.
+/// friction at most `F̄²/2k_t` each. An impact within a step can have stored more than the normal force at its end allows:
+/// then what is stored counts.
 pub fn stored(s: &Simulation) -> [f64; 2] {
     let (mut springs, mut friction) = (0.0, 0.0);
     for contact in contacts(s) {
         let depth = (-contact.gap).max(0.0);
         springs += 0.5 * contact.stiffness * depth * depth;
-        if contact.cap > 0.0 {
-            friction += 0.5 * contact.cap * contact.cap / contact.tangential_stiffness;
-        }
+        let most = contact.cap / contact.tangential_stiffness;
+        let displacement = most.max(contact.displacement.norm());
+        friction += 0.5 * contact.tangential_stiffness * displacement * displacement;
     }
     let tree = s.tree();
     for (dof, limits) in tree.limits.iter().enumerate() {
