@@ -60,6 +60,7 @@ pub mod kinematics;
 pub mod model;
 pub mod parameters;
 pub mod prepared;
+pub mod range;
 mod readout;
 mod sensor;
 #[cfg(feature = "urdf")]

@@ -4,47 +4,8 @@
 //! [`crate::inputs`].
 
 use crate::model::Model;
-use crate::simulation::{ParameterSlot, SHORTEST_FIXED_STEP};
-
-/// What a parameter's value may be; finite in any case.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Range {
-    /// Anything.
-    Any,
-    /// 0 or more.
-    NotNegative,
-    /// Above 0.
-    Positive,
-    /// From 0 to 1.
-    Share,
-    /// A fixed step, or 0 for error control.
-    Step,
-}
-
-impl Range {
-    /// Whether `value` is in it.
-    pub(crate) fn contains(self, value: f64) -> bool {
-        value.is_finite()
-            && match self {
-                Self::Any => true,
-                Self::NotNegative => value >= 0.0,
-                Self::Positive => value > 0.0,
-                Self::Share => (0.0..=1.0).contains(&value),
-                Self::Step => value == 0.0 || value >= SHORTEST_FIXED_STEP,
-            }
-    }
-
-    /// What to say to who has set something else.
-    pub(crate) fn words(self) -> &'static str {
-        match self {
-            Self::Any => "a finite number",
-            Self::NotNegative => "0 or more",
-            Self::Positive => "above 0",
-            Self::Share => "between 0 and 1",
-            Self::Step => "0, or at least 1e-7 s",
-        }
-    }
-}
+use crate::range::Range;
+use crate::simulation::ParameterSlot;
 
 impl ParameterSlot {
     /// What its value may be.

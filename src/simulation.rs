@@ -11,7 +11,8 @@ pub use slots::{Axis, InputSlot, OutputSlot, ParameterSlot};
 use crate::dynamics::crba;
 use crate::inputs::Inputs;
 use crate::model::{JointId, Model};
-use crate::parameters::{Parameters, Range};
+use crate::parameters::Parameters;
+use crate::range::{Range, SHORTEST_FIXED_STEP};
 use crate::readout::Readout;
 use crate::spatial::{Vec3, quaternion_from_rotation, rotation_from_rpy};
 use crate::state::State;
@@ -88,10 +89,6 @@ macro_rules! context {
         }
     };
 }
-
-/// Shortest fixed step, s. A shorter one is a mistake, and would keep the host waiting for ever; what a model or a saved
-/// state asks for is raised to it.
-pub(crate) const SHORTEST_FIXED_STEP: f64 = 1e-7;
 
 /// Tolerance where neither the model nor the importer gives one.
 const DEFAULT_TOLERANCE: f64 = 1e-3;
@@ -273,7 +270,7 @@ impl Simulation {
         let range = if value.is_finite() { range } else { Range::Any };
         Err(SimulationError::Value {
             what: format!("parameter {slot:?}"),
-            expected: range.words(),
+            expected: range.expected(),
             value,
         })
     }

@@ -3,6 +3,8 @@
 //! A path names tables by dots; `*` stands for a name that the user chooses (a glob over joints or links),
 //! `[]` for the elements of an array of tables.
 
+use crate::range::Range;
+
 /// One key.
 #[derive(Clone, Copy, Debug)]
 pub struct Key {
@@ -43,43 +45,7 @@ pub enum Takes {
     Later,
 }
 
-/// Which numbers are legal.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Range {
-    /// Every finite one.
-    Any,
-    /// From 0 on.
-    NotNegative,
-    /// Above 0.
-    Positive,
-    /// From 0 to 1.
-    Share,
-}
-
-impl Range {
-    /// Whether `value` is legal.
-    pub fn contains(self, value: f64) -> bool {
-        value.is_finite()
-            && match self {
-                Self::Any => true,
-                Self::NotNegative => value >= 0.0,
-                Self::Positive => value > 0.0,
-                Self::Share => (0.0..=1.0).contains(&value),
-            }
-    }
-
-    /// What a legal number is.
-    pub fn expected(self) -> &'static str {
-        match self {
-            Self::Any => "a finite number",
-            Self::NotNegative => "a finite number that is not negative",
-            Self::Positive => "a finite number above 0",
-            Self::Share => "a number from 0 to 1",
-        }
-    }
-}
-
-use Range::{Any, NotNegative, Positive, Share};
+use Range::{Any, NotNegative, Positive, Share, Step};
 use Takes::{
     Count, Flag, Later, Name, Number, NumberOrRatio, Numbers, Pattern, Patterns, Word,
     WordOrPatterns,
@@ -139,9 +105,9 @@ pub const KEYS: &[Key] = &[
     ),
     key(
         "solver.step_size",
-        NumberOrRatio(NotNegative),
+        NumberOrRatio(Step),
         Some("0"),
-        "s; 0: error controlled",
+        "s; 0: error controlled, else at least 1e-7",
     ),
     key(
         "solver.tolerance",

@@ -4,6 +4,7 @@
 
 use super::Compat;
 use super::keys::{self, Key, Takes};
+use crate::range::Range;
 use crate::urdf::{Diagnostic, Place, Severity};
 use std::collections::BTreeMap;
 use std::ops;
@@ -351,7 +352,7 @@ impl<'a> Reader<'a> {
                 }
             },
             Takes::Count(most) => {
-                let number = self.number(name, keys::Range::Positive, false, value)?;
+                let number = self.number(name, Range::Positive, false, value)?;
                 if number.fract() == 0.0 && number <= f64::from(most) {
                     return Some(Value::Number(number));
                 }
@@ -437,7 +438,7 @@ impl<'a> Reader<'a> {
         };
         let numbers: Vec<_> = array
             .iter()
-            .filter_map(|element| self.number(name, keys::Range::Any, false, element))
+            .filter_map(|element| self.number(name, Range::Any, false, element))
             .collect();
         (numbers.len() == array.len()).then_some(Value::Numbers(numbers))
     }
@@ -445,7 +446,7 @@ impl<'a> Reader<'a> {
     fn number(
         &mut self,
         name: &str,
-        range: keys::Range,
+        range: Range,
         ratio: bool,
         value: &Spanned<DeValue>,
     ) -> Option<f64> {

@@ -265,6 +265,7 @@ fn numbers_outside_their_range_are_refused() {
         "solver.tolerance = 0",
         "solver.tolerance = -1e-3",
         "solver.step_size = -1",
+        "solver.step_size = 1e-8",
         "solver.step_size = \"1/0\"",
         "solver.step_size = \"fast\"",
         "robot.scale = 0",

@@ -5,7 +5,7 @@
 use crate::contact::{detect, seek};
 use crate::dynamics::{crba, rnea};
 use crate::kinematics::{advance, forward};
-use crate::simulation::SHORTEST_FIXED_STEP;
+use crate::range::SHORTEST_FIXED_STEP;
 use crate::state::State;
 use crate::step::control::{NotFinite, Stepper, count};
 use crate::step::energy::{GAIN, work};
