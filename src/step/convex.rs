@@ -24,12 +24,6 @@ use crate::tree::{Move, Tree};
 
 /// Newton iterations after which a solve gives up; random contact problems need up to 26.
 const MAX_ITERATIONS: usize = 50;
-/// Accuracy after the first iteration, relative to that of a guess that needs none: a guess that is taken as it is repeats
-/// its error in every step, while the rest that an iteration leaves is new each time and far below what the step's error
-/// estimate sees. Spares every fifth iteration.
-const ITERATED: f64 = 100.0;
-/// Coarsest accuracy that this leads to.
-const COARSEST: f64 = 1e-4;
 /// Share of the initial slope that a full step may leave uphill before the line search looks closer.
 const ACCEPTED_SLOPE: f64 = 0.1;
 /// Share of the initial slope at which the line search stops.
@@ -91,8 +85,11 @@ pub struct Problem<'a> {
     pub joints: &'a [JointTerm],
     /// s
     pub h: f64,
-    /// Relative accuracy of the impulses.
+    /// Relative accuracy of the impulses that a guess must have.
     pub accuracy: f64,
+    /// The same after an iteration. A guess that is taken as it is repeats its error in every step, while the rest that an
+    /// iteration leaves is new each time and far below what the step's error estimate sees: it may be coarser.
+    pub iterated: f64,
 }
 
 impl Newton {
@@ -208,7 +205,7 @@ impl Newton {
             let accuracy = if iterations == 0 {
                 p.accuracy
             } else {
-                p.accuracy.max((ITERATED * p.accuracy).min(COARSEST))
+                p.iterated
             };
             if finite && norm <= (accuracy * accuracy * scale).max(floor) {
                 return Outcome {

@@ -8,15 +8,16 @@ use crate::kinematics::{advance, forward};
 use crate::range::SHORTEST_FIXED_STEP;
 use crate::state::State;
 use crate::step::control::{NotFinite, Stepper, count};
+use crate::step::convex::Problem;
 use crate::step::energy::{GAIN, work};
-use crate::step::point::Context;
-use crate::tree::Move;
+use crate::step::point::{Context, Point};
+use crate::tree::{Move, Tree};
 
 /// Error of one solve by itself, relative to the tolerance and to the square of the step, s⁻², up to which the second is left
 /// out: like the error it falls with the square of the step, so that short steps converge as before. 0.004 at 1/240 s.
 const CALM: f64 = 240.0;
-/// Relative accuracy of the impulses in fixed-step mode.
-const FIXED_ACCURACY: f64 = 1e-8;
+/// Relative accuracy of the impulses in fixed-step mode: of a guess, and after an iteration.
+const FIXED_ACCURACY: [f64; 2] = [1e-8, 1e-4];
 /// Angle, rad, that a limb may turn in a step: one that whirls faster has the step taken in parts. A step takes mass matrix
 /// and lever arms as they are at its start, and a radian on they are others: such limbs gained energy without bound.
 const WHIRL: f64 = 0.2;
@@ -45,7 +46,7 @@ impl Stepper {
         while done < count {
             let ctx = &ctx.after(done * h);
             self.start.update(ctx, state, h);
-            if self.rest(ctx, state, h, span - done * h, FIXED_ACCURACY) {
+            if self.rest(ctx, state, h, span - done * h, FIXED_ACCURACY[0]) {
                 return Ok(());
             }
             if self.bounces(h) {
@@ -129,7 +130,7 @@ impl Stepper {
     ) -> Result<bool, NotFinite> {
         let tree = ctx.tree;
         self.start.expect_commands(ctx, state, h);
-        let problem = self.start.problem(tree, h, FIXED_ACCURACY);
+        let problem = fixed_problem(&self.start, tree, h);
         self.full.guess_start(&problem, &state.v);
         let outcome = self.full.solve(&problem);
         count(state, outcome.iterations);
@@ -165,7 +166,7 @@ impl Stepper {
         forward(tree, &self.start.kin.S, &self.guess, &mut self.start.kin.V);
         let (wrenches, middle) = (&ctx.inputs.wrenches, ctx.elapsed + 0.5 * h);
         rnea::bias(tree, &mut self.start.kin, &self.guess, wrenches, middle);
-        let problem = self.start.problem(tree, h, FIXED_ACCURACY);
+        let problem = fixed_problem(&self.start, tree, h);
         if turning {
             self.full.guess(&problem, &self.difference);
         }
@@ -224,6 +225,15 @@ impl Stepper {
                 contact.gap = f.gap - 0.5 * h * f.normal_velocity(&kin.V);
             }
         }
+    }
+}
+
+/// What is solved for a step of `h` seconds from `start`.
+fn fixed_problem<'a>(start: &'a Point, tree: &'a Tree, h: f64) -> Problem<'a> {
+    let [accuracy, iterated] = FIXED_ACCURACY;
+    Problem {
+        iterated,
+        ..start.problem(tree, h, accuracy)
     }
 }
 

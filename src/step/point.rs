@@ -13,6 +13,11 @@ use crate::state::State;
 use crate::step::convex::Problem;
 use crate::tree::Tree;
 
+/// Accuracy of impulses after an iteration, relative to that of a guess that needs none.
+const ITERATED: f64 = 1000.0;
+/// Coarsest accuracy that this leads to.
+const COARSEST: f64 = 1e-3;
+
 /// What a step needs and does not change.
 #[derive(Clone, Copy, Debug)]
 pub struct Context<'a> {
@@ -166,6 +171,7 @@ impl Point {
             joints: &self.joints.terms,
             h,
             accuracy,
+            iterated: accuracy.max((ITERATED * accuracy).min(COARSEST)),
         }
     }
 }

@@ -101,6 +101,7 @@ impl Case {
             joints: &self.joints,
             h: self.h,
             accuracy: 1e-10,
+            iterated: 1e-8,
         }
     }
 
