@@ -3,7 +3,7 @@
 //! What follows from the parameters (inertias, stiffness) is in [`crate::tree`]; what the robot is commanded, in
 //! [`crate::inputs`].
 
-use crate::model::Model;
+use crate::model::{ActuatorId, JointId, LinkId, Model};
 use crate::range::Range;
 use crate::simulation::ParameterSlot;
 
@@ -98,20 +98,33 @@ impl Parameters {
     /// Whether `values` are what the parameters, with the model's defaults now, may be set to. A default may lie outside of its
     /// range: a link without mass is one, but nobody can take a link's mass away.
     pub(crate) fn allow(&self, values: &[f64]) -> bool {
+        use ParameterSlot as P;
+        let (actuator, joint, link) = (ActuatorId::from(0), JointId::from(0), LinkId::from(0));
+        // One of each kind stands for all of them.
         let lists = [
-            (2 * self.actuators + 2 * self.joints, Range::NotNegative),
-            (2 * self.joints, Range::Any),
-            (self.links, Range::NotNegative),
-            (self.links, Range::Positive),
-            (15, Range::Any),
-            (1, Range::NotNegative),
-            (1, Range::Share),
-            (1, Range::Step),
-            (1, Range::NotNegative),
+            (self.actuators, P::Kp(actuator)),
+            (self.actuators, P::Kd(actuator)),
+            (self.joints, P::JointDamping(joint)),
+            (self.joints, P::JointFriction(joint)),
+            (self.joints, P::InitialJointPosition(joint)),
+            (self.joints, P::InitialJointVelocity(joint)),
+            (self.links, P::LinkFriction(link)),
+            (self.links, P::LinkMass(link)),
+            (3, P::Gravity(0)),
+            (3, P::InitialBasePosition(0)),
+            (3, P::InitialBaseRpy(0)),
+            (3, P::InitialBaseLinearVelocity(0)),
+            (3, P::InitialBaseAngularVelocity(0)),
+            (1, P::GroundFriction),
+            (1, P::GroundRestitution),
+            (1, P::StepSize),
+            (1, P::Tolerance),
         ];
+        let all: usize = lists.iter().map(|(count, _)| count).sum();
+        debug_assert_eq!(all, self.values.len());
         let ranges = lists
             .into_iter()
-            .flat_map(|(count, range)| std::iter::repeat_n(range, count));
+            .flat_map(|(count, slot)| std::iter::repeat_n(slot.range(), count));
         ranges
             .zip(values.iter().zip(&self.values))
             .all(|(range, (value, default))| {

@@ -240,12 +240,12 @@ impl Finder<'_> {
         if standing > 0.0 {
             let R = X_OB.R * collider.X.R;
             let (x, y) = (R.column(0) * radius, R.column(1) * radius);
+            let lean = rising / standing;
             let rims = [axis * half_length, axis * -half_length];
             for (rim, end) in rims.iter().enumerate() {
                 let spokes = [x, y, -x, -y];
                 for (k, spoke) in spokes.iter().enumerate() {
                     let point = center + end + spoke;
-                    let lean = rising / standing;
                     self.add_leaning(collider, V, point, standing, lean, slot + 3 + 4 * rim + k);
                 }
             }

@@ -5,8 +5,7 @@ use crate::geometry::Shape;
 use crate::kinematics::{Kinematics, advance};
 use crate::simulation::Simulation;
 use crate::spatial::Pose;
-use crate::testing::{Builder, inertia};
-use std::sync::Arc;
+use crate::testing::{Builder, inertia, start};
 
 /// Energy that the springs of all points hold, J, and the force on the body about its origin (moment, force).
 fn springs(s: &Simulation, q: &[f64]) -> (f64, Vec6) {
@@ -48,8 +47,7 @@ fn the_springs_of_a_cylinder_do_what_their_energy_says_at_every_tilt() {
     b.shape(0usize.into(), shape, Pose::IDENTITY);
     b.model.world.ground = Some(crate::model::Ground::default());
     b.model.contact.dissipation = 0.0;
-    let mut s = Simulation::new(Arc::new(b.model));
-    s.initialize(0.0).expect("a sound model");
+    let s = start(b.model, 1e-3);
     for tilt in [0.5_f64, 2.9, 3.1, 4.0, 5.0, 6.0, 7.9, 8.1, 20.0, 89.0] {
         let tilt = tilt.to_radians();
         let turned = tilt * 0.5;

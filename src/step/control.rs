@@ -100,18 +100,13 @@ impl Stepper {
     /// [`NotFinite`]; `state` is then what it was.
     pub fn advance(&mut self, ctx: &Context, state: &mut State, end: f64) -> Result<(), NotFinite> {
         self.backup.copy_from(state);
-        let controlled = ctx.fixed_step <= 0.0;
-        let flight = controlled.then(|| self.flight(ctx, state)).flatten();
         state.last_step = end - state.time;
         state.impulse.fill([0.0; 3]);
-        let result = if controlled {
-            self.advance_controlled(ctx, state, end, flight.is_some())
-        } else {
+        let result = if ctx.fixed_step > 0.0 {
             self.advance_fixed(ctx, state, end)
+        } else {
+            self.advance_controlled(ctx, state, end)
         };
-        if let (Ok(()), Some(flight)) = (result, &flight) {
-            self.keep_momentum(ctx, state, flight, state.last_step);
-        }
         if result.is_ok() && state.moves_finitely() {
             state.time = end;
             state.ahead.changed = 0.0;
@@ -125,14 +120,13 @@ impl Stepper {
         }
     }
 
-    /// Under error control up to `end`; `posed`: poses and velocities of `self.end` stand at `state`.
     fn advance_controlled(
         &mut self,
         ctx: &Context,
         state: &mut State,
         end: f64,
-        posed: bool,
     ) -> Result<(), NotFinite> {
+        let flight = self.flight(ctx, state);
         let mut way = Way::new(state.time, end, state.step[0]);
         way.jumped = state.ahead.changed != 0.0;
         if way.jumped {
@@ -140,8 +134,12 @@ impl Stepper {
             way.proposed = way.proposed.min(state.step[1]);
         }
         way.done = follow(ctx.tree, state, end);
-        way.posed = posed && way.done == 0.0;
-        self.walk(ctx, state, way)
+        way.posed = flight.is_some() && way.done == 0.0;
+        self.walk(ctx, state, way)?;
+        if let Some(flight) = &flight {
+            self.keep_momentum(ctx, state, flight, end - state.time);
+        }
+        Ok(())
     }
 
     /// Goes from `begin` to `end` under error control in the midst of fixed steps.
@@ -155,7 +153,7 @@ impl Stepper {
         // What error control takes may be as stiff as it is.
         let ctx = &Context {
             fixed_step: 0.0,
-            ..ctx.after(0.0)
+            ..*ctx
         };
         self.walk(ctx, state, Way::new(begin, end, state.step[0]))?;
         // The fixed steps go on from here.

@@ -27,10 +27,8 @@ pub(super) struct Flight {
     origin: Vec3,
     /// The centre of mass, from the base's origin, m.
     center: Vec3,
-    /// kg
-    mass: f64,
-    /// Inertia about the centre of mass, kg·m².
-    inertia: Mat3,
+    /// Of all bodies, about the base's origin.
+    inertia: SpatialInertia,
     /// Linear momentum, N·s.
     linear: Vec3,
     /// Angular momentum about the centre of mass, N·m·s.
@@ -44,21 +42,13 @@ impl Flight {
         for I in &kin.I {
             whole.add(I);
         }
-        let SpatialInertia {
-            mass,
-            moment,
-            rotational: [xx, yy, zz, xy, xz, yz],
-        } = whole;
-        let center = Vec3::from(moment) / mass;
-        let about_origin = Mat3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);
-        let lever = center.cross_matrix();
+        let center = Vec3::from(whole.moment) / whole.mass;
         let momentum = momentum(kin);
         let linear = linear(&momentum);
         Self {
             origin: kin.origin,
             center,
-            mass,
-            inertia: about_origin + lever * lever * mass,
+            inertia: whole,
             linear,
             angular: angular(&momentum) - center.cross(&linear),
         }
@@ -66,8 +56,12 @@ impl Flight {
 
     /// Angular velocity, rad/s, that gives the robot `angular` more angular momentum, N·m·s; none if it is thin.
     fn turn(&self, angular: &Vec3) -> Option<Vec3> {
-        let inverse = self.inertia.try_inverse()?;
-        let compact = 1.0 / (self.inertia.trace() * inverse.trace());
+        let [xx, yy, zz, xy, xz, yz] = self.inertia.rotational;
+        let about_origin = Mat3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);
+        let lever = self.center.cross_matrix();
+        let inertia = about_origin + lever * lever * self.inertia.mass;
+        let inverse = inertia.try_inverse()?;
+        let compact = 1.0 / (inertia.trace() * inverse.trace());
         (compact > THIN).then(|| inverse * angular)
     }
 }
@@ -99,14 +93,14 @@ impl Stepper {
         }
         self.end.pose(ctx, state);
         let now = Flight::of(&self.end.kin);
-        let gravity = ctx.tree.gravity;
-        let way = flight.linear * (h / flight.mass) + gravity * (0.5 * h * h);
+        let (mass, gravity) = (now.inertia.mass, ctx.tree.gravity);
+        let way = flight.linear * (h / mass) + gravity * (0.5 * h * h);
         // Differences first: far from the world's origin its digits are few.
         let moved = (flight.origin - now.origin) + (flight.center - now.center) + way;
-        let linear = flight.linear + gravity * (flight.mass * h) - now.linear;
+        let linear = flight.linear + gravity * (mass * h) - now.linear;
         let lost = flight.angular - now.angular;
         let turn = now.turn(&lost).unwrap_or_default();
-        let velocity = linear / now.mass - turn.cross(&now.center);
+        let velocity = linear / mass - turn.cross(&now.center);
         let finite = |v: &Vec3| v.iter().all(|x| x.is_finite());
         if finite(&moved) && finite(&turn) && finite(&velocity) {
             for i in 0..3 {
