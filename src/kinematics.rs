@@ -34,8 +34,6 @@ pub struct Kinematics {
     pub inverse_diagonal: Vec<f64>,
     /// `k(q, v)`: Coriolis, centrifugal and gravity terms, and what external wrenches take off them.
     pub bias: Vec<f64>,
-    /// `M v`.
-    pub momentum: Vec<f64>,
     /// Forces of the bodies; scratch of the bias.
     pub force: Vec<Vec6>,
     /// Bias accelerations of the bodies; scratch of the bias.
@@ -56,7 +54,6 @@ impl Kinematics {
             M: vec![0.0; tree.sparsity.entries()],
             inverse_diagonal: vec![1.0; nv],
             bias: vec![0.0; nv],
-            momentum: vec![0.0; nv],
             force: vec![[0.0; 6]; nb],
             C: vec![[0.0; 6]; nb],
         }

@@ -1,13 +1,14 @@
 //! The convex step: the velocity at the end of a step minimises
 //!
 //! ```text
-//! ℓ(v) = ½ vᵀ M v − rᵀ v + Σ ℓ_c(v_c),    r = M v0 − h k(q0, v0)
+//! ℓ(v) = ½ (v − v0)ᵀ M (v − v0) + h k(q0, v0)ᵀ v + Σ ℓ_c(v_c)
 //! ```
 //!
 //! over contacts, limits, friction and actuators `c`, each convex in its velocity `v_c` with impulse `γ = −∂ℓ_c/∂v_c`
 //! and stiffness `G = ∂²ℓ_c/∂v_c²`. Newton with a safeguarded line search converges from any guess:
 //!
-//! - gradient `g = M v − r − Jᵀγ`: impulses are summed up tip to base like forces, no Jacobian is formed;
+//! - gradient `g = M (v − v0) + h k − Jᵀγ`: impulses are summed up tip to base like forces, no Jacobian is formed. What is
+//!   kept is the change of momentum `M (v − v0)`, small like the impulses, not `M v`, whose digits they would be lost in;
 //! - Hessian `H = M + Jᵀ G J`: a contact's stiffness is a 6×6 matrix on its body, composed and projected like a
 //!   composite rigid body, so `H` has the sparsity of `M`.
 //!
@@ -26,6 +27,8 @@ use crate::tree::{Move, Tree};
 const MAX_ITERATIONS: usize = 50;
 /// Share of the initial slope that a full step may leave uphill before the line search looks closer.
 const ACCEPTED_SLOPE: f64 = 0.1;
+/// Relative round-off of a sum of a few terms.
+const ROUND_OFF: f64 = 8.0 * f64::EPSILON;
 /// Share of the initial slope at which the line search stops.
 const LINE_SEARCH_TOLERANCE: f64 = 1e-3;
 
@@ -49,9 +52,10 @@ pub struct Newton {
     pub point_velocity: Vec<Vec3>,
     /// Angular velocity of each contact that resists turning at the solution, rad/s.
     pub turn_velocity: Vec<Vec3>,
-    /// `M v` at the solution.
-    pub(super) momentum: Vec<f64>,
-    r: Vec<f64>,
+    /// Change of momentum `M (v − v0)` at the solution.
+    pub(super) change: Vec<f64>,
+    /// The same at the guess.
+    pub(super) guessed_change: Vec<f64>,
     gradient: Vec<f64>,
     direction: Vec<f64>,
     direction_momentum: Vec<f64>,
@@ -73,7 +77,7 @@ pub struct Newton {
 pub struct Problem<'a> {
     /// The robot.
     pub tree: &'a Tree,
-    /// Mass matrix, momentum `M v0`, joint motions at the start of the step.
+    /// Mass matrix, joint motions, velocities at the start of the step.
     pub kin: &'a Kinematics,
     /// `k`: at the start of the step, or at its middle.
     pub bias: &'a [f64],
@@ -101,8 +105,8 @@ impl Newton {
             responses: Vec::with_capacity(contacts),
             point_velocity: Vec::with_capacity(contacts),
             turn_velocity: Vec::with_capacity(contacts),
-            r: vec![0.0; nv],
-            momentum: vec![0.0; nv],
+            change: vec![0.0; nv],
+            guessed_change: vec![0.0; nv],
             gradient: vec![0.0; nv],
             direction: vec![0.0; nv],
             direction_momentum: vec![0.0; nv],
@@ -122,7 +126,8 @@ impl Newton {
     /// Takes the velocity at the start of the step as the guess.
     pub fn guess_start(&mut self, p: &Problem, v0: &[f64]) {
         self.v.copy_from_slice(v0);
-        self.momentum.copy_from_slice(&p.kin.momentum);
+        self.change.fill(0.0);
+        self.guessed_change.fill(0.0);
         self.point_velocity.clear();
         let points = p.contacts.iter().map(|c| c.velocity(&p.kin.V));
         self.point_velocity.extend(points);
@@ -136,10 +141,10 @@ impl Newton {
         for ((v, a), b) in self.v.iter_mut().zip(v0).zip(&other.v) {
             *v = 0.5 * (a + b);
         }
-        let momenta = p.kin.momentum.iter().zip(&other.momentum);
-        for (m, (a, b)) in self.momentum.iter_mut().zip(momenta) {
-            *m = 0.5 * (a + b);
+        for (m, other) in self.change.iter_mut().zip(&other.change) {
+            *m = 0.5 * other;
         }
+        self.guessed_change.copy_from_slice(&self.change);
         self.point_velocity.clear();
         let points = p.contacts.iter().zip(&other.point_velocity);
         self.point_velocity
@@ -150,10 +155,15 @@ impl Newton {
             .extend(turns.map(|(t, w)| (angular(&p.kin.V[t.body]) + w) * 0.5));
     }
 
-    /// Takes any velocity as the guess.
-    pub fn guess(&mut self, p: &Problem, v: &[f64]) {
+    /// Takes any velocity `v` as the guess, of a step that starts with `v0`.
+    pub fn guess(&mut self, p: &Problem, v0: &[f64], v: &[f64]) {
+        for ((change, v), v0) in self.v.iter_mut().zip(v).zip(v0) {
+            *change = v - v0;
+        }
+        let pattern = &p.tree.sparsity;
+        pattern.multiply(&p.kin.M, &self.v, &mut self.change);
+        self.guessed_change.copy_from_slice(&self.change);
         self.v.copy_from_slice(v);
-        p.tree.sparsity.multiply(&p.kin.M, v, &mut self.momentum);
         if !p.contacts.is_empty() {
             forward(p.tree, &p.kin.S, v, &mut self.V);
         }
@@ -170,44 +180,28 @@ impl Newton {
         let Problem { tree, kin, h, .. } = *p;
         self.mark_loaded(tree, p.contacts);
         let D2 = &kin.inverse_diagonal;
-        let (mut bias_scale, mut momentum_scale) = (0.0, 0.0);
-        let rows = kin.momentum.iter().zip(p.bias).zip(D2);
-        for (r, ((momentum, bias), d)) in self.r.iter_mut().zip(rows) {
-            *r = momentum - h * bias;
-            bias_scale += d * bias * bias;
-            momentum_scale += d * momentum * momentum;
-        }
-        // Impulses set the scale, and round-off of the momentum its floor: else free fall would stop
-        // accelerating in small steps.
-        let bias_scale = h * h * bias_scale;
-        let round_off = (8.0 * f64::EPSILON) * (8.0 * f64::EPSILON);
-        let lightest = D2.iter().fold(0.0, |m: f64, d| m.max(*d));
-        let lever = 1.0 + tree.reach;
+        // Impulses set the scale: else free fall would stop accelerating in small steps.
+        let bias_scale = h * h * scaled_square(p.bias, D2);
+        let mut round_off = None;
         self.respond(p);
         let mut iterations = 0;
         loop {
             let impulse_scale = self.collect(p);
-            let mut norm = 0.0;
-            for (g, d) in self.gradient.iter().zip(D2) {
-                norm += d * g * g;
-            }
+            let norm = scaled_square(&self.gradient, D2);
             let scale = bias_scale.max(impulse_scale);
-            // Contact impulses that cancel along every joint leave their round-off.
-            let cancelled: f64 = self
-                .responses
-                .iter()
-                .chain(&self.turn_responses)
-                .map(|r| r.impulse.norm_squared())
-                .sum();
-            let floor = round_off * (momentum_scale + lightest * lever * lever * cancelled);
-            // An infinite scale would call anything converged.
-            let finite = norm.is_finite() && scale.is_finite() && floor.is_finite();
             let accuracy = if iterations == 0 {
                 p.accuracy
             } else {
                 p.iterated
             };
-            if finite && norm <= (accuracy * accuracy * scale).max(floor) {
+            // An infinite scale would call anything converged.
+            let finite = norm.is_finite() && scale.is_finite();
+            let good = norm <= accuracy * accuracy * scale || {
+                let velocities = *round_off.get_or_insert_with(|| self.round_off(p));
+                let floor = velocities + self.cancelled(p);
+                norm <= floor && floor.is_finite()
+            };
+            if finite && good {
                 return Outcome {
                     iterations,
                     converged: true,
@@ -230,7 +224,7 @@ impl Newton {
             for (v, w) in self.v.iter_mut().zip(&self.direction) {
                 *v += alpha * w;
             }
-            for (m, w) in self.momentum.iter_mut().zip(&self.direction_momentum) {
+            for (m, w) in self.change.iter_mut().zip(&self.direction_momentum) {
                 *m += alpha * w;
             }
             for (v, w) in self.point_velocity.iter_mut().zip(&self.point_direction) {
@@ -242,16 +236,31 @@ impl Newton {
         }
     }
 
-    /// Whether a robot that stands still stays: all impulses balance at `v = 0`, where `M v0` is zero, too.
+    /// Squared scale of what velocities' round-off does to momenta, at the velocity that stands in `v`.
+    fn round_off(&self, p: &Problem) -> f64 {
+        let pattern = &p.tree.sparsity;
+        let energies = self.v.iter().enumerate();
+        let sum: f64 = energies
+            .map(|(k, v)| p.kin.M[pattern.diagonal(k)] * v * v)
+            .sum();
+        ROUND_OFF * ROUND_OFF * sum
+    }
+
+    /// Squared scale of the round-off that contact impulses leave which cancel along every joint.
+    fn cancelled(&self, p: &Problem) -> f64 {
+        let D2 = &p.kin.inverse_diagonal;
+        let lightest = D2.iter().fold(0.0, |m: f64, d| m.max(*d));
+        let lever = 1.0 + p.tree.reach;
+        let responses = self.responses.iter().chain(&self.turn_responses);
+        let sum: f64 = responses.map(|r| r.impulse.norm_squared()).sum();
+        ROUND_OFF * ROUND_OFF * lightest * lever * lever * sum
+    }
+
+    /// Whether a robot that stands still stays: all impulses balance at `v = 0`.
     pub fn is_balanced(&mut self, p: &Problem) -> bool {
         self.v.fill(0.0);
-        self.momentum.fill(0.0);
+        self.change.fill(0.0);
         self.mark_loaded(p.tree, p.contacts);
-        let mut scale = 0.0;
-        for ((r, k), d) in self.r.iter_mut().zip(p.bias).zip(&p.kin.inverse_diagonal) {
-            *r = -p.h * k;
-            scale += d * *r * *r;
-        }
         self.point_velocity.clear();
         self.point_velocity
             .extend(p.contacts.iter().map(|_| Vec3::zeros()));
@@ -260,13 +269,9 @@ impl Newton {
             .extend(p.turns.iter().map(|_| Vec3::zeros()));
         self.respond(p);
         let impulse_scale = self.collect(p);
-        let norm: f64 = self
-            .gradient
-            .iter()
-            .zip(&p.kin.inverse_diagonal)
-            .map(|(g, d)| d * g * g)
-            .sum();
-        let scale = scale.max(impulse_scale);
+        let D2 = &p.kin.inverse_diagonal;
+        let norm = scaled_square(&self.gradient, D2);
+        let scale = impulse_scale.max(p.h * p.h * scaled_square(p.bias, D2));
         scale.is_finite() && norm <= p.accuracy * p.accuracy * scale
     }
 
@@ -304,8 +309,8 @@ impl Newton {
     fn collect(&mut self, p: &Problem) -> f64 {
         let Problem { tree, kin, .. } = *p;
         let D2 = &kin.inverse_diagonal;
-        for ((g, m), r) in self.gradient.iter_mut().zip(&self.momentum).zip(&self.r) {
-            *g = m - r;
+        for ((g, change), bias) in self.gradient.iter_mut().zip(&self.change).zip(p.bias) {
+            *g = change + p.h * bias;
         }
         let mut scale = 0.0;
         for (term, r) in p.joints.iter().zip(&self.joint_responses) {
@@ -438,7 +443,7 @@ impl Newton {
         let (mut linear, mut quadratic, mut initial) = (0.0, 0.0, 0.0_f64);
         for i in 0..self.v.len() {
             let w = self.direction[i];
-            linear += (self.momentum[i] - self.r[i]) * w;
+            linear += (self.change[i] + p.h * p.bias[i]) * w;
             quadratic += self.direction_momentum[i] * w;
             initial += self.gradient[i] * w;
         }
@@ -517,6 +522,22 @@ impl Newton {
         }
         curvature
     }
+}
+
+/// `Σ D² x²`; two running sums, so that two lanes suffice.
+#[inline]
+fn scaled_square(x: &[f64], D2: &[f64]) -> f64 {
+    let (pairs, scales) = (x.chunks_exact(2), D2.chunks_exact(2));
+    let last = match (pairs.remainder(), scales.remainder()) {
+        ([x], [d]) => d * x * x,
+        _ => 0.0,
+    };
+    let (mut even, mut odd) = (0.0, 0.0);
+    for (x, d) in pairs.zip(scales) {
+        even += d[0] * x[0] * x[0];
+        odd += d[1] * x[1] * x[1];
+    }
+    even + odd + last
 }
 
 /// `wᵀ G w` of a response's stiffness.

@@ -134,7 +134,7 @@ impl Stepper {
         }
         self.middle.expect_commands(ctx, &self.half, 0.5 * h);
         let problem = self.middle.problem(tree, 0.5 * h, accuracy);
-        self.second.guess(&problem, &self.full.v);
+        self.second.guess(&problem, &self.half.v, &self.full.v);
         let second = self.second.solve(&problem);
         count(state, second.iterations);
         if !second.converged {

@@ -73,11 +73,13 @@ impl Stepper {
     pub(super) fn may_gain(&mut self, ctx: &Context, state: &State, h: f64, share: f64) -> bool {
         let tree = ctx.tree;
         let Point { kin, contacts, .. } = &self.middle;
+        // Kinetic energy at twice the half steps' velocity less the full one's, less that at the former, where
+        // `M (v − full)` is what the second half step's solve has changed of its guess.
         let mut rise = 0.0;
         let velocities = self.second.v.iter().zip(&self.full.v);
-        let momenta = self.second.momentum.iter().zip(&self.full.momentum);
-        for ((v, full), (p, full_p)) in velocities.zip(momenta) {
-            rise += (v - full) * (1.5 * p - 0.5 * full_p);
+        let changes = self.second.change.iter().zip(&self.second.guessed_change);
+        for ((v, full), (change, guessed)) in velocities.zip(changes) {
+            rise += (change - guessed) * (1.5 * v - 0.5 * full);
         }
         let way = &mut self.end.kin.V;
         forward(tree, &kin.S, &self.difference, way);
@@ -98,17 +100,11 @@ impl Stepper {
             rise += risen(term.limit_stiffness, -lower - 0.5 * h * v, -more);
             rise += risen(term.limit_stiffness, -upper + 0.5 * h * v, more);
         }
-        let moving: f64 = self
-            .start
-            .kin
-            .momentum
-            .iter()
-            .zip(&state.v)
-            .map(|(p, v)| p * v)
-            .sum();
         let weight = tree.moving_mass * REFERENCE_GRAVITY;
+        let allowed = share * weight * tree.reach;
         // A number that is none must not pass.
-        rise.is_nan() || rise > share * (0.5 * moving + weight * tree.reach)
+        rise.is_nan()
+            || rise > allowed && rise > allowed + share * kinetic(tree, &self.start.kin, &state.v)
     }
 
     /// Whether the step to `state` has made more energy than allowed; poses and velocities of `self.end` then stand there.

@@ -168,7 +168,7 @@ impl Stepper {
         rnea::bias(tree, &mut self.start.kin, &self.guess, wrenches, middle);
         let problem = fixed_problem(&self.start, tree, h);
         if turning {
-            self.full.guess(&problem, &self.difference);
+            self.full.guess(&problem, &state.v, &self.difference);
         }
         let outcome = self.full.solve(&problem);
         count(state, outcome.iterations);
@@ -206,7 +206,6 @@ impl Stepper {
         let kin = &mut self.start.kin;
         kin.update_poses(tree, &self.q_halves);
         crba::mass_matrix(tree, kin);
-        tree.sparsity.multiply(&kin.M, &state.v, &mut kin.momentum);
         kin.update_velocities(tree, &self.difference);
         let found = &mut self.middle.contacts;
         detect(

@@ -104,13 +104,11 @@ impl Point {
         self.update_forces(ctx, state, h);
     }
 
-    /// Bias, momentum, contacts and joint terms, after poses, mass matrix and velocities are up to date.
+    /// Bias, contacts and joint terms, after poses, mass matrix and velocities are up to date.
     fn update_forces(&mut self, ctx: &Context, state: &State, h: f64) {
         let tree = ctx.tree;
         let wrenches = &ctx.inputs.wrenches;
         rnea::bias(tree, &mut self.kin, &state.v, wrenches, ctx.elapsed);
-        tree.sparsity
-            .multiply(&self.kin.M, &state.v, &mut self.kin.momentum);
         self.find_terms(ctx, state, h);
     }
 
