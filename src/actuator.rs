@@ -128,12 +128,16 @@ impl JointTerm {
             r.stiffness += h * slope;
             r.effort += h * force.abs();
         }
-        let overspeed = self.overspeed(v);
-        if overspeed != 0.0 {
+        if v.abs() > self.speed_limit {
+            let overspeed = self.overspeed(v);
             let force = self.speed_damping * overspeed;
             r.impulse -= h * force;
             r.stiffness += h * self.speed_damping;
             r.effort += h * force.abs();
+        }
+        // Most joints do not come to a limit in a step.
+        if self.gap[0].min(self.gap[1]) > h * v.abs() {
+            return r;
         }
         for (gap, sign) in [(self.gap[0], 1.0), (self.gap[1], -1.0)] {
             let approach = sign * v;
@@ -245,16 +249,14 @@ impl Joints {
             } else {
                 ElastoPlastic::default()
             };
-            let body = &model.bodies[model.dofs[dof].body.index()];
+            let q = q[term.coordinate];
             if let Some(limits) = &tree.limits[dof] {
-                let q = q[body.coordinate];
                 term.gap = [q - limits.lower, limits.upper - q];
             }
             let Some(index) = term.actuator else { continue };
             let actuator = &model.actuators[index];
             let command = inputs.command(index, t, h);
             let cap = command.max_effort;
-            let q = q[body.coordinate];
             let stall = match actuator.mode {
                 ActuatorMode::Effort => actuator.max_effort,
                 _ => cap,
