@@ -7,6 +7,8 @@
 //!
 //! Source: Featherstone 2008, section 6.5; elimination trees: Liu 1990.
 
+use crate::spatial::{Vec6, add_scaled6, add6, dot6, multiply_lower};
+
 /// The pattern of a symmetric matrix under `LᵀDL` factorisation.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Sparsity {
@@ -113,30 +115,58 @@ impl Sparsity {
     /// `y = A x`.
     pub fn multiply(&self, a: &[f64], x: &[f64], y: &mut [f64]) {
         y.fill(0.0);
-        for k in 0..self.len() {
+        let base = self.base();
+        // What rows beyond the base's add to its six stays in registers.
+        let (mut head, mut above) = ([0.0; 6], [0.0; 6]);
+        if let Some(x) = x.first_chunk()
+            && base > 0
+        {
+            head = *x;
+        }
+        for k in base..self.len() {
             let (s, d) = (self.start[k], self.depth[k]);
             let row = &a[s..=s + d];
             let xk = x[k];
-            let (near, far) = row[..d].split_at(self.prefix[k]);
-            let mut sum = dot(near, &x[..near.len()]) + row[d] * xk;
-            for (y, r) in y.iter_mut().zip(near) {
+            let mut sum = row[d] * xk;
+            if base > 0
+                && let Some(r) = row.first_chunk()
+            {
+                sum += dot6(r, &head);
+                add_scaled6(&mut above, r, xk);
+            }
+            let near = self.prefix[k].max(base);
+            let direct = row[base..near].iter().zip(&x[base..near]);
+            for ((r, x), y) in direct.zip(&mut y[base..near]) {
+                sum += r * x;
                 *y += r * xk;
             }
-            let columns = &self.column[s + near.len()..s + d];
-            for (r, &c) in far.iter().zip(columns) {
+            let columns = &self.column[s + near..s + d];
+            for (r, &c) in row[near..d].iter().zip(columns) {
                 let c = c as usize;
                 sum += r * x[c];
                 y[c] += r * xk;
             }
             y[k] += sum;
         }
+        if base > 0
+            && let (Some(lower), Some(y)) = (a.first_chunk(), y.first_chunk_mut())
+        {
+            *y = multiply_lower(lower, &head);
+            add6(y, &above);
+        }
+    }
+
+    /// How many unknowns a floating base has: every row's ancestors begin with them.
+    #[inline]
+    fn base(&self) -> usize {
+        if self.floating { 6 } else { 0 }
     }
 
     /// Overwrites `a` by its factor: `D L` below the diagonal and `1/D` on it, with `A = LᵀDL`; no roots are taken, whose
     /// time is that of a whole row. A pivot that round-off has made smaller than the smallest positive number is replaced by
     /// that, so that the direction stays finite.
     pub fn factor(&self, a: &mut [f64]) {
-        let base = if self.floating { 6 } else { 0 };
+        let base = self.base();
         for k in (base..self.len()).rev() {
             let (s, d) = (self.start[k], self.depth[k]);
             let (above, rest) = a.split_at_mut(s);
@@ -154,7 +184,12 @@ impl Sparsity {
                 let target = self.start[column as usize];
                 let factor = row[q] * reciprocal;
                 let target = &mut above[target..=target + q];
-                for (t, r) in target.iter_mut().zip(&row[..=q]) {
+                if base > 0
+                    && let (Some(t), Some(r)) = (target.first_chunk_mut(), row.first_chunk())
+                {
+                    add_scaled6(t, r, -factor);
+                }
+                for (t, r) in target[base..].iter_mut().zip(&row[base..=q]) {
                     *t -= factor * r;
                 }
             }
@@ -168,26 +203,51 @@ impl Sparsity {
 
     /// `x = A⁻¹ x` with the factor of [`Self::factor`].
     pub fn solve(&self, factor: &[f64], x: &mut [f64]) {
-        for k in (0..self.len()).rev() {
+        let base = self.base();
+        // The base's six stay in registers.
+        let mut head = [0.0; 6];
+        if let Some(x) = x.first_chunk()
+            && base > 0
+        {
+            head = *x;
+        }
+        for k in (base..self.len()).rev() {
             let (s, d) = (self.start[k], self.depth[k]);
             let row = &factor[s..=s + d];
             let xk = x[k] * row[d];
-            let (near, far) = row[..d].split_at(self.prefix[k]);
-            for (x, r) in x.iter_mut().zip(near) {
+            if base > 0
+                && let Some(r) = row.first_chunk()
+            {
+                add_scaled6(&mut head, r, -xk);
+            }
+            let near = self.prefix[k].max(base);
+            for (x, r) in x[base..near].iter_mut().zip(&row[base..near]) {
                 *x -= r * xk;
             }
-            let columns = &self.column[s + near.len()..s + d];
-            for (r, &c) in far.iter().zip(columns) {
+            let columns = &self.column[s + near..s + d];
+            for (r, &c) in row[near..d].iter().zip(columns) {
                 x[c as usize] -= r * xk;
             }
         }
-        for k in 0..self.len() {
+        if base > 0
+            && let (Some(lower), Some(x)) = (factor.first_chunk(), x.first_chunk_mut())
+        {
+            solve_base(lower, &mut head);
+            *x = head;
+        }
+        for k in base..self.len() {
             let (s, d) = (self.start[k], self.depth[k]);
             let row = &factor[s..=s + d];
-            let (near, far) = row[..d].split_at(self.prefix[k]);
-            let mut sum = x[k] - dot(near, &x[..near.len()]);
-            let columns = &self.column[s + near.len()..s + d];
-            for (r, &c) in far.iter().zip(columns) {
+            let mut sum = x[k];
+            if base > 0
+                && let Some(r) = row.first_chunk()
+            {
+                sum -= dot6(r, &head);
+            }
+            let near = self.prefix[k].max(base);
+            sum -= dot(&row[base..near], &x[base..near]);
+            let columns = &self.column[s + near..s + d];
+            for (r, &c) in row[near..d].iter().zip(columns) {
                 sum -= r * x[c as usize];
             }
             x[k] = sum * row[d];
@@ -243,6 +303,27 @@ fn factor_base(lower: &mut [f64; 21]) {
     }
 }
 
+/// The rows of a floating base in [`Sparsity::solve`], all of known length.
+#[inline]
+fn solve_base(factor: &[f64; 21], x: &mut Vec6) {
+    let mut start = 21;
+    for k in (0..6).rev() {
+        start -= k + 1;
+        let xk = x[k] * factor[start + k];
+        for i in 0..k {
+            x[i] -= factor[start + i] * xk;
+        }
+    }
+    for k in 0..6 {
+        let mut sum = x[k];
+        for i in 0..k {
+            sum -= factor[start + i] * x[i];
+        }
+        x[k] = sum * factor[start + k];
+        start += k + 1;
+    }
+}
+
 #[cfg(test)]
 #[allow(clippy::cast_precision_loss, reason = "small counts")]
 mod tests {
@@ -293,6 +374,27 @@ mod tests {
         assert!(p.floating);
         assert_eq!(p.depth[8], 7);
         check(&p);
+    }
+
+    #[test]
+    fn limbs_on_a_trunk_and_a_fixed_chain_factor_solve_and_multiply() {
+        // A floating base with a trunk of four, two arms of three on it and a leg of two beside it.
+        let base: Vec<usize> = (0..6).collect();
+        let path = |tail: &[usize]| [base.clone(), tail.to_vec()].concat();
+        let p = Sparsity::new(
+            18,
+            &[
+                path(&[6, 7, 8, 9, 10, 11, 12]),
+                path(&[6, 7, 8, 9, 13, 14, 15]),
+                path(&[16, 17]),
+            ],
+        );
+        assert!(p.floating);
+        assert_eq!((p.prefix[12], p.prefix[15], p.prefix[17]), (12, 10, 6));
+        check(&p);
+        let chain = Sparsity::new(9, &[(0..9).collect()]);
+        assert!(chain.floating);
+        check(&chain);
     }
 
     #[test]
