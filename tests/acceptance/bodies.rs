@@ -148,8 +148,8 @@ fn c14_painleves_rod_finishes_without_gaining_energy() {
             s.advance_to(f64::from(i) * 1e-3).expect("finite");
             ledger.add(&mut s);
         }
-        let what = format!("energy gained, share of the first, tol {tolerance:.0e}");
-        hold("C14", &what, "≤ ΣF̄²/2k_t", ledger.gained, allowed);
+        let what = format!("energy gained in all, share of the first, tol {tolerance:.0e}");
+        hold("C14", &what, "none", ledger.gained, allowed);
         hold(
             "C14",
             "energy at the end, J",
@@ -277,9 +277,9 @@ fn heap(seed: u64) -> Model {
     model
 }
 
-/// D8. A passive robot in contact never gains energy, elastic energy of its contacts included, beyond what the friction
-/// elements can hold at the most: ΣF̄²/2k_t. To within the tolerance under error control, and in fixed steps to within what
-/// a mass matrix of the step's start leaves.
+/// D8. A passive robot in contact never gains energy, elastic energy of its contacts and of what friction was paid for included
+/// (the case allows ΣF̄²/2k_t beyond that, which is not made use of). To within the tolerance under error control, and in fixed
+/// steps to within what a mass matrix of the step's start leaves.
 #[test]
 fn d8_a_passive_robot_never_gains_energy() {
     for (step, tolerance, allowed) in [
@@ -305,7 +305,8 @@ fn d8_a_passive_robot_never_gains_energy() {
         } else {
             format!("error control at {tolerance:.0e}")
         };
-        let what = format!("energy gained by 20 heaps, share of what they fell with, {kind}");
-        hold("D8", &what, "≤ ΣF̄²/2k_t", worst, allowed);
+        let what =
+            format!("energy gained in all by one of 20 heaps, share of what it fell with, {kind}");
+        hold("D8", &what, "none", worst, allowed);
     }
 }

@@ -3,7 +3,7 @@
 
 use crate::random::Random;
 use std::sync::Arc;
-use urdf2fmu_core::contact::{Contact, detect};
+use urdf2fmu_core::contact::{Contact, detect, find_turns};
 use urdf2fmu_core::geometry::Shape;
 use urdf2fmu_core::kinematics::Kinematics;
 use urdf2fmu_core::model::{ActuatorId, ActuatorMode, Model, Motion};
@@ -147,51 +147,94 @@ fn resize(shape: &mut Shape, scale: f64) {
     }
 }
 
-/// The contact points of a state, as a step from it would see them.
-pub fn contacts(s: &Simulation) -> Vec<Contact> {
+/// Poses and velocities of a state.
+fn kinematics(s: &Simulation) -> Kinematics {
     let mut kin = Kinematics::new(s.tree());
     kin.update_poses(s.tree(), &s.state().q);
     kin.update_velocities(s.tree(), &s.state().v);
+    kin
+}
+
+/// The contact points of a state, as a step from it would see them.
+pub fn contacts(s: &Simulation) -> Vec<Contact> {
+    touching(s, &kinematics(s))
+}
+
+fn touching(s: &Simulation, kin: &Kinematics) -> Vec<Contact> {
+    // A fixed step does not resolve all stiffness, see `step::point`.
+    let limit = match s.parameter(ParameterSlot::StepSize) {
+        step if step > 0.0 => {
+            let omega = std::f64::consts::TAU / step;
+            0.25 * s.tree().moving_mass * omega * omega
+        }
+        _ => f64::INFINITY,
+    };
     let mut list = Vec::new();
     let touches = &s.state().touches;
-    let limit = f64::INFINITY;
-    detect(s.model(), s.tree(), touches, &kin, H, limit, &mut list);
+    detect(s.model(), s.tree(), touches, kin, H, limit, &mut list);
     list
 }
 
-/// What the contacts, limits and dry friction of a state hold elastically, J: normal forces and limits ½ k x², and
-/// friction at most `F̄²/2k_t` each. An impact within a step can have stored more than the normal force at its end allows:
-/// then what is stored counts.
+/// What springs hold in a state, J: ½ k x² of the normal springs of contacts and of joint limits, and ½ k |ς|² of what friction
+/// has stored: of contacts, against turning, dry friction, velocity motors.
 pub fn stored(s: &Simulation) -> [f64; 2] {
+    let (tree, state) = (s.tree(), s.state());
     let (mut springs, mut friction) = (0.0, 0.0);
-    for contact in contacts(s) {
+    let kin = kinematics(s);
+    let contacts = touching(s, &kin);
+    for contact in &contacts {
         let depth = (-contact.gap).max(0.0);
         springs += 0.5 * contact.stiffness * depth * depth;
-        let most = contact.cap / contact.tangential_stiffness;
-        let displacement = most.max(contact.displacement.norm());
-        friction += 0.5 * contact.tangential_stiffness * displacement * displacement;
+        friction += 0.5 * contact.tangential_stiffness * contact.displacement.norm_squared();
     }
-    let tree = s.tree();
+    let mut turns = Vec::new();
+    find_turns(tree, &state.touches, &kin, &contacts, &mut turns);
+    for turn in &turns {
+        let torsion = turn.normal.dot(&turn.displacement);
+        let roll = turn.displacement - turn.normal * torsion;
+        friction += 0.5 * turn.stiffness[0] * torsion * torsion;
+        friction += 0.5 * turn.stiffness[1] * roll.norm_squared();
+    }
     for (dof, limits) in tree.limits.iter().enumerate() {
         let body = &s.model().bodies[s.model().dofs[dof].body.index()];
         if let Some(limits) = limits {
-            let q = s.state().q[body.coordinate];
+            let q = state.q[body.coordinate];
             let depth = (limits.lower - q).max(q - limits.upper).max(0.0);
             springs += 0.5 * tree.limit_stiffness[dof] * depth * depth;
         }
         // Its stiffness is the friction over the deflection at which it gives way, 0.1 mm or mrad.
-        friction += 0.5 * tree.friction[dof].at_rest * 1e-4;
+        let stiffness = tree.friction[dof].moving / 1e-4;
+        friction += 0.5 * stiffness * state.dry[dof] * state.dry[dof];
+    }
+    for (motor, displacement) in tree.motors.iter().zip(&state.motor) {
+        friction += 0.5 * motor.0 * displacement * displacement;
     }
     [springs, friction]
 }
 
-/// Keeps the books of a passive robot's energy.
+/// Keeps the books of a passive robot's energy, without any allowance.
+///
+/// One account holds what moves: kinetic energy, height, and the springs of contacts and limits. The other holds what friction
+/// elements have stored, and only what has been paid for: what leaves the first account may go into the second, up to what is
+/// stored there, and a rise of the first may be drawn from it. Whatever rises beyond that is a gain at the moment at which it
+/// happens, whatever was lost before. What friction elements have in store without payment is nobody's: it is not booked before
+/// it comes back, and then it is a gain. In continuous time there is none: the normal law takes `d k x vₙ²`, friction `d_t u²`
+/// while it sticks and `F̄ u` while it slips.
+#[derive(Clone, Debug)]
 pub struct Ledger {
-    lowest: f64,
-    held: f64,
-    scale: f64,
-    /// Most that it has ever risen beyond what friction may have held, as a share of what it had to fall with.
+    /// The two accounts, J; NaN before the first entry.
+    moving: f64,
+    paid: f64,
+    /// Lowest sum of both so far, and lowest energy with all that friction elements have in store, J.
+    lowest: [f64; 2],
+    /// What the robot had to fall with: kinetic energy at the start and weight times reach, J.
+    pub scale: f64,
+    /// All gains together, as a share of `scale`.
     pub gained: f64,
+    /// Most that the two accounts have stood over their lowest sum before, as a share of `scale`.
+    pub risen: f64,
+    /// The same with all that friction elements have in store, paid or not.
+    pub raw: f64,
 }
 
 impl Ledger {
@@ -199,10 +242,13 @@ impl Ledger {
     pub fn new(s: &mut Simulation) -> Self {
         let kinetic = s.output(OutputSlot::EnergyKinetic);
         let mut ledger = Self {
-            lowest: f64::INFINITY,
-            held: 0.0,
+            moving: f64::NAN,
+            paid: 0.0,
+            lowest: [f64::INFINITY; 2],
             scale: kinetic + s.tree().moving_mass * 9.81 * s.tree().reach,
             gained: 0.0,
+            risen: 0.0,
+            raw: 0.0,
         };
         ledger.add(s);
         ledger
@@ -211,16 +257,57 @@ impl Ledger {
     /// Enters a state.
     pub fn add(&mut self, s: &mut Simulation) {
         let [springs, friction] = stored(s);
-        let energy =
+        let moving =
             s.output(OutputSlot::EnergyKinetic) + s.output(OutputSlot::EnergyPotential) + springs;
-        self.held = self.held.max(friction);
-        self.lowest = self.lowest.min(energy);
-        self.gained = self
-            .gained
-            .max((energy - self.lowest - self.held) / self.scale);
+        if !self.moving.is_nan() {
+            let rise = moving - self.moving;
+            self.gained += (rise - self.paid).max(0.0) / self.scale;
+            self.paid = (self.paid - rise).clamp(0.0, friction);
+        }
+        self.moving = moving;
+        let sums = [moving + self.paid, moving + friction];
+        for ((sum, lowest), most) in sums
+            .iter()
+            .zip(&mut self.lowest)
+            .zip([&mut self.risen, &mut self.raw])
+        {
+            *lowest = lowest.min(*sum);
+            *most = most.max((sum - *lowest) / self.scale);
+        }
         // A number that is none must not pass for no gain.
-        if energy.is_nan() {
-            self.gained = f64::INFINITY;
+        if sums[1].is_nan() {
+            (self.gained, self.risen, self.raw) = (f64::INFINITY, f64::INFINITY, f64::INFINITY);
+        }
+    }
+}
+
+/// Energy that limp robots of one kind of step have gained, each the most of its drops and with robot and seed; see [`Ledger`].
+#[derive(Clone, Debug, Default)]
+pub struct Gain {
+    /// Drops.
+    pub drops: u32,
+    /// [`Ledger::gained`].
+    pub gained: Worst,
+    /// [`Ledger::risen`].
+    pub risen: Worst,
+    /// [`Ledger::raw`].
+    pub raw: Worst,
+}
+
+/// The worst of a number of drops.
+#[derive(Clone, Debug, Default)]
+pub struct Worst {
+    /// How bad it was; 0 if nothing was.
+    pub share: f64,
+    /// Robot and seed.
+    pub drop: Option<(String, u64)>,
+}
+
+impl Worst {
+    fn add(&mut self, share: f64, robot: &Model, seed: u64) {
+        if share > self.share {
+            self.share = share;
+            self.drop = Some((robot.name.clone(), seed));
         }
     }
 }
@@ -234,10 +321,8 @@ pub struct Tally {
     pub failed: u32,
     /// Robot and seed of each of them.
     pub failures: Vec<(String, u64)>,
-    /// Most energy that a limp robot gained, under error control and in fixed steps; see [`Ledger`].
-    pub gained: [f64; 2],
-    /// Robot and seed of each of these two.
-    pub worst: [Option<(String, u64)>; 2],
+    /// Limp robots' energy, under error control and in fixed steps.
+    pub limp: [Gain; 2],
     /// Steps, and steps accepted at the floor.
     pub steps: [u64; 2],
     /// Host time, s: of all, and of the slowest drop.
@@ -349,10 +434,12 @@ pub fn drop_once(robot: &Model, extreme: Extreme, seed: u64, tally: &mut Tally) 
     tally.seconds[1] = tally.seconds[1].max(seconds);
     tally.steps[0] += counters[0];
     tally.steps[1] += counters[3];
-    let kind = usize::from(drop.fixed);
-    if ledger.gained > tally.gained[kind] {
-        tally.gained[kind] = ledger.gained;
-        tally.worst[kind] = Some((robot.name.clone(), seed));
+    if drop.limp {
+        let gain = &mut tally.limp[usize::from(drop.fixed)];
+        gain.drops += 1;
+        gain.gained.add(ledger.gained, robot, seed);
+        gain.risen.add(ledger.risen, robot, seed);
+        gain.raw.add(ledger.raw, robot, seed);
     }
 }
 
