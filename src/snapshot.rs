@@ -14,7 +14,7 @@ use crate::state::ahead::COEFFICIENTS;
 use crate::state::{State, Touch};
 
 const MAGIC: &[u8; 4] = b"U2FS";
-const VERSION: u32 = 4;
+const VERSION: u32 = 5;
 
 /// Bytes of a saved touch: slot and numbers.
 const TOUCH: usize = 64;

@@ -1,8 +1,10 @@
 //! What the next step reads and cannot recompute.
 
 pub mod ahead;
+pub mod lag;
 
 use self::ahead::Ahead;
+use self::lag::Lag;
 use crate::model::Model;
 
 /// State of a robot. All quantities in SI units; layout of `q` and `v`: [`crate::model::Motion`].
@@ -27,6 +29,8 @@ pub struct State {
     pub step: [f64; 3],
     /// Mean accelerations over the last step, where it was an implicit one.
     pub trend: Vec<f64>,
+    /// Error of single solves.
+    pub lag: Lag,
     /// Steps taken, steps rejected, most Newton iterations in a solve, steps taken at the smallest size.
     pub counters: [u64; 4],
     /// Contact impulse per link over the last communication step, N·s, and that step's length, s.
@@ -92,6 +96,7 @@ impl State {
             commands: vec![[0.0; 4]; model.actuators.len()],
             step: [INITIAL_STEP, INITIAL_STEP, 0.0],
             trend: vec![0.0; model.nv()],
+            lag: Lag::new(model),
             counters: [0; 4],
             impulse: vec![[0.0; 3]; model.links.len()],
             last_step: 0.0,
@@ -111,6 +116,7 @@ impl State {
         self.commands.copy_from_slice(&other.commands);
         self.step = other.step;
         self.trend.copy_from_slice(&other.trend);
+        self.lag.copy_from(&other.lag);
         self.counters = other.counters;
         self.impulse.copy_from_slice(&other.impulse);
         self.last_step = other.last_step;
@@ -119,7 +125,7 @@ impl State {
 
     /// Every stored list of real numbers, in saved order; touches, the step under way and counters are the only other
     /// content. A new field goes here, into [`Self::copy_from`] and nowhere else.
-    pub fn fields_mut(&mut self) -> [&mut [f64]; 13] {
+    pub fn fields_mut(&mut self) -> [&mut [f64]; 17] {
         [
             std::slice::from_mut(&mut self.time),
             &mut self.q,
@@ -129,6 +135,10 @@ impl State {
             self.commands.as_flattened_mut(),
             &mut self.step,
             &mut self.trend,
+            &mut self.lag.positions,
+            &mut self.lag.velocities,
+            std::slice::from_mut(&mut self.lag.length),
+            std::slice::from_mut(&mut self.lag.uses),
             self.impulse.as_flattened_mut(),
             std::slice::from_mut(&mut self.last_step),
             std::slice::from_mut(&mut self.ahead.start),
@@ -138,7 +148,7 @@ impl State {
     }
 
     /// See [`Self::fields_mut`].
-    pub fn fields(&self) -> [&[f64]; 13] {
+    pub fn fields(&self) -> [&[f64]; 17] {
         [
             std::slice::from_ref(&self.time),
             &self.q,
@@ -148,6 +158,10 @@ impl State {
             self.commands.as_flattened(),
             &self.step,
             &self.trend,
+            &self.lag.positions,
+            &self.lag.velocities,
+            std::slice::from_ref(&self.lag.length),
+            std::slice::from_ref(&self.lag.uses),
             self.impulse.as_flattened(),
             std::slice::from_ref(&self.last_step),
             std::slice::from_ref(&self.ahead.start),
@@ -158,10 +172,10 @@ impl State {
 
     /// Whether no length of time is negative: a step would go back, and then for ever forward again.
     pub fn lengths_are_positive(&self) -> bool {
-        let mut lengths = self
-            .step
-            .iter()
-            .chain([&self.last_step, &self.ahead.length]);
+        let mut lengths =
+            self.step
+                .iter()
+                .chain([&self.last_step, &self.ahead.length, &self.lag.length]);
         lengths.all(|length| *length >= 0.0)
     }
 

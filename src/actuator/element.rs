@@ -43,6 +43,16 @@ impl ElastoPlastic {
         let limit = self.cap / self.stiffness;
         ((force - self.damping * u) / self.stiffness).clamp(-limit, limit)
     }
+
+    /// The stored displacement where the joint has `moved` by so much more; an element that slips keeps its own.
+    pub fn shifted(&self, displacement: f64, moved: f64) -> f64 {
+        let limit = self.cap / self.stiffness;
+        if displacement.abs() < limit {
+            (displacement + moved).clamp(-limit, limit)
+        } else {
+            displacement
+        }
+    }
 }
 
 /// Torque–speed line of a motor: while it drives, its effort is at most `stall (1 − |v|/no_load)`, not below 0; while it

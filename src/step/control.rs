@@ -26,9 +26,11 @@ const MIN_STEP: f64 = 1e-7;
 const MAX_FLOOR: f64 = 1e-4;
 /// Weight of a velocity error against a position error, s. Without it impacts go unnoticed.
 pub(super) const VELOCITY_WEIGHT: f64 = 0.1;
-/// Error, relative to the tolerance and per second, up to which one solve does for a step that the communication step
-/// cuts short: what such steps add up to in a second stays below the tolerance.
-const SINGLE_RATE: f64 = 1.0;
+/// Accuracy of the impulses of a guess that needs no iteration, relative to the tolerance: what it lacks stays, so that it is
+/// the error of a speed that a motor holds.
+const GUESS: f64 = 2e-4;
+/// Imbalance of the forces on a robot at rest that does not set it going, relative to forces and to the tolerance.
+const BALANCE: f64 = 1e-4;
 /// Longest step of a contact that bounces, as a share of the time √(m/k) of the robot on the point. A slow bounce is
 /// shallower than the tolerance, which would not notice that it is missing; but it has its restitution, too.
 const BOUNCE_SHARE: f64 = 0.2;
@@ -158,6 +160,7 @@ impl Stepper {
         self.walk(ctx, state, Way::new(begin, end, state.step[0]))?;
         // The fixed steps go on from here.
         state.ahead.clear();
+        state.lag.clear();
         Ok(())
     }
 
@@ -207,6 +210,7 @@ impl Stepper {
             }
             way.proposed = next_proposal(way.proposed, h, pair, factor, ctx.tolerance).max(floor);
             way.book(state, h);
+            state.lag.clear();
             if h > remaining {
                 self.look_ahead(ctx, pair, state, way.begin + way.done, h, way.end);
                 way.arrive();
@@ -238,7 +242,7 @@ impl Stepper {
         state: &mut State,
         way: &mut Way,
     ) -> Result<(), NotFinite> {
-        let accuracy = (1e-3 * ctx.tolerance).clamp(1e-10, 1e-5);
+        let accuracy = (GUESS * ctx.tolerance).clamp(1e-10, 1e-5);
         let remaining = way.remaining();
         let mut h = landing(way.proposed.min(MAX_STEP), remaining);
         if way.current || ctx.tree.long {
@@ -253,17 +257,19 @@ impl Stepper {
         if self.may_look_ahead(ctx, state, way.proposed.min(MAX_STEP)) {
             h = way.proposed.min(MAX_STEP);
         }
+        let asked = h;
         h = self.cap_by_touchdown(ctx, state, h);
-        if self.rest(ctx, state, h, remaining, accuracy) {
+        let uncut = h >= asked;
+        let balance = (BALANCE * ctx.tolerance).clamp(1e-11, 1e-6);
+        if self.rest(ctx, state, h, remaining, balance) {
             way.arrive();
             return Ok(());
         }
         loop {
             let solved = self.full_solve(ctx, state, h, accuracy);
-            // Cut short by the communication step, and hardly anything happens: the one solve does.
-            let calm = !way.jumped && 2.0 * h <= way.proposed && !ctx.inputs.varies();
-            if solved && calm && self.single_error(ctx, state, h) <= SINGLE_RATE * h {
-                self.accept_single(ctx, state, h);
+            // Cut short by the communication step: the one solve may do.
+            let short = uncut && !way.jumped && 2.0 * h <= way.proposed && !ctx.inputs.varies();
+            if solved && short && self.single_step(ctx, state, h) {
                 way.book(state, h);
                 way.go(h);
                 return Ok(());
@@ -287,10 +293,14 @@ impl Stepper {
                     state.counters[3] += 1;
                 }
                 way.proposed = grown(way.proposed, h, factor).max(floor);
+                let jumped = way.jumped;
                 way.book(state, h);
                 self.keep_start(state);
                 way.posed = self.accept_doubled(ctx, state, h, error <= 1.0);
                 self.end_trend(state, h);
+                if jumped {
+                    state.lag.clear();
+                }
                 if beyond {
                     self.interpolate(ctx, state, way.begin + way.done, h, way.end);
                     way.arrive();
@@ -379,9 +389,10 @@ impl Stepper {
         }
         let balanced = self
             .full
-            .is_balanced(&self.start.problem(ctx.tree, h, 0.1 * accuracy));
+            .is_balanced(&self.start.problem(ctx.tree, h, accuracy));
         if balanced {
             state.trend.fill(0.0);
+            state.lag.clear();
             state.counters[0] += 1;
             // Who carries nothing forgets.
             let Point {

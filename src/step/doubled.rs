@@ -41,39 +41,6 @@ impl Stepper {
         full.converged
     }
 
-    /// Error of the full solve by itself, relative to the tolerance: positions lag behind by half the change of
-    /// velocity, velocities by half the change of acceleration since the last step (Milne's device).
-    pub(super) fn single_error(&self, ctx: &Context, state: &State, h: f64) -> f64 {
-        let changes = self.full.v.iter().zip(&state.v).zip(&state.trend);
-        let errors = changes.map(|((v, v0), trend)| {
-            let change = v - v0;
-            (0.5 * h * change, 0.5 * (change - h * trend))
-        });
-        worst_error(errors, &ctx.tree.weight) / ctx.tolerance
-    }
-
-    /// Keeps where a step starts, before its result goes into `state`.
-    pub(super) fn keep_start(&mut self, state: &State) {
-        self.v_start.copy_from_slice(&state.v);
-        self.q_start.copy_from_slice(&state.q);
-    }
-
-    /// The mean acceleration over the step of `h` seconds that led from what was kept to `state`.
-    pub(super) fn end_trend(&self, state: &mut State, h: f64) {
-        for ((trend, v), start) in state.trend.iter_mut().zip(&state.v).zip(&self.v_start) {
-            *trend = (v - start) / h;
-        }
-    }
-
-    /// Takes the full solve into the state as it is.
-    pub(super) fn accept_single(&mut self, ctx: &Context, state: &mut State, h: f64) {
-        self.keep_start(state);
-        store(ctx, &self.start, &self.full, h, state);
-        advance(ctx.tree, &self.q_start, &self.full.v, h, &mut state.q);
-        add_impulses(&self.start.contacts, &self.full, 1.0, &mut state.impulse);
-        self.end_trend(state, h);
-    }
-
     /// Repeats the full solve with the friction cones that it has found, and sets those of the first half, where the cones
     /// of the start are too far off; tells whether that went well.
     fn settle_cones(&mut self, ctx: &Context, state: &mut State, h: f64, accuracy: f64) -> bool {
@@ -254,6 +221,7 @@ impl Stepper {
             add_impulses(&self.middle.contacts, &self.second, 2.0, &mut state.impulse);
             add_impulses(&self.start.contacts, &self.full, -1.0, &mut state.impulse);
         } else {
+            state.lag.clear();
             store(ctx, &self.middle, &self.second, 0.5 * h, state);
             state.q.copy_from_slice(&self.q_halves);
             add_impulses(&self.start.contacts, &self.first, 1.0, &mut state.impulse);
@@ -265,8 +233,14 @@ impl Stepper {
     /// Twice the half steps' results less the full step's, into the state; contact impulses are the caller's.
     fn extrapolate(&mut self, ctx: &Context, state: &mut State, h: f64) {
         let tree = ctx.tree;
+        let moved = &self.difference;
+        state.lag.measure(h, moved, &self.full.v, &self.second.v);
+        if self.cones.moved {
+            // The next solve begins with other cones.
+            state.lag.clear();
+        }
         store(ctx, &self.middle, &self.second, 0.5 * h, state);
-        advance(tree, &self.q_halves, &self.difference, 1.0, &mut state.q);
+        advance(tree, &self.q_halves, moved, 1.0, &mut state.q);
         // Twice the displacement after the second half step minus that after the full one; both by ascending slot.
         let mut full = self
             .start

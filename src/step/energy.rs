@@ -10,12 +10,12 @@ use crate::contact::{Contact, detect};
 use crate::dynamics::energy::{kinetic, potential};
 use crate::dynamics::rnea::about_origin;
 use crate::kinematics::forward;
-use crate::spatial::{Vec3, angular, dot6, linear};
+use crate::spatial::{Vec3, Vec6, angular, dot6, linear};
 use crate::state::State;
 use crate::step::control::Stepper;
 use crate::step::convex::Newton;
 use crate::step::point::{Context, Point, stiffness_limit};
-use crate::tree::{Move, REFERENCE_GRAVITY};
+use crate::tree::{Move, REFERENCE_GRAVITY, Tree};
 
 /// Energy that a fixed step may make out of nothing, as a share of kinetic energy and weight times reach: hundreds of steps
 /// together a thousandth.
@@ -71,8 +71,6 @@ impl Stepper {
     /// Whether extrapolating the step of `h` seconds from `state` that has just been solved may add more than `share` of
     /// kinetic energy and weight times reach to what the half steps have left: to first order, with springs exact.
     pub(super) fn may_gain(&mut self, ctx: &Context, state: &State, h: f64, share: f64) -> bool {
-        let tree = ctx.tree;
-        let Point { kin, contacts, .. } = &self.middle;
         // Kinetic energy at twice the half steps' velocity less the full one's, less that at the former, where
         // `M (v − full)` is what the second half step's solve has changed of its guess.
         let mut rise = 0.0;
@@ -81,25 +79,36 @@ impl Stepper {
         for ((v, full), (change, guessed)) in velocities.zip(changes) {
             rise += (change - guessed) * (1.5 * v - 0.5 * full);
         }
-        let way = &mut self.end.kin.V;
-        forward(tree, &kin.S, &self.difference, way);
-        for (body, (I, way)) in tree.bodies.iter().zip(kin.I.iter().zip(way.iter())) {
-            if body.motion != Move::Welded {
-                let torque = Vec3::from(I.moment).cross(&tree.gravity);
-                rise -= torque.dot(&angular(way)) + I.mass * tree.gravity.dot(&linear(way));
-            }
+        let (solved, way) = (&self.second, &mut self.end.kin.V);
+        let (point, moved) = (&self.middle, &self.difference);
+        rise += lifted(ctx.tree, point, solved, 0.5 * h, moved, way);
+        self.exceeds(ctx, state, rise, share)
+    }
+
+    /// Whether taking the known error off the full solve of `h` seconds from `state` may add more than `share` likewise, where
+    /// it moves positions by `self.difference`. `self.end.kin.V` is then the displacement of the bodies.
+    pub(super) fn may_gain_singly(
+        &mut self,
+        ctx: &Context,
+        state: &State,
+        h: f64,
+        share: f64,
+    ) -> bool {
+        let (tree, lag) = (ctx.tree, &state.lag.velocities);
+        let mass = &self.start.kin.M;
+        tree.sparsity.multiply(mass, lag, &mut self.guess);
+        let mut rise = 0.0;
+        for ((momentum, v), lag) in self.guess.iter().zip(&self.full.v).zip(lag) {
+            rise -= h * h * momentum * (v - 0.5 * h * h * lag);
         }
-        for (contact, v) in contacts.iter().zip(&self.second.point_velocity) {
-            let depth = -contact.gap - 0.5 * h * contact.normal.dot(v);
-            let more = -contact.normal_velocity(way);
-            rise += risen(contact.stiffness, depth, more);
-        }
-        for term in &self.middle.joints.terms {
-            let (v, more) = (self.second.v[term.dof], self.difference[term.dof]);
-            let [lower, upper] = term.gap;
-            rise += risen(term.limit_stiffness, -lower - 0.5 * h * v, -more);
-            rise += risen(term.limit_stiffness, -upper + 0.5 * h * v, more);
-        }
+        let (solved, way) = (&self.full, &mut self.end.kin.V);
+        rise += lifted(tree, &self.start, solved, h, &self.difference, way);
+        self.exceeds(ctx, state, rise, share)
+    }
+
+    /// Whether `rise`, J, is more than `share` of the kinetic energy of `state` and weight times reach.
+    fn exceeds(&self, ctx: &Context, state: &State, rise: f64, share: f64) -> bool {
+        let tree = ctx.tree;
         let weight = tree.moving_mass * REFERENCE_GRAVITY;
         let allowed = share * weight * tree.reach;
         // A number that is none must not pass.
@@ -175,6 +184,38 @@ pub(super) fn work(ctx: &Context, point: &Point, newton: &Newton, h: f64) -> f64
         );
     }
     h * power
+}
+
+/// What gravity, contacts and limits take up, J, when positions move by `more` after the step of `h` seconds that has been
+/// solved from `point`; the bodies' displacements go into `way`.
+fn lifted(
+    tree: &Tree,
+    point: &Point,
+    solved: &Newton,
+    h: f64,
+    more: &[f64],
+    way: &mut [Vec6],
+) -> f64 {
+    let kin = &point.kin;
+    forward(tree, &kin.S, more, way);
+    let mut rise = 0.0;
+    for (body, (I, way)) in tree.bodies.iter().zip(kin.I.iter().zip(way.iter())) {
+        if body.motion != Move::Welded {
+            let torque = Vec3::from(I.moment).cross(&tree.gravity);
+            rise -= torque.dot(&angular(way)) + I.mass * tree.gravity.dot(&linear(way));
+        }
+    }
+    for (contact, v) in point.contacts.iter().zip(&solved.point_velocity) {
+        let depth = -contact.gap - h * contact.normal.dot(v);
+        rise += risen(contact.stiffness, depth, -contact.normal_velocity(way));
+    }
+    for term in &point.joints.terms {
+        let (v, more) = (solved.v[term.dof], more[term.dof]);
+        let [lower, upper] = term.gap;
+        rise += risen(term.limit_stiffness, -lower - h * v, -more);
+        rise += risen(term.limit_stiffness, -upper + h * v, more);
+    }
+    rise
 }
 
 /// What a spring that is `depth` deep takes up over `more` of it.

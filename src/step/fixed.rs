@@ -46,7 +46,7 @@ impl Stepper {
         while done < count {
             let ctx = &ctx.after(done * h);
             self.start.update(ctx, state, h);
-            if self.rest(ctx, state, h, span - done * h, FIXED_ACCURACY[0]) {
+            if self.rest(ctx, state, h, span - done * h, 0.1 * FIXED_ACCURACY[0]) {
                 return Ok(());
             }
             if self.bounces(h) {

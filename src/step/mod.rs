@@ -9,6 +9,7 @@ mod fixed;
 mod flight;
 pub mod point;
 pub mod runge_kutta;
+mod single;
 mod smooth;
 
 #[cfg(test)]

@@ -14,7 +14,7 @@ use crate::step::convex::Problem;
 use crate::tree::Tree;
 
 /// Accuracy of impulses after an iteration, relative to that of a guess that needs none.
-const ITERATED: f64 = 1000.0;
+const ITERATED: f64 = 5000.0;
 /// Coarsest accuracy that this leads to.
 const COARSEST: f64 = 1e-3;
 

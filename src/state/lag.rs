@@ -1,0 +1,71 @@
+//! What a single solve gets wrong, as the last step that was solved in full and in halves has measured it.
+//!
+//! Where a communication step cuts steps short, this error hardly changes from one to the next: it is measured once and
+//! taken off a few times.
+
+use crate::model::Model;
+
+/// Steps that a measurement serves.
+const USES: f64 = 3.0;
+
+/// Error of a solve by itself, which grows with the square of its step, and how long it is known.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Lag {
+    /// Of the positions, per s² of the step squared.
+    pub positions: Vec<f64>,
+    /// Of the velocities, likewise.
+    pub velocities: Vec<f64>,
+    /// Length of the step that measured it, s.
+    pub length: f64,
+    /// Steps that may still take it off.
+    pub uses: f64,
+}
+
+impl Lag {
+    /// Nothing known.
+    pub fn new(model: &Model) -> Self {
+        Self {
+            positions: vec![0.0; model.nv()],
+            velocities: vec![0.0; model.nv()],
+            length: 0.0,
+            uses: 0.0,
+        }
+    }
+
+    /// Forgets it.
+    pub fn clear(&mut self) {
+        self.uses = 0.0;
+    }
+
+    /// Takes it from a step of `h` seconds.
+    ///
+    /// - `moved`: positions after the half steps less those after the full one
+    /// - `full`, `halves`: velocities after each
+    pub fn measure(&mut self, h: f64, moved: &[f64], full: &[f64], halves: &[f64]) {
+        // The half steps have half of it.
+        let share = 2.0 / (h * h);
+        for (lag, moved) in self.positions.iter_mut().zip(moved) {
+            *lag = -share * moved;
+        }
+        let ends = full.iter().zip(halves);
+        for (lag, (full, halves)) in self.velocities.iter_mut().zip(ends) {
+            *lag = share * (full - halves);
+        }
+        self.length = h;
+        self.uses = USES;
+    }
+
+    /// Whether it is known for a step of `h` seconds.
+    pub fn is_known(&self, h: f64) -> bool {
+        let share = h / self.length;
+        self.uses > 0.0 && self.uses <= USES && (0.5..=1.0 + 1e-6).contains(&share)
+    }
+
+    /// Overwrites it with that of another state of the same model, without allocating.
+    pub fn copy_from(&mut self, other: &Self) {
+        self.positions.copy_from_slice(&other.positions);
+        self.velocities.copy_from_slice(&other.velocities);
+        self.length = other.length;
+        self.uses = other.uses;
+    }
+}

@@ -1,0 +1,146 @@
+//! Steps of one solve, where a communication step cuts them short of what the error control proposes.
+//!
+//! A solve by itself is of first order. What it gets wrong is measured by every step that is solved in full and in halves,
+//! and hardly changes until the next: it is taken off the solves that follow, which are then of second order as well. The
+//! robot at hand tells whether it still holds: velocities are wrong by half the change of acceleration, positions by half
+//! the change of velocity. Where nothing is known, and hardly anything happens, the solve does as it is.
+
+#![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
+
+use crate::actuator::Drive;
+use crate::contact::{clip, seek};
+use crate::kinematics::advance;
+use crate::spatial::{Vec3, angular};
+use crate::state::State;
+use crate::step::control::{Stepper, worst_error};
+use crate::step::doubled::{add_impulses, store};
+use crate::step::energy::EXTRAPOLATION_GAIN;
+use crate::step::point::Context;
+
+/// Error, relative to the tolerance and per second, up to which one solve does as it is: what such steps add up to in a
+/// second stays below the tolerance.
+const SINGLE_RATE: f64 = 1.0;
+/// How far the known error of a solve may be from what the change of acceleration says of it, relative to the tolerance.
+const LAG_DOUBT: f64 = 0.2;
+
+impl Stepper {
+    /// Takes the full solve over `h` seconds into the state if it does without the half steps; tells whether it was taken.
+    pub(super) fn single_step(&mut self, ctx: &Context, state: &mut State, h: f64) -> bool {
+        if state.lag.is_known(h) && self.lag_doubt(ctx, state, h) <= LAG_DOUBT {
+            for (way, lag) in self.difference.iter_mut().zip(&state.lag.positions) {
+                *way = -h * h * lag;
+            }
+            let share = EXTRAPOLATION_GAIN * ctx.tolerance;
+            if !self.may_gain_singly(ctx, state, h, share) {
+                self.accept_corrected(ctx, state, h);
+                return true;
+            }
+        }
+        let good = self.single_error(ctx, state, h) <= SINGLE_RATE * h;
+        if good {
+            self.accept_single(ctx, state, h);
+            state.lag.clear();
+        }
+        good
+    }
+
+    /// Error of the full solve by itself, relative to the tolerance: positions lag behind by half the change of
+    /// velocity, velocities by half the change of acceleration since the last step (Milne's device).
+    pub(super) fn single_error(&self, ctx: &Context, state: &State, h: f64) -> f64 {
+        let changes = self.full.v.iter().zip(&state.v).zip(&state.trend);
+        let errors = changes.map(|((v, v0), trend)| {
+            let change = v - v0;
+            (0.5 * h * change, 0.5 * (change - h * trend))
+        });
+        worst_error(errors, &ctx.tree.weight) / ctx.tolerance
+    }
+
+    /// Keeps where a step starts, before its result goes into `state`.
+    pub(super) fn keep_start(&mut self, state: &State) {
+        self.v_start.copy_from_slice(&state.v);
+        self.q_start.copy_from_slice(&state.q);
+    }
+
+    /// The mean acceleration over the step of `h` seconds that led from what was kept to `state`.
+    pub(super) fn end_trend(&self, state: &mut State, h: f64) {
+        for ((trend, v), start) in state.trend.iter_mut().zip(&state.v).zip(&self.v_start) {
+            *trend = (v - start) / h;
+        }
+    }
+
+    /// Takes the full solve into the state as it is.
+    pub(super) fn accept_single(&mut self, ctx: &Context, state: &mut State, h: f64) {
+        self.keep_start(state);
+        store(ctx, &self.start, &self.full, h, state);
+        advance(ctx.tree, &self.q_start, &self.full.v, h, &mut state.q);
+        add_impulses(&self.start.contacts, &self.full, 1.0, &mut state.impulse);
+        self.end_trend(state, h);
+    }
+
+    /// How far the known error of the full solve is from half the changes of velocity and of acceleration, relative to the
+    /// tolerance.
+    fn lag_doubt(&self, ctx: &Context, state: &State, h: f64) -> f64 {
+        let lag = &state.lag;
+        let between = 0.5 * (h + lag.length);
+        let changes = self.full.v.iter().zip(&state.v).zip(&state.trend);
+        let errors = changes.zip(lag.positions.iter().zip(&lag.velocities)).map(
+            |(((v, v0), trend), (position, velocity))| {
+                let change = v - v0;
+                let jerk = (change / h - h * velocity - trend) / between;
+                let moved = h * (h * position - 0.5 * change);
+                (moved, h * h * (velocity - 0.5 * jerk))
+            },
+        );
+        worst_error(errors, &ctx.tree.weight) / ctx.tolerance
+    }
+
+    /// Takes the full solve into the state less its known error, by which `self.difference` moves positions and the velocities
+    /// of `self.end` bodies.
+    fn accept_corrected(&mut self, ctx: &Context, state: &mut State, h: f64) {
+        self.accept_single(ctx, state, h);
+        self.q_full.copy_from_slice(&state.q);
+        advance(ctx.tree, &self.q_full, &self.difference, 1.0, &mut state.q);
+        for ((v, trend), lag) in state
+            .v
+            .iter_mut()
+            .zip(&mut state.trend)
+            .zip(&state.lag.velocities)
+        {
+            *v -= h * h * lag;
+            *trend -= h * lag;
+        }
+        let way = &self.end.kin.V;
+        let mut turns = self.start.turns.iter().peekable();
+        let mut contacts = self.start.contacts.iter().peekable();
+        for touch in &mut state.touches {
+            if let Some(contact) = seek(&mut contacts, touch.slot, |c| c.slot) {
+                let moved = contact.velocity(way);
+                let moved = moved - contact.normal * contact.normal.dot(&moved);
+                let limit = contact.cap / contact.tangential_stiffness;
+                touch.displacement = shifted(touch.displacement, moved, limit).into();
+            }
+            if let Some(turn) = seek(&mut turns, touch.slot, |t| t.slot) {
+                let moved = Vec3::from(touch.turn) + angular(&way[turn.body]);
+                touch.turn = turn.clipped(&moved).into();
+            }
+        }
+        for term in &self.start.joints.terms {
+            let moved = self.difference[term.dof];
+            if let (Some(index), Drive::Velocity { element, .. }) = (term.actuator, term.drive) {
+                state.motor[index] = element.shifted(state.motor[index], moved);
+            }
+            state.dry[term.dof] = term.dry.shifted(state.dry[term.dof], moved);
+        }
+        state.lag.uses -= 1.0;
+    }
+}
+
+/// The displacement of a friction element whose body has `moved` by so much more, within `limit`; one that slips stays.
+fn shifted(displacement: [f64; 3], moved: Vec3, limit: f64) -> Vec3 {
+    let displacement = Vec3::from(displacement);
+    if displacement.norm_squared() < limit * limit {
+        clip(displacement + moved, limit)
+    } else {
+        displacement
+    }
+}
