@@ -95,8 +95,8 @@ def sweeps(case, binary):
         if stiff and not scene.ground:
             continue
         yield Sweep(name, steps, h / 1024, lambda s, i=integrator, f=stiff: MuJoCo(scene, i, s, f).run)
-    yield Sweep("PyBullet", steps, h / 256, lambda s: PyBullet(scene, s).run)
-    yield Sweep("Drake SAP", steps, h / 256, lambda s: Drake(scene, step=s).run)
+    yield Sweep("PyBullet", steps, h / 512, lambda s: PyBullet(scene, s).run)
+    yield Sweep("Drake SAP", steps, h / 512, lambda s: Drake(scene, step=s).run)
     yield Sweep("Drake CENIC", ACCURACIES, 1e-7 if case.scene.mass() < 40 else 1e-6, lambda a: Drake(scene, accuracy=a).run)
 
 
@@ -151,8 +151,11 @@ def label(setting):
 def table(case, points):
     """Markdown: a row a simulator, a column a setting; error and time."""
     lines = ["| simulator | setting: error at µs of CPU per second |", "|---|---|"]
+    every = sorted({s for name, list_ in points.items() if name in STEPPED for s, *_ in list_}, reverse=True)
     for name, list_ in points.items():
         cells = " · ".join(f"{label(s)}: {e:.1e} at {t * 1e6:,.0f}".replace(",", " ") for s, t, e in list_)
+        missing = [label(s) for s in every if name in STEPPED and s not in {s for s, *_ in list_}]
+        cells += f" · no result: {', '.join(missing)}" if cells and missing else ""
         lines.append(f"| {name} | {cells or 'no run ended with a result'} |")
     above = verdict(points)
     if not above:
@@ -175,6 +178,10 @@ STYLES = {
     "Drake SAP": dict(color="#6a994e", marker="P"),
     "Drake CENIC": dict(color="#386641", marker="X", linestyle="-."),
 }
+
+
+# Those whose setting is a step.
+STEPPED = [name for name in STYLES if name not in ("urdf2fmu, error control", "Drake CENIC")]
 
 
 def draw(results):

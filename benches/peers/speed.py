@@ -19,7 +19,7 @@ from page import machine, write
 
 SCENES = (scenes.iiwa_free, scenes.panda_free, scenes.r2d2, scenes.a1_standing, scenes.a1_marching,
           scenes.humanoid_standing, scenes.humanoid_falling)
-FAST = (scenes.iiwa_free, scenes.r2d2, scenes.a1_standing, scenes.a1_marching)
+FAST = (scenes.iiwa_free, scenes.panda_free, scenes.r2d2, scenes.a1_standing, scenes.a1_marching, scenes.humanoid_standing)
 
 
 def measure(scene, binary, rounds, rate):
