@@ -4,11 +4,16 @@ use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 use std::path::Path;
 use std::sync::Arc;
-use urdf2fmu_core::model::ActuatorId;
+use urdf2fmu_core::model::{ActuatorId, Model};
 use urdf2fmu_core::settings::Settings;
 use urdf2fmu_core::simulation::{InputSlot, OutputSlot, ParameterSlot, Simulation};
 use urdf2fmu_core::urdf::ReadOptions;
 use urdf2fmu_core::{assemble, urdf};
+
+#[path = "acceptance/claim.rs"]
+mod claim;
+
+use claim::hold;
 
 thread_local! {
     static COUNT: Cell<usize> = const { Cell::new(0) };
@@ -46,53 +51,109 @@ fn the_counter_counts() {
     assert_eq!(counted(|| drop(std::hint::black_box(vec![1, 2, 3]))), 1);
 }
 
+/// Everything that contacts can have.
+const ROUGH: &str =
+    "[world.ground]\nrolling_friction = 1e-3\ntorsional_friction = 1e-3\nstatic_friction = 1\n";
+/// Contacts that bounce, in steps of their own.
+const BOUNCING: &str = "[world.ground]\nrestitution = 0.5\n";
+/// Every joint under a position servo, under a pd law, and pushed.
+const SERVO: &str = "[[actuator]]\njoint = \"*\"\nmode = \"position\"\n";
+const PD: &str = "[[actuator]]\njoint = \"*\"\nmode = \"pd\"\nkp = 50\nkd = 2\n";
+const PUSHED: &str = "[[actuator]]\njoint = \"*\"\nmode = \"effort\"\n";
+
 #[test]
 fn do_step_save_and_read_do_not_allocate() {
-    // Once more with everything that contacts can have.
-    let rough =
-        "[world.ground]\nrolling_friction = 1e-3\ntorsional_friction = 1e-3\nstatic_friction = 1\n";
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples");
+    let (mut steps, mut all) = (0, 0);
     for (name, settings) in [
-        ("rover", ""),
-        ("arm", ""),
-        ("quadruped", ""),
-        ("rover", rough),
+        ("rover", Some("")),
+        ("rover", Some(ROUGH)),
+        ("rover", Some(BOUNCING)),
+        ("arm", Some("")),
+        ("arm", Some(SERVO)),
+        ("arm", Some(PD)),
+        ("arm", Some(PUSHED)),
+        ("quadruped", Some("")),
+        ("quadruped", Some(SERVO)),
+        // Its own settings.
+        ("quadruped", None),
     ] {
-        let settings = Settings::parse(settings, "settings").expect("legal settings");
-        let file = format!("{}/examples/{name}.urdf", env!("CARGO_MANIFEST_DIR"));
-        let description =
-            urdf::read(Path::new(&file), &ReadOptions::default()).expect("an example");
+        let settings = match settings {
+            Some(text) => Settings::parse(text, "settings").expect("legal settings"),
+            None => Settings::read(&folder.join(format!("{name}.toml"))).expect("an example"),
+        };
+        let options = settings.read_options(ReadOptions::default());
+        let file = folder.join(format!("{name}.urdf"));
+        let description = urdf::read(&file, &options).expect("an example");
         let model = assemble::build(&description, &settings)
             .expect("an example")
             .model;
-        let actuators = model.actuators.len();
-        for fixed in [0.0, 1.0 / 240.0] {
-            let mut simulation = Simulation::new(Arc::new(model.clone()));
-            simulation.set_parameter(ParameterSlot::StepSize, fixed);
-            // From the air, so that explicit steps, the impact and rest all happen.
-            let height = simulation.parameter(ParameterSlot::InitialBasePosition(2));
-            simulation.set_parameter(ParameterSlot::InitialBasePosition(2), height + 0.3);
-            simulation.initialize(0.0).expect("a sound model");
-            let mut saved = simulation.save();
-            let count = counted(|| {
-                for step in 1..=720_u32 {
-                    for a in 0..actuators {
-                        let phase = f64::from(step) * 0.01;
-                        let target = if step < 480 { libm::sin(phase) } else { 0.0 };
-                        simulation.set_input(InputSlot::Velocity(ActuatorId::from(a)), target);
-                    }
-                    simulation
-                        .advance_to(f64::from(step) / 240.0)
-                        .expect("finite");
-                    std::hint::black_box(simulation.output(OutputSlot::EnergyKinetic));
-                    if step % 100 == 0 {
-                        simulation.restore(&saved).expect("its own state");
-                        simulation.save_into(&mut saved);
-                        let time = f64::from(step) / 240.0;
-                        simulation.state_mut().time = time;
-                    }
-                }
-            });
-            assert_eq!(count, 0, "{name}, step size {fixed}");
+        // Commands that stay between communication points, and commands that vary.
+        for (fixed, slope) in [
+            (0.0, 0.0),
+            (0.0, 0.3),
+            (1.0 / 240.0, 0.0),
+            (1.0 / 240.0, 0.3),
+        ] {
+            let count = allocations(&model, fixed, slope);
+            assert_eq!(count, 0, "{name}, step size {fixed}, slope {slope}");
+            (steps, all) = (steps + STEPS, all + count);
         }
     }
+    let what =
+        format!("allocations in {steps} communication steps, with saving, restoring and outputs");
+    hold(
+        "G",
+        &what,
+        "0",
+        f64::from(u32::try_from(all).expect("few")),
+        0.0,
+    );
+}
+
+/// Communication steps of a run.
+const STEPS: u32 = 720;
+
+/// Allocations in a run of a robot that falls onto the ground under commands, stands, and is put back now and then.
+///
+/// - `fixed`: fixed step, s; 0: error control
+/// - `slope`: by how much commands rise between communication points, 1/s
+fn allocations(model: &Model, fixed: f64, slope: f64) -> usize {
+    let actuators = model.actuators.len();
+    let mut simulation = Simulation::new(Arc::new(model.clone()));
+    simulation.set_parameter(ParameterSlot::StepSize, fixed);
+    // From the air, so that explicit steps, the impact and rest all happen.
+    let height = simulation.parameter(ParameterSlot::InitialBasePosition(2));
+    simulation.set_parameter(ParameterSlot::InitialBasePosition(2), height + 0.3);
+    simulation.initialize(0.0).expect("a sound model");
+    let mut saved = simulation.save();
+    counted(|| {
+        for step in 1..=STEPS {
+            for a in (0..actuators).map(ActuatorId::from) {
+                let phase = f64::from(step) * 0.01;
+                let target = if step < 480 { libm::sin(phase) } else { 0.0 };
+                for slot in [
+                    InputSlot::Velocity(a),
+                    InputSlot::Position(a),
+                    InputSlot::Effort(a),
+                ] {
+                    simulation.set_input(slot, 0.2 * target);
+                    if slope != 0.0 && step < 480 {
+                        simulation.set_input_derivative(slot, 1, slope);
+                        simulation.set_input_derivative(slot, 2, -slope);
+                    }
+                }
+            }
+            simulation
+                .advance_to(f64::from(step) / 240.0)
+                .expect("finite");
+            std::hint::black_box(simulation.output(OutputSlot::EnergyKinetic));
+            if step % 100 == 0 {
+                simulation.restore(&saved).expect("its own state");
+                simulation.save_into(&mut saved);
+                let time = f64::from(step) / 240.0;
+                simulation.state_mut().time = time;
+            }
+        }
+    })
 }

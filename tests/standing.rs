@@ -67,7 +67,7 @@ fn a_rover_and_a_quadruped_stand_for_an_hour_without_moving() {
     }
 }
 
-/// The same hour in fixed steps of 1/240 s; a minute of it, at the cost of each step.
+/// The same in fixed steps of 1/240 s, for a minute: each of its 14,400 steps is taken.
 #[test]
 fn they_stand_in_fixed_steps_too() {
     for name in ["rover", "quadruped"] {

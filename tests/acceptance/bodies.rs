@@ -192,11 +192,14 @@ fn d3_a_mass_ratio_of_a_million_rests_at_the_static_penetration() {
 fn d4_a_rimless_wheel_walks_as_mcgeer_says() {
     let (alpha, gamma) = (std::f64::consts::PI / 8.0, 0.08_f64);
     // A mass in the hub alone, as the textbook has it, leaves a wheel without inertia: where its foot sticks depends on
-    // friction and normal force within one instant, which a step takes one after the other. It misses the target of 1 %
-    // by 5 to 13 %.
-    for (gyration, penetration, allowed) in
-        [(0.5, 1e-6, 1e-2), (0.1, 1e-6, 1e-2), (1e-6, 1e-4, 2e-1)]
-    {
+    // friction and normal force within one instant, which a step takes one after the other. It misses the target of 1 %,
+    // and stiffer ground does not help.
+    for (gyration, penetration, allowed) in [
+        (0.5, 1e-6, 1e-2),
+        (0.1, 1e-6, 1e-2),
+        (1e-6, 1e-5, 1e-1),
+        (1e-6, 1e-6, 1.5e-1),
+    ] {
         let kept = ((2.0 * alpha).cos() + gyration) / (1.0 + gyration);
         let drop = 4.0 * G * alpha.sin() * gamma.sin() / (1.0 + gyration);
         let expected = (drop * kept * kept / (1.0 - kept * kept)).sqrt();

@@ -28,7 +28,7 @@ fn a2_the_centre_of_mass_falls_on_the_parabola_wherever_the_frame_is() {
     let mut b = Builder::new(true, inertia(2.0, X * 0.1, [0.01, 0.02, 0.025]));
     let omega = Vec3::new(1.0, 2.0, 3.0);
     b.model.initial.angular_velocity = omega;
-    for (tolerance, allowed) in [(1e-4, 1e-2), (1e-8, 1e-6)] {
+    for tolerance in [1e-4, 1e-8] {
         let mut s = start(b.model.clone(), tolerance);
         run(&mut s, 10.0, 0.01);
         let com = vector(&s.state().q) + rotation(&s, 3) * X * 0.1;
@@ -38,7 +38,7 @@ fn a2_the_centre_of_mass_falls_on_the_parabola_wherever_the_frame_is() {
             &format!("centre of mass 0.1 m off the frame, 10 s, tol {tolerance:.0e}"),
             "parabola",
             (com - expected).norm(),
-            allowed,
+            1e-10,
         );
     }
 }
@@ -68,7 +68,7 @@ fn a3_a_free_asymmetric_body_has_the_period_of_jacobis_functions() {
         "ω after one period, rad/s, tol 1e-8",
         expected,
         off,
-        2e-7,
+        1e-7,
     );
     let momentum = |s: &Simulation| rotation(s, 3) * I.component_mul(&spin(s));
     let drift = (momentum(&s) - I).norm() / I.norm();
@@ -86,12 +86,13 @@ fn pendulum() -> Model {
 }
 
 /// A4. Released from horizontal: T = 4 K(1/2)/√g = 2.36784195 s (IFToMM benchmark A01). Looked at where it is
-/// fastest, a quarter after the period: at its turning point an error of the period would not show.
+/// fastest, a quarter after the period: at its turning point an error of the period would not show. That the energy drifts by
+/// less than 1e-6 in 10 s is met at 1e-8, not at 1e-4.
 #[test]
 fn a4_a_pendulum_released_from_horizontal_has_the_exact_period() {
     let period = 4.0 * elliptic_k(0.5) / G.sqrt();
     assert!((period - 2.367_841_95).abs() < 1e-8);
-    for (tolerance, off, drift) in [(1e-4, 2e-3, 2e-2), (1e-8, 1e-7, 1e-6)] {
+    for (tolerance, off, drift) in [(1e-4, 1e-5, 1e-4), (1e-8, 1e-9, 1e-8)] {
         let mut s = start(pendulum(), tolerance);
         let before = energy(&mut s);
         run(&mut s, 1.25 * period, 0.01);
@@ -129,25 +130,55 @@ pub(crate) fn double_pendulum() -> Model {
     b.model
 }
 
+/// Angles from the vertical and their rates after 2 s: Lagrange's equations of the two point masses,
+/// `2θ̈₁ + c θ̈₂ = −s θ̇₂² − 2g sin θ₁`, `c θ̈₁ + θ̈₂ = s θ̇₁² − g sin θ₂` with c, s of θ₁ − θ₂, by the classical Runge–Kutta method
+/// in `count` steps.
+fn lagrange(count: u32) -> [f64; 4] {
+    let rates = |[a, b, u, w]: [f64; 4]| {
+        let (s, c) = libm::sincos(a - b);
+        let first = -s * w * w - 2.0 * G * libm::sin(a);
+        let second = s * u * u - G * libm::sin(b);
+        let bend = (first - c * second) / (2.0 - c * c);
+        [u, w, bend, second - c * bend]
+    };
+    let h = 2.0 / f64::from(count);
+    let add = |x: [f64; 4], k: [f64; 4], h: f64| std::array::from_fn(|i| x[i] + h * k[i]);
+    let mut x = [std::f64::consts::FRAC_PI_2; 4];
+    (x[2], x[3]) = (0.0, 0.0);
+    for _ in 0..count {
+        let k1 = rates(x);
+        let k2 = rates(add(x, k1, 0.5 * h));
+        let k3 = rates(add(x, k2, 0.5 * h));
+        let k4 = rates(add(x, k3, h));
+        let mean = std::array::from_fn(|i| (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i]) / 6.0);
+        x = add(x, mean, h);
+    }
+    x
+}
+
 /// A5. From (π/2, π/2) at rest, at 2 s: q = (−0.48297153, −1.32404871), v = (3.06528819, 2.94927155), angles from the
-/// vertical (an independent integration of Lagrange's equations at 1e-13).
+/// vertical, and more digits from Lagrange's equations.
 #[test]
 fn a5_a_double_pendulum_ends_where_the_reference_says() {
+    let reference = lagrange(20_000);
+    let known = [-0.482_971_53, -1.324_048_71, 3.065_288_19, 2.949_271_55];
+    for ((fine, coarse), known) in reference.iter().zip(lagrange(10_000)).zip(known) {
+        // Sixteen times as far off, and still to eleven digits.
+        assert!((fine - coarse).abs() < 1e-11, "{fine} {coarse}");
+        assert!((fine - known).abs() < 6e-9, "{fine} {known}");
+    }
+    let [a, b, u, w] = reference;
     for (tolerance, allowed) in [(1e-4, 2e-4), (1e-6, 2e-6)] {
         let mut s = start(double_pendulum(), tolerance);
         run(&mut s, 2.0, 0.1);
         let (q, v) = (&s.state().q, &s.state().v);
-        let position = (q[0] + 0.482_971_53)
-            .abs()
-            .max((q[0] + q[1] + 1.324_048_71).abs());
-        let speed = (v[0] - 3.065_288_19)
-            .abs()
-            .max((v[0] + v[1] - 2.949_271_55).abs());
-        let expected = "integration of Lagrange's equations at 1e-13";
+        let position = (q[0] - a).abs().max((q[0] + q[1] - b).abs());
+        let speed = (v[0] - u).abs().max((v[0] + v[1] - w).abs());
+        let expected = "Lagrange's equations by Runge–Kutta in 20,000 steps";
         let name = format!("angles after 2 s, rad, tol {tolerance:.0e}");
         hold("A5", &name, expected, position, allowed);
         let name = format!("rates after 2 s, rad/s, tol {tolerance:.0e}");
-        hold("A5", &name, expected, speed, 10.0 * allowed);
+        hold("A5", &name, expected, speed, allowed);
     }
 }
 
@@ -161,7 +192,7 @@ fn a7_a_heavy_top_precesses_steadily_at_the_rate_of_euler() {
     let (sin, cos) = tilt.sin_cos();
     let b = along * spin;
     let rate = (b - (b * b - 4.0 * I1 * cos * mass * G * length).sqrt()) / (2.0 * I1 * cos);
-    for (tolerance, allowed) in [(1e-4, 1e-2), (1e-8, 1e-6)] {
+    for (tolerance, allowed) in [(1e-4, 1e-4), (1e-8, 1e-8)] {
         let mut builder = fixed();
         let body = inertia(mass, Z * length, [across, across, along]);
         builder.link(BASE, Pose::IDENTITY, Motion::Spherical, body);

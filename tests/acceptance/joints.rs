@@ -87,7 +87,7 @@ fn b2_a_velocity_motor_drives_a_cart_with_its_effort_and_then_holds_its_speed() 
         "acceleration, m/s², tol 1e-4",
         "F/R/(M + I/R²)",
         a - 0.5 / 0.1 / 5.75,
-        2e-3,
+        2e-4,
     );
     let mut fastest = 0.0_f64;
     while s.time() < t0 + 3.0 - 1e-9 {

@@ -11,7 +11,26 @@ fn bits(s: &Simulation) -> Vec<u64> {
     fields.into_iter().flatten().map(|x| x.to_bits()).collect()
 }
 
-/// One simulation of a driven robot under random commands.
+/// Robots that drive, walk and reach.
+const ROBOTS: [&str; 3] = [
+    "examples/rover.urdf",
+    "examples/quadruped.urdf",
+    "examples/arm.urdf",
+];
+
+/// Every robot under error control and in fixed steps, with its name for the table.
+fn cases() -> impl Iterator<Item = (Arc<Model>, String)> {
+    let steps = [(0.0, "error control"), (1.0 / 240.0, "fixed steps")];
+    ROBOTS.iter().flat_map(move |path| {
+        steps.map(|(step, name)| {
+            let mut model = robot(path, |_| {});
+            model.solver.step_size = step;
+            (Arc::new(model), format!("{path}, {name}"))
+        })
+    })
+}
+
+/// One simulation of a driven robot under random commands of every kind.
 struct Run {
     simulation: Simulation,
     random: Random,
@@ -28,21 +47,23 @@ impl Run {
     }
 
     fn step(&mut self) {
-        for a in 0..self.simulation.model().actuators.len() {
-            let speed = self.random.uniform(-8.0, 8.0);
-            let slot = InputSlot::Velocity(ActuatorId::from(a));
-            self.simulation.set_input(slot, speed);
+        let Self { simulation, random } = self;
+        for a in (0..simulation.model().actuators.len()).map(ActuatorId::from) {
+            simulation.set_input(InputSlot::Velocity(a), random.uniform(-8.0, 8.0));
+            simulation.set_input(InputSlot::Position(a), random.uniform(-0.5, 0.5));
+            simulation.set_input(InputSlot::Effort(a), random.uniform(-1.0, 1.0));
+            let rate = random.uniform(-1.0, 1.0);
+            simulation.set_input_derivative(InputSlot::Position(a), 1, rate);
         }
-        let end = self.simulation.time() + self.random.uniform(1e-4, 0.02);
-        self.simulation.advance_to(end).expect("finite");
+        let end = simulation.time() + random.uniform(1e-4, 0.02);
+        simulation.advance_to(end).expect("finite");
     }
 }
 
 /// Repeatability. 64 simulations on eight threads, interleaved on each, give the bits of each simulation alone.
 #[test]
 fn sixty_four_simulations_on_eight_threads_give_the_bits_of_one() {
-    for path in ["examples/rover.urdf", "examples/quadruped.urdf"] {
-        let model = Arc::new(robot(path, |_| {}));
+    for (model, name) in cases() {
         let alone: Vec<Vec<u64>> = (0..8)
             .map(|seed| {
                 let mut run = Run::new(&model, seed);
@@ -71,8 +92,8 @@ fn sixty_four_simulations_on_eight_threads_give_the_bits_of_one() {
                 .map(|t| t.join().expect("no panic"))
                 .sum()
         });
-        let what = format!("of 64 simulations on 8 threads, other bits than alone, {path}");
-        hold("G", &what, "0", differing as f64, 0.0);
+        let what = format!("of 64 simulations on 8 threads, other bits than alone, {name}");
+        hold("R", &what, "0", differing as f64, 0.0);
         assert!(
             alone.windows(2).all(|pair| pair[0] != pair[1]),
             "seeds differ"
@@ -81,11 +102,10 @@ fn sixty_four_simulations_on_eight_threads_give_the_bits_of_one() {
 }
 
 /// Repeatability. A state saved at a random moment, through bytes, in another instance that did something else before,
-/// and run again.
+/// and run again, on another thread.
 #[test]
 fn restored_states_continue_with_the_same_bits() {
-    for path in ["examples/rover.urdf", "examples/quadruped.urdf"] {
-        let model = Arc::new(robot(path, |_| {}));
+    for (model, name) in cases() {
         let mut differing = 0;
         for cut in [1, 17, 50, 83] {
             let mut first = Run::new(&model, 5);
@@ -93,15 +113,21 @@ fn restored_states_continue_with_the_same_bits() {
             let bytes = first.simulation.save().to_bytes();
             let random = first.random.0;
             (cut..100).for_each(|_| first.step());
-            let mut other = Run::new(&model, 6);
-            (0..31).for_each(|_| other.step());
-            let saved = Snapshot::from_bytes(&model, &bytes).expect("what was written");
-            other.simulation.restore(&saved).expect("the same model");
-            other.random.0 = random;
-            (cut..100).for_each(|_| other.step());
-            differing += usize::from(bits(&first.simulation) != bits(&other.simulation));
+            let other = std::thread::scope(|scope| {
+                let thread = scope.spawn(|| {
+                    let mut other = Run::new(&model, 6);
+                    (0..31).for_each(|_| other.step());
+                    let saved = Snapshot::from_bytes(&model, &bytes).expect("what was written");
+                    other.simulation.restore(&saved).expect("the same model");
+                    other.random.0 = random;
+                    (cut..100).for_each(|_| other.step());
+                    bits(&other.simulation)
+                });
+                thread.join().expect("no panic")
+            });
+            differing += usize::from(bits(&first.simulation) != other);
         }
-        let what = format!("of 4 restored runs, other bits than the first, {path}");
-        hold("G", &what, "0", differing as f64, 0.0);
+        let what = format!("of 4 restored runs, other bits than the first, {name}");
+        hold("R", &what, "0", differing as f64, 0.0);
     }
 }

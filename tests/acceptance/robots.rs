@@ -230,7 +230,7 @@ fn d1_a_rover_drives_straight() {
         "place of a rover after 3 s, m",
         "that at tol 1e-8",
         error.norm(),
-        1e-3,
+        2e-4,
     );
 }
 
@@ -324,12 +324,12 @@ fn d2_a_standing_quadrupeds_forces_are_unique_and_carry_its_weight() {
     }
 }
 
-/// D7. Humanoids of 60 degrees of freedom fall in every attitude, limp or servoed: no step fails, nothing is left
-/// unconverged. A sample; the thousand are in docs/robustness.md.
+/// D7. Humanoids of 60 degrees of freedom fall in every attitude, limp or servoed: no step fails, and few are accepted
+/// without having met the tolerance, where the case asks for none. A sample; the thousand are in docs/robustness.md.
 #[test]
 fn d7_falling_humanoids_stay_finite() {
     let mut worst = 0.0_f64;
-    let (mut floor, mut steps) = (0, 0);
+    let (mut floor, mut steps, mut failed) = (0, 0, 0);
     for seed in 0..16_u64 {
         let mut random = Random(seed);
         let mode = if seed % 2 == 0 {
@@ -349,9 +349,8 @@ fn d7_falling_humanoids_stay_finite() {
             }
         }
         let mut s = start(model, 1e-3);
-        for i in 1..=480 {
-            s.advance_to(f64::from(i) / 240.0).expect("finite");
-        }
+        let steps_taken = (1..=480).map(|i| s.advance_to(f64::from(i) / 240.0));
+        failed += steps_taken.filter(Result::is_err).count();
         floor += s.state().counters[3];
         steps += s.state().counters[0];
         let fast = s.state().v.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
@@ -362,14 +361,14 @@ fn d7_falling_humanoids_stay_finite() {
         "D7",
         "failed steps of 16 falls of a humanoid",
         "0",
-        0.0,
+        failed as f64,
         0.0,
     );
     let share = floor as f64 / steps as f64;
     hold(
         "D7",
         "share of the steps accepted at the floor",
-        "few",
+        "none: no warning",
         share,
         1e-2,
     );

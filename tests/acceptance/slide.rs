@@ -118,50 +118,62 @@ fn c4_a_sliding_block_stops_after_the_coulomb_distance() {
 }
 
 /// C5. A block pushed from rest, and one that slides freely, move in one direction and keep it: a friction pyramid would
-/// turn them, and exceed the cone by up to 41 % at 45°.
+/// turn them, and exceed the cone by up to 41 % at 45°. With its centre of mass above the ground the corners carry different
+/// loads and give way one after the other when the push begins, which turns the block by micrometres a metre (by as much at
+/// a tolerance of 1e-8); once it slides, nothing does.
 #[test]
 fn c5_friction_is_isotropic() {
-    let (mut pushed, mut sliding, mut share) = (0.0_f64, 0.0_f64, 0.0_f64);
-    for i in 0..=12 {
-        let angle = f64::from(i) * 7.5_f64.to_radians();
-        let (sin, cos) = libm::sincos(angle);
-        let mut s = start(flat_block(0.5).model, 1e-4);
-        push(&mut s, 0, 8.0 * cos);
-        push(&mut s, 1, 8.0 * sin);
-        // The spring of the friction gives way first.
-        run(&mut s, 0.1, 0.01);
-        let before = s.state().v[3].hypot(s.state().v[4]);
-        run(&mut s, 0.5, 0.01);
-        let way = libm::atan2(s.state().q[1], s.state().q[0]);
-        pushed = pushed.max((way - angle).abs());
-        let speed = s.state().v[3].hypot(s.state().v[4]) - before;
-        share = share.max((speed / (0.4 * (8.0 - 0.5 * G)) - 1.0).abs());
-        let mut b = flat_block(0.5);
-        b.model.initial.linear_velocity = Vec3::new(cos, sin, 0.0);
-        let mut s = start(b.model, 1e-4);
-        run(&mut s, 0.15, 0.01);
-        let way = libm::atan2(s.state().v[4], s.state().v[3]);
-        sliding = sliding.max((way - angle).abs());
+    for (block, name, set_going) in [
+        (
+            flat_block as fn(f64) -> Builder,
+            "pulled at the ground",
+            1e-6,
+        ),
+        (block, "pulled half way up", 1e-5),
+    ] {
+        let (mut pushed, mut sliding, mut share) = (0.0_f64, 0.0_f64, 0.0_f64);
+        for i in 0..=12 {
+            let angle = f64::from(i) * 7.5_f64.to_radians();
+            let (sin, cos) = libm::sincos(angle);
+            let mut s = start(block(0.5).model, 1e-4);
+            push(&mut s, 0, 8.0 * cos);
+            push(&mut s, 1, 8.0 * sin);
+            // The spring of the friction gives way first.
+            run(&mut s, 0.1, 0.01);
+            let before = s.state().v[3].hypot(s.state().v[4]);
+            run(&mut s, 0.5, 0.01);
+            let way = libm::atan2(s.state().q[1], s.state().q[0]);
+            pushed = pushed.max((way - angle).abs());
+            let speed = s.state().v[3].hypot(s.state().v[4]) - before;
+            share = share.max((speed / (0.4 * (8.0 - 0.5 * G)) - 1.0).abs());
+            let mut b = block(0.5);
+            b.model.initial.linear_velocity = Vec3::new(cos, sin, 0.0);
+            let mut s = start(b.model, 1e-4);
+            run(&mut s, 0.15, 0.01);
+            let way = libm::atan2(s.state().v[4], s.state().v[3]);
+            sliding = sliding.max((way - angle).abs());
+        }
+        let what = |what: &str| format!("{what}, a block {name}");
+        hold(
+            "C5",
+            &what("direction when pushed at 0 … 90°, rad"),
+            "that of the push",
+            pushed,
+            set_going,
+        );
+        hold(
+            "C5",
+            &what("direction when sliding at 0 … 90°, rad"),
+            "that of the speed",
+            sliding,
+            1e-6,
+        );
+        hold(
+            "C5",
+            &what("acceleration when pushed at 0 … 90°, relative"),
+            "F/m − μ g",
+            share,
+            1e-4,
+        );
     }
-    hold(
-        "C5",
-        "direction when pushed at 0 … 90°, rad",
-        "that of the push",
-        pushed,
-        1e-6,
-    );
-    hold(
-        "C5",
-        "direction when sliding at 0 … 90°, rad",
-        "that of the speed",
-        sliding,
-        1e-6,
-    );
-    hold(
-        "C5",
-        "acceleration when pushed at 0 … 90°, relative",
-        "F/m − μ g",
-        share,
-        1e-4,
-    );
 }

@@ -278,7 +278,7 @@ fn d1_r2d2_drives_straight() {
             &what("way of R2D2 in 3 s, m"),
             "that at tol 1e-8",
             error,
-            1e-3,
+            2e-4,
         );
     }
 }
@@ -318,7 +318,7 @@ fn d2_quadrupeds_nobody_here_wrote_stand_for_an_hour() {
             &what("Σ of the contact forces, relative"),
             "m g",
             force,
-            1e-6,
+            1e-7,
         );
     }
 }

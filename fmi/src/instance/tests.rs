@@ -429,6 +429,37 @@ fn experiments_that_make_no_sense_are_refused() {
     );
 }
 
+/// The rover falls 5 cm and drives off; nearer to a run at 1e-8 the smaller the tolerance, and at the price of steps.
+#[test]
+fn the_tolerance_of_the_experiment_decides_accuracy_and_steps() {
+    let drive = |tolerance: Option<f64>| {
+        let mut instance = instance();
+        instance
+            .setup_experiment(tolerance, 0.0, None)
+            .expect("legal");
+        instance.enter_initialization_mode();
+        instance.exit_initialization_mode().expect("a legal rover");
+        set(&mut instance, &[WHEEL_VELOCITY], &[5.0]).expect("legal");
+        instance.do_step(0.0, 0.5).expect("finite");
+        let state = instance.simulation.state();
+        (state.q.clone(), state.counters[0])
+    };
+    let (reference, _) = drive(Some(1e-8));
+    let off = |q: &[f64]| {
+        let pairs = q[..3].iter().zip(&reference);
+        pairs.fold(0.0_f64, |m, (a, b)| m.max((a - b).abs()))
+    };
+    let runs = [1e-2, 1e-4, 1e-6].map(|tolerance| drive(Some(tolerance)));
+    for ((coarse, few), (fine, many)) in runs.iter().zip(&runs[1..]) {
+        assert!(off(fine) < 0.5 * off(coarse), "{:e}", off(fine));
+        assert!(many > few, "{many} {few}");
+    }
+    assert!(off(&runs[2].0) < 1e-4, "{:e}", off(&runs[2].0));
+    // Without one, or with 0, it is 1e-3.
+    assert_eq!(drive(None), drive(Some(1e-3)));
+    assert_eq!(drive(Some(0.0)), drive(Some(1e-3)));
+}
+
 #[test]
 fn a_saved_state_continues_bit_for_bit_in_another_instance() {
     let mut first = running();
