@@ -16,8 +16,6 @@ pub use element::{ElastoPlastic, SpeedLine};
 use crate::contact::stribeck;
 use crate::inputs::{Command, Inputs};
 use crate::model::{ActuatorMode, Model};
-use crate::parameters::Parameters;
-use crate::simulation::ParameterSlot;
 use crate::tree::Tree;
 
 /// Displacement of a velocity motor under its reference effort, rad or m.
@@ -214,7 +212,6 @@ impl Joints {
         &mut self,
         model: &Model,
         tree: &Tree,
-        parameters: &Parameters,
         inputs: &Inputs,
         [t, h]: [f64; 2],
         q: &[f64],
@@ -302,9 +299,7 @@ impl Joints {
                     }
                 }
                 ActuatorMode::Pd => {
-                    let id = crate::model::ActuatorId::from(index);
-                    let kp = parameters.get(ParameterSlot::Kp(id));
-                    let kd = parameters.get(ParameterSlot::Kd(id));
+                    let [kp, kd] = tree.gains[index];
                     Drive::Pd {
                         offset: command.effort
                             + kp * (command.position - q)

@@ -9,6 +9,9 @@
 
 use crate::spatial::{Vec6, add_scaled6, add6, dot6, multiply_lower};
 
+/// Entries of a row from which a loop over neighbours costs less than one over columns that are looked up.
+const MANY: usize = 14;
+
 /// The pattern of a symmetric matrix under `LᵀDL` factorisation.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Sparsity {
@@ -18,7 +21,7 @@ pub struct Sparsity {
     pub depth: Vec<usize>,
     /// Column of every entry.
     pub column: Vec<u32>,
-    /// How many of each row's ancestors are 0, 1, 2, …: there no column needs to be looked up.
+    /// How many of each row's ancestors are 0, 1, 2, …, where they are many: there no column needs to be looked up.
     pub prefix: Vec<usize>,
     /// Whether the ancestors of every row begin with 0 … 5, as they do for a floating base.
     pub floating: bool,
@@ -69,7 +72,8 @@ impl Sparsity {
                 .all(|(i, &j)| i == j);
             let ancestors = &path[..path.len() - 1];
             let prefix = ancestors.iter().zip(0..).take_while(|(c, i)| **c == *i);
-            pattern.prefix.push(prefix.count());
+            let prefix = prefix.count();
+            pattern.prefix.push(if prefix < MANY { 0 } else { prefix });
             pattern.start.push(pattern.column.len());
             pattern.depth.push(path.len() - 1);
             pattern.column.extend(
@@ -378,21 +382,22 @@ mod tests {
 
     #[test]
     fn limbs_on_a_trunk_and_a_fixed_chain_factor_solve_and_multiply() {
-        // A floating base with a trunk of four, two arms of three on it and a leg of two beside it.
-        let base: Vec<usize> = (0..6).collect();
-        let path = |tail: &[usize]| [base.clone(), tail.to_vec()].concat();
-        let p = Sparsity::new(
-            18,
-            &[
-                path(&[6, 7, 8, 9, 10, 11, 12]),
-                path(&[6, 7, 8, 9, 13, 14, 15]),
-                path(&[16, 17]),
-            ],
-        );
+        // A floating base with a trunk of nine, two arms of three on it and a leg of two beside it.
+        let trunk: Vec<usize> = (0..15).collect();
+        let path = |root: &[usize], limb: std::ops::Range<usize>| {
+            [root, &limb.collect::<Vec<_>>()].concat()
+        };
+        let limbs = [
+            path(&trunk, 15..18),
+            path(&trunk, 18..21),
+            path(&trunk[..6], 21..23),
+        ];
+        let p = Sparsity::new(23, &limbs);
         assert!(p.floating);
-        assert_eq!((p.prefix[12], p.prefix[15], p.prefix[17]), (12, 10, 6));
+        let direct = [13, 14, 17, 20, 22].map(|k| p.prefix[k]);
+        assert_eq!(direct, [0, 14, 17, 15, 0]);
         check(&p);
-        let chain = Sparsity::new(9, &[(0..9).collect()]);
+        let chain = Sparsity::new(20, &[path(&[], 0..20)]);
         assert!(chain.floating);
         check(&chain);
     }

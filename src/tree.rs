@@ -189,6 +189,8 @@ pub struct Tree {
     pub limit_stiffness: Vec<f64>,
     /// Stiffness and damping of each actuator as a velocity motor.
     pub motors: Vec<(f64, f64)>,
+    /// Gains kp (N·m/rad or N/m) and kd (N·m·s/rad or N·s/m) of each actuator.
+    pub gains: Vec<[f64; 2]>,
     /// Weight of an error in each degree of freedom, 1 at one metre or at one radian of a metre's reach.
     pub weight: Vec<f64>,
     /// Largest extent of the robot from its base, m.
@@ -247,6 +249,7 @@ impl Tree {
             inertia: vec![0.0; model.nv()],
             limit_stiffness: vec![0.0; model.nv()],
             motors: vec![(0.0, 0.0); model.actuators.len()],
+            gains: vec![[0.0; 2]; model.actuators.len()],
             weight: vec![1.0; model.nv()],
             reach: 0.0,
         };
@@ -415,6 +418,9 @@ impl Tree {
             parameters.get(P::Gravity(1)),
             parameters.get(P::Gravity(2)),
         );
+        for (id, gains) in (0..).map(crate::model::ActuatorId).zip(&mut self.gains) {
+            *gains = [parameters.get(P::Kp(id)), parameters.get(P::Kd(id))];
+        }
         self.damping.fill(0.0);
         self.friction.fill(DryFriction::default());
         for (id, joint) in (0..).map(crate::model::JointId).zip(&model.joints) {

@@ -140,7 +140,6 @@ impl Point {
         self.joints.update(
             ctx.model,
             ctx.tree,
-            ctx.parameters,
             ctx.inputs,
             [ctx.elapsed, h],
             &state.q,
