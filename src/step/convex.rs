@@ -60,6 +60,8 @@ pub struct Newton {
     direction: Vec<f64>,
     direction_momentum: Vec<f64>,
     H: Vec<f64>,
+    /// Whether `H` holds the factor of the last solve's last Hessian.
+    factored: bool,
     V: Vec<Vec6>,
     point_direction: Vec<Vec3>,
     turn_responses: Vec<Response>,
@@ -111,6 +113,7 @@ impl Newton {
             direction: vec![0.0; nv],
             direction_momentum: vec![0.0; nv],
             H: vec![0.0; tree.sparsity.entries()],
+            factored: false,
             V: vec![[0.0; 6]; nb],
             point_direction: Vec::with_capacity(contacts),
             turn_responses: Vec::with_capacity(contacts),
@@ -177,13 +180,40 @@ impl Newton {
 
     /// Minimises from the guess that stands in `v`: one of the `guess` functions, or the last solution.
     pub fn solve(&mut self, p: &Problem) -> Outcome {
+        self.factored = false;
+        self.mark_loaded(p.tree, p.contacts);
+        self.respond(p);
+        self.minimise(p, None)
+    }
+
+    /// The same where the step before, of the same length, has been solved by `before`: its Hessian does for the first
+    /// iteration, if it has one and the same points touch, press, stick and slip. Where one such iteration is not enough,
+    /// Newton's own follow.
+    pub fn solve_after(&mut self, p: &Problem, before: (&Self, &[Contact])) -> Outcome {
+        self.factored = false;
+        self.mark_loaded(p.tree, p.contacts);
+        self.respond(p);
+        let (before, contacts) = before;
+        let alike = before.factored && {
+            let regime =
+                |r: &Response| (r.normal > 0.0, r.tangential > 0.0, r.slip == Vec3::zeros());
+            let now = p.contacts.iter().zip(&self.responses);
+            let then = contacts.iter().zip(&before.responses);
+            contacts.len() == p.contacts.len()
+                && now
+                    .zip(then)
+                    .all(|((c, r), (d, s))| c.slot == d.slot && regime(r) == regime(s))
+        };
+        self.minimise(p, alike.then_some(before.H.as_slice()))
+    }
+
+    /// Iterates from the responses at the guess; the first iteration takes `factor` for that of its Hessian, if there is one.
+    fn minimise(&mut self, p: &Problem, mut factor: Option<&[f64]>) -> Outcome {
         let Problem { tree, kin, h, .. } = *p;
-        self.mark_loaded(tree, p.contacts);
         let D2 = &kin.inverse_diagonal;
         // Impulses set the scale: else free fall would stop accelerating in small steps.
         let bias_scale = h * h * scaled_square(p.bias, D2);
         let mut round_off = None;
-        self.respond(p);
         let mut iterations = 0;
         loop {
             let impulse_scale = self.collect(p);
@@ -214,12 +244,17 @@ impl Newton {
                 };
             }
             iterations += 1;
-            self.assemble(p);
-            tree.sparsity.factor(&mut self.H);
             for (x, g) in self.direction.iter_mut().zip(&self.gradient) {
                 *x = -g;
             }
-            tree.sparsity.solve(&self.H, &mut self.direction);
+            if let Some(factor) = factor.take() {
+                tree.sparsity.solve(factor, &mut self.direction);
+            } else {
+                self.assemble(p);
+                tree.sparsity.factor(&mut self.H);
+                self.factored = true;
+                tree.sparsity.solve(&self.H, &mut self.direction);
+            }
             let alpha = self.line_search(p);
             for (v, w) in self.v.iter_mut().zip(&self.direction) {
                 *v += alpha * w;

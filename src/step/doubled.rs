@@ -102,7 +102,8 @@ impl Stepper {
         self.middle.expect_commands(ctx, &self.half, 0.5 * h);
         let problem = self.middle.problem(tree, 0.5 * h, accuracy);
         self.second.guess(&problem, &self.half.v, &self.full.v);
-        let second = self.second.solve(&problem);
+        let before = (&self.first, self.start.contacts.as_slice());
+        let second = self.second.solve_after(&problem, before);
         count(state, second.iterations);
         if !second.converged {
             return f64::INFINITY;
