@@ -4,7 +4,7 @@
 //! the articulated-body algorithm, of the composite-rigid-body algorithm and of the recursive Newton–Euler algorithm
 //! (`k(q, v)`), kinematics included each time, as they are in Pinocchio's functions of these names. Without a robot it
 //! prints a Markdown table of chains of 10 to 500 links that swing freely: time per accepted step.
-//! `benches/peers/pinocchio.py` runs it beside Pinocchio.
+//! `benches/peers/pinocchio_compare.py` runs it beside Pinocchio.
 
 #![expect(
     clippy::print_stdout,

@@ -67,7 +67,7 @@ fn a_rover_and_a_quadruped_stand_for_an_hour_without_moving() {
     }
 }
 
-/// The same in fixed steps of 1/240 s, for a minute: each of its 14,400 steps is taken.
+/// The same hour in fixed steps of 1/240 s.
 #[test]
 fn they_stand_in_fixed_steps_too() {
     for name in ["rover", "quadruped"] {
@@ -83,7 +83,9 @@ fn they_stand_in_fixed_steps_too() {
                 .expect("finite");
         }
         let settled = simulation.state().q.clone();
-        simulation.advance_to(70.0).expect("finite");
+        for second in 11..=3610_u32 {
+            simulation.advance_to(f64::from(second)).expect("finite");
+        }
         for (before, after) in settled.iter().zip(&simulation.state().q) {
             assert!((before - after).abs() < 1e-9, "{name}: {before} {after}");
         }

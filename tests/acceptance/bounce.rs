@@ -27,7 +27,7 @@ fn restitution(e: f64, speed: f64, g: f64, tolerance: f64, step: f64) -> f64 {
 
 /// C8. Newton's coefficient at every speed of impact, from 0.1 to 10 m/s, in gravity so light that its own work during
 /// the contact (g t/v with t about 10 ms) does not show: to a share of itself. The case asks for 1 % at 1e-4 and for 0.1 % at
-/// 1e-6; a bounce at 0.1 m/s, a fifth of a millimetre deep, has it to 1.2 % at 1e-4.
+/// 1e-6; a bounce at 0.1 m/s, half a millimetre deep, has it to 1.2 % at 1e-4.
 #[test]
 fn c8_a_ball_rebounds_with_the_coefficient_of_restitution_at_every_speed() {
     let table = [0.95, 0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3, 0.2, 0.1, 0.05];

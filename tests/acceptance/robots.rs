@@ -181,8 +181,8 @@ fn d5_held_wheels_are_dragged_along_at_any_communication_step() {
 }
 
 /// D5. A rover with its centre of mass raised, whose front wheels turn at 6 rad/s and whose rear wheels at −6 rad/s for 2 s:
-/// all slip, and the load that moves between the axles is worth 2 μ h/l = 1 … 2 times the friction that moves it. Steps
-/// that took the loads from their start fed on themselves: way −0.53 m instead of 0.33 m, in 400 steps.
+/// all slip, and the load that moves between the axles is worth 2 μ h/l = 1 … 2 times the friction that moves it: steps
+/// that take the loads from their start feed on themselves.
 #[test]
 fn d5_axles_that_work_against_each_other_end_where_short_steps_do() {
     for raised in [0.2, 0.3, 0.45] {
@@ -203,7 +203,7 @@ fn d5_axles_that_work_against_each_other_end_where_short_steps_do() {
         let what = format!(
             "way of a rover, {raised} m higher, whose axles work against each other, m, tol 1e-3"
         );
-        hold("D5", &what, "that at tol 1e-7", way - expected, 5e-3);
+        hold("D5", &what, "that at tol 1e-7", way - expected, 3e-3);
         // It slips steadily: nothing calls for short steps.
         assert!(steps < 100, "{steps}");
     }
