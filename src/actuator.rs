@@ -310,6 +310,12 @@ impl Joints {
                     }
                 }
             };
+            // Where the effort is too little, also because the command has just jumped, the displacement is what a short step
+            // would make it: a long one, at whose end the motor has its speed already, would not see the jump.
+            let settled = term.next_motor(v[dof], 0.0);
+            if let Drive::Velocity { element, .. } = &mut term.drive {
+                element.displacement = settled;
+            }
         }
     }
 }

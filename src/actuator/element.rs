@@ -2,6 +2,8 @@
 //!
 //! Both give a force that falls with the velocity.
 
+use crate::contact::stretched;
+
 /// A spring–damper with a plastic cap along one coordinate.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ElastoPlastic {
@@ -28,13 +30,21 @@ impl ElastoPlastic {
         }
     }
 
-    /// Stored displacement after the step.
+    /// Stored displacement of friction after the step.
     #[inline]
     pub fn next(&self, u: f64, h: f64) -> f64 {
-        self.settle(self.force(u, h).0, u)
+        let (force, slope) = self.force(u, h);
+        let mut next = self.settle(force, u);
+        if slope <= 0.0 && self.cap > 0.0 {
+            let (slip, spring) = (force.signum(), (self.stiffness, self.damping));
+            next = slip * stretched(slip * self.displacement, slip * next, spring, h);
+        }
+        next
     }
 
-    /// The same where something else has cut the force down to `force`.
+    /// Displacement with which spring and damper give `force` at the velocity `u`. A motor goes there at once where its effort is
+    /// too little or its torque–speed line has cut it down to `force`: it eases off in time and comes to its speed without
+    /// running past it.
     #[inline]
     pub(super) fn settle(&self, force: f64, u: f64) -> f64 {
         if self.cap <= 0.0 {
@@ -110,6 +120,45 @@ impl SpeedLine {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// `h F u ≥ ½ k Δz²`, as for contacts.
+    #[test]
+    fn dry_friction_gives_back_no_more_than_it_was_paid() {
+        let mut random = crate::testing::Random(10);
+        for _ in 0..10_000 {
+            let h = libm::pow(10.0, random.uniform(-7.0, -1.0));
+            let u = random.uniform(-1.0, 1.0) * libm::pow(10.0, random.uniform(-5.0, 1.0));
+            let element = ElastoPlastic {
+                cap: 2.0,
+                stiffness: 2e4,
+                damping: 30.0,
+                displacement: random.uniform(-1.5e-4, 1.5e-4),
+            };
+            let paid = h * u * element.force(u, h).0;
+            let (before, after) = (element.displacement, element.next(u, h));
+            let more = 0.5 * element.stiffness * (after * after - before * before);
+            assert!(more <= paid + 1e-16, "{h} {u} {before}: {more} {paid}");
+        }
+    }
+
+    /// Slip that lasts a millionth of the element's own time d/k changes what it stores by as much, however fast it is.
+    #[test]
+    fn a_short_slip_leaves_the_displacement_as_it_is() {
+        for displacement in [-5e-5, 0.0, 5e-5] {
+            let element = ElastoPlastic {
+                cap: 2.0,
+                stiffness: 2e4,
+                damping: 30.0,
+                displacement,
+            };
+            let h = 1e-6 * element.damping / element.stiffness;
+            let limit = element.cap / element.stiffness;
+            for u in [-10.0, 10.0] {
+                let next = element.next(u, h);
+                assert!((next - displacement).abs() < 2e-6 * limit, "{u}: {next}");
+            }
+        }
+    }
 
     #[test]
     fn a_released_motor_forgets_its_displacement() {

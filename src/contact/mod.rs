@@ -8,7 +8,7 @@ mod turn;
 
 pub use detect::{Plane, detect, is_clear};
 pub use law::{Response, dissipation_number};
-pub(crate) use law::{clip, stribeck};
+pub(crate) use law::{clip, stretched, stribeck};
 pub use turn::{Turn, angular, find_turns};
 
 use crate::spatial::{Vec3, Vec6, velocity_at};

@@ -8,7 +8,7 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
-use super::law::{Response, clip, slide};
+use super::law::{Response, clip, slide, stretch};
 use super::{Contact, normal_part, seek};
 use crate::kinematics::Kinematics;
 use crate::spatial::{Vec3, Vec6};
@@ -138,13 +138,24 @@ impl Turn {
     /// Elastic angle after the step, for the angular velocity that solved it.
     pub fn next_displacement(&self, w: &Vec3, h: f64) -> Vec3 {
         let (w_normal, w_tangent) = normal_part(&self.normal, w);
-        let (about_normal, about_tangent) = normal_part(&self.normal, &self.moment(w, h).0);
+        let (moment, slope, _, slip) = self.moment(w, h);
+        let (about_normal, about_tangent) = normal_part(&self.normal, &moment);
+        let (torsion, roll) = normal_part(&self.normal, &self.displacement);
+        let [torsional, rolling] = [0, 1].map(|i| (self.stiffness[i], self.damping[i]));
         let mut next = Vec3::zeros();
         if self.cap[0] > 0.0 {
-            next = self.normal * ((about_normal - self.damping[0] * w_normal) / self.stiffness[0]);
+            // Where it slips, the moment does not change with the velocity.
+            let drill = if slope > 0.0 {
+                Vec3::zeros()
+            } else {
+                self.normal * about_normal.signum()
+            };
+            let settled = self.normal * ((about_normal - torsional.1 * w_normal) / torsional.0);
+            next = stretch(&(self.normal * torsion), settled, &drill, torsional, h);
         }
         if self.cap[1] > 0.0 {
-            next += (about_tangent - w_tangent * self.damping[1]) / self.stiffness[1];
+            let settled = (about_tangent - w_tangent * rolling.1) / rolling.0;
+            next += stretch(&roll, settled, &slip, rolling, h);
         }
         self.clipped(&next)
     }

@@ -8,7 +8,7 @@
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
 use crate::actuator::Drive;
-use crate::contact::{clip, seek};
+use crate::contact::{Contact, Response, clip, seek};
 use crate::kinematics::advance;
 use crate::spatial::{Vec3, angular};
 use crate::state::State;
@@ -111,13 +111,16 @@ impl Stepper {
         }
         let way = &self.end.kin.V;
         let mut turns = self.start.turns.iter().peekable();
-        let mut contacts = self.start.contacts.iter().peekable();
+        let contacts = self.start.contacts.iter().zip(&self.full.responses);
+        // What slips keeps its own displacement.
+        let sticks = |(_, response): &(&Contact, &Response)| response.slip == Vec3::zeros();
+        let mut contacts = contacts.filter(sticks).peekable();
         for touch in &mut state.touches {
-            if let Some(contact) = seek(&mut contacts, touch.slot, |c| c.slot) {
+            if let Some((contact, _)) = seek(&mut contacts, touch.slot, |(c, _)| c.slot) {
                 let moved = contact.velocity(way);
                 let moved = moved - contact.normal * contact.normal.dot(&moved);
                 let limit = contact.cap / contact.tangential_stiffness;
-                touch.displacement = shifted(touch.displacement, moved, limit).into();
+                touch.displacement = clip(Vec3::from(touch.displacement) + moved, limit).into();
             }
             if let Some(turn) = seek(&mut turns, touch.slot, |t| t.slot) {
                 let moved = Vec3::from(touch.turn) + angular(&way[turn.body]);
@@ -129,18 +132,10 @@ impl Stepper {
             if let (Some(index), Drive::Velocity { element, .. }) = (term.actuator, term.drive) {
                 state.motor[index] = element.shifted(state.motor[index], moved);
             }
-            state.dry[term.dof] = term.dry.shifted(state.dry[term.dof], moved);
+            if term.dry.force(self.full.v[term.dof], h).1 > 0.0 {
+                state.dry[term.dof] = term.dry.shifted(state.dry[term.dof], moved);
+            }
         }
         state.lag.uses -= 1.0;
-    }
-}
-
-/// The displacement of a friction element whose body has `moved` by so much more, within `limit`; one that slips stays.
-fn shifted(displacement: [f64; 3], moved: Vec3, limit: f64) -> Vec3 {
-    let displacement = Vec3::from(displacement);
-    if displacement.norm_squared() < limit * limit {
-        clip(displacement + moved, limit)
-    } else {
-        displacement
     }
 }

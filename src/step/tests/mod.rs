@@ -15,6 +15,7 @@ use crate::spatial::{Pose, RigidInertia, Vec3};
 use crate::testing::{Builder, Random, at, inertia, random_tree, run, shape_all_links, start};
 use std::sync::Arc;
 
+mod agreement;
 mod free;
 mod inputs;
 mod joints;
