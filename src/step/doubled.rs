@@ -41,13 +41,18 @@ impl Stepper {
         full.converged
     }
 
+    /// Whether the friction cones of the full solve over `h` seconds are too far off those that it has found.
+    pub(super) fn cones_lag(&self, ctx: &Context, h: f64) -> bool {
+        let mass = ctx.tree.moving_mass;
+        let allowed = LAG_SHARE * ctx.tolerance * mass / VELOCITY_WEIGHT;
+        h * Cones::lag(&self.start, &self.full, (mass, ctx.tolerance), h) > allowed
+    }
+
     /// Repeats the full solve with the friction cones that it has found, and sets those of the first half, where the cones
     /// of the start are too far off; tells whether that went well.
     fn settle_cones(&mut self, ctx: &Context, state: &mut State, h: f64, accuracy: f64) -> bool {
-        let mass = ctx.tree.moving_mass;
-        let allowed = LAG_SHARE * ctx.tolerance * mass / VELOCITY_WEIGHT;
         for attempt in 0..MAX_ATTEMPTS {
-            if h * Cones::lag(&self.start, &self.full, (mass, ctx.tolerance), h) <= allowed {
+            if !self.cones_lag(ctx, h) {
                 break;
             }
             if attempt == 0 {

@@ -26,7 +26,8 @@ const LAG_DOUBT: f64 = 0.2;
 impl Stepper {
     /// Takes the full solve over `h` seconds into the state if it does without the half steps; tells whether it was taken.
     pub(super) fn single_step(&mut self, ctx: &Context, state: &mut State, h: f64) -> bool {
-        if state.lag.is_known(h) && self.lag_doubt(ctx, state, h) <= LAG_DOUBT {
+        let known = state.lag.is_known(h) && !self.cones_lag(ctx, h);
+        if known && self.lag_doubt(ctx, state, h) <= LAG_DOUBT {
             for (way, lag) in self.difference.iter_mut().zip(&state.lag.positions) {
                 *way = -h * h * lag;
             }
@@ -94,8 +95,8 @@ impl Stepper {
         worst_error(errors, &ctx.tree.weight) / ctx.tolerance
     }
 
-    /// Takes the full solve into the state less its known error, by which `self.difference` moves positions and the velocities
-    /// of `self.end` bodies.
+    /// Takes the full solve into the state less its known error, which moves positions by `self.difference`, and bodies by what
+    /// stands in `self.end.kin.V`.
     fn accept_corrected(&mut self, ctx: &Context, state: &mut State, h: f64) {
         self.accept_single(ctx, state, h);
         self.q_full.copy_from_slice(&state.q);
