@@ -54,10 +54,11 @@ impl ElastoPlastic {
         ((force - self.damping * u) / self.stiffness).clamp(-limit, limit)
     }
 
-    /// The stored displacement where the joint has `moved` by so much more; an element that slips keeps its own.
-    pub fn shifted(&self, displacement: f64, moved: f64) -> f64 {
-        let limit = self.cap / self.stiffness;
-        if displacement.abs() < limit {
+    /// A stored displacement, found for the relative velocity `u` at the end of a step of `h` seconds, where the joint has
+    /// `moved` by so much more. An element that slips keeps it.
+    pub fn shifted(&self, displacement: f64, moved: f64, u: f64, h: f64) -> f64 {
+        if self.force(u, h).0.abs() < self.cap {
+            let limit = self.cap / self.stiffness;
             (displacement + moved).clamp(-limit, limit)
         } else {
             displacement

@@ -129,13 +129,14 @@ impl Stepper {
             }
         }
         for term in &self.start.joints.terms {
-            let moved = self.difference[term.dof];
-            if let (Some(index), Drive::Velocity { element, .. }) = (term.actuator, term.drive) {
-                state.motor[index] = element.shifted(state.motor[index], moved);
+            let (v, moved) = (self.full.v[term.dof], self.difference[term.dof]);
+            if let (Some(index), Drive::Velocity { target, element }) = (term.actuator, term.drive)
+            {
+                let motor = &mut state.motor[index];
+                *motor = element.shifted(*motor, moved, v - target, h);
             }
-            if term.dry.force(self.full.v[term.dof], h).1 > 0.0 {
-                state.dry[term.dof] = term.dry.shifted(state.dry[term.dof], moved);
-            }
+            let dry = &mut state.dry[term.dof];
+            *dry = term.dry.shifted(*dry, moved, v, h);
         }
         state.lag.uses -= 1.0;
     }
