@@ -199,7 +199,7 @@ impl Stepper {
     ) -> Result<(), NotFinite> {
         let remaining = way.remaining();
         let error = self.explicit_step(ctx, pair, state, h);
-        let floor = patience(state, ctx.tolerance, h, remaining);
+        let floor = patience(state, ctx.tolerance, [h, remaining], error <= 1.0);
         let power = -1.0 / f64::from(pair.order);
         let factor = EXPLICIT_SAFETY * libm::pow(error.max(1e-10), power);
         let factor = factor.clamp(GROWTH.0, GROWTH.1);
@@ -287,7 +287,7 @@ impl Stepper {
                 continue;
             }
             let factor = (0.9 / error.max(1e-12).sqrt()).clamp(GROWTH.0, GROWTH.1);
-            let floor = patience(state, ctx.tolerance, h, remaining);
+            let floor = patience(state, ctx.tolerance, [h, remaining], error <= 1.0);
             if error <= 1.0 || (h <= floor && error.is_finite()) {
                 if error > 1.0 {
                     state.counters[3] += 1;
@@ -480,17 +480,20 @@ impl Way {
     }
 }
 
-/// Shortest step that error control may ask for now; books that a step of `h` seconds was tried.
+/// Shortest step that error control may ask for now; books that a step of `h` seconds was tried, and whether its error was
+/// `good`.
 ///
 /// Some contacts of very light bodies on heavy robots oscillate in nanoseconds between normal force and friction
 /// (Painlevé's problem), and a joint may be told to spin at any speed: resolving that buys nothing and stalls the host.
-/// A run of steps near the floor therefore raises it, slowly enough that an impact passes unhindered, and longer steps
-/// lower it again. Steps that are short because the communication step ends do not count.
-fn patience(state: &mut State, tolerance: f64, h: f64, remaining: f64) -> f64 {
+/// A run of steps near the floor therefore raises it, slowly enough that an impact passes unhindered, and longer steps that
+/// go well lower it again. Steps that are short because the communication step ends do not count.
+fn patience(state: &mut State, tolerance: f64, [h, remaining]: [f64; 2], good: bool) -> f64 {
     let floor = &mut state.step[2];
     *floor = floor.max(MIN_STEP);
     if h >= 10.0 * *floor {
-        *floor *= 0.5;
+        if good {
+            *floor *= 0.5;
+        }
     } else if h < remaining {
         *floor = (*floor * (1.0 + 0.02 * (tolerance / 1e-3).sqrt().min(1.0))).min(MAX_FLOOR);
     }
