@@ -319,7 +319,7 @@ fn d2_a_standing_quadrupeds_forces_are_unique_and_carry_its_weight() {
             &what("from that of the first run"),
             "what friction holds",
             other,
-            1e-3,
+            5e-4,
         );
     }
 }
