@@ -37,6 +37,11 @@ fn hold_gains(who: &str, tally: &Tally, allowed: [f64; 2]) {
         let share = gain.risen.share;
         let risen = what("energy over the lowest before");
         hold("D8", &risen, "none", share, allowed);
+        // In fixed steps an impact may leave in friction what nobody has paid for; nothing of it comes back.
+        if *steps == "error control" {
+            let raw = what("the same with all that friction has in store");
+            hold("D8", &raw, "none", gain.raw.share, allowed);
+        }
     }
 }
 
