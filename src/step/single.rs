@@ -21,7 +21,7 @@ use crate::step::point::Context;
 /// second stays below the tolerance.
 const SINGLE_RATE: f64 = 1.0;
 /// How far the known error of a solve may be from what the change of acceleration says of it, relative to the tolerance.
-const LAG_DOUBT: f64 = 0.2;
+const LAG_DOUBT: f64 = 0.05;
 
 impl Stepper {
     /// Takes the full solve over `h` seconds into the state if it does without the half steps; tells whether it was taken.
