@@ -49,7 +49,7 @@ fn steps_whose_error_is_known_take_one_solve_and_are_of_second_order() {
     run(&mut s, 0.15, 0.05);
     let saved = s.save();
     let (truth, _) = swung(&saved, TRUTH, 0.05);
-    let errors = [4e-3, 2e-3, 1e-3].map(|h| {
+    let errors = [2e-3, 1e-3, 5e-4].map(|h| {
         let (angles, singly) = swung(&saved, 1e-3, h);
         let error = (angles[0] - truth[0])
             .abs()
