@@ -125,7 +125,7 @@ impl State {
 
     /// Every stored list of real numbers, in saved order; touches, the step under way and counters are the only other
     /// content. A new field goes here, into [`Self::copy_from`] and nowhere else.
-    pub fn fields_mut(&mut self) -> [&mut [f64]; 17] {
+    pub fn fields_mut(&mut self) -> [&mut [f64]; 20] {
         [
             std::slice::from_mut(&mut self.time),
             &mut self.q,
@@ -137,7 +137,10 @@ impl State {
             &mut self.trend,
             &mut self.lag.positions,
             &mut self.lag.velocities,
+            self.lag.impulses.as_flattened_mut(),
             std::slice::from_mut(&mut self.lag.length),
+            std::slice::from_mut(&mut self.lag.last),
+            std::slice::from_mut(&mut self.lag.pressing),
             std::slice::from_mut(&mut self.lag.uses),
             self.impulse.as_flattened_mut(),
             std::slice::from_mut(&mut self.last_step),
@@ -148,7 +151,7 @@ impl State {
     }
 
     /// See [`Self::fields_mut`].
-    pub fn fields(&self) -> [&[f64]; 17] {
+    pub fn fields(&self) -> [&[f64]; 20] {
         [
             std::slice::from_ref(&self.time),
             &self.q,
@@ -160,7 +163,10 @@ impl State {
             &self.trend,
             &self.lag.positions,
             &self.lag.velocities,
+            self.lag.impulses.as_flattened(),
             std::slice::from_ref(&self.lag.length),
+            std::slice::from_ref(&self.lag.last),
+            std::slice::from_ref(&self.lag.pressing),
             std::slice::from_ref(&self.lag.uses),
             self.impulse.as_flattened(),
             std::slice::from_ref(&self.last_step),
@@ -172,10 +178,12 @@ impl State {
 
     /// Whether no length of time is negative: a step would go back, and then for ever forward again.
     pub fn lengths_are_positive(&self) -> bool {
-        let mut lengths =
-            self.step
-                .iter()
-                .chain([&self.last_step, &self.ahead.length, &self.lag.length]);
+        let lag = [&self.lag.length, &self.lag.last];
+        let mut lengths = self
+            .step
+            .iter()
+            .chain([&self.last_step, &self.ahead.length])
+            .chain(lag);
         lengths.all(|length| *length >= 0.0)
     }
 

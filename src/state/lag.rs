@@ -15,8 +15,14 @@ pub struct Lag {
     pub positions: Vec<f64>,
     /// Of the velocities, likewise.
     pub velocities: Vec<f64>,
+    /// Of the contact impulse per link, likewise.
+    pub impulses: Vec<[f64; 3]>,
     /// Length of the step that measured it, s.
     pub length: f64,
+    /// Length of the last step that measured it or took it off, s.
+    pub last: f64,
+    /// Contact points that pressed in the step that measured it.
+    pub pressing: f64,
     /// Steps that may still take it off.
     pub uses: f64,
 }
@@ -27,7 +33,10 @@ impl Lag {
         Self {
             positions: vec![0.0; model.nv()],
             velocities: vec![0.0; model.nv()],
+            impulses: vec![[0.0; 3]; model.links.len()],
             length: 0.0,
+            last: 0.0,
+            pressing: 0.0,
             uses: 0.0,
         }
     }
@@ -37,7 +46,7 @@ impl Lag {
         self.uses = 0.0;
     }
 
-    /// Takes it from a step of `h` seconds.
+    /// Takes it from a step of `h` seconds; impulses and contact points are the caller's.
     ///
     /// - `moved`: positions after the half steps less those after the full one
     /// - `full`, `halves`: velocities after each
@@ -52,20 +61,26 @@ impl Lag {
             *lag = share * (full - halves);
         }
         self.length = h;
+        self.last = h;
         self.uses = USES;
     }
 
-    /// Whether it is known for a step of `h` seconds.
-    pub fn is_known(&self, h: f64) -> bool {
+    /// Whether it is known for a step of `h` seconds in which `pressing` contact points press.
+    #[expect(clippy::float_cmp, reason = "counts")]
+    pub fn is_known(&self, h: f64, pressing: f64) -> bool {
         let share = h / self.length;
-        self.uses > 0.0 && self.uses <= USES && (0.5..=1.0 + 1e-6).contains(&share)
+        let alike = (0.5..=1.0 + 1e-6).contains(&share) && pressing == self.pressing;
+        self.uses > 0.0 && self.uses <= USES && alike
     }
 
     /// Overwrites it with that of another state of the same model, without allocating.
     pub fn copy_from(&mut self, other: &Self) {
         self.positions.copy_from_slice(&other.positions);
         self.velocities.copy_from_slice(&other.velocities);
+        self.impulses.copy_from_slice(&other.impulses);
         self.length = other.length;
+        self.last = other.last;
+        self.pressing = other.pressing;
         self.uses = other.uses;
     }
 }

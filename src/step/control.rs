@@ -199,10 +199,11 @@ impl Stepper {
     ) -> Result<(), NotFinite> {
         let remaining = way.remaining();
         let error = self.explicit_step(ctx, pair, state, h);
-        let floor = patience(state, ctx.tolerance, [h, remaining], error <= 1.0);
         let power = -1.0 / f64::from(pair.order);
         let factor = EXPLICIT_SAFETY * libm::pow(error.max(1e-10), power);
         let factor = factor.clamp(GROWTH.0, GROWTH.1);
+        let good = (error <= 1.0).then_some(h * factor);
+        let floor = patience(state, ctx.tolerance, [h, remaining], good);
         way.current = true;
         if error <= 1.0 || (h <= floor && error.is_finite()) {
             if error > 1.0 {
@@ -270,6 +271,7 @@ impl Stepper {
             // Cut short by the communication step: the one solve may do.
             let short = uncut && !way.jumped && 2.0 * h <= way.proposed && !ctx.inputs.varies();
             if solved && short && self.single_step(ctx, state, h) {
+                patience(state, ctx.tolerance, [h, remaining], Some(way.proposed));
                 way.book(state, h);
                 way.go(h);
                 return Ok(());
@@ -287,18 +289,21 @@ impl Stepper {
                 continue;
             }
             let factor = (0.9 / error.max(1e-12).sqrt()).clamp(GROWTH.0, GROWTH.1);
-            let floor = patience(state, ctx.tolerance, [h, remaining], error <= 1.0);
+            let next = grown(way.proposed, h, factor);
+            let good = (error <= 1.0).then_some(next);
+            let floor = patience(state, ctx.tolerance, [h, remaining], good);
             if error <= 1.0 || (h <= floor && error.is_finite()) {
                 if error > 1.0 {
                     state.counters[3] += 1;
                 }
-                way.proposed = grown(way.proposed, h, factor).max(floor);
+                way.proposed = next.max(floor);
                 let jumped = way.jumped;
                 way.book(state, h);
                 self.keep_start(state);
                 way.posed = self.accept_doubled(ctx, state, h, error <= 1.0);
                 self.end_trend(state, h);
-                if jumped {
+                if jumped || !uncut {
+                    // What a jump or a touch-down ends is not what follows.
                     state.lag.clear();
                 }
                 if beyond {
@@ -480,22 +485,25 @@ impl Way {
     }
 }
 
-/// Shortest step that error control may ask for now; books that a step of `h` seconds was tried, and whether its error was
-/// `good`.
+/// Shortest step that error control may ask for now; books that a step of `h` seconds was tried.
 ///
 /// Some contacts of very light bodies on heavy robots oscillate in nanoseconds between normal force and friction
 /// (Painlevé's problem), and a joint may be told to spin at any speed: resolving that buys nothing and stalls the host.
-/// A run of steps near the floor therefore raises it, slowly enough that an impact passes unhindered, and longer steps that
-/// go well lower it again. Steps that are short because the communication step ends do not count.
-fn patience(state: &mut State, tolerance: f64, [h, remaining]: [f64; 2], good: bool) -> f64 {
+/// A run of steps near the floor therefore raises it, slowly enough that an impact passes unhindered. Steps that go well lower
+/// it again if they take ten times as long, or would but for the communication step; those that it cuts do not raise it.
+///
+/// - `next`: length of the next step if this one went well, s
+fn patience(state: &mut State, tolerance: f64, [h, remaining]: [f64; 2], next: Option<f64>) -> f64 {
     let floor = &mut state.step[2];
     *floor = floor.max(MIN_STEP);
-    if h >= 10.0 * *floor {
-        if good {
-            *floor *= 0.5;
-        }
-    } else if h < remaining {
-        *floor = (*floor * (1.0 + 0.02 * (tolerance / 1e-3).sqrt().min(1.0))).min(MAX_FLOOR);
+    let cut = h >= remaining;
+    let taken = next.map_or(0.0, |next| if cut { next.max(h) } else { h });
+    if taken >= 10.0 * *floor {
+        *floor *= 0.5;
+    } else if !cut && h < 10.0 * *floor {
+        // Like the steps that the tolerance asks for.
+        let scale = (tolerance / 1e-3).sqrt().min(1.0);
+        *floor = (*floor * (1.0 + 0.02 * scale)).min(scale * MAX_FLOOR);
     }
     floor.max(MIN_STEP)
 }

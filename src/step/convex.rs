@@ -291,6 +291,12 @@ impl Newton {
         ROUND_OFF * ROUND_OFF * lightest * lever * lever * sum
     }
 
+    /// How many contact points press at the solution.
+    pub(super) fn pressing(&self) -> f64 {
+        let pressing = self.responses.iter().filter(|r| r.normal > 0.0);
+        pressing.fold(0.0, |count, _| count + 1.0)
+    }
+
     /// Whether a robot that stands still stays: all impulses balance at `v = 0`.
     pub fn is_balanced(&mut self, p: &Problem) -> bool {
         self.v.fill(0.0);

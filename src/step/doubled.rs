@@ -241,6 +241,12 @@ impl Stepper {
         let tree = ctx.tree;
         let moved = &self.difference;
         state.lag.measure(h, moved, &self.full.v, &self.second.v);
+        state.lag.pressing = self.full.pressing();
+        let (share, impulses) = (2.0 / (h * h), &mut state.lag.impulses);
+        impulses.fill([0.0; 3]);
+        add_impulses(&self.start.contacts, &self.full, share, impulses);
+        add_impulses(&self.start.contacts, &self.first, -share, impulses);
+        add_impulses(&self.middle.contacts, &self.second, -share, impulses);
         if self.cones.moved {
             // The next solve begins with other cones.
             state.lag.clear();

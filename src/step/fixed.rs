@@ -38,6 +38,7 @@ impl Stepper {
         state: &mut State,
         end: f64,
     ) -> Result<(), NotFinite> {
+        state.lag.clear();
         let span = end - state.time;
         // Importers' steps carry round-off: a millionth more than a whole number of steps is that number.
         let count = libm::ceil(span / ctx.fixed_step - 1e-6).max(1.0);

@@ -26,7 +26,10 @@ const LAG_DOUBT: f64 = 0.05;
 impl Stepper {
     /// Takes the full solve over `h` seconds into the state if it does without the half steps; tells whether it was taken.
     pub(super) fn single_step(&mut self, ctx: &Context, state: &mut State, h: f64) -> bool {
-        let known = state.lag.is_known(h) && !self.cones_lag(ctx, h);
+        if self.cones_lag(ctx, h) {
+            return false;
+        }
+        let known = state.lag.is_known(h, self.full.pressing());
         if known && self.lag_doubt(ctx, state, h) <= LAG_DOUBT {
             for (way, lag) in self.difference.iter_mut().zip(&state.lag.positions) {
                 *way = -h * h * lag;
@@ -82,7 +85,7 @@ impl Stepper {
     /// tolerance.
     fn lag_doubt(&self, ctx: &Context, state: &State, h: f64) -> f64 {
         let lag = &state.lag;
-        let between = 0.5 * (h + lag.length);
+        let between = 0.5 * (h + lag.last);
         let changes = self.full.v.iter().zip(&state.v).zip(&state.trend);
         let errors = changes.zip(lag.positions.iter().zip(&lag.velocities)).map(
             |(((v, v0), trend), (position, velocity))| {
@@ -109,6 +112,12 @@ impl Stepper {
         {
             *v -= h * h * lag;
             *trend -= h * lag;
+        }
+        let State { impulse, lag, .. } = state;
+        for (sum, lag) in impulse.iter_mut().zip(&lag.impulses) {
+            for (sum, lag) in sum.iter_mut().zip(lag) {
+                *sum -= h * h * lag;
+            }
         }
         let way = &self.end.kin.V;
         let mut turns = self.start.turns.iter().peekable();
@@ -138,6 +147,7 @@ impl Stepper {
             let dry = &mut state.dry[term.dof];
             *dry = term.dry.shifted(*dry, moved, v, h);
         }
+        state.lag.last = h;
         state.lag.uses -= 1.0;
     }
 }
