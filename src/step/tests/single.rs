@@ -91,3 +91,41 @@ fn what_a_motor_holds_comes_to_rest_at_any_stiffness_and_communication_step() {
         }
     }
 }
+
+/// Newton's second law: contact impulse less weight is the change of momentum, in every communication step, however the step
+/// was taken. A block on the ground lifts a load with a soft pd motor; all moves along z alone.
+#[test]
+fn contact_impulses_change_the_momentum_whether_steps_take_one_solve_or_three() {
+    let (mass, load) = (4.0, 2.0);
+    let mut b = block(mass, 0.8);
+    let body = inertia(load, Vec3::zeros(), [0.01; 3]);
+    let lift = b.link(
+        0u32.into_link(),
+        at(0.0, 0.0, 0.3),
+        Motion::Prismatic(Vec3::z()),
+        body,
+    );
+    b.actuator(lift, ActuatorMode::Pd, 1e3);
+    (b.model.actuators[0].kp, b.model.actuators[0].kd) = (2e3, 60.0);
+    let mut s = start(b.model, 1e-3);
+    let h = 1e-3;
+    run(&mut s, 0.5, h);
+    s.set_input(InputSlot::Position(ActuatorId(0)), 0.02);
+    let momentum = |s: &Simulation| (mass + load) * s.state().v[5] + load * s.state().v[6];
+    let weight = (mass + load) * G;
+    let (mut before, mut singly, mut changed) = (momentum(&s), 0, 0.0_f64);
+    for _ in 0..200 {
+        let uses = s.state().lag.uses;
+        let end = s.time() + h;
+        s.advance_to(end).expect("finite");
+        singly += u32::from(s.state().lag.uses < uses);
+        let after = momentum(&s);
+        let force: f64 = s.state().impulse.iter().map(|i| i[2]).sum::<f64>() / h;
+        changed = changed.max((force - weight).abs());
+        let off = force - weight - (after - before) / h;
+        assert!(off.abs() < 1e-3 * weight, "{off} N after {} s", s.time());
+        before = after;
+    }
+    assert!(singly > 50, "{singly} steps of one solve");
+    assert!(changed > 0.1 * weight, "{changed} N");
+}
