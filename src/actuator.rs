@@ -312,9 +312,19 @@ impl Joints {
             };
             // Where the effort is too little, also because the command has just jumped, the displacement is what a short step
             // would make it: a long one, at whose end the motor has its speed already, would not see the jump.
-            let settled = term.next_motor(v[dof], 0.0);
-            if let Drive::Velocity { element, .. } = &mut term.drive {
-                element.displacement = settled;
+            if let Drive::Velocity { target, element } = term.drive {
+                // What a command that varies rises by within the step is no jump.
+                let now = inputs.command(index, t, 0.0).velocity;
+                term.drive = Drive::Velocity {
+                    target: now,
+                    element,
+                };
+                let displacement = term.next_motor(v[dof], 0.0);
+                let element = ElastoPlastic {
+                    displacement,
+                    ..element
+                };
+                term.drive = Drive::Velocity { target, element };
             }
         }
     }

@@ -245,3 +245,26 @@ fn an_input_that_leaves_the_numbers_is_an_error_that_changes_nothing() {
     assert!(s.advance_to(1e10).is_err());
     assert_eq!(s.state(), &before);
 }
+
+/// `v = a t`, `x = a t²/2` less what the motor yields, 1 mm under its effort: the ramp is no jump, whatever it rises by within a step.
+#[test]
+fn a_velocity_motor_follows_a_ramp_in_long_steps() {
+    let (a, effort) = (4.0, 10.0);
+    for step_size in [0.0, 0.01] {
+        for h in [1.0_f64, 0.1, 0.01] {
+            let mut model = slider(1.0, ActuatorMode::Velocity, effort).model;
+            model.solver.step_size = step_size;
+            let mut s = start(model, 1e-3);
+            for i in 0..(1.0 / h).round() as u32 {
+                s.set_input(InputSlot::Velocity(COMMAND), a * h * f64::from(i));
+                s.set_input_derivative(InputSlot::Velocity(COMMAND), 1, a);
+                s.advance_to(h * f64::from(i + 1)).expect("finite");
+            }
+            let yielded = 1e-3 * a / effort;
+            let error = s.state().q[0] - (0.5 * a - yielded);
+            // Fixed steps move with the speed of their ends.
+            let allowed = 1e-3 + 0.5 * a * step_size;
+            assert!(error.abs() < allowed, "{error} m, {step_size} s, {h} s");
+        }
+    }
+}
