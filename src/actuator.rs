@@ -99,6 +99,27 @@ impl JointTerm {
         }
     }
 
+    /// Gives a velocity motor whose effort is too little at the start of a step, also because its command has just jumped to
+    /// `target`, the displacement that a short step would make it: a long one, at whose end the motor has its speed already,
+    /// would not see the jump.
+    fn begin_saturated(&mut self, target: f64, v: f64) {
+        if let Drive::Velocity {
+            target: end,
+            element,
+        } = self.drive
+        {
+            self.drive = Drive::Velocity { target, element };
+            let element = ElastoPlastic {
+                displacement: self.next_motor(v, 0.0),
+                ..element
+            };
+            self.drive = Drive::Velocity {
+                target: end,
+                element,
+            };
+        }
+    }
+
     /// Speed beyond the limit, with its sign; 0 below it.
     #[inline]
     fn overspeed(&self, v: f64) -> f64 {
@@ -310,22 +331,9 @@ impl Joints {
                     }
                 }
             };
-            // Where the effort is too little, also because the command has just jumped, the displacement is what a short step
-            // would make it: a long one, at whose end the motor has its speed already, would not see the jump.
-            if let Drive::Velocity { target, element } = term.drive {
-                // What a command that varies rises by within the step is no jump.
-                let now = inputs.command(index, t, 0.0).velocity;
-                term.drive = Drive::Velocity {
-                    target: now,
-                    element,
-                };
-                let displacement = term.next_motor(v[dof], 0.0);
-                let element = ElastoPlastic {
-                    displacement,
-                    ..element
-                };
-                term.drive = Drive::Velocity { target, element };
-            }
+            // What a command that varies rises by within the step is no jump.
+            let now = inputs.command(index, t, 0.0).velocity;
+            term.begin_saturated(now, v[dof]);
         }
     }
 }
