@@ -16,21 +16,19 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
+mod hessian;
+mod line_search;
+
 use crate::actuator::{JointResponse, JointTerm};
 use crate::contact::{Contact, Response, Turn, angular};
-use crate::dynamics::crba::add_row;
 use crate::kinematics::{Kinematics, forward};
-use crate::spatial::{Vec3, Vec6, add_force_at, add6, dot6, multiply_lower};
+use crate::spatial::{Vec3, Vec6, add_force_at, add6, dot6};
 use crate::tree::{Move, Tree};
 
 /// Newton iterations after which a solve gives up; random contact problems need up to 26.
 const MAX_ITERATIONS: usize = 50;
-/// Share of the initial slope that a full step may leave uphill before the line search looks closer.
-const ACCEPTED_SLOPE: f64 = 0.1;
 /// Relative round-off of a sum of a few terms.
 const ROUND_OFF: f64 = 8.0 * f64::EPSILON;
-/// Share of the initial slope at which the line search stops.
-const LINE_SEARCH_TOLERANCE: f64 = 1e-3;
 
 /// How a solve ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -394,175 +392,6 @@ impl Newton {
         }
         scale.max(contact_scale)
     }
-
-    /// `H = M + Jᵀ G J` from the responses.
-    fn assemble(&mut self, p: &Problem) {
-        let Problem { tree, kin, .. } = *p;
-        let pattern = &tree.sparsity;
-        self.H.copy_from_slice(&kin.M);
-        for (term, r) in p.joints.iter().zip(&self.joint_responses) {
-            let stiffness = r.stiffness;
-            self.H[pattern.diagonal(term.dof)] += stiffness;
-        }
-        if p.contacts.is_empty() {
-            return;
-        }
-        for &b in &self.loaded {
-            self.G[b] = [0.0; 21];
-        }
-        self.G[0] = [0.0; 21];
-        let mut any = false;
-        for (contact, response) in p.contacts.iter().zip(&self.responses) {
-            if response.normal > 0.0 || response.tangential > 0.0 {
-                any = true;
-                add_point_stiffness(&mut self.G[contact.body], contact, response);
-            }
-        }
-        for (turn, response) in p.turns.iter().zip(&self.turn_responses) {
-            if response.normal > 0.0 || response.tangential > 0.0 {
-                any = true;
-                let stiffness = lower_triangle(&turn.normal, response);
-                for (sum, g) in self.G[turn.body].iter_mut().zip(stiffness) {
-                    *sum += g;
-                }
-            }
-        }
-        if !any {
-            return;
-        }
-        // Not `pattern.floating`: the rows of a fixed serial chain of six joints or more look the same.
-        let floating = tree.bodies[0].motion == Move::Free;
-        for &b in &self.loaded {
-            let body = &tree.bodies[b];
-            let G = self.G[b];
-            for c in body.column..body.column + body.columns {
-                let F = multiply_lower(&G, &kin.S[c]);
-                if tree.pure {
-                    let (start, depth) = (pattern.start[c], pattern.depth[c]);
-                    let mut from = 0;
-                    if floating {
-                        for (m, f) in self.H[start..start + 6].iter_mut().zip(&F) {
-                            *m += f;
-                        }
-                        from = 6;
-                    }
-                    let places = &mut self.H[start + from..=start + depth];
-                    let columns = &pattern.column[start + from..=start + depth];
-                    for (m, &a) in places.iter_mut().zip(columns) {
-                        *m += dot6(&kin.S[a as usize], &F);
-                    }
-                } else {
-                    add_row(tree, &kin.S, b, c, &F, &mut self.H);
-                }
-            }
-            for (sum, g) in self.G[body.parent].iter_mut().zip(&G) {
-                *sum += g;
-            }
-        }
-        if floating {
-            for (m, g) in self.H[..21].iter_mut().zip(&self.G[0]) {
-                *m += g;
-            }
-        }
-    }
-
-    /// Length along `direction` at which the slope of the cost is (nearly) zero, at most 1. The responses are then
-    /// those at that length.
-    fn line_search(&mut self, p: &Problem) -> f64 {
-        let Problem { tree, kin, .. } = *p;
-        tree.sparsity
-            .multiply(&kin.M, &self.direction, &mut self.direction_momentum);
-        self.point_direction.clear();
-        if !p.contacts.is_empty() {
-            forward(tree, &kin.S, &self.direction, &mut self.V);
-            let velocities = p.contacts.iter().map(|c| c.velocity(&self.V));
-            self.point_direction.extend(velocities);
-        }
-        self.turn_direction.clear();
-        let turns = p.turns.iter().map(|t| angular(&self.V[t.body]));
-        self.turn_direction.extend(turns);
-        let (mut linear, mut quadratic, mut initial) = (0.0, 0.0, 0.0_f64);
-        for i in 0..self.v.len() {
-            let w = self.direction[i];
-            linear += (self.change[i] + p.h * p.bias[i]) * w;
-            quadratic += self.direction_momentum[i] * w;
-            initial += self.gradient[i] * w;
-        }
-        let initial = initial.abs();
-        let mut alpha = 1.0;
-        let mut value = linear + quadratic + self.respond_along(p, alpha);
-        if value <= ACCEPTED_SLOPE * initial {
-            return alpha;
-        }
-        // Newton inside a shrinking bracket; every third time, and where Newton leaves it, bisection: at a friction
-        // element's kink the zone of the root can be a millionth of the bracket.
-        let (mut low, mut high) = (0.0, 1.0);
-        for trial in 0..60 {
-            let inner = 1e-3 * (high - low);
-            let newton: f64 = alpha - value / (quadratic + self.curvature(p));
-            alpha = if newton > low + inner && newton < high - inner && trial % 3 != 2 {
-                newton
-            } else {
-                0.5 * (low + high)
-            };
-            value = linear + alpha * quadratic + self.respond_along(p, alpha);
-            if value.abs() <= LINE_SEARCH_TOLERANCE * initial {
-                break;
-            }
-            if value < 0.0 {
-                low = alpha;
-            } else {
-                high = alpha;
-            }
-        }
-        alpha
-    }
-
-    /// Responses at `v + alpha · direction`; returns what they add to the slope of the cost.
-    fn respond_along(&mut self, p: &Problem, alpha: f64) -> f64 {
-        let mut slope = 0.0;
-        self.responses.clear();
-        let points = self.point_velocity.iter().zip(&self.point_direction);
-        for (contact, (v, w)) in p.contacts.iter().zip(points) {
-            let response = contact.response(&(v + w * alpha), p.h);
-            slope -= response.impulse.dot(w);
-            self.responses.push(response);
-        }
-        self.turn_responses.clear();
-        let turns = self.turn_velocity.iter().zip(&self.turn_direction);
-        for (turn, (v, w)) in p.turns.iter().zip(turns) {
-            let response = turn.response(&(v + w * alpha), p.h);
-            slope -= response.impulse.dot(w);
-            self.turn_responses.push(response);
-        }
-        self.joint_responses.clear();
-        for term in p.joints {
-            let w = self.direction[term.dof];
-            let response = term.response(self.v[term.dof] + alpha * w, p.h);
-            slope -= response.impulse * w;
-            self.joint_responses.push(response);
-        }
-        slope
-    }
-
-    /// Second derivative of the cost of contacts and joints along `direction`, from the responses.
-    fn curvature(&self, p: &Problem) -> f64 {
-        let mut curvature = 0.0;
-        let points = self.responses.iter().zip(&self.point_direction);
-        for (contact, (r, w)) in p.contacts.iter().zip(points) {
-            curvature += along(&contact.normal, r, w);
-        }
-        let turns = self.turn_responses.iter().zip(&self.turn_direction);
-        for (turn, (r, w)) in p.turns.iter().zip(turns) {
-            curvature += along(&turn.normal, r, w);
-        }
-        for (term, r) in p.joints.iter().zip(&self.joint_responses) {
-            let stiffness = r.stiffness;
-            let w = self.direction[term.dof];
-            curvature += stiffness * w * w;
-        }
-        curvature
-    }
 }
 
 /// `Σ D² x²`; two running sums, so that two lanes suffice.
@@ -579,77 +408,6 @@ fn scaled_square(x: &[f64], D2: &[f64]) -> f64 {
         odd += d[1] * x[1] * x[1];
     }
     even + odd + last
-}
-
-/// `wᵀ G w` of a response's stiffness.
-#[inline]
-fn along(normal: &Vec3, r: &Response, w: &Vec3) -> f64 {
-    let wn = normal.dot(w);
-    let ws = r.slip.dot(w);
-    r.tangential * (w.norm_squared() - wn * wn - ws * ws) + r.normal * wn * wn
-}
-
-/// `G = t 1 + (n − t) n̂n̂ᵀ − t ŝŝᵀ` of a response, lower triangle.
-#[inline]
-fn lower_triangle(n: &Vec3, r: &Response) -> [f64; 6] {
-    let (t, s) = (r.tangential, &r.slip);
-    let N = r.normal - t;
-    [
-        t + N * n.x * n.x - t * s.x * s.x,
-        N * n.y * n.x - t * s.y * s.x,
-        t + N * n.y * n.y - t * s.y * s.y,
-        N * n.z * n.x - t * s.z * s.x,
-        N * n.z * n.y - t * s.z * s.y,
-        t + N * n.z * n.z - t * s.z * s.z,
-    ]
-}
-
-/// `G_B += Φᵀ G Φ` with `Φ = [−[x]× 1]` and a response's `G`, lower triangle.
-#[inline]
-fn add_point_stiffness(G_B: &mut [f64; 21], contact: &Contact, r: &Response) {
-    let g = lower_triangle(&contact.normal, r);
-    let (x, y, z) = (contact.x.x, contact.x.y, contact.x.z);
-    // P = [x]× G
-    let P = [
-        [
-            y * g[3] - z * g[1],
-            y * g[4] - z * g[2],
-            y * g[5] - z * g[4],
-        ],
-        [
-            z * g[0] - x * g[3],
-            z * g[1] - x * g[4],
-            z * g[3] - x * g[5],
-        ],
-        [
-            x * g[1] - y * g[0],
-            x * g[2] - y * g[1],
-            x * g[4] - y * g[3],
-        ],
-    ];
-    // angular–angular: P [x]×ᵀ
-    G_B[0] += P[0][2] * y - P[0][1] * z;
-    G_B[1] += P[1][2] * y - P[1][1] * z;
-    G_B[2] += P[1][0] * z - P[1][2] * x;
-    G_B[3] += P[2][2] * y - P[2][1] * z;
-    G_B[4] += P[2][0] * z - P[2][2] * x;
-    G_B[5] += P[2][1] * x - P[2][0] * y;
-    // linear rows: Pᵀ, then G
-    G_B[6] += P[0][0];
-    G_B[7] += P[1][0];
-    G_B[8] += P[2][0];
-    G_B[9] += g[0];
-    G_B[10] += P[0][1];
-    G_B[11] += P[1][1];
-    G_B[12] += P[2][1];
-    G_B[13] += g[1];
-    G_B[14] += g[2];
-    G_B[15] += P[0][2];
-    G_B[16] += P[1][2];
-    G_B[17] += P[2][2];
-    G_B[18] += g[3];
-    G_B[19] += g[4];
-    G_B[20] += g[5];
 }
 
 #[cfg(test)]
