@@ -11,6 +11,7 @@ use crate::tree::Move;
 
 impl Newton {
     /// `H = M + Jᵀ G J` from the responses.
+    #[inline]
     pub(super) fn assemble(&mut self, p: &Problem) {
         let Problem { tree, kin, .. } = *p;
         let pattern = &tree.sparsity;

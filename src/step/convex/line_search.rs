@@ -13,6 +13,7 @@ const LINE_SEARCH_TOLERANCE: f64 = 1e-3;
 impl Newton {
     /// Length along `direction` at which the slope of the cost is (nearly) zero, at most 1. The responses are then
     /// those at that length.
+    #[inline]
     pub(super) fn line_search(&mut self, p: &Problem) -> f64 {
         let Problem { tree, kin, .. } = *p;
         tree.sparsity
