@@ -91,33 +91,17 @@ impl JointTerm {
 
     /// Elastic displacement of a velocity motor after the step; 0 for other actuators.
     pub fn next_motor(&self, v: f64, h: f64) -> f64 {
-        match &self.drive {
-            Drive::Velocity { target, element } => {
-                element.settle(-self.drive_force(v, h).0, v - target)
-            }
+        match self.drive {
+            Drive::Velocity { target, element } => self.settled(target, element, v, h),
             _ => 0.0,
         }
     }
 
-    /// Gives a velocity motor whose effort is too little at the start of a step, also because its command has just jumped to
-    /// `target`, the displacement that a short step would make it: a long one, at whose end the motor has its speed already,
-    /// would not see the jump.
-    fn begin_saturated(&mut self, target: f64, v: f64) {
-        if let Drive::Velocity {
-            target: end,
-            element,
-        } = self.drive
-        {
-            self.drive = Drive::Velocity { target, element };
-            let element = ElastoPlastic {
-                displacement: self.next_motor(v, 0.0),
-                ..element
-            };
-            self.drive = Drive::Velocity {
-                target: end,
-                element,
-            };
-        }
+    /// The same of a velocity motor that need not be the term's own.
+    fn settled(&self, target: f64, element: ElastoPlastic, v: f64, h: f64) -> f64 {
+        let drive = Drive::Velocity { target, element };
+        let (force, _) = self.line.cut(drive.force(v, h), v);
+        element.settle(-force, v - target)
     }
 
     /// Speed beyond the limit, with its sign; 0 below it.
@@ -291,12 +275,17 @@ impl Joints {
                 ActuatorMode::Effort => Drive::Effort(effort(model, index, &command)),
                 ActuatorMode::Velocity => {
                     let (stiffness, damping) = tree.motors[index];
-                    let element = ElastoPlastic {
+                    let mut element = ElastoPlastic {
                         cap,
                         stiffness,
                         damping,
                         displacement: motor[index],
                     };
+                    // Where the effort is too little, also because the command has just jumped, what a short step would make
+                    // it: a long one, at whose end the motor has its speed already, would not see the jump. What a command
+                    // that varies rises by within the step is none.
+                    let now = inputs.command(index, t, 0.0).velocity;
+                    element.displacement = term.settled(now, element, v[dof], 0.0);
                     Drive::Velocity {
                         target: command.velocity,
                         element,
@@ -331,9 +320,6 @@ impl Joints {
                     }
                 }
             };
-            // What a command that varies rises by within the step is no jump.
-            let now = inputs.command(index, t, 0.0).velocity;
-            term.begin_saturated(now, v[dof]);
         }
     }
 }
