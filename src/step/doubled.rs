@@ -239,20 +239,9 @@ impl Stepper {
     /// Twice the half steps' results less the full step's, into the state; contact impulses are the caller's.
     fn extrapolate(&mut self, ctx: &Context, state: &mut State, h: f64) {
         let tree = ctx.tree;
-        let moved = &self.difference;
-        state.lag.measure(h, moved, &self.full.v, &self.second.v);
-        state.lag.pressing = self.full.pressing();
-        let (share, impulses) = (2.0 / (h * h), &mut state.lag.impulses);
-        impulses.fill([0.0; 3]);
-        add_impulses(&self.start.contacts, &self.full, share, impulses);
-        add_impulses(&self.start.contacts, &self.first, -share, impulses);
-        add_impulses(&self.middle.contacts, &self.second, -share, impulses);
-        if self.cones.moved {
-            // The next solve begins with other cones.
-            state.lag.clear();
-        }
+        self.measure_lag(state, h);
         store(ctx, &self.middle, &self.second, 0.5 * h, state);
-        advance(tree, &self.q_halves, moved, 1.0, &mut state.q);
+        advance(tree, &self.q_halves, &self.difference, 1.0, &mut state.q);
         // Twice the displacement after the second half step minus that after the full one; both by ascending slot.
         let mut full = self
             .start

@@ -81,6 +81,23 @@ impl Stepper {
         self.end_trend(state, h);
     }
 
+    /// Measures the error of a solve by itself on the step of `h` seconds that has just been solved in full and in halves.
+    pub(super) fn measure_lag(&self, state: &mut State, h: f64) {
+        let lag = &mut state.lag;
+        if self.cones.moved {
+            // The next solve begins with other cones.
+            lag.clear();
+            return;
+        }
+        lag.measure(h, &self.difference, &self.full.v, &self.second.v);
+        lag.pressing = self.full.pressing();
+        let (share, impulses) = (2.0 / (h * h), &mut lag.impulses);
+        impulses.fill([0.0; 3]);
+        add_impulses(&self.start.contacts, &self.full, share, impulses);
+        add_impulses(&self.start.contacts, &self.first, -share, impulses);
+        add_impulses(&self.middle.contacts, &self.second, -share, impulses);
+    }
+
     /// How far the known error of the full solve is from half the changes of velocity and of acceleration, relative to the
     /// tolerance.
     fn lag_doubt(&self, ctx: &Context, state: &State, h: f64) -> f64 {
