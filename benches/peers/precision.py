@@ -154,7 +154,8 @@ def table(case, points):
     every = sorted({s for name, list_ in points.items() if name in STEPPED for s, *_ in list_}, reverse=True)
     for name, list_ in points.items():
         cells = " · ".join(f"{label(s)}: {e:.1e} at {t * 1e6:,.0f}".replace(",", " ") for s, t, e in list_)
-        missing = [label(s) for s in every if name in STEPPED and s not in {s for s, *_ in list_}]
+        shown = {s for s, *_ in list_}
+        missing = [label(s) for s in every if name in STEPPED and s not in shown]
         cells += f" · no result: {', '.join(missing)}" if cells and missing else ""
         lines.append(f"| {name} | {cells or 'no run ended with a result'} |")
     above = verdict(points)
