@@ -74,6 +74,7 @@ pub mod step;
 #[cfg(test)]
 mod testing;
 pub mod tree;
+pub mod tuning;
 #[cfg(feature = "urdf")]
 pub mod urdf;
 pub mod variables;

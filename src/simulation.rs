@@ -19,6 +19,7 @@ use crate::state::State;
 use crate::step::control::Stepper;
 use crate::step::point::Context;
 use crate::tree::Tree;
+use crate::tuning::{DEFAULT_TOLERANCE, Rules, TOLERANCES};
 use std::sync::Arc;
 
 /// A robot that runs.
@@ -35,6 +36,7 @@ pub struct Simulation {
     tree: Tree,
     stepper: Stepper,
     readout: Readout,
+    rules: Rules,
     importer_tolerance: f64,
     start: f64,
     initialized: bool,
@@ -86,12 +88,10 @@ macro_rules! context {
                 step if step > 0.0 => step.max(SHORTEST_FIXED_STEP),
                 _ => 0.0,
             },
+            rules: &$simulation.rules,
         }
     };
 }
-
-/// Tolerance where neither the model nor the importer gives one.
-const DEFAULT_TOLERANCE: f64 = 1e-3;
 
 impl Simulation {
     /// A robot with its default parameters and initial state; call [`Self::initialize`] before the first step.
@@ -109,6 +109,7 @@ impl Simulation {
             applied: inputs.clone(),
             inputs,
             tree,
+            rules: Rules::ALL,
             importer_tolerance: 0.0,
             start: 0.0,
             initialized: false,
@@ -153,6 +154,12 @@ impl Simulation {
     /// Sets the tolerance that applies where the parameter `Tolerance` is 0.
     pub fn set_importer_tolerance(&mut self, tolerance: f64) {
         self.importer_tolerance = tolerance;
+    }
+
+    /// Switches rules of the method off or on, for tests and to measure what a rule does. Not part
+    /// of saved states; an FMU has all of them.
+    pub fn set_rules(&mut self, rules: Rules) {
+        self.rules = rules;
     }
 
     /// Puts the robot into its initial state at time `start`, s, and derives what follows from the parameters.
@@ -323,7 +330,7 @@ impl Simulation {
         } else {
             DEFAULT_TOLERANCE
         };
-        tolerance.clamp(1e-12, 1.0)
+        tolerance.clamp(TOLERANCES.0, TOLERANCES.1)
     }
 
     /// Simulates up to exactly `end`, s; does nothing unless it lies after [`Self::time`].

@@ -6,6 +6,7 @@ pub mod lag;
 use self::ahead::Ahead;
 use self::lag::Lag;
 use crate::model::Model;
+use crate::tuning::INITIAL_STEP;
 
 /// State of a robot. All quantities in SI units; layout of `q` and `v`: [`crate::model::Motion`].
 #[derive(Clone, Debug, PartialEq)]
@@ -71,9 +72,6 @@ impl Touch {
         }
     }
 }
-
-/// First guess of the step after initialisation, s; the error control corrects it within a few steps.
-pub const INITIAL_STEP: f64 = 1e-3;
 
 impl State {
     /// All zero, quaternions at identity.

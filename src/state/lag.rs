@@ -4,9 +4,7 @@
 //! taken off a few times.
 
 use crate::model::Model;
-
-/// Steps that a measurement serves.
-const USES: f64 = 3.0;
+use crate::tuning::LAG_USES;
 
 /// Error of a solve by itself, which grows with the square of its step, and how long it is known.
 #[derive(Clone, Debug, PartialEq)]
@@ -62,7 +60,7 @@ impl Lag {
         }
         self.length = h;
         self.last = h;
-        self.uses = USES;
+        self.uses = LAG_USES;
     }
 
     /// Whether it is known for a step of `h` seconds in which `pressing` contact points press.
@@ -70,7 +68,7 @@ impl Lag {
     pub fn is_known(&self, h: f64, pressing: f64) -> bool {
         let share = h / self.length;
         let alike = (0.5..=1.0 + 1e-6).contains(&share) && pressing == self.pressing;
-        self.uses > 0.0 && self.uses <= USES && alike
+        self.uses > 0.0 && self.uses <= LAG_USES && alike
     }
 
     /// Overwrites it with that of another state of the same model, without allocating.

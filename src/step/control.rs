@@ -17,32 +17,11 @@ use crate::step::point::{Context, Point};
 use crate::step::runge_kutta::{Explicit, Pair};
 use crate::step::smooth::{accept_explicit, follow, next_proposal};
 use crate::tree::Tree;
-
-/// Longest step, s: a robot at rest in the air must still notice that it falls.
-pub(super) const MAX_STEP: f64 = 0.05;
-/// Shortest step that error control asks for, s; a step that fails its test there is accepted and counted.
-const MIN_STEP: f64 = 1e-7;
-/// Largest value that the shortest step may rise to, s, see [`patience`].
-const MAX_FLOOR: f64 = 1e-4;
-/// Weight of a velocity error against a position error, s. Without it impacts go unnoticed.
-pub(super) const VELOCITY_WEIGHT: f64 = 0.1;
-/// Accuracy of the impulses of a guess that needs no iteration, relative to the tolerance: what it lacks stays, so that it is
-/// the error of a speed that a motor holds.
-const GUESS: f64 = 2e-4;
-/// Imbalance of the forces on a robot at rest that does not set it going, relative to forces and to the tolerance.
-const BALANCE: f64 = 1e-4;
-/// Longest step of a contact that bounces, as a share of the time √(m/k) of the robot on the point. A slow bounce is
-/// shallower than the tolerance, which would not notice that it is missing; but it has its restitution, too.
-const BOUNCE_SHARE: f64 = 0.2;
-/// Speed below which a robot may be at rest, rad/s or m/s.
-const REST_SPEED: f64 = 1e-7;
-/// Share of a step after which a joint that reaches its limit ends it: one that is slower in coming there may never.
-const CREEP: f64 = 0.1;
-/// Share of the step that the error estimate allows which a Runge–Kutta step takes next: at 0.9 every fourth was taken in
-/// vain on swinging arms, at 0.8 every tenth.
-const EXPLICIT_SAFETY: f64 = 0.8;
-/// Growth and shrinkage of the step, at most.
-pub(super) const GROWTH: (f64, f64) = (0.1, 5.0);
+use crate::tuning::{
+    BALANCE, BALANCES, BOUNCE_SHARE, COMMAND_STEP, CREEP, EXPLICIT_SAFETY, FLOOR_FALL, FLOOR_REACH,
+    FLOOR_RISE, FLOOR_TOLERANCE, GROWTH, GUESS, GUESSES, IMPLICIT_SAFETY, LANDING, LEAST_ERROR,
+    MAX_FLOOR, MAX_STEP, MIN_STEP, REST_SPEED, SHORT_SHARE, VELOCITY_WEIGHT,
+};
 
 /// The state stopped being finite at the smallest step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -200,10 +179,10 @@ impl Stepper {
         let remaining = way.remaining();
         let error = self.explicit_step(ctx, pair, state, h);
         let power = -1.0 / f64::from(pair.order);
-        let factor = EXPLICIT_SAFETY * libm::pow(error.max(1e-10), power);
+        let factor = EXPLICIT_SAFETY * libm::pow(error.max(LEAST_ERROR.1), power);
         let factor = factor.clamp(GROWTH.0, GROWTH.1);
         let good = (error <= 1.0).then_some(h * factor);
-        let floor = patience(state, ctx.tolerance, [h, remaining], good);
+        let floor = patience(ctx, state, [h, remaining], good);
         way.current = true;
         if error <= 1.0 || (h <= floor && error.is_finite()) {
             if error > 1.0 {
@@ -243,7 +222,7 @@ impl Stepper {
         state: &mut State,
         way: &mut Way,
     ) -> Result<(), NotFinite> {
-        let accuracy = (GUESS * ctx.tolerance).clamp(1e-10, 1e-5);
+        let accuracy = (GUESS * ctx.tolerance).clamp(GUESSES.0, GUESSES.1);
         let remaining = way.remaining();
         let mut h = landing(way.proposed.min(MAX_STEP), remaining);
         if way.current || ctx.tree.long {
@@ -251,7 +230,7 @@ impl Stepper {
         }
         way.current = false;
         self.cones.moved = false;
-        if way.jumped {
+        if way.jumped && ctx.rules.command {
             way.proposed = self.cap_by_command(ctx, state, way.proposed, remaining);
         }
         h = h.min(way.proposed);
@@ -261,7 +240,7 @@ impl Stepper {
         let asked = h;
         h = self.cap_by_touchdown(ctx, state, h);
         let uncut = h >= asked;
-        let balance = (BALANCE * ctx.tolerance).clamp(1e-11, 1e-6);
+        let balance = (BALANCE * ctx.tolerance).clamp(BALANCES.0, BALANCES.1);
         if self.rest(ctx, state, h, remaining, balance) {
             way.arrive();
             return Ok(());
@@ -269,9 +248,13 @@ impl Stepper {
         loop {
             let solved = self.full_solve(ctx, state, h, accuracy);
             // Cut short by the communication step: the one solve may do.
-            let short = uncut && !way.jumped && 2.0 * h <= way.proposed && !ctx.inputs.varies();
+            let short = ctx.rules.single
+                && uncut
+                && !way.jumped
+                && h <= SHORT_SHARE * way.proposed
+                && !ctx.inputs.varies();
             if solved && short && self.single_step(ctx, state, h) {
-                patience(state, ctx.tolerance, [h, remaining], Some(way.proposed));
+                patience(ctx, state, [h, remaining], Some(way.proposed));
                 way.book(state, h);
                 way.go(h);
                 return Ok(());
@@ -288,10 +271,11 @@ impl Stepper {
                 h = remaining;
                 continue;
             }
-            let factor = (0.9 / error.max(1e-12).sqrt()).clamp(GROWTH.0, GROWTH.1);
+            let factor =
+                (IMPLICIT_SAFETY / error.max(LEAST_ERROR.0).sqrt()).clamp(GROWTH.0, GROWTH.1);
             let next = grown(way.proposed, h, factor);
             let good = (error <= 1.0).then_some(next);
-            let floor = patience(state, ctx.tolerance, [h, remaining], good);
+            let floor = patience(ctx, state, [h, remaining], good);
             if error <= 1.0 || (h <= floor && error.is_finite()) {
                 if error > 1.0 {
                     state.counters[3] += 1;
@@ -300,7 +284,8 @@ impl Stepper {
                 let jumped = way.jumped;
                 way.book(state, h);
                 self.keep_start(state);
-                way.posed = self.accept_doubled(ctx, state, h, error <= 1.0);
+                way.posed =
+                    self.accept_doubled(ctx, state, h, error <= 1.0 && ctx.rules.extrapolation);
                 self.end_trend(state, h);
                 if jumped || !uncut {
                     // What a jump or a touch-down ends is not what follows.
@@ -339,7 +324,7 @@ impl Stepper {
             let time = ctx.tree.inertia[term.dof] * error / cap;
             let moved = error * capped.min(remaining) * ctx.tree.weight[term.dof];
             if moved > ctx.tolerance && time < capped {
-                capped = time.max(1e-6);
+                capped = time.max(COMMAND_STEP);
             }
         }
         capped
@@ -348,16 +333,16 @@ impl Stepper {
     /// Ends the step where the first point touches down or the first joint reaches its limit; takes a bounce in parts of
     /// its own time.
     fn cap_by_touchdown(&self, ctx: &Context, state: &State, h: f64) -> f64 {
-        let mass = ctx.tree.moving_mass;
+        let (mass, rules) = (ctx.tree.moving_mass, ctx.rules);
         let mut capped = h;
         for contact in &self.start.contacts {
             if contact.gap > 0.0 {
                 let approach = -contact.normal_velocity(&self.start.kin.V);
                 let time = contact.gap / approach;
-                if approach > 0.0 && time < capped && time > MIN_STEP {
+                if rules.touchdown && approach > 0.0 && time < capped && time > MIN_STEP {
                     capped = time;
                 }
-            } else if contact.touchdown > 0.0 {
+            } else if rules.bounce && contact.touchdown > 0.0 {
                 let time = BOUNCE_SHARE * (mass / contact.stiffness).sqrt();
                 capped = capped.min(time.max(MIN_STEP));
             }
@@ -365,7 +350,7 @@ impl Stepper {
         for term in &self.start.joints.terms {
             let v = state.v[term.dof];
             let time = term.gap[usize::from(v > 0.0)] / v.abs();
-            if time < capped && time > CREEP * h {
+            if rules.touchdown && time < capped && time > CREEP * h {
                 capped = time;
             }
         }
@@ -384,7 +369,7 @@ impl Stepper {
     ) -> bool {
         let speed = state.v.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
         // Forces that balance now need not balance later if a command changes.
-        if speed >= REST_SPEED || ctx.inputs.varies() {
+        if !ctx.rules.rest || speed >= REST_SPEED || ctx.inputs.varies() {
             return false;
         }
         if speed > 0.0 {
@@ -493,17 +478,17 @@ impl Way {
 /// it again if they take ten times as long, or would but for the communication step; those that it cuts do not raise it.
 ///
 /// - `next`: length of the next step if this one went well, s
-fn patience(state: &mut State, tolerance: f64, [h, remaining]: [f64; 2], next: Option<f64>) -> f64 {
+fn patience(ctx: &Context, state: &mut State, [h, remaining]: [f64; 2], next: Option<f64>) -> f64 {
     let floor = &mut state.step[2];
     *floor = floor.max(MIN_STEP);
     let cut = h >= remaining;
     let taken = next.map_or(0.0, |next| if cut { next.max(h) } else { h });
-    if taken >= 10.0 * *floor {
-        *floor *= 0.5;
-    } else if !cut && h < 10.0 * *floor {
+    if taken >= FLOOR_REACH * *floor {
+        *floor *= FLOOR_FALL;
+    } else if ctx.rules.floor && !cut && h < FLOOR_REACH * *floor {
         // Like the steps that the tolerance asks for.
-        let scale = (tolerance / 1e-3).sqrt().min(1.0);
-        *floor = (*floor * (1.0 + 0.02 * scale)).min(scale * MAX_FLOOR);
+        let scale = (ctx.tolerance / FLOOR_TOLERANCE).sqrt().min(1.0);
+        *floor = (*floor * (1.0 + FLOOR_RISE * scale)).min(scale * MAX_FLOOR);
     }
     floor.max(MIN_STEP)
 }
@@ -512,7 +497,7 @@ fn patience(state: &mut State, tolerance: f64, [h, remaining]: [f64; 2], next: O
 pub(super) fn landing(h: f64, remaining: f64) -> f64 {
     if h >= remaining {
         remaining
-    } else if 1.5 * h > remaining {
+    } else if LANDING * h > remaining {
         0.5 * remaining
     } else {
         h

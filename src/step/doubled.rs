@@ -8,18 +8,14 @@ use crate::kinematics::{advance, difference};
 use crate::spatial::Vec3;
 use crate::state::{State, Touch};
 use crate::step::cones::Cones;
-use crate::step::control::{Stepper, VELOCITY_WEIGHT, count, worst_error};
+use crate::step::control::{Stepper, count, worst_error};
 use crate::step::convex::Newton;
 use crate::step::energy::{EXTRAPOLATION_GAIN, work};
 use crate::step::point::{Context, Point};
 use crate::step::runge_kutta::position_rates;
 use crate::step::smooth::range;
 use crate::tree::REFERENCE_GRAVITY;
-
-/// Share of the tolerance that a lag of the friction cones may cost before it is dealt with.
-const LAG_SHARE: f64 = 0.02;
-/// Solves with other friction cones than those of the start, at most.
-const MAX_ATTEMPTS: usize = 3;
+use crate::tuning::{LAG_SHARE, MAX_ATTEMPTS, VELOCITY_WEIGHT};
 
 impl Stepper {
     /// Solves over `h`; tells whether that went well.
@@ -45,7 +41,8 @@ impl Stepper {
     pub(super) fn cones_lag(&self, ctx: &Context, h: f64) -> bool {
         let mass = ctx.tree.moving_mass;
         let allowed = LAG_SHARE * ctx.tolerance * mass / VELOCITY_WEIGHT;
-        h * Cones::lag(&self.start, &self.full, (mass, ctx.tolerance), h) > allowed
+        ctx.rules.cones
+            && h * Cones::lag(&self.start, &self.full, (mass, ctx.tolerance), h) > allowed
     }
 
     /// Repeats the full solve with the friction cones that it has found, and sets those of the first half, where the cones
@@ -130,7 +127,8 @@ impl Stepper {
     /// Whether a step of `h` seconds may reach beyond the communication point: inputs stay as they are, nothing touches, and
     /// no term has a memory that would have to be read off in between, too.
     pub(super) fn may_look_ahead(&self, ctx: &Context, state: &State, h: f64) -> bool {
-        state.ahead.changed == 0.0
+        ctx.rules.look_ahead
+            && state.ahead.changed == 0.0
             && self.start.contacts.is_empty()
             && self.start.joints.terms.iter().all(|term| {
                 // An impact on a limit is no polynomial.

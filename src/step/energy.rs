@@ -112,8 +112,10 @@ impl Stepper {
         let weight = tree.moving_mass * REFERENCE_GRAVITY;
         let allowed = share * weight * tree.reach;
         // A number that is none must not pass.
-        rise.is_nan()
-            || rise > allowed && rise > allowed + share * kinetic(tree, &self.start.kin, &state.v)
+        ctx.rules.energy
+            && (rise.is_nan()
+                || rise > allowed
+                    && rise > allowed + share * kinetic(tree, &self.start.kin, &state.v))
     }
 
     /// Whether the step to `state` has made more energy than allowed; poses and velocities of `self.end` then stand there.
@@ -139,7 +141,7 @@ impl Stepper {
             + potential(tree, kin)
             + springs(&self.end.contacts)
             + self.limits(ctx, &state.q);
-        held - books.held - work > books.allowed
+        ctx.rules.energy && held - books.held - work > books.allowed
     }
 
     /// The same for the explicit step from `state` that has just been tried: nothing touches, and `self.middle` stands at its
@@ -153,7 +155,7 @@ impl Stepper {
             work += term.drive_force(state.v[term.dof], 0.0).0 * way;
         }
         let held = kinetic(tree, kin, &self.explicit.v) + potential(tree, kin);
-        held - books.held - work > books.allowed
+        ctx.rules.energy && held - books.held - work > books.allowed
     }
 
     /// What the joint limits hold at `q`.

@@ -12,24 +12,9 @@ use crate::step::convex::Problem;
 use crate::step::energy::{GAIN, work};
 use crate::step::point::{Context, Point};
 use crate::tree::{Move, Tree};
-
-/// Error of one solve by itself, relative to the tolerance and to the square of the step, s⁻², up to which the second is left
-/// out: like the error it falls with the square of the step, so that short steps converge as before. 0.004 at 1/240 s.
-const CALM: f64 = 240.0;
-/// Relative accuracy of the impulses in fixed-step mode: of a guess, and after an iteration.
-const FIXED_ACCURACY: [f64; 2] = [1e-8, 1e-4];
-/// Angle, rad, that a limb may turn in a step: one that whirls faster has the step taken in parts. A step takes mass matrix
-/// and lever arms as they are at its start, and a radian on they are others: such limbs gained energy without bound.
-const WHIRL: f64 = 0.2;
-/// Angle, rad, that a limb may turn in a step of the length that the user fixed whose mass matrix and lever arms are those of its start; where it turns
-/// farther they are those of its middle.
-const TURN: f64 = 0.005;
-/// Share of the change of velocity with which such a step takes its bias. The middle of its way lies half a change beyond the
-/// mean velocity, because positions move with the velocity of the step's end: half of that, and the forces of whirling
-/// take as much from one limb as they give to another, up to the third order.
-const AHEAD: f64 = 0.75;
-/// Most parts of a step.
-const MAX_PARTS: f64 = 32.0;
+use crate::tuning::{
+    AHEAD, CALM, FIXED_ACCURACY, FIXED_BALANCE, MAX_PARTS, STEP_ROUND_OFF, TURN, WHIRL,
+};
 
 impl Stepper {
     pub(super) fn advance_fixed(
@@ -41,13 +26,19 @@ impl Stepper {
         state.lag.clear();
         let span = end - state.time;
         // Importers' steps carry round-off: a millionth more than a whole number of steps is that number.
-        let count = libm::ceil(span / ctx.fixed_step - 1e-6).max(1.0);
+        let count = libm::ceil(span / ctx.fixed_step - STEP_ROUND_OFF).max(1.0);
         let h = span / count;
         let mut done = 0.0;
         while done < count {
             let ctx = &ctx.after(done * h);
             self.start.update(ctx, state, h);
-            if self.rest(ctx, state, h, span - done * h, 0.1 * FIXED_ACCURACY[0]) {
+            if self.rest(
+                ctx,
+                state,
+                h,
+                span - done * h,
+                FIXED_BALANCE * FIXED_ACCURACY[0],
+            ) {
                 return Ok(());
             }
             if self.bounces(h) {
@@ -76,7 +67,8 @@ impl Stepper {
         let turn = fastest(ctx, &state.v) * h;
         // Parts are not shorter than a fixed step may be.
         let most = (h / SHORTEST_FIXED_STEP).clamp(1.0, MAX_PARTS);
-        let mut parts = libm::ceil(turn / WHIRL - 1e-9).clamp(1.0, most);
+        let mut parts =
+            libm::ceil(turn / WHIRL - 1e-9).clamp(1.0, if ctx.rules.parts { most } else { 1.0 });
         let mut done = 0.0;
         let mut current = true;
         while parts > 0.0 {
@@ -142,7 +134,7 @@ impl Stepper {
             return Ok(true);
         }
         let turn = fastest(ctx, &state.v).max(fastest(ctx, &self.full.v));
-        if watched && turn * h > WHIRL {
+        if watched && ctx.rules.parts && turn * h > WHIRL {
             return Ok(false);
         }
         for (contact, response) in self.start.contacts.iter_mut().zip(&self.full.responses) {

@@ -15,10 +15,7 @@ use crate::state::State;
 use crate::step::control::Stepper;
 use crate::step::point::Context;
 use crate::tree::Move;
-
-/// `1/(tr I · tr I⁻¹)` of the inertia, 1/9 for a ball and 0 for a rod without thickness, below which the angular velocity stays
-/// as it is: about the axis of a rod it would take up what the step's error of its orientation does to its momentum.
-const THIN: f64 = 0.01;
+use crate::tuning::THIN;
 
 /// What a flying robot keeps; world axes.
 #[derive(Clone, Copy, Debug)]
@@ -73,7 +70,7 @@ impl Stepper {
         let tree = ctx.tree;
         let free = tree.bodies[0].motion == Move::Free;
         let undisturbed = tree.drag == 0.0 && ctx.inputs.wrenches.is_empty();
-        if !free || !undisturbed || !state.touches.is_empty() {
+        if !ctx.rules.momentum || !free || !undisturbed || !state.touches.is_empty() {
             return None;
         }
         self.end.pose(ctx, state);

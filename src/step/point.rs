@@ -12,11 +12,7 @@ use crate::parameters::Parameters;
 use crate::state::State;
 use crate::step::convex::Problem;
 use crate::tree::Tree;
-
-/// Accuracy of impulses after an iteration, relative to that of a guess that needs none.
-const ITERATED: f64 = 5000.0;
-/// Coarsest accuracy that this leads to.
-const COARSEST: f64 = 1e-3;
+use crate::tuning::{COARSEST, ITERATED, Rules};
 
 /// What a step needs and does not change.
 #[derive(Clone, Copy, Debug)]
@@ -35,6 +31,8 @@ pub struct Context<'a> {
     pub tolerance: f64,
     /// Fixed step, s; 0 for error control.
     pub fixed_step: f64,
+    /// Which rules act.
+    pub rules: &'a Rules,
 }
 
 impl Context<'_> {

@@ -26,6 +26,7 @@ use crate::spatial::quaternion_product;
 use crate::state::ahead::COEFFICIENTS;
 use crate::step::point::Context;
 use crate::tree::{Move, Tree};
+use crate::tuning::{DAMPED_SHARE, EXPLICIT_SHARE};
 
 /// Most stages of a pair; the last one stands at the new state.
 const STAGES: usize = 7;
@@ -94,7 +95,7 @@ pub static DORMAND_PRINCE: Pair = Pair {
     ],
     implicit: &[],
     gamma: 0.0,
-    share: 0.02,
+    share: EXPLICIT_SHARE,
     order: 5,
 };
 
@@ -108,7 +109,7 @@ pub static BOGACKI_SHAMPINE: Pair = Pair {
     error: &[-5.0 / 72.0, 1.0 / 12.0, 1.0 / 9.0, -1.0 / 8.0],
     implicit: &[],
     gamma: 0.0,
-    share: 0.02,
+    share: EXPLICIT_SHARE,
     order: 3,
 };
 
@@ -176,7 +177,7 @@ pub static KENNEDY_CARPENTER: Pair = Pair {
         -2_260.0 / 8_211.0 + 3_700_637.0 / 11_593_932.0,
         1.0 / 4.0 - 61_727.0 / 225_920.0,
     ],
-    share: 0.1,
+    share: DAMPED_SHARE,
     order: 4,
 };
 

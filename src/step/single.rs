@@ -16,12 +16,7 @@ use crate::step::control::{Stepper, worst_error};
 use crate::step::doubled::{add_impulses, store};
 use crate::step::energy::EXTRAPOLATION_GAIN;
 use crate::step::point::Context;
-
-/// Error, relative to the tolerance and per second, up to which one solve does as it is: what such steps add up to in a
-/// second stays below the tolerance.
-const SINGLE_RATE: f64 = 1.0;
-/// How far the known error of a solve may be from what the change of acceleration says of it, relative to the tolerance.
-const LAG_DOUBT: f64 = 0.05;
+use crate::tuning::{LAG_DOUBT, SINGLE_RATE};
 
 impl Stepper {
     /// Takes the full solve over `h` seconds into the state if it does without the half steps; tells whether it was taken.
@@ -29,7 +24,7 @@ impl Stepper {
         if self.cones_lag(ctx, h) {
             return false;
         }
-        let known = state.lag.is_known(h, self.full.pressing());
+        let known = ctx.rules.known_error && state.lag.is_known(h, self.full.pressing());
         if known && self.lag_doubt(ctx, state, h) <= LAG_DOUBT {
             for (way, lag) in self.difference.iter_mut().zip(&state.lag.positions) {
                 *way = -h * h * lag;

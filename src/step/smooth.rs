@@ -3,22 +3,13 @@
 use crate::actuator::{Drive, JointTerm};
 use crate::contact::is_clear;
 use crate::state::State;
-use crate::step::control::{GROWTH, MAX_STEP, Stepper, grown, landing, worst_error};
+use crate::step::control::{Stepper, grown, landing, worst_error};
 use crate::step::point::Context;
 use crate::step::runge_kutta::{
     BOGACKI_SHAMPINE, DORMAND_PRINCE, Explicit, KENNEDY_CARPENTER, Pair, Smooth,
 };
 use crate::tree::Tree;
-
-/// Longest explicit step, s.
-const MAX_EXPLICIT_STEP: f64 = 0.1;
-/// The short pair takes steps below `SHORT · tolerance^PAIR_EXPONENT` times what the long one proposes: there both
-/// meet the tolerance if errors grow like powers of one time scale, `tolerance^(1/3 − 1/5)`.
-const SHORT: f64 = 0.5;
-/// See [`SHORT`].
-const PAIR_EXPONENT: f64 = 2.0 / 15.0;
-/// Error that an explicit step counts as if it has run into something: half the step is tried next.
-const HIT: f64 = 32.0;
+use crate::tuning::{GROWTH, HIT, MAX_EXPLICIT_STEP, MAX_STEP, PAIR_EXPONENT, SHORT};
 
 impl Stepper {
     /// Method and length of the next explicit step: beyond the communication point as long as inputs stay as they
@@ -30,11 +21,11 @@ impl Stepper {
         proposed: f64,
         remaining: f64,
     ) -> Option<(&'static Pair, f64)> {
-        if !self.nothing_stiff(ctx) {
+        if !ctx.rules.explicit || !self.nothing_stiff(ctx) {
             return None;
         }
         let long = proposed.min(MAX_EXPLICIT_STEP);
-        if state.ahead.changed == 0.0 {
+        if ctx.rules.look_ahead && state.ahead.changed == 0.0 {
             if self.is_free(ctx, state, long) {
                 return Some(if self.resolves_damping(long) {
                     (&DORMAND_PRINCE, long)
@@ -155,7 +146,11 @@ impl Stepper {
         h: f64,
         gain: Option<f64>,
     ) -> bool {
-        if !(self.nothing_stiff(ctx) && self.is_free(ctx, state, h) && self.resolves_damping(h)) {
+        if !(ctx.rules.explicit
+            && self.nothing_stiff(ctx)
+            && self.is_free(ctx, state, h)
+            && self.resolves_damping(h))
+        {
             return false;
         }
         self.explicit.restart();

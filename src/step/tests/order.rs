@@ -10,6 +10,7 @@ use crate::step::point::Context;
 use crate::step::runge_kutta::{BOGACKI_SHAMPINE, DORMAND_PRINCE, KENNEDY_CARPENTER, Pair};
 use crate::step::smooth::accept_explicit;
 use crate::testing::{Builder, Random, inertia, random_tree};
+use crate::tuning::Rules;
 use std::sync::Arc;
 
 /// How a step is taken.
@@ -76,6 +77,7 @@ fn end_by(model: &Model, method: Method, count: u32, articulated: bool) -> Vec<f
         } else {
             0.0
         },
+        rules: &Rules::ALL,
     };
     let mut state = simulation.state().clone();
     let mut stepper = Stepper::new(model, ctx.tree);

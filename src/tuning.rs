@@ -1,0 +1,224 @@
+//! Every number of the method: unit, reason, and the test that fails without it, where there is one.
+//!
+//! The lowest layer: it knows nothing of the rest. Physical defaults that a user may set (friction
+//! coefficients, penetration, gains) are in [`crate::settings`]; ranges of what a user may set are
+//! in [`crate::range`]. [`Rules`] switches whole rules off, for tests and for measuring what each
+//! rule does.
+
+/// Rules of the method, each of which a test can switch off. All are on in an FMU.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[expect(clippy::struct_excessive_bools, reason = "each is switched by itself")]
+pub struct Rules {
+    /// A robot that stands still while its forces balance stays where it is, without steps.
+    pub rest: bool,
+    /// A robot in flight keeps its momentum: the base takes up what steps have lost or made.
+    pub momentum: bool,
+    /// Explicit Runge–Kutta steps where nothing stiff acts.
+    pub explicit: bool,
+    /// Smooth steps reach beyond the communication point while no input changes.
+    pub look_ahead: bool,
+    /// One solve does where a communication step cuts a step short.
+    pub single: bool,
+    /// The known error of such a solve is taken off.
+    pub known_error: bool,
+    /// The results of full and half steps are extrapolated to second order.
+    pub extrapolation: bool,
+    /// The full solve is repeated with the normal forces that it has found.
+    pub cones: bool,
+    /// Steps end where a point touches down or a joint reaches its limit.
+    pub touchdown: bool,
+    /// A command that jumps caps the first step after it.
+    pub command: bool,
+    /// A bounce is taken in parts of its own duration.
+    pub bounce: bool,
+    /// A run of steps near the shortest length raises that length.
+    pub floor: bool,
+    /// A step that makes too much energy is taken otherwise.
+    pub energy: bool,
+    /// Fixed steps are taken in parts where something turns far in one.
+    pub parts: bool,
+}
+
+impl Rules {
+    /// Every rule acts.
+    pub const ALL: Self = Self {
+        rest: true,
+        momentum: true,
+        explicit: true,
+        look_ahead: true,
+        single: true,
+        known_error: true,
+        extrapolation: true,
+        cones: true,
+        touchdown: true,
+        command: true,
+        bounce: true,
+        floor: true,
+        energy: true,
+        parts: true,
+    };
+}
+
+impl Default for Rules {
+    fn default() -> Self {
+        Self::ALL
+    }
+}
+
+// Error control: `step/driver.rs`, `step/size.rs`.
+
+/// Tolerance where neither the model nor the importer gives one: an error of a millimetre a step
+/// at arm's length.
+pub const DEFAULT_TOLERANCE: f64 = 1e-3;
+/// Least and greatest tolerance that the error control works with: below, round-off decides;
+/// above, an error of the size of the robot would pass.
+pub const TOLERANCES: (f64, f64) = (1e-12, 1.0);
+/// First guess of the step after initialisation, s; the error control corrects it within a few
+/// steps.
+pub const INITIAL_STEP: f64 = 1e-3;
+/// Longest implicit step, s: a robot at rest in the air must still notice that it falls.
+pub const MAX_STEP: f64 = 0.05;
+/// Shortest step that the error control asks for, s; a step that fails its test there is accepted
+/// and counted.
+pub const MIN_STEP: f64 = 1e-7;
+/// Shrinkage and growth of the step, at most.
+pub const GROWTH: (f64, f64) = (0.1, 5.0);
+/// Share of the step that the error estimate allows which an implicit step takes next.
+pub const IMPLICIT_SAFETY: f64 = 0.9;
+/// The same for a Runge–Kutta step: at 0.9 every fourth was taken in vain on swinging arms, at 0.8
+/// every tenth.
+pub const EXPLICIT_SAFETY: f64 = 0.8;
+/// Least error, relative to the tolerance, that the next step is computed from, of implicit and of
+/// explicit steps: keeps the division finite, far below what limits the growth.
+pub const LEAST_ERROR: (f64, f64) = (1e-12, 1e-10);
+/// Weight of a velocity error against a position error, s. Without it impacts go unnoticed.
+pub const VELOCITY_WEIGHT: f64 = 0.1;
+/// A step that would leave less than half of its length to the communication point is taken as two
+/// equal ones: `1 + 1/2` times its length.
+pub const LANDING: f64 = 1.5;
+
+// Rising floor of the step: `step/size.rs`.
+
+/// Largest value that the shortest step may rise to at a tolerance of 1e-3, s.
+pub const MAX_FLOOR: f64 = 1e-4;
+/// Tolerance at which the floor rises that far; below, it rises with the root of the tolerance,
+/// like the steps that the tolerance asks for.
+pub const FLOOR_TOLERANCE: f64 = 1e-3;
+/// Share by which each step near the floor raises it: an impact passes in some dozens of steps,
+/// for which the floor hardly moves.
+pub const FLOOR_RISE: f64 = 0.02;
+/// Steps shorter than so many times the floor raise it, longer ones lower it.
+pub const FLOOR_REACH: f64 = 10.0;
+/// Share that a step that goes well leaves of the floor.
+pub const FLOOR_FALL: f64 = 0.5;
+
+// Where a step must end: `step/caps.rs`.
+
+/// Longest step of a contact that bounces, as a share of the time √(m/k) of the robot on the
+/// point. A slow bounce is shallower than the tolerance, which would not notice that it is
+/// missing; but it has its restitution, too.
+pub const BOUNCE_SHARE: f64 = 0.2;
+/// Share of a step after which a joint that reaches its limit ends it: one that is slower in
+/// coming there may never.
+pub const CREEP: f64 = 0.1;
+/// Shortest first step that a jump of a command asks for, s.
+pub const COMMAND_STEP: f64 = 1e-6;
+
+// Accuracy of the solves: `step/implicit.rs`, `step/point.rs`, `step/convex`.
+
+/// Accuracy of the impulses of a guess that needs no iteration, relative to the tolerance: what it
+/// lacks stays, so that it is the error of a speed that a motor holds.
+pub const GUESS: f64 = 2e-4;
+/// Least and greatest accuracy that this leads to.
+pub const GUESSES: (f64, f64) = (1e-10, 1e-5);
+/// Accuracy of impulses after an iteration, relative to that of a guess that needs none: what an
+/// iteration leaves is new in each step, and does not add up.
+pub const ITERATED: f64 = 5000.0;
+/// Coarsest accuracy that this leads to.
+pub const COARSEST: f64 = 1e-3;
+
+// Rest: `step/rest.rs`.
+
+/// Imbalance of the forces on a robot at rest that does not set it going, relative to forces and
+/// to the tolerance.
+pub const BALANCE: f64 = 1e-4;
+/// Least and greatest imbalance that this leads to.
+pub const BALANCES: (f64, f64) = (1e-11, 1e-6);
+/// Speed below which a robot may be at rest, rad/s or m/s.
+pub const REST_SPEED: f64 = 1e-7;
+
+// Steps of one solve: `step/single.rs`.
+
+/// Error, relative to the tolerance and per second, up to which one solve does as it is: what such
+/// steps add up to in a second stays below the tolerance.
+pub const SINGLE_RATE: f64 = 1.0;
+/// How far the known error of a solve may be from what the change of acceleration says of it,
+/// relative to the tolerance.
+pub const LAG_DOUBT: f64 = 0.05;
+/// Steps that a measurement of the error of a solve serves.
+pub const LAG_USES: f64 = 3.0;
+/// A step is cut short by the communication step where it is at most this share of what the error
+/// control proposes.
+pub const SHORT_SHARE: f64 = 0.5;
+
+// Friction cones: `step/implicit.rs`, `step/cones.rs`.
+
+/// Share of the tolerance that a lag of the friction cones may cost before it is dealt with.
+pub const LAG_SHARE: f64 = 0.02;
+/// Solves with other friction cones than those of the start, at most.
+pub const MAX_ATTEMPTS: usize = 3;
+
+// Explicit steps: `step/smooth.rs`.
+
+/// Longest explicit step, s.
+pub const MAX_EXPLICIT_STEP: f64 = 0.1;
+/// The short pair takes steps below `SHORT · tolerance^PAIR_EXPONENT` times what the long one
+/// proposes: there both meet the tolerance if errors grow like powers of one time scale,
+/// `tolerance^(1/3 − 1/5)`.
+pub const SHORT: f64 = 0.5;
+/// See [`SHORT`].
+pub const PAIR_EXPONENT: f64 = 2.0 / 15.0;
+/// Error that an explicit step counts as if it has run into something: half the step is tried
+/// next.
+pub const HIT: f64 = 32.0;
+/// Share of the tolerance that a Runge–Kutta step may use: steps are few and long, and what many
+/// of them add up to shall be of the size of the tolerance still.
+pub const EXPLICIT_SHARE: f64 = 0.02;
+/// The same where damping is implicit: damping forgets; without it twice the steps buy a fiftieth
+/// of the error.
+pub const DAMPED_SHARE: f64 = 0.1;
+
+// Guards: `step/energy.rs`, `step/flight.rs`.
+
+/// `1/(tr I · tr I⁻¹)` of the inertia, 1/9 for a ball and 0 for a rod without thickness, below
+/// which a robot in flight keeps its angular velocity as it is: about the axis of a rod it would
+/// take up what the step's error of its orientation does to its momentum.
+pub const THIN: f64 = 0.01;
+
+// Fixed steps: `step/fixed.rs`.
+
+/// Error of one solve by itself, relative to the tolerance and to the square of the step, s⁻², up
+/// to which the second is left out: like the error it falls with the square of the step, so that
+/// short steps converge as before. 0.004 at 1/240 s.
+pub const CALM: f64 = 240.0;
+/// Relative accuracy of the impulses in fixed steps: of a guess, and after an iteration.
+pub const FIXED_ACCURACY: [f64; 2] = [1e-8, 1e-4];
+/// Imbalance that leaves a robot at rest in fixed steps, relative to the accuracy of a guess.
+pub const FIXED_BALANCE: f64 = 0.1;
+/// Share of a step by which importers' communication steps may be longer than a whole number of
+/// fixed steps: they carry round-off.
+pub const STEP_ROUND_OFF: f64 = 1e-6;
+/// Angle, rad, that a limb may turn in a step: one that whirls faster has the step taken in parts.
+/// A step takes mass matrix and lever arms as they are at its start, and a radian on they are
+/// others: such limbs gained energy without bound.
+pub const WHIRL: f64 = 0.2;
+/// Angle, rad, that a limb may turn in a step of the length that the user fixed whose mass matrix
+/// and lever arms are those of its start; where it turns farther they are those of its middle.
+pub const TURN: f64 = 0.005;
+/// Share of the change of velocity with which such a step takes its bias. The middle of its way
+/// lies half a change beyond the mean velocity, because positions move with the velocity of the
+/// step's end: half of that, and the forces of whirling take as much from one limb as they give to
+/// another, up to the third order.
+pub const AHEAD: f64 = 0.75;
+/// Most parts of a step.
+pub const MAX_PARTS: f64 = 32.0;
