@@ -23,6 +23,7 @@ use std::ffi::{CString, c_char, c_void};
 use std::ptr::{null, null_mut};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, LazyLock};
+use urdf2fmu_core::hash::fnv1a;
 use urdf2fmu_core::prepared::PreparedModel;
 use urdf2fmu_core::settings::Settings;
 use urdf2fmu_core::simulation::Simulation;
@@ -207,16 +208,10 @@ fn read_all(c: *mut c_void) {
     }
 }
 
-fn fnv(bytes: &[u8]) -> u64 {
-    bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
-        (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3)
-    })
-}
-
 /// Puts the checksum at the end of `bytes` right.
 fn seal(bytes: &mut [u8]) {
     let end = bytes.len() - 8;
-    let checksum = fnv(&bytes[..end]).to_le_bytes();
+    let checksum = fnv1a(&bytes[..end]).to_le_bytes();
     bytes[end..].copy_from_slice(&checksum);
 }
 
@@ -240,7 +235,7 @@ static STATE: LazyLock<Vec<u8>> = LazyLock::new(|| {
 ///
 /// Reading is what bytes decide about; a step after each would leave a fiftieth of the executions.
 fn chosen(data: &[u8], many: u64) -> bool {
-    (fnv(data) >> 32).is_multiple_of(many)
+    (fnv1a(data) >> 32).is_multiple_of(many)
 }
 
 /// Length of what stands before the simulation's own bytes, see `fmi/src/snapshot.rs`.

@@ -5,7 +5,7 @@
 //! steps, too. Without derivatives it is a constant, and costs what a constant costs.
 
 use crate::model::{ActuatorId, LinkId, Model};
-use crate::simulation::InputSlot;
+use crate::slots::InputSlot;
 use crate::spatial::{Vec3, Vec6};
 use crate::tree::Tree;
 

@@ -55,6 +55,8 @@ pub mod assemble;
 pub mod contact;
 pub mod dynamics;
 pub mod geometry;
+pub mod hash;
+mod initial;
 pub mod inputs;
 pub mod kinematics;
 pub mod model;
@@ -66,6 +68,7 @@ mod sensor;
 #[cfg(feature = "urdf")]
 pub mod settings;
 pub mod simulation;
+pub mod slots;
 mod snapshot;
 pub mod sparsity;
 pub mod spatial;

@@ -5,7 +5,7 @@
 
 use crate::model::{ActuatorId, JointId, LinkId, Model};
 use crate::range::Range;
-use crate::simulation::ParameterSlot;
+use crate::slots::ParameterSlot;
 
 impl ParameterSlot {
     /// What its value may be.

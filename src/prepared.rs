@@ -3,6 +3,7 @@
 //! The library loads this file and nothing else. Floats are written with the fewest digits that read back
 //! to the same bits.
 
+use crate::hash::fnv1a;
 use crate::model::{Model, ModelError};
 use serde::{Deserialize, Serialize};
 
@@ -124,6 +125,11 @@ impl PreparedModel {
             }),
         }
     }
+}
+
+/// Hash of a model's text as it is stored: two models that differ in any number have different ones.
+pub(crate) fn model_hash(model: &Model) -> u64 {
+    serde_json::to_vec(model).map_or(0, |bytes| fnv1a(&bytes))
 }
 
 #[cfg(test)]

@@ -8,7 +8,7 @@ use crate::contact::angular;
 use crate::dynamics::energy;
 use crate::model::{JointId, Model, Motion};
 use crate::sensor::{self, Sensors};
-use crate::simulation::{Axis, OutputSlot};
+use crate::slots::{Axis, OutputSlot};
 use crate::spatial::{
     Pose, Vec3, Vec6, add_force_at, add6, dot6, quaternion_from_rotation, rpy_from_rotation,
     velocity_at,

@@ -11,7 +11,7 @@
 
 use crate::contact::angular as spin;
 use crate::model::{LinkId, Model, Sensor, SensorKind};
-use crate::simulation::{InputSlot, ParameterSlot};
+use crate::slots::{InputSlot, ParameterSlot};
 use crate::spatial::{Pose, Vec3, Vec6, angular, linear, velocity_at};
 use crate::step::point::{Context, Point};
 

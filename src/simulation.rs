@@ -3,18 +3,17 @@
 //! Life of a simulation: [`Simulation::new`], set fixed parameters and inputs, [`Simulation::initialize`], then
 //! set inputs and tunable parameters, [`Simulation::advance_to`], read outputs, and again.
 
-mod slots;
-
+pub use crate::slots::{Axis, InputSlot, OutputSlot, ParameterSlot};
 pub use crate::snapshot::Snapshot;
-pub use slots::{Axis, InputSlot, OutputSlot, ParameterSlot};
 
 use crate::dynamics::crba;
+use crate::initial::initial_state;
 use crate::inputs::Inputs;
-use crate::model::{JointId, Model};
+use crate::model::Model;
 use crate::parameters::Parameters;
+use crate::prepared::model_hash;
 use crate::range::{Range, SHORTEST_FIXED_STEP};
 use crate::readout::Readout;
-use crate::spatial::{Vec3, quaternion_from_rotation, rotation_from_rpy};
 use crate::state::State;
 use crate::step::control::Stepper;
 use crate::step::point::Context;
@@ -443,48 +442,4 @@ impl Simulation {
         self.readout.invalidate();
         Ok(())
     }
-}
-
-/// The state that the parameters ask for.
-pub(crate) fn initial_state(model: &Model, parameters: &Parameters, time: f64) -> State {
-    use ParameterSlot as P;
-    let mut state = State::new(model);
-    state.time = time;
-    let axes = |slot: fn(Axis) -> P| {
-        Vec3::new(
-            parameters.get(slot(0)),
-            parameters.get(slot(1)),
-            parameters.get(slot(2)),
-        )
-    };
-    if model.is_floating() {
-        state.q[..3].copy_from_slice(axes(P::InitialBasePosition).as_slice());
-        let turn = quaternion_from_rotation(&rotation_from_rpy(&axes(P::InitialBaseRpy)));
-        state.q[3..7].copy_from_slice(&[turn.w, turn.i, turn.j, turn.k]);
-        state.v[..3].copy_from_slice(axes(P::InitialBaseAngularVelocity).as_slice());
-        state.v[3..6].copy_from_slice(axes(P::InitialBaseLinearVelocity).as_slice());
-    }
-    for (id, joint) in (0..).map(JointId).zip(&model.joints) {
-        let Some(body) = model.scalar_body(id) else {
-            continue;
-        };
-        if joint.mimic.is_none() {
-            let body = &model.bodies[body.index()];
-            state.q[body.coordinate] = parameters.get(P::InitialJointPosition(id));
-            state.v[body.dof.index()] = parameters.get(P::InitialJointVelocity(id));
-        }
-    }
-    state
-}
-
-/// FNV-1a of a model's prepared form.
-pub(crate) fn model_hash(model: &Model) -> u64 {
-    serde_json::to_vec(model).map_or(0, |bytes| fnv(&bytes))
-}
-
-/// FNV-1a, 64 bits.
-pub(crate) fn fnv(bytes: &[u8]) -> u64 {
-    bytes.iter().fold(0xcbf2_9ce4_8422_2325, |h, b| {
-        (h ^ u64::from(*b)).wrapping_mul(0x0100_0000_01b3)
-    })
 }

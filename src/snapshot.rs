@@ -6,10 +6,12 @@
 //! the coefficients; last an FNV-1a checksum (u64) of all before it. Lengths must be those of the model, so that nothing is
 //! allocated on a stranger's word.
 
+use crate::hash::fnv1a;
 use crate::inputs::Inputs;
 use crate::model::Model;
 use crate::parameters::Parameters;
-use crate::simulation::{SimulationError, fnv, model_hash};
+use crate::prepared::model_hash;
+use crate::simulation::SimulationError;
 use crate::state::ahead::COEFFICIENTS;
 use crate::state::{State, Touch};
 
@@ -73,7 +75,7 @@ impl Snapshot {
         for value in coefficients {
             bytes.extend(value.to_le_bytes());
         }
-        bytes.extend(fnv(&bytes).to_le_bytes());
+        bytes.extend(fnv1a(&bytes).to_le_bytes());
         bytes
     }
 
@@ -146,7 +148,7 @@ impl Snapshot {
             .counts(model, bytes)
             .ok_or_else(|| refused("its length is not that of this model's states"))?;
         let (body, checksum) = bytes.split_at(bytes.len() - 8);
-        if checksum != fnv(body).to_le_bytes() {
+        if checksum != fnv1a(body).to_le_bytes() {
             return Err(refused(
                 "its checksum does not match: some of it was changed",
             ));

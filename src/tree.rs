@@ -12,7 +12,7 @@ pub use scale::LIMIT_DEFLECTION;
 
 use crate::model::{Combination, Joint, Limits, Model, Motion};
 use crate::parameters::Parameters;
-use crate::simulation::ParameterSlot as P;
+use crate::slots::ParameterSlot as P;
 use crate::sparsity::Sparsity;
 use crate::spatial::{
     Mat3, Pose, RigidInertia, Vec3, quaternion_normalized, rotation_from_rpy, rotation_to_axis,

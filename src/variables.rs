@@ -6,7 +6,7 @@ mod outputs;
 mod settable;
 
 use crate::model::Model;
-use crate::simulation::{InputSlot, OutputSlot, ParameterSlot};
+use crate::slots::{InputSlot, OutputSlot, ParameterSlot};
 use build::Table;
 #[cfg(feature = "urdf")]
 pub(crate) use build::identifier;

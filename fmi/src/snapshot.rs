@@ -23,6 +23,7 @@ use crate::error::FmiError;
 use crate::instance::Experiment;
 use crate::phase::Phase;
 use crate::types::fmi2FMUstate;
+use urdf2fmu_core::hash::fnv1a;
 use urdf2fmu_core::simulation::{Simulation, Snapshot};
 
 const MAGIC: &[u8; 8] = b"urdf2fmu";
@@ -228,24 +229,10 @@ impl Reader<'_> {
     }
 }
 
-/// The hash of Fowler, Noll and Vo. A change of any one byte changes it: each step is a bijection.
-fn fnv1a(bytes: &[u8]) -> u64 {
-    bytes.iter().fold(0xCBF2_9CE4_8422_2325, |hash, byte| {
-        (hash ^ u64::from(*byte)).wrapping_mul(0x0000_0100_0000_01B3)
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::instance::tests::instance;
-
-    #[test]
-    fn fnv1a_has_its_published_values() {
-        // Test vectors of draft-eastlake-fnv.
-        assert_eq!(fnv1a(b""), 0xCBF2_9CE4_8422_2325);
-        assert_eq!(fnv1a(b"foobar"), 0x8594_4171_F739_67E8);
-    }
 
     #[test]
     fn bytes_read_back_to_the_same_bytes() {

@@ -15,6 +15,7 @@
 
 use std::path::Path;
 use urdf2fmu_core::geometry::{MOST_CORNERS, Shape, bounded_hull};
+use urdf2fmu_core::hash::fnv1a;
 use urdf2fmu_core::settings::Settings;
 use urdf2fmu_core::spatial::Vec3;
 use urdf2fmu_core::{assemble, urdf};
@@ -129,8 +130,5 @@ fn mesh(kind: &str, data: &[u8]) {
 
 /// One file in eight, by its bytes.
 fn chosen(data: &[u8]) -> bool {
-    let hash = data.iter().fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| {
-        (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3)
-    });
-    (hash >> 32).is_multiple_of(8)
+    (fnv1a(data) >> 32).is_multiple_of(8)
 }

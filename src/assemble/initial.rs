@@ -5,11 +5,11 @@
 use super::bodies::Base;
 use super::findings::{Findings, listed};
 use super::robot::{is_scalar, kind_name};
+use crate::initial::initial_state;
 use crate::kinematics::Kinematics;
 use crate::model::{Collider, JointId, LinkId, Model, Motion};
 use crate::parameters::Parameters;
 use crate::settings::{Pattern, Settings};
-use crate::simulation::initial_state;
 use crate::spatial::{Pose, Vec3, rpy_from_rotation};
 use crate::tree::Tree;
 

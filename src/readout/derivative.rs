@@ -5,7 +5,7 @@ use super::{Readout, joint_orientation, quaternion};
 use crate::kinematics::forward;
 use crate::model::{JointId, JointKind, Model, Motion};
 use crate::sensor;
-use crate::simulation::{Axis, OutputSlot};
+use crate::slots::{Axis, OutputSlot};
 use crate::spatial::{Vec3, angular, linear, quaternion_product, rpy_from_rotation};
 use crate::state::State;
 use crate::step::point::Context;

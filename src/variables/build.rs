@@ -2,7 +2,7 @@
 
 use super::{Kind, Slot, TableError, Unit, Variable};
 use crate::model::{Joint, JointId, JointKind, Limits, Model};
-use crate::simulation::{Axis, InputSlot, OutputSlot, ParameterSlot};
+use crate::slots::{Axis, InputSlot, OutputSlot, ParameterSlot};
 use std::collections::BTreeMap;
 
 pub(super) const XYZ: [&str; 3] = ["x", "y", "z"];

@@ -3,7 +3,7 @@
 use super::build::{Group, RPY, Row, Table, XYZ, XYZW, axes, group, identifier, units};
 use super::{Kind, Unit};
 use crate::model::{JointId, JointKind, LinkId, SensorId, SensorKind};
-use crate::simulation::{Axis, OutputSlot};
+use crate::slots::{Axis, OutputSlot};
 
 /// Slots by axis.
 type OfBase = fn(Axis) -> OutputSlot;

@@ -3,7 +3,7 @@
 use super::Unit;
 use super::build::{Group, RPY, Row, Table, XYZ, axes, group, identifier, is_scalar, units};
 use crate::model::{Actuator, ActuatorId, ActuatorMode, Limits, LinkId};
-use crate::simulation::{Axis, InputSlot, ParameterSlot};
+use crate::slots::{Axis, InputSlot, ParameterSlot};
 
 /// Slots by axis.
 type OfAxis = fn(Axis) -> ParameterSlot;

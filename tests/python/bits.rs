@@ -18,6 +18,7 @@ mod reader;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use urdf2fmu_core::hash::Fnv;
 use urdf2fmu_core::model::{ActuatorId, ActuatorMode, LinkId, Model};
 use urdf2fmu_core::settings::Settings;
 use urdf2fmu_core::simulation::{InputSlot, OutputSlot, ParameterSlot, Simulation, Snapshot};
@@ -63,23 +64,12 @@ const MODES: [ActuatorMode; 4] = [
     ActuatorMode::Effort,
 ];
 
-/// FNV-1a over numbers.
-struct Hash(u64);
-
-impl Hash {
-    fn add(&mut self, x: f64) {
-        for byte in x.to_bits().to_le_bytes() {
-            self.0 = (self.0 ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
-        }
-    }
-}
-
 /// A robot under way, and what it has gone through.
 struct Run {
     simulation: Simulation,
     outputs: Vec<OutputSlot>,
     random: Random,
-    hash: Hash,
+    hash: Fnv,
 }
 
 impl Run {
@@ -96,7 +86,7 @@ impl Run {
             simulation,
             outputs: outputs.collect(),
             random: Random(7),
-            hash: Hash(0xcbf2_9ce4_8422_2325),
+            hash: Fnv::default(),
         }
     }
 
@@ -132,15 +122,15 @@ impl Run {
         self.simulation.advance_to(end).expect("finite");
         let state = self.simulation.state();
         for x in state.q.iter().chain(&state.v) {
-            self.hash.add(*x);
+            self.hash.add(&x.to_le_bytes());
         }
     }
 
     fn read(&mut self) {
         for slot in &self.outputs {
-            self.hash.add(self.simulation.output(*slot));
+            self.hash.add(&self.simulation.output(*slot).to_le_bytes());
             let rate = self.simulation.output_derivative(*slot);
-            self.hash.add(rate.unwrap_or(0.5));
+            self.hash.add(&rate.unwrap_or(0.5).to_le_bytes());
         }
     }
 
@@ -173,16 +163,16 @@ fn hashes(model: &Arc<Model>, step: f64) -> [u64; 2] {
         run.step(1.0 / 240.0);
     }
     run.read();
-    let first = run.hash.0;
+    let first = run.hash;
     let bytes = run.simulation.save().to_bytes();
     let mut other = Run::new(model, step);
     let saved = Snapshot::from_bytes(model, &bytes).expect("what was written");
     other.simulation.restore(&saved).expect("the same model");
-    (other.random.0, other.hash.0) = (run.random.0, first);
+    (other.random.0, other.hash) = (run.random.0, first);
     run.go_on();
     other.go_on();
-    assert_eq!(run.hash.0, other.hash.0, "{}: restored", model.name);
-    [first, run.hash.0]
+    assert_eq!(run.hash, other.hash, "{}: restored", model.name);
+    [first.value(), run.hash.value()]
 }
 
 /// One line for each mode and kind of step of a robot.

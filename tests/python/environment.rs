@@ -6,6 +6,7 @@
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use urdf2fmu_core::hash::Fnv;
 
 /// A virtual environment with everything that the tests need.
 pub struct Environment {
@@ -41,14 +42,14 @@ fn python() -> String {
         .unwrap_or_else(|_| if cfg!(windows) { "python" } else { "python3" }.to_owned())
 }
 
-/// FNV-1a: a short name for what an environment is made from. Not for secrets.
+/// A short name for what an environment is made from.
 fn hash(texts: &[&str]) -> u64 {
-    texts
-        .iter()
-        .flat_map(|text| text.bytes().chain([0]))
-        .fold(0xcbf2_9ce4_8422_2325, |h, byte| {
-            (h ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
-        })
+    let mut hash = Fnv::default();
+    for text in texts {
+        hash.add(text.as_bytes());
+        hash.add(&[0]);
+    }
+    hash.value()
 }
 
 /// The environment, made if need be.
