@@ -1,6 +1,6 @@
 //! A zip that is the same, byte for byte, for the same content.
 //!
-//! In: names and bytes. Out: one file, complete or not there at all. Entries are sorted by name, their time is the
+//! In: names and bytes. Out: the zip's bytes. Entries are sorted by name, their time is the
 //! format's first (1980-01-01), and nothing of the machine is recorded. No zip64, no links, no folders, only stored and
 //! deflated entries: some importers' unzip reads no more.
 //!
@@ -72,11 +72,19 @@ pub enum ArchiveError {
         /// Why.
         source: zip::result::ZipError,
     },
-    /// The file could not be written or read.
-    #[error("cannot {doing} '{}': {source}", path.display())]
-    Io {
-        /// "write" or "read".
-        doing: &'static str,
+    /// Its files could not be read or written.
+    #[error("cannot unpack '{}' into '{}': {source}", path.display(), folder.display())]
+    Extract {
+        /// The zip.
+        path: PathBuf,
+        /// Where its files go.
+        folder: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// The file could not be read.
+    #[error("cannot read '{}': {source}", path.display())]
+    Read {
         /// The file.
         path: PathBuf,
         /// Why.
@@ -165,52 +173,12 @@ impl Archive {
     }
 }
 
-/// Writes `bytes` to `path`: beside it first and then renamed, so that a failure leaves what was there before.
-///
-/// # Errors
-/// [`ArchiveError::Io`].
-pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), ArchiveError> {
-    let failed = |source| ArchiveError::Io {
-        doing: "write",
-        path: path.to_owned(),
-        source,
-    };
-    if path.is_dir() {
-        return Err(failed(std::io::ErrorKind::IsADirectory.into()));
-    }
-    let folder = match path.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder,
-        _ => Path::new("."),
-    };
-    if !folder.is_dir() {
-        // Else the system's words name the temporary file, which nobody asked for.
-        return Err(failed(std::io::Error::new(
-            std::io::ErrorKind::NotFound,
-            format!("there is no folder '{}'; make it first", folder.display()),
-        )));
-    }
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".urdf2fmu-").suffix(".part");
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt;
-        // As for any new file; a temporary file is private by default.
-        builder.permissions(std::fs::Permissions::from_mode(0o666));
-    }
-    let mut file = builder.tempfile_in(folder).map_err(failed)?;
-    file.write_all(bytes).map_err(failed)?;
-    file.as_file().sync_all().map_err(failed)?;
-    file.persist(path).map_err(|e| failed(e.error))?;
-    Ok(())
-}
-
 /// One entry of a zip on disk; none where it has no such entry.
 ///
 /// # Errors
-/// [`ArchiveError::Io`], [`ArchiveError::Unpack`].
+/// [`ArchiveError::Read`], [`ArchiveError::Unpack`].
 pub fn read_entry(path: &Path, name: &str) -> Result<Option<Vec<u8>>, ArchiveError> {
-    let io = |source| ArchiveError::Io {
-        doing: "read",
+    let io = |source| ArchiveError::Read {
         path: path.to_owned(),
         source,
     };
@@ -234,10 +202,9 @@ pub fn read_entry(path: &Path, name: &str) -> Result<Option<Vec<u8>>, ArchiveErr
 /// sorted.
 ///
 /// # Errors
-/// [`ArchiveError::Io`], [`ArchiveError::Unpack`].
+/// [`ArchiveError::Read`], [`ArchiveError::Unpack`].
 pub fn folders(path: &Path, parent: &str) -> Result<Vec<String>, ArchiveError> {
-    let file = std::fs::File::open(path).map_err(|source| ArchiveError::Io {
-        doing: "read",
+    let file = std::fs::File::open(path).map_err(|source| ArchiveError::Read {
         path: path.to_owned(),
         source,
     })?;
@@ -259,17 +226,23 @@ pub fn folders(path: &Path, parent: &str) -> Result<Vec<String>, ArchiveError> {
 /// Unpacks a zip into `folder`. Names that lead out of it are errors.
 ///
 /// # Errors
-/// [`ArchiveError::Io`], [`ArchiveError::Unpack`].
+/// [`ArchiveError::Read`], [`ArchiveError::Unpack`], [`ArchiveError::Extract`].
 pub fn unpack(path: &Path, folder: &Path) -> Result<(), ArchiveError> {
-    let file = std::fs::File::open(path).map_err(|source| ArchiveError::Io {
-        doing: "read",
+    let file = std::fs::File::open(path).map_err(|source| ArchiveError::Read {
         path: path.to_owned(),
         source,
     })?;
     let unpacked = zip::ZipArchive::new(file).and_then(|mut zip| zip.extract(folder));
-    unpacked.map_err(|source| ArchiveError::Unpack {
-        path: path.to_owned(),
-        source,
+    unpacked.map_err(|source| match source {
+        zip::result::ZipError::Io(source) => ArchiveError::Extract {
+            path: path.to_owned(),
+            folder: folder.to_owned(),
+            source,
+        },
+        source => ArchiveError::Unpack {
+            path: path.to_owned(),
+            source,
+        },
     })
 }
 
@@ -429,20 +402,5 @@ mod tests {
             let name = safe_component(odd);
             assert!(is_safe(&name), "{odd} became {name}");
         }
-    }
-
-    #[test]
-    fn failed_write_keeps_the_old_file_and_leaves_no_other() {
-        let folder = tempfile::tempdir().unwrap();
-        let target = folder.path().join("occupied");
-        std::fs::create_dir(&target).unwrap();
-        assert!(write_file(&target, b"new").is_err());
-        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
-
-        let file = folder.path().join("a.fmu");
-        write_file(&file, b"old").unwrap();
-        write_file(&file, b"new").unwrap();
-        assert_eq!(std::fs::read(&file).unwrap(), b"new");
-        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 2);
     }
 }

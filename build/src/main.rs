@@ -1,12 +1,15 @@
 //! The `urdf2fmu` command: any URDF robot in, a Functional Mock-up Unit out.
 //!
-//! `main` only prints errors and maps them to exit codes; [`cli`] says what can be asked for, [`stage`] makes the FMU.
-//! The one module with unsafe code is `importer::library`, which calls the C functions of an FMU.
+//! `main` only prints errors and maps them to exit codes; [`cli`] says what can be asked for,
+//! [`commands`] does it, [`stage`] makes the FMU. Two modules have unsafe code:
+//! `importer::library`, which calls the C functions of an FMU, and `process`, which asks the system
+//! for the standard streams before `main`.
 #![deny(unsafe_code)]
 
 mod archive;
 mod cli;
 mod columns;
+mod commands;
 mod describe;
 mod diagnostics;
 mod documentation;
@@ -16,6 +19,9 @@ mod info;
 mod init;
 mod library;
 mod license;
+mod output;
+#[cfg(unix)]
+mod process;
 mod sources;
 mod stage;
 mod structure;
@@ -24,18 +30,46 @@ mod summary;
 mod units;
 mod xacro;
 
+use crate::commands::CliError;
+use crate::diagnostics::Style;
 use clap::Parser;
 use std::process::ExitCode;
 use urdf2fmu_core::urdf::Severity;
 
-#[allow(clippy::print_stderr, reason = "a command prints")]
+/// Exit code where an answer could not be written.
+const UNWRITTEN: u8 = 1;
+
 fn main() -> ExitCode {
-    let Err(error) = cli::Cli::parse().run() else {
+    let ended = match cli::Cli::try_parse() {
+        Ok(cli) => commands::run(&cli),
+        Err(answer) => return usage(&answer),
+    };
+    let Err(error) = ended else {
         return ExitCode::SUCCESS;
     };
-    if let cli::CliError::Findings { findings, .. } = &error {
-        cli::print_findings(findings, Severity::Note);
+    // A standard error that cannot be written changes no exit code: it is not 0 already.
+    if let CliError::Findings { findings, .. } = &error {
+        _ = commands::print_findings(findings, Severity::Note);
     }
-    eprintln!("error: {error}");
+    _ = output::tell(&format!("error: {error}\n"));
     ExitCode::from(error.exit_code())
+}
+
+/// Prints help, version or what is wrong with the command line.
+fn usage(answer: &clap::Error) -> ExitCode {
+    let text = |style: Style| match style.color() {
+        true => answer.render().ansi().to_string(),
+        false => answer.render().to_string(),
+    };
+    if answer.use_stderr() {
+        _ = output::tell(&text(Style::of_stderr()));
+        return ExitCode::from(u8::try_from(answer.exit_code()).unwrap_or(2));
+    }
+    match output::print(&text(Style::of_stdout())) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            _ = output::tell(&format!("error: {error}\n"));
+            ExitCode::from(UNWRITTEN)
+        }
+    }
 }

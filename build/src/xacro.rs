@@ -83,9 +83,10 @@ pub fn expand(
         })
     });
     let mut bytes = Vec::new();
-    if let Some(pipe) = child.stdout.take() {
-        _ = pipe.take(LARGEST + 1).read_to_end(&mut bytes);
-    }
+    let read = child
+        .stdout
+        .take()
+        .map_or(Ok(0), |pipe| pipe.take(LARGEST + 1).read_to_end(&mut bytes));
     let too_large = bytes.len() as u64 > LARGEST;
     if too_large {
         _ = child.kill();
@@ -103,6 +104,10 @@ pub fn expand(
         let message = format!("xacro cannot expand {name}");
         let help = format!("{shown} says\n{said}");
         return Err(problem(message, help));
+    }
+    if let Err(error) = read {
+        let message = format!("what xacro makes of {name} cannot be read: {error}");
+        return Err(problem(message, shown));
     }
     let text = String::from_utf8(bytes)
         .map_err(|_| problem(format!("xacro expands {name} to no UTF-8"), shown.clone()))?;

@@ -10,6 +10,8 @@ mod info;
 mod init;
 mod model_description;
 #[cfg(unix)]
+mod output;
+#[cfg(unix)]
 mod xacro;
 
 use serde_json::Value;

@@ -168,10 +168,9 @@ pub fn simulate(folder: &Path, experiment: &Experiment) -> Result<Outcome, RunEr
     run.apply(times.start)?;
     run.slave.exit_initialization()?;
     run.sample(times.start)?;
-    let failure = run.steps(&times, description.variable_step).err();
-    if failure.is_none() {
-        run.slave.terminate()?;
-    }
+    let stepped = run.steps(&times, description.variable_step);
+    // A failure at the end leaves the results, too.
+    let failure = stepped.and_then(|()| Ok(run.slave.terminate()?)).err();
     let messages = run.slave.messages().into_iter();
     Ok(Outcome {
         messages: messages.map(|m| (m.status, m.text)).collect(),

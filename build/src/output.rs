@@ -1,0 +1,304 @@
+//! The one way out: files, standard output and standard error.
+//!
+//! Every write is checked, and what fails is an error of the command. A file is complete or not
+//! there at all: its bytes are written beside it and renamed, so that a failure leaves what was
+//! there before. A closed pipe at standard output or standard error (`| head`) is no error: the
+//! reader has seen enough.
+
+#[cfg(unix)]
+use crate::process;
+use std::fs::{FileType, Metadata, Permissions};
+use std::io::{self, ErrorKind, Write};
+use std::path::{Path, PathBuf};
+
+/// Why something could not be written.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum OutputError {
+    /// The output is one of the files that the result is made from.
+    #[error("'{}' is one of the files that are read; give another name", path.display())]
+    Input {
+        /// As asked for.
+        path: PathBuf,
+    },
+    /// The name belongs to something that is no regular file.
+    #[error(
+        "'{}' is {what} and would be replaced by a regular file, so nothing is written; give the \
+         name of a regular file", path.display()
+    )]
+    NoFile {
+        /// As asked for.
+        path: PathBuf,
+        /// "a folder", "a device" …
+        what: &'static str,
+    },
+    /// A file without permission to write.
+    #[error("'{}' is write-protected; make it writable or give another name", path.display())]
+    Protected {
+        /// As asked for.
+        path: PathBuf,
+    },
+    /// No folder to write in.
+    #[error("cannot write '{}': there is no folder '{}'; make it first", path.display(),
+            folder.display())]
+    Folder {
+        /// As asked for.
+        path: PathBuf,
+        /// The folder.
+        folder: PathBuf,
+    },
+    /// The system refuses.
+    #[error("cannot write '{}': {source}", path.display())]
+    File {
+        /// As asked for.
+        path: PathBuf,
+        /// Why.
+        source: io::Error,
+    },
+    /// Standard output or standard error.
+    #[error("cannot write to standard {stream}: {source}; what was written is not complete")]
+    Stream {
+        /// "output" or "error".
+        stream: &'static str,
+        /// Why.
+        source: io::Error,
+    },
+}
+
+/// A place where a file may be written. It is found before the work begins, so that a wrong name
+/// is told at once.
+#[derive(Debug)]
+pub struct Target {
+    /// As asked for.
+    asked: PathBuf,
+    /// Where symbolic links lead.
+    place: PathBuf,
+    /// Of the file that is there already.
+    permissions: Option<Permissions>,
+}
+
+impl Target {
+    /// The place that `path` names. Symbolic links stay, and what they lead to is written.
+    ///
+    /// - `inputs`: files that must not be overwritten
+    ///
+    /// # Errors
+    /// [`OutputError`] for whatever is no place for a regular file.
+    pub fn new<'p>(
+        path: &Path,
+        inputs: impl IntoIterator<Item = &'p Path>,
+    ) -> Result<Self, OutputError> {
+        let asked = path.to_owned();
+        let failed = |source| OutputError::File {
+            path: path.to_owned(),
+            source,
+        };
+        let there = match std::fs::metadata(path) {
+            Ok(there) => Some(there),
+            Err(error) if error.kind() == ErrorKind::NotFound => None,
+            Err(error) => return Err(failed(error)),
+        };
+        let Some(there) = there else {
+            let place = end_of_links(path);
+            let folder = folder_of(&place);
+            if !folder.is_dir() {
+                let folder = folder.to_owned();
+                return Err(OutputError::Folder {
+                    path: asked,
+                    folder,
+                });
+            }
+            return Ok(Self {
+                asked,
+                place,
+                permissions: None,
+            });
+        };
+        if !there.is_file() {
+            return Err(OutputError::NoFile {
+                path: asked,
+                what: kind(&there),
+            });
+        }
+        if there.permissions().readonly() {
+            return Err(OutputError::Protected { path: asked });
+        }
+        let place = path.canonicalize().map_err(failed)?;
+        let same = |input: &Path| input.canonicalize().is_ok_and(|input| input == place);
+        if inputs.into_iter().any(same) {
+            return Err(OutputError::Input { path: asked });
+        }
+        Ok(Self {
+            asked,
+            place,
+            permissions: Some(there.permissions()),
+        })
+    }
+
+    /// Writes the whole file.
+    ///
+    /// # Errors
+    /// [`OutputError::File`]; what was there before is then still there.
+    pub fn write(&self, bytes: &[u8]) -> Result<(), OutputError> {
+        self.try_write(bytes).map_err(|error| OutputError::File {
+            path: self.asked.clone(),
+            source: plain(error),
+        })
+    }
+
+    fn try_write(&self, bytes: &[u8]) -> io::Result<()> {
+        let mut builder = tempfile::Builder::new();
+        builder.prefix(".urdf2fmu-").suffix(".part");
+        #[cfg(unix)]
+        {
+            use std::os::unix::fs::PermissionsExt;
+            // As for any new file; a temporary file is private by default.
+            builder.permissions(Permissions::from_mode(0o666));
+        }
+        let mut file = builder.tempfile_in(folder_of(&self.place))?;
+        file.write_all(bytes)?;
+        if let Some(permissions) = &self.permissions {
+            file.as_file().set_permissions(permissions.clone())?;
+        }
+        file.as_file().sync_all()?;
+        file.persist(&self.place).map_err(|error| error.error)?;
+        Ok(())
+    }
+}
+
+/// The system's words alone: the library adds the name of the temporary file, which nobody knows.
+fn plain(error: io::Error) -> io::Error {
+    match error.raw_os_error() {
+        Some(_) => error,
+        None => error.kind().into(),
+    }
+}
+
+fn folder_of(path: &Path) -> &Path {
+    match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    }
+}
+
+/// Where the symbolic links at `path` end; there is nothing yet, so that they end somewhere.
+fn end_of_links(path: &Path) -> PathBuf {
+    let mut place = path.to_owned();
+    while let Ok(next) = std::fs::read_link(&place) {
+        // An absolute one replaces the folder.
+        place = folder_of(&place).join(next);
+    }
+    place
+}
+
+/// What is there that is no regular file.
+fn kind(there: &Metadata) -> &'static str {
+    if there.is_dir() {
+        return "a folder";
+    }
+    special(there.file_type()).unwrap_or("no regular file")
+}
+
+#[cfg(unix)]
+fn special(file: FileType) -> Option<&'static str> {
+    use std::os::unix::fs::FileTypeExt;
+    [
+        (file.is_fifo(), "a pipe"),
+        (file.is_socket(), "a socket"),
+        (file.is_char_device(), "a device"),
+        (file.is_block_device(), "a block device"),
+    ]
+    .into_iter()
+    .find_map(|(is, what)| is.then_some(what))
+}
+
+#[cfg(not(unix))]
+fn special(_: FileType) -> Option<&'static str> {
+    None
+}
+
+/// Prints a result to standard output.
+///
+/// # Errors
+/// [`OutputError::Stream`] for anything but a closed pipe.
+pub fn print(text: &str) -> Result<(), OutputError> {
+    quiet("output", write_to(1, &io::stdout(), text))
+}
+
+/// Prints findings and problems to standard error.
+///
+/// # Errors
+/// As [`print`].
+pub fn tell(text: &str) -> Result<(), OutputError> {
+    quiet("error", write_to(2, &io::stderr(), text))
+}
+
+fn quiet(stream: &'static str, written: io::Result<()>) -> Result<(), OutputError> {
+    match written {
+        Err(source) if source.kind() != ErrorKind::BrokenPipe => {
+            Err(OutputError::Stream { stream, source })
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Writes without a buffer to a copy of the stream: the standard library's own stream keeps a
+/// buffer, and takes a stream that cannot be written for one that swallows everything.
+#[cfg(unix)]
+fn write_to(number: u8, stream: &impl std::os::fd::AsFd, text: &str) -> io::Result<()> {
+    if text.is_empty() {
+        return Ok(());
+    }
+    process::check_open(number)?;
+    let copy = stream.as_fd().try_clone_to_owned()?;
+    std::fs::File::from(copy).write_all(text.as_bytes())
+}
+
+#[cfg(windows)]
+fn write_to<S>(_: u8, stream: &S, text: &str) -> io::Result<()>
+where
+    for<'s> &'s S: Write,
+{
+    let mut stream = stream;
+    stream.write_all(text.as_bytes())?;
+    stream.flush()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn write(path: &Path, bytes: &[u8]) -> Result<(), OutputError> {
+        Target::new(path, [])?.write(bytes)
+    }
+
+    #[test]
+    fn a_file_is_replaced_and_no_other_is_left() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("a.fmu");
+        write(&file, b"old").unwrap();
+        write(&file, b"new").unwrap();
+        assert_eq!(std::fs::read(&file).unwrap(), b"new");
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn a_folder_is_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let error = write(folder.path(), b"new").unwrap_err();
+        assert!(
+            matches!(error, OutputError::NoFile { what, .. } if what == "a folder"),
+            "{error}"
+        );
+    }
+
+    #[test]
+    fn an_input_is_not_overwritten_under_any_spelling() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("a.urdf");
+        std::fs::write(&file, "robot").unwrap();
+        let other = folder.path().join(".").join("a.urdf");
+        let error = Target::new(&other, [file.as_path()]).unwrap_err();
+        assert!(matches!(error, OutputError::Input { .. }), "{error}");
+    }
+}

@@ -1,0 +1,49 @@
+//! What this process was started with: which standard streams were open.
+//!
+//! The standard library opens `/dev/null` in the place of a standard stream that was closed
+//! (`>&-`), before `main` is called, so that a result printed there would vanish without an
+//! error. Whether the streams are open is therefore looked at earlier, when the program is loaded.
+//!
+//! The same place ignores SIGXFSZ, as it is done for SIGPIPE: a file that would grow beyond the
+//! limit of its size (`ulimit -f`) is then an error that can be told, and no file is left half
+//! written.
+#![allow(unsafe_code, reason = "runs before main and calls the C library")]
+
+use std::io;
+use std::sync::atomic::{AtomicU8, Ordering};
+
+/// Bit `1 << n` is set where stream `n` (1 output, 2 error) was closed.
+static CLOSED: AtomicU8 = AtomicU8::new(0);
+
+// SAFETY: the linker collects addresses of C functions without arguments in this section, and the
+// loader calls each once before `main`.
+#[used]
+#[cfg_attr(not(target_vendor = "apple"), unsafe(link_section = ".init_array"))]
+#[cfg_attr(
+    target_vendor = "apple",
+    unsafe(link_section = "__DATA,__mod_init_func")
+)]
+static AT_LOAD: extern "C" fn() = at_load;
+
+extern "C" fn at_load() {
+    for stream in [1, 2] {
+        // SAFETY: asks for a descriptor's flags; a closed one is answered with -1.
+        if unsafe { libc::fcntl(stream, libc::F_GETFD) } == -1 {
+            CLOSED.fetch_or(1 << stream, Ordering::Relaxed);
+        }
+    }
+    // SAFETY: sets no handler, only that the signal is ignored; no thread runs yet.
+    unsafe { libc::signal(libc::SIGXFSZ, libc::SIG_IGN) };
+}
+
+/// Whether the stream could be written when the process began.
+///
+/// # Errors
+/// "Bad file descriptor" where it was closed.
+pub fn check_open(stream: u8) -> io::Result<()> {
+    if CLOSED.load(Ordering::Relaxed) & (1 << stream) == 0 {
+        Ok(())
+    } else {
+        Err(io::Error::from_raw_os_error(libc::EBADF))
+    }
+}
