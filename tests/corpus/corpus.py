@@ -164,12 +164,13 @@ def main():
             replaced[file] = len(others)
 
     text = ["# Other people's robots", "",
-            "Written by `tests/corpus/corpus.py --write`. Every URDF of pybullet_data 3.2.7 (`random_urdfs` included) and of",
-            "example-robot-data 6.0.0 is exported with the default settings; the FMU is loaded through its C functions",
-            f"(`urdf2fmu simulate`) and takes {ours.STEPS} steps of 1/240 s, in which every output must stay finite. What a file says",
-            "is counted by an independent XML reader (Python's `xml.etree`) and looked for in the FMU: links and joints by",
-            "name, collision shapes by link, the mass of every `<inertial>` to the last digit, its centre and matrix in the",
-            "link's axes to 1e-12.", "",
+            "This page is written by `tests/corpus/corpus.py --write`. Every URDF of pybullet_data 3.2.7 (with",
+            "its `random_urdfs`) and of example-robot-data 6.0.0 is exported with the default settings. The FMU",
+            f"is loaded through its C functions (`urdf2fmu simulate`) and takes {ours.STEPS} steps of 1/240 s, in which",
+            "every output must stay finite. An independent XML reader (Python's `xml.etree`) counts the contents",
+            "of each file, and the script looks for them in the FMU: links and joints by name, collision shapes",
+            "by link, the mass of every `<inertial>` to the last digit, its centre and matrix in the link's axes",
+            "to 1e-12.", "",
             row("files", *roots, "together"), row("---", "---", "---", "---")]
     fates = {name: Counter(told[f]["fate"] for f in files if short[f].startswith(name + "/")) for name in roots}
     for what in ("loaded", "refused", "failed"):
@@ -184,10 +185,10 @@ def main():
         have = sum(size(said[f][field]) for f in good)
         gone = sum(1 for line in bad if f": {kind}" in line)
         text.append(row(kind, have, gone))
-    text += ["", f"{sum(replaced.values())} of the inertias, in {sum(1 for n in replaced.values() if n)} files, are not used as they stand: they are zero, or zero about",
-             "an axis, and the robot could not move so. Each is told with its line (A123, U063, U064). Nearly all are those of",
-             "the `random_urdfs`, 0.1 kg with `ixx=\"1\" iyy=\"1\" izz=\"0\"`.",
-             "", "The refused ones, with the first error:", "", row("file", "line", "errors", "what"),
+    text += ["", f"{sum(replaced.values())} of the inertias, in {sum(1 for n in replaced.values() if n)} files, are replaced, because they",
+             "are zero, or zero about an axis, and the mass matrix would be singular. Each is reported with its",
+             "line (A123, U063, U064). Nearly all belong to the `random_urdfs`: 0.1 kg with `ixx=\"1\" iyy=\"1\" izz=\"0\"`.",
+             "", "The refused files, with the first error of each:", "", row("file", "line", "errors", "what"),
              row("---", "---", "---", "---")]
     for name, line, errors, message in refused:
         for file, other in short.items():
@@ -195,12 +196,13 @@ def main():
         text.append(row(name, line, errors, message))
 
     if not given.no_peers:
-        text += ["", "## The same files elsewhere", "",
-                 "Each program reads the files as they are, with its defaults; Pinocchio is told the folders above the file as",
-                 "package paths and given a free-flying root. *Lost* counts files that load but have fewer links, moving joints,",
-                 "collision shapes, less mass or other inertias than the XML says (for MuJoCo and Pinocchio of all that is fixed",
-                 "together, to 1e-6). PyBullet computes inertias from the shapes instead. MuJoCo merges links that are fixed to",
-                 "others, and welds a root link to the world, which has no mass there.", "",
+        text += ["", "## The same files in other programs", "",
+                 "Each program reads the unchanged files with its default settings. Pinocchio gets the folders above",
+                 "the file as package paths, and a free-flying root. *Lost* counts files that load but have fewer",
+                 "links, moving joints or collision shapes, less mass or other inertias than the XML states (for",
+                 "MuJoCo and Pinocchio summed over links that are fixed together, to 1e-6). PyBullet computes inertias",
+                 "from the shapes instead. MuJoCo merges links that are fixed to others, and welds a root link to the",
+                 "world, where it has no mass.", "",
                  row("", "loaded", "refused", "crashed or hung", *(f"{kind} lost" for kind in KINDS)),
                  row(*["---"] * (4 + len(KINDS)))]
         all_fates = Counter(answer["fate"] for answer in told.values())
@@ -215,8 +217,8 @@ def main():
             text.append(row(name, fate["loaded"], fate["refused"], fate["crashed"], *(gone[kind] for kind in KINDS)))
             reasons[name] = Counter((reason(answer["reason"]), "random_urdfs" in f) for f, answer in answers.items()
                                     if answer["fate"] == "refused")
-        text += ["", "With what they refuse, counted (`'…'` is a name, `n` a number); the thousand `random_urdfs` differ in a mesh only,",
-                 "so that one reason can refuse all of them:", "",
+        text += ["", "The messages with which files are refused, counted (`'…'` is a name, `n` a number). The thousand",
+                 "`random_urdfs` differ only in a mesh, so that one reason can apply to all of them:", "",
                  row("", "message", "random_urdfs", "others"), row("---", "---", "---", "---")]
         for name, found in reasons.items():
             together = Counter()
