@@ -8,7 +8,7 @@ ROOT = Path(__file__).resolve().parents[2]
 
 
 def machine():
-    """What it ran on."""
+    """Name of the processor."""
     path = Path("/proc/cpuinfo")
     names = [line.split(":")[1].strip() for line in path.read_text().splitlines()
              if line.startswith("model name")] if path.exists() else []
