@@ -34,8 +34,8 @@
 //! ```
 //!
 //! Inside, from the bottom up: [`spatial`] vectors, [`geometry`] of shapes, [`sparsity`] of the joint-space matrix; the
-//! [`tree`] that follows from a model and its [`parameters`], the [`inputs`], the [`state`]; [`kinematics`], [`actuator`]s;
-//! [`dynamics`] and [`contact`]; the [`step`]. The method is described in `docs/design.md`.
+//! [`tree`] that follows from a model and its [`parameters`], the [`inputs`]; [`kinematics`] and [`dynamics`]; the [`law`]s of
+//! [`force`] and what carries it; the [`state`]; the [`step`]. The method is described in `docs/design.md`.
 //!
 //! # Bibliography
 //!
@@ -49,16 +49,16 @@
 //! - J. W. H. Liu, *The role of elimination trees in sparse factorization*, 1990.
 #![forbid(unsafe_code)]
 
-pub mod actuator;
 #[cfg(feature = "urdf")]
 pub mod assemble;
-pub mod contact;
 pub mod dynamics;
+pub mod force;
 pub mod geometry;
 pub mod hash;
 mod initial;
 pub mod inputs;
 pub mod kinematics;
+pub mod law;
 pub mod model;
 pub mod parameters;
 pub mod prepared;

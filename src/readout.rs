@@ -4,14 +4,13 @@
 
 mod derivative;
 
-use crate::contact::angular;
 use crate::dynamics::energy;
 use crate::model::{JointId, Model, Motion};
 use crate::sensor::{self, Sensors};
 use crate::slots::{Axis, OutputSlot};
 use crate::spatial::{
-    Pose, Vec3, Vec6, add_force_at, add6, dot6, quaternion_from_rotation, rpy_from_rotation,
-    velocity_at,
+    Pose, Vec3, Vec6, add_force_at, add6, angular, dot6, quaternion_from_rotation,
+    rpy_from_rotation, velocity_at,
 };
 use crate::state::State;
 use crate::step::point::{Context, Point};
@@ -132,13 +131,14 @@ impl Readout {
                 kin.V[model.links[link.index()].body.index()][axis as usize]
             }
             O::ContactActive(link) => {
-                let touches = self.point.contacts.iter().any(|c| {
+                let touches = self.point.terms.contacts.iter().any(|c| {
                     c.link == link.index() && c.normal_force(c.normal_velocity(&kin.V)) > 0.0
                 });
                 f64::from(u8::from(touches))
             }
             O::ContactForce(link, axis) => self
                 .point
+                .terms
                 .contacts
                 .iter()
                 .filter(|c| c.link == link.index())
@@ -209,7 +209,7 @@ impl Readout {
             return 0.0;
         }
         let dof = model.bodies[body.index()].dof.index();
-        let terms = &self.point.joints.terms;
+        let terms = &self.point.terms.joints;
         terms
             .binary_search_by_key(&dof, |term| term.dof)
             .map_or(0.0, |place| terms[place].drive_force(state.v[dof], 0.0).0)
@@ -250,26 +250,21 @@ impl Readout {
     /// `M vdot = tau − k + Jᵀ f` with the forces of this moment.
     fn accelerations(&mut self, ctx: &Context, state: &State) {
         let tree = ctx.tree;
-        let Point {
-            kin,
-            contacts,
-            turns,
-            joints,
-        } = &mut self.point;
+        let Point { kin, terms } = &mut self.point;
         for (a, k) in self.vdot.iter_mut().zip(&kin.bias) {
             *a = -k;
         }
-        for term in &joints.terms {
+        for term in &terms.joints {
             self.vdot[term.dof] += term.force(state.v[term.dof]);
         }
         // The bias is done with its forces: they serve for the contacts.
         let F = &mut kin.force;
         F.fill([0.0; 6]);
-        for contact in contacts.iter() {
+        for contact in &terms.contacts {
             let force = contact.force(&contact.velocity(&kin.V));
             add_force_at(&mut F[contact.body], &contact.x, &force);
         }
-        for turn in turns.iter() {
+        for turn in &terms.turns {
             let moment = turn.force(&angular(&kin.V[turn.body]));
             for (sum, x) in F[turn.body].iter_mut().zip(moment.iter()) {
                 *sum += x;

@@ -9,7 +9,6 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
-use crate::contact::angular as spin;
 use crate::model::{LinkId, Model, Sensor, SensorKind};
 use crate::slots::{InputSlot, ParameterSlot};
 use crate::spatial::{Pose, Vec3, Vec6, angular, linear, velocity_at};
@@ -110,13 +109,13 @@ fn wrench_beyond(ctx: &Context, point: &Point, A: &[Vec6], links: &[usize]) -> V
         couple += I * angular(A) + omega.cross(&(I * omega));
     }
     let is_beyond = |link: usize| links.binary_search(&link).is_ok();
-    for contact in point.contacts.iter().filter(|c| is_beyond(c.link)) {
+    for contact in point.terms.contacts.iter().filter(|c| is_beyond(c.link)) {
         let f = contact.force(&contact.velocity(&kin.V));
         add(&contact.x, &f, -1.0);
     }
-    for turn in &point.turns {
-        if is_beyond(point.contacts[turn.contact].link) {
-            couple -= turn.force(&spin(&kin.V[turn.body]));
+    for turn in &point.terms.turns {
+        if is_beyond(point.terms.contacts[turn.contact].link) {
+            couple -= turn.force(&angular(&kin.V[turn.body]));
         }
     }
     for &link in &ctx.model.outputs.external_wrenches {

@@ -6,14 +6,15 @@
 //! the coefficients; last an FNV-1a checksum (u64) of all before it. Lengths must be those of the model, so that nothing is
 //! allocated on a stranger's word.
 
+use crate::force::Touch;
 use crate::hash::fnv1a;
 use crate::inputs::Inputs;
 use crate::model::Model;
 use crate::parameters::Parameters;
 use crate::prepared::model_hash;
 use crate::simulation::SimulationError;
+use crate::state::State;
 use crate::state::ahead::COEFFICIENTS;
-use crate::state::{State, Touch};
 
 const MAGIC: &[u8; 4] = b"U2FS";
 const VERSION: u32 = 5;
@@ -64,9 +65,9 @@ impl Snapshot {
         }
         bytes.extend(u64::from(self.initialized).to_le_bytes());
         let coefficients = &self.state.ahead.coefficients;
-        bytes.extend((self.state.touches.len() as u64).to_le_bytes());
+        bytes.extend((self.state.memory.touches.len() as u64).to_le_bytes());
         bytes.extend((coefficients.len() as u64).to_le_bytes());
-        for touch in &self.state.touches {
+        for touch in &self.state.memory.touches {
             bytes.extend((touch.slot as u64).to_le_bytes());
             for value in touch.numbers() {
                 bytes.extend(value.to_le_bytes());
@@ -88,7 +89,7 @@ impl Snapshot {
             + fields.iter().map(|f| f.len()).sum::<usize>()
             + 2;
         let lists = fields.len() + 4;
-        let touches = TOUCH / 8 * self.state.touches.len();
+        let touches = TOUCH / 8 * self.state.memory.touches.len();
         let coefficients = self.state.ahead.coefficients.len();
         16 + 8 * (numbers + lists + self.state.counters.len() + touches + coefficients + 4)
     }
@@ -182,12 +183,13 @@ impl Snapshot {
             reader.numbers(&mut numbers);
             let ascending = snapshot
                 .state
+                .memory
                 .touches
                 .last()
                 .is_none_or(|last| last.slot < slot);
             complete = complete && ascending && slot < model.contact_slots();
             let touch = Touch::from_numbers(slot, numbers);
-            snapshot.state.touches.push(touch);
+            snapshot.state.memory.touches.push(touch);
         }
         snapshot.state.ahead.coefficients.resize(coefficients, 0.0);
         reader.numbers(&mut snapshot.state.ahead.coefficients);

@@ -5,6 +5,7 @@ pub mod lag;
 
 use self::ahead::Ahead;
 use self::lag::Lag;
+use crate::force::{Memory, Touch};
 use crate::model::Model;
 use crate::tuning::INITIAL_STEP;
 
@@ -17,12 +18,8 @@ pub struct State {
     pub q: Vec<f64>,
     /// Generalised velocities.
     pub v: Vec<f64>,
-    /// What the contacts remember, by ascending slot; slots that are not listed remember nothing.
-    pub touches: Vec<Touch>,
-    /// Elastic displacement of each velocity motor, rad or m.
-    pub motor: Vec<f64>,
-    /// Elastic displacement of the dry friction of each degree of freedom, rad or m.
-    pub dry: Vec<f64>,
+    /// What the force terms remember.
+    pub memory: Memory,
     /// Commands (velocity, position, effort, limit of each actuator) of the last step, to see that they jump.
     pub commands: Vec<[f64; 4]>,
     /// Step that the error control proposes, the one it proposes just after a communication point, and the shortest
@@ -42,37 +39,6 @@ pub struct State {
     pub ahead: Ahead,
 }
 
-/// What a contact point remembers from step to step.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Touch {
-    /// Place of the point, see [`crate::model::Collider::slot`].
-    pub slot: usize,
-    /// Elastic displacement ς of the friction, world axes, m.
-    pub displacement: [f64; 3],
-    /// Elastic angle of the friction against turning, world axes, rad.
-    pub turn: [f64; 3],
-    /// Approach speed at touch-down, m/s; 0 for a contact that does not bounce.
-    pub touchdown: f64,
-}
-
-impl Touch {
-    /// Every number that is stored of it but the slot, in saved order.
-    pub fn numbers(&self) -> [f64; 7] {
-        let ([x, y, z], [a, b, c]) = (self.displacement, self.turn);
-        [x, y, z, a, b, c, self.touchdown]
-    }
-
-    /// The inverse of [`Self::numbers`].
-    pub fn from_numbers(slot: usize, [x, y, z, a, b, c, touchdown]: [f64; 7]) -> Self {
-        Self {
-            slot,
-            displacement: [x, y, z],
-            turn: [a, b, c],
-            touchdown,
-        }
-    }
-}
-
 impl State {
     /// All zero, quaternions at identity.
     pub fn new(model: &Model) -> Self {
@@ -88,9 +54,7 @@ impl State {
             time: 0.0,
             q,
             v: vec![0.0; model.nv()],
-            touches: Vec::with_capacity(model.contact_slots()),
-            motor: vec![0.0; model.actuators.len()],
-            dry: vec![0.0; model.nv()],
+            memory: Memory::new(model),
             commands: vec![[0.0; 4]; model.actuators.len()],
             step: [INITIAL_STEP, INITIAL_STEP, 0.0],
             trend: vec![0.0; model.nv()],
@@ -107,10 +71,7 @@ impl State {
         self.time = other.time;
         self.q.copy_from_slice(&other.q);
         self.v.copy_from_slice(&other.v);
-        self.touches.clear();
-        self.touches.extend_from_slice(&other.touches);
-        self.motor.copy_from_slice(&other.motor);
-        self.dry.copy_from_slice(&other.dry);
+        self.memory.copy_from(&other.memory);
         self.commands.copy_from_slice(&other.commands);
         self.step = other.step;
         self.trend.copy_from_slice(&other.trend);
@@ -128,8 +89,8 @@ impl State {
             std::slice::from_mut(&mut self.time),
             &mut self.q,
             &mut self.v,
-            &mut self.motor,
-            &mut self.dry,
+            &mut self.memory.motor,
+            &mut self.memory.dry,
             self.commands.as_flattened_mut(),
             &mut self.step,
             &mut self.trend,
@@ -154,8 +115,8 @@ impl State {
             std::slice::from_ref(&self.time),
             &self.q,
             &self.v,
-            &self.motor,
-            &self.dry,
+            &self.memory.motor,
+            &self.memory.dry,
             self.commands.as_flattened(),
             &self.step,
             &self.trend,
@@ -187,7 +148,7 @@ impl State {
 
     /// Whether every number is finite; the effort limits among the commands may be infinite: no limit.
     pub fn is_finite(&self) -> bool {
-        let touches = self.touches.iter().flat_map(Touch::numbers);
+        let touches = self.memory.touches.iter().flat_map(Touch::numbers);
         let caps = self.commands.as_flattened();
         let is_finite =
             |field: &[f64]| std::ptr::eq(field, caps) || field.iter().all(|x| x.is_finite());

@@ -466,7 +466,7 @@ impl Tree {
             )]
             if collider.restitution != e {
                 collider.restitution = e;
-                collider.dissipation_number = crate::contact::dissipation_number(e);
+                collider.dissipation_number = crate::law::dissipation_number(e);
             }
         }
     }

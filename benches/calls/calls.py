@@ -1,11 +1,10 @@
-"""Compares the time of the C functions of two FMUs of R2D2: urdf2fmu's, and PyBullet's by PythonFMU.
+"""Times the C functions of our R2D2 and of one made with PythonFMU and PyBullet, in one run; prints a table.
 
     python3.11 -m venv peers && peers/bin/pip install -r benches/peers/requirements.txt pythonfmu fmpy
     peers/bin/python benches/calls/calls.py URDF2FMU [--rounds 5] [--write]
 
-URDF2FMU is the command, built with --release. `calls.c` measures, in alternating rounds. The table
-shows the best over all rounds and the median of the rounds' medians. `--write` puts it into
-docs/performance.md.
+URDF2FMU is the command, built with --release. `calls.c` measures; rounds of both alternate. Best over all rounds, and the
+median of the rounds' medians. `--write` puts the table into docs/performance.md.
 """
 
 import argparse

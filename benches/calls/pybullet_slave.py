@@ -1,4 +1,4 @@
-"""R2D2 in PyBullet as an FMU, exported by PythonFMU, with the same inputs and similar outputs."""
+"""R2D2 in PyBullet as an FMU, to be exported by PythonFMU: what else a user could build. Same inputs, similar outputs."""
 
 import pybullet
 import pybullet_data

@@ -1,7 +1,6 @@
-"""Scenes with a known result: from a formula, or from the equations of motion integrated to 1e-12.
+"""Scenes whose answer is known: from a formula, or from the equations of motion integrated to 1e-12.
 
-Each has a reference (samples as `Scene` describes them) and an error (one number from samples and
-reference).
+Each has a reference: samples as `Scene` describes them; an error: one number out of samples and reference.
 """
 
 from dataclasses import dataclass
@@ -14,7 +13,7 @@ from scene import G, Actuator, Scene
 
 @dataclass
 class Case:
-    """A scene, its reference (none: every simulator's own converged solution), and its measure."""
+    """A scene, what it is compared with (none: every simulator's own converged solution), and by which measure."""
 
     scene: Scene
     error: object
@@ -25,18 +24,18 @@ class Case:
 
 
 def times(scene):
-    """Times of the samples, s."""
+    """Of the samples, s."""
     return np.arange(scene.count + 1) / scene.rate
 
 
 def solve(rates, start, scene):
-    """Equations of motion by DOP853, far more accurate than the simulators."""
+    """Equations of motion by DOP853, far more accurate than anything that is compared with it."""
     t = times(scene)
     return solve_ivp(rates, (0, t[-1]), start, method="DOP853", t_eval=t, rtol=1e-13, atol=1e-13).y.T
 
 
 def half_turn(a, b):
-    """Half the angle between two quaternions, rad; from the chord, because the cosine loses digits."""
+    """Half the angle between rotations given by quaternions, rad; from the chord: the cosine has no digits near zero."""
     dot = np.sum(a * b, axis=-1, keepdims=True)
     return 2 * np.arcsin(np.clip(0.5 * np.linalg.norm(a - np.sign(dot) * b, axis=-1), 0, 1))
 
@@ -54,7 +53,7 @@ def pose_error(floating):
 
 
 def plane_error(samples, reference):
-    """The largest distance of the body from its reference, in the plane, m."""
+    """The largest distance between where the body is and where it should be, in the plane, m."""
     return np.linalg.norm(samples[:, :2] - reference[:, :2], axis=1).max()
 
 
@@ -148,7 +147,7 @@ def wheel():
 
 
 def bounce():
-    """A ball falls 0.5 m, restitution 0.7; compared are the heights after the first two impacts."""
+    """A ball falls 0.5 m, restitution 0.7; what is compared is how high it flies after the first and the second impact."""
     e, drop, radius = 0.7, 0.5, 0.05
     inertia = np.full(3, 0.4 * radius**2)
     scene = Scene("bounce", body("ball", 1.0, inertia, f'<sphere radius="{radius}"/>'), 1.0, restitution=e,

@@ -57,7 +57,7 @@ class MuJoCo:
         self.wheels = [self.model.actuator(wheel).id for wheel in WHEELS]
 
     def run(self, clock):
-        """One drive: time of the loop in s, and the result."""
+        """One drive: time of the loop in s, and where it led."""
         model, data, meter = self.model, self.data, Meter()
         mujoco.mj_resetData(model, data)
         start = clock()

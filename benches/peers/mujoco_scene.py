@@ -10,7 +10,7 @@ from scene import quaternion, rotation
 
 
 class MuJoCo:
-    """`integrator`: Euler, implicitfast or RK4. `stiff`: elliptic cone, impratio 10, stiff contacts."""
+    """`integrator`: Euler, implicitfast or RK4. `stiff`: elliptic cone, impratio 10, contacts as stiff as the step allows."""
 
     def __init__(self, scene, integrator, step, stiff=False):
         urdf = xml.fromstring(scene.urdf)
@@ -128,5 +128,5 @@ class MuJoCo:
         return time.process_time() - start
 
     def error(self):
-        """The warning of an unstable run, which gives no result; None without a warning."""
+        """What MuJoCo warned of: a run that went unstable is none."""
         return any(w.number for w in self.data.warning)

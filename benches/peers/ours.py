@@ -1,4 +1,4 @@
-"""A scene in urdf2fmu: the process of `benches/play.rs`."""
+"""Our side of a scene: the process of `benches/play.rs`."""
 
 import json
 import os
@@ -56,7 +56,7 @@ def settings(scene):
 
 
 class Ours:
-    """A scene that is loaded once and can be run repeatedly."""
+    """A scene, loaded once, run as often as wanted."""
 
     def __init__(self, scene, binary):
         folder = tempfile.TemporaryDirectory()

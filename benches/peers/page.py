@@ -8,7 +8,7 @@ ROOT = Path(__file__).resolve().parents[2]
 
 
 def machine():
-    """Name of the processor."""
+    """What it ran on."""
     path = Path("/proc/cpuinfo")
     names = [line.split(":")[1].strip() for line in path.read_text().splitlines()
              if line.startswith("model name")] if path.exists() else []

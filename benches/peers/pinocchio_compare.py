@@ -1,11 +1,10 @@
-"""Compares the time of the tree algorithms with Pinocchio's in C++; a table for docs/performance.md.
+"""Times the tree algorithms beside Pinocchio's in C++, on the same URDFs, in turn; a table for docs/performance.md.
 
     python3.11 -m venv peers && peers/bin/pip install -r benches/peers/requirements.txt
     peers/bin/python benches/peers/pinocchio_compare.py [--rounds 5] [--write]
 
-Both get the same URDFs and run in turn. The script needs g++: the C++ side is compiled against headers
-and libraries of the wheels `pin` and `cmeel-eigen`, with -O3 and the instruction set of the wheel's
-binaries (x86-64). The best of all rounds counts; each round is the best of 25 loops.
+Needs g++: the C++ side is compiled against headers and libraries of the wheels `pin` and `cmeel-eigen`, with -O3 and the
+instruction set that the wheel's own binaries are made for (x86-64). Best of all rounds; each is the best of 25 loops.
 """
 
 import argparse
@@ -23,7 +22,7 @@ from scene import data, panda_free, robot_data, strip, text
 
 
 def robots():
-    """Name, URDF text with masses and joints but no mimic joints, whether the base is fixed."""
+    """Name, URDF text, whether the base is fixed; masses and joints only, mimic joints none."""
     yield "iiwa", text(strip(data("kuka_iiwa/model.urdf"), keep=())), True
     yield "panda", panda_free().urdf, True
     yield "anymal", text(strip(robot_data("anymal_b_simple_description/robots/anymal.urdf"), keep=())), False

@@ -1,14 +1,13 @@
-"""Error against CPU time of urdf2fmu, MuJoCo, PyBullet and Drake on the same URDFs: docs/accuracy.md.
+"""Error against CPU time of urdf2fmu, MuJoCo, PyBullet and Drake on the same URDFs, in one run: docs/accuracy.md.
 
     python3.11 -m venv peers && peers/bin/pip install -r benches/peers/requirements.txt
     peers/bin/python benches/peers/precision.py [--rounds 5] [--only TEXT] [--write] [--redraw]
 
-Every simulator runs with all of its steps or tolerances. A round runs every setting of every
-simulator once, in turn, so that the load of the machine is the same for all; the least CPU time of
-all rounds counts, without loading and set-up. Where a formula or an integration of the equations of
-motion gives the result, all simulators are compared with it. Otherwise each is compared with its own
-solution at its finest setting, because contact models differ. `--write` puts tables into
-docs/accuracy.md, and figures and the points as JSON into docs/accuracy/.
+Every simulator is swept over its steps or tolerances. A round runs every setting of every simulator once, in turn, so
+that all of them meet the same load of the machine; the least CPU time of all rounds counts. Loading and set-up are not
+in it. Where a formula or an integration of the equations of motion gives the answer, all are compared with that;
+else each with its own solution at its finest setting, because their contact models differ. `--write` puts tables into
+docs/accuracy.md, figures and the points as JSON into docs/accuracy/.
 """
 
 import argparse
@@ -40,7 +39,7 @@ MUJOCO = {"MuJoCo Euler": ("Euler", False), "MuJoCo implicitfast": ("implicitfas
 
 
 def robots():
-    """Scenes of whole robots, and their length."""
+    """Scenes of whole robots, and over which time."""
     own = "its own solution at its finest setting"
     # Our finest tolerance is the one below which shorter steps than the shortest allowed would be needed.
     for scene, finest in ((scenes.r2d2(end=1.5), 1e-9), (scenes.a1_standing(end=1.0), 1e-9),
@@ -50,7 +49,7 @@ def robots():
 
 
 class Sweep:
-    """The settings of one simulator for one case, from coarse to fine, and a finer one as reference."""
+    """The settings of one simulator on one case: from coarse to fine, and one finer as reference."""
 
     def __init__(self, name, settings, finest, make):
         self.name, self.settings, self.finest, self.make = name, settings, finest, make
@@ -132,7 +131,7 @@ GROUND = 1e-11
 
 
 def verdict(points):
-    """Points of peers for which no point of urdf2fmu has both a smaller error and less time."""
+    """What peers do that ours does not do better: their points that none of ours is below and left of."""
     ours = [(s, t, e - GROUND) for name, list_ in points.items() if name.startswith("urdf2fmu") for s, t, e in list_]
     above = {}
     for name, list_ in points.items():
@@ -240,7 +239,7 @@ def summary(results):
 
 
 def at_240(results):
-    """Error of all simulators at steps of 1/240 s; error control and CENIC at 1e-3."""
+    """Error of everyone at steps of 1/240 s, ours and CENIC also at 1e-3."""
     wanted = {"urdf2fmu, error control": 1e-3, "Drake CENIC": 1e-3}
     names = list(STYLES)
     lines = ["| scene | " + " | ".join(f"{n}, {'1e-3' if n in wanted else '1/240'}" for n in names) + " |",

@@ -15,7 +15,7 @@ class PyBullet:
         self.client = pybullet.connect(pybullet.DIRECT)
 
     def run(self, clock):
-        """One drive: time of the loop in s, and the result."""
+        """One drive: time of the loop in s, and where it led."""
         pybullet.resetSimulation()
         pybullet.setAdditionalSearchPath(pybullet_data.getDataPath())
         pybullet.setGravity(0, 0, -GRAVITY)

@@ -1,8 +1,7 @@
 """A scene in PyBullet.
 
-Defaults that change the model are off: air drag, motors on every joint, inertia from shapes. PD
-control is a torque computed in Python before every step, because the effect of `POSITION_CONTROL`
-depends on the step size.
+Without what its users get unasked: air drag, motors on every joint, inertia from shapes. PD is a
+torque computed in Python before every step: `POSITION_CONTROL` means something else at every step size.
 """
 
 import os

@@ -3,10 +3,9 @@
     python3.11 -m venv peers && peers/bin/pip install -r benches/peers/requirements.txt
     peers/bin/python benches/peers/r2d2.py [--rounds 15] [--write]
 
-The time is that of the loop, without loading and without Python in each step, except in PyBullet,
-whose users need it, too. It is CPU time for the peers and wall time, which is longer, for urdf2fmu.
-Each round runs every simulator once; the table shows best and median over the rounds. Absolute times
-depend on the machine, ratios less so. `--write` puts the table into docs/performance.md.
+The time of the loop alone: no loading, no Python per step except in PyBullet, whose users have it too. CPU time for the
+peers, wall time for us, which can only be longer. Each round runs everyone once; best and median over the rounds. Absolute times belong to the machine, the ratios less so. `--write`
+puts the table into docs/performance.md.
 """
 
 import argparse
@@ -38,7 +37,7 @@ class Ours:
                                         stdout=subprocess.PIPE, text=True)
 
     def run(self, _clock):
-        """One drive, timed by the wall clock; interrupted runs do not affect the best of all."""
+        """One drive. It times itself by the wall clock; a run that was interrupted loses to the best of the others."""
         self.process.stdin.write(self.solver + "\n")
         self.process.stdin.flush()
         answer = json.loads(self.process.stdout.readline())
@@ -54,7 +53,7 @@ def build():
 
 
 def machine():
-    """Name of the processor."""
+    """What it ran on."""
     names = [line.split(":")[1].strip() for line in Path("/proc/cpuinfo").read_text().splitlines()
              if line.startswith("model name")] if Path("/proc/cpuinfo").exists() else []
     return names[0] if names else platform.processor() or platform.machine()

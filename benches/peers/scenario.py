@@ -1,8 +1,7 @@
-"""The scene of the speed comparison: PyBullet's R2D2 settles, turns on the spot, drives forward.
+"""The drive that every simulator is timed on: PyBullet's R2D2 settles, turns on the spot, drives forward.
 
-The wheels turn at 10 rad/s (`tests/python/test_r2d2.py` contains the expected result), friction between
-wheel and ground is 0.5, and wheel inertia is computed from the shapes. All simulators take steps of
-1/240 s.
+Wheels at 10 rad/s (`tests/python/test_r2d2.py` says what physics expects of it), friction 0.5 between wheel and
+ground, wheel inertia from the shapes. One step is 1/240 s, for everyone.
 """
 
 import math
@@ -21,7 +20,7 @@ STEPS = sum(steps for steps, *_ in PHASES)
 
 @dataclass
 class Result:
-    """Result of a run: yaw (rad) of the turn, distance (m) of the drive, height (m) at the end."""
+    """Where a run ended; yaw (rad) of the turn, way (m) of the drive forward, height (m) at the end."""
 
     yaw: float
     forward: float

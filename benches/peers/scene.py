@@ -1,4 +1,4 @@
-"""A scene: a robot, its initial state and its commands. Every simulator gets the same one.
+"""A scene: a robot, where it starts, what it is commanded. Every simulator gets the same one.
 
 `Scene.urdf` is text that all of them read: no meshes, no visuals, no transmissions. Commands are rows of targets, held
 for `1 / rate` s each; samples are taken after each row.
@@ -57,7 +57,7 @@ class Scene:
         return round(self.end * self.rate)
 
     def rows(self):
-        """Targets, one row for each period."""
+        """Targets, a row a period."""
         if not self.actuators:
             return np.zeros((self.count, 0))
         return np.array([self.command(i / self.rate) for i in range(self.count)], dtype=float)
@@ -73,7 +73,7 @@ class Scene:
             yield link.get("name"), 0.0 if mass is None else float(mass.get("value"))
 
     def root(self):
-        """Name of the link that is no child of a joint."""
+        """Name of the link that hangs on no joint."""
         tree = xml.fromstring(self.urdf)
         children = {j.find("child").get("link") for j in tree.findall("joint")}
         return next(l.get("name") for l in tree.findall("link") if l.get("name") not in children)
@@ -101,7 +101,7 @@ def quaternion(rpy):
 
 
 def strip(path, keep=("box", "sphere", "cylinder"), frictionless=True):
-    """The text of a URDF with links and joints only, without visuals and meshes."""
+    """The text of a URDF without visuals, meshes and what is no link or joint."""
     tree = xml.parse(path).getroot()
     for element in list(tree):
         if element.tag not in ("link", "joint"):
@@ -197,7 +197,7 @@ STAND = np.tile([0.0, 0.8, -1.6], 4)
 
 
 def a1_standing(end=2.0):
-    """It stands on its four feet."""
+    """It takes its weight and stands."""
     return a1("quadruped standing", end, lambda t: STAND, position=(0, 0, 0.30))
 
 
@@ -280,5 +280,5 @@ def humanoid_standing(end=2.0):
 
 
 def humanoid_falling(end=1.5):
-    """It falls without any effort of its joints."""
+    """Stiff gains let go: it collapses."""
     return humanoid("humanoid falling", end, 0.0, 0.0, spheres=True, position=(0, 0, 1.03), velocity=(0.3, 0, 0))

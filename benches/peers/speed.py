@@ -1,12 +1,11 @@
-"""Compares CPU time per 1/240 s of robot time with MuJoCo; a table for docs/performance.md.
+"""CPU time per 1/240 s of robot time beside MuJoCo implicitfast, interleaved in one run; a table for docs/performance.md.
 
     python3.11 -m venv peers && peers/bin/pip install -r benches/peers/requirements.txt
     peers/bin/python benches/peers/speed.py [--rounds 15] [--only TEXT] [--write]
 
-The scenes are those of `scene.py`, with commands at 60 Hz (50 Hz in the second table). urdf2fmu
-communicates as often as MuJoCo (implicitfast) steps: at 240 Hz, and at 1 kHz in the second table. Times
-are CPU times of the loop; the time of Python's loop without steps is subtracted from MuJoCo's. Each
-round runs both once, in turn; the best round counts, so that other load has little effect.
+The scenes of `scene.py`, commands at 60 Hz (50 Hz in the second table). Ours communicates as often as MuJoCo steps: at 240 Hz, and at 1 kHz in the
+second table. Both take CPU time of the loop alone; what Python's loop takes without a step is subtracted from MuJoCo's.
+Each round runs everyone once; the best round counts, so that what else the machine does falls on nobody.
 """
 
 import argparse

@@ -15,7 +15,7 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
-use crate::contact::{Contact, Response, seek};
+use crate::force::{Contact, Response, seek};
 use crate::spatial::Vec3;
 use crate::step::convex::Newton;
 use crate::step::point::Point;
@@ -51,17 +51,18 @@ impl Cones {
         h: f64,
     ) -> f64 {
         let mut lag = 0.0;
-        for (contact, response) in start.contacts.iter().zip(&solved.responses) {
+        for (contact, response) in start.terms.contacts.iter().zip(&solved.responses) {
             let normal = contact.normal.dot(&response.impulse);
             let cap = contact.mu * normal / h;
             let friction = response.impulse - contact.normal * normal;
             let slips =
                 response.slip != Vec3::zeros() || friction.norm_squared() > h * h * cap * cap;
-            let load = cap.max(contact.cap) / contact.mu;
-            let coarse = h * h * contact.stiffness > mass || load < tolerance * contact.stiffness;
-            let slips = slips || (contact.cap <= 0.0 && cap > 0.0);
+            let load = cap.max(contact.friction.cap) / contact.mu;
+            let coarse = h * h * contact.spring.stiffness > mass
+                || load < tolerance * contact.spring.stiffness;
+            let slips = slips || (contact.friction.cap <= 0.0 && cap > 0.0);
             if slips && coarse {
-                lag += (cap - contact.cap).abs();
+                lag += (cap - contact.friction.cap).abs();
             }
         }
         lag
@@ -71,7 +72,7 @@ impl Cones {
     pub(super) fn begin(&mut self, start: &Point, solved: &Newton, h: f64) {
         self.loads.clear();
         self.excess.clear();
-        for (contact, response) in start.contacts.iter().zip(&solved.responses) {
+        for (contact, response) in start.terms.contacts.iter().zip(&solved.responses) {
             let begin = contact.normal_force(contact.normal_velocity(&start.kin.V));
             let end = found(contact, response, h);
             self.loads.push([begin, end]);
@@ -81,7 +82,7 @@ impl Cones {
 
     /// Takes what the last two solves, over `h` seconds, say together.
     pub(super) fn improve(&mut self, start: &Point, solved: &Newton, h: f64) {
-        let solutions = || start.contacts.iter().zip(&solved.responses);
+        let solutions = || start.terms.contacts.iter().zip(&solved.responses);
         let (mut along, mut squared) = (0.0, 0.0);
         let rows = self.loads.iter().zip(&self.excess).zip(solutions());
         for (([_, taken], before), (contact, response)) in rows {
@@ -107,10 +108,10 @@ impl Cones {
     /// Sets the cones of the step's contacts to those at `share` of its length.
     pub(super) fn set(&mut self, start: &mut Point, share: f64) {
         self.moved = share > 0.0;
-        for (contact, [a, b]) in start.contacts.iter_mut().zip(&self.loads) {
-            contact.cap = contact.mu * (a + share * (b - a));
+        for (contact, [a, b]) in start.terms.contacts.iter_mut().zip(&self.loads) {
+            contact.carry(a + share * (b - a));
         }
-        for turn in &mut start.turns {
+        for turn in &mut start.terms.turns {
             let [a, b] = self.loads[turn.contact];
             turn.carry(a + share * (b - a));
         }
@@ -118,13 +119,13 @@ impl Cones {
 
     /// Sets the cones of contacts in the middle of the step to those at its end; who has touched down since keeps its own.
     pub(super) fn carry(&self, start: &Point, middle: &mut Point) {
-        let mut known = start.contacts.iter().zip(&self.loads).peekable();
-        let mut turns = middle.turns.iter_mut().peekable();
-        for (place, contact) in middle.contacts.iter_mut().enumerate() {
+        let mut known = start.terms.contacts.iter().zip(&self.loads).peekable();
+        let mut turns = middle.terms.turns.iter_mut().peekable();
+        for (place, contact) in middle.terms.contacts.iter_mut().enumerate() {
             let Some((_, [_, end])) = seek(&mut known, contact.slot, |(c, _)| c.slot) else {
                 continue;
             };
-            contact.cap = contact.mu * end;
+            contact.carry(*end);
             if let Some(turn) = seek(&mut turns, place, |t| t.contact) {
                 turn.carry(*end);
             }

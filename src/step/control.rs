@@ -8,6 +8,7 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
+use crate::force::Memory;
 use crate::model::Model;
 use crate::state::State;
 use crate::step::cones::Cones;
@@ -39,6 +40,8 @@ pub struct Stepper {
     pub(super) second: Newton,
     pub(super) cones: Cones,
     pub(super) half: State,
+    /// What the force terms remember after the full solve.
+    pub(super) full_memory: Memory,
     pub(super) backup: State,
     pub(super) explicit: Explicit,
     pub(super) guess: Vec<f64>,
@@ -64,6 +67,7 @@ impl Stepper {
             second: newton(),
             cones: Cones::new(slots),
             half: State::new(model),
+            full_memory: Memory::new(model),
             backup: State::new(model),
             explicit: Explicit::new(tree, model.nq),
             guess: vec![0.0; model.nv()],
@@ -312,7 +316,7 @@ impl Stepper {
     /// target and agree.
     fn cap_by_command(&self, ctx: &Context, state: &State, proposed: f64, remaining: f64) -> f64 {
         let mut capped = proposed;
-        for term in &self.start.joints.terms {
+        for term in &self.start.terms.joints {
             let Some(index) = term.actuator else { continue };
             let command = ctx.inputs.values(index, 0.0);
             #[expect(clippy::float_cmp, reason = "any change counts")]
@@ -335,7 +339,7 @@ impl Stepper {
     fn cap_by_touchdown(&self, ctx: &Context, state: &State, h: f64) -> f64 {
         let (mass, rules) = (ctx.tree.moving_mass, ctx.rules);
         let mut capped = h;
-        for contact in &self.start.contacts {
+        for contact in &self.start.terms.contacts {
             if contact.gap > 0.0 {
                 let approach = -contact.normal_velocity(&self.start.kin.V);
                 let time = contact.gap / approach;
@@ -343,11 +347,11 @@ impl Stepper {
                     capped = time;
                 }
             } else if rules.bounce && contact.touchdown > 0.0 {
-                let time = BOUNCE_SHARE * (mass / contact.stiffness).sqrt();
+                let time = BOUNCE_SHARE * (mass / contact.spring.stiffness).sqrt();
                 capped = capped.min(time.max(MIN_STEP));
             }
         }
-        for term in &self.start.joints.terms {
+        for term in &self.start.terms.joints {
             let v = state.v[term.dof];
             let time = term.gap[usize::from(v > 0.0)] / v.abs();
             if rules.touchdown && time < capped && time > CREEP * h {
@@ -384,18 +388,9 @@ impl Stepper {
             state.trend.fill(0.0);
             state.lag.clear();
             state.counters[0] += 1;
-            // Who carries nothing forgets.
-            let Point {
-                contacts, turns, ..
-            } = &self.start;
-            state.touches.retain(|touch| {
-                let slot = touch.slot;
-                contacts.iter().any(|c| c.slot == slot && c.cap > 0.0)
-                    || turns.iter().any(|t| t.slot == slot && t.holds())
-                    || touch.touchdown > 0.0
-            });
+            self.start.terms.drop_unloaded(&mut state.memory);
             add_impulses(
-                &self.start.contacts,
+                &self.start.terms.contacts,
                 &self.full,
                 remaining / h,
                 &mut state.impulse,

@@ -19,10 +19,9 @@
 mod hessian;
 mod line_search;
 
-use crate::actuator::{JointResponse, JointTerm};
-use crate::contact::{Contact, Response, Turn, angular};
+use crate::force::{Contact, JointResponse, Response, Solved, Terms};
 use crate::kinematics::{Kinematics, forward};
-use crate::spatial::{Vec3, Vec6, add_force_at, add6, dot6};
+use crate::spatial::{Vec3, Vec6, add_force_at, add6, angular, dot6};
 use crate::tree::{Move, Tree};
 
 /// Newton iterations after which a solve gives up; random contact problems need up to 26.
@@ -81,12 +80,8 @@ pub struct Problem<'a> {
     pub kin: &'a Kinematics,
     /// `k`: at the start of the step, or at its middle.
     pub bias: &'a [f64],
-    /// Contact points.
-    pub contacts: &'a [Contact],
-    /// Friction against turning of some of the contacts.
-    pub turns: &'a [Turn],
-    /// Joint terms.
-    pub joints: &'a [JointTerm],
+    /// What acts.
+    pub terms: &'a Terms,
     /// s
     pub h: f64,
     /// Relative accuracy of the impulses that a guess must have.
@@ -130,10 +125,10 @@ impl Newton {
         self.change.fill(0.0);
         self.guessed_change.fill(0.0);
         self.point_velocity.clear();
-        let points = p.contacts.iter().map(|c| c.velocity(&p.kin.V));
+        let points = p.terms.contacts.iter().map(|c| c.velocity(&p.kin.V));
         self.point_velocity.extend(points);
         self.turn_velocity.clear();
-        let turns = p.turns.iter().map(|t| angular(&p.kin.V[t.body]));
+        let turns = p.terms.turns.iter().map(|t| angular(&p.kin.V[t.body]));
         self.turn_velocity.extend(turns);
     }
 
@@ -147,11 +142,11 @@ impl Newton {
         }
         self.guessed_change.copy_from_slice(&self.change);
         self.point_velocity.clear();
-        let points = p.contacts.iter().zip(&other.point_velocity);
+        let points = p.terms.contacts.iter().zip(&other.point_velocity);
         self.point_velocity
             .extend(points.map(|(c, v)| (c.velocity(&p.kin.V) + v) * 0.5));
         self.turn_velocity.clear();
-        let turns = p.turns.iter().zip(&other.turn_velocity);
+        let turns = p.terms.turns.iter().zip(&other.turn_velocity);
         self.turn_velocity
             .extend(turns.map(|(t, w)| (angular(&p.kin.V[t.body]) + w) * 0.5));
     }
@@ -165,21 +160,21 @@ impl Newton {
         pattern.multiply(&p.kin.M, &self.v, &mut self.change);
         self.guessed_change.copy_from_slice(&self.change);
         self.v.copy_from_slice(v);
-        if !p.contacts.is_empty() {
+        if !p.terms.contacts.is_empty() {
             forward(p.tree, &p.kin.S, v, &mut self.V);
         }
         self.point_velocity.clear();
-        let points = p.contacts.iter().map(|c| c.velocity(&self.V));
+        let points = p.terms.contacts.iter().map(|c| c.velocity(&self.V));
         self.point_velocity.extend(points);
         self.turn_velocity.clear();
-        let turns = p.turns.iter().map(|t| angular(&self.V[t.body]));
+        let turns = p.terms.turns.iter().map(|t| angular(&self.V[t.body]));
         self.turn_velocity.extend(turns);
     }
 
     /// Minimises from the guess that stands in `v`: one of the `guess` functions, or the last solution.
     pub fn solve(&mut self, p: &Problem) -> Outcome {
         self.factored = false;
-        self.mark_loaded(p.tree, p.contacts);
+        self.mark_loaded(p.tree, &p.terms.contacts);
         self.respond(p);
         self.minimise(p, None)
     }
@@ -189,15 +184,15 @@ impl Newton {
     /// Newton's own follow.
     pub fn solve_after(&mut self, p: &Problem, before: (&Self, &[Contact])) -> Outcome {
         self.factored = false;
-        self.mark_loaded(p.tree, p.contacts);
+        self.mark_loaded(p.tree, &p.terms.contacts);
         self.respond(p);
         let (before, contacts) = before;
         let alike = before.factored && {
             let regime =
                 |r: &Response| (r.normal > 0.0, r.tangential > 0.0, r.slip == Vec3::zeros());
-            let now = p.contacts.iter().zip(&self.responses);
+            let now = p.terms.contacts.iter().zip(&self.responses);
             let then = contacts.iter().zip(&before.responses);
-            contacts.len() == p.contacts.len()
+            contacts.len() == p.terms.contacts.len()
                 && now
                     .zip(then)
                     .all(|((c, r), (d, s))| c.slot == d.slot && regime(r) == regime(s))
@@ -289,6 +284,16 @@ impl Newton {
         ROUND_OFF * ROUND_OFF * lightest * lever * lever * sum
     }
 
+    /// Velocities and responses at the solution.
+    pub fn solved(&self) -> Solved<'_> {
+        Solved {
+            v: &self.v,
+            points: &self.point_velocity,
+            turns: &self.turn_velocity,
+            responses: &self.responses,
+        }
+    }
+
     /// How many contact points press at the solution.
     pub(super) fn pressing(&self) -> f64 {
         let pressing = self.responses.iter().filter(|r| r.normal > 0.0);
@@ -299,13 +304,13 @@ impl Newton {
     pub fn is_balanced(&mut self, p: &Problem) -> bool {
         self.v.fill(0.0);
         self.change.fill(0.0);
-        self.mark_loaded(p.tree, p.contacts);
+        self.mark_loaded(p.tree, &p.terms.contacts);
         self.point_velocity.clear();
         self.point_velocity
-            .extend(p.contacts.iter().map(|_| Vec3::zeros()));
+            .extend(p.terms.contacts.iter().map(|_| Vec3::zeros()));
         self.turn_velocity.clear();
         self.turn_velocity
-            .extend(p.turns.iter().map(|_| Vec3::zeros()));
+            .extend(p.terms.turns.iter().map(|_| Vec3::zeros()));
         self.respond(p);
         let impulse_scale = self.collect(p);
         let D2 = &p.kin.inverse_diagonal;
@@ -332,14 +337,18 @@ impl Newton {
     /// Responses of contacts and joint terms at the current velocity.
     fn respond(&mut self, p: &Problem) {
         self.joint_responses.clear();
-        self.joint_responses
-            .extend(p.joints.iter().map(|t| t.response(self.v[t.dof], p.h)));
+        self.joint_responses.extend(
+            p.terms
+                .joints
+                .iter()
+                .map(|t| t.response(self.v[t.dof], p.h)),
+        );
         self.responses.clear();
-        let points = p.contacts.iter().zip(&self.point_velocity);
+        let points = p.terms.contacts.iter().zip(&self.point_velocity);
         self.responses
             .extend(points.map(|(contact, v)| contact.response(v, p.h)));
         self.turn_responses.clear();
-        let turns = p.turns.iter().zip(&self.turn_velocity);
+        let turns = p.terms.turns.iter().zip(&self.turn_velocity);
         self.turn_responses
             .extend(turns.map(|(turn, w)| turn.response(w, p.h)));
     }
@@ -352,21 +361,21 @@ impl Newton {
             *g = change + p.h * bias;
         }
         let mut scale = 0.0;
-        for (term, r) in p.joints.iter().zip(&self.joint_responses) {
+        for (term, r) in p.terms.joints.iter().zip(&self.joint_responses) {
             self.gradient[term.dof] -= r.impulse;
             scale += D2[term.dof] * r.effort * r.effort;
         }
-        if p.contacts.is_empty() {
+        if p.terms.contacts.is_empty() {
             return scale;
         }
         for &b in &self.loaded {
             self.F[b] = [0.0; 6];
         }
         self.F[0] = [0.0; 6];
-        for (contact, response) in p.contacts.iter().zip(&self.responses) {
+        for (contact, response) in p.terms.contacts.iter().zip(&self.responses) {
             add_force_at(&mut self.F[contact.body], &contact.x, &response.impulse);
         }
-        for (turn, response) in p.turns.iter().zip(&self.turn_responses) {
+        for (turn, response) in p.terms.turns.iter().zip(&self.turn_responses) {
             let moment = &mut self.F[turn.body][..3];
             for (sum, x) in moment.iter_mut().zip(response.impulse.iter()) {
                 *sum += x;

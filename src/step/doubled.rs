@@ -2,11 +2,9 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
-use crate::actuator::Drive;
-use crate::contact::{Contact, clip, is_clear, seek};
+use crate::force::{Contact, Drive, is_clear};
 use crate::kinematics::{advance, difference};
-use crate::spatial::Vec3;
-use crate::state::{State, Touch};
+use crate::state::State;
 use crate::step::cones::Cones;
 use crate::step::control::{Stepper, count, worst_error};
 use crate::step::convex::Newton;
@@ -92,7 +90,7 @@ impl Stepper {
             return f64::INFINITY;
         }
         advance(tree, &state.q, &self.first.v, 0.5 * h, &mut self.half.q);
-        store(ctx, &self.start, &self.first, 0.5 * h, &mut self.half);
+        store(&self.start, &self.first, 0.5 * h, &mut self.half);
         // As the full step saw them: `accept_doubled` asks again.
         self.start.expect_commands(ctx, state, h);
         let ctx = &ctx.after(0.5 * h);
@@ -104,7 +102,7 @@ impl Stepper {
         self.middle.expect_commands(ctx, &self.half, 0.5 * h);
         let problem = self.middle.problem(tree, 0.5 * h, accuracy);
         self.second.guess(&problem, &self.half.v, &self.full.v);
-        let before = (&self.first, self.start.contacts.as_slice());
+        let before = (&self.first, self.start.terms.contacts.as_slice());
         let second = self.second.solve_after(&problem, before);
         count(state, second.iterations);
         if !second.converged {
@@ -129,8 +127,8 @@ impl Stepper {
     pub(super) fn may_look_ahead(&self, ctx: &Context, state: &State, h: f64) -> bool {
         ctx.rules.look_ahead
             && state.ahead.changed == 0.0
-            && self.start.contacts.is_empty()
-            && self.start.joints.terms.iter().all(|term| {
+            && self.start.terms.contacts.is_empty()
+            && self.start.terms.joints.iter().all(|term| {
                 // An impact on a limit is no polynomial.
                 let resting = term.gap[0].min(term.gap[1]) > 0.0
                     || h * state.v[term.dof].abs() * ctx.tree.weight[term.dof] <= ctx.tolerance;
@@ -145,7 +143,7 @@ impl Stepper {
         let tree = ctx.tree;
         let weight = tree.moving_mass * REFERENCE_GRAVITY;
         let allowed = EXTRAPOLATION_GAIN * ctx.tolerance * weight * tree.reach;
-        self.start.joints.terms.iter().any(|term| {
+        self.start.terms.joints.iter().any(|term| {
             let (place, dof) = (term.coordinate, term.dof);
             let q = [state.q[place], self.q_halves[place]];
             let moved = q[1] - q[0];
@@ -153,7 +151,7 @@ impl Stepper {
             let meets = |gap: f64, end: f64, least: f64| {
                 let held = |gap: f64| gap.min(0.0) * gap.min(0.0);
                 let more = held(least) - held(gap).max(held(end));
-                (gap > 0.0) != (end > 0.0) || 0.5 * term.limit_stiffness * more > allowed
+                (gap > 0.0) != (end > 0.0) || 0.5 * term.limit.stiffness * more > allowed
             };
             let [lower, upper] = term.gap;
             meets(lower, lower + moved, lower + low - q[0])
@@ -221,15 +219,40 @@ impl Stepper {
             self.extrapolate(ctx, state, h);
         }
         if extrapolated {
-            add_impulses(&self.start.contacts, &self.first, 2.0, &mut state.impulse);
-            add_impulses(&self.middle.contacts, &self.second, 2.0, &mut state.impulse);
-            add_impulses(&self.start.contacts, &self.full, -1.0, &mut state.impulse);
+            add_impulses(
+                &self.start.terms.contacts,
+                &self.first,
+                2.0,
+                &mut state.impulse,
+            );
+            add_impulses(
+                &self.middle.terms.contacts,
+                &self.second,
+                2.0,
+                &mut state.impulse,
+            );
+            add_impulses(
+                &self.start.terms.contacts,
+                &self.full,
+                -1.0,
+                &mut state.impulse,
+            );
         } else {
             state.lag.clear();
-            store(ctx, &self.middle, &self.second, 0.5 * h, state);
+            store(&self.middle, &self.second, 0.5 * h, state);
             state.q.copy_from_slice(&self.q_halves);
-            add_impulses(&self.start.contacts, &self.first, 1.0, &mut state.impulse);
-            add_impulses(&self.middle.contacts, &self.second, 1.0, &mut state.impulse);
+            add_impulses(
+                &self.start.terms.contacts,
+                &self.first,
+                1.0,
+                &mut state.impulse,
+            );
+            add_impulses(
+                &self.middle.terms.contacts,
+                &self.second,
+                1.0,
+                &mut state.impulse,
+            );
         }
         posed
     }
@@ -238,99 +261,23 @@ impl Stepper {
     fn extrapolate(&mut self, ctx: &Context, state: &mut State, h: f64) {
         let tree = ctx.tree;
         self.measure_lag(state, h);
-        store(ctx, &self.middle, &self.second, 0.5 * h, state);
+        store(&self.middle, &self.second, 0.5 * h, state);
         advance(tree, &self.q_halves, &self.difference, 1.0, &mut state.q);
-        // Twice the displacement after the second half step minus that after the full one; both by ascending slot.
-        let mut full = self
-            .start
-            .contacts
-            .iter()
-            .zip(&self.full.point_velocity)
-            .peekable();
-        let mut middle = self.middle.contacts.iter().peekable();
-        self.extrapolate_turns(state, h);
-        for touch in &mut state.touches {
-            let before = seek(&mut full, touch.slot, |(contact, _)| contact.slot)
-                .map_or(Vec3::zeros(), |(contact, v)| {
-                    contact.next_displacement(v, h)
-                });
-            let limit = seek(&mut middle, touch.slot, |contact| contact.slot)
-                .filter(|contact| contact.cap > 0.0)
-                .map_or(0.0, |contact| contact.cap / contact.tangential_stiffness);
-            let extrapolated = Vec3::from(touch.displacement) * 2.0 - before;
-            touch.displacement = clip(extrapolated, limit).into();
-        }
-        let terms = self
-            .start
-            .joints
-            .terms
-            .iter()
-            .zip(&self.middle.joints.terms);
-        for (start, middle) in terms {
-            let dof = start.dof;
-            if let (Some(index), Drive::Velocity { element, .. }) = (start.actuator, start.drive) {
-                let full = start.next_motor(self.full.v[dof], h);
-                let limit = element.cap / element.stiffness;
-                state.motor[index] = (2.0 * state.motor[index] - full).clamp(-limit, limit);
-            }
-            if start.dry.cap > 0.0 {
-                let full = start.dry.next(self.full.v[dof], h);
-                let limit = middle.dry.cap / middle.dry.stiffness;
-                state.dry[dof] = (2.0 * state.dry[dof] - full).clamp(-limit, limit);
-            }
-        }
+        let (start, middle) = (&self.start.terms, &self.middle.terms);
+        let full = &mut self.full_memory;
+        start.remember(&self.full.solved(), h, full);
+        start.extrapolate(middle, full, &mut state.memory);
         for ((v, second), full) in state.v.iter_mut().zip(&self.second.v).zip(&self.full.v) {
             *v = 2.0 * second - full;
         }
     }
-
-    /// The stored angles of friction against turning, extrapolated like the displacements.
-    fn extrapolate_turns(&self, state: &mut State, h: f64) {
-        let mut full = self
-            .start
-            .turns
-            .iter()
-            .zip(&self.full.turn_velocity)
-            .peekable();
-        let mut touches = state.touches.iter_mut().peekable();
-        for turn in &self.middle.turns {
-            let before = seek(&mut full, turn.slot, |(t, _)| t.slot)
-                .map_or(Vec3::zeros(), |(t, w)| t.next_displacement(w, h));
-            if let Some(touch) = seek(&mut touches, turn.slot, |t| t.slot) {
-                let extrapolated = Vec3::from(touch.turn) * 2.0 - before;
-                touch.turn = turn.clipped(&extrapolated).into();
-            }
-        }
-    }
 }
 
-/// Velocity, displacements and touch-down speeds after a solve; positions are the caller's.
-pub(super) fn store(ctx: &Context, point: &Point, newton: &Newton, h: f64, state: &mut State) {
+/// Velocity and memory after a solve; positions are the caller's.
+pub(super) fn store(point: &Point, newton: &Newton, h: f64, state: &mut State) {
     state.v.copy_from_slice(&newton.v);
-    state.touches.clear();
-    let mut turns = point.turns.iter().zip(&newton.turn_velocity).peekable();
-    for (contact, v) in point.contacts.iter().zip(&newton.point_velocity) {
-        let inside = contact.gap + h * contact.normal.dot(v) < 0.0;
-        let touchdown = if inside { contact.touchdown } else { 0.0 };
-        let turn = turns.next_if(|(turn, _)| turn.slot == contact.slot);
-        let turns = turn.is_some_and(|(turn, _)| turn.holds());
-        if contact.cap > 0.0 || turns || touchdown > 0.0 {
-            let angle = turn.map(|(turn, w)| turn.next_displacement(w, h));
-            state.touches.push(Touch {
-                slot: contact.slot,
-                displacement: contact.next_displacement(v, h).into(),
-                turn: angle.unwrap_or_default().into(),
-                touchdown,
-            });
-        }
-    }
-    debug_assert_eq!(state.motor.len(), ctx.model.actuators.len());
-    for term in &point.joints.terms {
-        if let Some(index) = term.actuator {
-            state.motor[index] = term.next_motor(newton.v[term.dof], h);
-        }
-        state.dry[term.dof] = term.dry.next(newton.v[term.dof], h);
-    }
+    let terms = &point.terms;
+    terms.remember(&newton.solved(), h, &mut state.memory);
 }
 
 /// Adds `share` times the contact impulses to their links.

@@ -5,10 +5,9 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
-use crate::actuator::{Drive, ElastoPlastic};
-use crate::contact::{Contact, detect};
 use crate::dynamics::energy::{kinetic, potential};
 use crate::dynamics::rnea::about_origin;
+use crate::force::detect;
 use crate::kinematics::forward;
 use crate::spatial::{Vec3, Vec6, angular, dot6, linear};
 use crate::state::State;
@@ -37,32 +36,13 @@ impl Stepper {
     /// weight times reach.
     pub(super) fn open_books(&self, ctx: &Context, state: &State, share: f64) -> Books {
         let tree = ctx.tree;
-        let Point {
-            kin,
-            contacts,
-            turns,
-            joints,
-        } = &self.start;
+        let Point { kin, terms } = &self.start;
         let moving = kinetic(tree, kin, &state.v);
-        let mut friction = 0.0;
-        for contact in contacts {
-            friction += contact.tangential_stiffness * contact.displacement.norm_squared();
-        }
-        for turn in turns {
-            let stiffness = turn.stiffness[0].max(turn.stiffness[1]);
-            friction += stiffness * turn.displacement.norm_squared();
-        }
-        for term in &joints.terms {
-            friction += twice_stored(&term.dry);
-            if let Drive::Velocity { element, .. } = &term.drive {
-                friction += twice_stored(element);
-            }
-        }
         Books {
             held: moving
-                + 0.5 * friction
+                + terms.friction()
                 + potential(tree, kin)
-                + springs(contacts)
+                + terms.springs()
                 + self.limits(ctx, &state.q),
             allowed: share * (moving + tree.moving_mass * REFERENCE_GRAVITY * tree.reach),
         }
@@ -135,11 +115,11 @@ impl Stepper {
         kin.update_poses(tree, &state.q);
         kin.update_velocities(tree, &state.v);
         let limit = stiffness_limit(ctx, h);
-        let (touches, contacts) = (&state.touches, &mut self.end.contacts);
+        let (touches, contacts) = (&state.memory.touches, &mut self.end.terms.contacts);
         detect(ctx.model, tree, touches, kin, 0.0, limit, contacts);
         let held = kinetic(tree, kin, &state.v)
             + potential(tree, kin)
-            + springs(&self.end.contacts)
+            + self.end.terms.springs()
             + self.limits(ctx, &state.q);
         ctx.rules.energy && held - books.held - work > books.allowed
     }
@@ -149,7 +129,7 @@ impl Stepper {
     pub(super) fn gains_explicitly(&self, ctx: &Context, books: &Books, state: &State) -> bool {
         let (tree, kin) = (ctx.tree, &self.middle.kin);
         let mut work = 0.0;
-        for term in &self.start.joints.terms {
+        for term in &self.start.terms.joints {
             let place = term.coordinate;
             let way = self.explicit.q[place] - state.q[place];
             work += term.drive_force(state.v[term.dof], 0.0).0 * way;
@@ -161,11 +141,11 @@ impl Stepper {
     /// What the joint limits hold at `q`.
     fn limits(&self, ctx: &Context, q: &[f64]) -> f64 {
         let mut sum = 0.0;
-        for term in &self.start.joints.terms {
+        for term in &self.start.terms.joints {
             if let Some(limits) = &ctx.tree.limits[term.dof] {
                 let q = q[term.coordinate];
                 let depth = (limits.lower - q).max(q - limits.upper).max(0.0);
-                sum += 0.5 * term.limit_stiffness * depth * depth;
+                sum += term.limit.stored(-depth);
             }
         }
         sum
@@ -175,7 +155,7 @@ impl Stepper {
 /// Work of motors and external wrenches over a solved step of `h` seconds, J.
 pub(super) fn work(ctx: &Context, point: &Point, newton: &Newton, h: f64) -> f64 {
     let mut power = 0.0;
-    for term in &point.joints.terms {
+    for term in &point.terms.joints {
         let v = newton.v[term.dof];
         power += term.drive_force(v, h).0 * v;
     }
@@ -207,37 +187,17 @@ fn lifted(
             rise -= torque.dot(&angular(way)) + I.mass * tree.gravity.dot(&linear(way));
         }
     }
-    for (contact, v) in point.contacts.iter().zip(&solved.point_velocity) {
+    for (contact, v) in point.terms.contacts.iter().zip(&solved.point_velocity) {
         let depth = -contact.gap - h * contact.normal.dot(v);
-        rise += risen(contact.stiffness, depth, -contact.normal_velocity(way));
+        rise += contact
+            .spring
+            .taken_up(depth, -contact.normal_velocity(way));
     }
-    for term in &point.joints.terms {
+    for term in &point.terms.joints {
         let (v, more) = (solved.v[term.dof], more[term.dof]);
         let [lower, upper] = term.gap;
-        rise += risen(term.limit_stiffness, -lower - h * v, -more);
-        rise += risen(term.limit_stiffness, -upper + h * v, more);
+        rise += term.limit.taken_up(-lower - h * v, -more);
+        rise += term.limit.taken_up(-upper + h * v, more);
     }
     rise
-}
-
-/// What a spring that is `depth` deep takes up over `more` of it.
-fn risen(stiffness: f64, depth: f64, more: f64) -> f64 {
-    if depth.max(depth + more) <= 0.0 {
-        return 0.0;
-    }
-    let (before, after) = (depth.max(0.0), (depth + more).max(0.0));
-    0.5 * stiffness * (after * after - before * before)
-}
-
-/// Twice the energy that a friction element holds.
-fn twice_stored(element: &ElastoPlastic) -> f64 {
-    element.stiffness * element.displacement * element.displacement
-}
-
-/// What contacts hold in the normal direction.
-fn springs(contacts: &[Contact]) -> f64 {
-    contacts
-        .iter()
-        .map(|c| 0.5 * c.stiffness * c.gap.min(0.0) * c.gap.min(0.0))
-        .sum()
 }

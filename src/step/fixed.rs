@@ -2,8 +2,8 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
-use crate::contact::{detect, seek};
 use crate::dynamics::{crba, rnea};
+use crate::force::{detect, seek};
 use crate::kinematics::{advance, forward};
 use crate::range::SHORTEST_FIXED_STEP;
 use crate::state::State;
@@ -56,7 +56,7 @@ impl Stepper {
     /// Whether a point that has restitution touches down within `h` seconds, or has done so and not left yet. A bounce is
     /// over in less than a fixed step, which would swallow it: it is taken under error control.
     fn bounces(&self, h: f64) -> bool {
-        self.start.contacts.iter().any(|contact| {
+        self.start.terms.contacts.iter().any(|contact| {
             let approach = -contact.normal_velocity(&self.start.kin.V);
             contact.touchdown > 0.0 && contact.gap < (approach * h).max(f64::MIN_POSITIVE)
         })
@@ -137,10 +137,16 @@ impl Stepper {
         if watched && ctx.rules.parts && turn * h > WHIRL {
             return Ok(false);
         }
-        for (contact, response) in self.start.contacts.iter_mut().zip(&self.full.responses) {
-            contact.cap = contact.mu * contact.normal.dot(&response.impulse) / h;
+        for (contact, response) in self
+            .start
+            .terms
+            .contacts
+            .iter_mut()
+            .zip(&self.full.responses)
+        {
+            contact.friction.cap = contact.mu * contact.normal.dot(&response.impulse) / h;
         }
-        for turn in &mut self.start.turns {
+        for turn in &mut self.start.terms.turns {
             let response = &self.full.responses[turn.contact];
             turn.carry(turn.normal.dot(&response.impulse) / h);
         }
@@ -200,18 +206,18 @@ impl Stepper {
         kin.update_poses(tree, &self.q_halves);
         crba::mass_matrix(tree, kin);
         kin.update_velocities(tree, &self.difference);
-        let found = &mut self.middle.contacts;
+        let found = &mut self.middle.terms.contacts;
         detect(
             ctx.model,
             tree,
-            &state.touches,
+            &state.memory.touches,
             kin,
             h,
             f64::INFINITY,
             found,
         );
         let mut found = found.iter().peekable();
-        for contact in &mut self.start.contacts {
+        for contact in &mut self.start.terms.contacts {
             if let Some(f) = seek(&mut found, contact.slot, |f| f.slot) {
                 contact.x = f.x;
                 contact.gap = f.gap - 0.5 * h * f.normal_velocity(&kin.V);

@@ -70,7 +70,7 @@ impl Stepper {
         let tree = ctx.tree;
         let free = tree.bodies[0].motion == Move::Free;
         let undisturbed = tree.drag == 0.0 && ctx.inputs.wrenches.is_empty();
-        if !ctx.rules.momentum || !free || !undisturbed || !state.touches.is_empty() {
+        if !ctx.rules.momentum || !free || !undisturbed || !state.memory.touches.is_empty() {
             return None;
         }
         self.end.pose(ctx, state);

@@ -2,9 +2,8 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
-use crate::actuator::Joints;
-use crate::contact::{Contact, Turn, detect, find_turns};
 use crate::dynamics::{crba, rnea};
+use crate::force::{Start, Terms};
 use crate::inputs::Inputs;
 use crate::kinematics::Kinematics;
 use crate::model::Model;
@@ -50,21 +49,15 @@ impl Context<'_> {
 pub struct Point {
     /// Poses, velocities, mass matrix, bias.
     pub kin: Kinematics,
-    /// Contact points.
-    pub contacts: Vec<Contact>,
-    /// Friction of contacts against turning.
-    pub turns: Vec<Turn>,
-    /// Joint terms.
-    pub joints: Joints,
+    /// What can act.
+    pub terms: Terms,
 }
 
 impl Point {
     pub(crate) fn new(model: &Model, tree: &Tree) -> Self {
         Self {
             kin: Kinematics::new(tree),
-            contacts: Vec::with_capacity(model.contact_slots()),
-            turns: Vec::with_capacity(model.contact_slots()),
-            joints: Joints::new(model),
+            terms: Terms::new(model),
         }
     }
 
@@ -113,40 +106,24 @@ impl Point {
     /// Contacts and joint terms, after the kinematics are up to date.
     pub(super) fn find_terms(&mut self, ctx: &Context, state: &State, h: f64) {
         let Context { model, tree, .. } = *ctx;
-        let limit = stiffness_limit(ctx, h);
-        detect(
-            model,
-            tree,
-            &state.touches,
-            &self.kin,
-            h,
-            limit,
-            &mut self.contacts,
-        );
-        find_turns(
-            tree,
-            &state.touches,
-            &self.kin,
-            &self.contacts,
-            &mut self.turns,
-        );
+        let (memory, limit) = (&state.memory, stiffness_limit(ctx, h));
+        self.terms
+            .find_contacts(model, tree, memory, &self.kin, h, limit);
         self.find_joint_terms(ctx, state, 0.0);
     }
 
     /// Joint terms for a step of `h` seconds: commands that vary count as they are at its end.
     fn find_joint_terms(&mut self, ctx: &Context, state: &State, h: f64) {
-        self.joints.update(
-            ctx.model,
-            ctx.tree,
-            ctx.inputs,
-            [ctx.elapsed, h],
-            &state.q,
-            &state.v,
-            &state.motor,
-            &state.dry,
-            &self.kin.inverse_diagonal,
-            &self.kin.bias,
-        );
+        self.terms.set_joints(&Start {
+            model: ctx.model,
+            tree: ctx.tree,
+            inputs: ctx.inputs,
+            times: [ctx.elapsed, h],
+            q: &state.q,
+            v: &state.v,
+            memory: &state.memory,
+            kin: &self.kin,
+        });
     }
 
     /// Joint terms for a step of `h` seconds from here, where commands vary.
@@ -161,9 +138,7 @@ impl Point {
             tree,
             kin: &self.kin,
             bias: &self.kin.bias,
-            contacts: &self.contacts,
-            turns: &self.turns,
-            joints: &self.joints.terms,
+            terms: &self.terms,
             h,
             accuracy,
             iterated: accuracy.max((ITERATED * accuracy).min(COARSEST)),

@@ -18,9 +18,9 @@
 //! Source: Dormand & Prince 1980; Bogacki & Shampine 1989; Hairer, Nørsett & Wanner 1993, sections II.4 to II.6; Kennedy &
 //! Carpenter 2003 (`ARK4(3)6L[2]SA`); Boscarino, Filbet & Russo 2016 (one function of an explicit and an implicit argument).
 
-use crate::actuator::{self, Drive, JointTerm};
 use crate::dynamics::aba::Articulated;
 use crate::dynamics::{crba, rnea};
+use crate::force::{self, Drive, JointTerm};
 use crate::kinematics::Kinematics;
 use crate::spatial::quaternion_product;
 use crate::state::ahead::COEFFICIENTS;
@@ -424,7 +424,7 @@ impl Explicit {
             let effort = match (term.drive, term.actuator) {
                 (Drive::Effort(_), Some(index)) if inputs.varies() => {
                     let command = inputs.command(index, system.ctx.elapsed, 0.0);
-                    actuator::effort(system.ctx.model, index, &command)
+                    force::effort(system.ctx.model, index, &command)
                 }
                 (Drive::Effort(effort), _) => effort,
                 _ => 0.0,

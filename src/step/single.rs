@@ -7,10 +7,7 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
-use crate::actuator::Drive;
-use crate::contact::{Contact, Response, clip, seek};
 use crate::kinematics::advance;
-use crate::spatial::{Vec3, angular};
 use crate::state::State;
 use crate::step::control::{Stepper, worst_error};
 use crate::step::doubled::{add_impulses, store};
@@ -70,9 +67,14 @@ impl Stepper {
     /// Takes the full solve into the state as it is.
     pub(super) fn accept_single(&mut self, ctx: &Context, state: &mut State, h: f64) {
         self.keep_start(state);
-        store(ctx, &self.start, &self.full, h, state);
+        store(&self.start, &self.full, h, state);
         advance(ctx.tree, &self.q_start, &self.full.v, h, &mut state.q);
-        add_impulses(&self.start.contacts, &self.full, 1.0, &mut state.impulse);
+        add_impulses(
+            &self.start.terms.contacts,
+            &self.full,
+            1.0,
+            &mut state.impulse,
+        );
         self.end_trend(state, h);
     }
 
@@ -88,9 +90,9 @@ impl Stepper {
         lag.pressing = self.full.pressing();
         let (share, impulses) = (2.0 / (h * h), &mut lag.impulses);
         impulses.fill([0.0; 3]);
-        add_impulses(&self.start.contacts, &self.full, share, impulses);
-        add_impulses(&self.start.contacts, &self.first, -share, impulses);
-        add_impulses(&self.middle.contacts, &self.second, -share, impulses);
+        add_impulses(&self.start.terms.contacts, &self.full, share, impulses);
+        add_impulses(&self.start.terms.contacts, &self.first, -share, impulses);
+        add_impulses(&self.middle.terms.contacts, &self.second, -share, impulses);
     }
 
     /// How far the known error of the full solve is from half the changes of velocity and of acceleration, relative to the
@@ -132,33 +134,9 @@ impl Stepper {
             }
         }
         let way = &self.end.kin.V;
-        let mut turns = self.start.turns.iter().peekable();
-        let contacts = self.start.contacts.iter().zip(&self.full.responses);
-        // What slips keeps its own displacement.
-        let sticks = |(_, response): &(&Contact, &Response)| response.slip == Vec3::zeros();
-        let mut contacts = contacts.filter(sticks).peekable();
-        for touch in &mut state.touches {
-            if let Some((contact, _)) = seek(&mut contacts, touch.slot, |(c, _)| c.slot) {
-                let moved = contact.velocity(way);
-                let moved = moved - contact.normal * contact.normal.dot(&moved);
-                let limit = contact.cap / contact.tangential_stiffness;
-                touch.displacement = clip(Vec3::from(touch.displacement) + moved, limit).into();
-            }
-            if let Some(turn) = seek(&mut turns, touch.slot, |t| t.slot) {
-                let moved = Vec3::from(touch.turn) + angular(&way[turn.body]);
-                touch.turn = turn.clipped(&moved).into();
-            }
-        }
-        for term in &self.start.joints.terms {
-            let (v, moved) = (self.full.v[term.dof], self.difference[term.dof]);
-            if let (Some(index), Drive::Velocity { target, element }) = (term.actuator, term.drive)
-            {
-                let motor = &mut state.motor[index];
-                *motor = element.shifted(*motor, moved, v - target, h);
-            }
-            let dry = &mut state.dry[term.dof];
-            *dry = term.dry.shifted(*dry, moved, v, h);
-        }
+        let terms = &self.start.terms;
+        let solved = self.full.solved();
+        terms.shift(&solved, (way, &self.difference), h, &mut state.memory);
         state.lag.last = h;
         state.lag.uses -= 1.0;
     }

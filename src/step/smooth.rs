@@ -1,7 +1,6 @@
 //! When nothing stiff acts but damping, and how far a Runge–Kutta step may then reach.
 
-use crate::actuator::{Drive, JointTerm};
-use crate::contact::is_clear;
+use crate::force::{Drive, JointTerm, is_clear};
 use crate::state::State;
 use crate::step::control::{Stepper, grown, landing, worst_error};
 use crate::step::point::Context;
@@ -80,11 +79,11 @@ impl Stepper {
                 && term.actuator.is_some()
                 && !matches!(term.drive, Drive::Effort(_))
         };
-        self.start.contacts.is_empty()
+        self.start.terms.contacts.is_empty()
             && self
                 .start
-                .joints
                 .terms
+                .joints
                 .iter()
                 .all(|term| !term.is_stiff() && !may_become_stiff(term) && term.damping >= 0.0)
     }
@@ -92,7 +91,7 @@ impl Stepper {
     /// Whether nothing comes near within `h` seconds, and a motor's torque–speed line is resolved.
     fn is_free(&self, ctx: &Context, state: &State, h: f64) -> bool {
         let kin = &self.start.kin;
-        self.start.joints.terms.iter().all(|term| {
+        self.start.terms.joints.iter().all(|term| {
             !term.near_limit(state.v[term.dof], h)
                 && h * term.line.slope() * kin.inverse_diagonal[term.dof] < 1.0
         }) && is_clear(ctx.tree, kin, h)
@@ -101,7 +100,7 @@ impl Stepper {
     /// Whether damping is slower than a step of `h` seconds.
     fn resolves_damping(&self, h: f64) -> bool {
         let inverse = &self.start.kin.inverse_diagonal;
-        let terms = &self.start.joints.terms;
+        let terms = &self.start.terms.joints;
         terms
             .iter()
             .all(|term| h * term.damping * inverse[term.dof] < 1.0)
@@ -130,7 +129,7 @@ impl Stepper {
     fn run_stages(&mut self, ctx: &Context, pair: &Pair, state: &State, h: f64, finish: bool) {
         let system = Smooth {
             ctx: *ctx,
-            joints: &self.start.joints.terms,
+            joints: &self.start.terms.joints,
         };
         let (start, end) = (&self.start.kin, &mut self.middle.kin);
         self.explicit
@@ -170,7 +169,7 @@ impl Stepper {
 
     /// Whether the explicit step just taken from `state` has stayed within all limits, and has ended off the ground.
     fn stays_free(&self, ctx: &Context, state: &State, h: f64) -> bool {
-        let within = self.start.joints.terms.iter().all(|term| {
+        let within = self.start.terms.joints.iter().all(|term| {
             ctx.tree.limits[term.dof].is_none_or(|limits| {
                 let (place, dof) = (term.coordinate, term.dof);
                 let (q, v) = (&self.explicit.q, &self.explicit.v);
@@ -243,9 +242,7 @@ pub(super) fn next_proposal(
 pub(super) fn accept_explicit(explicit: &mut Explicit, pair: &Pair, state: &mut State) {
     state.q.copy_from_slice(&explicit.q);
     state.v.copy_from_slice(&explicit.v);
-    state.touches.clear();
-    state.motor.fill(0.0);
-    state.dry.fill(0.0);
+    state.memory.clear();
     state.trend.fill(0.0);
     explicit.accept(pair);
 }

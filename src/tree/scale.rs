@@ -1,7 +1,7 @@
 //! What follows from the robot in its initial position: stiffness of contacts, limits and motors, error weights.
 
 use super::{Move, REFERENCE_GRAVITY, Tree};
-use crate::actuator::motor_constants;
+use crate::law::motor_constants;
 use crate::model::{Model, Motion};
 use crate::spatial::{Mat3, Pose, Vec3, rotation_to_axis};
 

@@ -3,7 +3,7 @@
 
 use crate::random::Random;
 use std::sync::Arc;
-use urdf2fmu_core::contact::{Contact, detect, find_turns};
+use urdf2fmu_core::force::{Contact, detect, find_turns};
 use urdf2fmu_core::geometry::Shape;
 use urdf2fmu_core::kinematics::Kinematics;
 use urdf2fmu_core::model::{ActuatorId, ActuatorMode, Model, Motion};
@@ -170,7 +170,7 @@ fn touching(s: &Simulation, kin: &Kinematics) -> Vec<Contact> {
         _ => f64::INFINITY,
     };
     let mut list = Vec::new();
-    let touches = &s.state().touches;
+    let touches = &s.state().memory.touches;
     detect(s.model(), s.tree(), touches, kin, H, limit, &mut list);
     list
 }
@@ -184,16 +184,16 @@ pub fn stored(s: &Simulation) -> [f64; 2] {
     let contacts = touching(s, &kin);
     for contact in &contacts {
         let depth = (-contact.gap).max(0.0);
-        springs += 0.5 * contact.stiffness * depth * depth;
-        friction += 0.5 * contact.tangential_stiffness * contact.displacement.norm_squared();
+        springs += 0.5 * contact.spring.stiffness * depth * depth;
+        let element = &contact.friction;
+        friction += 0.5 * element.stiffness * element.displacement.norm_squared();
     }
     let mut turns = Vec::new();
-    find_turns(tree, &state.touches, &kin, &contacts, &mut turns);
+    find_turns(tree, &state.memory.touches, &kin, &contacts, &mut turns);
     for turn in &turns {
-        let torsion = turn.normal.dot(&turn.displacement);
-        let roll = turn.displacement - turn.normal * torsion;
-        friction += 0.5 * turn.stiffness[0] * torsion * torsion;
-        friction += 0.5 * turn.stiffness[1] * roll.norm_squared();
+        let (torsion, roll) = (turn.torsional.displacement, turn.rolling.displacement);
+        friction += 0.5 * turn.torsional.stiffness * torsion * torsion;
+        friction += 0.5 * turn.rolling.stiffness * roll.norm_squared();
     }
     for (dof, limits) in tree.limits.iter().enumerate() {
         let body = &s.model().bodies[s.model().dofs[dof].body.index()];
@@ -204,9 +204,9 @@ pub fn stored(s: &Simulation) -> [f64; 2] {
         }
         // Its stiffness is the friction over the deflection at which it gives way, 0.1 mm or mrad.
         let stiffness = tree.friction[dof].moving / 1e-4;
-        friction += 0.5 * stiffness * state.dry[dof] * state.dry[dof];
+        friction += 0.5 * stiffness * state.memory.dry[dof] * state.memory.dry[dof];
     }
-    for (motor, displacement) in tree.motors.iter().zip(&state.motor) {
+    for (motor, displacement) in tree.motors.iter().zip(&state.memory.motor) {
         friction += 0.5 * motor.0 * displacement * displacement;
     }
     [springs, friction]

@@ -4,8 +4,8 @@
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
 use super::{Newton, Problem};
-use crate::contact::{Contact, Response};
 use crate::dynamics::crba::add_row;
+use crate::force::{Contact, Response};
 use crate::spatial::{Vec3, dot6, multiply_lower};
 use crate::tree::Move;
 
@@ -16,11 +16,11 @@ impl Newton {
         let Problem { tree, kin, .. } = *p;
         let pattern = &tree.sparsity;
         self.H.copy_from_slice(&kin.M);
-        for (term, r) in p.joints.iter().zip(&self.joint_responses) {
+        for (term, r) in p.terms.joints.iter().zip(&self.joint_responses) {
             let stiffness = r.stiffness;
             self.H[pattern.diagonal(term.dof)] += stiffness;
         }
-        if p.contacts.is_empty() {
+        if p.terms.contacts.is_empty() {
             return;
         }
         for &b in &self.loaded {
@@ -28,13 +28,13 @@ impl Newton {
         }
         self.G[0] = [0.0; 21];
         let mut any = false;
-        for (contact, response) in p.contacts.iter().zip(&self.responses) {
+        for (contact, response) in p.terms.contacts.iter().zip(&self.responses) {
             if response.normal > 0.0 || response.tangential > 0.0 {
                 any = true;
                 add_point_stiffness(&mut self.G[contact.body], contact, response);
             }
         }
-        for (turn, response) in p.turns.iter().zip(&self.turn_responses) {
+        for (turn, response) in p.terms.turns.iter().zip(&self.turn_responses) {
             if response.normal > 0.0 || response.tangential > 0.0 {
                 any = true;
                 let stiffness = lower_triangle(&turn.normal, response);

@@ -1,9 +1,9 @@
 //! How far to go along Newton's direction.
 
 use super::{Newton, Problem};
-use crate::contact::{Response, angular};
+use crate::force::Response;
 use crate::kinematics::forward;
-use crate::spatial::Vec3;
+use crate::spatial::{Vec3, angular};
 
 /// Share of the initial slope that a full step may leave uphill before the line search looks closer.
 const ACCEPTED_SLOPE: f64 = 0.1;
@@ -19,13 +19,13 @@ impl Newton {
         tree.sparsity
             .multiply(&kin.M, &self.direction, &mut self.direction_momentum);
         self.point_direction.clear();
-        if !p.contacts.is_empty() {
+        if !p.terms.contacts.is_empty() {
             forward(tree, &kin.S, &self.direction, &mut self.V);
-            let velocities = p.contacts.iter().map(|c| c.velocity(&self.V));
+            let velocities = p.terms.contacts.iter().map(|c| c.velocity(&self.V));
             self.point_direction.extend(velocities);
         }
         self.turn_direction.clear();
-        let turns = p.turns.iter().map(|t| angular(&self.V[t.body]));
+        let turns = p.terms.turns.iter().map(|t| angular(&self.V[t.body]));
         self.turn_direction.extend(turns);
         let (mut linear, mut quadratic, mut initial) = (0.0, 0.0, 0.0_f64);
         for i in 0..self.v.len() {
@@ -69,20 +69,20 @@ impl Newton {
         let mut slope = 0.0;
         self.responses.clear();
         let points = self.point_velocity.iter().zip(&self.point_direction);
-        for (contact, (v, w)) in p.contacts.iter().zip(points) {
+        for (contact, (v, w)) in p.terms.contacts.iter().zip(points) {
             let response = contact.response(&(v + w * alpha), p.h);
             slope -= response.impulse.dot(w);
             self.responses.push(response);
         }
         self.turn_responses.clear();
         let turns = self.turn_velocity.iter().zip(&self.turn_direction);
-        for (turn, (v, w)) in p.turns.iter().zip(turns) {
+        for (turn, (v, w)) in p.terms.turns.iter().zip(turns) {
             let response = turn.response(&(v + w * alpha), p.h);
             slope -= response.impulse.dot(w);
             self.turn_responses.push(response);
         }
         self.joint_responses.clear();
-        for term in p.joints {
+        for term in &p.terms.joints {
             let w = self.direction[term.dof];
             let response = term.response(self.v[term.dof] + alpha * w, p.h);
             slope -= response.impulse * w;
@@ -95,14 +95,14 @@ impl Newton {
     fn curvature(&self, p: &Problem) -> f64 {
         let mut curvature = 0.0;
         let points = self.responses.iter().zip(&self.point_direction);
-        for (contact, (r, w)) in p.contacts.iter().zip(points) {
+        for (contact, (r, w)) in p.terms.contacts.iter().zip(points) {
             curvature += along(&contact.normal, r, w);
         }
         let turns = self.turn_responses.iter().zip(&self.turn_direction);
-        for (turn, (r, w)) in p.turns.iter().zip(turns) {
+        for (turn, (r, w)) in p.terms.turns.iter().zip(turns) {
             curvature += along(&turn.normal, r, w);
         }
-        for (term, r) in p.joints.iter().zip(&self.joint_responses) {
+        for (term, r) in p.terms.joints.iter().zip(&self.joint_responses) {
             let stiffness = r.stiffness;
             let w = self.direction[term.dof];
             curvature += stiffness * w * w;

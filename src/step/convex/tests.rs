@@ -1,8 +1,9 @@
 //! The assembled derivatives against differences, and the minimum against a step away from it.
 
 use super::*;
-use crate::actuator::{Drive, SpeedLine};
 use crate::dynamics::{crba, rnea};
+use crate::force::{Contact, Drive, JointTerm, Turn};
+use crate::law::{ElastoPlastic, HuntCrossley, SpeedLine};
 use crate::parameters::Parameters;
 use crate::testing::{Random, random_tree};
 
@@ -10,11 +11,14 @@ use crate::testing::{Random, random_tree};
 struct Case {
     tree: Tree,
     kin: Kinematics,
-    contacts: Vec<Contact>,
-    turns: Vec<Turn>,
-    joints: Vec<JointTerm>,
+    terms: Terms,
     v0: Vec<f64>,
     h: f64,
+}
+
+/// What of `x` lies across a normal.
+fn across(normal: &Vec3, x: Vec3) -> Vec3 {
+    x - normal * normal.dot(&x)
 }
 
 impl Case {
@@ -38,11 +42,16 @@ impl Case {
                 x: random.vector(0.5),
                 normal: random.unit(),
                 gap: -2e-3,
-                stiffness: 1e4,
-                dissipation: 0.2,
-                cap: random.uniform(0.0, 20.0),
-                tangential_stiffness: 8e3,
-                tangential_damping: 30.0,
+                spring: HuntCrossley {
+                    stiffness: 1e4,
+                    dissipation: 0.2,
+                },
+                friction: ElastoPlastic {
+                    cap: random.uniform(0.0, 20.0),
+                    stiffness: 8e3,
+                    damping: 30.0,
+                    ..ElastoPlastic::default()
+                },
                 ..Contact::default()
             })
             .collect();
@@ -55,10 +64,18 @@ impl Case {
                 slot: c.slot,
                 normal: c.normal,
                 coefficient: [0.1, 0.05],
-                cap: [random.uniform(0.0, 4.0), random.uniform(0.0, 4.0)],
-                stiffness: [50.0, 80.0],
-                damping: [2.0, 1.0],
-                displacement: random.vector(1e-2),
+                torsional: ElastoPlastic {
+                    cap: random.uniform(0.0, 4.0),
+                    stiffness: 50.0,
+                    damping: 2.0,
+                    displacement: random.uniform(-1e-2, 1e-2),
+                },
+                rolling: ElastoPlastic {
+                    cap: random.uniform(0.0, 4.0),
+                    stiffness: 80.0,
+                    damping: 1.0,
+                    displacement: across(&c.normal, random.vector(1e-2)),
+                },
             })
             .collect();
         let joints = (if floating { 6 } else { 0 }..model.nv())
@@ -84,9 +101,11 @@ impl Case {
         Self {
             tree,
             kin,
-            contacts,
-            turns,
-            joints,
+            terms: Terms {
+                contacts,
+                turns,
+                joints,
+            },
             v0: v,
             h: 5e-3,
         }
@@ -97,9 +116,7 @@ impl Case {
             tree: &self.tree,
             kin: &self.kin,
             bias: &self.kin.bias,
-            contacts: &self.contacts,
-            turns: &self.turns,
-            joints: &self.joints,
+            terms: &self.terms,
             h: self.h,
             accuracy: 1e-10,
             iterated: 1e-8,
@@ -110,7 +127,7 @@ impl Case {
     fn gradient(&self, newton: &mut Newton, v: &[f64]) -> Vec<f64> {
         let problem = self.problem();
         newton.guess(&problem, &self.v0, v);
-        newton.mark_loaded(&self.tree, &self.contacts);
+        newton.mark_loaded(&self.tree, &self.terms.contacts);
         newton.respond(&problem);
         newton.collect(&problem);
         newton.gradient.clone()
@@ -124,7 +141,7 @@ fn the_hessian_is_the_derivative_of_the_gradient() {
     for seed in 0..60 {
         let case = Case::new(seed);
         let mut random = Random(1000 + seed);
-        let mut newton = Newton::new(&case.tree, case.contacts.len());
+        let mut newton = Newton::new(&case.tree, case.terms.contacts.len());
         let n = newton.v.len();
         let mut draw =
             |size: f64| -> Vec<f64> { (0..n).map(|_| random.uniform(-size, size)).collect() };
@@ -162,7 +179,7 @@ fn the_minimum_does_not_depend_on_the_guess() {
         let case = Case::new(seed);
         let problem = case.problem();
         let mut random = Random(2000 + seed);
-        let mut newton = Newton::new(&case.tree, case.contacts.len());
+        let mut newton = Newton::new(&case.tree, case.terms.contacts.len());
         let n = newton.v.len();
         let mut found: Vec<Vec<f64>> = Vec::new();
         for size in [0.0, 1.0, 30.0] {
@@ -188,7 +205,7 @@ fn the_minimum_does_not_depend_on_the_hessian_of_the_first_iteration() {
     let mut taken = 0;
     for seed in 0..60 {
         let mut case = Case::new(seed);
-        let new = |case: &Case| Newton::new(&case.tree, case.contacts.len());
+        let new = |case: &Case| Newton::new(&case.tree, case.terms.contacts.len());
         let solved = |case: &Case| {
             let mut newton = new(case);
             newton.guess(&case.problem(), &case.v0, &case.v0);
@@ -205,7 +222,7 @@ fn the_minimum_does_not_depend_on_the_hessian_of_the_first_iteration() {
             let problem = case.problem();
             let mut newton = new(&case);
             newton.guess(&problem, &case.v0, &before.v);
-            let outcome = newton.solve_after(&problem, (&before, &case.contacts));
+            let outcome = newton.solve_after(&problem, (&before, &case.terms.contacts));
             assert!(outcome.converged, "seed {seed}: {outcome:?}");
             for (a, b) in expected.v.iter().zip(&newton.v) {
                 assert!((a - b).abs() < 1e-6 * speed, "seed {seed}: {a} {b}");
@@ -215,7 +232,7 @@ fn the_minimum_does_not_depend_on_the_hessian_of_the_first_iteration() {
                 ..problem
             };
             newton.guess(&coarse, &case.v0, &before.v);
-            let outcome = newton.solve_after(&coarse, (&before, &case.contacts));
+            let outcome = newton.solve_after(&coarse, (&before, &case.terms.contacts));
             taken += usize::from(outcome.converged && outcome.iterations == 1 && !newton.factored);
         }
     }

@@ -1,8 +1,9 @@
 //! What an actuator does in a step: a force that falls with the velocity at its end, or stays.
 //!
-//! Set up from commands by [`super::Joints::update`]; the torque–speed line is not applied here.
+//! Set up from commands by [`super::Terms::set_joints`]; the torque–speed line is not applied here.
 
-use super::ElastoPlastic;
+use crate::law::ElastoPlastic;
+use crate::law::motor::servo_speed;
 
 /// What an actuator does in a step.
 #[derive(Clone, Copy, Debug, Default)]
@@ -17,7 +18,7 @@ pub enum Drive {
         /// rad/s or m/s
         target: f64,
         /// Relative to the target.
-        element: ElastoPlastic,
+        element: ElastoPlastic<f64>,
     },
     /// Position servo: `F = clamp(load + gain (rate + v_des(target − q) − v), ±cap)`.
     Position {
@@ -62,8 +63,8 @@ impl Drive {
                 target,
                 ref element,
             } => {
-                let (force, slope) = element.force(v - target, h);
-                (-force, -slope)
+                let resistance = element.respond(v - target, h);
+                (-resistance.force, -resistance.slope)
             }
             Self::Position {
                 load,
@@ -143,49 +144,9 @@ impl Drive {
     }
 }
 
-/// Speed that brakes to zero at the target, and its derivative with the distance `e`: `slope · e` near it,
-/// `√(2 a (|e| − e₀))` farther out with the same value and slope where they meet, at most `limit`.
-#[inline]
-fn desired_speed(e: f64, slope: f64, braking: f64, limit: f64) -> (f64, f64) {
-    let distance = e.abs();
-    let (speed, rate) = if distance * slope * slope <= braking {
-        (slope * distance, slope)
-    } else {
-        let speed = (2.0 * braking * (distance - 0.5 * braking / (slope * slope))).sqrt();
-        (speed, braking / speed)
-    };
-    if speed <= limit {
-        (speed.copysign(e), rate)
-    } else {
-        (limit.copysign(e), 0.0)
-    }
-}
-
-/// [`desired_speed`] towards a target that moves at `rate`, within `limit`, and its derivative with the distance.
-#[inline]
-fn servo_speed(e: f64, rate: f64, slope: f64, braking: f64, limit: f64) -> (f64, f64) {
-    let (speed, change) = desired_speed(e, slope, braking, limit);
-    let total = speed + rate;
-    if total.abs() <= limit {
-        (total, change)
-    } else {
-        (limit.copysign(total), 0.0)
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn desired_speed_is_continuous_with_its_slope_where_spring_and_braking_meet() {
-        let (slope, braking) = (50.0, 4.0);
-        let meet = braking / (slope * slope);
-        let (below, rate_below) = desired_speed(meet * (1.0 - 1e-9), slope, braking, f64::INFINITY);
-        let (above, rate_above) = desired_speed(meet * (1.0 + 1e-9), slope, braking, f64::INFINITY);
-        assert!((below - above).abs() < 1e-8 && (rate_below - rate_above).abs() < 1e-5);
-        assert_eq!(desired_speed(-10.0, slope, braking, 2.0), (-2.0, 0.0));
-    }
 
     #[test]
     fn drive_stiffness_is_the_derivative_of_its_force() {

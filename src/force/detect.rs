@@ -8,13 +8,13 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
-use super::Contact;
-use super::law::stribeck;
+use super::contact::{Contact, normal_part};
+use super::memory::Touch;
 use crate::geometry::Shape;
 use crate::kinematics::Kinematics;
+use crate::law::{ElastoPlastic, HuntCrossley, stribeck};
 use crate::model::Model;
 use crate::spatial::{Pose, Vec3, Vec6, velocity_at};
-use crate::state::Touch;
 use crate::tree::{Tree, TreeCollider};
 
 /// The half space `normal·x < offset` is solid.
@@ -275,7 +275,7 @@ impl Finder<'_> {
         let normal = self.plane.normal;
         let gap = self.height + normal.dot(&x);
         let v = velocity_at(V, &x);
-        let vn = normal.dot(&v);
+        let (vn, u) = normal_part(&normal, &v);
         if gap >= self.h * vn.abs() + self.fall + MARGIN {
             return;
         }
@@ -287,14 +287,19 @@ impl Finder<'_> {
             x: x + lean * (-gap).max(0.0),
             normal,
             gap,
-            stiffness,
-            mu: self.friction(collider, &(v - normal * vn)),
-            tangential_stiffness: TANGENTIAL_RATIO * stiffness,
-            tangential_damping: self.damping * share.sqrt(),
+            spring: HuntCrossley {
+                stiffness,
+                dissipation: collider.dissipation,
+            },
+            mu: self.friction(collider, &u),
+            friction: ElastoPlastic {
+                stiffness: TANGENTIAL_RATIO * stiffness,
+                damping: self.damping * share.sqrt(),
+                ..ElastoPlastic::default()
+            },
             ..Contact::default()
         };
         let stored = self.stored(slot);
-        contact.dissipation = collider.dissipation;
         if collider.restitution > 0.0 {
             let approach = if stored.touchdown > 0.0 {
                 stored.touchdown
@@ -303,7 +308,7 @@ impl Finder<'_> {
             };
             if approach > BOUNCE_THRESHOLD {
                 contact.touchdown = approach;
-                contact.dissipation = collider.dissipation_number / approach;
+                contact.spring.dissipation = collider.dissipation_number / approach;
             }
         }
         if contact.touchdown == 0.0 {
@@ -311,20 +316,20 @@ impl Finder<'_> {
             let excess = -gap - 50.0 * collider.penetration;
             if excess > 0.0 {
                 let emergence = EMERGENCE * (2.0 * self.gravity * excess).sqrt();
-                contact.dissipation = 1.0 / (1.0 / contact.dissipation).max(emergence);
+                contact.spring.dissipation =
+                    1.0 / (1.0 / contact.spring.dissipation).max(emergence);
             }
         }
-        contact.cap = contact.mu * contact.normal_force(vn);
+        contact.carry(contact.normal_force(vn));
         // The displacement follows the tangent plane and keeps its length.
         let stored = Vec3::from(stored.displacement);
-        let out = normal.dot(&stored);
+        let (out, flat) = normal_part(&normal, &stored);
         if out == 0.0 {
-            contact.displacement = stored;
+            contact.friction.displacement = stored;
         } else {
-            let flat = stored - normal * out;
             let (length, flat_length) = (stored.norm(), flat.norm());
             if flat_length > 1e-3 * length {
-                contact.displacement = flat * (length / flat_length);
+                contact.friction.displacement = flat * (length / flat_length);
             }
         }
         self.contacts.push(contact);

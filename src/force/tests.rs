@@ -4,7 +4,7 @@ use super::*;
 use crate::geometry::Shape;
 use crate::kinematics::{Kinematics, advance};
 use crate::simulation::Simulation;
-use crate::spatial::Pose;
+use crate::spatial::{Pose, Vec3, Vec6};
 use crate::testing::{Builder, inertia, start};
 
 /// Energy that the springs of all points hold, J, and the force on the body about its origin (moment, force).
@@ -24,7 +24,7 @@ fn springs(s: &Simulation, q: &[f64]) -> (f64, Vec6) {
     );
     let (mut energy, mut force) = (0.0, [0.0; 6]);
     for c in &list {
-        energy += 0.5 * c.stiffness * c.gap.min(0.0).powi(2);
+        energy += 0.5 * c.spring.stiffness * c.gap.min(0.0).powi(2);
         let f = c.normal * c.normal_force(0.0);
         let moment = c.x.cross(&f);
         for i in 0..3 {

@@ -1,0 +1,344 @@
+//! Forces along one degree of freedom as convex terms: damping, dry friction, limits, actuators.
+//!
+//! Each gives an impulse that falls with the velocity at the end of the step, so that the step stays a convex
+//! minimisation. Velocity motors and dry friction are elasto-plastic: a spring–damper with a stored displacement
+//! and a capped force, which holds a load without creep. Dry friction that is higher at rest follows the speed at the
+//! start of the step (Stribeck), which keeps it convex. A motor's effort may fall with its speed: as it falls in the
+//! direction of motion alone, the force still falls with the velocity and needs no lag. Position servos brake along
+//! `v = √(2 a e)` and end in a critically damped spring, so that they do not overshoot within their effort.
+
+use super::drive::Drive;
+use super::memory::Memory;
+use crate::inputs::{Command, Inputs};
+use crate::kinematics::Kinematics;
+use crate::law::motor::{MOTOR_RELAXATION, SpeedLine};
+use crate::law::{ElastoPlastic, HuntCrossley, stribeck};
+use crate::model::{ActuatorMode, Model};
+use crate::tree::Tree;
+
+/// Position error of a position servo under its reference effort, rad or m.
+const SERVO_DEFLECTION: f64 = 1e-3;
+/// Displacement of a joint's dry friction at break-away, rad or m.
+const FRICTION_DEFLECTION: f64 = 1e-4;
+/// Share of the free effort that a position servo plans to brake with.
+const BRAKING_SHARE: f64 = 0.5;
+
+/// Effort of an actuator in effort mode.
+pub fn effort(model: &Model, index: usize, command: &Command) -> f64 {
+    let limit = model.actuators[index].max_effort;
+    command.effort.clamp(-limit, limit)
+}
+
+/// What a joint term gives for a velocity.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct JointResponse {
+    /// N·m·s or N·s
+    pub impulse: f64,
+    /// Minus the derivative of the impulse with the velocity, never negative.
+    pub stiffness: f64,
+    /// Sum of the magnitudes in the impulse: what a balance of motor and limit is to be measured by.
+    pub effort: f64,
+}
+
+/// Everything that acts along one degree of freedom in a step.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct JointTerm {
+    /// Degree of freedom.
+    pub dof: usize,
+    /// Place of its position in `q`; of a ball joint the first of four.
+    pub coordinate: usize,
+    /// Index of the actuator in the model's list, where there is one.
+    pub actuator: Option<usize>,
+    /// N·m·s/rad or N·s/m
+    pub damping: f64,
+    /// Dry friction; cap 0 without.
+    pub dry: ElastoPlastic<f64>,
+    /// Distance to the lower and the upper limit; infinite without, rad or m.
+    pub gap: [f64; 2],
+    /// Law of the limits.
+    pub limit: HuntCrossley,
+    /// Actuator.
+    pub drive: Drive,
+    /// What the actuator's effort is at most.
+    pub line: SpeedLine,
+    /// Enforced speed limit, rad/s or m/s; infinite without.
+    pub speed_limit: f64,
+    /// Damping beyond it, N·m·s/rad or N·s/m.
+    pub speed_damping: f64,
+}
+
+impl JointTerm {
+    /// The actuator's force and its (never positive) derivative with the velocity `v` at the end of a step of `h` seconds.
+    #[inline]
+    pub fn drive_force(&self, v: f64, h: f64) -> (f64, f64) {
+        self.line.cut(self.drive.force(v, h), v)
+    }
+
+    /// Elastic displacement of a velocity motor after the step; 0 for other actuators.
+    pub fn next_motor(&self, v: f64, h: f64) -> f64 {
+        match self.drive {
+            Drive::Velocity { target, element } => self.settled(target, element, v, h),
+            _ => 0.0,
+        }
+    }
+
+    /// The same of a velocity motor that need not be the term's own.
+    fn settled(&self, target: f64, element: ElastoPlastic<f64>, v: f64, h: f64) -> f64 {
+        let drive = Drive::Velocity { target, element };
+        let (force, _) = self.line.cut(drive.force(v, h), v);
+        element.settle(-force, v - target)
+    }
+
+    /// Speed beyond the limit, with its sign; 0 below it.
+    #[inline]
+    fn overspeed(&self, v: f64) -> f64 {
+        v - v.clamp(-self.speed_limit, self.speed_limit)
+    }
+
+    /// Whether only implicit steps resolve what acts here, whatever the state.
+    pub fn is_stiff(&self) -> bool {
+        self.drive.is_stiff() || self.dry.cap > 0.0 || self.speed_limit.is_finite()
+    }
+
+    /// Response to the velocity `v` at the end of a step of `h` seconds.
+    #[inline]
+    pub fn response(&self, v: f64, h: f64) -> JointResponse {
+        let (force, slope) = self.drive_force(v, h);
+        let resistance = self.damping * v;
+        let mut r = JointResponse {
+            impulse: h * (force - resistance),
+            stiffness: h * (self.damping - slope),
+            effort: h * (force.abs() + resistance.abs()),
+        };
+        if self.dry.cap > 0.0 {
+            let dry = self.dry.respond(v, h);
+            r.impulse -= h * dry.force;
+            r.stiffness += h * dry.slope;
+            r.effort += h * dry.force.abs();
+        }
+        if v.abs() > self.speed_limit {
+            let overspeed = self.overspeed(v);
+            let force = self.speed_damping * overspeed;
+            r.impulse -= h * force;
+            r.stiffness += h * self.speed_damping;
+            r.effort += h * force.abs();
+        }
+        // Most joints do not come to a limit in a step.
+        if self.gap[0].min(self.gap[1]) > h * v.abs() {
+            return r;
+        }
+        for (gap, sign) in [(self.gap[0], 1.0), (self.gap[1], -1.0)] {
+            let (impulse, stiffness) = self.limit.respond(gap, sign * v, h);
+            r.impulse += sign * impulse;
+            r.stiffness += stiffness;
+            r.effort += impulse;
+        }
+        r
+    }
+
+    /// Force at the start of the step for the velocity `v`: the limit of `response / h` for small `h`.
+    pub fn force(&self, v: f64) -> f64 {
+        let mut force = self.drive_force(v, 0.0).0 - self.damping * v;
+        force -= self.speed_damping * self.overspeed(v);
+        force -= self.dry.respond(v, 0.0).force;
+        for (gap, sign) in [(self.gap[0], 1.0), (self.gap[1], -1.0)] {
+            force += sign * self.limit.force(gap, sign * v);
+        }
+        force
+    }
+
+    /// Whether a limit can act within `h` seconds at velocity `v`.
+    pub fn near_limit(&self, v: f64, h: f64) -> bool {
+        self.gap[0].min(self.gap[1]) < 2.0 * h * v.abs() + 1e-6
+    }
+}
+
+/// What the joint terms of a step are set up from.
+#[derive(Clone, Copy, Debug)]
+pub struct Start<'a> {
+    /// The robot.
+    pub model: &'a Model,
+    /// What follows from it and the parameters.
+    pub tree: &'a Tree,
+    /// Commands.
+    pub inputs: &'a Inputs,
+    /// Time since the communication point at which the step begins, and its length, s.
+    pub times: [f64; 2],
+    /// Positions and velocities at its start.
+    pub q: &'a [f64],
+    /// See `q`.
+    pub v: &'a [f64],
+    /// What the terms have stored.
+    pub memory: &'a Memory,
+    /// Inverse inertia of each degree of freedom and bias, at the start.
+    pub kin: &'a Kinematics,
+}
+
+impl JointTerm {
+    /// What acts along a degree of freedom, as far as it is the same in every step.
+    pub(super) fn new(model: &Model, dof: usize) -> Self {
+        Self {
+            dof,
+            coordinate: model.bodies[model.dofs[dof].body.index()].coordinate,
+            actuator: model.actuators.iter().position(|a| a.dof.index() == dof),
+            gap: [f64::INFINITY; 2],
+            speed_limit: f64::INFINITY,
+            ..Self::default()
+        }
+    }
+
+    /// Sets it up for a step.
+    pub(super) fn set(&mut self, s: &Start) {
+        let (tree, dof) = (s.tree, self.dof);
+        self.damping = tree.damping[dof];
+        self.limit = HuntCrossley {
+            stiffness: tree.limit_stiffness[dof],
+            dissipation: tree.dissipation,
+        };
+        self.speed_limit = tree.speed_limit[dof];
+        self.speed_damping = tree.speed_damping[dof];
+        self.dry = dry_friction(s, dof);
+        if let Some(limits) = &tree.limits[dof] {
+            let q = s.q[self.coordinate];
+            self.gap = [q - limits.lower, limits.upper - q];
+        }
+        if let Some(index) = self.actuator {
+            let (actuator, [t, h]) = (&s.model.actuators[index], s.times);
+            let command = s.inputs.command(index, t, h);
+            let stall = match actuator.mode {
+                ActuatorMode::Effort => actuator.max_effort,
+                _ => command.max_effort,
+            };
+            self.line = SpeedLine::new(stall, actuator.no_load_speed);
+            self.drive = self.drive_for(s, index, &command);
+        }
+    }
+
+    /// The drive that follows a command.
+    fn drive_for(&self, s: &Start, index: usize, command: &Command) -> Drive {
+        let (actuator, cap) = (&s.model.actuators[index], command.max_effort);
+        let (q, v) = (s.q[self.coordinate], s.v[self.dof]);
+        match actuator.mode {
+            // A released motor does nothing, whatever it is told.
+            ActuatorMode::Velocity | ActuatorMode::Position | ActuatorMode::Pd if cap <= 0.0 => {
+                Drive::None
+            }
+            ActuatorMode::Effort => Drive::Effort(effort(s.model, index, command)),
+            ActuatorMode::Velocity => {
+                let (stiffness, damping) = s.tree.motors[index];
+                let mut element = ElastoPlastic {
+                    cap,
+                    stiffness,
+                    damping,
+                    displacement: s.memory.motor[index],
+                };
+                // Where the effort is too little, also because the command has just jumped, the displacement is what a
+                // short step would make it: a long step, at whose end the motor has its speed already, would not see
+                // the jump. What a varying command rises by within the step is no jump.
+                let now = s.inputs.command(index, s.times[0], 0.0).velocity;
+                element.displacement = self.settled(now, element, v, 0.0);
+                Drive::Velocity {
+                    target: command.velocity,
+                    element,
+                }
+            }
+            ActuatorMode::Position => {
+                let reference = actuator.reference_effort;
+                let kp = reference / SERVO_DEFLECTION;
+                let inertia = 1.0 / s.kin.inverse_diagonal[self.dof];
+                let gain = (2.0 * (kp * inertia).sqrt()).max(kp * MOTOR_RELAXATION);
+                let load = s.kin.bias[self.dof];
+                let free = (cap.min(reference) - load.abs()).max(0.1 * cap.min(reference));
+                let joint = &s.model.joints[actuator.joint.index()];
+                Drive::Position {
+                    load,
+                    error: command.position - q,
+                    rate: command.rate,
+                    gain,
+                    slope: kp / gain,
+                    braking: BRAKING_SHARE * free / inertia,
+                    speed: joint.velocity.filter(|v| *v > 0.0).unwrap_or(f64::INFINITY),
+                    cap,
+                }
+            }
+            ActuatorMode::Pd => {
+                let [kp, kd] = s.tree.gains[index];
+                Drive::Pd {
+                    offset: command.effort + kp * (command.position - q) + kd * command.velocity,
+                    kp,
+                    kd,
+                    cap,
+                }
+            }
+        }
+    }
+}
+
+/// Dry friction of a degree of freedom at the start of a step.
+fn dry_friction(s: &Start, dof: usize) -> ElastoPlastic<f64> {
+    let friction = &s.tree.friction[dof];
+    if friction.moving <= 0.0 {
+        return ElastoPlastic::default();
+    }
+    let stiffness = friction.moving / FRICTION_DEFLECTION;
+    let cap = if friction.at_rest > friction.moving {
+        let reference = friction.stribeck_velocity;
+        stribeck(friction.at_rest, friction.moving, s.v[dof], reference)
+    } else {
+        friction.moving
+    };
+    ElastoPlastic {
+        cap,
+        stiffness,
+        damping: 2.0 * (stiffness * s.tree.inertia[dof]).sqrt(),
+        displacement: s.memory.dry[dof],
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_force_cut_by_the_torque_speed_line_still_falls_with_the_velocity() {
+        let mut random = crate::testing::Random(3);
+        for _ in 0..200 {
+            let mut term = JointTerm {
+                line: SpeedLine {
+                    stall: random.uniform(0.0, 10.0),
+                    no_load: random.uniform(0.1, 20.0),
+                },
+                speed_limit: random.uniform(1.0, 20.0),
+                speed_damping: random.uniform(0.0, 5.0),
+                gap: [f64::INFINITY; 2],
+                ..JointTerm::default()
+            };
+            term.drive = Drive::Pd {
+                offset: random.uniform(-30.0, 30.0),
+                kp: random.uniform(0.0, 100.0),
+                kd: random.uniform(0.0, 2.0),
+                cap: term.line.stall,
+            };
+            let h = libm::pow(10.0, random.uniform(-5.0, -1.0));
+            let mut last = term.response(-30.0, h).impulse;
+            for i in 1..=600 {
+                let v = -30.0 + 0.1 * f64::from(i) + 1e-3;
+                let r = term.response(v, h);
+                assert!(r.impulse <= last + 1e-12, "{term:?} {v}");
+                last = r.impulse;
+                let d = 1e-7;
+                let [ahead, behind] = [d, -d].map(|d| term.response(v + d, h).impulse);
+                // Off the kinks, where the derivative jumps.
+                let kinks = [0.0, term.speed_limit, term.line.no_load];
+                if kinks.iter().all(|k| (v.abs() - k).abs() > 1e-3) {
+                    let difference = (behind - ahead) / (2.0 * d);
+                    let kink = (ahead + behind - 2.0 * r.impulse).abs() > 1e-9 * h;
+                    assert!(
+                        kink || (difference - r.stiffness).abs() < 1e-5 * (1.0 + r.stiffness),
+                        "{term:?} {v}"
+                    );
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,85 @@
+//! What force terms remember from step to step. The law by which that changes is in [`super::Terms`].
+
+use crate::model::Model;
+use std::iter::Peekable;
+
+/// What a contact point remembers from step to step.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Touch {
+    /// Place of the point, see [`crate::model::Collider::slot`].
+    pub slot: usize,
+    /// Elastic displacement ς of the friction, world axes, m.
+    pub displacement: [f64; 3],
+    /// Elastic angle of the friction against turning, world axes, rad.
+    pub turn: [f64; 3],
+    /// Approach speed at touch-down, m/s; 0 for a contact that does not bounce.
+    pub touchdown: f64,
+}
+
+impl Touch {
+    /// Every number that is stored of it but the slot, in saved order.
+    pub fn numbers(&self) -> [f64; 7] {
+        let ([x, y, z], [a, b, c]) = (self.displacement, self.turn);
+        [x, y, z, a, b, c, self.touchdown]
+    }
+
+    /// The inverse of [`Self::numbers`].
+    pub fn from_numbers(slot: usize, [x, y, z, a, b, c, touchdown]: [f64; 7]) -> Self {
+        Self {
+            slot,
+            displacement: [x, y, z],
+            turn: [a, b, c],
+            touchdown,
+        }
+    }
+}
+
+/// What the force terms of a robot remember: elastic displacements, and how contacts have begun.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Memory {
+    /// Of the contacts, by ascending slot; slots that are not listed remember nothing.
+    pub touches: Vec<Touch>,
+    /// Elastic displacement of each velocity motor, one per actuator, rad or m.
+    pub motor: Vec<f64>,
+    /// Elastic displacement of the dry friction of each degree of freedom, rad or m.
+    pub dry: Vec<f64>,
+}
+
+impl Memory {
+    /// Nothing remembered; room for all that a robot can touch.
+    pub fn new(model: &Model) -> Self {
+        Self {
+            touches: Vec::with_capacity(model.contact_slots()),
+            motor: vec![0.0; model.actuators.len()],
+            dry: vec![0.0; model.nv()],
+        }
+    }
+
+    /// Overwrites it with that of another state of the same model, without allocating.
+    pub fn copy_from(&mut self, other: &Self) {
+        self.touches.clear();
+        self.touches.extend_from_slice(&other.touches);
+        self.motor.copy_from_slice(&other.motor);
+        self.dry.copy_from_slice(&other.dry);
+    }
+
+    /// Drops everything, where nothing touches and nothing is stretched.
+    pub fn clear(&mut self) {
+        self.touches.clear();
+        self.motor.fill(0.0);
+        self.dry.fill(0.0);
+    }
+}
+
+/// The item of `slot` in a list by ascending slots; those before it are left behind.
+///
+/// - `slot_of`: an item's slot
+#[inline]
+pub(crate) fn seek<I: Iterator>(
+    list: &mut Peekable<I>,
+    slot: usize,
+    slot_of: impl Fn(&I::Item) -> usize,
+) -> Option<I::Item> {
+    while list.next_if(|item| slot_of(item) < slot).is_some() {}
+    list.next_if(|item| slot_of(item) == slot)
+}

@@ -1,0 +1,319 @@
+//! Elasto-plastic friction in one, two and three dimensions, and Stribeck's curve.
+//!
+//! A spring–damper with a stored displacement `ς` carries any load below the cap `F̄` without motion and slips above
+//! it. With the relative velocity `u` at the end of a step of `h` seconds:
+//!
+//! 1. Spring and damper together would give `y = k ς + (k h + d) u`.
+//! 2. The force is `F = y` while `|y| ≤ F̄` (the element sticks), else `F̄ ŷ` with `ŷ = y/|y|` (it slips along `ŷ`).
+//! 3. The displacement after the step is `(F − d u)/k`, at which the spring alone gives what the damper leaves of `F`.
+//!    Along the slip it may only approach that value, see [`ElastoPlastic::slipped`].
+//!
+//! Where friction at rest is higher than sliding friction, the cap follows the speed at the start of the step
+//! (Stribeck): within the step it is constant, which keeps the law convex.
+//!
+//! Source: Castro et al. 2022 (the force is the gradient of the Moreau envelope of Coulomb's dissipation);
+//! Armstrong-Hélouvry, Dupont & Canudas de Wit 1994 for the Stribeck curve.
+
+use crate::spatial::Vec3;
+use std::ops::{Add, Div, Mul, Sub};
+
+/// A displacement, velocity or force along a line ([`f64`]) or in a plane or in space ([`Vec3`]).
+pub trait Vector:
+    Copy
+    + Default
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<f64, Output = Self>
+    + Div<f64, Output = Self>
+{
+    /// Inner product.
+    fn dot(&self, other: &Self) -> f64;
+
+    /// Direction of a vector that is longer than `length`, and one over its own length; zero instead of the latter
+    /// along a line, which has no directions but its own. None for a vector that is not longer.
+    fn beyond(&self, length: f64) -> Option<(Self, f64)>;
+
+    /// The vector, shortened to `length` where it is longer.
+    fn clip(self, length: f64) -> Self;
+}
+
+impl Vector for f64 {
+    #[inline]
+    fn dot(&self, other: &Self) -> f64 {
+        self * other
+    }
+
+    #[inline]
+    fn beyond(&self, length: f64) -> Option<(Self, f64)> {
+        if self.abs() <= length {
+            None
+        } else {
+            Some((self.signum(), 0.0))
+        }
+    }
+
+    #[inline]
+    fn clip(self, length: f64) -> Self {
+        self.clamp(-length, length)
+    }
+}
+
+impl Vector for Vec3 {
+    #[inline]
+    fn dot(&self, other: &Self) -> f64 {
+        Self::dot(self, other)
+    }
+
+    #[inline]
+    fn beyond(&self, length: f64) -> Option<(Self, f64)> {
+        let squared = self.norm_squared();
+        if squared <= length * length {
+            None
+        } else {
+            let inverse = 1.0 / squared.sqrt();
+            Some((self * inverse, inverse))
+        }
+    }
+
+    #[inline]
+    fn clip(self, length: f64) -> Self {
+        let squared = self.norm_squared();
+        if squared > length * length {
+            self * (length / squared.sqrt())
+        } else {
+            self
+        }
+    }
+}
+
+/// A spring–damper with a capped force. Units are those of a force (N, or N·m about an axis) and of a displacement
+/// (m or rad).
+#[derive(Clone, Copy, Debug, Default)]
+pub struct ElastoPlastic<X> {
+    /// Force that slips, N or N·m; may be infinite; 0: the element does nothing.
+    pub cap: f64,
+    /// Stiffness `k`, N/m or N·m/rad.
+    pub stiffness: f64,
+    /// Damping `d`, N·s/m or N·m·s/rad.
+    pub damping: f64,
+    /// Stored displacement `ς` at the start of the step, m or rad.
+    pub displacement: X,
+}
+
+/// What an elasto-plastic element gives for a velocity.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Resistance<X> {
+    /// Force against the velocity, N or N·m.
+    pub force: X,
+    /// Derivative of the force with the velocity in every direction but `slip`, N·s/m or N·m·s/rad.
+    pub slope: f64,
+    /// Direction in which the element slips and the force does not change; zero while it sticks.
+    pub slip: X,
+}
+
+impl<X: Vector> ElastoPlastic<X> {
+    /// Resistance to the relative velocity `u` at the end of a step of `h` seconds.
+    #[inline]
+    pub fn respond(&self, u: X, h: f64) -> Resistance<X> {
+        if self.cap <= 0.0 {
+            return Resistance::default();
+        }
+        let b = self.stiffness * h + self.damping;
+        let y = self.displacement * self.stiffness + u * b;
+        match y.beyond(self.cap) {
+            None => Resistance {
+                force: y,
+                slope: b,
+                slip: X::default(),
+            },
+            Some((slip, inverse)) => Resistance {
+                force: slip * self.cap,
+                slope: b * self.cap * inverse,
+                slip,
+            },
+        }
+    }
+
+    /// Displacement after a step of `h` seconds that ends with the relative velocity `u`.
+    #[inline]
+    pub fn next(&self, u: X, h: f64) -> X {
+        if self.cap <= 0.0 {
+            return X::default();
+        }
+        let Resistance { force, slip, .. } = self.respond(u, h);
+        let settled = (force - u * self.damping) / self.stiffness;
+        let (before, after) = (slip.dot(&self.displacement), slip.dot(&settled));
+        let next = settled + slip * (self.slipped(before, after, h) - after);
+        next.clip(self.cap / self.stiffness)
+    }
+
+    /// Displacement along the slip after a step of `h` seconds in which the element slips.
+    ///
+    /// While it slips, spring and damper together could give more than the cap. As the slip slows down, the damper
+    /// gives less and the spring takes over, `k ς = F̄ − d u`: then the element comes to rest under the load that it
+    /// carries, and does not spring back. Slip faster than `F̄/d` leaves the spring nothing; what it holds from before
+    /// goes within its own time `d/k`, not at once: else a slip too short for a step to see would decide on all that
+    /// comes after, and a velocity that jumps would charge the spring without any work.
+    ///
+    /// - `stored`: before the step; `settled`: `(F̄ − d u)/k`; both in the direction of the force
+    #[inline]
+    fn slipped(&self, stored: f64, settled: f64, h: f64) -> f64 {
+        let (k, d) = (self.stiffness, self.damping);
+        let share = k * h / (k * h + d);
+        settled.max(stored + share * (settled.max(0.0) - stored))
+    }
+
+    /// A displacement, cut down to what the cap can hold.
+    #[inline]
+    pub fn clipped(&self, displacement: X) -> X {
+        let limit = if self.cap > 0.0 {
+            self.cap / self.stiffness
+        } else {
+            0.0
+        };
+        displacement.clip(limit)
+    }
+
+    /// Energy of the spring, J, times two.
+    #[inline]
+    pub fn twice_stored(&self) -> f64 {
+        self.stiffness * self.displacement.dot(&self.displacement)
+    }
+}
+
+impl ElastoPlastic<f64> {
+    /// Displacement with which spring and damper give `force` at the velocity `u`, as far as the cap can hold it.
+    #[inline]
+    pub fn settle(&self, force: f64, u: f64) -> f64 {
+        if self.cap <= 0.0 {
+            return 0.0;
+        }
+        self.clipped((force - self.damping * u) / self.stiffness)
+    }
+
+    /// The same as [`Self::next`] for dry friction, whose cap falls as the joint begins to move: what the spring holds
+    /// from before may exceed the cap for a while, and goes within the element's own time.
+    #[inline]
+    pub fn next_under_falling_cap(&self, u: f64, h: f64) -> f64 {
+        let Resistance { force, slip, .. } = self.respond(u, h);
+        let next = self.settle(force, u);
+        if slip == 0.0 {
+            next
+        } else {
+            slip * self.slipped(slip * self.displacement, slip * next, h)
+        }
+    }
+
+    /// A displacement, found for the relative velocity `u` at the end of a step of `h` seconds, where the joint has
+    /// `moved` by so much more. An element that slips keeps it.
+    pub fn moved(&self, displacement: f64, moved: f64, u: f64, h: f64) -> f64 {
+        if self.respond(u, h).force.abs() < self.cap {
+            self.clipped(displacement + moved)
+        } else {
+            displacement
+        }
+    }
+}
+
+/// Coulomb coefficient, or any cap of friction, at a sliding speed: `rest` at none, `sliding` far above the Stribeck
+/// speed `reference`, with a smooth fall `exp(−(u/u_s)²)` between. Both speeds in m/s or rad/s.
+#[inline]
+pub fn stribeck(rest: f64, sliding: f64, speed: f64, reference: f64) -> f64 {
+    let s = speed / reference;
+    sliding + (rest - sliding) * libm::exp(-s * s)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn stribecks_curve_runs_from_rest_to_sliding() {
+        assert!((stribeck(0.6, 0.4, 0.0, 0.01) - 0.6).abs() < 1e-15);
+        // exp(−1) of the difference is left at the reference speed.
+        assert!((stribeck(0.6, 0.4, 0.01, 0.01) - (0.4 + 0.2 * (-1.0_f64).exp())).abs() < 1e-15);
+        assert!((stribeck(0.6, 0.4, 0.1, 0.01) - 0.4).abs() < 1e-15);
+    }
+
+    /// `h F u ≥ ½ k Δς²`, as for contacts.
+    #[test]
+    fn dry_friction_gives_back_no_more_than_it_was_paid() {
+        let mut random = crate::testing::Random(10);
+        for _ in 0..10_000 {
+            let h = libm::pow(10.0, random.uniform(-7.0, -1.0));
+            let u = random.uniform(-1.0, 1.0) * libm::pow(10.0, random.uniform(-5.0, 1.0));
+            let element = ElastoPlastic {
+                cap: 2.0,
+                stiffness: 2e4,
+                damping: 30.0,
+                displacement: random.uniform(-1.5e-4, 1.5e-4),
+            };
+            let paid = h * u * element.respond(u, h).force;
+            let before = element.displacement;
+            for after in [element.next_under_falling_cap(u, h), element.next(u, h)] {
+                let more = 0.5 * element.stiffness * (after * after - before * before);
+                assert!(more <= paid + 1e-16, "{h} {u} {before}: {more} {paid}");
+            }
+        }
+    }
+
+    /// Slip that lasts a millionth of the element's own time d/k changes what it stores by as much, however fast it is.
+    #[test]
+    fn a_short_slip_leaves_the_displacement_as_it_is() {
+        for displacement in [-5e-5, 0.0, 5e-5] {
+            let element = ElastoPlastic {
+                cap: 2.0,
+                stiffness: 2e4,
+                damping: 30.0,
+                displacement,
+            };
+            let h = 1e-6 * element.damping / element.stiffness;
+            let limit = element.cap / element.stiffness;
+            for u in [-10.0, 10.0] {
+                for next in [element.next_under_falling_cap(u, h), element.next(u, h)] {
+                    assert!((next - displacement).abs() < 2e-6 * limit, "{u}: {next}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn an_element_without_a_cap_stores_nothing() {
+        let element = ElastoPlastic {
+            cap: 0.0,
+            stiffness: 1e3,
+            damping: 1.0,
+            displacement: 1e-3,
+        };
+        assert!(element.next(0.0, 1e-2).abs() < f64::MIN_POSITIVE);
+        assert!(element.next_under_falling_cap(0.0, 1e-2).abs() < f64::MIN_POSITIVE);
+        assert!(element.settle(1.0, 0.0).abs() < f64::MIN_POSITIVE);
+    }
+
+    /// A vector along an axis is a number.
+    #[test]
+    fn the_law_is_the_same_along_a_line_and_in_space() {
+        let mut random = crate::testing::Random(11);
+        let axis = Vec3::new(0.36, 0.48, 0.8);
+        for _ in 0..2000 {
+            let h = libm::pow(10.0, random.uniform(-6.0, -1.0));
+            let u = random.uniform(-1.0, 1.0) * libm::pow(10.0, random.uniform(-5.0, 1.0));
+            let line = ElastoPlastic {
+                cap: 2.0,
+                stiffness: 2e4,
+                damping: 30.0,
+                displacement: random.uniform(-1e-4, 1e-4),
+            };
+            let space = ElastoPlastic {
+                cap: line.cap,
+                stiffness: line.stiffness,
+                damping: line.damping,
+                displacement: axis * line.displacement,
+            };
+            let (a, b) = (line.respond(u, h), space.respond(axis * u, h));
+            assert!((axis * a.force - b.force).norm() < 1e-12 * line.cap);
+            let (a, b) = (line.next(u, h), space.next(axis * u, h));
+            assert!((axis * a - b).norm() < 1e-12 * line.cap / line.stiffness);
+        }
+    }
+}
