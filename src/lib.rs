@@ -57,6 +57,7 @@ pub mod geometry;
 pub mod hash;
 mod initial;
 pub mod inputs;
+pub mod joint;
 pub mod kinematics;
 pub mod law;
 pub mod model;

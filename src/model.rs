@@ -10,6 +10,8 @@
 mod validate;
 
 use crate::geometry::Shape;
+use crate::joint::Kind;
+pub use crate::joint::Motion;
 use crate::spatial::{Pose, RigidInertia, Vec3};
 use serde::{Deserialize, Serialize};
 
@@ -132,7 +134,6 @@ pub struct Joint {
     pub axis: Vec3,
     /// The bodies that make up its motion, in order: none for a fixed joint, one for a turning or sliding one,
     /// three for planar (x, y, angle), four for floating (x, y, z, spherical), one for spherical.
-    /// The joint of a floating base (a massless root with one floating child) names the base alone.
     pub bodies: Vec<BodyId>,
     /// The URDF's limits, for turning and sliding joints with `<limit>`, in rad or m.
     pub limits: Option<Limits>,
@@ -174,6 +175,20 @@ pub enum JointKind {
     Floating,
     /// Turns freely about a point: not URDF's, but `PyBullet`'s and Drake's (`ball`).
     Spherical,
+}
+
+impl JointKind {
+    /// The chain of bodies that makes up its motion, by their kinds, from the parent to the child.
+    pub fn chain(self) -> &'static [Kind] {
+        match self {
+            Self::Fixed => &[],
+            Self::Revolute | Self::Continuous => &[Kind::Turn],
+            Self::Prismatic => &[Kind::Slide],
+            Self::Planar => &[Kind::Slide, Kind::Slide, Kind::Turn],
+            Self::Floating => &[Kind::Slide, Kind::Slide, Kind::Slide, Kind::Ball],
+            Self::Spherical => &[Kind::Ball],
+        }
+    }
 }
 
 /// Range of a joint's position.
@@ -220,44 +235,6 @@ pub struct Body {
     pub ratio: f64,
     /// 0, or the offset of a mimic joint.
     pub offset: f64,
-}
-
-/// What a body's inboard joint lets it do.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Motion {
-    /// A fixed base.
-    Welded,
-    /// A floating base: `q = [p_WB(3), quaternion(w, x, y, z)]`, `v = [ω_WB_W(3), ṗ_WB(3)]`.
-    Free,
-    /// Turns about a unit axis of its own frame: `q` in rad.
-    Revolute(Vec3),
-    /// Slides along a unit axis of its own frame: `q` in m.
-    Prismatic(Vec3),
-    /// Turns freely: `q = quaternion(w, x, y, z)` of `R_PB` after `X_PB`, `v = ω_PB_B`.
-    Spherical,
-}
-
-impl Motion {
-    /// Places in `q`.
-    pub fn nq(self) -> usize {
-        match self {
-            Self::Welded => 0,
-            Self::Free => 7,
-            Self::Revolute(_) | Self::Prismatic(_) => 1,
-            Self::Spherical => 4,
-        }
-    }
-
-    /// Places in `v`.
-    pub fn nv(self) -> usize {
-        match self {
-            Self::Welded => 0,
-            Self::Free => 6,
-            Self::Revolute(_) | Self::Prismatic(_) => 1,
-            Self::Spherical => 3,
-        }
-    }
 }
 
 /// An independent degree of freedom.
@@ -497,7 +474,7 @@ impl Model {
     pub fn is_floating(&self) -> bool {
         self.bodies
             .first()
-            .is_some_and(|base| base.motion == Motion::Free)
+            .is_some_and(|base| base.motion.kind().is_free())
     }
 
     /// Length of `v`.

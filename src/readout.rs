@@ -5,7 +5,7 @@
 mod derivative;
 
 use crate::dynamics::energy;
-use crate::model::{JointId, Model, Motion};
+use crate::model::{JointId, Model};
 use crate::sensor::{self, Sensors};
 use crate::slots::{Axis, OutputSlot};
 use crate::spatial::{
@@ -14,7 +14,7 @@ use crate::spatial::{
 };
 use crate::state::State;
 use crate::step::point::{Context, Point};
-use crate::tree::{Move, Tree};
+use crate::tree::Tree;
 
 /// What is known of the current state.
 #[derive(Clone, Debug)]
@@ -74,7 +74,7 @@ impl Readout {
                 return joint_orientation(model, state, joint, axis);
             }
             O::JointVelocity(joint, axis) => {
-                return joint_rate(model, &state.q, &state.v, joint, axis);
+                return joint_rate(model, &state.v, joint, axis);
             }
             O::BasePosition(axis) if model.is_floating() => return state.q[axis as usize],
             O::BaseOrientation(axis) if model.is_floating() => {
@@ -149,7 +149,7 @@ impl Readout {
             O::JointEffort(joint) => self.joint_effort(model, state, joint),
             O::JointAcceleration(joint, axis) => {
                 self.update_accelerations(ctx, state);
-                joint_rate(model, &state.q, &self.vdot, joint, axis)
+                joint_rate(model, &self.vdot, joint, axis)
             }
             O::SensorOrientation(..)
             | O::SensorAngularVelocity(..)
@@ -278,7 +278,7 @@ impl Readout {
             }
             add6(&mut F[body.parent], &f);
         }
-        if tree.bodies[0].motion == Move::Free {
+        if tree.is_free() {
             for (a, f) in self.vdot.iter_mut().zip(&F[0]) {
                 *a += f;
             }
@@ -295,62 +295,37 @@ fn quaternion(X: &Pose) -> [f64; 4] {
     [q.i, q.j, q.k, q.w]
 }
 
-/// Position of a joint along one of its axes.
+/// Position of a joint along one of its axes: of the body in its chain that moves along it; 0 where none does.
 fn joint_position(model: &Model, state: &State, joint: JointId, axis: Axis) -> f64 {
     let joint = &model.joints[joint.index()];
-    let Some(body) = joint.bodies.get(axis as usize).or(joint.bodies.first()) else {
-        return 0.0;
-    };
-    let body = &model.bodies[body.index()];
-    match body.motion {
-        Motion::Free => state.q[body.coordinate + axis as usize],
-        Motion::Revolute(_) | Motion::Prismatic(_) => {
+    let body = joint.bodies.get(axis as usize);
+    let body = body.map(|body| &model.bodies[body.index()]);
+    body.filter(|body| body.motion.axis().is_some())
+        .map_or(0.0, |body| {
             body.ratio * state.q[body.coordinate] + body.offset
-        }
-        Motion::Welded | Motion::Spherical => 0.0,
-    }
+        })
 }
 
-/// Orientation x, y, z, w of a floating joint.
+/// Orientation x, y, z, w of a floating or spherical joint; 0 for one that has none.
 fn joint_orientation(model: &Model, state: &State, joint: JointId, axis: Axis) -> f64 {
-    let Some(body) = model.joints[joint.index()].bodies.last() else {
-        return 0.0;
-    };
-    let body = &model.bodies[body.index()];
+    let last = model.joints[joint.index()].bodies.last();
     let component = (axis as usize + 1) % 4;
-    match body.motion {
-        Motion::Free => state.q[body.coordinate + 3 + component],
-        Motion::Spherical => state.q[body.coordinate + component],
-        _ => 0.0,
-    }
+    last.and_then(|body| {
+        let body = &model.bodies[body.index()];
+        let first = body.motion.kind().quaternion()?;
+        Some(state.q[body.coordinate + first + component])
+    })
+    .unwrap_or(0.0)
 }
 
-/// Velocity or acceleration of a joint along one of its axes, from `rate` (`v` or `vdot`).
-fn joint_rate(model: &Model, q: &[f64], rate: &[f64], joint: JointId, axis: Axis) -> f64 {
-    let joint = &model.joints[joint.index()];
-    let axis = axis as usize;
-    let Some(first) = joint.bodies.first() else {
-        return 0.0;
-    };
-    let first = &model.bodies[first.index()];
-    if first.motion == Motion::Free {
-        // Linear 0–2 in the parent's (world) axes, angular 3–5 in the child's.
-        if axis < 3 {
-            return rate[3 + axis];
-        }
-        let c = first.coordinate + 3;
-        let R = crate::spatial::rotation_from_quaternion(&[q[c], q[c + 1], q[c + 2], q[c + 3]]);
-        return R
-            .column(axis - 3)
-            .dot(&Vec3::new(rate[0], rate[1], rate[2]));
-    }
-    let (body, offset) = match joint.bodies.get(axis) {
-        Some(body) => (body, 0),
-        None => (
-            &joint.bodies[joint.bodies.len() - 1],
-            axis + 1 - joint.bodies.len(),
-        ),
-    };
-    let body = &model.bodies[body.index()];
-    body.ratio * rate[body.dof.index() + offset.min(body.motion.nv().saturating_sub(1))]
+/// Velocity or acceleration of a joint along one of its axes, from `rate` (`v` or `vdot`): of the bodies in its chain,
+/// one axis each, and of the last in all its own.
+fn joint_rate(model: &Model, rate: &[f64], joint: JointId, axis: Axis) -> f64 {
+    let bodies = &model.joints[joint.index()].bodies;
+    let place = (axis as usize).min(bodies.len().saturating_sub(1));
+    bodies.get(place).map_or(0.0, |body| {
+        let body = &model.bodies[body.index()];
+        let own = (axis as usize - place).min(body.motion.nv() - 1);
+        body.ratio * rate[body.dof.index() + own]
+    })
 }

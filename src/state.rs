@@ -44,11 +44,7 @@ impl State {
     pub fn new(model: &Model) -> Self {
         let mut q = vec![0.0; model.nq];
         for body in &model.bodies {
-            match body.motion {
-                crate::model::Motion::Free => q[body.coordinate + 3] = 1.0,
-                crate::model::Motion::Spherical => q[body.coordinate] = 1.0,
-                _ => {}
-            }
+            body.motion.kind().identity(&mut q[body.coordinate..]);
         }
         Self {
             time: 0.0,

@@ -10,44 +10,30 @@ mod scale;
 
 pub use scale::LIMIT_DEFLECTION;
 
-use crate::model::{Combination, Joint, Limits, Model, Motion};
+use crate::joint::Kind;
+use crate::model::{Combination, Joint, Limits, Model};
 use crate::parameters::Parameters;
 use crate::slots::ParameterSlot as P;
 use crate::sparsity::Sparsity;
-use crate::spatial::{
-    Mat3, Pose, RigidInertia, Vec3, quaternion_normalized, rotation_from_rpy, rotation_to_axis,
-};
-
-/// How a body moves in its parent, along or about the z axis of its own solver frame.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Move {
-    /// Not at all.
-    Welded,
-    /// Six ways.
-    Free,
-    /// About z.
-    Turn,
-    /// Along z.
-    Slide,
-    /// About any axis.
-    Ball,
-}
+use crate::spatial::{Mat3, Pose, RigidInertia, Vec3, rotation_from_rpy};
 
 /// A body as the solver sees it.
 #[derive(Clone, Debug)]
 pub struct TreeBody {
     /// Index of the parent; the base points to itself.
     pub parent: usize,
-    /// Kind of motion.
-    pub motion: Move,
+    /// How it moves in its parent.
+    pub kind: Kind,
     /// Pose at joint zero in the parent's solver frame.
     pub X: Pose,
     /// First column.
     pub column: usize,
     /// Number of columns.
     pub columns: usize,
-    /// Place in `q`.
+    /// First place in `q`.
     pub coordinate: usize,
+    /// First place in `v`.
+    pub dof: usize,
     /// Ratio of a mimic joint, else 1.
     pub ratio: f64,
     /// Offset of a mimic joint, else 0.
@@ -280,13 +266,7 @@ impl Tree {
     fn add_bodies(&mut self, model: &Model) -> Vec<Mat3> {
         let mut turned = Vec::with_capacity(model.bodies.len());
         for body in &model.bodies {
-            let (motion, R_BS) = match body.motion {
-                Motion::Welded => (Move::Welded, Mat3::identity()),
-                Motion::Free => (Move::Free, Mat3::identity()),
-                Motion::Revolute(axis) => (Move::Turn, rotation_to_axis(&axis)),
-                Motion::Prismatic(axis) => (Move::Slide, rotation_to_axis(&axis)),
-                Motion::Spherical => (Move::Ball, Mat3::identity()),
-            };
+            let R_BS = body.motion.solver_frame();
             let parent = body.parent.map_or(0, super::model::BodyId::index);
             let R_PS: Mat3 = body.parent.map_or(Mat3::identity(), |p| turned[p.index()]);
             let column = self.dof.len();
@@ -298,7 +278,7 @@ impl Tree {
                 .all(|(i, &d)| d == column + i);
             self.bodies.push(TreeBody {
                 parent,
-                motion,
+                kind: body.motion.kind(),
                 X: Pose {
                     R: R_PS.transpose() * body.X_PB.R * R_BS,
                     p: R_PS.transpose() * body.X_PB.p,
@@ -306,6 +286,7 @@ impl Tree {
                 column,
                 columns,
                 coordinate: body.coordinate,
+                dof: body.dof.index(),
                 ratio: body.ratio,
                 offset: body.offset,
                 mass: 0.0,
@@ -347,7 +328,7 @@ impl Tree {
                 I[(0, 2)],
                 I[(1, 2)],
             ];
-            if body.motion != Move::Welded {
+            if body.kind.moves() {
                 self.moving_mass += body.mass;
             }
         }
@@ -359,7 +340,7 @@ impl Tree {
         };
         for (index, collider) in model.colliders.iter().enumerate() {
             let b = collider.body.index();
-            if self.bodies[b].motion == Move::Welded {
+            if !self.bodies[b].kind.moves() {
                 continue;
             }
             let R_SB = turned[b].transpose();
@@ -430,7 +411,7 @@ impl Tree {
             );
             for body in &joint.bodies {
                 let body = &self.bodies[body.index()];
-                if body.motion == Move::Free {
+                if body.kind.is_free() {
                     continue;
                 }
                 for c in body.column..body.column + body.columns {
@@ -471,26 +452,28 @@ impl Tree {
         }
     }
 
-    /// Whether a body looks the same to the rest of the robot however it has turned about its joint's axis.
+    /// Whether a body turns about its joint's axis and looks the same to the rest of the robot however it has turned.
     fn is_wheel(&self, index: usize) -> bool {
         let body = &self.bodies[index];
         let [xx, yy, zz, xy, xz, yz] = body.I_cm;
         let eccentric = body.mass * (body.com.x * body.com.x + body.com.y * body.com.y);
         let uneven = (xx - yy).abs() + xy.abs() + xz.abs() + yz.abs() + eccentric;
-        uneven <= WHEEL * (xx + yy + zz) && self.bodies.iter().skip(1).all(|b| b.parent != index)
+        body.kind.turns_about_its_axis()
+            && uneven <= WHEEL * (xx + yy + zz)
+            && self.bodies.iter().skip(1).all(|b| b.parent != index)
     }
 
     /// Brings the quaternions in `q` back to unit length.
     pub fn normalize(&self, q: &mut [f64]) {
         for body in &self.bodies {
-            let c = match body.motion {
-                Move::Free => body.coordinate + 3,
-                Move::Ball => body.coordinate,
-                _ => continue,
-            };
-            let unit = quaternion_normalized(&[q[c], q[c + 1], q[c + 2], q[c + 3]]);
-            q[c..c + 4].copy_from_slice(&unit);
+            body.kind.normalize(&mut q[body.coordinate..]);
         }
+    }
+
+    /// Whether the base floats.
+    #[inline]
+    pub fn is_free(&self) -> bool {
+        self.bodies[0].kind.is_free()
     }
 }
 

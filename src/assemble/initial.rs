@@ -7,7 +7,7 @@ use super::findings::{Findings, listed};
 use super::robot::{is_scalar, kind_name};
 use crate::initial::initial_state;
 use crate::kinematics::Kinematics;
-use crate::model::{Collider, JointId, LinkId, Model, Motion};
+use crate::model::{Collider, JointId, LinkId, Model};
 use crate::parameters::Parameters;
 use crate::settings::{Pattern, Settings};
 use crate::spatial::{Pose, Vec3, rpy_from_rotation};
@@ -154,7 +154,7 @@ pub(super) fn base(model: &mut Model, base: &Base, settings: &Settings, findings
         model.initial.position = X_WB.p;
         model.initial.rpy = rpy_from_rotation(&X_WB.R);
     }
-    if base.motion == Motion::Free {
+    if base.motion.kind().is_free() {
         model.initial.linear_velocity = initial.linear_velocity;
         model.initial.angular_velocity = initial.angular_velocity;
     } else if initial.linear_velocity != Vec3::zeros() || initial.angular_velocity != Vec3::zeros()
@@ -227,8 +227,7 @@ pub(super) fn height(
 
 /// Height of the lowest point of all shapes that move, above the base's origin, and its link.
 fn lowest_point(model: &Model, poses: &Poses) -> Option<(LinkId, f64)> {
-    let moving =
-        |collider: &&Collider| model.bodies[collider.body.index()].motion != Motion::Welded;
+    let moving = |collider: &&Collider| model.bodies[collider.body.index()].motion.kind().moves();
     model
         .colliders
         .iter()

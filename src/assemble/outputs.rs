@@ -2,7 +2,7 @@
 
 use super::findings::Findings;
 use crate::model::{
-    ActuatorId, ActuatorMode, Group, JointId, JointKind, LinkId, Model, Motion, Sensor, SensorKind,
+    ActuatorId, ActuatorMode, Group, JointId, JointKind, LinkId, Model, Sensor, SensorKind,
 };
 use crate::settings::{
     ContactOutputs, GroupSettings, Pattern, SensorSettings, SensorSettingsKind, Settings,
@@ -25,7 +25,7 @@ pub(super) fn select(model: &mut Model, settings: &Settings, findings: &mut Find
     let shown = links(model, &settings.link_outputs, |_| None, findings);
     let welded = |l: usize| {
         let body = model.links[l].body;
-        (model.bodies[body.index()].motion == Motion::Welded)
+        (!model.bodies[body.index()].motion.kind().moves())
             .then(|| "belongs to the fixed base: a wrench cannot move it".to_owned())
     };
     let wrenches = links(model, &settings.external_wrenches, welded, findings);
@@ -256,8 +256,7 @@ fn links(
 fn shaped(model: &Model) -> Vec<bool> {
     let mut shaped = vec![false; model.links.len()];
     for collider in &model.colliders {
-        shaped[collider.link.index()] =
-            model.bodies[collider.body.index()].motion != Motion::Welded;
+        shaped[collider.link.index()] = model.bodies[collider.body.index()].motion.kind().moves();
     }
     shaped
 }

@@ -14,7 +14,7 @@ use super::findings::{Findings, listed};
 use super::initial::Poses;
 use super::robot::WheelChoice;
 use crate::geometry::Shape;
-use crate::model::{Collider, JointId, JointKind, Model, Motion};
+use crate::model::{Collider, JointId, JointKind, Model};
 use crate::settings::WheelFit;
 use crate::spatial::{Pose, Vec3, rotation_to_axis};
 use crate::urdf::CollisionDescription;
@@ -194,10 +194,8 @@ fn turns(model: &Model, collider: &Collider) -> Option<(JointId, Vec3)> {
         model.joints[joint.index()].kind,
         JointKind::Continuous | JointKind::Revolute
     );
-    match body.motion {
-        Motion::Revolute(axis) if turning => Some((joint, axis)),
-        _ => None,
-    }
+    let axis = body.motion.axis().filter(|_| turning)?;
+    Some((joint, axis))
 }
 
 /// Corners of a mesh, as many as are known; none for other shapes.

@@ -10,10 +10,8 @@
 use super::rnea::{add_drag, add_wrenches};
 use crate::inputs::ExternalWrench;
 use crate::kinematics::Kinematics;
-use crate::spatial::{
-    Mat3, Vec6, add_scaled6, add6, angular, cross_force, cross_motion, dot6, linear, multiply_lower,
-};
-use crate::tree::{Move, Tree};
+use crate::spatial::{Mat3, Vec6, add_scaled6, add6, cross_force, dot6, multiply_lower};
+use crate::tree::Tree;
 use nalgebra::{Matrix6, Vector6};
 
 /// Scratch of the algorithm.
@@ -90,29 +88,8 @@ impl Articulated {
         // Base to tip: rigid inertia, velocity-product acceleration, bias force.
         for (b, body) in tree.bodies.iter().enumerate() {
             let (V, I) = (&kin.V[b], &kin.I[b]);
-            self.c[b] = match body.motion {
-                Move::Welded => [0.0; 6],
-                Move::Free => {
-                    let a = -angular(V).cross(&linear(V));
-                    [0.0, 0.0, 0.0, a.x, a.y, a.z]
-                }
-                Move::Turn | Move::Slide => {
-                    // V × S v = V_parent × S v: the joint's own share vanishes.
-                    let mut c = cross_motion(V, &kin.S[body.column]);
-                    for c in &mut c {
-                        *c *= v[body.column];
-                    }
-                    c
-                }
-                Move::Ball => {
-                    let mut relative = [0.0; 6];
-                    let columns = body.column..body.column + 3;
-                    for (S, v) in kin.S[columns.clone()].iter().zip(&v[columns]) {
-                        add_scaled6(&mut relative, S, *v);
-                    }
-                    cross_motion(V, &relative)
-                }
-            };
+            let S = &kin.S[body.column..];
+            self.c[b] = body.kind.velocity_product(V, S, &v[body.dof..]);
             self.IA[b] = I.lower();
             self.pA[b] = cross_force(V, &I.mul(V));
         }
@@ -221,7 +198,7 @@ impl Articulated {
     ) {
         let g = tree.gravity;
         let base = &tree.bodies[0];
-        self.A[0] = if base.motion == Move::Free {
+        self.A[0] = if base.kind.is_free() {
             let mut a0 = self.c[0];
             for i in 0..3 {
                 a0[3 + i] -= g[i];

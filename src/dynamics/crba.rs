@@ -6,7 +6,7 @@
 
 use crate::kinematics::Kinematics;
 use crate::spatial::dot6;
-use crate::tree::{Move, Tree};
+use crate::tree::Tree;
 
 /// Fills `kin.M` (with armature) and `kin.inverse_diagonal` from `kin.I` and `kin.S`.
 pub fn mass_matrix(tree: &Tree, kin: &mut Kinematics) {
@@ -20,27 +20,26 @@ pub fn mass_matrix(tree: &Tree, kin: &mut Kinematics) {
     } = kin;
     let pattern = &tree.sparsity;
     // Not `pattern.floating`: the rows of a fixed serial chain of six joints or more look the same.
-    let floating = tree.bodies[0].motion == Move::Free;
+    let floating = tree.is_free();
     composite.copy_from_slice(I);
     if !tree.pure {
         M.fill(0.0);
     }
     for b in (0..tree.bodies.len()).rev() {
         let body = &tree.bodies[b];
-        match body.motion {
-            Move::Welded => continue,
-            Move::Free => {
-                let lower = composite[b].lower();
-                if tree.pure {
-                    M[..21].copy_from_slice(&lower);
-                } else {
-                    for (m, x) in M[..21].iter_mut().zip(&lower) {
-                        *m += x;
-                    }
+        if body.kind.is_free() {
+            let lower = composite[b].lower();
+            if tree.pure {
+                M[..21].copy_from_slice(&lower);
+            } else {
+                for (m, x) in M[..21].iter_mut().zip(&lower) {
+                    *m += x;
                 }
-                continue;
             }
-            Move::Turn | Move::Slide | Move::Ball => {}
+            continue;
+        }
+        if !body.kind.moves() {
+            continue;
         }
         for c in body.column..body.column + body.columns {
             let F = composite[b].mul(&S[c]);

@@ -4,7 +4,7 @@
 
 use crate::kinematics::Kinematics;
 use crate::spatial::{Vec3, Vec6, add6, dot6};
-use crate::tree::{Move, Tree};
+use crate::tree::Tree;
 
 /// Kinetic energy, J, of the bodies and of the rotors (armature); reads `kin.V`, `kin.I`.
 pub fn kinetic(tree: &Tree, kin: &Kinematics, v: &[f64]) -> f64 {
@@ -23,7 +23,7 @@ pub fn potential(tree: &Tree, kin: &Kinematics) -> f64 {
     tree.bodies
         .iter()
         .zip(&kin.I)
-        .filter(|(body, _)| body.motion != Move::Welded)
+        .filter(|(body, _)| body.kind.moves())
         .map(|(_, I)| {
             let moment = Vec3::from(I.moment) + kin.origin * I.mass;
             -tree.gravity.dot(&moment)

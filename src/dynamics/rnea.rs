@@ -6,10 +6,8 @@
 
 use crate::inputs::ExternalWrench;
 use crate::kinematics::Kinematics;
-use crate::spatial::{
-    Vec3, Vec6, add_scaled6, add6, angular, cross_force, cross_motion, dot6, linear,
-};
-use crate::tree::{Move, Tree};
+use crate::spatial::{Vec3, Vec6, add6, angular, cross_force, dot6, linear};
+use crate::tree::Tree;
 
 /// Fills `kin.bias` with `k(q, v)`, so that `M vdot + k = tau`, from `kin.S`, `kin.V` and `kin.I`.
 ///
@@ -28,13 +26,12 @@ pub fn bias(tree: &Tree, kin: &mut Kinematics, v: &[f64], wrenches: &[ExternalWr
     for b in (0..tree.bodies.len()).rev() {
         let body = &tree.bodies[b];
         let F = force[b];
-        match body.motion {
-            Move::Welded => continue,
-            Move::Free => {
-                bias[..6].copy_from_slice(&F);
-                continue;
-            }
-            Move::Turn | Move::Slide | Move::Ball => {}
+        if body.kind.is_free() {
+            bias[..6].copy_from_slice(&F);
+            continue;
+        }
+        if !body.kind.moves() {
+            continue;
         }
         for c in body.column..body.column + body.columns {
             let k = dot6(&S[c], &F);
@@ -54,33 +51,22 @@ fn body_forces(tree: &Tree, kin: &mut Kinematics, v: &[f64], force: &mut [Vec6])
     let g = tree.gravity;
     for (b, body) in tree.bodies.iter().enumerate() {
         let V_b = &V[b];
-        C[b] = match body.motion {
-            Move::Welded => {
-                C[b] = [0.0, 0.0, 0.0, -g.x, -g.y, -g.z];
-                force[b] = [0.0; 6];
-                continue;
-            }
-            Move::Free => {
-                // Spatial acceleration is the rate of V at a fixed point: −ω × ṗ appears because O moves with the base.
-                let a = -angular(V_b).cross(&linear(V_b)) - g;
-                [0.0, 0.0, 0.0, a.x, a.y, a.z]
-            }
-            Move::Turn | Move::Slide => {
-                let mut sum = C[body.parent];
-                let turn = cross_motion(V_b, &S[body.column]);
-                add_scaled6(&mut sum, &turn, v[tree.dof[body.column]]);
-                sum
-            }
-            Move::Ball => {
-                let mut relative = [0.0; 6];
-                for c in body.column..body.column + 3 {
-                    add_scaled6(&mut relative, &S[c], v[tree.dof[c]]);
-                }
-                let mut sum = cross_motion(V_b, &relative);
-                add6(&mut sum, &C[body.parent]);
-                sum
-            }
+        let mut A = if body.kind.is_base() {
+            [0.0, 0.0, 0.0, -g.x, -g.y, -g.z]
+        } else {
+            C[body.parent]
         };
+        if body.kind.moves() {
+            let product = body
+                .kind
+                .velocity_product(V_b, &S[body.column..], &v[body.dof..]);
+            add6(&mut A, &product);
+        }
+        C[b] = A;
+        if !body.kind.moves() {
+            force[b] = [0.0; 6];
+            continue;
+        }
         // `I A + V ×f (I V)`
         let mut F = I[b].mul(&C[b]);
         add6(&mut F, &cross_force(V_b, &I[b].mul(V_b)));
@@ -118,7 +104,7 @@ pub(super) fn add_drag(tree: &Tree, kin: &Kinematics, force: &mut [Vec6]) {
         return;
     }
     for (b, I) in kin.I.iter().enumerate() {
-        if I.mass <= 0.0 || tree.bodies[b].motion == Move::Welded {
+        if I.mass <= 0.0 || !tree.bodies[b].kind.moves() {
             continue;
         }
         // Momentum about O, split into that of the centre of mass and the spin about it.

@@ -3,7 +3,7 @@
 
 use super::{Readout, joint_orientation, quaternion};
 use crate::kinematics::forward;
-use crate::model::{JointId, JointKind, Model, Motion};
+use crate::model::{BodyId, JointId, Model};
 use crate::sensor;
 use crate::slots::{Axis, OutputSlot};
 use crate::spatial::{Vec3, angular, linear, quaternion_product, rpy_from_rotation};
@@ -41,7 +41,7 @@ impl Readout {
             }
             O::JointOrientation(joint, axis) => {
                 joint_orientation_rate(model, state, joint, axis, |axis| {
-                    super::joint_rate(model, &state.q, &state.v, joint, axis)
+                    super::joint_rate(model, &state.v, joint, axis)
                 })
             }
             O::LinkPosition(link, axis) => self.read(ctx, state, O::LinkLinearVelocity(link, axis)),
@@ -149,20 +149,20 @@ fn joint_orientation_rate(
     axis: Axis,
     rate: impl Fn(Axis) -> f64,
 ) -> f64 {
-    let Some(body) = model.joints[joint.index()].bodies.last() else {
-        return 0.0;
+    let bodies = &model.joints[joint.index()].bodies;
+    let turns = |body: &&BodyId| {
+        model.bodies[body.index()]
+            .motion
+            .kind()
+            .quaternion()
+            .is_some()
     };
-    if !matches!(
-        model.bodies[body.index()].motion,
-        Motion::Free | Motion::Spherical
-    ) {
+    if bodies.last().filter(turns).is_none() {
         return 0.0;
     }
-    // A floating joint slides along 0–2 first.
-    let first = match model.joints[joint.index()].kind {
-        JointKind::Spherical => 0,
-        _ => 3,
-    };
+    // A floating joint slides along 0–2 first: as many axes as bodies before the one that turns.
+    #[expect(clippy::cast_possible_truncation, reason = "at most four bodies")]
+    let first = (bodies.len() - 1) as Axis;
     let [x, y, z, w] = LETTERS.map(|axis| joint_orientation(model, state, joint, axis));
     // `q̇ = ½ q ω` with ω in child axes.
     let spin = [

@@ -22,7 +22,7 @@ mod line_search;
 use crate::force::{Contact, JointResponse, Response, Solved, Terms};
 use crate::kinematics::{Kinematics, forward};
 use crate::spatial::{Vec3, Vec6, add_force_at, add6, angular, dot6};
-use crate::tree::{Move, Tree};
+use crate::tree::Tree;
 
 /// Newton iterations after which a solve gives up; random contact problems need up to 26.
 const MAX_ITERATIONS: usize = 50;
@@ -393,7 +393,7 @@ impl Newton {
             }
             add6(&mut self.F[body.parent], &F);
         }
-        if tree.bodies[0].motion == Move::Free {
+        if tree.is_free() {
             for (k, F) in self.F[0].iter().enumerate() {
                 self.gradient[k] -= F;
                 contact_scale += D2[k] * F * F;

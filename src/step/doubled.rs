@@ -3,14 +3,13 @@
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
 use crate::force::{Contact, Drive, is_clear};
-use crate::kinematics::{advance, difference};
+use crate::kinematics::{advance, difference, position_rates};
 use crate::state::State;
 use crate::step::cones::Cones;
 use crate::step::control::{Stepper, count, worst_error};
 use crate::step::convex::Newton;
 use crate::step::energy::{EXTRAPOLATION_GAIN, work};
 use crate::step::point::{Context, Point};
-use crate::step::runge_kutta::position_rates;
 use crate::step::smooth::range;
 use crate::tree::REFERENCE_GRAVITY;
 use crate::tuning::{LAG_SHARE, MAX_ATTEMPTS, VELOCITY_WEIGHT};

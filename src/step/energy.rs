@@ -14,7 +14,7 @@ use crate::state::State;
 use crate::step::control::Stepper;
 use crate::step::convex::Newton;
 use crate::step::point::{Context, Point, stiffness_limit};
-use crate::tree::{Move, REFERENCE_GRAVITY, Tree};
+use crate::tree::{REFERENCE_GRAVITY, Tree};
 
 /// Energy that a fixed step may make out of nothing, as a share of kinetic energy and weight times reach: hundreds of steps
 /// together a thousandth.
@@ -182,7 +182,7 @@ fn lifted(
     forward(tree, &kin.S, more, way);
     let mut rise = 0.0;
     for (body, (I, way)) in tree.bodies.iter().zip(kin.I.iter().zip(way.iter())) {
-        if body.motion != Move::Welded {
+        if body.kind.moves() {
             let torque = Vec3::from(I.moment).cross(&tree.gravity);
             rise -= torque.dot(&angular(way)) + I.mass * tree.gravity.dot(&linear(way));
         }

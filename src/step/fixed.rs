@@ -11,7 +11,7 @@ use crate::step::control::{NotFinite, Stepper, count};
 use crate::step::convex::Problem;
 use crate::step::energy::{GAIN, work};
 use crate::step::point::{Context, Point};
-use crate::tree::{Move, Tree};
+use crate::tree::Tree;
 use crate::tuning::{
     AHEAD, CALM, FIXED_ACCURACY, FIXED_BALANCE, MAX_PARTS, STEP_ROUND_OFF, TURN, WHIRL,
 };
@@ -239,16 +239,8 @@ fn fixed_problem<'a>(start: &'a Point, tree: &'a Tree, h: f64) -> Problem<'a> {
 fn fastest(ctx: &Context, v: &[f64]) -> f64 {
     let mut fastest = 0.0;
     for (index, body) in ctx.tree.bodies.iter().enumerate() {
-        let dofs = &ctx.tree.dof[body.column..body.column + body.columns];
-        let rate = match body.motion {
-            Move::Turn => (body.ratio * v[dofs[0]]).abs(),
-            Move::Free | Move::Ball => {
-                let [x, y, z] = [v[dofs[0]], v[dofs[1]], v[dofs[2]]];
-                (x * x + y * y + z * z).sqrt()
-            }
-            Move::Welded | Move::Slide => continue,
-        };
-        if rate > fastest && (body.motion != Move::Turn || !ctx.tree.wheel[index]) {
+        let rate = body.kind.turn_rate(body.ratio, &v[body.dof..]);
+        if rate > fastest && !ctx.tree.wheel[index] {
             fastest = rate;
         }
     }

@@ -14,7 +14,6 @@ use crate::spatial::{Mat3, SpatialInertia, Vec3, angular, linear};
 use crate::state::State;
 use crate::step::control::Stepper;
 use crate::step::point::Context;
-use crate::tree::Move;
 use crate::tuning::THIN;
 
 /// What a flying robot keeps; world axes.
@@ -68,7 +67,7 @@ impl Stepper {
     /// Poses and velocities of `self.end` then stand at `state`.
     pub(super) fn flight(&mut self, ctx: &Context, state: &State) -> Option<Flight> {
         let tree = ctx.tree;
-        let free = tree.bodies[0].motion == Move::Free;
+        let free = tree.is_free();
         let undisturbed = tree.drag == 0.0 && ctx.inputs.wrenches.is_empty();
         if !ctx.rules.momentum || !free || !undisturbed || !state.memory.touches.is_empty() {
             return None;

@@ -21,11 +21,10 @@
 use crate::dynamics::aba::Articulated;
 use crate::dynamics::{crba, rnea};
 use crate::force::{self, Drive, JointTerm};
-use crate::kinematics::Kinematics;
-use crate::spatial::quaternion_product;
+use crate::kinematics::{Kinematics, position_rates};
 use crate::state::ahead::COEFFICIENTS;
 use crate::step::point::Context;
-use crate::tree::{Move, Tree};
+use crate::tree::Tree;
 use crate::tuning::{DAMPED_SHARE, EXPLICIT_SHARE};
 
 /// Most stages of a pair; the last one stands at the new state.
@@ -383,23 +382,8 @@ impl Explicit {
                     .map(|(rate, w)| h * w * rate[k])
                     .sum()
             };
-            match body.motion {
-                Move::Welded => {}
-                Move::Free => {
-                    for i in 0..3 {
-                        position[3 + i] = error(c + i);
-                        // A small change of a unit quaternion is half the angle.
-                        position[i] = 2.0 * error(c + 4 + i);
-                    }
-                    position[0] += 2.0 * error(c + 3);
-                }
-                Move::Turn | Move::Slide => position[tree.dof[body.column]] = error(c),
-                Move::Ball => {
-                    for i in 0..3 {
-                        position[tree.dof[body.column + i]] = 2.0 * error(c + 1 + i);
-                    }
-                }
-            }
+            body.kind
+                .position_error(|k| error(c + k), &mut position[body.dof..]);
         }
     }
 
@@ -458,29 +442,6 @@ impl Explicit {
         }
         tree.sparsity.factor(&mut self.factor);
         tree.sparsity.solve(&self.factor, acceleration);
-    }
-}
-
-/// `q̇` for velocities `v`.
-pub(super) fn position_rates(tree: &Tree, q: &[f64], v: &[f64], rate: &mut [f64]) {
-    for body in &tree.bodies {
-        let c = body.coordinate;
-        match body.motion {
-            Move::Welded => {}
-            Move::Free => {
-                rate[c..c + 3].copy_from_slice(&v[3..6]);
-                let turn = [0.0, 0.5 * v[0], 0.5 * v[1], 0.5 * v[2]];
-                let q = [q[c + 3], q[c + 4], q[c + 5], q[c + 6]];
-                rate[c + 3..c + 7].copy_from_slice(&quaternion_product(&turn, &q));
-            }
-            Move::Turn | Move::Slide => rate[c] = v[tree.dof[body.column]],
-            Move::Ball => {
-                let d = tree.dof[body.column];
-                let turn = [0.0, 0.5 * v[d], 0.5 * v[d + 1], 0.5 * v[d + 2]];
-                let q = [q[c], q[c + 1], q[c + 2], q[c + 3]];
-                rate[c..c + 4].copy_from_slice(&quaternion_product(&q, &turn));
-            }
-        }
     }
 }
 

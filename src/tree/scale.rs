@@ -1,9 +1,10 @@
 //! What follows from the robot in its initial position: stiffness of contacts, limits and motors, error weights.
 
-use super::{Move, REFERENCE_GRAVITY, Tree};
+use super::{REFERENCE_GRAVITY, Tree};
+use crate::joint::Sweep;
 use crate::law::motor_constants;
-use crate::model::{Model, Motion};
-use crate::spatial::{Mat3, Pose, Vec3, rotation_to_axis};
+use crate::model::Model;
+use crate::spatial::{Pose, Vec3};
 
 /// Share by which the joint's effort limit drives it beyond its enforced speed limit.
 const OVERSPEED: f64 = 0.01;
@@ -47,7 +48,7 @@ impl Tree {
                 let X = &poses[b];
                 (
                     b,
-                    X.p + X.R * (turn_back(model, b) * c.X_BG.p),
+                    X.p + X.R * (model.bodies[b].motion.solver_frame().transpose() * c.X_BG.p),
                     c.shape.bounding_radius(),
                 )
             })
@@ -89,15 +90,11 @@ impl Tree {
                 let dof = self.dof[c];
                 levers[dof] = lever(Some(poses[b].R.column(2).into_owned()));
                 let gyration = (inertia[dof] / subtree_mass[b].max(1e-12)).sqrt();
-                self.weight[dof] = match body.motion {
-                    Move::Free if c >= 3 => 1.0,
-                    Move::Slide | Move::Welded => 1.0,
-                    Move::Free => self.reach.max(gyration).min(1.0),
-                    Move::Turn => {
-                        let axis = poses[b].R.column(2).into_owned();
-                        lever(Some(axis)).max(gyration).min(1.0)
-                    }
-                    Move::Ball => lever(None).max(gyration).min(1.0),
+                self.weight[dof] = match body.kind.sweep(c - body.column) {
+                    Sweep::Along => 1.0,
+                    Sweep::AboutPoint if body.kind.is_base() => self.reach.max(gyration).min(1.0),
+                    Sweep::AboutPoint => lever(None).max(gyration).min(1.0),
+                    Sweep::AboutAxis => levers[dof].max(gyration).min(1.0),
                 };
             }
         }
@@ -120,13 +117,5 @@ impl Tree {
                 self.speed_damping[dof] = damping.max(inertia[dof] / SPEED_RELAXATION);
             }
         }
-    }
-}
-
-/// Rotation from the model's body frame to the solver's.
-fn turn_back(model: &Model, body: usize) -> Mat3 {
-    match model.bodies[body].motion {
-        Motion::Revolute(axis) | Motion::Prismatic(axis) => rotation_to_axis(&axis).transpose(),
-        _ => Mat3::identity(),
     }
 }

@@ -1,7 +1,7 @@
 //! Bodies and coordinates: they hang on each other and move as the joints say, and each coordinate has one owner.
 
 use super::{Check, number, pose, require, unit};
-use crate::model::{Body, BodyId, Joint, JointKind, LinkId, Model, Motion};
+use crate::model::{Body, BodyId, Joint, LinkId, Model};
 use crate::spatial::Pose;
 
 pub(super) fn validate(model: &Model) -> Check {
@@ -22,15 +22,15 @@ fn bodies(model: &Model) -> Check {
             Some(parent) => parent.index() < b,
         };
         require(before, part, "does not come after its parent")?;
-        let base = matches!(body.motion, Motion::Welded | Motion::Free);
+        let base = body.motion.kind().is_base();
         require(
             base == (b == 0) && base == body.joint.is_none(),
             part,
             "is no base but moves like one, or the other way round",
         )?;
         pose(&body.X_PB, part)?;
-        if let Motion::Revolute(axis) | Motion::Prismatic(axis) = &body.motion {
-            require(unit(axis), part, "has an axis that is no unit vector")?;
+        if let Some(axis) = body.motion.axis() {
+            require(unit(&axis), part, "has an axis that is no unit vector")?;
         }
         require(
             number(body.ratio) && number(body.offset),
@@ -89,17 +89,7 @@ fn chain(model: &Model, joint: &Joint) -> Check {
     let mut parent = model.links[joint.parent.index()].body;
     for (i, &b) in joint.bodies.iter().enumerate() {
         let body: &Body = &model.bodies[b.index()];
-        let kind = match joint.kind {
-            JointKind::Fixed => false,
-            JointKind::Revolute | JointKind::Continuous => {
-                matches!(body.motion, Motion::Revolute(_))
-            }
-            JointKind::Prismatic => matches!(body.motion, Motion::Prismatic(_)),
-            JointKind::Planar if i < 2 => matches!(body.motion, Motion::Prismatic(_)),
-            JointKind::Planar => matches!(body.motion, Motion::Revolute(_)),
-            JointKind::Floating if i < 3 => matches!(body.motion, Motion::Prismatic(_)),
-            JointKind::Floating | JointKind::Spherical => body.motion == Motion::Spherical,
-        };
+        let kind = joint.kind.chain().get(i) == Some(&body.motion.kind());
         let own = body.joint.is_some_and(|j| {
             model
                 .joints

@@ -7,7 +7,6 @@ use super::{Newton, Problem};
 use crate::dynamics::crba::add_row;
 use crate::force::{Contact, Response};
 use crate::spatial::{Vec3, dot6, multiply_lower};
-use crate::tree::Move;
 
 impl Newton {
     /// `H = M + Jᵀ G J` from the responses.
@@ -47,7 +46,7 @@ impl Newton {
             return;
         }
         // Not `pattern.floating`: the rows of a fixed serial chain of six joints or more look the same.
-        let floating = tree.bodies[0].motion == Move::Free;
+        let floating = tree.is_free();
         for &b in &self.loaded {
             let body = &tree.bodies[b];
             let G = self.G[b];
