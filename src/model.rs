@@ -7,50 +7,15 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
+mod id;
 mod validate;
 
 use crate::geometry::Shape;
 use crate::joint::Kind;
 pub use crate::joint::Motion;
 use crate::spatial::{Pose, RigidInertia, Vec3};
+pub use id::{ActuatorId, BodyId, DofId, JointId, LinkId, SensorId};
 use serde::{Deserialize, Serialize};
-
-macro_rules! id {
-    ($($(#[$doc:meta])* $name:ident),* $(,)?) => {$(
-        $(#[$doc])*
-        #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
-        #[serde(transparent)]
-        pub struct $name(pub u32);
-
-        impl $name {
-            /// Position in its list.
-            pub fn index(self) -> usize {
-                self.0 as usize
-            }
-        }
-
-        impl From<usize> for $name {
-            fn from(index: usize) -> Self {
-                Self(u32::try_from(index).expect("a robot has fewer than 2^32 parts"))
-            }
-        }
-    )*};
-}
-
-id! {
-    /// Index into [`Model::links`].
-    LinkId,
-    /// Index into [`Model::joints`].
-    JointId,
-    /// Index into [`Model::bodies`].
-    BodyId,
-    /// Index into [`Model::dofs`], into `v` and into `tau`.
-    DofId,
-    /// Index into [`Model::actuators`].
-    ActuatorId,
-    /// Index into [`OutputSelection::sensors`].
-    SensorId,
-}
 
 /// A robot, prepared for simulation.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -462,14 +427,6 @@ pub enum ModelError {
 }
 
 impl Model {
-    /// Whether everything that the solver relies on holds: indices, order, lengths, units, finite numbers.
-    ///
-    /// # Errors
-    /// [`ModelError::Invalid`] names the first part that is wrong.
-    pub fn validate(&self) -> Result<(), ModelError> {
-        validate::validate(self)
-    }
-
     /// Whether the base can move.
     pub fn is_floating(&self) -> bool {
         self.bodies

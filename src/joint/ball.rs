@@ -1,7 +1,7 @@
 //! A joint that turns freely: `q = quaternion(w, x, y, z)` of the body after the joint's own pose,
 //! `v = ω` in the body's axes.
 
-use super::{Freedom, Mount, Sweep};
+use super::freedom::{Freedom, Mount, Sweep};
 use crate::spatial::{
     Pose, Vec3, Vec6, add_scaled6, cross_motion, quaternion_exp, quaternion_log,
     quaternion_normalized, quaternion_product, rotation_from_quaternion,

@@ -1,6 +1,6 @@
 //! A floating base: `q = [p_WB(3), quaternion(w, x, y, z)]`, `v = [ω_WB_W(3), ṗ_WB(3)]`.
 
-use super::{Freedom, Mount, Sweep};
+use super::freedom::{Freedom, Mount, Sweep};
 use crate::spatial::{
     Pose, Vec3, Vec6, angular, linear, quaternion_exp, quaternion_log, quaternion_normalized,
     quaternion_product, rotation_from_quaternion,

@@ -1,7 +1,7 @@
 //! The kinds of motion that a joint can give a body, one file a kind.
 //!
 //! A kind says how many numbers it has in `q` and `v`, where the body is for given positions, which
-//! motions its velocities mean, and how positions go on. [`Freedom`] lists all that a kind gives;
+//! motions its velocities mean, and how positions go on. `Freedom` lists all that a kind gives;
 //! the macro in this file is the only place that tells kinds apart, so a new kind is a file, a line
 //! in [`Kind`] and one in [`Motion`]. A planar or floating joint of a URDF is a chain of these.
 //!
@@ -14,13 +14,14 @@
 
 mod ball;
 mod free;
+mod freedom;
 mod slide;
 mod turn;
 mod welded;
 
-use crate::spatial::{
-    Mat3, Pose, Vec3, Vec6, add_scaled6, cross_motion, quaternion_normalized, rotation_to_axis,
-};
+use crate::spatial::{Mat3, Pose, Vec3, Vec6, quaternion_normalized, rotation_to_axis};
+use freedom::Freedom;
+pub use freedom::{Mount, Sweep};
 use serde::{Deserialize, Serialize};
 
 /// What a body's inboard joint lets it do, as a model states it.
@@ -52,78 +53,6 @@ pub enum Kind {
     Slide,
     /// Turns about any axis.
     Ball,
-}
-
-/// What an error of one of a joint's velocities moves, and how far: the error weights follow.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Sweep {
-    /// The whole subtree by as much.
-    Along,
-    /// Points of the subtree by their distance from the joint's z axis.
-    AboutAxis,
-    /// Points of the subtree by their distance from the joint's origin.
-    AboutPoint,
-}
-
-/// Where a joint hangs, and how its coordinate is scaled.
-#[derive(Clone, Copy, Debug)]
-pub struct Mount<'a> {
-    /// Pose of a fixed base in the world.
-    pub base: &'a Pose,
-    /// Pose of the parent body: rotation to world axes, position from O, m.
-    pub parent: &'a Pose,
-    /// Pose of the body in its parent where the joint stands at zero.
-    pub X: &'a Pose,
-    /// Multiplier of a mimic joint, else 1.
-    pub ratio: f64,
-    /// Offset of a mimic joint, rad or m, else 0.
-    pub offset: f64,
-}
-
-/// What a kind of joint gives. Slices have exactly [`Self::NQ`] or [`Self::NV`] entries.
-trait Freedom {
-    /// Places in `q`.
-    const NQ: usize;
-    /// Places in `v`, and columns of `S`.
-    const NV: usize;
-    /// Whether the body hangs in the world: O, about which all is expressed, is then its origin.
-    const BASE: bool = false;
-    /// First place in `q` of the orientation w, x, y, z, where there is one.
-    const QUATERNION: Option<usize> = None;
-    /// Pose of the body from O, with the motions of its velocities in `S`, both in world axes; a base
-    /// also says where O is in the world.
-    fn place(mount: &Mount, q: &[f64], S: &mut [Vec6], origin: &mut Vec3) -> Pose;
-
-    /// Velocity of the body about O: that of its parent and `S v`.
-    #[inline]
-    fn velocity(parent: &Vec6, S: &[Vec6], v: &[f64]) -> Vec6 {
-        let mut sum = *parent;
-        for (S, v) in S.iter().zip(v) {
-            add_scaled6(&mut sum, S, *v);
-        }
-        sum
-    }
-
-    /// Acceleration of the body about O that its velocity `V` makes beyond its parent's: `Ṡ v`.
-    fn velocity_product(V: &Vec6, S: &[Vec6], v: &[f64]) -> Vec6;
-
-    /// Positions after moving with the constant velocity `v` for `h` seconds.
-    fn advance(from: &[f64], v: &[f64], h: f64, to: &mut [f64]);
-
-    /// The velocity that leads from `a` to `b` in one second: the inverse of [`Self::advance`].
-    fn difference(b: &[f64], a: &[f64], out: &mut [f64]);
-
-    /// `q̇` at `q` for the velocity `v`.
-    fn position_rates(q: &[f64], v: &[f64], rate: &mut [f64]);
-
-    /// A small change of `q`, by place, as a change in the directions of `v`.
-    fn position_error(change: impl Fn(usize) -> f64, out: &mut [f64]);
-
-    /// How fast the body turns in its parent, rad/s; `ratio` as in [`Mount`].
-    fn turn_rate(ratio: f64, v: &[f64]) -> f64;
-
-    /// What an error in direction `axis` of `v` moves.
-    fn sweep(axis: usize) -> Sweep;
 }
 
 /// Evaluates `$call` with `$K` as the type that stands for `$kind`.
@@ -299,16 +228,6 @@ impl Kind {
     pub fn sweep(self, axis: usize) -> Sweep {
         of_kind!(self, K => K::sweep(axis))
     }
-}
-
-/// `V × S v` of a joint with one column: its own share of `V` vanishes.
-#[inline]
-fn one_column_product(V: &Vec6, S: &[Vec6], v: &[f64]) -> Vec6 {
-    let mut c = cross_motion(V, &S[0]);
-    for c in &mut c {
-        *c *= v[0];
-    }
-    c
 }
 
 #[cfg(test)]

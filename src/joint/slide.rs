@@ -1,6 +1,6 @@
 //! A joint that slides along the z axis of the solver's frame: `q` in m.
 
-use super::{Freedom, Mount, Sweep, one_column_product};
+use super::freedom::{Freedom, Mount, Sweep, one_column_product};
 use crate::spatial::{Pose, Vec3, Vec6};
 
 pub(super) struct Slide;

@@ -1,6 +1,6 @@
 //! A joint that turns about the z axis of the solver's frame: `q` in rad.
 
-use super::{Freedom, Mount, Sweep, one_column_product};
+use super::freedom::{Freedom, Mount, Sweep, one_column_product};
 use crate::spatial::{Mat3, Pose, Vec3, Vec6};
 
 pub(super) struct Turn;

@@ -1,6 +1,6 @@
 //! A fixed base: no coordinate, no motion.
 
-use super::{Freedom, Mount, Sweep};
+use super::freedom::{Freedom, Mount, Sweep};
 use crate::spatial::{Pose, Vec3, Vec6};
 
 pub(super) struct Welded;

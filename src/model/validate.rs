@@ -6,11 +6,12 @@
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
 mod bodies;
+mod check;
 mod outputs;
 
 use super::{Joint, JointId, JointKind, Model, ModelError};
 use crate::geometry::Shape;
-use crate::spatial::{Mat3, Pose, Vec3};
+use check::{Check, not_negative, number, pose, positive, require, symmetric, unit, vector};
 use std::collections::BTreeSet;
 
 /// Most links, joints, bodies, colliders or actuators. The largest robots have some hundred.
@@ -22,36 +23,22 @@ const MOST_DOFS: usize = 2_000;
 /// Most corners of all hulls, and most contact slots.
 const MOST_CORNERS: usize = 2_000_000;
 
-/// Largest magnitude of any number: squares and products of a few of them stay finite.
-const LARGEST: f64 = 1e50;
-
-/// How far rotations and unit vectors may be off: far above round-off, far below what matters.
-const UNIT_TOLERANCE: f64 = 1e-6;
-
-type Check = Result<(), ModelError>;
-
-/// An error unless `holds`.
-fn require(holds: bool, part: impl FnOnce() -> String, wrong: &'static str) -> Check {
-    if holds {
-        Ok(())
-    } else {
-        Err(ModelError::Invalid {
-            part: part(),
-            wrong,
-        })
+impl Model {
+    /// Whether everything that the solver relies on holds: indices, order, lengths, units, finite numbers.
+    ///
+    /// # Errors
+    /// [`ModelError::Invalid`] names the first part that is wrong.
+    pub fn validate(&self) -> Result<(), ModelError> {
+        sizes(self)?;
+        links(self)?;
+        joints(self)?;
+        bodies::validate(self)?;
+        colliders(self)?;
+        actuators(self)?;
+        initial(self)?;
+        settings(self)?;
+        outputs::validate(self)
     }
-}
-
-pub(super) fn validate(model: &Model) -> Check {
-    sizes(model)?;
-    links(model)?;
-    joints(model)?;
-    bodies::validate(model)?;
-    colliders(model)?;
-    actuators(model)?;
-    initial(model)?;
-    settings(model)?;
-    outputs::validate(model)
 }
 
 fn sizes(model: &Model) -> Check {
@@ -369,39 +356,6 @@ fn settings(model: &Model) -> Check {
         || "the world".to_owned(),
         "has a number out of range",
     )
-}
-
-fn number(value: f64) -> bool {
-    value.is_finite() && value.abs() <= LARGEST
-}
-
-fn not_negative(value: f64) -> bool {
-    number(value) && value >= 0.0
-}
-
-fn positive(value: f64) -> bool {
-    number(value) && value > 0.0
-}
-
-fn vector(v: &Vec3) -> bool {
-    v.iter().all(|&x| number(x))
-}
-
-fn unit(v: &Vec3) -> bool {
-    vector(v) && (v.norm() - 1.0).abs() <= UNIT_TOLERANCE
-}
-
-fn symmetric(I: &Mat3) -> bool {
-    let size = I.iter().copied().map(f64::abs).fold(0.0, f64::max);
-    I.iter().all(|&x| number(x)) && (I - I.transpose()).amax() <= 1e-9 * size
-}
-
-fn pose(X: &Pose, part: impl Fn() -> String) -> Check {
-    require(vector(&X.p), &part, "has a position that is not finite")?;
-    let rotation = X.R.iter().all(|&x| number(x))
-        && (X.R.transpose() * X.R - Mat3::identity()).amax() <= UNIT_TOLERANCE
-        && X.R.determinant() > 0.0;
-    require(rotation, &part, "has a rotation that is none")
 }
 
 #[cfg(all(test, feature = "urdf"))]

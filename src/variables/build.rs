@@ -1,6 +1,6 @@
 //! What rows of [`super::table`] are made of.
 
-use super::{Kind, Slot, TableError, Unit, Variable};
+use super::row::{Kind, Slot, TableError, Unit, Variable};
 use crate::model::{Joint, JointId, JointKind, Limits, Model};
 use crate::slots::{Axis, InputSlot, OutputSlot, ParameterSlot};
 use std::collections::BTreeMap;

@@ -1,7 +1,7 @@
 //! Outputs: base, joints, links, contacts, energy, counters.
 
 use super::build::{Group, RPY, Row, Table, XYZ, XYZW, axes, group, identifier, units};
-use super::{Kind, Unit};
+use super::row::{Kind, Unit};
 use crate::model::{JointId, JointKind, LinkId, SensorId, SensorKind};
 use crate::slots::{Axis, OutputSlot};
 

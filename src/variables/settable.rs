@@ -1,7 +1,7 @@
 //! What can be set: inputs and parameters.
 
-use super::Unit;
 use super::build::{Group, RPY, Row, Table, XYZ, axes, group, identifier, is_scalar, units};
+use super::row::Unit;
 use crate::model::{Actuator, ActuatorId, ActuatorMode, Limits, LinkId};
 use crate::slots::{Axis, InputSlot, ParameterSlot};
 

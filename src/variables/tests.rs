@@ -6,6 +6,7 @@ use crate::model::JointKind::{
     Continuous, Fixed, Floating, Planar, Prismatic, Revolute, Spherical,
 };
 use crate::model::Limits;
+use crate::slots::OutputSlot;
 use crate::urdf::Description;
 
 fn cart() -> Description {

@@ -1,6 +1,6 @@
 //! Bodies and coordinates: they hang on each other and move as the joints say, and each coordinate has one owner.
 
-use super::{Check, number, pose, require, unit};
+use super::check::{Check, number, pose, require, unit};
 use crate::model::{Body, BodyId, Joint, LinkId, Model};
 use crate::spatial::Pose;
 

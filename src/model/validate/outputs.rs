@@ -1,6 +1,6 @@
 //! What is selected as output or input: links, groups, sensors.
 
-use super::{Check, pose, positive, require, unit};
+use super::check::{Check, pose, positive, require, unit};
 use crate::model::{ActuatorMode, JointId, JointKind, Model, SensorKind};
 use std::collections::BTreeSet;
 

@@ -2,6 +2,7 @@ use super::*;
 use crate::assemble::testing::{at, body, frame, mass, model, robot};
 use crate::model::Limits;
 use crate::simulation::{ParameterSlot, Simulation};
+use crate::spatial::{Pose, Vec3};
 use crate::variables::{Slot, table};
 use serde_json::Value;
 use std::panic::{AssertUnwindSafe, catch_unwind};

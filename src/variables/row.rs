@@ -1,0 +1,88 @@
+//! A row of the table of variables.
+
+use crate::slots::{InputSlot, OutputSlot, ParameterSlot};
+
+/// One row.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Variable {
+    /// Structured name, or the flat one where the model asks for it.
+    pub name: String,
+    /// FMI value reference; equals the position in the table, unique across types.
+    pub value_reference: u32,
+    /// Says whose quantity it is, in the URDF's own names.
+    pub description: String,
+    /// Causality, and where the value lives.
+    pub slot: Slot,
+    /// FMI type.
+    pub kind: Kind,
+    /// Value at the start for inputs and parameters.
+    pub start: Option<f64>,
+    /// Allowed range for inputs and parameters, where there is one.
+    pub min: Option<f64>,
+    /// See `min`.
+    pub max: Option<f64>,
+    /// Unit.
+    pub unit: Unit,
+}
+
+/// Where a variable's value lives; gives its causality.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Slot {
+    /// `causality="input"`
+    Input(InputSlot),
+    /// `causality="parameter"`; tunable or fixed by [`ParameterSlot::tunable`].
+    Parameter(ParameterSlot),
+    /// `causality="output"`
+    Output(OutputSlot),
+}
+
+/// FMI type of a variable.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// `<Real>`
+    Real,
+    /// `<Integer>`
+    Integer,
+    /// `<Boolean>`
+    Boolean,
+}
+
+/// Units in use. Their names and exponents are FMI's business, see the packager.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[expect(missing_docs, reason = "the names say it")]
+pub enum Unit {
+    One,
+    Meter,
+    Radian,
+    Second,
+    Kilogram,
+    MeterPerSecond,
+    RadianPerSecond,
+    MeterPerSecondSquared,
+    RadianPerSecondSquared,
+    Newton,
+    NewtonMeter,
+    NewtonPerMeter,
+    NewtonMeterPerRadian,
+    NewtonSecondPerMeter,
+    NewtonMeterSecondPerRadian,
+    Joule,
+}
+
+/// Why a table cannot be made.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum TableError {
+    /// Two URDF names become one variable name.
+    #[error(
+        "{first} and {second} both become the variable '{name}'; rename one of them in the URDF"
+    )]
+    Clash {
+        /// Whose variable, with the URDF's name.
+        first: String,
+        /// Whose variable, with the URDF's name.
+        second: String,
+        /// Variable name
+        name: String,
+    },
+}
