@@ -116,7 +116,8 @@ pub const FLOOR_FALL: f64 = 0.5;
 
 /// Longest step of a contact that bounces, as a share of the time √(m/k) of the robot on the
 /// point. A slow bounce is shallower than the tolerance, which would not notice that it is
-/// missing; but it has its restitution, too.
+/// missing; but it has its restitution, too. Without it fails
+/// `c8_a_ball_rebounds_with_the_coefficient_of_restitution_at_every_speed`.
 pub const BOUNCE_SHARE: f64 = 0.2;
 /// Share of a step after which a joint that reaches its limit ends it: one that is slower in
 /// coming there may never.
