@@ -5,7 +5,8 @@
 mod derivative;
 
 use crate::dynamics::energy;
-use crate::model::{JointId, Model};
+use crate::kinematics::forward;
+use crate::model::{JointId, LinkId, Model};
 use crate::sensor::{self, Sensors};
 use crate::slots::{Axis, OutputSlot};
 use crate::spatial::{
@@ -16,23 +17,39 @@ use crate::state::State;
 use crate::step::point::{Context, Point};
 use crate::tree::Tree;
 
+/// How much of a state has been computed; each level needs the ones before it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Level {
+    /// The state itself, which needs nothing.
+    State,
+    /// Poses and velocities of the bodies.
+    Kinematics,
+    /// Mass matrix, bias, contacts and joint terms.
+    Forces,
+    /// Generalised accelerations.
+    Accelerations,
+    /// Spatial accelerations of the bodies.
+    BodyAccelerations,
+}
+
 /// What is known of the current state.
 #[derive(Clone, Debug)]
 pub struct Readout {
-    /// Kinematics, contacts and joint terms at the state.
+    /// Kinematics, contacts and joint terms at the state, up to `known`; filled by [`Self::prepare`].
     pub point: Point,
+    /// Generalised accelerations, `nv`, rad/s² or m/s²; filled by [`Self::accelerations`].
     vdot: Vec<f64>,
-    /// Accelerations of the bodies; scratch of derivatives.
+    /// Accelerations of the bodies about O, world axes; filled by [`Self::body_accelerations`].
     A: Vec<Vec6>,
+    /// Factor of the mass matrix; scratch of [`Self::accelerations`].
     factor: Vec<f64>,
-    /// Poses and velocities are those of the state.
-    has_kinematics: bool,
-    /// So are mass matrix, bias, contacts and joint terms.
-    has_forces: bool,
-    has_accelerations: bool,
-    /// What takes long and is asked for in parts, or often.
+    /// What of the fields above is that of the state.
+    known: Level,
+    /// Roll, pitch, yaw of the base, rad; filled when first read, because it is asked for in parts.
     rpy: Option<Vec3>,
+    /// Kinetic and potential energy, J; filled when first read, because it takes long.
     energies: Option<[f64; 2]>,
+    /// Wrenches in joints; filled when first read.
     sensors: Sensors,
 }
 
@@ -44,9 +61,7 @@ impl Readout {
             vdot: vec![0.0; model.nv()],
             A: vec![[0.0; 6]; tree.bodies.len()],
             factor: vec![0.0; tree.sparsity.entries()],
-            has_kinematics: false,
-            has_forces: false,
-            has_accelerations: false,
+            known: Level::State,
             rpy: None,
             energies: None,
             sensors: Sensors::new(model),
@@ -55,68 +70,95 @@ impl Readout {
 
     /// The state, a parameter or an input has changed.
     pub fn invalidate(&mut self) {
-        self.has_kinematics = false;
-        self.has_forces = false;
-        self.has_accelerations = false;
+        self.known = Level::State;
         self.rpy = None;
         self.energies = None;
         self.sensors.invalidate();
     }
 
+    /// Computes what is missing up to `level`.
+    fn prepare(&mut self, ctx: &Context, state: &State, level: Level) {
+        if level <= self.known {
+            return;
+        }
+        if level == Level::Kinematics {
+            self.point.kin.update_poses(ctx.tree, &state.q);
+            self.point.kin.update_velocities(ctx.tree, &state.v);
+        } else if self.known < Level::Forces {
+            self.point.update(ctx, state, 0.0);
+        }
+        if level >= Level::Accelerations && self.known < Level::Accelerations {
+            self.accelerations(ctx, state);
+        }
+        if level >= Level::BodyAccelerations {
+            self.body_accelerations(ctx);
+        }
+        self.known = level;
+    }
+
+    /// What must be computed before an output can be read.
+    fn needed(ctx: &Context, state: &State, slot: OutputSlot) -> Level {
+        use OutputSlot as O;
+        match slot {
+            O::JointPosition(..)
+            | O::JointOrientation(..)
+            | O::JointVelocity(..)
+            | O::Steps
+            | O::Rejected
+            | O::NewtonMax => Level::State,
+            O::BasePosition(_)
+            | O::BaseOrientation(_)
+            | O::BaseLinearVelocity(_)
+            | O::BaseAngularVelocity(_)
+                if ctx.model.is_floating() =>
+            {
+                Level::State
+            }
+            O::ContactForce(..) if state.last_step > 0.0 => Level::State,
+            O::BasePosition(_)
+            | O::BaseOrientation(_)
+            | O::BaseRpy(_)
+            | O::BaseLinearVelocity(_)
+            | O::BaseAngularVelocity(_)
+            | O::LinkPosition(..)
+            | O::LinkOrientation(..)
+            | O::LinkLinearVelocity(..)
+            | O::LinkAngularVelocity(..)
+            | O::EnergyKinetic
+            | O::EnergyPotential
+            | O::SensorOrientation(..)
+            | O::SensorAngularVelocity(..)
+            | O::SensorDistance(..) => Level::Kinematics,
+            O::ContactActive(_) | O::ContactForce(..) | O::JointEffort(_) => Level::Forces,
+            O::JointAcceleration(..) => Level::Accelerations,
+            O::SensorAcceleration(..) | O::SensorForce(..) | O::SensorTorque(..) => {
+                Level::BodyAccelerations
+            }
+        }
+    }
+
     /// Value of an output.
     pub fn read(&mut self, ctx: &Context, state: &State, slot: OutputSlot) -> f64 {
         use OutputSlot as O;
-        let model = ctx.model;
-        // What the state tells by itself.
+        self.prepare(ctx, state, Self::needed(ctx, state, slot));
+        let (model, point) = (ctx.model, &self.point);
+        let kin = &point.kin;
+        let body = |link: LinkId| model.links[link.index()].body.index();
         match slot {
-            O::JointPosition(joint, axis) => return joint_position(model, state, joint, axis),
-            O::JointOrientation(joint, axis) => {
-                return joint_orientation(model, state, joint, axis);
-            }
-            O::JointVelocity(joint, axis) => {
-                return joint_rate(model, &state.v, joint, axis);
-            }
-            O::BasePosition(axis) if model.is_floating() => return state.q[axis as usize],
-            O::BaseOrientation(axis) if model.is_floating() => {
-                return state.q[3 + (axis as usize + 1) % 4];
-            }
-            O::BaseLinearVelocity(axis) if model.is_floating() => {
-                return state.v[3 + axis as usize];
-            }
-            O::BaseAngularVelocity(axis) if model.is_floating() => return state.v[axis as usize],
-            #[expect(clippy::cast_precision_loss, reason = "counts stay far below 2^53")]
-            O::Steps => return state.counters[0] as f64,
-            #[expect(clippy::cast_precision_loss, reason = "counts stay far below 2^53")]
-            O::Rejected => return state.counters[1] as f64,
-            #[expect(clippy::cast_precision_loss, reason = "counts stay far below 2^53")]
-            O::NewtonMax => return state.counters[2] as f64,
-            O::ContactForce(link, axis) if state.last_step > 0.0 => {
-                return state.impulse[link.index()][axis as usize] / state.last_step;
-            }
-            _ => {}
-        }
-        let forces = matches!(
-            slot,
-            O::ContactActive(_)
-                | O::ContactForce(..)
-                | O::JointEffort(_)
-                | O::JointAcceleration(..)
-                | O::SensorAcceleration(..)
-                | O::SensorForce(..)
-                | O::SensorTorque(..)
-        );
-        if forces {
-            self.update_forces(ctx, state);
-        } else if !self.has_kinematics {
-            self.point.kin.update_poses(ctx.tree, &state.q);
-            self.point.kin.update_velocities(ctx.tree, &state.v);
-            self.has_kinematics = true;
-        }
-        let kin = &self.point.kin;
-        match slot {
+            O::JointPosition(joint, axis) => joint_position(model, state, joint, axis),
+            O::JointOrientation(joint, axis) => joint_orientation(model, state, joint, axis),
+            O::JointVelocity(joint, axis) => joint_rate(model, &state.v, joint, axis),
+            O::JointAcceleration(joint, axis) => joint_rate(model, &self.vdot, joint, axis),
+            O::JointEffort(joint) => self.joint_effort(model, state, joint),
+            O::BasePosition(axis) if model.is_floating() => state.q[axis as usize],
             O::BasePosition(axis) => kin.origin[axis as usize],
+            O::BaseOrientation(axis) if model.is_floating() => state.q[3 + (axis as usize + 1) % 4],
             O::BaseOrientation(axis) => quaternion(&kin.X[0])[axis as usize],
             O::BaseRpy(axis) => self.rpy()[axis as usize],
+            O::BaseLinearVelocity(axis) if model.is_floating() => state.v[3 + axis as usize],
+            O::BaseAngularVelocity(axis) if model.is_floating() => state.v[axis as usize],
+            // A fixed base does not move.
+            O::BaseLinearVelocity(_) | O::BaseAngularVelocity(_) => 0.0,
             O::LinkPosition(link, axis) => {
                 (self.link_pose(ctx, link.index()).p + kin.origin)[axis as usize]
             }
@@ -124,73 +166,53 @@ impl Readout {
                 quaternion(&self.link_pose(ctx, link.index()))[axis as usize]
             }
             O::LinkLinearVelocity(link, axis) => {
-                let V = &kin.V[model.links[link.index()].body.index()];
-                velocity_at(V, &self.link_pose(ctx, link.index()).p)[axis as usize]
+                let p = self.link_pose(ctx, link.index()).p;
+                velocity_at(&kin.V[body(link)], &p)[axis as usize]
             }
-            O::LinkAngularVelocity(link, axis) => {
-                kin.V[model.links[link.index()].body.index()][axis as usize]
-            }
+            O::LinkAngularVelocity(link, axis) => kin.V[body(link)][axis as usize],
             O::ContactActive(link) => {
-                let touches = self.point.terms.contacts.iter().any(|c| {
+                let touches = point.terms.contacts.iter().any(|c| {
                     c.link == link.index() && c.normal_force(c.normal_velocity(&kin.V)) > 0.0
                 });
                 f64::from(u8::from(touches))
             }
-            O::ContactForce(link, axis) => self
-                .point
-                .terms
-                .contacts
-                .iter()
-                .filter(|c| c.link == link.index())
-                .map(|c| c.force(&c.velocity(&kin.V))[axis as usize])
-                .sum(),
+            O::ContactForce(link, axis) if state.last_step > 0.0 => {
+                state.impulse[link.index()][axis as usize] / state.last_step
+            }
+            // Before the first step, which the mean would be taken over: the force of this moment.
+            O::ContactForce(link, axis) => {
+                let contacts = point.terms.contacts.iter();
+                contacts
+                    .filter(|c| c.link == link.index())
+                    .map(|c| c.force(&c.velocity(&kin.V))[axis as usize])
+                    .sum()
+            }
             O::EnergyKinetic => self.energies(ctx, state)[0],
             O::EnergyPotential => self.energies(ctx, state)[1],
-            O::JointEffort(joint) => self.joint_effort(model, state, joint),
-            O::JointAcceleration(joint, axis) => {
-                self.update_accelerations(ctx, state);
-                joint_rate(model, &self.vdot, joint, axis)
-            }
-            O::SensorOrientation(..)
-            | O::SensorAngularVelocity(..)
-            | O::SensorAcceleration(..)
-            | O::SensorForce(..)
-            | O::SensorTorque(..)
-            | O::SensorDistance(..) => self.sensor(ctx, state, slot),
-            // Answered above for a floating base; a fixed one does not move.
-            _ => 0.0,
-        }
-    }
-
-    /// What a sensor measures; poses, velocities and, where it needs them, forces are up to date.
-    fn sensor(&mut self, ctx: &Context, state: &State, slot: OutputSlot) -> f64 {
-        use OutputSlot as O;
-        match slot {
             O::SensorOrientation(sensor, axis) => {
-                let (_, X) = sensor::pose(ctx, &self.point, sensor.index());
+                let (_, X) = sensor::pose(ctx, point, sensor.index());
                 quaternion(&X)[axis as usize]
             }
             O::SensorAngularVelocity(sensor, axis) => {
-                sensor::angular_velocity(ctx, &self.point, sensor.index())[axis as usize]
+                sensor::angular_velocity(ctx, point, sensor.index())[axis as usize]
             }
             O::SensorAcceleration(sensor, axis) => {
-                self.link_accelerations(ctx, state);
-                sensor::specific_force(ctx, &self.point, &self.A, sensor.index())[axis as usize]
+                sensor::specific_force(ctx, point, &self.A, sensor.index())[axis as usize]
             }
-            O::SensorForce(sensor, axis) | O::SensorTorque(sensor, axis) => {
-                self.link_accelerations(ctx, state);
-                let (point, A) = (&self.point, &self.A);
-                let [torque, force] = self.sensors.wrench(ctx, point, A, sensor.index());
-                if matches!(slot, O::SensorForce(..)) {
-                    force[axis as usize]
-                } else {
-                    torque[axis as usize]
-                }
+            O::SensorTorque(sensor, axis) => {
+                let [torque, _] = self.sensors.wrench(ctx, point, &self.A, sensor.index());
+                torque[axis as usize]
+            }
+            O::SensorForce(sensor, axis) => {
+                let [_, force] = self.sensors.wrench(ctx, point, &self.A, sensor.index());
+                force[axis as usize]
             }
             O::SensorDistance(sensor, ray) => {
-                sensor::distance(ctx, &self.point, sensor.index(), ray as usize)
+                sensor::distance(ctx, point, sensor.index(), ray as usize)
             }
-            _ => 0.0,
+            O::Steps => count(state.counters[0]),
+            O::Rejected => count(state.counters[1]),
+            O::NewtonMax => count(state.counters[2]),
         }
     }
 
@@ -200,7 +222,7 @@ impl Readout {
         self.point.kin.X[body].compose(&ctx.tree.link_pose[link])
     }
 
-    /// What the actuator applies at this moment.
+    /// What the actuator applies at this moment; 0 for a joint without one.
     fn joint_effort(&self, model: &Model, state: &State, joint: JointId) -> f64 {
         let Some(body) = model.scalar_body(joint) else {
             return 0.0;
@@ -230,20 +252,17 @@ impl Readout {
         })
     }
 
-    /// Kinematics, contacts and joint terms of this moment.
-    fn update_forces(&mut self, ctx: &Context, state: &State) {
-        if !self.has_forces {
-            self.point.update(ctx, state, 0.0);
-            (self.has_kinematics, self.has_forces) = (true, true);
-        }
-    }
-
-    /// `vdot` of this moment.
-    fn update_accelerations(&mut self, ctx: &Context, state: &State) {
-        self.update_forces(ctx, state);
-        if !self.has_accelerations {
-            self.accelerations(ctx, state);
-            self.has_accelerations = true;
+    /// Spatial accelerations of the bodies, from `vdot` and the bias.
+    fn body_accelerations(&mut self, ctx: &Context) {
+        let kin = &self.point.kin;
+        forward(ctx.tree, &kin.S, &self.vdot, &mut self.A);
+        let g = ctx.tree.gravity;
+        for (A, C) in self.A.iter_mut().zip(&kin.C) {
+            for i in 0..3 {
+                A[i] += C[i];
+                // The bias accelerations have gravity as an upward acceleration of the base.
+                A[3 + i] += C[3 + i] + g[i];
+            }
         }
     }
 
@@ -287,6 +306,12 @@ impl Readout {
         tree.sparsity.factor(&mut self.factor);
         tree.sparsity.solve(&self.factor, &mut self.vdot);
     }
+}
+
+/// A counter as an output.
+#[expect(clippy::cast_precision_loss, reason = "counts stay far below 2^53")]
+fn count(counter: u64) -> f64 {
+    counter as f64
 }
 
 /// x, y, z, w.

@@ -1,8 +1,7 @@
 //! First time derivatives of outputs: of positions, orientations and velocities. Others (efforts, contact forces,
 //! accelerations, energies) have none: they may jump.
 
-use super::{Readout, joint_orientation, quaternion};
-use crate::kinematics::forward;
+use super::{Level, Readout, joint_orientation, quaternion};
 use crate::model::{BodyId, JointId, Model};
 use crate::sensor;
 use crate::slots::{Axis, OutputSlot};
@@ -27,11 +26,11 @@ impl Readout {
                 rpy_rate(&rpy_from_rotation(&self.point.kin.X[0].R), &omega, axis)
             }
             O::BaseLinearVelocity(axis) if model.is_floating() => {
-                self.update_accelerations(ctx, state);
+                self.prepare(ctx, state, Level::Accelerations);
                 self.vdot[3 + axis as usize]
             }
             O::BaseAngularVelocity(axis) if model.is_floating() => {
-                self.update_accelerations(ctx, state);
+                self.prepare(ctx, state, Level::Accelerations);
                 self.vdot[axis as usize]
             }
             O::BaseLinearVelocity(_) | O::BaseAngularVelocity(_) => 0.0,
@@ -54,12 +53,12 @@ impl Readout {
             }
             O::LinkAngularVelocity(link, axis) => {
                 let body = model.links[link.index()].body.index();
-                self.link_accelerations(ctx, state);
+                self.prepare(ctx, state, Level::BodyAccelerations);
                 self.A[body][axis as usize]
             }
             O::LinkLinearVelocity(link, axis) => {
                 let body = model.links[link.index()].body.index();
-                self.link_accelerations(ctx, state);
+                self.prepare(ctx, state, Level::BodyAccelerations);
                 let (A, V) = (&self.A[body], &self.point.kin.V[body]);
                 let r = self.link_pose(ctx, link.index()).p;
                 let omega = angular(V);
@@ -76,7 +75,7 @@ impl Readout {
                 world_quaternion_rate(q, &angular(&self.point.kin.V[body]), axis)
             }
             O::SensorAngularVelocity(sensor, axis) => {
-                self.link_accelerations(ctx, state);
+                self.prepare(ctx, state, Level::BodyAccelerations);
                 let (body, X) = sensor::pose(ctx, &self.point, sensor.index());
                 // In moving axes: `d(Rᵀω)/dt = Rᵀ α`, because ω does not turn in its own axes.
                 (X.R.transpose() * angular(&self.A[body]))[axis as usize]
@@ -100,23 +99,8 @@ impl Readout {
     }
 
     fn base_spin(&mut self, ctx: &Context, state: &State) -> Vec3 {
-        // Brings the kinematics up to date, too.
-        self.read(ctx, state, OutputSlot::BaseRpy(0));
+        self.prepare(ctx, state, Level::Kinematics);
         angular(&self.point.kin.V[0])
-    }
-
-    /// Fills `self.A` with the spatial accelerations of the bodies.
-    pub(super) fn link_accelerations(&mut self, ctx: &Context, state: &State) {
-        self.update_accelerations(ctx, state);
-        forward(ctx.tree, &self.point.kin.S, &self.vdot, &mut self.A);
-        let g = ctx.tree.gravity;
-        for (A, C) in self.A.iter_mut().zip(&self.point.kin.C) {
-            for i in 0..3 {
-                A[i] += C[i];
-                // The bias accelerations have gravity as an upward acceleration of the base.
-                A[3 + i] += C[3 + i] + g[i];
-            }
-        }
     }
 }
 
