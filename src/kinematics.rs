@@ -61,7 +61,7 @@ impl Kinematics {
     pub fn update_poses(&mut self, tree: &Tree, q: &[f64]) {
         for (b, body) in tree.bodies.iter().enumerate() {
             let mount = Mount {
-                base: &tree.base,
+                base: &tree.world.base,
                 parent: &self.X[body.parent],
                 X: &body.X,
                 ratio: body.ratio,

@@ -256,7 +256,7 @@ impl Readout {
     fn body_accelerations(&mut self, ctx: &Context) {
         let kin = &self.point.kin;
         forward(ctx.tree, &kin.S, &self.vdot, &mut self.A);
-        let g = ctx.tree.gravity;
+        let g = ctx.tree.world.gravity;
         for (A, C) in self.A.iter_mut().zip(&kin.C) {
             for i in 0..3 {
                 A[i] += C[i];

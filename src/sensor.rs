@@ -181,7 +181,7 @@ fn link_pose(ctx: &Context, point: &Point, link: usize) -> Pose {
 /// Acceleration less gravity of the point of a body that is at `x` from O.
 fn support(ctx: &Context, A: &Vec6, V: &Vec6, x: &Vec3) -> Vec3 {
     let omega = angular(V);
-    linear(A) + angular(A).cross(x) + omega.cross(&velocity_at(V, x)) - ctx.tree.gravity
+    linear(A) + angular(A).cross(x) + omega.cross(&velocity_at(V, x)) - ctx.tree.world.gravity
 }
 
 #[cfg(all(test, feature = "urdf"))]

@@ -170,8 +170,13 @@ impl Simulation {
         self.start = start;
         self.place();
         let finite = self.state.is_finite()
-            && self.tree.inertia.iter().all(|m| m.is_finite() && *m > 0.0)
-            && self.tree.stiffness.is_finite();
+            && self
+                .tree
+                .dofs
+                .inertia
+                .iter()
+                .all(|m| m.is_finite() && *m > 0.0)
+            && self.tree.contact.stiffness.is_finite();
         self.initialized = finite;
         if finite {
             Ok(())

@@ -6,192 +6,19 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
+mod parts;
 mod scale;
 
-pub use scale::LIMIT_DEFLECTION;
+pub use parts::{
+    Actuators, Contacts, Dofs, DryFriction, Extent, Tree, TreeBody, TreeCollider, Turning, World,
+};
 
-use crate::joint::Kind;
-use crate::model::{Combination, Joint, Limits, Model};
+use crate::model::{Combination, Model};
 use crate::parameters::Parameters;
 use crate::slots::ParameterSlot as P;
 use crate::sparsity::Sparsity;
 use crate::spatial::{Mat3, Pose, RigidInertia, Vec3, rotation_from_rpy};
-
-/// A body as the solver sees it.
-#[derive(Clone, Debug)]
-pub struct TreeBody {
-    /// Index of the parent; the base points to itself.
-    pub parent: usize,
-    /// How it moves in its parent.
-    pub kind: Kind,
-    /// Pose at joint zero in the parent's solver frame.
-    pub X: Pose,
-    /// First column.
-    pub column: usize,
-    /// Number of columns.
-    pub columns: usize,
-    /// First place in `q`.
-    pub coordinate: usize,
-    /// First place in `v`.
-    pub dof: usize,
-    /// Ratio of a mimic joint, else 1.
-    pub ratio: f64,
-    /// Offset of a mimic joint, else 0.
-    pub offset: f64,
-    /// kg
-    pub mass: f64,
-    /// Centre of mass in the solver frame, m.
-    pub com: Vec3,
-    /// Inertia about the centre of mass in the solver frame: xx, yy, zz, xy, xz, yz, kg·m².
-    pub I_cm: [f64; 6],
-}
-
-/// A collision shape as the solver sees it.
-#[derive(Clone, Debug)]
-pub struct TreeCollider {
-    /// Index of the body.
-    pub body: usize,
-    /// Index of the link.
-    pub link: usize,
-    /// Pose in the body's solver frame.
-    pub X: Pose,
-    /// Radius of a ball about `X.p` that holds the shape, m.
-    pub radius: f64,
-    /// Combined Coulomb coefficient with the ground, sliding.
-    pub mu: f64,
-    /// The same at rest, not below.
-    pub mu_at_rest: f64,
-    /// Combined coefficient of restitution with the ground.
-    pub restitution: f64,
-    /// Hunt–Crossley dissipation times approach speed for that restitution.
-    pub dissipation_number: f64,
-    /// Hunt–Crossley dissipation without restitution, s/m.
-    pub dissipation: f64,
-    /// Stiffness of a point, N/m.
-    pub stiffness: f64,
-    /// Penetration under the robot's weight on four such points, m.
-    pub penetration: f64,
-}
-
-/// Dry friction of a degree of freedom.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct DryFriction {
-    /// Far above the Stribeck speed, N·m or N.
-    pub moving: f64,
-    /// At rest, not below.
-    pub at_rest: f64,
-    /// Stribeck speed, rad/s or m/s; 0 without friction.
-    pub stribeck_velocity: f64,
-}
-
-impl DryFriction {
-    /// Adds that of a joint which moves `ratio` times as fast.
-    fn add(&mut self, joint: &Joint, friction: f64, ratio: f64) {
-        self.moving += friction * ratio;
-        self.at_rest += friction * ratio * (1.0 + joint.static_excess);
-        if friction * ratio > 0.0 {
-            let own = joint.stribeck_velocity / ratio;
-            self.stribeck_velocity = self.stribeck_velocity.max(own);
-        }
-    }
-}
-
-/// What all contacts of a link have in common against turning.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Turning {
-    /// Combined torsional and rolling friction with the ground, m.
-    pub coefficient: [f64; 2],
-    /// Inertia that the damping is critical for, kg·m².
-    pub inertia: f64,
-    /// As [`TreeCollider::stiffness`].
-    pub stiffness: f64,
-    /// As [`TreeCollider::penetration`].
-    pub penetration: f64,
-}
-
-impl Turning {
-    /// Whether there is any.
-    pub fn acts(&self) -> bool {
-        self.coefficient[0] > 0.0 || self.coefficient[1] > 0.0
-    }
-}
-
-/// Everything that follows from a model and its parameters and is constant in a step.
-#[derive(Clone, Debug)]
-pub struct Tree {
-    /// Parents before children.
-    pub bodies: Vec<TreeBody>,
-    /// Degree of freedom of each column.
-    pub dof: Vec<usize>,
-    /// Pattern of the joint-space matrix.
-    pub sparsity: Sparsity,
-    /// Whether every column is its own degree of freedom.
-    pub pure: bool,
-    /// Whether the articulated-body algorithm is cheaper than mass matrix and factor: chains of many joints.
-    pub long: bool,
-    /// Pose of each link in its body's solver frame.
-    pub link_pose: Vec<Pose>,
-    /// Pose of a fixed base in the world.
-    pub base: Pose,
-    /// Shapes on moving bodies, and the ground's plane z = 0 to touch; empty without a ground.
-    pub colliders: Vec<TreeCollider>,
-    /// Index of each entry of `colliders` in the model's list.
-    pub collider_index: Vec<usize>,
-    /// Friction against turning of each link's contacts.
-    pub turning: Vec<Turning>,
-    /// Whether any of them has some.
-    pub resists_turning: bool,
-    /// Which bodies are wheels: they carry nothing and are even about their joint's axis.
-    pub wheel: Vec<bool>,
-    /// m/s²
-    pub gravity: Vec3,
-    /// As [`crate::model::World::drag`], 1/s.
-    pub drag: f64,
-    /// Mass of all moving bodies, kg.
-    pub moving_mass: f64,
-    /// Contact stiffness of a point of a link that has none of its own, N/m.
-    pub stiffness: f64,
-    /// Dissipation of its contacts without restitution, and of joint limits, s/m.
-    pub dissipation: f64,
-    /// Sliding speed at which friction has lost most of what it has more at rest, m/s.
-    pub stribeck_velocity: f64,
-    /// Static penetration that the stiffness stands for, m.
-    pub penetration: f64,
-    /// Rotor inertia per degree of freedom.
-    pub armature: Vec<f64>,
-    /// Viscous damping per degree of freedom.
-    pub damping: Vec<f64>,
-    /// Dry friction per degree of freedom, at rest and far above the Stribeck speed, and that speed.
-    pub friction: Vec<DryFriction>,
-    /// Enforced speed limit per degree of freedom, rad/s or m/s; infinite without.
-    pub speed_limit: Vec<f64>,
-    /// Damping beyond the speed limit per degree of freedom, N·m·s/rad or N·s/m.
-    pub speed_damping: Vec<f64>,
-    /// Position limits per degree of freedom.
-    pub limits: Vec<Option<Limits>>,
-    /// Diagonal of the mass matrix at the initial position, per degree of freedom.
-    pub inertia: Vec<f64>,
-    /// Stiffness of the position limits per degree of freedom, N·m/rad or N/m.
-    pub limit_stiffness: Vec<f64>,
-    /// Stiffness and damping of each actuator as a velocity motor.
-    pub motors: Vec<(f64, f64)>,
-    /// Gains kp (N·m/rad or N/m) and kd (N·m·s/rad or N·s/m) of each actuator.
-    pub gains: Vec<[f64; 2]>,
-    /// Weight of an error in each degree of freedom, 1 at one metre or at one radian of a metre's reach.
-    pub weight: Vec<f64>,
-    /// Largest extent of the robot from its base, m.
-    pub reach: f64,
-}
-
-/// Standard gravity, m/s²: gives the weight that contact stiffness is made from, whatever the tunable gravity is.
-pub const REFERENCE_GRAVITY: f64 = 9.81;
-
-/// Multiplications per body that the articulated-body algorithm needs beyond the mass matrix' own, measured where
-/// both cost the same.
-const ARTICULATED_COST: usize = 150;
-
-/// Unevenness of a wheel, as a share of its inertia, that makes no difference.
-const WHEEL: f64 = 0.02;
+use crate::tuning::{ARTICULATED_COST, WHEEL};
 
 impl Tree {
     /// Derives the tree; masses, mounting and initial pose come from `parameters`.
@@ -203,45 +30,53 @@ impl Tree {
                 parameters.get(slot(2)),
             )
         };
+        let nv = model.nv();
         let mut tree = Self {
             bodies: Vec::with_capacity(model.bodies.len()),
+            trees: Vec::new(),
             dof: Vec::new(),
             sparsity: Sparsity::default(),
             pure: true,
             long: false,
             link_pose: Vec::new(),
-            base: Pose {
-                R: rotation_from_rpy(&axes(P::InitialBaseRpy)),
-                p: axes(P::InitialBasePosition),
+            world: World {
+                base: Pose {
+                    R: rotation_from_rpy(&axes(P::InitialBaseRpy)),
+                    p: axes(P::InitialBasePosition),
+                },
+                gravity: Vec3::zeros(),
+                drag: model.world.drag,
             },
-            colliders: Vec::new(),
-            collider_index: Vec::new(),
-            turning: vec![Turning::default(); model.links.len()],
-            resists_turning: false,
-            wheel: Vec::new(),
-            gravity: Vec3::zeros(),
-            drag: model.world.drag,
-            moving_mass: 0.0,
-            stiffness: 0.0,
-            dissipation: model.contact.dissipation,
-            stribeck_velocity: model.contact.stribeck_velocity,
-            penetration: model.contact.penetration,
-            armature: vec![0.0; model.nv()],
-            damping: vec![0.0; model.nv()],
-            friction: vec![DryFriction::default(); model.nv()],
-            speed_limit: vec![f64::INFINITY; model.nv()],
-            speed_damping: vec![0.0; model.nv()],
-            limits: model.dofs.iter().map(|d| d.limits).collect(),
-            inertia: vec![0.0; model.nv()],
-            limit_stiffness: vec![0.0; model.nv()],
-            motors: vec![(0.0, 0.0); model.actuators.len()],
-            gains: vec![[0.0; 2]; model.actuators.len()],
-            weight: vec![1.0; model.nv()],
-            reach: 0.0,
+            contact: Contacts {
+                colliders: Vec::new(),
+                turning: vec![Turning::default(); model.links.len()],
+                resists_turning: false,
+                stiffness: 0.0,
+                dissipation: model.contact.dissipation,
+                stribeck_velocity: model.contact.stribeck_velocity,
+                penetration: model.contact.penetration,
+            },
+            dofs: Dofs {
+                armature: vec![0.0; nv],
+                damping: vec![0.0; nv],
+                friction: vec![DryFriction::default(); nv],
+                speed_limit: vec![f64::INFINITY; nv],
+                speed_damping: vec![0.0; nv],
+                limits: model.dofs.iter().map(|d| d.limits).collect(),
+                limit_stiffness: vec![0.0; nv],
+                inertia: vec![0.0; nv],
+                weight: vec![1.0; nv],
+            },
+            actuators: Actuators {
+                motors: vec![(0.0, 0.0); model.actuators.len()],
+                gains: vec![[0.0; 2]; model.actuators.len()],
+            },
         };
         let turned = tree.add_bodies(model);
         tree.add_inertia(model, parameters, &turned);
-        tree.wheel = (0..tree.bodies.len()).map(|b| tree.is_wheel(b)).collect();
+        for b in 0..tree.bodies.len() {
+            tree.bodies[b].wheel = tree.is_wheel(b);
+        }
         tree.add_colliders(model, &turned);
         tree.sparsity = tree.pattern(model.nv());
         tree.long = tree.pure && tree.sparsity.factor_cost() > ARTICULATED_COST * tree.bodies.len();
@@ -250,10 +85,10 @@ impl Tree {
                 let body = &tree.bodies[body.index()];
                 for c in body.column..body.column + body.columns {
                     let dof = tree.dof[c];
-                    tree.armature[dof] += joint.armature * body.ratio * body.ratio;
+                    tree.dofs.armature[dof] += joint.armature * body.ratio * body.ratio;
                     if let Some(limit) = joint.velocity.filter(|_| joint.enforce_velocity) {
                         let limit = limit / body.ratio.abs();
-                        tree.speed_limit[dof] = tree.speed_limit[dof].min(limit);
+                        tree.dofs.speed_limit[dof] = tree.dofs.speed_limit[dof].min(limit);
                     }
                 }
             }
@@ -289,11 +124,28 @@ impl Tree {
                 dof: body.dof.index(),
                 ratio: body.ratio,
                 offset: body.offset,
+                wheel: false,
                 mass: 0.0,
                 com: Vec3::zeros(),
                 I_cm: [0.0; 6],
             });
             turned.push(R_BS);
+            let kind = body.motion.kind();
+            let (b, dof) = (self.bodies.len(), body.dof.index());
+            if kind.is_base() {
+                self.trees.push(Extent {
+                    bodies: b - 1..b,
+                    dofs: dof..dof,
+                    free: kind.is_free(),
+                    moving_mass: 0.0,
+                    reach: 0.0,
+                });
+            }
+            if let Some(tree) = self.trees.last_mut() {
+                tree.bodies.end = b;
+                // A mimic body has the place of the joint that it follows.
+                tree.dofs.end = tree.dofs.end.max(dof + columns);
+            }
         }
         turned
     }
@@ -328,8 +180,12 @@ impl Tree {
                 I[(0, 2)],
                 I[(1, 2)],
             ];
-            if body.kind.moves() {
-                self.moving_mass += body.mass;
+        }
+        for tree in &mut self.trees {
+            for body in &self.bodies[tree.bodies.clone()] {
+                if body.kind.moves() {
+                    tree.moving_mass += body.mass;
+                }
             }
         }
     }
@@ -338,6 +194,7 @@ impl Tree {
         let Some(ground) = &model.world.ground else {
             return;
         };
+        let mass = self.moving_mass();
         for (index, collider) in model.colliders.iter().enumerate() {
             let b = collider.body.index();
             if !self.bodies[b].kind.moves() {
@@ -345,7 +202,8 @@ impl Tree {
             }
             let R_SB = turned[b].transpose();
             let link = &model.links[collider.link.index()];
-            self.colliders.push(TreeCollider {
+            self.contact.colliders.push(TreeCollider {
+                index,
                 body: b,
                 link: collider.link.index(),
                 X: Pose {
@@ -357,21 +215,20 @@ impl Tree {
                 mu_at_rest: 0.0,
                 restitution: 0.0,
                 dissipation_number: f64::INFINITY,
-                dissipation: link.dissipation.unwrap_or(self.dissipation),
+                dissipation: link.dissipation.unwrap_or(self.contact.dissipation),
                 stiffness: 0.0,
                 penetration: 0.0,
             });
-            self.collider_index.push(index);
-            let turning = &mut self.turning[collider.link.index()];
+            let turning = &mut self.contact.turning[collider.link.index()];
             turning.coefficient = [
                 link.torsional_friction.max(ground.torsional_friction),
                 link.rolling_friction.max(ground.rolling_friction),
             ];
             // Half the robot at the shape's radius: a ball alone, or one wheel of four.
             let radius = collider.shape.bounding_radius();
-            let inertia = 0.5 * self.moving_mass * radius * radius;
+            let inertia = 0.5 * mass * radius * radius;
             turning.inertia = turning.inertia.max(inertia);
-            self.resists_turning |= turning.acts();
+            self.contact.resists_turning |= turning.acts();
         }
     }
 
@@ -394,16 +251,19 @@ impl Tree {
 
     /// Takes over the tunable parameters: what may change between two steps.
     pub fn tune(&mut self, model: &Model, parameters: &Parameters) {
-        self.gravity = Vec3::new(
+        self.world.gravity = Vec3::new(
             parameters.get(P::Gravity(0)),
             parameters.get(P::Gravity(1)),
             parameters.get(P::Gravity(2)),
         );
-        for (id, gains) in (0..).map(crate::model::ActuatorId).zip(&mut self.gains) {
+        for (id, gains) in (0..)
+            .map(crate::model::ActuatorId)
+            .zip(&mut self.actuators.gains)
+        {
             *gains = [parameters.get(P::Kp(id)), parameters.get(P::Kd(id))];
         }
-        self.damping.fill(0.0);
-        self.friction.fill(DryFriction::default());
+        self.dofs.damping.fill(0.0);
+        self.dofs.friction.fill(DryFriction::default());
         for (id, joint) in (0..).map(crate::model::JointId).zip(&model.joints) {
             let (damping, friction) = (
                 parameters.get(P::JointDamping(id)),
@@ -416,8 +276,8 @@ impl Tree {
                 }
                 for c in body.column..body.column + body.columns {
                     let dof = self.dof[c];
-                    self.damping[dof] += damping * body.ratio * body.ratio;
-                    self.friction[dof].add(joint, friction, body.ratio.abs());
+                    self.dofs.damping[dof] += damping * body.ratio * body.ratio;
+                    self.dofs.friction[dof].add(joint, friction, body.ratio.abs());
                 }
             }
         }
@@ -429,7 +289,7 @@ impl Tree {
             Combination::Mean => harmonic_mean,
             Combination::Product => |a: f64, b: f64| a * b,
         };
-        for collider in &mut self.colliders {
+        for collider in &mut self.contact.colliders {
             let link = &model.links[collider.link];
             let mu = parameters.get(P::LinkFriction(collider.link.into()));
             collider.mu = combined(mu, ground_mu);
@@ -461,19 +321,6 @@ impl Tree {
         body.kind.turns_about_its_axis()
             && uneven <= WHEEL * (xx + yy + zz)
             && self.bodies.iter().skip(1).all(|b| b.parent != index)
-    }
-
-    /// Brings the quaternions in `q` back to unit length.
-    pub fn normalize(&self, q: &mut [f64]) {
-        for body in &self.bodies {
-            body.kind.normalize(&mut q[body.coordinate..]);
-        }
-    }
-
-    /// Whether the base floats.
-    #[inline]
-    pub fn is_free(&self) -> bool {
-        self.bodies[0].kind.is_free()
     }
 }
 

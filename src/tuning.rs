@@ -223,3 +223,20 @@ pub const TURN: f64 = 0.005;
 pub const AHEAD: f64 = 0.75;
 /// Most parts of a step.
 pub const MAX_PARTS: f64 = 32.0;
+
+// The robot as the solver sees it: `tree.rs`, `tree/scale.rs`.
+
+/// Standard gravity, m/s²: gives the weight that contact stiffness is made from, whatever the
+/// tunable gravity is.
+pub const REFERENCE_GRAVITY: f64 = 9.81;
+/// Multiplications per body that the articulated-body algorithm needs beyond the mass matrix' own,
+/// measured where both cost the same.
+pub const ARTICULATED_COST: usize = 150;
+/// Unevenness of a wheel, as a share of its inertia, that makes no difference.
+pub const WHEEL: f64 = 0.02;
+/// Position error of a limit under the joint's effort limit, rad or m.
+pub const LIMIT_DEFLECTION: f64 = 1e-4;
+/// Share by which the joint's effort limit drives it beyond its enforced speed limit.
+pub const OVERSPEED: f64 = 0.01;
+/// Longest time that a joint takes to fall back to its enforced speed limit, s.
+pub const SPEED_RELAXATION: f64 = 1e-3;

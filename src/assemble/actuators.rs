@@ -5,9 +5,7 @@ use super::initial::{Poses, reach};
 use super::robot::{Lines, is_scalar, kind_name};
 use crate::model::{Actuator, ActuatorMode, JointId, JointKind, Model};
 use crate::settings::{ActuatorSettings, Compat, ModeChoice, Settings};
-
-/// Standard gravity, m/s², for the default effort; the tunable gravity may be anything.
-const REFERENCE_GRAVITY: f64 = 9.81;
+use crate::tuning::REFERENCE_GRAVITY;
 
 /// Shortest lever of a default effort, m.
 const SHORTEST_REACH: f64 = 0.1;
@@ -25,7 +23,7 @@ pub(super) fn add(
 ) {
     let chosen = choices(model, settings, findings);
     // Able to carry the whole robot at its full reach twice over, or ten times its weight.
-    let weight = poses.tree.moving_mass * REFERENCE_GRAVITY;
+    let weight = poses.tree.moving_mass() * REFERENCE_GRAVITY;
     let turning = (2.0 * weight * reach(model, poses).max(SHORTEST_REACH)).max(SMALLEST_EFFORT);
     let sliding = (10.0 * weight).max(SMALLEST_EFFORT);
     let (mut without, mut without_gains, mut powerless) = (Vec::new(), Vec::new(), Vec::new());

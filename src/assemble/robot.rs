@@ -10,7 +10,7 @@ use crate::settings::{
     static_excess,
 };
 use crate::spatial::{Mat3, Pose, RigidInertia, Vec3};
-use crate::tree::REFERENCE_GRAVITY;
+use crate::tuning::REFERENCE_GRAVITY;
 use crate::urdf::{CollisionDescription, Description, JointDescription, LinkDescription, Place};
 
 /// Stribeck speed of a joint where the settings give none, rad/s or m/s.

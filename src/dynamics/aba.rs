@@ -63,10 +63,10 @@ impl Articulated {
         wrenches: (&[ExternalWrench], f64),
         vdot: &mut [f64],
     ) {
-        self.accelerations_with(tree, kin, v, &tree.armature, tau, wrenches, vdot);
+        self.accelerations_with(tree, kin, v, &tree.dofs.armature, tau, wrenches, vdot);
     }
 
-    /// The same with another diagonal than [`Tree::armature`] added to the mass matrix.
+    /// The same with another diagonal than [`crate::tree::Dofs::armature`] added to the mass matrix.
     ///
     /// # Panics
     /// If the tree has mimic joints.
@@ -196,7 +196,7 @@ impl Articulated {
         tau: &[f64],
         vdot: &mut [f64],
     ) {
-        let g = tree.gravity;
+        let g = tree.world.gravity;
         let base = &tree.bodies[0];
         self.A[0] = if base.kind.is_free() {
             let mut a0 = self.c[0];

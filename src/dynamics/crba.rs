@@ -62,7 +62,7 @@ pub fn mass_matrix(tree: &Tree, kin: &mut Kinematics) {
         let sub = composite[b];
         composite[body.parent].add(&sub);
     }
-    for (k, armature) in tree.armature.iter().enumerate() {
+    for (k, armature) in tree.dofs.armature.iter().enumerate() {
         let diagonal = &mut M[pattern.diagonal(k)];
         *diagonal += armature;
         inverse_diagonal[k] = 1.0 / diagonal.max(f64::MIN_POSITIVE);
@@ -82,7 +82,7 @@ pub fn diagonal(tree: &Tree, kin: &mut Kinematics) {
     for b in (0..tree.bodies.len()).rev() {
         let body = &tree.bodies[b];
         for c in body.column..body.column + body.columns {
-            let diagonal = dot6(&S[c], &composite[b].mul(&S[c])) + tree.armature[c];
+            let diagonal = dot6(&S[c], &composite[b].mul(&S[c])) + tree.dofs.armature[c];
             inverse_diagonal[c] = 1.0 / diagonal.max(f64::MIN_POSITIVE);
         }
         if b > 0 {

@@ -14,7 +14,13 @@ pub fn kinetic(tree: &Tree, kin: &Kinematics, v: &[f64]) -> f64 {
         .zip(&kin.I)
         .map(|(V, I)| dot6(V, &I.mul(V)))
         .sum();
-    let rotors: f64 = tree.armature.iter().zip(v).map(|(a, v)| a * v * v).sum();
+    let rotors: f64 = tree
+        .dofs
+        .armature
+        .iter()
+        .zip(v)
+        .map(|(a, v)| a * v * v)
+        .sum();
     0.5 * (bodies + rotors)
 }
 
@@ -26,7 +32,7 @@ pub fn potential(tree: &Tree, kin: &Kinematics) -> f64 {
         .filter(|(body, _)| body.kind.moves())
         .map(|(_, I)| {
             let moment = Vec3::from(I.moment) + kin.origin * I.mass;
-            -tree.gravity.dot(&moment)
+            -tree.world.gravity.dot(&moment)
         })
         .sum()
 }

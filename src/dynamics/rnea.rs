@@ -48,7 +48,7 @@ pub fn bias(tree: &Tree, kin: &mut Kinematics, v: &[f64], wrenches: &[ExternalWr
 /// Force that each body needs for `vdot = 0`, with gravity as an upward acceleration of the base.
 fn body_forces(tree: &Tree, kin: &mut Kinematics, v: &[f64], force: &mut [Vec6]) {
     let Kinematics { S, V, I, C, .. } = kin;
-    let g = tree.gravity;
+    let g = tree.world.gravity;
     for (b, body) in tree.bodies.iter().enumerate() {
         let V_b = &V[b];
         let mut A = if body.kind.is_base() {
@@ -100,7 +100,7 @@ pub(crate) fn about_origin(kin: &Kinematics, w: &ExternalWrench, t: f64) -> Vec6
 
 /// Adds the drag of every body to the forces that the bodies need; see [`crate::model::World::drag`].
 pub(super) fn add_drag(tree: &Tree, kin: &Kinematics, force: &mut [Vec6]) {
-    if tree.drag == 0.0 {
+    if tree.world.drag == 0.0 {
         return;
     }
     for (b, I) in kin.I.iter().enumerate() {
@@ -112,8 +112,8 @@ pub(super) fn add_drag(tree: &Tree, kin: &Kinematics, force: &mut [Vec6]) {
         let p = linear(&momentum);
         let orbit = Vec3::from(I.moment).cross(&p) / I.mass;
         let spin = angular(&momentum) - orbit;
-        let along = tree.drag * (1.0 + p.norm() / I.mass);
-        let about = tree.drag * (1.0 + angular(&kin.V[b]).norm());
+        let along = tree.world.drag * (1.0 + p.norm() / I.mass);
+        let about = tree.world.drag * (1.0 + angular(&kin.V[b]).norm());
         let torque = spin * about + orbit * along;
         let F = &mut force[b];
         for i in 0..3 {

@@ -36,7 +36,7 @@ fn case_of(model: &Model, mut random: Random) -> Case {
     let floating = model.is_floating();
     let mut tree = Tree::new(model, &Parameters::new(model));
     for k in 0..model.nv() {
-        tree.armature[k] = if k < 6 && floating { 0.0 } else { 0.01 };
+        tree.dofs.armature[k] = if k < 6 && floating { 0.0 } else { 0.01 };
     }
     let v: Vec<f64> = (0..model.nv()).map(|_| random.uniform(-1.0, 1.0)).collect();
     let far: Vec<f64> = (0..model.nv()).map(|_| random.uniform(-3.0, 3.0)).collect();
@@ -172,9 +172,9 @@ fn power_of_the_joint_forces_is_the_rate_of_the_energy() {
 fn joint_forces_do_not_change_the_momentum_of_a_free_robot() {
     for seed in 0..20 {
         let mut case = case(seed, 8, true, seed % 2 == 0);
-        case.tree.gravity = Vec3::zeros();
+        case.tree.world.gravity = Vec3::zeros();
         case.update();
-        case.tree.armature.fill(0.0);
+        case.tree.dofs.armature.fill(0.0);
         case.update();
         let mut random = Random(seed + 1000);
         let mut tau: Vec<f64> = case.v.iter().map(|_| random.uniform(-5.0, 5.0)).collect();

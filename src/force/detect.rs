@@ -64,11 +64,11 @@ pub fn detect(
     contacts: &mut Vec<Contact>,
 ) {
     contacts.clear();
-    if tree.colliders.is_empty() {
+    if tree.contact.colliders.is_empty() {
         return;
     }
     let plane = Plane::GROUND;
-    let g = tree.gravity.norm();
+    let g = tree.world.gravity.norm();
     let mut finder = Finder {
         tree,
         touches,
@@ -84,7 +84,8 @@ pub fn detect(
         gravity: g,
         contacts,
     };
-    for (collider, &index) in tree.colliders.iter().zip(&tree.collider_index) {
+    for collider in &tree.contact.colliders {
+        let index = collider.index;
         let (X_OB, V) = (&kin.X[collider.body], &kin.V[collider.body]);
         let center = X_OB.p + X_OB.R * collider.X.p;
         let clearance = finder.height + plane.normal.dot(&center) - collider.radius;
@@ -104,8 +105,8 @@ pub fn detect(
 pub fn is_clear(tree: &Tree, kin: &Kinematics, h: f64) -> bool {
     let plane = Plane::GROUND;
     let height = plane.normal.dot(&kin.origin) - plane.offset;
-    let fall = 2.0 * h * h * tree.gravity.norm();
-    tree.colliders.iter().all(|collider| {
+    let fall = 2.0 * h * h * tree.world.gravity.norm();
+    tree.contact.colliders.iter().all(|collider| {
         let (X_OB, V) = (&kin.X[collider.body], &kin.V[collider.body]);
         let center = X_OB.p + X_OB.R * collider.X.p;
         let clearance = height + plane.normal.dot(&center) - collider.radius;
@@ -141,7 +142,7 @@ impl Finder<'_> {
         if nominal != self.nominal {
             self.nominal = nominal;
             self.stiffness = nominal.min(self.stiffness_limit);
-            let mass = 0.25 * self.tree.moving_mass;
+            let mass = 0.25 * self.tree.moving_mass();
             self.damping = 2.0 * (TANGENTIAL_RATIO * self.stiffness * mass).sqrt();
         }
     }
@@ -339,7 +340,7 @@ impl Finder<'_> {
     #[inline]
     fn friction(&self, collider: &TreeCollider, u: &Vec3) -> f64 {
         if collider.mu_at_rest > collider.mu {
-            let reference = self.tree.stribeck_velocity;
+            let reference = self.tree.contact.stribeck_velocity;
             stribeck(collider.mu_at_rest, collider.mu, u.norm(), reference)
         } else {
             collider.mu

@@ -190,15 +190,15 @@ impl JointTerm {
     /// Sets it up for a step.
     pub(super) fn set(&mut self, s: &Start) {
         let (tree, dof) = (s.tree, self.dof);
-        self.damping = tree.damping[dof];
+        self.damping = tree.dofs.damping[dof];
         self.limit = HuntCrossley {
-            stiffness: tree.limit_stiffness[dof],
-            dissipation: tree.dissipation,
+            stiffness: tree.dofs.limit_stiffness[dof],
+            dissipation: tree.contact.dissipation,
         };
-        self.speed_limit = tree.speed_limit[dof];
-        self.speed_damping = tree.speed_damping[dof];
+        self.speed_limit = tree.dofs.speed_limit[dof];
+        self.speed_damping = tree.dofs.speed_damping[dof];
         self.dry = dry_friction(s, dof);
-        if let Some(limits) = &tree.limits[dof] {
+        if let Some(limits) = &tree.dofs.limits[dof] {
             let q = s.q[self.coordinate];
             self.gap = [q - limits.lower, limits.upper - q];
         }
@@ -225,7 +225,7 @@ impl JointTerm {
             }
             ActuatorMode::Effort => Drive::Effort(effort(s.model, index, command)),
             ActuatorMode::Velocity => {
-                let (stiffness, damping) = s.tree.motors[index];
+                let (stiffness, damping) = s.tree.actuators.motors[index];
                 let mut element = ElastoPlastic {
                     cap,
                     stiffness,
@@ -262,7 +262,7 @@ impl JointTerm {
                 }
             }
             ActuatorMode::Pd => {
-                let [kp, kd] = s.tree.gains[index];
+                let [kp, kd] = s.tree.actuators.gains[index];
                 Drive::Pd {
                     offset: command.effort + kp * (command.position - q) + kd * command.velocity,
                     kp,
@@ -276,7 +276,7 @@ impl JointTerm {
 
 /// Dry friction of a degree of freedom at the start of a step.
 fn dry_friction(s: &Start, dof: usize) -> ElastoPlastic<f64> {
-    let friction = &s.tree.friction[dof];
+    let friction = &s.tree.dofs.friction[dof];
     if friction.moving <= 0.0 {
         return ElastoPlastic::default();
     }
@@ -290,7 +290,7 @@ fn dry_friction(s: &Start, dof: usize) -> ElastoPlastic<f64> {
     ElastoPlastic {
         cap,
         stiffness,
-        damping: 2.0 * (stiffness * s.tree.inertia[dof]).sqrt(),
+        damping: 2.0 * (stiffness * s.tree.dofs.inertia[dof]).sqrt(),
         displacement: s.memory.dry[dof],
     }
 }

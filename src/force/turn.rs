@@ -47,12 +47,12 @@ pub fn find_turns(
     turns: &mut Vec<Turn>,
 ) {
     turns.clear();
-    if !tree.resists_turning {
+    if !tree.contact.resists_turning {
         return;
     }
     let mut touches = touches.iter().peekable();
     for (index, contact) in contacts.iter().enumerate() {
-        let turning = &tree.turning[contact.link];
+        let turning = &tree.contact.turning[contact.link];
         if !turning.acts() {
             continue;
         }

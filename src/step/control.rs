@@ -325,8 +325,8 @@ impl Stepper {
                 continue;
             }
             let (cap, error) = term.drive.velocity_error(state.v[term.dof]);
-            let time = ctx.tree.inertia[term.dof] * error / cap;
-            let moved = error * capped.min(remaining) * ctx.tree.weight[term.dof];
+            let time = ctx.tree.dofs.inertia[term.dof] * error / cap;
+            let moved = error * capped.min(remaining) * ctx.tree.dofs.weight[term.dof];
             if moved > ctx.tolerance && time < capped {
                 capped = time.max(COMMAND_STEP);
             }
@@ -337,7 +337,7 @@ impl Stepper {
     /// Ends the step where the first point touches down or the first joint reaches its limit; takes a bounce in parts of
     /// its own time.
     fn cap_by_touchdown(&self, ctx: &Context, state: &State, h: f64) -> f64 {
-        let (mass, rules) = (ctx.tree.moving_mass, ctx.rules);
+        let (mass, rules) = (ctx.tree.moving_mass(), ctx.rules);
         let mut capped = h;
         for contact in &self.start.terms.contacts {
             if contact.gap > 0.0 {

@@ -278,7 +278,7 @@ impl Newton {
     fn cancelled(&self, p: &Problem) -> f64 {
         let D2 = &p.kin.inverse_diagonal;
         let lightest = D2.iter().fold(0.0, |m: f64, d| m.max(*d));
-        let lever = 1.0 + p.tree.reach;
+        let lever = 1.0 + p.tree.reach();
         let responses = self.responses.iter().chain(&self.turn_responses);
         let sum: f64 = responses.map(|r| r.impulse.norm_squared()).sum();
         ROUND_OFF * ROUND_OFF * lightest * lever * lever * sum

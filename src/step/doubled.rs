@@ -11,7 +11,7 @@ use crate::step::convex::Newton;
 use crate::step::energy::{EXTRAPOLATION_GAIN, work};
 use crate::step::point::{Context, Point};
 use crate::step::smooth::range;
-use crate::tree::REFERENCE_GRAVITY;
+use crate::tuning::REFERENCE_GRAVITY;
 use crate::tuning::{LAG_SHARE, MAX_ATTEMPTS, VELOCITY_WEIGHT};
 
 impl Stepper {
@@ -36,7 +36,7 @@ impl Stepper {
 
     /// Whether the friction cones of the full solve over `h` seconds are too far off those that it has found.
     pub(super) fn cones_lag(&self, ctx: &Context, h: f64) -> bool {
-        let mass = ctx.tree.moving_mass;
+        let mass = ctx.tree.moving_mass();
         let allowed = LAG_SHARE * ctx.tolerance * mass / VELOCITY_WEIGHT;
         ctx.rules.cones
             && h * Cones::lag(&self.start, &self.full, (mass, ctx.tolerance), h) > allowed
@@ -118,7 +118,7 @@ impl Stepper {
         difference(tree, &self.q_halves, &self.q_full, &mut self.difference);
         let velocities = self.second.v.iter().zip(&self.full.v).map(|(b, f)| b - f);
         let errors = self.difference.iter().copied().zip(velocities);
-        worst_error(errors, &tree.weight) / ctx.tolerance
+        worst_error(errors, &tree.dofs.weight) / ctx.tolerance
     }
 
     /// Whether a step of `h` seconds may reach beyond the communication point: inputs stay as they are, nothing touches, and
@@ -130,7 +130,8 @@ impl Stepper {
             && self.start.terms.joints.iter().all(|term| {
                 // An impact on a limit is no polynomial.
                 let resting = term.gap[0].min(term.gap[1]) > 0.0
-                    || h * state.v[term.dof].abs() * ctx.tree.weight[term.dof] <= ctx.tolerance;
+                    || h * state.v[term.dof].abs() * ctx.tree.dofs.weight[term.dof]
+                        <= ctx.tolerance;
                 resting && term.dry.cap <= 0.0 && !matches!(term.drive, Drive::Velocity { .. })
             })
             && is_clear(ctx.tree, &self.start.kin, h)
@@ -140,8 +141,8 @@ impl Stepper {
     /// on the way than at its ends: the polynomial that joins them knows nothing of the limit's spring.
     pub(super) fn meets_limit(&self, ctx: &Context, state: &State, h: f64) -> bool {
         let tree = ctx.tree;
-        let weight = tree.moving_mass * REFERENCE_GRAVITY;
-        let allowed = EXTRAPOLATION_GAIN * ctx.tolerance * weight * tree.reach;
+        let weight = tree.moving_mass() * REFERENCE_GRAVITY;
+        let allowed = EXTRAPOLATION_GAIN * ctx.tolerance * weight * tree.reach();
         self.start.terms.joints.iter().any(|term| {
             let (place, dof) = (term.coordinate, term.dof);
             let q = [state.q[place], self.q_halves[place]];

@@ -14,7 +14,8 @@ use crate::state::State;
 use crate::step::control::Stepper;
 use crate::step::convex::Newton;
 use crate::step::point::{Context, Point, stiffness_limit};
-use crate::tree::{REFERENCE_GRAVITY, Tree};
+use crate::tree::Tree;
+use crate::tuning::REFERENCE_GRAVITY;
 
 /// Energy that a fixed step may make out of nothing, as a share of kinetic energy and weight times reach: hundreds of steps
 /// together a thousandth.
@@ -44,7 +45,7 @@ impl Stepper {
                 + potential(tree, kin)
                 + terms.springs()
                 + self.limits(ctx, &state.q),
-            allowed: share * (moving + tree.moving_mass * REFERENCE_GRAVITY * tree.reach),
+            allowed: share * (moving + tree.moving_mass() * REFERENCE_GRAVITY * tree.reach()),
         }
     }
 
@@ -89,8 +90,8 @@ impl Stepper {
     /// Whether `rise`, J, is more than `share` of the kinetic energy of `state` and weight times reach.
     fn exceeds(&self, ctx: &Context, state: &State, rise: f64, share: f64) -> bool {
         let tree = ctx.tree;
-        let weight = tree.moving_mass * REFERENCE_GRAVITY;
-        let allowed = share * weight * tree.reach;
+        let weight = tree.moving_mass() * REFERENCE_GRAVITY;
+        let allowed = share * weight * tree.reach();
         // A number that is none must not pass.
         ctx.rules.energy
             && (rise.is_nan()
@@ -142,7 +143,7 @@ impl Stepper {
     fn limits(&self, ctx: &Context, q: &[f64]) -> f64 {
         let mut sum = 0.0;
         for term in &self.start.terms.joints {
-            if let Some(limits) = &ctx.tree.limits[term.dof] {
+            if let Some(limits) = &ctx.tree.dofs.limits[term.dof] {
                 let q = q[term.coordinate];
                 let depth = (limits.lower - q).max(q - limits.upper).max(0.0);
                 sum += term.limit.stored(-depth);
@@ -183,8 +184,8 @@ fn lifted(
     let mut rise = 0.0;
     for (body, (I, way)) in tree.bodies.iter().zip(kin.I.iter().zip(way.iter())) {
         if body.kind.moves() {
-            let torque = Vec3::from(I.moment).cross(&tree.gravity);
-            rise -= torque.dot(&angular(way)) + I.mass * tree.gravity.dot(&linear(way));
+            let torque = Vec3::from(I.moment).cross(&tree.world.gravity);
+            rise -= torque.dot(&angular(way)) + I.mass * tree.world.gravity.dot(&linear(way));
         }
     }
     for (contact, v) in point.terms.contacts.iter().zip(&solved.point_velocity) {

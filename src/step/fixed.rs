@@ -238,9 +238,9 @@ fn fixed_problem<'a>(start: &'a Point, tree: &'a Tree, h: f64) -> Problem<'a> {
 /// How fast anything turns that is not a wheel, rad/s.
 fn fastest(ctx: &Context, v: &[f64]) -> f64 {
     let mut fastest = 0.0;
-    for (index, body) in ctx.tree.bodies.iter().enumerate() {
+    for body in &ctx.tree.bodies {
         let rate = body.kind.turn_rate(body.ratio, &v[body.dof..]);
-        if rate > fastest && !ctx.tree.wheel[index] {
+        if rate > fastest && !body.wheel {
             fastest = rate;
         }
     }

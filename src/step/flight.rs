@@ -68,7 +68,7 @@ impl Stepper {
     pub(super) fn flight(&mut self, ctx: &Context, state: &State) -> Option<Flight> {
         let tree = ctx.tree;
         let free = tree.is_free();
-        let undisturbed = tree.drag == 0.0 && ctx.inputs.wrenches.is_empty();
+        let undisturbed = tree.world.drag == 0.0 && ctx.inputs.wrenches.is_empty();
         if !ctx.rules.momentum || !free || !undisturbed || !state.memory.touches.is_empty() {
             return None;
         }
@@ -89,7 +89,7 @@ impl Stepper {
         }
         self.end.pose(ctx, state);
         let now = Flight::of(&self.end.kin);
-        let (mass, gravity) = (now.inertia.mass, ctx.tree.gravity);
+        let (mass, gravity) = (now.inertia.mass, ctx.tree.world.gravity);
         let way = flight.linear * (h / mass) + gravity * (0.5 * h * h);
         // Differences first: far from the world's origin its digits are few.
         let moved = (flight.origin - now.origin) + (flight.center - now.center) + way;

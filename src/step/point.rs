@@ -151,7 +151,7 @@ impl Point {
 pub(super) fn stiffness_limit(ctx: &Context, h: f64) -> f64 {
     if ctx.fixed_step > 0.0 {
         let omega = std::f64::consts::TAU / h.max(f64::MIN_POSITIVE);
-        0.25 * ctx.tree.moving_mass * omega * omega
+        0.25 * ctx.tree.moving_mass() * omega * omega
     } else {
         f64::INFINITY
     }

@@ -401,7 +401,7 @@ impl Explicit {
         let acceleration = &mut self.v_rate[stage];
         self.effort.fill(0.0);
         if tree.long {
-            self.armature.copy_from_slice(&tree.armature);
+            self.armature.copy_from_slice(&tree.dofs.armature);
         }
         for term in system.joints {
             let v = v[term.dof];

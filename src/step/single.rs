@@ -48,7 +48,7 @@ impl Stepper {
             let change = v - v0;
             (0.5 * h * change, 0.5 * (change - h * trend))
         });
-        worst_error(errors, &ctx.tree.weight) / ctx.tolerance
+        worst_error(errors, &ctx.tree.dofs.weight) / ctx.tolerance
     }
 
     /// Keeps where a step starts, before its result goes into `state`.
@@ -109,7 +109,7 @@ impl Stepper {
                 (moved, h * h * (velocity - 0.5 * jerk))
             },
         );
-        worst_error(errors, &ctx.tree.weight) / ctx.tolerance
+        worst_error(errors, &ctx.tree.dofs.weight) / ctx.tolerance
     }
 
     /// Takes the full solve into the state less its known error, which moves positions by `self.difference`, and bodies by what

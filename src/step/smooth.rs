@@ -118,7 +118,7 @@ impl Stepper {
         self.explicit.estimate(pair, ctx.tree, h);
         let [velocity, position] = &self.explicit.error;
         let errors = position.iter().copied().zip(velocity.iter().copied());
-        let error = worst_error(errors, &ctx.tree.weight) / (pair.share * ctx.tolerance);
+        let error = worst_error(errors, &ctx.tree.dofs.weight) / (pair.share * ctx.tolerance);
         if self.stays_free(ctx, state, h) {
             error
         } else {
@@ -170,7 +170,7 @@ impl Stepper {
     /// Whether the explicit step just taken from `state` has stayed within all limits, and has ended off the ground.
     fn stays_free(&self, ctx: &Context, state: &State, h: f64) -> bool {
         let within = self.start.terms.joints.iter().all(|term| {
-            ctx.tree.limits[term.dof].is_none_or(|limits| {
+            ctx.tree.dofs.limits[term.dof].is_none_or(|limits| {
                 let (place, dof) = (term.coordinate, term.dof);
                 let (q, v) = (&self.explicit.q, &self.explicit.v);
                 let [low, high] = range([state.q[place], q[place]], [state.v[dof], v[dof]], h);

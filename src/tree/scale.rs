@@ -1,18 +1,11 @@
 //! What follows from the robot in its initial position: stiffness of contacts, limits and motors, error weights.
 
-use super::{REFERENCE_GRAVITY, Tree};
+use super::parts::Tree;
 use crate::joint::Sweep;
 use crate::law::motor_constants;
 use crate::model::Model;
 use crate::spatial::{Pose, Vec3};
-
-/// Share by which the joint's effort limit drives it beyond its enforced speed limit.
-const OVERSPEED: f64 = 0.01;
-/// Longest time that a joint takes to fall back to its enforced speed limit, s.
-const SPEED_RELAXATION: f64 = 1e-3;
-
-/// Position error of a limit, or of a servo under its reference effort, rad or m.
-pub const LIMIT_DEFLECTION: f64 = 1e-4;
+use crate::tuning::{LIMIT_DEFLECTION, OVERSPEED, REFERENCE_GRAVITY, SPEED_RELAXATION};
 
 impl Tree {
     /// Sets what depends on the initial position: stiffness of contacts and limits, error weights.
@@ -20,24 +13,25 @@ impl Tree {
     /// - `inertia`: diagonal of the mass matrix, per degree of freedom
     /// - `poses`: pose of each body's solver frame, relative to the base
     pub fn scale(&mut self, model: &Model, inertia: &[f64], poses: &[Pose]) {
-        let weight = self.moving_mass * REFERENCE_GRAVITY;
-        self.stiffness = model
+        let mass = self.moving_mass();
+        let weight = mass * REFERENCE_GRAVITY;
+        self.contact.stiffness = model
             .contact
             .stiffness
             .unwrap_or(weight / (4.0 * model.contact.penetration));
-        self.penetration = model
+        self.contact.penetration = model
             .contact
             .stiffness
             .map_or(model.contact.penetration, |k| weight / (4.0 * k));
-        for collider in &mut self.colliders {
+        for collider in &mut self.contact.colliders {
             let own = model.links[collider.link].stiffness;
-            collider.stiffness = own.unwrap_or(self.stiffness);
-            collider.penetration = own.map_or(self.penetration, |k| weight / (4.0 * k));
-            let turning = &mut self.turning[collider.link];
+            collider.stiffness = own.unwrap_or(self.contact.stiffness);
+            collider.penetration = own.map_or(self.contact.penetration, |k| weight / (4.0 * k));
+            let turning = &mut self.contact.turning[collider.link];
             turning.stiffness = collider.stiffness;
             turning.penetration = collider.penetration;
         }
-        self.inertia.copy_from_slice(inertia);
+        self.dofs.inertia.copy_from_slice(inertia);
         // Reach: farthest shape or centre of mass, from the base and from each joint's axis, over its subtree.
         let mut points: Vec<(usize, Vec3, f64)> = model
             .colliders
@@ -58,11 +52,15 @@ impl Tree {
                 points.push((b, poses[b].point(&body.com), 0.0));
             }
         }
-        self.reach = points
+        let reach = points
             .iter()
             .map(|(_, p, r)| p.norm() + r)
             .fold(0.0, f64::max)
             .max(0.01);
+        // Poses are from the one base that all trees share so far.
+        for tree in &mut self.trees {
+            tree.reach = reach;
+        }
         let mut subtree_mass: Vec<f64> = self.bodies.iter().map(|b| b.mass).collect();
         for b in (1..self.bodies.len()).rev() {
             let m = subtree_mass[b];
@@ -90,31 +88,31 @@ impl Tree {
                 let dof = self.dof[c];
                 levers[dof] = lever(Some(poses[b].R.column(2).into_owned()));
                 let gyration = (inertia[dof] / subtree_mass[b].max(1e-12)).sqrt();
-                self.weight[dof] = match body.kind.sweep(c - body.column) {
+                self.dofs.weight[dof] = match body.kind.sweep(c - body.column) {
                     Sweep::Along => 1.0,
-                    Sweep::AboutPoint if body.kind.is_base() => self.reach.max(gyration).min(1.0),
+                    Sweep::AboutPoint if body.kind.is_base() => reach.max(gyration).min(1.0),
                     Sweep::AboutPoint => lever(None).max(gyration).min(1.0),
                     Sweep::AboutAxis => levers[dof].max(gyration).min(1.0),
                 };
             }
         }
-        for (motor, actuator) in self.motors.iter_mut().zip(&model.actuators) {
+        for (motor, actuator) in self.actuators.motors.iter_mut().zip(&model.actuators) {
             let dof = actuator.dof.index();
             // A wheel on the ground carries the whole robot along: damped for itself alone it would overshoot.
-            let inertia = inertia[dof].max(self.moving_mass * levers[dof] * levers[dof]);
+            let inertia = inertia[dof].max(mass * levers[dof] * levers[dof]);
             *motor = motor_constants(actuator.reference_effort, inertia);
         }
-        for (k, dof) in self.limit_stiffness.iter_mut().zip(0..) {
+        for (k, dof) in self.dofs.limit_stiffness.iter_mut().zip(0..) {
             let joint = model.bodies[model.dofs[dof].body.index()].joint;
             let effort = joint
                 .and_then(|j| model.joints[j.index()].effort)
                 .unwrap_or(0.0);
             let effort = if effort.is_finite() { effort } else { 0.0 };
             *k = effort.max(inertia[dof] * 100.0) / LIMIT_DEFLECTION;
-            let limit = self.speed_limit[dof];
+            let limit = self.dofs.speed_limit[dof];
             if limit.is_finite() {
                 let damping = effort / (OVERSPEED * limit);
-                self.speed_damping[dof] = damping.max(inertia[dof] / SPEED_RELAXATION);
+                self.dofs.speed_damping[dof] = damping.max(inertia[dof] / SPEED_RELAXATION);
             }
         }
     }

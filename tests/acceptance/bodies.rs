@@ -49,7 +49,7 @@ fn c9_bodies_rest_as_deep_as_their_points_are_stiff() {
         let mut s = start(b.model, 1e-4);
         run(&mut s, 4.0, 1.0 / 240.0);
         let depth = height - s.state().q[2];
-        let error = depth / (G / (points * s.tree().stiffness)) - 1.0;
+        let error = depth / (G / (points * s.tree().contact.stiffness)) - 1.0;
         let what = format!("depth at rest of a {name}, relative");
         hold("C9", &what, "m g/Σk", error, 1e-6);
         let error = carried(&mut s) / G - 1.0;

@@ -78,7 +78,11 @@ fn c10_a_fast_small_ball_does_not_tunnel() {
     b.model.initial.linear_velocity.z = -50.0;
     for tolerance in [1e-3, 1e-4] {
         let mut s = start(b.model.clone(), tolerance);
-        let (k, d, v) = (s.tree().stiffness, s.tree().dissipation, 50.0);
+        let (k, d, v) = (
+            s.tree().contact.stiffness,
+            s.tree().contact.dissipation,
+            50.0,
+        );
         let deepest = (2e-3 / k * (v / d - (d * v).ln_1p() / (d * d))).sqrt();
         let mut lowest = f64::INFINITY;
         for i in 1..=40 {
@@ -101,8 +105,8 @@ fn c13_an_initial_overlap_leaves_gently() {
         let mut b = block(0.5);
         b.model.initial.position.z = 0.1 - depth;
         let mut s = start(b.model, 1e-4);
-        let slow = 1.0 / s.tree().dissipation;
-        let fast = 0.7 * (2.0 * G * (depth - 50.0 * s.tree().penetration)).sqrt();
+        let slow = 1.0 / s.tree().contact.dissipation;
+        let fast = 0.7 * (2.0 * G * (depth - 50.0 * s.tree().contact.penetration)).sqrt();
         let (mut inside, mut outside, mut highest) = (0.0_f64, 0.0_f64, 0.0_f64);
         for i in 1..=2000 {
             s.advance_to(f64::from(i) * 1e-3).expect("finite");
@@ -138,7 +142,7 @@ fn c13_an_initial_overlap_leaves_gently() {
             (highest - 0.1).max(0.0),
             1e-4,
         );
-        let rest = s.state().q[2] - (0.1 - s.tree().penetration);
+        let rest = s.state().q[2] - (0.1 - s.tree().contact.penetration);
         hold("C13", &what("place of rest, m"), "m g/Σk deep", rest, 1e-6);
     }
 }

@@ -165,7 +165,7 @@ fn touching(s: &Simulation, kin: &Kinematics) -> Vec<Contact> {
     let limit = match s.parameter(ParameterSlot::StepSize) {
         step if step > 0.0 => {
             let omega = std::f64::consts::TAU / step;
-            0.25 * s.tree().moving_mass * omega * omega
+            0.25 * s.tree().moving_mass() * omega * omega
         }
         _ => f64::INFINITY,
     };
@@ -195,18 +195,18 @@ pub fn stored(s: &Simulation) -> [f64; 2] {
         friction += 0.5 * turn.torsional.stiffness * torsion * torsion;
         friction += 0.5 * turn.rolling.stiffness * roll.norm_squared();
     }
-    for (dof, limits) in tree.limits.iter().enumerate() {
+    for (dof, limits) in tree.dofs.limits.iter().enumerate() {
         let body = &s.model().bodies[s.model().dofs[dof].body.index()];
         if let Some(limits) = limits {
             let q = state.q[body.coordinate];
             let depth = (limits.lower - q).max(q - limits.upper).max(0.0);
-            springs += 0.5 * tree.limit_stiffness[dof] * depth * depth;
+            springs += 0.5 * tree.dofs.limit_stiffness[dof] * depth * depth;
         }
         // Its stiffness is the friction over the deflection at which it gives way, 0.1 mm or mrad.
-        let stiffness = tree.friction[dof].moving / 1e-4;
+        let stiffness = tree.dofs.friction[dof].moving / 1e-4;
         friction += 0.5 * stiffness * state.memory.dry[dof] * state.memory.dry[dof];
     }
-    for (motor, displacement) in tree.motors.iter().zip(&state.memory.motor) {
+    for (motor, displacement) in tree.actuators.motors.iter().zip(&state.memory.motor) {
         friction += 0.5 * motor.0 * displacement * displacement;
     }
     [springs, friction]
@@ -245,7 +245,7 @@ impl Ledger {
             moving: f64::NAN,
             paid: 0.0,
             lowest: [f64::INFINITY; 2],
-            scale: kinetic + s.tree().moving_mass * 9.81 * s.tree().reach,
+            scale: kinetic + s.tree().moving_mass() * 9.81 * s.tree().reach(),
             gained: 0.0,
             risen: 0.0,
             raw: 0.0,
@@ -468,7 +468,7 @@ fn place(s: &mut Simulation, extreme: Extreme, random: &mut Random) {
             }
         }
     }
-    let reach = s.tree().reach;
+    let reach = s.tree().reach();
     let height = if extreme == Extreme::Overlap {
         random.uniform(-0.5, 0.5) * reach
     } else {

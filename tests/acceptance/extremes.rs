@@ -116,7 +116,7 @@ fn the_ledger_enters_what_is_given_at_any_time_of_a_drop() {
                 let mut with = ledger.clone();
                 let (kept, before) = (s.save(), s.output(OutputSlot::EnergyKinetic));
                 // Up or down, whichever makes it faster.
-                let kick = (2e-3 * ledger.scale / s.tree().moving_mass).sqrt();
+                let kick = (2e-3 * ledger.scale / s.tree().moving_mass()).sqrt();
                 s.state_mut().v[5] += kick;
                 if s.output(OutputSlot::EnergyKinetic) < before {
                     s.state_mut().v[5] -= 2.0 * kick;

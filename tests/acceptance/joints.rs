@@ -208,7 +208,7 @@ fn b6_a_limit_rebounds_by_its_law_and_carries_a_load_at_its_stiffness() {
     for (tolerance, allowed) in [(1e-4, 1e-3), (1e-6, 1e-5)] {
         let mut s = start(b.model.clone(), tolerance);
         run(&mut s, 0.5, 0.01);
-        let d = s.tree().dissipation;
+        let d = s.tree().contact.dissipation;
         let error = s.state().v[0] + rebound(d * 1.0) / d;
         let quantity = format!("rebound speed at 1 m/s, m/s, tol {tolerance:.0e}");
         hold("B6", &quantity, "Hunt & Crossley, exact", error, allowed);
@@ -218,7 +218,7 @@ fn b6_a_limit_rebounds_by_its_law_and_carries_a_load_at_its_stiffness() {
     let mut s = start(b.model, 1e-4);
     run(&mut s, 3.0, 0.01);
     let deflection = -0.1 - s.state().q[0];
-    let error = deflection / (2.0 * G / s.tree().limit_stiffness[0]) - 1.0;
+    let error = deflection / (2.0 * G / s.tree().dofs.limit_stiffness[0]) - 1.0;
     hold(
         "B6",
         "deflection under a load, relative",

@@ -68,7 +68,7 @@ fn a8_a_kicking_humanoid_in_space_keeps_its_momentum() {
             gross = gross.max(s.output(OutputSlot::EnergyKinetic));
         }
         // What it kicks with: 2 m T is the square of a momentum.
-        let scale = (2.0 * s.tree().moving_mass * gross).sqrt();
+        let scale = (2.0 * s.tree().moving_mass() * gross).sqrt();
         let what = format!("momentum after 2 s, share of √(2mT), tol {tolerance:.0e}");
         hold("A8", &what, "0; SimBenchmark", off / scale, allowed);
     }
@@ -256,7 +256,7 @@ fn d5_a_skid_steered_rover_turns_as_its_converged_self() {
 #[test]
 fn d2_a_standing_quadrupeds_forces_are_unique_and_carry_its_weight() {
     let feet = |s: &mut Simulation| {
-        let weight = s.tree().moving_mass * G;
+        let weight = s.tree().moving_mass() * G;
         let links = s.model().links.len();
         let feet: Vec<f64> = (0..links)
             .map(|l| s.output(OutputSlot::ContactForce(LinkId::from(l), 2)) / weight)

@@ -16,7 +16,6 @@ const KNOWN: &[(&str, &str)] = &[
     ("src/settings.rs", "src/urdf/diagnostic.rs"),
     ("src/settings/reader.rs", "src/urdf/diagnostic.rs"),
     ("src/settings/fill.rs", "src/settings.rs"),
-    ("src/tree/scale.rs", "src/tree.rs"),
     ("src/urdf/mod.rs", "src/settings.rs"),
     ("src/urdf/srdf.rs", "src/settings.rs"),
     ("src/urdf/srdf.rs", "src/urdf/mod.rs"),

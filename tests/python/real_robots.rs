@@ -191,7 +191,7 @@ fn unbalanced(s: &mut Simulation) -> f64 {
     let force: f64 = (0..links)
         .map(|l| s.output(OutputSlot::ContactForce(LinkId::from(l), 2)))
         .sum();
-    force / (s.tree().moving_mass * s.model().world.gravity.norm()) - 1.0
+    force / (s.tree().moving_mass() * s.model().world.gravity.norm()) - 1.0
 }
 
 /// Largest change of any coordinate in an hour after `settle` seconds, m or rad; and how well the ground carries the weight.

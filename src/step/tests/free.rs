@@ -121,7 +121,7 @@ fn a_long_step_does_not_jump_over_a_limit() {
         s.advance_to(0.01 + f64::from(i) * 0.01).expect("finite");
         farthest = farthest.max(s.state().q[0]);
     }
-    let rest = 0.1 + 100.0 / s.tree().limit_stiffness[0];
+    let rest = 0.1 + 100.0 / s.tree().dofs.limit_stiffness[0];
     assert!((s.state().q[0] - rest).abs() < 1e-9);
     assert!(farthest < 0.1 + 0.01, "{farthest}");
 }

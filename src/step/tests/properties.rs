@@ -394,7 +394,7 @@ fn a_servo_pressed_against_a_limit_rests() {
     let mut s = start(b.model, 1e-3);
     s.set_input(InputSlot::Position(ActuatorId(0)), 1.0);
     run(&mut s, 2.0, 1.0 / 240.0);
-    let expected = 0.1 + 500.0 / s.tree().limit_stiffness[0];
+    let expected = 0.1 + 500.0 / s.tree().dofs.limit_stiffness[0];
     assert!(
         (s.state().q[0] - expected).abs() < 1e-8,
         "{} {expected}",

@@ -149,7 +149,7 @@ fn of_two_surfaces_the_larger_resistance_to_turning_counts() {
         ..Default::default()
     });
     let s = start(b.model, 1e-3);
-    let [torsional, rolling] = s.tree().turning[0].coefficient;
+    let [torsional, rolling] = s.tree().contact.turning[0].coefficient;
     assert!((torsional - 3e-3).abs() < 1e-15 && (rolling - 2e-3).abs() < 1e-15);
 }
 

@@ -1,0 +1,243 @@
+//! The parts of a tree, one idea each.
+
+#![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
+
+use crate::joint::Kind;
+use crate::model::{Joint, Limits};
+use crate::sparsity::Sparsity;
+use crate::spatial::{Pose, Vec3};
+use std::ops::Range;
+
+/// Everything that follows from a model and its parameters and is constant in a step.
+#[derive(Clone, Debug)]
+pub struct Tree {
+    /// Every body, parents before children; filled by [`Self::new`].
+    pub bodies: Vec<TreeBody>,
+    /// The trees that the bodies make up, each with a base of its own.
+    pub trees: Vec<Extent>,
+    /// Degree of freedom of each column of `S`; filled by [`Self::new`].
+    pub dof: Vec<usize>,
+    /// Pattern of the joint-space matrix; filled by [`Self::new`].
+    pub sparsity: Sparsity,
+    /// Whether every column is its own degree of freedom: no joint mimics another.
+    pub pure: bool,
+    /// Whether the articulated-body algorithm is cheaper than mass matrix and factor: chains of many joints.
+    pub long: bool,
+    /// Pose of each link in its body's solver frame; filled by [`Self::new`].
+    pub link_pose: Vec<Pose>,
+    /// What the world does to all bodies.
+    pub world: World,
+    /// What touches, and how stiffly.
+    pub contact: Contacts,
+    /// What acts along each degree of freedom, and how its errors count.
+    pub dofs: Dofs,
+    /// What the actuators are made of.
+    pub actuators: Actuators,
+}
+
+/// One tree: a base that hangs in the world, and all that hangs on it.
+#[derive(Clone, Debug)]
+pub struct Extent {
+    /// Its bodies, the base first; filled by [`Tree::new`].
+    pub bodies: Range<usize>,
+    /// Its places in `v`; filled by [`Tree::new`].
+    pub dofs: Range<usize>,
+    /// Whether its base floats; filled by [`Tree::new`].
+    pub free: bool,
+    /// Mass of all its moving bodies, kg; filled by [`Tree::new`].
+    pub moving_mass: f64,
+    /// Its largest extent from its base in the initial position, m; filled by [`Tree::scale`].
+    pub reach: f64,
+}
+
+/// What the world does to all bodies.
+#[derive(Clone, Debug)]
+pub struct World {
+    /// Pose of a fixed base in the world; filled by [`Tree::new`].
+    pub base: Pose,
+    /// m/s², world axes; filled by [`Tree::tune`].
+    pub gravity: Vec3,
+    /// As [`crate::model::World::drag`], 1/s.
+    pub drag: f64,
+}
+
+/// What touches, and how stiffly.
+#[derive(Clone, Debug)]
+pub struct Contacts {
+    /// Shapes on moving bodies, by ascending index; empty without a ground.
+    pub colliders: Vec<TreeCollider>,
+    /// Friction against turning of each link's contacts, per link.
+    pub turning: Vec<Turning>,
+    /// Whether any of them has some; filled by [`Tree::new`].
+    pub resists_turning: bool,
+    /// Stiffness of a point of a link that has none of its own, N/m; filled by [`Tree::scale`].
+    pub stiffness: f64,
+    /// Dissipation of contacts without restitution, and of joint limits, s/m.
+    pub dissipation: f64,
+    /// Sliding speed at which friction has lost most of what it has more at rest, m/s.
+    pub stribeck_velocity: f64,
+    /// Static penetration that the stiffness stands for, m; filled by [`Tree::scale`].
+    pub penetration: f64,
+}
+
+/// What acts along each degree of freedom, and how its errors count; each list has `nv` entries.
+#[derive(Clone, Debug)]
+pub struct Dofs {
+    /// Rotor inertia, kg·m² or kg; filled by [`Tree::new`].
+    pub armature: Vec<f64>,
+    /// Viscous damping, N·m·s/rad or N·s/m; filled by [`Tree::tune`].
+    pub damping: Vec<f64>,
+    /// Dry friction; filled by [`Tree::tune`].
+    pub friction: Vec<DryFriction>,
+    /// Enforced speed limit, rad/s or m/s, infinite without; filled by [`Tree::new`].
+    pub speed_limit: Vec<f64>,
+    /// Damping beyond the speed limit, N·m·s/rad or N·s/m; filled by [`Tree::scale`].
+    pub speed_damping: Vec<f64>,
+    /// Position limits, rad or m; filled by [`Tree::new`].
+    pub limits: Vec<Option<Limits>>,
+    /// Stiffness of the position limits, N·m/rad or N/m; filled by [`Tree::scale`].
+    pub limit_stiffness: Vec<f64>,
+    /// Diagonal of the mass matrix at the initial position, kg·m² or kg; filled by [`Tree::scale`].
+    pub inertia: Vec<f64>,
+    /// Weight of an error, 1 at one metre or at one radian of a metre's reach; filled by [`Tree::scale`].
+    pub weight: Vec<f64>,
+}
+
+/// What the actuators are made of; each list has one entry an actuator.
+#[derive(Clone, Debug)]
+pub struct Actuators {
+    /// Stiffness (N·m/rad or N/m) and damping (N·m·s/rad or N·s/m) as a velocity motor; filled by [`Tree::scale`].
+    pub motors: Vec<(f64, f64)>,
+    /// Gains kp (N·m/rad or N/m) and kd (N·m·s/rad or N·s/m); filled by [`Tree::tune`].
+    pub gains: Vec<[f64; 2]>,
+}
+
+/// A body as the solver sees it: its place in the tree, its inboard joint, its inertia. Filled by [`Tree::new`].
+#[derive(Clone, Debug)]
+pub struct TreeBody {
+    /// Index of the parent; the base points to itself.
+    pub parent: usize,
+    /// How it moves in its parent.
+    pub kind: Kind,
+    /// Pose at joint zero in the parent's solver frame.
+    pub X: Pose,
+    /// First column.
+    pub column: usize,
+    /// Number of columns.
+    pub columns: usize,
+    /// First place in `q`.
+    pub coordinate: usize,
+    /// First place in `v`.
+    pub dof: usize,
+    /// Ratio of a mimic joint, else 1.
+    pub ratio: f64,
+    /// Offset of a mimic joint, else 0.
+    pub offset: f64,
+    /// Whether it is a wheel: it turns about its joint's axis, carries nothing and is even about the axis.
+    pub wheel: bool,
+    /// kg
+    pub mass: f64,
+    /// Centre of mass in the solver frame, m.
+    pub com: Vec3,
+    /// Inertia about the centre of mass in the solver frame: xx, yy, zz, xy, xz, yz, kg·m².
+    pub I_cm: [f64; 6],
+}
+
+/// A collision shape as the solver sees it. Its place is filled by [`Tree::new`], coefficients with the ground by
+/// [`Tree::tune`], stiffness and penetration by [`Tree::scale`].
+#[derive(Clone, Debug)]
+pub struct TreeCollider {
+    /// Index in the model's list.
+    pub index: usize,
+    /// Index of the body.
+    pub body: usize,
+    /// Index of the link.
+    pub link: usize,
+    /// Pose in the body's solver frame.
+    pub X: Pose,
+    /// Radius of a ball about `X.p` that holds the shape, m.
+    pub radius: f64,
+    /// Combined Coulomb coefficient with the ground, sliding.
+    pub mu: f64,
+    /// The same at rest, not below.
+    pub mu_at_rest: f64,
+    /// Combined coefficient of restitution with the ground.
+    pub restitution: f64,
+    /// Hunt–Crossley dissipation times approach speed for that restitution.
+    pub dissipation_number: f64,
+    /// Hunt–Crossley dissipation without restitution, s/m.
+    pub dissipation: f64,
+    /// Stiffness of a point, N/m.
+    pub stiffness: f64,
+    /// Penetration under the robot's weight on four such points, m.
+    pub penetration: f64,
+}
+
+/// Dry friction of a degree of freedom, filled by [`Tree::tune`].
+#[derive(Clone, Copy, Debug, Default)]
+pub struct DryFriction {
+    /// Far above the Stribeck speed, N·m or N.
+    pub moving: f64,
+    /// At rest, not below.
+    pub at_rest: f64,
+    /// Stribeck speed, rad/s or m/s; 0 without friction.
+    pub stribeck_velocity: f64,
+}
+
+impl DryFriction {
+    /// Adds that of a joint which moves `ratio` times as fast.
+    pub(super) fn add(&mut self, joint: &Joint, friction: f64, ratio: f64) {
+        self.moving += friction * ratio;
+        self.at_rest += friction * ratio * (1.0 + joint.static_excess);
+        if friction * ratio > 0.0 {
+            let own = joint.stribeck_velocity / ratio;
+            self.stribeck_velocity = self.stribeck_velocity.max(own);
+        }
+    }
+}
+
+/// What all contacts of a link have in common against turning. Coefficients and inertia are filled by [`Tree::new`],
+/// the others by [`Tree::scale`].
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Turning {
+    /// Combined torsional and rolling friction with the ground, m.
+    pub coefficient: [f64; 2],
+    /// Inertia that the damping is critical for, kg·m².
+    pub inertia: f64,
+    /// As [`TreeCollider::stiffness`].
+    pub stiffness: f64,
+    /// As [`TreeCollider::penetration`].
+    pub penetration: f64,
+}
+
+impl Turning {
+    /// Whether there is any.
+    pub fn acts(&self) -> bool {
+        self.coefficient[0] > 0.0 || self.coefficient[1] > 0.0
+    }
+}
+
+impl Tree {
+    /// Mass of all moving bodies, kg.
+    pub fn moving_mass(&self) -> f64 {
+        self.trees.iter().map(|tree| tree.moving_mass).sum()
+    }
+
+    /// Largest extent of a tree from its base, m.
+    pub fn reach(&self) -> f64 {
+        self.trees.iter().map(|tree| tree.reach).fold(0.0, f64::max)
+    }
+
+    /// Whether a base floats: its columns of `S`, the first six, are the unit vectors.
+    #[inline]
+    pub fn is_free(&self) -> bool {
+        self.trees.iter().any(|tree| tree.free)
+    }
+
+    /// Brings the quaternions in `q` back to unit length.
+    pub fn normalize(&self, q: &mut [f64]) {
+        for body in &self.bodies {
+            body.kind.normalize(&mut q[body.coordinate..]);
+        }
+    }
+}
