@@ -240,3 +240,65 @@ pub const LIMIT_DEFLECTION: f64 = 1e-4;
 pub const OVERSPEED: f64 = 0.01;
 /// Longest time that a joint takes to fall back to its enforced speed limit, s.
 pub const SPEED_RELAXATION: f64 = 1e-3;
+
+// Contacts: `force/detect.rs`.
+
+/// Gap below which a point takes part in a step whatever its velocity, m. Smaller loses contacts
+/// that accelerations close within the step, larger costs time.
+pub const CONTACT_MARGIN: f64 = 1e-3;
+/// Approach speed below which a contact does not bounce, m/s.
+pub const BOUNCE_THRESHOLD: f64 = 0.01;
+/// Tangential over normal stiffness: Mindlin's ratio for steel.
+pub const TANGENTIAL_RATIO: f64 = 0.8;
+/// Overlap, in penetrations under the robot's weight, beyond which a point leaves the ground faster
+/// than a light touch would. Test: `c13_an_initial_overlap_leaves_gently`.
+pub const DEEP_OVERLAP: f64 = 50.0;
+/// Separation speed of such an overlap, as a share of the speed that would carry it out
+/// ballistically: at 1 it would hop. Test: `c13_an_initial_overlap_leaves_gently`.
+pub const EMERGENCE: f64 = 0.7;
+/// Cosines of the tilts between axis and normal, 8° and 3°, between which a cylinder's line contact
+/// fades into the points on its rims.
+pub const FADE: (f64, f64) = (0.990_268_068_741_570_4, 0.998_629_534_754_573_9);
+/// Share of a stored displacement that must lie in the tangent plane for it to be kept as the plane
+/// turns.
+pub const LEAST_FLAT: f64 = 1e-3;
+/// Angle that a contact turns by, rolling or drilling, before it gives way, under the load that its
+/// stiffness is made for, rad. The patch of a tyre or a rubber ball turns by more, that of a steel
+/// ball by less.
+pub const TURN_DEFLECTION: f64 = 1e-3;
+
+// Joints and motors: `law/motor.rs`, `force/joint.rs`.
+
+/// Displacement of a velocity motor under its reference effort, rad or m.
+pub const MOTOR_DEFLECTION: f64 = 1e-3;
+/// Shortest relaxation time of a motor, s: keeps light joints from becoming needlessly stiff.
+pub const MOTOR_RELAXATION: f64 = 1e-3;
+/// Position error of a position servo under its reference effort, rad or m.
+pub const SERVO_DEFLECTION: f64 = 1e-3;
+/// Share of the free effort that a position servo plans to brake with; the rest is kept for
+/// disturbances.
+pub const BRAKING_SHARE: f64 = 0.5;
+/// Least free effort that it counts on, as a share of its effort: a servo whose load takes all of
+/// its effort must still be told a speed.
+pub const LEAST_FREE: f64 = 0.1;
+/// Displacement of a joint's dry friction at break-away, rad or m.
+pub const FRICTION_DEFLECTION: f64 = 1e-4;
+/// A limit can act within a step if it is nearer than so many times the way of the step, and a
+/// margin, rad or m: the velocity may change within the step.
+pub const LIMIT_REACH: (f64, f64) = (2.0, 1e-6);
+
+// The convex solve: `step/convex`.
+
+/// Newton iterations after which a solve gives up; random contact problems need up to 26.
+pub const MAX_ITERATIONS: usize = 50;
+/// Relative round-off of a sum of a few terms.
+pub const ROUND_OFF: f64 = 8.0 * f64::EPSILON;
+/// Share of the initial slope that a full Newton step may leave uphill before the line search looks
+/// closer.
+pub const ACCEPTED_SLOPE: f64 = 0.1;
+/// Share of the initial slope at which the line search stops.
+pub const LINE_SEARCH_TOLERANCE: f64 = 1e-3;
+/// Tries of the line search, at most: every third halves the bracket, down to a millionth.
+pub const LINE_SEARCH_TRIALS: usize = 60;
+/// Share of the bracket at either end in which Newton's proposal gives way to bisection.
+pub const LINE_SEARCH_EDGE: f64 = 1e-3;

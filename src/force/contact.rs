@@ -1,4 +1,5 @@
-//! A contact point: Hunt–Crossley force along the normal, elasto-plastic Coulomb friction in the tangent plane.
+//! A contact point: Hunt–Crossley force along the normal, elasto-plastic Coulomb friction in the
+//! tangent plane.
 //!
 //! Source: Hunt & Crossley 1975; Castro et al. 2022.
 
@@ -41,8 +42,19 @@ pub struct Contact {
     pub touchdown: f64,
     /// Coulomb coefficient at the sliding speed at the start of the step.
     pub mu: f64,
-    /// Friction in the tangent plane, world axes; it slips at `μ` times the normal force at the start of the step.
+    /// Friction in the tangent plane, world axes; it slips at `μ` times the normal force at the
+    /// start of the step.
     pub friction: ElastoPlastic<Vec3>,
+}
+
+impl Response {
+    /// `wᵀ G w` of its stiffness `G`, where `w` is a velocity.
+    #[inline]
+    pub fn curvature(&self, normal: &Vec3, w: &Vec3) -> f64 {
+        let wn = normal.dot(w);
+        let ws = self.slip.dot(w);
+        self.tangential * (w.norm_squared() - wn * wn - ws * ws) + self.normal * wn * wn
+    }
 }
 
 impl Contact {
@@ -155,9 +167,10 @@ mod tests {
         }
     }
 
-    /// Work of the force on the element over the step, `h F·u`, against what its spring holds more, `½ k Δ|ς|²`. By hand: while
-    /// it sticks `ς` moves by `h u`, and the rest is the damper's; while it slips the spring is stretched by no more than
-    /// the slip's way, or loses. A cone that has shrunk since takes what it no longer holds.
+    /// Work of the force on the element over the step, `h F·u`, against what its spring holds more,
+    /// `½ k Δ|ς|²`. By hand: while it sticks `ς` moves by `h u`, and the rest is the damper's;
+    /// while it slips the spring is stretched by no more than the slip's way, or loses. A cone that
+    /// has shrunk since takes what it no longer holds.
     #[test]
     fn friction_gives_back_no_more_than_it_was_paid() {
         let mut random = crate::testing::Random(9);

@@ -1,10 +1,10 @@
 //! Contact points of shapes against the ground, with stable slots.
 //!
-//! Points are functions of the pose alone and move continuously with it, so that error control has a smooth
-//! motion to work on: a sphere's lowest point, a capsule's two, a box's eight corners, a hull's vertices, three
-//! points on the lowest generatrix of a cylinder (its ends and its middle, weighted like Simpson's rule for a
-//! uniform line pressure) that fade into four fixed points on each rim as the cylinder stands up. A rolling
-//! cylinder or sphere is exactly round.
+//! Points are functions of the pose alone and move continuously with it, so that error control has
+//! a smooth motion to work on: a sphere's lowest point, a capsule's two, a box's eight corners, a
+//! hull's vertices, three points on the lowest generatrix of a cylinder (its ends and its middle,
+//! weighted like Simpson's rule for a uniform line pressure) that fade into four fixed points on
+//! each rim as the cylinder stands up. A rolling cylinder or sphere is exactly round.
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
@@ -16,6 +16,9 @@ use crate::law::{ElastoPlastic, HuntCrossley, stribeck};
 use crate::model::Model;
 use crate::spatial::{Pose, Vec3, Vec6, velocity_at};
 use crate::tree::{Tree, TreeCollider};
+use crate::tuning::{
+    BOUNCE_THRESHOLD, CONTACT_MARGIN, DEEP_OVERLAP, EMERGENCE, FADE, LEAST_FLAT, TANGENTIAL_RATIO,
+};
 
 /// The half space `normal·x < offset` is solid.
 #[derive(Clone, Copy, Debug)]
@@ -34,24 +37,8 @@ impl Plane {
     };
 }
 
-/// Gap below which a point takes part in a step whatever its velocity, m. Smaller loses contacts that accelerations
-/// close within the step, larger costs time.
-const MARGIN: f64 = 1e-3;
-
-/// Approach speed below which a contact does not bounce, m/s.
-pub const BOUNCE_THRESHOLD: f64 = 0.01;
-
-/// Tangential over normal stiffness: Mindlin's ratio for steel.
-const TANGENTIAL_RATIO: f64 = 0.8;
-
-/// Separation speed of a deep initial overlap, as a share of the speed that would carry it out ballistically.
-const EMERGENCE: f64 = 0.7;
-
-/// Between these tilts (cosine of the angle between axis and normal, 8° and 3°) a cylinder's line contact
-/// fades into its rim points.
-const FADE: (f64, f64) = (0.990_268_068_741_570_4, 0.998_629_534_754_573_9);
-
-/// Finds the points that can touch within `h` seconds, into `contacts`; reads poses and velocities of `kin`.
+/// Finds the points that can touch within `h` seconds, into `contacts`; reads poses and velocities
+/// of `kin`.
 ///
 /// `stiffness_limit` caps the stiffness of a point (fixed steps cannot resolve more), N/m.
 pub fn detect(
@@ -91,7 +78,7 @@ pub fn detect(
         let clearance = finder.height + plane.normal.dot(&center) - collider.radius;
         let spin = V[0].abs() + V[1].abs() + V[2].abs();
         let speed = plane.normal.dot(&velocity_at(V, &center)).abs() + spin * collider.radius;
-        let reach = h * speed + finder.fall + MARGIN;
+        let reach = h * speed + finder.fall + CONTACT_MARGIN;
         if clearance < reach {
             finder.soften(collider.stiffness);
             let shape = &model.colliders[index];
@@ -100,8 +87,8 @@ pub fn detect(
     }
 }
 
-/// Whether nothing comes near the ground within `h` seconds, by twice the way that velocities and gravity take it; reads
-/// poses and velocities of `kin`.
+/// Whether nothing comes near the ground within `h` seconds, by twice the way that velocities and
+/// gravity take it; reads poses and velocities of `kin`.
 pub fn is_clear(tree: &Tree, kin: &Kinematics, h: f64) -> bool {
     let plane = Plane::GROUND;
     let height = plane.normal.dot(&kin.origin) - plane.offset;
@@ -112,7 +99,7 @@ pub fn is_clear(tree: &Tree, kin: &Kinematics, h: f64) -> bool {
         let clearance = height + plane.normal.dot(&center) - collider.radius;
         let spin = V[0].abs() + V[1].abs() + V[2].abs();
         let speed = velocity_at(V, &center).norm() + spin * collider.radius;
-        clearance > 2.0 * h * speed + fall + 2.0 * MARGIN
+        clearance > 2.0 * h * speed + fall + 2.0 * CONTACT_MARGIN
     })
 }
 
@@ -211,6 +198,32 @@ impl Finder<'_> {
         }
     }
 
+    /// Points of a cylinder with the unit axis `a` and the radius `r` on a plane with the normal
+    /// `n`.
+    ///
+    /// 1. Lying, it touches along its lowest generatrix, which runs through the centre plus `−r m`,
+    ///    with `m = (n − (n·a) a)/|n − (n·a) a|` (`down` is `r m`). A uniform pressure on the line
+    ///    is what three points at its ends and its middle make of it with the weights 1/3, 4/3 and
+    ///    1/3 (Simpson's rule, exact up to cubic depths; the sum is that of two points).
+    /// 2. Standing, it touches with four fixed points on the lower rim (`spokes`), with the weight
+    ///    1 each.
+    /// 3. Between two tilts the one fades into the other. With `c = |n·a|` (`along`) and `FADE =
+    ///    (c₀, c₁)`, the rims have the share `s = ρ² (3 − 2 ρ)` (`standing`), where `ρ = (c −
+    ///    c₀)/(c₁ − c₀)` (`rise`), and the line has `1 − s`: both are smooth where fading begins
+    ///    and ends.
+    /// 4. The share changes as the axis turns: `ds/dc = 6 ρ (1 − ρ)/(c₁ − c₀)` (`steepness`). A
+    ///    share `w` of a spring with the stiffness `k` and the depth `d` holds `E = ½ w k d²`, and
+    ///    its force must be minus the gradient of that, `−w k d ∂d − ½ k d² ∂w`: else tilting the
+    ///    cylinder to and fro would make energy.
+    /// 5. Turning the body by `δθ` changes `n·a` by `n·(δθ × a) = δθ·(a × n)`, so that the second
+    ///    part of the force is a moment. A force `F = w k d` along `n` that acts beside its point
+    ///    by `l` gives the moment `l × F n`. With `l = λ (a − (n·a) n)`, which lies in the plane,
+    ///    this is `λ F a × n`, and `λ F = −½ k d² ∂w/∂(n·a)` gives `λ = −d/(2 w) ∂w/∂(n·a)`.
+    /// 6. For the rims `w = s`, for the line `w = 1 − s` (Simpson's weights cancel). With the
+    ///    vector `rising = −½ ds/d(n·a) (a − (n·a) n)`, per metre of depth, the points lie
+    ///    `rising/s` and `−rising/(1 − s)` beside their places (`lean`).
+    ///
+    /// Test: `the_springs_of_a_cylinder_do_what_their_energy_says_at_every_tilt`.
     fn cylinder(
         &mut self,
         collider: &TreeCollider,
@@ -225,7 +238,6 @@ impl Finder<'_> {
         let along = n.dot(&axis);
         let rise = ((along.abs() - FADE.0) / (FADE.1 - FADE.0)).clamp(0.0, 1.0);
         let standing = rise * rise * (3.0 - 2.0 * rise);
-        // How fast the share of the rims rises with the axis: to the side of its tilt.
         let steepness = 6.0 * rise * (1.0 - rise) / (FADE.1 - FADE.0);
         let rising = (axis - n * along) * (-0.5 * steepness.copysign(along));
         if standing < 1.0 {
@@ -253,14 +265,15 @@ impl Finder<'_> {
         }
     }
 
-    /// Takes the point at `x` (from O) into the list if it can touch within the step; `share` weights its stiffness.
+    /// Takes the point at `x` (from O) into the list if it can touch within the step; `share`
+    /// weights its stiffness.
     #[inline]
     fn add(&mut self, collider: &TreeCollider, V: &Vec6, x: Vec3, share: f64, slot: usize) {
         self.add_leaning(collider, V, x, share, Vec3::zeros(), slot);
     }
 
-    /// The same for a point whose share changes with the tilt. A spring `½ w k d²` of depth `d` and share `w` does work on
-    /// what changes `w`, too: its force acts `d ∂w/∂θ / 2w` beside the point, where the velocity is that of `√w d`.
+    /// The same for a point whose share changes with the tilt: its force acts beside the point, see
+    /// [`Self::cylinder`].
     ///
     /// - `lean`: how far beside it, per metre of depth
     #[inline]
@@ -277,7 +290,7 @@ impl Finder<'_> {
         let gap = self.height + normal.dot(&x);
         let v = velocity_at(V, &x);
         let (vn, u) = normal_part(&normal, &v);
-        if gap >= self.h * vn.abs() + self.fall + MARGIN {
+        if gap >= self.h * vn.abs() + self.fall + CONTACT_MARGIN {
             return;
         }
         let stiffness = self.stiffness * share;
@@ -313,8 +326,9 @@ impl Finder<'_> {
             }
         }
         if contact.touchdown == 0.0 {
-            // A deep initial overlap leaves faster than a light touch, but slower than it would hop.
-            let excess = -gap - 50.0 * collider.penetration;
+            // A deep initial overlap leaves faster than a light touch, but slower than it would
+            // hop.
+            let excess = -gap - DEEP_OVERLAP * collider.penetration;
             if excess > 0.0 {
                 let emergence = EMERGENCE * (2.0 * self.gravity * excess).sqrt();
                 contact.spring.dissipation =
@@ -329,7 +343,7 @@ impl Finder<'_> {
             contact.friction.displacement = stored;
         } else {
             let (length, flat_length) = (stored.norm(), flat.norm());
-            if flat_length > 1e-3 * length {
+            if flat_length > LEAST_FLAT * length {
                 contact.friction.displacement = flat * (length / flat_length);
             }
         }

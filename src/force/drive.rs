@@ -53,7 +53,8 @@ pub enum Drive {
 }
 
 impl Drive {
-    /// Force and its (never positive) derivative with the velocity `v` at the end of a step of `h` seconds.
+    /// Force and its (never positive) derivative with the velocity `v` at the end of a step of `h`
+    /// seconds.
     #[inline]
     pub fn force(&self, v: f64, h: f64) -> (f64, f64) {
         match *self {
@@ -110,7 +111,8 @@ impl Drive {
         }
     }
 
-    /// Effort limit, and how far the velocity is from where the drive wants it: what a jump of the command must cross.
+    /// Effort limit, and how far the velocity is from where the drive wants it: what a jump of the
+    /// command must cross.
     pub fn velocity_error(&self, v: f64) -> (f64, f64) {
         match *self {
             Self::None | Self::Effort(_) => (f64::INFINITY, 0.0),

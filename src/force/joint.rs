@@ -1,27 +1,24 @@
 //! Forces along one degree of freedom as convex terms: damping, dry friction, limits, actuators.
 //!
-//! Each gives an impulse that falls with the velocity at the end of the step, so that the step stays a convex
-//! minimisation. Velocity motors and dry friction are elasto-plastic: a spring–damper with a stored displacement
-//! and a capped force, which holds a load without creep. Dry friction that is higher at rest follows the speed at the
-//! start of the step (Stribeck), which keeps it convex. A motor's effort may fall with its speed: as it falls in the
-//! direction of motion alone, the force still falls with the velocity and needs no lag. Position servos brake along
-//! `v = √(2 a e)` and end in a critically damped spring, so that they do not overshoot within their effort.
+//! Each gives an impulse that falls with the velocity at the end of the step, so that the step
+//! stays a convex minimisation. Velocity motors and dry friction are elasto-plastic: a
+//! spring–damper with a stored displacement and a capped force, which holds a load without creep.
+//! Dry friction that is higher at rest follows the speed at the start of the step (Stribeck), which
+//! keeps it convex. A motor's effort may fall with its speed: as it falls in the direction of
+//! motion alone, the force still falls with the velocity and needs no lag. Position servos brake
+//! along `v = √(2 a e)` and end in a critically damped spring, so that they do not overshoot within
+//! their effort.
 
 use super::drive::Drive;
 use super::memory::Memory;
 use crate::inputs::{Command, Inputs};
 use crate::kinematics::Kinematics;
-use crate::law::motor::{MOTOR_RELAXATION, SpeedLine};
-use crate::law::{ElastoPlastic, HuntCrossley, stribeck};
+use crate::law::{ElastoPlastic, HuntCrossley, SpeedLine, stribeck};
 use crate::model::{ActuatorMode, Model};
 use crate::tree::Tree;
-
-/// Position error of a position servo under its reference effort, rad or m.
-const SERVO_DEFLECTION: f64 = 1e-3;
-/// Displacement of a joint's dry friction at break-away, rad or m.
-const FRICTION_DEFLECTION: f64 = 1e-4;
-/// Share of the free effort that a position servo plans to brake with.
-const BRAKING_SHARE: f64 = 0.5;
+use crate::tuning::{
+    BRAKING_SHARE, FRICTION_DEFLECTION, LEAST_FREE, LIMIT_REACH, MOTOR_RELAXATION, SERVO_DEFLECTION,
+};
 
 /// Effort of an actuator in effort mode.
 pub fn effort(model: &Model, index: usize, command: &Command) -> f64 {
@@ -36,7 +33,8 @@ pub struct JointResponse {
     pub impulse: f64,
     /// Minus the derivative of the impulse with the velocity, never negative.
     pub stiffness: f64,
-    /// Sum of the magnitudes in the impulse: what a balance of motor and limit is to be measured by.
+    /// Sum of the magnitudes in the impulse: what a balance of motor and limit is to be measured
+    /// by.
     pub effort: f64,
 }
 
@@ -68,7 +66,8 @@ pub struct JointTerm {
 }
 
 impl JointTerm {
-    /// The actuator's force and its (never positive) derivative with the velocity `v` at the end of a step of `h` seconds.
+    /// The actuator's force and its (never positive) derivative with the velocity `v` at the end of
+    /// a step of `h` seconds.
     #[inline]
     pub fn drive_force(&self, v: f64, h: f64) -> (f64, f64) {
         self.line.cut(self.drive.force(v, h), v)
@@ -136,7 +135,8 @@ impl JointTerm {
         r
     }
 
-    /// Force at the start of the step for the velocity `v`: the limit of `response / h` for small `h`.
+    /// Force at the start of the step for the velocity `v`: the limit of `response / h` for small
+    /// `h`.
     pub fn force(&self, v: f64) -> f64 {
         let mut force = self.drive_force(v, 0.0).0 - self.damping * v;
         force -= self.speed_damping * self.overspeed(v);
@@ -149,7 +149,7 @@ impl JointTerm {
 
     /// Whether a limit can act within `h` seconds at velocity `v`.
     pub fn near_limit(&self, v: f64, h: f64) -> bool {
-        self.gap[0].min(self.gap[1]) < 2.0 * h * v.abs() + 1e-6
+        self.gap[0].min(self.gap[1]) < LIMIT_REACH.0 * h * v.abs() + LIMIT_REACH.1
     }
 }
 
@@ -232,9 +232,10 @@ impl JointTerm {
                     damping,
                     displacement: s.memory.motor[index],
                 };
-                // Where the effort is too little, also because the command has just jumped, the displacement is what a
-                // short step would make it: a long step, at whose end the motor has its speed already, would not see
-                // the jump. What a varying command rises by within the step is no jump.
+                // Where the effort is too little, also because the command has just jumped, the
+                // displacement is what a short step would make it: a long step, at whose end the
+                // motor has its speed already, would not see the jump. What a varying command rises
+                // by within the step is no jump.
                 let now = s.inputs.command(index, s.times[0], 0.0).velocity;
                 element.displacement = self.settled(now, element, v, 0.0);
                 Drive::Velocity {
@@ -248,7 +249,7 @@ impl JointTerm {
                 let inertia = 1.0 / s.kin.inverse_diagonal[self.dof];
                 let gain = (2.0 * (kp * inertia).sqrt()).max(kp * MOTOR_RELAXATION);
                 let load = s.kin.bias[self.dof];
-                let free = (cap.min(reference) - load.abs()).max(0.1 * cap.min(reference));
+                let free = (cap.min(reference) - load.abs()).max(LEAST_FREE * cap.min(reference));
                 let joint = &s.model.joints[actuator.joint.index()];
                 Drive::Position {
                     load,

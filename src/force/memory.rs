@@ -1,4 +1,5 @@
-//! What force terms remember from step to step. The law by which that changes is in [`super::Terms`].
+//! What force terms remember from step to step. The law by which that changes is in
+//! [`super::Terms`].
 
 use crate::model::Model;
 use std::iter::Peekable;

@@ -1,9 +1,10 @@
-//! What carries force and memory: contacts and their friction, friction against turning, and along each degree of
-//! freedom damping, dry friction, limits and drives.
+//! What carries force and memory: contacts and their friction, friction against turning, and along
+//! each degree of freedom damping, dry friction, limits and drives.
 //!
-//! Every term answers a velocity at the end of a step with an impulse that falls with it (*respond*), tells what it
-//! remembers after the step (*next memory*), and what energy its springs hold (*stored*). The laws themselves are in
-//! [`crate::law`]; [`Memory`] is what the terms of a robot remember.
+//! Every term answers a velocity at the end of a step with an impulse that falls with it
+//! (*respond*), tells what it remembers after the step (*next memory*), and what energy its springs
+//! hold (*stored*). The laws themselves are in [`crate::law`]; [`Memory`] is what the terms of a
+//! robot remember.
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
@@ -21,7 +22,7 @@ pub use drive::Drive;
 pub use joint::{JointResponse, JointTerm, Start, effort};
 pub(crate) use memory::seek;
 pub use memory::{Memory, Touch};
-pub use terms::{Solved, Terms};
+pub use terms::{Responses, Solved, Terms, Velocities};
 pub use turn::{Turn, find_turns};
 
 #[cfg(test)]

@@ -5,7 +5,7 @@
 use super::contact::{Contact, Response, normal_part};
 use super::detect::detect;
 use super::drive::Drive;
-use super::joint::{JointTerm, Start};
+use super::joint::{JointResponse, JointTerm, Start};
 use super::memory::{Memory, Touch, seek};
 use super::turn::{Turn, find_turns};
 use crate::kinematics::Kinematics;
@@ -13,17 +13,78 @@ use crate::model::Model;
 use crate::spatial::{Vec3, Vec6, angular};
 use crate::tree::Tree;
 
-/// Velocities that the solve of a step has found.
+/// Velocities that contacts answer.
+#[derive(Clone, Debug)]
+pub struct Velocities {
+    /// Of each contact point, m/s.
+    pub points: Vec<Vec3>,
+    /// Angular velocity of each contact that resists turning, rad/s.
+    pub turns: Vec<Vec3>,
+}
+
+impl Velocities {
+    /// Room for as many contacts.
+    pub fn new(contacts: usize) -> Self {
+        Self {
+            points: Vec::with_capacity(contacts),
+            turns: Vec::with_capacity(contacts),
+        }
+    }
+
+    /// Those of the contacts of `terms` where the bodies have the velocities `V`.
+    #[inline]
+    pub fn set(&mut self, terms: &Terms, V: &[Vec6]) {
+        self.points.clear();
+        self.points
+            .extend(terms.contacts.iter().map(|c| c.velocity(V)));
+        self.turns.clear();
+        let turns = terms.turns.iter().map(|t| angular(&V[t.body]));
+        self.turns.extend(turns);
+    }
+
+    /// Replaces each by what `change` makes of it and of its counterpart.
+    #[inline]
+    pub fn combine(&mut self, other: &Self, change: impl Fn(&mut Vec3, &Vec3)) {
+        for (v, other) in self.points.iter_mut().zip(&other.points) {
+            change(v, other);
+        }
+        for (v, other) in self.turns.iter_mut().zip(&other.turns) {
+            change(v, other);
+        }
+    }
+}
+
+/// What all terms answer to the velocities at the end of a step.
+#[derive(Clone, Debug)]
+pub struct Responses {
+    /// Of each contact.
+    pub contacts: Vec<Response>,
+    /// Of each contact that resists turning.
+    pub turns: Vec<Response>,
+    /// Of each joint term.
+    pub joints: Vec<JointResponse>,
+}
+
+impl Responses {
+    /// Room for as many contacts and joint terms.
+    pub fn new(contacts: usize, joints: usize) -> Self {
+        Self {
+            contacts: Vec::with_capacity(contacts),
+            turns: Vec::with_capacity(contacts),
+            joints: Vec::with_capacity(joints),
+        }
+    }
+}
+
+/// What the solve of a step has found.
 #[derive(Clone, Copy, Debug)]
 pub struct Solved<'a> {
-    /// Generalised, `nv`.
+    /// Generalised velocity, `nv`.
     pub v: &'a [f64],
-    /// Of each contact point, m/s.
-    pub points: &'a [Vec3],
-    /// Angular velocity of each contact that resists turning, rad/s.
-    pub turns: &'a [Vec3],
-    /// Response of each contact.
-    pub responses: &'a [Response],
+    /// Velocities of contacts.
+    pub at: &'a Velocities,
+    /// Responses to them.
+    pub responses: &'a Responses,
 }
 
 /// Everything that can act in a step, as found at its start and constant while the step is solved.
@@ -49,8 +110,8 @@ impl Terms {
         }
     }
 
-    /// Finds contacts, and their friction against turning, for a step of at most `h` seconds from the poses and
-    /// velocities of `kin`.
+    /// Finds contacts, and their friction against turning, for a step of at most `h` seconds from
+    /// the poses and velocities of `kin`.
     ///
     /// - `stiffness_limit`: see [`detect`]
     pub fn find_contacts(
@@ -72,6 +133,80 @@ impl Terms {
         for term in &mut self.joints {
             term.set(start);
         }
+    }
+
+    /// Responses to the generalised velocity `v` and the velocities `at` of contacts at the end of
+    /// a step of `h` seconds.
+    #[inline]
+    pub fn respond(&self, v: &[f64], at: &Velocities, h: f64, out: &mut Responses) {
+        out.joints.clear();
+        let joints = self.joints.iter().map(|t| t.response(v[t.dof], h));
+        out.joints.extend(joints);
+        out.contacts.clear();
+        let contacts = self.contacts.iter().zip(&at.points);
+        out.contacts.extend(contacts.map(|(c, v)| c.response(v, h)));
+        out.turns.clear();
+        let turns = self.turns.iter().zip(&at.turns);
+        out.turns.extend(turns.map(|(t, w)| t.response(w, h)));
+    }
+
+    /// Responses `alpha` along a direction from velocities; returns what they add to the slope of
+    /// the cost along it.
+    ///
+    /// - `from`, `along`: generalised velocities, and those of contacts
+    #[inline]
+    pub fn respond_along(
+        &self,
+        from: (&[f64], &Velocities),
+        along: (&[f64], &Velocities),
+        alpha: f64,
+        h: f64,
+        out: &mut Responses,
+    ) -> f64 {
+        let mut slope = 0.0;
+        out.contacts.clear();
+        let points = from.1.points.iter().zip(&along.1.points);
+        for (contact, (v, w)) in self.contacts.iter().zip(points) {
+            let response = contact.response(&(v + w * alpha), h);
+            slope -= response.impulse.dot(w);
+            out.contacts.push(response);
+        }
+        out.turns.clear();
+        let turns = from.1.turns.iter().zip(&along.1.turns);
+        for (turn, (v, w)) in self.turns.iter().zip(turns) {
+            let response = turn.response(&(v + w * alpha), h);
+            slope -= response.impulse.dot(w);
+            out.turns.push(response);
+        }
+        out.joints.clear();
+        for term in &self.joints {
+            let w = along.0[term.dof];
+            let response = term.response(from.0[term.dof] + alpha * w, h);
+            slope -= response.impulse * w;
+            out.joints.push(response);
+        }
+        slope
+    }
+
+    /// Second derivative of the cost of all terms along a direction, from their responses.
+    ///
+    /// - `along`: generalised velocity, and those of contacts
+    #[inline]
+    pub fn curvature(&self, responses: &Responses, along: (&[f64], &Velocities)) -> f64 {
+        let mut curvature = 0.0;
+        let points = responses.contacts.iter().zip(&along.1.points);
+        for (contact, (r, w)) in self.contacts.iter().zip(points) {
+            curvature += r.curvature(&contact.normal, w);
+        }
+        let turns = responses.turns.iter().zip(&along.1.turns);
+        for (turn, (r, w)) in self.turns.iter().zip(turns) {
+            curvature += r.curvature(&turn.normal, w);
+        }
+        for (term, r) in self.joints.iter().zip(&responses.joints) {
+            let w = along.0[term.dof];
+            curvature += r.stiffness * w * w;
+        }
+        curvature
     }
 
     /// Energy that the springs of contacts and limits hold, J.
@@ -100,8 +235,8 @@ impl Terms {
     /// What the terms remember after a step of `h` seconds that has been solved.
     pub fn remember(&self, solved: &Solved, h: f64, memory: &mut Memory) {
         memory.touches.clear();
-        let mut turns = self.turns.iter().zip(solved.turns).peekable();
-        for (contact, v) in self.contacts.iter().zip(solved.points) {
+        let mut turns = self.turns.iter().zip(&solved.at.turns).peekable();
+        for (contact, v) in self.contacts.iter().zip(&solved.at.points) {
             let inside = contact.gap + h * contact.normal.dot(v) < 0.0;
             let touchdown = if inside { contact.touchdown } else { 0.0 };
             let turn = turns.next_if(|(turn, _)| turn.slot == contact.slot);
@@ -125,8 +260,8 @@ impl Terms {
         }
     }
 
-    /// Twice what two half steps from these terms have left in `memory` less what one step leaves in `full`; each no more
-    /// than its cap can hold.
+    /// Twice what two half steps from these terms have left in `memory` less what one step leaves
+    /// in `full`; each no more than its cap can hold.
     ///
     /// - `middle`: terms at the start of the second half
     pub fn extrapolate(&self, middle: &Self, full: &Memory, memory: &mut Memory) {
@@ -170,8 +305,8 @@ impl Terms {
         });
     }
 
-    /// What the terms remember where a step of `h` seconds that has been solved, and whose `memory` is given, is corrected
-    /// by a known displacement. What slips keeps its own.
+    /// What the terms remember where a step of `h` seconds that has been solved, and whose `memory`
+    /// is given, is corrected by a known displacement. What slips keeps its own.
     ///
     /// - `way`: spatial displacement of each body; `moved`: of each degree of freedom, rad or m
     pub fn shift(
@@ -181,7 +316,7 @@ impl Terms {
         h: f64,
         memory: &mut Memory,
     ) {
-        let contacts = self.contacts.iter().zip(solved.responses);
+        let contacts = self.contacts.iter().zip(&solved.responses.contacts);
         let sticks = |(_, response): &(_, &Response)| response.slip == Vec3::zeros();
         let mut contacts = contacts.filter(sticks).peekable();
         let mut turns = self.turns.iter().peekable();

@@ -7,7 +7,8 @@ use crate::simulation::Simulation;
 use crate::spatial::{Pose, Vec3, Vec6};
 use crate::testing::{Builder, inertia, start};
 
-/// Energy that the springs of all points hold, J, and the force on the body about its origin (moment, force).
+/// Energy that the springs of all points hold, J, and the force on the body about its origin
+/// (moment, force).
 fn springs(s: &Simulation, q: &[f64]) -> (f64, Vec6) {
     let mut kin = Kinematics::new(s.tree());
     kin.update_poses(s.tree(), q);
@@ -35,8 +36,9 @@ fn springs(s: &Simulation, q: &[f64]) -> (f64, Vec6) {
     (energy, force)
 }
 
-/// The elastic force is minus the gradient of the springs' energy, also while a cylinder stands up and its line hands its
-/// load over to its rims: else tilting it to and fro would make energy. Derivatives by central differences.
+/// The elastic force is minus the gradient of the springs' energy, also while a cylinder stands up
+/// and its line hands its load over to its rims: else tilting it to and fro would make energy.
+/// Derivatives by central differences.
 #[test]
 fn the_springs_of_a_cylinder_do_what_their_energy_says_at_every_tilt() {
     let mut b = Builder::new(true, inertia(2.0, Vec3::zeros(), [0.01; 3]));

@@ -1,10 +1,11 @@
 //! Friction against turning: the moments with which a contact resists rolling and drilling.
 //!
-//! A point alone lets its body roll and drill freely. Real contacts are patches: rolling costs a moment of
-//! `rolling · n` about a tangent, drilling one of `torsional · n` about the normal, both coefficients in metres. The
-//! law is that of sliding friction (see [`crate::law::friction`]), on the angular velocity: a spring–damper with a stored angle
-//! and a plastic cap, one for the normal and one for the two tangents, so that a ball on a gentle slope stands for
-//! ever. Most robots have none: the list of these elements is then empty.
+//! A point alone lets its body roll and drill freely. Real contacts are patches: rolling costs a
+//! moment of `rolling · n` about a tangent, drilling one of `torsional · n` about the normal, both
+//! coefficients in metres. The law is that of sliding friction (see [`crate::law::friction`]), on
+//! the angular velocity: a spring–damper with a stored angle and a plastic cap, one for the normal
+//! and one for the two tangents, so that a ball on a gentle slope stands for ever. Most robots have
+//! none: the list of these elements is then empty.
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
@@ -14,10 +15,7 @@ use crate::kinematics::Kinematics;
 use crate::law::ElastoPlastic;
 use crate::spatial::Vec3;
 use crate::tree::Tree;
-
-/// Angle that a contact turns by before it gives way, under the load that its stiffness is made for, rad. The patch of
-/// a tyre or a rubber ball turns by more, that of a steel ball by less.
-const BREAKAWAY: f64 = 1e-3;
+use crate::tuning::TURN_DEFLECTION;
 
 /// Friction of one contact against turning, in a step.
 #[derive(Clone, Copy, Debug, Default)]
@@ -30,7 +28,8 @@ pub struct Turn {
     pub slot: usize,
     /// The contact's.
     pub normal: Vec3,
-    /// Torsional and rolling coefficient, m: the moments that slip are those times the normal force.
+    /// Torsional and rolling coefficient, m: the moments that slip are those times the normal
+    /// force.
     pub coefficient: [f64; 2],
     /// Friction about the normal.
     pub torsional: ElastoPlastic<f64>,
@@ -61,7 +60,7 @@ pub fn find_turns(
         let stored = seek(&mut touches, contact.slot, |t| t.slot).map_or([0.0; 3], |t| t.turn);
         let (torsion, roll) = normal_part(&contact.normal, &stored.into());
         let [torsional, rolling] = turning.coefficient.map(|c| {
-            let stiffness = c * load / BREAKAWAY;
+            let stiffness = c * load / TURN_DEFLECTION;
             (
                 stiffness,
                 2.0 * (stiffness * turning.inertia * share).sqrt(),
@@ -103,8 +102,8 @@ impl Turn {
         self.torsional.cap > 0.0 || self.rolling.cap > 0.0
     }
 
-    /// Response to the angular velocity `w` of the body at the end of a step of `h` seconds: an impulse in N·m·s, a
-    /// stiffness in kg·m² about the normal and about the tangents.
+    /// Response to the angular velocity `w` of the body at the end of a step of `h` seconds: an
+    /// impulse in N·m·s, a stiffness in kg·m² about the normal and about the tangents.
     pub fn response(&self, w: &Vec3, h: f64) -> Response {
         let (w_normal, w_tangent) = normal_part(&self.normal, w);
         let torsional = self.torsional.respond(w_normal, h);
@@ -124,8 +123,8 @@ impl Turn {
         -(self.normal * about_normal + self.rolling.respond(w_tangent, 0.0).force)
     }
 
-    /// Elastic angle after the step, world axes, rad, for the angular velocity that solved it: along the normal torsional,
-    /// across it rolling.
+    /// Elastic angle after the step, world axes, rad, for the angular velocity that solved it:
+    /// along the normal torsional, across it rolling.
     pub fn next_displacement(&self, w: &Vec3, h: f64) -> Vec3 {
         let (w_normal, w_tangent) = normal_part(&self.normal, w);
         self.normal * self.torsional.next(w_normal, h) + self.rolling.next(w_tangent, h)
@@ -137,7 +136,8 @@ impl Turn {
         self.normal * self.torsional.clipped(torsion) + self.rolling.clipped(roll)
     }
 
-    /// At most twice the energy that it has stored, J: both angles count with the stiffer of the two springs.
+    /// At most twice the energy that it has stored, J: both angles count with the stiffer of the
+    /// two springs.
     pub fn twice_stored(&self) -> f64 {
         let (torsion, roll) = (self.torsional.displacement, self.rolling.displacement);
         let stiffness = self.torsional.stiffness.max(self.rolling.stiffness);

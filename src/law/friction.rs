@@ -1,18 +1,20 @@
 //! Elasto-plastic friction in one, two and three dimensions, and Stribeck's curve.
 //!
-//! A spring–damper with a stored displacement `ς` carries any load below the cap `F̄` without motion and slips above
-//! it. With the relative velocity `u` at the end of a step of `h` seconds:
+//! A spring–damper with a stored displacement `ς` carries any load below the cap `F̄` without
+//! motion and slips above it. With the relative velocity `u` at the end of a step of `h` seconds:
 //!
 //! 1. Spring and damper together would give `y = k ς + (k h + d) u`.
-//! 2. The force is `F = y` while `|y| ≤ F̄` (the element sticks), else `F̄ ŷ` with `ŷ = y/|y|` (it slips along `ŷ`).
-//! 3. The displacement after the step is `(F − d u)/k`, at which the spring alone gives what the damper leaves of `F`.
-//!    Along the slip it may only approach that value, see [`ElastoPlastic::slipped`].
+//! 2. The force is `F = y` while `|y| ≤ F̄` (the element sticks), else `F̄ ŷ` with `ŷ = y/|y|` (it
+//!    slips along `ŷ`).
+//! 3. The displacement after the step is `(F − d u)/k`, at which the spring alone gives what the
+//!    damper leaves of `F`. Along the slip it may only approach that value, see
+//!    [`ElastoPlastic::slipped`].
 //!
-//! Where friction at rest is higher than sliding friction, the cap follows the speed at the start of the step
-//! (Stribeck): within the step it is constant, which keeps the law convex.
+//! Where friction at rest is higher than sliding friction, the cap follows the speed at the start
+//! of the step (Stribeck): within the step it is constant, which keeps the law convex.
 //!
-//! Source: Castro et al. 2022 (the force is the gradient of the Moreau envelope of Coulomb's dissipation);
-//! Armstrong-Hélouvry, Dupont & Canudas de Wit 1994 for the Stribeck curve.
+//! Source: Castro et al. 2022 (the force is the gradient of the Moreau envelope of Coulomb's
+//! dissipation); Armstrong-Hélouvry, Dupont & Canudas de Wit 1994 for the Stribeck curve.
 
 use crate::spatial::Vec3;
 use std::ops::{Add, Div, Mul, Sub};
@@ -29,8 +31,9 @@ pub trait Vector:
     /// Inner product.
     fn dot(&self, other: &Self) -> f64;
 
-    /// Direction of a vector that is longer than `length`, and one over its own length; zero instead of the latter
-    /// along a line, which has no directions but its own. None for a vector that is not longer.
+    /// Direction of a vector that is longer than `length`, and one over its own length; zero
+    /// instead of the latter along a line, which has no directions but its own. None for a vector
+    /// that is not longer.
     fn beyond(&self, length: f64) -> Option<(Self, f64)>;
 
     /// The vector, shortened to `length` where it is longer.
@@ -86,8 +89,8 @@ impl Vector for Vec3 {
     }
 }
 
-/// A spring–damper with a capped force. Units are those of a force (N, or N·m about an axis) and of a displacement
-/// (m or rad).
+/// A spring–damper with a capped force. Units are those of a force (N, or N·m about an axis) and of
+/// a displacement (m or rad).
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ElastoPlastic<X> {
     /// Force that slips, N or N·m; may be infinite; 0: the element does nothing.
@@ -149,11 +152,12 @@ impl<X: Vector> ElastoPlastic<X> {
 
     /// Displacement along the slip after a step of `h` seconds in which the element slips.
     ///
-    /// While it slips, spring and damper together could give more than the cap. As the slip slows down, the damper
-    /// gives less and the spring takes over, `k ς = F̄ − d u`: then the element comes to rest under the load that it
-    /// carries, and does not spring back. Slip faster than `F̄/d` leaves the spring nothing; what it holds from before
-    /// goes within its own time `d/k`, not at once: else a slip too short for a step to see would decide on all that
-    /// comes after, and a velocity that jumps would charge the spring without any work.
+    /// While it slips, spring and damper together could give more than the cap. As the slip slows
+    /// down, the damper gives less and the spring takes over, `k ς = F̄ − d u`: then the element
+    /// comes to rest under the load that it carries, and does not spring back. Slip faster than
+    /// `F̄/d` leaves the spring nothing; what it holds from before goes within its own time `d/k`,
+    /// not at once: else a slip too short for a step to see would decide on all that comes after,
+    /// and a velocity that jumps would charge the spring without any work.
     ///
     /// - `stored`: before the step; `settled`: `(F̄ − d u)/k`; both in the direction of the force
     #[inline]
@@ -182,7 +186,8 @@ impl<X: Vector> ElastoPlastic<X> {
 }
 
 impl ElastoPlastic<f64> {
-    /// Displacement with which spring and damper give `force` at the velocity `u`, as far as the cap can hold it.
+    /// Displacement with which spring and damper give `force` at the velocity `u`, as far as the
+    /// cap can hold it.
     #[inline]
     pub fn settle(&self, force: f64, u: f64) -> f64 {
         if self.cap <= 0.0 {
@@ -191,8 +196,9 @@ impl ElastoPlastic<f64> {
         self.clipped((force - self.damping * u) / self.stiffness)
     }
 
-    /// The same as [`Self::next`] for dry friction, whose cap falls as the joint begins to move: what the spring holds
-    /// from before may exceed the cap for a while, and goes within the element's own time.
+    /// The same as [`Self::next`] for dry friction, whose cap falls as the joint begins to move:
+    /// what the spring holds from before may exceed the cap for a while, and goes within the
+    /// element's own time.
     #[inline]
     pub fn next_under_falling_cap(&self, u: f64, h: f64) -> f64 {
         let Resistance { force, slip, .. } = self.respond(u, h);
@@ -204,8 +210,8 @@ impl ElastoPlastic<f64> {
         }
     }
 
-    /// A displacement, found for the relative velocity `u` at the end of a step of `h` seconds, where the joint has
-    /// `moved` by so much more. An element that slips keeps it.
+    /// A displacement, found for the relative velocity `u` at the end of a step of `h` seconds,
+    /// where the joint has `moved` by so much more. An element that slips keeps it.
     pub fn moved(&self, displacement: f64, moved: f64, u: f64, h: f64) -> f64 {
         if self.respond(u, h).force.abs() < self.cap {
             self.clipped(displacement + moved)
@@ -215,8 +221,9 @@ impl ElastoPlastic<f64> {
     }
 }
 
-/// Coulomb coefficient, or any cap of friction, at a sliding speed: `rest` at none, `sliding` far above the Stribeck
-/// speed `reference`, with a smooth fall `exp(−(u/u_s)²)` between. Both speeds in m/s or rad/s.
+/// Coulomb coefficient, or any cap of friction, at a sliding speed: `rest` at none, `sliding` far
+/// above the Stribeck speed `reference`, with a smooth fall `exp(−(u/u_s)²)` between. Both speeds
+/// in m/s or rad/s.
 #[inline]
 pub fn stribeck(rest: f64, sliding: f64, speed: f64, reference: f64) -> f64 {
     let s = speed / reference;
@@ -257,7 +264,8 @@ mod tests {
         }
     }
 
-    /// Slip that lasts a millionth of the element's own time d/k changes what it stores by as much, however fast it is.
+    /// Slip that lasts a millionth of the element's own time d/k changes what it stores by as much,
+    /// however fast it is.
     #[test]
     fn a_short_slip_leaves_the_displacement_as_it_is() {
         for displacement in [-5e-5, 0.0, 5e-5] {

@@ -1,7 +1,8 @@
 //! The pure laws of force: functions of gaps, displacements and velocities that know no robot.
 //!
-//! Each is the gradient of a convex function of the velocity at the end of the step, so that a step is a convex
-//! minimisation whatever acts. What carries such a law, and where it acts, is in [`crate::force`].
+//! Each is the gradient of a convex function of the velocity at the end of the step, so that a step
+//! is a convex minimisation whatever acts. What carries such a law, and where it acts, is in
+//! [`crate::force`].
 
 pub mod friction;
 pub mod motor;

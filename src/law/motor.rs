@@ -1,19 +1,18 @@
-//! Laws of motors: constants that follow from effort and inertia, the torque–speed line, the servo's braking curve.
+//! Laws of motors: constants that follow from effort and inertia, the torque–speed line, the
+//! servo's braking curve.
 
-/// Displacement of a velocity motor under its reference effort, rad or m.
-pub const MOTOR_DEFLECTION: f64 = 1e-3;
-/// Shortest relaxation time of a velocity motor, s: keeps light joints from becoming needlessly stiff.
-pub const MOTOR_RELAXATION: f64 = 1e-3;
+use crate::tuning::{MOTOR_DEFLECTION, MOTOR_RELAXATION};
 
-/// Stiffness and damping of a velocity motor on a joint with the given inertia at the initial position.
+/// Stiffness and damping of a velocity motor on a joint with the given inertia at the initial
+/// position.
 pub fn motor_constants(reference_effort: f64, inertia: f64) -> (f64, f64) {
     let stiffness = reference_effort / MOTOR_DEFLECTION;
     let critical = 2.0 * (stiffness * inertia).sqrt();
     (stiffness, critical.max(stiffness * MOTOR_RELAXATION))
 }
 
-/// Torque–speed line of a motor: while it drives, its effort is at most `stall (1 − |v|/no_load)`, not below 0; while it
-/// brakes, the line does not act.
+/// Torque–speed line of a motor: while it drives, its effort is at most `stall (1 − |v|/no_load)`,
+/// not below 0; while it brakes, the line does not act.
 #[derive(Clone, Copy, Debug)]
 pub struct SpeedLine {
     /// Effort at standstill, N·m or N.
@@ -46,8 +45,8 @@ impl SpeedLine {
         self.stall / self.no_load
     }
 
-    /// Cuts a force and its derivative at velocity `v` down to the line. Both bounds fall with `v`, so a force that does
-    /// still does.
+    /// Cuts a force and its derivative at velocity `v` down to the line. Both bounds fall with `v`,
+    /// so a force that does still does.
     #[inline]
     pub fn cut(&self, (force, slope): (f64, f64), v: f64) -> (f64, f64) {
         if self.no_load == f64::INFINITY || force * v <= 0.0 {
@@ -64,15 +63,15 @@ impl SpeedLine {
     }
 }
 
-/// Speed towards a target at the distance `e` (rad or m, with sign) that brakes to zero there, and its derivative with
-/// the distance.
+/// Speed towards a target at the distance `e` (rad or m, with sign) that brakes to zero there, and
+/// its derivative with the distance.
 ///
-/// 1. A joint that brakes with the deceleration `a` from the speed `s` comes to rest within `s²/2a`: farther out it may
-///    have `s(e) = √(2 a (|e| − e₀))`.
-/// 2. This root is infinitely steep where it ends. Near the target the servo is a critically damped spring instead,
-///    with `s(e) = m |e|` of the slope `m`, in 1/s.
-/// 3. Where they meet, at `|e| = e₁`, values and slopes are to agree: `m² e₁² = 2 a (e₁ − e₀)` and `m = a/(m e₁)`. The
-///    latter gives `e₁ = a/m²`, the former `e₀ = e₁ − m² e₁²/2a = a/2m²`.
+/// 1. A joint that brakes with the deceleration `a` from the speed `s` comes to rest within
+///    `s²/2a`: farther out it may have `s(e) = √(2 a (|e| − e₀))`.
+/// 2. This root is infinitely steep where it ends. Near the target the servo is a critically damped
+///    spring instead, with `s(e) = m |e|` of the slope `m`, in 1/s.
+/// 3. Where they meet, at `|e| = e₁`, values and slopes are to agree: `m² e₁² = 2 a (e₁ − e₀)` and
+///    `m = a/(m e₁)`. The latter gives `e₁ = a/m²`, the former `e₀ = e₁ − m² e₁²/2a = a/2m²`.
 /// 4. The derivative of the root is `a/s`. Beyond the `limit` of the speed it is zero.
 ///
 /// - `slope`: `m`, 1/s; `braking`: `a`, rad/s² or m/s²; `limit`: rad/s or m/s, may be infinite
@@ -92,7 +91,8 @@ fn desired_speed(e: f64, slope: f64, braking: f64, limit: f64) -> (f64, f64) {
     }
 }
 
-/// [`desired_speed`] towards a target that moves at `rate`, within `limit`, and its derivative with the distance.
+/// [`desired_speed`] towards a target that moves at `rate`, within `limit`, and its derivative with
+/// the distance.
 #[inline]
 pub fn servo_speed(e: f64, rate: f64, slope: f64, braking: f64, limit: f64) -> (f64, f64) {
     let (speed, change) = desired_speed(e, slope, braking, limit);

@@ -1,7 +1,8 @@
 //! The Hunt–Crossley law of contacts in the normal direction and of joint limits.
 //!
-//! With the gap `g` at the start of a step of `h` seconds (negative in contact) and the velocity `v` at its end,
-//! positive apart, the penetration at the end is `x = −g − h v`, and the force `F = k x₊ (1 − d v)₊`: it falls with `v`.
+//! With the gap `g` at the start of a step of `h` seconds (negative in contact) and the velocity
+//! `v` at its end, positive apart, the penetration at the end is `x = −g − h v`, and the force `F =
+//! k x₊ (1 − d v)₊`: it falls with `v`.
 //!
 //! Source: Hunt & Crossley 1975.
 
@@ -15,8 +16,8 @@ pub struct HuntCrossley {
 }
 
 impl HuntCrossley {
-    /// Impulse for the velocity `v` at the end of a step of `h` seconds, N·s or N·m·s, and minus its derivative with
-    /// the velocity, kg or kg·m².
+    /// Impulse for the velocity `v` at the end of a step of `h` seconds, N·s or N·m·s, and minus
+    /// its derivative with the velocity, kg or kg·m².
     #[inline]
     pub fn respond(&self, gap: f64, v: f64, h: f64) -> (f64, f64) {
         let elastic = self.stiffness * (-gap - h * v);
@@ -52,8 +53,9 @@ impl HuntCrossley {
     }
 }
 
-/// Hunt–Crossley dissipation times approach speed that gives the coefficient of restitution `e`: the root of
-/// `a − ln(1+a) = −e a − ln(1−e a)`; independent of mass and stiffness. Infinite for `e = 0`.
+/// Hunt–Crossley dissipation times approach speed that gives the coefficient of restitution `e`:
+/// the root of `a − ln(1+a) = −e a − ln(1−e a)`; independent of mass and stiffness. Infinite for `e
+/// = 0`.
 pub fn dissipation_number(e: f64) -> f64 {
     if e <= 0.0 {
         return f64::INFINITY;

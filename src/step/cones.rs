@@ -51,7 +51,7 @@ impl Cones {
         h: f64,
     ) -> f64 {
         let mut lag = 0.0;
-        for (contact, response) in start.terms.contacts.iter().zip(&solved.responses) {
+        for (contact, response) in start.terms.contacts.iter().zip(&solved.responses.contacts) {
             let normal = contact.normal.dot(&response.impulse);
             let cap = contact.mu * normal / h;
             let friction = response.impulse - contact.normal * normal;
@@ -72,7 +72,7 @@ impl Cones {
     pub(super) fn begin(&mut self, start: &Point, solved: &Newton, h: f64) {
         self.loads.clear();
         self.excess.clear();
-        for (contact, response) in start.terms.contacts.iter().zip(&solved.responses) {
+        for (contact, response) in start.terms.contacts.iter().zip(&solved.responses.contacts) {
             let begin = contact.normal_force(contact.normal_velocity(&start.kin.V));
             let end = found(contact, response, h);
             self.loads.push([begin, end]);
@@ -82,7 +82,7 @@ impl Cones {
 
     /// Takes what the last two solves, over `h` seconds, say together.
     pub(super) fn improve(&mut self, start: &Point, solved: &Newton, h: f64) {
-        let solutions = || start.terms.contacts.iter().zip(&solved.responses);
+        let solutions = || start.terms.contacts.iter().zip(&solved.responses.contacts);
         let (mut along, mut squared) = (0.0, 0.0);
         let rows = self.loads.iter().zip(&self.excess).zip(solutions());
         for (([_, taken], before), (contact, response)) in rows {

@@ -4,13 +4,15 @@
 //! ℓ(v) = ½ (v − v0)ᵀ M (v − v0) + h k(q0, v0)ᵀ v + Σ ℓ_c(v_c)
 //! ```
 //!
-//! over contacts, limits, friction and actuators `c`, each convex in its velocity `v_c` with impulse `γ = −∂ℓ_c/∂v_c`
-//! and stiffness `G = ∂²ℓ_c/∂v_c²`. Newton with a safeguarded line search converges from any guess:
+//! over contacts, limits, friction and actuators `c`, each convex in its velocity `v_c` with
+//! impulse `γ = −∂ℓ_c/∂v_c` and stiffness `G = ∂²ℓ_c/∂v_c²`. Newton with a safeguarded line search
+//! converges from any guess:
 //!
-//! - gradient `g = M (v − v0) + h k − Jᵀγ`: impulses are summed up tip to base like forces, no Jacobian is formed. What is
-//!   kept is the change of momentum `M (v − v0)`, small like the impulses, not `M v`, whose digits they would be lost in;
-//! - Hessian `H = M + Jᵀ G J`: a contact's stiffness is a 6×6 matrix on its body, composed and projected like a
-//!   composite rigid body, so `H` has the sparsity of `M`.
+//! - gradient `g = M (v − v0) + h k − Jᵀγ`: impulses are summed up tip to base like forces, no
+//!   Jacobian is formed. What is kept is the change of momentum `M (v − v0)`, small like the
+//!   impulses, not `M v`, whose digits they would be lost in;
+//! - Hessian `H = M + Jᵀ G J`: a contact's stiffness is a 6×6 matrix on its body, composed and
+//!   projected like a composite rigid body, so `H` has the sparsity of `M`.
 //!
 //! Source: Castro et al. 2022 (SAP), Castro et al. 2023 (ICF); Featherstone 2008, chapter 6.
 
@@ -19,15 +21,11 @@
 mod hessian;
 mod line_search;
 
-use crate::force::{Contact, JointResponse, Response, Solved, Terms};
+use crate::force::{Contact, Response, Responses, Solved, Terms, Velocities};
 use crate::kinematics::{Kinematics, forward};
-use crate::spatial::{Vec3, Vec6, add_force_at, add6, angular, dot6};
+use crate::spatial::{Vec3, Vec6, add_force_at, add6, dot6};
 use crate::tree::Tree;
-
-/// Newton iterations after which a solve gives up; random contact problems need up to 26.
-const MAX_ITERATIONS: usize = 50;
-/// Relative round-off of a sum of a few terms.
-const ROUND_OFF: f64 = 8.0 * f64::EPSILON;
+use crate::tuning::{MAX_ITERATIONS, ROUND_OFF};
 
 /// How a solve ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,12 +41,10 @@ pub struct Outcome {
 pub struct Newton {
     /// Solution, `nv`.
     pub v: Vec<f64>,
-    /// Response of each contact at the solution.
-    pub responses: Vec<Response>,
-    /// Velocity of each contact point at the solution, m/s.
-    pub point_velocity: Vec<Vec3>,
-    /// Angular velocity of each contact that resists turning at the solution, rad/s.
-    pub turn_velocity: Vec<Vec3>,
+    /// Velocities of contacts at the solution.
+    pub at: Velocities,
+    /// Responses at the solution.
+    pub responses: Responses,
     /// Change of momentum `M (v − v0)` at the solution.
     pub(super) change: Vec<f64>,
     /// The same at the guess.
@@ -60,10 +56,8 @@ pub struct Newton {
     /// Whether `H` holds the factor of the last solve's last Hessian.
     factored: bool,
     V: Vec<Vec6>,
-    point_direction: Vec<Vec3>,
-    turn_responses: Vec<Response>,
-    turn_direction: Vec<Vec3>,
-    joint_responses: Vec<JointResponse>,
+    /// Velocities of contacts along `direction`.
+    along: Velocities,
     F: Vec<Vec6>,
     G: Vec<[f64; 21]>,
     /// Bodies with contacts in their subtree, tips first.
@@ -86,8 +80,9 @@ pub struct Problem<'a> {
     pub h: f64,
     /// Relative accuracy of the impulses that a guess must have.
     pub accuracy: f64,
-    /// The same after an iteration. A guess that is taken as it is repeats its error in every step, while the rest that an
-    /// iteration leaves is new each time and far below what the step's error estimate sees: it may be coarser.
+    /// The same after an iteration. A guess that is taken as it is repeats its error in every step,
+    /// while the rest that an iteration leaves is new each time and far below what the step's error
+    /// estimate sees: it may be coarser.
     pub iterated: f64,
 }
 
@@ -97,9 +92,8 @@ impl Newton {
         let (nb, nv) = (tree.bodies.len(), tree.sparsity.len());
         Self {
             v: vec![0.0; nv],
-            responses: Vec::with_capacity(contacts),
-            point_velocity: Vec::with_capacity(contacts),
-            turn_velocity: Vec::with_capacity(contacts),
+            at: Velocities::new(contacts),
+            responses: Responses::new(contacts, nv),
             change: vec![0.0; nv],
             guessed_change: vec![0.0; nv],
             gradient: vec![0.0; nv],
@@ -108,10 +102,7 @@ impl Newton {
             H: vec![0.0; tree.sparsity.entries()],
             factored: false,
             V: vec![[0.0; 6]; nb],
-            point_direction: Vec::with_capacity(contacts),
-            turn_responses: Vec::with_capacity(contacts),
-            turn_direction: Vec::with_capacity(contacts),
-            joint_responses: Vec::with_capacity(nv),
+            along: Velocities::new(contacts),
             F: vec![[0.0; 6]; nb],
             G: vec![[0.0; 21]; nb],
             loaded: Vec::with_capacity(nb),
@@ -124,15 +115,11 @@ impl Newton {
         self.v.copy_from_slice(v0);
         self.change.fill(0.0);
         self.guessed_change.fill(0.0);
-        self.point_velocity.clear();
-        let points = p.terms.contacts.iter().map(|c| c.velocity(&p.kin.V));
-        self.point_velocity.extend(points);
-        self.turn_velocity.clear();
-        let turns = p.terms.turns.iter().map(|t| angular(&p.kin.V[t.body]));
-        self.turn_velocity.extend(turns);
+        self.at.set(p.terms, &p.kin.V);
     }
 
-    /// Guesses half way between the velocity at the start of the step and another solution from the same start.
+    /// Guesses half way between the velocity at the start of the step and another solution from the
+    /// same start.
     pub fn guess_between(&mut self, p: &Problem, v0: &[f64], other: &Self) {
         for ((v, a), b) in self.v.iter_mut().zip(v0).zip(&other.v) {
             *v = 0.5 * (a + b);
@@ -141,14 +128,9 @@ impl Newton {
             *m = 0.5 * other;
         }
         self.guessed_change.copy_from_slice(&self.change);
-        self.point_velocity.clear();
-        let points = p.terms.contacts.iter().zip(&other.point_velocity);
-        self.point_velocity
-            .extend(points.map(|(c, v)| (c.velocity(&p.kin.V) + v) * 0.5));
-        self.turn_velocity.clear();
-        let turns = p.terms.turns.iter().zip(&other.turn_velocity);
-        self.turn_velocity
-            .extend(turns.map(|(t, w)| (angular(&p.kin.V[t.body]) + w) * 0.5));
+        self.at.set(p.terms, &p.kin.V);
+        self.at
+            .combine(&other.at, |v, other| *v = (*v + other) * 0.5);
     }
 
     /// Takes any velocity `v` as the guess, of a step that starts with `v0`.
@@ -163,35 +145,31 @@ impl Newton {
         if !p.terms.contacts.is_empty() {
             forward(p.tree, &p.kin.S, v, &mut self.V);
         }
-        self.point_velocity.clear();
-        let points = p.terms.contacts.iter().map(|c| c.velocity(&self.V));
-        self.point_velocity.extend(points);
-        self.turn_velocity.clear();
-        let turns = p.terms.turns.iter().map(|t| angular(&self.V[t.body]));
-        self.turn_velocity.extend(turns);
+        self.at.set(p.terms, &self.V);
     }
 
-    /// Minimises from the guess that stands in `v`: one of the `guess` functions, or the last solution.
+    /// Minimises from the guess that stands in `v`: one of the `guess` functions, or the last
+    /// solution.
     pub fn solve(&mut self, p: &Problem) -> Outcome {
         self.factored = false;
         self.mark_loaded(p.tree, &p.terms.contacts);
-        self.respond(p);
+        p.terms.respond(&self.v, &self.at, p.h, &mut self.responses);
         self.minimise(p, None)
     }
 
-    /// The same where the step before, of the same length, has been solved by `before`: its Hessian does for the first
-    /// iteration, if it has one and the same points touch, press, stick and slip. Where one such iteration is not enough,
-    /// Newton's own follow.
+    /// The same where the step before, of the same length, has been solved by `before`: its Hessian
+    /// does for the first iteration, if it has one and the same points touch, press, stick and
+    /// slip. Where one such iteration is not enough, Newton's own follow.
     pub fn solve_after(&mut self, p: &Problem, before: (&Self, &[Contact])) -> Outcome {
         self.factored = false;
         self.mark_loaded(p.tree, &p.terms.contacts);
-        self.respond(p);
+        p.terms.respond(&self.v, &self.at, p.h, &mut self.responses);
         let (before, contacts) = before;
         let alike = before.factored && {
             let regime =
                 |r: &Response| (r.normal > 0.0, r.tangential > 0.0, r.slip == Vec3::zeros());
-            let now = p.terms.contacts.iter().zip(&self.responses);
-            let then = contacts.iter().zip(&before.responses);
+            let now = p.terms.contacts.iter().zip(&self.responses.contacts);
+            let then = contacts.iter().zip(&before.responses.contacts);
             contacts.len() == p.terms.contacts.len()
                 && now
                     .zip(then)
@@ -200,7 +178,8 @@ impl Newton {
         self.minimise(p, alike.then_some(before.H.as_slice()))
     }
 
-    /// Iterates from the responses at the guess; the first iteration takes `factor` for that of its Hessian, if there is one.
+    /// Iterates from the responses at the guess; the first iteration takes `factor` for that of its
+    /// Hessian, if there is one.
     fn minimise(&mut self, p: &Problem, mut factor: Option<&[f64]>) -> Outcome {
         let Problem { tree, kin, h, .. } = *p;
         let D2 = &kin.inverse_diagonal;
@@ -255,16 +234,12 @@ impl Newton {
             for (m, w) in self.change.iter_mut().zip(&self.direction_momentum) {
                 *m += alpha * w;
             }
-            for (v, w) in self.point_velocity.iter_mut().zip(&self.point_direction) {
-                *v += w * alpha;
-            }
-            for (v, w) in self.turn_velocity.iter_mut().zip(&self.turn_direction) {
-                *v += w * alpha;
-            }
+            self.at.combine(&self.along, |v, w| *v += w * alpha);
         }
     }
 
-    /// Squared scale of what velocities' round-off does to momenta, at the velocity that stands in `v`.
+    /// Squared scale of what velocities' round-off does to momenta, at the velocity that stands in
+    /// `v`.
     fn round_off(&self, p: &Problem) -> f64 {
         let pattern = &p.tree.sparsity;
         let energies = self.v.iter().enumerate();
@@ -279,7 +254,7 @@ impl Newton {
         let D2 = &p.kin.inverse_diagonal;
         let lightest = D2.iter().fold(0.0, |m: f64, d| m.max(*d));
         let lever = 1.0 + p.tree.reach();
-        let responses = self.responses.iter().chain(&self.turn_responses);
+        let responses = self.responses.contacts.iter().chain(&self.responses.turns);
         let sum: f64 = responses.map(|r| r.impulse.norm_squared()).sum();
         ROUND_OFF * ROUND_OFF * lightest * lever * lever * sum
     }
@@ -288,15 +263,14 @@ impl Newton {
     pub fn solved(&self) -> Solved<'_> {
         Solved {
             v: &self.v,
-            points: &self.point_velocity,
-            turns: &self.turn_velocity,
+            at: &self.at,
             responses: &self.responses,
         }
     }
 
     /// How many contact points press at the solution.
     pub(super) fn pressing(&self) -> f64 {
-        let pressing = self.responses.iter().filter(|r| r.normal > 0.0);
+        let pressing = self.responses.contacts.iter().filter(|r| r.normal > 0.0);
         pressing.fold(0.0, |count, _| count + 1.0)
     }
 
@@ -305,13 +279,9 @@ impl Newton {
         self.v.fill(0.0);
         self.change.fill(0.0);
         self.mark_loaded(p.tree, &p.terms.contacts);
-        self.point_velocity.clear();
-        self.point_velocity
-            .extend(p.terms.contacts.iter().map(|_| Vec3::zeros()));
-        self.turn_velocity.clear();
-        self.turn_velocity
-            .extend(p.terms.turns.iter().map(|_| Vec3::zeros()));
-        self.respond(p);
+        self.V.fill([0.0; 6]);
+        self.at.set(p.terms, &self.V);
+        p.terms.respond(&self.v, &self.at, p.h, &mut self.responses);
         let impulse_scale = self.collect(p);
         let D2 = &p.kin.inverse_diagonal;
         let norm = scaled_square(&self.gradient, D2);
@@ -334,25 +304,6 @@ impl Newton {
         }
     }
 
-    /// Responses of contacts and joint terms at the current velocity.
-    fn respond(&mut self, p: &Problem) {
-        self.joint_responses.clear();
-        self.joint_responses.extend(
-            p.terms
-                .joints
-                .iter()
-                .map(|t| t.response(self.v[t.dof], p.h)),
-        );
-        self.responses.clear();
-        let points = p.terms.contacts.iter().zip(&self.point_velocity);
-        self.responses
-            .extend(points.map(|(contact, v)| contact.response(v, p.h)));
-        self.turn_responses.clear();
-        let turns = p.terms.turns.iter().zip(&self.turn_velocity);
-        self.turn_responses
-            .extend(turns.map(|(turn, w)| turn.response(w, p.h)));
-    }
-
     /// Gradient from the responses; returns the squared scale of the impulses.
     fn collect(&mut self, p: &Problem) -> f64 {
         let Problem { tree, kin, .. } = *p;
@@ -361,7 +312,7 @@ impl Newton {
             *g = change + p.h * bias;
         }
         let mut scale = 0.0;
-        for (term, r) in p.terms.joints.iter().zip(&self.joint_responses) {
+        for (term, r) in p.terms.joints.iter().zip(&self.responses.joints) {
             self.gradient[term.dof] -= r.impulse;
             scale += D2[term.dof] * r.effort * r.effort;
         }
@@ -372,10 +323,10 @@ impl Newton {
             self.F[b] = [0.0; 6];
         }
         self.F[0] = [0.0; 6];
-        for (contact, response) in p.terms.contacts.iter().zip(&self.responses) {
+        for (contact, response) in p.terms.contacts.iter().zip(&self.responses.contacts) {
             add_force_at(&mut self.F[contact.body], &contact.x, &response.impulse);
         }
-        for (turn, response) in p.terms.turns.iter().zip(&self.turn_responses) {
+        for (turn, response) in p.terms.turns.iter().zip(&self.responses.turns) {
             let moment = &mut self.F[turn.body][..3];
             for (sum, x) in moment.iter_mut().zip(response.impulse.iter()) {
                 *sum += x;

@@ -287,7 +287,7 @@ pub(super) fn add_impulses(
     share: f64,
     impulse: &mut [[f64; 3]],
 ) {
-    for (contact, response) in contacts.iter().zip(&newton.responses) {
+    for (contact, response) in contacts.iter().zip(&newton.responses.contacts) {
         let sum = &mut impulse[contact.link];
         for (sum, x) in sum.iter_mut().zip(response.impulse.iter()) {
             *sum += share * x;

@@ -188,7 +188,7 @@ fn lifted(
             rise -= torque.dot(&angular(way)) + I.mass * tree.world.gravity.dot(&linear(way));
         }
     }
-    for (contact, v) in point.terms.contacts.iter().zip(&solved.point_velocity) {
+    for (contact, v) in point.terms.contacts.iter().zip(&solved.at.points) {
         let depth = -contact.gap - h * contact.normal.dot(v);
         rise += contact
             .spring

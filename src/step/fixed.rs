@@ -142,12 +142,12 @@ impl Stepper {
             .terms
             .contacts
             .iter_mut()
-            .zip(&self.full.responses)
+            .zip(&self.full.responses.contacts)
         {
             contact.friction.cap = contact.mu * contact.normal.dot(&response.impulse) / h;
         }
         for turn in &mut self.start.terms.turns {
-            let response = &self.full.responses[turn.contact];
+            let response = &self.full.responses.contacts[turn.contact];
             turn.carry(turn.normal.dot(&response.impulse) / h);
         }
         let turning = turn * whole > TURN;

@@ -1,5 +1,5 @@
-//! The Hessian `H = M + Jᵀ G J`: a contact's stiffness is a 6×6 matrix on its body, composed and projected like a
-//! composite rigid body, so that `H` has the sparsity of `M`.
+//! The Hessian `H = M + Jᵀ G J`: a contact's stiffness is a 6×6 matrix on its body, composed and
+//! projected like a composite rigid body, so that `H` has the sparsity of `M`.
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
@@ -15,7 +15,7 @@ impl Newton {
         let Problem { tree, kin, .. } = *p;
         let pattern = &tree.sparsity;
         self.H.copy_from_slice(&kin.M);
-        for (term, r) in p.terms.joints.iter().zip(&self.joint_responses) {
+        for (term, r) in p.terms.joints.iter().zip(&self.responses.joints) {
             let stiffness = r.stiffness;
             self.H[pattern.diagonal(term.dof)] += stiffness;
         }
@@ -27,13 +27,13 @@ impl Newton {
         }
         self.G[0] = [0.0; 21];
         let mut any = false;
-        for (contact, response) in p.terms.contacts.iter().zip(&self.responses) {
+        for (contact, response) in p.terms.contacts.iter().zip(&self.responses.contacts) {
             if response.normal > 0.0 || response.tangential > 0.0 {
                 any = true;
                 add_point_stiffness(&mut self.G[contact.body], contact, response);
             }
         }
-        for (turn, response) in p.terms.turns.iter().zip(&self.turn_responses) {
+        for (turn, response) in p.terms.turns.iter().zip(&self.responses.turns) {
             if response.normal > 0.0 || response.tangential > 0.0 {
                 any = true;
                 let stiffness = lower_triangle(&turn.normal, response);
@@ -45,7 +45,8 @@ impl Newton {
         if !any {
             return;
         }
-        // Not `pattern.floating`: the rows of a fixed serial chain of six joints or more look the same.
+        // Not `pattern.floating`: the rows of a fixed serial chain of six joints or more look the
+        // same.
         let floating = tree.is_free();
         for &b in &self.loaded {
             let body = &tree.bodies[b];

@@ -7,7 +7,8 @@ use crate::law::{ElastoPlastic, HuntCrossley, SpeedLine};
 use crate::parameters::Parameters;
 use crate::testing::{Random, random_tree};
 
-/// A random robot in motion with a contact on every body, each resisting turning, and a motor on every joint.
+/// A random robot in motion with a contact on every body, each resisting turning, and a motor on
+/// every joint.
 struct Case {
     tree: Tree,
     kin: Kinematics,
@@ -128,7 +129,8 @@ impl Case {
         let problem = self.problem();
         newton.guess(&problem, &self.v0, v);
         newton.mark_loaded(&self.tree, &self.terms.contacts);
-        newton.respond(&problem);
+        let out = &mut newton.responses;
+        problem.terms.respond(&newton.v, &newton.at, problem.h, out);
         newton.collect(&problem);
         newton.gradient.clone()
     }
@@ -198,8 +200,8 @@ fn the_minimum_does_not_depend_on_the_guess() {
     }
 }
 
-/// Whatever Hessian the first iteration takes: Newton's own lead to the minimum. That of a step a fifth or five times as long
-/// is far off, that of a step as long but for a hundredth is close.
+/// Whatever Hessian the first iteration takes: Newton's own lead to the minimum. That of a step a
+/// fifth or five times as long is far off, that of a step as long but for a hundredth is close.
 #[test]
 fn the_minimum_does_not_depend_on_the_hessian_of_the_first_iteration() {
     let mut taken = 0;
@@ -236,6 +238,7 @@ fn the_minimum_does_not_depend_on_the_hessian_of_the_first_iteration() {
             taken += usize::from(outcome.converged && outcome.iterations == 1 && !newton.factored);
         }
     }
-    // To the accuracy of an error-controlled step the first iteration often is enough, and nothing has been factorised.
+    // To the accuracy of an error-controlled step the first iteration often is enough, and nothing
+    // has been factorised.
     assert!(taken > 60, "{taken}");
 }
