@@ -10,8 +10,7 @@ use crate::model::{JointId, LinkId, Model};
 use crate::sensor::{self, Sensors};
 use crate::slots::{Axis, OutputSlot};
 use crate::spatial::{
-    Pose, Vec3, Vec6, add_force_at, add6, angular, dot6, quaternion_from_rotation,
-    rpy_from_rotation, velocity_at,
+    Pose, Vec3, Vec6, add6, angular, dot6, quaternion_from_rotation, rpy_from_rotation, velocity_at,
 };
 use crate::state::State;
 use crate::step::point::{Context, Point};
@@ -281,7 +280,7 @@ impl Readout {
         F.fill([0.0; 6]);
         for contact in &terms.contacts {
             let force = contact.force(&contact.velocity(&kin.V));
-            add_force_at(&mut F[contact.body], &contact.x, &force);
+            contact.push(&force, F);
         }
         for turn in &terms.turns {
             let moment = turn.force(&angular(&kin.V[turn.body]));

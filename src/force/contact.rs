@@ -6,7 +6,7 @@
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
 use crate::law::{ElastoPlastic, HuntCrossley};
-use crate::spatial::{Vec3, Vec6, velocity_at};
+use crate::spatial::{Vec3, Vec6, add_force_at, velocity_at};
 
 /// Impulse of a contact on its body and its derivative with the velocity.
 #[derive(Clone, Copy, Debug, Default)]
@@ -24,15 +24,17 @@ pub struct Response {
 /// A contact point of a step: what was found at its start, constant while the step is solved.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Contact {
-    /// Index of the body.
+    /// Index of the body that it pushes along the normal.
     pub body: usize,
+    /// Index of the body that it pushes against; none: the ground, which does not move.
+    pub other: Option<usize>,
     /// Index of the link, for outputs.
     pub link: usize,
     /// Place of its displacement in the state.
     pub slot: usize,
     /// Position from O, m, world axes.
     pub x: Vec3,
-    /// Unit vector from the ground into the body.
+    /// Unit vector from the ground or the other body into the body.
     pub normal: Vec3,
     /// Distance along the normal, positive apart, m.
     pub gap: f64,
@@ -58,10 +60,23 @@ impl Response {
 }
 
 impl Contact {
-    /// Velocity of the point on its body, m/s, world axes, where `V` are those of all bodies.
+    /// Velocity of the point on its body against that on the other one, m/s, world axes, where `V`
+    /// are those of all bodies.
     #[inline]
     pub fn velocity(&self, V: &[Vec6]) -> Vec3 {
-        velocity_at(&V[self.body], &self.x)
+        let v = velocity_at(&V[self.body], &self.x);
+        self.other
+            .map_or(v, |other| v - velocity_at(&V[other], &self.x))
+    }
+
+    /// Adds a force on the body at the point, and its reaction on the other one, to the forces on
+    /// all bodies about O; or impulses.
+    #[inline]
+    pub fn push(&self, force: &Vec3, F: &mut [Vec6]) {
+        add_force_at(&mut F[self.body], &self.x, force);
+        if let Some(other) = self.other {
+            add_force_at(&mut F[other], &self.x, &-force);
+        }
     }
 
     /// Its part along the normal, m/s, positive apart.
@@ -190,6 +205,32 @@ mod tests {
                 "{h} {u} {stored}: {more} {paid}"
             );
         }
+    }
+
+    /// Both bodies feel the same force, with opposite signs, and moving together is no motion.
+    #[test]
+    fn two_bodies_push_each_other_with_opposite_forces_and_feel_their_relative_velocity() {
+        let x = Vec3::new(0.1, -0.2, 0.3);
+        let pair = Contact {
+            body: 1,
+            other: Some(2),
+            x,
+            ..contact()
+        };
+        let V = [[0.0; 6], [1.0, 2.0, 3.0, 4.0, 5.0, 6.0], [0.5; 6]];
+        let together = [V[0], V[1], V[1]];
+        assert_eq!(pair.velocity(&together), Vec3::zeros());
+        let alone = |body| Contact { body, ..contact() }.velocity(&V);
+        let relative = Contact { x, ..pair }.velocity(&V);
+        let lever = |body: usize| crate::spatial::angular(&V[body]).cross(&x);
+        assert!((relative - (alone(1) + lever(1) - alone(2) - lever(2))).norm() < 1e-14);
+        let mut F = [[0.0; 6]; 3];
+        pair.push(&Vec3::new(7.0, 8.0, 9.0), &mut F);
+        assert!(
+            F[1].iter()
+                .zip(&F[2])
+                .all(|(a, b)| a + b == 0.0 && *a != 0.0)
+        );
     }
 
     #[test]

@@ -23,7 +23,7 @@ mod line_search;
 
 use crate::force::{Contact, Response, Responses, Solved, Terms, Velocities};
 use crate::kinematics::{Kinematics, forward};
-use crate::spatial::{Vec3, Vec6, add_force_at, add6, dot6};
+use crate::spatial::{Vec3, Vec6, add6, dot6};
 use crate::tree::Tree;
 use crate::tuning::{MAX_ITERATIONS, ROUND_OFF};
 
@@ -294,6 +294,9 @@ impl Newton {
         self.is_loaded.fill(false);
         for contact in contacts {
             self.is_loaded[contact.body] = true;
+            if let Some(other) = contact.other {
+                self.is_loaded[other] = true;
+            }
         }
         self.loaded.clear();
         for b in (1..tree.bodies.len()).rev() {
@@ -324,7 +327,7 @@ impl Newton {
         }
         self.F[0] = [0.0; 6];
         for (contact, response) in p.terms.contacts.iter().zip(&self.responses.contacts) {
-            add_force_at(&mut self.F[contact.body], &contact.x, &response.impulse);
+            contact.push(&response.impulse, &mut self.F);
         }
         for (turn, response) in p.terms.turns.iter().zip(&self.responses.turns) {
             let moment = &mut self.F[turn.body][..3];
