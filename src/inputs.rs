@@ -41,6 +41,7 @@ impl ExternalWrench {
 /// Values and time derivatives of all inputs of a model.
 #[derive(Clone, Debug)]
 pub struct Inputs {
+    /// Number of actuators.
     actuators: usize,
     /// Per actuator, the one whose inputs it takes: the first of its group, or itself.
     leader: Vec<usize>,

@@ -21,7 +21,13 @@ impl ParameterSlot {
             Self::LinkMass(_) => Range::Positive,
             Self::GroundRestitution => Range::Share,
             Self::StepSize => Range::Step,
-            _ => Range::Any,
+            Self::Gravity(_)
+            | Self::InitialBasePosition(_)
+            | Self::InitialBaseRpy(_)
+            | Self::InitialBaseLinearVelocity(_)
+            | Self::InitialBaseAngularVelocity(_)
+            | Self::InitialJointPosition(_)
+            | Self::InitialJointVelocity(_) => Range::Any,
         }
     }
 }
@@ -29,10 +35,13 @@ impl ParameterSlot {
 /// Values of all parameters of a model.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Parameters {
+    /// Number of actuators.
     actuators: usize,
     /// Per actuator, the one whose gains it has: the first of its group, or itself.
     leader: Vec<usize>,
+    /// Number of joints.
     joints: usize,
+    /// Number of links.
     links: usize,
     /// In the order that `Self::index` gives.
     pub values: Vec<f64>,

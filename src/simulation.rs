@@ -24,20 +24,30 @@ use std::sync::Arc;
 /// A robot that runs.
 #[derive(Debug)]
 pub struct Simulation {
+    /// The robot; never changes.
     model: Arc<Model>,
     /// Hash of the model: saved states carry it.
     hash: u64,
+    /// What the user has set; written by [`Self::set_parameter`].
     parameters: Parameters,
+    /// What the robot is told from the last communication point on; written by [`Self::set_input`].
     inputs: Inputs,
     /// Inputs as the last step ended with them: outputs show no others.
     applied: Inputs,
+    /// Where the robot is; written by [`Self::initialize`] and [`Self::advance_to`].
     state: State,
+    /// What follows from model and parameters; derived by [`Self::initialize`], tuned between steps.
     tree: Tree,
+    /// Scratch of the steps; nothing in it outlives one.
     stepper: Stepper,
+    /// What has been computed of the state for outputs; forgotten when anything changes.
     readout: Readout,
     rules: Rules,
+    /// Tolerance where the parameter is 0, see [`Self::tolerance`]; 0 where the importer gives none.
     importer_tolerance: f64,
+    /// Time at which the simulation begins, s.
     start: f64,
+    /// Whether [`Self::initialize`] has succeeded: fixed parameters no longer change.
     initialized: bool,
     /// Parameters have changed and nothing has been derived from them since.
     stale: bool,

@@ -66,17 +66,25 @@ pub enum ParameterSlot {
 impl ParameterSlot {
     /// Whether it may change between steps; the others are fixed when initialisation ends.
     pub fn tunable(self) -> bool {
-        matches!(
-            self,
+        match self {
             Self::Kp(_)
-                | Self::Kd(_)
-                | Self::JointDamping(_)
-                | Self::JointFriction(_)
-                | Self::LinkFriction(_)
-                | Self::Gravity(_)
-                | Self::GroundFriction
-                | Self::GroundRestitution
-        )
+            | Self::Kd(_)
+            | Self::JointDamping(_)
+            | Self::JointFriction(_)
+            | Self::LinkFriction(_)
+            | Self::Gravity(_)
+            | Self::GroundFriction
+            | Self::GroundRestitution => true,
+            Self::LinkMass(_)
+            | Self::InitialBasePosition(_)
+            | Self::InitialBaseRpy(_)
+            | Self::InitialBaseLinearVelocity(_)
+            | Self::InitialBaseAngularVelocity(_)
+            | Self::InitialJointPosition(_)
+            | Self::InitialJointVelocity(_)
+            | Self::StepSize
+            | Self::Tolerance => false,
+        }
     }
 }
 

@@ -139,13 +139,13 @@ impl Kind {
     /// Whether it moves at all.
     #[inline]
     pub fn moves(self) -> bool {
-        of_kind!(self, K => K::NV > 0)
+        of_kind!(self, K => K::NV != 0)
     }
 
     /// Whether it is that of a floating base: its columns of `S` are the unit vectors.
     #[inline]
     pub fn is_free(self) -> bool {
-        of_kind!(self, K => K::BASE && K::NV > 0)
+        of_kind!(self, K => K::BASE && K::NV != 0)
     }
 
     /// Whether it turns about one axis that is fixed in the body.

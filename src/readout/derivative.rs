@@ -134,14 +134,8 @@ fn joint_orientation_rate(
     rate: impl Fn(Axis) -> f64,
 ) -> f64 {
     let bodies = &model.joints[joint.index()].bodies;
-    let turns = |body: &&BodyId| {
-        model.bodies[body.index()]
-            .motion
-            .kind()
-            .quaternion()
-            .is_some()
-    };
-    if bodies.last().filter(turns).is_none() {
+    let quaternion = |body: &BodyId| model.bodies[body.index()].motion.kind().quaternion();
+    if bodies.last().and_then(quaternion).is_none() {
         return 0.0;
     }
     // A floating joint slides along 0–2 first: as many axes as bodies before the one that turns.

@@ -156,7 +156,12 @@ const SLIDING: JointUnits = JointUnits {
 pub(super) fn units(kind: JointKind) -> &'static JointUnits {
     match kind {
         JointKind::Prismatic => &SLIDING,
-        _ => &TURNING,
+        JointKind::Fixed
+        | JointKind::Revolute
+        | JointKind::Continuous
+        | JointKind::Planar
+        | JointKind::Floating
+        | JointKind::Spherical => &TURNING,
     }
 }
 
