@@ -37,6 +37,7 @@ pub trait Vector:
     fn beyond(&self, length: f64) -> Option<(Self, f64)>;
 
     /// The vector, shortened to `length` where it is longer.
+    #[must_use]
     fn clip(self, length: f64) -> Self;
 }
 
