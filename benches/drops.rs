@@ -21,8 +21,8 @@ use urdf2fmu_core::{assemble, urdf};
 /// Reads a robot with default settings.
 fn robot(file: &str) -> Result<Model, String> {
     let settings = Settings::default();
-    let options = settings.read_options(urdf::ReadOptions::from_environment());
-    let first = |findings: Vec<urdf::Diagnostic>| findings[0].message.clone();
+    let options = assemble::read_options(&settings, urdf::ReadOptions::from_environment());
+    let first = |findings: Vec<urdf2fmu_core::diagnostic::Diagnostic>| findings[0].message.clone();
     let description = urdf::read(Path::new(file), &options).map_err(first)?;
     Ok(assemble::build(&description, &settings)
         .map_err(first)?

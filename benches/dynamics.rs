@@ -105,9 +105,9 @@ fn algorithms(model: &Model) -> [f64; 3] {
     [aba, crba, rnea]
 }
 
-fn read(path: &Path, settings: &str) -> Result<Model, Vec<urdf::Diagnostic>> {
+fn read(path: &Path, settings: &str) -> Result<Model, Vec<urdf2fmu_core::diagnostic::Diagnostic>> {
     let settings = Settings::parse(settings, "dynamics.toml")?;
-    let options = settings.read_options(urdf::ReadOptions::from_environment());
+    let options = assemble::read_options(&settings, urdf::ReadOptions::from_environment());
     Ok(assemble::build(&urdf::read(path, &options)?, &settings)?.model)
 }
 
@@ -135,7 +135,7 @@ fn chain(links: usize) -> Model {
         "chain.toml",
     )
     .expect("settings");
-    let options = settings.read_options(urdf::ReadOptions::default());
+    let options = assemble::read_options(&settings, urdf::ReadOptions::default());
     let description =
         urdf::read_str(&text, "chain.urdf", Path::new("."), &options).expect("a chain");
     assemble::build(&description, &settings)

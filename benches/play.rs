@@ -63,10 +63,10 @@ struct Answer {
     newton_max: f64,
 }
 
-fn read(scene: &Scene) -> Result<Model, Vec<urdf::Diagnostic>> {
+fn read(scene: &Scene) -> Result<Model, Vec<urdf2fmu_core::diagnostic::Diagnostic>> {
     let text = std::fs::read_to_string(&scene.settings).unwrap_or_default();
     let settings = Settings::parse(&text, "scene.toml")?;
-    let options = settings.read_options(urdf::ReadOptions::from_environment());
+    let options = assemble::read_options(&settings, urdf::ReadOptions::from_environment());
     let description = urdf::read(&scene.urdf, &options)?;
     Ok(assemble::build(&description, &settings)?.model)
 }

@@ -38,11 +38,11 @@ const PHASES: [(u32, f64, f64, f64); 3] = [
     (500, -10.0, -10.0, 10.0),
 ];
 
-fn read(path: &Path) -> Result<Model, Vec<urdf::Diagnostic>> {
+fn read(path: &Path) -> Result<Model, Vec<urdf2fmu_core::diagnostic::Diagnostic>> {
     let settings = Settings::parse(SETTINGS, "r2d2.toml")?;
     let description = urdf::read(
         path,
-        &settings.read_options(urdf::ReadOptions::from_environment()),
+        &assemble::read_options(&settings, urdf::ReadOptions::from_environment()),
     )?;
     Ok(assemble::build(&description, &settings)?.model)
 }

@@ -58,15 +58,18 @@ mod bodies;
 mod findings;
 mod inertia;
 mod initial;
+mod masses;
 mod mimic;
 mod outputs;
 mod pybullet;
 mod robot;
+mod solids;
 mod wheels;
 
+use crate::diagnostic::Diagnostic;
 use crate::model::{Initial, Model, OutputSelection};
-use crate::settings::Settings;
-use crate::urdf::{Description, Diagnostic};
+use crate::settings::{Compat, InertiaSource, Settings};
+use crate::urdf::{Description, ReadOptions};
 use findings::Findings;
 use robot::Robot;
 
@@ -79,9 +82,26 @@ pub struct Assembled {
     pub diagnostics: Vec<Diagnostic>,
 }
 
+/// What the settings mean for the reader of the URDF: `options` with scale, source of inertia and
+/// links whose meshes become several parts.
+pub fn read_options(settings: &Settings, options: ReadOptions) -> ReadOptions {
+    ReadOptions {
+        scale: settings.scale,
+        ignore_inertia: settings.inertia != InertiaSource::Urdf,
+        pybullet: settings.compat == Compat::PyBullet
+            || settings.inertia == InertiaSource::PyBullet,
+        decomposed: settings
+            .links
+            .iter()
+            .filter_map(|entry| Some((entry.link.clone(), entry.decompose?)))
+            .collect(),
+        ..options
+    }
+}
+
 /// Builds the model of a described robot.
 ///
-/// [`Settings::scale`] and [`Settings::inertia`] concern the reader too, see [`Settings::read_options`].
+/// [`Settings::scale`] and [`Settings::inertia`] concern the reader too, see [`read_options`].
 ///
 /// # Errors
 /// Everything that is wrong, with the notes and warnings found on the way.

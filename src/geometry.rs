@@ -186,24 +186,7 @@ pub fn bounded_hull(points: &[Vec3], most: usize) -> Result<BoundedHull, Geometr
 mod tests {
     use super::*;
     use crate::spatial::{Mat3, rotation_from_rpy};
-
-    /// Numbers in -1..1 from a fixed seed (xorshift).
-    struct Random(u64);
-
-    impl Random {
-        fn next(&mut self) -> f64 {
-            self.0 ^= self.0 << 13;
-            self.0 ^= self.0 >> 7;
-            self.0 ^= self.0 << 17;
-            #[expect(clippy::cast_precision_loss, reason = "53 bits")]
-            let unit = (self.0 >> 11) as f64 / (1u64 << 53) as f64;
-            2.0 * unit - 1.0
-        }
-
-        fn point(&mut self) -> Vec3 {
-            Vec3::new(self.next(), self.next(), self.next())
-        }
-    }
+    use crate::testing::Random;
 
     pub(super) fn corners(half: &Vec3) -> Vec<Vec3> {
         let signs = [-1.0, 1.0];
@@ -227,9 +210,13 @@ mod tests {
         let mut random = Random(0x9E37_79B9_7F4A_7C15);
         for count in [4, 5, 8, 20, 100, 1000] {
             for _ in 0..20 {
-                let stretch = Vec3::new(1.0, 0.1 + random.next().abs(), 0.05 + random.next().abs());
+                let stretch = Vec3::new(
+                    1.0,
+                    0.1 + random.uniform(-1.0, 1.0).abs(),
+                    0.05 + random.uniform(-1.0, 1.0).abs(),
+                );
                 let points: Vec<Vec3> = (0..count)
-                    .map(|_| random.point().component_mul(&stretch) + Vec3::new(0.5, 0.0, -1.0))
+                    .map(|_| random.vector(1.0).component_mul(&stretch) + Vec3::new(0.5, 0.0, -1.0))
                     .collect();
                 let theirs: Vec<Vector> =
                     points.iter().map(|p| Vector::new(p.x, p.y, p.z)).collect();
@@ -288,7 +275,7 @@ mod tests {
     fn a_bounded_hull_knows_its_support_error() {
         let mut random = Random(7);
         let ball: Vec<Vec3> = (0..5000)
-            .map(|_| random.point().normalize() * 0.2)
+            .map(|_| random.vector(1.0).normalize() * 0.2)
             .collect();
         let hull = bounded_hull(&ball, 64).expect("a hull");
         assert_eq!(hull.vertices.len(), 64);
@@ -300,7 +287,7 @@ mod tests {
         );
         let mut worst: f64 = 0.0;
         for _ in 0..2000 {
-            let d = random.point().normalize();
+            let d = random.vector(1.0).normalize();
             let lost = support(&ball, &d) - support(&hull.vertices, &d);
             assert!(
                 (-1e-12..=hull.error + 1e-9).contains(&lost),
@@ -371,12 +358,12 @@ mod tests {
         let mut random = Random(99);
         for round in 0..3000 {
             let count = 1 + round % 40;
-            let stretch = random.point().map(|x| (10.0 * x).exp2().min(1e3) * x);
+            let stretch = random.vector(1.0).map(|x| (10.0 * x).exp2().min(1e3) * x);
             let noise = [0.0, 1e-16, 1e-12, 1e-9, 1e-7, 1e-5][round % 6];
             let points: Vec<Vec3> = (0..count)
                 .map(|_| {
-                    let grid = random.point().map(|x| (x * 2.0).round());
-                    (grid + random.point() * noise).component_mul(&stretch)
+                    let grid = random.vector(1.0).map(|x| (x * 2.0).round());
+                    (grid + random.vector(1.0) * noise).component_mul(&stretch)
                 })
                 .collect();
             let most = [4, 8, 64][round % 3];
@@ -389,7 +376,7 @@ mod tests {
                 .map(|p| (p - points[0]).norm())
                 .fold(0.0, f64::max);
             for _ in 0..20 {
-                let d = random.point().normalize();
+                let d = random.vector(1.0).normalize();
                 let lost = support(&points, &d) - support(&hull.vertices, &d);
                 assert!(
                     lost <= hull.error + 3e-6 * size,

@@ -51,6 +51,8 @@
 
 #[cfg(feature = "urdf")]
 pub mod assemble;
+#[cfg(feature = "urdf")]
+pub mod diagnostic;
 pub mod dynamics;
 pub mod force;
 pub mod geometry;
@@ -62,6 +64,8 @@ pub mod kinematics;
 pub mod law;
 pub mod model;
 pub mod parameters;
+#[cfg(feature = "urdf")]
+pub mod pattern;
 pub mod prepared;
 pub mod range;
 mod readout;

@@ -82,7 +82,7 @@ fn do_step_save_and_read_do_not_allocate() {
             Some(text) => Settings::parse(text, "settings").expect("legal settings"),
             None => Settings::read(&folder.join(format!("{name}.toml"))).expect("an example"),
         };
-        let options = settings.read_options(ReadOptions::default());
+        let options = assemble::read_options(&settings, ReadOptions::default());
         let file = folder.join(format!("{name}.urdf"));
         let description = urdf::read(&file, &options).expect("an example");
         let model = assemble::build(&description, &settings)

@@ -11,7 +11,7 @@ use urdf2fmu_core::{assemble, urdf};
 fn example(name: &str) -> Simulation {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples");
     let settings = Settings::read(&folder.join(format!("{name}.toml"))).expect("an example");
-    let options = settings.read_options(urdf::ReadOptions::default());
+    let options = assemble::read_options(&settings, urdf::ReadOptions::default());
     let description =
         urdf::read(&folder.join(format!("{name}.urdf")), &options).expect("an example");
     let model = assemble::build(&description, &settings)

@@ -5,10 +5,11 @@
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
 use std::path::{Path, PathBuf};
+use urdf2fmu_core::diagnostic::Severity;
 use urdf2fmu_core::geometry::Shape;
 use urdf2fmu_core::model::{ActuatorMode, JointKind, Limits};
 use urdf2fmu_core::spatial::{Mat3, Vec3};
-use urdf2fmu_core::urdf::{Description, ReadOptions, Severity, read, read_str};
+use urdf2fmu_core::urdf::{Description, ReadOptions, read, read_str};
 
 fn robots() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/robots")
@@ -394,7 +395,6 @@ fn problems_with_inertia_are_warnings_where_it_is_not_used() {
     assert_eq!(robot.diagnostics[0].severity, Severity::Warning);
 }
 
-/// The names go through urdf-rs and two XML readers of its own.
 #[test]
 fn names_of_any_characters_come_through_unchanged() {
     let names = [

@@ -11,8 +11,8 @@ use crate::stage::{self, Robot, StageError};
 use crate::{archive, info, init, library, summary};
 use serde_json::json;
 use std::path::{Path, PathBuf};
+use urdf2fmu_core::diagnostic::{Diagnostic, Severity};
 use urdf2fmu_core::prepared::{FILE_NAME, PreparedModel, PreparedModelError};
-use urdf2fmu_core::urdf::{Diagnostic, Severity};
 use urdf2fmu_core::variables::{self, TableError};
 
 /// What ends the program early.

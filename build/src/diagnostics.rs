@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 use std::io::IsTerminal;
-use urdf2fmu_core::urdf::{Diagnostic, Severity};
+use urdf2fmu_core::diagnostic::{Diagnostic, Severity};
 
 /// Whether to colour.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -170,7 +170,7 @@ pub fn tally(findings: &[Diagnostic]) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use urdf2fmu_core::urdf::Place;
+    use urdf2fmu_core::diagnostic::Place;
 
     fn finding() -> Diagnostic {
         Diagnostic {

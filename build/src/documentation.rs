@@ -5,8 +5,8 @@
 
 use crate::info::{count, role, short, total_mass, unit};
 use std::fmt::{Display, Write as _};
+use urdf2fmu_core::diagnostic::Severity;
 use urdf2fmu_core::model::Model;
-use urdf2fmu_core::urdf::Severity;
 use urdf2fmu_core::variables::{Slot, Variable};
 
 /// Something that was assumed or looks wrong.

@@ -5,10 +5,10 @@
 //! start with `# ` are prose.
 
 use std::fmt::Write as _;
+use urdf2fmu_core::diagnostic::Diagnostic;
 use urdf2fmu_core::model::{ActuatorMode, Joint, JointKind, LinkId, Model};
 use urdf2fmu_core::settings::keys::{KEYS, Key, Takes};
 use urdf2fmu_core::settings::{Compat, InertiaSource, Settings};
-use urdf2fmu_core::urdf::Diagnostic;
 
 /// What is written about.
 #[derive(Clone, Copy, Debug)]

@@ -34,7 +34,7 @@ use crate::commands::CliError;
 use crate::diagnostics::Style;
 use clap::Parser;
 use std::process::ExitCode;
-use urdf2fmu_core::urdf::Severity;
+use urdf2fmu_core::diagnostic::Severity;
 
 /// Exit code where an answer could not be written.
 const UNWRITTEN: u8 = 1;

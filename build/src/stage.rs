@@ -15,13 +15,14 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use urdf2fmu_core::assemble;
+use urdf2fmu_core::diagnostic::{Diagnostic, Severity};
 use urdf2fmu_core::model::{ActuatorMode, Model};
 use urdf2fmu_core::prepared::{FILE_NAME, PreparedModel, PreparedModelError};
 use urdf2fmu_core::settings::{
     ActuatorSettings, BaseChoice, Compat, InertiaSource, ModeChoice, Settings,
 };
 use urdf2fmu_core::simulation::{Simulation, SimulationError};
-use urdf2fmu_core::urdf::{self, Description, Diagnostic, ReadOptions, Severity};
+use urdf2fmu_core::urdf::{self, Description, ReadOptions};
 use urdf2fmu_core::variables::{self, TableError, Variable};
 
 /// What a person asked for. What stands here wins over the settings file.
@@ -150,7 +151,7 @@ pub fn robot(request: &Request) -> Result<Robot, StageError> {
     if let Some(mode) = request.mode {
         settings.default_mode = Some(ModeChoice::Commanded(mode));
     }
-    let mut options = settings.read_options(ReadOptions::from_environment());
+    let mut options = assemble::read_options(&settings, ReadOptions::from_environment());
     options
         .package_paths
         .splice(0..0, request.package_paths.iter().cloned());

@@ -4,7 +4,7 @@ use crate::info::{count, short, total_mass};
 use crate::stage::{Fmu, Robot};
 use std::fmt::Write as _;
 use std::path::Path;
-use urdf2fmu_core::urdf::Severity;
+use urdf2fmu_core::diagnostic::Severity;
 use urdf2fmu_core::variables::Slot;
 
 /// A few lines of plain text.

@@ -6,7 +6,7 @@
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
-use urdf2fmu_core::urdf::{Diagnostic, Severity};
+use urdf2fmu_core::diagnostic::{Diagnostic, Severity};
 
 /// Expanded texts larger than this, in bytes, are refused: the reader's own limit.
 const LARGEST: u64 = 64 << 20;

@@ -4,6 +4,7 @@
 //! checked the phase.
 
 use crate::error::FmiError;
+use crate::experiment::Experiment;
 use crate::logger::{Category, Logger};
 use crate::phase::{Function, Phase};
 use crate::pointers::{In, Out};
@@ -24,33 +25,6 @@ const STEP_TOLERANCE: f64 = 1e-3;
 const LONGEST_STEP: f64 = 1e6;
 /// How far outside its range a value may be without a word, relative to 1 and to the limit.
 const ROUND_OFF: f64 = 1e-9;
-
-/// What fmi2SetupExperiment says.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Experiment {
-    /// s
-    pub(crate) start: f64,
-    /// s; infinite if undefined.
-    pub(crate) stop: f64,
-    /// 0 if undefined.
-    pub(crate) tolerance: f64,
-}
-
-impl Experiment {
-    const DEFAULT: Self = Self {
-        start: 0.0,
-        stop: f64::INFINITY,
-        tolerance: 0.0,
-    };
-
-    /// Whether fmi2SetupExperiment could have said it.
-    pub(crate) fn is_legal(&self) -> bool {
-        self.start.is_finite()
-            && self.stop >= self.start
-            && self.tolerance.is_finite()
-            && self.tolerance >= 0.0
-    }
-}
 
 /// An instance of the FMU.
 #[derive(Debug)]

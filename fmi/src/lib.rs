@@ -25,6 +25,7 @@ compile_error!("the C boundary turns panics into FMI errors: build with panic = 
 mod call;
 mod control_word;
 mod error;
+mod experiment;
 mod exports;
 mod instance;
 mod load;

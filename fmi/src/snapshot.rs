@@ -20,7 +20,7 @@
 #![allow(unsafe_code, reason = "hands states to the importer as pointers")]
 
 use crate::error::FmiError;
-use crate::instance::Experiment;
+use crate::experiment::Experiment;
 use crate::phase::Phase;
 use crate::types::fmi2FMUstate;
 use urdf2fmu_core::hash::fnv1a;

@@ -1,7 +1,9 @@
 //! What assembly has to say, and the choice of joints and links by pattern.
 
-use crate::settings::{Pattern, nearest};
-use crate::urdf::{Description, Diagnostic, Place, Severity};
+use crate::diagnostic::words::likeliest;
+use crate::diagnostic::{Diagnostic, Place, Severity};
+use crate::pattern::Pattern;
+use crate::urdf::Description;
 use std::sync::Arc;
 
 /// Findings so far.
@@ -107,7 +109,7 @@ impl Findings {
             .filter(|&i| pattern.matches(names[i]))
             .collect();
         let Some(&first) = matching.first() else {
-            let help = nearest(&pattern.text, names.iter().copied())
+            let help = likeliest(&pattern.text, names.iter().copied())
                 .map_or_else(String::new, |name| {
                     format!("the nearest {kind} is '{name}'")
                 });

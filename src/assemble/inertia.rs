@@ -5,6 +5,7 @@
 use super::findings::Findings;
 use super::initial::Poses;
 use super::robot::Lines;
+use super::solids::of_solids;
 use crate::dynamics::crba;
 use crate::model::{BodyId, LinkId, Model};
 use crate::spatial::{Mat3, RigidInertia};
@@ -20,28 +21,6 @@ const SMALLEST_SHARE: f64 = 1e-11;
 
 /// Smallest inertia of a degree of freedom, kg·m² or kg: a grain of sand at its own radius.
 const SMALLEST_INERTIA: f64 = 1e-16;
-
-/// Inertia tensor in the link's axes of a link of `mass` kg that consists of `shapes`, each a solid, all of one
-/// density; about the shapes' common centre of mass. None where they have no volume.
-///
-/// The link keeps the centre of mass that the file gives: as with `PyBullet`, whose default this follows, the shapes
-/// say how large the link is, not where its mass lies.
-pub(super) fn of_solids(mass: f64, shapes: &[CollisionDescription]) -> Option<Mat3> {
-    let volumes: Vec<f64> = shapes.iter().map(|c| c.shape.volume()).collect();
-    let volume: f64 = volumes.iter().sum();
-    if !(volume > 0.0 && volume.is_finite()) {
-        return None;
-    }
-    let mut total = RigidInertia::ZERO;
-    for (collision, own) in shapes.iter().zip(&volumes) {
-        if *own > 0.0 {
-            let solid = collision.shape.solid_inertia(mass * own / volume);
-            total = total.joined(&solid.transformed(&collision.X_LG));
-        }
-    }
-    // Symmetric to the last bit.
-    Some((total.I_cm + total.I_cm.transpose()) * 0.5)
-}
 
 /// Gives links whose `<inertia>` is singular that of their shapes where the robot could not move otherwise, and reports degrees of
 /// freedom that have none even so. Returns the poses of the model as it is then.

@@ -9,7 +9,8 @@ use crate::initial::initial_state;
 use crate::kinematics::Kinematics;
 use crate::model::{Collider, JointId, LinkId, Model};
 use crate::parameters::Parameters;
-use crate::settings::{Pattern, Settings};
+use crate::pattern::Pattern;
+use crate::settings::Settings;
 use crate::spatial::{Pose, Vec3, rpy_from_rotation};
 use crate::tree::Tree;
 

@@ -2,8 +2,8 @@
 
 use super::findings::Findings;
 use super::robot::{Robot, is_scalar, kind_name};
+use crate::diagnostic::words::likeliest;
 use crate::model::{JointId, Mimic};
-use crate::settings::nearest;
 use std::collections::HashMap;
 
 /// Sets `Joint::mimic`. With `q = m q₁ + o` and `q₁ = m₁ q₂ + o₁`: `q = m m₁ q₂ + (m o₁ + o)`.
@@ -73,7 +73,7 @@ fn direct(
     }
     let Some(&source) = names.get(target) else {
         let all = robot.joints.iter().map(|joint| joint.name.as_str());
-        let help = nearest(target, all)
+        let help = likeliest(target, all)
             .map_or_else(String::new, |name| format!("the nearest joint is '{name}'"));
         let message = format!(
             "joint '{}' mimics '{target}', which does not exist",

@@ -4,8 +4,9 @@ use super::findings::Findings;
 use crate::model::{
     ActuatorId, ActuatorMode, Group, JointId, JointKind, LinkId, Model, Sensor, SensorKind,
 };
+use crate::pattern::Pattern;
 use crate::settings::{
-    ContactOutputs, GroupSettings, Pattern, SensorSettings, SensorSettingsKind, Settings,
+    ContactOutputs, GroupSettings, SensorSettings, SensorSettingsKind, Settings,
 };
 use crate::spatial::{Pose, Vec3};
 use crate::variables::identifier;

@@ -1,13 +1,12 @@
 //! Descriptions made in code, for tests.
 
 use super::{Assembled, build};
+use crate::diagnostic::Diagnostic;
 use crate::geometry::Shape;
 use crate::model::{JointKind, Limits, Model};
 use crate::settings::Settings;
 use crate::spatial::{Mat3, Pose, RigidInertia, Vec3};
-use crate::urdf::{
-    CollisionDescription, Description, Diagnostic, JointDescription, LinkDescription,
-};
+use crate::urdf::{CollisionDescription, Description, JointDescription, LinkDescription};
 
 /// A robot with a root link alone.
 pub(crate) fn robot(root: LinkDescription) -> Description {
@@ -143,7 +142,7 @@ pub(crate) fn model(description: &Description, settings: &str) -> Model {
 pub(crate) fn errors(description: &Description, settings: &str) -> Vec<Diagnostic> {
     let settings = Settings::parse(settings, "test.toml").expect("legal settings");
     let mut findings = build(description, &settings).expect_err("a robot that cannot be built");
-    findings.retain(|d| d.severity == crate::urdf::Severity::Error);
+    findings.retain(|d| d.severity == crate::diagnostic::Severity::Error);
     findings
 }
 

@@ -3,13 +3,16 @@
 //! In: a [`Section`] from the [`Reader`], with types and ranges checked and defaults at hand.
 //! Out: [`Settings`]; findings S105 to S107 in the reader. Nothing here looks at text or knows a robot.
 
-use super::reader::{Node, Reader, Section, Span, Value};
-use super::{
-    ActuatorSettings, BaseChoice, Compat, ContactOutputs, GroupSettings, InertiaSource,
-    InitialSettings, JointSettings, LinkSettings, ModeChoice, Pattern, SensorSettings,
-    SensorSettingsKind, Settings, WheelFit,
+use super::compat::Compat;
+use super::reader::Reader;
+use super::section::{Node, Section, Span, Value};
+use super::types::{
+    ActuatorSettings, BaseChoice, ContactOutputs, GroupSettings, InertiaSource, InitialSettings,
+    JointSettings, LinkSettings, ModeChoice, SensorSettings, SensorSettingsKind, Settings,
+    WheelFit,
 };
 use crate::model::{ActuatorMode, Combination, ContactDefaults, Ground, SolverDefaults, World};
+use crate::pattern::Pattern;
 use crate::spatial::Vec3;
 
 /// What the file at `root` means; a given `compat` wins over the file's.

@@ -2,68 +2,19 @@
 //!
 //! What may stand where is [`super::keys::KEYS`]; nothing here knows a key by name.
 
-use super::Compat;
+use super::compat::Compat;
 use super::keys::{self, Key, Takes};
+use super::section::{Entry, Node, Section, Span, Value};
+use crate::diagnostic::words::likeliest;
+use crate::diagnostic::{Diagnostic, Place, Severity};
 use crate::range::Range;
-use crate::urdf::{Diagnostic, Place, Severity};
 use std::collections::BTreeMap;
-use std::ops;
 use std::sync::LazyLock;
 use toml::Spanned;
 use toml::de::{DeArray, DeTable, DeValue};
 
-/// Bytes of the text.
-pub(super) type Span = ops::Range<usize>;
-
-/// Keys of one table, in file order.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Section {
-    pub(super) entries: Vec<Entry>,
-    /// Keys that are there but wrong; they have been reported.
-    pub(super) rejected: Vec<String>,
-    /// Path of the table in [`keys::KEYS`].
-    path: String,
-    /// Its header, or its key.
-    pub(super) span: Span,
-}
-
-#[derive(Clone, Debug)]
-pub(super) struct Entry {
-    pub(super) name: String,
-    pub(super) span: Span,
-    pub(super) node: Node,
-}
-
-#[derive(Clone, Debug)]
-pub(super) enum Node {
-    Value(Value),
-    Table(Section),
-    Tables(Vec<Section>),
-}
-
-/// A value that passed the checks of its key.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) enum Value {
-    Number(f64),
-    Flag(bool),
-    Word(String),
-    Numbers(Vec<f64>),
-    Texts(Vec<(String, Span)>),
-}
-
+/// Values of keys that may be left out.
 impl Section {
-    fn child(&self, name: &str) -> String {
-        if self.path.is_empty() {
-            name.to_owned()
-        } else {
-            format!("{}.{name}", self.path)
-        }
-    }
-
-    pub(super) fn entry(&self, name: &str) -> Option<&Entry> {
-        self.entries.iter().find(|entry| entry.name == name)
-    }
-
     /// What the file gives, else the table's default.
     pub(super) fn value(&self, name: &str) -> Option<Value> {
         match self.entry(name).map(|entry| &entry.node) {
@@ -114,25 +65,6 @@ impl Section {
         match self.value(name) {
             Some(Value::Word(word)) => Some(word),
             _ => None,
-        }
-    }
-
-    /// The table `name`; an empty one where the file has none.
-    pub(super) fn table(&self, name: &str) -> Section {
-        match self.entry(name).map(|entry| &entry.node) {
-            Some(Node::Table(section)) => section.clone(),
-            _ => Section {
-                path: self.child(name),
-                ..Section::default()
-            },
-        }
-    }
-
-    /// The array of tables `name`.
-    pub(super) fn tables(&self, name: &str) -> Vec<Section> {
-        match self.entry(name).map(|entry| &entry.node) {
-            Some(Node::Tables(sections)) => sections.clone(),
-            _ => Vec::new(),
         }
     }
 }
@@ -253,7 +185,7 @@ impl<'a> Reader<'a> {
                 let (table, last) = key.path.rsplit_once('.').unwrap_or(("", key.path));
                 format!("'{last}' belongs into {}", shown(table))
             }
-            None => nearest(name, known.iter().copied()).map_or_else(String::new, |nearest| {
+            None => likeliest(name, known.iter().copied()).map_or_else(String::new, |nearest| {
                 format!("did you mean '{nearest}'? known are {}", known.join(", "))
             }),
         };
@@ -376,7 +308,7 @@ impl<'a> Reader<'a> {
         if words.contains(&word) {
             return Some(Value::Word(word.to_owned()));
         }
-        let help = nearest(word, words.iter().copied())
+        let help = likeliest(word, words.iter().copied())
             .map_or_else(String::new, |nearest| format!("did you mean '{nearest}'?"));
         let message = format!("'{name}' must be {}, not '{word}'", one_of(words));
         self.error("S104", &value.span(), message, help);
@@ -507,21 +439,4 @@ fn article(noun: &str) -> &'static str {
 fn one_of(words: &[&str]) -> String {
     let quoted: Vec<_> = words.iter().map(|word| format!("\"{word}\"")).collect();
     quoted.join(" or ")
-}
-
-/// The candidate that looks most like `name`, however far it is.
-pub(crate) fn nearest<'c>(
-    name: &str,
-    candidates: impl IntoIterator<Item = &'c str>,
-) -> Option<&'c str> {
-    let mut best: Option<(f64, &str)> = None;
-    for candidate in candidates {
-        let likeness = strsim::normalized_damerau_levenshtein(name, candidate)
-            + 0.5 * strsim::jaro_winkler(name, candidate);
-        // The first of equals, so that the answer does not depend on anything but the order.
-        if best.is_none_or(|(most, _)| likeness > most) {
-            best = Some((likeness, candidate));
-        }
-    }
-    best.map(|(_, candidate)| candidate)
 }

@@ -1,5 +1,7 @@
 use super::keys::KEYS;
 use super::*;
+use crate::model::ActuatorMode;
+use crate::spatial::Vec3;
 
 fn parse(text: &str) -> Settings {
     Settings::parse(text, "robot.toml").unwrap_or_else(|findings| panic!("{findings:?}"))
@@ -399,16 +401,6 @@ fn a_file_that_cannot_be_read_says_so() {
     let findings = Settings::read(Path::new("no/such/robot.toml")).expect_err("no file");
     assert_eq!(findings[0].code, "S108");
     assert!(findings[0].message.contains("robot.toml"));
-}
-
-#[test]
-fn globs_match_any_characters_and_one() {
-    let matches = |pattern: &str, name: &str| Pattern::from(pattern).matches(name);
-    assert!(matches("*_wheel_joint", "left_wheel_joint"));
-    assert!(matches("leg?", "leg1") && !matches("leg?", "leg10"));
-    assert!(!matches("wheel", "left_wheel"));
-    assert!(matches("*", ""));
-    assert!(Pattern::from("a*").is_glob() && !Pattern::from("a").is_glob());
 }
 
 #[test]

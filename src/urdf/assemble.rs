@@ -1,25 +1,27 @@
-//! Typed robot and meshes → [`Description`], scaled.
+//! Checked robot and meshes → [`Description`], scaled.
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
+use super::checked::{
+    CheckedCollision, CheckedInertial, CheckedRobot, Geometry, LinkReference, Order,
+};
+use super::description::{CollisionDescription, Description, JointDescription, LinkDescription};
 use super::hulls::{Meshes, ReadMesh};
 use super::inertia;
-use super::tree::{CheckedRobot, Order};
-use super::{CollisionDescription, Description, JointDescription, LinkDescription};
 use crate::geometry::Shape;
 use crate::model::{JointKind, Limits};
-use crate::spatial::{Pose, RigidInertia, Vec3, rotation_from_rpy};
+use crate::spatial::{Mat3, Pose, RigidInertia, Vec3, rotation_from_rpy};
 use std::collections::HashMap;
 
-/// What a `<collision>` touches with: its shape, the hull of its mesh, or the convex parts that the mesh has been taken into;
-/// `None` without a shape.
+/// What a `<collision>` touches with: its shape, the hull of its mesh, or the convex parts that the
+/// mesh has been cut into; `None` for a mesh that was not read.
 fn collisions(
-    collision: &urdf_rs::Collision,
+    collision: &CheckedCollision,
     mesh: Option<&ReadMesh>,
     scale: f64,
 ) -> Option<Vec<CollisionDescription>> {
     let whole = CollisionDescription {
-        X_LG: pose(&collision.origin, scale),
+        X_LG: pose(&collision.xyz, &collision.rpy, scale),
         shape: shape(&collision.geometry, mesh, scale)?,
         part: false,
         mesh: mesh.map(|mesh| mesh.path.clone()),
@@ -40,34 +42,30 @@ fn collisions(
     Some(parts.iter().map(part).collect())
 }
 
-/// Puts everything together. `typed` has the links and joints in `order`; `None` if it does not.
+/// Puts everything together, links and joints in `order`; `None` where a mesh or a link is missing.
 pub(super) fn description(
     robot: &CheckedRobot,
     order: &Order,
-    typed: &urdf_rs::Robot,
     meshes: &Meshes,
     scale: f64,
 ) -> Option<Description> {
-    if typed.links.len() != order.links.len() || typed.joints.len() != order.joints.len() {
-        return None;
-    }
-    let mut links = Vec::with_capacity(typed.links.len());
-    for (typed, &i) in typed.links.iter().zip(&order.links) {
+    let mut links = Vec::with_capacity(order.links.len());
+    for &i in &order.links {
         let checked = &robot.links[i];
-        let collisions = typed
-            .collision
+        let collisions = checked
+            .collisions
             .iter()
             .enumerate()
             .map(|(k, collision)| collisions(collision, meshes.hulls.get(&(i, k)), scale))
             .collect::<Option<Vec<_>>>()?
             .concat();
         links.push(LinkDescription {
-            name: typed.name.clone(),
-            inertial: checked
+            name: checked.name.to_owned(),
+            inertial: checked.inertial.as_ref().map(|own| inertial(own, scale)),
+            R_LI: checked
                 .inertial
-                .is_some()
-                .then(|| inertial(&typed.inertial, scale)),
-            R_LI: rotation_from_rpy(&Vec3::from(*typed.inertial.origin.rpy)),
+                .as_ref()
+                .map_or_else(Mat3::identity, |own| rotation_from_rpy(&own.rpy)),
             collisions,
             friction: checked.surface.friction,
             static_friction: checked.surface.static_friction,
@@ -93,45 +91,42 @@ pub(super) fn description(
             1.0
         }
     };
-    let mut joints = Vec::with_capacity(typed.joints.len());
-    for (typed, &j) in typed.joints.iter().zip(&order.joints) {
+    let index = |reference: &Option<LinkReference>| {
+        let reference = reference.as_ref()?;
+        place.get(reference.name).copied()
+    };
+    let mut joints = Vec::with_capacity(order.joints.len());
+    for &j in &order.joints {
         let checked = &robot.joints[j];
         let own = length(checked.kind);
-        let xyz = Vec3::from(*typed.axis.xyz);
         joints.push(JointDescription {
-            name: typed.name.clone(),
+            name: checked.name.to_owned(),
             kind: checked.kind,
-            parent: *place.get(typed.parent.link.as_str())?,
-            child: *place.get(typed.child.link.as_str())?,
-            X_PJ: pose(&typed.origin, scale),
-            axis: xyz.try_normalize(0.0).unwrap_or_else(Vec3::x),
-            limits: checked.limits.map(|_| Limits {
-                lower: typed.limit.lower * own,
-                upper: typed.limit.upper * own,
+            parent: index(&checked.parent)?,
+            child: index(&checked.child)?,
+            X_PJ: pose(&checked.xyz, &checked.rpy, scale),
+            axis: checked.axis.try_normalize(0.0).unwrap_or_else(Vec3::x),
+            limits: checked.limits.map(|(lower, upper)| Limits {
+                lower: lower * own,
+                upper: upper * own,
             }),
-            effort: checked.effort.map(|_| typed.limit.effort),
-            velocity: checked.velocity.map(|_| typed.limit.velocity * own),
-            damping: typed.dynamics.as_ref().map_or(0.0, |d| d.damping),
-            friction: typed.dynamics.as_ref().map_or(0.0, |d| d.friction),
+            effort: checked.effort,
+            velocity: checked.velocity.map(|velocity| velocity * own),
+            damping: checked.damping,
+            friction: checked.friction,
             // Turning: lengths do not enter. Sliding: a mass.
             armature: checked.armature,
             interfaces: checked.interfaces.clone(),
-            mimic: typed.mimic.as_ref().map(|mimic| {
-                let other = kinds
-                    .get(mimic.joint.as_str())
-                    .map_or(1.0, |&kind| length(kind));
-                let multiplier = mimic.multiplier.unwrap_or(1.0) * own / other;
-                (
-                    mimic.joint.clone(),
-                    multiplier,
-                    mimic.offset.unwrap_or(0.0) * own,
-                )
+            mimic: checked.mimic.as_ref().map(|mimic| {
+                let other = kinds.get(mimic.joint).map_or(1.0, |&kind| length(kind));
+                let multiplier = mimic.multiplier * own / other;
+                (mimic.joint.to_owned(), multiplier, mimic.offset * own)
             }),
             line: checked.line,
         });
     }
     Some(Description {
-        name: typed.name.clone(),
+        name: robot.name.clone(),
         links,
         joints,
         sources: meshes.sources.clone(),
@@ -140,40 +135,39 @@ pub(super) fn description(
     })
 }
 
-fn pose(origin: &urdf_rs::Pose, scale: f64) -> Pose {
-    Pose::from_xyz_rpy(Vec3::from(*origin.xyz) * scale, Vec3::from(*origin.rpy))
+fn pose(xyz: &Vec3, rpy: &Vec3, scale: f64) -> Pose {
+    Pose::from_xyz_rpy(xyz * scale, *rpy)
 }
 
 /// Turned into the link's axes.
-fn inertial(inertial: &urdf_rs::Inertial, scale: f64) -> RigidInertia {
-    let i = &inertial.inertia;
-    let I = inertia::matrix(&[i.ixx, i.ixy, i.ixz, i.iyy, i.iyz, i.izz]) * (scale * scale);
-    let R = rotation_from_rpy(&Vec3::from(*inertial.origin.rpy));
+fn inertial(inertial: &CheckedInertial, scale: f64) -> RigidInertia {
+    let I = inertia::matrix(&inertial.inertia) * (scale * scale);
+    let R = rotation_from_rpy(&inertial.rpy);
     RigidInertia {
-        mass: inertial.mass.value,
-        com: Vec3::from(*inertial.origin.xyz) * scale,
+        mass: inertial.mass,
+        com: inertial.xyz * scale,
         I_cm: R * I * R.transpose(),
     }
 }
 
 /// `None` for a mesh that was not read.
-fn shape(geometry: &urdf_rs::Geometry, mesh: Option<&ReadMesh>, scale: f64) -> Option<Shape> {
-    Some(match geometry {
-        urdf_rs::Geometry::Box { size } => Shape::Box {
-            half: Vec3::from(**size) * (0.5 * scale),
+fn shape(geometry: &Geometry, mesh: Option<&ReadMesh>, scale: f64) -> Option<Shape> {
+    Some(match *geometry {
+        Geometry::Box { size } => Shape::Box {
+            half: Vec3::from(size) * (0.5 * scale),
         },
-        urdf_rs::Geometry::Cylinder { radius, length } => Shape::Cylinder {
+        Geometry::Cylinder { radius, length } => Shape::Cylinder {
             radius: radius * scale,
             half_length: 0.5 * length * scale,
         },
-        urdf_rs::Geometry::Capsule { radius, length } => Shape::Capsule {
+        Geometry::Capsule { radius, length } => Shape::Capsule {
             radius: radius * scale,
             half_length: 0.5 * length * scale,
         },
-        urdf_rs::Geometry::Sphere { radius } => Shape::Sphere {
+        Geometry::Sphere { radius } => Shape::Sphere {
             radius: radius * scale,
         },
-        urdf_rs::Geometry::Mesh { .. } => Shape::Hull {
+        Geometry::Mesh { .. } => Shape::Hull {
             vertices: mesh?.vertices.clone(),
         },
     })

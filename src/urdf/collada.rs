@@ -4,9 +4,9 @@
 //! them, so the file's axes are the link's whatever it says. Lines, splines and materials are skipped;
 //! a skinned geometry stands in its bind pose.
 
-use super::diagnostic::Report;
-use super::mesh::{MeshError, fan};
+use super::faces::{MeshError, fan};
 use super::xml::{Document, Node};
+use crate::diagnostic::Report;
 use crate::spatial::Vec3;
 use nalgebra::{Matrix4, Point3, Rotation3, Unit};
 use std::collections::HashMap;

@@ -218,7 +218,7 @@ mod tests {
         let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/robots/meshes");
         let build = |settings: &str| {
             let settings = Settings::parse(settings, "s").expect("settings");
-            let options = settings.read_options(ReadOptions::default());
+            let options = crate::assemble::read_options(&settings, ReadOptions::default());
             let robot = read_str(text, "r", &folder, &options).expect("a robot");
             let notes = robot.diagnostics.iter().map(|d| d.code).collect::<Vec<_>>();
             let built = crate::assemble::build(&robot, &settings).expect("a model");

@@ -5,33 +5,12 @@
 //! which quantity a joint's hardware takes. What would change the motion elsewhere and is not used here is a warning
 //! (U022); what is read (U023) and what is left out (U020) is counted by tag.
 
-use super::diagnostic::did_you_mean;
+use super::checked::{CheckedRobot, Surface};
 use super::scope::Scope;
-use super::tree::CheckedRobot;
 use super::xml::Node;
+use crate::diagnostic::words::did_you_mean;
 use crate::model::ActuatorMode;
 use std::collections::HashMap;
-
-/// Of a link's surface, where a tag gives it.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Surface {
-    /// Coulomb coefficient, sliding.
-    pub(super) friction: Option<f64>,
-    /// Coulomb coefficient at rest.
-    pub(super) static_friction: Option<f64>,
-    /// Newton's coefficient.
-    pub(super) restitution: Option<f64>,
-    /// Moment against rolling over normal force, m.
-    pub(super) rolling_friction: Option<f64>,
-    /// Moment against turning about the normal over normal force, m.
-    pub(super) torsional_friction: Option<f64>,
-    /// PyBullet's, N/m.
-    pub(super) stiffness: Option<f64>,
-    /// PyBullet's, N·s/m.
-    pub(super) damping: Option<f64>,
-    /// Factor that PyBullet multiplies the inertia by.
-    pub(super) inertia_scaling: Option<f64>,
-}
 
 /// Top-level tags that are read here, or warned about.
 pub(super) const TOP_LEVEL: [&str; 11] = [

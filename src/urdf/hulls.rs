@@ -2,13 +2,13 @@
 //!
 //! A file that many links name at one scale is read and enclosed once. What cannot be is a finding.
 
-use super::ReadOptions;
-use super::decompose;
-use super::link::{self, Geometry};
-use super::mesh::{MeshError, MeshFile};
+use super::checked::{CheckedRobot, Geometry};
+use super::faces::MeshError;
+use super::mesh::MeshFile;
+use super::options::ReadOptions;
 use super::resolve::{Found, Missing, Resolver};
 use super::scope::Scope;
-use super::tree::CheckedRobot;
+use super::{decompose, link};
 use crate::geometry::{GeometryError, MOST_CORNERS, bounded_hull};
 use crate::model::JointKind;
 use crate::spatial::Vec3;

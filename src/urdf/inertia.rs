@@ -5,10 +5,9 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
-use super::Description;
-use super::link::CheckedInertial;
+use super::checked::{CheckedInertial, CheckedRobot, Order, Suspect};
+use super::description::Description;
 use super::scope::Scope;
-use super::tree::{CheckedRobot, Order};
 use super::xml::Node;
 use crate::model::JointKind;
 use crate::spatial::{Mat3, Pose, RigidInertia, rotation_from_rpy};
@@ -35,13 +34,6 @@ const TOO_FAR: f64 = 3.0;
 /// Part of the size of a link's largest shape below which its radius of gyration is told: even a motor in a light
 /// cover has a tenth.
 const TOO_NEAR: f64 = 1.0 / 30.0;
-
-/// An inertia that is not positive definite.
-pub(super) struct Suspect {
-    at: Range<usize>,
-    message: String,
-    help: String,
-}
 
 /// The symmetric matrix of six numbers in URDF's order.
 pub(super) fn matrix(i: &[f64; 6]) -> Mat3 {

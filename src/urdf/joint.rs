@@ -1,53 +1,12 @@
 //! Checks of `<joint>`: type, axis, limits, dynamics, mimic.
 
-use super::diagnostic::did_you_mean;
+use super::checked::{CheckedJoint, CheckedMimic, LinkReference};
 use super::scope::{Scope, Version};
 use super::xml::Node;
-use crate::model::{ActuatorMode, JointKind};
+use crate::diagnostic::words::did_you_mean;
+use crate::model::JointKind;
 use crate::spatial::Vec3;
 use std::collections::HashMap;
-use std::ops::Range;
-
-/// A joint whose numbers have been checked.
-pub(super) struct CheckedJoint<'d> {
-    pub(super) node: Node<'d>,
-    /// 1-based
-    pub(super) line: usize,
-    pub(super) name: &'d str,
-    pub(super) kind: JointKind,
-    pub(super) parent: Option<LinkReference<'d>>,
-    pub(super) child: Option<LinkReference<'d>>,
-    pub(super) xyz: Vec3,
-    pub(super) rpy: Vec3,
-    /// As in the file: not yet of unit length.
-    pub(super) axis: Vec3,
-    /// rad or m
-    pub(super) limits: Option<(f64, f64)>,
-    pub(super) effort: Option<f64>,
-    pub(super) velocity: Option<f64>,
-    pub(super) damping: f64,
-    pub(super) friction: f64,
-    /// Of rotors, at the joint.
-    pub(super) armature: f64,
-    /// What its hardware takes.
-    pub(super) interfaces: Vec<ActuatorMode>,
-    pub(super) mimic: Option<CheckedMimic<'d>>,
-}
-
-/// `<parent link>` or `<child link>`.
-pub(super) struct LinkReference<'d> {
-    pub(super) name: &'d str,
-    pub(super) at: Range<usize>,
-}
-
-/// `<mimic>`.
-pub(super) struct CheckedMimic<'d> {
-    pub(super) joint: &'d str,
-    pub(super) multiplier: f64,
-    pub(super) offset: f64,
-    /// Where the name of the joint stands.
-    pub(super) at: Range<usize>,
-}
 
 const KINDS: [(&str, JointKind); 7] = [
     ("fixed", JointKind::Fixed),

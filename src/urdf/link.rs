@@ -1,70 +1,12 @@
 //! Checks of `<link>`: mass, shapes, surface.
 
-use super::diagnostic::{Severity, did_you_mean};
-use super::foreign::{self, Surface};
-use super::inertia::{self, Suspect};
+use super::checked::{CheckedCollision, CheckedInertial, CheckedLink, Geometry};
 use super::scope::Scope;
 use super::xml::Node;
-use crate::spatial::Vec3;
+use super::{foreign, inertia};
+use crate::diagnostic::Severity;
+use crate::diagnostic::words::did_you_mean;
 use std::ops::Range;
-
-/// A link whose numbers have been checked.
-pub(super) struct CheckedLink<'d> {
-    pub(super) node: Node<'d>,
-    /// 1-based
-    pub(super) line: usize,
-    pub(super) name: &'d str,
-    pub(super) inertial: Option<CheckedInertial>,
-    pub(super) collisions: Vec<CheckedCollision<'d>>,
-    pub(super) surface: Surface,
-}
-
-/// `<inertial>`.
-pub(super) struct CheckedInertial {
-    /// m
-    pub(super) xyz: Vec3,
-    /// rad
-    pub(super) rpy: Vec3,
-    /// kg
-    pub(super) mass: f64,
-    /// ixx, ixy, ixz, iyy, iyz, izz about the centre of mass, kg m²
-    pub(super) inertia: [f64; 6],
-    /// Where `<inertia>` stands.
-    pub(super) at: Range<usize>,
-    /// What is wrong with the inertia, if it is wrong for a body on its own.
-    pub(super) suspect: Option<Suspect>,
-}
-
-/// `<collision>`.
-pub(super) struct CheckedCollision<'d> {
-    pub(super) xyz: Vec3,
-    pub(super) rpy: Vec3,
-    pub(super) geometry: Geometry<'d>,
-}
-
-/// What stands in `<geometry>`, sizes in m.
-pub(super) enum Geometry<'d> {
-    Box {
-        size: [f64; 3],
-    },
-    Cylinder {
-        radius: f64,
-        length: f64,
-    },
-    Capsule {
-        radius: f64,
-        length: f64,
-    },
-    Sphere {
-        radius: f64,
-    },
-    Mesh {
-        filename: &'d str,
-        scale: [f64; 3],
-        /// Where the file name stands.
-        at: Range<usize>,
-    },
-}
 
 const CHILDREN: [&str; 4] = ["inertial", "visual", "collision", "contact"];
 

@@ -5,46 +5,11 @@
 //! that is not laid out line by line as it expects; both happen.
 
 use super::collada;
+use super::faces::{LARGEST_FILE, MeshError, fan};
 use crate::spatial::Vec3;
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
-
-/// Mesh files larger than this, in bytes, are refused. Five million triangles.
-const LARGEST_FILE: u64 = 256 << 20;
-
-/// Why a mesh cannot be read.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-pub(super) enum MeshError {
-    #[error("the file cannot be read: {0}")]
-    Io(String),
-    #[error("the file has {0} bytes, more than the {LARGEST_FILE} that are read")]
-    TooLarge(u64),
-    #[error("the file is empty")]
-    Empty,
-    #[error("'{0}' files are not read; STL, OBJ and COLLADA are")]
-    Format(String),
-    #[error(
-        "the file is cut short: {expected} bytes for {triangles} triangles, but it has {found}"
-    )]
-    Truncated {
-        triangles: u32,
-        expected: u64,
-        found: u64,
-    },
-    #[error("the file is cut short: it ends within a facet")]
-    Unfinished,
-    #[error("line {line}: {what}")]
-    Line { line: usize, what: String },
-    #[error("neither ASCII nor binary STL")]
-    NotStl,
-    #[error("{0}")]
-    Collada(String),
-    #[error("there is no face in it")]
-    NoFaces,
-    #[error("a coordinate is not finite")]
-    NotFinite,
-}
 
 /// A mesh file's bytes, read once for all that is asked of them.
 pub(super) struct MeshFile {
@@ -90,12 +55,6 @@ pub(super) fn triangles_of(kind: &str, bytes: &[u8]) -> Result<Vec<[Vec3; 3]>, M
         "obj" => obj_triangles(&String::from_utf8_lossy(bytes)),
         _ => collada::triangles(bytes),
     }
-}
-
-/// Triangles from the first corner of a polygon to its other sides.
-pub(super) fn fan(corners: &[Vec3]) -> impl Iterator<Item = [Vec3; 3]> + '_ {
-    let sides = corners.get(1..).unwrap_or_default().windows(2);
-    sides.map(|side| [corners[0], side[0], side[1]])
 }
 
 /// [`MeshFile::corners`] for the bytes of a file; `kind` is its ending in small letters.
@@ -379,13 +338,8 @@ mod tests {
     /// Random changes to valid files: points or an error, never a panic, and never more points than bytes.
     #[test]
     fn mutated_meshes_never_panic() {
-        let mut state = 0x9E37_79B9_7F4A_7C15_u64;
-        let mut below = |end: usize| {
-            state ^= state << 13;
-            state ^= state >> 7;
-            state ^= state << 17;
-            usize::try_from(state >> 33).unwrap_or(0) % end.max(1)
-        };
+        let mut random = crate::testing::Random(0x9E37_79B9_7F4A_7C15);
+        let mut below = |end: usize| random.below(end);
         let meshes = ["ascii.STL", "solid.stl", "corner.obj", "corner.dae"].map(|name| {
             let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/robots/meshes");
             std::fs::read(path.join(name)).expect("a mesh")

@@ -6,7 +6,7 @@
 //! path, so that no other file of the machine gets into an FMU. The robot's own folders are the URDF's, the one of the
 //! `package.xml` above it, and its parent where its name says that it is one part of a robot's (`urdf`, `robots` …).
 
-use super::ReadOptions;
+use super::options::ReadOptions;
 use std::fs;
 use std::path::{Component, Path, PathBuf};
 

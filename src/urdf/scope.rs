@@ -1,7 +1,10 @@
 //! Reading numbers and children of one link or joint, with every problem reported at its place.
 
-use super::diagnostic::{Report, Severity, did_you_mean};
+#![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
+
 use super::xml::{Attribute, Node};
+use crate::diagnostic::words::did_you_mean;
+use crate::diagnostic::{Report, Severity};
 use crate::spatial::{Mat3, Vec3, rpy_from_rotation};
 use nalgebra::{Quaternion, UnitQuaternion};
 use std::borrow::Cow;

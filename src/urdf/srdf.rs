@@ -17,11 +17,13 @@
 //! | R105 | a position is not a number, outside the limits, or of a joint that cannot take one |
 //! | R106 | what was read, and what is not used |
 
-use super::diagnostic::{Diagnostic, Report, did_you_mean};
+use super::description::Description;
+use super::file::text;
 use super::xml::{Document, Node};
-use super::{Description, text};
+use crate::diagnostic::words::did_you_mean;
+use crate::diagnostic::{Diagnostic, Report};
 use crate::model::JointKind;
-use crate::settings::Pattern;
+use crate::pattern::Pattern;
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::ops::Range;
 use std::path::Path;

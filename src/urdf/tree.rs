@@ -1,33 +1,14 @@
 //! Checks of the robot as a whole: names, parents, one root, no cycles; and the order of its parts.
 
-use super::diagnostic::did_you_mean;
+use super::checked::{CheckedRobot, LinkReference, Order};
 use super::foreign;
-use super::joint::{self, CheckedJoint};
-use super::link::{self, CheckedLink};
 use super::scope::{Scope, Version};
 use super::xml::{Document, Node, is_unprintable};
+use super::{joint, link};
+use crate::diagnostic::words::did_you_mean;
 use std::collections::HashMap;
 use std::ops::Range;
 use std::path::Path;
-
-/// A robot whose tags have been checked.
-pub(super) struct CheckedRobot<'d> {
-    pub(super) name: String,
-    /// File order.
-    pub(super) links: Vec<CheckedLink<'d>>,
-    /// File order.
-    pub(super) joints: Vec<CheckedJoint<'d>>,
-    /// Whether every link and joint has a name of its own: else the tree cannot be told.
-    pub(super) named: bool,
-}
-
-/// Order of the links and joints, parents before children: joint `i` has child link `i + 1`.
-pub(super) struct Order {
-    /// Indices into [`CheckedRobot::links`].
-    pub(super) links: Vec<usize>,
-    /// Indices into [`CheckedRobot::joints`].
-    pub(super) joints: Vec<usize>,
-}
 
 /// Top-level tags of other programs.
 const FOREIGN: [&str; 6] = [
@@ -251,7 +232,7 @@ pub(super) fn order(scope: &mut Scope, robot: &CheckedRobot) -> Option<Order> {
     let mut children = vec![usize::MAX; robot.joints.len()];
     for (j, joint) in robot.joints.iter().enumerate() {
         scope.owner = format!("joint '{}'", joint.name);
-        let mut index = |reference: &Option<joint::LinkReference>, what: &str| -> Option<usize> {
+        let mut index = |reference: &Option<LinkReference>, what: &str| -> Option<usize> {
             let reference = reference.as_ref()?;
             let found = links.get(reference.name).copied();
             if found.is_none() {

@@ -18,7 +18,7 @@ pub(crate) fn robot(path: &str, settings: impl FnOnce(&mut Settings)) -> Model {
         Settings::default()
     };
     settings(&mut chosen);
-    let options = chosen.read_options(urdf::ReadOptions::default());
+    let options = assemble::read_options(&chosen, urdf::ReadOptions::default());
     let description = urdf::read(&file, &options).expect("a robot of ours");
     let built = assemble::build(&description, &chosen);
     built.expect("a robot of ours").model

@@ -10,7 +10,7 @@ use urdf2fmu_core::{assemble, urdf};
 /// # Panics
 /// If it has an error.
 pub fn model(path: &Path, settings: &Settings) -> Model {
-    let options = settings.read_options(urdf::ReadOptions::from_environment());
+    let options = assemble::read_options(settings, urdf::ReadOptions::from_environment());
     let description = urdf::read(path, &options).unwrap_or_else(|f| panic!("{f:#?}"));
     let built = assemble::build(&description, settings).unwrap_or_else(|f| panic!("{f:#?}"));
     built.model

@@ -1,13 +1,14 @@
 //! Robots described in code, assembled.
 
 use super::testing::*;
+use crate::diagnostic::Severity;
 use crate::geometry::Shape;
 use crate::model::{
     ActuatorId, ActuatorMode, Body, BodyId, JointId, JointKind, Limits, LinkId, Model, Motion,
 };
 use crate::simulation::{InputSlot, OutputSlot, Simulation};
 use crate::spatial::{Mat3, Pose, RigidInertia, Vec3};
-use crate::urdf::{Description, JointDescription, LinkDescription, Severity};
+use crate::urdf::{Description, JointDescription, LinkDescription};
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::sync::Arc;
 

@@ -1,0 +1,350 @@
+//! Findings with their place in the file, and how they are printed.
+//!
+//! Codes are stable; a number is never given a second meaning:
+//!
+//! | code | about |
+//! |---|---|
+//! | U001–U009 | the file: reading, encoding, XML, xacro |
+//! | U010–U029 | the tree: links, joints, names, tags |
+//! | U030–U039 | numbers |
+//! | U040–U059 | joints |
+//! | U060–U069 | mass and inertia |
+//! | U070–U079 | shapes and surfaces |
+//! | U100–U119 | meshes |
+
+pub(crate) mod words;
+
+use std::fmt;
+use std::ops::Range;
+
+/// How bad a finding is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Severity {
+    /// An assumption that was taken.
+    Note,
+    /// Legal but suspicious.
+    Warning,
+    /// Stops the export.
+    Error,
+}
+
+/// A finding with its place.
+///
+/// `Display` prints it with the marked line, over several lines and without a line end.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Diagnostic {
+    /// How bad.
+    pub severity: Severity,
+    /// Stable code, such as `U104`.
+    pub code: &'static str,
+    /// What is wrong.
+    pub message: String,
+    /// What to do.
+    pub help: Option<String>,
+    /// File, 1-based line and column, length of the marked text; none for findings without a place.
+    pub place: Option<Place>,
+}
+
+/// Where in a text.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Place {
+    /// File name as given.
+    pub file: String,
+    /// 1-based.
+    pub line: usize,
+    /// 1-based, in characters.
+    pub column: usize,
+    /// Characters marked.
+    pub length: usize,
+    /// The whole line, for display.
+    pub text: String,
+}
+
+/// Lines longer than this, in bytes, are not kept for display: a hundred findings in a file that is one
+/// long line must not take a hundred times its size.
+const LONGEST_LINE: usize = 100_000;
+
+/// Characters of a long line that are shown around the mark.
+const SHOWN: usize = 100;
+
+impl Place {
+    /// The place of `range` (bytes) in `text`; a range over several lines marks the rest of the first.
+    pub fn in_text(file: &str, text: &str, range: Range<usize>) -> Self {
+        let start = floor_char(text, range.start);
+        let end = floor_char(text, range.end).max(start);
+        let line_start = text[..start].rfind('\n').map_or(0, |at| at + 1);
+        let line_end = text[start..].find('\n').map_or(text.len(), |at| start + at);
+        let line = text[line_start..line_end].trim_end_matches('\r');
+        Self {
+            file: file.to_owned(),
+            line: text[..line_start].bytes().filter(|&b| b == b'\n').count() + 1,
+            column: text[line_start..start].chars().count() + 1,
+            length: text[start..end.min(line_end)].chars().count().max(1),
+            text: if line.len() <= LONGEST_LINE {
+                line.to_owned()
+            } else {
+                String::new()
+            },
+        }
+    }
+}
+
+/// The nearest character boundary at or before `at`.
+fn floor_char(text: &str, at: usize) -> usize {
+    let mut at = at.min(text.len());
+    while !text.is_char_boundary(at) {
+        at -= 1;
+    }
+    at
+}
+
+impl fmt::Display for Severity {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Note => "note",
+            Self::Warning => "warning",
+            Self::Error => "error",
+        })
+    }
+}
+
+impl fmt::Display for Diagnostic {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}[{}]: {}", self.severity, self.code, self.message)?;
+        if let Some(place) = &self.place {
+            let number = place.line.to_string();
+            let margin = " ".repeat(number.len());
+            write!(
+                f,
+                "\n{margin}╭─[{}:{}:{}]",
+                place.file, place.line, place.column
+            )?;
+            if !place.text.is_empty() {
+                let (line, mark) = excerpt(place);
+                write!(f, "\n{number}│ {line}")?;
+                write!(f, "\n{margin}│ {mark}")?;
+            }
+        }
+        if let Some(help) = &self.help {
+            for (i, line) in help.lines().enumerate() {
+                let lead = if i == 0 { "help:" } else { "     " };
+                write!(f, "\n  {lead} {line}")?;
+            }
+        }
+        Ok(())
+    }
+}
+
+impl std::error::Error for Diagnostic {}
+
+/// The shown part of the line, and the line of marks below it. Tabs and control characters become spaces so
+/// that the marks stay below the marked text.
+fn excerpt(place: &Place) -> (String, String) {
+    let characters: Vec<char> = place.text.chars().collect();
+    let mark = (place.column - 1).min(characters.len());
+    let from = if characters.len() <= SHOWN {
+        0
+    } else {
+        mark.saturating_sub(SHOWN / 4)
+    };
+    let to = characters.len().min(from + SHOWN);
+    let mut line = String::new();
+    let mut marks = String::new();
+    if from > 0 {
+        line.push('…');
+        marks.push(' ');
+    }
+    for (i, &c) in characters[from..to].iter().enumerate() {
+        line.push(if c.is_control() { ' ' } else { c });
+        if from + i < mark {
+            marks.push(' ');
+        }
+    }
+    if to < characters.len() {
+        line.push('…');
+    }
+    marks.push_str(&"^".repeat(place.length.min((to - mark).max(1))));
+    (line, marks)
+}
+
+/// After this many errors the rest of a file is noise.
+const MOST_ERRORS: usize = 100;
+
+/// Collects the findings of one file.
+pub(crate) struct Report<'a> {
+    file: &'a str,
+    text: &'a str,
+    /// Where each line starts.
+    lines: Vec<usize>,
+    list: Vec<Diagnostic>,
+    /// Errors not listed for want of room.
+    more: usize,
+}
+
+impl<'a> Report<'a> {
+    pub(crate) fn new(file: &'a str, text: &'a str) -> Self {
+        Self {
+            file,
+            text,
+            lines: std::iter::once(0)
+                .chain(text.match_indices('\n').map(|(at, _)| at + 1))
+                .collect(),
+            list: Vec::new(),
+            more: 0,
+        }
+    }
+
+    pub(crate) fn error(
+        &mut self,
+        code: &'static str,
+        at: Range<usize>,
+        message: impl Into<String>,
+        help: impl Into<String>,
+    ) {
+        self.add(Severity::Error, code, at, message.into(), help.into());
+    }
+
+    pub(crate) fn warning(
+        &mut self,
+        code: &'static str,
+        at: Range<usize>,
+        message: impl Into<String>,
+        help: impl Into<String>,
+    ) {
+        self.add(Severity::Warning, code, at, message.into(), help.into());
+    }
+
+    pub(crate) fn note(
+        &mut self,
+        code: &'static str,
+        at: Range<usize>,
+        message: impl Into<String>,
+        help: impl Into<String>,
+    ) {
+        self.add(Severity::Note, code, at, message.into(), help.into());
+    }
+
+    /// The place of a part of the text.
+    pub(crate) fn place(&self, at: Range<usize>) -> Place {
+        Place::in_text(self.file, self.text, at)
+    }
+
+    /// 1-based line of a byte.
+    pub(crate) fn line(&self, at: usize) -> usize {
+        self.lines.partition_point(|&start| start <= at)
+    }
+
+    /// An empty `help` means none.
+    pub(crate) fn add(
+        &mut self,
+        severity: Severity,
+        code: &'static str,
+        at: Range<usize>,
+        message: String,
+        help: String,
+    ) {
+        let same = |d: &&Diagnostic| d.severity == severity;
+        if self.list.iter().filter(same).count() >= MOST_ERRORS {
+            self.more += usize::from(severity == Severity::Error);
+            return;
+        }
+        // What a file says may be of any length.
+        let (message, help) = (cut(message, 1_000), cut(help, 10_000));
+        self.list.push(Diagnostic {
+            severity,
+            code,
+            message,
+            help: (!help.is_empty()).then_some(help),
+            place: Some(Place::in_text(self.file, self.text, at)),
+        });
+    }
+
+    pub(crate) fn has_errors(&self) -> bool {
+        self.list.iter().any(|d| d.severity == Severity::Error)
+    }
+
+    /// Findings in file order.
+    pub(crate) fn finish(mut self) -> Vec<Diagnostic> {
+        self.list.sort_by_key(|d| {
+            d.place
+                .as_ref()
+                .map_or((0, 0), |place| (place.line, place.column))
+        });
+        if self.more > 0 {
+            self.list.push(Diagnostic {
+                severity: Severity::Error,
+                code: "U001",
+                message: format!("{} more errors are not listed", self.more),
+                help: None,
+                place: None,
+            });
+        }
+        self.list
+    }
+}
+
+/// The text, or its first `most` bytes or so and an ellipsis.
+fn cut(mut text: String, most: usize) -> String {
+    if text.len() > most {
+        text.truncate(floor_char(&text, most));
+        text.push('…');
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn finding(text: &str, marked: &str) -> Diagnostic {
+        let at = text.find(marked).expect("marked text");
+        Diagnostic {
+            severity: Severity::Error,
+            code: "U104",
+            message: "mesh not found".to_owned(),
+            help: Some("tried a\ntried b".to_owned()),
+            place: Some(Place::in_text("a.urdf", text, at..at + marked.len())),
+        }
+    }
+
+    #[test]
+    fn display_marks_the_text_below_the_line() {
+        let text = "<robot>\n\t<mesh filename=\"ä/x.stl\"/>\r\n</robot>";
+        let expected = "error[U104]: mesh not found\n \
+                        ╭─[a.urdf:2:18]\n\
+                        2│  <mesh filename=\"ä/x.stl\"/>\n \
+                        │                  ^^^^^^^\n  \
+                        help: tried a\n        tried b";
+        assert_eq!(finding(text, "ä/x.stl").to_string(), expected);
+    }
+
+    #[test]
+    fn a_long_line_is_shown_around_the_mark() {
+        let text = format!("{}HERE{}", "a".repeat(5000), "b".repeat(5000));
+        let shown = finding(&text, "HERE").to_string();
+        assert!(shown.contains("[a.urdf:1:5001]"), "{shown}");
+        let lines: Vec<&str> = shown.lines().collect();
+        assert!(lines[2].chars().count() < 120, "{shown}");
+        // Both lines count from the same margin.
+        let at = lines[2].chars().position(|c| c == 'H');
+        assert_eq!(at, lines[3].chars().position(|c| c == '^'), "{shown}");
+    }
+
+    #[test]
+    fn a_mark_past_the_end_or_inside_a_character_is_moved_not_a_panic() {
+        let text = "ä\nö";
+        for start in 0..8 {
+            for end in 0..8 {
+                let place = Place::in_text("f", text, start..end);
+                let finding = Diagnostic {
+                    severity: Severity::Note,
+                    code: "U001",
+                    message: String::new(),
+                    help: None,
+                    place: Some(place),
+                };
+                assert!(finding.to_string().contains("[f:"));
+            }
+        }
+    }
+}

@@ -1,0 +1,329 @@
+//! What a settings file says, checked.
+
+use super::compat::Compat;
+use crate::diagnostic::Place;
+use crate::model::{ActuatorMode, ContactDefaults, SolverDefaults, World};
+use crate::pattern::Pattern;
+use crate::spatial::Vec3;
+
+/// A settings file, checked.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Settings {
+    /// Whose conventions hold where nothing says otherwise.
+    pub compat: Compat,
+    /// Whether the base can move.
+    pub base: BaseChoice,
+    /// Every length times this; masses stay.
+    pub scale: f64,
+    /// Where rotational inertia comes from.
+    pub inertia: InertiaSource,
+    /// Variable names with `_` instead of `.`.
+    pub flat_names: bool,
+    /// Step and tolerance.
+    pub solver: SolverDefaults,
+    /// Contact law.
+    pub contact: ContactDefaults,
+    /// Gravity and ground.
+    pub world: World,
+    /// Initial state.
+    pub initial: InitialSettings,
+    /// What is commanded where no entry of `actuators` says so; none: position for limited joints, velocity
+    /// for the others.
+    pub default_mode: Option<ModeChoice>,
+    /// Commanded joints; where several match a joint, each key is the last one's.
+    pub actuators: Vec<ActuatorSettings>,
+    /// Overrides of the file's joints, as above.
+    pub joints: Vec<JointSettings>,
+    /// Overrides of the file's links, as above.
+    pub links: Vec<LinkSettings>,
+    /// Links with contact outputs.
+    pub contact_outputs: ContactOutputs,
+    /// Links with pose and velocity outputs.
+    pub link_outputs: Vec<Pattern>,
+    /// Links with force and torque inputs.
+    pub external_wrenches: Vec<Pattern>,
+    /// Joints that share a command.
+    pub groups: Vec<GroupSettings>,
+    /// Sensors.
+    pub sensors: Vec<SensorSettings>,
+}
+
+/// Joints that share a command.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GroupSettings {
+    /// Its name, and where it was given.
+    pub name: Pattern,
+    /// Which joints.
+    pub joints: Vec<Pattern>,
+}
+
+/// A sensor.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SensorSettings {
+    /// Its name; none: that of its link or joint.
+    pub name: Option<Pattern>,
+    /// The link, or the joint of a force–torque sensor.
+    pub on: Pattern,
+    /// Origin in the link, m.
+    pub xyz: Vec3,
+    /// Roll, pitch, yaw in the link, rad.
+    pub rpy: Vec3,
+    /// What it measures.
+    pub kind: SensorSettingsKind,
+}
+
+/// What a sensor measures.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum SensorSettingsKind {
+    /// Orientation, angular velocity and specific force.
+    Imu,
+    /// Force and torque in a joint, in the axes of its parent or its child.
+    ForceTorque {
+        /// Whether in those of its parent.
+        in_parent: bool,
+    },
+    /// Distances to the ground.
+    Ray {
+        /// How many.
+        rays: u32,
+        /// Angle from the first to the last, rad.
+        fov: f64,
+        /// Largest distance, m.
+        range: f64,
+    },
+}
+
+/// Whether the base can move.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BaseChoice {
+    /// Fixed where the root is named `world` or has no mass and a moving child.
+    Auto,
+    /// It can.
+    Floating,
+    /// It cannot.
+    Fixed,
+}
+
+/// Where rotational inertia comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum InertiaSource {
+    /// `<inertia>`.
+    Urdf,
+    /// The collision shapes, as solids of the link's mass.
+    Collision,
+    /// The box around the collision shapes, as `PyBullet` takes it.
+    PyBullet,
+}
+
+/// Initial state.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct InitialSettings {
+    /// Base x and y, m.
+    pub xy: [f64; 2],
+    /// Base z, m; none: the lowest collision point touches the ground.
+    pub z: Option<f64>,
+    /// Base roll, pitch, yaw, rad.
+    pub rpy: Vec3,
+    /// m/s, world axes.
+    pub linear_velocity: Vec3,
+    /// rad/s, world axes.
+    pub angular_velocity: Vec3,
+    /// rad or m.
+    pub joints: Vec<(Pattern, f64)>,
+    /// Of an SRDF's state, rad or m: for joints that `joints` leaves open.
+    pub state: Vec<(Pattern, f64)>,
+    /// rad/s or m/s.
+    pub joint_velocities: Vec<(Pattern, f64)>,
+    /// Where `linear_velocity` or `angular_velocity` was given.
+    pub velocity_place: Option<Place>,
+}
+
+/// Commanded joints.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ActuatorSettings {
+    /// Which joints.
+    pub joint: Pattern,
+    /// What is commanded; none: as without this entry.
+    pub mode: Option<ModeChoice>,
+    /// N·m or N.
+    pub max_effort: Option<f64>,
+    /// N·m/rad or N/m.
+    pub kp: Option<f64>,
+    /// N·m·s/rad or N·s/m.
+    pub kd: Option<f64>,
+    /// rad/s or m/s.
+    pub no_load_speed: Option<f64>,
+}
+
+impl ActuatorSettings {
+    /// An entry that changes nothing.
+    pub fn new(joint: &str) -> Self {
+        Self {
+            joint: joint.into(),
+            mode: None,
+            max_effort: None,
+            kp: None,
+            kd: None,
+            no_load_speed: None,
+        }
+    }
+
+    /// Nothing drives the joint.
+    pub fn passive(joint: Pattern) -> Self {
+        Self {
+            joint,
+            mode: Some(ModeChoice::Passive),
+            ..Self::new("")
+        }
+    }
+}
+
+/// What is commanded.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ModeChoice {
+    /// Nothing: the joint moves as the forces want.
+    Passive,
+    /// See [`ActuatorMode`].
+    Commanded(ActuatorMode),
+}
+
+impl ModeChoice {
+    /// From its word in the settings.
+    pub fn from_word(word: &str) -> Option<Self> {
+        Some(match word {
+            "velocity" => Self::Commanded(ActuatorMode::Velocity),
+            "position" => Self::Commanded(ActuatorMode::Position),
+            "effort" => Self::Commanded(ActuatorMode::Effort),
+            "pd" => Self::Commanded(ActuatorMode::Pd),
+            "none" => Self::Passive,
+            _ => return None,
+        })
+    }
+}
+
+/// Overrides of the file's joints.
+#[derive(Clone, Debug, PartialEq)]
+pub struct JointSettings {
+    /// Which joints.
+    pub joint: Pattern,
+    /// N·m·s/rad or N·s/m.
+    pub damping: Option<f64>,
+    /// N·m or N.
+    pub friction: Option<f64>,
+    /// kg·m² or kg.
+    pub armature: Option<f64>,
+    /// N·m or N, dry, at rest.
+    pub static_friction: Option<f64>,
+    /// rad/s or m/s.
+    pub stribeck_velocity: Option<f64>,
+    /// Whether the velocity limit binds.
+    pub enforce_velocity: Option<bool>,
+    /// rad or m.
+    pub lower: Option<f64>,
+    /// rad or m.
+    pub upper: Option<f64>,
+    /// N·m or N.
+    pub effort: Option<f64>,
+    /// rad/s or m/s; 0: no limit.
+    pub velocity: Option<f64>,
+}
+
+impl JointSettings {
+    /// An entry that changes nothing.
+    pub fn new(joint: &str) -> Self {
+        Self {
+            joint: joint.into(),
+            damping: None,
+            friction: None,
+            armature: None,
+            static_friction: None,
+            stribeck_velocity: None,
+            enforce_velocity: None,
+            lower: None,
+            upper: None,
+            effort: None,
+            velocity: None,
+        }
+    }
+}
+
+/// What the collision mesh of a wheel becomes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum WheelFit {
+    /// A cylinder or a ball where it is one, on a continuous joint.
+    Auto,
+    /// A cylinder.
+    Cylinder,
+    /// A ball.
+    Sphere,
+    /// The hull of the mesh.
+    None,
+}
+
+impl WheelFit {
+    /// From its word in the settings.
+    pub fn from_word(word: &str) -> Option<Self> {
+        Some(match word {
+            "auto" => Self::Auto,
+            "cylinder" => Self::Cylinder,
+            "sphere" => Self::Sphere,
+            "none" => Self::None,
+            _ => return None,
+        })
+    }
+}
+
+/// Overrides of the file's links.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LinkSettings {
+    /// Which links.
+    pub link: Pattern,
+    /// Coulomb coefficient.
+    pub friction: Option<f64>,
+    /// Coulomb coefficient at rest.
+    pub static_friction: Option<f64>,
+    /// m
+    pub rolling_friction: Option<f64>,
+    /// m
+    pub torsional_friction: Option<f64>,
+    /// Newton's coefficient.
+    pub restitution: Option<f64>,
+    /// N/m of a contact point.
+    pub stiffness: Option<f64>,
+    /// s/m
+    pub dissipation: Option<f64>,
+    /// kg; the inertia scales with it.
+    pub mass: Option<f64>,
+    /// What its collision meshes roll as.
+    pub wheel_fit: Option<WheelFit>,
+    /// Whether its collision meshes become several convex parts each, not one.
+    pub decompose: Option<bool>,
+}
+
+impl LinkSettings {
+    /// An entry that changes nothing.
+    pub fn new(link: &str) -> Self {
+        Self {
+            link: link.into(),
+            friction: None,
+            static_friction: None,
+            rolling_friction: None,
+            torsional_friction: None,
+            restitution: None,
+            stiffness: None,
+            dissipation: None,
+            mass: None,
+            wheel_fit: None,
+            decompose: None,
+        }
+    }
+}
+
+/// Links with contact outputs.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ContactOutputs {
+    /// Those with collision shapes at the end of the tree.
+    Auto,
+    /// These.
+    Links(Vec<Pattern>),
+}

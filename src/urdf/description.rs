@@ -1,0 +1,110 @@
+//! The robot as a URDF describes it, checked, with its meshes read.
+
+#![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
+
+use crate::diagnostic::Diagnostic;
+use crate::geometry::Shape;
+use crate::model::{ActuatorMode, JointKind, Limits};
+use crate::spatial::{Mat3, Pose, RigidInertia, Vec3};
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// A checked URDF with its meshes read: a tree with parents before children (file order among siblings).
+#[derive(Clone, Debug)]
+pub struct Description {
+    /// Robot name.
+    pub name: String,
+    /// The links; the first is the root.
+    pub links: Vec<LinkDescription>,
+    /// The joints, ordered like their child links: joint `i` has child link `i + 1`.
+    pub joints: Vec<JointDescription>,
+    /// Files that it was read from (URDF first, then meshes), for `resources/source/`.
+    pub sources: Vec<PathBuf>,
+    /// Warnings and notes, each with its place in the file.
+    pub diagnostics: Vec<Diagnostic>,
+    /// The URDF's text, for marks in later findings; empty for a robot that was made in code.
+    pub text: Arc<str>,
+}
+
+/// A link as the file has it.
+#[derive(Clone, Debug)]
+pub struct LinkDescription {
+    /// Name.
+    pub name: String,
+    /// `<inertial>`, rotated into the link's axes; none where the file has none.
+    pub inertial: Option<RigidInertia>,
+    /// Axes of `<inertial><origin>` in the link's; the identity where the file has none.
+    pub R_LI: Mat3,
+    /// `<collision>` elements in file order, poses in the link's frame.
+    pub collisions: Vec<CollisionDescription>,
+    /// `<contact><lateral_friction>`, Drake's `mu_dynamic` or Gazebo's `mu1`, where the file has one.
+    pub friction: Option<f64>,
+    /// Drake's `mu_static`, where the file has one.
+    pub static_friction: Option<f64>,
+    /// `<contact><rolling_friction>`, m, where the file has one.
+    pub rolling_friction: Option<f64>,
+    /// `<contact><spinning_friction>`, m, where the file has one.
+    pub torsional_friction: Option<f64>,
+    /// `<contact><restitution>`, where the file has one.
+    pub restitution: Option<f64>,
+    /// `<contact><stiffness>`, N/m, where the file has one; used with PyBullet's conventions.
+    pub stiffness: Option<f64>,
+    /// `<contact><damping>`, N·s/m, likewise.
+    pub damping: Option<f64>,
+    /// `<contact><inertia_scaling>`, where the file has one: PyBullet's factor on the inertia, used with its conventions.
+    pub inertia_scaling: Option<f64>,
+    /// 1-based line of the `<link>` element.
+    pub line: usize,
+}
+
+/// A collision shape as the file has it.
+#[derive(Clone, Debug)]
+pub struct CollisionDescription {
+    /// Pose of the shape in the link's frame.
+    pub X_LG: Pose,
+    /// Mesh: its convex hull.
+    pub shape: Shape,
+    /// Whether it is one of several convex parts of a mesh; these are no wheels.
+    pub part: bool,
+    /// The mesh file that it was read from.
+    pub mesh: Option<PathBuf>,
+    /// Mesh that turns with a continuous joint: corners of its hull, more than the shape has.
+    pub outline: Option<Arc<[Vec3]>>,
+    /// Mesh: least and greatest coordinates of the whole of it, m, in the shape's axes; its hull has fewer corners.
+    pub bounds: Option<[Vec3; 2]>,
+}
+
+/// A joint as the file has it.
+#[derive(Clone, Debug)]
+pub struct JointDescription {
+    /// Name.
+    pub name: String,
+    /// Type.
+    pub kind: JointKind,
+    /// Index of the parent link.
+    pub parent: usize,
+    /// Index of the child link.
+    pub child: usize,
+    /// `<origin>`.
+    pub X_PJ: Pose,
+    /// Unit vector; (1, 0, 0) where the file has none.
+    pub axis: Vec3,
+    /// lower and upper; none for continuous, planar, floating, fixed joints.
+    pub limits: Option<Limits>,
+    /// As in the file, where there is a `<limit>`.
+    pub effort: Option<f64>,
+    /// As in the file, where there is a `<limit>`.
+    pub velocity: Option<f64>,
+    /// `<dynamics damping>`, 0 where the file has none.
+    pub damping: f64,
+    /// `<dynamics friction>`, 0 where the file has none.
+    pub friction: f64,
+    /// Rotor inertia times gear ratio squared, kg·m² or kg: Drake's tags, or `<dynamics armature>`.
+    pub armature: f64,
+    /// What its hardware takes, by `<ros2_control>` and `<transmission>`.
+    pub interfaces: Vec<ActuatorMode>,
+    /// `<mimic>`: name of the joint followed, multiplier, offset.
+    pub mimic: Option<(String, f64, f64)>,
+    /// 1-based line of the `<joint>` element.
+    pub line: usize,
+}

@@ -1,0 +1,58 @@
+//! A file of text, or why it is none.
+
+use crate::diagnostic::{Diagnostic, Place, Severity};
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+
+/// URDF files larger than this, in bytes, are refused.
+const LARGEST_FILE: u64 = 64 << 20;
+
+/// The text of a file.
+pub(super) fn text(path: &Path) -> Result<String, Box<Diagnostic>> {
+    let problem = |code, message: String, help: &str| {
+        Box::new(Diagnostic {
+            severity: Severity::Error,
+            code,
+            message,
+            help: (!help.is_empty()).then(|| help.to_owned()),
+            place: None,
+        })
+    };
+    let name = path.display();
+    let io = |error: std::io::Error| problem("U001", format!("{name} cannot be read: {error}"), "");
+    let file = File::open(path).map_err(io)?;
+    let metadata = file.metadata().map_err(io)?;
+    if metadata.is_dir() {
+        let message = format!("{name} is a folder");
+        return Err(problem("U001", message, "name the URDF file in it"));
+    }
+    let mut bytes = Vec::new();
+    file.take(LARGEST_FILE + 1)
+        .read_to_end(&mut bytes)
+        .map_err(io)?;
+    if bytes.len() as u64 > LARGEST_FILE {
+        let message = format!("{name} has more than {LARGEST_FILE} bytes");
+        return Err(problem(
+            "U001",
+            message,
+            "no URDF is that large: is it the right file?",
+        ));
+    }
+    String::from_utf8(bytes).map_err(|error| {
+        let valid = error.utf8_error().valid_up_to();
+        let bytes = error.as_bytes();
+        let utf16 = bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff]);
+        let message = if utf16 {
+            "the file is UTF-16 text, not UTF-8".to_owned()
+        } else {
+            format!("the file is not UTF-8 text: byte 0x{:02x}", bytes[valid])
+        };
+        let shown = String::from_utf8_lossy(bytes);
+        // What stands before the bad byte is the same in both.
+        let mut finding = problem("U002", message, "save the file as UTF-8");
+        let place = Place::in_text(&name.to_string(), &shown, valid..valid + 1);
+        finding.place = Some(place);
+        finding
+    })
+}

@@ -1,0 +1,49 @@
+//! How a URDF is read.
+
+use crate::pattern::Pattern;
+use std::path::PathBuf;
+
+/// How to read a URDF.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ReadOptions {
+    /// Folders in which packages are looked for: a package, a folder of packages, or an install prefix.
+    pub package_paths: Vec<PathBuf>,
+    /// Factor on all lengths, meshes included. Masses stay, inertia takes its square.
+    pub scale: f64,
+    /// The inertia matrices are not used, because they will be computed from the shapes: what is wrong with them
+    /// is a warning.
+    pub ignore_inertia: bool,
+    /// The numbers of `<contact>` are used that only `PyBullet` has a use for: inertia scaling, stiffness, damping.
+    pub pybullet: bool,
+    /// Links whose collision meshes become several convex parts each (true) or their hulls (false); of those that
+    /// match, the last holds.
+    pub decomposed: Vec<(Pattern, bool)>,
+}
+
+impl Default for ReadOptions {
+    fn default() -> Self {
+        Self {
+            package_paths: Vec::new(),
+            scale: 1.0,
+            ignore_inertia: false,
+            pybullet: false,
+            decomposed: Vec::new(),
+        }
+    }
+}
+
+impl ReadOptions {
+    /// The defaults, with the package paths of `ROS_PACKAGE_PATH` and `AMENT_PREFIX_PATH`.
+    pub fn from_environment() -> Self {
+        let paths = ["ROS_PACKAGE_PATH", "AMENT_PREFIX_PATH"]
+            .into_iter()
+            .filter_map(std::env::var_os)
+            .flat_map(|value| std::env::split_paths(&value).collect::<Vec<_>>())
+            .filter(|path| !path.as_os_str().is_empty())
+            .collect();
+        Self {
+            package_paths: paths,
+            ..Self::default()
+        }
+    }
+}
