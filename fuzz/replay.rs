@@ -1,4 +1,4 @@
-//! What fuzzing has found worth keeping runs again: every file of the corpus through its target.
+//! What fuzzing has found worth keeping runs again: every entry of a corpus through its target.
 
 mod files;
 mod targets;
@@ -8,7 +8,7 @@ use std::path::Path;
 /// Runs all files of one target.
 fn replay(name: &str, target: fn(&[u8])) {
     let corpus = Path::new(env!("CARGO_MANIFEST_DIR")).join("../fuzz/corpus");
-    files::replay(&corpus.join(name), target);
+    files::replay(&corpus.join(format!("{name}.zip")), target);
 }
 
 #[test]

@@ -7,7 +7,8 @@
 #   fuzz/run.sh -m urdf                    # makes the kept corpus of these anew: a sample that reaches what all reached
 #
 # Goes on from target/fuzz/corpus/<target>, begins with the kept corpus, logs to target/fuzz/<target>.log; findings go
-# to target/fuzz/found/<target>/. Stops with an error at the first finding. On a stable toolchain.
+# to target/fuzz/found/<target>/. Stops with an error at the first finding. On a stable toolchain. A kept corpus is an
+# archive; fuzz/corpus.py unpacks and packs it.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 executions=10000000 merge=false most=120
@@ -42,8 +43,10 @@ for target in "$@"; do
     calls) length=400 ;;
     *) echo "there is no target '$target'" >&2 && exit 2 ;;
   esac
-  kept=$folder/corpus/$target corpus=$work/corpus/$target found=$work/found/$target
-  mkdir -p "$kept" "$corpus" "$found"
+  archive=$folder/corpus/$target.zip
+  kept=$work/kept/$target corpus=$work/corpus/$target found=$work/found/$target
+  rm -rf "$kept" && mkdir -p "$corpus" "$found"
+  python3 fuzz/corpus.py unpack "$archive" "$kept"
   # Comparisons are not traced: that takes a third of the time, and the dictionaries hold the words.
   RUSTC_BOOTSTRAP=1 cargo fuzz build --fuzz-dir "$folder" --target-dir "$work" --no-trace-compares "$target"
   binary=$work/$host/release/$target
@@ -55,6 +58,7 @@ for target in "$@"; do
     find "$work/smallest" -type f -printf '%s %f\n' | sort -n | awk -v most=$most \
       '{ name[NR] = $2 } END { step = NR > most ? NR / most : 1; for (i = 1; i <= NR; i += step) print name[int(i)] }' |
       while read -r name; do cp "$work/smallest/$name" "$kept/${name:0:12}"; done
+    python3 fuzz/corpus.py pack "$kept" "$archive"
     continue
   fi
   echo "$target: $count executions"
