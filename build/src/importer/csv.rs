@@ -3,8 +3,6 @@
 //! Written as `FMPy` writes them: quoted names, the shortest digits that read back to the same number. Read with or
 //! without quotes; Boolean values may be `true` and `false`, too, and are written as 1 and 0.
 
-use std::fmt::Write as _;
-
 /// A table in columns.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Table {
@@ -39,7 +37,7 @@ pub enum CsvError {
     #[error("line {line}: {found} values, but line 1 names {expected} columns")]
     Width {
         /// From 1.
-        line: usize,
+        line: u64,
         /// Values.
         found: usize,
         /// Names.
@@ -49,7 +47,7 @@ pub enum CsvError {
     #[error("line {line}, column {column} ('{name}'): '{text}' is no finite number")]
     Number {
         /// From 1.
-        line: usize,
+        line: u64,
         /// From 1.
         column: usize,
         /// Of the column.
@@ -61,11 +59,17 @@ pub enum CsvError {
     #[error("line {line}: time {time} s comes after {before} s; times must not go back")]
     Back {
         /// From 1.
-        line: usize,
+        line: u64,
         /// s
         time: f64,
         /// s
         before: f64,
+    },
+    /// Not comma-separated text.
+    #[error("line {line}: this cannot be read as comma-separated values")]
+    Unreadable {
+        /// From 1.
+        line: u64,
     },
     /// Names alone.
     #[error("it has no values: line 1 must be followed by at least one row")]
@@ -79,9 +83,18 @@ impl Table {
     /// [`CsvError`] with line and column.
     pub fn parse(text: &str) -> Result<Self, CsvError> {
         let text = text.trim_start_matches('\u{feff}');
-        let mut lines = text.lines().enumerate();
-        let (_, header) = lines.next().ok_or(CsvError::Empty)?;
-        let names: Vec<String> = header.split(',').map(unquoted).collect();
+        let mut reader = csv::ReaderBuilder::new()
+            .has_headers(false)
+            .flexible(true)
+            .trim(csv::Trim::All)
+            .from_reader(text.as_bytes());
+        let mut records = reader.records().map(|record| {
+            record.map_err(|error| CsvError::Unreadable {
+                line: error.position().map_or(1, csv::Position::line),
+            })
+        });
+        let header = records.next().ok_or(CsvError::Empty)??;
+        let names: Vec<String> = header.iter().map(unquoted).collect();
         if names[0] != "time" {
             let found = names[0].clone();
             return Err(if found.is_empty() {
@@ -97,27 +110,28 @@ impl Table {
             }
         }
         let mut rows: Vec<Vec<f64>> = Vec::new();
-        for (index, text) in lines {
-            let line = index + 1;
-            if text.trim().is_empty() {
+        for record in records {
+            let record = record?;
+            // A line of spaces.
+            if record.len() == 1 && record[0].is_empty() {
                 continue;
             }
-            let cells: Vec<&str> = text.split(',').collect();
-            if cells.len() != names.len() {
-                let (found, expected) = (cells.len(), names.len());
+            let line = line_of(&record, text);
+            if record.len() != names.len() {
+                let (found, expected) = (record.len(), names.len());
                 return Err(CsvError::Width {
                     line,
                     found,
                     expected,
                 });
             }
-            let mut row = Vec::with_capacity(cells.len());
-            for (column, (cell, name)) in cells.iter().zip(&names).enumerate() {
+            let mut row = Vec::with_capacity(names.len());
+            for (column, (cell, name)) in record.iter().zip(&names).enumerate() {
                 row.push(number(cell).ok_or_else(|| CsvError::Number {
                     line,
                     column: column + 1,
                     name: name.clone(),
-                    text: cell.trim().to_owned(),
+                    text: cell.to_owned(),
                 })?);
             }
             if let Some(before) = rows.last().map(|row| row[0]).filter(|&t| row[0] < t) {
@@ -134,33 +148,45 @@ impl Table {
 
     /// As text.
     pub fn to_text(&self) -> String {
-        let names: Vec<String> = self
-            .names
+        let mut writer = csv::WriterBuilder::new()
+            .quote_style(csv::QuoteStyle::NonNumeric)
+            .from_writer(Vec::new());
+        let rows = self
+            .rows
             .iter()
-            .map(|name| format!("\"{name}\""))
-            .collect();
-        let mut text = names.join(",") + "\n";
-        for row in &self.rows {
-            for (column, value) in row.iter().enumerate() {
-                if column > 0 {
-                    text.push(',');
-                }
-                write_number(&mut text, *value);
-            }
-            text.push('\n');
-        }
-        text
+            .map(|row| row.iter().map(|value| written(*value)).collect());
+        let written = std::iter::once(self.names.clone())
+            .chain(rows)
+            .try_for_each(|row: Vec<String>| writer.write_record(row));
+        // Writing rows of equal length to memory does not fail.
+        debug_assert!(written.is_ok());
+        String::from_utf8(writer.into_inner().unwrap_or_default()).unwrap_or_default()
     }
 }
 
+/// 1-based line of a record; its position may be that of empty lines before it.
+fn line_of(record: &csv::StringRecord, text: &str) -> u64 {
+    let Some(position) = record.position() else {
+        return 1;
+    };
+    let start = usize::try_from(position.byte()).unwrap_or(text.len());
+    let before = text.as_bytes().get(start..).unwrap_or_default();
+    let line_ends = before
+        .iter()
+        .take_while(|byte| matches!(byte, b'\r' | b'\n'));
+    (position.line()..)
+        .zip(line_ends.filter(|byte| **byte == b'\n'))
+        .last()
+        .map_or(position.line(), |(line, _)| line + 1)
+}
+
+/// A name that is in quotes behind a space, which the format does not know as quotes.
 fn unquoted(cell: &str) -> String {
-    let cell = cell.trim();
     let inner = cell.strip_prefix('"').and_then(|c| c.strip_suffix('"'));
     inner.unwrap_or(cell).to_owned()
 }
 
-fn number(cell: &str) -> Option<f64> {
-    let text = cell.trim();
+fn number(text: &str) -> Option<f64> {
     if text.eq_ignore_ascii_case("true") {
         return Some(1.0);
     }
@@ -171,20 +197,18 @@ fn number(cell: &str) -> Option<f64> {
 }
 
 /// The shortest digits that read back to `value`, as Python writes them: `0.1`, `1e-05`, `1.5e+16`.
-fn write_number(text: &mut String, value: f64) {
+fn written(value: f64) -> String {
     let scientific = format!("{value:e}");
     let exponent = scientific
         .split_once('e')
         .and_then(|(digits, power)| Some((digits, power.parse::<i32>().ok()?)));
-    let written = match exponent {
+    match exponent {
         Some((digits, power)) if value != 0.0 && !(-4..16).contains(&power) => {
             let sign = if power < 0 { '-' } else { '+' };
-            write!(text, "{digits}e{sign}{:02}", power.abs())
+            format!("{digits}e{sign}{:02}", power.abs())
         }
-        _ => write!(text, "{value:?}"),
-    };
-    // Writing to a string does not fail.
-    debug_assert!(written.is_ok());
+        _ => format!("{value:?}"),
+    }
 }
 
 #[cfg(test)]
@@ -208,9 +232,7 @@ mod tests {
             (-1.5e300, "-1.5e+300"),
             (5e-324, "5e-324"),
         ] {
-            let mut text = String::new();
-            write_number(&mut text, value);
-            assert_eq!(text, expected);
+            assert_eq!(written(value), expected);
         }
     }
 
@@ -230,7 +252,7 @@ mod tests {
 
     #[test]
     fn spaces_quotes_line_ends_and_booleans_of_others_are_read() {
-        let text = "\u{feff}\"time\", on ,x\r\n0,True,1\r\n1,false,+2.5E1\r\n\r\n";
+        let text = "\u{feff}\"time\", \"on\" ,x\r\n0,True,1\r\n1,false,+2.5E1\r\n\r\n";
         let table = Table::parse(text).expect("legal");
         assert_eq!(table.names, ["time", "on", "x"]);
         assert_eq!(table.rows, [[0.0, 1.0, 1.0], [1.0, 0.0, 25.0]]);
@@ -249,8 +271,8 @@ mod tests {
             "line 1, column 3: 'x' stands there twice"
         );
         assert_eq!(
-            message("time,x\n0,1\n1"),
-            "line 3: 1 values, but line 1 names 2 columns"
+            message("time,x\n\n0,1\r\n  \n1"),
+            "line 5: 1 values, but line 1 names 2 columns"
         );
         assert_eq!(
             message("time,x\n0,1\n1,nan"),
