@@ -3,10 +3,11 @@
 //!
 //! Skipped, with a message, where there is no C compiler or the command was built without a library.
 
-#![allow(clippy::print_stderr, reason = "says why a test is skipped")]
-
+#[path = "../skipped.rs"]
+mod skipped;
 mod windows;
 
+use skipped::skipped;
 use std::ffi::OsStr;
 use std::fmt::Write as _;
 use std::fs;
@@ -33,12 +34,12 @@ struct Bench {
 /// None where it cannot be made.
 static BENCH: LazyLock<Option<Bench>> = LazyLock::new(|| {
     let Some(library) = option_env!("URDF2FMU_HOST_LIBRARY") else {
-        eprintln!("skipped: this urdf2fmu was built without a library for its own platform");
+        skipped("this urdf2fmu was built without a library for its own platform");
         return None;
     };
     let compiler = std::env::var("CC").unwrap_or_else(|_| "cc".into());
     if Command::new(&compiler).arg("--version").output().is_err() {
-        eprintln!("skipped: there is no C compiler '{compiler}'; set CC");
+        skipped(&format!("there is no C compiler '{compiler}'; set CC"));
         return None;
     }
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("c_api");
@@ -124,7 +125,7 @@ fn address_sanitizer_finds_nothing() {
         .output()
         .expect("the compiler answers");
     if !output.status.success() {
-        eprintln!("skipped: this C compiler has no sanitizers");
+        skipped("this C compiler has no sanitizers");
         return;
     }
     let sanitized = Bench {
@@ -153,7 +154,7 @@ fn address_sanitizer_finds_nothing() {
 #[test]
 fn valgrind_finds_nothing_in_a_simulation_by_the_command() {
     if Command::new("valgrind").arg("--version").output().is_err() {
-        eprintln!("skipped: there is no valgrind");
+        skipped("there is no valgrind");
         return;
     }
     let Some(bench) = &*BENCH else { return };
@@ -526,7 +527,7 @@ fn a_missing_or_broken_model_is_an_error_that_names_the_file() {
 fn valgrind_finds_nothing() {
     let Some(bench) = &*BENCH else { return };
     if Command::new("valgrind").arg("--version").output().is_err() {
-        eprintln!("skipped: there is no valgrind");
+        skipped("there is no valgrind");
         return;
     }
     let valgrind = [
@@ -559,7 +560,7 @@ fn only_fmi_functions_are_visible() {
         .args(["-D", "--defined-only", bench.library])
         .output()
     else {
-        eprintln!("skipped: there is no nm");
+        skipped("there is no nm");
         return;
     };
     let (symbols, _) = texts(&output);

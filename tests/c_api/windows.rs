@@ -3,11 +3,12 @@
 #[path = "../platforms/wine.rs"]
 mod wine;
 
+use super::skipped::skipped;
 use super::{GUID, TESTS, header, rover, sources};
 use std::fs;
 use std::path::Path;
 use urdf2fmu_core::prepared::PreparedModel;
-use wine::{Wine, skipped};
+use wine::Wine;
 
 #[test]
 fn the_windows_library_passes_the_same_tests_under_wine() {

@@ -9,16 +9,19 @@
 #[allow(dead_code, reason = "only the robots of PyBullet are used")]
 #[path = "../python/environment.rs"]
 mod environment;
+#[path = "../skipped.rs"]
+mod skipped;
 mod wine;
 
 use serde_json::Value;
+use skipped::skipped;
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 use std::fs;
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
 use std::process::Command;
-use wine::{Wine, skipped};
+use wine::Wine;
 
 /// An FMU of a robot, unpacked.
 struct Fmu {
@@ -301,7 +304,10 @@ fn linux_and_windows_calculate_the_same_bits() {
             .arg("-ldl"),
     );
 
-    let data = environment::make().pybullet_data;
+    let Some(environment) = environment::make() else {
+        return;
+    };
+    let data = environment.pybullet_data;
     let settings = example("quadruped.toml");
     let settings = ["-c", settings.to_str().unwrap()];
     for (urdf, options) in [

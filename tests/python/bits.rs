@@ -212,7 +212,10 @@ fn record_all(root: &Path, pybullet: &Path) -> String {
 fn every_bit_of_ten_robots_is_as_recorded() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let place = root.join("tests/python/bits.txt");
-    let text = record_all(root, &environment::make().pybullet_data);
+    let Some(environment) = environment::make() else {
+        return;
+    };
+    let text = record_all(root, &environment.pybullet_data);
     if std::env::var_os("URDF2FMU_RECORD").is_some() {
         std::fs::write(&place, &text).expect("a writable checkout");
     }

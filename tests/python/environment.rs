@@ -8,6 +8,9 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use urdf2fmu_core::hash::Fnv;
 
+#[path = "../skipped.rs"]
+mod skipped;
+
 /// A virtual environment with everything that the tests need.
 pub struct Environment {
     /// Its Python.
@@ -52,21 +55,24 @@ fn hash(texts: &[&str]) -> u64 {
     hash.value()
 }
 
-/// The environment, made if need be.
+/// The environment, made if need be; none, with a message, where there is no Python.
 ///
 /// # Panics
-/// If that fails; the message says what to do.
-pub fn make() -> Environment {
+/// If it cannot be made; the message says what to do.
+pub fn make() -> Option<Environment> {
     let python = python();
-    let version = Command::new(&python)
-        .args(["-c", "import sys; print(sys.version, sys.prefix)"])
-        .output()
-        .unwrap_or_else(|error| {
-            panic!(
-                "the tests need Python 3, but `{python}` does not start ({error}); \
-                 install it, or set the environment variable PYTHON"
-            )
-        });
+    let mut command = Command::new(&python);
+    command.args(["-c", "import sys; print(sys.version, sys.prefix)"]);
+    let version = match command.output() {
+        Ok(version) => version,
+        Err(error) => {
+            skipped::skipped(&format!(
+                "`{python}` does not start ({error}); install Python 3, or set the environment \
+                 variable PYTHON"
+            ));
+            return None;
+        }
+    };
     assert!(version.status.success(), "`{python}` does not run");
     let version = String::from_utf8_lossy(&version.stdout);
     let name = hash(&[REQUIREMENTS[0], REQUIREMENTS[1], REQUIREMENTS[2], &version]);
@@ -91,7 +97,7 @@ pub fn make() -> Environment {
         );
         File::create(ready).expect("target/ is writable");
     }
-    Environment {
+    Some(Environment {
         interpreter: folder.join(if cfg!(windows) {
             "Scripts/python.exe"
         } else {
@@ -99,5 +105,5 @@ pub fn make() -> Environment {
         }),
         pybullet_data: folder.join("data/pybullet_data"),
         folder,
-    }
+    })
 }

@@ -38,7 +38,9 @@ fn support(points: &[Vec3], direction: &Vec3) -> f64 {
 
 #[test]
 fn meshes_are_read_as_by_an_independent_reader() {
-    let environment = environment::make();
+    let Some(environment) = environment::make() else {
+        return;
+    };
     let made = environment.folder.join("scenes");
     std::fs::create_dir_all(&made).expect("target/ is writable");
     let robots = Command::new(&environment.interpreter)

@@ -10,7 +10,9 @@ use std::process::Command;
 
 #[test]
 fn the_python_tests_pass() {
-    let environment = environment::make();
+    let Some(environment) = environment::make() else {
+        return;
+    };
     let status = Command::new(environment.interpreter)
         // No files beside the sources.
         .args([

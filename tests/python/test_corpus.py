@@ -46,7 +46,7 @@ def test_a_sample_of_the_corpus_loads_steps_and_loses_nothing(number, sample, co
         # A fault of the file, then, and said where.
         errors = [finding for finding in findings if finding["severity"] == "error"]
         assert errors and all(finding["line"] for finding in errors), f"{urdf}: {done.stderr}"
-        pytest.skip(f"{urdf.name} is refused: {done.stderr.splitlines()[0]}")
+        return
 
     robot = json.loads(command("info", "--json", fmu).stdout)
     lost, _replaced = ours.lost(counts(urdf), ours.contents(robot, findings))
