@@ -20,8 +20,9 @@ fn c9_bodies_rest_as_deep_as_their_points_are_stiff() {
                 half: Vec3::new(0.1, 0.1, 0.1),
             },
             0.0,
+            2e-9,
         ),
-        ("ball", 1.0, 0.1, Shape::Sphere { radius: 0.1 }, 0.0),
+        ("ball", 1.0, 0.1, Shape::Sphere { radius: 0.1 }, 0.0, 2e-8),
         (
             "lying capsule",
             2.0,
@@ -31,8 +32,9 @@ fn c9_bodies_rest_as_deep_as_their_points_are_stiff() {
                 half_length: 0.1,
             },
             std::f64::consts::FRAC_PI_2,
+            2e-8,
         ),
-        ("standing can", 4.0, 0.15, cylinder(0.1, 0.15), 0.0),
+        ("standing can", 4.0, 0.15, cylinder(0.1, 0.15), 0.0, 2e-9),
         // Its three points have 1/3, 4/3 and 1/3 of the stiffness of one.
         (
             "lying can",
@@ -40,9 +42,10 @@ fn c9_bodies_rest_as_deep_as_their_points_are_stiff() {
             0.1,
             cylinder(0.1, 0.15),
             std::f64::consts::FRAC_PI_2,
+            2e-8,
         ),
     ];
-    for (name, points, height, shape, turn) in shapes {
+    for (name, points, height, shape, turn, allowed) in shapes {
         let mut b = single(1.0, [4e-3; 3], shape, 0.8);
         b.model.initial.rpy.x = turn;
         b.model.initial.position.z = height + 0.05;
@@ -51,10 +54,10 @@ fn c9_bodies_rest_as_deep_as_their_points_are_stiff() {
         let depth = height - s.state().q[2];
         let error = depth / (G / (points * s.tree().contact.stiffness)) - 1.0;
         let what = format!("depth at rest of a {name}, relative");
-        hold("C9", &what, "m g/Σk", error, 1e-6);
+        hold("C9", &what, "m g/Σk", error, allowed);
         let error = carried(&mut s) / G - 1.0;
         let what = format!("force under a {name}, relative");
-        hold("C9", &what, "m g", error, 1e-6);
+        hold("C9", &what, "m g", error, allowed);
     }
 }
 
@@ -96,7 +99,7 @@ fn c12_a_tilted_can_feels_a_continuous_force_and_settles_on_its_end() {
         "change of the force at half the increments, less ½",
         "0: continuous",
         ratio,
-        0.02,
+        6e-11,
     );
     let (mut worst, mut fastest, mut steps) = (0.0_f64, 0.0_f64, 0);
     for degrees in 0..=10 {
@@ -117,9 +120,9 @@ fn c12_a_tilted_can_feels_a_continuous_force_and_settles_on_its_end() {
         "place after 6 s, tilts 0 … 10°, m",
         "m g/Σk deep",
         worst,
-        1e-6,
+        1.5e-12,
     );
-    hold("C12", "speed after 6 s, m/s or rad/s", "0", fastest, 1e-9);
+    hold("C12", "speed after 6 s, m/s or rad/s", "0", fastest, 0.0);
     hold(
         "C12",
         "steps for the next second",
@@ -130,10 +133,14 @@ fn c12_a_tilted_can_feels_a_continuous_force_and_settles_on_its_end() {
 }
 
 /// C14. A rod that slides point first with μ = 2 (Painlevé): rigid bodies have no solution, compliant ones do, and make
-/// no energy (what the contact stores elastically counts).
+/// no energy (what the contact stores elastically counts). At the end two points carry the rod: with a depth of
+/// m g/2k the weight does not hold m g depth any more, and the springs hold half of that.
 #[test]
 fn c14_painleves_rod_finishes_without_gaining_energy() {
-    for (tolerance, allowed) in [(1e-4, 1e-3), (1e-6, 1e-4)] {
+    for (tolerance, allowed) in [
+        (1e-4, [0.0, 0.0, 6e-18, 3e-16]),
+        (1e-6, [0.0, 0.0, 6e-18, 0.0]),
+    ] {
         let rod = Shape::Capsule {
             radius: 0.01,
             half_length: 0.5,
@@ -148,15 +155,20 @@ fn c14_painleves_rod_finishes_without_gaining_energy() {
             s.advance_to(f64::from(i) * 1e-3).expect("finite");
             ledger.add(&mut s);
         }
-        let what = format!("energy gained in all, share of the first, tol {tolerance:.0e}");
-        hold("C14", &what, "none", ledger.gained, allowed);
-        hold(
-            "C14",
-            "energy at the end, J",
-            "that of a lying rod",
-            energy(&mut s) - 0.01 * G,
-            1e-2,
+        let what = |what: &str| format!("{what}, tol {tolerance:.0e}");
+        let (gained, risen) = (
+            what("energy gained in all, share of the first"),
+            ledger.risen,
         );
+        hold("C14", &gained, "none", ledger.gained, allowed[0]);
+        let most = what("energy over the lowest before, share of the first");
+        hold("C14", &most, "none", risen, allowed[1]);
+        let raw = what("the same with all that friction has in store");
+        hold("C14", &raw, "none", ledger.raw, allowed[2]);
+        let depth = G / (2.0 * s.tree().contact.stiffness);
+        let error = ledger.moving() / (G * (0.01 - 0.5 * depth)) - 1.0;
+        let end = what("energy at the end, relative");
+        hold("C14", &end, "that of a lying rod", error, allowed[3]);
     }
 }
 
@@ -179,10 +191,10 @@ fn d3_a_mass_ratio_of_a_million_rests_at_the_static_penetration() {
         "depth of 1 g under 1 t, relative",
         "m g/Σk",
         depth,
-        1e-2,
+        1e-8,
     );
     let force = carried(&mut s) / (1000.001 * G) - 1.0;
-    hold("D3", "force under them, relative", "m g", force, 1e-6);
+    hold("D3", "force under them, relative", "m g", force, 1e-8);
 }
 
 /// D4. A rimless wheel of eight spokes (α = π/8, l = 1 m, I = j m l²) walks down a slope of 0.08 rad. An impact keeps
@@ -194,11 +206,11 @@ fn d4_a_rimless_wheel_walks_as_mcgeer_says() {
     // A mass in the hub alone, as the textbook has it, leaves a wheel without inertia: where its foot sticks depends on
     // friction and normal force within one instant, which a step takes one after the other. It misses the target of 1 %,
     // and stiffer ground does not help.
-    for (gyration, penetration, allowed) in [
-        (0.5, 1e-6, 1e-2),
-        (0.1, 1e-6, 1e-2),
-        (1e-6, 1e-5, 1e-1),
-        (1e-6, 1e-6, 1.5e-1),
+    for (gyration, penetration, allowed, missed) in [
+        (0.5, 1e-6, 8e-4, None),
+        (0.1, 1e-6, 1e-2, None),
+        (1e-6, 1e-5, 1e-2, Some(4.9e-2)),
+        (1e-6, 1e-6, 1e-2, Some(1.35e-1)),
     ] {
         let kept = ((2.0 * alpha).cos() + gyration) / (1.0 + gyration);
         let drop = 4.0 * G * alpha.sin() * gamma.sin() / (1.0 + gyration);
@@ -246,13 +258,13 @@ fn d4_a_rimless_wheel_walks_as_mcgeer_says() {
         assert!(seen > 3, "{seen} steps");
         let what =
             format!("speed after an impact, relative, I = {gyration} m l², δ = {penetration:.0e}");
-        hold(
-            "D4",
-            &what,
-            "r/√(1 − r²) √(4(g/l) sin α sin γ/(1 + j)); McGeer 1990",
-            worst,
-            allowed,
-        );
+        let expected = "r/√(1 − r²) √(4(g/l) sin α sin γ/(1 + j)); McGeer 1990";
+        if let Some(recorded) = missed {
+            let why = "a step takes the friction cone of an impact from its start";
+            miss(["D4", &what, expected], worst, allowed, recorded, why);
+        } else {
+            hold("D4", &what, expected, worst, allowed);
+        }
     }
 }
 
@@ -280,20 +292,42 @@ fn heap(seed: u64) -> Model {
     model
 }
 
+/// A heap with every kind of friction, damping, and speeds that are limited.
+fn rough_heap(seed: u64) -> Model {
+    let mut model = heap(seed);
+    for (i, link) in model.links.iter_mut().enumerate() {
+        link.static_excess = [0.0, 0.3][i % 2];
+        link.rolling_friction = [1e-3, 0.0][i % 2];
+        link.torsional_friction = [0.0, 2e-3, 5e-3][i % 3];
+    }
+    for joint in &mut model.joints {
+        joint.damping = 0.1;
+        joint.static_excess = 0.5;
+        joint.velocity = Some(4.0);
+        joint.enforce_velocity = true;
+    }
+    model
+}
+
 /// D8. A passive robot in contact never gains energy, elastic energy of its contacts and of what friction was paid for included
 /// (the case allows ΣF̄²/2k_t beyond that, which is not made use of). To within the tolerance under error control, and in fixed
 /// steps to within what a mass matrix of the step's start leaves.
 #[test]
 fn d8_a_passive_robot_never_gains_energy() {
-    for (step, tolerance, allowed) in [
-        (1.0 / 240.0, 1e-3, 1e-3),
-        (1e-3, 1e-3, 1e-4),
-        (0.0, 1e-3, 1e-4),
-        (0.0, 1e-5, 1e-4),
+    let smooth = (heap as fn(u64) -> Model, "20 heaps");
+    let rough = (rough_heap as fn(u64) -> Model, "20 rough heaps");
+    for ((make, heaps), step, tolerance, allowed) in [
+        (smooth, 1.0 / 240.0, 1e-3, 2e-3),
+        (smooth, 1e-3, 1e-3, 1e-4),
+        (smooth, 0.0, 1e-3, 2e-14),
+        (smooth, 0.0, 1e-5, 3e-14),
+        (rough, 1.0 / 240.0, 1e-3, 0.0),
+        (rough, 1e-3, 1e-3, 0.0),
+        (rough, 0.0, 1e-3, 2e-14),
     ] {
         let mut worst = 0.0_f64;
         for seed in 0..20 {
-            let mut model = heap(seed);
+            let mut model = make(seed);
             model.solver.step_size = step;
             let mut s = start(model, tolerance);
             let mut ledger = Ledger::new(&mut s);
@@ -309,7 +343,7 @@ fn d8_a_passive_robot_never_gains_energy() {
             format!("error control at {tolerance:.0e}")
         };
         let what =
-            format!("energy gained in all by one of 20 heaps, share of what it fell with, {kind}");
+            format!("energy gained in all by one of {heaps}, share of what it fell with, {kind}");
         hold("D8", &what, "none", worst, allowed);
     }
 }

@@ -26,15 +26,15 @@ fn restitution(e: f64, speed: f64, g: f64, tolerance: f64, step: f64) -> f64 {
 }
 
 /// C8. Newton's coefficient at every speed of impact, from 0.1 to 10 m/s, in gravity so light that its own work during
-/// the contact (g t/v with t about 10 ms) does not show: to a share of itself. The case asks for 1 % at 1e-4 and for 0.1 % at
-/// 1e-6; a bounce at 0.1 m/s, half a millimetre deep, has it to 1.2 % at 1e-4.
+/// the contact (g t/v with t about 10 ms) does not show: to a share of itself. The case asks for 1 % at 1e-4 and for
+/// 0.1 % at 1e-6.
 #[test]
 fn c8_a_ball_rebounds_with_the_coefficient_of_restitution_at_every_speed() {
     let table = [0.95, 0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3, 0.2, 0.1, 0.05];
     for (tolerance, allowed) in [
-        (1e-3, [1e-2, 1.5e-2, 1.5e-2]),
-        (1e-4, [1e-3, 1e-2, 1.5e-2]),
-        (1e-6, [1e-3, 1e-3, 1e-3]),
+        (1e-3, [4e-3, 1.5e-2, 1.5e-2]),
+        (1e-4, [5e-4, 5e-3, 1e-2]),
+        (1e-6, [4e-5, 1e-4, 7e-4]),
     ] {
         for (speed, allowed) in [10.0, 1.0, 0.1].into_iter().zip(allowed) {
             let mut worst = 0.0_f64;
@@ -43,7 +43,12 @@ fn c8_a_ball_rebounds_with_the_coefficient_of_restitution_at_every_speed() {
                 worst = worst.max((rebound / e - 1.0).abs());
             }
             let what = format!("e = 0.05 … 0.95 at {speed} m/s, relative, tol {tolerance:.0e}");
-            hold("C8", &what, "Newton's e", worst, allowed);
+            if (5e-5..5e-4).contains(&tolerance) && speed < 1.0 {
+                let why = "half a millimetre deep, resolved to a tenth of that";
+                miss(["C8", &what, "Newton's e"], worst, allowed, 1.15e-2, why);
+            } else {
+                hold("C8", &what, "Newton's e", worst, allowed);
+            }
         }
     }
 }
@@ -56,44 +61,57 @@ fn c8_a_ball_rebounds_in_fixed_steps_too() {
         (1.0 / 240.0, "1/240 s"),
         (1e-3, "1 ms"),
     ] {
-        for speed in [10.0, 1.0, 0.1] {
+        for (speed, allowed) in [(10.0, 4e-3), (1.0, 1.5e-2), (0.1, 1.5e-2)] {
             let mut worst = 0.0_f64;
             for e in [0.95, 0.8, 0.6, 0.4, 0.2, 0.05] {
                 let rebound = restitution(e, speed, 1e-4 * speed, 1e-3, step);
                 worst = worst.max((rebound / e - 1.0).abs());
             }
             let what = format!("e = 0.05 … 0.95 at {speed} m/s, relative, fixed steps of {name}");
-            hold("C8", &what, "Newton's e", worst, 1.5e-2);
+            hold("C8", &what, "Newton's e", worst, allowed);
         }
     }
 }
 
-/// C10. A ball of 5 mm at 50 m/s, communication steps of 0.1 s: no deeper than Hunt and Crossley's law lets it in,
-/// ½ k x² = m (v/d − ln(1 + d v)/d²).
+/// C10. A ball of 5 mm at 10 and 50 m/s: as deep in the ground as Hunt and Crossley's law lets it in,
+/// ½ k x² = m (v/d − ln(1 + d v)/d²), looked at every 10 µs while it is there; and at rest after communication steps of 0.1 s,
+/// the first of which goes through the whole impact.
 #[test]
 fn c10_a_fast_small_ball_does_not_tunnel() {
     let sphere = Shape::Sphere { radius: 0.005 };
     let mut b = single(1e-3, [1e-8; 3], sphere, 0.8);
-    b.model.initial.position.z = 1.0;
-    b.model.initial.linear_velocity.z = -50.0;
-    for tolerance in [1e-3, 1e-4] {
+    b.model.initial.position.z = 0.1;
+    for (tolerance, speed, deep, rests) in [
+        (1e-3, 10.0, 2e-3, 5e-11),
+        (1e-3, 50.0, 5e-2, 5e-11),
+        (1e-4, 10.0, 1.5e-3, 4e-12),
+        (1e-4, 50.0, 5e-2, 4e-12),
+    ] {
+        b.model.initial.linear_velocity.z = -speed;
         let mut s = start(b.model.clone(), tolerance);
-        let (k, d, v) = (
-            s.tree().contact.stiffness,
-            s.tree().contact.dissipation,
-            50.0,
-        );
+        let (k, d) = (s.tree().contact.stiffness, s.tree().contact.dissipation);
+        let v = (speed * speed + 2.0 * G * 0.095).sqrt();
         let deepest = (2e-3 / k * (v / d - (d * v).ln_1p() / (d * d))).sqrt();
         let mut lowest = f64::INFINITY;
-        for i in 1..=40 {
-            s.advance_to(0.1 * f64::from(i)).expect("finite");
+        // It falls 0.1 m in 10 ms at most, and is deepest some milliseconds later.
+        for i in 1..=5000 {
+            s.advance_to(1e-5 * f64::from(i)).expect("finite");
             lowest = lowest.min(s.state().q[2] - 0.005);
         }
-        let beyond = (-lowest - deepest).max(0.0) / deepest;
-        let what = format!("depth beyond that of the law, relative, tol {tolerance:.0e}");
-        hold("C10", &what, "none", beyond, 5e-2);
+        let beyond = -lowest / deepest - 1.0;
+        let what = |what: &str| format!("{what}, {speed} m/s, tol {tolerance:.0e}");
+        let (depth, law) = (what("greatest depth, relative"), "Hunt & Crossley, exact");
+        if speed > 10.0 {
+            let why = "deeper than 50 δ contacts are damped less, on the way in, too";
+            miss(["C10", &depth, law], beyond, deep, 2.4, why);
+        } else {
+            hold("C10", &depth, law, beyond, deep);
+        }
+        let mut s = start(b.model.clone(), tolerance);
+        run(&mut s, 4.0, 0.1);
         let rest = s.state().q[2] - (0.005 - 4e-4);
-        hold("C10", "place of rest, m", "m g/k deep", rest, 1e-6);
+        let place = what("place of rest in communication steps of 0.1 s, m");
+        hold("C10", &place, "m g/k deep", rest, rests);
     }
 }
 
@@ -101,7 +119,7 @@ fn c10_a_fast_small_ball_does_not_tunnel() {
 /// most 0.7 √(2 g (depth − 50 δ)), and does not hop.
 #[test]
 fn c13_an_initial_overlap_leaves_gently() {
-    for depth in [0.01, 0.05] {
+    for (depth, allowed) in [(0.01, [1.0, 1.0]), (0.05, [1.0, 1.0])] {
         let mut b = block(0.5);
         b.model.initial.position.z = 0.1 - depth;
         let mut s = start(b.model, 1e-4);
@@ -119,30 +137,28 @@ fn c13_an_initial_overlap_leaves_gently() {
         }
         let what = |what: &str| format!("{what}, {} mm deep", depth * 1e3);
         let expected = "at most max(1/d, 0.7√(2g(depth − 50δ)))";
-        let beyond = (inside / fast.max(slow) - 1.0).max(0.0);
         hold(
             "C13",
-            &what("speed inside, relative excess"),
+            &what("fastest inside, share of the most"),
             expected,
-            beyond,
-            1e-3,
+            inside / fast.max(slow),
+            allowed[0],
         );
-        let beyond = (outside / slow - 1.0).max(0.0);
         hold(
             "C13",
-            &what("speed at the surface, excess"),
+            &what("fastest at the surface, share of the most"),
             "at most 1/d",
-            beyond,
-            1e-3,
+            outside / slow,
+            allowed[1],
         );
         hold(
             "C13",
             &what("hop, m"),
             "none",
             (highest - 0.1).max(0.0),
-            1e-4,
+            0.0,
         );
         let rest = s.state().q[2] - (0.1 - s.tree().contact.penetration);
-        hold("C13", &what("place of rest, m"), "m g/Σk deep", rest, 1e-6);
+        hold("C13", &what("place of rest, m"), "m g/Σk deep", rest, 2e-12);
     }
 }

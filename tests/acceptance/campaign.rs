@@ -161,7 +161,7 @@ pub fn contacts(s: &Simulation) -> Vec<Contact> {
 }
 
 fn touching(s: &Simulation, kin: &Kinematics) -> Vec<Contact> {
-    // A fixed step does not resolve all stiffness, see `step::point`.
+    // In fixed steps a contact is no stiffer than oscillates as fast as the steps (docs/design.md).
     let limit = match s.parameter(ParameterSlot::StepSize) {
         step if step > 0.0 => {
             let omega = std::f64::consts::TAU / step;
@@ -202,8 +202,7 @@ pub fn stored(s: &Simulation) -> [f64; 2] {
             let depth = (limits.lower - q).max(q - limits.upper).max(0.0);
             springs += 0.5 * tree.dofs.limit_stiffness[dof] * depth * depth;
         }
-        // Its stiffness is the friction over the deflection at which it gives way, 0.1 mm or mrad.
-        let stiffness = tree.dofs.friction[dof].moving / 1e-4;
+        let stiffness = tree.dofs.friction[dof].moving / DRY_DEFLECTION;
         friction += 0.5 * stiffness * state.memory.dry[dof] * state.memory.dry[dof];
     }
     for (motor, displacement) in tree.actuators.motors.iter().zip(&state.memory.motor) {
@@ -211,6 +210,9 @@ pub fn stored(s: &Simulation) -> [f64; 2] {
     }
     [springs, friction]
 }
+
+/// Deflection at which dry friction gives way, m or rad: documented, and measured by `dry_friction_is_a_spring_until_it_slips`.
+pub const DRY_DEFLECTION: f64 = 1e-4;
 
 /// Keeps the books of a passive robot's energy, without any allowance.
 ///
@@ -227,7 +229,8 @@ pub struct Ledger {
     paid: f64,
     /// Lowest sum of both so far, and lowest energy with all that friction elements have in store, J.
     lowest: [f64; 2],
-    /// What the robot had to fall with: kinetic energy at the start and weight times reach, J.
+    /// What the robot had to fall with, J: kinetic energy, energy of position above the ground, and what springs held at
+    /// the start.
     pub scale: f64,
     /// All gains together, as a share of `scale`.
     pub gained: f64,
@@ -241,17 +244,24 @@ impl Ledger {
     /// From the state in which the robot is let go.
     pub fn new(s: &mut Simulation) -> Self {
         let kinetic = s.output(OutputSlot::EnergyKinetic);
+        let potential = s.output(OutputSlot::EnergyPotential);
+        let [springs, _] = stored(s);
         let mut ledger = Self {
             moving: f64::NAN,
             paid: 0.0,
             lowest: [f64::INFINITY; 2],
-            scale: kinetic + s.tree().moving_mass() * 9.81 * s.tree().reach(),
+            scale: kinetic + potential.abs() + springs,
             gained: 0.0,
             risen: 0.0,
             raw: 0.0,
         };
         ledger.add(s);
         ledger
+    }
+
+    /// Kinetic energy, height, and the springs of contacts and limits, J.
+    pub fn moving(&self) -> f64 {
+        self.moving
     }
 
     /// Enters a state.

@@ -1,11 +1,11 @@
 //! A sample of the campaign of docs/robustness.md: nothing fails, and nothing passive gains energy.
 
-use super::campaign::{Drop, Extreme, Ledger, Tally, drop_once};
+use super::campaign::{DRY_DEFLECTION, Drop, Extreme, Ledger, Tally, drop_once, stored};
 use super::robots::robot;
 use super::*;
 
 /// Drops each of our robots with everything about it driven to its extreme.
-fn sample(extreme: Extreme, seeds: u64) {
+fn sample(extreme: Extreme, seeds: u64, allowed: Option<[[f64; 3]; 2]>) {
     let mut tally = Tally::default();
     for (path, offset) in [
         ("examples/rover.urdf", 0),
@@ -24,62 +24,92 @@ fn sample(extreme: Extreme, seeds: u64) {
     assert!(tally.failures.is_empty(), "{:?}", tally.failures);
     let what = |what: &str| format!("{what}, {drops} drops, {}", extreme.name());
     hold("D7", &what("failed"), "0", f64::from(tally.failed), 0.0);
-    hold_gains(extreme.name(), &tally, [1e-3, 1e-3]);
+    if let Some(allowed) = allowed {
+        hold_gains(extreme.name(), &tally, allowed);
+    }
 }
 
-/// Holds what limp robots have gained under error control and in fixed steps to shares of what they fell with.
-fn hold_gains(who: &str, tally: &Tally, allowed: [f64; 2]) {
+/// Holds what limp robots have gained under error control and in fixed steps to shares of what they fell with: in all, over the
+/// lowest before, and that with all that friction has in store.
+fn hold_gains(who: &str, tally: &Tally, allowed: [[f64; 3]; 2]) {
     let kinds = ["error control", "fixed steps"].iter().zip(&tally.limp);
     for ((steps, gain), allowed) in kinds.zip(allowed) {
         let what = |what: &str| format!("{what}, {} limp drops, {who}, {steps}", gain.drops);
         let share = gain.gained.share;
-        hold("D8", &what("energy gained in all"), "none", share, allowed);
+        hold(
+            "D8",
+            &what("energy gained in all"),
+            "none",
+            share,
+            allowed[0],
+        );
         let share = gain.risen.share;
         let risen = what("energy over the lowest before");
-        hold("D8", &risen, "none", share, allowed);
+        hold("D8", &risen, "none", share, allowed[1]);
         // In fixed steps an impact may leave in friction what nobody has paid for; nothing of it comes back.
         if *steps == "error control" {
             let raw = what("the same with all that friction has in store");
-            hold("D8", &raw, "none", gain.raw.share, allowed);
+            hold("D8", &raw, "none", gain.raw.share, allowed[2]);
         }
     }
 }
 
 macro_rules! samples {
-    ($($(#[$doc:meta])* $name:ident: $extreme:ident, $seeds:expr;)*) => {$(
+    ($($(#[$doc:meta])* $name:ident: $extreme:ident, $seeds:expr, $allowed:expr;)*) => {$(
         $(#[$doc])*
         #[test]
         fn $name() {
-            sample(Extreme::$extreme, $seeds);
+            sample(Extreme::$extreme, $seeds, $allowed);
         }
     )*};
 }
 
+// Of a limp robot, motors without limit and stiff gains are switched off: its drops are those of the robot as it is.
 samples! {
-    robots_as_they_are_fall_and_lie: None, 8;
-    masses_over_six_decades_do_not_break_a_robot: MassRatio, 8;
-    stiff_unlimited_gains_do_not_break_a_robot: StiffGains, 8;
-    a_robot_that_begins_in_the_ground_comes_out_whole: Overlap, 8;
-    shapes_without_size_are_points: Points, 8;
-    shapes_a_thousand_times_as_large_are_shapes: Huge, 8;
-    a_robot_lives_without_gravity: NoGravity, 8;
-    a_motor_without_limit_is_one: LimitlessEffort, 8;
-    a_robot_lives_without_friction: NoFriction, 8;
-    any_friction_is_enough: HugeFriction, 8;
-    a_robot_may_bounce_for_ever: Bouncing, 8;
-    communication_steps_of_a_nanosecond_and_of_a_second_both_end: AnyStep, 8;
+    robots_as_they_are_fall_and_lie: None, 8, Some([[5e-10, 5e-10, 9e-10], [0.0, 0.0, 0.0]]);
+    masses_over_six_decades_do_not_break_a_robot: MassRatio, 8, Some([[2e-4, 1.5e-4, 1.5e-4], [0.0, 0.0, 0.0]]);
+    stiff_unlimited_gains_do_not_break_a_robot: StiffGains, 8, None;
+    a_robot_that_begins_in_the_ground_comes_out_whole: Overlap, 8, Some([[0.0, 0.0, 1e-12], [0.0, 0.0, 0.0]]);
+    shapes_without_size_are_points: Points, 8, Some([[6e-10, 6e-10, 7e-9], [0.0, 0.0, 0.0]]);
+    shapes_a_thousand_times_as_large_are_shapes: Huge, 8, Some([[6e-11, 6e-11, 6e-11], [0.0, 0.0, 0.0]]);
+    a_robot_lives_without_gravity: NoGravity, 8, Some([[9e-10, 9e-10, 4e-8], [1.5e-7, 1.5e-7, 0.0]]);
+    a_motor_without_limit_is_one: LimitlessEffort, 8, None;
+    a_robot_lives_without_friction: NoFriction, 8, Some([[6e-7, 6e-7, 6e-7], [0.0, 0.0, 0.0]]);
+    any_friction_is_enough: HugeFriction, 8, Some([[7e-6, 7e-6, 5e-5], [0.0, 0.0, 0.0]]);
+    a_robot_may_bounce_for_ever: Bouncing, 8, Some([[5e-10, 5e-10, 9e-10], [3e-5, 3e-5, 0.0]]);
+    communication_steps_of_a_nanosecond_and_of_a_second_both_end: AnyStep, 8, Some([[9e-9, 9e-9, 3e-7], [0.0, 0.0, 0.0]]);
 }
 
 /// D8. Robots that fall limp and whirl, many times over, in fixed steps and under error control: impacts on limits, legs that
 /// slide and spin without friction, links of grams on links of tonnes.
 #[test]
 fn limp_robots_make_no_energy_however_often_they_fall() {
-    for (path, extreme) in [
-        ("examples/arm.urdf", Extreme::None),
-        ("examples/arm.urdf", Extreme::MassRatio),
-        ("examples/quadruped.urdf", Extreme::None),
-        ("examples/quadruped.urdf", Extreme::NoFriction),
-        ("examples/quadruped.urdf", Extreme::MassRatio),
+    for (path, extreme, allowed) in [
+        (
+            "examples/arm.urdf",
+            Extreme::None,
+            [[0.0, 0.0, 0.0], [0.0, 0.0, 0.0]],
+        ),
+        (
+            "examples/arm.urdf",
+            Extreme::MassRatio,
+            [[2e-4, 1.5e-4, 1.5e-4], [1.5e-4, 7e-5, 0.0]],
+        ),
+        (
+            "examples/quadruped.urdf",
+            Extreme::None,
+            [[0.0, 0.0, 2e-9], [0.0, 0.0, 0.0]],
+        ),
+        (
+            "examples/quadruped.urdf",
+            Extreme::NoFriction,
+            [[8e-6, 8e-6, 8e-6], [2e-6, 2e-6, 0.0]],
+        ),
+        (
+            "examples/quadruped.urdf",
+            Extreme::MassRatio,
+            [[9e-7, 9e-7, 1.5e-6], [6e-4, 6e-4, 0.0]],
+        ),
     ] {
         let model = robot(path, |_| {});
         let mut tally = Tally::default();
@@ -87,15 +117,8 @@ fn limp_robots_make_no_energy_however_often_they_fall() {
             drop_once(&model, extreme, seed, &mut tally);
         }
         assert!(tally.failures.is_empty(), "{:?}", tally.failures);
-        // The tolerance is one of places and speeds: where the tip weighs a thousand times what the rest does, an error of its
-        // speed within the tolerance is that much more energy.
-        let controlled = if extreme == Extreme::MassRatio {
-            1e-2
-        } else {
-            1e-3
-        };
         let who = format!("{}, {}", model.name, extreme.name());
-        hold_gains(&who, &tally, [controlled, 1e-3]);
+        hold_gains(&who, &tally, allowed);
     }
 }
 
@@ -104,7 +127,11 @@ fn limp_robots_make_no_energy_however_often_they_fall() {
 #[test]
 fn the_ledger_enters_what_is_given_at_any_time_of_a_drop() {
     let model = robot("examples/quadruped.urdf", |_| {});
-    for extreme in [Extreme::None, Extreme::NoFriction, Extreme::HugeFriction] {
+    for (extreme, allowed) in [
+        (Extreme::None, 4e-3),
+        (Extreme::NoFriction, 7e-6),
+        (Extreme::HugeFriction, 5e-2),
+    ] {
         let (mut given, mut entered) = (0.0, 0.0);
         for seed in (0..16).step_by(2) {
             let mut drop = Drop::new(&model, extreme, seed).expect("a drop");
@@ -131,6 +158,63 @@ fn the_ledger_enters_what_is_given_at_any_time_of_a_drop() {
             "what is given to a limp quadruped but not entered as a gain, share, {}",
             extreme.name()
         );
-        hold("D8", &what, "few", 1.0 - entered / given, 5e-2);
+        hold("D8", &what, "few", 1.0 - entered / given, allowed);
     }
+}
+
+/// What the ledger takes for the energy of springs is what a bounce without losses borrows and gives back: kinetic energy,
+/// height and springs together stay what they were, whatever the shape and however it is tilted.
+#[test]
+fn what_springs_hold_is_what_a_lossless_bounce_gives_back() {
+    let cylinder = |half_length| Shape::Cylinder {
+        radius: 0.1,
+        half_length,
+    };
+    let half = Vec3::new(0.1, 0.1, 0.1);
+    let capsule = Shape::Capsule {
+        radius: 0.05,
+        half_length: 0.1,
+    };
+    for (name, shape, tilt, allowed) in [
+        ("a ball", Shape::Sphere { radius: 0.1 }, 0.0, 3e-6),
+        ("a tilted box", Shape::Box { half }, 0.1, 1e-6),
+        ("a lying capsule", capsule, 1.5, 3e-6),
+        ("a can on its edge", cylinder(0.15), 0.5, 2e-6),
+        ("a can between edge and end", cylinder(0.15), 0.1, 8e-6),
+        ("a lying can", cylinder(0.15), 1.55, 1.5e-6),
+    ] {
+        let mut b = single(1.0, [4e-3; 3], shape, 0.0);
+        b.model.contact.dissipation = 0.0;
+        b.model.initial.rpy.x = tilt;
+        b.model.initial.position.z = 0.3;
+        let mut s = start(b.model, 1e-6);
+        let mut ledger = Ledger::new(&mut s);
+        let before = ledger.moving();
+        let (mut off, mut springs) = (0.0_f64, 0.0_f64);
+        for i in 1..=5000 {
+            s.advance_to(1e-4 * f64::from(i)).expect("finite");
+            ledger.add(&mut s);
+            off = off.max((ledger.moving() - before).abs() / ledger.scale);
+            springs = springs.max(stored(&s)[0] / ledger.scale);
+        }
+        assert!(springs > 0.1, "{name} does not bounce: {springs}");
+        let what = format!("energy of {name} that bounces without losses, relative, tol 1e-6");
+        hold("D8", &what, "constant", off, allowed);
+    }
+}
+
+/// The deflection of dry friction that the ledger takes for granted: half the effort, half the deflection.
+#[test]
+fn dry_friction_is_a_spring_until_it_slips() {
+    let mut b = fixed();
+    let body = inertia(1.0, Vec3::zeros(), [1e-3; 3]);
+    let link = b.link(BASE, Pose::IDENTITY, Motion::Prismatic(X), body);
+    b.actuator(link, ActuatorMode::Effort, 10.0);
+    b.model.joints[0].friction = 2.0;
+    let mut s = start(b.model, 1e-4);
+    s.set_input(InputSlot::Effort(ActuatorId(0)), 1.0);
+    run(&mut s, 2.0, 0.01);
+    let error = s.state().q[0] / (0.5 * DRY_DEFLECTION) - 1.0;
+    let what = "deflection of dry friction of 2 N under 1 N, relative";
+    hold("D8", what, "half of 0.1 mm", error, 3e-8);
 }

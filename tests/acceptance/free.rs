@@ -16,10 +16,14 @@ fn elliptic_k(m: f64) -> f64 {
 fn a2_a_tumbling_body_falls_on_the_parabola() {
     let mut b = Builder::new(true, inertia(2.0, Vec3::zeros(), [0.01, 0.02, 0.025]));
     b.model.initial.angular_velocity = Vec3::new(1.0, 2.0, 3.0);
-    let mut s = start(b.model, 1e-4);
-    run(&mut s, 10.0, 0.01);
-    let error = s.state().q[2] + 0.5 * G * 100.0;
-    hold("A2", "z after 10 s, tol 1e-4", "−g t²/2", error, 1e-10);
+    for ((rules, name), allowed) in MOMENTUM.into_iter().zip([1e-12, 1e-12]) {
+        let mut s = start(b.model.clone(), 1e-4);
+        s.set_rules(rules);
+        run(&mut s, 10.0, 0.01);
+        let error = s.state().q[2] + 0.5 * G * 100.0;
+        let what = format!("z after 10 s, tol 1e-4{name}");
+        hold("A2", &what, "−g t²/2", error, allowed);
+    }
 }
 
 /// A2. The same of the centre of mass, when the frame of the base is not in it and everything must cancel.
@@ -28,17 +32,24 @@ fn a2_the_centre_of_mass_falls_on_the_parabola_wherever_the_frame_is() {
     let mut b = Builder::new(true, inertia(2.0, X * 0.1, [0.01, 0.02, 0.025]));
     let omega = Vec3::new(1.0, 2.0, 3.0);
     b.model.initial.angular_velocity = omega;
-    for tolerance in [1e-4, 1e-8] {
+    let [with, without] = MOMENTUM;
+    for (tolerance, (rules, name), allowed) in [
+        (1e-4, with, 1e-12),
+        (1e-8, with, 1e-12),
+        (1e-4, without, 5e-5),
+        (1e-8, without, 4e-9),
+    ] {
         let mut s = start(b.model.clone(), tolerance);
+        s.set_rules(rules);
         run(&mut s, 10.0, 0.01);
         let com = vector(&s.state().q) + rotation(&s, 3) * X * 0.1;
         let expected = X * 0.1 + omega.cross(&X) + Vec3::new(0.0, 0.0, -0.5 * G * 100.0);
         hold(
             "A2",
-            &format!("centre of mass 0.1 m off the frame, 10 s, tol {tolerance:.0e}"),
+            &format!("centre of mass 0.1 m off the frame, 10 s, tol {tolerance:.0e}{name}"),
             "parabola",
             (com - expected).norm(),
-            1e-10,
+            allowed,
         );
     }
 }
@@ -54,27 +65,51 @@ fn a3_a_free_asymmetric_body_has_the_period_of_jacobis_functions() {
     b.model.world.gravity = Vec3::zeros();
     let omega = Vec3::new(1.0, 1.0, 1.0);
     b.model.initial.angular_velocity = omega;
-    let mut s = start(b.model, 1e-8);
+    let bounds = [[5e-9, 5e-9, 2e-15, 4e-10], [5e-9, 5e-9, 6e-10, 4e-10]];
+    for (rules, allowed) in MOMENTUM.into_iter().zip(bounds) {
+        hold_free_spin(&b.model, period, rules, allowed);
+    }
+}
+
+/// The rows of A3 under some rules.
+fn hold_free_spin(model: &Model, period: f64, (rules, name): (Rules, &str), allowed: [f64; 4]) {
+    let (I, omega) = (Vec3::new(1.0, 2.0, 3.0), Vec3::new(1.0, 1.0, 1.0));
+    let mut s = start(model.clone(), 1e-8);
+    s.set_rules(rules);
     run(&mut s, period, 0.1);
     let spin = |s: &Simulation| rotation(s, 3).transpose() * vector(&s.state().v);
     // How much later ω = (1, 1, 1) comes back; ω̇ there by Euler's equations.
     let rate = Vec3::new(-1.0, 1.0, -1.0 / 3.0);
     let late = (omega - spin(&s)).dot(&rate) / rate.norm_squared();
     let expected = "4K(½)/√(8/6); Landau & Lifshitz §37";
-    hold("A3", "period, s, tol 1e-8", expected, late, 1e-7);
+    let what = |what: &str| format!("{what}{name}");
+    hold(
+        "A3",
+        &what("period, s, tol 1e-8"),
+        expected,
+        late,
+        allowed[0],
+    );
     let off = (spin(&s) - omega).norm();
     hold(
         "A3",
-        "ω after one period, rad/s, tol 1e-8",
+        &what("ω after one period, rad/s, tol 1e-8"),
         expected,
         off,
-        1e-7,
+        allowed[1],
     );
     let momentum = |s: &Simulation| rotation(s, 3) * I.component_mul(&spin(s));
     let drift = (momentum(&s) - I).norm() / I.norm();
-    hold("A3", "angular momentum, relative", "constant", drift, 1e-7);
+    let momenta = what("angular momentum, relative");
+    hold("A3", &momenta, "constant", drift, allowed[2]);
     let drift = s.output(OutputSlot::EnergyKinetic) / 3.0 - 1.0;
-    hold("A3", "energy, relative", "constant", drift, 1e-7);
+    hold(
+        "A3",
+        &what("energy, relative"),
+        "constant",
+        drift,
+        allowed[3],
+    );
 }
 
 /// A point mass on a massless rod of 1 m, held horizontally; q = π/2 is straight down.
@@ -86,13 +121,13 @@ fn pendulum() -> Model {
 }
 
 /// A4. Released from horizontal: T = 4 K(1/2)/√g = 2.36784195 s (IFToMM benchmark A01). Looked at where it is
-/// fastest, a quarter after the period: at its turning point an error of the period would not show. That the energy drifts by
-/// less than 1e-6 in 10 s is met at 1e-8, not at 1e-4.
+/// fastest, a quarter after the period: at its turning point an error of the period would not show. The energy
+/// should drift by less than 1e-6 in 10 s.
 #[test]
 fn a4_a_pendulum_released_from_horizontal_has_the_exact_period() {
     let period = 4.0 * elliptic_k(0.5) / G.sqrt();
     assert!((period - 2.367_841_95).abs() < 1e-8);
-    for (tolerance, off, drift) in [(1e-4, 1e-5, 1e-4), (1e-8, 1e-9, 1e-8)] {
+    for (tolerance, off) in [(1e-4, 4e-6), (1e-8, 4e-10)] {
         let mut s = start(pendulum(), tolerance);
         let before = energy(&mut s);
         run(&mut s, 1.25 * period, 0.01);
@@ -110,13 +145,14 @@ fn a4_a_pendulum_released_from_horizontal_has_the_exact_period() {
             s.advance_to(next).expect("finite");
             worst = worst.max((energy(&mut s) - before).abs() / G);
         }
-        hold(
-            "A4",
-            &format!("energy in 10 s, share of m g l, tol {tolerance:.0e}"),
-            "constant; IFToMM A01",
-            worst,
-            drift,
-        );
+        let what = format!("energy in 10 s, share of m g l, tol {tolerance:.0e}");
+        let expected = "constant; IFToMM A01";
+        if tolerance > 1e-8 {
+            let why = "errors per step add up";
+            miss(["A4", &what, expected], worst, 1e-6, 1.3e-5, why);
+        } else {
+            hold("A4", &what, expected, worst, 4e-9);
+        }
     }
 }
 
@@ -168,7 +204,7 @@ fn a5_a_double_pendulum_ends_where_the_reference_says() {
         assert!((fine - known).abs() < 6e-9, "{fine} {known}");
     }
     let [a, b, u, w] = reference;
-    for (tolerance, allowed) in [(1e-4, 2e-4), (1e-6, 2e-6)] {
+    for (tolerance, off, fast) in [(1e-4, 1e-5, 1e-4), (1e-6, 8e-8, 8e-7)] {
         let mut s = start(double_pendulum(), tolerance);
         run(&mut s, 2.0, 0.1);
         let (q, v) = (&s.state().q, &s.state().v);
@@ -176,9 +212,9 @@ fn a5_a_double_pendulum_ends_where_the_reference_says() {
         let speed = (v[0] - u).abs().max((v[0] + v[1] - w).abs());
         let expected = "Lagrange's equations by Runge–Kutta in 20,000 steps";
         let name = format!("angles after 2 s, rad, tol {tolerance:.0e}");
-        hold("A5", &name, expected, position, allowed);
+        hold("A5", &name, expected, position, off);
         let name = format!("rates after 2 s, rad/s, tol {tolerance:.0e}");
-        hold("A5", &name, expected, speed, allowed);
+        hold("A5", &name, expected, speed, fast);
     }
 }
 
@@ -192,7 +228,7 @@ fn a7_a_heavy_top_precesses_steadily_at_the_rate_of_euler() {
     let (sin, cos) = tilt.sin_cos();
     let b = along * spin;
     let rate = (b - (b * b - 4.0 * I1 * cos * mass * G * length).sqrt()) / (2.0 * I1 * cos);
-    for (tolerance, allowed) in [(1e-4, 1e-4), (1e-8, 1e-8)] {
+    for (tolerance, nods) in [(1e-4, 1.5e-5), (1e-8, 1e-9)] {
         let mut builder = fixed();
         let body = inertia(mass, Z * length, [across, across, along]);
         builder.link(BASE, Pose::IDENTITY, Motion::Spherical, body);
@@ -213,14 +249,14 @@ fn a7_a_heavy_top_precesses_steadily_at_the_rate_of_euler() {
             off = off.max((axis - expected).norm());
         }
         let name = format!("direction of the axis over 2 s, tol {tolerance:.0e}");
-        hold(
-            "A7",
-            &name,
-            "I₁ cos θ Ω² − I₃ω₃Ω + mgl = 0; Goldstein §5.7",
-            off,
-            allowed,
-        );
+        let expected = "I₁ cos θ Ω² − I₃ω₃Ω + mgl = 0; Goldstein §5.7";
+        if tolerance > 1e-8 {
+            let why = "errors per step add up";
+            miss(["A7", &name, expected], off, 1e-6, 1.9e-5, why);
+        } else {
+            hold("A7", &name, expected, off, 4e-9);
+        }
         let name = format!("nutation over 2 s, tol {tolerance:.0e}");
-        hold("A7", &name, "none", nod, allowed);
+        hold("A7", &name, "none", nod, nods);
     }
 }

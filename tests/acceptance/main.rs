@@ -15,13 +15,14 @@
 )]
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
-use claim::hold;
+use claim::{hold, hold_wide, miss};
 use std::sync::Arc;
 use testing::{Builder, at, inertia, random, run, start};
 use urdf2fmu_core::geometry::Shape;
 use urdf2fmu_core::model::{ActuatorId, ActuatorMode, Ground, JointId, LinkId, Model, Motion};
 use urdf2fmu_core::simulation::{InputSlot, OutputSlot, Simulation};
 use urdf2fmu_core::spatial::{Mat3, Pose, RigidInertia, Vec3, rotation_from_quaternion};
+use urdf2fmu_core::tuning::Rules;
 // Where the models of the unit tests look for them.
 use urdf2fmu_core::{geometry, model, simulation, spatial};
 
@@ -46,6 +47,30 @@ const X: Vec3 = Vec3::new(1.0, 0.0, 0.0);
 const Y: Vec3 = Vec3::new(0.0, 1.0, 0.0);
 const Z: Vec3 = Vec3::new(0.0, 0.0, 1.0);
 const BASE: LinkId = LinkId(0);
+
+/// Claims about rest hold by construction where a robot at rest is left where it is, and those about momentum where
+/// the base is given what steps have lost: they are measured without that rule, too. Rules and name of each measurement.
+const REST: [(Rules, &str); 2] = [
+    (Rules::ALL, ""),
+    (
+        Rules {
+            rest: false,
+            ..Rules::ALL
+        },
+        ", rest detection off",
+    ),
+];
+/// The same for momentum.
+const MOMENTUM: [(Rules, &str); 2] = [
+    (Rules::ALL, ""),
+    (
+        Rules {
+            momentum: false,
+            ..Rules::ALL
+        },
+        ", momentum not restored",
+    ),
+];
 
 /// A base that does not move and has no inertia: something to hang joints on.
 fn fixed() -> Builder {

@@ -50,8 +50,19 @@ fn a8_a_kicking_humanoid_in_space_keeps_its_momentum() {
         dof.limits = None;
     }
     assert_eq!(model.nv(), 60);
-    for (tolerance, allowed) in [(1e-3, 1e-10), (1e-4, 1e-10), (1e-6, 1e-10), (1e-8, 1e-10)] {
+    let [with, without] = MOMENTUM;
+    for (tolerance, (rules, name), allowed) in [
+        (1e-3, with, 3e-15),
+        (1e-4, with, 3e-15),
+        (1e-6, with, 3e-15),
+        (1e-8, with, 3e-15),
+        (1e-3, without, 3e-4),
+        (1e-4, without, 9e-6),
+        (1e-6, without, 1.5e-7),
+        (1e-8, without, 4e-13),
+    ] {
         let mut s = start(model.clone(), tolerance);
+        s.set_rules(rules);
         let mut gross = 0.0_f64;
         let mut off = 0.0_f64;
         for i in 0..200 {
@@ -69,7 +80,7 @@ fn a8_a_kicking_humanoid_in_space_keeps_its_momentum() {
         }
         // What it kicks with: 2 m T is the square of a momentum.
         let scale = (2.0 * s.tree().moving_mass() * gross).sqrt();
-        let what = format!("momentum after 2 s, share of √(2mT), tol {tolerance:.0e}");
+        let what = format!("momentum after 2 s, share of √(2mT), tol {tolerance:.0e}{name}");
         hold("A8", &what, "0; SimBenchmark", off / scale, allowed);
     }
 }
@@ -102,7 +113,7 @@ fn a9_a_limp_quadruped_in_flight_keeps_its_energy() {
     }
     let error = worst / s.output(OutputSlot::EnergyKinetic);
     let what = "energy in 2 s of fall, share of the kinetic, tol 1e-8";
-    hold("A9", what, "constant; SimBenchmark", error, 1e-8);
+    hold("A9", what, "constant; SimBenchmark", error, 1e-12);
 }
 
 fn command(s: &mut Simulation, joint: &str, velocity: f64) {
@@ -171,12 +182,18 @@ fn d5_held_wheels_are_dragged_along_at_any_communication_step() {
         let what = format!(
             "way of a rover that drags held wheels, m, {count} communication steps in 2 s, tol 1e-3"
         );
-        hold("D5", &what, "that at tol 1e-7", error, 1e-2);
+        let claim = ["D5", &what, "that at tol 1e-7"];
+        if count < 50 {
+            hold(claim[0], claim[1], claim[2], error, 8e-3);
+        } else {
+            let why = "one bound for all communication steps";
+            hold_wide(claim, error, 8e-3, why);
+        }
     }
-    for count in [1, 50] {
+    for (count, allowed) in [(1, 2.5e-4), (50, 5e-4)] {
         let error = drag(1e-5, count) - expected;
         let what = format!("the same, {count} communication steps, tol 1e-5");
-        hold("D5", &what, "that at tol 1e-7", error, 5e-4);
+        hold("D5", &what, "that at tol 1e-7", error, allowed);
     }
 }
 
@@ -185,7 +202,7 @@ fn d5_held_wheels_are_dragged_along_at_any_communication_step() {
 /// that take the loads from their start feed on themselves.
 #[test]
 fn d5_axles_that_work_against_each_other_end_where_short_steps_do() {
-    for raised in [0.2, 0.3, 0.45] {
+    for (raised, allowed) in [(0.2, 3e-3), (0.3, 3e-3), (0.45, 2e-3)] {
         let push = |tolerance: f64| {
             let mut model = robot("examples/rover.urdf", |s| *s = Settings::default());
             model.links[0].inertia.com.z += raised;
@@ -203,7 +220,7 @@ fn d5_axles_that_work_against_each_other_end_where_short_steps_do() {
         let what = format!(
             "way of a rover, {raised} m higher, whose axles work against each other, m, tol 1e-3"
         );
-        hold("D5", &what, "that at tol 1e-7", way - expected, 3e-3);
+        hold("D5", &what, "that at tol 1e-7", way - expected, allowed);
         // It slips steadily: nothing calls for short steps.
         assert!(steps < 100, "{steps}");
     }
@@ -222,7 +239,7 @@ fn d1_a_rover_drives_straight() {
         "heading of a rover, rad per m",
         "that at tol 1e-8",
         error,
-        1e-6,
+        8e-15,
     );
     let error = place - end;
     hold(
@@ -230,7 +247,7 @@ fn d1_a_rover_drives_straight() {
         "place of a rover after 3 s, m",
         "that at tol 1e-8",
         error.norm(),
-        2e-4,
+        5e-5,
     );
 }
 
@@ -246,7 +263,7 @@ fn d5_a_skid_steered_rover_turns_as_its_converged_self() {
         "heading per 360° of skid steering, rad, tol 1e-4",
         "that at tol 1e-8",
         error,
-        1e-3,
+        2.5e-4,
     );
 }
 
@@ -270,15 +287,40 @@ fn d2_a_standing_quadrupeds_forces_are_unique_and_carry_its_weight() {
         pairs.fold(0.0_f64, |m, (a, b)| m.max((a - b).abs()))
     };
     let mut reference = Vec::new();
-    for (tolerance, drop, h, name) in [
-        (1e-4, 0.0, 1.0 / 240.0, "tol 1e-4"),
-        (1e-4, 0.0, 0.05, "tol 1e-4 in communication steps of 50 ms"),
-        (1e-6, 0.0, 1.0 / 240.0, "tol 1e-6"),
-        (1e-4, 0.01, 1.0 / 240.0, "tol 1e-4 after a fall of 10 mm"),
+    let [(all, _), (without, _)] = REST;
+    let h = 1.0 / 240.0;
+    for (tolerance, drop, h, rules, name, allowed) in [
+        (1e-4, 0.0, h, all, "tol 1e-4", [3e-8, 1e-12, 0.0, 0.0]),
+        (
+            1e-4,
+            0.0,
+            0.05,
+            all,
+            "tol 1e-4 in communication steps of 50 ms",
+            [2e-8, 0.0, 0.0, 1e-4],
+        ),
+        (1e-6, 0.0, h, all, "tol 1e-6", [4e-10, 0.0, 0.0, 1e-5]),
+        (
+            1e-4,
+            0.01,
+            h,
+            all,
+            "tol 1e-4 after a fall of 10 mm",
+            [3e-9, 8e-13, 0.0, 4e-4],
+        ),
+        (
+            1e-4,
+            0.0,
+            h,
+            without,
+            "tol 1e-4, rest detection off",
+            [1.5e-9, 6e-13, 2e-9, 3e-8],
+        ),
     ] {
         let mut model = robot("examples/quadruped.urdf", |_| {});
         model.initial.position.z += drop;
         let mut s = start(model, tolerance);
+        s.set_rules(rules);
         run(&mut s, 10.0, h);
         let stands = feet(&mut s);
         let sum = stands.iter().sum::<f64>() - 1.0;
@@ -288,7 +330,7 @@ fn d2_a_standing_quadrupeds_forces_are_unique_and_carry_its_weight() {
             &what("Σ of the contact forces, relative"),
             "m g",
             sum,
-            1e-7,
+            allowed[0],
         );
         // front left, front right, rear left, rear right
         let sides = (stands[0] - stands[1])
@@ -299,7 +341,7 @@ fn d2_a_standing_quadrupeds_forces_are_unique_and_carry_its_weight() {
             &what("left less right, share of the weight"),
             "0: symmetry",
             sides,
-            1e-6,
+            allowed[1],
         );
         run(&mut s, 20.0, h);
         let change = apart(&feet(&mut s), &stands);
@@ -308,10 +350,11 @@ fn d2_a_standing_quadrupeds_forces_are_unique_and_carry_its_weight() {
             &what("change of a foot's force in 10 s"),
             "0",
             change,
-            1e-9,
+            allowed[2],
         );
         if reference.is_empty() {
             reference.clone_from(&stands);
+            continue;
         }
         let other = apart(&stands, &reference);
         hold(
@@ -319,7 +362,7 @@ fn d2_a_standing_quadrupeds_forces_are_unique_and_carry_its_weight() {
             &what("from that of the first run"),
             "what friction holds",
             other,
-            5e-4,
+            allowed[3],
         );
     }
 }
@@ -365,18 +408,14 @@ fn d7_falling_humanoids_stay_finite() {
         0.0,
     );
     let share = floor as f64 / steps as f64;
-    hold(
-        "D7",
-        "share of the steps accepted at the floor",
-        "none: no warning",
-        share,
-        1e-2,
-    );
+    let what = "share of the steps accepted at the floor";
+    let why = "light links oscillate between friction and normal force within nanoseconds";
+    miss(["D7", what, "none: no warning"], share, 0.0, 5.5e-3, why);
     hold(
         "D7",
         "fastest joint or base after 2 s, rad/s",
         "falling is over",
         worst,
-        50.0,
+        2.5,
     );
 }

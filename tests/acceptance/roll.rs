@@ -9,12 +9,21 @@ fn c6_a_sliding_ball_ends_up_rolling_at_five_sevenths() {
     let mut b = ball(0.3);
     b.model.initial.linear_velocity.x = 1.0;
     let (time, way) = (2.0 / (7.0 * 0.3 * G), 12.0 / (49.0 * 0.3 * G));
-    for tolerance in [1e-4, 1e-6] {
+    for (tolerance, allowed) in [
+        (1e-4, [1.5e-6, 1.5e-10, 2e-12, 3e-10]),
+        (1e-6, [3e-6, 1.5e-12, 1.5e-5, 7e-13]),
+    ] {
         let mut s = start(b.model.clone(), tolerance);
         run(&mut s, time, time / 10.0);
         let name = |what: &str| format!("{what}, tol {tolerance:.0e}");
         let x = s.state().q[0] - way;
-        hold("C6", &name("way to rolling, m"), "12 v²/(49 μg)", x, 1e-4);
+        hold(
+            "C6",
+            &name("way to rolling, m"),
+            "12 v²/(49 μg)",
+            x,
+            allowed[0],
+        );
         run(&mut s, 1.0, 0.01);
         let v = s.state().v[3];
         hold(
@@ -22,7 +31,7 @@ fn c6_a_sliding_ball_ends_up_rolling_at_five_sevenths() {
             &name("rolling speed, m/s"),
             "5/7 v",
             v - 5.0 / 7.0,
-            1e-4,
+            allowed[1],
         );
         let x = s.state().q[0] - way - 5.0 / 7.0 * (1.0 - time);
         hold(
@@ -30,7 +39,7 @@ fn c6_a_sliding_ball_ends_up_rolling_at_five_sevenths() {
             &name("way after 1 s, m"),
             "12 v²/(49 μg) + 5/7 v t",
             x,
-            1e-4,
+            allowed[2],
         );
         run(&mut s, 61.0, 0.01);
         let change = s.state().v[3] - v;
@@ -39,7 +48,7 @@ fn c6_a_sliding_ball_ends_up_rolling_at_five_sevenths() {
             &name("speed lost in a minute, m/s"),
             "0",
             change,
-            1e-9,
+            allowed[3],
         );
     }
 }
@@ -68,6 +77,9 @@ fn wheel(mu: f64) -> Builder {
     b
 }
 
+/// Bound of a difference of speeds of some m/s that is exact but for rounding, and its reason.
+const ROUND_OFF: (f64, &str) = (1e-13, "round-off of hundreds of steps");
+
 /// C7. Down a slope: a = g sin θ/(1 + c), that is 5/7 and 2/3 g sin θ; slipping, a = g (sin θ − μ cos θ), where
 /// μ < c/(1 + c) tan θ, that is 2/7 and 1/3 tan θ (rigid-body textbooks).
 #[test]
@@ -91,16 +103,26 @@ fn c7_balls_and_cylinders_roll_and_slip_down_a_slope_as_rigid_bodies_do() {
                 (G * sin / (1.0 + share), "g sin θ/(1 + c)")
             };
             let what = format!("acceleration of a {name} at {relative} of the slipping μ, m/s²");
-            hold("C7", &what, source, a - expected, 1e-4);
+            hold_wide(
+                ["C7", &what, source],
+                a - expected,
+                ROUND_OFF.0,
+                ROUND_OFF.1,
+            );
             if slips {
                 // The spin grows by μ g cos θ R/(c R²).
                 let expected = expected - relative * limit * G * cos / share;
                 let what = format!("growth of the slip of a {name}, m/s²");
                 let error = slip(&s) - slip0 - expected;
-                hold("C7", &what, "a − μ g cos θ/c", error, 1e-4);
+                hold_wide(
+                    ["C7", &what, "a − μ g cos θ/c"],
+                    error,
+                    ROUND_OFF.0,
+                    ROUND_OFF.1,
+                );
             } else {
                 let what = format!("slip of a {name} at {relative} of the slipping μ, m/s");
-                hold("C7", &what, "0", slip(&s), 1e-6);
+                hold_wide(["C7", &what, "0"], slip(&s), ROUND_OFF.0, ROUND_OFF.1);
             }
         }
     }
@@ -128,9 +150,9 @@ fn rolled(mut b: Builder) -> [f64; 3] {
 #[test]
 fn c11_a_rolling_wheel_is_exactly_round() {
     let [ripple, odometry, slip] = rolled(wheel(0.8));
-    hold("C11", "vertical ripple at 1 m/s, m", "0", ripple, 1e-9);
-    hold("C11", "way in 2 s against ω R, m", "0", odometry, 1e-8);
-    hold("C11", "v − ω R, m/s", "0", slip, 1e-8);
+    hold("C11", "vertical ripple at 1 m/s, m", "0", ripple, 0.0);
+    hold("C11", "way in 2 s against ω R, m", "0", odometry, 0.0);
+    hold("C11", "v − ω R, m/s", "0", slip, 0.0);
     let mut b = wheel(0.8);
     let corner = |i: i32, side: f64| {
         let (sin, cos) = libm::sincos(std::f64::consts::TAU * f64::from(i) / 32.0);

@@ -17,8 +17,14 @@ fn push(s: &mut Simulation, axis: u8, force: f64) {
 /// C1. RaiSim's issue 55: μ = 0.5, 1 kg: 4.90 N holds, 4.92 N gives a = 4.92 − 4.905 = 0.015 m/s².
 #[test]
 fn c1_a_block_sticks_just_below_the_cone_and_slides_just_above_it() {
-    for (force, moves) in [(4.90, false), (4.92, true)] {
+    let [with, without] = REST;
+    for (force, moves, (rules, name), allowed) in [
+        (4.90, false, with, 0.0),
+        (4.90, false, without, 9e-13),
+        (4.92, true, with, 2e-13),
+    ] {
         let mut s = start(block(0.5).model, 1e-4);
+        s.set_rules(rules);
         run(&mut s, 1.0, 0.01);
         push(&mut s, 0, force);
         // The push comes at once and gives the block 12 mm/s, which friction takes 3 s to stop at 4.90 N.
@@ -33,16 +39,16 @@ fn c1_a_block_sticks_just_below_the_cone_and_slides_just_above_it() {
                 "acceleration at 4.92 N, m/s²",
                 expected,
                 a - 0.015,
-                1e-6,
+                allowed,
             );
         } else {
             let moved = s.state().q[0] - x0;
             hold(
                 "C1",
-                "motion in 60 s at 4.90 N, m",
+                &format!("motion in 60 s at 4.90 N, m{name}"),
                 "0; RaiSim issue 55",
                 moved,
-                1e-6,
+                allowed,
             );
         }
     }
@@ -55,17 +61,20 @@ fn c2_c3_a_block_on_a_slope_does_not_creep_not_even_when_shaken() {
     let angle = 20.0_f64.to_radians();
     let mut b = flat_block(1.0);
     b.model.world.gravity = slope(angle);
-    let mut s = start(b.model, 1e-4);
-    run(&mut s, 5.0, 0.01);
-    let x0 = s.state().q[0];
-    run(&mut s, 3605.0, 1.0);
-    hold(
-        "C2",
-        "creep in one hour on 20°, m",
-        "0",
-        s.state().q[0] - x0,
-        1e-9,
-    );
+    let stand = |(rules, name): (Rules, &str), allowed: f64| {
+        let mut s = start(b.model.clone(), 1e-4);
+        s.set_rules(rules);
+        run(&mut s, 5.0, 0.01);
+        let x0 = s.state().q[0];
+        run(&mut s, 3605.0, 1.0);
+        let creep = s.state().q[0] - x0;
+        let what = format!("creep in one hour on 20°, m{name}");
+        hold("C2", &what, "0", creep, allowed);
+        s
+    };
+    let [with, without] = REST;
+    stand(without, 1.4e-16);
+    let mut s = stand(with, 0.0);
     // Peak: √(sin² + side²) = 0.86 cos.
     let (sin, cos) = libm::sincos(angle);
     let side = G * ((0.86 * cos) * (0.86 * cos) - sin * sin).sqrt();
@@ -84,7 +93,7 @@ fn c2_c3_a_block_on_a_slope_does_not_creep_not_even_when_shaken() {
         "creep from 6 s to 60 s, shaken to 86 % of the cone, m",
         "0",
         drift,
-        1e-8,
+        5e-17,
     );
 }
 
@@ -92,7 +101,7 @@ fn c2_c3_a_block_on_a_slope_does_not_creep_not_even_when_shaken() {
 #[test]
 fn c4_a_sliding_block_stops_after_the_coulomb_distance() {
     for mu in [0.5, 0.4] {
-        for (tolerance, allowed) in [(1e-4, 1e-4), (1e-6, 1e-4)] {
+        for tolerance in [1e-4, 1e-6] {
             let mut b = block(mu);
             b.model.initial.linear_velocity.x = 1.0;
             let mut s = start(b.model, tolerance);
@@ -108,10 +117,10 @@ fn c4_a_sliding_block_stops_after_the_coulomb_distance() {
                 &name,
                 "v²/(2μg); ContactBench cube",
                 x - distance,
-                allowed,
+                1e-4,
             );
             let name = format!("speed at v/(μg), m/s, μ = {mu}, tol {tolerance:.0e}");
-            hold("C4", &name, "0; ContactBench cube", speed, 2e-2);
+            hold("C4", &name, "0; ContactBench cube", speed, 5e-3);
             assert!(s.state().v[3].abs() < 1e-9, "{}", s.state().v[3]);
         }
     }
@@ -123,13 +132,14 @@ fn c4_a_sliding_block_stops_after_the_coulomb_distance() {
 /// a tolerance of 1e-8); once it slides, nothing does.
 #[test]
 fn c5_friction_is_isotropic() {
-    for (block, name, set_going) in [
+    for (block, name, slid, speeds) in [
         (
             flat_block as fn(f64) -> Builder,
             "pulled at the ground",
-            1e-6,
+            3e-15,
+            9e-14,
         ),
-        (block, "pulled half way up", 1e-5),
+        (block, "pulled half way up", 6e-15, 1e-9),
     ] {
         let (mut pushed, mut sliding, mut share) = (0.0_f64, 0.0_f64, 0.0_f64);
         for i in 0..=12 {
@@ -154,26 +164,27 @@ fn c5_friction_is_isotropic() {
             sliding = sliding.max((way - angle).abs());
         }
         let what = |what: &str| format!("{what}, a block {name}");
-        hold(
-            "C5",
-            &what("direction when pushed at 0 … 90°, rad"),
-            "that of the push",
-            pushed,
-            set_going,
-        );
+        let direction = what("direction when pushed at 0 … 90°, rad");
+        if name == "pulled at the ground" {
+            hold("C5", &direction, "that of the push", pushed, 9e-16);
+        } else {
+            let why = "the corners carry different loads and give way one after the other";
+            let claim = ["C5", &direction, "that of the push"];
+            miss(claim, pushed, 1e-6, 3.1e-6, why);
+        }
         hold(
             "C5",
             &what("direction when sliding at 0 … 90°, rad"),
             "that of the speed",
             sliding,
-            1e-6,
+            slid,
         );
         hold(
             "C5",
             &what("acceleration when pushed at 0 … 90°, relative"),
             "F/m − μ g",
             share,
-            1e-4,
+            speeds,
         );
     }
 }

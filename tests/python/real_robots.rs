@@ -9,7 +9,7 @@ mod claim;
 mod environment;
 mod reader;
 
-use claim::hold;
+use claim::{hold, hold_wide, miss};
 use reader::{model, model_on};
 use serde::Deserialize;
 use std::path::Path;
@@ -22,6 +22,7 @@ use urdf2fmu_core::parameters::Parameters;
 use urdf2fmu_core::settings::Settings;
 use urdf2fmu_core::simulation::{InputSlot, OutputSlot, Simulation};
 use urdf2fmu_core::tree::Tree;
+use urdf2fmu_core::tuning::Rules;
 
 /// A random tree and Pinocchio's numbers for one state, as `random_trees.py` writes them.
 #[derive(Deserialize)]
@@ -138,7 +139,9 @@ fn differences(case: &Case) -> [f64; 8] {
 /// or a floating base, with every kind of joint, against Pinocchio.
 #[test]
 fn a1_a_hundred_random_trees_move_as_in_pinocchio() {
-    let environment = environment::make();
+    let Some(environment) = environment::make() else {
+        return;
+    };
     let out = environment.folder.join("trees.json");
     let status = Command::new(environment.interpreter)
         .arg("-B")
@@ -159,21 +162,24 @@ fn a1_a_hundred_random_trees_move_as_in_pinocchio() {
         }
     }
     for ((name, allowed), worst) in [
-        ("M", 1e-12),
-        ("bias", 1e-12),
-        ("energies", 1e-12),
+        ("M", 1e-13),
+        ("bias", 1e-13),
+        ("energies", 1e-13),
         ("M v̇ + k − τ by ABA", 2e-11),
         ("M v̇ + k − τ by CRBA", 5e-12),
-        ("M v̇ + k − τ by Pinocchio", 5e-12),
-        // With condition numbers of M up to a million, and two programs that round differently.
-        ("v̇ by ABA", 1e-10),
-        ("v̇ by CRBA", 1e-10),
+        ("M v̇ + k − τ by Pinocchio", 4e-12),
     ]
     .into_iter()
     .zip(worst)
     {
         let what = format!("{name} of 100 random trees, relative");
-        hold("A1", &what, "Pinocchio 4.1.0", worst, allowed);
+        let why = "round-off, in part of a program built elsewhere";
+        hold_wide(["A1", &what, "Pinocchio 4.1.0"], worst, allowed, why);
+    }
+    for (name, worst) in [("ABA", worst[6]), ("CRBA", worst[7])] {
+        let what = format!("v̇ by {name} of 100 random trees, relative");
+        let why = "M of a long chain has condition numbers of up to a million";
+        miss(["A1", &what, "Pinocchio 4.1.0"], worst, 1e-12, 8e-11, why);
     }
 }
 
@@ -194,6 +200,18 @@ fn unbalanced(s: &mut Simulation) -> f64 {
     force / (s.tree().moving_mass() * s.model().world.gravity.norm()) - 1.0
 }
 
+/// A robot at rest is left where it is; without that rule it has to stand by itself.
+const REST: [(Rules, &str); 2] = [
+    (Rules::ALL, ""),
+    (
+        Rules {
+            rest: false,
+            ..Rules::ALL
+        },
+        ", rest detection off",
+    ),
+];
+
 /// Largest change of any coordinate in an hour after `settle` seconds, m or rad; and how well the ground carries the weight.
 fn hour(s: &mut Simulation, settle: u32) -> [f64; 2] {
     for step in 1..=240 * settle {
@@ -211,29 +229,30 @@ fn hour(s: &mut Simulation, settle: u32) -> [f64; 2] {
 /// D1. PyBullet's R2D2 stands for an hour: PyBullet's own walks by millimetres and turns by 0.7° (design, §6.1).
 #[test]
 fn d1_r2d2_stands_for_an_hour() {
-    let robot = environment::make().pybullet_data.join("r2d2.urdf");
-    let mut s = start(model(&robot, &Settings::default()), 1e-3);
-    let [moved, force] = hour(&mut s, 20);
-    hold(
-        "D1",
-        "R2D2 at rest: motion in one hour, m or rad",
-        "0",
-        moved,
-        1e-9,
-    );
-    hold(
-        "D1",
-        "R2D2 at rest: Σ of the contact forces, relative",
-        "m g",
-        force,
-        1e-6,
-    );
+    let Some(environment) = environment::make() else {
+        return;
+    };
+    let robot = environment.pybullet_data.join("r2d2.urdf");
+    let model = model(&robot, &Settings::default());
+    for ((rules, name), allowed) in REST.into_iter().zip([[0.0, 1e-8], [1.5e-11, 2e-10]]) {
+        let mut s = start(model.clone(), 1e-3);
+        s.set_rules(rules);
+        let [moved, force] = hour(&mut s, 20);
+        let what = |what: &str| format!("R2D2 at rest: {what}{name}");
+        let still = what("motion in one hour, m or rad");
+        hold("D1", &still, "0", moved, allowed[0]);
+        let carried = what("Σ of the contact forces, relative");
+        hold("D1", &carried, "m g", force, allowed[1]);
+    }
 }
 
 /// D1. R2D2's wheels at 10 rad/s: its line is that of the same drive at a tolerance of 1e-8.
 #[test]
 fn d1_r2d2_drives_straight() {
-    let robot = environment::make().pybullet_data.join("r2d2.urdf");
+    let Some(environment) = environment::make() else {
+        return;
+    };
+    let robot = environment.pybullet_data.join("r2d2.urdf");
     // PyBullet takes inertia from the shapes, and so does its tutorial.
     let tutorial = "[robot]\ninertia = \"collision\"\n";
     let settings = Settings::parse(tutorial, "here").unwrap_or_else(|f| panic!("{f:#?}"));
@@ -260,25 +279,25 @@ fn d1_r2d2_drives_straight() {
     };
     let (reference, distance) = drive(1e-8);
     assert!(distance > 0.9, "{distance}");
-    // The target of 1e-6 rad/m is met at 1e-6; at 1e-4 it is missed by a factor of five.
-    for (tolerance, allowed) in [(1e-4, 1e-5), (1e-6, 1e-6)] {
+    for (tolerance, allowed) in [(1e-4, 4e-5), (1e-6, 7e-7)] {
         let (yaw, way) = drive(tolerance);
         let what = |what: &str| format!("{what}, tol {tolerance:.0e}");
         let error = (yaw - reference) / distance;
-        hold(
-            "D1",
-            &what("heading of R2D2, rad per m"),
-            "that at tol 1e-8",
-            error,
-            allowed,
-        );
+        let heading = what("heading of R2D2, rad per m");
+        if tolerance > 1e-6 {
+            let why = "the file's axles are tilted by micrometres, so that its wheels scrub";
+            let claim = ["D1", &heading, "that at tol 1e-8"];
+            miss(claim, error, 1e-6, 1.3e-6, why);
+        } else {
+            hold("D1", &heading, "that at tol 1e-8", error, 2e-7);
+        }
         let error = way - distance;
         hold(
             "D1",
             &what("way of R2D2 in 3 s, m"),
             "that at tol 1e-8",
             error,
-            2e-4,
+            allowed,
         );
     }
 }
@@ -286,39 +305,37 @@ fn d1_r2d2_drives_straight() {
 /// D2. Quadrupeds of example-robot-data stand for an hour on servos that hold the pose in which they begin.
 #[test]
 fn d2_quadrupeds_nobody_here_wrote_stand_for_an_hour() {
-    let data = environment::make().pybullet_data;
-    for (name, file, settings) in [
+    let Some(environment) = environment::make() else {
+        return;
+    };
+    let data = environment.pybullet_data;
+    for (name, file, settings, allowed) in [
         (
             "A1",
             "a1/a1.urdf",
             "[initial.joints]\n\"*_upper_joint\" = 0.8\n\"*_lower_joint\" = -1.6\n\
              [[actuator]]\njoint = \"*\"\nmode = \"pd\"\nkp = 200\nkd = 5\n",
+            [[0.0, 1.5e-7], [6e-10, 2.5e-8]],
         ),
         (
             "Laikago",
             "laikago/laikago_toes.urdf",
             "[initial]\nrpy = [1.5707963267948966, 0, 0]\n[[actuator]]\njoint = \"*\"\nmode = \"pd\"\nkp = 400\nkd = 10\n",
+            [[0.0, 1.5e-9], [1e-10, 8e-9]],
         ),
     ] {
         let settings = Settings::parse(settings, "here").unwrap_or_else(|f| panic!("{f:#?}"));
         let model = model(&data.join(file), &settings);
         assert_eq!(model.bodies[0].motion, Motion::Free);
-        let mut s = start(model, 1e-3);
-        let [moved, force] = hour(&mut s, 20);
-        let what = |what: &str| format!("{name} under pd control: {what}");
-        hold(
-            "D2",
-            &what("motion in one hour, m or rad"),
-            "0",
-            moved,
-            1e-9,
-        );
-        hold(
-            "D2",
-            &what("Σ of the contact forces, relative"),
-            "m g",
-            force,
-            1e-7,
-        );
+        for ((rules, rule), allowed) in REST.into_iter().zip(allowed) {
+            let mut s = start(model.clone(), 1e-3);
+            s.set_rules(rules);
+            let [moved, force] = hour(&mut s, 20);
+            let what = |what: &str| format!("{name} under pd control: {what}{rule}");
+            let still = what("motion in one hour, m or rad");
+            hold("D2", &still, "0", moved, allowed[0]);
+            let carried = what("Σ of the contact forces, relative");
+            hold("D2", &carried, "m g", force, allowed[1]);
+        }
     }
 }

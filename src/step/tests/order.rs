@@ -1,5 +1,9 @@
 //! Observed orders of convergence, by steps of equal length through the parts of the stepper that error control calls.
 
+#[path = "../../../tests/acceptance/claim.rs"]
+#[allow(dead_code, reason = "shared with the acceptance tests")]
+mod claim;
+
 use crate::inputs::Inputs;
 use crate::model::{Model, Motion};
 use crate::parameters::Parameters;
@@ -11,6 +15,7 @@ use crate::step::runge_kutta::{BOGACKI_SHAMPINE, DORMAND_PRINCE, KENNEDY_CARPENT
 use crate::step::smooth::accept_explicit;
 use crate::testing::{Builder, Random, inertia, random_tree};
 use crate::tuning::Rules;
+use claim::hold_wide;
 use std::sync::Arc;
 
 /// How a step is taken.
@@ -108,7 +113,6 @@ fn end_by(model: &Model, method: Method, count: u32, articulated: bool) -> Vec<f
 /// A6. The error falls with the order of the method: 5 and 3 for the explicit pairs, 4 for the one that takes damping
 /// implicitly, 2 for the extrapolated step, and for an implicit step of fixed length that looks at its middle for the bias, 1 (its mass matrix is that of its start). Over three halvings of the step.
 #[test]
-#[allow(clippy::print_stdout, reason = "the table is made from it")]
 fn a6_errors_fall_with_the_order_of_the_method() {
     // Steps of the pairs: short enough for the order to show, long enough for the error to stay above round-off.
     for ((case, model), steps) in motions().into_iter().zip([20, 40, 40, 80]) {
@@ -141,12 +145,10 @@ fn a6_errors_fall_with_the_order_of_the_method() {
             ("fixed", Method::Fixed, 100, 1.0),
         ] {
             let slope = libm::log2(error(method, count) / error(method, 8 * count)) / 3.0;
-            println!(
-                "\n| A6 | order of the {name} step on {case} | {order}: theory | 2.0e-1 | {:.1e} | \
-                 `step::tests::order::a6_errors_fall_with_the_order_of_the_method` |",
-                slope - order
-            );
-            assert!((slope - order).abs() < 0.2, "{case}, {name}: order {slope}");
+            let what = format!("order of the {name} step on {case}");
+            let why = "another order is off by 0.5 or more";
+            let theory = format!("{order}: theory");
+            hold_wide(["A6", &what, &theory], slope - order, 0.2, why);
         }
     }
 }
