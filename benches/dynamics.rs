@@ -63,7 +63,7 @@ fn time(mut call: impl FnMut(usize)) -> f64 {
 fn algorithms(model: &Model) -> [f64; 3] {
     let tree = Tree::new(model, &Parameters::new(model));
     let mut random = Random(1);
-    let zero = State::new(model).q;
+    let zero = State::new(model).physical.q;
     let (mut q, mut v) = (Vec::new(), Vec::new());
     for _ in 0..STATES {
         let mut turned = zero.clone();

@@ -137,9 +137,11 @@ impl Stage {
             self.simulation
                 .set_parameter(ParameterSlot::Tolerance, run.tolerance);
             self.simulation.initialize(0.0)?;
-            answer.samples =
-                vec![vec![0.0; self.simulation.state().q.len()]; self.scene.rows.len() + 1];
-            answer.samples[0].copy_from_slice(&self.simulation.state().q);
+            answer.samples = vec![
+                vec![0.0; self.simulation.state().physical.q.len()];
+                self.scene.rows.len() + 1
+            ];
+            answer.samples[0].copy_from_slice(&self.simulation.state().physical.q);
             let start = clock::now();
             self.play(run, &mut answer.samples)?;
             answer.seconds = answer.seconds.min(clock::now() - start);
@@ -170,7 +172,7 @@ impl Stage {
                 count += 1;
                 self.simulation.advance_to(f64::from(count) / rate)?;
             }
-            sample.copy_from_slice(&self.simulation.state().q);
+            sample.copy_from_slice(&self.simulation.state().physical.q);
         }
         Ok(())
     }

@@ -18,11 +18,11 @@ pub(crate) fn initial_state(model: &Model, parameters: &Parameters, time: f64) -
         )
     };
     if model.is_floating() {
-        state.q[..3].copy_from_slice(axes(P::InitialBasePosition).as_slice());
+        state.physical.q[..3].copy_from_slice(axes(P::InitialBasePosition).as_slice());
         let turn = quaternion_from_rotation(&rotation_from_rpy(&axes(P::InitialBaseRpy)));
-        state.q[3..7].copy_from_slice(&[turn.w, turn.i, turn.j, turn.k]);
-        state.v[..3].copy_from_slice(axes(P::InitialBaseAngularVelocity).as_slice());
-        state.v[3..6].copy_from_slice(axes(P::InitialBaseLinearVelocity).as_slice());
+        state.physical.q[3..7].copy_from_slice(&[turn.w, turn.i, turn.j, turn.k]);
+        state.physical.v[..3].copy_from_slice(axes(P::InitialBaseAngularVelocity).as_slice());
+        state.physical.v[3..6].copy_from_slice(axes(P::InitialBaseLinearVelocity).as_slice());
     }
     for (id, joint) in (0..).map(JointId).zip(&model.joints) {
         let Some(body) = model.scalar_body(id) else {
@@ -30,8 +30,8 @@ pub(crate) fn initial_state(model: &Model, parameters: &Parameters, time: f64) -
         };
         if joint.mimic.is_none() {
             let body = &model.bodies[body.index()];
-            state.q[body.coordinate] = parameters.get(P::InitialJointPosition(id));
-            state.v[body.dof.index()] = parameters.get(P::InitialJointVelocity(id));
+            state.physical.q[body.coordinate] = parameters.get(P::InitialJointPosition(id));
+            state.physical.v[body.dof.index()] = parameters.get(P::InitialJointVelocity(id));
         }
     }
     state

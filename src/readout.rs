@@ -81,10 +81,12 @@ impl Readout {
             return;
         }
         if level == Level::Kinematics {
-            self.point.kin.update_poses(ctx.tree, &state.q);
-            self.point.kin.update_velocities(ctx.tree, &state.v);
+            self.point.kin.update_poses(ctx.tree, &state.physical.q);
+            self.point
+                .kin
+                .update_velocities(ctx.tree, &state.physical.v);
         } else if self.known < Level::Forces {
-            self.point.update(ctx, state, 0.0);
+            self.point.update(ctx, &state.physical, 0.0);
         }
         if level >= Level::Accelerations && self.known < Level::Accelerations {
             self.accelerations(ctx, state);
@@ -113,7 +115,7 @@ impl Readout {
             {
                 Level::State
             }
-            O::ContactForce(..) if state.last_step > 0.0 => Level::State,
+            O::ContactForce(..) if state.stepping.last_step > 0.0 => Level::State,
             O::BasePosition(_)
             | O::BaseOrientation(_)
             | O::BaseRpy(_)
@@ -146,16 +148,20 @@ impl Readout {
         match slot {
             O::JointPosition(joint, axis) => joint_position(model, state, joint, axis),
             O::JointOrientation(joint, axis) => joint_orientation(model, state, joint, axis),
-            O::JointVelocity(joint, axis) => joint_rate(model, &state.v, joint, axis),
+            O::JointVelocity(joint, axis) => joint_rate(model, &state.physical.v, joint, axis),
             O::JointAcceleration(joint, axis) => joint_rate(model, &self.vdot, joint, axis),
             O::JointEffort(joint) => self.joint_effort(model, state, joint),
-            O::BasePosition(axis) if model.is_floating() => state.q[axis as usize],
+            O::BasePosition(axis) if model.is_floating() => state.physical.q[axis as usize],
             O::BasePosition(axis) => kin.origin[axis as usize],
-            O::BaseOrientation(axis) if model.is_floating() => state.q[3 + (axis as usize + 1) % 4],
+            O::BaseOrientation(axis) if model.is_floating() => {
+                state.physical.q[3 + (axis as usize + 1) % 4]
+            }
             O::BaseOrientation(axis) => quaternion(&kin.X[0])[axis as usize],
             O::BaseRpy(axis) => self.rpy()[axis as usize],
-            O::BaseLinearVelocity(axis) if model.is_floating() => state.v[3 + axis as usize],
-            O::BaseAngularVelocity(axis) if model.is_floating() => state.v[axis as usize],
+            O::BaseLinearVelocity(axis) if model.is_floating() => {
+                state.physical.v[3 + axis as usize]
+            }
+            O::BaseAngularVelocity(axis) if model.is_floating() => state.physical.v[axis as usize],
             // A fixed base does not move.
             O::BaseLinearVelocity(_) | O::BaseAngularVelocity(_) => 0.0,
             O::LinkPosition(link, axis) => {
@@ -175,8 +181,8 @@ impl Readout {
                 });
                 f64::from(u8::from(touches))
             }
-            O::ContactForce(link, axis) if state.last_step > 0.0 => {
-                state.impulse[link.index()][axis as usize] / state.last_step
+            O::ContactForce(link, axis) if state.stepping.last_step > 0.0 => {
+                state.stepping.impulse[link.index()][axis as usize] / state.stepping.last_step
             }
             // Before the first step, which the mean would be taken over: the force of this moment.
             O::ContactForce(link, axis) => {
@@ -209,9 +215,9 @@ impl Readout {
             O::SensorDistance(sensor, ray) => {
                 sensor::distance(ctx, point, sensor.index(), ray as usize)
             }
-            O::Steps => count(state.counters[0]),
-            O::Rejected => count(state.counters[1]),
-            O::NewtonMax => count(state.counters[2]),
+            O::Steps => count(state.stepping.counters.steps),
+            O::Rejected => count(state.stepping.counters.rejected),
+            O::NewtonMax => count(state.stepping.counters.newton_max),
         }
     }
 
@@ -233,7 +239,9 @@ impl Readout {
         let terms = &self.point.terms.joints;
         terms
             .binary_search_by_key(&dof, |term| term.dof)
-            .map_or(0.0, |place| terms[place].drive_force(state.v[dof], 0.0).0)
+            .map_or(0.0, |place| {
+                terms[place].drive_force(state.physical.v[dof], 0.0).0
+            })
     }
 
     /// Roll, pitch, yaw of the base.
@@ -246,7 +254,7 @@ impl Readout {
     fn energies(&mut self, ctx: &Context, state: &State) -> [f64; 2] {
         let kin = &self.point.kin;
         *self.energies.get_or_insert_with(|| {
-            let kinetic = energy::kinetic(ctx.tree, kin, &state.v);
+            let kinetic = energy::kinetic(ctx.tree, kin, &state.physical.v);
             [kinetic, energy::potential(ctx.tree, kin)]
         })
     }
@@ -273,7 +281,7 @@ impl Readout {
             *a = -k;
         }
         for term in &terms.joints {
-            self.vdot[term.dof] += term.force(state.v[term.dof]);
+            self.vdot[term.dof] += term.force(state.physical.v[term.dof]);
         }
         // The bias is done with its forces: they serve for the contacts.
         let F = &mut kin.force;
@@ -326,7 +334,7 @@ fn joint_position(model: &Model, state: &State, joint: JointId, axis: Axis) -> f
     let body = body.map(|body| &model.bodies[body.index()]);
     body.filter(|body| body.motion.axis().is_some())
         .map_or(0.0, |body| {
-            body.ratio * state.q[body.coordinate] + body.offset
+            body.ratio * state.physical.q[body.coordinate] + body.offset
         })
 }
 
@@ -337,7 +345,7 @@ fn joint_orientation(model: &Model, state: &State, joint: JointId, axis: Axis) -
     last.and_then(|body| {
         let body = &model.bodies[body.index()];
         let first = body.motion.kind().quaternion()?;
-        Some(state.q[body.coordinate + first + component])
+        Some(state.physical.q[body.coordinate + first + component])
     })
     .unwrap_or(0.0)
 }

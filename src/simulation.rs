@@ -15,7 +15,7 @@ use crate::prepared::model_hash;
 use crate::range::{Range, SHORTEST_FIXED_STEP};
 use crate::readout::Readout;
 use crate::state::State;
-use crate::step::control::Stepper;
+use crate::step::driver::Stepper;
 use crate::step::point::Context;
 use crate::tree::Tree;
 use crate::tuning::{DEFAULT_TOLERANCE, Rules, TOLERANCES};
@@ -97,6 +97,7 @@ macro_rules! context {
                 step if step > 0.0 => step.max(SHORTEST_FIXED_STEP),
                 _ => 0.0,
             },
+            budget: u64::MAX,
             rules: &$simulation.rules,
         }
     };
@@ -146,7 +147,7 @@ impl Simulation {
     /// The state, to be set from outside; positions and velocities as [`crate::model::Motion`] says.
     pub fn state_mut(&mut self) -> &mut State {
         self.readout.invalidate();
-        self.state.ahead.input_changed();
+        self.state.stepping.ahead.input_changed();
         &mut self.state
     }
 
@@ -202,8 +203,8 @@ impl Simulation {
     fn place(&mut self) {
         self.tree = Tree::new(&self.model, &self.parameters);
         self.state = initial_state(&self.model, &self.parameters, self.start);
-        self.scale_tree(&self.state.q.clone());
-        for (index, last) in self.state.commands.iter_mut().enumerate() {
+        self.scale_tree(&self.state.physical.q.clone());
+        for (index, last) in self.state.stepping.commands.iter_mut().enumerate() {
             *last = self.inputs.values(index, 0.0);
         }
         self.inputs.gather(&self.model, &self.tree);
@@ -261,7 +262,7 @@ impl Simulation {
 
     /// What hangs on an input follows it. Outputs do not, once a simulation runs.
     fn input_changed(&mut self, slot: InputSlot) {
-        self.state.ahead.input_changed();
+        self.state.stepping.ahead.input_changed();
         if matches!(
             slot,
             InputSlot::ExternalForce(..) | InputSlot::ExternalTorque(..)
@@ -302,7 +303,7 @@ impl Simulation {
             return;
         }
         self.parameters.set(slot, value);
-        self.state.ahead.input_changed();
+        self.state.stepping.ahead.input_changed();
         if self.initialized {
             self.tree.tune(&self.model, &self.parameters);
         } else {
@@ -379,7 +380,7 @@ impl Simulation {
             self.inputs.copy_from(&self.applied);
             self.inputs.hold();
             self.inputs.gather(&self.model, &self.tree);
-            self.state.ahead.input_changed();
+            self.state.stepping.ahead.input_changed();
         }
         Ok(())
     }

@@ -13,11 +13,11 @@ use crate::model::Model;
 use crate::parameters::Parameters;
 use crate::prepared::model_hash;
 use crate::simulation::SimulationError;
-use crate::state::State;
 use crate::state::ahead::COEFFICIENTS;
+use crate::state::{Counters, State};
 
 const MAGIC: &[u8; 4] = b"U2FS";
-const VERSION: u32 = 5;
+const VERSION: u32 = 6;
 
 /// Bytes of a saved touch: slot and numbers.
 const TOUCH: usize = 64;
@@ -60,14 +60,14 @@ impl Snapshot {
             list(field);
         }
         list(&[self.importer_tolerance, self.start]);
-        for counter in self.state.counters {
+        for counter in self.state.stepping.counters.numbers() {
             bytes.extend(counter.to_le_bytes());
         }
         bytes.extend(u64::from(self.initialized).to_le_bytes());
-        let coefficients = &self.state.ahead.coefficients;
-        bytes.extend((self.state.memory.touches.len() as u64).to_le_bytes());
+        let coefficients = &self.state.stepping.ahead.coefficients;
+        bytes.extend((self.state.physical.memory.touches.len() as u64).to_le_bytes());
         bytes.extend((coefficients.len() as u64).to_le_bytes());
-        for touch in &self.state.memory.touches {
+        for touch in &self.state.physical.memory.touches {
             bytes.extend((touch.slot as u64).to_le_bytes());
             for value in touch.numbers() {
                 bytes.extend(value.to_le_bytes());
@@ -89,9 +89,15 @@ impl Snapshot {
             + fields.iter().map(|f| f.len()).sum::<usize>()
             + 2;
         let lists = fields.len() + 4;
-        let touches = TOUCH / 8 * self.state.memory.touches.len();
-        let coefficients = self.state.ahead.coefficients.len();
-        16 + 8 * (numbers + lists + self.state.counters.len() + touches + coefficients + 4)
+        let touches = TOUCH / 8 * self.state.physical.memory.touches.len();
+        let coefficients = self.state.stepping.ahead.coefficients.len();
+        16 + 8
+            * (numbers
+                + lists
+                + self.state.stepping.counters.numbers().len()
+                + touches
+                + coefficients
+                + 4)
     }
 
     /// Numbers of touches and of coefficients in `bytes`, if they are possible and fit their length; `self` has neither.
@@ -168,9 +174,8 @@ impl Snapshot {
             complete = complete && reader.list(field);
         }
         complete = complete && reader.list(&mut tail);
-        for counter in &mut snapshot.state.counters {
-            *counter = reader.integer();
-        }
+        let counters = std::array::from_fn(|_| reader.integer());
+        snapshot.state.stepping.counters = Counters::from_numbers(counters);
         let initialized = reader.integer();
         complete = complete && initialized <= 1;
         snapshot.initialized = initialized == 1;
@@ -183,17 +188,23 @@ impl Snapshot {
             reader.numbers(&mut numbers);
             let ascending = snapshot
                 .state
+                .physical
                 .memory
                 .touches
                 .last()
                 .is_none_or(|last| last.slot < slot);
             complete = complete && ascending && slot < model.contact_slots();
             let touch = Touch::from_numbers(slot, numbers);
-            snapshot.state.memory.touches.push(touch);
+            snapshot.state.physical.memory.touches.push(touch);
         }
-        snapshot.state.ahead.coefficients.resize(coefficients, 0.0);
-        reader.numbers(&mut snapshot.state.ahead.coefficients);
-        let ahead = &snapshot.state.ahead;
+        snapshot
+            .state
+            .stepping
+            .ahead
+            .coefficients
+            .resize(coefficients, 0.0);
+        reader.numbers(&mut snapshot.state.stepping.ahead.coefficients);
+        let ahead = &snapshot.state.stepping.ahead;
         complete = complete && (ahead.is_empty() || ahead.length > 0.0);
         [snapshot.importer_tolerance, snapshot.start] = tail;
         // Effort limits may be infinite.

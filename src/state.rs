@@ -1,4 +1,9 @@
 //! What the next step reads and cannot recompute.
+//!
+//! [`Physical`] is what the robot is in: it alone decides where the laws of motion lead.
+//! [`Stepping`] is what the method remembers from step to step: step sizes, what it has measured
+//! of its own errors, what outputs sum up. Both are saved, so that a restored state continues bit
+//! for bit.
 
 pub mod ahead;
 pub mod lag;
@@ -9,29 +14,43 @@ use crate::force::{Memory, Touch};
 use crate::model::Model;
 use crate::tuning::INITIAL_STEP;
 
-/// State of a robot. All quantities in SI units; layout of `q` and `v`: [`crate::model::Motion`].
+/// State of a robot. All quantities in SI units.
 #[derive(Clone, Debug, PartialEq)]
 pub struct State {
     /// s
     pub time: f64,
-    /// Generalised positions.
+    /// What the robot is in.
+    pub physical: Physical,
+    /// What the method remembers.
+    pub stepping: Stepping,
+}
+
+/// What the robot is in. Steps write it in one place, `step/attempt.rs`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Physical {
+    /// Generalised positions, `nq`; layout: [`crate::model::Motion`].
     pub q: Vec<f64>,
-    /// Generalised velocities.
+    /// Generalised velocities, `nv`, likewise.
     pub v: Vec<f64>,
-    /// What the force terms remember.
+    /// What contacts, motors and dry friction remember.
     pub memory: Memory,
-    /// Commands (velocity, position, effort, limit of each actuator) of the last step, to see that they jump.
+}
+
+/// What the method remembers from step to step.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Stepping {
+    /// Commands (velocity, position, effort, limit of each actuator) of the last step, to see that
+    /// they jump.
     pub commands: Vec<[f64; 4]>,
-    /// Step that the error control proposes, the one it proposes just after a communication point, and the shortest
-    /// that it may ask for, s.
-    pub step: [f64; 3],
-    /// Mean accelerations over the last step, where it was an implicit one.
+    /// Step sizes of the error control.
+    pub sizes: Sizes,
+    /// Mean accelerations over the last step, `nv`, where it was an implicit one, else 0.
     pub trend: Vec<f64>,
     /// Error of single solves.
     pub lag: Lag,
-    /// Steps taken, steps rejected, most Newton iterations in a solve, steps taken at the smallest size.
-    pub counters: [u64; 4],
-    /// Contact impulse per link over the last communication step, N·s, and that step's length, s.
+    /// What has been counted since the start.
+    pub counters: Counters,
+    /// Contact impulse per link over the last communication step, world axes, N·s.
     pub impulse: Vec<[f64; 3]>,
     /// Length of the last communication step, s; 0 before the first.
     pub last_step: f64,
@@ -39,7 +58,84 @@ pub struct State {
     pub ahead: Ahead,
 }
 
-impl State {
+/// Step sizes of the error control, s.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sizes {
+    /// Of the next step.
+    pub proposed: f64,
+    /// Of the next step just after inputs have jumped.
+    pub after_jump: f64,
+    /// The shortest that the error control may ask for; 0 before the first step.
+    pub floor: f64,
+}
+
+/// What has been counted since the start.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counters {
+    /// Steps taken.
+    pub steps: u64,
+    /// Steps rejected.
+    pub rejected: u64,
+    /// Most Newton iterations in one solve.
+    pub newton_max: u64,
+    /// Steps taken at the smallest size although their error was too large.
+    pub forced: u64,
+}
+
+impl Counters {
+    /// Every counter, in saved order.
+    pub fn numbers(self) -> [u64; 4] {
+        [self.steps, self.rejected, self.newton_max, self.forced]
+    }
+
+    /// The inverse of [`Self::numbers`].
+    pub fn from_numbers([steps, rejected, newton_max, forced]: [u64; 4]) -> Self {
+        Self {
+            steps,
+            rejected,
+            newton_max,
+            forced,
+        }
+    }
+}
+
+/// Every stored list of real numbers of a fixed length, in saved order: a new field goes here and
+/// nowhere else. Touches, the coefficients of the step under way and the counters are the only
+/// other content.
+macro_rules! fields {
+    ($state:ident, $one:path, $flat:ident $(, $mutable:tt)?) => {{
+        let State { time, physical, stepping } = $state;
+        [
+            $one(time),
+            & $($mutable)? physical.q,
+            & $($mutable)? physical.v,
+            & $($mutable)? physical.memory.motor,
+            & $($mutable)? physical.memory.dry,
+            stepping.commands.$flat(),
+            $one(& $($mutable)? stepping.sizes.proposed),
+            $one(& $($mutable)? stepping.sizes.after_jump),
+            $one(& $($mutable)? stepping.sizes.floor),
+            & $($mutable)? stepping.trend,
+            & $($mutable)? stepping.lag.positions,
+            & $($mutable)? stepping.lag.velocities,
+            stepping.lag.impulses.$flat(),
+            $one(& $($mutable)? stepping.lag.length),
+            $one(& $($mutable)? stepping.lag.last),
+            $one(& $($mutable)? stepping.lag.pressing),
+            $one(& $($mutable)? stepping.lag.uses),
+            stepping.impulse.$flat(),
+            $one(& $($mutable)? stepping.last_step),
+            $one(& $($mutable)? stepping.ahead.start),
+            $one(& $($mutable)? stepping.ahead.length),
+            $one(& $($mutable)? stepping.ahead.changed),
+        ]
+    }};
+}
+
+/// Length of the list of fields.
+pub const FIELDS: usize = 22;
+
+impl Physical {
     /// All zero, quaternions at identity.
     pub fn new(model: &Model) -> Self {
         let mut q = vec![0.0; model.nq];
@@ -47,121 +143,99 @@ impl State {
             body.motion.kind().identity(&mut q[body.coordinate..]);
         }
         Self {
-            time: 0.0,
             q,
             v: vec![0.0; model.nv()],
             memory: Memory::new(model),
-            commands: vec![[0.0; 4]; model.actuators.len()],
-            step: [INITIAL_STEP, INITIAL_STEP, 0.0],
-            trend: vec![0.0; model.nv()],
-            lag: Lag::new(model),
-            counters: [0; 4],
-            impulse: vec![[0.0; 3]; model.links.len()],
-            last_step: 0.0,
-            ahead: Ahead::new(model),
         }
+    }
+
+    /// Overwrites this with another of the same model, without allocating.
+    pub fn copy_from(&mut self, other: &Self) {
+        self.q.copy_from_slice(&other.q);
+        self.v.copy_from_slice(&other.v);
+        self.memory.copy_from(&other.memory);
+    }
+
+    /// Whether positions and velocities are finite; nothing else can be infinite without them.
+    pub fn is_finite(&self) -> bool {
+        self.q.iter().chain(&self.v).all(|x| x.is_finite())
+    }
+}
+
+impl State {
+    /// All zero, quaternions at identity.
+    pub fn new(model: &Model) -> Self {
+        Self {
+            time: 0.0,
+            physical: Physical::new(model),
+            stepping: Stepping {
+                commands: vec![[0.0; 4]; model.actuators.len()],
+                sizes: Sizes {
+                    proposed: INITIAL_STEP,
+                    after_jump: INITIAL_STEP,
+                    floor: 0.0,
+                },
+                trend: vec![0.0; model.nv()],
+                lag: Lag::new(model),
+                counters: Counters::default(),
+                impulse: vec![[0.0; 3]; model.links.len()],
+                last_step: 0.0,
+                ahead: Ahead::new(model),
+            },
+        }
+    }
+
+    /// Every stored list of real numbers, in saved order.
+    pub fn fields(&self) -> [&[f64]; FIELDS] {
+        fields!(self, std::slice::from_ref, as_flattened)
+    }
+
+    /// The same, to be written.
+    pub fn fields_mut(&mut self) -> [&mut [f64]; FIELDS] {
+        fields!(self, std::slice::from_mut, as_flattened_mut, mut)
     }
 
     /// Overwrites this state with another of the same model, without allocating.
     pub fn copy_from(&mut self, other: &Self) {
-        self.time = other.time;
-        self.q.copy_from_slice(&other.q);
-        self.v.copy_from_slice(&other.v);
-        self.memory.copy_from(&other.memory);
-        self.commands.copy_from_slice(&other.commands);
-        self.step = other.step;
-        self.trend.copy_from_slice(&other.trend);
-        self.lag.copy_from(&other.lag);
-        self.counters = other.counters;
-        self.impulse.copy_from_slice(&other.impulse);
-        self.last_step = other.last_step;
-        self.ahead.copy_from(&other.ahead);
+        for (to, from) in self.fields_mut().into_iter().zip(other.fields()) {
+            to.copy_from_slice(from);
+        }
+        self.stepping.counters = other.stepping.counters;
+        let (to, from) = (
+            &mut self.physical.memory.touches,
+            &other.physical.memory.touches,
+        );
+        to.clear();
+        to.extend_from_slice(from);
+        let from = &other.stepping.ahead.coefficients;
+        self.stepping.ahead.coefficients.clear();
+        self.stepping.ahead.coefficients.extend_from_slice(from);
     }
 
-    /// Every stored list of real numbers, in saved order; touches, the step under way and counters are the only other
-    /// content. A new field goes here, into [`Self::copy_from`] and nowhere else.
-    pub fn fields_mut(&mut self) -> [&mut [f64]; 20] {
-        [
-            std::slice::from_mut(&mut self.time),
-            &mut self.q,
-            &mut self.v,
-            &mut self.memory.motor,
-            &mut self.memory.dry,
-            self.commands.as_flattened_mut(),
-            &mut self.step,
-            &mut self.trend,
-            &mut self.lag.positions,
-            &mut self.lag.velocities,
-            self.lag.impulses.as_flattened_mut(),
-            std::slice::from_mut(&mut self.lag.length),
-            std::slice::from_mut(&mut self.lag.last),
-            std::slice::from_mut(&mut self.lag.pressing),
-            std::slice::from_mut(&mut self.lag.uses),
-            self.impulse.as_flattened_mut(),
-            std::slice::from_mut(&mut self.last_step),
-            std::slice::from_mut(&mut self.ahead.start),
-            std::slice::from_mut(&mut self.ahead.length),
-            std::slice::from_mut(&mut self.ahead.changed),
-        ]
-    }
-
-    /// See [`Self::fields_mut`].
-    pub fn fields(&self) -> [&[f64]; 20] {
-        [
-            std::slice::from_ref(&self.time),
-            &self.q,
-            &self.v,
-            &self.memory.motor,
-            &self.memory.dry,
-            self.commands.as_flattened(),
-            &self.step,
-            &self.trend,
-            &self.lag.positions,
-            &self.lag.velocities,
-            self.lag.impulses.as_flattened(),
-            std::slice::from_ref(&self.lag.length),
-            std::slice::from_ref(&self.lag.last),
-            std::slice::from_ref(&self.lag.pressing),
-            std::slice::from_ref(&self.lag.uses),
-            self.impulse.as_flattened(),
-            std::slice::from_ref(&self.last_step),
-            std::slice::from_ref(&self.ahead.start),
-            std::slice::from_ref(&self.ahead.length),
-            std::slice::from_ref(&self.ahead.changed),
-        ]
-    }
-
-    /// Whether no length of time is negative: a step would go back, and then for ever forward again.
+    /// Whether no length of time is negative: a step would go back, and then for ever forward
+    /// again.
     pub fn lengths_are_positive(&self) -> bool {
-        let lag = [&self.lag.length, &self.lag.last];
-        let mut lengths = self
-            .step
-            .iter()
-            .chain([&self.last_step, &self.ahead.length])
-            .chain(lag);
-        lengths.all(|length| *length >= 0.0)
+        let Stepping {
+            sizes, lag, ahead, ..
+        } = &self.stepping;
+        let sizes = [sizes.proposed, sizes.after_jump, sizes.floor];
+        let others = [self.stepping.last_step, ahead.length, lag.length, lag.last];
+        sizes.iter().chain(&others).all(|length| *length >= 0.0)
     }
 
-    /// Whether every number is finite; the effort limits among the commands may be infinite: no limit.
+    /// Whether every number is finite; the effort limits among the commands may be infinite: no
+    /// limit.
     pub fn is_finite(&self) -> bool {
-        let touches = self.memory.touches.iter().flat_map(Touch::numbers);
-        let caps = self.commands.as_flattened();
+        let commands = &self.stepping.commands;
+        let caps = commands.as_flattened();
         let is_finite =
             |field: &[f64]| std::ptr::eq(field, caps) || field.iter().all(|x| x.is_finite());
+        let touches = self.physical.memory.touches.iter().flat_map(Touch::numbers);
+        let coefficients = self.stepping.ahead.coefficients.iter().copied();
         self.fields().into_iter().all(is_finite)
-            && touches
-                .chain(self.ahead.coefficients.iter().copied())
-                .all(f64::is_finite)
-            && self
-                .commands
-                .iter()
-                .all(|[velocity, position, effort, cap]| {
-                    [velocity, position, effort].iter().all(|x| x.is_finite()) && !cap.is_nan()
-                })
-    }
-
-    /// Whether positions and velocities are finite; nothing else can be infinite without them.
-    pub fn moves_finitely(&self) -> bool {
-        self.q.iter().chain(&self.v).all(|x| x.is_finite())
+            && touches.chain(coefficients).all(f64::is_finite)
+            && commands.iter().all(|[velocity, position, effort, cap]| {
+                [velocity, position, effort].iter().all(|x| x.is_finite()) && !cap.is_nan()
+            })
     }
 }

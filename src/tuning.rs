@@ -138,7 +138,7 @@ pub const ITERATED: f64 = 5000.0;
 /// Coarsest accuracy that this leads to.
 pub const COARSEST: f64 = 1e-3;
 
-// Rest: `step/rest.rs`.
+// Rest: `step/driver.rs`.
 
 /// Imbalance of the forces on a robot at rest that does not set it going, relative to forces and
 /// to the tolerance.
@@ -148,7 +148,7 @@ pub const BALANCES: (f64, f64) = (1e-11, 1e-6);
 /// Speed below which a robot may be at rest, rad/s or m/s.
 pub const REST_SPEED: f64 = 1e-7;
 
-// Steps of one solve: `step/single.rs`.
+// Steps of one solve: `step/implicit/single.rs`.
 
 /// Error, relative to the tolerance and per second, up to which one solve does as it is: what such
 /// steps add up to in a second stays below the tolerance.
@@ -162,14 +162,14 @@ pub const LAG_USES: f64 = 3.0;
 /// control proposes.
 pub const SHORT_SHARE: f64 = 0.5;
 
-// Friction cones: `step/implicit.rs`, `step/cones.rs`.
+// Friction cones: `step/implicit.rs`, `step/implicit/cones.rs`.
 
 /// Share of the tolerance that a lag of the friction cones may cost before it is dealt with.
 pub const LAG_SHARE: f64 = 0.02;
 /// Solves with other friction cones than those of the start, at most.
 pub const MAX_ATTEMPTS: usize = 3;
 
-// Explicit steps: `step/smooth.rs`.
+// Explicit steps: `step/explicit.rs`, `step/explicit/tableau.rs`.
 
 /// Longest explicit step, s.
 pub const MAX_EXPLICIT_STEP: f64 = 0.1;
@@ -189,7 +189,13 @@ pub const EXPLICIT_SHARE: f64 = 0.02;
 /// of the error.
 pub const DAMPED_SHARE: f64 = 0.1;
 
-// Guards: `step/energy.rs`, `step/flight.rs`.
+// Guards: `step/guards.rs`, `step/flight.rs`.
+
+/// Energy that a fixed step may make out of nothing, as a share of kinetic energy and weight times
+/// reach: hundreds of steps together a thousandth.
+pub const GAIN: f64 = 1e-5;
+/// The same for extrapolation, as a share of the tolerance.
+pub const EXTRAPOLATION_GAIN: f64 = 0.05;
 
 /// `1/(tr I · tr I⁻¹)` of the inertia, 1/9 for a ball and 0 for a rod without thickness, below
 /// which a robot in flight keeps its angular velocity as it is: about the axis of a rod it would

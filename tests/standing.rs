@@ -42,14 +42,19 @@ fn a_rover_and_a_quadruped_stand_for_an_hour_without_moving() {
         }
         let settled = simulation.state().clone();
         assert!(
-            settled.v.iter().all(|v| v.abs() < 1e-9),
+            settled.physical.v.iter().all(|v| v.abs() < 1e-9),
             "{name}: {:?}",
-            settled.v
+            settled.physical.v
         );
         for second in 11..=3610_u32 {
             simulation.advance_to(f64::from(second)).expect("finite");
         }
-        for (before, after) in settled.q.iter().zip(&simulation.state().q) {
+        for (before, after) in settled
+            .physical
+            .q
+            .iter()
+            .zip(&simulation.state().physical.q)
+        {
             assert!((before - after).abs() < 1e-9, "{name}: {before} {after}");
         }
         let weight: f64 = simulation
@@ -82,11 +87,11 @@ fn they_stand_in_fixed_steps_too() {
                 .advance_to(f64::from(step) / 240.0)
                 .expect("finite");
         }
-        let settled = simulation.state().q.clone();
+        let settled = simulation.state().physical.q.clone();
         for second in 11..=3610_u32 {
             simulation.advance_to(f64::from(second)).expect("finite");
         }
-        for (before, after) in settled.iter().zip(&simulation.state().q) {
+        for (before, after) in settled.iter().zip(&simulation.state().physical.q) {
             assert!((before - after).abs() < 1e-9, "{name}: {before} {after}");
         }
     }

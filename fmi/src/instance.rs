@@ -485,7 +485,8 @@ impl Instance {
     /// Debug logging of what the solver has done so far.
     fn tell_solver(&self) {
         if self.logger.wants(Category::NonlinearSystems) {
-            let [steps, rejected, newton, forced] = self.simulation.state().counters;
+            let counters = self.simulation.state().stepping.counters;
+            let [steps, rejected, newton, forced] = counters.numbers();
             let message = format!(
                 "at {} s: {steps} solver steps since the start, {rejected} rejected, {forced} at the smallest \
                  size; at most {newton} Newton iterations in one solve",

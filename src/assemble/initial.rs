@@ -28,7 +28,7 @@ pub(super) fn poses(model: &Model) -> Poses {
     let parameters = Parameters::new(model);
     let tree = Tree::new(model, &parameters);
     let mut kin = Kinematics::new(&tree);
-    kin.update_poses(&tree, &initial_state(model, &parameters, 0.0).q);
+    kin.update_poses(&tree, &initial_state(model, &parameters, 0.0).physical.q);
     Poses { tree, kin }
 }
 

@@ -41,7 +41,7 @@ fn case_of(model: &Model, mut random: Random) -> Case {
     let v: Vec<f64> = (0..model.nv()).map(|_| random.uniform(-1.0, 1.0)).collect();
     let far: Vec<f64> = (0..model.nv()).map(|_| random.uniform(-3.0, 3.0)).collect();
     let mut q = vec![0.0; model.nq];
-    advance(&tree, &State::new(model).q, &far, 1.0, &mut q);
+    advance(&tree, &State::new(model).physical.q, &far, 1.0, &mut q);
     let mut case = Case {
         kin: Kinematics::new(&tree),
         tree,

@@ -234,7 +234,7 @@ impl Terms {
 
     /// What the terms remember after a step of `h` seconds that has been solved.
     pub fn remember(&self, solved: &Solved, h: f64, memory: &mut Memory) {
-        memory.touches.clear();
+        memory.clear();
         let mut turns = self.turns.iter().zip(&solved.at.turns).peekable();
         for (contact, v) in self.contacts.iter().zip(&solved.at.points) {
             let inside = contact.gap + h * contact.normal.dot(v) < 0.0;

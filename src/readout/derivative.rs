@@ -40,7 +40,7 @@ impl Readout {
             }
             O::JointOrientation(joint, axis) => {
                 joint_orientation_rate(model, state, joint, axis, |axis| {
-                    super::joint_rate(model, &state.v, joint, axis)
+                    super::joint_rate(model, &state.physical.v, joint, axis)
                 })
             }
             O::LinkPosition(link, axis) => self.read(ctx, state, O::LinkLinearVelocity(link, axis)),
@@ -193,7 +193,7 @@ mod tests {
         let mut s = Simulation::new(Arc::new(model));
         s.initialize(0.0).expect("a sound model");
         // A joint without an initial velocity of its own turns and slides, too.
-        for v in &mut s.state_mut().v {
+        for v in &mut s.state_mut().physical.v {
             *v += random.uniform(-1.0, 1.0);
         }
         let mut at = |time: f64| -> Vec<(f64, Option<f64>)> {

@@ -1,229 +1,226 @@
 //! Steps of a length that the user fixes.
+//!
+//! Each has one solve with the friction cones and the bias of its start, and one with those of its
+//! middle unless that changes nothing. It is taken in parts where something turns far in it, and
+//! under error control where a point bounces or no part is short enough.
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
 use crate::dynamics::{crba, rnea};
-use crate::force::{detect, seek};
+use crate::force::{Contact, detect, seek};
 use crate::kinematics::{advance, forward};
+use crate::model::Model;
 use crate::range::SHORTEST_FIXED_STEP;
-use crate::state::State;
-use crate::step::control::{NotFinite, Stepper, count};
+use crate::state::{Counters, Physical, State};
+use crate::step::attempt::Attempt;
 use crate::step::convex::Problem;
-use crate::step::energy::{GAIN, work};
+use crate::step::explicit::Explicit;
+use crate::step::guards;
+use crate::step::implicit::Implicit;
 use crate::step::point::{Context, Point};
 use crate::tree::Tree;
-use crate::tuning::{
-    AHEAD, CALM, FIXED_ACCURACY, FIXED_BALANCE, MAX_PARTS, STEP_ROUND_OFF, TURN, WHIRL,
-};
+use crate::tuning::{AHEAD, CALM, FIXED_ACCURACY, GAIN, MAX_PARTS, TURN, WHIRL};
 
-impl Stepper {
-    pub(super) fn advance_fixed(
+/// Scratch of fixed steps.
+#[derive(Clone, Debug)]
+pub(super) struct Fixed {
+    /// Velocities that the first solve has found, `nv`.
+    first: Vec<f64>,
+    /// Velocities that the bias of the second solve is taken at, `nv`.
+    mean: Vec<f64>,
+    /// Positions half way, `nq`.
+    q_middle: Vec<f64>,
+    /// Contacts there.
+    contacts: Vec<Contact>,
+}
+
+impl Fixed {
+    /// Room for a robot.
+    pub fn new(model: &Model) -> Self {
+        Self {
+            first: vec![0.0; model.nv()],
+            mean: vec![0.0; model.nv()],
+            q_middle: vec![0.0; model.nq],
+            contacts: Vec::with_capacity(model.contact_slots()),
+        }
+    }
+}
+
+/// What became of a fixed step that was tried.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Outcome {
+    /// It may be accepted.
+    Good,
+    /// Something turns too far in it, it makes energy, or it leaves the numbers: a shorter one may
+    /// do.
+    Bad,
+    /// It leaves the numbers.
+    NotFinite,
+}
+
+/// Lengths of a fixed step, s.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Part {
+    /// Its own.
+    pub h: f64,
+    /// That of the whole step that it is a part of.
+    pub whole: f64,
+}
+
+/// The methods that a fixed step is made of, with their scratch.
+pub(super) struct Methods<'a> {
+    /// Where it begins; put half way where something turns.
+    pub here: &'a mut Point,
+    /// Where it ends.
+    pub there: &'a mut Point,
+    pub implicit: &'a mut Implicit,
+    pub explicit: &'a mut Explicit,
+}
+
+impl Fixed {
+    /// Tries a step into `attempt`, explicit where nothing stiff acts, else implicit.
+    pub fn attempt(
         &mut self,
         ctx: &Context,
-        state: &mut State,
-        end: f64,
-    ) -> Result<(), NotFinite> {
-        state.lag.clear();
-        let span = end - state.time;
-        // Importers' steps carry round-off: a millionth more than a whole number of steps is that number.
-        let count = libm::ceil(span / ctx.fixed_step - STEP_ROUND_OFF).max(1.0);
-        let h = span / count;
-        let mut done = 0.0;
-        while done < count {
-            let ctx = &ctx.after(done * h);
-            self.start.update(ctx, state, h);
-            if self.rest(
-                ctx,
-                state,
-                h,
-                span - done * h,
-                FIXED_BALANCE * FIXED_ACCURACY[0],
-            ) {
-                return Ok(());
-            }
-            if self.bounces(h) {
-                let begin = state.time + done * h;
-                self.advance_between(ctx, state, begin, begin + h)?;
-                done += 1.0;
-                continue;
-            }
-            self.step_in_parts(ctx, state, h)?;
-            done += 1.0;
+        methods: &mut Methods,
+        state: &State,
+        part: Part,
+        (attempt, counters): (&mut Attempt, &mut Counters),
+    ) -> Outcome {
+        let from = &state.physical;
+        let turning = fastest(ctx, &from.v) * part.whole > TURN;
+        let gain = turning.then(|| GAIN * part.h / part.whole);
+        let explicit = &mut methods.explicit;
+        if explicit.attempt_fixed(ctx, methods.here, state, (part.h, gain), attempt) {
+            return Outcome::Good;
         }
-        Ok(())
+        attempt.begin(state);
+        self.attempt_implicit(ctx, methods, state, (part, true), (attempt, counters))
     }
 
-    /// Whether a point that has restitution touches down within `h` seconds, or has done so and not left yet. A bounce is
-    /// over in less than a fixed step, which would swallow it: it is taken under error control.
-    fn bounces(&self, h: f64) -> bool {
-        self.start.terms.contacts.iter().any(|contact| {
-            let approach = -contact.normal_velocity(&self.start.kin.V);
-            contact.touchdown > 0.0 && contact.gap < (approach * h).max(f64::MIN_POSITIVE)
-        })
-    }
-
-    /// One fixed step of `h` seconds, from where `self.start` stands: in parts where something whirls.
-    fn step_in_parts(&mut self, ctx: &Context, state: &mut State, h: f64) -> Result<(), NotFinite> {
-        let turn = fastest(ctx, &state.v) * h;
-        // Parts are not shorter than a fixed step may be.
-        let most = (h / SHORTEST_FIXED_STEP).clamp(1.0, MAX_PARTS);
-        let mut parts =
-            libm::ceil(turn / WHIRL - 1e-9).clamp(1.0, if ctx.rules.parts { most } else { 1.0 });
-        let mut done = 0.0;
-        let mut current = true;
-        while parts > 0.0 {
-            let part = (h - done) / parts;
-            let ctx = &ctx.after(done);
-            if !current {
-                self.start.update(ctx, state, part);
-            }
-            current = false;
-            if self.fixed_step(ctx, state, part, h)? {
-                done += part;
-                parts -= 1.0;
-            } else if part > (1.5 * h / MAX_PARTS).max(2.0 * SHORTEST_FIXED_STEP) {
-                parts *= 2.0;
-            } else {
-                // No part is short enough: a limb of grams whirls between tonnes. Error control goes down to a tenth of a
-                // microsecond.
-                let begin = state.time + ctx.elapsed;
-                return self.advance_between(ctx, state, begin, begin + (h - done));
-            }
-        }
-        Ok(())
-    }
-
-    /// A step of `h` seconds, part of one of `whole`, explicit where nothing stiff acts, else implicit; tells whether it was
-    /// taken.
-    fn fixed_step(
+    /// One solve with the friction cones and the bias of the start, one with those of the middle
+    /// unless that changes nothing. Unless it is `watched`, energy and angles may be what they are.
+    pub fn attempt_implicit(
         &mut self,
         ctx: &Context,
-        state: &mut State,
-        h: f64,
-        whole: f64,
-    ) -> Result<bool, NotFinite> {
-        let turning = fastest(ctx, &state.v) * whole > TURN;
-        let gain = turning.then(|| GAIN * h / whole);
-        if self.fixed_explicit_step(ctx, state, h, gain) {
-            state.counters[0] += 1;
-            return Ok(true);
-        }
-        self.fixed_implicit_step(ctx, state, [h, whole], true)
-    }
-
-    /// One solve with the friction cone and the bias of the start, one with those of the middle unless that changes
-    /// nothing. If it is `watched` and something turns too far, gains energy or leaves the numbers, it is not taken; tells
-    /// whether it was.
-    pub(super) fn fixed_implicit_step(
-        &mut self,
-        ctx: &Context,
-        state: &mut State,
-        [h, whole]: [f64; 2],
-        watched: bool,
-    ) -> Result<bool, NotFinite> {
-        let tree = ctx.tree;
-        self.start.expect_commands(ctx, state, h);
-        let problem = fixed_problem(&self.start, tree, h);
-        self.full.guess_start(&problem, &state.v);
-        let outcome = self.full.solve(&problem);
-        count(state, outcome.iterations);
+        methods: &mut Methods,
+        state: &State,
+        (part, watched): (Part, bool),
+        (attempt, counters): (&mut Attempt, &mut Counters),
+    ) -> Outcome {
+        let Methods {
+            here,
+            there,
+            implicit,
+            ..
+        } = methods;
+        let (tree, Part { h, whole }) = (ctx.tree, part);
+        let (from, trend) = (&state.physical, &state.stepping.trend);
+        here.expect_commands(ctx, from, h);
+        let problem = fixed_problem(here, tree, h);
+        implicit.full.guess_start(&problem, &from.v);
+        let outcome = implicit.full.solve(&problem);
+        implicit.iterations = implicit.iterations.max(outcome.iterations);
         // Where hardly anything happens the middle is as the start.
-        if outcome.converged && self.single_error(ctx, state, h) <= CALM * h * h {
-            self.accept_single(ctx, state, h);
-            state.counters[0] += 1;
-            return Ok(true);
+        if outcome.converged && implicit.single_error(ctx, from, trend, h) <= CALM * h * h {
+            implicit.take_full(ctx, here, from, h, attempt);
+            return Outcome::Good;
         }
-        let turn = fastest(ctx, &state.v).max(fastest(ctx, &self.full.v));
+        let turn = fastest(ctx, &from.v).max(fastest(ctx, &implicit.full.v));
         if watched && ctx.rules.parts && turn * h > WHIRL {
-            return Ok(false);
+            return Outcome::Bad;
         }
-        for (contact, response) in self
-            .start
-            .terms
-            .contacts
-            .iter_mut()
-            .zip(&self.full.responses.contacts)
-        {
+        let responses = &implicit.full.responses.contacts;
+        for (contact, response) in here.terms.contacts.iter_mut().zip(responses) {
             contact.friction.cap = contact.mu * contact.normal.dot(&response.impulse) / h;
         }
-        for turn in &mut self.start.terms.turns {
-            let response = &self.full.responses.contacts[turn.contact];
-            turn.carry(turn.normal.dot(&response.impulse) / h);
+        for turn in &mut here.terms.turns {
+            turn.carry(turn.normal.dot(&responses[turn.contact].impulse) / h);
         }
         let turning = turn * whole > TURN;
-        let books = (turning && watched).then(|| {
-            self.half.copy_from(state);
-            self.open_books(ctx, state, GAIN * h / whole)
-        });
+        let guarded = turning && watched;
+        let books = guarded.then(|| guards::open_books(ctx, here, from, GAIN * h / whole));
         let share = if turning { AHEAD } else { 0.5 };
-        for ((g, a), b) in self.guess.iter_mut().zip(&state.v).zip(&self.full.v) {
-            *g = a + share * (b - a);
+        for ((mean, a), b) in self.mean.iter_mut().zip(&from.v).zip(&implicit.full.v) {
+            *mean = a + share * (b - a);
         }
         if turning {
-            self.go_to_middle(ctx, state, h);
+            self.first.copy_from_slice(&implicit.full.v);
+            self.go_to_middle(ctx, here, from, h);
         }
-        forward(tree, &self.start.kin.S, &self.guess, &mut self.start.kin.V);
+        forward(tree, &here.kin.S, &self.mean, &mut here.kin.V);
         let (wrenches, middle) = (&ctx.inputs.wrenches, ctx.elapsed + 0.5 * h);
-        rnea::bias(tree, &mut self.start.kin, &self.guess, wrenches, middle);
-        let problem = fixed_problem(&self.start, tree, h);
+        rnea::bias(tree, &mut here.kin, &self.mean, wrenches, middle);
+        let problem = fixed_problem(here, tree, h);
         if turning {
-            self.full.guess(&problem, &state.v, &self.difference);
+            implicit.full.guess(&problem, &from.v, &self.first);
         }
-        let outcome = self.full.solve(&problem);
-        count(state, outcome.iterations);
-        if !outcome.converged {
-            state.counters[1] += 1;
+        let outcome = implicit.full.solve(&problem);
+        implicit.iterations = implicit.iterations.max(outcome.iterations);
+        counters.rejected += u64::from(!outcome.converged);
+        if !implicit.full.v.iter().all(|v| v.is_finite()) {
+            return if watched {
+                Outcome::Bad
+            } else {
+                Outcome::NotFinite
+            };
         }
-        if !self.full.v.iter().all(|v| v.is_finite()) {
-            return if watched { Ok(false) } else { Err(NotFinite) };
+        implicit.take_full(ctx, here, from, h, attempt);
+        let gains = books.is_some_and(|books| {
+            let work = guards::work(ctx, here, &implicit.full, h);
+            guards::gains(ctx, &books, (here, there), &attempt.end, [h, work])
+        });
+        if gains {
+            counters.rejected += 1;
+            return Outcome::Bad;
         }
-        let work = books.map(|_| work(ctx, &self.start, &self.full, h));
-        self.accept_single(ctx, state, h);
-        let gains = books.zip(work);
-        if gains.is_some_and(|(books, work)| self.gains(ctx, &books, state, h, work)) {
-            let rejected = state.counters[1] + 1;
-            state.copy_from(&self.half);
-            state.counters[1] = rejected;
-            return Ok(false);
-        }
-        state.counters[0] += 1;
-        Ok(true)
+        Outcome::Good
     }
 
-    /// Puts mass matrix, joint motions and lever arms to where the robot is half way to what `self.full` has found, which
-    /// is kept in `self.difference`. Gaps stay those of the start, for lever arms of the middle.
-    fn go_to_middle(&mut self, ctx: &Context, state: &State, h: f64) {
+    /// Puts mass matrix, joint motions and lever arms to where the robot is half way with the
+    /// velocities `self.first`. Gaps stay those of the start, for lever arms of the middle.
+    fn go_to_middle(&mut self, ctx: &Context, here: &mut Point, from: &Physical, h: f64) {
         let tree = ctx.tree;
-        self.difference.copy_from_slice(&self.full.v);
-        advance(
-            tree,
-            &state.q,
-            &self.difference,
-            0.5 * h,
-            &mut self.q_halves,
-        );
-        let kin = &mut self.start.kin;
-        kin.update_poses(tree, &self.q_halves);
+        advance(tree, &from.q, &self.first, 0.5 * h, &mut self.q_middle);
+        let Point { kin, terms } = here;
+        kin.update_poses(tree, &self.q_middle);
         crba::mass_matrix(tree, kin);
-        kin.update_velocities(tree, &self.difference);
-        let found = &mut self.middle.terms.contacts;
-        detect(
-            ctx.model,
-            tree,
-            &state.memory.touches,
-            kin,
-            h,
-            f64::INFINITY,
-            found,
-        );
+        kin.update_velocities(tree, &self.first);
+        let (touches, found) = (&from.memory.touches, &mut self.contacts);
+        detect(ctx.model, tree, touches, kin, h, f64::INFINITY, found);
         let mut found = found.iter().peekable();
-        for contact in &mut self.start.terms.contacts {
+        for contact in &mut terms.contacts {
             if let Some(f) = seek(&mut found, contact.slot, |f| f.slot) {
                 contact.x = f.x;
                 contact.gap = f.gap - 0.5 * h * f.normal_velocity(&kin.V);
             }
         }
     }
+}
+
+/// Whether a point that has restitution touches down within `h` seconds, or has done so and not left
+/// yet. A bounce is over in less than a fixed step, which would swallow it: it is taken under error
+/// control.
+pub(super) fn bounces(here: &Point, h: f64) -> bool {
+    here.terms.contacts.iter().any(|contact| {
+        let approach = -contact.normal_velocity(&here.kin.V);
+        contact.touchdown > 0.0 && contact.gap < (approach * h).max(f64::MIN_POSITIVE)
+    })
+}
+
+/// In how many parts a step of `h` seconds is to be taken: so many that nothing turns too far in
+/// one, and none is shorter than a fixed step may be.
+pub(super) fn parts(ctx: &Context, v: &[f64], h: f64) -> f64 {
+    if !ctx.rules.parts {
+        return 1.0;
+    }
+    let most = (h / SHORTEST_FIXED_STEP).clamp(1.0, MAX_PARTS);
+    libm::ceil(fastest(ctx, v) * h / WHIRL - 1e-9).clamp(1.0, most)
+}
+
+/// Whether a part of a step of `whole` seconds that went badly may be taken in halves.
+pub(super) fn may_be_halved(part: f64, whole: f64) -> bool {
+    part > (1.5 * whole / MAX_PARTS).max(2.0 * SHORTEST_FIXED_STEP)
 }
 
 /// What is solved for a step of `h` seconds from `start`.

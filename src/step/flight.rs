@@ -1,19 +1,22 @@
 //! A robot in flight keeps its momentum.
 //!
-//! While nothing but gravity acts on a robot from outside, its centre of mass flies a parabola, its linear momentum grows by
-//! its weight, and its angular momentum about the centre of mass stays: whatever motors, limits and friction inside do.
-//! A step knows this to its own error only. Here the base takes up what the steps of a communication step have lost or
-//! made: its velocity and its place, which change neither joints nor orientation. Under error control, where that is little;
-//! fixed steps that lose momentum lose energy with it, which giving it back would make.
+//! While nothing but gravity acts on a robot from outside, its centre of mass flies a parabola, its
+//! linear momentum grows by its weight, and its angular momentum about the centre of mass stays,
+//! whatever motors, limits and friction inside do. A step knows this to its own error only. Here
+//! the base takes up what the steps of a communication step have lost or made: its velocity and its
+//! place change, joints and orientation do not. This is done under error control alone, where it is
+//! little: fixed steps that lose momentum lose energy with it, and restoring the momentum would add
+//! energy.
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
 use crate::dynamics::energy::momentum;
 use crate::kinematics::Kinematics;
 use crate::spatial::{Mat3, SpatialInertia, Vec3, angular, linear};
-use crate::state::State;
-use crate::step::control::Stepper;
+use crate::state::{Physical, State};
+use crate::step::attempt::Attempt;
 use crate::step::point::Context;
+use crate::tree::Tree;
 use crate::tuning::THIN;
 
 /// What a flying robot keeps; world axes.
@@ -32,6 +35,56 @@ pub(super) struct Flight {
 }
 
 impl Flight {
+    /// What a robot keeps that flies from `state` on: nothing holds it, nothing pushes it, and it
+    /// touches nothing. Poses and velocities of `kin` then stand at `state`.
+    pub fn begin(ctx: &Context, state: &State, kin: &mut Kinematics) -> Option<Self> {
+        let tree = ctx.tree;
+        let free = tree.is_free();
+        let undisturbed = tree.world.drag == 0.0 && ctx.inputs.wrenches.is_empty();
+        let flies = free && undisturbed && state.physical.memory.touches.is_empty();
+        if !ctx.rules.momentum || !flies {
+            return None;
+        }
+        pose(kin, tree, &state.physical);
+        Some(Self::of(kin))
+    }
+
+    /// What the robot should be in, `h` seconds later in `state`, into `attempt`; tells whether it
+    /// is known: nothing has touched it since.
+    pub fn keep(
+        &self,
+        ctx: &Context,
+        state: &State,
+        h: f64,
+        (kin, attempt): (&mut Kinematics, &mut Attempt),
+    ) -> bool {
+        if state.stepping.impulse.iter().flatten().any(|x| *x != 0.0) {
+            return false;
+        }
+        pose(kin, ctx.tree, &state.physical);
+        let now = Self::of(kin);
+        let (mass, gravity) = (now.inertia.mass, ctx.tree.world.gravity);
+        let way = self.linear * (h / mass) + gravity * (0.5 * h * h);
+        // Differences first: far from the world's origin its digits are few.
+        let moved = (self.origin - now.origin) + (self.center - now.center) + way;
+        let linear = self.linear + gravity * (mass * h) - now.linear;
+        let lost = self.angular - now.angular;
+        let turn = now.turn(&lost).unwrap_or_default();
+        let velocity = linear / mass - turn.cross(&now.center);
+        let finite = |v: &Vec3| v.iter().all(|x| x.is_finite());
+        if !(finite(&moved) && finite(&turn) && finite(&velocity)) {
+            return false;
+        }
+        attempt.stay(state);
+        let Physical { q, v, .. } = &mut attempt.end;
+        for i in 0..3 {
+            q[i] += moved[i];
+            v[i] += turn[i];
+            v[3 + i] += velocity[i];
+        }
+        true
+    }
+
     /// What stands in poses, inertias and velocities.
     fn of(kin: &Kinematics) -> Self {
         let mut whole = SpatialInertia::default();
@@ -62,48 +115,8 @@ impl Flight {
     }
 }
 
-impl Stepper {
-    /// What the robot keeps if it flies from `state` on: nothing holds it, nothing pushes it, and it touches nothing.
-    /// Poses and velocities of `self.end` then stand at `state`.
-    pub(super) fn flight(&mut self, ctx: &Context, state: &State) -> Option<Flight> {
-        let tree = ctx.tree;
-        let free = tree.is_free();
-        let undisturbed = tree.world.drag == 0.0 && ctx.inputs.wrenches.is_empty();
-        if !ctx.rules.momentum || !free || !undisturbed || !state.memory.touches.is_empty() {
-            return None;
-        }
-        self.end.pose(ctx, state);
-        Some(Flight::of(&self.end.kin))
-    }
-
-    /// Gives `state`, `h` seconds after the robot was in `flight`, what the robot has kept, if nothing has touched it since.
-    pub(super) fn keep_momentum(
-        &mut self,
-        ctx: &Context,
-        state: &mut State,
-        flight: &Flight,
-        h: f64,
-    ) {
-        if state.impulse.iter().flatten().any(|x| *x != 0.0) {
-            return;
-        }
-        self.end.pose(ctx, state);
-        let now = Flight::of(&self.end.kin);
-        let (mass, gravity) = (now.inertia.mass, ctx.tree.world.gravity);
-        let way = flight.linear * (h / mass) + gravity * (0.5 * h * h);
-        // Differences first: far from the world's origin its digits are few.
-        let moved = (flight.origin - now.origin) + (flight.center - now.center) + way;
-        let linear = flight.linear + gravity * (mass * h) - now.linear;
-        let lost = flight.angular - now.angular;
-        let turn = now.turn(&lost).unwrap_or_default();
-        let velocity = linear / mass - turn.cross(&now.center);
-        let finite = |v: &Vec3| v.iter().all(|x| x.is_finite());
-        if finite(&moved) && finite(&turn) && finite(&velocity) {
-            for i in 0..3 {
-                state.q[i] += moved[i];
-                state.v[i] += turn[i];
-                state.v[3 + i] += velocity[i];
-            }
-        }
-    }
+/// Poses and velocities of what a robot is in.
+fn pose(kin: &mut Kinematics, tree: &Tree, physical: &Physical) {
+    kin.update_poses(tree, &physical.q);
+    kin.update_velocities(tree, &physical.v);
 }

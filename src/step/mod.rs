@@ -1,16 +1,30 @@
-//! One communication step: the convex step, smooth explicit steps, and the control of their size.
+//! One communication step: the implicit and the explicit method, and the control of their steps.
+//!
+//! | file | what |
+//! |---|---|
+//! | `driver` | from one communication point to the next: propose, cap, try, guard, accept |
+//! | `size` | lengths of steps; what becomes of a try |
+//! | `caps` | where a step must end |
+//! | `guards`, `flight` | what a try must not do: make energy, lose momentum |
+//! | `attempt` | a try of a step, accepted whole or dropped |
+//! | `implicit`, `convex` | convex solves, their error, extrapolation |
+//! | `explicit` | Runge–Kutta pairs |
+//! | `fixed` | rules of steps of a length that the user fixes |
+//! | `point` | what is known of the robot where a step begins |
+//!
+//! Every number of the method is in [`crate::tuning`].
 
-mod cones;
-pub mod control;
+mod attempt;
+mod caps;
 pub mod convex;
-mod doubled;
-mod energy;
+pub mod driver;
+pub mod explicit;
 mod fixed;
 mod flight;
+mod guards;
+mod implicit;
 pub mod point;
-pub mod runge_kutta;
-mod single;
-mod smooth;
+mod size;
 
 #[cfg(test)]
 mod tests;

@@ -8,7 +8,7 @@ use crate::inputs::Inputs;
 use crate::kinematics::Kinematics;
 use crate::model::Model;
 use crate::parameters::Parameters;
-use crate::state::State;
+use crate::state::Physical;
 use crate::step::convex::Problem;
 use crate::tree::Tree;
 use crate::tuning::{COARSEST, ITERATED, Rules};
@@ -30,6 +30,8 @@ pub struct Context<'a> {
     pub tolerance: f64,
     /// Fixed step, s; 0 for error control.
     pub fixed_step: f64,
+    /// Most steps that may be tried in a communication step.
+    pub budget: u64,
     /// Which rules act.
     pub rules: &'a Rules,
 }
@@ -61,75 +63,75 @@ impl Point {
         }
     }
 
-    /// Everything at `state`, for steps of at most `h` seconds.
-    pub fn update(&mut self, ctx: &Context, state: &State, h: f64) {
-        self.pose(ctx, state);
-        self.update_dynamics(ctx, state, h);
+    /// Everything at `from`, for steps of at most `h` seconds.
+    pub fn update(&mut self, ctx: &Context, from: &Physical, h: f64) {
+        self.pose(ctx, from);
+        self.update_dynamics(ctx, from, h);
     }
 
-    /// Poses and velocities of `state`.
-    pub(super) fn pose(&mut self, ctx: &Context, state: &State) {
-        self.kin.update_poses(ctx.tree, &state.q);
-        self.kin.update_velocities(ctx.tree, &state.v);
+    /// Poses and velocities of `from`.
+    pub(super) fn pose(&mut self, ctx: &Context, from: &Physical) {
+        self.kin.update_poses(ctx.tree, &from.q);
+        self.kin.update_velocities(ctx.tree, &from.v);
     }
 
-    /// What an explicit step needs of `state`, without the mass matrix if the tree is long: then it is for explicit steps
+    /// What an explicit step needs of `from`, without the mass matrix if the tree is long: then it is for explicit steps
     /// alone. After [`Self::pose`].
-    pub(super) fn update_smooth(&mut self, ctx: &Context, state: &State, h: f64) {
+    pub(super) fn update_smooth(&mut self, ctx: &Context, from: &Physical, h: f64) {
         if ctx.tree.long {
             crba::diagonal(ctx.tree, &mut self.kin);
-            self.find_terms(ctx, state, h);
+            self.find_terms(ctx, from, h);
         } else {
-            self.update_dynamics(ctx, state, h);
+            self.update_dynamics(ctx, from, h);
         }
     }
 
     /// What depends on velocities, after the poses are up to date.
-    pub(super) fn update_motion(&mut self, ctx: &Context, state: &State, h: f64) {
-        self.kin.update_velocities(ctx.tree, &state.v);
-        self.update_forces(ctx, state, h);
+    pub(super) fn update_motion(&mut self, ctx: &Context, from: &Physical, h: f64) {
+        self.kin.update_velocities(ctx.tree, &from.v);
+        self.update_forces(ctx, from, h);
     }
 
-    fn update_dynamics(&mut self, ctx: &Context, state: &State, h: f64) {
+    fn update_dynamics(&mut self, ctx: &Context, from: &Physical, h: f64) {
         crba::mass_matrix(ctx.tree, &mut self.kin);
-        self.update_forces(ctx, state, h);
+        self.update_forces(ctx, from, h);
     }
 
     /// Bias, contacts and joint terms, after poses, mass matrix and velocities are up to date.
-    fn update_forces(&mut self, ctx: &Context, state: &State, h: f64) {
+    fn update_forces(&mut self, ctx: &Context, from: &Physical, h: f64) {
         let tree = ctx.tree;
         let wrenches = &ctx.inputs.wrenches;
-        rnea::bias(tree, &mut self.kin, &state.v, wrenches, ctx.elapsed);
-        self.find_terms(ctx, state, h);
+        rnea::bias(tree, &mut self.kin, &from.v, wrenches, ctx.elapsed);
+        self.find_terms(ctx, from, h);
     }
 
     /// Contacts and joint terms, after the kinematics are up to date.
-    pub(super) fn find_terms(&mut self, ctx: &Context, state: &State, h: f64) {
+    pub(super) fn find_terms(&mut self, ctx: &Context, from: &Physical, h: f64) {
         let Context { model, tree, .. } = *ctx;
-        let (memory, limit) = (&state.memory, stiffness_limit(ctx, h));
+        let (memory, limit) = (&from.memory, stiffness_limit(ctx, h));
         self.terms
             .find_contacts(model, tree, memory, &self.kin, h, limit);
-        self.find_joint_terms(ctx, state, 0.0);
+        self.find_joint_terms(ctx, from, 0.0);
     }
 
     /// Joint terms for a step of `h` seconds: commands that vary count as they are at its end.
-    fn find_joint_terms(&mut self, ctx: &Context, state: &State, h: f64) {
+    fn find_joint_terms(&mut self, ctx: &Context, from: &Physical, h: f64) {
         self.terms.set_joints(&Start {
             model: ctx.model,
             tree: ctx.tree,
             inputs: ctx.inputs,
             times: [ctx.elapsed, h],
-            q: &state.q,
-            v: &state.v,
-            memory: &state.memory,
+            q: &from.q,
+            v: &from.v,
+            memory: &from.memory,
             kin: &self.kin,
         });
     }
 
     /// Joint terms for a step of `h` seconds from here, where commands vary.
-    pub(super) fn expect_commands(&mut self, ctx: &Context, state: &State, h: f64) {
+    pub(super) fn expect_commands(&mut self, ctx: &Context, from: &Physical, h: f64) {
         if ctx.inputs.varies() {
-            self.find_joint_terms(ctx, state, h);
+            self.find_joint_terms(ctx, from, h);
         }
     }
 

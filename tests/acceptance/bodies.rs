@@ -51,7 +51,7 @@ fn c9_bodies_rest_as_deep_as_their_points_are_stiff() {
         b.model.initial.position.z = height + 0.05;
         let mut s = start(b.model, 1e-4);
         run(&mut s, 4.0, 1.0 / 240.0);
-        let depth = height - s.state().q[2];
+        let depth = height - s.state().physical.q[2];
         let error = depth / (G / (points * s.tree().contact.stiffness)) - 1.0;
         let what = format!("depth at rest of a {name}, relative");
         hold("C9", &what, "m g/Σk", error, allowed);
@@ -82,8 +82,13 @@ fn c12_a_tilted_can_feels_a_continuous_force_and_settles_on_its_end() {
         while tilt < 10.0_f64.to_radians() {
             let (sin, cos) = tilt.sin_cos();
             let state = s.state_mut();
-            state.q[2] = 0.15 * cos + 0.1 * sin - 1e-4;
-            state.q[3..7].copy_from_slice(&[(0.5 * tilt).cos(), 0.0, (0.5 * tilt).sin(), 0.0]);
+            state.physical.q[2] = 0.15 * cos + 0.1 * sin - 1e-4;
+            state.physical.q[3..7].copy_from_slice(&[
+                (0.5 * tilt).cos(),
+                0.0,
+                (0.5 * tilt).sin(),
+                0.0,
+            ]);
             let force: f64 = contacts(&s).iter().map(|c| c.normal_force(0.0)).sum();
             if let Some(before) = before.replace(force) {
                 largest = largest.max((force - before).abs() / G);
@@ -109,11 +114,16 @@ fn c12_a_tilted_can_feels_a_continuous_force_and_settles_on_its_end() {
         b.model.initial.position.z = 0.15 * tilt.cos() + 0.1 * tilt.sin();
         let mut s = start(b.model, 1e-4);
         run(&mut s, 6.0, 1.0 / 240.0);
-        worst = worst.max((s.state().q[2] - (0.15 - 1e-4)).abs());
-        fastest = s.state().v.iter().fold(fastest, |m, v| m.max(v.abs()));
-        let taken = s.state().counters[0];
+        worst = worst.max((s.state().physical.q[2] - (0.15 - 1e-4)).abs());
+        fastest = s
+            .state()
+            .physical
+            .v
+            .iter()
+            .fold(fastest, |m, v| m.max(v.abs()));
+        let taken = s.state().stepping.counters.steps;
         s.advance_to(7.0).expect("finite");
-        steps = steps.max(s.state().counters[0] - taken);
+        steps = steps.max(s.state().stepping.counters.steps - taken);
     }
     hold(
         "C12",
@@ -185,7 +195,7 @@ fn d3_a_mass_ratio_of_a_million_rests_at_the_static_penetration() {
     b.model.initial.position.z = 0.05;
     let mut s = start(b.model, 1e-4);
     run(&mut s, 3.0, 1.0 / 240.0);
-    let depth = (0.05 - s.state().q[2]) / 1e-4 - 1.0;
+    let depth = (0.05 - s.state().physical.q[2]) / 1e-4 - 1.0;
     hold(
         "D3",
         "depth of 1 g under 1 t, relative",
@@ -243,11 +253,11 @@ fn d4_a_rimless_wheel_walks_as_mcgeer_says() {
         let (mut worst, mut seen, mut last) = (0.0_f64, 0, f64::NAN);
         for i in 1..=6000 {
             s.advance_to(20.0 + 1e-3 * f64::from(i)).expect("finite");
-            let angle = s.state().q[2];
+            let angle = s.state().physical.q[2];
             // From the last spoke's turn to the plane's normal, −α to α.
             let lean = angle - 2.0 * alpha * (angle / (2.0 * alpha)).round();
             if last < 0.0 && lean >= 0.0 {
-                let rate = s.state().v[2];
+                let rate = s.state().physical.v[2];
                 let fall =
                     2.0 * G / (1.0 + gyration) * ((gamma + lean).cos() - (gamma - alpha).cos());
                 worst = worst.max(((rate * rate + fall).sqrt() / expected - 1.0).abs());

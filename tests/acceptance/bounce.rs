@@ -16,7 +16,7 @@ fn restitution(e: f64, speed: f64, g: f64, tolerance: f64, step: f64) -> f64 {
     // Until it is out of the ground again; the contact lasts about √(m/k) and longer the less it rebounds.
     for i in 1..=500 {
         s.advance_to(0.01 * f64::from(i) / speed).expect("finite");
-        let (z, v) = (s.state().q[2], s.state().v[5]);
+        let (z, v) = (s.state().physical.q[2], s.state().physical.v[5]);
         if v > 0.0 && z > 0.1 {
             let square = v * v + 2.0 * g * (z - 0.1);
             return (square / (speed * speed + 2.0 * g * 0.01)).sqrt();
@@ -96,7 +96,7 @@ fn c10_a_fast_small_ball_does_not_tunnel() {
         // It falls 0.1 m in 10 ms at most, and is deepest some milliseconds later.
         for i in 1..=5000 {
             s.advance_to(1e-5 * f64::from(i)).expect("finite");
-            lowest = lowest.min(s.state().q[2] - 0.005);
+            lowest = lowest.min(s.state().physical.q[2] - 0.005);
         }
         let beyond = -lowest / deepest - 1.0;
         let what = |what: &str| format!("{what}, {speed} m/s, tol {tolerance:.0e}");
@@ -109,7 +109,7 @@ fn c10_a_fast_small_ball_does_not_tunnel() {
         }
         let mut s = start(b.model.clone(), tolerance);
         run(&mut s, 4.0, 0.1);
-        let rest = s.state().q[2] - (0.005 - 4e-4);
+        let rest = s.state().physical.q[2] - (0.005 - 4e-4);
         let place = what("place of rest in communication steps of 0.1 s, m");
         hold("C10", &place, "m g/k deep", rest, rests);
     }
@@ -128,7 +128,7 @@ fn c13_an_initial_overlap_leaves_gently() {
         let (mut inside, mut outside, mut highest) = (0.0_f64, 0.0_f64, 0.0_f64);
         for i in 1..=2000 {
             s.advance_to(f64::from(i) * 1e-3).expect("finite");
-            let (z, v) = (s.state().q[2], s.state().v[5]);
+            let (z, v) = (s.state().physical.q[2], s.state().physical.v[5]);
             inside = inside.max(v);
             if z > 0.1 - 1e-3 {
                 outside = outside.max(v);
@@ -158,7 +158,7 @@ fn c13_an_initial_overlap_leaves_gently() {
             (highest - 0.1).max(0.0),
             0.0,
         );
-        let rest = s.state().q[2] - (0.1 - s.tree().contact.penetration);
+        let rest = s.state().physical.q[2] - (0.1 - s.tree().contact.penetration);
         hold("C13", &what("place of rest, m"), "m g/Σk deep", rest, 2e-12);
     }
 }

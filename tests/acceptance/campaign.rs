@@ -150,8 +150,8 @@ fn resize(shape: &mut Shape, scale: f64) {
 /// Poses and velocities of a state.
 fn kinematics(s: &Simulation) -> Kinematics {
     let mut kin = Kinematics::new(s.tree());
-    kin.update_poses(s.tree(), &s.state().q);
-    kin.update_velocities(s.tree(), &s.state().v);
+    kin.update_poses(s.tree(), &s.state().physical.q);
+    kin.update_velocities(s.tree(), &s.state().physical.v);
     kin
 }
 
@@ -170,7 +170,7 @@ fn touching(s: &Simulation, kin: &Kinematics) -> Vec<Contact> {
         _ => f64::INFINITY,
     };
     let mut list = Vec::new();
-    let touches = &s.state().memory.touches;
+    let touches = &s.state().physical.memory.touches;
     detect(s.model(), s.tree(), touches, kin, H, limit, &mut list);
     list
 }
@@ -189,7 +189,7 @@ pub fn stored(s: &Simulation) -> [f64; 2] {
         friction += 0.5 * element.stiffness * element.displacement.norm_squared();
     }
     let mut turns = Vec::new();
-    find_turns(tree, &state.memory.touches, &kin, &contacts, &mut turns);
+    find_turns(tree, &state.physical.memory.touches, &kin, &contacts, &mut turns);
     for turn in &turns {
         let (torsion, roll) = (turn.torsional.displacement, turn.rolling.displacement);
         friction += 0.5 * turn.torsional.stiffness * torsion * torsion;
@@ -198,14 +198,14 @@ pub fn stored(s: &Simulation) -> [f64; 2] {
     for (dof, limits) in tree.dofs.limits.iter().enumerate() {
         let body = &s.model().bodies[s.model().dofs[dof].body.index()];
         if let Some(limits) = limits {
-            let q = state.q[body.coordinate];
+            let q = state.physical.q[body.coordinate];
             let depth = (limits.lower - q).max(q - limits.upper).max(0.0);
             springs += 0.5 * tree.dofs.limit_stiffness[dof] * depth * depth;
         }
         let stiffness = tree.dofs.friction[dof].moving / DRY_DEFLECTION;
-        friction += 0.5 * stiffness * state.memory.dry[dof] * state.memory.dry[dof];
+        friction += 0.5 * stiffness * state.physical.memory.dry[dof] * state.physical.memory.dry[dof];
     }
-    for (motor, displacement) in tree.actuators.motors.iter().zip(&state.memory.motor) {
+    for (motor, displacement) in tree.actuators.motors.iter().zip(&state.physical.memory.motor) {
         friction += 0.5 * motor.0 * displacement * displacement;
     }
     [springs, friction]
@@ -439,11 +439,11 @@ pub fn drop_once(robot: &Model, extreme: Extreme, seed: u64, tally: &mut Tally) 
             ledger.add(&mut drop.s);
         }
     }
-    let counters = drop.s.state().counters;
+    let counters = drop.s.state().stepping.counters;
     tally.seconds[0] += seconds;
     tally.seconds[1] = tally.seconds[1].max(seconds);
-    tally.steps[0] += counters[0];
-    tally.steps[1] += counters[3];
+    tally.steps[0] += counters.steps;
+    tally.steps[1] += counters.forced;
     if drop.limp {
         let gain = &mut tally.limp[usize::from(drop.fixed)];
         gain.drops += 1;

@@ -144,9 +144,9 @@ fn the_ledger_enters_what_is_given_at_any_time_of_a_drop() {
                 let (kept, before) = (s.save(), s.output(OutputSlot::EnergyKinetic));
                 // Up or down, whichever makes it faster.
                 let kick = (2e-3 * ledger.scale / s.tree().moving_mass()).sqrt();
-                s.state_mut().v[5] += kick;
+                s.state_mut().physical.v[5] += kick;
                 if s.output(OutputSlot::EnergyKinetic) < before {
-                    s.state_mut().v[5] -= 2.0 * kick;
+                    s.state_mut().physical.v[5] -= 2.0 * kick;
                 }
                 given += (s.output(OutputSlot::EnergyKinetic) - before) / ledger.scale;
                 with.add(s);
@@ -214,7 +214,7 @@ fn dry_friction_is_a_spring_until_it_slips() {
     let mut s = start(b.model, 1e-4);
     s.set_input(InputSlot::Effort(ActuatorId(0)), 1.0);
     run(&mut s, 2.0, 0.01);
-    let error = s.state().q[0] / (0.5 * DRY_DEFLECTION) - 1.0;
+    let error = s.state().physical.q[0] / (0.5 * DRY_DEFLECTION) - 1.0;
     let what = "deflection of dry friction of 2 N under 1 N, relative";
     hold("D8", what, "half of 0.1 mm", error, 3e-8);
 }

@@ -20,7 +20,7 @@ fn a2_a_tumbling_body_falls_on_the_parabola() {
         let mut s = start(b.model.clone(), 1e-4);
         s.set_rules(rules);
         run(&mut s, 10.0, 0.01);
-        let error = s.state().q[2] + 0.5 * G * 100.0;
+        let error = s.state().physical.q[2] + 0.5 * G * 100.0;
         let what = format!("z after 10 s, tol 1e-4{name}");
         hold("A2", &what, "−g t²/2", error, allowed);
     }
@@ -42,7 +42,7 @@ fn a2_the_centre_of_mass_falls_on_the_parabola_wherever_the_frame_is() {
         let mut s = start(b.model.clone(), tolerance);
         s.set_rules(rules);
         run(&mut s, 10.0, 0.01);
-        let com = vector(&s.state().q) + rotation(&s, 3) * X * 0.1;
+        let com = vector(&s.state().physical.q) + rotation(&s, 3) * X * 0.1;
         let expected = X * 0.1 + omega.cross(&X) + Vec3::new(0.0, 0.0, -0.5 * G * 100.0);
         hold(
             "A2",
@@ -77,7 +77,7 @@ fn hold_free_spin(model: &Model, period: f64, (rules, name): (Rules, &str), allo
     let mut s = start(model.clone(), 1e-8);
     s.set_rules(rules);
     run(&mut s, period, 0.1);
-    let spin = |s: &Simulation| rotation(s, 3).transpose() * vector(&s.state().v);
+    let spin = |s: &Simulation| rotation(s, 3).transpose() * vector(&s.state().physical.v);
     // How much later ω = (1, 1, 1) comes back; ω̇ there by Euler's equations.
     let rate = Vec3::new(-1.0, 1.0, -1.0 / 3.0);
     let late = (omega - spin(&s)).dot(&rate) / rate.norm_squared();
@@ -131,7 +131,7 @@ fn a4_a_pendulum_released_from_horizontal_has_the_exact_period() {
         let mut s = start(pendulum(), tolerance);
         let before = energy(&mut s);
         run(&mut s, 1.25 * period, 0.01);
-        let late = (s.state().q[0] - std::f64::consts::FRAC_PI_2) / s.state().v[0];
+        let late = (s.state().physical.q[0] - std::f64::consts::FRAC_PI_2) / s.state().physical.v[0];
         hold(
             "A4",
             &format!("time through the lowest point after 1¼ periods, s, tol {tolerance:.0e}"),
@@ -207,7 +207,7 @@ fn a5_a_double_pendulum_ends_where_the_reference_says() {
     for (tolerance, off, fast) in [(1e-4, 1e-5, 1e-4), (1e-6, 8e-8, 8e-7)] {
         let mut s = start(double_pendulum(), tolerance);
         run(&mut s, 2.0, 0.1);
-        let (q, v) = (&s.state().q, &s.state().v);
+        let (q, v) = (&s.state().physical.q, &s.state().physical.v);
         let position = (q[0] - a).abs().max((q[0] + q[1] - b).abs());
         let speed = (v[0] - u).abs().max((v[0] + v[1] - w).abs());
         let expected = "Lagrange's equations by Runge–Kutta in 20,000 steps";
@@ -236,9 +236,9 @@ fn a7_a_heavy_top_precesses_steadily_at_the_rate_of_euler() {
         let state = s.state_mut();
         // Quaternion of a turn by θ about y; ω = Ω ẑ + spin in the top's own axes.
         state
-            .q
+            .physical.q
             .copy_from_slice(&[(0.5 * tilt).cos(), 0.0, (0.5 * tilt).sin(), 0.0]);
-        state.v.copy_from_slice(&[-rate * sin, 0.0, spin]);
+        state.physical.v.copy_from_slice(&[-rate * sin, 0.0, spin]);
         let (mut nod, mut off) = (0.0_f64, 0.0_f64);
         for i in 1..=200 {
             let t = 0.01 * f64::from(i);

@@ -49,7 +49,7 @@ fn hold_turns_and_drift(
     let mut worst = 0.0_f64;
     for (i, turn) in [-0.15, 0.11, -0.07, 0.03, 0.01].iter().enumerate() {
         run(&mut s, half * (i + 1) as f64, half / 50.0);
-        worst = worst.max((s.state().q[0] - turn).abs());
+        worst = worst.max((s.state().physical.q[0] - turn).abs());
     }
     hold(
         "B1",
@@ -59,9 +59,9 @@ fn hold_turns_and_drift(
         9e-5,
     );
     run(&mut s, 10.0, 0.01);
-    let rest = s.state().q[0];
+    let rest = s.state().physical.q[0];
     run(&mut s, 3610.0, 1.0);
-    let drift = s.state().q[0] - rest;
+    let drift = s.state().physical.q[0] - rest;
     hold(
         "B1",
         &format!("drift in one hour, m, spring against friction{name}"),
@@ -92,10 +92,10 @@ fn b2_a_velocity_motor_drives_a_cart_with_its_effort_and_then_holds_its_speed() 
     b.model.world.ground = Some(ground(3.0));
     let mut s = start(b.model, 1e-4);
     run(&mut s, 0.2, 1.0 / 240.0);
-    let (x0, t0) = (s.state().q[0], s.time());
+    let (x0, t0) = (s.state().physical.q[0], s.time());
     s.set_input(InputSlot::Velocity(ActuatorId(0)), 10.0);
     run(&mut s, t0 + 0.5, 1.0 / 240.0);
-    let a = s.state().v[0] / 0.5;
+    let a = s.state().physical.v[0] / 0.5;
     hold(
         "B2",
         "acceleration, m/s², tol 1e-4",
@@ -107,9 +107,9 @@ fn b2_a_velocity_motor_drives_a_cart_with_its_effort_and_then_holds_its_speed() 
     while s.time() < t0 + 3.0 - 1e-9 {
         let next = s.time() + 1.0 / 240.0;
         s.advance_to(next).expect("finite");
-        fastest = fastest.max(s.state().v[0]);
+        fastest = fastest.max(s.state().physical.v[0]);
     }
-    let x = s.state().q[0] - x0;
+    let x = s.state().physical.q[0] - x0;
     hold(
         "B2",
         "x after 3 s, m, tol 1e-4",
@@ -141,11 +141,11 @@ fn b3_a_saturated_rotor_takes_j_omega_over_e() {
         // Saturated while kd (target − ω) > effort; looked at just before.
         let leaves = J * (target - effort / kd) / effort;
         run(&mut s, 0.99 * leaves, 0.05);
-        let late = (0.99 * leaves * effort / J - direction * s.state().v[0]) * J / effort;
+        let late = (0.99 * leaves * effort / J - direction * s.state().physical.v[0]) * J / effort;
         let quantity = format!("time to speed, relative, {name}, tol 1e-4");
         hold("B3", &quantity, "J ω/e", late / leaves, 2e-14);
         run(&mut s, 2.0 * leaves, 0.05);
-        let error = direction * s.state().v[0] - target;
+        let error = direction * s.state().physical.v[0] - target;
         hold("B3", "final speed, rad/s", "the command", error, 0.0);
     }
 }
@@ -158,13 +158,13 @@ fn b4_a_stiff_pd_on_a_gram_is_stable_at_a_tenth_of_a_second() {
     let mut highest = 0.0_f64;
     for i in 1..=10 {
         s.advance_to(0.1 * f64::from(i)).expect("finite");
-        highest = highest.max(s.state().q[0]);
+        highest = highest.max(s.state().physical.q[0]);
     }
     hold(
         "B4",
         "final position, m",
         "the command",
-        s.state().q[0] - 0.3,
+        s.state().physical.q[0] - 0.3,
         0.0,
     );
     hold("B4", "overshoot, m", "none", (highest - 0.3).max(0.0), 0.0);
@@ -185,7 +185,7 @@ fn b5_a_loaded_velocity_motor_keeps_its_speed_and_its_place() {
             "B5",
             &quantity,
             "the command",
-            s.state().v[0] - speed,
+            s.state().physical.v[0] - speed,
             4e-10,
         );
     }
@@ -193,9 +193,9 @@ fn b5_a_loaded_velocity_motor_keeps_its_speed_and_its_place() {
         let mut s = start(b.model.clone(), 1e-4);
         s.set_rules(rules);
         run(&mut s, 5.0, 0.01);
-        let place = s.state().q[0];
+        let place = s.state().physical.q[0];
         run(&mut s, 3605.0, 1.0);
-        let drift = s.state().q[0] - place;
+        let drift = s.state().physical.q[0] - place;
         let what = format!("drift in one hour under half the effort, m{name}");
         hold("B5", &what, "0", drift, allowed);
     }
@@ -227,7 +227,7 @@ fn b6_a_limit_rebounds_by_its_law_and_carries_a_load_at_its_stiffness() {
         let mut s = start(b.model.clone(), tolerance);
         run(&mut s, 0.5, 0.01);
         let d = s.tree().contact.dissipation;
-        let error = s.state().v[0] + rebound(d * 1.0) / d;
+        let error = s.state().physical.v[0] + rebound(d * 1.0) / d;
         let quantity = format!("rebound speed at 1 m/s, m/s, tol {tolerance:.0e}");
         hold("B6", &quantity, "Hunt & Crossley, exact", error, allowed);
     }
@@ -235,7 +235,7 @@ fn b6_a_limit_rebounds_by_its_law_and_carries_a_load_at_its_stiffness() {
     b.limits(link, -0.1, 0.1);
     let mut s = start(b.model, 1e-4);
     run(&mut s, 3.0, 0.01);
-    let deflection = -0.1 - s.state().q[0];
+    let deflection = -0.1 - s.state().physical.q[0];
     let error = deflection / (2.0 * G / s.tree().dofs.limit_stiffness[0]) - 1.0;
     hold(
         "B6",
@@ -259,7 +259,7 @@ fn b7_a_pd_law_follows_a_ramp_without_lag() {
         s.set_input(InputSlot::Position(ActuatorId(0)), c * (t + 0.5 * h));
         s.advance_to(t + h).expect("finite");
         if t > 8.0 {
-            worst = worst.max((s.state().q[0] - c * (t + h)).abs());
+            worst = worst.max((s.state().physical.q[0] - c * (t + h)).abs());
         }
     }
     hold("B7", "lag behind a ramp, m, tol 1e-4", "0", worst, 4e-8);
@@ -301,7 +301,7 @@ fn b9_a_geared_rotor_adds_its_inertia_times_the_ratio_squared() {
     s.set_input(InputSlot::Effort(ActuatorId(0)), torque);
     run(&mut s, 2.0, 0.01);
     let a = torque / (I + gear * gear * rotor);
-    let error = s.state().q[0] / (0.5 * a * 4.0) - 1.0;
+    let error = s.state().physical.q[0] / (0.5 * a * 4.0) - 1.0;
     hold(
         "B9",
         "angle after 2 s, relative, tol 1e-4",
@@ -309,7 +309,7 @@ fn b9_a_geared_rotor_adds_its_inertia_times_the_ratio_squared() {
         error,
         2e-15,
     );
-    let error = s.state().v[0] / (a * 2.0) - 1.0;
+    let error = s.state().physical.v[0] / (a * 2.0) - 1.0;
     hold(
         "B9",
         "speed after 2 s, relative",

@@ -120,7 +120,7 @@ fn slope(angle: f64) -> Vec3 {
 
 /// Orientation of a floating base, or of the spherical body whose quaternion stands at `place` in `q`.
 fn rotation(simulation: &Simulation, place: usize) -> Mat3 {
-    let q = &simulation.state().q;
+    let q = &simulation.state().physical.q;
     rotation_from_quaternion(&[q[place], q[place + 1], q[place + 2], q[place + 3]])
 }
 

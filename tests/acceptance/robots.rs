@@ -33,8 +33,8 @@ fn humanoid(mode: ActuatorMode) -> Model {
 /// Momentum about the world's origin: angular, linear.
 fn total_momentum(s: &Simulation) -> (Vec3, Vec3) {
     let mut kin = Kinematics::new(s.tree());
-    kin.update_poses(s.tree(), &s.state().q);
-    kin.update_velocities(s.tree(), &s.state().v);
+    kin.update_poses(s.tree(), &s.state().physical.q);
+    kin.update_velocities(s.tree(), &s.state().physical.v);
     let P = momentum(&kin);
     let linear = vector(&P[3..]);
     (vector(&P) + kin.origin.cross(&linear), linear)
@@ -144,7 +144,7 @@ fn drive(tolerance: f64, left: f64, right: f64, time: f64) -> (f64, Vec3) {
         heading += step - std::f64::consts::TAU * (step / std::f64::consts::TAU).round();
         before = yaw;
     }
-    (heading, vector(&s.state().q))
+    (heading, vector(&s.state().physical.q))
 }
 
 /// A rover without settings whose front wheels follow 3 t − t²/2 rad/s and drag the rear ones, which their motors hold, in
@@ -169,7 +169,7 @@ fn drag(tolerance: f64, count: u32) -> f64 {
         }
         s.advance_to(end).expect("finite");
     }
-    s.state().q[0]
+    s.state().physical.q[0]
 }
 
 /// D5. Break-away does not depend on the communication step: with the loads of their start, steps of 19 ms once slipped on
@@ -213,7 +213,7 @@ fn d5_axles_that_work_against_each_other_end_where_short_steps_do() {
                 command(&mut s, joint, speed);
             }
             s.advance_to(2.0).expect("finite");
-            (s.state().q[0], s.state().counters[0])
+            (s.state().physical.q[0], s.state().stepping.counters.steps)
         };
         let (expected, _) = push(1e-7);
         let (way, steps) = push(1e-3);
@@ -394,11 +394,19 @@ fn d7_falling_humanoids_stay_finite() {
         let mut s = start(model, 1e-3);
         let steps_taken = (1..=480).map(|i| s.advance_to(f64::from(i) / 240.0));
         failed += steps_taken.filter(Result::is_err).count();
-        floor += s.state().counters[3];
-        steps += s.state().counters[0];
-        let fast = s.state().v.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+        floor += s.state().stepping.counters.forced;
+        steps += s.state().stepping.counters.steps;
+        let fast = s
+            .state()
+            .physical
+            .v
+            .iter()
+            .fold(0.0_f64, |m, v| m.max(v.abs()));
         worst = worst.max(fast);
-        assert!(s.state().q[2] > 0.0, "seed {seed} lies under the ground");
+        assert!(
+            s.state().physical.q[2] > 0.0,
+            "seed {seed} lies under the ground"
+        );
     }
     hold(
         "D7",

@@ -16,7 +16,7 @@ fn c6_a_sliding_ball_ends_up_rolling_at_five_sevenths() {
         let mut s = start(b.model.clone(), tolerance);
         run(&mut s, time, time / 10.0);
         let name = |what: &str| format!("{what}, tol {tolerance:.0e}");
-        let x = s.state().q[0] - way;
+        let x = s.state().physical.q[0] - way;
         hold(
             "C6",
             &name("way to rolling, m"),
@@ -25,7 +25,7 @@ fn c6_a_sliding_ball_ends_up_rolling_at_five_sevenths() {
             allowed[0],
         );
         run(&mut s, 1.0, 0.01);
-        let v = s.state().v[3];
+        let v = s.state().physical.v[3];
         hold(
             "C6",
             &name("rolling speed, m/s"),
@@ -33,7 +33,7 @@ fn c6_a_sliding_ball_ends_up_rolling_at_five_sevenths() {
             v - 5.0 / 7.0,
             allowed[1],
         );
-        let x = s.state().q[0] - way - 5.0 / 7.0 * (1.0 - time);
+        let x = s.state().physical.q[0] - way - 5.0 / 7.0 * (1.0 - time);
         hold(
             "C6",
             &name("way after 1 s, m"),
@@ -42,7 +42,7 @@ fn c6_a_sliding_ball_ends_up_rolling_at_five_sevenths() {
             allowed[2],
         );
         run(&mut s, 61.0, 0.01);
-        let change = s.state().v[3] - v;
+        let change = s.state().physical.v[3] - v;
         hold(
             "C6",
             &name("speed lost in a minute, m/s"),
@@ -93,10 +93,10 @@ fn c7_balls_and_cylinders_roll_and_slip_down_a_slope_as_rigid_bodies_do() {
             let (b, share) = on_slope(round, angle, relative * limit);
             let mut s = start(b.model, 1e-4);
             run(&mut s, 0.5, 0.01);
-            let slip = |s: &Simulation| s.state().v[3] - 0.1 * s.state().v[1];
-            let (v0, slip0) = (s.state().v[3], slip(&s));
+            let slip = |s: &Simulation| s.state().physical.v[3] - 0.1 * s.state().physical.v[1];
+            let (v0, slip0) = (s.state().physical.v[3], slip(&s));
             run(&mut s, 1.5, 0.01);
-            let a = s.state().v[3] - v0;
+            let a = s.state().physical.v[3] - v0;
             let (expected, source) = if slips {
                 (G * (sin - relative * limit * cos), "g (sin θ − μ cos θ)")
             } else {
@@ -135,14 +135,14 @@ fn rolled(mut b: Builder) -> [f64; 3] {
     b.model.initial.angular_velocity.y = 10.0;
     let mut s = start(b.model, 1e-4);
     run(&mut s, 1.0, 0.01);
-    let (x0, v, spin) = (s.state().q[0], s.state().v[3], s.state().v[1]);
+    let (x0, v, spin) = (s.state().physical.q[0], s.state().physical.v[3], s.state().physical.v[1]);
     let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
     for i in 1..=2000 {
         s.advance_to(1.0 + 1e-3 * f64::from(i)).expect("finite");
-        low = low.min(s.state().q[2]);
-        high = high.max(s.state().q[2]);
+        low = low.min(s.state().physical.q[2]);
+        high = high.max(s.state().physical.q[2]);
     }
-    let odometry = s.state().q[0] - x0 - 2.0 * 0.1 * spin;
+    let odometry = s.state().physical.q[0] - x0 - 2.0 * 0.1 * spin;
     [high - low, odometry, v - 0.1 * spin]
 }
 

@@ -29,10 +29,10 @@ fn c1_a_block_sticks_just_below_the_cone_and_slides_just_above_it() {
         push(&mut s, 0, force);
         // The push comes at once and gives the block 12 mm/s, which friction takes 3 s to stop at 4.90 N.
         run(&mut s, 6.0, 0.01);
-        let (x0, v0) = (s.state().q[0], s.state().v[3]);
+        let (x0, v0) = (s.state().physical.q[0], s.state().physical.v[3]);
         run(&mut s, 66.0, 0.01);
         if moves {
-            let a = (s.state().v[3] - v0) / 60.0;
+            let a = (s.state().physical.v[3] - v0) / 60.0;
             let expected = "F/m − μ g; RaiSim issue 55";
             hold(
                 "C1",
@@ -42,7 +42,7 @@ fn c1_a_block_sticks_just_below_the_cone_and_slides_just_above_it() {
                 allowed,
             );
         } else {
-            let moved = s.state().q[0] - x0;
+            let moved = s.state().physical.q[0] - x0;
             hold(
                 "C1",
                 &format!("motion in 60 s at 4.90 N, m{name}"),
@@ -65,9 +65,9 @@ fn c2_c3_a_block_on_a_slope_does_not_creep_not_even_when_shaken() {
         let mut s = start(b.model.clone(), 1e-4);
         s.set_rules(rules);
         run(&mut s, 5.0, 0.01);
-        let x0 = s.state().q[0];
+        let x0 = s.state().physical.q[0];
         run(&mut s, 3605.0, 1.0);
-        let creep = s.state().q[0] - x0;
+        let creep = s.state().physical.q[0] - x0;
         let what = format!("creep in one hour on 20°, m{name}");
         hold("C2", &what, "0", creep, allowed);
         s
@@ -84,7 +84,7 @@ fn c2_c3_a_block_on_a_slope_does_not_creep_not_even_when_shaken() {
         push(&mut s, 1, side * libm::sin(std::f64::consts::TAU * 5.0 * t));
         s.advance_to(3605.0 + t).expect("finite");
         if i % 1200 == 0 {
-            marks.push(s.state().q[0]);
+            marks.push(s.state().physical.q[0]);
         }
     }
     let drift = marks[9] - marks[0];
@@ -108,9 +108,9 @@ fn c4_a_sliding_block_stops_after_the_coulomb_distance() {
             let (stop, distance) = (1.0 / (mu * G), 0.5 / (mu * G));
             // Just before the end, and long after it.
             run(&mut s, stop, stop / 25.0);
-            let speed = s.state().v[3];
+            let speed = s.state().physical.v[3];
             run(&mut s, 1.0, 0.01);
-            let x = s.state().q[0];
+            let x = s.state().physical.q[0];
             let name = format!("way of a sliding block, m, μ = {mu}, tol {tolerance:.0e}");
             hold(
                 "C4",
@@ -121,7 +121,7 @@ fn c4_a_sliding_block_stops_after_the_coulomb_distance() {
             );
             let name = format!("speed at v/(μg), m/s, μ = {mu}, tol {tolerance:.0e}");
             hold("C4", &name, "0; ContactBench cube", speed, 5e-3);
-            assert!(s.state().v[3].abs() < 1e-9, "{}", s.state().v[3]);
+            assert!(s.state().physical.v[3].abs() < 1e-9, "{}", s.state().physical.v[3]);
         }
     }
 }
@@ -150,17 +150,17 @@ fn c5_friction_is_isotropic() {
             push(&mut s, 1, 8.0 * sin);
             // The spring of the friction gives way first.
             run(&mut s, 0.1, 0.01);
-            let before = s.state().v[3].hypot(s.state().v[4]);
+            let before = s.state().physical.v[3].hypot(s.state().physical.v[4]);
             run(&mut s, 0.5, 0.01);
-            let way = libm::atan2(s.state().q[1], s.state().q[0]);
+            let way = libm::atan2(s.state().physical.q[1], s.state().physical.q[0]);
             pushed = pushed.max((way - angle).abs());
-            let speed = s.state().v[3].hypot(s.state().v[4]) - before;
+            let speed = s.state().physical.v[3].hypot(s.state().physical.v[4]) - before;
             share = share.max((speed / (0.4 * (8.0 - 0.5 * G)) - 1.0).abs());
             let mut b = block(0.5);
             b.model.initial.linear_velocity = Vec3::new(cos, sin, 0.0);
             let mut s = start(b.model, 1e-4);
             run(&mut s, 0.15, 0.01);
-            let way = libm::atan2(s.state().v[4], s.state().v[3]);
+            let way = libm::atan2(s.state().physical.v[4], s.state().physical.v[3]);
             sliding = sliding.max((way - angle).abs());
         }
         let what = |what: &str| format!("{what}, a block {name}");

@@ -121,7 +121,7 @@ impl Run {
         let end = self.simulation.time() + h;
         self.simulation.advance_to(end).expect("finite");
         let state = self.simulation.state();
-        for x in state.q.iter().chain(&state.v) {
+        for x in state.physical.q.iter().chain(&state.physical.v) {
             self.hash.add(&x.to_le_bytes());
         }
     }

@@ -217,11 +217,11 @@ fn hour(s: &mut Simulation, settle: u32) -> [f64; 2] {
     for step in 1..=240 * settle {
         s.advance_to(f64::from(step) / 240.0).expect("finite");
     }
-    let settled = s.state().q.clone();
+    let settled = s.state().physical.q.clone();
     for second in 1..=3600 {
         s.advance_to(f64::from(settle + second)).expect("finite");
     }
-    let pairs = settled.iter().zip(&s.state().q);
+    let pairs = settled.iter().zip(&s.state().physical.q);
     let moved = pairs.fold(0.0_f64, |m, (a, b)| m.max((a - b).abs()));
     [moved, unbalanced(s)]
 }
@@ -274,7 +274,7 @@ fn d1_r2d2_drives_straight() {
             end += 1.0;
             s.advance_to(end / 240.0).expect("finite");
         }
-        let way = s.state().q[0].hypot(s.state().q[1]);
+        let way = s.state().physical.q[0].hypot(s.state().physical.q[1]);
         (s.output(OutputSlot::BaseRpy(2)), way)
     };
     let (reference, distance) = drive(1e-8);

@@ -442,7 +442,7 @@ fn the_tolerance_of_the_experiment_decides_accuracy_and_steps() {
         set(&mut instance, &[WHEEL_VELOCITY], &[5.0]).expect("legal");
         instance.do_step(0.0, 0.5).expect("finite");
         let state = instance.simulation.state();
-        (state.q.clone(), state.counters[0])
+        (state.physical.q.clone(), state.stepping.counters.steps)
     };
     let (reference, _) = drive(Some(1e-8));
     let off = |q: &[f64]| {

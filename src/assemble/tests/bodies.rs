@@ -125,7 +125,7 @@ fn a_spherical_joint_swings_to_all_sides_alike() {
         let mut s = Simulation::new(Arc::new(built.clone()));
         s.initialize(0.0).expect("a legal start");
         let rate = 0.01;
-        s.state_mut().v[axis] = rate;
+        s.state_mut().physical.v[axis] = rate;
         let mut read = |time: f64| {
             s.advance_to(time).expect("finite");
             let ball = JointId(0);
@@ -150,7 +150,7 @@ fn a_spherical_joint_swings_to_all_sides_alike() {
     assert_eq!(note(&damped, "A122").severity, Severity::Warning);
     let mut s = Simulation::new(Arc::new(damped.model));
     s.initialize(0.0).expect("a legal start");
-    s.state_mut().v[2] = 1.0;
+    s.state_mut().physical.v[2] = 1.0;
     s.advance_to(0.3).expect("finite");
     let expected = (-0.02_f64 * 0.3 / (0.4 * m * 0.01)).exp();
     let rate = s.output(OutputSlot::JointVelocity(JointId(0), 2));

@@ -30,7 +30,7 @@ impl Case {
         let tree = Tree::new(&model, &Parameters::new(&model));
         let mut kin = Kinematics::new(&tree);
         let state = crate::state::State::new(&model);
-        kin.update_poses(&tree, &state.q);
+        kin.update_poses(&tree, &state.physical.q);
         crba::mass_matrix(&tree, &mut kin);
         let v: Vec<f64> = (0..model.nv()).map(|_| random.uniform(-1.0, 1.0)).collect();
         kin.update_velocities(&tree, &v);

@@ -11,7 +11,7 @@ fn end(model: &Model, command: Option<f64>, (step, tolerance): (f64, f64), end: 
         s.set_input(InputSlot::Velocity(ActuatorId(0)), speed);
     }
     run(&mut s, end, 1.0 / 60.0);
-    s.state().q.clone()
+    s.state().physical.q.clone()
 }
 
 fn distance(a: &[f64], b: &[f64]) -> f64 {

@@ -33,8 +33,8 @@ fn communication_points_leave_a_smooth_motion_alone() {
             })
             .collect();
         for end in &ends[1..] {
-            assert_eq!(end.counters, ends[0].counters);
-            for (a, b) in end.q.iter().zip(&ends[0].q) {
+            assert_eq!(end.stepping.counters, ends[0].stepping.counters);
+            for (a, b) in end.physical.q.iter().zip(&ends[0].physical.q) {
                 assert!((a - b).abs() < 1e-12, "{damping}: {a} {b}");
             }
         }
@@ -50,7 +50,11 @@ fn an_effort_acts_from_the_communication_point_at_which_it_is_set() {
     run(&mut s, 0.5, 0.01);
     s.set_input(InputSlot::Effort(ActuatorId(0)), 1.0);
     run(&mut s, 1.0, 0.01);
-    assert!((s.state().q[0] - 0.125).abs() < 1e-12, "{}", s.state().q[0]);
+    assert!(
+        (s.state().physical.q[0] - 0.125).abs() < 1e-12,
+        "{}",
+        s.state().physical.q[0]
+    );
 }
 
 /// 10 N on 1 kg with damping d: x = F/d (t − m/d (1 − exp(−d t/m))), whatever d. Damping that is a hundred thousand times
@@ -68,9 +72,9 @@ fn damping_of_any_strength_is_followed_in_few_steps() {
             let t = f64::from(i) * 1e-3;
             s.advance_to(t).expect("finite");
             let x = 10.0 / damping * (t - (1.0 - libm::exp(-damping * t)) / damping);
-            worst = worst.max((s.state().q[0] - x).abs());
+            worst = worst.max((s.state().physical.q[0] - x).abs());
         }
-        let tries = s.state().counters[0] + s.state().counters[1];
+        let tries = s.state().stepping.counters.steps + s.state().stepping.counters.rejected;
         assert!(
             worst < 1e-4 && tries < 60,
             "{damping}: {worst:e} m in {tries} steps"
@@ -86,7 +90,7 @@ fn a_state_saved_within_a_long_step_continues_bit_for_bit() {
         b.model.joints[0].damping = damping;
         let mut s = start(b.model.clone(), 1e-3);
         run(&mut s, 0.5, 0.001);
-        while s.state().ahead.is_empty() {
+        while s.state().stepping.ahead.is_empty() {
             assert!(s.time() < 3.0, "{damping} {:?}", s.state());
             let next = s.time() + 0.001;
             s.advance_to(next).expect("finite");
@@ -119,10 +123,10 @@ fn a_long_step_does_not_jump_over_a_limit() {
     let mut farthest = 0.0_f64;
     for i in 1..=100 {
         s.advance_to(0.01 + f64::from(i) * 0.01).expect("finite");
-        farthest = farthest.max(s.state().q[0]);
+        farthest = farthest.max(s.state().physical.q[0]);
     }
     let rest = 0.1 + 100.0 / s.tree().dofs.limit_stiffness[0];
-    assert!((s.state().q[0] - rest).abs() < 1e-9);
+    assert!((s.state().physical.q[0] - rest).abs() < 1e-9);
     assert!(farthest < 0.1 + 0.01, "{farthest}");
 }
 
@@ -133,8 +137,8 @@ fn a_robot_in_flight_flies_a_parabola_and_keeps_its_angular_momentum() {
     // Masses, their places and momenta, summed up by hand.
     let measure = |s: &Simulation| {
         let mut kin = crate::kinematics::Kinematics::new(s.tree());
-        kin.update_poses(s.tree(), &s.state().q);
-        kin.update_velocities(s.tree(), &s.state().v);
+        kin.update_poses(s.tree(), &s.state().physical.q);
+        kin.update_velocities(s.tree(), &s.state().physical.v);
         let (mut mass, mut center, mut linear) = (0.0, Vec3::zeros(), Vec3::zeros());
         for I in &kin.I {
             mass += I.mass;
@@ -198,7 +202,7 @@ fn a_robot_in_flight_flies_a_parabola_and_keeps_its_angular_momentum() {
                 s.state().clone()
             })
             .collect();
-        let moved: f64 = ends[0].v[6..].iter().map(|v| v.abs()).sum();
+        let moved: f64 = ends[0].physical.v[6..].iter().map(|v| v.abs()).sum();
         assert!(moved > 1.0, "{mode:?}: nothing moves inside");
     }
 }
@@ -211,8 +215,12 @@ fn a_thin_rod_in_flight_does_not_spin_up_about_its_axis() {
     let mut s = start(b.model, 1e-3);
     let about_axis = |s: &Simulation| {
         let mut kin = crate::kinematics::Kinematics::new(s.tree());
-        kin.update_poses(s.tree(), &s.state().q);
-        let [x, y, z] = [s.state().v[0], s.state().v[1], s.state().v[2]];
+        kin.update_poses(s.tree(), &s.state().physical.q);
+        let [x, y, z] = [
+            s.state().physical.v[0],
+            s.state().physical.v[1],
+            s.state().physical.v[2],
+        ];
         kin.X[0].R.column(0).dot(&Vec3::new(x, y, z))
     };
     let mut worst = 0.0_f64;

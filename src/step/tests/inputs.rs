@@ -29,14 +29,14 @@ fn an_effort_that_varies_in_time_is_integrated_within_one_step() {
         }
         s.advance_to(1.0).expect("finite");
         let x = 0.5 * (a / 6.0 + b / 24.0 + c / 120.0);
-        let error = (s.state().q[0] - x).abs();
+        let error = (s.state().physical.q[0] - x).abs();
         assert!(error < accuracy, "{error}");
         // After the step the input stands where its polynomial ended, and stays there.
         let end = a + b / 2.0 + c / 6.0;
         assert!((s.input(InputSlot::Effort(COMMAND)) - end).abs() < 1e-15);
-        let v = s.state().v[0];
+        let v = s.state().physical.v[0];
         s.advance_to(2.0).expect("finite");
-        assert!((s.state().v[0] - v - end / 2.0).abs() < 1e-12);
+        assert!((s.state().physical.v[0] - v - end / 2.0).abs() < 1e-12);
     }
 }
 
@@ -48,7 +48,7 @@ fn fixed_steps_follow_an_effort_ramp() {
     let mut s = start(model, 1e-3);
     s.set_input_derivative(InputSlot::Effort(COMMAND), 1, 1.0);
     s.advance_to(1.0).expect("finite");
-    let (x, v) = (s.state().q[0], s.state().v[0]);
+    let (x, v) = (s.state().physical.q[0], s.state().physical.v[0]);
     assert!((v - 0.5).abs() < 1e-12, "{v}");
     assert!((x - 1.0 / 6.0).abs() < 1e-12, "{x}");
 }
@@ -61,12 +61,12 @@ fn a_block_at_rest_starts_to_slide_when_a_growing_force_exceeds_friction() {
     b.model.outputs.external_wrenches = vec![LinkId(0)];
     let mut s = start(b.model, 1e-5);
     run(&mut s, 1.0, 0.1);
-    let x0 = s.state().q[0];
+    let x0 = s.state().physical.q[0];
     s.set_input_derivative(InputSlot::ExternalForce(LinkId(0), 0), 1, 2.0);
     let friction = 0.4 * 0.5 * G;
     let begin = friction / 2.0;
     s.advance_to(1.0 + begin - 0.05).expect("finite");
-    assert!((s.state().q[0] - x0).abs() < 1e-3, "too early");
+    assert!((s.state().physical.q[0] - x0).abs() < 1e-3, "too early");
     // The derivative holds for one step: give it again.
     s.set_input_derivative(InputSlot::ExternalForce(LinkId(0), 0), 1, 2.0);
     s.advance_to(3.0).expect("finite");
@@ -77,11 +77,11 @@ fn a_block_at_rest_starts_to_slide_when_a_growing_force_exceeds_friction() {
         - 0.5 * friction * (t - begin).powi(2))
         / 0.5;
     assert!(
-        (s.state().v[3] - v).abs() < 2e-3 * v,
+        (s.state().physical.v[3] - v).abs() < 2e-3 * v,
         "{} {v}",
-        s.state().v[3]
+        s.state().physical.v[3]
     );
-    let moved = s.state().q[0] - x0;
+    let moved = s.state().physical.q[0] - x0;
     assert!((moved - x).abs() < 5e-3 * x, "{moved} {x}");
 }
 
@@ -102,9 +102,13 @@ fn a_position_servo_follows_a_ramp_without_lag() {
             s.advance_to(end).expect("finite");
             t = end;
         }
-        let lag = 1.0 - s.state().q[0];
+        let lag = 1.0 - s.state().physical.q[0];
         assert!(lag.abs() < 1e-6, "{h} {fixed}: {lag}");
-        assert!((s.state().v[0] - 0.5).abs() < 1e-5, "{}", s.state().v[0]);
+        assert!(
+            (s.state().physical.v[0] - 0.5).abs() < 1e-5,
+            "{}",
+            s.state().physical.v[0]
+        );
         // Outputs are those of the end of the step: the servo does not brake.
         let effort = s.output(OutputSlot::JointEffort(0usize.into()));
         assert!(effort.abs() < 1e-2, "{h} {fixed}: {effort} N");
@@ -121,7 +125,7 @@ fn pd_control_follows_a_ramp_without_lag() {
     s.set_input(InputSlot::Velocity(COMMAND), 0.5);
     s.set_input_derivative(InputSlot::Position(COMMAND), 1, 0.5);
     s.advance_to(4.0).expect("finite");
-    let lag = 2.0 - s.state().q[0];
+    let lag = 2.0 - s.state().physical.q[0];
     assert!(lag.abs() < 1e-5, "{lag}");
 }
 
@@ -131,8 +135,16 @@ fn a_velocity_motor_accelerates_along_a_ramp_within_one_step() {
     let mut s = start(slider(1.0, ActuatorMode::Velocity, 100.0).model, 1e-5);
     s.set_input_derivative(InputSlot::Velocity(COMMAND), 1, 3.0);
     s.advance_to(1.0).expect("finite");
-    assert!((s.state().q[0] - 1.5).abs() < 1e-3, "{}", s.state().q[0]);
-    assert!((s.state().v[0] - 3.0).abs() < 1e-3, "{}", s.state().v[0]);
+    assert!(
+        (s.state().physical.q[0] - 1.5).abs() < 1e-3,
+        "{}",
+        s.state().physical.q[0]
+    );
+    assert!(
+        (s.state().physical.v[0] - 3.0).abs() < 1e-3,
+        "{}",
+        s.state().physical.v[0]
+    );
 }
 
 /// The same signal, cut into communication steps in several ways: differences stay within the tolerance's reach.
@@ -153,7 +165,7 @@ fn how_a_varying_input_is_cut_into_steps_does_not_matter() {
             s.advance_to(2.0 * (i + 1) as f64 / count as f64)
                 .expect("finite");
         }
-        s.state().q[0]
+        s.state().physical.q[0]
     };
     let whole = drive(2.0);
     for h in [0.5, 0.1, 0.01, 0.003] {
@@ -170,7 +182,11 @@ fn a_motor_that_is_let_go_takes_hold_when_its_limit_grows() {
     s.set_input_derivative(InputSlot::MaxEffort(COMMAND), 1, 2.0);
     s.advance_to(1.0).expect("finite");
     // m v = ∫ 2 t dt = 1.
-    assert!((s.state().v[0] - 1.0).abs() < 1e-3, "{}", s.state().v[0]);
+    assert!(
+        (s.state().physical.v[0] - 1.0).abs() < 1e-3,
+        "{}",
+        s.state().physical.v[0]
+    );
 }
 
 #[test]
@@ -261,7 +277,7 @@ fn a_velocity_motor_follows_a_ramp_in_long_steps() {
                 s.advance_to(h * f64::from(i + 1)).expect("finite");
             }
             let yielded = 1e-3 * a / effort;
-            let error = s.state().q[0] - (0.5 * a - yielded);
+            let error = s.state().physical.q[0] - (0.5 * a - yielded);
             // Fixed steps move with the speed of their ends.
             let allowed = 1e-3 + 0.5 * a * step_size;
             assert!(error.abs() < allowed, "{error} m, {step_size} s, {h} s");

@@ -20,13 +20,13 @@ fn a_position_servo_reaches_its_target_without_overshoot_and_holds_it_under_load
         let count = (4.0 / h) as usize;
         for i in 1..=count {
             s.advance_to(i as f64 * h).expect("finite");
-            highest = highest.max(s.state().q[0]);
-            fastest = fastest.max(s.state().v[0].abs());
+            highest = highest.max(s.state().physical.q[0]);
+            fastest = fastest.max(s.state().physical.v[0].abs());
         }
         assert!(highest < 1.5 + 1e-3, "overshoot {}", highest - 1.5);
         assert!(fastest < 2.0 + 1e-2, "speed {fastest}");
-        assert!((s.state().q[0] - 1.5).abs() < 1e-3);
-        assert!(s.state().v[0].abs() < 1e-6);
+        assert!((s.state().physical.q[0] - 1.5).abs() < 1e-3);
+        assert!(s.state().physical.v[0].abs() < 1e-6);
     }
 }
 

@@ -72,7 +72,7 @@ fn a_rotor_runs_up_along_its_torque_speed_line() {
                 let t = 0.5 * tau * f64::from(i);
                 run(&mut s, t, 0.01);
                 let expected = w0 * (1.0 - libm::exp(-t / tau));
-                let found = sign * s.state().v[0];
+                let found = sign * s.state().physical.v[0];
                 // Implicit Euler is behind by at most h/(2 e τ).
                 let allowed = if mode.0 > 0.0 {
                     mode.0 / tau / 5.0
@@ -105,26 +105,26 @@ fn a_loaded_motor_settles_where_its_line_meets_the_load_and_brakes_with_all_its_
         s.set_input(InputSlot::Velocity(ActuatorId(0)), 10.0);
         run(&mut s, 10.0, 0.01);
         assert!(
-            (s.state().v[0] - 2.0).abs() < exact,
+            (s.state().physical.v[0] - 2.0).abs() < exact,
             "{mode:?}: {}",
-            s.state().v[0]
+            s.state().physical.v[0]
         );
-        let steps = s.state().counters[0];
+        let steps = s.state().stepping.counters.steps;
         run(&mut s, 20.0, 0.05);
-        assert!((s.state().v[0] - 2.0).abs() < exact, "{mode:?}");
+        assert!((s.state().physical.v[0] - 2.0).abs() < exact, "{mode:?}");
         // No chatter: nothing but steps of full length.
         let most = if mode.0 > 0.0 { 2400 } else { 400 };
         assert!(
-            s.state().counters[0] - steps <= most,
+            s.state().stepping.counters.steps - steps <= most,
             "{:?}",
-            s.state().counters
+            s.state().stepping.counters
         );
         s.set_input(InputSlot::Velocity(ActuatorId(0)), -10.0);
         run(&mut s, 30.0, 0.01);
         assert!(
-            (s.state().v[0] + 10.0).abs() < exact,
+            (s.state().physical.v[0] + 10.0).abs() < exact,
             "{mode:?}: {}",
-            s.state().v[0]
+            s.state().physical.v[0]
         );
         let effort = s.output(OutputSlot::JointEffort(0u32.into_joint()));
         assert!((effort - weight).abs() < 1e-6, "{mode:?}: {effort}");
@@ -132,9 +132,9 @@ fn a_loaded_motor_settles_where_its_line_meets_the_load_and_brakes_with_all_its_
         s.set_input(InputSlot::Velocity(ActuatorId(0)), 1.5);
         run(&mut s, 40.0, 0.01);
         assert!(
-            (s.state().v[0] - 1.5).abs() < exact,
+            (s.state().physical.v[0] - 1.5).abs() < exact,
             "{mode:?}: {}",
-            s.state().v[0]
+            s.state().physical.v[0]
         );
     }
 }
@@ -150,7 +150,7 @@ fn a_geared_rotor_adds_its_inertia_times_the_ratio_squared() {
         s.set_input(InputSlot::Effort(ActuatorId(0)), e);
         run(&mut s, 2.0, 0.01);
         let expected = 2.0 * e / (INERTIA + n * n * rotor_inertia);
-        let found = s.state().v[0];
+        let found = s.state().physical.v[0];
         assert!((found / expected - 1.0).abs() < 1e-8, "{mode:?}: {found}");
     }
 }
@@ -175,7 +175,7 @@ fn an_enforced_velocity_limit_is_exceeded_by_one_percent_under_the_effort_limit(
             } else {
                 4.0 * e / INERTIA
             };
-            let found = -s.state().v[0];
+            let found = -s.state().physical.v[0];
             assert!(
                 (found - expected).abs() < 1e-8 * expected,
                 "{mode:?}: {found} {expected}"
@@ -201,10 +201,10 @@ fn a_joint_breaks_away_at_its_static_friction_and_turns_with_its_dynamic_one() {
                 run(&mut s, 0.02 * f64::from(i), 0.01);
             }
             run(&mut s, 2.0, 0.01);
-            let (q, v) = (s.state().q[0], s.state().v[0]);
+            let (q, v) = (s.state().physical.q[0], s.state().physical.v[0]);
             if moves {
                 run(&mut s, 3.0, 0.01);
-                let a = s.state().v[0] - v;
+                let a = s.state().physical.v[0] - v;
                 let expected = (effort - 0.4) / INERTIA;
                 assert!(
                     (a - expected).abs() < 1e-4 * expected,
@@ -212,7 +212,7 @@ fn a_joint_breaks_away_at_its_static_friction_and_turns_with_its_dynamic_one() {
                 );
             } else {
                 run(&mut s, 62.0, 0.1);
-                assert!((s.state().q[0] - q).abs() < 1e-12, "{mode:?}");
+                assert!((s.state().physical.q[0] - q).abs() < 1e-12, "{mode:?}");
             }
         }
     }

@@ -9,10 +9,12 @@ use crate::model::{Model, Motion};
 use crate::parameters::Parameters;
 use crate::simulation::Simulation;
 use crate::spatial::{Pose, RigidInertia, Vec3};
-use crate::step::control::Stepper;
+use crate::state::{Counters, Physical};
+use crate::step::driver::Stepper;
+use crate::step::explicit::Plan;
+use crate::step::explicit::tableau::{BOGACKI_SHAMPINE, DORMAND_PRINCE, KENNEDY_CARPENTER, Pair};
+use crate::step::fixed::{Methods, Outcome, Part};
 use crate::step::point::Context;
-use crate::step::runge_kutta::{BOGACKI_SHAMPINE, DORMAND_PRINCE, KENNEDY_CARPENTER, Pair};
-use crate::step::smooth::accept_explicit;
 use crate::testing::{Builder, Random, inertia, random_tree};
 use crate::tuning::Rules;
 use claim::hold_wide;
@@ -82,32 +84,53 @@ fn end_by(model: &Model, method: Method, count: u32, articulated: bool) -> Vec<f
         } else {
             0.0
         },
+        budget: u64::MAX,
         rules: &Rules::ALL,
     };
     let mut state = simulation.state().clone();
     let mut stepper = Stepper::new(model, ctx.tree);
     for _ in 0..count {
-        stepper.start.update(&ctx, &state, h);
+        let from = &state.physical;
+        stepper.here.update(&ctx, from, h);
+        stepper.attempt.begin(&state);
         match method {
             Method::Explicit(pair) => {
-                stepper.explicit.restart();
-                stepper.explicit_step(&ctx, pair, &state, h);
-                accept_explicit(&mut stepper.explicit, pair, &mut state);
+                let plan = Plan { pair, h };
+                stepper.explicit.integrator.restart();
+                stepper.explicit.attempt(&ctx, &stepper.here, from, plan);
+                stepper.explicit.finish(pair, &mut stepper.attempt);
             }
             Method::Doubled => {
                 // Sharper than any tolerance asks: the iterations' end must not blur the order.
-                assert!(stepper.full_solve(&ctx, &mut state, h, 1e-12));
-                let error = stepper.doubled_step(&ctx, &mut state, h, 1e-12);
+                let (here, lengths) = (&mut stepper.here, [h, 1e-12]);
+                assert!(stepper.implicit.solve(&ctx, here, from, lengths));
+                let error = stepper.implicit.halves(&ctx, here, from, lengths);
                 assert!(error.is_finite());
-                stepper.accept_doubled(&ctx, &mut state, h, true);
+                let points = (&stepper.here, &mut stepper.there);
+                let attempt = &mut stepper.attempt;
+                stepper
+                    .implicit
+                    .finish(&ctx, points, from, (h, true), attempt);
             }
             Method::Fixed => {
-                let taken = stepper.fixed_implicit_step(&ctx, &mut state, [h, 1.0], false);
-                assert!(taken.expect("finite"));
+                let mut methods = Methods {
+                    here: &mut stepper.here,
+                    there: &mut stepper.there,
+                    implicit: &mut stepper.implicit,
+                    explicit: &mut stepper.explicit,
+                };
+                let part = (Part { h, whole: 1.0 }, false);
+                let mut counters = Counters::default();
+                let found = (&mut stepper.attempt, &mut counters);
+                let fixed = &mut stepper.fixed;
+                let outcome = fixed.attempt_implicit(&ctx, &mut methods, &state, part, found);
+                assert_eq!(outcome, Outcome::Good);
             }
         }
+        stepper.attempt.accept(&mut state);
     }
-    state.q.iter().chain(&state.v).copied().collect()
+    let Physical { q, v, .. } = &state.physical;
+    q.iter().chain(v).copied().collect()
 }
 
 /// A6. The error falls with the order of the method: 5 and 3 for the explicit pairs, 4 for the one that takes damping

@@ -90,7 +90,11 @@ fn the_communication_step_does_not_change_the_result_beyond_the_tolerance() {
         b.model.initial.angular_velocity.z = 2.0;
         let mut s = start(b.model, 1e-4);
         run(&mut s, 1.0, h);
-        ends.push(Vec3::new(s.state().q[0], s.state().q[1], s.state().q[6]));
+        ends.push(Vec3::new(
+            s.state().physical.q[0],
+            s.state().physical.q[1],
+            s.state().physical.q[6],
+        ));
     }
     for end in &ends {
         assert!((end - ends[0]).norm() < 1e-3, "{ends:?}");
@@ -239,8 +243,12 @@ fn random_robots_under_random_commands_stay_finite() {
             assert!(result.is_ok(), "seed {seed}, t = {t}: {result:?}");
         }
         // Not stalled, either: chattering contacts of gram-sized links on tonnes do not drive the step to nothing.
-        let taken = s.state().counters[0] + s.state().counters[1];
-        assert!(taken < 100_000, "seed {seed}: {:?}", s.state().counters);
+        let taken = s.state().stepping.counters.steps + s.state().stepping.counters.rejected;
+        assert!(
+            taken < 100_000,
+            "seed {seed}: {:?}",
+            s.state().stepping.counters
+        );
     }
 }
 
@@ -254,7 +262,11 @@ fn tighter_tolerances_converge_through_contact_and_friction() {
         b.model.initial.angular_velocity = Vec3::new(0.3, 0.2, 1.0);
         let mut s = start(b.model, tolerance);
         run(&mut s, 0.5, 0.05);
-        Vec3::new(s.state().q[0], s.state().q[1], s.state().q[6])
+        Vec3::new(
+            s.state().physical.q[0],
+            s.state().physical.q[1],
+            s.state().physical.q[6],
+        )
     };
     let exact = end(1e-8);
     let errors: Vec<f64> = [1e-3, 1e-4, 1e-5, 1e-6]
@@ -301,9 +313,9 @@ fn a_link_stuck_deep_in_the_ground_stays_finite() {
             let mut s = start(b.model, 1e-3);
             run(&mut s, 1.0, 1.0 / 240.0);
             assert!(
-                s.state().v.iter().all(|v| v.abs() < 10.0),
+                s.state().physical.v.iter().all(|v| v.abs() < 10.0),
                 "{rpy} {:?}",
-                s.state().v
+                s.state().physical.v
             );
         }
     }
@@ -328,9 +340,9 @@ fn an_absurd_initial_speed_does_not_stall_the_host() {
     }
     assert!(s.state().is_finite());
     assert!(
-        s.state().counters[0] + s.state().counters[1] < 100_000,
+        s.state().stepping.counters.steps + s.state().stepping.counters.rejected < 100_000,
         "{:?}",
-        s.state().counters
+        s.state().stepping.counters
     );
 }
 
@@ -351,7 +363,11 @@ fn a_released_motor_leaves_its_joint_alone() {
         s.set_input(InputSlot::Position(ActuatorId(0)), 1.0);
         s.set_input(InputSlot::Velocity(ActuatorId(0)), 1.0);
         run(&mut s, 1.0, 0.01);
-        assert_eq!((s.state().q[0], s.state().v[0]), (0.0, 0.0), "{mode:?}");
+        assert_eq!(
+            (s.state().physical.q[0], s.state().physical.v[0]),
+            (0.0, 0.0),
+            "{mode:?}"
+        );
     }
 }
 
@@ -366,16 +382,16 @@ fn a_servo_pressed_against_a_limit_rests() {
     run(&mut s, 2.0, 1.0 / 240.0);
     let expected = 0.1 + 500.0 / s.tree().dofs.limit_stiffness[0];
     assert!(
-        (s.state().q[0] - expected).abs() < 1e-8,
+        (s.state().physical.q[0] - expected).abs() < 1e-8,
         "{} {expected}",
-        s.state().q[0]
+        s.state().physical.q[0]
     );
-    let steps = s.state().counters[0];
+    let steps = s.state().stepping.counters.steps;
     run(&mut s, 3.0, 1.0);
     assert!(
-        s.state().counters[0] < steps + 3,
+        s.state().stepping.counters.steps < steps + 3,
         "{:?}",
-        s.state().counters
+        s.state().stepping.counters
     );
 }
 
@@ -398,7 +414,10 @@ fn a_restored_state_is_pushed_as_when_it_was_saved() {
     s.reset();
     s.initialize(0.0).expect("a sound model");
     run(&mut s, 0.5, 0.01);
-    assert!(s.state().q[0].abs() < 1e-9, "a reset robot is not pushed");
+    assert!(
+        s.state().physical.q[0].abs() < 1e-9,
+        "a reset robot is not pushed"
+    );
 }
 
 /// Found by fuzzing saved states: 5e-324 s would have been the step, and 1e319 of them a communication step.
@@ -413,7 +432,11 @@ fn a_fixed_step_that_never_ends_is_refused_or_raised() {
     model.solver.step_size = 5e-324;
     let mut s = start(model, 1e-3);
     s.advance_to(1e-4).expect("finite");
-    assert!(s.state().counters[0] <= 1001, "{:?}", s.state().counters);
+    assert!(
+        s.state().stepping.counters.steps <= 1001,
+        "{:?}",
+        s.state().stepping.counters
+    );
 }
 
 /// Limp arms of a long chain whirl at hundreds of rad/s: fixed steps that took them a radian at a time used to feed them
@@ -445,7 +468,7 @@ fn fixed_steps_follow_what_whirls_and_leave_wheels_alone() {
         let before = s.output(OutputSlot::EnergyKinetic);
         run(&mut s, 5.0, 1.0 / 240.0);
         let gained = s.output(OutputSlot::EnergyKinetic) / before - 1.0;
-        (gained, s.state().counters[0])
+        (gained, s.state().stepping.counters.steps)
     };
     let (gained, steps) = whirl(0.1);
     assert!(gained.abs() < 0.1, "{gained}");
@@ -460,7 +483,7 @@ fn fixed_steps_follow_what_whirls_and_leave_wheels_alone() {
 fn a_saved_state_whose_steps_go_back_is_refused() {
     let mut s = start(block(1.0, 0.5).model, 1e-3);
     let model = s.model().clone();
-    s.state_mut().step[0] = -1e10;
+    s.state_mut().stepping.sizes.proposed = -1e10;
     let bytes = s.save().to_bytes();
     assert!(crate::simulation::Snapshot::from_bytes(&model, &bytes).is_err());
 }
@@ -516,5 +539,9 @@ fn no_part_of_a_fixed_step_is_shorter_than_a_fixed_step_may_be() {
     let mut s = start(b.model, 1e-3);
     // Whether it ends well is not the question here.
     _ = s.advance_to(2e-6);
-    assert!(s.state().counters[0] <= 20, "{:?}", s.state().counters);
+    assert!(
+        s.state().stepping.counters.steps <= 20,
+        "{:?}",
+        s.state().stepping.counters
+    );
 }

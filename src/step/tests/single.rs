@@ -31,11 +31,11 @@ fn swung(saved: &crate::simulation::Snapshot, tolerance: f64, h: f64) -> ([f64; 
     for i in 1..=count as u32 {
         s.advance_to(begin + 0.1 * f64::from(i) / count)
             .expect("finite");
-        let uses = s.state().lag.uses;
+        let uses = s.state().stepping.lag.uses;
         singly += f64::from(u8::from(uses < before)) / count;
         before = uses;
     }
-    ([s.state().q[0], s.state().q[1]], singly)
+    ([s.state().physical.q[0], s.state().physical.q[1]], singly)
 }
 
 /// Tolerance of what the others are compared with.
@@ -82,11 +82,14 @@ fn what_a_motor_holds_comes_to_rest_at_any_stiffness_and_communication_step() {
             let (mut before, mut singly) = (0.0, 0);
             for i in 1..=(3.0 / h) as u32 {
                 s.advance_to(f64::from(i) * h).expect("finite");
-                let uses = s.state().lag.uses;
+                let uses = s.state().stepping.lag.uses;
                 singly += u32::from(uses < before);
                 before = uses;
             }
-            assert!(s.state().v[0].abs() < f64::MIN_POSITIVE, "{mass} kg, {h} s");
+            assert!(
+                s.state().physical.v[0].abs() < f64::MIN_POSITIVE,
+                "{mass} kg, {h} s"
+            );
             assert!(singly > 0, "{mass} kg, {h} s");
         }
     }
@@ -111,16 +114,17 @@ fn contact_impulses_change_the_momentum_whether_steps_take_one_solve_or_three() 
     let h = 1e-3;
     run(&mut s, 0.5, h);
     s.set_input(InputSlot::Position(ActuatorId(0)), 0.02);
-    let momentum = |s: &Simulation| (mass + load) * s.state().v[5] + load * s.state().v[6];
+    let momentum =
+        |s: &Simulation| (mass + load) * s.state().physical.v[5] + load * s.state().physical.v[6];
     let weight = (mass + load) * G;
     let (mut before, mut singly, mut changed) = (momentum(&s), 0, 0.0_f64);
     for _ in 0..200 {
-        let uses = s.state().lag.uses;
+        let uses = s.state().stepping.lag.uses;
         let end = s.time() + h;
         s.advance_to(end).expect("finite");
-        singly += u32::from(s.state().lag.uses < uses);
+        singly += u32::from(s.state().stepping.lag.uses < uses);
         let after = momentum(&s);
-        let force: f64 = s.state().impulse.iter().map(|i| i[2]).sum::<f64>() / h;
+        let force: f64 = s.state().stepping.impulse.iter().map(|i| i[2]).sum::<f64>() / h;
         changed = changed.max((force - weight).abs());
         let off = force - weight - (after - before) / h;
         assert!(off.abs() < 1e-3 * weight, "{off} N after {} s", s.time());

@@ -35,18 +35,18 @@ fn a_rolling_ball_slows_down_by_its_rolling_friction_and_stands() {
         b.model.initial.angular_velocity.y = v0 / RADIUS;
         let mut s = started(b, mode);
         run(&mut s, 1.0, 0.01);
-        let v1 = s.state().v[3];
+        let v1 = s.state().physical.v[3];
         run(&mut s, 3.0, 0.01);
-        let found = 0.5 * (v1 - s.state().v[3]);
+        let found = 0.5 * (v1 - s.state().physical.v[3]);
         assert!((found - a).abs() < 1e-4 * a, "{mode:?}: {found} {a}");
         run(&mut s, 6.0, 0.01);
-        let x = s.state().q[0];
+        let x = s.state().physical.q[0];
         // The element gives by a milliradian and more before it holds: 4 · 1e-3 R.
         assert!((x - v0 * v0 / (2.0 * a)).abs() < 1e-3, "{mode:?}: {x}");
         run(&mut s, 10.0, 0.01);
-        let x = s.state().q[0];
+        let x = s.state().physical.q[0];
         run(&mut s, 70.0, 0.1);
-        assert!((s.state().q[0] - x).abs() < 1e-12, "{mode:?}");
+        assert!((s.state().physical.q[0] - x).abs() < 1e-12, "{mode:?}");
     }
 }
 
@@ -74,9 +74,9 @@ fn a_rolling_cylinder_slows_down_by_its_rolling_friction() {
         });
         let mut s = started(b, mode);
         run(&mut s, 1.0, 0.01);
-        let v1 = s.state().v[3];
+        let v1 = s.state().physical.v[3];
         run(&mut s, 3.0, 0.01);
-        let found = 0.5 * (v1 - s.state().v[3]);
+        let found = 0.5 * (v1 - s.state().physical.v[3]);
         assert!((found - a).abs() < 1e-4 * a, "{mode:?}: {found} {a}");
     }
 }
@@ -91,11 +91,11 @@ fn a_ball_stands_for_an_hour_on_a_slope_below_its_rolling_threshold_and_rolls_ab
         b.model.world.gravity = slope(0.9 * limit);
         let mut s = started(b, mode);
         run(&mut s, 10.0, 0.1);
-        let x = s.state().q[0];
+        let x = s.state().physical.q[0];
         // Released into the load, it first gives way by some milliradians: BREAKAWAY at four times the load.
         assert!(x < 1e-2 * RADIUS, "{mode:?}: {x}");
         run(&mut s, 3610.0, 1.0);
-        let creep = (s.state().q[0] - x).abs();
+        let creep = (s.state().physical.q[0] - x).abs();
         assert!(creep < 1e-9, "{mode:?}: {creep}");
 
         let mut b = ball(c, 0.0);
@@ -103,9 +103,9 @@ fn a_ball_stands_for_an_hour_on_a_slope_below_its_rolling_threshold_and_rolls_ab
         b.model.world.gravity = slope(angle);
         let mut s = started(b, mode);
         run(&mut s, 2.0, 0.01);
-        let v1 = s.state().v[3];
+        let v1 = s.state().physical.v[3];
         run(&mut s, 6.0, 0.01);
-        let a = 0.25 * (s.state().v[3] - v1);
+        let a = 0.25 * (s.state().physical.v[3] - v1);
         let expected = 5.0 / 7.0 * G * (libm::sin(angle) - c / RADIUS * libm::cos(angle));
         assert!(
             (a - expected).abs() < 1e-3 * expected,
@@ -124,16 +124,16 @@ fn a_spinning_ball_slows_down_by_its_torsional_friction_alone() {
             b.model.initial.angular_velocity.z = 10.0;
             let mut s = started(b, mode);
             run(&mut s, 0.5, 0.01);
-            let w = s.state().v[2];
+            let w = s.state().physical.v[2];
             run(&mut s, 2.5, 0.01);
-            let found = 0.5 * (w - s.state().v[2]);
+            let found = 0.5 * (w - s.state().physical.v[2]);
             let expected = torsional * G / 4e-3;
             assert!(
                 (found - expected).abs() < 1e-4,
                 "{mode:?}: {found} {expected}"
             );
             run(&mut s, 10.0, 0.01);
-            let spins = s.state().v[2].abs() > 1e-9;
+            let spins = s.state().physical.v[2].abs() > 1e-9;
             assert_eq!(spins, torsional == 0.0, "{mode:?}");
         }
     }
@@ -175,15 +175,15 @@ fn a_block_breaks_away_at_its_static_friction_and_slides_with_its_dynamic_one() 
                 run(&mut s, end, 0.01);
             }
             run(&mut s, 3.0, 0.01);
-            let (x, v) = (s.state().q[0], s.state().v[3]);
+            let (x, v) = (s.state().physical.q[0], s.state().physical.v[3]);
             if moves {
                 run(&mut s, 4.0, 0.01);
-                let a = s.state().v[3] - v;
+                let a = s.state().physical.v[3] - v;
                 let expected = (share * rest - sliding) * G;
                 assert!((a - expected).abs() < 1e-4 * expected, "{mode:?}: {a}");
             } else {
                 run(&mut s, 63.0, 0.1);
-                let moved = s.state().q[0] - x;
+                let moved = s.state().physical.q[0] - x;
                 assert!(moved.abs() < 1e-9, "{mode:?}: {moved}");
             }
         }
@@ -206,11 +206,11 @@ fn a_sliding_block_stops_after_the_distance_of_its_dynamic_friction() {
         b.model.initial.position.z = 0.1 - 1e-4;
         let mut s = started(b, mode);
         run(&mut s, 1.0, 0.01);
-        let x = s.state().q[0];
+        let x = s.state().physical.q[0];
         let expected = 1.0 / (2.0 * sliding * G);
         // Fixed steps are of first order: half a step at the initial speed.
         let allowed = if mode.0 > 0.0 { 0.5 * mode.0 } else { 2e-4 };
         assert!((x - expected).abs() < allowed, "{mode:?}: {x} {expected}");
-        assert!(s.state().v[3].abs() < 1e-9, "{mode:?}");
+        assert!(s.state().physical.v[3].abs() < 1e-9, "{mode:?}");
     }
 }

@@ -22,18 +22,18 @@ use crate::step::point::Point;
 
 /// Normal forces of the contacts of a step, N, in the order of its contacts.
 #[derive(Clone, Debug)]
-pub(super) struct Cones {
+pub(in crate::step) struct Cones {
     /// Those at its start, and those that its full solve takes for its end.
     loads: Vec<[f64; 2]>,
     /// What the last solve has found more than it took.
     excess: Vec<f64>,
     /// Whether the cones of the contacts are not those of the start.
-    pub(super) moved: bool,
+    pub(in crate::step) moved: bool,
 }
 
 impl Cones {
     /// Room for `slots` contacts.
-    pub(super) fn new(slots: usize) -> Self {
+    pub(in crate::step) fn new(slots: usize) -> Self {
         Self {
             loads: Vec::with_capacity(slots),
             excess: Vec::with_capacity(slots),
@@ -44,7 +44,7 @@ impl Cones {
     /// Friction that a solve over `h` seconds has had too little or too much of, by the normal forces that it has found, N.
     /// Contacts that the step resolves do not count: those on which `mass`, kg, answers more slowly, and which are deeper
     /// than `tolerance`, m.
-    pub(super) fn lag(
+    pub(in crate::step) fn lag(
         start: &Point,
         solved: &Newton,
         (mass, tolerance): (f64, f64),
@@ -69,7 +69,7 @@ impl Cones {
     }
 
     /// Takes the normal forces that the solve over `h` seconds with the cones of the start has found.
-    pub(super) fn begin(&mut self, start: &Point, solved: &Newton, h: f64) {
+    pub(in crate::step) fn begin(&mut self, start: &Point, solved: &Newton, h: f64) {
         self.loads.clear();
         self.excess.clear();
         for (contact, response) in start.terms.contacts.iter().zip(&solved.responses.contacts) {
@@ -81,7 +81,7 @@ impl Cones {
     }
 
     /// Takes what the last two solves, over `h` seconds, say together.
-    pub(super) fn improve(&mut self, start: &Point, solved: &Newton, h: f64) {
+    pub(in crate::step) fn improve(&mut self, start: &Point, solved: &Newton, h: f64) {
         let solutions = || start.terms.contacts.iter().zip(&solved.responses.contacts);
         let (mut along, mut squared) = (0.0, 0.0);
         let rows = self.loads.iter().zip(&self.excess).zip(solutions());
@@ -106,7 +106,7 @@ impl Cones {
     }
 
     /// Sets the cones of the step's contacts to those at `share` of its length.
-    pub(super) fn set(&mut self, start: &mut Point, share: f64) {
+    pub(in crate::step) fn set(&mut self, start: &mut Point, share: f64) {
         self.moved = share > 0.0;
         for (contact, [a, b]) in start.terms.contacts.iter_mut().zip(&self.loads) {
             contact.carry(a + share * (b - a));
@@ -118,7 +118,7 @@ impl Cones {
     }
 
     /// Sets the cones of contacts in the middle of the step to those at its end; who has touched down since keeps its own.
-    pub(super) fn carry(&self, start: &Point, middle: &mut Point) {
+    pub(in crate::step) fn carry(&self, start: &Point, middle: &mut Point) {
         let mut known = start.terms.contacts.iter().zip(&self.loads).peekable();
         let mut turns = middle.terms.turns.iter_mut().peekable();
         for (place, contact) in middle.terms.contacts.iter_mut().enumerate() {

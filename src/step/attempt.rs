@@ -1,0 +1,82 @@
+//! A try of a step: where it leads. It is accepted whole or dropped.
+
+use crate::model::Model;
+use crate::state::{Physical, State};
+use crate::step::convex::Newton;
+use crate::step::point::Point;
+
+/// A try of a step. [`Self::accept`] is the one place where steps write what a robot is in.
+#[derive(Clone, Debug)]
+pub struct Attempt {
+    /// Positions, velocities and memory at its end.
+    pub end: Physical,
+    /// Contact impulse per link from the last communication point to its end, world axes, N·s.
+    pub impulse: Vec<[f64; 3]>,
+    /// Mean acceleration over it, `nv`; 0 after an explicit step.
+    pub trend: Vec<f64>,
+}
+
+impl Attempt {
+    /// Room for a robot.
+    pub fn new(model: &Model) -> Self {
+        Self {
+            end: Physical::new(model),
+            impulse: vec![[0.0; 3]; model.links.len()],
+            trend: vec![0.0; model.nv()],
+        }
+    }
+
+    /// Begins a try from `state`: no impulse yet but those of the steps before.
+    pub(super) fn begin(&mut self, state: &State) {
+        self.impulse.copy_from_slice(&state.stepping.impulse);
+    }
+
+    /// Begins a try that leaves everything as it is in `state`.
+    pub(super) fn stay(&mut self, state: &State) {
+        self.begin(state);
+        self.end.copy_from(&state.physical);
+        self.trend.copy_from_slice(&state.stepping.trend);
+    }
+
+    /// Takes velocities and memory from a solve over `h` seconds from `point`; positions are the
+    /// caller's.
+    pub(super) fn take_solved(&mut self, point: &Point, solved: &Newton, h: f64) {
+        take_solved(&mut self.end, point, solved, h);
+    }
+
+    /// Adds `share` times the contact impulses that a solve from `point` has found.
+    pub(super) fn add_impulses(&mut self, point: &Point, solved: &Newton, share: f64) {
+        add_impulses(&mut self.impulse, point, solved, share);
+    }
+
+    /// Sets the mean acceleration of a step of `h` seconds that began with the velocities `v`.
+    pub(super) fn end_trend(&mut self, v: &[f64], h: f64) {
+        for ((trend, end), start) in self.trend.iter_mut().zip(&self.end.v).zip(v) {
+            *trend = (end - start) / h;
+        }
+    }
+
+    /// Makes it the state. What is left here is where the step began.
+    pub(super) fn accept(&mut self, state: &mut State) {
+        std::mem::swap(&mut self.end, &mut state.physical);
+        std::mem::swap(&mut self.impulse, &mut state.stepping.impulse);
+        std::mem::swap(&mut self.trend, &mut state.stepping.trend);
+    }
+}
+
+/// Velocities and memory after a solve over `h` seconds from `point`; positions are the caller's.
+pub(super) fn take_solved(end: &mut Physical, point: &Point, solved: &Newton, h: f64) {
+    end.v.copy_from_slice(&solved.v);
+    let terms = &point.terms;
+    terms.remember(&solved.solved(), h, &mut end.memory);
+}
+
+/// Adds `share` times the contact impulses that a solve from `point` has found to their links.
+pub(super) fn add_impulses(sums: &mut [[f64; 3]], point: &Point, solved: &Newton, share: f64) {
+    for (contact, response) in point.terms.contacts.iter().zip(&solved.responses.contacts) {
+        let sum = &mut sums[contact.link];
+        for (sum, x) in sum.iter_mut().zip(response.impulse.iter()) {
+            *sum += share * x;
+        }
+    }
+}

@@ -1,0 +1,497 @@
+//! From one communication point to the next: propose a step, cap it, try it, guard it, accept it.
+//!
+//! Only this file knows the methods: explicit steps where nothing stiff acts, else implicit steps;
+//! steps of a length that the user fixes are in `fixed`. A try ([`Attempt`]) is accepted whole or
+//! dropped. The last step of a way lands on the communication point to the bit.
+
+use crate::model::Model;
+use crate::state::State;
+use crate::step::attempt::Attempt;
+use crate::step::caps;
+use crate::step::explicit::{self, Explicit, Plan};
+use crate::step::fixed::{self, Fixed, Methods, Outcome, Part};
+use crate::step::flight::Flight;
+use crate::step::implicit::{Implicit, Single};
+use crate::step::point::{Context, Point};
+use crate::step::size::{Standing, Tried, Verdict, Way, grown, landing};
+use crate::tree::Tree;
+use crate::tuning::{
+    BALANCE, BALANCES, EXPLICIT_SAFETY, FIXED_ACCURACY, FIXED_BALANCE, GROWTH, GUESS, GUESSES,
+    IMPLICIT_SAFETY, LEAST_ERROR, MAX_STEP, REST_SPEED, SHORT_SHARE, STEP_ROUND_OFF,
+};
+
+/// Why a communication step was not taken.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stop {
+    /// The state stopped being finite at the smallest step.
+    NotFinite,
+    /// More steps were tried than [`Context::budget`] allows.
+    Budget,
+}
+
+/// All scratch of a communication step, sized once. Filling it with NaN between steps changes
+/// nothing.
+#[derive(Clone, Debug)]
+pub struct Stepper {
+    /// Where a step begins.
+    pub here: Point,
+    /// Where it ends.
+    pub(super) there: Point,
+    pub(super) implicit: Implicit,
+    pub(super) explicit: Explicit,
+    pub(super) fixed: Fixed,
+    pub(super) attempt: Attempt,
+    /// The state at the last communication point.
+    backup: State,
+    /// Steps tried since then.
+    tried: u64,
+}
+
+impl Stepper {
+    /// Room for a robot.
+    pub fn new(model: &Model, tree: &Tree) -> Self {
+        Self {
+            here: Point::new(model, tree),
+            there: Point::new(model, tree),
+            implicit: Implicit::new(model, tree),
+            explicit: Explicit::new(model, tree),
+            fixed: Fixed::new(model),
+            attempt: Attempt::new(model),
+            backup: State::new(model),
+            tried: 0,
+        }
+    }
+
+    /// Simulates `state` up to exactly `end`.
+    ///
+    /// # Errors
+    /// [`Stop`]; `state` is then what it was.
+    pub fn advance(&mut self, ctx: &Context, state: &mut State, end: f64) -> Result<(), Stop> {
+        self.backup.copy_from(state);
+        (self.tried, self.implicit.iterations) = (0, 0);
+        state.stepping.last_step = end - state.time;
+        state.stepping.impulse.fill([0.0; 3]);
+        let mut result = if ctx.fixed_step > 0.0 {
+            self.advance_fixed(ctx, state, end)
+        } else {
+            self.advance_controlled(ctx, state, end)
+        };
+        if !state.physical.is_finite() {
+            result = result.and(Err(Stop::NotFinite));
+        }
+        if result.is_err() {
+            state.copy_from(&self.backup);
+            return result;
+        }
+        state.time = end;
+        let stepping = &mut state.stepping;
+        stepping.ahead.changed = 0.0;
+        let newton_max = &mut stepping.counters.newton_max;
+        *newton_max = (*newton_max).max(self.implicit.iterations as u64);
+        for (index, last) in stepping.commands.iter_mut().enumerate() {
+            *last = ctx.inputs.values(index, stepping.last_step);
+        }
+        Ok(())
+    }
+
+    /// Enters a try, and refuses it where there have been too many.
+    pub(super) fn begin_try(&mut self, ctx: &Context) -> Result<(), Stop> {
+        self.tried += 1;
+        if self.tried > ctx.budget {
+            Err(Stop::Budget)
+        } else {
+            Ok(())
+        }
+    }
+
+    fn advance_controlled(
+        &mut self,
+        ctx: &Context,
+        state: &mut State,
+        end: f64,
+    ) -> Result<(), Stop> {
+        let flight = Flight::begin(ctx, state, &mut self.there.kin);
+        let sizes = state.stepping.sizes;
+        let mut way = Way::new(state.time, end, sizes.proposed);
+        way.jumped = state.stepping.ahead.changed != 0.0;
+        if way.jumped {
+            // Begin with what was good after the last jump.
+            way.proposed = way.proposed.min(sizes.after_jump);
+        }
+        way.done = self.follow(ctx, state, end);
+        if flight.is_some() && way.done == 0.0 {
+            way.standing = Standing::Posed;
+        }
+        self.walk(ctx, state, way)?;
+        if let Some(flight) = &flight {
+            let (h, scratch) = (end - state.time, (&mut self.there.kin, &mut self.attempt));
+            if flight.keep(ctx, state, h, scratch) {
+                self.attempt.accept(state);
+            }
+        }
+        Ok(())
+    }
+
+    /// Goes along the smooth step under way, at most to `end`; returns how far.
+    fn follow(&mut self, ctx: &Context, state: &mut State, end: f64) -> f64 {
+        let ahead = &state.stepping.ahead;
+        if ahead.is_empty() {
+            return 0.0;
+        }
+        let (last, begin) = (ahead.end(), state.time);
+        self.attempt.stay(state);
+        let (q, v) = (&mut self.attempt.end.q, &mut self.attempt.end.v);
+        ahead.evaluate(ctx.tree, end.min(last), q, v);
+        self.attempt.accept(state);
+        if end < last {
+            return end - begin;
+        }
+        state.stepping.ahead.clear();
+        (last - begin).min(end - begin)
+    }
+
+    /// Goes from `begin` to `end` under error control in the midst of fixed steps.
+    pub(super) fn advance_between(
+        &mut self,
+        ctx: &Context,
+        state: &mut State,
+        begin: f64,
+        end: f64,
+    ) -> Result<(), Stop> {
+        // What error control takes may be as stiff as it is.
+        let ctx = &Context {
+            fixed_step: 0.0,
+            ..*ctx
+        };
+        let proposed = state.stepping.sizes.proposed;
+        self.walk(ctx, state, Way::new(begin, end, proposed))?;
+        // The fixed steps go on from here.
+        state.stepping.ahead.clear();
+        state.stepping.lag.clear();
+        Ok(())
+    }
+
+    /// Takes steps as long as the error allows until the way is gone.
+    fn walk(&mut self, ctx: &Context, state: &mut State, mut way: Way) -> Result<(), Stop> {
+        while way.remaining() > 0.0 {
+            let ctx = &ctx.after(way.done);
+            self.stand(ctx, state, &mut way);
+            let lengths = [way.proposed, way.remaining()];
+            if let Some(plan) = explicit::plan(ctx, &self.here, state, lengths) {
+                self.go_explicitly(ctx, state, &mut way, plan)?;
+            } else {
+                self.go_implicitly(ctx, state, &mut way)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Brings `self.here` to the state, as far as an explicit step needs it.
+    fn stand(&mut self, ctx: &Context, state: &State, way: &mut Way) {
+        match way.standing {
+            Standing::Current => return,
+            Standing::Posed => std::mem::swap(&mut self.here.kin, &mut self.there.kin),
+            Standing::Nowhere => self.here.pose(ctx, &state.physical),
+        }
+        let h = landing(way.proposed.min(MAX_STEP), way.remaining());
+        self.here.update_smooth(ctx, &state.physical, h);
+        self.explicit.integrator.restart();
+        way.standing = Standing::Nowhere;
+    }
+
+    /// Tries an explicit step.
+    fn go_explicitly(
+        &mut self,
+        ctx: &Context,
+        state: &mut State,
+        way: &mut Way,
+        plan: Plan,
+    ) -> Result<(), Stop> {
+        self.begin_try(ctx)?;
+        let (Plan { pair, h }, remaining) = (plan, way.remaining());
+        let error = self
+            .explicit
+            .attempt(ctx, &self.here, &state.physical, plan);
+        let power = -1.0 / f64::from(pair.order);
+        let factor = EXPLICIT_SAFETY * libm::pow(error.max(LEAST_ERROR.1), power);
+        let factor = factor.clamp(GROWTH.0, GROWTH.1);
+        way.standing = Standing::Current;
+        let tried = Tried {
+            h,
+            error,
+            factor,
+            ease: h * factor,
+            next: explicit::next_proposal(ctx, way.proposed, plan, factor),
+        };
+        match way.judge(ctx, &mut state.stepping, &tried) {
+            Verdict::Accept => {}
+            Verdict::Retry => return Ok(()),
+            Verdict::Fail => return Err(Stop::NotFinite),
+        }
+        state.stepping.lag.clear();
+        self.attempt.begin(state);
+        if h > remaining {
+            let times = [way.begin + way.done, way.end];
+            let found = (&mut state.stepping.ahead, &mut self.attempt);
+            self.explicit
+                .finish_ahead(ctx.tree, plan, &state.physical, times, found);
+            self.attempt.accept(state);
+            way.arrive();
+            return Ok(());
+        }
+        self.explicit.finish(pair, &mut self.attempt);
+        self.attempt.accept(state);
+        way.go(h);
+        if pair.is_explicit() {
+            // The last stage stands at the new state: it tells whether the next step may be
+            // explicit, too.
+            std::mem::swap(&mut self.here.kin, &mut self.explicit.end);
+            let next = landing(way.proposed.min(MAX_STEP), way.remaining());
+            self.here.find_terms(&ctx.after(h), &state.physical, next);
+        } else {
+            way.standing = Standing::Nowhere;
+        }
+        Ok(())
+    }
+
+    /// Takes an implicit step: as long as the error allows, or all the rest of the way where the
+    /// robot stays.
+    fn go_implicitly(
+        &mut self,
+        ctx: &Context,
+        state: &mut State,
+        way: &mut Way,
+    ) -> Result<(), Stop> {
+        // Propose.
+        let remaining = way.remaining();
+        let mut h = landing(way.proposed.min(MAX_STEP), remaining);
+        if way.standing == Standing::Current || ctx.tree.long {
+            self.here.update(ctx, &state.physical, h);
+        }
+        way.standing = Standing::Nowhere;
+        self.implicit.restart();
+        // Cap.
+        if way.jumped {
+            way.proposed = caps::by_command(ctx, &self.here, state, [way.proposed, remaining]);
+        }
+        h = h.min(way.proposed);
+        let long = way.proposed.min(MAX_STEP);
+        if caps::may_look_ahead(ctx, &self.here, state, long) {
+            h = long;
+        }
+        let asked = h;
+        h = caps::by_touchdown(ctx, &self.here, &state.physical, h);
+        let uncut = h >= asked;
+        let balance = (BALANCE * ctx.tolerance).clamp(BALANCES.0, BALANCES.1);
+        if self.rest(ctx, state, [h, remaining], balance) {
+            way.arrive();
+            return Ok(());
+        }
+        // Try, guard, accept.
+        let accuracy = (GUESS * ctx.tolerance).clamp(GUESSES.0, GUESSES.1);
+        loop {
+            self.begin_try(ctx)?;
+            let (here, from, lengths) = (&mut self.here, &state.physical, [h, accuracy]);
+            let solved = self.implicit.solve(ctx, here, from, lengths);
+            // Cut short by the communication step: the one solve may do.
+            let short = uncut && !way.jumped && h <= SHORT_SHARE * way.proposed;
+            let short = short && ctx.rules.single && !ctx.inputs.varies();
+            if solved && short && self.go_singly(ctx, state, way, h) {
+                return Ok(());
+            }
+            let (here, from) = (&mut self.here, &state.physical);
+            let error = if solved {
+                self.implicit.halves(ctx, here, from, lengths)
+            } else {
+                f64::INFINITY
+            };
+            let beyond = h > remaining;
+            let ends = self.implicit.after_halves();
+            if beyond && error <= 1.0 && caps::meets_limit(ctx, &self.here, from, ends, h) {
+                // What happens at a limit is no polynomial.
+                state.stepping.counters.rejected += 1;
+                h = remaining;
+                continue;
+            }
+            let factor = IMPLICIT_SAFETY / error.max(LEAST_ERROR.0).sqrt();
+            let factor = factor.clamp(GROWTH.0, GROWTH.1);
+            let next = grown(way.proposed, h, factor);
+            let ended = uncut && !way.jumped;
+            let tried = Tried {
+                h,
+                error,
+                factor,
+                ease: next,
+                next,
+            };
+            match way.judge(ctx, &mut state.stepping, &tried) {
+                Verdict::Accept => {}
+                Verdict::Retry => {
+                    h = way.proposed;
+                    continue;
+                }
+                Verdict::Fail => return Err(Stop::NotFinite),
+            }
+            self.attempt.begin(state);
+            let (from, attempt) = (&state.physical, &mut self.attempt);
+            let points = (&self.here, &mut self.there);
+            let how = (h, error <= 1.0 && ctx.rules.extrapolation);
+            let finish = self.implicit.finish(ctx, points, from, how, attempt);
+            let lag = &mut state.stepping.lag;
+            if finish.extrapolated && ended {
+                self.implicit.measure(&self.here, h, lag);
+            } else {
+                // What a jump or a touch-down ends is not what follows.
+                lag.clear();
+            }
+            if finish.posed {
+                way.standing = Standing::Posed;
+            }
+            if beyond {
+                let (times, end) = ([way.begin + way.done, h, way.end], &mut self.attempt.end);
+                let ahead = &mut state.stepping.ahead;
+                self.implicit.look_ahead(ctx.tree, from, times, ahead, end);
+                way.arrive();
+            } else {
+                way.go(h);
+            }
+            self.attempt.accept(state);
+            return Ok(());
+        }
+    }
+
+    /// Takes the step of `h` seconds that has just been solved as it is, or less its known error,
+    /// if that does; tells whether it does.
+    fn go_singly(&mut self, ctx: &Context, state: &mut State, way: &mut Way, h: f64) -> bool {
+        let single = self
+            .implicit
+            .single(ctx, &self.here, state, h, &mut self.attempt);
+        let lag = &mut state.stepping.lag;
+        match single {
+            Single::No => return false,
+            Single::Plain => lag.clear(),
+            Single::Corrected => {
+                lag.last = h;
+                lag.uses -= 1.0;
+            }
+        }
+        self.attempt.accept(state);
+        way.accept_short(ctx, &mut state.stepping, h);
+        way.go(h);
+        true
+    }
+
+    /// Takes steps of the length that the user has fixed, or hardly shorter, up to `end`.
+    fn advance_fixed(&mut self, ctx: &Context, state: &mut State, end: f64) -> Result<(), Stop> {
+        state.stepping.lag.clear();
+        let span = end - state.time;
+        // Importers' steps carry round-off: a millionth more than a whole number of steps is that
+        // number.
+        let count = libm::ceil(span / ctx.fixed_step - STEP_ROUND_OFF).max(1.0);
+        let h = span / count;
+        let balance = FIXED_BALANCE * FIXED_ACCURACY[0];
+        let mut done = 0.0;
+        while done < count {
+            let ctx = &ctx.after(done * h);
+            self.here.update(ctx, &state.physical, h);
+            if self.rest(ctx, state, [h, span - done * h], balance) {
+                return Ok(());
+            }
+            if fixed::bounces(&self.here, h) {
+                let begin = state.time + done * h;
+                self.advance_between(ctx, state, begin, begin + h)?;
+            } else {
+                self.step_in_parts(ctx, state, h)?;
+            }
+            done += 1.0;
+        }
+        Ok(())
+    }
+
+    /// One fixed step of `h` seconds, from where `self.here` stands: in parts where something
+    /// whirls.
+    fn step_in_parts(&mut self, ctx: &Context, state: &mut State, h: f64) -> Result<(), Stop> {
+        let mut parts = fixed::parts(ctx, &state.physical.v, h);
+        let mut done = 0.0;
+        let mut current = true;
+        while parts > 0.0 {
+            self.begin_try(ctx)?;
+            let part = (h - done) / parts;
+            let ctx = &ctx.after(done);
+            if !current {
+                self.here.update(ctx, &state.physical, part);
+            }
+            current = false;
+            let mut methods = Methods {
+                here: &mut self.here,
+                there: &mut self.there,
+                implicit: &mut self.implicit,
+                explicit: &mut self.explicit,
+            };
+            let mut counters = state.stepping.counters;
+            let lengths = Part { h: part, whole: h };
+            let found = (&mut self.attempt, &mut counters);
+            let outcome = self.fixed.attempt(ctx, &mut methods, state, lengths, found);
+            state.stepping.counters = counters;
+            match outcome {
+                Outcome::Good => {
+                    self.attempt.accept(state);
+                    state.stepping.counters.steps += 1;
+                    done += part;
+                    parts -= 1.0;
+                }
+                Outcome::Bad if fixed::may_be_halved(part, h) => parts *= 2.0,
+                Outcome::Bad => {
+                    // No part is short enough: a limb of grams whirls between tonnes. Error control
+                    // goes down to a tenth of a microsecond.
+                    let begin = state.time + ctx.elapsed;
+                    return self.advance_between(ctx, state, begin, begin + (h - done));
+                }
+                Outcome::NotFinite => return Err(Stop::NotFinite),
+            }
+        }
+        Ok(())
+    }
+
+    /// If the robot stands still and all forces balance, it stays: nothing moves until `remaining`
+    /// has passed. The test does not depend on `h`, so it does not depend on the communication step
+    /// either.
+    ///
+    /// - `accuracy`: imbalance that does not set it going, relative to the forces
+    pub(super) fn rest(
+        &mut self,
+        ctx: &Context,
+        state: &mut State,
+        [h, remaining]: [f64; 2],
+        accuracy: f64,
+    ) -> bool {
+        let speed = state
+            .physical
+            .v
+            .iter()
+            .fold(0.0, |m: f64, v| m.max(v.abs()));
+        // Forces that balance now need not balance later if a command changes.
+        if !ctx.rules.rest || speed >= REST_SPEED || ctx.inputs.varies() {
+            return false;
+        }
+        let (here, attempt) = (&mut self.here, &mut self.attempt);
+        attempt.stay(state);
+        if speed > 0.0 {
+            attempt.end.v.fill(0.0);
+            here.update_motion(ctx, &attempt.end, h);
+        }
+        let solved = &mut self.implicit.full;
+        let balanced = solved.is_balanced(&here.problem(ctx.tree, h, accuracy));
+        if balanced {
+            attempt.trend.fill(0.0);
+            here.terms.drop_unloaded(&mut attempt.end.memory);
+            attempt.add_impulses(here, solved, remaining / h);
+            attempt.accept(state);
+            state.stepping.lag.clear();
+            state.stepping.counters.steps += 1;
+        } else if speed > 0.0 {
+            here.update_motion(ctx, &state.physical, h);
+        }
+        balanced
+    }
+}

@@ -1,0 +1,246 @@
+//! The explicit method: Runge–Kutta steps where nothing stiff acts but damping.
+//!
+//! Dormand–Prince 5(4) takes the long steps; Bogacki–Shampine 3(2) those that end early because the
+//! communication step does; Kennedy–Carpenter, which takes damping implicitly, those in which
+//! damping is faster than the step. While no input changes a step may reach beyond the
+//! communication point, see [`crate::state::ahead`].
+
+pub mod runge_kutta;
+pub mod tableau;
+
+use self::runge_kutta::{RungeKutta, Smooth};
+use self::tableau::{BOGACKI_SHAMPINE, DORMAND_PRINCE, KENNEDY_CARPENTER, Pair};
+use crate::force::{Drive, JointTerm, is_clear};
+use crate::kinematics::Kinematics;
+use crate::model::Model;
+use crate::state::ahead::Ahead;
+use crate::state::{Physical, State};
+use crate::step::attempt::Attempt;
+use crate::step::caps::{may_look_ahead, range};
+use crate::step::guards;
+use crate::step::point::{Context, Point};
+use crate::step::size::{grown, landing, worst_error};
+use crate::tree::Tree;
+use crate::tuning::{GROWTH, HIT, MAX_EXPLICIT_STEP, MAX_STEP, PAIR_EXPONENT, SHORT};
+
+/// An explicit step that may be tried.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Plan {
+    /// The method.
+    pub pair: &'static Pair,
+    /// Its length, s.
+    pub h: f64,
+}
+
+/// The explicit method and its scratch.
+#[derive(Clone, Debug)]
+pub(super) struct Explicit {
+    pub integrator: RungeKutta,
+    /// Poses and velocities where the last try has ended, and unless the tree is long mass matrix
+    /// and bias, where its last stage stands there.
+    pub end: Kinematics,
+}
+
+/// Method and length of the next explicit step: beyond the communication point as long as inputs
+/// stay as they are, else up to it; none where something stiff acts.
+///
+/// - `proposed`: length that the error control proposes, s
+/// - `remaining`: time to the communication point, s
+pub(super) fn plan(
+    ctx: &Context,
+    here: &Point,
+    state: &State,
+    [proposed, remaining]: [f64; 2],
+) -> Option<Plan> {
+    if !ctx.rules.explicit || !nothing_stiff(ctx, here) {
+        return None;
+    }
+    let (v, long) = (&state.physical.v, proposed.min(MAX_EXPLICIT_STEP));
+    if ctx.rules.look_ahead && state.stepping.ahead.changed == 0.0 {
+        if is_free(ctx, here, v, long) {
+            return Some(if resolves_damping(here, long) {
+                Plan {
+                    pair: &DORMAND_PRINCE,
+                    h: long,
+                }
+            } else {
+                Plan {
+                    pair: &KENNEDY_CARPENTER,
+                    h: long.min(MAX_STEP),
+                }
+            });
+        }
+        // Implicit steps reach farther than those that end at the communication point.
+        if may_look_ahead(ctx, here, state, long) {
+            return None;
+        }
+    }
+    let h = landing(long, remaining);
+    if !is_free(ctx, here, v, h) {
+        return None;
+    }
+    let short = h < SHORT * proposed * libm::pow(ctx.tolerance, PAIR_EXPONENT);
+    let pair = match (resolves_damping(here, h), short) {
+        (true, true) => &BOGACKI_SHAMPINE,
+        (true, false) => &DORMAND_PRINCE,
+        (false, false) => &KENNEDY_CARPENTER,
+        // Cut as short as this, one implicit solve may do.
+        (false, true) => return None,
+    };
+    Some(Plan { pair, h })
+}
+
+/// Whether no joint has anything but efforts and gentle damping, and nothing touches.
+fn nothing_stiff(ctx: &Context, here: &Point) -> bool {
+    // A motor that is let go may take hold again within the step.
+    let may_become_stiff = |term: &JointTerm| {
+        ctx.inputs.varies() && term.actuator.is_some() && !matches!(term.drive, Drive::Effort(_))
+    };
+    let gentle =
+        |term: &JointTerm| !term.is_stiff() && !may_become_stiff(term) && term.damping >= 0.0;
+    here.terms.contacts.is_empty() && here.terms.joints.iter().all(gentle)
+}
+
+/// Whether nothing comes near within `h` seconds, and a motor's torque–speed line is resolved.
+fn is_free(ctx: &Context, here: &Point, v: &[f64], h: f64) -> bool {
+    let kin = &here.kin;
+    here.terms.joints.iter().all(|term| {
+        !term.near_limit(v[term.dof], h)
+            && h * term.line.slope() * kin.inverse_diagonal[term.dof] < 1.0
+    }) && is_clear(ctx.tree, kin, h)
+}
+
+/// Whether damping is slower than a step of `h` seconds.
+fn resolves_damping(here: &Point, h: f64) -> bool {
+    let inverse = &here.kin.inverse_diagonal;
+    let mut terms = here.terms.joints.iter();
+    terms.all(|term| h * term.damping * inverse[term.dof] < 1.0)
+}
+
+impl Explicit {
+    /// Room for a robot.
+    pub fn new(model: &Model, tree: &Tree) -> Self {
+        Self {
+            integrator: RungeKutta::new(tree, model.nq),
+            end: Kinematics::new(tree),
+        }
+    }
+
+    /// Tries a step from where `here` stands; returns its error relative to what it may be.
+    pub fn attempt(&mut self, ctx: &Context, here: &Point, from: &Physical, plan: Plan) -> f64 {
+        let Plan { pair, h } = plan;
+        self.run_stages(ctx, pair, here, from, h, true);
+        self.integrator.estimate(pair, ctx.tree, h);
+        let [velocity, position] = &self.integrator.error;
+        let errors = position.iter().copied().zip(velocity.iter().copied());
+        let error = worst_error(errors, &ctx.tree.dofs.weight) / (pair.share * ctx.tolerance);
+        if self.stays_free(ctx, here, from, h) {
+            error
+        } else {
+            error.max(HIT)
+        }
+    }
+
+    fn run_stages(
+        &mut self,
+        ctx: &Context,
+        pair: &Pair,
+        here: &Point,
+        from: &Physical,
+        h: f64,
+        finish: bool,
+    ) {
+        let system = Smooth {
+            ctx: *ctx,
+            joints: &here.terms.joints,
+        };
+        let (start, end) = (&here.kin, &mut self.end);
+        self.integrator
+            .step(pair, &system, start, end, &from.q, &from.v, h, finish);
+    }
+
+    /// Tries a step of `h` seconds, a fixed length, into `attempt` where nothing stiff acts, nothing
+    /// is met and no energy is made beyond a `gain`, where one is given, as a share of kinetic
+    /// energy and weight times reach; tells whether it may be accepted.
+    pub fn attempt_fixed(
+        &mut self,
+        ctx: &Context,
+        here: &Point,
+        state: &State,
+        (h, gain): (f64, Option<f64>),
+        attempt: &mut Attempt,
+    ) -> bool {
+        let from = &state.physical;
+        if !(ctx.rules.explicit
+            && nothing_stiff(ctx, here)
+            && is_free(ctx, here, &from.v, h)
+            && resolves_damping(here, h))
+        {
+            return false;
+        }
+        self.integrator.restart();
+        self.run_stages(ctx, &BOGACKI_SHAMPINE, here, from, h, false);
+        attempt.begin(state);
+        self.finish(&BOGACKI_SHAMPINE, attempt);
+        let gains = |gain: f64| {
+            let books = guards::open_books(ctx, here, from, gain);
+            guards::gains_explicitly(ctx, &books, here, from, (&attempt.end, &self.end))
+        };
+        attempt.end.is_finite() && self.stays_free(ctx, here, from, h) && !gain.is_some_and(gains)
+    }
+
+    /// Whether the step just tried has stayed within all limits, and has ended off the ground.
+    fn stays_free(&self, ctx: &Context, here: &Point, from: &Physical, h: f64) -> bool {
+        let within = here.terms.joints.iter().all(|term| {
+            ctx.tree.dofs.limits[term.dof].is_none_or(|limits| {
+                let (place, dof) = (term.coordinate, term.dof);
+                let (q, v) = (&self.integrator.q, &self.integrator.v);
+                let [low, high] = range([from.q[place], q[place]], [from.v[dof], v[dof]], h);
+                low >= limits.lower && high <= limits.upper
+            })
+        });
+        within && is_clear(ctx.tree, &self.end, 0.0)
+    }
+
+    /// Puts the step just tried into `attempt`: nothing touches, so nothing is displaced.
+    pub fn finish(&mut self, pair: &Pair, attempt: &mut Attempt) {
+        attempt.end.q.copy_from_slice(&self.integrator.q);
+        attempt.end.v.copy_from_slice(&self.integrator.v);
+        attempt.end.memory.clear();
+        attempt.trend.fill(0.0);
+        self.integrator.accept(pair);
+    }
+
+    /// The same for a step of `plan` that began at time `start` and reaches beyond the
+    /// communication point at `end`: what lies beyond it goes into `ahead`.
+    pub fn finish_ahead(
+        &mut self,
+        tree: &Tree,
+        plan: Plan,
+        from: &Physical,
+        [start, end]: [f64; 2],
+        (ahead, attempt): (&mut Ahead, &mut Attempt),
+    ) {
+        let Plan { pair, h } = plan;
+        self.integrator
+            .extension(pair, &from.q, &from.v, h, &mut ahead.coefficients);
+        ahead.start = start;
+        ahead.length = h;
+        self.finish(pair, attempt);
+        ahead.evaluate(tree, end, &mut attempt.end.q, &mut attempt.end.v);
+    }
+}
+
+/// The next proposal after an explicit step, in steps of the longer pair.
+///
+/// - `factor`: by what the next step may be longer
+pub(super) fn next_proposal(ctx: &Context, proposed: f64, plan: Plan, factor: f64) -> f64 {
+    let Plan { pair, h } = plan;
+    if pair.order > BOGACKI_SHAMPINE.order {
+        grown(proposed, h, factor)
+    } else if factor >= GROWTH.1 {
+        proposed
+    } else {
+        proposed.min(h * factor / (SHORT * libm::pow(ctx.tolerance, PAIR_EXPONENT)))
+    }
+}

@@ -1,0 +1,194 @@
+//! How long steps are, and what becomes of a try: the way from one communication point to the next.
+
+use crate::state::{Sizes, Stepping};
+use crate::step::point::Context;
+use crate::tuning::{
+    FLOOR_FALL, FLOOR_REACH, FLOOR_RISE, FLOOR_TOLERANCE, GROWTH, LANDING, MAX_FLOOR, MIN_STEP,
+    VELOCITY_WEIGHT,
+};
+
+/// What stands at the state already when a step begins.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Standing {
+    /// Nothing.
+    Nowhere,
+    /// Poses and velocities of the point where the last step ended.
+    Posed,
+    /// The point where the next step begins, whole.
+    Current,
+}
+
+/// The way from one communication point to the next.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Way {
+    /// Time at which it begins, s.
+    pub begin: f64,
+    /// Time at which it ends, s.
+    pub end: f64,
+    /// How far it has been gone, s.
+    pub done: f64,
+    /// Step that the error control proposes, s.
+    pub proposed: f64,
+    /// Whether inputs have jumped at its beginning and no step has been taken since: the first one
+    /// is shorter than those after it.
+    pub jumped: bool,
+    /// What need not be computed anew.
+    pub standing: Standing,
+}
+
+/// A step that has been tried.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Tried {
+    /// Its length, s.
+    pub h: f64,
+    /// Its error, relative to what is allowed; not finite if it failed.
+    pub error: f64,
+    /// Longer or shorter by what the next one should be.
+    pub factor: f64,
+    /// Length that shows how easily steps go here, if this one went well, s.
+    pub ease: f64,
+    /// What is proposed after it, if it is accepted, s.
+    pub next: f64,
+}
+
+/// What becomes of a try.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Verdict {
+    /// It is taken.
+    Accept,
+    /// A shorter one is tried, of the length that is proposed now.
+    Retry,
+    /// There is no shorter one.
+    Fail,
+}
+
+impl Way {
+    /// All of it, to be begun with a step of `proposed` seconds.
+    pub fn new(begin: f64, end: f64, proposed: f64) -> Self {
+        Self {
+            begin,
+            end,
+            done: 0.0,
+            proposed,
+            jumped: false,
+            standing: Standing::Nowhere,
+        }
+    }
+
+    /// What is left of it, s.
+    pub fn remaining(&self) -> f64 {
+        self.end - self.begin - self.done
+    }
+
+    /// Takes a step of `h` seconds off the way; the last one ends it to the bit.
+    pub fn go(&mut self, h: f64) {
+        if h >= self.remaining() {
+            self.arrive();
+        } else {
+            self.done += h;
+        }
+    }
+
+    /// Ends the way.
+    pub fn arrive(&mut self) {
+        self.done = self.end - self.begin;
+    }
+
+    /// Decides on a try and proposes what comes next; enters it in the counters.
+    pub fn judge(&mut self, ctx: &Context, stepping: &mut Stepping, tried: &Tried) -> Verdict {
+        let &Tried { h, error, .. } = tried;
+        let ease = (error <= 1.0).then_some(tried.ease);
+        let floor = patience(ctx, &mut stepping.sizes, [h, self.remaining()], ease);
+        let finite = error.is_finite();
+        if error <= 1.0 || (h <= floor && finite) {
+            stepping.counters.forced += u64::from(error > 1.0);
+            self.proposed = tried.next.max(floor);
+            self.book(stepping, h);
+            Verdict::Accept
+        } else if finite || h > MIN_STEP {
+            stepping.counters.rejected += 1;
+            self.proposed = (h * tried.factor).max(if finite { floor } else { MIN_STEP });
+            Verdict::Retry
+        } else {
+            Verdict::Fail
+        }
+    }
+
+    /// Enters a step of `h` seconds that is taken whatever the error control proposes.
+    pub fn accept_short(&mut self, ctx: &Context, stepping: &mut Stepping, h: f64) {
+        let lengths = [h, self.remaining()];
+        patience(ctx, &mut stepping.sizes, lengths, Some(self.proposed));
+        self.book(stepping, h);
+    }
+
+    /// Enters an accepted step of `h` seconds, and what the controller proposes next.
+    fn book(&mut self, stepping: &mut Stepping, h: f64) {
+        let sizes = &mut stepping.sizes;
+        stepping.counters.steps += 1;
+        sizes.proposed = self.proposed;
+        if self.jumped {
+            let h = h.min(self.remaining()).min(self.proposed);
+            sizes.after_jump = self.proposed.min(2.0 * sizes.after_jump).max(h);
+        }
+        self.jumped = false;
+    }
+}
+
+/// Shortest step that the error control may ask for now; takes note of a step of `h` seconds.
+///
+/// Some contacts of very light bodies on heavy robots oscillate in nanoseconds between normal force
+/// and friction (Painlevé's problem), and a joint may be told to spin at any speed: resolving that
+/// buys nothing and stalls the host. A run of steps near the floor therefore raises it, slowly
+/// enough that an impact passes unhindered. Steps that go well lower it again if they take ten
+/// times as long, or would but for the communication step; those that it cuts do not raise it.
+///
+/// - `ease`: length of the next step if this one went well, s
+fn patience(ctx: &Context, sizes: &mut Sizes, [h, remaining]: [f64; 2], ease: Option<f64>) -> f64 {
+    let floor = &mut sizes.floor;
+    *floor = floor.max(MIN_STEP);
+    let cut = h >= remaining;
+    let taken = ease.map_or(0.0, |next| if cut { next.max(h) } else { h });
+    if taken >= FLOOR_REACH * *floor {
+        *floor *= FLOOR_FALL;
+    } else if ctx.rules.floor && !cut && h < FLOOR_REACH * *floor {
+        let scale = (ctx.tolerance / FLOOR_TOLERANCE).sqrt().min(1.0);
+        *floor = (*floor * (1.0 + FLOOR_RISE * scale)).min(scale * MAX_FLOOR);
+    }
+    floor.max(MIN_STEP)
+}
+
+/// Length of the next step on the way to a communication point: no crumb is left over.
+pub(super) fn landing(h: f64, remaining: f64) -> f64 {
+    if h >= remaining {
+        remaining
+    } else if LANDING * h > remaining {
+        0.5 * remaining
+    } else {
+        h
+    }
+}
+
+/// The next proposal: a step that was cut short and went well does not shrink it.
+pub(super) fn grown(proposed: f64, h: f64, factor: f64) -> f64 {
+    let next = h * factor;
+    if h < proposed && factor >= GROWTH.1 {
+        proposed.max(next)
+    } else {
+        next
+    }
+}
+
+/// The largest of the weighted errors of positions and velocities; infinite if one is not a number.
+pub(super) fn worst_error(errors: impl Iterator<Item = (f64, f64)>, weights: &[f64]) -> f64 {
+    errors
+        .zip(weights)
+        .fold(0.0, |worst: f64, ((position, velocity), weight)| {
+            let error = weight * position.abs().max(VELOCITY_WEIGHT * velocity.abs());
+            // `f64::max` would drop a NaN.
+            if error.is_nan() || position.is_nan() || velocity.is_nan() {
+                f64::INFINITY
+            } else {
+                worst.max(error)
+            }
+        })
+}
