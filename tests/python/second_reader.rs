@@ -51,9 +51,9 @@ fn below(folder: &Path, list: &mut Vec<PathBuf>) {
     }
 }
 
-/// Every robot that is compared, in the order of their names.
-fn files() -> Vec<PathBuf> {
-    let environment = environment::make();
+/// Every robot that is compared, in the order of their names; none where there is no Python.
+fn files() -> Option<Vec<PathBuf>> {
+    let environment = environment::make()?;
     let script = "import robots; print(robots.example_robots())";
     let output = Command::new(&environment.interpreter)
         .args(["-c", script])
@@ -79,7 +79,7 @@ fn files() -> Vec<PathBuf> {
     };
     let sample: Vec<PathBuf> = list.iter().filter(random).step_by(100).cloned().collect();
     list.retain(|path| !random(&path) || sample.contains(path));
-    list
+    Some(list)
 }
 
 fn pose(origin: &urdf_rs::Pose) -> Pose {
@@ -211,9 +211,10 @@ fn compare_joints(
 
 #[test]
 fn urdf_rs_reads_the_same_robots() {
+    let Some(files) = files() else { return };
     let mut compared = 0;
     let mut refused = Vec::new();
-    for path in files() {
+    for path in files {
         let Ok(ours) = urdf::read(&path, &ReadOptions::default()) else {
             continue;
         };
