@@ -189,7 +189,13 @@ pub fn stored(s: &Simulation) -> [f64; 2] {
         friction += 0.5 * element.stiffness * element.displacement.norm_squared();
     }
     let mut turns = Vec::new();
-    find_turns(tree, &state.physical.memory.touches, &kin, &contacts, &mut turns);
+    find_turns(
+        tree,
+        &state.physical.memory.touches,
+        &kin,
+        &contacts,
+        &mut turns,
+    );
     for turn in &turns {
         let (torsion, roll) = (turn.torsional.displacement, turn.rolling.displacement);
         friction += 0.5 * turn.torsional.stiffness * torsion * torsion;
@@ -203,9 +209,15 @@ pub fn stored(s: &Simulation) -> [f64; 2] {
             springs += 0.5 * tree.dofs.limit_stiffness[dof] * depth * depth;
         }
         let stiffness = tree.dofs.friction[dof].moving / DRY_DEFLECTION;
-        friction += 0.5 * stiffness * state.physical.memory.dry[dof] * state.physical.memory.dry[dof];
+        friction +=
+            0.5 * stiffness * state.physical.memory.dry[dof] * state.physical.memory.dry[dof];
     }
-    for (motor, displacement) in tree.actuators.motors.iter().zip(&state.physical.memory.motor) {
+    for (motor, displacement) in tree
+        .actuators
+        .motors
+        .iter()
+        .zip(&state.physical.memory.motor)
+    {
         friction += 0.5 * motor.0 * displacement * displacement;
     }
     [springs, friction]

@@ -131,7 +131,8 @@ fn a4_a_pendulum_released_from_horizontal_has_the_exact_period() {
         let mut s = start(pendulum(), tolerance);
         let before = energy(&mut s);
         run(&mut s, 1.25 * period, 0.01);
-        let late = (s.state().physical.q[0] - std::f64::consts::FRAC_PI_2) / s.state().physical.v[0];
+        let late =
+            (s.state().physical.q[0] - std::f64::consts::FRAC_PI_2) / s.state().physical.v[0];
         hold(
             "A4",
             &format!("time through the lowest point after 1¼ periods, s, tol {tolerance:.0e}"),
@@ -236,7 +237,8 @@ fn a7_a_heavy_top_precesses_steadily_at_the_rate_of_euler() {
         let state = s.state_mut();
         // Quaternion of a turn by θ about y; ω = Ω ẑ + spin in the top's own axes.
         state
-            .physical.q
+            .physical
+            .q
             .copy_from_slice(&[(0.5 * tilt).cos(), 0.0, (0.5 * tilt).sin(), 0.0]);
         state.physical.v.copy_from_slice(&[-rate * sin, 0.0, spin]);
         let (mut nod, mut off) = (0.0_f64, 0.0_f64);

@@ -135,7 +135,11 @@ fn rolled(mut b: Builder) -> [f64; 3] {
     b.model.initial.angular_velocity.y = 10.0;
     let mut s = start(b.model, 1e-4);
     run(&mut s, 1.0, 0.01);
-    let (x0, v, spin) = (s.state().physical.q[0], s.state().physical.v[3], s.state().physical.v[1]);
+    let (x0, v, spin) = (
+        s.state().physical.q[0],
+        s.state().physical.v[3],
+        s.state().physical.v[1],
+    );
     let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
     for i in 1..=2000 {
         s.advance_to(1.0 + 1e-3 * f64::from(i)).expect("finite");

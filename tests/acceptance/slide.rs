@@ -121,7 +121,11 @@ fn c4_a_sliding_block_stops_after_the_coulomb_distance() {
             );
             let name = format!("speed at v/(μg), m/s, μ = {mu}, tol {tolerance:.0e}");
             hold("C4", &name, "0; ContactBench cube", speed, 5e-3);
-            assert!(s.state().physical.v[3].abs() < 1e-9, "{}", s.state().physical.v[3]);
+            assert!(
+                s.state().physical.v[3].abs() < 1e-9,
+                "{}",
+                s.state().physical.v[3]
+            );
         }
     }
 }
