@@ -152,7 +152,7 @@ fn assemble(
     initial::joints(&mut model, settings, findings);
     initial::base(&mut model, &base, settings, findings);
     if let Err(error) = model.validate() {
-        let help = "please report this with the robot's files";
+        let help = "make what is named smaller or simpler, or correct its numbers";
         findings.error("A121", None, error.to_string(), help);
     }
     if findings.has_errors() {
@@ -168,7 +168,7 @@ fn assemble(
     if !findings.has_errors()
         && let Err(error) = model.validate()
     {
-        let help = "please report this with the robot's files";
+        let help = "make what is named smaller or simpler, or correct its numbers";
         findings.error("A121", None, error.to_string(), help);
     }
     Some(model)

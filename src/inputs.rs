@@ -5,6 +5,7 @@
 //! steps, too. Without derivatives it is a constant, and costs what a constant costs.
 
 use crate::model::{ActuatorId, LinkId, Model};
+use crate::range::Range;
 use crate::slots::InputSlot;
 use crate::spatial::{Vec3, Vec6};
 use crate::tree::Tree;
@@ -35,6 +36,18 @@ impl ExternalWrench {
         std::array::from_fn(|i| {
             self.wrench[i] + t * (first[i] + t / 2.0 * (second[i] + t / 3.0 * third[i]))
         })
+    }
+}
+
+impl InputSlot {
+    /// What its value may be.
+    pub(crate) fn range(self) -> Range {
+        match self {
+            Self::Velocity(_) => Range::Velocity,
+            Self::Position(_) => Range::Position,
+            Self::Effort(_) | Self::ExternalForce(..) | Self::ExternalTorque(..) => Range::Load,
+            Self::MaxEffort(_) => Range::LimitSize,
+        }
     }
 }
 

@@ -292,6 +292,15 @@ pub struct SolverDefaults {
     pub step_size: f64,
     /// Error allowed per step in m, and in rad at 1 m reach; 0 means: the importer's if given, else 1e-3.
     pub tolerance: f64,
+    /// Most tries of a solver step in a communication step of up to a second, and in each second
+    /// of a longer one.
+    #[serde(default = "most_steps")]
+    pub max_steps: f64,
+}
+
+/// [`crate::range::MOST_STEPS`], for models that do not say it.
+fn most_steps() -> f64 {
+    crate::range::MOST_STEPS
 }
 
 /// Contact law.

@@ -11,23 +11,22 @@ impl ParameterSlot {
     /// What its value may be.
     pub(crate) fn range(self) -> Range {
         match self {
-            Self::Kp(_)
-            | Self::Kd(_)
-            | Self::JointDamping(_)
-            | Self::JointFriction(_)
-            | Self::LinkFriction(_)
-            | Self::GroundFriction
-            | Self::Tolerance => Range::NotNegative,
-            Self::LinkMass(_) => Range::Positive,
-            Self::GroundRestitution => Range::Share,
-            Self::StepSize => Range::Step,
-            Self::Gravity(_)
-            | Self::InitialBasePosition(_)
+            Self::Kp(_) | Self::Kd(_) | Self::JointDamping(_) | Self::JointFriction(_) => {
+                Range::Coefficient
+            }
+            Self::LinkFriction(_) | Self::GroundFriction => Range::Friction,
+            Self::GroundRestitution => Range::Restitution,
+            Self::LinkMass(_) => Range::Mass,
+            Self::Gravity(_) => Range::Gravity,
+            Self::InitialBasePosition(_)
             | Self::InitialBaseRpy(_)
-            | Self::InitialBaseLinearVelocity(_)
-            | Self::InitialBaseAngularVelocity(_)
-            | Self::InitialJointPosition(_)
-            | Self::InitialJointVelocity(_) => Range::Any,
+            | Self::InitialJointPosition(_) => Range::Position,
+            Self::InitialJointVelocity(_) => Range::Velocity,
+            Self::InitialBaseLinearVelocity(_) => Range::Flight,
+            Self::InitialBaseAngularVelocity(_) => Range::Spin,
+            Self::StepSize => Range::Step,
+            Self::Tolerance => Range::ToleranceOrNone,
+            Self::MaxSteps => Range::Work,
         }
     }
 }
@@ -76,6 +75,7 @@ impl Parameters {
         v.push(ground.map_or(0.0, |g| g.restitution));
         v.push(model.solver.step_size);
         v.push(model.solver.tolerance);
+        v.push(model.solver.max_steps);
         p
     }
 
@@ -101,6 +101,7 @@ impl Parameters {
             ParameterSlot::GroundRestitution => world + 16,
             ParameterSlot::StepSize => world + 17,
             ParameterSlot::Tolerance => world + 18,
+            ParameterSlot::MaxSteps => world + 19,
         }
     }
 
@@ -128,6 +129,7 @@ impl Parameters {
             (1, P::GroundRestitution),
             (1, P::StepSize),
             (1, P::Tolerance),
+            (1, P::MaxSteps),
         ];
         let all: usize = lists.iter().map(|(count, _)| count).sum();
         debug_assert_eq!(all, self.values.len());

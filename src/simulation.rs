@@ -15,7 +15,7 @@ use crate::prepared::model_hash;
 use crate::range::{Range, SHORTEST_FIXED_STEP};
 use crate::readout::Readout;
 use crate::state::State;
-use crate::step::driver::Stepper;
+use crate::step::driver::{Stepper, Stop};
 use crate::step::point::Context;
 use crate::tree::Tree;
 use crate::tuning::{DEFAULT_TOLERANCE, Rules, TOLERANCES};
@@ -74,6 +74,18 @@ pub enum SimulationError {
         time: f64,
         /// What to try.
         hint: &'static str,
+    },
+    /// A communication step that takes too much work.
+    #[error(
+        "the step from t = {time} s takes more than {most} tries of a solver step; raise \
+         solver.max_steps or solver.tolerance, take shorter steps, or look for masses, stiffnesses or \
+         speeds that are out of proportion"
+    )]
+    Work {
+        /// Start of the step, s.
+        time: f64,
+        /// Tries that were allowed.
+        most: f64,
     },
     /// Bytes that are not a saved state of this model.
     #[error("saved state refused: {reason}")]
@@ -229,16 +241,8 @@ impl Simulation {
     /// # Errors
     /// [`SimulationError::Value`].
     pub fn check_input(&self, slot: InputSlot, value: f64) -> Result<(), SimulationError> {
-        let expected = match slot {
-            InputSlot::MaxEffort(_) if value >= 0.0 => return Ok(()),
-            InputSlot::MaxEffort(_) => "0 or more",
-            _ if value.is_finite() => return Ok(()),
-            _ => "a finite number",
-        };
-        Err(SimulationError::Value {
-            what: format!("input {slot:?}"),
-            expected,
-            value,
+        check(slot.range(), self.input(slot), value, || {
+            format!("input {slot:?}")
         })
     }
 
@@ -285,16 +289,8 @@ impl Simulation {
     /// # Errors
     /// [`SimulationError::Value`].
     pub fn check_parameter(&self, slot: ParameterSlot, value: f64) -> Result<(), SimulationError> {
-        let range = slot.range();
-        if range.contains(value) {
-            return Ok(());
-        }
-        let range = if value.is_finite() { range } else { Range::Any };
-        Err(SimulationError::Value {
-            what: format!("parameter {slot:?}"),
-            expected: range.expected(),
-            value,
-        })
+        let set = self.parameters.get(slot);
+        check(slot.range(), set, value, || format!("parameter {slot:?}"))
     }
 
     /// Sets a parameter; `value` has passed [`Self::check_parameter`]. Fixed ones only before [`Self::initialize`].
@@ -351,7 +347,8 @@ impl Simulation {
     /// Simulates up to exactly `end`, s; does nothing unless it lies after [`Self::time`].
     ///
     /// # Errors
-    /// [`SimulationError::NotFinite`]; the state is then that of [`Self::time`].
+    /// [`SimulationError::NotFinite`], [`SimulationError::Work`]; the state is then that of
+    /// [`Self::time`].
     pub fn advance_to(&mut self, end: f64) -> Result<(), SimulationError> {
         if self.stale {
             self.place();
@@ -367,11 +364,23 @@ impl Simulation {
         if !self.inputs.is_finite_at(span) {
             return Err(refused(self.state.time));
         }
-        let ctx = context!(self, inputs);
+        let most = (self.parameters.get(ParameterSlot::MaxSteps) * span.max(1.0)).floor();
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "a whole number above 0; one beyond the type saturates"
+        )]
+        let ctx = Context {
+            budget: most as u64,
+            ..context!(self, inputs)
+        };
         let result = self.stepper.advance(&ctx, &mut self.state, end);
         self.readout.invalidate();
-        if result.is_err() {
-            return Err(refused(self.state.time));
+        let time = self.state.time;
+        match result {
+            Ok(()) => {}
+            Err(Stop::NotFinite) => return Err(refused(time)),
+            Err(Stop::Budget) => return Err(SimulationError::Work { time, most }),
         }
         self.applied.copy_from(&self.inputs);
         if self.inputs.varies() {
@@ -458,4 +467,22 @@ impl Simulation {
         self.readout.invalidate();
         Ok(())
     }
+}
+
+/// Whether `value` is in `range`. What is `set` already may be set again: a robot's own numbers,
+/// such as a massless link, may lie outside.
+fn check(
+    range: Range,
+    set: f64,
+    value: f64,
+    what: impl FnOnce() -> String,
+) -> Result<(), SimulationError> {
+    if range.contains(value) || value.to_bits() == set.to_bits() {
+        return Ok(());
+    }
+    Err(SimulationError::Value {
+        what: what(),
+        expected: range.expected(),
+        value,
+    })
 }

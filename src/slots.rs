@@ -61,6 +61,9 @@ pub enum ParameterSlot {
     StepSize,
     /// fixed; 0 means the importer's if given, else 1e-3.
     Tolerance,
+    /// Most tries of a solver step in a communication step of up to a second, and in each second
+    /// of a longer one.
+    MaxSteps,
 }
 
 impl ParameterSlot {
@@ -74,7 +77,8 @@ impl ParameterSlot {
             | Self::LinkFriction(_)
             | Self::Gravity(_)
             | Self::GroundFriction
-            | Self::GroundRestitution => true,
+            | Self::GroundRestitution
+            | Self::MaxSteps => true,
             Self::LinkMass(_)
             | Self::InitialBasePosition(_)
             | Self::InitialBaseRpy(_)

@@ -77,6 +77,7 @@ impl Builder {
             solver: SolverDefaults {
                 step_size: 0.0,
                 tolerance: 0.0,
+                max_steps: crate::range::MOST_STEPS,
             },
             contact: ContactDefaults {
                 penetration: 1e-4,

@@ -4,6 +4,7 @@ use crate::stage::Request;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::{Path, PathBuf};
 use urdf2fmu_core::model::ActuatorMode;
+use urdf2fmu_core::range::Range;
 use urdf2fmu_core::settings::{BaseChoice, Compat, InertiaSource};
 
 /// Any URDF robot in, a self-contained FMI 2.0 co-simulation FMU out.
@@ -116,12 +117,20 @@ fn xacro_argument(text: &str) -> Result<String, String> {
     }
 }
 
-/// A number above zero.
-fn factor(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(factor) if factor.is_finite() && factor > 0.0 => Ok(factor),
-        _ => Err("must be a finite number above 0".to_owned()),
+/// A number of a range.
+fn number(range: Range, text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(number) if range.contains(number) => Ok(number),
+        _ => Err(format!("must be {}", range.expected())),
     }
+}
+
+fn factor(text: &str) -> Result<f64, String> {
+    number(Range::Scale, text)
+}
+
+fn tolerance(text: &str) -> Result<f64, String> {
+    number(Range::Tolerance, text)
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -211,7 +220,7 @@ pub(crate) struct Simulate {
     #[arg(long, value_name = "S")]
     pub(crate) output_interval: Option<f64>,
     /// Relative tolerance [default: the FMU's]
-    #[arg(long, value_name = "TOL")]
+    #[arg(long, value_name = "TOL", value_parser = tolerance)]
     pub(crate) tolerance: Option<f64>,
     /// Tell the FMU the slopes of its inputs, too: they then change within the steps
     #[arg(long)]

@@ -59,6 +59,7 @@ fn model() -> Model {
         solver: SolverDefaults {
             step_size: 0.0,
             tolerance: 0.0,
+            max_steps: urdf2fmu_core::range::MOST_STEPS,
         },
         contact: ContactDefaults {
             penetration: 1e-4,

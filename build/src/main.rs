@@ -57,9 +57,12 @@ fn main() -> ExitCode {
 
 /// Prints help, version or what is wrong with the command line.
 fn usage(answer: &clap::Error) -> ExitCode {
-    let text = |style: Style| match style.color() {
-        true => answer.render().ansi().to_string(),
-        false => answer.render().to_string(),
+    let text = |style: Style| {
+        if style.color() {
+            answer.render().ansi().to_string()
+        } else {
+            answer.render().to_string()
+        }
     };
     if answer.use_stderr() {
         _ = output::tell(&text(Style::of_stderr()));

@@ -40,6 +40,15 @@ pub(crate) enum FmiError {
         expected: &'static str,
         value: f64,
     },
+    #[error("derivative of order {order} of variable '{name}' must be {expected}, not {value}")]
+    Derivative {
+        name: String,
+        order: i32,
+        expected: &'static str,
+        value: f64,
+    },
+    #[error("output '{name}' is not finite: masses, forces or speeds are out of proportion")]
+    NotFinite { name: String },
     #[error("argument '{argument}' is {value}; it must be {expected}")]
     Argument {
         argument: &'static str,
@@ -91,9 +100,10 @@ impl FmiError {
     /// can go on without it (sections 2.1.3 and 4.2.3).
     pub(crate) fn status(&self) -> fmi2Status {
         match self {
-            Self::StatusKind { .. } | Self::HighOrder { .. } | Self::NoDerivative { .. } => {
-                fmi2Status::Discard
-            }
+            Self::StatusKind { .. }
+            | Self::HighOrder { .. }
+            | Self::NoDerivative { .. }
+            | Self::NotFinite { .. } => fmi2Status::Discard,
             _ => fmi2Status::Error,
         }
     }

@@ -572,9 +572,13 @@ pub unsafe extern "C" fn fmi2GetStringStatus(
 ) -> fmi2Status {
     // SAFETY: FMI's contract.
     unsafe {
-        call(c, Function::GetStringStatus, |_| {
+        call(c, Function::GetStringStatus, |fmu| {
             expect_kind(s, FMI2_PENDING_STATUS, "String")?;
-            pointers::write("value", value, c"no step is pending".as_ptr())?;
+            let text = match fmu.do_step_status() {
+                fmi2Status::Discard => c"no step is pending; the last one was discarded",
+                _ => c"no step is pending",
+            };
+            pointers::write("value", value, text.as_ptr())?;
             OK
         })
     }

@@ -13,6 +13,7 @@ use crate::types::fmi2Status;
 use std::sync::Arc;
 use urdf2fmu_core::inputs::INPUT_ORDERS;
 use urdf2fmu_core::model::Model;
+use urdf2fmu_core::range::Range;
 use urdf2fmu_core::simulation::{Simulation, SimulationError};
 use urdf2fmu_core::variables::{Kind, Slot, Variable};
 
@@ -131,8 +132,8 @@ impl Instance {
             value,
             expected,
         };
-        if !start.is_finite() {
-            return Err(illegal("startTime", start, "finite"));
+        if !Range::Time.contains(start) {
+            return Err(illegal("startTime", start, Range::Time.expected()));
         }
         let stop = stop.unwrap_or(f64::INFINITY);
         // An infinite stop time is none.
@@ -140,9 +141,16 @@ impl Instance {
             return Err(illegal("stopTime", stop, "at or after startTime"));
         }
         if let Some(value) = tolerance.filter(|value| !(value.is_finite() && *value >= 0.0)) {
-            return Err(illegal("tolerance", value, "above 0"));
+            return Err(illegal("tolerance", value, "0 or more"));
         }
         let tolerance = tolerance.unwrap_or(0.0);
+        if !Range::ToleranceOrNone.contains(tolerance) {
+            let (least, greatest) = Range::Tolerance.bounds();
+            self.warn(&format!(
+                "fmi2SetupExperiment: the tolerance {tolerance} is taken as {}",
+                tolerance.clamp(least, greatest)
+            ));
+        }
         self.experiment = Experiment {
             start,
             stop,
@@ -267,9 +275,20 @@ impl Instance {
                 Slot::Parameter(slot) => self.simulation.parameter(slot),
                 Slot::Output(slot) => self.simulation.output(slot),
             };
+            if !number.is_finite() {
+                return Err(self.not_finite(value_reference));
+            }
             values.set(index, from_number(number));
         }
         Ok(())
+    }
+
+    /// An output that is no number.
+    fn not_finite(&self, value_reference: u32) -> FmiError {
+        let variable = self.variables.get(value_reference as usize);
+        FmiError::NotFinite {
+            name: variable.map(|v| v.name.clone()).unwrap_or_default(),
+        }
     }
 
     /// fmi2SetReal and its like: nothing is set unless all of it is legal.
@@ -374,10 +393,11 @@ impl Instance {
                 return Err(FmiError::NotInput { name: name() });
             }
             check_order(order, INPUT_ORDERS, name)?;
-            if !value.is_finite() {
-                return Err(FmiError::Value {
+            if !Range::Slope.contains(value) {
+                return Err(FmiError::Derivative {
                     name: name(),
-                    expected: "given a finite derivative",
+                    order,
+                    expected: Range::Slope.expected(),
                     value,
                 });
             }
@@ -415,6 +435,9 @@ impl Instance {
                     let name = self.variables[value_reference as usize].name.clone();
                     return Err(FmiError::NoDerivative { name });
                 };
+                if !value.is_finite() {
+                    return Err(self.not_finite(value_reference));
+                }
                 if write {
                     values.set(index, value);
                 }
@@ -472,7 +495,7 @@ impl Instance {
                 self.phase = Phase::StepFailed;
                 let message = format!(
                     "fmi2DoStep: {error}; the step to {end} s is discarded, the last successful time is {} s; \
-                     restore a saved state and try a shorter step",
+                     restore a saved state before the next step",
                     self.simulation.time()
                 );
                 self.logger

@@ -11,6 +11,7 @@ mod outputs;
 
 use super::{Joint, JointId, JointKind, Model, ModelError};
 use crate::geometry::Shape;
+use crate::range::Range;
 use check::{Check, not_negative, number, pose, positive, require, symmetric, unit, vector};
 use std::collections::BTreeSet;
 
@@ -55,12 +56,12 @@ fn sizes(model: &Model) -> Check {
     require(
         parts.iter().all(|&n| n <= MOST_PARTS),
         model_part,
-        "has too many parts",
+        "has more than 20000 links, joints, bodies, shapes or actuators",
     )?;
     require(
         model.dofs.len() <= MOST_DOFS,
         model_part,
-        "has too many degrees of freedom",
+        "has more than 2000 degrees of freedom",
     )?;
     require(
         model.joints.len() + 1 == model.links.len(),
@@ -108,9 +109,9 @@ fn links(model: &Model) -> Check {
             "has a friction that is not finite or negative",
         )?;
         require(
-            (0.0..=1.0).contains(&link.restitution),
+            Range::Restitution.contains(link.restitution),
             part,
-            "has a restitution outside 0 … 1",
+            "has a restitution that is not 0 or from 1e-6 to 1",
         )?;
         let more = [
             link.static_excess,
@@ -326,7 +327,9 @@ fn initial(model: &Model) -> Check {
 fn settings(model: &Model) -> Check {
     let solver = &model.solver;
     require(
-        not_negative(solver.step_size) && not_negative(solver.tolerance),
+        not_negative(solver.step_size)
+            && not_negative(solver.tolerance)
+            && positive(solver.max_steps),
         || "the solver's settings".to_owned(),
         "have a number that is not finite or negative",
     )?;

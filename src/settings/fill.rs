@@ -13,6 +13,7 @@ use super::types::{
 };
 use crate::model::{ActuatorMode, Combination, ContactDefaults, Ground, SolverDefaults, World};
 use crate::pattern::Pattern;
+use crate::range::MOST_STEPS;
 use crate::spatial::Vec3;
 
 /// What the file at `root` means; a given `compat` wins over the file's.
@@ -175,6 +176,7 @@ fn solver(section: &Section, compat: Compat) -> SolverDefaults {
         step_size: section.number_as("step_size", compat).unwrap_or(0.0),
         // 0 leaves the choice to the importer.
         tolerance: section.number("tolerance").unwrap_or(0.0),
+        max_steps: section.number("max_steps").unwrap_or(MOST_STEPS),
     }
 }
 

@@ -2,6 +2,8 @@
 //!
 //! A path names tables by dots; `*` stands for a name that the user chooses (a glob over joints or links),
 //! `[]` for the elements of an array of tables.
+//!
+//! Over 500 lines because it is one table.
 
 use crate::range::Range;
 
@@ -39,13 +41,29 @@ pub enum Takes {
     Patterns,
     /// One of some words, or a list of names or globs.
     WordOrPatterns(&'static [&'static str]),
-    /// A list of finite numbers, with its least and greatest length.
-    Numbers(usize, usize),
+    /// A list of numbers of a range, with its least and greatest length.
+    Numbers(usize, usize, Range),
     /// Planned, not there yet.
     Later,
 }
 
-use Range::{Any, NotNegative, Positive, Share, Step};
+impl Takes {
+    /// The range of each number.
+    pub fn range(self) -> Option<Range> {
+        match self {
+            Self::Number(range) | Self::NumberOrRatio(range) | Self::Numbers(_, _, range) => {
+                Some(range)
+            }
+            _ => None,
+        }
+    }
+}
+
+use Range::{
+    Coefficient, Dissipation, Flight, Friction, Gravity, Length, Limit, LimitSize, Mass,
+    Penetration, Position, ReferenceSpeed, Restitution, Scale, Spin, Step, Stiffness, Tolerance,
+    Velocity, View, Work,
+};
 use Takes::{
     Count, Flag, Later, Name, Number, NumberOrRatio, Numbers, Pattern, Patterns, Word,
     WordOrPatterns,
@@ -75,7 +93,7 @@ pub const KEYS: &[Key] = &[
     ),
     key(
         "robot.scale",
-        Number(Positive),
+        Number(Scale),
         Some("1.0"),
         "every length times this; masses stay, so inertias grow with its square",
     ),
@@ -107,41 +125,47 @@ pub const KEYS: &[Key] = &[
         "solver.step_size",
         NumberOrRatio(Step),
         Some("0"),
-        "s; 0: error controlled, else at least 1e-7",
+        "s; 0: error controlled",
     ),
     key(
         "solver.tolerance",
-        Number(Positive),
+        Number(Tolerance),
         None,
         "error per step in m, and in rad at 1 m reach; without it the importer's, else 1e-3",
     ),
     key(
+        "solver.max_steps",
+        Number(Work),
+        Some("1e5"),
+        "most tries of a solver step in a communication step of up to 1 s, and in each second of a longer one; a step that needs more is discarded",
+    ),
+    key(
         "contact.penetration",
-        Number(Positive),
+        Number(Penetration),
         Some("1e-4"),
         "m, static, under the robot's weight on four points",
     ),
     key(
         "contact.stiffness",
-        Number(Positive),
+        Number(Stiffness),
         None,
         "N/m of a contact point, instead of penetration",
     ),
     key(
         "contact.dissipation",
-        Number(NotNegative),
+        Number(Dissipation),
         Some("51"),
         "s/m, where restitution is 0",
     ),
     key(
         "contact.stribeck_velocity",
-        Number(Positive),
+        Number(ReferenceSpeed),
         Some("0.01"),
         "m/s, sliding speed at which friction has lost 63 % of what static_friction has more",
     ),
     key(
         "world.gravity",
-        Numbers(3, 3),
+        Numbers(3, 3, Gravity),
         Some("[0, 0, -9.81]"),
         "m/s²",
     ),
@@ -153,68 +177,68 @@ pub const KEYS: &[Key] = &[
     ),
     key(
         "world.ground.friction",
-        Number(NotNegative),
+        Number(Friction),
         Some("0.8"),
         "Coulomb coefficient; combined with the link's by the harmonic mean",
     ),
     key(
         "world.ground.static_friction",
-        Number(NotNegative),
+        Number(Friction),
         None,
         "Coulomb coefficient at rest, not below friction; without it the same; combined likewise",
     ),
     key(
         "world.ground.rolling_friction",
-        Number(NotNegative),
+        Number(Friction),
         Some("0"),
         "m: moment against rolling over normal force; combined with the link's by the larger of the two",
     ),
     key(
         "world.ground.torsional_friction",
-        Number(NotNegative),
+        Number(Friction),
         Some("0"),
         "m: moment against turning about the normal over normal force; combined likewise",
     ),
     key(
         "world.ground.restitution",
-        Number(Share),
+        Number(Restitution),
         Some("0.0"),
         "Newton's coefficient; combined with the link's by the larger of the two",
     ),
     key("world.object", Later, None, "more robots and obstacles"),
     key(
         "initial.xyz",
-        Numbers(2, 3),
+        Numbers(2, 3, Position),
         None,
         "m, base position; z, or all of it, may be left out: the lowest collision point then touches the ground",
     ),
     key(
         "initial.rpy",
-        Numbers(3, 3),
+        Numbers(3, 3, Position),
         Some("[0, 0, 0]"),
         "rad, base roll, pitch, yaw",
     ),
     key(
         "initial.linear_velocity",
-        Numbers(3, 3),
+        Numbers(3, 3, Flight),
         Some("[0, 0, 0]"),
         "m/s, of a floating base, world axes",
     ),
     key(
         "initial.angular_velocity",
-        Numbers(3, 3),
+        Numbers(3, 3, Spin),
         Some("[0, 0, 0]"),
         "rad/s, of a floating base, world axes",
     ),
     key(
         "initial.joints.*",
-        Number(Any),
+        Number(Position),
         None,
         "rad or m, by joint name or glob",
     ),
     key(
         "initial.joint_velocities.*",
-        Number(Any),
+        Number(Velocity),
         None,
         "rad/s or m/s, by joint name or glob",
     ),
@@ -232,79 +256,79 @@ pub const KEYS: &[Key] = &[
     ),
     key(
         "actuator[].max_effort",
-        Number(NotNegative),
+        Number(LimitSize),
         None,
         "N·m or N; without it the file's effort limit",
     ),
     key(
         "actuator[].no_load_speed",
-        Number(Positive),
+        Number(ReferenceSpeed),
         None,
         "rad/s or m/s at which the motor has no effort left to drive with: max_effort falls in proportion to the speed, for braking it stays; without it, it does not depend on the speed",
     ),
     key(
         "actuator[].kp",
-        Number(NotNegative),
+        Number(Coefficient),
         None,
         "N·m/rad or N/m, pd mode",
     ),
     key(
         "actuator[].kd",
-        Number(NotNegative),
+        Number(Coefficient),
         None,
         "N·m·s/rad or N·s/m, pd mode",
     ),
     key(
         "joint.*.damping",
-        Number(NotNegative),
+        Number(Coefficient),
         None,
         "N·m·s/rad or N·s/m, instead of the file's",
     ),
     key(
         "joint.*.friction",
-        Number(NotNegative),
+        Number(Coefficient),
         None,
         "N·m or N, dry, instead of the file's",
     ),
     key(
         "joint.*.static_friction",
-        Number(NotNegative),
+        Number(Coefficient),
         None,
         "N·m or N, dry friction at rest, not below friction; without it the same",
     ),
     key(
         "joint.*.stribeck_velocity",
-        Number(Positive),
+        Number(ReferenceSpeed),
         None,
         "rad/s or m/s at which friction has lost 63 % of what static_friction has more; without it 0.01",
     ),
     key(
         "joint.*.armature",
-        Number(NotNegative),
+        Number(Coefficient),
         None,
         "kg·m² or kg: rotor inertia times gear ratio squared, instead of the file's",
     ),
     key(
         "joint.*.limits.lower",
-        Number(Any),
+        Number(Limit),
         None,
         "rad or m, instead of the file's",
     ),
     key(
         "joint.*.limits.upper",
-        Number(Any),
+        Number(Limit),
         None,
         "rad or m, instead of the file's",
     ),
     key(
         "joint.*.effort",
-        Number(NotNegative),
+        Number(LimitSize),
         None,
         "N·m or N, instead of the file's effort limit",
     ),
     key(
         "joint.*.velocity",
-        Number(NotNegative),
+        Number(LimitSize),
         None,
         "rad/s or m/s, instead of the file's velocity limit; 0: none",
     ),
@@ -365,13 +389,13 @@ pub const KEYS: &[Key] = &[
     ),
     key(
         "sensor[].xyz",
-        Numbers(3, 3),
+        Numbers(3, 3, Position),
         None,
         "m, imu and ray: origin in the link; without it 0",
     ),
     key(
         "sensor[].rpy",
-        Numbers(3, 3),
+        Numbers(3, 3, Position),
         None,
         "rad, imu and ray: axes in the link; without it 0. Rays lie in the plane x y, the middle one along x",
     ),
@@ -389,13 +413,13 @@ pub const KEYS: &[Key] = &[
     ),
     key(
         "sensor[].fov",
-        Number(NotNegative),
+        Number(View),
         None,
         "rad, ray: angle from the first to the last; without it 0",
     ),
     key(
         "sensor[].range",
-        Number(Positive),
+        Number(Length),
         None,
         "m, ray: largest distance, given where there is nothing; without it 10",
     ),
@@ -407,43 +431,43 @@ pub const KEYS: &[Key] = &[
     ),
     key(
         "link.*.friction",
-        Number(NotNegative),
+        Number(Friction),
         None,
         "Coulomb coefficient; without it the file's, else 0.8",
     ),
     key(
         "link.*.static_friction",
-        Number(NotNegative),
+        Number(Friction),
         None,
         "Coulomb coefficient at rest, not below friction; without it the file's, else the same",
     ),
     key(
         "link.*.rolling_friction",
-        Number(NotNegative),
+        Number(Friction),
         None,
         "m: moment against rolling over normal force; without it the file's, else 0",
     ),
     key(
         "link.*.torsional_friction",
-        Number(NotNegative),
+        Number(Friction),
         None,
         "m: moment against turning about the contact normal over normal force; without it the file's, else 0",
     ),
     key(
         "link.*.restitution",
-        Number(Share),
+        Number(Restitution),
         None,
         "Newton's coefficient; without it the file's, else 0",
     ),
     key(
         "link.*.stiffness",
-        Number(Positive),
+        Number(Stiffness),
         None,
         "N/m of a contact point of the link; without it [contact]'s",
     ),
     key(
         "link.*.dissipation",
-        Number(NotNegative),
+        Number(Dissipation),
         None,
         "s/m, of the link's contact points where restitution is 0; without it [contact]'s",
     ),
@@ -461,7 +485,7 @@ pub const KEYS: &[Key] = &[
     ),
     key(
         "link.*.mass",
-        Number(Positive),
+        Number(Mass),
         None,
         "kg, instead of the file's; the inertia scales with it",
     ),

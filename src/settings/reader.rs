@@ -284,7 +284,7 @@ impl<'a> Reader<'a> {
                 }
             },
             Takes::Count(most) => {
-                let number = self.number(name, Range::Positive, false, value)?;
+                let number = self.number(name, Range::Count, false, value)?;
                 if number.fract() == 0.0 && number <= f64::from(most) {
                     return Some(Value::Number(number));
                 }
@@ -293,7 +293,7 @@ impl<'a> Reader<'a> {
                 None
             }
             Takes::Patterns | Takes::WordOrPatterns(_) => self.patterns(key, name, value),
-            Takes::Numbers(least, most) => self.numbers(name, least, most, value),
+            Takes::Numbers(least, most, range) => self.numbers(name, (least, most), range, value),
             Takes::Later => None,
         }
     }
@@ -345,8 +345,8 @@ impl<'a> Reader<'a> {
     fn numbers(
         &mut self,
         name: &str,
-        least: usize,
-        most: usize,
+        (least, most): (usize, usize),
+        range: Range,
         value: &Spanned<DeValue>,
     ) -> Option<Value> {
         let fits = |array: &&DeArray| (least..=most).contains(&array.len());
@@ -370,7 +370,7 @@ impl<'a> Reader<'a> {
         };
         let numbers: Vec<_> = array
             .iter()
-            .filter_map(|element| self.number(name, Range::Any, false, element))
+            .filter_map(|element| self.number(name, range, false, element))
             .collect();
         (numbers.len() == array.len()).then_some(Value::Numbers(numbers))
     }

@@ -10,6 +10,7 @@ use super::scope::Scope;
 use super::xml::Node;
 use crate::diagnostic::words::did_you_mean;
 use crate::model::ActuatorMode;
+use crate::range::Range;
 use std::collections::HashMap;
 
 /// Top-level tags that are read here, or warned about.
@@ -34,14 +35,14 @@ pub(super) fn contact(scope: &mut Scope, link: Node) -> Surface {
         return surface;
     };
     for child in contact.children() {
-        let (slot, highest) = match child.name() {
-            "lateral_friction" => (&mut surface.friction, f64::INFINITY),
-            "rolling_friction" => (&mut surface.rolling_friction, f64::INFINITY),
-            "spinning_friction" => (&mut surface.torsional_friction, f64::INFINITY),
-            "restitution" => (&mut surface.restitution, 1.0),
-            "inertia_scaling" if scope.pybullet => (&mut surface.inertia_scaling, f64::INFINITY),
-            "stiffness" if scope.pybullet => (&mut surface.stiffness, f64::INFINITY),
-            "damping" if scope.pybullet => (&mut surface.damping, f64::INFINITY),
+        let (slot, range) = match child.name() {
+            "lateral_friction" => (&mut surface.friction, Range::Friction),
+            "rolling_friction" => (&mut surface.rolling_friction, Range::Friction),
+            "spinning_friction" => (&mut surface.torsional_friction, Range::Friction),
+            "restitution" => (&mut surface.restitution, Range::Restitution),
+            "inertia_scaling" if scope.pybullet => (&mut surface.inertia_scaling, Range::Friction),
+            "stiffness" if scope.pybullet => (&mut surface.stiffness, Range::Coefficient),
+            "damping" if scope.pybullet => (&mut surface.damping, Range::Coefficient),
             _ => {
                 scope.ignore(child);
                 continue;
@@ -50,16 +51,12 @@ pub(super) fn contact(scope: &mut Scope, link: Node) -> Surface {
         let Some(value) = scope.required_number(child, "value") else {
             continue;
         };
-        if (0.0..=highest).contains(&value) {
+        if range.contains(value) {
             *slot = Some(value);
             scope.used(child);
         } else {
             let message = format!("<{}> {value} is out of range", child.name());
-            let help = if highest > 1.0 {
-                "it is not negative"
-            } else {
-                "a coefficient of restitution lies between 0 and 1"
-            };
+            let help = format!("it must be {}", range.expected());
             scope.problem("U071", child.tag_at(), &message, help);
         }
     }
@@ -95,12 +92,15 @@ fn coefficient(scope: &mut Scope, node: Node) -> Option<f64> {
         None => (node.content().trim().to_owned(), node.content_at()),
     };
     match text.trim().parse::<f64>() {
-        Ok(value) if value.is_finite() && value >= 0.0 => {
+        Ok(value) if Range::Friction.contains(value) => {
             scope.used(node);
             Some(value)
         }
         _ => {
-            let message = format!("<{}> '{text}' is not a number of 0 or more", node.name());
+            let message = format!(
+                "<{}> '{text}' is not a number of 0 or more, up to 1e6",
+                node.name()
+            );
             scope.warning("U071", at, &message, "it is ignored");
             None
         }

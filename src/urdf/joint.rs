@@ -5,6 +5,7 @@ use super::scope::{Scope, Version};
 use super::xml::Node;
 use crate::diagnostic::words::did_you_mean;
 use crate::model::JointKind;
+use crate::range::Range as Physical;
 use crate::spatial::Vec3;
 use std::collections::HashMap;
 
@@ -254,7 +255,12 @@ fn range(
 fn not_negative(scope: &mut Scope, node: Node, name: &str) -> Option<f64> {
     let value = scope.number(node, name)?;
     if value >= 0.0 {
-        return Some(value);
+        // Limits of any size stand for "none".
+        let range = match name {
+            "effort" | "velocity" => Physical::LimitSize,
+            _ => Physical::Coefficient,
+        };
+        return scope.within(node, name, value, range);
     }
     let at = node
         .attribute(name)
@@ -286,7 +292,9 @@ fn mimic<'d>(scope: &mut Scope, node: Node<'d>, kind: JointKind) -> Option<Check
     };
     scope.known_attributes(child, &["joint", "multiplier", "offset"]);
     let multiplier = scope.number(child, "multiplier");
+    let multiplier = multiplier.and_then(|m| scope.within(child, "multiplier", m, Physical::Ratio));
     let offset = scope.number(child, "offset");
+    let offset = offset.and_then(|o| scope.within(child, "offset", o, Physical::Position));
     let Some(joint) = child.attribute("joint") else {
         scope.missing_attribute(child, "joint", "write joint=\"name of a joint\"");
         return None;

@@ -6,6 +6,7 @@ use super::xml::Node;
 use super::{foreign, inertia};
 use crate::diagnostic::Severity;
 use crate::diagnostic::words::did_you_mean;
+use crate::range::Range as Physical;
 use std::ops::Range;
 
 const CHILDREN: [&str; 4] = ["inertial", "visual", "collision", "contact"];
@@ -84,7 +85,13 @@ fn check_inertial(scope: &mut Scope, node: Node) -> Option<CheckedInertial> {
     let mass_node = required(scope, node, "mass", "<mass value=\"…\"/>, in kg");
     let mass = mass_node.and_then(|m| {
         scope.known_attributes(m, &["value"]);
-        scope.required_number(m, "value")
+        let mass = scope.required_number(m, "value")?;
+        // What is negative or 0 is told with the inertia.
+        if mass > 0.0 {
+            scope.within(m, "value", mass, Physical::Mass)
+        } else {
+            Some(mass)
+        }
     });
     let inertia_node = required(
         scope,
@@ -96,14 +103,16 @@ fn check_inertial(scope: &mut Scope, node: Node) -> Option<CheckedInertial> {
         scope.known_attributes(i, &inertia::NAMES);
         inertia::NAMES.map(|name| {
             if name == "ixx" || name == "iyy" || name == "izz" {
-                return scope.required_number(i, name);
+                let moment = scope.required_number(i, name)?;
+                return scope.within(i, name, moment, Physical::Inertia);
             }
             if i.attribute(name).is_none() {
                 let message = format!("<inertia> has no {name}");
                 scope.warning("U063", i.tag_at(), &message, "0 is used");
                 return Some(0.0);
             }
-            scope.number(i, name)
+            let product = scope.number(i, name)?;
+            scope.within(i, name, product, Physical::Inertia)
         })
     });
     let (mass_node, mass, inertia_node) = (mass_node?, mass?, inertia_node?);
@@ -170,6 +179,9 @@ fn geometry<'d>(scope: &mut Scope, node: Node<'d>) -> Option<Geometry<'d>> {
             let size = scope.vector::<3>(shape, "size")?;
             let positive = size.iter().all(|&s| s > 0.0);
             positive_or_problem(scope, shape, "size", positive)?;
+            for side in size {
+                scope.within(shape, "size", side, Physical::Length)?;
+            }
             Some(Geometry::Box { size })
         }
         "sphere" => {
@@ -220,6 +232,9 @@ fn mesh<'d>(scope: &mut Scope, shape: Node<'d>) -> Option<Geometry<'d>> {
         scope.problem("U033", at, "<mesh> scale must not be zero", help);
         return None;
     }
+    for factor in scale {
+        scope.within(shape, "scale", factor, Physical::MeshScale)?;
+    }
     Some(Geometry::Mesh {
         filename: &file.value,
         scale,
@@ -237,7 +252,7 @@ fn require_attribute(scope: &mut Scope, node: Node, name: &str, help: &str) {
 fn length(scope: &mut Scope, node: Node, name: &str) -> Option<f64> {
     let value = scope.required_number(node, name)?;
     positive_or_problem(scope, node, name, value > 0.0)?;
-    Some(value)
+    scope.within(node, name, value, Physical::Length)
 }
 
 fn positive_or_problem(scope: &mut Scope, node: Node, name: &str, positive: bool) -> Option<()> {

@@ -5,6 +5,7 @@
 use super::xml::{Attribute, Node};
 use crate::diagnostic::words::did_you_mean;
 use crate::diagnostic::{Report, Severity};
+use crate::range as physical;
 use crate::spatial::{Mat3, Vec3, rpy_from_rotation};
 use nalgebra::{Quaternion, UnitQuaternion};
 use std::borrow::Cow;
@@ -94,6 +95,29 @@ impl<'r, 'a> Scope<'r, 'a> {
             return Some(number);
         }
         self.wrong_count(node, name, attribute, numbers.len(), 1);
+        None
+    }
+
+    /// `value`, if the solver can work with it; else a problem at the attribute.
+    pub(super) fn within(
+        &mut self,
+        node: Node,
+        name: &str,
+        value: f64,
+        range: physical::Range,
+    ) -> Option<f64> {
+        if range.contains(value) {
+            return Some(value);
+        }
+        let at = node
+            .attribute(name)
+            .map_or_else(|| node.tag_at(), |a| a.at.clone());
+        let message = format!(
+            "<{}> {name} must be {}, not {value:e}",
+            node.name(),
+            range.expected()
+        );
+        self.problem("U032", at, &message, "check its unit");
         None
     }
 
@@ -189,6 +213,11 @@ impl<'r, 'a> Scope<'r, 'a> {
         self.known_attributes(origin, &["xyz", "rpy", "quat_xyzw"]);
         let xyz = self.vector::<3>(origin, "xyz").unwrap_or_default();
         let mut rpy = Vec3::from(self.vector::<3>(origin, "rpy").unwrap_or_default());
+        for (name, vector) in [("xyz", xyz), ("rpy", rpy.into())] {
+            for value in vector {
+                self.within(origin, name, value, physical::Range::Position);
+            }
+        }
         if let Some(attribute) = origin.attribute("quat_xyzw") {
             if self.version < Version(1, 1) {
                 let help = "write <robot version=\"1.1\"> or use rpy";

@@ -332,5 +332,14 @@ impl Table<'_> {
             "the solver",
             row.not_negative(),
         );
+        let about = "Most tries of a solver step in a communication step of up to 1 s, and in each \
+                     second of a longer one";
+        let slot = ParameterSlot::MaxSteps;
+        let row = Row::parameter(slot, Unit::One, solver.max_steps, about.to_owned());
+        self.add(
+            "solver.max_steps".to_owned(),
+            "the solver",
+            row.not_negative(),
+        );
     }
 }

@@ -91,7 +91,7 @@ fn the_table_of_a_small_robot_is_the_interface_s() {
         link.fork.mass link.finger.mass
         world.gravity.x world.gravity.y world.gravity.z
         world.ground.friction world.ground.restitution
-        solver.step_size solver.tolerance";
+        solver.step_size solver.tolerance solver.max_steps";
     assert_eq!(
         names(&table, |s| matches!(s, Slot::Parameter(_))),
         expected.split_whitespace().collect::<Vec<_>>()

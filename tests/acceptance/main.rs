@@ -24,7 +24,7 @@ use urdf2fmu_core::simulation::{InputSlot, OutputSlot, Simulation};
 use urdf2fmu_core::spatial::{Mat3, Pose, RigidInertia, Vec3, rotation_from_quaternion};
 use urdf2fmu_core::tuning::Rules;
 // Where the models of the unit tests look for them.
-use urdf2fmu_core::{geometry, model, simulation, spatial};
+use urdf2fmu_core::{geometry, model, range, simulation, spatial};
 
 mod bodies;
 mod bounce;

@@ -304,6 +304,7 @@ fn header(model: &Model) -> String {
         ("STEPS", "solver.steps"),
         ("INITIAL_Z", "initial.base.position.z"),
         ("GRAVITY_Z", "world.gravity.z"),
+        ("MAX_STEPS", "solver.max_steps"),
         ("GROUND_FRICTION", "world.ground.friction"),
     ] {
         writeln!(text, "#define {constant} {}u", reference(name)).expect("a string");

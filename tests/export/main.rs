@@ -11,6 +11,7 @@ mod init;
 mod model_description;
 #[cfg(unix)]
 mod output;
+mod ranges;
 #[cfg(unix)]
 mod xacro;
 
