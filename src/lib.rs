@@ -77,6 +77,8 @@ pub mod slots;
 mod snapshot;
 pub mod sparsity;
 pub mod spatial;
+#[cfg(test)]
+mod spoil;
 pub mod state;
 pub mod step;
 #[cfg(test)]

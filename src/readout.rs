@@ -52,6 +52,9 @@ pub struct Readout {
     sensors: Sensors,
 }
 
+#[cfg(test)]
+crate::spoil::spoil!(Readout: point vdot A factor sensors; known rpy energies);
+
 impl Readout {
     /// Buffers for a robot.
     pub fn new(model: &Model, tree: &Tree) -> Self {

@@ -24,6 +24,9 @@ pub struct Sensors {
     has_wrenches: bool,
 }
 
+#[cfg(test)]
+crate::spoil::spoil!(Sensors: wrench; beyond has_wrenches);
+
 impl Sensors {
     /// Buffers for a robot.
     pub fn new(model: &Model) -> Self {

@@ -178,6 +178,15 @@ impl Simulation {
         self.importer_tolerance = tolerance;
     }
 
+    /// Fills all scratch with NaN: of the step, and of what is read out.
+    #[cfg(test)]
+    pub(crate) fn spoil(&mut self) {
+        use crate::spoil::Spoil as _;
+        self.stepper.spoil();
+        self.readout.invalidate();
+        self.readout.spoil();
+    }
+
     /// Switches rules of the method off or on, for tests and to measure what a rule does. Not part
     /// of saved states; an FMU has all of them.
     pub fn set_rules(&mut self, rules: Rules) {

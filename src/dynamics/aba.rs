@@ -30,6 +30,9 @@ pub struct Articulated {
     A: Vec<Vec6>,
 }
 
+#[cfg(test)]
+crate::spoil::spoil!(Articulated: IA pA c U D u A;);
+
 impl Articulated {
     /// Buffers for a tree.
     pub fn new(tree: &Tree) -> Self {

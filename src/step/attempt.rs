@@ -16,6 +16,9 @@ pub struct Attempt {
     pub trend: Vec<f64>,
 }
 
+#[cfg(test)]
+crate::spoil::spoil!(Attempt: end impulse trend;);
+
 impl Attempt {
     /// Room for a robot.
     pub fn new(model: &Model) -> Self {

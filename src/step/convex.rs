@@ -65,6 +65,12 @@ pub struct Newton {
     is_loaded: Vec<bool>,
 }
 
+#[cfg(test)]
+crate::spoil::spoil!(
+    Newton: v at responses change guessed_change gradient direction direction_momentum H factored V
+    along F G loaded is_loaded;
+);
+
 /// What a solve is about.
 #[derive(Clone, Copy, Debug)]
 pub struct Problem<'a> {

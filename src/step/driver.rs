@@ -47,6 +47,9 @@ pub struct Stepper {
     tried: u64,
 }
 
+#[cfg(test)]
+crate::spoil::spoil!(Stepper: here there implicit explicit fixed attempt backup tried;);
+
 impl Stepper {
     /// Room for a robot.
     pub fn new(model: &Model, tree: &Tree) -> Self {

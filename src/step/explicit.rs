@@ -41,6 +41,9 @@ pub(super) struct Explicit {
     pub end: Kinematics,
 }
 
+#[cfg(test)]
+crate::spoil::spoil!(Explicit: integrator end;);
+
 /// Method and length of the next explicit step: beyond the communication point as long as inputs
 /// stay as they are, else up to it; none where something stiff acts.
 ///

@@ -34,6 +34,9 @@ pub(super) struct Fixed {
     contacts: Vec<Contact>,
 }
 
+#[cfg(test)]
+crate::spoil::spoil!(Fixed: first mean q_middle contacts;);
+
 impl Fixed {
     /// Room for a robot.
     pub fn new(model: &Model) -> Self {

@@ -58,6 +58,12 @@ pub(super) struct Implicit {
     pub iterations: usize,
 }
 
+#[cfg(test)]
+crate::spoil::spoil!(
+    Implicit: full first second cones half middle q_full q_halves memory more way momentum rates
+    iterations;
+);
+
 /// What one solve does for a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Single {

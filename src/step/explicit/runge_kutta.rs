@@ -59,6 +59,11 @@ pub struct RungeKutta {
     fresh: bool,
 }
 
+#[cfg(test)]
+crate::spoil::spoil!(
+    RungeKutta: q v error q_rate v_rate factor effort damped armature articulated fresh;
+);
+
 impl RungeKutta {
     /// Buffers for a tree with `nq` coordinates.
     pub fn new(tree: &Tree, nq: usize) -> Self {

@@ -31,6 +31,9 @@ pub(in crate::step) struct Cones {
     pub(in crate::step) moved: bool,
 }
 
+#[cfg(test)]
+crate::spoil::spoil!(Cones: loads excess moved;);
+
 impl Cones {
     /// Room for `slots` contacts.
     pub(in crate::step) fn new(slots: usize) -> Self {

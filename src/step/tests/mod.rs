@@ -13,7 +13,6 @@ use crate::model::{ActuatorId, ActuatorMode, LinkId, Model, Motion};
 use crate::simulation::{InputSlot, OutputSlot, ParameterSlot, Simulation};
 use crate::spatial::{Pose, RigidInertia, Vec3};
 use crate::testing::{Builder, Random, at, inertia, random_tree, run, shape_all_links, start};
-use std::sync::Arc;
 
 mod agreement;
 mod free;

@@ -101,21 +101,59 @@ fn the_communication_step_does_not_change_the_result_beyond_the_tolerance() {
     }
 }
 
+/// Steps and reads two equal simulations, one with every number of its scratch NaN, every index beyond
+/// all lists and every flag true; states and outputs must be the same to the last bit.
+fn same_with_spoilt_scratch(mut model: Model) {
+    model.outputs.links = (0..model.links.len()).map(LinkId::from).collect();
+    for fixed in [0.0, 1.0 / 240.0] {
+        model.solver.step_size = fixed;
+        let mut a = start(model.clone(), 1e-3);
+        let mut b = start(model.clone(), 1e-3);
+        let outputs = |s: &mut Simulation| -> Vec<u64> {
+            let table = crate::variables::table(s.model()).expect("distinct names");
+            let slots = table.iter().filter_map(|variable| match variable.slot {
+                crate::variables::Slot::Output(slot) => Some(slot),
+                _ => None,
+            });
+            slots.map(|slot| s.output(slot).to_bits()).collect()
+        };
+        for i in 1..=100 {
+            let t = f64::from(i) / 240.0;
+            b.spoil();
+            a.advance_to(t).expect("finite");
+            b.advance_to(t).expect("finite");
+            assert!(a.state() == b.state(), "fixed {fixed}, step {i}");
+            b.spoil();
+            assert_eq!(outputs(&mut a), outputs(&mut b), "fixed {fixed}, step {i}");
+        }
+    }
+}
+
+/// A robot with everything in it, one in flight, whose steps are explicit and reach beyond the
+/// communication point, and the same with damping.
 #[test]
 fn nan_in_the_scratch_between_steps_changes_nothing() {
-    let model = everything();
-    let mut a = start(model.clone(), 1e-3);
-    let mut b = start(model, 1e-3);
-    for i in 1..=100 {
-        let t = f64::from(i) / 240.0;
-        a.advance_to(t).expect("finite");
-        // A new stepper has nothing of the old one's scratch.
-        let saved = b.save();
-        b = Simulation::new(Arc::new(b.model().clone()));
-        b.restore(&saved).expect("the same model");
-        b.advance_to(t).expect("finite");
-        assert_eq!(a.state(), b.state(), "step {i}");
+    let mut flying = random_tree(&mut Random(5), 9, true, false);
+    flying.initial.angular_velocity = Vec3::new(1.0, 2.0, 3.0);
+    let mut damped = flying.clone();
+    for joint in &mut damped.joints {
+        joint.damping = 10.0;
     }
+    for model in [everything(), flying, damped] {
+        same_with_spoilt_scratch(model);
+    }
+}
+
+/// A long chain, whose accelerations are those of articulated bodies.
+#[test]
+#[ignore = "after an explicit step, whether damping is resolved is judged by masses left in the scratch"]
+fn nan_in_the_scratch_of_a_long_chain_changes_nothing() {
+    let mut chain = Builder::new(false, RigidInertia::ZERO);
+    for i in 0..60u32 {
+        let body = inertia(0.1, X * 0.05, [1e-4; 3]);
+        chain.link(LinkId(i), at(0.1, 0.0, 0.0), Motion::Revolute(Y), body);
+    }
+    same_with_spoilt_scratch(chain.model);
 }
 
 /// Gives every surface friction at rest, against rolling and against turning.

@@ -1,0 +1,165 @@
+//! Scratch filled with NaN, for the test that nothing depends on what stands in it.
+
+#![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
+
+use crate::force::{
+    Contact, Drive, JointResponse, JointTerm, Memory, Response, Responses, Terms, Touch, Turn,
+    Velocities,
+};
+use crate::kinematics::Kinematics;
+use crate::law::{ElastoPlastic, HuntCrossley, SpeedLine};
+use crate::spatial::{Mat3, Pose, SpatialInertia, Vec3};
+use crate::state::{Physical, State};
+use crate::step::point::Point;
+
+/// What can be spoilt.
+pub trait Spoil {
+    /// Makes every number NaN, every index one beyond all lists, and every flag true.
+    fn spoil(&mut self);
+}
+
+/// Spoils each of the fields that are listed. All fields of the type must be listed; those after the
+/// semicolon stay.
+macro_rules! spoil {
+    ($type:ident: $($field:ident)*; $($kept:ident)*) => {
+        impl $crate::spoil::Spoil for $type {
+            fn spoil(&mut self) {
+                let Self { $($field,)* $($kept: _,)* } = self;
+                $($crate::spoil::Spoil::spoil($field);)*
+            }
+        }
+    };
+}
+pub(crate) use spoil;
+
+impl Spoil for f64 {
+    fn spoil(&mut self) {
+        *self = f64::NAN;
+    }
+}
+
+impl Spoil for usize {
+    fn spoil(&mut self) {
+        *self = usize::MAX;
+    }
+}
+
+impl Spoil for u64 {
+    fn spoil(&mut self) {
+        *self = u64::MAX;
+    }
+}
+
+impl Spoil for bool {
+    fn spoil(&mut self) {
+        *self = true;
+    }
+}
+
+impl Spoil for Vec3 {
+    fn spoil(&mut self) {
+        self.fill(f64::NAN);
+    }
+}
+
+impl Spoil for Mat3 {
+    fn spoil(&mut self) {
+        self.fill(f64::NAN);
+    }
+}
+
+impl Spoil for Drive {
+    fn spoil(&mut self) {
+        *self = Self::Effort(f64::NAN);
+    }
+}
+
+impl Spoil for State {
+    fn spoil(&mut self) {
+        self.physical.spoil();
+        for field in self.fields_mut() {
+            field.fill(f64::NAN);
+        }
+    }
+}
+
+impl<T: Spoil> Spoil for Option<T> {
+    fn spoil(&mut self) {
+        if let Some(value) = self {
+            value.spoil();
+        }
+    }
+}
+
+impl<T: Spoil, const N: usize> Spoil for [T; N] {
+    fn spoil(&mut self) {
+        self.iter_mut().for_each(Spoil::spoil);
+    }
+}
+
+impl<T: Spoil> Spoil for Vec<T> {
+    fn spoil(&mut self) {
+        self.iter_mut().for_each(Spoil::spoil);
+    }
+}
+
+impl<X: Spoil> Spoil for ElastoPlastic<X> {
+    fn spoil(&mut self) {
+        let Self {
+            cap,
+            stiffness,
+            damping,
+            displacement,
+        } = self;
+        for number in [cap, stiffness, damping] {
+            number.spoil();
+        }
+        displacement.spoil();
+    }
+}
+
+spoil!(Pose: R p;);
+spoil!(SpatialInertia: mass moment rotational;);
+spoil!(HuntCrossley: stiffness dissipation;);
+spoil!(SpeedLine: stall no_load;);
+spoil!(Response: impulse normal tangential slip;);
+spoil!(JointResponse: impulse stiffness effort;);
+spoil!(Touch: slot displacement turn touchdown;);
+spoil!(Memory: touches motor dry;);
+spoil!(Responses: contacts turns joints;);
+spoil!(Velocities: points turns;);
+spoil!(Physical: q v memory;);
+spoil!(Terms: contacts turns joints;);
+spoil!(Point: kin terms;);
+spoil!(Contact: body other link slot x normal gap spring touchdown mu friction;);
+spoil!(Turn: contact body slot normal coefficient torsional rolling;);
+impl Spoil for JointTerm {
+    /// What is the same in every step stays: which degree of freedom it is, and whether it has limits and an actuator.
+    fn spoil(&mut self) {
+        let Self {
+            dof: _,
+            coordinate: _,
+            actuator,
+            damping,
+            dry,
+            gap,
+            limit,
+            drive,
+            line,
+            speed_limit,
+            speed_damping,
+        } = self;
+        for number in [damping, speed_limit, speed_damping] {
+            number.spoil();
+        }
+        (dry.spoil(), limit.spoil());
+        if gap[0].is_finite() {
+            gap.spoil();
+        }
+        if actuator.is_some() {
+            (drive.spoil(), line.spoil());
+        }
+    }
+}
+
+spoil!(Kinematics: origin X S V I composite M inverse_diagonal bias force C;);
