@@ -152,12 +152,14 @@ impl Spoil for JointTerm {
         for number in [damping, speed_limit, speed_damping] {
             number.spoil();
         }
-        (dry.spoil(), limit.spoil());
+        dry.spoil();
+        limit.spoil();
         if gap[0].is_finite() {
             gap.spoil();
         }
         if actuator.is_some() {
-            (drive.spoil(), line.spoil());
+            drive.spoil();
+            line.spoil();
         }
     }
 }
