@@ -1,8 +1,11 @@
-//! urdf-rs reads the same robots: names, tree, places, axes, limits, masses and shapes agree to the last bit.
+//! urdf-rs reads the same robots: names, tree, places, axes, limits, masses and shapes agree to the
+//! last bit.
 //!
-//! urdf-rs is an independent reader of URDF. It reads the files as they stand; what it refuses although this project
-//! reads it is listed in [`REFUSED`] with the reason. Compared are this project's robots and those of pybullet_data and
-//! example-robot-data; of the thousand objects in `random_urdfs`, which differ in a mesh only, every hundredth.
+//! urdf-rs is an independent reader of URDF. It reads the files as they stand; what it refuses
+//! although this project reads it is listed in [`REFUSED`] with the reason. Compared are this
+//! project's robots and those of `pybullet_data` and example-robot-data; of the thousand objects in
+//! `random_urdfs`, which differ in a mesh only, every hundredth.
+#![allow(clippy::float_cmp, reason = "both read the same decimal text")]
 
 #[path = "environment.rs"]
 #[allow(dead_code, reason = "shared with tests that need more of it")]
