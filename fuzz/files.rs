@@ -20,8 +20,8 @@ pub fn below(folder: &Path) -> Vec<PathBuf> {
     found
 }
 
-/// Runs all entries of a target's corpus, an archive that `fuzz/corpus.py` has packed; says nothing: a target that
-/// returns has passed.
+/// Runs all entries of a target's corpus, an archive that `fuzz/corpus.py` has packed; says
+/// nothing: a target that returns has passed.
 pub fn replay(corpus: &Path, target: fn(&[u8])) {
     let mut archive = ZipArchive::new(File::open(corpus).expect("a corpus")).expect("an archive");
     let count = archive.len();

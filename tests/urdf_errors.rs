@@ -1,4 +1,5 @@
-//! Every broken robot of `tests/robots/broken/robots.txt` gives exactly the findings that are listed there.
+//! Every broken robot of `tests/robots/broken/robots.txt` gives exactly the findings that are
+//! listed there.
 
 #[path = "robots/broken.rs"]
 mod broken;

@@ -2,7 +2,8 @@
 //!
 //! In: the root file of a package. Out: its files and the arrows between them.
 //!
-//! An arrow goes from the file that names something to the file that defines it: a path that leads through a
+//! An arrow goes from the file that names something to the file that defines it: a path that leads
+//! through a
 //! `pub use` ends where the re-exported item stands. Test code is left out. Calls of methods are not seen, because
 //! they name no path.
 
@@ -282,7 +283,8 @@ fn without_tests(tokens: &[String]) -> Vec<String> {
         if starts(&["#", "[", "cfg", "(", "test", ")"])
             || starts(&["#", "[", "cfg", "(", "all", "(", "test"])
         {
-            // The attribute itself, other attributes, and the item up to its semicolon or closing brace.
+            // The attribute itself, other attributes, and the item up to its semicolon or closing
+            // brace.
             let mut depth = 0;
             while at < tokens.len() {
                 let token = tokens[at].as_str();
