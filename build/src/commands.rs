@@ -5,7 +5,8 @@
 
 use crate::cli::{Check, Cli, Command, Deny, Export, Info, Init, Simulate};
 use crate::diagnostics::{self, Style};
-use crate::importer::run::{self, Experiment, RunError};
+use crate::importer::error::RunError;
+use crate::importer::run::{self, Experiment};
 use crate::output::{OutputError, Target, print, tell};
 use crate::stage::{self, Robot, StageError};
 use crate::{archive, info, init, library, summary};

@@ -3,6 +3,9 @@
 //! The safety contract of all of them is the standard's: pointers are null or valid for the announced lengths
 //! during the call, a component comes from fmi2Instantiate and is not yet freed, a saved state comes from
 //! fmi2GetFMUstate or fmi2DeSerializeFMUstate and is not yet freed.
+//!
+//! Over 500 lines because the functions of the C interface stand together in the order of the
+//! standard: a reader compares them line by line with its headers.
 #![allow(unsafe_code, reason = "C functions")]
 #![allow(
     non_snake_case,

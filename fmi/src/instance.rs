@@ -2,6 +2,8 @@
 //!
 //! Nothing here knows pointers. Each function of [`crate`] is one method here; the guard ([`crate::call`]) has
 //! checked the phase.
+//!
+//! Over 500 lines because an instance has one method for each function of the interface.
 
 use crate::error::FmiError;
 use crate::experiment::Experiment;

@@ -2,6 +2,8 @@
 //! does, and misuses it in every way that we could think of. Each test is a run of that program.
 //!
 //! Skipped, with a message, where there is no C compiler or the command was built without a library.
+//!
+//! Over 500 lines because all tests share one program in C and the ways to build and run it.
 
 #[path = "../skipped.rs"]
 mod skipped;

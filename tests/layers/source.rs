@@ -3,9 +3,8 @@
 //! In: the root file of a package. Out: its files and the arrows between them.
 //!
 //! An arrow goes from the file that names something to the file that defines it: a path that leads
-//! through a
-//! `pub use` ends where the re-exported item stands. Test code is left out. Calls of methods are not seen, because
-//! they name no path.
+//! through a `pub use` ends where the re-exported item stands. Test code is left out. Calls of
+//! methods are not seen, because they name no path.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};

@@ -15,6 +15,7 @@
 
 pub mod csv;
 pub mod description;
+pub mod error;
 mod library;
 pub mod run;
 mod signals;

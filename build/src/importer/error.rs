@@ -1,0 +1,96 @@
+//! Why a simulation is not done, or not to its end.
+
+use super::csv::CsvError;
+use super::description::DescriptionError;
+use super::library::LibraryError;
+use std::path::PathBuf;
+
+/// Where a name on the command line stands.
+pub(super) const START_VALUE: &str = "--start-value";
+
+/// Why nothing, or not all, was simulated.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum RunError {
+    /// The description.
+    #[error(transparent)]
+    Description(#[from] DescriptionError),
+    /// A file that cannot be read.
+    #[error("cannot read '{}': {source}", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// The inputs.
+    #[error("'{}': {source}", path.display())]
+    Csv {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: CsvError,
+    },
+    /// A name that is no variable, or cannot be set.
+    #[error("{place}: {what}")]
+    Name {
+        /// Where it stands.
+        place: String,
+        /// What is wrong with it, and what comes nearest.
+        what: String,
+    },
+    /// A value.
+    #[error("--start-value {name}: '{text}' is no {expected}")]
+    Value {
+        /// The variable.
+        name: String,
+        /// As written.
+        text: String,
+        /// What it must be.
+        expected: &'static str,
+    },
+    /// Times that make no simulation.
+    #[error("{0}")]
+    Times(String),
+    /// No library for this system.
+    #[error(
+        "the FMU has no library for this system: there is no binaries/{platform}/{file}; it has: {found}"
+    )]
+    Platform {
+        /// This system's folder.
+        platform: &'static str,
+        /// File name.
+        file: String,
+        /// Folders that there are.
+        found: String,
+    },
+    /// The library.
+    #[error(transparent)]
+    Library(#[from] LibraryError),
+    /// A step.
+    #[error("the simulation stopped at {time} s of {stop} s: {why}")]
+    Stopped {
+        /// s
+        time: f64,
+        /// s
+        stop: f64,
+        /// What the FMU said.
+        why: String,
+    },
+}
+
+impl RunError {
+    /// Whether the command was used in a wrong way.
+    pub fn is_usage(&self) -> bool {
+        match self {
+            Self::Name { place, .. } => place == START_VALUE,
+            Self::Value { .. } | Self::Times(_) => true,
+            _ => false,
+        }
+    }
+
+    /// Whether the simulation failed, rather than what it was to be made of.
+    pub fn is_simulation(&self) -> bool {
+        matches!(self, Self::Library(_) | Self::Stopped { .. })
+    }
+}

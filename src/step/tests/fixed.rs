@@ -1,0 +1,84 @@
+//! Properties of fixed steps.
+
+use super::*;
+
+/// Found by fuzzing saved states: 5e-324 s would have been the step, and 1e319 of them a communication step.
+#[test]
+fn a_fixed_step_that_never_ends_is_refused_or_raised() {
+    let s = start(block(1.0, 0.5).model, 1e-3);
+    for (step, legal) in [(0.0, true), (1e-7, true), (1e-8, false), (5e-324, false)] {
+        let slot = crate::simulation::ParameterSlot::StepSize;
+        assert_eq!(s.check_parameter(slot, step).is_ok(), legal, "{step}");
+    }
+    let mut model = block(1.0, 0.5).model;
+    model.solver.step_size = 5e-324;
+    let mut s = start(model, 1e-3);
+    s.advance_to(1e-4).expect("finite");
+    assert!(
+        s.state().stepping.counters.steps <= 1001,
+        "{:?}",
+        s.state().stepping.counters
+    );
+}
+
+/// Limp arms of a long chain whirl at hundreds of rad/s: fixed steps that took them a radian at a time used to feed them
+/// energy until the run ended. A wheel as fast costs no more steps.
+#[test]
+fn fixed_steps_follow_what_whirls_and_leave_wheels_alone() {
+    let whirl = |offset: f64| {
+        let mut b = Builder::new(true, inertia(5.0, Vec3::zeros(), [0.05; 3]));
+        let arm = b.link(
+            0u32.into_link(),
+            at(0.0, 0.1, 0.0),
+            Motion::Revolute(Y),
+            inertia(0.5, X * offset, [1e-3; 3]),
+        );
+        b.link(
+            arm,
+            at(2.0 * offset, 0.0, 0.0),
+            Motion::Revolute(Y),
+            inertia(0.3, X * offset, [1e-3; 3]),
+        );
+        if offset == 0.0 {
+            // Two wheels side by side instead.
+            b.model.bodies[2].parent = Some(0usize.into());
+        }
+        b.model.world.gravity = Vec3::zeros();
+        b.model.solver.step_size = 1.0 / 240.0;
+        b.model.initial.joint_velocities = vec![150.0, -300.0];
+        let mut s = start(b.model, 1e-3);
+        let before = s.output(OutputSlot::EnergyKinetic);
+        run(&mut s, 5.0, 1.0 / 240.0);
+        let gained = s.output(OutputSlot::EnergyKinetic) / before - 1.0;
+        (gained, s.state().stepping.counters.steps)
+    };
+    let (gained, steps) = whirl(0.1);
+    assert!(gained.abs() < 0.1, "{gained}");
+    assert!(steps > 2400, "{steps}");
+    let (gained, steps) = whirl(0.0);
+    assert!(gained.abs() < 1e-9, "{gained}");
+    assert_eq!(steps, 1200);
+}
+
+/// Found by fuzzing saved states: speeds that no robot has cut each of the shortest fixed steps into 32 parts.
+#[test]
+fn no_part_of_a_fixed_step_is_shorter_than_a_fixed_step_may_be() {
+    let mut b = Builder::new(true, inertia(5.0, Vec3::zeros(), [0.05; 3]));
+    b.link(
+        0u32.into_link(),
+        at(0.0, 0.1, 0.0),
+        Motion::Revolute(Y),
+        inertia(0.5, X * 0.1, [1e-3; 3]),
+    );
+    b.model.world.gravity = Vec3::zeros();
+    b.model.solver.step_size = 2e-7;
+    b.model.initial.joint_velocities = vec![1e9];
+    let mut s = start(b.model, 1e-3);
+    // Whether it ends well is not the question here.
+    _ = s.advance_to(2e-6);
+    assert!(
+        s.state().stepping.counters.steps <= 20,
+        "{:?}",
+        s.state().stepping.counters
+    );
+}
