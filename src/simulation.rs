@@ -4,7 +4,7 @@
 //! set inputs and tunable parameters, [`Simulation::advance_to`], read outputs, and again.
 
 pub use crate::slots::{Axis, InputSlot, OutputSlot, ParameterSlot};
-pub use crate::snapshot::Snapshot;
+pub use crate::snapshot::{SavedStateError, Snapshot};
 
 use crate::dynamics::crba;
 use crate::initial::initial_state;
@@ -88,11 +88,8 @@ pub enum SimulationError {
         most: f64,
     },
     /// Bytes that are not a saved state of this model.
-    #[error("saved state refused: {reason}")]
-    State {
-        /// Why.
-        reason: String,
-    },
+    #[error(transparent)]
+    State(#[from] SavedStateError),
 }
 
 /// What a step and a readout look at. A macro, because a method would borrow what they change, too.
@@ -430,7 +427,7 @@ impl Simulation {
     /// # Errors
     /// [`SimulationError::State`] for anything else.
     pub fn saved_from_bytes(&self, bytes: &[u8]) -> Result<Snapshot, SimulationError> {
-        Snapshot::with_hash(&self.model, self.hash, bytes)
+        Ok(Snapshot::with_hash(&self.model, self.hash, bytes)?)
     }
 
     /// Overwrites `snapshot` without allocating if it is of this model, else like [`Self::save`].
@@ -454,9 +451,8 @@ impl Simulation {
     /// [`SimulationError::State`] if it belongs to another model.
     pub fn restore(&mut self, snapshot: &Snapshot) -> Result<(), SimulationError> {
         if snapshot.hash != self.hash {
-            return Err(SimulationError::State {
-                reason: "it belongs to another model".into(),
-            });
+            let reason = "it belongs to another model".to_owned();
+            return Err(SavedStateError { reason }.into());
         }
         let same = self.parameters.values == snapshot.parameters && !self.stale;
         self.parameters.values.copy_from_slice(&snapshot.parameters);

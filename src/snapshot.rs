@@ -12,9 +12,16 @@ use crate::inputs::Inputs;
 use crate::model::Model;
 use crate::parameters::Parameters;
 use crate::prepared::model_hash;
-use crate::simulation::SimulationError;
 use crate::state::ahead::COEFFICIENTS;
 use crate::state::{Counters, State};
+
+/// Why bytes are not a saved state of a model, or a saved state is not one of this model.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("saved state refused: {reason}")]
+pub struct SavedStateError {
+    /// What is wrong with it.
+    pub reason: String,
+}
 
 const MAGIC: &[u8; 4] = b"U2FS";
 const VERSION: u32 = 6;
@@ -116,8 +123,8 @@ impl Snapshot {
     /// Reads what [`Self::to_bytes`] wrote for the same model.
     ///
     /// # Errors
-    /// [`SimulationError::State`] for anything else.
-    pub fn from_bytes(model: &Model, bytes: &[u8]) -> Result<Self, SimulationError> {
+    /// [`SavedStateError`] for anything else.
+    pub fn from_bytes(model: &Model, bytes: &[u8]) -> Result<Self, SavedStateError> {
         Self::with_hash(model, model_hash(model), bytes)
     }
 
@@ -126,8 +133,8 @@ impl Snapshot {
         model: &Model,
         hash: u64,
         bytes: &[u8],
-    ) -> Result<Self, SimulationError> {
-        let refused = |reason: &str| SimulationError::State {
+    ) -> Result<Self, SavedStateError> {
+        let refused = |reason: &str| SavedStateError {
             reason: reason.into(),
         };
         let start = Inputs::new(model);
