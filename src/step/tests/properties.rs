@@ -384,55 +384,6 @@ fn an_absurd_initial_speed_does_not_stall_the_host() {
     );
 }
 
-/// Every mode with `max_effort` 0, on a joint that nothing loads: the motor lets go.
-#[test]
-fn a_released_motor_leaves_its_joint_alone() {
-    for mode in [
-        ActuatorMode::Velocity,
-        ActuatorMode::Position,
-        ActuatorMode::Pd,
-    ] {
-        let (mut b, cart) = cart();
-        b.actuator(cart, mode, 5.0);
-        b.model.actuators[0].kp = 100.0;
-        b.model.joints[0].friction = 0.1;
-        let mut s = start(b.model, 1e-3);
-        s.set_input(InputSlot::MaxEffort(ActuatorId(0)), 0.0);
-        s.set_input(InputSlot::Position(ActuatorId(0)), 1.0);
-        s.set_input(InputSlot::Velocity(ActuatorId(0)), 1.0);
-        run(&mut s, 1.0, 0.01);
-        assert_eq!(
-            (s.state().physical.q[0], s.state().physical.v[0]),
-            (0.0, 0.0),
-            "{mode:?}"
-        );
-    }
-}
-
-/// A servo that pushes against a limit: two large forces balance and nothing else acts.
-#[test]
-fn a_servo_pressed_against_a_limit_rests() {
-    let (mut b, cart) = cart();
-    b.limits(cart, -0.1, 0.1);
-    b.actuator(cart, ActuatorMode::Position, 500.0);
-    let mut s = start(b.model, 1e-3);
-    s.set_input(InputSlot::Position(ActuatorId(0)), 1.0);
-    run(&mut s, 2.0, 1.0 / 240.0);
-    let expected = 0.1 + 500.0 / s.tree().dofs.limit_stiffness[0];
-    assert!(
-        (s.state().physical.q[0] - expected).abs() < 1e-8,
-        "{} {expected}",
-        s.state().physical.q[0]
-    );
-    let steps = s.state().stepping.counters.steps;
-    run(&mut s, 3.0, 1.0);
-    assert!(
-        s.state().stepping.counters.steps < steps + 3,
-        "{:?}",
-        s.state().stepping.counters
-    );
-}
-
 /// A saved state carries the pushes from outside; what was pushed since is forgotten.
 #[test]
 fn a_restored_state_is_pushed_as_when_it_was_saved() {
