@@ -1,10 +1,11 @@
-//! Random drops: robots thrown onto the ground in every attitude, limp or driven, and again with something about them
-//! driven to an extreme.
+//! Random drops: robots dropped onto the ground in every attitude, limp or driven, and again with
+//! one property at an extreme value.
 //!
-//! `cargo bench -p urdf2fmu-core --bench drops -- [drops] [drops per extreme] robot.urdf…` prints the two tables of
-//! `docs/robustness.md`, and which drops were the worst; a robot whose meshes lie elsewhere needs `ROS_PACKAGE_PATH`. Every
-//! second seed is limp, and six and seven of every eight take fixed steps: of eight drops three are limp under error control
-//! and one in fixed steps. What a drop is: `tests/acceptance/campaign.rs`.
+//! `cargo bench -p urdf2fmu-core --bench drops -- [drops] [drops per extreme] robot.urdf…` prints
+//! the two tables of `docs/robustness.md`, and lists the worst drops. A robot whose meshes lie
+//! elsewhere needs `ROS_PACKAGE_PATH`. Every second seed is limp, and seeds 6 and 7 of every eight
+//! take fixed steps: of eight drops three are limp under error control and one in fixed steps.
+//! `tests/acceptance/campaign.rs` defines a drop.
 
 #[path = "../tests/acceptance/campaign.rs"]
 #[allow(missing_docs, dead_code, reason = "shared with the tests")]
@@ -29,8 +30,8 @@ fn robot(file: &str) -> Result<Model, String> {
         .model)
 }
 
-/// Most energy gained by limp robots under error control and in fixed steps: in all, over the lowest before, and that with all
-/// that friction elements have in store; see `Ledger`.
+/// Most energy gained by limp robots under error control and in fixed steps: in all, over the
+/// lowest before, and that with all that friction elements have in store; see `Ledger`.
 fn gains(tally: &Tally) -> String {
     let [controlled, fixed] = &tally.limp;
     let pairs = [

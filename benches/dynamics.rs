@@ -1,10 +1,11 @@
 //! Time of the tree algorithms, and of a step of long chains.
 //!
-//! `cargo bench -p urdf2fmu-core --bench dynamics -- robot.urdf… --fixed robot.urdf…` answers with one line of JSON a robot: nanoseconds of
-//! the articulated-body algorithm, of the composite-rigid-body algorithm and of the recursive Newton–Euler algorithm
-//! (`k(q, v)`), kinematics included each time, as they are in Pinocchio's functions of these names. Without a robot it
-//! prints a Markdown table of chains of 10 to 500 links that swing freely: time per accepted step.
-//! `benches/peers/pinocchio_compare.py` runs it beside Pinocchio.
+//! `cargo bench -p urdf2fmu-core --bench dynamics -- robot.urdf… --fixed robot.urdf…` answers with
+//! one line of JSON a robot: nanoseconds of the articulated-body algorithm, of the
+//! composite-rigid-body algorithm and of the recursive Newton–Euler algorithm (`k(q, v)`),
+//! kinematics included each time, as they are in Pinocchio's functions of these names. Without a
+//! robot it prints a Markdown table of chains of 10 to 500 links that swing freely: time per
+//! accepted step. `benches/peers/pinocchio_compare.py` runs it beside Pinocchio.
 
 #![expect(
     clippy::print_stdout,

@@ -1,9 +1,10 @@
-//! Plays a scene and times it: our side of `benches/peers/speed.py` and `benches/peers/precision.py`, which run it.
+//! Simulates a scene and measures the time, for `benches/peers/speed.py` and
+//! `benches/peers/precision.py`, which run this program.
 //!
-//! The first line of standard input is a scene, JSON: the paths of a URDF and a settings file, the actuated joints and
-//! rows of commands. Every further line is one way to run it: solver, communication step, length, how often to
-//! repeat. Each run answers with one line of JSON: the least CPU time of the repetitions, the coordinates at every
-//! change of commands, step counts.
+//! The first line of standard input is a scene, JSON: the paths of a URDF and a settings file, the
+//! actuated joints and rows of commands. Every further line is one way to run it: solver,
+//! communication step, length, how often to repeat. Each run answers with one line of JSON: the
+//! least CPU time of the repetitions, the coordinates at every change of commands, step counts.
 
 #![expect(
     clippy::print_stdout,
@@ -56,7 +57,8 @@ struct Run {
 struct Answer {
     /// Of CPU, the least of the repetitions.
     seconds: f64,
-    /// Base position and quaternion (w, x, y, z) where there is one, then joints, at the start and after each row.
+    /// Base position and quaternion (w, x, y, z) where there is one, then joints, at the start and
+    /// after each row.
     samples: Vec<Vec<f64>>,
     steps: f64,
     rejected: f64,

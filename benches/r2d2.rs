@@ -1,8 +1,10 @@
-//! Time per 1/240 s of PyBullet's R2D2 driving, beside the peers in `benches/peers/r2d2.py`, which runs this.
+//! Time per 1/240 s of PyBullet's R2D2 driving. `benches/peers/r2d2.py` runs this program beside
+//! other simulators.
 //!
-//! Argument: path of r2d2.urdf. Then one run per line of standard input, which names the solver: an error tolerance
-//! (`1e-3`) or a fixed step (`1/240`). Each answers with one line of JSON: wall time of the loop, result, step counts.
-//! The scenario is that of `benches/peers/scenario.py`: settle, turn on the spot, drive forward, 10 rad/s.
+//! Argument: path of r2d2.urdf. Then one run per line of standard input, which names the solver: an
+//! error tolerance (`1e-3`) or a fixed step (`1/240`). Each answers with one line of JSON: wall
+//! time of the loop, result, step counts. The scenario is that of `benches/peers/scenario.py`:
+//! settle, turn on the spot, drive forward, 10 rad/s.
 
 #![expect(
     clippy::print_stdout,

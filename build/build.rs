@@ -1,9 +1,9 @@
 //! Builds `fmi/` as a shared library and embeds it into the `urdf2fmu` command.
 //!
-//! A package that is both cdylib and rlib would be built without link-time optimisation, so `fmi/` is an rlib and
-//! this script runs `cargo rustc --crate-type cdylib` on it, in a target directory of its own (the outer build
-//! holds the lock of the usual one) and with a profile of its own: a debug `urdf2fmu` exports the same library as a
-//! released one.
+//! A package that is both cdylib and rlib would be built without link-time optimisation, so `fmi/`
+//! is an rlib and this script runs `cargo rustc --crate-type cdylib` on it, in a target directory
+//! of its own (the outer build holds the lock of the usual one) and with a profile of its own: a
+//! debug `urdf2fmu` exports the same library as a released one.
 //!
 //! | variable | effect |
 //! |---|---|
@@ -184,8 +184,8 @@ impl Target {
             "macos" => (pick("darwin32", "darwin64"), "liburdf2fmu_fmi.dylib"),
             _ => (pick("linux32", "linux64"), "liburdf2fmu_fmi.so"),
         };
-        // A host that defines a function of the same name must not get its own in our calls, and must not see
-        // what the static parts of the library bring along.
+        // A host that defines a function of the same name must not get its own in our calls, and
+        // must not see what the static parts of the library bring along.
         let gnu = env::var("CARGO_CFG_TARGET_ENV")? == "gnu";
         let link_args: &[&str] = match system.as_str() {
             // Without the time of day the same sources make the same library.
@@ -208,7 +208,8 @@ impl Target {
 
 /// Runs cargo on `fmi/`.
 fn nested_build(target: &Target) -> Result<PathBuf, Box<dyn Error>> {
-    // What the other build script said is cached and goes stale when the workspace moves with its target folder.
+    // What the other build script said is cached and goes stale when the workspace moves with its
+    // target folder.
     let beside = Path::new(&env::var("CARGO_MANIFEST_DIR")?).with_file_name("fmi");
     let package = if beside.join("Cargo.toml").is_file() {
         beside
@@ -219,8 +220,9 @@ fn nested_build(target: &Target) -> Result<PathBuf, Box<dyn Error>> {
         )
     };
     let out = PathBuf::from(env::var("OUT_DIR")?);
-    // Beside the folders of all build scripts (target/<profile>/build/<package>/out), not inside of this one: the
-    // outer profiles `dev` and `test` have an OUT_DIR each and would build the same library twice.
+    // Beside the folders of all build scripts (target/<profile>/build/<package>/out), not inside of
+    // this one: the outer profiles `dev` and `test` have an OUT_DIR each and would build the same
+    // library twice.
     let folder = out
         .ancestors()
         .nth(3)
@@ -271,10 +273,11 @@ struct Sources {
 }
 
 impl Sources {
-    /// In its workspace the package is built as it lies there, with the workspace's lock file. From a registry it
-    /// comes without either, and its folder must not be written to: a copy is built. All that it needs has been
-    /// fetched with it (the command depends on it, too), so the network stays off; the core of the same version
-    /// lies beside it, which matters as long as that version is not published.
+    /// In its workspace the package is built as it lies there, with the workspace's lock file. From
+    /// a registry it comes without either, and its folder must not be written to: a copy is built.
+    /// All that it needs has been fetched with it (the command depends on it, too), so the network
+    /// stays off; the core of the same version lies beside it, which matters as long as that
+    /// version is not published.
     fn find(package: &Path, out: &Path) -> Result<Self, Box<dyn Error>> {
         let workspace = fs::read_to_string(package.join("../Cargo.toml")).unwrap_or_default();
         if workspace.contains("[workspace]") {
@@ -356,8 +359,9 @@ fn isolate(cargo: &mut Command, package: &Path) {
             cargo.env_remove(&name);
         }
     }
-    // Set, so that flags of a configuration file, such as `target-cpu=native`, do not count either. Messages of
-    // panics name sources; without the folders of this machine the same sources make the same library anywhere.
+    // Set, so that flags of a configuration file, such as `target-cpu=native`, do not count either.
+    // Messages of panics name sources; without the folders of this machine the same sources make
+    // the same library anywhere.
     let mut flags = Vec::new();
     if let Some(workspace) = package.parent() {
         flags.push(format!(
@@ -388,7 +392,8 @@ fn isolate(cargo: &mut Command, package: &Path) {
     }
 }
 
-/// Makes cargo run this script again when a source of the library changes; `list` is cargo's list of them.
+/// Makes cargo run this script again when a source of the library changes; `list` is cargo's list
+/// of them.
 fn watch(list: &Path, package: &Path) -> Result<(), Box<dyn Error>> {
     let text = fs::read_to_string(list)
         .map_err(|error| format!("cargo's list of sources '{}': {error}", list.display()))?;

@@ -1,4 +1,4 @@
-//! Files through fuzz targets, for the replays.
+//! Runs files through fuzz targets, for the replays.
 
 use std::fs::{self, File};
 use std::io::Read as _;

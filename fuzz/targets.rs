@@ -1,5 +1,5 @@
-//! What is tried with arbitrary bytes. A target returns whatever happens; what must not happen is a crash, a hang,
-//! undefined behaviour (`AddressSanitizer` watches), or memory that is not given back.
+//! Fuzz targets for arbitrary bytes. A target must return without a crash, a hang, undefined
+//! behaviour (`AddressSanitizer` checks this) or a leak.
 //!
 //! | target | bytes are |
 //! |---|---|
@@ -38,7 +38,8 @@ use urdf2fmu_fmi::*;
 
 const GUID: &str = "{fuzz}";
 
-/// A rover with one wheel, an arm with a limit and a force from outside: every kind of variable but sensors.
+/// A rover with one wheel, an arm with a limit and a force from outside: every kind of variable but
+/// sensors.
 const ROBOT: &str = r#"<robot name="r">
 <link name="base"><inertial><mass value="2"/><inertia ixx="0.02" iyy="0.02" izz="0.02" ixy="0" ixz="0" iyz="0"/></inertial>
   <collision><geometry><box size="0.2 0.2 0.1"/></geometry></collision></link>
@@ -143,8 +144,8 @@ fn running() -> *mut c_void {
     c
 }
 
-/// An instance that serves many executions: making one takes longer than everything else. States bring it back to the
-/// beginning.
+/// An instance that serves many executions: making one takes longer than everything else. States
+/// bring it back to the beginning.
 struct Kept {
     c: *mut c_void,
     instantiated: *mut c_void,
@@ -245,8 +246,8 @@ fn chosen(data: &[u8], many: u64) -> bool {
 /// Length of what stands before the simulation's own bytes, see `fmi/src/snapshot.rs`.
 const HEADER: usize = 56;
 
-/// A communication step, s, of a few of the steps that the parameters ask for, at most `most`: who asks for a hundred
-/// nanoseconds or 12 digits waits as long as that takes, which is no finding.
+/// A communication step, s, of a few of the steps that the parameters ask for, at most `most`: who
+/// asks for a hundred nanoseconds or 12 digits waits as long as that takes, which is no finding.
 unsafe fn short_step(c: *mut c_void, most: f64) -> f64 {
     let mut asked = [0.0; 2];
     unsafe { fmi2GetReal(c, ASKED.as_ptr(), 2, asked.as_mut_ptr()) };
@@ -310,7 +311,8 @@ pub fn states(data: &[u8]) {
     }
 }
 
-/// The smallest robot with a body, a commanded joint with limits and a collider: reading it is most of an execution.
+/// The smallest robot with a body, a commanded joint with limits and a collider: reading it is most
+/// of an execution.
 const SMALL: &str = r#"<robot name="s"><link name="b"/>
 <link name="w"><inertial><mass value="1"/><inertia ixx="0.01" iyy="0.01" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial>
   <collision><geometry><sphere radius="0.1"/></geometry></collision></link>

@@ -1,19 +1,19 @@
 //! Description and settings → [`Model`]: bodies, mimic joints, defaults, initial pose.
 //!
-//! In: [`Description`] (checked URDF, lengths already scaled, see [`crate::urdf::ReadOptions`]) and [`Settings`].
-//! Out: [`Model`] and every assumption that was taken, as notes.
+//! In: [`Description`] (checked URDF, lengths already scaled, see [`crate::urdf::ReadOptions`]) and
+//! [`Settings`]. Out: [`Model`] and every assumption that was taken, as notes.
 //!
-//! - Links joined by fixed joints are one body; each keeps its frame (`Link::X_BL`). A body's frame is the frame
-//!   of the link that its joint carries.
-//! - A planar joint is a chain of two sliding and one turning body. With the normal `n` these slide along `u` and
-//!   `n × u`; `u` is the part of a coordinate axis in the plane: x for a normal along z, y for x, z for y.
-//!   A floating joint slides along x, y, z and then turns freely.
-//! - A spherical joint is one body that turns freely; nothing commands it.
-//! - A massless root whose only joint is floating is the world: root and joint are left out, the child is a
-//!   floating base.
-//! - Mimic joints share the coordinate of the joint that they follow in the end.
+//! - Links joined by fixed joints are one body; each keeps its frame (`Link::X_BL`). A body's frame
+//!   is the frame of the link that its joint carries.
+//! - A planar joint is a chain of two sliding and one turning body. With the normal `n` these slide
+//!   along `u` and `n × u`; `u` is the part of a coordinate axis in the plane: x for a normal along
+//!   z, y for x, z for y. A floating joint slides along x, y, z and then turns freely.
+//! - A spherical joint is one body that turns freely; it has no actuator.
+//! - A massless root whose only joint is floating is the world: root and joint are left out, the
+//!   child is a floating base.
+//! - Mimic joints share the coordinate of the last joint of their chain.
 //! - A mesh on a continuous joint that is round about it becomes a cylinder or a ball.
-//! - A moving link may be massless as long as what hangs on it gives every degree of freedom inertia.
+//! - A moving link may be massless if its children give every degree of freedom inertia.
 //!
 //! Not done here: reading files, scaling, solving.
 //!
@@ -35,7 +35,7 @@
 //! | A114 | effort limits of zero |
 //! | A115 | velocity limits of zero |
 //! | A116 | friction that the file does not give |
-//! | A117 | position limits that are none |
+//! | A117 | position limits that are no range |
 //! | A118 | limits narrowed by mimic joints |
 //! | A119 | inertia from the collision shapes |
 //! | A120 | gains |

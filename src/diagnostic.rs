@@ -60,15 +60,16 @@ pub struct Place {
     pub text: String,
 }
 
-/// Lines longer than this, in bytes, are not kept for display: a hundred findings in a file that is one
-/// long line must not take a hundred times its size.
+/// Lines longer than this, in bytes, are not kept for display: a hundred findings in a file that is
+/// one long line must not take a hundred times its size.
 const LONGEST_LINE: usize = 100_000;
 
 /// Characters of a long line that are shown around the mark.
 const SHOWN: usize = 100;
 
 impl Place {
-    /// The place of `range` (bytes) in `text`; a range over several lines marks the rest of the first.
+    /// The place of `range` (bytes) in `text`; a range over several lines marks the rest of the
+    /// first.
     pub fn in_text(file: &str, text: &str, range: Range<usize>) -> Self {
         let start = floor_char(text, range.start);
         let end = floor_char(text, range.end).max(start);
@@ -137,8 +138,8 @@ impl fmt::Display for Diagnostic {
 
 impl std::error::Error for Diagnostic {}
 
-/// The shown part of the line, and the line of marks below it. Tabs and control characters become spaces so
-/// that the marks stay below the marked text.
+/// The shown part of the line, and the line of marks below it. Tabs and control characters become
+/// spaces so that the marks stay below the marked text.
 fn excerpt(place: &Place) -> (String, String) {
     let characters: Vec<char> = place.text.chars().collect();
     let mark = (place.column - 1).min(characters.len());

@@ -1,7 +1,7 @@
-//! Collision shapes: what they are, how far they reach, and the convex hull of a mesh.
+//! Collision shapes, their reach, and the convex hull of a mesh.
 //!
-//! How large and how heavy they are is in `solid`, the algorithm of the hull in `hull`. Contact points of a shape
-//! against the ground are found in [`crate::contact`].
+//! Their volume and inertia are in `solid`, the algorithm of the hull in `hull`. Contact points of
+//! a shape against the ground are found in [`crate::contact`].
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
@@ -65,13 +65,14 @@ impl Shape {
         }
     }
 
-    /// How far the shape reaches along `-direction` from the origin of the frame that `pose` is given in:
-    /// the minimum of `direction·x` over its points. `direction` is a unit vector.
+    /// How far the shape reaches along `-direction` from the origin of the frame that `pose` is
+    /// given in: the minimum of `direction·x` over its points. `direction` is a unit vector.
     pub fn lowest(&self, pose: &Pose, direction: &Vec3) -> f64 {
         pose.p.dot(direction) - self.depth(&(pose.R.transpose() * direction))
     }
 
-    /// How far the shape reaches from its origin against the unit vector `d`, given in its own axes.
+    /// How far the shape reaches from its origin against the unit vector `d`, given in its own
+    /// axes.
     pub fn depth(&self, d: &Vec3) -> f64 {
         match self {
             Self::Sphere { radius } => *radius,
@@ -141,23 +142,25 @@ pub enum GeometryError {
 pub struct BoundedHull {
     /// Extreme points of the input, m.
     pub vertices: Vec<Vec3>,
-    /// Largest distance by which an input point lies outside, m: no support of the hull is off by more.
-    /// Up to 1e-7 of its size is not counted.
+    /// Largest distance by which an input point lies outside, m: no support of the hull is off by
+    /// more. Up to 1e-7 of its size is not counted.
     pub error: f64,
     /// Whether it has no volume.
     pub flat: bool,
 }
 
-/// Extreme points of `points`, in the order of the input; what is closer than 1e-7 of the size to the hull
-/// of others is left out. A plate or a rod without thickness is legal.
+/// Extreme points of `points`, in the order of the input; what is closer than 1e-7 of the size to
+/// the hull of others is left out. A plate or a rod without thickness is legal.
 ///
 /// # Errors
-/// [`GeometryError`] for no points, points that are not finite or beyond 1e6 m, or all in one place.
+/// [`GeometryError`] for no points, points that are not finite or beyond 1e6 m, or all in one
+/// place.
 pub fn convex_hull(points: &[Vec3]) -> Result<Vec<Vec3>, GeometryError> {
     Ok(bounded_hull(points, usize::MAX)?.vertices)
 }
 
-/// The hull of at most `most` extreme points (at least 4), chosen greedily: always the one furthest outside.
+/// The hull of at most `most` extreme points (at least 4), chosen greedily: always the one furthest
+/// outside.
 ///
 /// # Errors
 /// As [`convex_hull`].
@@ -334,7 +337,7 @@ mod tests {
     }
 
     #[test]
-    fn what_has_no_hull_is_an_error() {
+    fn points_without_a_hull_are_an_error() {
         let p = Vec3::new(1.0, 2.0, 3.0);
         assert_eq!(convex_hull(&[]), Err(GeometryError::NoPoints));
         assert_eq!(convex_hull(&[p]), Err(GeometryError::OnePlace));
@@ -353,8 +356,8 @@ mod tests {
         ));
     }
 
-    /// Grids, repeated and nearly equal points, slivers, stretched by up to 1e9: whatever comes out contains
-    /// what went in, up to the error that it names.
+    /// Grids, repeated and nearly equal points, slivers, stretched by up to 1e9: whatever comes out
+    /// contains what went in, up to the error that it names.
     #[test]
     fn degenerate_points_give_a_hull_that_contains_them() {
         let mut random = Random(99);

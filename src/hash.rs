@@ -1,4 +1,5 @@
-//! The hash of Fowler, Noll and Vo (FNV-1a, 64 bits): names, checksums and comparisons, nothing secret.
+//! The hash of Fowler, Noll and Vo (FNV-1a, 64 bits): names, checksums and comparisons, nothing
+//! secret.
 //!
 //! Each step is a bijection, so a change of any one byte changes the result.
 

@@ -1,8 +1,8 @@
-//! What the robot is commanded: values at the last communication point, and how they go on from there.
+//! Commands of the robot: values at the last communication point and their Taylor polynomials.
 //!
 //! Each input is a Taylor polynomial in the time since the communication point,
-//! `u(t) = u + t u′ + t² u″/2 + t³ u‴/6`, so that a command which changes within a step changes within the solver's
-//! steps, too. Without derivatives it is a constant, and costs what a constant costs.
+//! `u(t) = u + t u′ + t² u″/2 + t³ u‴/6`, so that a command which changes within a step changes
+//! within the solver's steps, too. Without derivatives it is a constant without additional cost.
 
 use crate::model::{ActuatorId, LinkId, Model};
 use crate::range::Range;
@@ -137,8 +137,8 @@ impl Inputs {
         }
     }
 
-    /// Sets the time derivative of order 1 … [`INPUT_ORDERS`] of an input at the communication point; whether that
-    /// changed anything.
+    /// Sets the time derivative of order 1 … [`INPUT_ORDERS`] of an input at the communication
+    /// point; whether that changed anything.
     pub fn set_derivative(&mut self, slot: InputSlot, order: usize, value: f64) -> bool {
         let Some(index) = self.index(slot) else {
             return false;
@@ -160,7 +160,8 @@ impl Inputs {
         self.varies
     }
 
-    /// Value, or derivative of order `order`, of the input at `index`, `t` seconds after the communication point.
+    /// Value, or derivative of order `order`, of the input at `index`, `t` seconds after the
+    /// communication point.
     fn taylor(&self, index: usize, order: usize, t: f64) -> f64 {
         let mut value = 0.0;
         for k in (order..=INPUT_ORDERS).rev() {
@@ -172,7 +173,8 @@ impl Inputs {
         value
     }
 
-    /// What actuator `a` is told over a step of `h` seconds that begins `t` seconds after the communication point.
+    /// What actuator `a` is told over a step of `h` seconds that begins `t` seconds after the
+    /// communication point.
     #[inline]
     pub fn command(&self, a: usize, t: f64, h: f64) -> Command {
         let n = self.actuators;
@@ -201,7 +203,8 @@ impl Inputs {
         }
     }
 
-    /// Velocity, position, effort and effort limit of actuator `a`, `t` seconds after the communication point.
+    /// Velocity, position, effort and effort limit of actuator `a`, `t` seconds after the
+    /// communication point.
     pub fn values(&self, a: usize, t: f64) -> [f64; 4] {
         let command = self.command(a, t, 0.0);
         [
@@ -212,7 +215,8 @@ impl Inputs {
         ]
     }
 
-    /// Whether all inputs are finite `t` seconds after the communication point; start values may be infinite.
+    /// Whether all inputs are finite `t` seconds after the communication point; start values may be
+    /// infinite.
     pub fn is_finite_at(&self, t: f64) -> bool {
         !self.varies
             || (0..self.count)

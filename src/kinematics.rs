@@ -1,7 +1,8 @@
 //! Poses and velocities, base to tip.
 //!
-//! All spatial quantities are in world axes about one common point O, the origin of the base: contact stiffness and
-//! inertia of any body then add up without transforms, and a robot far from the world's origin loses no digits.
+//! All spatial quantities are in world axes about one common point O, the origin of the base:
+//! contact stiffness and inertia of any body then add up without transforms, and a robot far from
+//! the world's origin loses no digits.
 //!
 //! Source: Featherstone 2008, chapters 2 and 4.
 
@@ -11,7 +12,8 @@ use crate::joint::Mount;
 use crate::spatial::{Mat3, Pose, SpatialInertia, Vec3, Vec6};
 use crate::tree::Tree;
 
-/// What depends on `q` and `v` alone. Filled by the functions of this module and of [`crate::dynamics`].
+/// What depends on `q` and `v` alone. Filled by the functions of this module and of
+/// [`crate::dynamics`].
 #[derive(Clone, Debug)]
 pub struct Kinematics {
     /// O in the world, m.
@@ -30,7 +32,8 @@ pub struct Kinematics {
     pub M: Vec<f64>,
     /// Reciprocal square of the scale of each degree of freedom: `1 / M_kk`.
     pub inverse_diagonal: Vec<f64>,
-    /// `k(q, v)`: Coriolis, centrifugal and gravity terms, and what external wrenches take off them.
+    /// `k(q, v)`: Coriolis, centrifugal and gravity terms, and what external wrenches take off
+    /// them.
     pub bias: Vec<f64>,
     /// Forces of the bodies; scratch of the bias.
     pub force: Vec<Vec6>,
@@ -108,7 +111,8 @@ fn rotated(R: &Mat3, I: &[f64; 6]) -> [f64; 6] {
     [e(0, 0), e(1, 1), e(2, 2), e(0, 1), e(0, 2), e(1, 2)]
 }
 
-/// `q ⊕ h v`: positions after moving with constant velocity `v` for `h` seconds. Reads `from`, writes `to`.
+/// `q ⊕ h v`: positions after moving with constant velocity `v` for `h` seconds. Reads `from`,
+/// writes `to`.
 pub fn advance(tree: &Tree, from: &[f64], v: &[f64], h: f64, to: &mut [f64]) {
     for body in &tree.bodies {
         let (from, to) = (&from[body.coordinate..], &mut to[body.coordinate..]);

@@ -1,9 +1,9 @@
 //! Articulated-body simulator for URDF robots: contact, force-limited motors, error control.
 //!
-//! A robot goes from text to motion in four steps: [`urdf::read_str`] checks a URDF and reads its meshes,
-//! [`assemble::build`] makes a [`model::Model`] of it with the [`settings`] of the user, [`simulation::Simulation`] runs
-//! it, [`variables::table`] names what can be set and read. An FMU carries the model ([`prepared`]) and begins at the
-//! third step.
+//! A robot goes from text to motion in four steps: [`urdf::read_str`] checks a URDF and reads its
+//! meshes, [`assemble::build`] makes a [`model::Model`] of it with the [`settings`] of the user,
+//! [`simulation::Simulation`] runs it, [`variables::table`] names what can be set and read. An FMU
+//! carries the model ([`prepared`]) and begins at the third step.
 //!
 //! ```
 //! # #[cfg(feature = "urdf")] {
@@ -13,7 +13,10 @@
 //! use urdf2fmu_core::{assemble, settings::Settings, urdf};
 //!
 //! let ball = r#"<robot name="ball"><link name="ball">
-//!   <inertial><mass value="1"/><inertia ixx="0.004" iyy="0.004" izz="0.004" ixy="0" ixz="0" iyz="0"/></inertial>
+//!   <inertial>
+//!     <mass value="1"/>
+//!     <inertia ixx="0.004" iyy="0.004" izz="0.004" ixy="0" ixz="0" iyz="0"/>
+//!   </inertial>
 //!   <collision><geometry><sphere radius="0.1"/></geometry></collision>
 //! </link></robot>"#;
 //! let settings = Settings::parse("[initial]\nxyz = [0, 0, 1]", "ball.toml").unwrap();
@@ -33,19 +36,23 @@
 //! # }
 //! ```
 //!
-//! Inside, from the bottom up: [`spatial`] vectors, [`geometry`] of shapes, [`sparsity`] of the joint-space matrix; the
-//! [`tree`] that follows from a model and its [`parameters`], the [`inputs`]; [`kinematics`] and [`dynamics`]; the [`law`]s of
-//! [`force`] and what carries it; the [`state`]; the [`step`]. The method is described in `docs/design.md`.
+//! Inside, from the bottom up: [`spatial`] vectors, [`geometry`] of shapes, [`sparsity`] of the
+//! joint-space matrix; the [`tree`] that follows from a model and its [`parameters`], the
+//! [`inputs`]; [`kinematics`] and [`dynamics`]; the [`law`]s of [`force`] and what carries it; the
+//! [`state`]; the [`step`]. The method is described in `docs/design.md`.
 //!
 //! # Bibliography
 //!
 //! - R. Featherstone, *Rigid Body Dynamics Algorithms*, Springer 2008.
-//! - K. H. Hunt & F. R. E. Crossley, *Coefficient of restitution interpreted as damping in vibroimpact*, 1975.
-//! - A. Castro, F. Permenter & X. Han, *An unconstrained convex formulation of compliant contact*, arXiv 2110.10107.
+//! - K. H. Hunt & F. R. E. Crossley, *Coefficient of restitution interpreted as damping in
+//!   vibroimpact*, 1975.
+//! - A. Castro, F. Permenter & X. Han, *An unconstrained convex formulation of compliant contact*,
+//!   arXiv 2110.10107.
 //! - A. Castro et al., *Irrotational contact fields*, arXiv 2312.03908.
 //! - V. Kurtz & A. Castro, *CENIC*, arXiv 2511.08771.
 //! - J. R. Dormand & P. J. Prince, *A family of embedded Runge–Kutta formulae*, 1980.
-//! - E. Hairer, S. P. Nørsett & G. Wanner, *Solving Ordinary Differential Equations I*, Springer 1993.
+//! - E. Hairer, S. P. Nørsett & G. Wanner, *Solving Ordinary Differential Equations I*,
+//!   Springer 1993.
 //! - J. W. H. Liu, *The role of elimination trees in sparse factorization*, 1990.
 #![forbid(unsafe_code)]
 

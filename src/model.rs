@@ -1,9 +1,10 @@
-//! What the robot *is*: links, joints, shapes, actuators and defaults. Immutable once loaded.
+//! The robot itself: links, joints, shapes, actuators and defaults. It does not change after
+//! loading.
 //!
-//! A `Model` is prepared once at export (see `urdf/` and [`crate::assemble`]) and is all that the FMU loads.
-//! Links and joints are the URDF's, fixed ones included. Bodies are the solver's: links joined by fixed
-//! joints are one body; a planar or floating joint is a chain of bodies with one kind of motion each.
-//! Parents come before children in all three lists.
+//! A `Model` is prepared once at export (see `urdf/` and [`crate::assemble`]) and is all that the
+//! FMU loads. Links and joints are the URDF's, fixed ones included. Bodies are the solver's: links
+//! joined by fixed joints are one body; a planar or floating joint is a chain of bodies with one
+//! kind of motion each. Parents come before children in all three lists.
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
@@ -31,7 +32,8 @@ pub struct Model {
     pub bodies: Vec<Body>,
     /// Independent degrees of freedom, parents before children; a floating base has the first six.
     pub dofs: Vec<Dof>,
-    /// Length of `q`: 7 for a floating base, 4 for a spherical body, 1 for every other degree of freedom.
+    /// Length of `q`: 7 for a floating base, 4 for a spherical body, 1 for every other degree of
+    /// freedom.
     pub nq: usize,
     /// Shapes that can touch the ground.
     pub colliders: Vec<Collider>,
@@ -49,7 +51,7 @@ pub struct Model {
     pub outputs: OutputSelection,
 }
 
-/// A URDF link: a frame, and what is attached to it.
+/// A URDF link: a frame and the parts attached to it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Link {
@@ -69,14 +71,16 @@ pub struct Link {
     pub restitution: f64,
     /// Friction at rest over sliding friction, less 1: 0 where they are equal.
     pub static_excess: f64,
-    /// Moment against rolling over normal force, m; combined with the ground's by the larger of the two.
+    /// Moment against rolling over normal force, m; combined with the ground's by the larger of the
+    /// two.
     pub rolling_friction: f64,
     /// Moment against turning about the normal over normal force, m; combined likewise.
     pub torsional_friction: f64,
     /// Stiffness of its contact points, N/m, where it is not that of [`ContactDefaults`].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub stiffness: Option<f64>,
-    /// Dissipation of its contact points where restitution is 0, s/m, where it is not that of [`ContactDefaults`].
+    /// Dissipation of its contact points where restitution is 0, s/m, where it is not that of
+    /// [`ContactDefaults`].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub dissipation: Option<f64>,
 }
@@ -97,8 +101,9 @@ pub struct Joint {
     pub X_PJ: Pose,
     /// Unit vector in the joint frame: axis of turning or sliding, normal of a planar joint.
     pub axis: Vec3,
-    /// The bodies that make up its motion, in order: none for a fixed joint, one for a turning or sliding one,
-    /// three for planar (x, y, angle), four for floating (x, y, z, spherical), one for spherical.
+    /// The bodies that make up its motion, in order: none for a fixed joint, one for a turning or
+    /// sliding one, three for planar (x, y, angle), four for floating (x, y, z, spherical), one for
+    /// spherical.
     pub bodies: Vec<BodyId>,
     /// The URDF's limits, for turning and sliding joints with `<limit>`, in rad or m.
     pub limits: Option<Limits>,
@@ -114,7 +119,8 @@ pub struct Joint {
     pub static_excess: f64,
     /// Speed at which the friction has lost most of what it has more at rest, rad/s or m/s.
     pub stribeck_velocity: f64,
-    /// Whether a damper keeps the joint from going faster than `velocity`; position servos do not anyway.
+    /// Whether a damper keeps the joint from going faster than `velocity`; position servos do not
+    /// anyway.
     pub enforce_velocity: bool,
     /// Rotor inertia times gear ratio squared, kg·m² or kg.
     pub armature: f64,
@@ -170,7 +176,8 @@ pub struct Limits {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Mimic {
-    /// The joint that is followed. Never itself a mimic: chains are resolved when the model is built.
+    /// The joint that is followed. Never itself a mimic: chains are resolved when the model is
+    /// built.
     pub joint: JointId,
     /// Ratio.
     pub multiplier: f64,
@@ -182,7 +189,8 @@ pub struct Mimic {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Body {
-    /// The link whose frame is the body's; for the inner bodies of a planar or floating joint its child link.
+    /// The link whose frame is the body's; for the inner bodies of a planar or floating joint its
+    /// child link.
     pub link: LinkId,
     /// None for the base.
     pub parent: Option<BodyId>,
@@ -190,7 +198,8 @@ pub struct Body {
     pub joint: Option<JointId>,
     /// How it moves in its parent.
     pub motion: Motion,
-    /// Pose of the body at joint zero in its parent's frame. For the base: its pose in the world at zero.
+    /// Pose of the body at joint zero in its parent's frame. For the base: its pose in the world at
+    /// zero.
     pub X_PB: Pose,
     /// First place in `q`: a 1-dof body reads `ratio · q[coordinate] + offset`.
     pub coordinate: usize,
@@ -238,8 +247,8 @@ pub struct Actuator {
     pub dof: DofId,
     /// What is commanded.
     pub mode: ActuatorMode,
-    /// Start value of the input `max_effort`, N·m or N; the stiffness of velocity and position servos follows
-    /// from `reference_effort`, only the cap follows the input.
+    /// Start value of the input `max_effort`, N·m or N; the stiffness of velocity and position
+    /// servos follows from `reference_effort`, only the cap follows the input.
     pub max_effort: f64,
     /// N·m or N, above zero.
     pub reference_effort: f64,
@@ -247,8 +256,9 @@ pub struct Actuator {
     pub kp: f64,
     /// Start value of the tunable gain, pd mode only: N·m·s/rad or N·s/m.
     pub kd: f64,
-    /// Speed at which the motor has no effort left, rad/s or m/s: towards it the effort limit falls in proportion
-    /// while the motor drives, and stays what it is while it brakes. None: the limit does not depend on the speed.
+    /// Speed at which the motor has no effort left, rad/s or m/s: towards it the effort limit falls
+    /// in proportion while the motor drives, and stays what it is while it brakes. None: the limit
+    /// does not depend on the speed.
     pub no_load_speed: Option<f64>,
 }
 
@@ -290,7 +300,8 @@ pub struct Initial {
 pub struct SolverDefaults {
     /// s; 0 means error controlled.
     pub step_size: f64,
-    /// Error allowed per step in m, and in rad at 1 m reach; 0 means: the importer's if given, else 1e-3.
+    /// Error allowed per step in m, and in rad at 1 m reach; 0 means: the importer's if given, else
+    /// 1e-3.
     pub tolerance: f64,
     /// Most tries of a solver step in a communication step of up to a second, and in each second
     /// of a longer one.
@@ -325,8 +336,9 @@ pub struct World {
     pub gravity: Vec3,
     /// How the friction and the restitution of a link and the ground are combined.
     pub combination: Combination,
-    /// Drag `c` of every body, 1/s: the force `c m v (1 + |v|)` against the velocity of its centre of mass, and the
-    /// torque `c I ω (1 + |ω|)` against its turning, with `v` in m/s and `ω` in rad/s. `PyBullet`'s; 0 for none.
+    /// Drag `c` of every body, 1/s: the force `c m v (1 + |v|)` against the velocity of its centre
+    /// of mass, and the torque `c I ω (1 + |ω|)` against its turning, with `v` in m/s and `ω` in
+    /// rad/s. `PyBullet`'s; 0 for none.
     pub drag: f64,
     /// None: nothing to touch.
     pub ground: Option<Ground>,

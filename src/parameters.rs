@@ -1,6 +1,6 @@
-//! What a user may set: a flat list of numbers with one index function.
+//! Parameters, which a user may set: a flat list of numbers with one index function.
 //!
-//! What follows from the parameters (inertias, stiffness) is in [`crate::tree`]; what the robot is commanded, in
+//! What follows from the parameters (inertias, stiffness) is in [`crate::tree`]; commands are in
 //! [`crate::inputs`].
 
 use crate::model::{ActuatorId, JointId, LinkId, Model};
@@ -105,8 +105,9 @@ impl Parameters {
         }
     }
 
-    /// Whether `values` are what the parameters, with the model's defaults now, may be set to. A default may lie outside of its
-    /// range: a link without mass is one, but nobody can take a link's mass away.
+    /// Whether `values` are what the parameters, with the model's defaults now, may be set to. A
+    /// default may lie outside of its range: a link without mass is one, but nobody can take a
+    /// link's mass away.
     pub(crate) fn allow(&self, values: &[f64]) -> bool {
         use ParameterSlot as P;
         let (actuator, joint, link) = (ActuatorId::from(0), JointId::from(0), LinkId::from(0));

@@ -1,7 +1,8 @@
-//! `resources/model.json`: the file that hands a prepared [`Model`] from the exporter to the FMU's library.
+//! `resources/model.json`: the file that hands a prepared [`Model`] from the exporter to the FMU's
+//! library.
 //!
-//! The library loads this file and nothing else. Floats are written with the fewest digits that read back
-//! to the same bits.
+//! The library loads only this file. Floats are written with the fewest digits that read back to
+//! the same bits.
 
 use crate::hash::fnv1a;
 use crate::model::{Model, ModelError};
@@ -92,12 +93,14 @@ impl PreparedModel {
                 reason: error.to_string(),
             })?;
         let text = serde_json::to_string_pretty(self).map_err(refuse)?;
-        // JSON has no NaN or infinity: they become `null`, which then fails here instead of in the FMU.
+        // JSON has no NaN or infinity: they become `null`, which then fails here instead of in the
+        // FMU.
         serde_json::from_str::<Self>(&text).map_err(refuse)?;
         Ok(text)
     }
 
-    /// Reads what [`Self::to_json`] wrote. What it returns can be computed with, see [`Model::validate`].
+    /// Reads what [`Self::to_json`] wrote. What it returns can be computed with, see
+    /// [`Model::validate`].
     ///
     /// # Errors
     /// [`PreparedModelError`] for anything else.
@@ -127,7 +130,8 @@ impl PreparedModel {
     }
 }
 
-/// Hash of a model's text as it is stored: two models that differ in any number have different ones.
+/// Hash of a model's text as it is stored: two models that differ in any number have different
+/// ones.
 pub(crate) fn model_hash(model: &Model) -> u64 {
     serde_json::to_vec(model).map_or(0, |bytes| fnv1a(&bytes))
 }

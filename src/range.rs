@@ -73,9 +73,9 @@ pub enum Range {
 /// Tries of a solver step in a communication step of up to a second, and in each second of a longer
 /// one, beyond which it is given up.
 ///
-/// Robots of the collections, dropped and driven about, take up to 150 tries in a communication step
-/// of 1/240 s and 1,900 in one of 1 s at a tolerance of 1e-3, 11,000 in one of 1 s at 1e-5. At 30 µs a
-/// try this many take some seconds.
+/// Robots of the collections, dropped and driven about, take up to 150 tries in a communication
+/// step of 1/240 s and 1,900 in one of 1 s at a tolerance of 1e-3, 11,000 in one of 1 s at 1e-5. At
+/// 30 µs a try this many take some seconds.
 pub const MOST_STEPS: f64 = 100_000.0;
 
 /// Shortest fixed step, s; what a model asks for is raised to it.

@@ -1,4 +1,5 @@
-//! Outputs of a state: poses, velocities, accelerations, forces, energies; computed when first read.
+//! Outputs of a state: poses, velocities, accelerations, forces, energies; computed when first
+//! read.
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
@@ -34,7 +35,8 @@ enum Level {
 /// What is known of the current state.
 #[derive(Clone, Debug)]
 pub struct Readout {
-    /// Kinematics, contacts and joint terms at the state, up to `known`; filled by [`Self::prepare`].
+    /// Kinematics, contacts and joint terms at the state, up to `known`; filled by
+    /// [`Self::prepare`].
     pub point: Point,
     /// Generalised accelerations, `nv`, rad/s² or m/s²; filled by [`Self::accelerations`].
     vdot: Vec<f64>,
@@ -330,7 +332,8 @@ fn quaternion(X: &Pose) -> [f64; 4] {
     [q.i, q.j, q.k, q.w]
 }
 
-/// Position of a joint along one of its axes: of the body in its chain that moves along it; 0 where none does.
+/// Position of a joint along one of its axes: of the body in its chain that moves along it; 0 where
+/// none does.
 fn joint_position(model: &Model, state: &State, joint: JointId, axis: Axis) -> f64 {
     let joint = &model.joints[joint.index()];
     let body = joint.bodies.get(axis as usize);
@@ -353,8 +356,8 @@ fn joint_orientation(model: &Model, state: &State, joint: JointId, axis: Axis) -
     .unwrap_or(0.0)
 }
 
-/// Velocity or acceleration of a joint along one of its axes, from `rate` (`v` or `vdot`): of the bodies in its chain,
-/// one axis each, and of the last in all its own.
+/// Velocity or acceleration of a joint along one of its axes, from `rate` (`v` or `vdot`): of the
+/// bodies in its chain, one axis each, and of the last in all its own.
 fn joint_rate(model: &Model, rate: &[f64], joint: JointId, axis: Axis) -> f64 {
     let bodies = &model.joints[joint.index()].bodies;
     let place = (axis as usize).min(bodies.len().saturating_sub(1));

@@ -1,11 +1,11 @@
-//! What sensors measure: inertial units, force–torque sensors in joints, rays to the ground.
+//! Sensors: inertial units, force–torque sensors in joints, rays to the ground.
 //!
-//! In: kinematics, accelerations and contacts of a state. Out: numbers in the sensor's own axes; ideal, without noise,
-//! delay or filter, at the moment of the state.
+//! In: kinematics, accelerations and contacts of a state. Out: numbers in the sensor's own axes;
+//! ideal, without noise, delay or filter, at the moment of the state.
 //!
-//! An inertial unit feels what a falling one does not: specific force is acceleration less gravity. The wrench in a
-//! joint is what the momentum of all links beyond it still needs when weight, contacts and external wrenches have
-//! done their part (Newton and Euler, link by link), whatever carries it: bearings, motors, a weld.
+//! The specific force of an inertial unit is acceleration minus gravity, so it is 0 in free fall.
+//! The wrench in a joint is the rate of momentum of all links beyond it minus weight, contacts and
+//! external wrenches (Newton and Euler, link by link), whether bearings, motors or a weld carry it.
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
@@ -19,7 +19,8 @@ use crate::step::point::{Context, Point};
 pub struct Sensors {
     /// Links beyond the joint of each sensor, its child first; empty for sensors of another kind.
     beyond: Vec<Vec<usize>>,
-    /// `[τ; f]` that the parent exerts on the child, about the child's origin, world axes, per sensor.
+    /// `[τ; f]` that the parent exerts on the child, about the child's origin, world axes, per
+    /// sensor.
     wrench: Vec<Vec6>,
     has_wrenches: bool,
 }
@@ -58,7 +59,8 @@ impl Sensors {
 
     /// Wrench `[τ; f]` in the joint, about the child link's origin, sensor axes.
     ///
-    /// `point` is up to date with the state, forces included; `A` are the bodies' spatial accelerations about O.
+    /// `point` is up to date with the state, forces included; `A` are the bodies' spatial
+    /// accelerations about O.
     pub fn wrench(&mut self, ctx: &Context, point: &Point, A: &[Vec6], sensor: usize) -> [Vec3; 2] {
         if !self.has_wrenches {
             for s in 0..self.wrench.len() {
@@ -155,7 +157,8 @@ pub fn pose(ctx: &Context, point: &Point, sensor: usize) -> (usize, Pose) {
     (body, X)
 }
 
-/// Distance to the ground along a ray, m; the sensor's range where there is nothing within it. Needs poses.
+/// Distance to the ground along a ray, m; the sensor's range where there is nothing within it.
+/// Needs poses.
 pub fn distance(ctx: &Context, point: &Point, sensor: usize, ray: usize) -> f64 {
     let SensorKind::Ray { directions, range } = &ctx.model.outputs.sensors[sensor].kind else {
         return 0.0;

@@ -1,8 +1,8 @@
 //! The settings file: base, actuators, contact, world, initial state, outputs.
 //!
-//! TOML text → [`Settings`]. Everything that can be wrong without knowing the robot is found here, with its
-//! place; names and globs are matched when the model is built (see [`crate::assemble`]).
-//! Defaults and ranges are in [`keys::KEYS`].
+//! TOML text → [`Settings`]. Every error that does not depend on the robot is found here, with its
+//! place; names and globs are matched when the model is built (see [`crate::assemble`]). Defaults
+//! and ranges are in [`keys::KEYS`].
 //!
 //! | code | about |
 //! |---|---|

@@ -1,7 +1,8 @@
-//! A robot that runs: model, parameters, state and scratch in one place.
+//! A simulation: model, parameters, state and scratch memory.
 //!
-//! Life of a simulation: [`Simulation::new`], set fixed parameters and inputs, [`Simulation::initialize`], then
-//! set inputs and tunable parameters, [`Simulation::advance_to`], read outputs, and again.
+//! Life of a simulation: [`Simulation::new`], set fixed parameters and inputs,
+//! [`Simulation::initialize`], then set inputs and tunable parameters, [`Simulation::advance_to`],
+//! read outputs, and again.
 
 pub use crate::slots::{Axis, InputSlot, OutputSlot, ParameterSlot};
 pub use crate::snapshot::{SavedStateError, Snapshot};
@@ -36,14 +37,16 @@ pub struct Simulation {
     applied: Inputs,
     /// Where the robot is; written by [`Self::initialize`] and [`Self::advance_to`].
     state: State,
-    /// What follows from model and parameters; derived by [`Self::initialize`], tuned between steps.
+    /// What follows from model and parameters; derived by [`Self::initialize`], tuned between
+    /// steps.
     tree: Tree,
     /// Scratch of the steps; nothing in it outlives one.
     stepper: Stepper,
     /// What has been computed of the state for outputs; forgotten when anything changes.
     readout: Readout,
     rules: Rules,
-    /// Tolerance where the parameter is 0, see [`Self::tolerance`]; 0 where the importer gives none.
+    /// Tolerance where the parameter is 0, see [`Self::tolerance`]; 0 where the importer gives
+    /// none.
     importer_tolerance: f64,
     /// Time at which the simulation begins, s.
     start: f64,
@@ -113,7 +116,8 @@ macro_rules! context {
 }
 
 impl Simulation {
-    /// A robot with its default parameters and initial state; call [`Self::initialize`] before the first step.
+    /// A robot with its default parameters and initial state; call [`Self::initialize`] before the
+    /// first step.
     pub fn new(model: Arc<Model>) -> Self {
         let parameters = Parameters::new(&model);
         let inputs = Inputs::new(&model);
@@ -153,7 +157,8 @@ impl Simulation {
         &self.state
     }
 
-    /// The state, to be set from outside; positions and velocities as [`crate::model::Motion`] says.
+    /// The state, to be set from outside; positions and velocities as [`crate::model::Motion`]
+    /// says.
     pub fn state_mut(&mut self) -> &mut State {
         self.readout.invalidate();
         self.state.stepping.ahead.input_changed();
@@ -190,8 +195,8 @@ impl Simulation {
         self.rules = rules;
     }
 
-    /// Puts the robot into its initial state at time `start`, s, and derives what follows from the parameters.
-    /// Before it, outputs follow parameters and inputs as set so far.
+    /// Puts the robot into its initial state at time `start`, s, and derives what follows from the
+    /// parameters. Before it, outputs follow parameters and inputs as set so far.
     ///
     /// # Errors
     /// [`SimulationError::NotFinite`] if parameters are out of all proportion.
@@ -261,9 +266,9 @@ impl Simulation {
         self.input_changed(slot);
     }
 
-    /// Sets the time derivative of order 1 … [`crate::inputs::INPUT_ORDERS`] of an input, for the next step: there the
-    /// input follows its Taylor polynomial, after it the input stays where that has ended and its derivatives are 0.
-    /// `value` is finite.
+    /// Sets the time derivative of order 1 … [`crate::inputs::INPUT_ORDERS`] of an input, for the
+    /// next step: there the input follows its Taylor polynomial, after it the input stays where
+    /// that has ended and its derivatives are 0. `value` is finite.
     pub fn set_input_derivative(&mut self, slot: InputSlot, order: usize, value: f64) {
         if self.inputs.set_derivative(slot, order, value) {
             self.input_changed(slot);
@@ -299,7 +304,8 @@ impl Simulation {
         check(slot.range(), set, value, || format!("parameter {slot:?}"))
     }
 
-    /// Sets a parameter; `value` has passed [`Self::check_parameter`]. Fixed ones only before [`Self::initialize`].
+    /// Sets a parameter; `value` has passed [`Self::check_parameter`]. Fixed ones only before
+    /// [`Self::initialize`].
     pub fn set_parameter(&mut self, slot: ParameterSlot, value: f64) {
         if self.parameters.get(slot).to_bits() == value.to_bits() {
             return;
@@ -422,7 +428,8 @@ impl Simulation {
         }
     }
 
-    /// Reads what [`Snapshot::to_bytes`] wrote for the same model; faster than [`Snapshot::from_bytes`].
+    /// Reads what [`Snapshot::to_bytes`] wrote for the same model; faster than
+    /// [`Snapshot::from_bytes`].
     ///
     /// # Errors
     /// [`SimulationError::State`] for anything else.

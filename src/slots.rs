@@ -1,4 +1,4 @@
-//! What a simulation can be told and asked, one name a number, with units and axes.
+//! Inputs, parameters and outputs of a simulation: one name for each number, with units and axes.
 //!
 //! Names and value references for the outside are given by [`crate::variables`].
 
@@ -105,7 +105,8 @@ pub enum OutputSlot {
     BaseLinearVelocity(Axis),
     /// rad/s, world axes.
     BaseAngularVelocity(Axis),
-    /// rad or m. `Axis` is 0 for turning and sliding joints; x, y, angle of a planar one; x, y, z of a floating one.
+    /// rad or m. `Axis` is 0 for turning and sliding joints; x, y, angle of a planar one; x, y, z
+    /// of a floating one.
     JointPosition(JointId, Axis),
     /// Orientation x, y, z, w of a spherical joint, or a floating one that is not the base.
     JointOrientation(JointId, Axis),

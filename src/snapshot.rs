@@ -1,10 +1,12 @@
-//! Saved states: everything that a later run needs to go on bit for bit. The workspace is not in it.
+//! Saved states: everything that a later run needs to continue with the same bits. Scratch memory
+//! is not part of it.
 //!
-//! Bytes, little-endian: magic `U2FS`, format version (u32), hash of the model (u64), then lists, each with its
-//! length (u64): parameters, inputs, inputs as the last step ended with them, the state's fields, the run's settings;
-//! the counters; the number of touches and of coefficients of the smooth step under way; the touches (slot, displacement, angle and touch-down speed of each);
-//! the coefficients; last an FNV-1a checksum (u64) of all before it. Lengths must be those of the model, so that nothing is
-//! allocated on a stranger's word.
+//! Bytes, little-endian: magic `U2FS`, format version (u32), hash of the model (u64), then lists,
+//! each with its length (u64): parameters, inputs, inputs as the last step ended with them, the
+//! state's fields, the run's settings; the counters; the number of touches and of coefficients of
+//! the smooth step under way; the touches (slot, displacement, angle and touch-down speed of each);
+//! the coefficients; last an FNV-1a checksum (u64) of all before it. Lengths must be those of the
+//! model, so that forged lengths allocate nothing.
 
 use crate::force::Touch;
 use crate::hash::fnv1a;
@@ -107,7 +109,8 @@ impl Snapshot {
                 + 4)
     }
 
-    /// Numbers of touches and of coefficients in `bytes`, if they are possible and fit their length; `self` has neither.
+    /// Numbers of touches and of coefficients in `bytes`, if they are possible and fit their
+    /// length; `self` has neither.
     fn counts(&self, model: &Model, bytes: &[u8]) -> Option<(usize, usize)> {
         let fixed = self.byte_len();
         let counts = bytes.get(fixed.checked_sub(24)?..fixed - 8)?;

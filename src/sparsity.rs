@@ -1,15 +1,17 @@
-//! Where the joint-space matrix has entries, and its factorisation.
+//! Pattern of the joint-space matrix, and its factorisation.
 //!
-//! Row `k` of a symmetric matrix stores its entries at the ancestors of `k` in the elimination tree, root first, then
-//! the diagonal. Ancestors of an ancestor are a prefix, so that factor and solve run over contiguous memory, and entry
-//! (k, j) lies at `start[k] + depth[j]`. For a tree without mimic joints the elimination tree is the robot's own; a
-//! mimic joint couples two branches and makes the elimination tree deeper there, nothing else.
+//! Row `k` of a symmetric matrix stores its entries at the ancestors of `k` in the elimination
+//! tree, root first, then the diagonal. Ancestors of an ancestor are a prefix, so that factor and
+//! solve run over contiguous memory, and entry (k, j) lies at `start[k] + depth[j]`. For a tree
+//! without mimic joints the elimination tree is the robot's own; a mimic joint couples two branches
+//! and only makes the elimination tree deeper there.
 //!
 //! Source: Featherstone 2008, section 6.5; elimination trees: Liu 1990.
 
 use crate::spatial::{Vec6, add_scaled6, add6, dot6, multiply_lower};
 
-/// Entries of a row from which a loop over neighbours costs less than one over columns that are looked up.
+/// Entries of a row from which a loop over neighbours costs less than one over columns that are
+/// looked up.
 const MANY: usize = 14;
 
 /// The pattern of a symmetric matrix under `LᵀDL` factorisation.
@@ -21,7 +23,8 @@ pub struct Sparsity {
     pub depth: Vec<usize>,
     /// Column of every entry.
     pub column: Vec<u32>,
-    /// How many of each row's ancestors are 0, 1, 2, …, where they are many: there no column needs to be looked up.
+    /// How many of each row's ancestors are 0, 1, 2, …, where they are many: there no column needs
+    /// to be looked up.
     pub prefix: Vec<usize>,
     /// Whether the ancestors of every row begin with 0 … 5, as they do for a floating base.
     pub floating: bool,
@@ -166,9 +169,9 @@ impl Sparsity {
         if self.floating { 6 } else { 0 }
     }
 
-    /// Overwrites `a` by its factor: `D L` below the diagonal and `1/D` on it, with `A = LᵀDL`; no roots are taken, whose
-    /// time is that of a whole row. A pivot that round-off has made smaller than the smallest positive number is replaced by
-    /// that, so that the direction stays finite.
+    /// Overwrites `a` by its factor: `D L` below the diagonal and `1/D` on it, with `A = LᵀDL`; no
+    /// roots are taken, whose time is that of a whole row. A pivot that round-off has made smaller
+    /// than the smallest positive number is replaced by that, so that the direction stays finite.
     pub fn factor(&self, a: &mut [f64]) {
         let base = self.base();
         for k in (base..self.len()).rev() {
@@ -404,7 +407,8 @@ mod tests {
 
     #[test]
     fn coupled_branches_fill_in_and_still_solve() {
-        // Two fingers on one palm joint (0); finger 3 follows finger 1, so that 1 and 3's subtree (4) couple.
+        // Two fingers on one palm joint (0); finger 3 follows finger 1, so that 1 and 3's subtree
+        // (4) couple.
         let p = Sparsity::new(5, &[vec![0, 1, 2], vec![0, 3, 4], vec![0, 2, 4]]);
         assert!(!p.floating);
         check(&p);

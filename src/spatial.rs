@@ -1,4 +1,5 @@
-//! Poses, spatial velocities and forces, rigid-body inertia. No tree, no indices.
+//! Poses, spatial velocities and forces, rigid-body inertia. This module does not know trees or
+//! indices.
 //!
 //! Spatial vectors are angular first: `[ω; v]` and `[τ; f]`. Frames: see `docs/style.md`.
 //!
@@ -277,7 +278,8 @@ pub struct SpatialInertia {
 }
 
 impl SpatialInertia {
-    /// Of a mass `m` with centre of mass `c` (from O) and inertia `I_cm` (xx, yy, zz, xy, xz, yz) about it, world axes.
+    /// Of a mass `m` with centre of mass `c` (from O) and inertia `I_cm` (xx, yy, zz, xy, xz, yz)
+    /// about it, world axes.
     #[inline]
     pub fn new(m: f64, c: &Vec3, I_cm: &[f64; 6]) -> Self {
         let (x, y, z) = (c.x, c.y, c.z);

@@ -18,8 +18,8 @@ pub trait Spoil {
     fn spoil(&mut self);
 }
 
-/// Spoils each of the fields that are listed. All fields of the type must be listed; those after the
-/// semicolon stay.
+/// Spoils each of the fields that are listed. All fields of the type must be listed; those after
+/// the semicolon stay.
 macro_rules! spoil {
     ($type:ident: $($field:ident)*; $($kept:ident)*) => {
         impl $crate::spoil::Spoil for $type {
@@ -134,7 +134,8 @@ spoil!(Point: kin terms;);
 spoil!(Contact: body other link slot x normal gap spring touchdown mu friction;);
 spoil!(Turn: contact body slot normal coefficient torsional rolling;);
 impl Spoil for JointTerm {
-    /// What is the same in every step stays: which degree of freedom it is, and whether it has limits and an actuator.
+    /// What is the same in every step stays: which degree of freedom it is, and whether it has
+    /// limits and an actuator.
     fn spoil(&mut self) {
         let Self {
             dof: _,

@@ -1,4 +1,4 @@
-//! What the next step reads and cannot recompute.
+//! The state: what the next step reads and cannot recompute.
 //!
 //! [`Physical`] is what the robot is in: it alone decides where the laws of motion lead.
 //! [`Stepping`] is what the method remembers from step to step: step sizes, what it has measured
@@ -212,8 +212,8 @@ impl State {
         self.stepping.ahead.coefficients.extend_from_slice(from);
     }
 
-    /// Whether no length of time is negative: a step would go back, and then for ever forward
-    /// again.
+    /// Whether no length of time is negative: with a negative one a step would go back in time and
+    /// the run would not end.
     pub fn lengths_are_positive(&self) -> bool {
         let Stepping {
             sizes, lag, ahead, ..

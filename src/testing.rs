@@ -1,4 +1,4 @@
-//! Models made in code, and runs of them, for tests.
+//! Models built in code, and their simulation, for tests.
 
 #![allow(
     clippy::cast_precision_loss,
@@ -40,7 +40,8 @@ pub struct Builder {
 }
 
 impl Builder {
-    /// A base with the given inertia; floating or fixed at the world's origin, gravity 9.81, no ground.
+    /// A base with the given inertia; floating or fixed at the world's origin, gravity 9.81, no
+    /// ground.
     pub fn new(floating: bool, inertia: RigidInertia) -> Self {
         let motion = if floating {
             Motion::Free

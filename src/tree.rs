@@ -1,8 +1,10 @@
-//! What follows from a model and its parameters: the tree that the solver walks, its inertias, stiffness and scales.
+//! The tree of the solver, which follows from a model and its parameters: inertias, stiffness and
+//! scales.
 //!
-//! Body frames are turned so that every turning or sliding joint acts along its own z axis; nothing outside the
-//! solver sees these frames. One entry per body degree of freedom ("column"): a mimic joint's column is scaled by its
-//! ratio and belongs to the degree of freedom that it follows. What depends on the initial position is in `scale`.
+//! Body frames are turned so that every turning or sliding joint acts along its own z axis; these
+//! frames do not appear outside the solver. One entry per body degree of freedom ("column"): a
+//! mimic joint's column is scaled by its ratio and belongs to the degree of freedom that it
+//! follows. What depends on the initial position is in `scale`.
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
@@ -97,7 +99,8 @@ impl Tree {
         tree
     }
 
-    /// Bodies with their poses; returns the rotation of each solver frame in the model's body frame.
+    /// Bodies with their poses; returns the rotation of each solver frame in the model's body
+    /// frame.
     fn add_bodies(&mut self, model: &Model) -> Vec<Mat3> {
         let mut turned = Vec::with_capacity(model.bodies.len());
         for body in &model.bodies {
@@ -312,7 +315,8 @@ impl Tree {
         }
     }
 
-    /// Whether a body turns about its joint's axis and looks the same to the rest of the robot however it has turned.
+    /// Whether a body turns about its joint's axis and looks the same to the rest of the robot
+    /// however it has turned.
     fn is_wheel(&self, index: usize) -> bool {
         let body = &self.bodies[index];
         let [xx, yy, zz, xy, xz, yz] = body.I_cm;

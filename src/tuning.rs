@@ -1,9 +1,10 @@
-//! Every number of the method: unit, reason, and the test that fails without it, where there is one.
+//! Every number of the method: unit, reason, and the test that fails without it, where there is
+//! one.
 //!
-//! The lowest layer: it knows nothing of the rest. Physical defaults that a user may set (friction
-//! coefficients, penetration, gains) are in [`crate::settings`]; ranges of what a user may set are
-//! in [`crate::range`]. [`Rules`] switches whole rules off, for tests and for measuring what each
-//! rule does.
+//! This is the lowest layer: it uses no other module. Physical defaults that a user may set
+//! (friction coefficients, penetration, gains) are in [`crate::settings`]; ranges of what a user
+//! may set are in [`crate::range`]. [`Rules`] switches whole rules off, for tests and for measuring
+//! what each rule does.
 
 /// Rules of the method, each of which a test can switch off. All are on in an FMU.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

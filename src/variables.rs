@@ -1,5 +1,5 @@
-//! THE TABLE: every variable of the FMU, once. modelDescription.xml prints it, the C functions index it,
-//! the documentation shows it.
+//! The table of all variables of the FMU. modelDescription.xml, the C functions and the
+//! documentation use this one table.
 
 mod build;
 mod outputs;

@@ -1,4 +1,5 @@
-//! A step allocates nothing: counted, on each example robot, in every kind of step.
+//! Counts the allocations of a step, on each example robot and in every kind of step: there are
+//! none.
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
@@ -47,7 +48,7 @@ fn counted(body: impl FnOnce()) -> usize {
 }
 
 #[test]
-fn the_counter_counts() {
+fn the_counting_allocator_counts_allocations() {
     assert_eq!(counted(|| drop(std::hint::black_box(vec![1, 2, 3]))), 1);
 }
 
@@ -114,7 +115,8 @@ fn do_step_save_and_read_do_not_allocate() {
 /// Communication steps of a run.
 const STEPS: u32 = 720;
 
-/// Allocations in a run of a robot that falls onto the ground under commands, stands, and is put back now and then.
+/// Allocations in a run of a robot that falls onto the ground under commands, stands, and is put
+/// back now and then.
 ///
 /// - `fixed`: fixed step, s; 0: error control
 /// - `slope`: by how much commands rise between communication points, 1/s

@@ -1,6 +1,7 @@
 //! What a test does that cannot run on this machine.
 
-/// Says on standard error, past the test harness, which hides what passing tests print, that a test is skipped and why.
+/// Says on standard error, past the test harness, which hides what passing tests print, that a test
+/// is skipped and why.
 ///
 /// # Panics
 /// Where the environment variable `CI` is `true`: there every test must run.

@@ -1,4 +1,4 @@
-//! Robots that stand, stand: for an hour, with their weight on their feet.
+//! Standing robots stand still for an hour, with their weight on their feet.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -74,7 +74,7 @@ fn a_rover_and_a_quadruped_stand_for_an_hour_without_moving() {
 
 /// The same hour in fixed steps of 1/240 s.
 #[test]
-fn they_stand_in_fixed_steps_too() {
+fn a_rover_and_a_quadruped_stand_for_an_hour_in_fixed_steps() {
     for name in ["rover", "quadruped"] {
         let mut simulation = example(name);
         simulation.set_parameter(

@@ -160,7 +160,7 @@ fn a_missing_file_and_a_folder_are_errors_without_a_place() {
 }
 
 #[test]
-fn a_scale_that_is_no_size_is_an_error() {
+fn a_scale_that_is_not_positive_is_an_error() {
     for scale in [0.0, -1.0, f64::NAN, f64::INFINITY] {
         let options = ReadOptions {
             scale,
@@ -190,7 +190,7 @@ fn a_flood_of_errors_is_cut_off() {
 
 /// What takes other readers down takes no time and little memory here: refused in the same second.
 #[test]
-fn hostile_files_are_refused_fast() {
+fn hostile_files_are_refused_quickly() {
     let bomb = {
         let mut text = String::from("<!DOCTYPE r [<!ENTITY a0 'ha'>");
         for i in 1..30 {

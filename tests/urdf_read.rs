@@ -1,6 +1,7 @@
-//! What a URDF says is what the description holds: `tests/robots/every_tag.urdf`, meshes, encodings, scale.
+//! The description contains what the URDF says: `tests/robots/every_tag.urdf`, meshes, encodings,
+//! scale.
 //!
-//! Expected values are worked out by hand from the file.
+//! Expected values were computed by hand from the file.
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
@@ -166,7 +167,7 @@ fn scale_changes_lengths_and_nothing_else() {
 }
 
 #[test]
-fn what_is_not_used_is_told_once_per_kind() {
+fn unused_tags_are_reported_once_for_each_kind() {
     let robot = every_tag(1.0);
     let notes: Vec<&str> = robot
         .diagnostics
@@ -194,9 +195,10 @@ fn what_is_not_used_is_told_once_per_kind() {
     );
 }
 
-/// `tests/robots/foreign_tags.urdf`: what `PyBullet`, Gazebo, ROS, Drake and `MuJoCo` add to a URDF.
+/// `tests/robots/foreign_tags.urdf`: what `PyBullet`, Gazebo, ROS, Drake and `MuJoCo` add to a
+/// URDF.
 #[test]
-fn tags_of_other_programs_are_read_told_or_warned_about() {
+fn tags_of_other_programs_are_read_reported_or_cause_a_warning() {
     let robot =
         read(&robots().join("foreign_tags.urdf"), &ReadOptions::default()).expect("a robot");
     let link = |name: &str| robot.links.iter().find(|l| l.name == name).expect("a link");
@@ -275,7 +277,7 @@ fn tags_of_other_programs_are_read_told_or_warned_about() {
 }
 
 #[test]
-fn byte_order_mark_and_line_ends_of_windows_do_no_harm() {
+fn byte_order_marks_and_line_ends_of_windows_are_accepted() {
     let robot = from_text(
         "\u{feff}<?xml version=\"1.0\"?>\r\n<robot name=\"ä\">\r\n<link name='b &amp; \"c\"'/>\r\n</robot>\r\n",
     );
@@ -288,7 +290,7 @@ fn byte_order_mark_and_line_ends_of_windows_do_no_harm() {
 }
 
 #[test]
-fn urdf_1_1_quaternions_turn_and_earlier_ones_are_told() {
+fn quaternions_are_used_from_urdf_1_1_on_and_reported_before() {
     let text = |version: &str| {
         format!(
             "<robot name='r' version='{version}'><link name='a'/><link name='b'/><joint name='j' type='fixed'>
@@ -317,7 +319,8 @@ fn joints_without_lower_and_upper_have_no_limits_and_half_a_range_counts_from_ze
         );
         from_text(&text).joints[0].limits
     };
-    // The specification of 1.0 has 0 for both, which locks the joint; no program that steps robots takes it so.
+    // The specification of 1.0 has 0 for both, which locks the joint; no program that steps robots
+    // takes it so.
     assert_eq!(joint("1.2", ""), None);
     assert_eq!(joint("1.0", ""), None);
     let upper = Limits {
@@ -396,7 +399,7 @@ fn problems_with_inertia_are_warnings_where_it_is_not_used() {
 }
 
 #[test]
-fn names_of_any_characters_come_through_unchanged() {
+fn names_of_any_characters_are_read_unchanged() {
     let names = [
         "a b", " a", "a ", "a  b", "a/b", "a::b", "<a>", "a&b", "'a'", "\"a\"", "]]>", "--", "ä",
         "日本", "🤖", "\u{fffd}", "\u{e000}", "{a}", "&amp;", "a=b", "%s", "\\", "0", "-",

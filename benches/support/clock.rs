@@ -1,4 +1,4 @@
-//! The CPU clock: what else the machine does is not in it.
+//! The clock of the process's CPU time, which other processes do not affect.
 
 /// CPU time of this process, s.
 #[cfg(unix)]

@@ -1,10 +1,11 @@
 //! A zip that is the same, byte for byte, for the same content.
 //!
-//! In: names and bytes. Out: the zip's bytes. Entries are sorted by name, their time is the
-//! format's first (1980-01-01), and nothing of the machine is recorded. No zip64, no links, no folders, only stored and
-//! deflated entries: some importers' unzip reads no more.
+//! In: names and bytes. Out: the zip's bytes. Entries are sorted by name, their time is 1980-01-01,
+//! the earliest of the format, and nothing about the machine is recorded. There are no zip64
+//! records, links or folders, and entries are stored or deflated, because the unzip of some
+//! importers reads nothing else.
 //!
-//! The only module that names the `zip` crate.
+//! Only this module uses the `zip` crate.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::{Cursor, Read, Write};
@@ -36,7 +37,8 @@ struct Entry {
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ArchiveError {
-    /// A name that would leave the folder that the zip is unpacked in, or that some system cannot store.
+    /// A name that would leave the folder that the zip is unpacked in, or that some system cannot
+    /// store.
     #[error("'{name}' is no safe name for a file in a zip")]
     Name {
         /// As given.
@@ -198,8 +200,8 @@ pub fn read_entry(path: &Path, name: &str) -> Result<Option<Vec<u8>>, ArchiveErr
     Ok(Some(bytes))
 }
 
-/// Names of the folders of a zip on disk that lie directly in `parent` (with a slash at its end) and are not empty,
-/// sorted.
+/// Names of the folders of a zip on disk that lie directly in `parent` (with a slash at its end)
+/// and are not empty, sorted.
 ///
 /// # Errors
 /// [`ArchiveError::Read`], [`ArchiveError::Unpack`].
@@ -255,8 +257,8 @@ fn is_safe(name: &str) -> bool {
             .all(|part| !part.is_empty() && part == safe_component(part))
 }
 
-/// `part` as a file name that every system can store and none takes for something else: ASCII letters, digits, `.`,
-/// `-`, `_`, `+` and inner spaces stay, all else becomes `_`.
+/// `part` as a file name that every system can store and none takes for something else: ASCII
+/// letters, digits, `.`, `-`, `_`, `+` and inner spaces stay, all else becomes `_`.
 pub fn safe_component(part: &str) -> String {
     let mut name: String = part
         .chars()
@@ -344,7 +346,7 @@ mod tests {
     }
 
     #[test]
-    fn order_of_adding_changes_nothing() {
+    fn the_order_in_which_files_are_added_changes_no_byte() {
         let files = [("a", "1"), ("b/c", "22"), ("b/d", "333")];
         let zip = |order: [usize; 3]| {
             let mut archive = Archive::default();

@@ -19,7 +19,8 @@ impl Columns {
         self.rows.push(cells.into());
     }
 
-    /// Lines with two spaces before each. Columns of numbers are aligned to the right, empty columns are left out.
+    /// Lines with two spaces before each. Columns of numbers are aligned to the right, empty
+    /// columns are left out.
     pub fn indented(&self) -> String {
         let Some((heading, body)) = self.rows.split_first() else {
             return String::new();

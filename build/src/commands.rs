@@ -1,4 +1,4 @@
-//! The commands: how each is done, and what can end it early.
+//! The commands, and the errors that can end them early.
 //!
 //! Results go to standard output, findings and problems to standard error, all of it through
 //! [`crate::output`].
@@ -57,7 +57,7 @@ pub enum CliError {
     /// A folder to unpack an FMU in.
     #[error("cannot make a temporary folder: {0}")]
     Temporary(std::io::Error),
-    /// A zip of somebody else.
+    /// An FMU that another program made.
     #[error("'{}' was not made by urdf2fmu: it has no resources/{FILE_NAME}", path.display())]
     ForeignFmu {
         /// The file.

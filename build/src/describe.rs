@@ -1,9 +1,10 @@
 //! modelDescription.xml, FMI 2.0 co-simulation.
 //!
-//! In: the variable table and a few facts of the model. Out: the XML text; the same input gives the same bytes.
+//! In: the variable table and a few facts of the model. Out: the XML text; the same input gives the
+//! same bytes.
 //!
-//! The only module that names quick-xml for writing and the only place that knows how FMI spells a unit. It adds no
-//! variable: the table is the whole list. What each initial output depends on is in [`crate::structure`].
+//! Only this module writes with quick-xml. It adds no variable to those of the table. What each
+//! initial output depends on is in [`crate::structure`].
 //!
 //! Source: FMI 2.0.4 specification, sections 2.2 and 4.3.
 
@@ -20,7 +21,8 @@ use urdf2fmu_core::variables::{Kind, Slot, Unit, Variable};
 pub const STOP_TIME: f64 = 10.0;
 /// Communication step of the default experiment, s: what users of 240 Hz simulators are used to.
 pub const STEP_SIZE: f64 = 1.0 / 240.0;
-/// Tolerance of the default experiment; also what the solver takes where nobody says otherwise.
+/// Tolerance of the default experiment; also the solver's tolerance if neither settings nor
+/// importer give one.
 pub const TOLERANCE: f64 = 1e-3;
 
 /// FMI's own categories, and what this FMU writes into each.
@@ -357,7 +359,8 @@ fn model_structure(xml: &mut Writer<Vec<u8>>, model: &Model, table: &[Variable])
         .collect();
     xml.create_element("ModelStructure")
         .write_inner_content(|xml| {
-            // Values at the end of the step: what an importer sets afterwards does not show in them.
+            // Values at the end of the step: what an importer sets afterwards does not show in
+            // them.
             list(xml, "Outputs", outputs.iter(), |xml, (index, _)| {
                 unknown(xml, *index, Some(&[]))
             })?;

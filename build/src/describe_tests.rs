@@ -1,4 +1,5 @@
-//! The XML is read back by a reader that knows the specification and nothing of the writer.
+//! The XML is read back by a reader that follows the specification and shares no code with the
+//! writer.
 #![allow(clippy::unwrap_used, reason = "a test may fail")]
 
 #[path = "../../tests/export/model_description.rs"]
@@ -159,7 +160,7 @@ fn description_keeps_every_rule_of_the_specification() {
 
 /// Else the test above could not fail.
 #[test]
-fn the_reader_notices_broken_rules() {
+fn the_test_s_reader_reports_broken_rules_of_the_specification() {
     let good = xml(&table()).unwrap();
     for (from, to) in [
         ("valueReference=\"1\"", "valueReference=\"2\""),
@@ -285,7 +286,7 @@ fn derived_units_are_products_of_their_parts() {
 }
 
 #[test]
-fn a_table_that_fmi_forbids_is_refused() {
+fn a_table_of_variables_that_fmi_forbids_is_refused() {
     let broken = |change: fn(&mut Vec<Variable>)| {
         let mut table = table();
         change(&mut table);

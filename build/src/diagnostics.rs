@@ -1,4 +1,4 @@
-//! Findings as people read them: marked in the file's own line, with what to do; or as JSON.
+//! Findings for people, with the marked line of the file and advice, or as JSON.
 
 use serde_json::{Value, json};
 use std::fmt::Write as _;
@@ -113,7 +113,8 @@ pub fn render(finding: &Diagnostic, style: Style) -> String {
 /// Most characters of a source line that are shown.
 const SHOWN: usize = 120;
 
-/// The part of a line around the mark, how many characters stand before the mark in it, and how many are marked.
+/// The part of a line around the mark, how many characters stand before the mark in it, and how
+/// many are marked.
 fn window(line: &str, column: usize, length: usize) -> (String, usize, usize) {
     // A tab or a control character would put the mark elsewhere.
     let characters: Vec<char> = line
@@ -227,7 +228,7 @@ mod tests {
     }
 
     #[test]
-    fn place_beyond_the_line_is_survived() {
+    fn a_place_beyond_the_line_does_not_panic() {
         let mut finding = finding();
         if let Some(place) = &mut finding.place {
             place.column = 999;

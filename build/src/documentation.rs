@@ -1,7 +1,7 @@
-//! documentation/index.html: one page without links to elsewhere.
+//! documentation/index.html: one page without external links.
 //!
-//! Printed from the same table as modelDescription.xml. It says what was assumed, and names no path of the machine that
-//! made the FMU.
+//! It is made from the same table as modelDescription.xml. It lists the assumptions and names no
+//! path of the machine that made the FMU.
 
 use crate::info::{count, role, short, total_mass, unit};
 use std::fmt::{Display, Write as _};

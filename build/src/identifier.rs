@@ -47,7 +47,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn ordinary_names_stay() {
+    fn ordinary_names_are_not_changed() {
         assert_eq!(model_identifier("r2d2", "x"), "r2d2");
         assert_eq!(model_identifier("kuka_iiwa", "x"), "kuka_iiwa");
     }

@@ -1,5 +1,5 @@
-//! What a robot consists of, as text and as JSON: joints with the columns of PyBullet's `getJointInfo`, links with the
-//! inertia that the solver uses, the FMU's variables.
+//! The parts of a robot, as text and as JSON: joints with the columns of PyBullet's `getJointInfo`,
+//! links with the inertia that the solver uses, the FMU's variables.
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
@@ -169,7 +169,8 @@ fn group(model: &Model, actuator: usize) -> Option<&str> {
         .map(|group| group.name.as_str())
 }
 
-/// Where the links are at the start, as `getLinkState` has it: origin in the world, orientation x, y, z, w.
+/// Where the links are at the start, as `getLinkState` has it: origin in the world, orientation x,
+/// y, z, w.
 fn poses(model: &Model) -> Vec<([f64; 3], [f64; 4])> {
     let mut simulation = Simulation::new(Arc::new(model.clone()));
     (0..model.links.len())
@@ -323,8 +324,8 @@ pub fn json(model: &Model, table: &[Variable], with_variables: bool) -> Value {
     value
 }
 
-/// The 17 columns of `getJointInfo`, by PyBullet's names where FMI and URDF have none; frames are the URDF's: the
-/// joint's origin in its parent link, not in the parent's inertial frame.
+/// The 17 columns of `getJointInfo`, by PyBullet's names where FMI and URDF have none; frames are
+/// the URDF's: the joint's origin in its parent link, not in the parent's inertial frame.
 fn joint_json(model: &Model, index: usize, joint: &Joint) -> Value {
     let place = places(model, joint);
     let actuator = model

@@ -1,8 +1,8 @@
-//! A settings file for the robot at hand, for people to edit.
+//! A settings file for a given robot, for people to edit.
 //!
-//! The file says what holds anyway: exporting with it, or with any of its `#key = value` lines made active, gives the
-//! same model. Keys and their meaning come from the table of keys, values from the assembled robot; lines that
-//! start with `# ` are prose.
+//! The file contains the values that apply without it: exporting with it, or with any of its
+//! `#key = value` lines made active, gives the same model. Keys and their meaning come from the
+//! table of keys, values from the assembled robot; lines that start with `# ` are prose.
 
 use std::fmt::Write as _;
 use urdf2fmu_core::diagnostic::Diagnostic;

@@ -1,4 +1,4 @@
-//! The FMU's libraries that this program carries, put there by `build.rs`.
+//! The FMU's libraries, which `build.rs` embeds into this program.
 
 /// A shared library with the FMI functions.
 #[derive(Clone, Copy)]

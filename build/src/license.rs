@@ -1,9 +1,9 @@
-//! documentation/licenses/license.txt: the terms of everything in `binaries/`.
+//! documentation/licenses/license.txt: the licences of everything in `binaries/`.
 
 use std::fmt::Write as _;
 
-/// Crates compiled into the FMU's library, with the licence that each is used under. A test holds this list to what
-/// cargo says.
+/// Crates compiled into the FMU's library, with the licence that each is used under. A test holds
+/// this list to what cargo says.
 const PARTS: [(&str, License); 22] = [
     ("approx", License::Apache),
     ("bytemuck", License::Both),
@@ -81,7 +81,8 @@ mod tests {
     use super::*;
     use std::collections::BTreeSet;
 
-    /// Procedural macros run at build time and are not part of the library; their dependencies neither.
+    /// Procedural macros run at build time and are not part of the library; their dependencies
+    /// neither.
     const BUILD_TIME: [&str; 7] = [
         "proc-macro2",
         "quote",
@@ -93,7 +94,7 @@ mod tests {
     ];
 
     #[test]
-    fn list_of_parts_is_what_cargo_links_into_the_library() {
+    fn licences_list_the_crates_that_cargo_links_into_the_library() {
         let output = std::process::Command::new(env!("CARGO"))
             .args([
                 "tree",

@@ -1,9 +1,9 @@
-//! The `urdf2fmu` command: any URDF robot in, a Functional Mock-up Unit out.
+//! The `urdf2fmu` command turns a URDF robot into a Functional Mock-up Unit.
 //!
-//! `main` only prints errors and maps them to exit codes; [`cli`] says what can be asked for,
-//! [`commands`] does it, [`stage`] makes the FMU. Two modules have unsafe code:
-//! `importer::library`, which calls the C functions of an FMU, and `process`, which asks the system
-//! for the standard streams before `main`.
+//! `main` only prints errors and maps them to exit codes; [`cli`] defines the options, [`commands`]
+//! executes them, [`stage`] makes the FMU. Two modules have unsafe code: `importer::library`, which
+//! calls the C functions of an FMU, and `process`, which asks the system for the standard streams
+//! before `main`.
 #![deny(unsafe_code)]
 
 mod archive;
@@ -55,7 +55,7 @@ fn main() -> ExitCode {
     ExitCode::from(error.exit_code())
 }
 
-/// Prints help, version or what is wrong with the command line.
+/// Prints help, version or the error of the command line.
 fn usage(answer: &clap::Error) -> ExitCode {
     let text = |style: Style| {
         if style.color() {

@@ -1,9 +1,9 @@
-//! The one way out: files, standard output and standard error.
+//! All output: files, standard output and standard error.
 //!
-//! Every write is checked, and what fails is an error of the command. A file is complete or not
+//! Every write is checked, and a failure is an error of the command. A file is complete or not
 //! there at all: its bytes are written beside it and renamed, so that a failure leaves what was
-//! there before. A closed pipe at standard output or standard error (`| head`) is no error: the
-//! reader has seen enough.
+//! there before. A closed pipe at standard output or standard error (`| head`) is no error, because
+//! the reader needs no more.
 
 #[cfg(unix)]
 use crate::process;
@@ -166,7 +166,8 @@ impl Target {
     }
 }
 
-/// The system's words alone: the library adds the name of the temporary file, which nobody knows.
+/// Only the system's message: the library adds the name of the temporary file, which the user does
+/// not know.
 fn plain(error: io::Error) -> io::Error {
     match error.raw_os_error() {
         Some(_) => error,
@@ -293,7 +294,7 @@ mod tests {
     }
 
     #[test]
-    fn an_input_is_not_overwritten_under_any_spelling() {
+    fn an_input_file_is_not_overwritten_under_any_spelling_of_its_path() {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("a.urdf");
         std::fs::write(&file, "robot").unwrap();

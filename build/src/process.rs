@@ -1,4 +1,4 @@
-//! What this process was started with: which standard streams were open.
+//! Which standard streams were open when this process started.
 //!
 //! The standard library opens `/dev/null` in the place of a standard stream that was closed
 //! (`>&-`), before `main` is called, so that a result printed there would vanish without an

@@ -1,17 +1,20 @@
-//! Where the robot's own files go in `resources/source/`: for people, the FMU never reads them.
+//! Places of the robot's own files in `resources/source/`. They are for people; the FMU never reads
+//! them.
 //!
-//! In: paths of this machine and the URDF's text. Out: names inside the zip, without `..`, without anything of the
-//! machine, without clashes, the same wherever the robot's folder lies.
+//! In: paths of this machine and the URDF's text. Out: distinct names inside the zip, without `..`
+//! and without paths of the machine, independent of the place of the robot's folder.
 //!
-//! Files keep their places relative to each other as far as they belong together, so that relative mesh paths of the
-//! unpacked URDF stay right. A package folder keeps its name where the URDF calls it by `package://`.
+//! Files of the same robot keep their places relative to each other, so that relative mesh paths of
+//! the unpacked URDF stay valid. A package folder keeps its name where the URDF calls it by
+//! `package://`.
 
 use crate::archive::safe_component;
 use std::collections::BTreeSet;
 use std::path::{Component, Path, PathBuf};
 
-/// A URDF further below the common folder than this does not belong together with its meshes (one in a home folder,
-/// the others in the system's, say); descriptions nest `robots/<vendor>/<model>/urdf/x.urdf`.
+/// A URDF further below the common folder than this does not belong together with its meshes (one
+/// in a home folder, the others in the system's, say); descriptions nest
+/// `robots/<vendor>/<model>/urdf/x.urdf`.
 const MAX_DEPTH: usize = 4;
 
 /// Names below `resources/source/`, one per path, in order. The first path is the URDF.
@@ -134,7 +137,7 @@ mod tests {
     }
 
     #[test]
-    fn urdf_alone_lies_at_the_top() {
+    fn a_urdf_without_meshes_is_packed_at_the_top() {
         assert_eq!(
             names(&["/home/someone/robots/r2d2.urdf"], ""),
             ["r2d2.urdf"]
@@ -142,7 +145,7 @@ mod tests {
     }
 
     #[test]
-    fn relative_meshes_stay_where_the_urdf_looks_for_them() {
+    fn relative_mesh_paths_stay_valid_in_the_package() {
         assert_eq!(
             names(
                 &["/x/kuka/model.urdf", "/x/kuka/meshes/a.stl"],
@@ -170,7 +173,7 @@ mod tests {
     }
 
     #[test]
-    fn files_from_elsewhere_show_nothing_of_the_machine() {
+    fn packed_files_contain_no_path_of_the_machine() {
         assert_eq!(
             names(
                 &[

@@ -1,8 +1,9 @@
 //! From a URDF to everything that goes into an FMU.
 //!
-//! URDF → settings → description → model → prepared model → variable table → modelDescription.xml → files of the zip.
-//! Each step stops at the first thing that makes it impossible; findings that do not are collected. What will be
-//! loaded is what was checked: the prepared model is read back and runs one step before anything is written.
+//! URDF → settings → description → model → prepared model → variable table → modelDescription.xml →
+//! files of the zip. Each step stops at the first error; other findings are collected. The prepared
+//! model is read back and simulated for one step before anything is written, so that the FMU loads
+//! what was checked.
 
 use crate::archive::{Archive, ArchiveError};
 use crate::describe::{self, DescribeError, Header};
@@ -237,7 +238,8 @@ fn read(
     }
 }
 
-/// Makes an FMU of a robot, with the libraries of the platforms asked for, or of all that there are.
+/// Makes an FMU of a robot, with the libraries of the platforms asked for, or of all that there
+/// are.
 ///
 /// # Errors
 /// [`StageError`].
@@ -316,7 +318,8 @@ fn trial(prepared: &str) -> Result<(), StageError> {
     Ok(())
 }
 
-/// Identifies what the FMU is: model, table and library. Written as FMI 2 likes it, a UUID (version 8) in braces.
+/// Identifies what the FMU is: model, table and library. Written as FMI 2 likes it, a UUID
+/// (version 8) in braces.
 fn guid(
     model_identifier: &str,
     robot: &Robot,
@@ -399,7 +402,8 @@ fn add_sources(archive: &mut Archive, robot: &Robot) -> Result<Vec<String>, Stag
     Ok(names)
 }
 
-/// Findings as the documentation shows them: files by their names in the FMU, no path of this machine.
+/// Findings as the documentation shows them: files by their names in the FMU, no path of this
+/// machine.
 fn remarks(robot: &Robot, names: &[String]) -> Vec<Remark> {
     let rename = |text: &str| {
         robot
@@ -425,8 +429,8 @@ fn remarks(robot: &Robot, names: &[String]) -> Vec<Remark> {
         .collect()
 }
 
-/// `generationDateAndTime`: `SOURCE_DATE_EPOCH` (seconds since 1970) where it is set, else the zip format's first day,
-/// so that the same robot gives the same bytes on every day.
+/// `generationDateAndTime`: `SOURCE_DATE_EPOCH` (seconds since 1970) where it is set, else the zip
+/// format's first day, so that the same robot gives the same bytes on every day.
 fn date(source_date_epoch: Option<&str>) -> String {
     /// 1980-01-01T00:00:00Z
     const FIXED: i64 = 315_532_800;
@@ -436,8 +440,8 @@ fn date(source_date_epoch: Option<&str>) -> String {
         .filter(|s| (0..253_402_300_800).contains(s))
         .unwrap_or(FIXED);
     let (days, second) = (seconds.div_euclid(86_400), seconds.rem_euclid(86_400));
-    // Days since 1970 to a Gregorian date, by eras of 400 years that begin on a first of March, so that the leap day
-    // is the last day of its year.
+    // Days since 1970 to a Gregorian date, by eras of 400 years that begin on a first of March, so
+    // that the leap day is the last day of its year.
     let z = days + 719_468;
     let (era, day_of_era) = (z.div_euclid(146_097), z.rem_euclid(146_097));
     let year_of_era =
@@ -474,7 +478,7 @@ mod tests {
     }
 
     #[test]
-    fn date_is_fixed_where_nothing_sensible_is_given() {
+    fn the_date_is_1980_without_a_valid_source_date_epoch() {
         for nothing in [
             None,
             Some(""),

@@ -1,15 +1,15 @@
 //! What each output depends on while the FMU initialises.
 //!
-//! Positions and velocities are kinematics of the initial values and of nothing else; accelerations, efforts, contact
-//! forces and energies come out of the dynamics and may depend on everything. Outputs between steps depend on nothing
-//! that an importer sets at that time (see [`crate::describe`]).
+//! Positions and velocities depend on the initial values only; accelerations, efforts, contact
+//! forces and energies follow from the dynamics and may depend on everything. Outputs between steps
+//! depend on nothing that an importer sets at that time (see [`crate::describe`]).
 
 use urdf2fmu_core::model::{BodyId, JointId, JointKind, Model};
 use urdf2fmu_core::simulation::{OutputSlot, ParameterSlot};
 use urdf2fmu_core::variables::{Slot, Variable};
 
-/// Indexes (from 1, ascending) of the table's inputs and parameters that `output` follows in initialisation mode;
-/// none where it may follow all of them.
+/// Indexes (from 1, ascending) of the table's inputs and parameters that `output` follows in
+/// initialisation mode; none where it may follow all of them.
 pub fn initial_dependencies(
     model: &Model,
     table: &[Variable],
@@ -123,7 +123,8 @@ impl Follows {
                 base_position: false,
                 ..pose
             },
-            // The velocity of a point turns with the robot and grows with its distance from the axes.
+            // The velocity of a point turns with the robot and grows with its distance from the
+            // axes.
             OutputSlot::LinkLinearVelocity(..) => Self {
                 base_position: false,
                 base_linear_velocity: true,

@@ -1,4 +1,4 @@
-//! What `export` says when it is done: the file, the robot, every assumption.
+//! The report of `export`: the file, the robot, every assumption.
 
 use crate::info::{count, short, total_mass};
 use crate::stage::{Fmu, Robot};

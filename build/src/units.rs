@@ -1,4 +1,4 @@
-//! How FMI spells units and what they are made of.
+//! Names of units in FMI, and their base units.
 
 use urdf2fmu_core::variables::Unit;
 

@@ -1,4 +1,4 @@
-//! The guard: what every exported function goes through, in fixed order.
+//! The guard of every exported function. Its steps, in fixed order:
 //!
 //! 1. the component: not null, one of ours, not in use by another call
 //! 2. the phase table
@@ -25,8 +25,8 @@ const TAG: u64 = 0x7564_6632_666d_7532;
 struct Handle {
     /// [`TAG`]; 0 once freed.
     tag: AtomicU64,
-    /// A call is under way. The standard forbids a second one meanwhile, be it from another thread or from the
-    /// logger; it is refused.
+    /// A call is under way. The standard forbids a second one meanwhile, be it from another thread
+    /// or from the logger; it is refused.
     busy: AtomicBool,
     instance: UnsafeCell<Instance>,
 }
@@ -71,13 +71,15 @@ impl Handle {
 /// The handle behind a component, if it is one.
 ///
 /// # Safety
-/// `c` is null or points to readable memory of the size of a handle, such as fmi2Instantiate returned.
+/// `c` is null or points to readable memory of the size of a handle, such as fmi2Instantiate
+/// returned.
 unsafe fn handle<'a>(c: fmi2Component) -> Option<&'a Handle> {
     let pointer = c.cast::<Handle>();
     if pointer.is_null() || !pointer.is_aligned() {
         return None;
     }
-    // SAFETY: not null, aligned, readable by the caller's promise. Only the tag is read before it is known.
+    // SAFETY: not null, aligned, readable by the caller's promise. Only the tag is read before it
+    // is known.
     let tag = unsafe { &(*pointer).tag };
     // SAFETY: the tag says that `into_component` made it and `free` has not yet dropped it.
     (tag.load(Ordering::Acquire) == TAG).then(|| unsafe { &*pointer })
@@ -111,9 +113,10 @@ pub(crate) unsafe fn free(c: fmi2Component) {
     handle.tag.store(0, Ordering::Release);
     std::mem::forget(taken);
     let _word = control_word::Guard::new();
-    // SAFETY: made by `into_component`; the tag is gone, so nobody follows it again.
+    // SAFETY: made by `into_component`; the tag is gone, so it is not followed again.
     let instance = unsafe { Box::from_raw(c.cast::<Handle>()) };
-    // A panic while dropping is a bug that must not reach the host; there is nobody left to tell.
+    // A panic while dropping is a bug that must not reach the host; there is no logger left to
+    // report it to.
     drop(catch_unwind(AssertUnwindSafe(|| drop(instance))));
 }
 
@@ -134,7 +137,8 @@ pub(crate) unsafe fn call(
     guarded(&mut instance, function, body)
 }
 
-/// [`call`] behind the pointer. Not inlined, so that no arithmetic moves before the control word is set.
+/// [`call`] behind the pointer. Not inlined, so that no arithmetic moves before the control word is
+/// set.
 #[inline(never)]
 fn guarded(
     instance: &mut Instance,
@@ -163,7 +167,7 @@ mod tests {
     use crate::phase::Phase;
 
     #[test]
-    fn null_and_strange_components_are_refused() {
+    fn null_and_foreign_component_pointers_are_refused() {
         let mut strange = [7_u64; 64];
         // SAFETY: null, or readable memory.
         unsafe {

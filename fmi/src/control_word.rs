@@ -1,9 +1,10 @@
-//! The floating-point control word: the host's on the way out, the default one inside.
+//! The floating-point control word: the default inside the library, the host's outside.
 //!
-//! Hosts change it: a Delphi program unmasks exceptions, a game engine or a library loaded with `-ffast-math`
-//! flushes denormals to zero, an interval library turns the rounding direction. Results would then depend on the
-//! host, or an innocent division would kill it. So every guarded call runs under the default control word (round
-//! to nearest, denormals kept, no traps) and gives the host's back, also after a panic.
+//! Hosts change it: a Delphi program unmasks exceptions, a game engine or a library loaded with
+//! `-ffast-math` flushes denormals to zero, an interval library turns the rounding direction.
+//! Results would then depend on the host, or a division by zero would end it. So every guarded call
+//! runs under the default control word (round to nearest, denormals kept, no traps) and gives the
+//! host's back, also after a panic.
 //!
 //! On other processors than x86-64 and 64-bit ARM nothing is done.
 #![allow(
@@ -107,8 +108,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_host_that_rounds_down_and_flushes_denormals_gets_its_word_back() {
-        // Intel SDM, volume 1, 10.2.3: bits 13–14 = 01 round down, bit 15 flush to zero, bit 6 denormals are zero.
+    fn the_floating_point_control_word_of_the_host_is_restored() {
+        // Intel SDM, volume 1, 10.2.3: bits 13–14 = 01 round down, bit 15 flush to zero, bit 6
+        // denormals are zero.
         let host = DEFAULT | 0x2000 | 0x8000 | 0x40;
         write(host);
         let inside = {

@@ -1,4 +1,4 @@
-//! Everything that can be wrong with a call, as data; the text goes to the importer's logger.
+//! Every error of a call, as data; its text goes to the importer's logger.
 
 use crate::phase::{Function, Phase};
 use crate::types::fmi2Status;
@@ -96,8 +96,8 @@ pub(crate) enum FmiError {
 }
 
 impl FmiError {
-    /// What the function returns. `fmi2Discard` where FMI 2.0.4 foresees that the FMU has no answer and the importer
-    /// can go on without it (sections 2.1.3 and 4.2.3).
+    /// What the function returns. `fmi2Discard` where FMI 2.0.4 foresees that the FMU has no answer
+    /// and the importer can go on without it (sections 2.1.3 and 4.2.3).
     pub(crate) fn status(&self) -> fmi2Status {
         match self {
             Self::StatusKind { .. }

@@ -1,8 +1,9 @@
-//! The exported functions, common and co-simulation, in the order of the FMI headers. Each is a call of the guard.
+//! The exported functions, common and co-simulation, in the order of the FMI headers. Each is a
+//! call of the guard.
 //!
-//! The safety contract of all of them is the standard's: pointers are null or valid for the announced lengths
-//! during the call, a component comes from fmi2Instantiate and is not yet freed, a saved state comes from
-//! fmi2GetFMUstate or fmi2DeSerializeFMUstate and is not yet freed.
+//! The safety contract of all of them is the standard's: pointers are null or valid for the
+//! announced lengths during the call, a component comes from fmi2Instantiate and is not yet freed,
+//! a saved state comes from fmi2GetFMUstate or fmi2DeSerializeFMUstate and is not yet freed.
 //!
 //! Over 500 lines because the functions of the C interface stand together in the order of the
 //! standard: a reader compares them line by line with its headers.
@@ -474,7 +475,8 @@ pub unsafe extern "C" fn fmi2GetRealOutputDerivatives(
     }
 }
 
-/// Simulates from `currentCommunicationPoint` to exactly `currentCommunicationPoint + communicationStepSize`.
+/// Simulates from `currentCommunicationPoint` to exactly
+/// `currentCommunicationPoint + communicationStepSize`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2DoStep(
     c: fmi2Component,
@@ -531,7 +533,8 @@ pub unsafe extern "C" fn fmi2GetRealStatus(
     }
 }
 
-/// No status kind has an Integer value: `fmi2Discard`, as for every status that the FMU cannot tell.
+/// No status kind has an Integer value: `fmi2Discard`, as for every status that the FMU cannot
+/// tell.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2GetIntegerStatus(
     c: fmi2Component,

@@ -1,7 +1,7 @@
-//! An instance: a simulation, where it stands in its life, and what the importer wants to hear.
+//! An instance: a simulation, its phase, and the log categories that the importer asked for.
 //!
-//! Nothing here knows pointers. Each function of [`crate`] is one method here; the guard ([`crate::call`]) has
-//! checked the phase.
+//! This module does not use pointers. Each function of [`crate`] is one method here; the guard
+//! ([`crate::call`]) has checked the phase.
 //!
 //! Over 500 lines because an instance has one method for each function of the interface.
 
@@ -19,8 +19,9 @@ use urdf2fmu_core::range::Range;
 use urdf2fmu_core::simulation::{Simulation, SimulationError};
 use urdf2fmu_core::variables::{Kind, Slot, Variable};
 
-/// How far the beginning of a step may lie from the instance's time, relative to max(1, |t|), and as a part of the
-/// step. Masters add up their times in their own way (1e-16 relative per step) and some round them.
+/// How far the beginning of a step may lie from the instance's time, relative to max(1, |t|), and
+/// as a part of the step. Masters add up their times in their own way (1e-16 relative per step) and
+/// some round them.
 const TIME_TOLERANCE: f64 = 1e-9;
 /// See [`TIME_TOLERANCE`].
 const STEP_TOLERANCE: f64 = 1e-3;
@@ -138,7 +139,7 @@ impl Instance {
             return Err(illegal("startTime", start, Range::Time.expected()));
         }
         let stop = stop.unwrap_or(f64::INFINITY);
-        // An infinite stop time is none.
+        // An infinite stop time means no stop time.
         if stop.is_nan() || stop < start {
             return Err(illegal("stopTime", stop, "at or after startTime"));
         }
@@ -166,7 +167,8 @@ impl Instance {
         self.phase = Phase::Initialization;
     }
 
-    /// On an error the instance stays in initialization mode, where the parameters can be corrected.
+    /// On an error the instance stays in initialization mode, where the parameters can be
+    /// corrected.
     pub(crate) fn exit_initialization_mode(&mut self) -> Result<(), FmiError> {
         self.simulation.initialize(self.experiment.start)?;
         self.phase = Phase::StepComplete;
@@ -268,7 +270,8 @@ impl Instance {
             }
         }
         for (index, value_reference) in value_references.iter().enumerate() {
-            // Read again: the importer's array may overlap with `values`, so nothing is taken for granted.
+            // Read again: the importer's array may overlap with `values`, so nothing is taken for
+            // granted.
             let Some(&(_, slot)) = self.places.get(value_reference as usize) else {
                 break;
             };
@@ -306,7 +309,8 @@ impl Instance {
         }
         for (value_reference, value) in value_references.iter().zip(values.iter()) {
             let number = to_number(value);
-            // Read again: the importer may write to its array meanwhile, so nothing is taken for granted.
+            // Read again: the importer may write to its array meanwhile, so nothing is taken for
+            // granted.
             let Some(variable) = self.variables.get(value_reference as usize) else {
                 break;
             };
@@ -484,7 +488,8 @@ impl Instance {
                 "fmi2DoStep: the step ends at {end} s, past the stop time {stop} s"
             ));
         }
-        // A step so small that jitter or rounding puts its end at or before the present is done already.
+        // A step so small that jitter or rounding puts its end at or before the present is done
+        // already.
         if end <= now {
             return Ok(fmi2Status::OK);
         }

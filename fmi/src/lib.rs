@@ -1,8 +1,9 @@
 //! The FMI 2.0 co-simulation C functions of an urdf2fmu robot.
 //!
-//! This is the one package with `unsafe` code. Every function that takes a component does nothing but call the
-//! guard in `call`, which checks pointer and phase, sets the floating-point control word, catches panics, logs
-//! and answers. What the functions do is in `instance`; which may be called when, in `phase`.
+//! This is the one package with `unsafe` code. Every function that takes a component does nothing
+//! but call the guard in `call`, which checks pointer and phase, sets the floating-point control
+//! word, catches panics, logs and answers. What the functions do is in `instance`; which may be
+//! called when, in `phase`.
 //!
 //! | module | holds |
 //! |---|---|
@@ -14,9 +15,9 @@
 //! | `snapshot` | saved states and their bytes |
 //! | `pointers`, `logger` | what goes in and out as C memory |
 //!
-//! The package is an rlib; the build script of the `urdf2fmu` command makes the shared library of it. Nothing is
-//! process-wide: no static data but a thread-local note about the last panic, no threads, no signal handlers, no
-//! output but through the importer's logger.
+//! The package is an rlib; the build script of the `urdf2fmu` command makes the shared library of
+//! it. Nothing is process-wide: no static data but a thread-local note about the last panic, no
+//! threads, no signal handlers, no output but through the importer's logger.
 #![deny(unsafe_code)]
 
 #[cfg(not(panic = "unwind"))]

@@ -1,4 +1,4 @@
-//! fmi2Instantiate without its pointers: from a resource location to an instance.
+//! fmi2Instantiate after its pointers are checked: from a resource location to an instance.
 
 use crate::error::InstantiateError;
 use crate::instance::Instance;

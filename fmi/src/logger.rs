@@ -1,7 +1,8 @@
 //! Messages to the importer, through its logger callback and nowhere else.
 //!
-//! The callback takes a printf format in which `#` is special too (`#r12#` names a variable), so both signs are
-//! doubled and no arguments follow. Only categories that modelDescription.xml declares are used.
+//! The callback takes a printf format in which `#` is special too (`#r12#` names a variable), so
+//! both signs are doubled and no arguments follow. Only categories that modelDescription.xml
+//! declares are used.
 #![allow(unsafe_code, reason = "calls the importer's function")]
 
 use crate::types::{fmi2CallbackLogger, fmi2ComponentEnvironment, fmi2Status};
@@ -85,8 +86,9 @@ impl Logger {
         }
     }
 
-    /// What fmi2SetDebugLogging asks for. On: exactly the categories named, or all where none is named. Off: the
-    /// categories named, or the debug categories where none is named. Returns the names that are not declared.
+    /// What fmi2SetDebugLogging asks for. On: exactly the categories named, or all where none is
+    /// named. Off: the categories named, or the debug categories where none is named. Returns the
+    /// names that are not declared.
     pub(crate) fn select(&mut self, on: bool, names: &[String]) -> Vec<String> {
         let mut bits = 0;
         let mut unknown = Vec::new();
@@ -122,8 +124,8 @@ impl Logger {
             return;
         };
         let message = escaped(message);
-        // SAFETY: the importer's function, with the arguments that FMI 2.0 prescribes; all strings end with a
-        // zero and live until it returns, the message refers to no variadic argument.
+        // SAFETY: the importer's function, with the arguments that FMI 2.0 prescribes; all strings
+        // end with a zero and live until it returns, the message refers to no variadic argument.
         unsafe {
             callback(
                 self.environment,
@@ -162,8 +164,8 @@ mod tests {
             _: *const std::ffi::c_char,
         ) {
         }
-        // SAFETY: a callee that reads no variadic argument has the same calling convention on every platform
-        // that this test runs on; it is never called here.
+        // SAFETY: a callee that reads no variadic argument has the same calling convention on every
+        // platform that this test runs on; it is never called here.
         let callback =
             unsafe { std::mem::transmute::<*const (), fmi2CallbackLogger>(ignore as *const ()) };
         Logger::new(Some(callback), std::ptr::null_mut(), c"robot".into(), on)
@@ -178,7 +180,7 @@ mod tests {
     }
 
     #[test]
-    fn percent_and_hash_are_doubled_and_zero_does_not_cut() {
+    fn percent_and_hash_are_doubled_and_a_nul_does_not_cut_the_message() {
         assert_eq!(
             escaped("100 %s #r1#\0end").as_bytes(),
             b"100 %%s ##r1## end"
@@ -186,7 +188,7 @@ mod tests {
     }
 
     #[test]
-    fn errors_are_heard_while_debug_logging_is_off() {
+    fn errors_are_logged_while_debug_logging_is_off() {
         let status = [
             "logStatusWarning",
             "logStatusDiscard",
@@ -201,7 +203,7 @@ mod tests {
     }
 
     #[test]
-    fn named_categories_are_the_only_ones_heard() {
+    fn only_the_selected_categories_are_logged() {
         let mut logger = logger(false);
         assert!(logger.select(true, &["logEvents".into()]).is_empty());
         assert_eq!(heard(&logger), ["logEvents"]);
@@ -221,7 +223,7 @@ mod tests {
     }
 
     #[test]
-    fn without_a_callback_nothing_is_wanted() {
+    fn without_a_logger_no_message_is_made() {
         let logger = Logger::new(None, std::ptr::null_mut(), c"robot".into(), true);
         assert!(!logger.wants(Category::StatusError));
         logger.log(fmi2Status::Error, Category::StatusError, "unheard");

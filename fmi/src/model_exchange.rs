@@ -1,4 +1,5 @@
-//! The functions of Model Exchange: exported, because importers look all names up, and refused in every phase.
+//! The functions of Model Exchange. They are exported, because importers look up all names, and
+//! refused in every phase.
 #![allow(unsafe_code, reason = "C functions")]
 #![allow(
     non_snake_case,

@@ -1,9 +1,10 @@
-//! Panics: silent, remembered until the guard has told the importer.
+//! Panics are not printed; they are kept until the guard has logged them.
 //!
-//! A panic is a bug of this library. The default hook would print to the host's stderr, so a hook of our own notes
-//! place and message instead. In the shared library this hook is private: the library links a standard library of
-//! its own whose symbols are hidden, so another Rust library or a Rust host keeps its own hook and its own stderr.
-//! The note lives in a thread-local without destructor (one with a destructor would keep the library mapped).
+//! A panic is a bug of this library. The default hook would print to the host's stderr, so a hook
+//! of this library stores place and message instead. In the shared library this hook is private:
+//! the library links a standard library of its own whose symbols are hidden, so another Rust
+//! library or a Rust host keeps its own hook and its own stderr. The message is kept in a
+//! thread-local without destructor (one with a destructor would keep the library mapped).
 
 use std::any::Any;
 use std::cell::Cell;
@@ -69,7 +70,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_caught_panic_tells_what_and_where() {
+    fn a_caught_panic_reports_its_message_and_place() {
         std::panic::set_hook(Box::new(note));
         let line = line!() + 1;
         let caught = std::panic::catch_unwind(|| panic!("wheel {} is square", 3));

@@ -1,4 +1,4 @@
-//! Which function may be called when: the state machine of FMI 2.0 for co-simulation as one table.
+//! Calling sequence: the state machine of FMI 2.0 for co-simulation as one table.
 //!
 //! Source: FMI 2.0.4, section 4.2.4, with two deliberate leniencies: fmi2GetXXX is answered before
 //! initialisation too (importers read start values there), and fmi2SetupExperiment may be left out.
@@ -180,7 +180,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn phases_survive_being_numbers() {
+    fn phases_convert_to_numbers_and_back() {
         for phase in Phase::ALL {
             assert_eq!(Phase::from_number(phase as u32), Some(phase));
         }
@@ -188,7 +188,7 @@ mod tests {
     }
 
     #[test]
-    fn after_an_error_only_functions_that_help_are_allowed() {
+    fn after_an_error_only_reset_set_state_and_free_are_allowed() {
         let allowed: Vec<&str> = Function::ALL
             .iter()
             .filter(|function| function.allowed_in(Phase::Error))
@@ -211,7 +211,7 @@ mod tests {
     }
 
     #[test]
-    fn a_rejected_call_is_told_where_it_belongs() {
+    fn a_rejected_call_is_answered_with_advice() {
         assert_eq!(
             Function::DoStep.advice(Phase::Instantiated),
             "allowed in 'step complete'"

@@ -1,7 +1,7 @@
-//! What arrives through C pointers, checked and copied.
+//! Arguments that arrive through C pointers, checked and copied.
 //!
-//! Arrays are read and written element by element without ever forming a reference to them: an importer may pass
-//! overlapping or misaligned ones.
+//! Arrays are read and written element by element without ever forming a reference to them: an
+//! importer may pass overlapping or misaligned ones.
 #![allow(unsafe_code, reason = "reads and writes the importer's memory")]
 
 use crate::error::FmiError;
@@ -20,7 +20,7 @@ pub(crate) unsafe fn bytes(text: *const c_char) -> Option<Vec<u8>> {
     Some(unsafe { CStr::from_ptr(text) }.to_bytes().to_vec())
 }
 
-/// [`bytes`] as text; what is not UTF-8 becomes `�`.
+/// [`bytes`] as text; invalid UTF-8 becomes `�`.
 ///
 /// # Safety
 /// As [`bytes`].

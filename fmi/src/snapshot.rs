@@ -1,4 +1,4 @@
-//! Saved states: what fmi2GetFMUstate hands out, and its bytes.
+//! Saved states of fmi2GetFMUstate, and their bytes.
 //!
 //! Bytes, little-endian:
 //!
@@ -15,8 +15,8 @@
 //! | 56 | n | the simulation's bytes, see the core |
 //! | 56 + n | 8 | FNV-1a of all before |
 //!
-//! A saved state holds no pointer, so it serves any instance of the same FMU, in any process. Log settings are the
-//! importer's business and are not in it.
+//! A saved state holds no pointer, so it serves any instance of the same FMU, in any process. Log
+//! settings belong to the importer and are not saved.
 #![allow(unsafe_code, reason = "hands states to the importer as pointers")]
 
 use crate::error::FmiError;
@@ -165,8 +165,8 @@ impl SavedState {
 /// [`FmiError`] if it is null or not one of ours.
 ///
 /// # Safety
-/// `state` is null or points to readable memory of the size of a saved state, such as this library returned; no
-/// other call uses it meanwhile.
+/// `state` is null or points to readable memory of the size of a saved state, such as this library
+/// returned; no other call uses it meanwhile.
 pub(crate) unsafe fn saved<'a>(state: fmi2FMUstate) -> Result<&'a mut SavedState, FmiError> {
     let pointer = state.cast::<SavedState>();
     if pointer.is_null() {
@@ -174,7 +174,8 @@ pub(crate) unsafe fn saved<'a>(state: fmi2FMUstate) -> Result<&'a mut SavedState
             argument: "FMUstate",
         });
     }
-    // SAFETY: not null and readable by the caller's promise; nothing but the tag is read before it is known.
+    // SAFETY: not null and readable by the caller's promise; nothing but the tag is read before it
+    // is known.
     if !pointer.is_aligned() || unsafe { (&raw const (*pointer).tag).read() } != TAG {
         return Err(FmiError::State {
             reason: "the pointer does not come from this library, or was freed".into(),
@@ -284,8 +285,8 @@ mod tests {
         assert!(SavedState::from_bytes(state.guid, instance.simulation(), &bytes).is_err());
     }
 
-    /// Found by fuzzing: a step from 0.3 s began with a simulation that stood at its beginning, and made up for all of it
-    /// in steps of 1e-7 s.
+    /// Found by fuzzing: a step from 0.3 s began with a simulation that stood at its beginning, and
+    /// made up for all of it in steps of 1e-7 s.
     #[test]
     fn a_phase_that_does_not_fit_the_simulation_is_refused() {
         let instance = instance();

@@ -1,7 +1,8 @@
 //! The types of fmi2TypesPlatform.h and fmi2FunctionTypes.h, spelled as there.
 //!
-//! What comes from C stays an integer until it has been checked: an incoming value outside a Rust enum would be
-//! undefined behaviour. Only [`fmi2Status`], which this library alone produces, is an enum.
+//! What comes from C stays an integer until it has been checked: an incoming value outside a Rust
+//! enum would be undefined behaviour. Only [`fmi2Status`], which this library alone produces, is an
+//! enum.
 
 #![allow(
     non_camel_case_types,
@@ -49,8 +50,8 @@ pub const FMI2_LAST_SUCCESSFUL_TIME: fmi2StatusKind = 2;
 /// `fmi2Terminated`
 pub const FMI2_TERMINATED: fmi2StatusKind = 3;
 
-/// What a function returns. `fmi2Fatal` and `fmi2Pending` are never returned: one instance cannot spoil another,
-/// and every step is finished when fmi2DoStep returns.
+/// What a function returns. `fmi2Fatal` and `fmi2Pending` are never returned: one instance cannot
+/// spoil another, and every step is finished when fmi2DoStep returns.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum fmi2Status {

@@ -1,9 +1,10 @@
-//! From the resource location that an importer passes to the folders that it may mean.
+//! Candidate folders for the resource location that an importer passes.
 //!
 //! The standard asks for a URI (RFC 3986). Importers pass `file:///…`, `file:/…`, `file:////…`,
-//! `file://localhost/…` and plain paths, percent-encoded or not, with or without a trailing slash, and
-//! folders may have `%`, `#` or `?` in their names. So nothing is cut off, only valid `%HH` is decoded, and
-//! both readings are offered where they differ: the caller takes the one that exists.
+//! `file://localhost/…` and plain paths, percent-encoded or not, with or without a trailing slash,
+//! and folders may have `%`, `#` or `?` in their names. Therefore nothing is removed, only valid
+//! `%HH` is decoded, and both readings are returned where they differ. The caller takes the folder
+//! that exists.
 
 use std::path::PathBuf;
 
@@ -53,7 +54,8 @@ fn to_path(bytes: &[u8]) -> PathBuf {
     PathBuf::from(std::ffi::OsStr::from_bytes(bytes))
 }
 
-/// FMI's strings are UTF-8, but some importers on Windows pass, or percent-encode, bytes of the machine's code page.
+/// FMI's strings are UTF-8, but some importers on Windows pass, or percent-encode, bytes of the
+/// machine's code page.
 #[cfg(windows)]
 fn to_path(bytes: &[u8]) -> PathBuf {
     use std::os::windows::ffi::OsStringExt;
@@ -154,7 +156,8 @@ fn local_part(uri: &[u8], rest: &[u8], windows: bool) -> Result<Vec<u8>, UriErro
         return Ok(rest.to_vec());
     };
     if after.starts_with(b"/") {
-        // file:///path. Of more slashes, as in file:////path, one is left, but for a Windows network path.
+        // file:///path. Of more slashes, as in file:////path, one is left, but for a Windows
+        // network path.
         let path = &after[after.iter().take_while(|&&byte| byte == b'/').count()..];
         let slashes: &[u8] = if windows && after.starts_with(b"//") && !is_drive(path) {
             b"//"
@@ -297,12 +300,12 @@ mod tests {
     }
 
     #[test]
-    fn a_folder_that_looks_encoded_is_the_second_reading() {
+    fn a_folder_whose_name_looks_encoded_is_found() {
         assert_eq!(read("file:///a%20b", false), ["/a b", "/a%20b"]);
     }
 
     #[test]
-    fn what_is_no_file_of_this_machine_is_refused() {
+    fn a_uri_that_names_no_local_file_is_refused() {
         assert_eq!(paths(b"", false), Err(UriError::Empty));
         assert!(matches!(
             paths(b"https://a/b", false),

@@ -1,5 +1,5 @@
-//! What fuzzing has found worth keeping runs again: every file of the corpus through its target; and the robots and
-//! meshes of tests/robots, whole and cut short at each of many places.
+//! Replays the kept corpus: every file through its target, and the robots and meshes of
+//! tests/robots, whole and truncated at many places.
 
 #[path = "../../tests/robots/broken.rs"]
 #[allow(dead_code, reason = "the expected findings are another test's")]
@@ -18,7 +18,8 @@ fn replay_parts(bytes: &[u8], target: fn(&[u8])) {
     }
 }
 
-/// Runs all files with one ending, and their beginnings; says nothing: a target that returns has passed.
+/// Runs all files with one ending, and their beginnings; says nothing: a target that returns has
+/// passed.
 fn replay(ending: &str, target: fn(&[u8])) {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/robots");
     let mut count = 0;
@@ -35,7 +36,7 @@ fn replay(ending: &str, target: fn(&[u8])) {
 }
 
 #[test]
-fn urdfs_and_their_beginnings_do_no_harm() {
+fn urdfs_and_their_prefixes_do_not_panic() {
     replay("urdf", targets::urdf);
     for robot in broken::read(Path::new(env!("CARGO_MANIFEST_DIR"))) {
         replay_parts(&robot.urdf, targets::urdf);
@@ -43,17 +44,17 @@ fn urdfs_and_their_beginnings_do_no_harm() {
 }
 
 #[test]
-fn stl_files_and_their_beginnings_do_no_harm() {
+fn stl_files_and_their_prefixes_do_not_panic() {
     replay("stl", targets::stl);
 }
 
 #[test]
-fn obj_files_and_their_beginnings_do_no_harm() {
+fn obj_files_and_their_prefixes_do_not_panic() {
     replay("obj", targets::obj);
 }
 
 #[test]
-fn collada_files_and_their_beginnings_do_no_harm() {
+fn collada_files_and_their_prefixes_do_not_panic() {
     replay("dae", targets::collada);
 }
 

@@ -1,5 +1,5 @@
-//! What is tried with arbitrary files. A target returns whatever happens; what must not happen is a panic, a hang or
-//! memory out of proportion to the file.
+//! Fuzz targets for arbitrary files. A target must return without a panic, a hang or memory use out
+//! of proportion to the file.
 //!
 //! | target | bytes are |
 //! |---|---|
@@ -56,7 +56,8 @@ const FEW: usize = 24;
 /// Voxels along its longest side, an eighth of what is made of a robot.
 const VOXELS: u32 = 8;
 
-/// Coordinates on a coarse grid, so that faces meet and solids close: the first byte says how they are joined.
+/// Coordinates on a coarse grid, so that faces meet and solids close: the first byte says how they
+/// are joined.
 pub fn decomposition(data: &[u8]) {
     let Some((&kind, places)) = data.split_first() else {
         return;
@@ -77,7 +78,8 @@ pub fn decomposition(data: &[u8]) {
         let corners = points.chunks_exact(3);
         corners.map(|t| [t[0], t[1], t[2]]).collect()
     } else {
-        // The surface of the hull, which is closed, with the last points' triangles taken away or pushed in.
+        // The surface of the hull, which is closed, with the last points' triangles taken away or
+        // pushed in.
         let Ok(hull) = bounded_hull(&points, 12) else {
             return;
         };
@@ -98,7 +100,8 @@ pub fn decomposition(data: &[u8]) {
     }
 }
 
-/// Largest number of points of which the hull is made here, and largest file of which it is made each time.
+/// Largest number of points of which the hull is made here, and largest file of which it is made
+/// each time.
 const SMALL_MESH: usize = 64;
 
 fn mesh(kind: &str, data: &[u8]) {

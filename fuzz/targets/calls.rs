@@ -191,7 +191,8 @@ pub fn calls(data: &[u8]) {
                 36 => drop(fmi2GetDerivatives(c, real, n)),
                 37 => drop(fmi2GetContinuousStates(c, real, n)),
                 38 => {
-                    // A null component is no instance; a new one can go on from the old one's states.
+                    // A null component is no instance; a new one can go on from the old one's
+                    // states.
                     fmi2GetReal(null_mut(), vr, n, real);
                     fmi2FreeInstance(null_mut());
                     if kind > 200 {

@@ -1,4 +1,5 @@
-//! The solver's bodies: choice of the base, one chain of bodies per moving joint, coordinates, colliders.
+//! The solver's bodies: choice of the base, one chain of bodies per moving joint, coordinates,
+//! colliders.
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
@@ -221,7 +222,8 @@ fn add_joint(model: &mut Model, j: usize) {
     link.X_BL = Pose::IDENTITY;
 }
 
-/// Two unit vectors `u`, `w` that span the plane normal to the unit vector `n`; `u`, `w`, `n` are right-handed.
+/// Two unit vectors `u`, `w` that span the plane normal to the unit vector `n`; `u`, `w`, `n` are
+/// right-handed.
 ///
 /// `u` is the part in the plane of the coordinate axis that follows the one nearest to `n`:
 /// x for z, y for x, z for y.
@@ -250,7 +252,8 @@ fn number_coordinates(model: &mut Model) {
         body.dof = dof;
         let (motion, joint) = (body.motion, body.joint);
         model.nq += motion.nq();
-        // Limits belong to turning and sliding joints, which have one body with one degree of freedom.
+        // Limits belong to turning and sliding joints, which have one body with one degree of
+        // freedom.
         let limits = joint.and_then(|joint| model.joints[joint.index()].limits);
         model.dofs.extend((0..motion.nv()).map(|_| Dof {
             body: BodyId::from(b),

@@ -1,4 +1,4 @@
-//! What assembly has to say, and the choice of joints and links by pattern.
+//! Findings of the assembly, and selection of joints and links by pattern.
 
 use crate::diagnostic::words::likeliest;
 use crate::diagnostic::{Diagnostic, Place, Severity};
@@ -96,8 +96,8 @@ impl Findings {
         self.list.iter().any(|d| d.severity == Severity::Error)
     }
 
-    /// Indices of what `pattern` means among `names`, in order. `unsuitable` says why one cannot be meant:
-    /// a glob passes over it, a name that means only such ones is an error.
+    /// Indices of what `pattern` means among `names`, in order. `unsuitable` says why one cannot be
+    /// meant: a glob passes over it, a name that means only such ones is an error.
     pub(super) fn select(
         &mut self,
         pattern: &Pattern,

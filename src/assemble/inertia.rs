@@ -15,19 +15,20 @@ use std::fmt::Write;
 /// Density of a suggested inertia, kg/m³: most robot parts are between plastics and hollow metal.
 const SUGGESTED_DENSITY: f64 = 1000.0;
 
-/// Part of its own inertia that must be left to a degree of freedom when all those behind it move freely.
-/// Far above the round-off of a mass matrix, far below any real mechanism.
+/// Part of its own inertia that must be left to a degree of freedom when all those behind it move
+/// freely. Far above the round-off of a mass matrix, far below any real mechanism.
 const SMALLEST_SHARE: f64 = 1e-11;
 
 /// Smallest inertia of a degree of freedom, kg·m² or kg: a grain of sand at its own radius.
 const SMALLEST_INERTIA: f64 = 1e-16;
 
-/// Gives links whose `<inertia>` is singular that of their shapes where the robot could not move otherwise, and reports degrees of
-/// freedom that have none even so. Returns the poses of the model as it is then.
+/// Gives links whose `<inertia>` is singular that of their shapes where the robot could not move
+/// otherwise, and reports degrees of freedom that have none even so. Returns the poses of the model
+/// as it is then.
 ///
-/// A point mass or a line without width is a legal body as long as something turns it about another axis. Where
-/// nothing does, zeros can only mean that nobody worked the inertia out: a thousand of `PyBullet`'s own objects are
-/// written so, with `ixx="1" iyy="1" izz="0"` for 0.1 kg.
+/// A point mass or a line without width is a legal body as long as something turns it about another
+/// axis. Where nothing does, zeros mean that the inertia was not computed: a thousand of
+/// `PyBullet`'s own objects are written so, with `ixx="1" iyy="1" izz="0"` for 0.1 kg.
 pub(super) fn complete(
     model: &mut Model,
     mut poses: Poses,
@@ -101,15 +102,17 @@ enum Weakest {
 
 /// Looks for degrees of freedom without inertia.
 ///
-/// The mass matrix is factored from the tips to the base; the pivot of a degree of freedom is the inertia that is
-/// left to it when all those behind it move freely, its articulated inertia. All must be positive.
+/// The mass matrix is factored from the tips to the base; the pivot of a degree of freedom is the
+/// inertia that is left to it when all those behind it move freely, its articulated inertia. All
+/// must be positive.
 fn weakest(model: &Model, poses: &Poses) -> Weakest {
     let mut kin = poses.kin.clone();
     let tree = &poses.tree;
     crba::mass_matrix(tree, &mut kin);
     let n = model.nv();
     let pattern = &tree.sparsity;
-    // The pattern is that of a tree where no joint mimics another one far away; here a full matrix is simplest.
+    // The pattern is that of a tree where no joint mimics another one far away; here a full matrix
+    // is simplest.
     let mut M = nalgebra::DMatrix::<f64>::zeros(n, n);
     for i in 0..n {
         for (k, &j) in row(pattern, i).iter().enumerate() {
@@ -182,7 +185,7 @@ fn report(model: &Model, dof: usize, lines: &Lines, findings: &mut Findings) {
     findings.error("A104", place, what, &help);
 }
 
-/// The way out of an `<inertia>` that is none, where the link has a mass and a shape.
+/// Advice for a missing `<inertia>`, if the link has a mass and a shape.
 fn from_shapes(model: &Model, link: LinkId) -> &'static str {
     let shaped = model.colliders.iter().any(|c| c.link == link);
     if shaped && model.links[link.index()].inertia.mass > 0.0 {

@@ -14,7 +14,8 @@ use crate::settings::Settings;
 use crate::spatial::{Pose, Vec3, rpy_from_rotation};
 use crate::tree::Tree;
 
-/// How far outside its limits an initial position may be and is moved onto them: files round their numbers.
+/// How far outside its limits an initial position may be and is moved onto them: files round their
+/// numbers.
 const LIMIT_SLACK: f64 = 1e-6;
 
 /// Where everything is at the start, relative to the base's origin, in world axes.
@@ -166,7 +167,8 @@ pub(super) fn base(model: &mut Model, base: &Base, settings: &Settings, findings
     }
 }
 
-/// Places a floating base on the ground where the settings give no height; warns of a start inside the ground.
+/// Places a floating base on the ground where the settings give no height; warns of a start inside
+/// the ground.
 pub(super) fn height(
     model: &mut Model,
     poses: &Poses,

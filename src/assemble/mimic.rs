@@ -1,4 +1,4 @@
-//! Mimic joints: chains resolved to the joint that leads in the end.
+//! Mimic joints: each chain is resolved to its independent joint.
 
 use super::findings::Findings;
 use super::robot::{Robot, is_scalar, kind_name};

@@ -131,7 +131,8 @@ fn group(model: &mut Model, settings: &GroupSettings, findings: &mut Findings) -
     })
 }
 
-/// Gives the members of a group one effort limit, the least of theirs, and one pair of gains, the first's.
+/// Gives the members of a group one effort limit, the least of theirs, and one pair of gains, the
+/// first's.
 fn share(model: &mut Model, name: &str, members: &[usize], findings: &mut Findings) {
     let Some(&first) = members.first() else {
         return;
@@ -262,8 +263,8 @@ fn shaped(model: &Model) -> Vec<bool> {
     shaped
 }
 
-/// Links at the end of the tree: they can touch something and carry no moving link, not even by way of links
-/// fixed to them. None without a ground.
+/// Links at the end of the tree: they can touch something and carry no moving link, not even by way
+/// of links fixed to them. None without a ground.
 fn leaves(model: &Model) -> Vec<LinkId> {
     if model.world.ground.is_none() {
         return Vec::new();

@@ -1,6 +1,7 @@
 //! Rotational inertia as `PyBullet` computes it from collision shapes.
 //!
-//! Measured on 3.2.7 through `getDynamicsInfo`, see `docs/pybullet.md`; held to it by the Python tests.
+//! It was measured on PyBullet 3.2.7 through `getDynamicsInfo`, see `docs/pybullet.md`; the Python
+//! tests compare the two.
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
@@ -11,11 +12,12 @@ use crate::urdf::CollisionDescription;
 /// Collision margin of shapes that come from a URDF, m.
 const MARGIN: f64 = 0.001;
 
-/// Inertia tensor in the link's axes of a link of `mass` kg: that of the box about the shapes in the axes of
-/// `<inertial>`, `X_LI`, as if its middle were the centre of mass.
+/// Inertia tensor in the link's axes of a link of `mass` kg: that of the box about the shapes in
+/// the axes of `<inertial>`, `X_LI`, as if its middle were the centre of mass.
 ///
-/// A single shape that lies there exactly, neither it nor the axes turned in the link, counts as itself: a ball as a
-/// ball, a box without margin. (Two equal turns do not cancel to the last bit in `PyBullet`, and so do not count.)
+/// A single shape that lies there exactly, neither it nor the axes turned in the link, counts as
+/// itself: a ball as a ball, a box without margin. (Two equal turns do not cancel to the last bit
+/// in `PyBullet`, and so do not count.)
 pub(super) fn inertia(mass: f64, X_LI: &Pose, shapes: &[CollisionDescription]) -> Mat3 {
     let X_IL = X_LI.inverse();
     let own = match shapes {
@@ -68,7 +70,8 @@ fn alone(mass: f64, collision: &CollisionDescription) -> Vec3 {
     }
 }
 
-/// Box around a shape in its own axes; of a mesh around all of it, not around the corners that its hull keeps.
+/// Box around a shape in its own axes; of a mesh around all of it, not around the corners that its
+/// hull keeps.
 fn own_bounds(collision: &CollisionDescription) -> (Vec3, Vec3) {
     if let Some([low, high]) = collision.bounds {
         return (low, high);

@@ -1,4 +1,5 @@
-//! The described robot with the settings applied, as the model's links and joints that do not know bodies yet.
+//! The described robot with the settings applied, as the model's links and joints that do not know
+//! bodies yet.
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
@@ -177,8 +178,9 @@ impl Robot {
 }
 
 impl Robot {
-    /// Takes over the contact springs of the file that the settings leave open. A damping, N·s/m, is `PyBullet`'s where it
-    /// matters, under a fourth of the robot's weight: there a point's damping is its load times the dissipation.
+    /// Takes over the contact springs of the file that the settings leave open. A damping, N·s/m,
+    /// is `PyBullet`'s where it matters, under a fourth of the robot's weight: there a point's
+    /// damping is its load times the dissipation.
     fn take_springs(&mut self, description: &Description) {
         let mass: f64 = self.links.iter().map(|link| link.inertia.mass).sum();
         let load = 0.25 * mass * REFERENCE_GRAVITY;
@@ -330,7 +332,7 @@ fn model_joint(
         findings.error("A125", place, message, STATIC_FRICTION_HELP);
         0.0
     });
-    // Infinite means that there is none.
+    // Infinite means no limit.
     let usable = |value: Option<f64>| value.filter(|value| value.is_finite() && *value >= 0.0);
     let velocity = overrides.velocity.or(compat.largest_speed());
     let velocity = usable(velocity.or(joint.velocity)).filter(|_| scalar);

@@ -5,11 +5,12 @@
 use crate::spatial::{Mat3, RigidInertia};
 use crate::urdf::CollisionDescription;
 
-/// Inertia tensor in the link's axes of a link of `mass` kg that consists of `shapes`, each a solid, all of one
-/// density; about the shapes' common centre of mass. None where they have no volume.
+/// Inertia tensor in the link's axes of a link of `mass` kg that consists of `shapes`, each a
+/// solid, all of one density; about the shapes' common centre of mass. None where they have no
+/// volume.
 ///
-/// The link keeps the centre of mass that the file gives: as with `PyBullet`, whose default this follows, the shapes
-/// say how large the link is, not where its mass lies.
+/// The link keeps the centre of mass that the file gives: as with `PyBullet`, whose default this
+/// follows, the shapes say how large the link is, not where its mass lies.
 pub(super) fn of_solids(mass: f64, shapes: &[CollisionDescription]) -> Option<Mat3> {
     let volumes: Vec<f64> = shapes.iter().map(|c| c.shape.volume()).collect();
     let volume: f64 = volumes.iter().sum();

@@ -121,7 +121,8 @@ impl Description {
     }
 }
 
-/// Builds with the settings of a TOML text; what comes out must be valid and survive being written and read.
+/// Builds with the settings of a TOML text; what comes out must be valid and survive being written
+/// and read.
 pub(crate) fn assembled(description: &Description, settings: &str) -> Assembled {
     let settings = Settings::parse(settings, "test.toml").expect("legal settings");
     let assembled = build(description, &settings).unwrap_or_else(|findings| {

@@ -1,12 +1,12 @@
-//! Meshes of wheels → cylinders and balls, because a polygon does not roll.
+//! Meshes of wheels → cylinders and balls, because a polygon rolls unevenly.
 //!
-//! A mesh that turns about a continuous joint and is round about its axis becomes the cylinder or the ball that fits it;
-//! what is lost is told. Whether it is round is judged by how far its outline, seen along the axis, is from a circle all
-//! the way round: a wheel of `n` facets is off by `1 − cos(π/n)` of its radius. A driven wheel that stays a polygon is
-//! warned of.
+//! A mesh that turns about a continuous joint and is round about its axis becomes the cylinder or
+//! the ball that fits it; the error is reported. Whether it is round is judged by how far its
+//! outline, seen along the axis, is from a circle all the way round: a wheel of `n` facets is off
+//! by `1 − cos(π/n)` of its radius. A driven wheel that stays a polygon causes a warning.
 //!
-//! Not done here: wheels made of several meshes that are round only together; meshes on other joints, unless the
-//! settings ask for it.
+//! Not done here: wheels made of several meshes that are round only together; meshes on other
+//! joints, unless the settings ask for it.
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
@@ -23,8 +23,9 @@ use std::fmt::Write;
 
 /// Part of its radius by which a wheel may be off the circle: ten facets are round, eight are not.
 const ROUND: f64 = 0.05;
-/// Part of its radius by which a wheel's centre may be off the joint's axis and count as on it: what meshes round, and
-/// far below what a builder would notice. Beyond, the fitted wheel is as eccentric as the mesh.
+/// Part of its radius by which a wheel's centre may be off the joint's axis and count as on it:
+/// what meshes round, and far below what a builder would notice. Beyond, the fitted wheel is as
+/// eccentric as the mesh.
 const CENTRED: f64 = 0.01;
 /// Part of its radius by which a wheel's centre may be off the axis at all: beyond, it is no wheel.
 const ECCENTRIC: f64 = 0.2;
@@ -74,8 +75,8 @@ struct Fitted {
     good: bool,
 }
 
-/// Replaces the meshes of wheels in `model.colliders`, which are those of `shapes` in order; returns the wheels that
-/// stayed polygons.
+/// Replaces the meshes of wheels in `model.colliders`, which are those of `shapes` in order;
+/// returns the wheels that stayed polygons.
 ///
 /// - `shapes`, `choices`: per link
 pub(super) fn fit(
@@ -186,7 +187,8 @@ pub(super) fn warn(model: &Model, poses: &Poses, polygons: &[Polygon], findings:
     }
 }
 
-/// The joint that turns a collider about an axis through its body's origin, and that axis in the body's frame.
+/// The joint that turns a collider about an axis through its body's origin, and that axis in the
+/// body's frame.
 fn turns(model: &Model, collider: &Collider) -> Option<(JointId, Vec3)> {
     let body = &model.bodies[collider.body.index()];
     let joint = body.joint?;
@@ -236,7 +238,8 @@ impl Polygon {
 }
 
 impl Round {
-    /// The least-squares circle through the corners of the outline of `points` seen along z; none without an area.
+    /// The least-squares circle through the corners of the outline of `points` seen along z; none
+    /// without an area.
     fn of(points: &[Vec3]) -> Option<Self> {
         let outline = outline(points);
         if outline.len() < 3 {
@@ -450,7 +453,7 @@ fn outline(points: &[Vec3]) -> Vec<[f64; 2]> {
     flat.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
     flat.dedup();
     let size = flat.iter().flatten().fold(0.0, |m: f64, x| m.max(x.abs()));
-    // What is nearly on the line between its neighbours is none of the corners.
+    // A point nearly on the line between its neighbours is not a corner.
     let straight = 1e-9 * size * size;
     let turn = |a: &[f64; 2], b: &[f64; 2], c: &[f64; 2]| {
         (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])

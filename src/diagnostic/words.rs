@@ -1,6 +1,7 @@
 //! Words that a misspelt name may have meant.
 
-/// Words longer than this, and more candidates than this, are not compared: the work is their product.
+/// Words longer than this, and more candidates than this, are not compared: the work is their
+/// product.
 const MOST_COMPARED: (usize, usize) = (100, 5000);
 
 /// The word of `known` that is nearest to `word`, if it differs by few letters only.
@@ -47,7 +48,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn nearest_finds_slips_and_nothing_far_away() {
+    fn did_you_mean_finds_typing_errors_and_nothing_far_away() {
         let known = ["collision", "visual", "inertial"];
         assert_eq!(nearest("colision", known), Some("collision"));
         assert_eq!(nearest("intertial", known), Some("inertial"));

@@ -1,9 +1,10 @@
 //! Joint accelerations by the articulated-body algorithm, in O(n).
 //!
-//! Solves `M(q) vdot + k(q, v) = tau` without forming `M`. For trees without mimic joints: exact coupling of two
-//! branches needs the joint-space matrix, see [`crate::dynamics::crba`].
+//! Solves `M(q) vdot + k(q, v) = tau` without forming `M`. For trees without mimic joints: exact
+//! coupling of two branches needs the joint-space matrix, see [`crate::dynamics::crba`].
 //!
-//! Source: Featherstone 2008, table 7.1, in world axes: inertias of parent and child add up without transforms.
+//! Source: Featherstone 2008, table 7.1, in world axes: inertias of parent and child add up without
+//! transforms.
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
@@ -69,7 +70,8 @@ impl Articulated {
         self.accelerations_with(tree, kin, v, &tree.dofs.armature, tau, wrenches, vdot);
     }
 
-    /// The same with another diagonal than [`crate::tree::Dofs::armature`] added to the mass matrix.
+    /// The same with another diagonal than [`crate::tree::Dofs::armature`] added to the mass
+    /// matrix.
     ///
     /// # Panics
     /// If the tree has mimic joints.

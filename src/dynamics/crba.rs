@@ -92,8 +92,8 @@ pub fn diagonal(tree: &Tree, kin: &mut Kinematics) {
     }
 }
 
-/// Adds `S_aᵀ F` for column `c` of body `b` and every column `a` between the base and `c`, where columns share
-/// degrees of freedom.
+/// Adds `S_aᵀ F` for column `c` of body `b` and every column `a` between the base and `c`, where
+/// columns share degrees of freedom.
 pub(crate) fn add_row(
     tree: &Tree,
     S: &[[f64; 6]],

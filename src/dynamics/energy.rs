@@ -24,7 +24,8 @@ pub fn kinetic(tree: &Tree, kin: &Kinematics, v: &[f64]) -> f64 {
     0.5 * (bodies + rotors)
 }
 
-/// Potential energy of gravity on the moving bodies, J, zero at the world's origin; reads `kin.I`, `kin.origin`.
+/// Potential energy of gravity on the moving bodies, J, zero at the world's origin; reads `kin.I`,
+/// `kin.origin`.
 pub fn potential(tree: &Tree, kin: &Kinematics) -> f64 {
     tree.bodies
         .iter()

@@ -12,7 +12,8 @@ use crate::tree::Tree;
 /// Fills `kin.bias` with `k(q, v)`, so that `M vdot + k = tau`, from `kin.S`, `kin.V` and `kin.I`.
 ///
 /// - `v`: `nv`, the velocities that `kin.V` was made from
-/// - `wrenches`: external wrenches on bodies, `t` seconds after the communication point; they are taken off the bias
+/// - `wrenches`: external wrenches on bodies, `t` seconds after the communication point; they are
+///   taken off the bias
 pub fn bias(tree: &Tree, kin: &mut Kinematics, v: &[f64], wrenches: &[ExternalWrench], t: f64) {
     let mut force = std::mem::take(&mut kin.force);
     body_forces(tree, kin, v, &mut force);
@@ -98,7 +99,8 @@ pub(crate) fn about_origin(kin: &Kinematics, w: &ExternalWrench, t: f64) -> Vec6
     [torque.x, torque.y, torque.z, f.x, f.y, f.z]
 }
 
-/// Adds the drag of every body to the forces that the bodies need; see [`crate::model::World::drag`].
+/// Adds the drag of every body to the forces that the bodies need; see
+/// [`crate::model::World::drag`].
 pub(super) fn add_drag(tree: &Tree, kin: &Kinematics, force: &mut [Vec6]) {
     if tree.world.drag == 0.0 {
         return;

@@ -104,7 +104,8 @@ fn aba_agrees_with_crba_and_rnea_on_random_trees() {
     }
 }
 
-/// The rows of such a chain's matrix are as long as those of a floating base, but mean something else.
+/// The rows of such a chain's matrix are as long as those of a floating base, but mean something
+/// else.
 #[test]
 fn aba_agrees_with_crba_and_rnea_on_a_fixed_serial_arm() {
     for n in 5..10 {

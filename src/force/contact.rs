@@ -129,7 +129,7 @@ impl Contact {
     }
 }
 
-/// Length of `x` along the unit vector `normal`, and what is left of it.
+/// Component of `x` along the unit vector `normal`, and the remainder.
 #[inline]
 pub(super) fn normal_part(normal: &Vec3, x: &Vec3) -> (f64, Vec3) {
     let along = normal.dot(x);
@@ -234,7 +234,7 @@ mod tests {
     }
 
     #[test]
-    fn friction_never_exceeds_the_cone_and_remembers_no_more_than_it() {
+    fn friction_and_its_stored_displacement_stay_within_the_cone() {
         let (c, h) = (contact(), 1e-2);
         for speed in [0.0, 1e-4, 1e-2, 1.0, 100.0] {
             let v = Vec3::new(speed, 0.0, 0.0);

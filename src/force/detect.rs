@@ -223,7 +223,7 @@ impl Finder<'_> {
     ///    vector `rising = −½ ds/d(n·a) (a − (n·a) n)`, per metre of depth, the points lie
     ///    `rising/s` and `−rising/(1 − s)` beside their places (`lean`).
     ///
-    /// Test: `the_springs_of_a_cylinder_do_what_their_energy_says_at_every_tilt`.
+    /// Test: `the_springs_of_a_cylinder_do_the_work_of_their_energy_at_every_tilt`.
     fn cylinder(
         &mut self,
         collider: &TreeCollider,

@@ -1,5 +1,5 @@
-//! What carries force and memory: contacts and their friction, friction against turning, and along
-//! each degree of freedom damping, dry friction, limits and drives.
+//! Terms that carry force and memory: contacts and their friction, friction against turning, and
+//! along each degree of freedom damping, dry friction, limits and drives.
 //!
 //! Every term answers a velocity at the end of a step with an impulse that falls with it
 //! (*respond*), tells what it remembers after the step (*next memory*), and what energy its springs

@@ -40,7 +40,7 @@ fn springs(s: &Simulation, q: &[f64]) -> (f64, Vec6) {
 /// and its line hands its load over to its rims: else tilting it to and fro would make energy.
 /// Derivatives by central differences.
 #[test]
-fn the_springs_of_a_cylinder_do_what_their_energy_says_at_every_tilt() {
+fn the_springs_of_a_cylinder_do_the_work_of_their_energy_at_every_tilt() {
     let mut b = Builder::new(true, inertia(2.0, Vec3::zeros(), [0.01; 3]));
     let shape = Shape::Cylinder {
         radius: 0.1,

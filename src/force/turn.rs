@@ -1,11 +1,11 @@
 //! Friction against turning: the moments with which a contact resists rolling and drilling.
 //!
-//! A point alone lets its body roll and drill freely. Real contacts are patches: rolling costs a
-//! moment of `rolling · n` about a tangent, drilling one of `torsional · n` about the normal, both
-//! coefficients in metres. The law is that of sliding friction (see [`crate::law::friction`]), on
-//! the angular velocity: a spring–damper with a stored angle and a plastic cap, one for the normal
-//! and one for the two tangents, so that a ball on a gentle slope stands for ever. Most robots have
-//! none: the list of these elements is then empty.
+//! A single contact point does not resist rolling and spinning. Real contacts are patches: rolling
+//! costs a moment of `rolling · n` about a tangent, drilling one of `torsional · n` about the
+//! normal, both coefficients in metres. The law is that of sliding friction (see
+//! [`crate::law::friction`]), on the angular velocity: a spring–damper with a stored angle and a
+//! plastic cap, one for the normal and one for the two tangents, so that a ball on a gentle slope
+//! stands for ever. Most robots have none: the list of these elements is then empty.
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
@@ -218,7 +218,7 @@ mod tests {
     }
 
     #[test]
-    fn moments_never_exceed_their_caps_and_no_more_is_remembered() {
+    fn moments_and_their_stored_angles_stay_within_their_caps() {
         let t = turn();
         for speed in [0.0, 1e-4, 1e-2, 1.0, 100.0] {
             let w = Vec3::new(speed, -speed, 2.0 * speed);
@@ -233,7 +233,7 @@ mod tests {
     }
 
     #[test]
-    fn a_contact_without_load_resists_nothing_and_forgets() {
+    fn a_contact_without_load_has_no_force_and_no_memory() {
         let mut t = turn();
         t.carry(0.0);
         let w = Vec3::new(1.0, 2.0, 3.0);

@@ -1,27 +1,28 @@
 //! Convex hull of points, with a bound on its corners.
 //!
-//! Quickhull, the furthest outside point first. Stopping early leaves the points that matter most, and how
-//! far the rest reach out is known; no library offers that. Parry's hull panics on some inputs and takes
-//! plates below a relative thickness of 3e-4 for flat; the tests use it as the second route to volumes.
+//! Quickhull, the furthest outside point first. Stopping early leaves the points that matter most,
+//! and how far the rest reach out is known; no library offers that. Parry's hull panics on some
+//! inputs and takes plates below a relative thickness of 3e-4 for flat; the tests use it as the
+//! second route to volumes.
 //!
-//! In: any finite points. Out: corners, the simplices between them (tetrahedra's faces, triangles of a plate,
-//! the segment of a rod), and the largest distance of an input point from the result.
+//! In: any finite points. Out: corners, the simplices between them (tetrahedra's faces, triangles
+//! of a plate, the segment of a rod), and the largest distance of an input point from the result.
 //!
 //! Source: Barber, Dobkin and Huhdanpaa 1996, The Quickhull Algorithm for Convex Hulls.
 
 use crate::spatial::Vec3;
 use std::collections::{BinaryHeap, HashMap};
 
-/// Part of the size (half the longest edge of the bounding box) below which a point counts as on the hull.
-/// Mesh files hold seven digits.
+/// Part of the size (half the longest edge of the bounding box) below which a point counts as on
+/// the hull. Mesh files hold seven digits.
 const ON_HULL: f64 = 1e-7;
 
-/// Part of the size below which points count as in one plane or on one line: a metre-long plate thinner than
-/// a thousandth of a millimetre.
+/// Part of the size below which points count as in one plane or on one line: a metre-long plate
+/// thinner than a thousandth of a millimetre.
 const FLAT: f64 = 1e-6;
 
-/// Part of the size by which distances count as equal: of a face's points the outermost is taken, never one
-/// from its middle.
+/// Part of the size by which distances count as equal: of a face's points the outermost is taken,
+/// never one from its middle.
 const TIE: f64 = 1e-6;
 
 /// The least distance that counts as equal to `most`.
@@ -53,7 +54,8 @@ pub(super) struct Hull {
     pub(super) error: f64,
 }
 
-/// The hull of finite points with at most `most` (4 or more) corners; `None` if there are no points.
+/// The hull of finite points with at most `most` (4 or more) corners; `None` if there are no
+/// points.
 pub(super) fn hull(points: &[Vec3], most: usize) -> Option<Hull> {
     let first = points.first()?;
     let (low, high) = points
@@ -182,7 +184,8 @@ fn polygon(points: &[Vec3], ends: [usize; 2], normal: &Vec3, most: usize) -> (Ve
     (edges.iter().map(|e| e.start).collect(), error)
 }
 
-/// The furthest of `outside` and its distance; of those as far but for [`TIE`], the outermost from `middle`.
+/// The furthest of `outside` and its distance; of those as far but for [`TIE`], the outermost from
+/// `middle`.
 fn pick(
     points: &[Vec3],
     outside: &[usize],
@@ -282,7 +285,8 @@ impl<'p> Solid<'p> {
         })
     }
 
-    /// Gives each point to the facet from `from` on that it is furthest outside of; points inside are dropped.
+    /// Gives each point to the facet from `from` on that it is furthest outside of; points inside
+    /// are dropped.
     fn distribute(&mut self, candidates: &[usize], from: usize) {
         for &i in candidates {
             let mut best = (ON_HULL, None);
@@ -341,7 +345,8 @@ impl<'p> Solid<'p> {
         self.finish()
     }
 
-    /// Replaces the facets that `apex` sees by a cone; `false` and no change if round-off forbids it.
+    /// Replaces the facets that `apex` sees by a cone; `false` and no change if round-off forbids
+    /// it.
     fn add(&mut self, seen_by: usize, apex: usize) -> bool {
         let p = self.points[apex];
         let mut visible = vec![seen_by];

@@ -8,7 +8,8 @@ use crate::spatial::{Mat3, RigidInertia, Vec3, point_inertia};
 use std::f64::consts::PI;
 
 impl Shape {
-    /// Mass properties of a uniform solid of this shape, about its centre of mass, in the shape's frame.
+    /// Mass properties of a uniform solid of this shape, about its centre of mass, in the shape's
+    /// frame.
     ///
     /// Exact for every shape; a hull without volume counts as a plate or a rod of even thickness.
     ///
@@ -36,8 +37,8 @@ impl Shape {
                 radius: r,
                 half_length: h,
             } => {
-                // Shares of the cylinder and of the two half spheres. A half sphere's centre of mass is 3r/8
-                // above its base, and 2/5 r² = 83/320 r² + (3r/8)².
+                // Shares of the cylinder and of the two half spheres. A half sphere's centre of
+                // mass is 3r/8 above its base, and 2/5 r² = 83/320 r² + (3r/8)².
                 let (cylinder, ends) = (2.0 * PI * r * r * h, 4.0 / 3.0 * PI * r * r * r);
                 let (c, e) = (cylinder / (cylinder + ends), ends / (cylinder + ends));
                 let across =

@@ -40,8 +40,8 @@ pub(super) trait Freedom {
     const BASE: bool = false;
     /// First place in `q` of the orientation w, x, y, z, where there is one.
     const QUATERNION: Option<usize> = None;
-    /// Pose of the body from O, with the motions of its velocities in `S`, both in world axes; a base
-    /// also says where O is in the world.
+    /// Pose of the body from O, with the motions of its velocities in `S`, both in world axes; a
+    /// base also says where O is in the world.
     fn place(mount: &Mount, q: &[f64], S: &mut [Vec6], origin: &mut Vec3) -> Pose;
 
     /// Velocity of the body about O: that of its parent and `S v`.

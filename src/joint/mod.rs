@@ -5,8 +5,8 @@
 //! the macro in this file is the only place that tells kinds apart, so a new kind is a file, a line
 //! in [`Kind`] and one in [`Motion`]. A planar or floating joint of a URDF is a chain of these.
 //!
-//! Slices that the methods of [`Kind`] take begin at the joint's first place in `q`, in `v` or among
-//! the columns of `S`, and may be longer than the joint needs.
+//! Slices that the methods of [`Kind`] take begin at the joint's first place in `q`, in `v` or
+//! among the columns of `S`, and may be longer than the joint needs.
 //!
 //! Source: Featherstone 2008, chapter 4.
 
@@ -103,7 +103,8 @@ impl Motion {
         }
     }
 
-    /// Rotation `R_BS` of the solver's frame, whose z axis is the joint's axis, in the body's frame.
+    /// Rotation `R_BS` of the solver's frame, whose z axis is the joint's axis, in the body's
+    /// frame.
     pub fn solver_frame(self) -> Mat3 {
         self.axis()
             .map_or_else(Mat3::identity, |axis| rotation_to_axis(&axis))
@@ -175,8 +176,8 @@ impl Kind {
         }
     }
 
-    /// Pose of the body from O, with the motions of its velocities in `S`, both in world axes; a base
-    /// also says where O is in the world.
+    /// Pose of the body from O, with the motions of its velocities in `S`, both in world axes; a
+    /// base also says where O is in the world.
     #[inline]
     pub fn place(self, mount: &Mount, q: &[f64], S: &mut [Vec6], origin: &mut Vec3) -> Pose {
         of_kind!(self, K => K::place(mount, &q[..K::NQ], &mut S[..K::NV], origin))

@@ -1,7 +1,7 @@
 //! What must hold for a [`Model`] before anything computes with it.
 //!
-//! A `model.json` may be damaged or hostile: whatever indexes, divides or allocates later relies on the checks
-//! made here, so that a wrong file is an error and never a panic.
+//! A `model.json` may be damaged or hostile: whatever indexes, divides or allocates later relies on
+//! the checks made here, so that a wrong file is an error and never a panic.
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
@@ -25,7 +25,8 @@ const MOST_DOFS: usize = 2_000;
 const MOST_CORNERS: usize = 2_000_000;
 
 impl Model {
-    /// Whether everything that the solver relies on holds: indices, order, lengths, units, finite numbers.
+    /// Whether everything that the solver relies on holds: indices, order, lengths, units, finite
+    /// numbers.
     ///
     /// # Errors
     /// [`ModelError::Invalid`] names the first part that is wrong.

@@ -1,5 +1,5 @@
-//! First time derivatives of outputs: of positions, orientations and velocities. Others (efforts, contact forces,
-//! accelerations, energies) have none: they may jump.
+//! First time derivatives of outputs: of positions, orientations and velocities. Others (efforts,
+//! contact forces, accelerations, energies) have none: they may jump.
 
 use super::{Level, Readout, joint_orientation, quaternion};
 use crate::model::{BodyId, JointId, Model};
@@ -10,7 +10,8 @@ use crate::state::State;
 use crate::step::point::Context;
 
 impl Readout {
-    /// Time derivative of an output at the state's time, from the right where forces jump; None if it has none.
+    /// Time derivative of an output at the state's time, from the right where forces jump; None if
+    /// it has none.
     pub fn derivative(&mut self, ctx: &Context, state: &State, slot: OutputSlot) -> Option<f64> {
         use OutputSlot as O;
         let model = ctx.model;
@@ -62,7 +63,8 @@ impl Readout {
                 let (A, V) = (&self.A[body], &self.point.kin.V[body]);
                 let r = self.link_pose(ctx, link.index()).p;
                 let omega = angular(V);
-                // Spatial accelerations are rates at a fixed point: that of the link's origin moves on with it.
+                // Spatial accelerations are rates at a fixed point: that of the link's origin moves
+                // on with it.
                 let velocity = linear(V) + omega.cross(&r);
                 let a = linear(A) + angular(A).cross(&r) + omega.cross(&velocity);
                 a[axis as usize]
@@ -113,7 +115,8 @@ fn world_quaternion_rate([x, y, z, w]: [f64; 4], omega: &Vec3, axis: Axis) -> f6
     quaternion_product(&spin, &[w, x, y, z])[(axis as usize + 1) % 4]
 }
 
-/// Rates of roll, pitch and yaw about fixed axes: `ω = ψ̇ ẑ + Rz(ψ) (θ̇ ŷ + Ry(θ) φ̇ x̂)` solved for them.
+/// Rates of roll, pitch and yaw about fixed axes: `ω = ψ̇ ẑ + Rz(ψ) (θ̇ ŷ + Ry(θ) φ̇ x̂)` solved
+/// for them.
 fn rpy_rate(rpy: &Vec3, omega: &Vec3, axis: Axis) -> f64 {
     let (sin_pitch, cos_pitch) = (libm::sin(rpy.y), libm::cos(rpy.y));
     let (sin_yaw, cos_yaw) = (libm::sin(rpy.z), libm::cos(rpy.z));
@@ -125,7 +128,8 @@ fn rpy_rate(rpy: &Vec3, omega: &Vec3, axis: Axis) -> f64 {
     }
 }
 
-/// Rate of the orientation of a floating joint; `rate` gives its velocities by axis, 3–5 in child axes.
+/// Rate of the orientation of a floating joint; `rate` gives its velocities by axis, 3–5 in child
+/// axes.
 fn joint_orientation_rate(
     model: &Model,
     state: &State,
@@ -161,7 +165,8 @@ mod tests {
     use crate::variables::{Kind, Slot, table};
     use std::sync::Arc;
 
-    /// Central differences over ± 1e-4 s: their error is 1e-8/6 times the third derivative, up to some 1e3 here.
+    /// Central differences over ± 1e-4 s: their error is 1e-8/6 times the third derivative, up to
+    /// some 1e3 here.
     fn check(mut model: Model, random: &mut Random) {
         model.outputs.links = (0..model.links.len()).map(LinkId::from).collect();
         model.outputs.sensors = (0..model.links.len())
@@ -265,7 +270,8 @@ mod tests {
         let omega = Vec3::new(0.0, 1.0, 0.0);
         let rpy = Vec3::new(0.0, 0.0, 0.0);
         assert!((super::rpy_rate(&rpy, &omega, 1) - 1.0).abs() < 1e-15);
-        // At exactly 90° in floating point the cosine is 6e-17: rates are finite but huge unless nothing turns.
+        // At exactly 90° in floating point the cosine is 6e-17: rates are finite but huge unless
+        // nothing turns.
         let rpy = Vec3::new(0.0, std::f64::consts::FRAC_PI_2, 0.0);
         assert!(super::rpy_rate(&rpy, &Vec3::x(), 0).abs() > 1e15);
     }

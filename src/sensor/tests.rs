@@ -1,4 +1,5 @@
-//! Expected values: statics, free flight, the mathematical pendulum, and the joint's own equation of motion.
+//! Expected values: statics, free flight, the mathematical pendulum, and the joint's own equation
+//! of motion.
 
 use crate::assemble::testing::{
     at, ball, body, collision, error, frame, mass, model, point, robot,
@@ -47,8 +48,9 @@ fn near(found: Vec3, expected: Vec3, tolerance: f64) {
 }
 
 #[test]
-fn an_imu_at_rest_feels_its_support_in_its_own_axes() {
-    // Lying on its side: roll of a quarter turn, up is then the link's −y … and the sensor is turned once more.
+fn an_imu_at_rest_measures_gravity_in_its_own_axes() {
+    // Lying on its side: roll of a quarter turn, up is then the link's −y … and the sensor is
+    // turned once more.
     let settings = format!(
         "robot.base = \"fixed\"\ninitial.rpy = [{FRAC_PI_2}, 0, 0]\n[[sensor]]\ntype = \"imu\"\nlink = \"box\"\n\
          [[sensor]]\ntype = \"imu\"\nname = \"turned\"\nlink = \"box\"\nrpy = [0, 0, {FRAC_PI_2}]\nxyz = [1, 2, 3]\n"
@@ -72,7 +74,7 @@ fn an_imu_at_rest_feels_its_support_in_its_own_axes() {
 }
 
 #[test]
-fn an_imu_in_free_flight_feels_its_rotation_alone() {
+fn an_imu_in_free_flight_measures_only_its_rotation() {
     // A ball that spins about z: ω × (ω × r) = −ω² r, whatever its flight.
     let settings = "world.ground.type = \"none\"\ninitial.angular_velocity = [0, 0, 3]\n\
                     initial.linear_velocity = [5, -2, 7]\n[[sensor]]\ntype = \"imu\"\nlink = \"box\"\n\
@@ -113,8 +115,8 @@ fn a_pendulum_pulls_at_its_hinge_with_weight_and_centrifugal_force() {
         -l
     );
     let mut s = start(&pendulum(m, l), &settings);
-    // The hinge holds the bob with m (g cos θ + ω² l) along the rod, which is the link's z; nothing across it,
-    // because the bob falls as it likes, and no torque about the hinge.
+    // The hinge holds the bob with m (g cos θ + ω² l) along the rod, which is the link's z; nothing
+    // across it, because the bob falls as it likes, and no torque about the hinge.
     let tension = m * (G * theta.cos() + omega * omega * l);
     let [force, torque] = wrench(&mut s);
     near(force, Vec3::new(0.0, 0.0, tension), 1e-12 * tension);
@@ -133,7 +135,8 @@ fn a_pendulum_pulls_at_its_hinge_with_weight_and_centrifugal_force() {
 
 #[test]
 fn a_weld_carries_the_weight_and_the_moment_of_what_hangs_on_it() {
-    // 3 kg at 0.5 m along x of a flange, the flange 1 m up a column: weight 3 g, moment r × (m g ẑ) = −0.5·3·g ŷ.
+    // 3 kg at 0.5 m along x of a flange, the flange 1 m up a column: weight 3 g, moment r × (m g
+    // ẑ) = −0.5·3·g ŷ.
     let tool = point("tool", 3.0, Vec3::new(0.5, 0.0, 0.0));
     let arm = robot(mass("column", 5.0)).with("column", "flange", Fixed, at(0.0, 0.0, 1.0), tool);
     let settings = "robot.base = \"fixed\"\n[[sensor]]\ntype = \"ft\"\njoint = \"flange\"\n";
@@ -144,8 +147,9 @@ fn a_weld_carries_the_weight_and_the_moment_of_what_hangs_on_it() {
 }
 
 #[test]
-fn an_ankle_feels_what_stands_on_it_not_what_the_ground_gives() {
-    // The foot, 1 kg, stands on the ground and carries 4 kg by a weld: the parent presses it down with 4 g.
+fn an_ankle_sensor_measures_the_load_above_it_and_not_the_ground_force() {
+    // The foot, 1 kg, stands on the ground and carries 4 kg by a weld: the parent presses it down
+    // with 4 g.
     let mut foot = body("foot", 1.0);
     foot.collisions = [(-0.2, -0.2), (0.2, -0.2), (-0.2, 0.2), (0.2, 0.2)]
         .map(|(x, y)| collision(at(x, y, 0.0), ball()))
@@ -159,7 +163,7 @@ fn an_ankle_feels_what_stands_on_it_not_what_the_ground_gives() {
 }
 
 #[test]
-fn an_external_wrench_is_felt_by_the_joint_that_carries_it() {
+fn an_external_wrench_appears_in_the_sensor_of_the_joint_that_carries_it() {
     let tool = point("tool", 1.0, Vec3::new(0.0, 0.0, 0.2));
     let arm = robot(mass("base", 5.0)).with("base", "flange", Fixed, Pose::IDENTITY, tool);
     let settings = "world.gravity = [0, 0, 0]\nworld.ground.type = \"none\"\n[[external_wrench]]\nlink = \"tool\"\n\
@@ -167,14 +171,16 @@ fn an_external_wrench_is_felt_by_the_joint_that_carries_it() {
     let mut s = Simulation::new(Arc::new(model(&arm, settings)));
     s.set_input(InputSlot::ExternalForce(LinkId(1), 2), 12.0);
     s.initialize(0.0).expect("a legal start");
-    // 6 kg are pulled with 12 N: 2 m/s². The tool's share is 2 N, so it pulls at the flange with 10 N.
+    // 6 kg are pulled with 12 N: 2 m/s². The tool's share is 2 N, so it pulls at the flange with 10
+    // N.
     let [force, _] = wrench(&mut s);
     near(force, Vec3::new(0.0, 0.0, -10.0), 1e-12);
 }
 
 #[test]
-fn along_its_axis_every_joint_carries_what_its_motor_and_friction_give() {
-    // An arm of three axes in full motion, with damping: axis · wrench = τ of the joint, whatever the rest does.
+fn the_load_along_a_joint_axis_is_the_sum_of_motor_and_friction() {
+    // An arm of three axes in full motion, with damping: axis · wrench = τ of the joint, whatever
+    // the rest does.
     let lump = |name: &str, m: f64| {
         let mut link = mass(name, m);
         if let Some(inertia) = &mut link.inertial {
@@ -276,7 +282,7 @@ fn the_imu_of_a_moving_arm_agrees_with_the_velocity_of_its_link() {
 }
 
 #[test]
-fn rays_measure_the_way_to_the_ground() {
+fn rays_measure_the_distance_to_the_ground() {
     let sensor = |more: &str| {
         format!(
             "robot.base = \"fixed\"\ninitial.xyz = [0, 0, 2]\n[[sensor]]\ntype = \"ray\"\nname = \"eye\"\nlink = \"box\"\n{more}"

@@ -1,6 +1,6 @@
 //! Conventions of another simulator: defaults that differ under `[robot] compat`.
 //!
-//! Whatever a settings file gives wins over them. What each one was measured to be is in `docs/pybullet.md`.
+//! Values of a settings file take precedence. `docs/pybullet.md` lists how each was measured.
 
 /// Whose conventions hold where neither the robot nor the settings say otherwise.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -37,7 +37,8 @@ impl Compat {
         }
     }
 
-    /// What holds where the key at `path` is not given, in TOML, if it is not what the table of keys says.
+    /// What holds where the key at `path` is not given, in TOML, if it is not what the table of
+    /// keys says.
     pub fn default_of(self, path: &str) -> Option<&'static str> {
         match self {
             Self::None => None,

@@ -1,7 +1,9 @@
-//! Checked keys and values → [`Settings`]: what each table means, and which keys contradict each other.
+//! Checked keys and values → [`Settings`]: what each table means, and which keys contradict each
+//! other.
 //!
-//! In: a [`Section`] from the [`Reader`], with types and ranges checked and defaults at hand.
-//! Out: [`Settings`]; findings S105 to S107 in the reader. Nothing here looks at text or knows a robot.
+//! In: a [`Section`] from the [`Reader`], with types and ranges checked and defaults at hand. Out:
+//! [`Settings`]; findings S105 to S107 in the reader. This module uses neither the text nor a
+//! robot.
 
 use super::compat::Compat;
 use super::reader::Reader;
@@ -18,7 +20,8 @@ use crate::spatial::Vec3;
 
 /// What the file at `root` means; a given `compat` wins over the file's.
 ///
-/// Whatever is missing or was rejected has its default, so that everything else is checked, too; findings go to `reader`.
+/// Whatever is missing or was rejected has its default, so that everything else is checked, too;
+/// findings go to `reader`.
 pub(super) fn fill(reader: &mut Reader, root: &Section, compat: Option<Compat>) -> Settings {
     let robot = root.table("robot");
     let compat = compat
@@ -232,7 +235,8 @@ fn world(reader: &mut Reader, section: &Section, compat: Compat) -> World {
 /// What to do about a static friction that [`static_excess`] refuses.
 pub(crate) const STATIC_FRICTION_HELP: &str = "static_friction must lie between friction and 1000 times friction; leave it out where they are equal";
 
-/// Static over sliding friction, less 1; none where it is negative, or has no sliding friction to go with.
+/// Static over sliding friction, less 1; none where it is negative, or has no sliding friction to
+/// go with.
 pub(crate) fn static_excess(friction: f64, static_friction: f64) -> Option<f64> {
     #[expect(
         clippy::float_cmp,

@@ -1,7 +1,7 @@
-//! Every key of the settings file: what it takes, what holds without it, what it is for.
+//! Every key of the settings file: type and range, default, purpose.
 //!
-//! A path names tables by dots; `*` stands for a name that the user chooses (a glob over joints or links),
-//! `[]` for the elements of an array of tables.
+//! A path names tables by dots; `*` stands for a name that the user chooses (a glob over joints or
+//! links), `[]` for the elements of an array of tables.
 //!
 //! Over 500 lines because it is one table.
 
@@ -496,8 +496,8 @@ pub fn find(path: &str) -> Option<&'static Key> {
     KEYS.iter().find(|key| key.path == path)
 }
 
-/// The names that may stand in the table at `path` (`""` is the file itself), each once, in file order;
-/// `*` where the user chooses the names.
+/// The names that may stand in the table at `path` (`""` is the file itself), each once, in file
+/// order; `*` where the user chooses the names.
 pub fn children(path: &str) -> Vec<&'static str> {
     let mut names = Vec::new();
     for key in KEYS {

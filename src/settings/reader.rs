@@ -1,6 +1,6 @@
 //! Text → checked keys and values: syntax, unknown keys, types and ranges, all findings at once.
 //!
-//! What may stand where is [`super::keys::KEYS`]; nothing here knows a key by name.
+//! [`super::keys::KEYS`] defines the keys; this module contains no key names.
 
 use super::compat::Compat;
 use super::keys::{self, Key, Takes};

@@ -157,7 +157,7 @@ fn two_numbers_for_xyz_leave_the_height_open() {
 }
 
 #[test]
-fn tables_with_chosen_names_keep_the_file_s_order() {
+fn tables_of_named_entries_keep_the_order_of_the_file() {
     // Later entries win, so the order matters; TOML's own maps are sorted.
     let settings =
         parse("[joint.zz]\ndamping = 1\n[joint.\"*\"]\ndamping = 2\n[joint.a]\nfriction = 3");
@@ -199,7 +199,7 @@ fn an_unknown_key_names_the_nearest_and_its_place() {
 }
 
 #[test]
-fn a_key_in_the_wrong_table_is_sent_to_the_right_one() {
+fn a_key_in_the_wrong_table_names_the_right_one() {
     let found = finding("[world]\ntolerance = 1e-3");
     assert!(
         found
@@ -292,7 +292,7 @@ fn numbers_outside_their_range_are_refused() {
 }
 
 #[test]
-fn what_comes_later_is_not_supported_yet_and_says_which_key() {
+fn keys_of_planned_features_are_errors_that_name_the_key() {
     for (text, key) in [
         ("robot.self_collision = true", "self_collision"),
         ("world.ground = { type = \"heightfield\" }", "heightfield"),
@@ -311,7 +311,7 @@ fn what_comes_later_is_not_supported_yet_and_says_which_key() {
 }
 
 #[test]
-fn groups_and_sensors_need_what_they_are_of_and_nothing_else() {
+fn groups_and_sensors_refuse_missing_and_unsuitable_keys() {
     for (text, code, part) in [
         ("[[group]]\nname = \"a\"", "S107", "joints"),
         ("[[group]]\njoints = [\"a\"]", "S107", "name"),
@@ -459,7 +459,7 @@ fn garbage_never_panics() {
 }
 
 #[test]
-fn static_friction_goes_with_sliding_friction() {
+fn static_friction_needs_a_sliding_friction_not_above_it() {
     let ground = |text: &str| {
         let text = format!("[world.ground]\n{text}");
         Settings::parse(&text, "f").map(|s| s.world.ground.expect("a ground").static_excess)
@@ -478,7 +478,7 @@ fn static_friction_goes_with_sliding_friction() {
 }
 
 #[test]
-fn a_no_load_speed_goes_with_every_mode_that_has_effort() {
+fn a_no_load_speed_is_allowed_in_every_mode_with_effort() {
     let actuator = |mode: &str| {
         let text = format!(
             "[[actuator]]\njoint = \"*\"\nmode = \"{mode}\"\nno_load_speed = 5\nmax_effort = 2\n"

@@ -27,8 +27,8 @@ pub struct Settings {
     pub world: World,
     /// Initial state.
     pub initial: InitialSettings,
-    /// What is commanded where no entry of `actuators` says so; none: position for limited joints, velocity
-    /// for the others.
+    /// What is commanded where no entry of `actuators` says so; none: position for limited joints,
+    /// velocity for the others.
     pub default_mode: Option<ModeChoice>,
     /// Commanded joints; where several match a joint, each key is the last one's.
     pub actuators: Vec<ActuatorSettings>,

@@ -1,9 +1,10 @@
 //! A smooth step that reaches beyond the communication point that asked for it.
 //!
-//! A robot on which nothing stiff acts could take steps of tens of milliseconds, while importers ask for states every few.
-//! As long as no input changes, its step is therefore taken at its own length, and communication points inside it are
-//! read off the method's continuous extension: a polynomial in time of fourth order. Then neither cost nor result depends
-//! on how often somebody looks. A changed input or parameter ends the step where it is.
+//! A robot on which nothing stiff acts could take steps of tens of milliseconds, while importers
+//! ask for states every few. As long as no input changes, its step is therefore taken at its own
+//! length, and communication points inside it are read off the method's continuous extension: a
+//! polynomial in time of fourth order. Then neither cost nor result depends on how often outputs
+//! are read. A changed input or parameter ends the step at the present time.
 //!
 //! Source: Hairer, Nørsett & Wanner 1993, section II.6 (the extension of Dormand–Prince 5(4)).
 
@@ -22,7 +23,8 @@ pub struct Ahead {
     pub length: f64,
     /// 1 if an input or a parameter has changed since the last communication step, else 0.
     pub changed: f64,
-    /// Coefficients of the polynomials of every position, then of every velocity; empty where no step is under way.
+    /// Coefficients of the polynomials of every position, then of every velocity; empty where no
+    /// step is under way.
     pub coefficients: Vec<f64>,
 }
 

@@ -1,7 +1,7 @@
-//! What a single solve gets wrong, as the last step that was solved in full and in halves has measured it.
+//! The error of a single solve, as measured by the last step that was solved in full and in halves.
 //!
-//! Where a communication step cuts steps short, this error hardly changes from one to the next: it is measured once and
-//! taken off a few times.
+//! Where a communication step cuts steps short, this error hardly changes from one to the next: it
+//! is measured once and subtracted a few times.
 
 use crate::model::Model;
 use crate::tuning::LAG_USES;

@@ -1,4 +1,4 @@
-//! A try of a step: where it leads. It is accepted whole or dropped.
+//! A try of a step and its result. It is accepted whole or dropped.
 
 use crate::model::Model;
 use crate::state::{Physical, State};

@@ -162,9 +162,9 @@ impl Explicit {
             .step(pair, &system, start, end, &from.q, &from.v, h, finish);
     }
 
-    /// Tries a step of `h` seconds, a fixed length, into `attempt` where nothing stiff acts, nothing
-    /// is met and no energy is made beyond a `gain`, where one is given, as a share of kinetic
-    /// energy and weight times reach; tells whether it may be accepted.
+    /// Tries a step of `h` seconds, a fixed length, into `attempt` where nothing stiff acts,
+    /// nothing is met and no energy is made beyond a `gain`, where one is given, as a share of
+    /// kinetic energy and weight times reach; tells whether it may be accepted.
     pub fn attempt_fixed(
         &mut self,
         ctx: &Context,

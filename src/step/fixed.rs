@@ -201,9 +201,9 @@ impl Fixed {
     }
 }
 
-/// Whether a point that has restitution touches down within `h` seconds, or has done so and not left
-/// yet. A bounce is over in less than a fixed step, which would swallow it: it is taken under error
-/// control.
+/// Whether a point that has restitution touches down within `h` seconds, or has done so and not
+/// left yet. A bounce is over in less than a fixed step, which would swallow it: it is taken under
+/// error control.
 pub(super) fn bounces(here: &Point, h: f64) -> bool {
     here.terms.contacts.iter().any(|contact| {
         let approach = -contact.normal_velocity(&here.kin.V);

@@ -1,12 +1,12 @@
 //! A robot in flight keeps its momentum.
 //!
-//! While nothing but gravity acts on a robot from outside, its centre of mass flies a parabola, its
-//! linear momentum grows by its weight, and its angular momentum about the centre of mass stays,
-//! whatever motors, limits and friction inside do. A step knows this to its own error only. Here
-//! the base takes up what the steps of a communication step have lost or made: its velocity and its
-//! place change, joints and orientation do not. This is done under error control alone, where it is
-//! little: fixed steps that lose momentum lose energy with it, and restoring the momentum would add
-//! energy.
+//! While nothing but gravity acts on a robot from outside, its centre of mass follows a parabola,
+//! its linear momentum grows by its weight, and its angular momentum about the centre of mass
+//! stays, whatever motors, limits and friction inside do. A step knows this to its own error only.
+//! Here the base takes up what the steps of a communication step have lost or made: its velocity
+//! and its place change, joints and orientation do not. This is done under error control alone,
+//! where it is little: fixed steps that lose momentum lose energy with it, and restoring the
+//! momentum would add energy.
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
@@ -103,7 +103,8 @@ impl Flight {
         }
     }
 
-    /// Angular velocity, rad/s, that gives the robot `angular` more angular momentum, N·m·s; none if it is thin.
+    /// Angular velocity, rad/s, that gives the robot `angular` more angular momentum, N·m·s; none
+    /// if it is thin.
     fn turn(&self, angular: &Vec3) -> Option<Vec3> {
         let [xx, yy, zz, xy, xz, yz] = self.inertia.rotational;
         let about_origin = Mat3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);

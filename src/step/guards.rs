@@ -1,8 +1,8 @@
-//! What a try must not do: make energy. Kinetic, of gravity, and held by springs.
+//! Checks that a try does not add energy: kinetic, potential, and stored by springs.
 //!
-//! The laws take energy in continuous time. A step may give some: it sees the robot as it is at one
-//! place of its way. What it gives is measured here, and a step that gives too much is taken
-//! otherwise: shorter, or without extrapolation.
+//! The laws dissipate energy in continuous time. A step may add some, because it uses the robot's
+//! position at one time of the step. The gain is measured here, and a step that adds too much is
+//! replaced by a shorter one or by one without extrapolation.
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
@@ -135,8 +135,8 @@ pub(super) fn work(ctx: &Context, point: &Point, newton: &Newton, h: f64) -> f64
     h * power
 }
 
-/// What gravity, contacts and limits take up, J, when positions move by `more` after the step of `h`
-/// seconds that has been solved from `point`; the bodies' displacements go into `way`.
+/// What gravity, contacts and limits take up, J, when positions move by `more` after the step of
+/// `h` seconds that has been solved from `point`; the bodies' displacements go into `way`.
 pub(super) fn lifted(
     tree: &Tree,
     point: &Point,

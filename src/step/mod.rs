@@ -10,7 +10,7 @@
 //! | `implicit`, `convex` | convex solves, their error, extrapolation |
 //! | `explicit` | Runge–Kutta pairs |
 //! | `fixed` | rules of steps of a length that the user fixes |
-//! | `point` | what is known of the robot where a step begins |
+//! | `point` | the robot at the start of a step |
 //!
 //! Every number of the method is in [`crate::tuning`].
 

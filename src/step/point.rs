@@ -1,4 +1,4 @@
-//! One place in time: what a step knows of the robot before it is taken.
+//! The robot at one time: everything that a step needs of it.
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
@@ -75,8 +75,8 @@ impl Point {
         self.kin.update_velocities(ctx.tree, &from.v);
     }
 
-    /// What an explicit step needs of `from`, without the mass matrix if the tree is long: then it is for explicit steps
-    /// alone. After [`Self::pose`].
+    /// What an explicit step needs of `from`, without the mass matrix if the tree is long: then it
+    /// is for explicit steps alone. After [`Self::pose`].
     pub(super) fn update_smooth(&mut self, ctx: &Context, from: &Physical, h: f64) {
         if ctx.tree.long {
             crba::diagonal(ctx.tree, &mut self.kin);
@@ -148,8 +148,8 @@ impl Point {
     }
 }
 
-/// Stiffest that a contact point may be for steps of `h` seconds, N/m: a fixed step cannot resolve an oscillation faster than
-/// itself.
+/// Stiffest that a contact point may be for steps of `h` seconds, N/m: a fixed step cannot resolve
+/// an oscillation faster than itself.
 pub(super) fn stiffness_limit(ctx: &Context, h: f64) -> f64 {
     if ctx.fixed_step > 0.0 {
         let omega = std::f64::consts::TAU / h.max(f64::MIN_POSITIVE);

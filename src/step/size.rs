@@ -1,4 +1,4 @@
-//! How long steps are, and what becomes of a try: the way from one communication point to the next.
+//! Length of steps, and acceptance of tries, from one communication point to the next.
 
 use crate::state::{Sizes, Stepping};
 use crate::step::point::Context;

@@ -21,7 +21,8 @@ pub struct Tree {
     pub sparsity: Sparsity,
     /// Whether every column is its own degree of freedom: no joint mimics another.
     pub pure: bool,
-    /// Whether the articulated-body algorithm is cheaper than mass matrix and factor: chains of many joints.
+    /// Whether the articulated-body algorithm is cheaper than mass matrix and factor: chains of
+    /// many joints.
     pub long: bool,
     /// Pose of each link in its body's solver frame; filled by [`Self::new`].
     pub link_pose: Vec<Pose>,
@@ -99,20 +100,23 @@ pub struct Dofs {
     pub limit_stiffness: Vec<f64>,
     /// Diagonal of the mass matrix at the initial position, kg·m² or kg; filled by [`Tree::scale`].
     pub inertia: Vec<f64>,
-    /// Weight of an error, 1 at one metre or at one radian of a metre's reach; filled by [`Tree::scale`].
+    /// Weight of an error, 1 at one metre or at one radian of a metre's reach; filled by
+    /// [`Tree::scale`].
     pub weight: Vec<f64>,
 }
 
 /// What the actuators are made of; each list has one entry an actuator.
 #[derive(Clone, Debug)]
 pub struct Actuators {
-    /// Stiffness (N·m/rad or N/m) and damping (N·m·s/rad or N·s/m) as a velocity motor; filled by [`Tree::scale`].
+    /// Stiffness (N·m/rad or N/m) and damping (N·m·s/rad or N·s/m) as a velocity motor; filled by
+    /// [`Tree::scale`].
     pub motors: Vec<(f64, f64)>,
     /// Gains kp (N·m/rad or N/m) and kd (N·m·s/rad or N·s/m); filled by [`Tree::tune`].
     pub gains: Vec<[f64; 2]>,
 }
 
-/// A body as the solver sees it: its place in the tree, its inboard joint, its inertia. Filled by [`Tree::new`].
+/// A body as the solver sees it: its place in the tree, its inboard joint, its inertia. Filled by
+/// [`Tree::new`].
 #[derive(Clone, Debug)]
 pub struct TreeBody {
     /// Index of the parent; the base points to itself.
@@ -133,7 +137,8 @@ pub struct TreeBody {
     pub ratio: f64,
     /// Offset of a mimic joint, else 0.
     pub offset: f64,
-    /// Whether it is a wheel: it turns about its joint's axis, carries nothing and is even about the axis.
+    /// Whether it is a wheel: it turns about its joint's axis, carries nothing and is even about
+    /// the axis.
     pub wheel: bool,
     /// kg
     pub mass: f64,
@@ -143,8 +148,8 @@ pub struct TreeBody {
     pub I_cm: [f64; 6],
 }
 
-/// A collision shape as the solver sees it. Its place is filled by [`Tree::new`], coefficients with the ground by
-/// [`Tree::tune`], stiffness and penetration by [`Tree::scale`].
+/// A collision shape as the solver sees it. Its place is filled by [`Tree::new`], coefficients with
+/// the ground by [`Tree::tune`], stiffness and penetration by [`Tree::scale`].
 #[derive(Clone, Debug)]
 pub struct TreeCollider {
     /// Index in the model's list.
@@ -196,8 +201,8 @@ impl DryFriction {
     }
 }
 
-/// What all contacts of a link have in common against turning. Coefficients and inertia are filled by [`Tree::new`],
-/// the others by [`Tree::scale`].
+/// What all contacts of a link have in common against turning. Coefficients and inertia are filled
+/// by [`Tree::new`], the others by [`Tree::scale`].
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Turning {
     /// Combined torsional and rolling friction with the ground, m.

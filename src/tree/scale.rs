@@ -1,4 +1,5 @@
-//! What follows from the robot in its initial position: stiffness of contacts, limits and motors, error weights.
+//! Quantities that follow from the robot in its initial position: stiffness of contacts, limits and
+//! motors, error weights.
 
 use super::parts::Tree;
 use crate::joint::Sweep;
@@ -32,13 +33,15 @@ impl Tree {
             turning.penetration = collider.penetration;
         }
         self.dofs.inertia.copy_from_slice(inertia);
-        // Reach: farthest shape or centre of mass, from the base and from each joint's axis, over its subtree.
+        // Reach: farthest shape or centre of mass, from the base and from each joint's axis, over
+        // its subtree.
         let mut points: Vec<(usize, Vec3, f64)> = model
             .colliders
             .iter()
             .map(|c| {
                 let b = c.body.index();
-                // The shape's place in the model's body frame and in the solver frame are equally far from the axis.
+                // The shape's place in the model's body frame and in the solver frame are equally
+                // far from the axis.
                 let X = &poses[b];
                 (
                     b,
@@ -98,7 +101,8 @@ impl Tree {
         }
         for (motor, actuator) in self.actuators.motors.iter_mut().zip(&model.actuators) {
             let dof = actuator.dof.index();
-            // A wheel on the ground carries the whole robot along: damped for itself alone it would overshoot.
+            // A wheel on the ground carries the whole robot along: damped for itself alone it would
+            // overshoot.
             let inertia = inertia[dof].max(mass * levers[dof] * levers[dof]);
             *motor = motor_constants(actuator.reference_effort, inertia);
         }

@@ -1,4 +1,5 @@
-//! A robot whose tags have been checked: every number is finite and in its range, every name is there.
+//! A robot whose tags have been checked: every number is finite and in its range, every name is
+//! there.
 
 use super::xml::Node;
 use crate::model::{ActuatorMode, JointKind};

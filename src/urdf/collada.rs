@@ -1,8 +1,8 @@
 //! COLLADA (`.dae`) → points: geometries placed by the nodes of the scene, in m by `<unit>`.
 //!
-//! `<up_axis>` is ignored, as RViz, Gazebo, MoveIt and Pinocchio ignore it: robots are drawn and tuned with
-//! them, so the file's axes are the link's whatever it says. Lines, splines and materials are skipped;
-//! a skinned geometry stands in its bind pose.
+//! `<up_axis>` is ignored, as RViz, Gazebo, MoveIt and Pinocchio ignore it: robots are designed
+//! with these programs, so the axes of the file are those of the link in any case. Lines, splines
+//! and materials are skipped; a skinned geometry stands in its bind pose.
 
 use super::faces::{MeshError, fan};
 use super::xml::{Document, Node};
@@ -378,7 +378,8 @@ fn placement(node: Node) -> Result<Matrix4<f64>, MeshError> {
 mod tests {
     use super::*;
 
-    /// A scene around one triangle with corners (1, 0, 0), (0, 1, 0), (0, 0, 1) and one unused point.
+    /// A scene around one triangle with corners (1, 0, 0), (0, 1, 0), (0, 0, 1) and one unused
+    /// point.
     fn scene(asset: &str, nodes: &str) -> Result<Vec<Vec3>, MeshError> {
         let text = format!(
             "<COLLADA xmlns='http://www.collada.org/2005/11/COLLADASchema' version='1.4.1'>
@@ -436,7 +437,7 @@ mod tests {
     }
 
     #[test]
-    fn faults_are_refused() {
+    fn faulty_collada_files_are_refused() {
         assert!(read(b"<COLLADA><asset>").is_err());
         assert!(read(b"<svg/>").is_err());
         assert!(scene("<unit meter='0'/>", "").is_err());

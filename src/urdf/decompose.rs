@@ -1,7 +1,8 @@
 //! A mesh → a few convex parts that leave its notches open, by VHACD.
 //!
-//! Parry fills the mesh with voxels and cuts these along planes until each part is nearly convex. A part here is the
-//! hull of the mesh's own surface within its voxels, not of the voxels: where robots stand, they keep their shape.
+//! Parry fills the mesh with voxels and cuts these along planes until each part is nearly convex. A
+//! part is the hull of the mesh's own surface within its voxels and not of the voxels, so that the
+//! soles of feet keep their shape.
 
 use crate::geometry::{Shape, bounded_hull};
 use crate::spatial::Vec3;
@@ -26,8 +27,8 @@ const CONCAVITY: f64 = 0.002;
 pub(super) struct Decomposition {
     /// Corners of each part, m.
     pub(super) parts: Vec<Vec<Vec3>>,
-    /// How much larger than the mesh the parts' volume and that of the mesh's hull are, as a share of the mesh's; none
-    /// where the mesh is not closed.
+    /// How much larger than the mesh the parts' volume and that of the mesh's hull are, as a share
+    /// of the mesh's; none where the mesh is not closed.
     pub(super) excess: Option<[f64; 2]>,
 }
 
@@ -139,7 +140,8 @@ mod tests {
         triangles
     }
 
-    /// An L in x and z: legs of 0.3 m, 0.1 m thick; seen from the inner corner, every side is visible.
+    /// An L in x and z: legs of 0.3 m, 0.1 m thick; seen from the inner corner, every side is
+    /// visible.
     fn l() -> Vec<[Vec3; 3]> {
         prism(&[
             [0.1, 0.1],
@@ -159,7 +161,8 @@ mod tests {
         volume(with) <= volume(part.to_vec()) * (1.0 + 1e-9)
     }
 
-    /// By hand: the L has 0.1 (0.3² - 0.2²) = 0.005 m³, its hull a triangle of legs 0.2 m more, 0.002 m³ or 40 %.
+    /// By hand: the L has 0.1 (0.3² - 0.2²) = 0.005 m³, its hull a triangle of legs 0.2 m more,
+    /// 0.002 m³ or 40 %.
     #[test]
     fn the_notch_of_an_l_stays_open() {
         let found = parts(&l()).expect("parts");
@@ -198,7 +201,7 @@ mod tests {
     }
 
     #[test]
-    fn what_has_no_volume_is_refused_and_what_is_open_has_none_to_compare_with() {
+    fn meshes_without_volume_are_refused_and_open_ones_have_no_volume_error() {
         let flat = l()[..1].to_vec();
         assert!(parts(&flat).is_err());
         assert!(parts(&[]).is_err());
@@ -209,7 +212,7 @@ mod tests {
 
     /// The mesh file is the L of these tests, its ends polygons with six corners.
     #[test]
-    fn a_link_has_a_collider_for_each_part_where_the_settings_want_it() {
+    fn a_decomposed_mesh_gives_one_collider_for_each_part() {
         use crate::settings::Settings;
         use crate::urdf::{ReadOptions, read_str};
         let text = r#"<robot name="r"><link name="foot">

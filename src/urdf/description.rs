@@ -9,7 +9,8 @@ use crate::spatial::{Mat3, Pose, RigidInertia, Vec3};
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// A checked URDF with its meshes read: a tree with parents before children (file order among siblings).
+/// A checked URDF with its meshes read: a tree with parents before children (file order among
+/// siblings).
 #[derive(Clone, Debug)]
 pub struct Description {
     /// Robot name.
@@ -37,7 +38,8 @@ pub struct LinkDescription {
     pub R_LI: Mat3,
     /// `<collision>` elements in file order, poses in the link's frame.
     pub collisions: Vec<CollisionDescription>,
-    /// `<contact><lateral_friction>`, Drake's `mu_dynamic` or Gazebo's `mu1`, where the file has one.
+    /// `<contact><lateral_friction>`, Drake's `mu_dynamic` or Gazebo's `mu1`, where the file has
+    /// one.
     pub friction: Option<f64>,
     /// Drake's `mu_static`, where the file has one.
     pub static_friction: Option<f64>,
@@ -51,7 +53,8 @@ pub struct LinkDescription {
     pub stiffness: Option<f64>,
     /// `<contact><damping>`, N·s/m, likewise.
     pub damping: Option<f64>,
-    /// `<contact><inertia_scaling>`, where the file has one: PyBullet's factor on the inertia, used with its conventions.
+    /// `<contact><inertia_scaling>`, where the file has one: PyBullet's factor on the inertia, used
+    /// with its conventions.
     pub inertia_scaling: Option<f64>,
     /// 1-based line of the `<link>` element.
     pub line: usize,
@@ -70,7 +73,8 @@ pub struct CollisionDescription {
     pub mesh: Option<PathBuf>,
     /// Mesh that turns with a continuous joint: corners of its hull, more than the shape has.
     pub outline: Option<Arc<[Vec3]>>,
-    /// Mesh: least and greatest coordinates of the whole of it, m, in the shape's axes; its hull has fewer corners.
+    /// Mesh: least and greatest coordinates of the whole of it, m, in the shape's axes; its hull
+    /// has fewer corners.
     pub bounds: Option<[Vec3; 2]>,
 }
 

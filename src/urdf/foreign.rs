@@ -1,9 +1,10 @@
-//! What other programs' tags say about the motion: PyBullet's `<contact>`, Gazebo's `<gazebo>`, ROS's `<transmission>`
-//! and `<ros2_control>`, Drake's `<drake:…>`, MuJoCo's `<mujoco>`.
+//! Tags of other programs that affect the motion: PyBullet's `<contact>`, Gazebo's `<gazebo>`,
+//! ROS's `<transmission>` and `<ros2_control>`, Drake's `<drake:…>`, MuJoCo's `<mujoco>`.
 //!
-//! Read: friction (sliding, at rest, rolling, about the normal), restitution, rotor inertia with its gear ratio, and
-//! which quantity a joint's hardware takes. What would change the motion elsewhere and is not used here is a warning
-//! (U022); what is read (U023) and what is left out (U020) is counted by tag.
+//! Read: friction (sliding, at rest, rolling, about the normal), restitution, rotor inertia with
+//! its gear ratio, and which quantity a joint's hardware takes. A tag that would change the motion
+//! in its own program and is not used here causes a warning (U022). Tags that are read (U023) or
+//! ignored (U020) are counted.
 
 use super::checked::{CheckedRobot, Surface};
 use super::scope::Scope;
@@ -85,7 +86,8 @@ pub(super) fn proximity(scope: &mut Scope, collision: Node, surface: &mut Surfac
     surface.friction = surface.friction.or(surface.static_friction);
 }
 
-/// A number of 0 or more in the attribute `value` or between the tags; else a warning, and it is left out.
+/// A number of 0 or more in the attribute `value` or between the tags; else a warning, and it is
+/// left out.
 fn coefficient(scope: &mut Scope, node: Node) -> Option<f64> {
     let (text, at) = match node.attribute("value") {
         Some(attribute) => (attribute.value.clone(), attribute.at.clone()),

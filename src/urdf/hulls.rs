@@ -1,6 +1,7 @@
-//! Meshes of a robot's collision shapes → hulls and convex parts, scaled; visual meshes are looked for only.
+//! Meshes of a robot's collision shapes → hulls and convex parts, scaled. Of visual meshes only the
+//! existence is checked.
 //!
-//! A file that many links name at one scale is read and enclosed once. What cannot be is a finding.
+//! A file that several links use at one scale is processed once. A failure is a finding.
 
 use super::checked::{CheckedRobot, Geometry};
 use super::faces::MeshError;
@@ -124,7 +125,8 @@ pub(super) fn read_meshes(
     meshes
 }
 
-/// Tells how far the hulls are off that do not keep all corners, once for all of them, at the worst.
+/// Tells how far the hulls are off that do not keep all corners, once for all of them, at the
+/// worst.
 fn report_rough_hulls(scope: &mut Scope, robot: &CheckedRobot, meshes: &Meshes) {
     let mut rough: Vec<(&Path, f64, &Range<usize>, &str)> = Vec::new();
     for (i, link) in robot.links.iter().enumerate() {

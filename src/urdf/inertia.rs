@@ -1,7 +1,8 @@
 //! Checks of mass and rotational inertia.
 //!
-//! A rigid body of any shape has `I = tr(J) 1 − J` with the second moments `J = ∫ r rᵀ dm`, positive
-//! semi-definite. So `I` is positive semi-definite and no principal moment exceeds the sum of the other two.
+//! A rigid body of any shape has `I = tr(J) 1 − J` with the second moments `J = ∫ r rᵀ dm`,
+//! positive semi-definite. So `I` is positive semi-definite and no principal moment exceeds the sum
+//! of the other two.
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
@@ -17,22 +18,24 @@ use std::ops::Range;
 /// URDF's order.
 pub(super) const NAMES: [&str; 6] = ["ixx", "ixy", "ixz", "iyy", "iyz", "izz"];
 
-/// Part of the largest principal moment below which a negative moment is round-off: files are printed with
-/// six digits.
+/// Part of the largest principal moment below which a negative moment is round-off: files are
+/// printed with six digits.
 const ROUND_OFF: f64 = 1e-5;
 
-/// Part of the largest principal moment by which it may exceed the sum of the others before it is told.
+/// Part of the largest principal moment by which it may exceed the sum of the others before it is
+/// told.
 const TRIANGLE: f64 = 1e-3;
 
-/// Radius of gyration, m, below which a body counts as a point: exporters write round-off such as 1e-20.
+/// Radius of gyration, m, below which a body counts as a point: exporters write round-off such as
+/// 1e-20.
 const POINT: f64 = 1e-6;
 
-/// How many times further out than a link's shapes and joints reach its mass may lie before it is told: collision
-/// shapes are simplified.
+/// How many times further out than a link's shapes and joints reach its mass may lie before it is
+/// told: collision shapes are simplified.
 const TOO_FAR: f64 = 3.0;
 
-/// Part of the size of a link's largest shape below which its radius of gyration is told: even a motor in a light
-/// cover has a tenth.
+/// Part of the size of a link's largest shape below which its radius of gyration is told: even a
+/// motor in a light cover has a tenth.
 const TOO_NEAR: f64 = 1.0 / 30.0;
 
 /// The symmetric matrix of six numbers in URDF's order.
@@ -53,7 +56,8 @@ pub(super) fn check(scope: &mut Scope, inertial: &mut CheckedInertial, mass: Nod
         return;
     }
     if inertial.mass == 0.0 {
-        // The file's numbers hold, as in Pinocchio: franka_panda of pybullet_data has such a link on its hand.
+        // The file's numbers hold, as in Pinocchio: franka_panda of pybullet_data has such a link
+        // on its hand.
         let zero = inertial.inertia.iter().all(|i| i.abs() <= POINT * POINT);
         if zero {
             inertial.inertia = [0.0; 6];
@@ -130,8 +134,9 @@ pub(super) fn check(scope: &mut Scope, inertial: &mut CheckedInertial, mass: Nod
     }
 }
 
-/// Decides on the suspects: what is fixed to others only counts together with them, so a bad inertia is an
-/// error where the rigid body that it is part of cannot exist, and a warning elsewhere.
+/// Decides on implausible inertias: links that are fixed together only count together, so a bad
+/// inertia is an error where the rigid body that it is part of cannot exist, and a warning
+/// elsewhere.
 pub(super) fn judge(scope: &mut Scope, robot: &CheckedRobot, order: Option<&Order>) {
     let suspects = |i: usize| {
         robot.links[i]
@@ -210,8 +215,9 @@ fn rigid_bodies(robot: &CheckedRobot, order: &Order) -> Vec<RigidInertia> {
     top.iter().map(|(body, _)| bodies[*body]).collect()
 }
 
-/// Warns of inertias that the link's size contradicts: placeholders such as 1 kg m² on a gripper, or numbers in
-/// another unit. All mass of a body lies within some distance `r` of its centre of mass, so no moment exceeds `m r²`.
+/// Warns of inertias that the link's size contradicts: placeholders such as 1 kg m² on a gripper,
+/// or numbers in another unit. All mass of a body lies within some distance `r` of its centre of
+/// mass, so no moment exceeds `m r²`.
 pub(super) fn compare_with_shapes(
     scope: &mut Scope,
     robot: &CheckedRobot,

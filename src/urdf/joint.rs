@@ -35,8 +35,8 @@ const CHILDREN: [&str; 10] = [
 /// Written by others, read by others.
 const FOREIGN: [&str; 3] = ["joint_properties", "hardwareInterface", "physics"];
 
-/// Lower and upper limits that PyBullet's own files write for a joint without limits: its solver takes a lower
-/// limit above the upper one for none.
+/// Lower and upper limits that PyBullet's own files write for a joint without limits: its solver
+/// takes a lower limit above the upper one for none.
 const NO_LIMITS: [(f64, f64); 2] = [(1.0, -1.0), (0.0, -1.0)];
 
 /// Squared length of an axis below which it has no direction.
@@ -226,7 +226,8 @@ fn range(
         }
     }
     if given == (false, false) {
-        // By the letter both are 0 and the joint is locked; Drake, MuJoCo and PyBullet all take it as free.
+        // By the letter both are 0 and the joint is locked; Drake, MuJoCo and PyBullet all take it
+        // as free.
         let message = "<limit> has neither lower nor upper: the joint counts as unlimited";
         let help = "give the range in rad or m, or use type=\"continuous\" or \"fixed\"";
         scope.warning("U044", node.tag_at(), message, help);

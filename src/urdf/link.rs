@@ -58,7 +58,8 @@ pub(super) fn check<'d>(scope: &mut Scope, node: Node<'d>, name: &'d str) -> Che
     }
 }
 
-/// Checks the visuals of a link and gives the file names of their meshes; all problems are warnings.
+/// Checks the visuals of a link and gives the file names of their meshes; all problems are
+/// warnings.
 pub(super) fn check_visuals<'d>(
     scope: &mut Scope,
     link: &CheckedLink<'d>,

@@ -1,8 +1,8 @@
 //! Mesh files → points: STL, OBJ, COLLADA.
 //!
-//! Only the corners of faces are kept: the collision shape is their convex hull. Own readers for the two
-//! plain formats, a page each: `stl_io` takes binary files that start with `solid` for text and refuses text
-//! that is not laid out line by line as it expects; both happen.
+//! Only the corners of faces are kept: the collision shape is their convex hull. Own readers for
+//! the two plain formats, a page each: `stl_io` takes binary files that start with `solid` for text
+//! and refuses text that is not laid out line by line as it expects; both happen.
 
 use super::collada;
 use super::faces::{LARGEST_FILE, MeshError, fan};
@@ -108,7 +108,7 @@ fn stl(bytes: &[u8]) -> Result<Vec<Vec3>, MeshError> {
         // The length decides: many binary files start with "solid" too.
         Some((_, expected)) if expected == found => Ok(stl_binary(bytes, expected)),
         _ if solid => stl_text(&String::from_utf8_lossy(bytes)),
-        // Some programs append what is theirs.
+        // Some programs append data of their own.
         Some((triangles, expected)) if triangles > 0 && expected < found => {
             Ok(stl_binary(bytes, expected))
         }
@@ -211,7 +211,8 @@ fn obj_triangles(text: &str) -> Result<Vec<[Vec3; 3]>, MeshError> {
     Ok(triangles)
 }
 
-/// All vertices; shows each face with the vertices before it and the indices of its corners among them.
+/// All vertices; shows each face with the vertices before it and the indices of its corners among
+/// them.
 fn obj_faces(text: &str, mut face: impl FnMut(&[Vec3], &[usize])) -> Result<Vec<Vec3>, MeshError> {
     let (mut vertices, mut corners) = (Vec::new(), Vec::new());
     for (i, line) in text.lines().enumerate() {
@@ -335,7 +336,8 @@ mod tests {
         }
     }
 
-    /// Random changes to valid files: points or an error, never a panic, and never more points than bytes.
+    /// Random changes to valid files: points or an error, never a panic, and never more points than
+    /// bytes.
     #[test]
     fn mutated_meshes_never_panic() {
         let mut random = crate::testing::Random(0x9E37_79B9_7F4A_7C15);

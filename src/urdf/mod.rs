@@ -1,11 +1,12 @@
 //! URDF text → [`Description`]: positioned checks, `package://`, meshes, inertia.
 //!
-//! Way of a file: XML with places (`xml`), checks of links (`link`, `inertia`), joints (`joint`) and the whole
-//! (`tree`), which give a `checked` robot; meshes found (`resolve`), read (`mesh`, `collada`) and enclosed in hulls
-//! (`hulls`) or cut into parts (`decompose`); all put together (`assemble`). All problems of a file are found in one
-//! run.
+//! Way of a file: XML with places (`xml`), checks of links (`link`, `inertia`), joints (`joint`)
+//! and the whole (`tree`), which give a `checked` robot; meshes found (`resolve`), read (`mesh`,
+//! `collada`) and enclosed in hulls (`hulls`) or cut into parts (`decompose`); all put together
+//! (`assemble`). All problems of a file are found in one run.
 //!
-//! Not here: merging massless links, initial pose, defaults for what the file leaves out. xacro is not expanded.
+//! Not here: merging massless links, initial pose, defaults for what the file leaves out. xacro is
+//! not expanded.
 
 mod assemble;
 mod checked;
@@ -55,7 +56,8 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Description, Vec<Diagn
     Ok(description)
 }
 
-/// Corners of the faces of a mesh file (STL, OBJ, COLLADA) in m, as a URDF without `scale` takes them.
+/// Corners of the faces of a mesh file (STL, OBJ, COLLADA) in m, as a URDF without `scale` takes
+/// them.
 ///
 /// # Errors
 /// What is wrong with the file.
@@ -66,7 +68,8 @@ pub fn mesh_corners(path: &Path) -> Result<Vec<Vec3>, Box<dyn std::error::Error>
 /// Reads a URDF text and the meshes of its collision shapes.
 ///
 /// - `file_name`: shown in diagnostics
-/// - `base_dir`: from where relative mesh names count, and from where packages are looked for upwards
+/// - `base_dir`: from where relative mesh names count, and from where packages are looked for
+///   upwards
 ///
 /// # Errors
 /// As [`read`].

@@ -6,17 +6,19 @@ use std::path::PathBuf;
 /// How to read a URDF.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ReadOptions {
-    /// Folders in which packages are looked for: a package, a folder of packages, or an install prefix.
+    /// Folders in which packages are looked for: a package, a folder of packages, or an install
+    /// prefix.
     pub package_paths: Vec<PathBuf>,
     /// Factor on all lengths, meshes included. Masses stay, inertia takes its square.
     pub scale: f64,
-    /// The inertia matrices are not used, because they will be computed from the shapes: what is wrong with them
-    /// is a warning.
+    /// The inertia matrices are not used, because they will be computed from the shapes, so faults
+    /// in them are warnings.
     pub ignore_inertia: bool,
-    /// The numbers of `<contact>` are used that only `PyBullet` has a use for: inertia scaling, stiffness, damping.
+    /// The numbers of `<contact>` are used that only `PyBullet` has a use for: inertia scaling,
+    /// stiffness, damping.
     pub pybullet: bool,
-    /// Links whose collision meshes become several convex parts each (true) or their hulls (false); of those that
-    /// match, the last holds.
+    /// Links whose collision meshes become several convex parts each (true) or their hulls (false);
+    /// of those that match, the last holds.
     pub decomposed: Vec<(Pattern, bool)>,
 }
 

@@ -1,10 +1,12 @@
 //! Mesh file names → files: `package://`, `model://`, `file://`, relative and absolute paths.
 //!
-//! A package is looked for in the package paths, then up from the URDF's folder. ROS itself is not needed.
+//! A package is looked for in the package paths, then up from the URDF's folder. ROS itself is not
+//! needed.
 //!
-//! A URDF is somebody else's text: what it names is read only where it lies in the robot's own folders or in a package
-//! path, so that no other file of the machine gets into an FMU. The robot's own folders are the URDF's, the one of the
-//! `package.xml` above it, and its parent where its name says that it is one part of a robot's (`urdf`, `robots` …).
+//! A URDF may come from anybody. The files that it names are read only if they lie in the robot's
+//! own folders or in a package path, so that no other file of the machine gets into an FMU. The
+//! robot's own folders are the URDF's, the one of the `package.xml` above it, and its parent where
+//! its name says that it is one part of a robot's (`urdf`, `robots` …).
 
 use super::options::ReadOptions;
 use std::fs;
@@ -135,7 +137,8 @@ impl<'o> Resolver<'o> {
         Err(Missing::NotFound(NotFound { tried, advice }))
     }
 
-    /// Whether a file lies in the robot's folders, in a package path or in the package that was found for it.
+    /// Whether a file lies in the robot's folders, in a package path or in the package that was
+    /// found for it.
     fn holds(&self, file: &Path, package: Option<&Path>) -> bool {
         let package = package.map(normal);
         self.roots
@@ -278,7 +281,7 @@ fn roots(base_dir: &Path, package_paths: &[PathBuf]) -> Vec<PathBuf> {
         list.push(normal(path));
         list.extend(fs::canonicalize(path).ok());
     }
-    // A root that is the whole machine is none.
+    // The root of the file system is not a folder of the robot.
     list.retain(|root| root.parent().is_some());
     list
 }
@@ -297,8 +300,8 @@ fn normal(path: &Path) -> PathBuf {
     normal
 }
 
-/// The package's name, and the same with hyphens for underscores and the other way round: repositories are
-/// often named `my-robot` where the package is `my_robot`.
+/// The package's name, and the same with hyphens for underscores and the other way round:
+/// repositories are often named `my-robot` where the package is `my_robot`.
 fn spellings(package: &str) -> Vec<String> {
     let mut list = vec![package.to_owned()];
     for other in [package.replace('_', "-"), package.replace('-', "_")] {

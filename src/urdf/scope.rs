@@ -12,8 +12,8 @@ use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-/// Numbers beyond this are refused: squares and products of smaller ones stay finite. Limits of 1e16 for
-/// "none" are in use.
+/// Numbers beyond this are refused: squares and products of smaller ones stay finite. Limits of
+/// 1e16 for "none" are in use.
 const LARGEST: f64 = 1e30;
 
 /// URDF versions that change how a file is read.
@@ -32,7 +32,7 @@ pub(super) struct Scope<'r, 'a> {
     read: BTreeMap<String, (Range<usize>, usize)>,
     /// Severity of a bad number: visuals do not move the robot.
     pub(super) severity: Severity,
-    /// Inertia matrices are not used: what is wrong with them is a warning.
+    /// Inertia matrices are not used, so faults in them are warnings.
     pub(super) ignore_inertia: bool,
     /// As [`super::ReadOptions::pybullet`].
     pub(super) pybullet: bool,
@@ -244,7 +244,7 @@ impl<'r, 'a> Scope<'r, 'a> {
         (Vec3::from(xyz), rpy)
     }
 
-    /// Warns about attributes outside `known`. Those with a prefix belong to somebody else.
+    /// Warns about attributes outside `known`. Those with a prefix belong to other programs.
     pub(super) fn known_attributes(&mut self, node: Node, known: &[&str]) {
         for (name, at) in node.attribute_names() {
             if !known.contains(&name) && !name.contains(':') && name != "xmlns" {
@@ -258,7 +258,8 @@ impl<'r, 'a> Scope<'r, 'a> {
         }
     }
 
-    /// Warns about children outside `known`; those in `foreign`, and prefixed ones, are only counted.
+    /// Warns about children outside `known`; those in `foreign`, and prefixed ones, are only
+    /// counted.
     pub(super) fn known_children(&mut self, node: Node, known: &[&str], foreign: &[&str]) {
         for child in node.children() {
             let name = child.name();
@@ -310,8 +311,9 @@ impl<'r, 'a> Scope<'r, 'a> {
     }
 }
 
-/// The value with `$(optenv NAME default)` replaced by the default, and whether there was one. Some published
-/// files still contain it; the environment is not read, so that a file means the same everywhere.
+/// The value with `$(optenv NAME default)` replaced by the default, and whether there was one. Some
+/// published files still contain it; the environment is not read, so that a file means the same
+/// everywhere.
 fn without_optenv(value: &str) -> (Cow<'_, str>, bool) {
     let parts = || {
         let (before, rest) = value.split_once("$(optenv")?;

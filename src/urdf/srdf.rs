@@ -1,12 +1,12 @@
-//! SRDF: what goes with a URDF for planning, as far as it can mean something to a simulator.
+//! SRDF, the description of a robot for motion planning, as far as a simulator can use it.
 //!
 //! - `<group_state>`: joint positions to start with, by name
-//! - `<passive_joint>`: nothing drives it
-//! - `<disable_collisions>`: pairs of links that need not be looked at. Links do not touch each other here; the pairs
-//!   are read and checked all the same, for whoever wants them.
+//! - `<passive_joint>`: a joint without actuator
+//! - `<disable_collisions>`: pairs of links without collision checks. Links do not collide with
+//!   each other here; the pairs are read and checked all the same.
 //!
-//! Planning groups, end effectors and the virtual joint are told and not used. What is wrong in the file does not make
-//! a robot unusable: warnings, but where a state that was asked for cannot be taken.
+//! Planning groups, end effectors and the virtual joint are reported and not used. Faults of the
+//! file are warnings, except if the requested state cannot be used.
 //!
 //! | code | meaning |
 //! |---|---|
@@ -35,7 +35,8 @@ pub struct Semantics {
     pub positions: Vec<(Pattern, f64)>,
     /// Joints that nothing drives.
     pub passive: Vec<Pattern>,
-    /// Links that need not be looked at together: each pair once, the first in the robot's order first.
+    /// Links that need not be looked at together: each pair once, the first in the robot's order
+    /// first.
     pub disabled_pairs: Vec<[usize; 2]>,
     /// Names of the states, each once.
     pub states: Vec<String>,
@@ -159,7 +160,8 @@ impl<'r, 't> Reader<'r, 't> {
         }
     }
 
-    /// A link or joint of the URDF that an attribute names; `None` after reporting that there is none.
+    /// A link or joint of the URDF that an attribute names; `None` after reporting that there is
+    /// none.
     fn named(&mut self, node: Node, attribute: &str, kind: &str) -> Option<(usize, Pattern)> {
         let Some(found) = node.attribute(attribute) else {
             let message = format!("<{}> has no {attribute}", node.name());
@@ -257,7 +259,8 @@ impl<'r, 't> Reader<'r, 't> {
                 continue;
             }
             for node in state.children_named("joint") {
-                // The whole robot's place is not the state's business: it would stand in the ground or above it.
+                // The whole robot's place is not the state's business: it would stand in the ground
+                // or above it.
                 let base = node.value("name").is_some_and(|name| {
                     virtual_joints.contains(name)
                         || name == "root_joint" && !self.joints.contains_key(name)
@@ -427,7 +430,7 @@ mod tests {
     }
 
     #[test]
-    fn the_settings_win_over_the_state() {
+    fn initial_joints_of_the_settings_take_precedence_over_the_group_state() {
         let semantics = read_srdf_str(SRDF, "r.srdf", Some("home"), &robot()).expect("an SRDF");
         let model = model(
             &semantics,
@@ -450,7 +453,7 @@ mod tests {
     }
 
     #[test]
-    fn pairs_are_held_against_the_links_of_the_robot() {
+    fn disabled_collision_pairs_are_compared_with_the_links_of_the_robot() {
         let semantics = read_srdf_str(SRDF, "r.srdf", None, &robot()).expect("an SRDF");
         let found = &semantics.diagnostics;
         assert_eq!(semantics.disabled_pairs, [[0, 1]]);
@@ -474,7 +477,7 @@ mod tests {
     }
 
     #[test]
-    fn a_state_that_is_not_there_and_a_urdf_in_place_of_an_srdf_are_errors() {
+    fn a_missing_group_state_and_a_urdf_in_place_of_an_srdf_are_errors() {
         let findings =
             read_srdf_str(SRDF, "r.srdf", Some("hom"), &robot()).expect_err("no such state");
         let error = findings

@@ -171,8 +171,8 @@ fn robot_name(scope: &mut Scope, root: Node, file: &str) -> String {
     stem.to_owned()
 }
 
-/// The elements `<tag>` below the root with their names; those without a name, or with one that is taken,
-/// are reported.
+/// The elements `<tag>` below the root with their names; those without a name, or with one that is
+/// taken, are reported.
 fn named<'d>(scope: &mut Scope, root: Node<'d>, tag: &'static str) -> Vec<(Node<'d>, &'d str)> {
     let mut list = Vec::new();
     let mut first: HashMap<&str, Range<usize>> = HashMap::new();

@@ -1,4 +1,4 @@
-//! XML text → a tree in which every element and attribute knows its place.
+//! XML text → a tree with the place of every element and attribute.
 //!
 //! Namespaces are not resolved; a prefix is part of the name. The tree is built by `build`.
 

@@ -1,4 +1,4 @@
-//! What rows of [`super::table`] are made of.
+//! Parts of the rows of [`super::table`].
 
 use super::row::{Kind, Slot, TableError, Unit, Variable};
 use crate::model::{Joint, JointId, JointKind, Limits, Model};
@@ -172,7 +172,8 @@ pub(super) fn is_scalar(joint: &Joint) -> bool {
     )
 }
 
-/// Characters outside `[A-Za-z0-9_]` become `_`; a leading digit gets one in front, so does nothing at all.
+/// Characters outside `[A-Za-z0-9_]` become `_`; a leading digit gets one in front, so does nothing
+/// at all.
 pub(crate) fn identifier(name: &str) -> String {
     let mut identifier: String = name
         .chars()

@@ -57,7 +57,8 @@ impl Table<'_> {
         self.groups(&groups, |of, axis| of(axis), &owner, "base");
     }
 
-    /// Rows of a base, link or sensor, one for each axis of each group; `slot` says which slot a group's entry means.
+    /// Rows of a base, link or sensor, one for each axis of each group; `slot` says which slot a
+    /// group's entry means.
     fn groups<S: Copy>(
         &mut self,
         groups: &[Group<S>],

@@ -1,4 +1,4 @@
-//! What can be set: inputs and parameters.
+//! Variables that can be set: inputs and parameters.
 
 use super::build::{Group, RPY, Row, Table, XYZ, axes, group, identifier, is_scalar, units};
 use super::row::Unit;
@@ -45,7 +45,8 @@ impl Table<'_> {
         }
     }
 
-    /// What an actuator's inputs drive: its joint, or its group if it is the first of it, else none.
+    /// What an actuator's inputs drive: its joint, or its group if it is the first of it, else
+    /// none.
     fn driven(&self, actuator: usize) -> Option<Driven> {
         let id = ActuatorId::from(actuator);
         let groups = &self.model.outputs.groups;

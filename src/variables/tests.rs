@@ -50,7 +50,7 @@ fn get<'t>(table: &'t [Variable], name: &str) -> &'t Variable {
 }
 
 #[test]
-fn the_table_of_a_small_robot_is_the_interface_s() {
+fn the_variables_of_a_small_robot_are_those_of_the_interface_page() {
     let table = table_of(&cart(), "");
     assert_eq!(
         names(&table, |s| matches!(s, Slot::Input(_))),
@@ -275,7 +275,7 @@ fn selected_links_have_poses_and_wrenches() {
 }
 
 #[test]
-fn no_ground_no_ground_parameters() {
+fn without_a_ground_there_are_no_parameters_of_it() {
     let table = table_of(&cart(), "world.ground = { type = \"none\" }");
     assert!(
         table
@@ -306,7 +306,7 @@ fn urdf_names_become_identifiers() {
 }
 
 #[test]
-fn names_that_become_one_are_an_error_that_names_both() {
+fn names_that_become_equal_are_an_error_that_names_both() {
     let description = cart().with(
         "chassis",
         "left-wheel",

@@ -1,4 +1,4 @@
-//! C9, C12, C14, D3, D4, D8: how bodies rest, settle, fall and walk; whether energy is ever made.
+//! C9, C12, C14, D3, D4, D8: bodies that rest, settle, fall and walk; gain of energy.
 
 use super::campaign::{Ledger, contacts};
 use super::*;
@@ -71,8 +71,9 @@ fn can() -> Builder {
     single(1.0, [across, across, 5e-3], shape, 0.8)
 }
 
-/// C12. The force on a can held at a fixed depth is a continuous function of its tilt: halving the increments of the
-/// tilt halves the largest change of the force. And a can set down at any of these tilts settles on its end.
+/// C12. The force on a can held at a fixed depth is a continuous function of its tilt: halving the
+/// increments of the tilt halves the largest change of the force. And a can set down at any of
+/// these tilts settles on its end.
 #[test]
 fn c12_a_tilted_can_feels_a_continuous_force_and_settles_on_its_end() {
     let largest_change = |increment: f64| {
@@ -142,9 +143,10 @@ fn c12_a_tilted_can_feels_a_continuous_force_and_settles_on_its_end() {
     );
 }
 
-/// C14. A rod that slides point first with μ = 2 (Painlevé): rigid bodies have no solution, compliant ones do, and make
-/// no energy (what the contact stores elastically counts). At the end two points carry the rod: with a depth of
-/// m g/2k the weight does not hold m g depth any more, and the springs hold half of that.
+/// C14. A rod that slides point first with μ = 2 (Painlevé): rigid bodies have no solution,
+/// compliant ones do, and make no energy (what the contact stores elastically counts). At the end
+/// two points carry the rod: with a depth of m g/2k the weight does not hold m g depth any more,
+/// and the springs hold half of that.
 #[test]
 fn c14_painleves_rod_finishes_without_gaining_energy() {
     for (tolerance, allowed) in [
@@ -182,7 +184,8 @@ fn c14_painleves_rod_finishes_without_gaining_energy() {
     }
 }
 
-/// D3. A gram under a ton (ContactBench's two cubes as foot and torso): both are carried, as deep as the stiffness says.
+/// D3. A gram under a ton (ContactBench's two cubes as foot and torso): both are carried, as deep
+/// as the stiffness says.
 #[test]
 fn d3_a_mass_ratio_of_a_million_rests_at_the_static_penetration() {
     let mut b = Builder::new(true, inertia(1e-3, Vec3::zeros(), [1e-6; 3]));
@@ -207,15 +210,16 @@ fn d3_a_mass_ratio_of_a_million_rests_at_the_static_penetration() {
     hold("D3", "force under them, relative", "m g", force, 1e-8);
 }
 
-/// D4. A rimless wheel of eight spokes (α = π/8, l = 1 m, I = j m l²) walks down a slope of 0.08 rad. An impact keeps
-/// r = (cos 2α + j)/(1 + j) of its speed (angular momentum about the new foot), so that just after it the speed is
-/// r/√(1 − r²) √(4 (g/l) sin α sin γ/(1 + j)); for j = 0, cot 2α √(…) = 1.0954628 rad/s (McGeer 1990).
+/// D4. A rimless wheel of eight spokes (α = π/8, l = 1 m, I = j m l²) walks down a slope of 0.08
+/// rad. An impact keeps r = (cos 2α + j)/(1 + j) of its speed (angular momentum about the new
+/// foot), so that just after it the speed is r/√(1 − r²) √(4 (g/l) sin α sin γ/(1 + j)); for j = 0,
+/// cot 2α √(…) = 1.0954628 rad/s (McGeer 1990).
 #[test]
-fn d4_a_rimless_wheel_walks_as_mcgeer_says() {
+fn d4_a_rimless_wheel_walks_at_mcgeers_speed() {
     let (alpha, gamma) = (std::f64::consts::PI / 8.0, 0.08_f64);
-    // A mass in the hub alone, as the textbook has it, leaves a wheel without inertia: where its foot sticks depends on
-    // friction and normal force within one instant, which a step takes one after the other. It misses the target of 1 %,
-    // and stiffer ground does not help.
+    // A mass in the hub alone, as the textbook has it, leaves a wheel without inertia: where its
+    // foot sticks depends on friction and normal force within one instant, which a step takes one
+    // after the other. It misses the target of 1 %, and stiffer ground does not help.
     for (gyration, penetration, allowed, missed) in [
         (0.5, 1e-6, 8e-4, None),
         (0.1, 1e-6, 1e-2, None),
@@ -247,9 +251,11 @@ fn d4_a_rimless_wheel_walks_as_mcgeer_says() {
         b.model.initial.joint_positions = vec![0.0, 1.0 - 4.0 * penetration, 0.0];
         b.model.initial.joint_velocities = vec![1.5, 0.0, 1.5];
         let mut s = start(b.model, 1e-4);
-        // Long enough to forget how it began: each step keeps cos² 2α = ½ of the difference in energy.
+        // Long enough to forget how it began: each step keeps cos² 2α = ½ of the difference in
+        // energy.
         run(&mut s, 20.0, 0.01);
-        // The speed at mid-stance, taken back to the impact by the energy: the foot stood γ − α from the vertical.
+        // The speed at mid-stance, taken back to the impact by the energy: the foot stood γ − α
+        // from the vertical.
         let (mut worst, mut seen, mut last) = (0.0_f64, 0, f64::NAN);
         for i in 1..=6000 {
             s.advance_to(20.0 + 1e-3 * f64::from(i)).expect("finite");
@@ -319,9 +325,10 @@ fn rough_heap(seed: u64) -> Model {
     model
 }
 
-/// D8. A passive robot in contact never gains energy, elastic energy of its contacts and of what friction was paid for included
-/// (the case allows ΣF̄²/2k_t beyond that, which is not made use of). To within the tolerance under error control, and in fixed
-/// steps to within what a mass matrix of the step's start leaves.
+/// D8. A passive robot in contact never gains energy, elastic energy of its contacts and of what
+/// friction was paid for included (the case allows ΣF̄²/2k_t beyond that, which is not made use
+/// of). To within the tolerance under error control, and in fixed steps to within what a mass
+/// matrix of the step's start leaves.
 #[test]
 fn d8_a_passive_robot_never_gains_energy() {
     let smooth = (heap as fn(u64) -> Model, "20 heaps");

@@ -1,4 +1,4 @@
-//! C8, C10, C13: bouncing, fast and deep.
+//! C8, C10, C13: bounces, fast impacts and deep overlaps.
 
 use super::*;
 
@@ -13,7 +13,8 @@ fn restitution(e: f64, speed: f64, g: f64, tolerance: f64, step: f64) -> f64 {
     b.model.links[0].restitution = e;
     b.model.solver.step_size = step;
     let mut s = start(b.model, tolerance);
-    // Until it is out of the ground again; the contact lasts about √(m/k) and longer the less it rebounds.
+    // Until it is out of the ground again; the contact lasts about √(m/k) and longer the less it
+    // rebounds.
     for i in 1..=500 {
         s.advance_to(0.01 * f64::from(i) / speed).expect("finite");
         let (z, v) = (s.state().physical.q[2], s.state().physical.v[5]);
@@ -25,9 +26,9 @@ fn restitution(e: f64, speed: f64, g: f64, tolerance: f64, step: f64) -> f64 {
     0.0
 }
 
-/// C8. Newton's coefficient at every speed of impact, from 0.1 to 10 m/s, in gravity so light that its own work during
-/// the contact (g t/v with t about 10 ms) does not show: to a share of itself. The case asks for 1 % at 1e-4 and for
-/// 0.1 % at 1e-6.
+/// C8. Newton's coefficient at every speed of impact, from 0.1 to 10 m/s, in gravity so light that
+/// its own work during the contact (g t/v with t about 10 ms) does not show: to a share of itself.
+/// The case asks for 1 % at 1e-4 and for 0.1 % at 1e-6.
 #[test]
 fn c8_a_ball_rebounds_with_the_coefficient_of_restitution_at_every_speed() {
     let table = [0.95, 0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3, 0.2, 0.1, 0.05];
@@ -73,9 +74,9 @@ fn c8_a_ball_rebounds_in_fixed_steps_too() {
     }
 }
 
-/// C10. A ball of 5 mm at 10 and 50 m/s: as deep in the ground as Hunt and Crossley's law lets it in,
-/// ½ k x² = m (v/d − ln(1 + d v)/d²), looked at every 10 µs while it is there; and at rest after communication steps of 0.1 s,
-/// the first of which goes through the whole impact.
+/// C10. A ball of 5 mm at 10 and 50 m/s: as deep in the ground as Hunt and Crossley's law lets it
+/// in, ½ k x² = m (v/d − ln(1 + d v)/d²), looked at every 10 µs while it is there; and at rest
+/// after communication steps of 0.1 s, the first of which goes through the whole impact.
 #[test]
 fn c10_a_fast_small_ball_does_not_tunnel() {
     let sphere = Shape::Sphere { radius: 0.005 };
@@ -115,8 +116,8 @@ fn c10_a_fast_small_ball_does_not_tunnel() {
     }
 }
 
-/// C13. A block 10 mm deep in the ground comes out no faster than its law allows: 1/d, and while deeper than 50 δ at
-/// most 0.7 √(2 g (depth − 50 δ)), and does not hop.
+/// C13. A block 10 mm deep in the ground comes out no faster than its law allows: 1/d, and while
+/// deeper than 50 δ at most 0.7 √(2 g (depth − 50 δ)), and does not hop.
 #[test]
 fn c13_an_initial_overlap_leaves_gently() {
     for (depth, allowed) in [(0.01, [1.0, 1.0]), (0.05, [1.0, 1.0])] {

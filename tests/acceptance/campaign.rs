@@ -1,5 +1,6 @@
-//! Random drops: a robot thrown onto the ground in every attitude, limp or driven, as it is or with something about it
-//! driven to an extreme. The tests take a sample; `benches/drops.rs` does the thousands of `docs/robustness.md`.
+//! Random drops: a robot is dropped onto the ground in every attitude, limp or driven, unmodified
+//! or with one property at an extreme value. The tests take a sample; `benches/drops.rs` runs the
+//! thousands of `docs/robustness.md`.
 
 use crate::random::Random;
 use std::sync::Arc;
@@ -175,8 +176,9 @@ fn touching(s: &Simulation, kin: &Kinematics) -> Vec<Contact> {
     list
 }
 
-/// What springs hold in a state, J: ½ k x² of the normal springs of contacts and of joint limits, and ½ k |ς|² of what friction
-/// has stored: of contacts, against turning, dry friction, velocity motors.
+/// What springs hold in a state, J: ½ k x² of the normal springs of contacts and of joint limits,
+/// and ½ k |ς|² of what friction has stored: of contacts, against turning, dry friction, velocity
+/// motors.
 pub fn stored(s: &Simulation) -> [f64; 2] {
     let (tree, state) = (s.tree(), s.state());
     let (mut springs, mut friction) = (0.0, 0.0);
@@ -223,26 +225,29 @@ pub fn stored(s: &Simulation) -> [f64; 2] {
     [springs, friction]
 }
 
-/// Deflection at which dry friction gives way, m or rad: documented, and measured by `dry_friction_is_a_spring_until_it_slips`.
+/// Deflection at which dry friction gives way, m or rad: documented, and measured by
+/// `dry_friction_is_a_spring_until_it_slips`.
 pub const DRY_DEFLECTION: f64 = 1e-4;
 
 /// Keeps the books of a passive robot's energy, without any allowance.
 ///
-/// One account holds what moves: kinetic energy, height, and the springs of contacts and limits. The other holds what friction
-/// elements have stored, and only what has been paid for: what leaves the first account may go into the second, up to what is
-/// stored there, and a rise of the first may be drawn from it. Whatever rises beyond that is a gain at the moment at which it
-/// happens, whatever was lost before. What friction elements have in store without payment is nobody's: it is not booked before
-/// it comes back, and then it is a gain. In continuous time there is none: the normal law takes `d k x vₙ²`, friction `d_t u²`
-/// while it sticks and `F̄ u` while it slips.
+/// One account holds what moves: kinetic energy, height, and the springs of contacts and limits.
+/// The other holds what friction elements have stored, and only what has been paid for: what leaves
+/// the first account may go into the second, up to what is stored there, and a rise of the first
+/// may be drawn from it. Whatever rises beyond that is a gain at the moment at which it happens,
+/// whatever was lost before. Energy that friction elements store without payment is not recorded
+/// until it comes back, and then it is a gain. In continuous time there is none: the normal law
+/// takes `d k x vₙ²`, friction `d_t u²` while it sticks and `F̄ u` while it slips.
 #[derive(Clone, Debug)]
 pub struct Ledger {
     /// The two accounts, J; NaN before the first entry.
     moving: f64,
     paid: f64,
-    /// Lowest sum of both so far, and lowest energy with all that friction elements have in store, J.
+    /// Lowest sum of both so far, and lowest energy with all that friction elements have in store,
+    /// J.
     lowest: [f64; 2],
-    /// What the robot had to fall with, J: kinetic energy, energy of position above the ground, and what springs held at
-    /// the start.
+    /// What the robot had to fall with, J: kinetic energy, energy of position above the ground, and
+    /// what springs held at the start.
     pub scale: f64,
     /// All gains together, as a share of `scale`.
     pub gained: f64,
@@ -296,14 +301,15 @@ impl Ledger {
             *lowest = lowest.min(*sum);
             *most = most.max((sum - *lowest) / self.scale);
         }
-        // A number that is none must not pass for no gain.
+        // NaN must not count as no gain.
         if sums[1].is_nan() {
             (self.gained, self.risen, self.raw) = (f64::INFINITY, f64::INFINITY, f64::INFINITY);
         }
     }
 }
 
-/// Energy that limp robots of one kind of step have gained, each the most of its drops and with robot and seed; see [`Ledger`].
+/// Energy that limp robots of one kind of step have gained, each the most of its drops and with
+/// robot and seed; see [`Ledger`].
 #[derive(Clone, Debug, Default)]
 pub struct Gain {
     /// Drops.
@@ -339,7 +345,7 @@ impl Worst {
 pub struct Tally {
     /// Drops.
     pub drops: u32,
-    /// Drops that ended with an error or with a number that is none.
+    /// Drops that ended with an error or with NaN.
     pub failed: u32,
     /// Robot and seed of each of them.
     pub failures: Vec<(String, u64)>,

@@ -1,13 +1,15 @@
 //! A claim of an acceptance case, and its row of the table in `docs/acceptance.md`.
 //!
-//! A bound says something only if it lies near what is measured: [`hold`] fails as soon as its bound is more than
-//! [`WIDE`] times the measured value. Where there is a reason for a wider bound, [`hold_wide`] gives it in the table.
-//! A target that is not met is a row of its own kind, [`miss`].
+//! A bound says something only if it lies near what is measured: [`hold`] fails as soon as its
+//! bound is more than [`WIDE`] times the measured value. Where there is a reason for a wider bound,
+//! [`hold_wide`] gives it in the table. A target that is not met is a row of its own kind,
+//! [`miss`].
 
 /// Largest ratio of a bound to the measured value that needs no reason.
 const WIDE: f64 = 3.0;
 
-/// Holds one claim of a case: `error` must not exceed `allowed`, which must not exceed it by more than [`WIDE`] times.
+/// Holds one claim of a case: `error` must not exceed `allowed`, which must not exceed it by more
+/// than [`WIDE`] times.
 #[track_caller]
 pub fn hold(case: &str, quantity: &str, expected: &str, error: f64, allowed: f64) {
     row(
@@ -43,8 +45,8 @@ pub fn hold_wide([case, quantity, expected]: [&str; 3], error: f64, allowed: f64
     );
 }
 
-/// A target that is missed: `error` must not be worse than `recorded`, which is at most [`WIDE`] times as much, and
-/// becomes a claim to [`hold`] once it is within the `target`.
+/// A target that is missed: `error` must not be worse than `recorded`, which is at most [`WIDE`]
+/// times as much, and becomes a claim to [`hold`] once it is within the `target`.
 #[allow(dead_code, reason = "not every test target has such a row")]
 #[track_caller]
 pub fn miss(
@@ -66,7 +68,8 @@ pub fn miss(
     );
 }
 
-/// Prints a row; where the environment variable `URDF2FMU_ROWS` names a folder, into a file of the test there, too.
+/// Prints a row; where the environment variable `URDF2FMU_ROWS` names a folder, into a file of the
+/// test there, too.
 #[allow(
     clippy::print_stdout,
     reason = "the table can be read in a test's output"

@@ -1,4 +1,5 @@
-//! A sample of the campaign of docs/robustness.md: nothing fails, and nothing passive gains energy.
+//! A sample of the campaign of docs/robustness.md: no drop fails, and no passive robot gains
+//! energy.
 
 use super::campaign::{DRY_DEFLECTION, Drop, Extreme, Ledger, Tally, drop_once, stored};
 use super::robots::robot;
@@ -29,8 +30,8 @@ fn sample(extreme: Extreme, seeds: u64, allowed: Option<[[f64; 3]; 2]>) {
     }
 }
 
-/// Holds what limp robots have gained under error control and in fixed steps to shares of what they fell with: in all, over the
-/// lowest before, and that with all that friction has in store.
+/// Holds what limp robots have gained under error control and in fixed steps to shares of what they
+/// fell with: in all, over the lowest before, and that with all that friction has in store.
 fn hold_gains(who: &str, tally: &Tally, allowed: [[f64; 3]; 2]) {
     let kinds = ["error control", "fixed steps"].iter().zip(&tally.limp);
     for ((steps, gain), allowed) in kinds.zip(allowed) {
@@ -46,7 +47,8 @@ fn hold_gains(who: &str, tally: &Tally, allowed: [[f64; 3]; 2]) {
         let share = gain.risen.share;
         let risen = what("energy over the lowest before");
         hold("D8", &risen, "none", share, allowed[1]);
-        // In fixed steps an impact may leave in friction what nobody has paid for; nothing of it comes back.
+        // In fixed steps an impact may leave energy in friction that was not paid for; none of it
+        // comes back.
         if *steps == "error control" {
             let raw = what("the same with all that friction has in store");
             hold("D8", &raw, "none", gain.raw.share, allowed[2]);
@@ -64,26 +66,27 @@ macro_rules! samples {
     )*};
 }
 
-// Of a limp robot, motors without limit and stiff gains are switched off: its drops are those of the robot as it is.
+// Of a limp robot, motors without limit and stiff gains are switched off: its drops are those of
+// the robot as it is.
 samples! {
-    robots_as_they_are_fall_and_lie: None, 8, Some([[5e-10, 5e-10, 9e-10], [0.0, 0.0, 0.0]]);
-    masses_over_six_decades_do_not_break_a_robot: MassRatio, 8, Some([[2e-4, 1.5e-4, 1.5e-4], [0.0, 0.0, 0.0]]);
-    stiff_unlimited_gains_do_not_break_a_robot: StiffGains, 8, None;
-    a_robot_that_begins_in_the_ground_comes_out_whole: Overlap, 8, Some([[0.0, 0.0, 1e-12], [0.0, 0.0, 0.0]]);
-    shapes_without_size_are_points: Points, 8, Some([[6e-10, 6e-10, 7e-9], [0.0, 0.0, 0.0]]);
-    shapes_a_thousand_times_as_large_are_shapes: Huge, 8, Some([[6e-11, 6e-11, 6e-11], [0.0, 0.0, 0.0]]);
-    a_robot_lives_without_gravity: NoGravity, 8, Some([[9e-10, 9e-10, 4e-8], [1.5e-7, 1.5e-7, 0.0]]);
-    a_motor_without_limit_is_one: LimitlessEffort, 8, None;
-    a_robot_lives_without_friction: NoFriction, 8, Some([[6e-7, 6e-7, 6e-7], [0.0, 0.0, 0.0]]);
-    any_friction_is_enough: HugeFriction, 8, Some([[7e-6, 7e-6, 5e-5], [0.0, 0.0, 0.0]]);
-    a_robot_may_bounce_for_ever: Bouncing, 8, Some([[5e-10, 5e-10, 9e-10], [3e-5, 3e-5, 0.0]]);
-    communication_steps_of_a_nanosecond_and_of_a_second_both_end: AnyStep, 8, Some([[9e-9, 9e-9, 3e-7], [0.0, 0.0, 0.0]]);
+    unmodified_robots_fall_without_a_failure: None, 8, Some([[5e-10, 5e-10, 9e-10], [0.0, 0.0, 0.0]]);
+    robots_with_masses_over_six_decades_fall_without_a_failure: MassRatio, 8, Some([[2e-4, 1.5e-4, 1.5e-4], [0.0, 0.0, 0.0]]);
+    robots_with_stiff_unlimited_gains_fall_without_a_failure: StiffGains, 8, None;
+    robots_that_begin_in_the_ground_move_without_a_failure: Overlap, 8, Some([[0.0, 0.0, 1e-12], [0.0, 0.0, 0.0]]);
+    robots_with_shapes_without_size_fall_without_a_failure: Points, 8, Some([[6e-10, 6e-10, 7e-9], [0.0, 0.0, 0.0]]);
+    robots_with_shapes_a_thousand_times_as_large_fall_without_a_failure: Huge, 8, Some([[6e-11, 6e-11, 6e-11], [0.0, 0.0, 0.0]]);
+    robots_without_gravity_move_without_a_failure: NoGravity, 8, Some([[9e-10, 9e-10, 4e-8], [1.5e-7, 1.5e-7, 0.0]]);
+    robots_with_motors_without_limit_fall_without_a_failure: LimitlessEffort, 8, None;
+    robots_without_friction_fall_without_a_failure: NoFriction, 8, Some([[6e-7, 6e-7, 6e-7], [0.0, 0.0, 0.0]]);
+    robots_with_friction_of_a_million_fall_without_a_failure: HugeFriction, 8, Some([[7e-6, 7e-6, 5e-5], [0.0, 0.0, 0.0]]);
+    robots_with_restitution_1_bounce_without_a_failure: Bouncing, 8, Some([[5e-10, 5e-10, 9e-10], [3e-5, 3e-5, 0.0]]);
+    robots_fall_without_a_failure_at_any_communication_step: AnyStep, 8, Some([[9e-9, 9e-9, 3e-7], [0.0, 0.0, 0.0]]);
 }
 
-/// D8. Robots that fall limp and whirl, many times over, in fixed steps and under error control: impacts on limits, legs that
-/// slide and spin without friction, links of grams on links of tonnes.
+/// D8. Robots that fall limp and whirl, many times over, in fixed steps and under error control:
+/// impacts on limits, legs that slide and spin without friction, links of grams on links of tonnes.
 #[test]
-fn limp_robots_make_no_energy_however_often_they_fall() {
+fn limp_robots_gain_no_energy_in_many_falls() {
     for (path, extreme, allowed) in [
         (
             "examples/arm.urdf",
@@ -122,10 +125,11 @@ fn limp_robots_make_no_energy_however_often_they_fall() {
     }
 }
 
-/// The ledger can fail at any time: what a limp quadruped is given after any communication step, about a thousandth of what it
-/// falls with, is entered but for what friction elements hold just then.
+/// The ledger can fail at any time: what a limp quadruped is given after any communication step,
+/// about a thousandth of what it falls with, is entered but for what friction elements hold just
+/// then.
 #[test]
-fn the_ledger_enters_what_is_given_at_any_time_of_a_drop() {
+fn the_ledger_records_energy_added_at_any_time_of_a_drop() {
     let model = robot("examples/quadruped.urdf", |_| {});
     for (extreme, allowed) in [
         (Extreme::None, 4e-3),
@@ -162,8 +166,9 @@ fn the_ledger_enters_what_is_given_at_any_time_of_a_drop() {
     }
 }
 
-/// What the ledger takes for the energy of springs is what a bounce without losses borrows and gives back: kinetic energy,
-/// height and springs together stay what they were, whatever the shape and however it is tilted.
+/// What the ledger takes for the energy of springs is what a bounce without losses borrows and
+/// gives back: kinetic energy, height and springs together stay what they were, whatever the shape
+/// and however it is tilted.
 #[test]
 fn what_springs_hold_is_what_a_lossless_bounce_gives_back() {
     let cylinder = |half_length| Shape::Cylinder {
@@ -203,7 +208,8 @@ fn what_springs_hold_is_what_a_lossless_bounce_gives_back() {
     }
 }
 
-/// The deflection of dry friction that the ledger takes for granted: half the effort, half the deflection.
+/// The deflection of dry friction that the ledger takes for granted: half the effort, half the
+/// deflection.
 #[test]
 fn dry_friction_is_a_spring_until_it_slips() {
     let mut b = fixed();

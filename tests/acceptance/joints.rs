@@ -20,8 +20,9 @@ fn spring(mass: f64, kp: f64, kd: f64) -> Builder {
     b
 }
 
-/// B1. A mass on a spring with dry friction: each half cycle is 2 F/k shorter than the last, until the spring is
-/// weaker than friction at a turning point; then it stays (Den Hartog, Mechanical Vibrations, §1.7).
+/// B1. A mass on a spring with dry friction: each half cycle is 2 F/k shorter than the last, until
+/// the spring is weaker than friction at a turning point; then it stays (Den Hartog, Mechanical
+/// Vibrations, §1.7).
 #[test]
 fn b1_dry_friction_takes_two_f_over_k_off_each_half_cycle_and_then_holds_for_an_hour() {
     let (mass, k, friction) = (1.0, 100.0, 2.0);
@@ -45,7 +46,8 @@ fn hold_turns_and_drift(
     s.set_rules(rules);
     s.set_input(InputSlot::Position(ActuatorId(0)), 0.0);
     let half = std::f64::consts::PI * (mass / k).sqrt();
-    // 0.19, −0.15, 0.11, −0.07, 0.03, and there 0.03·100 N = 3 N still move it: to 0.01 on the other side.
+    // 0.19, −0.15, 0.11, −0.07, 0.03, and there 0.03·100 N = 3 N still move it: to 0.01 on the
+    // other side.
     let mut worst = 0.0_f64;
     for (i, turn) in [-0.15, 0.11, -0.07, 0.03, 0.01].iter().enumerate() {
         run(&mut s, half * (i + 1) as f64, half / 50.0);
@@ -71,8 +73,8 @@ fn hold_turns_and_drift(
     );
 }
 
-/// B2. Cart with a force-limited velocity motor: 5 kg, wheel 0.5 kg disc R = 0.1 m, 0.5 N·m, 10 rad/s:
-/// a = F/R/(M + I/R²) = 0.8695652 until 1 m/s, so x(3) = 1.15²·a/2 + 1.85 = 2.425.
+/// B2. Cart with a force-limited velocity motor: 5 kg, wheel 0.5 kg disc R = 0.1 m, 0.5 N·m, 10
+/// rad/s: a = F/R/(M + I/R²) = 0.8695652 until 1 m/s, so x(3) = 1.15²·a/2 + 1.85 = 2.425.
 #[test]
 fn b2_a_velocity_motor_drives_a_cart_with_its_effort_and_then_holds_its_speed() {
     let (mut b, cart) = slide(X, 5.0);
@@ -126,7 +128,8 @@ fn b2_a_velocity_motor_drives_a_cart_with_its_effort_and_then_holds_its_speed() 
     );
 }
 
-/// B3. A rotor under a saturated pd law reaches ω after J ω/e: full effort until the law leaves saturation.
+/// B3. A rotor under a saturated pd law reaches ω after J ω/e: full effort until the law leaves
+/// saturation.
 #[test]
 fn b3_a_saturated_rotor_takes_j_omega_over_e() {
     let (J, effort, target, kd) = (0.02, 0.5, 30.0, 10.0);
@@ -170,7 +173,8 @@ fn b4_a_stiff_pd_on_a_gram_is_stable_at_a_tenth_of_a_second() {
     hold("B4", "overshoot, m", "none", (highest - 0.3).max(0.0), 0.0);
 }
 
-/// B5. A velocity motor with half its effort as load: no error of the speed, no creep when told to stand.
+/// B5. A velocity motor with half its effort as load: no error of the speed, no creep when told to
+/// stand.
 #[test]
 fn b5_a_loaded_velocity_motor_keeps_its_speed_and_its_place() {
     let mass = 1.0;
@@ -217,7 +221,8 @@ fn rebound(a: f64) -> f64 {
     low
 }
 
-/// B6. A joint limit hit at 1 m/s throws back as Hunt and Crossley's law says, and carries a static load at its stiffness.
+/// B6. A joint limit hit at 1 m/s throws back as Hunt and Crossley's law says, and carries a static
+/// load at its stiffness.
 #[test]
 fn b6_a_limit_rebounds_by_its_law_and_carries_a_load_at_its_stiffness() {
     let (mut b, link) = slide(X, 2.0);
@@ -246,8 +251,9 @@ fn b6_a_limit_rebounds_by_its_law_and_carries_a_load_at_its_stiffness() {
     );
 }
 
-/// B7. A pd law that follows a ramp and knows its speed has no lag. The ramp comes as samples, each for the middle of its
-/// communication step; the sign of the kd term would show as a lag of 2 kd c/kp = 40 mm.
+/// B7. A pd law that follows a ramp and knows its speed has no lag. The ramp comes as samples, each
+/// for the middle of its communication step; the sign of the kd term would show as a lag of 2 kd
+/// c/kp = 40 mm.
 #[test]
 fn b7_a_pd_law_follows_a_ramp_without_lag() {
     let (c, h) = (0.5, 1e-3);
@@ -265,7 +271,8 @@ fn b7_a_pd_law_follows_a_ramp_without_lag() {
     hold("B7", "lag behind a ramp, m, tol 1e-4", "0", worst, 4e-8);
 }
 
-/// B8. A gripper whose second finger mimics the first, driven by a servo and loaded unevenly: exact at every step.
+/// B8. A gripper whose second finger mimics the first, driven by a servo and loaded unevenly: exact
+/// at every step.
 #[test]
 fn b8_a_mimic_finger_follows_exactly() {
     let (mut b, finger) = slide(X, 0.1);

@@ -1,7 +1,8 @@
 //! The acceptance cases: physics against closed forms, standards and independent programs.
 //!
-//! Each case has a label (A: no contact, B: joints and motors, C: one contact, D: whole robots), and each claim of a
-//! case prints a row of the table in `docs/acceptance.md`; the command that makes the table stands there.
+//! Each case has a label (A: no contact, B: joints and motors, C: one contact, D: whole robots),
+//! and each claim of a case prints a row of the table in `docs/acceptance.md`; the command that
+//! makes the table stands there.
 
 #![allow(
     clippy::cast_precision_loss,
@@ -48,8 +49,9 @@ const Y: Vec3 = Vec3::new(0.0, 1.0, 0.0);
 const Z: Vec3 = Vec3::new(0.0, 0.0, 1.0);
 const BASE: LinkId = LinkId(0);
 
-/// Claims about rest hold by construction where a robot at rest is left where it is, and those about momentum where
-/// the base is given what steps have lost: they are measured without that rule, too. Rules and name of each measurement.
+/// Claims about rest hold by construction where a robot at rest is left where it is, and those
+/// about momentum where the base is given what steps have lost: they are measured without that
+/// rule, too. Rules and name of each measurement.
 const REST: [(Rules, &str); 2] = [
     (Rules::ALL, ""),
     (
@@ -106,7 +108,8 @@ fn block(mu: f64) -> Builder {
     b
 }
 
-/// A ball of 1 kg and 0.1 m that rests in equilibrium: its one point carries what the stiffness spreads over four.
+/// A ball of 1 kg and 0.1 m that rests in equilibrium: its one point carries what the stiffness
+/// spreads over four.
 fn ball(mu: f64) -> Builder {
     let mut b = single(1.0, [4e-3; 3], Shape::Sphere { radius: 0.1 }, mu);
     b.model.initial.position.z = 0.1 - 4.0 * b.model.contact.penetration;
@@ -118,7 +121,8 @@ fn slope(angle: f64) -> Vec3 {
     Vec3::new(libm::sin(angle), 0.0, -libm::cos(angle)) * G
 }
 
-/// Orientation of a floating base, or of the spherical body whose quaternion stands at `place` in `q`.
+/// Orientation of a floating base, or of the spherical body whose quaternion stands at `place` in
+/// `q`.
 fn rotation(simulation: &Simulation, place: usize) -> Mat3 {
     let q = &simulation.state().physical.q;
     rotation_from_quaternion(&[q[place], q[place + 1], q[place + 2], q[place + 3]])

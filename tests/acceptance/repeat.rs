@@ -60,7 +60,8 @@ impl Run {
     }
 }
 
-/// Repeatability. 64 simulations on eight threads, interleaved on each, give the bits of each simulation alone.
+/// Repeatability. 64 simulations on eight threads, interleaved on each, give the bits of each
+/// simulation alone.
 #[test]
 fn sixty_four_simulations_on_eight_threads_give_the_bits_of_one() {
     for (model, name) in cases() {
@@ -101,8 +102,8 @@ fn sixty_four_simulations_on_eight_threads_give_the_bits_of_one() {
     }
 }
 
-/// Repeatability. A state saved at a random moment, through bytes, in another instance that did something else before,
-/// and run again, on another thread.
+/// Repeatability. A state saved at a random moment, through bytes, in another instance that did
+/// something else before, and run again, on another thread.
 #[test]
 fn restored_states_continue_with_the_same_bits() {
     for (model, name) in cases() {

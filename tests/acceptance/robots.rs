@@ -40,7 +40,8 @@ fn total_momentum(s: &Simulation) -> (Vec3, Vec3) {
     (vector(&P) + kin.origin.cross(&linear), linear)
 }
 
-/// A8. A humanoid of 60 degrees of freedom kicks about in space: its momentum stays zero (SimBenchmark's momentum test).
+/// A8. A humanoid of 60 degrees of freedom kicks about in space: its momentum stays zero
+/// (SimBenchmark's momentum test).
 #[test]
 fn a8_a_kicking_humanoid_in_space_keeps_its_momentum() {
     let mut model = humanoid(ActuatorMode::Effort);
@@ -85,7 +86,8 @@ fn a8_a_kicking_humanoid_in_space_keeps_its_momentum() {
     }
 }
 
-/// A9. A quadruped dropped limp, without damping and without a ground: its energy (SimBenchmark's ANYmal energy test).
+/// A9. A quadruped dropped limp, without damping and without a ground: its energy (SimBenchmark's
+/// ANYmal energy test).
 #[test]
 fn a9_a_limp_quadruped_in_flight_keeps_its_energy() {
     let mut model = robot("examples/quadruped.urdf", |s| {
@@ -124,8 +126,8 @@ fn command(s: &mut Simulation, joint: &str, velocity: f64) {
     s.set_input(InputSlot::Velocity(a), velocity);
 }
 
-/// A rover whose sides turn at `left` and `right` rad/s for `time` s after it has settled; its heading, counted on
-/// beyond ±π, and its place.
+/// A rover whose sides turn at `left` and `right` rad/s for `time` s after it has settled; its
+/// heading, counted on beyond ±π, and its place.
 fn drive(tolerance: f64, left: f64, right: f64, time: f64) -> (f64, Vec3) {
     let mut s = start(robot("examples/rover.urdf", |_| {}), tolerance);
     run(&mut s, 1.0, 1.0 / 240.0);
@@ -147,9 +149,9 @@ fn drive(tolerance: f64, left: f64, right: f64, time: f64) -> (f64, Vec3) {
     (heading, vector(&s.state().physical.q))
 }
 
-/// A rover without settings whose front wheels follow 3 t − t²/2 rad/s and drag the rear ones, which their motors hold, in
-/// `count` communication steps; its way after 2 s. Both axles slip at first, and how much the front one carries more
-/// decides.
+/// A rover without settings whose front wheels follow 3 t − t²/2 rad/s and drag the rear ones,
+/// which their motors hold, in `count` communication steps; its way after 2 s. Both axles slip at
+/// first, and how much the front one carries more decides.
 fn drag(tolerance: f64, count: u32) -> f64 {
     let mut model = robot("examples/rover.urdf", |s| *s = Settings::default());
     model.solver.tolerance = tolerance;
@@ -172,8 +174,8 @@ fn drag(tolerance: f64, count: u32) -> f64 {
     s.state().physical.q[0]
 }
 
-/// D5. Break-away does not depend on the communication step: with the loads of their start, steps of 19 ms once slipped on
-/// the spot for ever.
+/// D5. Break-away does not depend on the communication step: with the loads of their start, steps
+/// of 19 ms once slipped on the spot for ever.
 #[test]
 fn d5_held_wheels_are_dragged_along_at_any_communication_step() {
     let expected = drag(1e-7, 1);
@@ -197,11 +199,12 @@ fn d5_held_wheels_are_dragged_along_at_any_communication_step() {
     }
 }
 
-/// D5. A rover with its centre of mass raised, whose front wheels turn at 6 rad/s and whose rear wheels at −6 rad/s for 2 s:
-/// all slip, and the load that moves between the axles is worth 2 μ h/l = 1 … 2 times the friction that moves it: steps
-/// that take the loads from their start feed on themselves.
+/// D5. A rover with its centre of mass raised, whose front wheels turn at 6 rad/s and whose rear
+/// wheels at −6 rad/s for 2 s: all slip, and the load that moves between the axles is worth 2 μ
+/// h/l = 1 … 2 times the friction that moves it: steps that take the loads from their start feed on
+/// themselves.
 #[test]
-fn d5_axles_that_work_against_each_other_end_where_short_steps_do() {
+fn d5_axles_that_work_against_each_other_agree_with_short_steps() {
     for (raised, allowed) in [(0.2, 3e-3), (0.3, 3e-3), (0.45, 2e-3)] {
         let push = |tolerance: f64| {
             let mut model = robot("examples/rover.urdf", |s| *s = Settings::default());
@@ -253,7 +256,7 @@ fn d1_a_rover_drives_straight() {
 
 /// D5. Four skidding wheels turn the rover by more than 360°.
 #[test]
-fn d5_a_skid_steered_rover_turns_as_its_converged_self() {
+fn d5_a_skid_steered_rover_turns_as_its_converged_solution() {
     let (heading, _) = drive(1e-4, -8.0, 8.0, 4.0);
     let (reference, _) = drive(1e-8, -8.0, 8.0, 4.0);
     assert!(reference.abs() > std::f64::consts::TAU, "{reference}");
@@ -267,9 +270,9 @@ fn d5_a_skid_steered_rover_turns_as_its_converged_self() {
     );
 }
 
-/// D2. A quadruped that stands on four feet under pd control: the forces carry the weight, are the same on both of its
-/// sides, and stay what they are. Rigid feet would leave them open; how it came to stand shows in what friction holds,
-/// and through the legs in a small share of them.
+/// D2. A quadruped that stands on four feet under pd control: the forces carry the weight, are the
+/// same on both of its sides, and stay what they are. Rigid feet would leave them open; how it came
+/// to stand shows in what friction holds, and through the legs in a small share of them.
 #[test]
 fn d2_a_standing_quadrupeds_forces_are_unique_and_carry_its_weight() {
     let feet = |s: &mut Simulation| {
@@ -367,8 +370,9 @@ fn d2_a_standing_quadrupeds_forces_are_unique_and_carry_its_weight() {
     }
 }
 
-/// D7. Humanoids of 60 degrees of freedom fall in every attitude, limp or servoed: no step fails, and few are accepted
-/// without having met the tolerance, where the case asks for none. A sample; the thousand are in docs/robustness.md.
+/// D7. Humanoids of 60 degrees of freedom fall in every attitude, limp or servoed: no step fails,
+/// and few are accepted without having met the tolerance, where the case asks for none. A sample;
+/// the thousand are in docs/robustness.md.
 #[test]
 fn d7_falling_humanoids_stay_finite() {
     let mut worst = 0.0_f64;

@@ -2,8 +2,8 @@
 
 use super::*;
 
-/// C6. A ball that starts sliding rolls at 5/7 of its speed after 2 v0/(7 μ g) = 0.0970827 s and 12 v0²/(49 μ g) =
-/// 0.0832137 m (v0 = 1, μ = 0.3), and goes on at that speed.
+/// C6. A ball that starts sliding rolls at 5/7 of its speed after 2 v0/(7 μ g) = 0.0970827 s and 12
+/// v0²/(49 μ g) = 0.0832137 m (v0 = 1, μ = 0.3), and goes on at that speed.
 #[test]
 fn c6_a_sliding_ball_ends_up_rolling_at_five_sevenths() {
     let mut b = ball(0.3);
@@ -64,7 +64,8 @@ fn on_slope(round: bool, angle: f64, mu: f64) -> (Builder, f64) {
     (b, share)
 }
 
-/// A wheel of 1 kg, 0.1 m and 0.1 m wide with its axle along y, in equilibrium: its three points are as stiff as two.
+/// A wheel of 1 kg, 0.1 m and 0.1 m wide with its axle along y, in equilibrium: its three points
+/// are as stiff as two.
 fn wheel(mu: f64) -> Builder {
     let across = 0.04 / 12.0;
     let cylinder = Shape::Cylinder {
@@ -80,8 +81,8 @@ fn wheel(mu: f64) -> Builder {
 /// Bound of a difference of speeds of some m/s that is exact but for rounding, and its reason.
 const ROUND_OFF: (f64, &str) = (1e-13, "round-off of hundreds of steps");
 
-/// C7. Down a slope: a = g sin θ/(1 + c), that is 5/7 and 2/3 g sin θ; slipping, a = g (sin θ − μ cos θ), where
-/// μ < c/(1 + c) tan θ, that is 2/7 and 1/3 tan θ (rigid-body textbooks).
+/// C7. Down a slope: a = g sin θ/(1 + c), that is 5/7 and 2/3 g sin θ; slipping, a = g (sin θ − μ
+/// cos θ), where μ < c/(1 + c) tan θ, that is 2/7 and 1/3 tan θ (rigid-body textbooks).
 #[test]
 fn c7_balls_and_cylinders_roll_and_slip_down_a_slope_as_rigid_bodies_do() {
     let angle = 10.0_f64.to_radians();
@@ -128,8 +129,8 @@ fn c7_balls_and_cylinders_roll_and_slip_down_a_slope_as_rigid_bodies_do() {
     }
 }
 
-/// Rolls at 1 m/s for 1 s, then for 2 s more: how much its height varies, how far it is from where `ω R` takes it, and the
-/// mismatch of its speeds.
+/// Rolls at 1 m/s for 1 s, then for 2 s more: how much its height varies, how far it is from where
+/// `ω R` takes it, and the mismatch of its speeds.
 fn rolled(mut b: Builder) -> [f64; 3] {
     b.model.initial.linear_velocity.x = 1.0;
     b.model.initial.angular_velocity.y = 10.0;
@@ -150,7 +151,8 @@ fn rolled(mut b: Builder) -> [f64; 3] {
     [high - low, odometry, v - 0.1 * spin]
 }
 
-/// C11. A cylinder wheel at 1 m/s is exactly round; a hull of 32 sides, as other simulators make of it, is not.
+/// C11. A cylinder wheel at 1 m/s is exactly round; a hull of 32 sides, as other simulators make of
+/// it, is not.
 #[test]
 fn c11_a_rolling_wheel_is_exactly_round() {
     let [ripple, odometry, slip] = rolled(wheel(0.8));

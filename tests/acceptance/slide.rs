@@ -1,9 +1,9 @@
-//! C1 to C5: sticking and sliding. Gravity turned by an angle stands for a slope.
+//! C1 to C5: sticking and sliding. A slope is modelled by rotated gravity.
 
 use super::*;
 
-/// A block whose centre of mass lies in the contact plane: all corners carry the same, and reach the same share of the
-/// cone, whatever pulls.
+/// A block whose centre of mass lies in the contact plane: all corners carry the same, and reach
+/// the same share of the cone, whatever pulls.
 fn flat_block(mu: f64) -> Builder {
     let mut b = block(mu);
     b.model.links[0].inertia.com.z = -0.1;
@@ -27,7 +27,8 @@ fn c1_a_block_sticks_just_below_the_cone_and_slides_just_above_it() {
         s.set_rules(rules);
         run(&mut s, 1.0, 0.01);
         push(&mut s, 0, force);
-        // The push comes at once and gives the block 12 mm/s, which friction takes 3 s to stop at 4.90 N.
+        // The push comes at once and gives the block 12 mm/s, which friction takes 3 s to stop at
+        // 4.90 N.
         run(&mut s, 6.0, 0.01);
         let (x0, v0) = (s.state().physical.q[0], s.state().physical.v[3]);
         run(&mut s, 66.0, 0.01);
@@ -54,8 +55,8 @@ fn c1_a_block_sticks_just_below_the_cone_and_slides_just_above_it() {
     }
 }
 
-/// C2, C3. One hour on 20° with μ = 1, and a minute more with a 5 Hz side load that reaches 86 % of the cone
-/// (peers creep by millimetres to metres an hour; the design's table of creep).
+/// C2, C3. One hour on 20° with μ = 1, and a minute more with a 5 Hz side load that reaches 86 % of
+/// the cone (peers creep by millimetres to metres an hour; the design's table of creep).
 #[test]
 fn c2_c3_a_block_on_a_slope_does_not_creep_not_even_when_shaken() {
     let angle = 20.0_f64.to_radians();
@@ -97,7 +98,8 @@ fn c2_c3_a_block_on_a_slope_does_not_creep_not_even_when_shaken() {
     );
 }
 
-/// C4. `v0²/(2 μ g)` from 1 m/s with μ = 0.5, and ContactBench's cube (μ = 0.4): 0.127421 m after 0.254842 s.
+/// C4. `v0²/(2 μ g)` from 1 m/s with μ = 0.5, and ContactBench's cube (μ = 0.4): 0.127421 m after
+/// 0.254842 s.
 #[test]
 fn c4_a_sliding_block_stops_after_the_coulomb_distance() {
     for mu in [0.5, 0.4] {
@@ -130,10 +132,11 @@ fn c4_a_sliding_block_stops_after_the_coulomb_distance() {
     }
 }
 
-/// C5. A block pushed from rest, and one that slides freely, move in one direction and keep it: a friction pyramid would
-/// turn them, and exceed the cone by up to 41 % at 45°. With its centre of mass above the ground the corners carry different
-/// loads and give way one after the other when the push begins, which turns the block by micrometres a metre (by as much at
-/// a tolerance of 1e-8); once it slides, nothing does.
+/// C5. A block pushed from rest, and one that slides freely, move in one direction and keep it: a
+/// friction pyramid would turn them, and exceed the cone by up to 41 % at 45°. With its centre of
+/// mass above the ground the corners carry different loads and give way one after the other when
+/// the push begins, which turns the block by micrometres a metre (by as much at a tolerance of
+/// 1e-8); once it slides, nothing does.
 #[test]
 fn c5_friction_is_isotropic() {
     for (block, name, slid, speeds) in [

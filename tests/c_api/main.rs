@@ -1,7 +1,8 @@
-//! The C functions, driven from outside: an importer written in C loads the library with dlopen, as any importer
-//! does, and misuses it in every way that we could think of. Each test is a run of that program.
+//! The C functions, driven from outside: an importer written in C loads the library with dlopen, as
+//! any importer does, and misuses it in many ways. Each test is a run of that program.
 //!
-//! Skipped, with a message, where there is no C compiler or the command was built without a library.
+//! Skipped, with a message, where there is no C compiler or the command was built without a
+//! library.
 //!
 //! Over 500 lines because all tests share one program in C and the ways to build and run it.
 
@@ -85,7 +86,7 @@ static BENCH: LazyLock<Option<Bench>> = LazyLock::new(|| {
 
 /// Two FMUs with a library each, in one process.
 #[test]
-fn two_different_robots_in_one_process_do_not_meet() {
+fn two_different_robots_in_one_process_share_no_data() {
     let Some(bench) = &*BENCH else { return };
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/quadruped.urdf");
     let description = urdf::read(&file, &ReadOptions::default()).expect("the example can be read");
@@ -173,7 +174,8 @@ fn valgrind_finds_nothing_in_a_simulation_by_the_command() {
     assert!(made.status.success(), "{}", texts(&made).1);
     let output = Command::new("valgrind")
         .args(["--quiet", "--error-exitcode=9", "--leak-check=full"])
-        // Rust's handle of the main thread is reached by a pointer into its middle: "possibly lost".
+        // Rust's handle of the main thread is reached by a pointer into its middle: "possibly
+        // lost".
         .arg("--errors-for-leak-kinds=definite")
         .args(["--show-leak-kinds=definite,indirect", command, "simulate"])
         .arg(&fmu)
@@ -194,10 +196,11 @@ fn valgrind_finds_nothing_in_a_simulation_by_the_command() {
     );
 }
 
-/// The importer again, with functions of its own under names that libraries use, visible to all it loads.
+/// The importer again, with functions of its own under names that libraries use, visible to all it
+/// loads.
 #[cfg(target_os = "linux")]
 #[test]
-fn a_host_with_functions_of_the_same_names_does_no_harm() {
+fn a_host_with_functions_of_the_same_names_does_not_disturb_the_library() {
     let Some(bench) = &*BENCH else { return };
     let compiler = std::env::var("CC").unwrap_or_else(|_| "cc".into());
     let importer = bench.importer.with_file_name("hostile");

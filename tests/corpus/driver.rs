@@ -1,4 +1,5 @@
-//! For `meshes.py`: names of mesh files in, one line of JSON for each out: the corners of its faces, m.
+//! Helper of `meshes.py`: reads names of mesh files and prints one line of JSON for each, the
+//! corners of its faces in m.
 
 use serde_json::json;
 use std::io::{BufRead as _, Write as _};

@@ -1,4 +1,4 @@
-//! What all commands share: usage, files, options beside settings.
+//! Common to all commands: usage, files, options beside settings.
 
 use super::*;
 

@@ -1,4 +1,4 @@
-//! `export`: what is in an FMU, and what is refused.
+//! `export`: the contents of an FMU, and errors.
 
 use super::*;
 
@@ -203,7 +203,7 @@ fn guid_follows_what_the_robot_is_and_not_how_the_file_is_written() {
 }
 
 #[test]
-fn fmu_holds_every_platform_of_the_command_unless_told_which() {
+fn an_fmu_contains_every_platform_of_the_command_unless_some_are_selected() {
     let platforms = |fmu: &Path| -> Vec<String> {
         let run = urdf2fmu(["info", text(fmu), "--json"]);
         assert_eq!(run.code, 0, "{}", run.err);

@@ -18,7 +18,8 @@ fn info_says_the_same_of_a_robot_and_of_its_fmu() {
     }
 }
 
-/// The examples' inertia was computed by formula from the solids that are also their collision shapes.
+/// The examples' inertia was computed by formula from the solids that are also their collision
+/// shapes.
 #[test]
 fn inertia_in_the_examples_is_that_of_their_solids() {
     let folder = tempfile::tempdir().unwrap();

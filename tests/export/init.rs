@@ -2,7 +2,8 @@
 
 use super::*;
 
-/// What `init` writes says what holds: exporting with it changes nothing, nor with all its lines made active.
+/// What `init` writes says what holds: exporting with it changes nothing, nor with all its lines
+/// made active.
 #[test]
 fn init_writes_settings_that_change_nothing() {
     let folder = tempfile::tempdir().unwrap();

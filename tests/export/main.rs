@@ -1,4 +1,4 @@
-//! The `urdf2fmu` command as a person or a script meets it: what it writes, prints and returns.
+//! The `urdf2fmu` command from outside: files, output and exit codes.
 
 #![allow(clippy::unwrap_used, reason = "a test may fail")]
 #![allow(missing_docs, reason = "tests say it in their names")]

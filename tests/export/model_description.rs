@@ -1,6 +1,7 @@
 //! A reader of modelDescription.xml with the rules of FMI 2.0 that the schema does not express.
 //!
-//! Written against the specification (FMI 2.0.4, sections 2.2.3, 2.2.7 and 2.2.8), not against the writer.
+//! Written against the specification (FMI 2.0.4, sections 2.2.3, 2.2.7 and 2.2.8), not against the
+//! writer.
 
 #![allow(clippy::unwrap_used, reason = "a test may fail")]
 
@@ -177,7 +178,8 @@ fn header(root: &Element, found: &mut Vec<String>) {
     {
         found.push("state that can be serialised but not read".to_owned());
     }
-    // They would need dependencies of all unknowns on all knowns, and fmi2GetDirectionalDerivative is not answered.
+    // They would need dependencies of all unknowns on all knowns, and fmi2GetDirectionalDerivative
+    // is not answered.
     if cs.get("providesDirectionalDerivative") == Some("true") {
         found.push("directional derivatives".to_owned());
     }

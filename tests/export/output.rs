@@ -1,4 +1,5 @@
-//! What the command writes: whole or not at all, and never a success that is none.
+//! Output of the command: files are complete or missing, and a failure is never reported as
+//! success.
 
 use super::*;
 use std::os::unix::fs::{FileTypeExt, PermissionsExt, symlink};
@@ -76,7 +77,7 @@ fn a_symbolic_link_stays_and_its_target_is_written() {
 }
 
 #[test]
-fn whatever_is_no_regular_file_is_refused_and_stays() {
+fn a_target_that_is_no_regular_file_is_refused_and_not_changed() {
     let folder = with_fmu();
     fs::create_dir(folder.path().join("folder")).unwrap();
     assert_eq!(
@@ -116,7 +117,8 @@ fn a_failed_write_leaves_what_was_there_and_nothing_else() {
     for (writer, limit) in [(WRITERS[0], 64), (&long, 6000)] {
         fs::write(folder.path().join("target"), "old").unwrap();
         let before = names(folder.path());
-        // No file may grow beyond this many blocks of 512 bytes: what a full disk does, at a place of our choice.
+        // No file may grow beyond this many blocks of 512 bytes: what a full disk does, at a place
+        // of our choice.
         let run = shell(
             folder.path(),
             &format!("ulimit -f {limit}; to=target; {writer}"),
@@ -155,7 +157,7 @@ fn permissions_of_a_file_stay_and_a_protected_one_is_refused() {
 }
 
 #[test]
-fn no_command_overwrites_what_it_reads() {
+fn no_command_overwrites_its_input_file() {
     let folder = with_fmu();
     let at = folder.path();
     fs::copy(example("rover.urdf"), at.join("r.urdf")).unwrap();
@@ -206,7 +208,7 @@ const PRINTERS: [&str; 9] = [
 ];
 
 #[test]
-fn a_result_that_cannot_be_printed_is_no_success() {
+fn a_result_that_cannot_be_printed_gives_an_error_code() {
     let folder = with_fmu();
     for arguments in PRINTERS {
         // A full disk, a closed stream, and one that is open for reading alone.
@@ -221,7 +223,7 @@ fn a_result_that_cannot_be_printed_is_no_success() {
 }
 
 #[test]
-fn a_warning_that_cannot_be_printed_is_no_success_and_no_panic() {
+fn a_warning_that_cannot_be_printed_gives_an_error_code_and_no_panic() {
     let folder = with_fmu();
     for arguments in [
         "export \"$rover\" -o a.fmu",
@@ -245,7 +247,7 @@ fn a_warning_that_cannot_be_printed_is_no_success_and_no_panic() {
 }
 
 #[test]
-fn a_reader_that_has_seen_enough_is_no_error() {
+fn a_closed_pipe_on_standard_output_is_no_error() {
     let folder = with_fmu();
     for arguments in [
         "info \"$fmu\" --json --variables",
@@ -261,7 +263,7 @@ fn a_reader_that_has_seen_enough_is_no_error() {
 }
 
 #[test]
-fn a_file_that_cannot_be_read_to_its_end_is_told() {
+fn a_file_that_cannot_be_read_to_its_end_is_reported() {
     let folder = with_fmu();
     for line in [
         // Opening a folder succeeds, reading from it fails.
@@ -279,7 +281,7 @@ fn a_file_that_cannot_be_read_to_its_end_is_told() {
 }
 
 #[test]
-fn an_fmu_that_cannot_be_unpacked_is_told() {
+fn an_fmu_that_cannot_be_unpacked_is_reported() {
     let folder = with_fmu();
     let line = "ulimit -f 64; \"$urdf2fmu\" simulate \"$fmu\" --stop-time 0.02";
     let run = shell(folder.path(), line);

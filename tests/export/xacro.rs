@@ -3,7 +3,7 @@
 use super::*;
 use std::os::unix::fs::PermissionsExt;
 
-/// With a stand-in for the command: what is asked of it, and what is made of its answer.
+/// Tests with a substitute for the command: its arguments, and the use of its output.
 #[test]
 fn xacro_files_are_expanded_by_the_command_with_their_arguments() {
     let folder = tempfile::tempdir().unwrap();
@@ -57,7 +57,7 @@ fn xacro_files_are_expanded_by_the_command_with_their_arguments() {
         "{}",
         done.err
     );
-    // What the command says when it fails, and what to do where there is none.
+    // The message of a failing command, and the advice if the command is missing.
     write("echo 'undefined substitution argument mass' >&2; exit 2");
     let done = run(&["check", "ball.urdf.xacro"], &path);
     assert_eq!(done.code, 1);

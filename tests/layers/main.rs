@@ -1,4 +1,4 @@
-//! The files of the packages use each other in one direction, as `docs/architecture.md` says.
+//! Checks that files use each other only in the direction that `docs/architecture.md` lists.
 //!
 //! The page lists the modules of each package from the bottom up, in code blocks whose first line
 //! is `layers` and the package's root file. A module may use its own line and the lines above it.

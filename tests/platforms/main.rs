@@ -1,8 +1,8 @@
-//! The libraries of both platforms, as they lie in an FMU: what they need, what they show, and that they calculate the
-//! same bits.
+//! The libraries of both platforms, as packed in an FMU: needed libraries, exported names, and
+//! equal results to the last bit.
 //!
-//! Of a command that was built with the libraries of `build/platforms.sh`; else skipped, with a message on standard
-//! error that says what is missing.
+//! Of a command that was built with the libraries of `build/platforms.sh`; else skipped, with a
+//! message on standard error that says what is missing.
 
 #![allow(clippy::unwrap_used, reason = "a test may fail")]
 
@@ -202,7 +202,8 @@ fn the_linux_library_needs_glibc_2_17_and_nothing_else() {
         .filter_map(|line| line.trim().strip_prefix("NEEDED"))
         .map(str::trim)
         .collect();
-    // libm.so.6 would do no harm to loading, but its functions differ between releases and so would results.
+    // libm.so.6 would do no harm to loading, but its functions differ between releases and so would
+    // results.
     let allowed = ["libc.so.6", "ld-linux-x86-64.so.2"];
     assert!(needed.contains("libc.so.6"), "{text}");
     assert!(
@@ -270,7 +271,7 @@ fn the_windows_library_needs_windows_and_nothing_else() {
     );
 }
 
-/// C11, 7.12: what is not correctly rounded by every C library, and what Rust's methods call.
+/// C11, 7.12: functions that not every C library rounds correctly, and that Rust's methods call.
 const OF_MATH_H: [&str; 34] = [
     "acos", "acosh", "asin", "asinh", "atan", "atan2", "atanh", "cbrt", "ceil", "cos", "cosh",
     "erf", "exp", "exp2", "expm1", "floor", "fma", "fmod", "hypot", "ldexp", "lgamma", "log",
@@ -278,7 +279,8 @@ const OF_MATH_H: [&str; 34] = [
     "tgamma",
 ];
 
-/// Parts of every Windows since 10: the kernel, its C library of old, and the sets that they are also known by.
+/// Parts of every Windows since 10: the kernel, its C library of old, and the sets that they are
+/// also known by.
 fn is_of_windows(dll: &str) -> bool {
     ["kernel32.dll", "ntdll.dll", "msvcrt.dll", "ucrtbase.dll"].contains(&dll)
         || dll.starts_with("api-ms-win-")

@@ -28,7 +28,7 @@ pub struct Ended {
 }
 
 impl Wine {
-    /// Wine and the compiler, or what is missing.
+    /// Wine and the compiler, or the name of the missing one.
     ///
     /// # Errors
     /// A sentence for a message.
@@ -89,7 +89,8 @@ impl Wine {
         command
     }
 
-    /// Runs a program. Its output goes through files: Wine's server stays for a while and would keep a pipe open.
+    /// Runs a program. Its output goes through files: Wine's server stays for a while and would
+    /// keep a pipe open.
     pub fn run<A: AsRef<OsStr>>(&self, program: &Path, arguments: &[A]) -> Ended {
         let folder = tempfile::tempdir().expect("a folder for the output");
         let (said, complained) = (folder.path().join("out"), folder.path().join("err"));

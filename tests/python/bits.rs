@@ -1,9 +1,10 @@
-//! Every bit of every result, as recorded: a change that means to keep results shows here that it does.
+//! Compares every bit of all results with a recording, for changes that are meant to keep results.
 //!
-//! Ten robots, each in every actuator mode, under error control and in fixed steps: commands that stay, that change at
-//! each communication step and that follow ramps; communication steps of equal and of random length; pushes from
-//! outside; a saved state that another instance continues. `bits.txt` holds one hash a run. A change of the method
-//! records it anew, with its reason in `docs/design.md`:
+//! Ten robots, each in every actuator mode, under error control and in fixed steps: commands that
+//! stay, that change at each communication step and that follow ramps; communication steps of equal
+//! and of random length; pushes from outside; a saved state that another instance continues.
+//! `bits.txt` holds one hash a run. A change of the method records it anew, with its reason in
+//! `docs/design.md`:
 //!
 //! ```text
 //! URDF2FMU_RECORD=1 cargo test --test bits

@@ -1,7 +1,7 @@
 //! The Python environment of the tests, made at first use.
 //!
-//! A virtual environment with pinned packages under `target/`; a change of the pinned versions makes a new one.
-//! `PYTHON` names the interpreter to start from (default `python3`).
+//! A virtual environment with pinned packages under `target/`; a change of the pinned versions
+//! makes a new one. `PYTHON` names the interpreter to start from (default `python3`).
 
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
@@ -79,7 +79,8 @@ pub fn make() -> Option<Environment> {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("python-{name:016x}"));
     let ready = folder.join("ready");
 
-    // Two test runs at once: the second waits. The lock ends with the process, whatever becomes of it.
+    // Two test runs at once: the second waits. The lock ends with the process, whatever becomes of
+    // it.
     let lock = File::create(folder.with_extension("lock")).expect("target/ is writable");
     lock.lock().expect("target/ can be locked");
     if !ready.exists() {

@@ -1,5 +1,5 @@
-//! The mesh readers against trimesh and pycollada (`tests/corpus/meshes.py`) on a sample of other people's files, and on
-//! COLLADA scenes with units, up-axes, nested, repeated and mirrored nodes.
+//! The mesh readers against trimesh and pycollada (`tests/corpus/meshes.py`) on a sample of
+//! published files, and on COLLADA scenes with units, up-axes, nested, repeated and mirrored nodes.
 
 #[path = "environment.rs"]
 mod environment;

@@ -1,8 +1,8 @@
-//! Mass matrix, bias forces and accelerations against Pinocchio, on robots that nobody here wrote.
+//! Mass matrix, bias forces and accelerations against Pinocchio, on published robots.
 //!
-//! `tests/python/pinocchio_reference.py` writes Pinocchio's numbers for random states in our convention; the same
-//! URDF goes through our reader. Both algorithms for the accelerations are held against it: articulated bodies, and
-//! the factorised mass matrix.
+//! `tests/python/pinocchio_reference.py` writes Pinocchio's numbers for random states in our
+//! convention; the same URDF goes through our reader. Both algorithms for the accelerations are
+//! held against it: articulated bodies, and the factorised mass matrix.
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
@@ -80,7 +80,8 @@ fn relative<'a>(
     error / scale
 }
 
-/// Largest relative differences of M, bias, accelerations by articulated bodies and by factorisation.
+/// Largest relative differences of M, bias, accelerations by articulated bodies and by
+/// factorisation.
 fn differences(robot: &Robot) -> [f64; 4] {
     let model = model_on(Path::new(&robot.urdf), robot.floating);
     let base = if robot.floating { 6 } else { 0 };

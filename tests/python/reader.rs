@@ -1,4 +1,4 @@
-//! Robots as our own reader has them, for comparison with other programs.
+//! Robots as read by this project, for comparison with other programs.
 
 use std::path::Path;
 use urdf2fmu_core::model::Model;

@@ -1,5 +1,6 @@
-//! Acceptance cases on robots that nobody here wrote: A1 on random trees against Pinocchio, D1, D2 and rest on PyBullet's R2D2
-//! and on quadrupeds of example-robot-data. Rows of the table in `docs/acceptance.md`, as in `tests/acceptance`.
+//! Acceptance cases on published robots: A1 on random trees against Pinocchio, D1, D2 and rest on
+//! PyBullet's R2D2 and on quadrupeds of example-robot-data. Rows of the table in
+//! `docs/acceptance.md`, as in `tests/acceptance`.
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
@@ -50,8 +51,8 @@ fn relative(ours: &[f64], theirs: &[f64]) -> f64 {
     pairs.fold(0.0, |m: f64, (a, b)| m.max((a - b).abs())) / scale
 }
 
-/// Largest relative differences of M, bias, energies, accelerations by articulated bodies and by factorisation, and of
-/// what the two accelerations ask for as forces.
+/// Largest relative differences of M, bias, energies, accelerations by articulated bodies and by
+/// factorisation, and of what the two accelerations ask for as forces.
 fn differences(case: &Case) -> [f64; 8] {
     let model = model_on(Path::new(&case.urdf), case.floating);
     let tree = Tree::new(&model, &Parameters::new(&model));
@@ -104,7 +105,8 @@ fn differences(case: &Case) -> [f64; 8] {
         energy::kinetic(&tree, &kin, &v),
         energy::potential(&tree, &kin),
     ];
-    // A long chain's accelerations are ill conditioned, in whatever program: `M v̇ + k` shows how well each meets τ.
+    // A long chain's accelerations are ill conditioned, in whatever program: `M v̇ + k` shows how
+    // well each meets τ.
     let residual = |vdot: &[f64]| {
         let mut forces = vec![0.0; nv];
         tree.sparsity.multiply(&kin.M, vdot, &mut forces);
@@ -135,8 +137,8 @@ fn differences(case: &Case) -> [f64; 8] {
     ]
 }
 
-/// A1. Mass matrix, bias forces, accelerations and energies of 100 random trees of up to 60 degrees of freedom, on a fixed
-/// or a floating base, with every kind of joint, against Pinocchio.
+/// A1. Mass matrix, bias forces, accelerations and energies of 100 random trees of up to 60 degrees
+/// of freedom, on a fixed or a floating base, with every kind of joint, against Pinocchio.
 #[test]
 fn a1_a_hundred_random_trees_move_as_in_pinocchio() {
     let Some(environment) = environment::make() else {
@@ -212,7 +214,8 @@ const REST: [(Rules, &str); 2] = [
     ),
 ];
 
-/// Largest change of any coordinate in an hour after `settle` seconds, m or rad; and how well the ground carries the weight.
+/// Largest change of any coordinate in an hour after `settle` seconds, m or rad; and how well the
+/// ground carries the weight.
 fn hour(s: &mut Simulation, settle: u32) -> [f64; 2] {
     for step in 1..=240 * settle {
         s.advance_to(f64::from(step) / 240.0).expect("finite");
@@ -226,7 +229,8 @@ fn hour(s: &mut Simulation, settle: u32) -> [f64; 2] {
     [moved, unbalanced(s)]
 }
 
-/// D1. PyBullet's R2D2 stands for an hour: PyBullet's own walks by millimetres and turns by 0.7° (design, §6.1).
+/// D1. PyBullet's R2D2 stands for an hour: PyBullet's own walks by millimetres and turns by 0.7°
+/// (design, §6.1).
 #[test]
 fn d1_r2d2_stands_for_an_hour() {
     let Some(environment) = environment::make() else {
@@ -302,9 +306,10 @@ fn d1_r2d2_drives_straight() {
     }
 }
 
-/// D2. Quadrupeds of example-robot-data stand for an hour on servos that hold the pose in which they begin.
+/// D2. Quadrupeds of example-robot-data stand for an hour on servos that hold the pose in which
+/// they begin.
 #[test]
-fn d2_quadrupeds_nobody_here_wrote_stand_for_an_hour() {
+fn d2_published_quadrupeds_stand_for_an_hour() {
     let Some(environment) = environment::make() else {
         return;
     };

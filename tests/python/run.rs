@@ -1,7 +1,7 @@
 //! Runs the Python tests (`tests/python`) on the `urdf2fmu` command of this build.
 //!
-//! They need nothing but Rust and Python 3, see `environment.rs`. pytest's own `PYTEST_ADDOPTS` passes options to
-//! it, for example `PYTEST_ADDOPTS="-k r2d2"`.
+//! They need nothing but Rust and Python 3, see `environment.rs`. pytest's own `PYTEST_ADDOPTS`
+//! passes options to it, for example `PYTEST_ADDOPTS="-k r2d2"`.
 
 #[path = "environment.rs"]
 mod environment;

@@ -1,7 +1,8 @@
 //! Tables of numbers as comma-separated text: a row of names, `time` first, then one row a time.
 //!
-//! Written as `FMPy` writes them: quoted names, the shortest digits that read back to the same number. Read with or
-//! without quotes; Boolean values may be `true` and `false`, too, and are written as 1 and 0.
+//! Written as `FMPy` writes them: quoted names, the shortest digits that read back to the same
+//! number. Read with or without quotes; Boolean values may be `true` and `false`, too, and are
+//! written as 1 and 0.
 
 /// A table in columns.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -259,7 +260,7 @@ mod tests {
     }
 
     #[test]
-    fn faults_are_told_with_line_and_column() {
+    fn faults_are_reported_with_line_and_column() {
         let message = |text: &str| Table::parse(text).expect_err("faulty").to_string();
         assert!(message("").contains("empty"));
         assert_eq!(

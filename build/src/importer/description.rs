@@ -267,7 +267,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_simulated_is_told() {
+    fn an_fmu_that_cannot_be_simulated_is_refused_with_the_reason() {
         let message = |from: &str, to: &str| {
             let text = TEXT.replacen(from, to, 1);
             assert_ne!(text, TEXT);

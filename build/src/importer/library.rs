@@ -1,7 +1,7 @@
 //! The C functions of an FMU's library: the only unsafe code of this package.
 //!
-//! What is safe to call is [`Slave`]: it owns the library and one instance of it, knows which arrays belong to which
-//! function, and frees both in the right order.
+//! [`Slave`] is the safe interface: it owns the library and one instance, passes each function its
+//! arrays, and frees both in the right order.
 #![allow(unsafe_code, reason = "loads a library and calls its C functions")]
 
 use libloading::Library;
@@ -11,8 +11,9 @@ use std::path::Path;
 
 type Component = *mut c_void;
 
-/// `fmi2CallbackFunctions`. The logger is declared variadic in the standard; its named arguments arrive all the same in
-/// a function without the dots, on every platform that this program is built for.
+/// `fmi2CallbackFunctions`. The logger is declared variadic in the standard; its named arguments
+/// arrive all the same in a function without the dots, on every platform that this program is built
+/// for.
 #[repr(C)]
 struct Callbacks {
     logger: unsafe extern "C" fn(*mut c_void, *const c_char, c_int, *const c_char, *const c_char),
@@ -146,7 +147,8 @@ impl Slave {
         resources: &str,
         debug_logging: bool,
     ) -> Result<Self, LibraryError> {
-        // SAFETY: a person asked to run this FMU; its initialisers may do what they like, as in any importer.
+        // SAFETY: a person asked to run this FMU; its initialisers may do what they like, as in any
+        // importer.
         let loaded = unsafe { Library::new(library) };
         let library = loaded.map_err(|source| LibraryError::Load {
             path: library.display().to_string(),
@@ -164,7 +166,8 @@ impl Slave {
         });
         let text = |text: &str| CString::new(text.replace('\0', "")).unwrap_or_default();
         let (name, guid, resources) = (text("urdf2fmu"), text(guid), text(resources));
-        // SAFETY: strings end with a zero and live during the call, the callbacks as long as the instance.
+        // SAFETY: strings end with a zero and live during the call, the callbacks as long as the
+        // instance.
         let component = unsafe {
             (functions.instantiate)(
                 name.as_ptr(),

@@ -8,10 +8,10 @@ use super::signals::{Signal, Signals, is_close};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-/// Longest table of results, in rows: beyond it somebody has mistyped an interval.
+/// Longest table of results, in rows: a longer one is probably a typing error in an interval.
 const MOST_ROWS: f64 = 1e8;
 
-/// What to simulate; what is not given, modelDescription.xml gives.
+/// What to simulate; missing values are those of modelDescription.xml.
 #[derive(Clone, Debug, Default)]
 pub struct Experiment {
     /// s
@@ -46,7 +46,8 @@ pub struct Outcome {
 /// Simulates the FMU that was unpacked in `folder`.
 ///
 /// # Errors
-/// [`RunError`] for whatever comes before the first step; what comes later is in the outcome, beside the results.
+/// [`RunError`] for whatever comes before the first step; what comes later is in the outcome,
+/// beside the results.
 pub fn simulate(folder: &Path, experiment: &Experiment) -> Result<Outcome, RunError> {
     let text = read(&folder.join("modelDescription.xml"))?;
     let description = Description::parse(&text)?;
@@ -201,7 +202,7 @@ fn starts<'d>(
     Ok(starts)
 }
 
-/// The variable called `name`, if it is `fit`; else what is wrong, with the nearest name that is.
+/// The variable called `name`, if it is `fit`; otherwise the error, with the nearest suitable name.
 fn find<'d>(
     description: &'d Description,
     name: &str,
@@ -410,7 +411,8 @@ impl Run {
         Ok(())
     }
 
-    /// All steps. Steps end at multiples of the interval, at the stop time and where an input jumps.
+    /// All steps. Steps end at multiples of the interval, at the stop time and where an input
+    /// jumps.
     fn steps(&mut self, times: &Times, variable_step: bool) -> Result<(), RunError> {
         let Times {
             start,

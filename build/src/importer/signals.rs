@@ -1,7 +1,7 @@
-//! Inputs between the rows of a table: straight lines for Real inputs, steps for everything else.
+//! Inputs between the rows of a table: linear for Real inputs, in steps for everything else.
 //!
-//! Before the first row its values hold, after the last row those. Two rows at one time are a jump: a step of the
-//! simulation ends there, and what comes after it counts.
+//! Before the first row and after the last row the values are constant. Two rows at one time are a
+//! jump: a step of the simulation ends there, and the second row applies.
 
 use super::csv::Table;
 use super::description::{Kind, Variable};
@@ -149,7 +149,7 @@ mod tests {
     }
 
     #[test]
-    fn real_inputs_go_straight_from_row_to_row_and_hold_outside() {
+    fn real_inputs_are_linear_between_rows_and_constant_outside() {
         let s = signals("time,u\n1,10\n2,20\n4,0", "continuous");
         let at = |time| (s.value(&s.list[0], time), s.slope(&s.list[0], time));
         assert_eq!(at(0.0), (10.0, 0.0));
@@ -162,7 +162,7 @@ mod tests {
     }
 
     #[test]
-    fn at_a_jump_a_step_ends_and_the_value_after_it_counts() {
+    fn a_step_ends_at_a_jump_and_uses_the_value_after_it() {
         let s = signals("time,u\n0,0\n1,0\n1,5\n2,7", "continuous");
         let at = |time| (s.value(&s.list[0], time), s.slope(&s.list[0], time));
         assert_eq!(at(1.0), (5.0, 2.0));
@@ -172,7 +172,7 @@ mod tests {
     }
 
     #[test]
-    fn a_jump_at_the_very_beginning_counts_too() {
+    fn a_jump_at_the_start_uses_the_value_after_it() {
         let s = signals("time,u\n0,0\n0,5\n1,5", "continuous");
         assert_eq!(s.value(&s.list[0], 0.0), 5.0);
     }

@@ -359,7 +359,7 @@ fn steps_land_exactly_whatever_their_size() {
 }
 
 #[test]
-fn a_step_too_small_for_the_clock_is_done_already() {
+fn a_step_below_the_resolution_of_time_succeeds_without_work() {
     let mut instance = instance();
     instance.setup_experiment(None, 1e6, None).expect("legal");
     instance.enter_initialization_mode();
@@ -409,7 +409,8 @@ fn the_last_step_may_end_past_the_stop_time_but_none_begins_there() {
     ));
 }
 
-/// The rover falls 5 cm and drives off; nearer to a run at 1e-8 the smaller the tolerance, and at the price of steps.
+/// The rover falls 5 cm and drives off; nearer to a run at 1e-8 the smaller the tolerance, and at
+/// the price of steps.
 #[test]
 fn the_tolerance_of_the_experiment_decides_accuracy_and_steps() {
     let drive = |tolerance: Option<f64>| {

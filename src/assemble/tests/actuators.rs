@@ -1,4 +1,4 @@
-//! What is commanded, and with which effort.
+//! Which joints have commands, and with which effort.
 
 use super::*;
 
@@ -91,7 +91,7 @@ fn an_effort_limit_of_zero_stays_and_is_warned_about() {
 }
 
 #[test]
-fn the_commands_that_the_hardware_takes_are_suggested_not_taken() {
+fn commands_of_ros2_control_are_suggested_but_not_adopted() {
     let description = robot(mass("base", 1.0))
         .with("base", "j", Revolute, at(0.0, 0.0, 0.0), mass("arm", 1.0))
         .and(|j| j.interfaces = vec![ActuatorMode::Effort]);

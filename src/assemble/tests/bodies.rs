@@ -1,4 +1,4 @@
-//! What moves: merged links, chains of bodies, the base, colliders.
+//! Moving parts: merged links, chains of bodies, the base, colliders.
 
 use super::*;
 
@@ -106,8 +106,8 @@ fn a_floating_joint_inside_the_robot_is_three_slides_and_a_ball() {
     assert_eq!((model.nq, model.nv()), (1 + 3 + 4, 1 + 3 + 3));
 }
 
-/// A spinning top that hangs by its tip: a spherical pendulum. Period of small swings about any horizontal axis:
-/// `2π √(I / m g l)`, with `I` about the tip.
+/// A spinning top that hangs by its tip: a spherical pendulum. Period of small swings about any
+/// horizontal axis: `2π √(I / m g l)`, with `I` about the tip.
 #[test]
 fn a_spherical_joint_swings_to_all_sides_alike() {
     let (m, l) = (2.0, 0.5);
@@ -135,7 +135,8 @@ fn a_spherical_joint_swings_to_all_sides_alike() {
                 s.output(OutputSlot::JointVelocity(ball, place)),
             )
         };
-        // After a quarter it is furthest out: angle ω₀ T/2π, half of it in the quaternion; after a half it comes back.
+        // After a quarter it is furthest out: angle ω₀ T/2π, half of it in the quaternion; after a
+        // half it comes back.
         let (turn, _) = read(period / 4.0);
         let furthest = 0.5 * rate * period / (2.0 * PI);
         assert!(
@@ -245,7 +246,7 @@ fn a_floating_robot_without_mass_is_an_error() {
 }
 
 #[test]
-fn what_has_no_mass_and_no_moving_joint_stands_still() {
+fn a_robot_without_mass_and_moving_joints_is_scenery() {
     // As PyBullet's plane.urdf, and a table of several links.
     let mut top = frame("top");
     top.collisions = vec![collision(Pose::IDENTITY, ball())];

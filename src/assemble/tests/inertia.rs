@@ -37,7 +37,7 @@ fn a_terminal_link_without_inertia_is_an_error_with_a_suggestion() {
 }
 
 #[test]
-fn massless_links_may_move_what_has_inertia() {
+fn a_massless_link_may_move_if_its_children_have_inertia() {
     // A planar chain in pieces: x, y, then the body; and a gimbal of three axes.
     let about = |axis: Vec3| move |j: &mut JointDescription| j.axis = axis;
     let chain = robot(frame("world"))

@@ -41,7 +41,8 @@ fn a_floating_robot_starts_with_its_lowest_point_on_the_ground() {
     // The wheels' centres are 0.1 below the base's, their radius is 0.1.
     assert!(close(built.model.initial.position.z, 0.2));
     assert!(note(&built, "A111").message.contains("z = 0.200000"));
-    // Turned by 90° about x, the right wheel's centre at y = −0.2 is lowest; the left one's after −90°.
+    // Turned by 90° about x, the right wheel's centre at y = −0.2 is lowest; the left one's after
+    // −90°.
     let leaning = model(&cart(), &format!("initial.rpy = [{FRAC_PI_2}, 0, 0]"));
     assert!((leaning.initial.position.z - 0.3).abs() < 1e-12);
     // Upside down nothing but the mast's frames is lower than the chassis' ball.

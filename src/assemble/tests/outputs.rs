@@ -40,7 +40,7 @@ fn leaf_links_with_shapes_have_contact_outputs() {
 }
 
 #[test]
-fn a_group_is_told_once_for_all_and_each_joint_obeys() {
+fn a_group_has_one_command_that_every_joint_of_it_follows() {
     let settings =
         "robot.base = \"fixed\"\n[[group]]\nname = \"drive\"\njoints = [\"left\", \"right\"]\n";
     let built = assembled(&cart(), settings);

@@ -105,7 +105,7 @@ fn half_a_range_without_the_file_s_other_half_is_an_error() {
 }
 
 #[test]
-fn limits_that_are_no_range_count_as_none() {
+fn limits_that_are_no_range_are_ignored() {
     let description = robot(mass("base", 1.0))
         .with("base", "j", Revolute, at(0.0, 0.0, 0.0), mass("t", 1.0))
         .and(|j| {
@@ -130,7 +130,7 @@ fn properties_of_planar_and_floating_joints_are_not_used() {
 }
 
 #[test]
-fn what_other_programs_say_of_surfaces_and_rotors_is_used_unless_the_settings_differ() {
+fn surfaces_and_rotors_of_foreign_tags_are_used_unless_the_settings_differ() {
     let mut wheel = body("wheel", 1.0);
     wheel.friction = Some(0.5);
     wheel.static_friction = Some(0.75);
@@ -154,7 +154,7 @@ fn what_other_programs_say_of_surfaces_and_rotors_is_used_unless_the_settings_di
 }
 
 #[test]
-fn default_friction_is_told_once_and_only_where_it_is_used() {
+fn default_friction_is_reported_once_and_only_if_it_is_used() {
     assert!(
         note(&assembled(&cart(), ""), "A116")
             .message

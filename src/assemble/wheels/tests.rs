@@ -39,7 +39,8 @@ fn mesh(X_LG: Pose, points: &[Vec3]) -> CollisionDescription {
     }
 }
 
-/// A box on four wheels, whose axles (z of the joint) point to the left; `wheel` is in the wheel's frame.
+/// A box on four wheels, whose axles (z of the joint) point to the left; `wheel` is in the wheel's
+/// frame.
 fn cart(kind: JointKind, wheel: &CollisionDescription) -> Description {
     let mut cart = robot(mass("chassis", 5.0));
     for (name, x, y) in [
@@ -186,7 +187,7 @@ fn blocks_cones_and_parts_beside_the_axis_keep_their_hulls() {
 }
 
 #[test]
-fn a_driven_block_is_warned_of_with_the_way_out() {
+fn a_driven_block_causes_a_warning_with_advice() {
     let wheel = mesh(Pose::IDENTITY, &prism(4, RADIUS, WIDTH));
     let built = assembled(&cart(JointKind::Continuous, &wheel), "");
     let warnings: Vec<_> = built

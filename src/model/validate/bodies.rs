@@ -1,4 +1,5 @@
-//! Bodies and coordinates: they hang on each other and move as the joints say, and each coordinate has one owner.
+//! Bodies and coordinates: they hang on each other and move as the joints say, and each coordinate
+//! has one owner.
 
 use super::check::{Check, number, pose, require, unit};
 use crate::model::{Body, BodyId, Joint, LinkId, Model};

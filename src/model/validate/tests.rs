@@ -205,7 +205,7 @@ fn no_damaged_model_can_make_the_simulation_panic() {
 }
 
 #[test]
-fn rotations_and_axes_must_be_what_they_are_called() {
+fn a_model_with_wrong_rotations_axes_or_names_is_refused() {
     let whole = everything();
     let wrong = |change: fn(&mut Model)| {
         let mut model = whole.clone();

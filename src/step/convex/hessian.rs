@@ -1,8 +1,8 @@
 //! The Hessian `H = M + Jᵀ G J`: a contact's stiffness is a 6×6 matrix on its body, composed and
 //! projected like a composite rigid body, so that `H` has the sparsity of `M`.
 //!
-//! For contacts with the ground: the stiffness between two bodies of different branches lies outside
-//! that pattern.
+//! For contacts with the ground: the stiffness between two bodies of different branches lies
+//! outside that pattern.
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 

@@ -1,4 +1,4 @@
-//! How far to go along Newton's direction.
+//! Step length along Newton's direction.
 
 use super::{Newton, Problem};
 use crate::kinematics::forward;

@@ -95,7 +95,8 @@ impl RungeKutta {
         [first, second]
     }
 
-    /// Takes the rates at the end of the last step by `pair` as those at the start of the next, if there are any.
+    /// Takes the rates at the end of the last step by `pair` as those at the start of the next, if
+    /// there are any.
     pub fn accept(&mut self, pair: &Pair) {
         self.fresh = pair.is_explicit();
         if self.fresh {
@@ -106,7 +107,8 @@ impl RungeKutta {
 
     /// One step of `h` seconds from `(q, v)`, into `self.q` and `self.v`.
     ///
-    /// - `start`: kinematics at `(q, v)`: poses and velocities, and unless the tree is `long` mass matrix and bias
+    /// - `start`: kinematics at `(q, v)`: poses and velocities, and unless the tree is `long` mass
+    ///   matrix and bias
     /// - `kin`: overwritten; poses and velocities are those of the new state afterwards
     /// - `finish`: whether an explicit pair's last stage is wanted, for error and next step
     #[expect(clippy::too_many_arguments, reason = "start and end of a step")]
@@ -167,9 +169,10 @@ impl RungeKutta {
         }
     }
 
-    /// The polynomials of the step that was just taken by one of the pairs for long steps from `(q, v)`, before it is accepted:
-    /// cubics through values and rates at both ends, and what Dormand–Prince adds to them. The last stage of an implicit
-    /// pair is at the end, too: positions change there with the new velocity, which is exact, and velocities with an
+    /// The polynomials of the step that was just taken by one of the pairs for long steps from
+    /// `(q, v)`, before it is accepted: cubics through values and rates at both ends, and what
+    /// Dormand–Prince adds to them. The last stage of an implicit pair is at the end, too:
+    /// positions change there with the new velocity, which is exact, and velocities with an
     /// acceleration that is third order in h.
     pub fn extension(
         &self,
@@ -229,8 +232,8 @@ impl RungeKutta {
         }
     }
 
-    /// Accelerations of stage `stage` from up-to-date kinematics for `v`; damping acts on `self.damped` and `own` seconds of
-    /// the acceleration.
+    /// Accelerations of stage `stage` from up-to-date kinematics for `v`; damping acts on
+    /// `self.damped` and `own` seconds of the acceleration.
     fn accelerations(
         &mut self,
         system: &Smooth,

@@ -13,16 +13,19 @@ pub(super) const STAGES: usize = 7;
 pub struct Pair {
     /// Row `i` holds the weights of stages `0 … i` for stage `i + 1`; the last row is the solution.
     pub(super) weights: &'static [&'static [f64]],
-    /// The same for the velocity that damping takes, of all rows but the last; empty: damping is explicit.
+    /// The same for the velocity that damping takes, of all rows but the last; empty: damping is
+    /// explicit.
     pub(super) implicit: &'static [&'static [f64]],
     /// Weight of a stage in its own velocity that damping takes.
     pub(super) gamma: f64,
-    /// Share of the tolerance that a step may use: steps are few and long, and what many of them add up to shall be of the
-    /// size of the tolerance still. Damping forgets; without it twice the steps buy a fiftieth of the error.
+    /// Share of the tolerance that a step may use: steps are few and long, and what many of them
+    /// add up to shall be of the size of the tolerance still. Damping forgets; without it twice the
+    /// steps buy a fiftieth of the error.
     pub share: f64,
     /// Solution minus embedded solution.
     pub(super) error: &'static [f64],
-    /// Order of the error estimate plus one: the error of a step of length h grows like h to this power.
+    /// Order of the error estimate plus one: the error of a step of length h grows like h to this
+    /// power.
     pub order: i32,
 }
 

@@ -1,17 +1,20 @@
-//! Friction cones within a step: how far a contact's normal force runs ahead of the friction that it allows.
+//! Friction cones within a step: how far a contact's normal force runs ahead of the friction that
+//! it allows.
 //!
-//! A solve takes the largest friction of a contact from a normal force that is known before: that of the step's start.
-//! Two things make that force a bad guess for the step:
+//! A solve takes the largest friction of a contact from a normal force that is known before: that
+//! of the step's start. Two things make that force a bad guess for the step:
 //!
-//! - Where a robot pitches because it slips, the normal force answers friction within milliseconds. A longer step sees
-//!   the answer one solve late, and slipping on front and rear wheels feeds on itself, more so when it is extrapolated:
-//!   an error `e` of the forces becomes `(2c² + c) e`, with `c` the share of friction that comes back as normal force.
-//! - A light link presses into the ground by less than the tolerance: what its penetration at the start says of its
-//!   load is noise.
+//! - Where a robot pitches because it slips, the normal force answers friction within milliseconds.
+//!   A longer step sees the answer one solve late, and slipping on front and rear wheels feeds on
+//!   itself, more so when it is extrapolated: an error `e` of the forces becomes `(2c² + c) e`,
+//!   with `c` the share of friction that comes back as normal force.
+//! - A light link presses into the ground by less than the tolerance: what its penetration at the
+//!   start says of its load is noise.
 //!
-//! There the full solve is repeated with the normal forces that it has found until they agree, by a secant through the
-//! last two tries (Anderson's mixing of depth one); the half steps take the forces half way to them and at them. All
-//! three are then late or early by half their length, and the order is two.
+//! There the full solve is repeated with the normal forces that it has found until they agree, by a
+//! secant through the last two tries (Anderson's mixing of depth one); the half steps take the
+//! forces half way to them and at them. All three are then late or early by half their length, and
+//! the order is two.
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
@@ -44,9 +47,9 @@ impl Cones {
         }
     }
 
-    /// Friction that a solve over `h` seconds has had too little or too much of, by the normal forces that it has found, N.
-    /// Contacts that the step resolves do not count: those on which `mass`, kg, answers more slowly, and which are deeper
-    /// than `tolerance`, m.
+    /// Friction that a solve over `h` seconds has had too little or too much of, by the normal
+    /// forces that it has found, N. Contacts that the step resolves do not count: those on which
+    /// `mass`, kg, answers more slowly, and which are deeper than `tolerance`, m.
     pub(in crate::step) fn lag(
         start: &Point,
         solved: &Newton,
@@ -71,7 +74,8 @@ impl Cones {
         lag
     }
 
-    /// Takes the normal forces that the solve over `h` seconds with the cones of the start has found.
+    /// Takes the normal forces that the solve over `h` seconds with the cones of the start has
+    /// found.
     pub(in crate::step) fn begin(&mut self, start: &Point, solved: &Newton, h: f64) {
         self.loads.clear();
         self.excess.clear();
@@ -120,7 +124,8 @@ impl Cones {
         }
     }
 
-    /// Sets the cones of contacts in the middle of the step to those at its end; who has touched down since keeps its own.
+    /// Sets the cones of contacts in the middle of the step to those at its end; who has touched
+    /// down since keeps its own.
     pub(in crate::step) fn carry(&self, start: &Point, middle: &mut Point) {
         let mut known = start.terms.contacts.iter().zip(&self.loads).peekable();
         let mut turns = middle.terms.turns.iter_mut().peekable();

@@ -1,9 +1,9 @@
 //! Steps of one solve, where a communication step cuts them short of what the error control
 //! proposes.
 //!
-//! A solve by itself is of first order. What it gets wrong is measured by every step that is solved
-//! in full and in halves, and hardly changes until the next: it is taken off the solves that
-//! follow, which are then of second order as well. The robot at hand tells whether it still holds:
+//! A single solve is of first order. What it gets wrong is measured by every step that is solved in
+//! full and in halves, and hardly changes until the next: it is taken off the solves that follow,
+//! which are then of second order as well. The robot at hand tells whether it still holds:
 //! velocities are wrong by half the change of acceleration, positions by half the change of
 //! velocity. Where nothing is known, and hardly anything happens, the solve does as it is.
 
@@ -122,8 +122,8 @@ impl Implicit {
         guards::exceeds(ctx, here, from, [rise, share])
     }
 
-    /// Takes the known error off the full solve in `attempt`: it moves positions by `self.more`, and
-    /// bodies by `self.way`.
+    /// Takes the known error off the full solve in `attempt`: it moves positions by `self.more`,
+    /// and bodies by `self.way`.
     fn correct(&mut self, ctx: &Context, here: &Point, lag: &Lag, h: f64, attempt: &mut Attempt) {
         let Attempt {
             end,

@@ -1,4 +1,4 @@
-//! Fixed steps and error control solve the same equations: they end in the same place.
+//! Fixed steps and error control solve the same equations, so their results agree.
 
 use super::*;
 
@@ -19,12 +19,13 @@ fn distance(a: &[f64], b: &[f64]) -> f64 {
     pairs.fold(0.0, |worst, (a, b)| worst.max((a - b).abs()))
 }
 
-/// A block lands on an edge and tumbles: corners that hold slip for an instant at the blows of others, for less than any of
-/// these steps. The expected place is that of error control at 1e-8. Positions move with the velocity of a step's end and a
-/// blow begins within a step: first order at best, and a sixteenth of the step must leave less than a quarter of the error.
-/// When the stored displacement jumped with the slip's speed, it left six tenths.
+/// A block lands on an edge and tumbles: corners that hold slip for an instant at the blows of
+/// others, for less than any of these steps. The expected place is that of error control at 1e-8.
+/// Positions move with the velocity of a step's end and a blow begins within a step: first order at
+/// best, and a sixteenth of the step must leave less than a quarter of the error. When the stored
+/// displacement jumped with the slip's speed, it left six tenths.
 #[test]
-fn corners_that_slip_for_an_instant_end_where_error_control_ends() {
+fn fixed_steps_agree_with_error_control_where_corners_slip_briefly() {
     let mut b = block(1.0, 0.8);
     b.model.initial.position.z = 0.16;
     b.model.initial.rpy.y = 0.4;
@@ -37,10 +38,11 @@ fn corners_that_slip_for_an_instant_end_where_error_control_ends() {
     assert!(controlled < 1e-3, "{controlled}");
 }
 
-/// A rotor reaches its speed of 10 rad/s in `J ω/e = 10 µs`, in which it falls behind by half of 0.1 mrad; longer steps take it
-/// to its speed at once, and leave that out. Beside it the motor gives by 1 mrad, its deflection under its effort.
+/// A rotor reaches its speed of 10 rad/s in `J ω/e = 10 µs`, in which it falls behind by half of
+/// 0.1 mrad; longer steps take it to its speed at once, and leave that out. Beside it the motor
+/// gives by 1 mrad, its deflection under its effort.
 #[test]
-fn a_motor_that_jumps_to_its_speed_ends_where_error_control_ends() {
+fn fixed_steps_agree_with_error_control_where_a_motor_jumps_to_its_speed() {
     let (J, effort, speed) = (1e-6, 1.0, 10.0);
     let mut b = Builder::new(false, RigidInertia::ZERO);
     let rotor = inertia(1.0, Vec3::zeros(), [1.0, 1.0, J]);

@@ -2,7 +2,8 @@
 
 use super::*;
 
-/// Found by fuzzing saved states: 5e-324 s would have been the step, and 1e319 of them a communication step.
+/// Found by fuzzing saved states: 5e-324 s would have been the step, and 1e319 of them a
+/// communication step.
 #[test]
 fn a_fixed_step_that_never_ends_is_refused_or_raised() {
     let s = start(block(1.0, 0.5).model, 1e-3);
@@ -21,10 +22,10 @@ fn a_fixed_step_that_never_ends_is_refused_or_raised() {
     );
 }
 
-/// Limp arms of a long chain whirl at hundreds of rad/s: fixed steps that took them a radian at a time used to feed them
-/// energy until the run ended. A wheel as fast costs no more steps.
+/// Limp arms of a long chain whirl at hundreds of rad/s: fixed steps that took them a radian at a
+/// time used to feed them energy until the run ended. A wheel as fast costs no more steps.
 #[test]
-fn fixed_steps_follow_what_whirls_and_leave_wheels_alone() {
+fn fixed_steps_are_split_for_fast_limbs_but_not_for_wheels() {
     let whirl = |offset: f64| {
         let mut b = Builder::new(true, inertia(5.0, Vec3::zeros(), [0.05; 3]));
         let arm = b.link(
@@ -60,9 +61,10 @@ fn fixed_steps_follow_what_whirls_and_leave_wheels_alone() {
     assert_eq!(steps, 1200);
 }
 
-/// Found by fuzzing saved states: speeds that no robot has cut each of the shortest fixed steps into 32 parts.
+/// Found by fuzzing saved states: speeds that no robot has cut each of the shortest fixed steps
+/// into 32 parts.
 #[test]
-fn no_part_of_a_fixed_step_is_shorter_than_a_fixed_step_may_be() {
+fn parts_of_a_fixed_step_are_not_shorter_than_the_shortest_fixed_step() {
     let mut b = Builder::new(true, inertia(5.0, Vec3::zeros(), [0.05; 3]));
     b.link(
         0u32.into_link(),

@@ -17,9 +17,10 @@ fn swing() -> Builder {
     b
 }
 
-/// Smooth steps are as long as the motion allows: who looks how often changes nothing but round-off.
+/// Smooth steps are as long as the motion allows: who looks how often changes nothing but
+/// round-off.
 #[test]
-fn communication_points_leave_a_smooth_motion_alone() {
+fn communication_points_do_not_change_a_smooth_motion() {
     // Explicit steps; with damping that is stiff, implicit ones.
     for damping in [0.0, 500.0] {
         let ends: Vec<State> = [1.0 / 1000.0, 1.0 / 240.0, 0.125]
@@ -57,8 +58,9 @@ fn an_effort_acts_from_the_communication_point_at_which_it_is_set() {
     );
 }
 
-/// 10 N on 1 kg with damping d: x = F/d (t − m/d (1 − exp(−d t/m))), whatever d. Damping that is a hundred thousand times
-/// faster than the motion costs no more steps than damping as fast as it, and no look in between sees anything else.
+/// 10 N on 1 kg with damping d: x = F/d (t − m/d (1 − exp(−d t/m))), whatever d. Damping that is a
+/// hundred thousand times faster than the motion costs no more steps than damping as fast as it,
+/// and no look in between sees anything else.
 #[test]
 fn damping_of_any_strength_is_followed_in_few_steps() {
     for damping in [1.0, 1e2, 1e3, 1e5] {
@@ -130,10 +132,11 @@ fn a_long_step_does_not_jump_over_a_limit() {
     assert!(farthest < 0.1 + 0.01, "{farthest}");
 }
 
-/// Newton and Euler: whatever acts inside of a robot in flight, its centre of mass flies a parabola, and its angular momentum
-/// about it stays. Here at the default tolerance, with motors that work, and read off however often.
+/// Newton and Euler: whatever acts inside of a robot in flight, its centre of mass follows a
+/// parabola, and its angular momentum about it stays. Here at the default tolerance, with motors
+/// that work, and read off however often.
 #[test]
-fn a_robot_in_flight_flies_a_parabola_and_keeps_its_angular_momentum() {
+fn a_robot_in_flight_follows_a_parabola_and_keeps_its_angular_momentum() {
     // Masses, their places and momenta, summed up by hand.
     let measure = |s: &Simulation| {
         let mut kin = crate::kinematics::Kinematics::new(s.tree());
@@ -207,7 +210,8 @@ fn a_robot_in_flight_flies_a_parabola_and_keeps_its_angular_momentum() {
     }
 }
 
-/// A rod without inertia about its axis: what its momentum about it is, is round-off, and is not made a velocity.
+/// A rod without inertia about its axis: what its momentum about it is, is round-off, and is not
+/// made a velocity.
 #[test]
 fn a_thin_rod_in_flight_does_not_spin_up_about_its_axis() {
     let mut b = Builder::new(true, inertia(1.0, Vec3::zeros(), [1e-12, 0.1, 0.1]));

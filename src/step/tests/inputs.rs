@@ -18,8 +18,9 @@ fn slider(mass: f64, mode: ActuatorMode, effort: f64) -> Builder {
     b
 }
 
-/// `m ẍ = a t + b t²/2 + c t³/6`, so `m x = a t³/6 + b t⁴/24 + c t⁵/120`. A third-order method has the first term
-/// exactly; all of it is right to the share of the tolerance that explicit steps use.
+/// `m ẍ = a t + b t²/2 + c t³/6`, so `m x = a t³/6 + b t⁴/24 + c t⁵/120`. A third-order method has
+/// the first term exactly; all of it is right to the share of the tolerance that explicit steps
+/// use.
 #[test]
 fn an_effort_that_varies_in_time_is_integrated_within_one_step() {
     for ([a, b, c], accuracy) in [([3.0, 0.0, 0.0], 1e-12), ([3.0, -4.0, 5.0], 2e-8)] {
@@ -40,7 +41,8 @@ fn an_effort_that_varies_in_time_is_integrated_within_one_step() {
     }
 }
 
-/// Fixed steps follow a ramp of the effort by their explicit method of third order: `v = t²/2m` and `x = t³/6m` are exact.
+/// Fixed steps follow a ramp of the effort by their explicit method of third order: `v = t²/2m` and
+/// `x = t³/6m` are exact.
 #[test]
 fn fixed_steps_follow_an_effort_ramp() {
     let mut model = slider(1.0, ActuatorMode::Effort, 100.0).model;
@@ -53,8 +55,8 @@ fn fixed_steps_follow_an_effort_ramp() {
     assert!((x - 1.0 / 6.0).abs() < 1e-12, "{x}");
 }
 
-/// A block on the ground, pushed by a force that grows at 2 N/s from 0: it starts at `μ m g = 2 t`, and then
-/// `m v = t² − t₁² − μ m g (t − t₁)`. One communication step holds all of it.
+/// A block on the ground, pushed by a force that grows at 2 N/s from 0: it starts at `μ m g = 2 t`,
+/// and then `m v = t² − t₁² − μ m g (t − t₁)`. One communication step holds all of it.
 #[test]
 fn a_block_at_rest_starts_to_slide_when_a_growing_force_exceeds_friction() {
     let mut b = block(0.5, 0.4);
@@ -85,8 +87,8 @@ fn a_block_at_rest_starts_to_slide_when_a_growing_force_exceeds_friction() {
     assert!((moved - x).abs() < 5e-3 * x, "{moved} {x}");
 }
 
-/// The target moves at 0.5 m/s: a servo that knows the rate follows without lag, at any communication step. Without
-/// it the lag is that of a critically damped spring, `v/slope`.
+/// The target moves at 0.5 m/s: a servo that knows the rate follows without lag, at any
+/// communication step. Without it the lag is that of a critically damped spring, `v/slope`.
 #[test]
 fn a_position_servo_follows_a_ramp_without_lag() {
     for (h, fixed) in [(2.0, 0.0), (0.1, 0.0), (0.013, 0.0), (0.05, 1e-3)] {
@@ -129,7 +131,8 @@ fn pd_control_follows_a_ramp_without_lag() {
     assert!(lag.abs() < 1e-5, "{lag}");
 }
 
-/// A velocity motor far from its limit follows `u(t)` to within its elastic displacement, 1 mm under full effort.
+/// A velocity motor far from its limit follows `u(t)` to within its elastic displacement, 1 mm
+/// under full effort.
 #[test]
 fn a_velocity_motor_accelerates_along_a_ramp_within_one_step() {
     let mut s = start(slider(1.0, ActuatorMode::Velocity, 100.0).model, 1e-5);
@@ -147,9 +150,10 @@ fn a_velocity_motor_accelerates_along_a_ramp_within_one_step() {
     );
 }
 
-/// The same signal, cut into communication steps in several ways: differences stay within the tolerance's reach.
+/// The same signal, cut into communication steps in several ways: differences stay within the
+/// tolerance's reach.
 #[test]
-fn how_a_varying_input_is_cut_into_steps_does_not_matter() {
+fn the_length_of_communication_steps_does_not_change_the_effect_of_a_varying_input() {
     let drive = |h: f64| {
         let mut b = slider(1.0, ActuatorMode::Velocity, 20.0);
         b.model.world.gravity = Vec3::new(0.0, 0.0, -G);
@@ -175,7 +179,7 @@ fn how_a_varying_input_is_cut_into_steps_does_not_matter() {
 }
 
 #[test]
-fn a_motor_that_is_let_go_takes_hold_when_its_limit_grows() {
+fn a_released_motor_acts_again_when_its_effort_limit_grows() {
     let mut s = start(slider(1.0, ActuatorMode::Velocity, 10.0).model, 1e-4);
     s.set_input(InputSlot::Velocity(COMMAND), 100.0);
     s.set_input(InputSlot::MaxEffort(COMMAND), 0.0);
@@ -252,9 +256,9 @@ fn outputs_do_not_change_when_an_input_is_set_between_two_steps() {
     assert_eq!(read(&mut s).map(f64::to_bits), before.map(f64::to_bits));
 }
 
-/// 1e300 N/s² for 1e10 s is no number: refused before anything moves.
+/// 1e300 N/s² for 1e10 s is not finite: it is refused before the state changes.
 #[test]
-fn an_input_that_leaves_the_numbers_is_an_error_that_changes_nothing() {
+fn an_input_polynomial_that_becomes_infinite_is_an_error_that_changes_nothing() {
     let mut s = start(slider(1.0, ActuatorMode::Effort, 10.0).model, 1e-3);
     s.set_input_derivative(InputSlot::Effort(COMMAND), 2, 1e300);
     let before = s.state().clone();
@@ -262,7 +266,8 @@ fn an_input_that_leaves_the_numbers_is_an_error_that_changes_nothing() {
     assert_eq!(s.state(), &before);
 }
 
-/// `v = a t`, `x = a t²/2` less what the motor yields, 1 mm under its effort: the ramp is no jump, whatever it rises by within a step.
+/// `v = a t`, `x = a t²/2` less what the motor yields, 1 mm under its effort: the ramp is no jump,
+/// whatever it rises by within a step.
 #[test]
 fn a_velocity_motor_follows_a_ramp_in_long_steps() {
     let (a, effort) = (4.0, 10.0);

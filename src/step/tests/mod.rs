@@ -1,4 +1,4 @@
-//! The step from inside: what must hold whatever moves. Physics against closed forms: `tests/acceptance`.
+//! Properties of the step for any motion. Comparisons with closed forms are in `tests/acceptance`.
 
 #![allow(
     clippy::cast_precision_loss,

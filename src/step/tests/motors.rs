@@ -1,4 +1,5 @@
-//! Torque–speed lines, rotor inertia, speed limits and dry friction of joints, against closed forms.
+//! Torque–speed lines, rotor inertia, speed limits and dry friction of joints, against closed
+//! forms.
 
 use super::*;
 
@@ -38,7 +39,8 @@ fn started(mut b: Builder, (step, tolerance): (f64, f64)) -> Simulation {
     start(b.model, tolerance)
 }
 
-/// J ω̇ = e0 (1 − ω/ω0): ω = ω0 (1 − exp(−t/τ)), τ = J ω0/e0; whatever mode asks for more than there is.
+/// J ω̇ = e0 (1 − ω/ω0): ω = ω0 (1 − exp(−t/τ)), τ = J ω0/e0; whatever mode asks for more than
+/// there is.
 #[test]
 fn a_rotor_runs_up_along_its_torque_speed_line() {
     let (e0, w0) = (0.5, 40.0);
@@ -91,12 +93,14 @@ fn a_rotor_runs_up_along_its_torque_speed_line() {
     }
 }
 
-/// Up: stall effort twice the weight, so the line carries the weight at half the no-load speed. Down: the weight drives,
-/// the motor brakes, and for that it has its whole effort and holds the speed that it was told.
+/// Up: stall effort twice the weight, so the line carries the weight at half the no-load speed.
+/// Down: the weight drives, the motor brakes, and for that it has its whole effort and holds the
+/// speed that it was told.
 #[test]
 fn a_loaded_motor_settles_where_its_line_meets_the_load_and_brakes_with_all_its_effort() {
     let weight = 2.0 * G;
-    // Impulses are balanced to 1e-3 of the tolerance, here 1e-8 of the weight; the line turns that into 2e-8 m/s.
+    // Impulses are balanced to 1e-3 of the tolerance, here 1e-8 of the weight; the line turns that
+    // into 2e-8 m/s.
     let exact = 3e-8;
     for mode in MODES {
         let mut b = lift(2.0 * weight);
@@ -139,7 +143,8 @@ fn a_loaded_motor_settles_where_its_line_meets_the_load_and_brakes_with_all_its_
     }
 }
 
-/// With a gear of ratio n, a rotor of inertia `I_r` counts as n² `I_r`: ω = e t/(I + n² `I_r`), exactly linear in time.
+/// With a gear of ratio n, a rotor of inertia `I_r` counts as n² `I_r`: ω = e t/(I + n² `I_r`),
+/// exactly linear in time.
 #[test]
 fn a_geared_rotor_adds_its_inertia_times_the_ratio_squared() {
     let (n, rotor_inertia, e) = (100.0, 3e-5, 1.5);
@@ -155,7 +160,8 @@ fn a_geared_rotor_adds_its_inertia_times_the_ratio_squared() {
     }
 }
 
-/// The damper's law: at the effort limit 1 % above the speed limit, at a tenth of it 0.1 %; off, speed grows as e t/J.
+/// The damper's law: at the effort limit 1 % above the speed limit, at a tenth of it 0.1 %; off,
+/// speed grows as e t/J.
 #[test]
 fn an_enforced_velocity_limit_is_exceeded_by_one_percent_under_the_effort_limit() {
     let (e, limit) = (0.5, 3.0);
@@ -184,7 +190,8 @@ fn an_enforced_velocity_limit_is_exceeded_by_one_percent_under_the_effort_limit(
     }
 }
 
-/// Dry friction 0.6 at rest and 0.4 in motion: holds 0.599, starts at 0.602 and then accelerates with the rest.
+/// Dry friction 0.6 at rest and 0.4 in motion: holds 0.599, starts at 0.602 and then accelerates
+/// with the rest.
 #[test]
 fn a_joint_breaks_away_at_its_static_friction_and_turns_with_its_dynamic_one() {
     for mode in MODES {

@@ -1,4 +1,5 @@
-//! Observed orders of convergence, by steps of equal length through the parts of the stepper that error control calls.
+//! Observed orders of convergence, by steps of equal length through the parts of the stepper that
+//! error control calls.
 
 #[path = "../../../tests/acceptance/claim.rs"]
 #[allow(dead_code, reason = "shared with the acceptance tests")]
@@ -28,8 +29,8 @@ enum Method {
     Fixed,
 }
 
-/// Case A3: a free asymmetric body; A4: a pendulum from horizontal; A5: a double pendulum from horizontal, and the same with
-/// damping.
+/// Case A3: a free asymmetric body; A4: a pendulum from horizontal; A5: a double pendulum from
+/// horizontal, and the same with damping.
 fn motions() -> [(&'static str, Model); 4] {
     let mut top = Builder::new(true, inertia(1.0, Vec3::zeros(), [1.0, 2.0, 3.0]));
     top.model.world.gravity = Vec3::zeros();
@@ -133,11 +134,14 @@ fn end_by(model: &Model, method: Method, count: u32, articulated: bool) -> Vec<f
     q.iter().chain(v).copied().collect()
 }
 
-/// A6. The error falls with the order of the method: 5 and 3 for the explicit pairs, 4 for the one that takes damping
-/// implicitly, 2 for the extrapolated step, and for an implicit step of fixed length that looks at its middle for the bias, 1 (its mass matrix is that of its start). Over three halvings of the step.
+/// A6. The error falls with the order of the method: 5 and 3 for the explicit pairs, 4 for the one
+/// that takes damping implicitly, 2 for the extrapolated step, and for an implicit step of fixed
+/// length that looks at its middle for the bias, 1 (its mass matrix is that of its start). Over
+/// three halvings of the step.
 #[test]
 fn a6_errors_fall_with_the_order_of_the_method() {
-    // Steps of the pairs: short enough for the order to show, long enough for the error to stay above round-off.
+    // Steps of the pairs: short enough for the order to show, long enough for the error to stay
+    // above round-off.
     for ((case, model), steps) in motions().into_iter().zip([20, 40, 40, 80]) {
         let exact = end(&model, Method::Explicit(&DORMAND_PRINCE), 2000);
         let error = |method, count| {
@@ -176,7 +180,8 @@ fn a6_errors_fall_with_the_order_of_the_method() {
     }
 }
 
-/// Two routes to the same step: what damping adds to the mass matrix' diagonal and to the articulated inertias.
+/// Two routes to the same step: what damping adds to the mass matrix' diagonal and to the
+/// articulated inertias.
 #[test]
 fn implicit_damping_is_the_same_by_mass_matrix_and_by_articulated_bodies() {
     let mut random = Random(11);

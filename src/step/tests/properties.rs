@@ -101,8 +101,8 @@ fn the_communication_step_does_not_change_the_result_beyond_the_tolerance() {
     }
 }
 
-/// Steps and reads two equal simulations, one with every number of its scratch NaN, every index beyond
-/// all lists and every flag true; states and outputs must be the same to the last bit.
+/// Steps and reads two equal simulations, one with every number of its scratch NaN, every index
+/// beyond all lists and every flag true; states and outputs must be the same to the last bit.
 fn same_with_spoilt_scratch(mut model: Model) {
     model.outputs.links = (0..model.links.len()).map(LinkId::from).collect();
     for fixed in [0.0, 1.0 / 240.0] {
@@ -258,7 +258,8 @@ fn random_robot(seed: u64, random: &mut Random) -> Model {
     model
 }
 
-/// Random robots with random actuators, masses over six decades, random commands and steps: nothing fails.
+/// Random robots with random actuators, masses over six decades, random commands and steps: nothing
+/// fails.
 #[test]
 fn random_robots_under_random_commands_stay_finite() {
     for seed in 0..40_u64 {
@@ -280,7 +281,8 @@ fn random_robots_under_random_commands_stay_finite() {
             let result = s.advance_to(t);
             assert!(result.is_ok(), "seed {seed}, t = {t}: {result:?}");
         }
-        // Not stalled, either: chattering contacts of gram-sized links on tonnes do not drive the step to nothing.
+        // Not stalled, either: chattering contacts of gram-sized links on tonnes do not drive the
+        // step to nothing.
         let taken = s.state().stepping.counters.steps + s.state().stepping.counters.rejected;
         assert!(
             taken < 100_000,
@@ -290,7 +292,8 @@ fn random_robots_under_random_commands_stay_finite() {
     }
 }
 
-/// A tolerance a hundred times as tight reduces the error of a motion through contact: the step converges.
+/// A tolerance a hundred times as tight reduces the error of a motion through contact: the step
+/// converges.
 #[test]
 fn tighter_tolerances_converge_through_contact_and_friction() {
     let end = |tolerance: f64| {
@@ -317,7 +320,8 @@ fn tighter_tolerances_converge_through_contact_and_friction() {
     );
 }
 
-/// A hinged link deep in the ground that its mounting does not let out: the host lives, and so does the state.
+/// A hinged link deep in the ground that its mounting does not let out: the host lives, and so does
+/// the state.
 #[test]
 fn a_link_stuck_deep_in_the_ground_stays_finite() {
     for rpy in [
@@ -386,7 +390,7 @@ fn an_absurd_initial_speed_does_not_stall_the_host() {
 
 /// A saved state carries the pushes from outside; what was pushed since is forgotten.
 #[test]
-fn a_restored_state_is_pushed_as_when_it_was_saved() {
+fn a_restored_state_keeps_its_external_wrenches() {
     let mut b = block(1.0, 0.5);
     b.model.outputs.external_wrenches = vec![0u32.into_link()];
     let mut s = start(b.model, 1e-3);
@@ -409,7 +413,8 @@ fn a_restored_state_is_pushed_as_when_it_was_saved() {
     );
 }
 
-/// Found by fuzzing: a proposed step of −1e10 s led back that far, and from there forward in small steps.
+/// Found by fuzzing: a proposed step of −1e10 s led back that far, and from there forward in small
+/// steps.
 #[test]
 fn a_saved_state_whose_steps_go_back_is_refused() {
     let mut s = start(block(1.0, 0.5).model, 1e-3);

@@ -2,7 +2,8 @@
 
 use super::*;
 
-/// A double pendulum with dry friction, which neither explicit steps nor steps across communication points take.
+/// A double pendulum with dry friction, which neither explicit steps nor steps across communication
+/// points take.
 fn rubbing_pendulum() -> Model {
     let mut b = Builder::new(false, RigidInertia::ZERO);
     let rod = || inertia(1.0, Vec3::new(0.0, 0.0, -0.25), [0.02, 0.02, 1e-3]);
@@ -21,7 +22,8 @@ fn rubbing_pendulum() -> Model {
     b.model
 }
 
-/// Goes on from `saved` for 0.1 s with communication steps of `h`; angles, and which share of the steps took one solve.
+/// Goes on from `saved` for 0.1 s with communication steps of `h`; angles, and which share of the
+/// steps took one solve.
 fn swung(saved: &crate::simulation::Snapshot, tolerance: f64, h: f64) -> ([f64; 2], f64) {
     let mut s = start(rubbing_pendulum(), TRUTH);
     s.restore(saved).expect("the same model");
@@ -41,8 +43,8 @@ fn swung(saved: &crate::simulation::Snapshot, tolerance: f64, h: f64) -> ([f64; 
 /// Tolerance of what the others are compared with.
 const TRUTH: f64 = 1e-9;
 
-/// Order 2: the local error of backward Euler, `h² a'/2`, is known up to its change over the few steps that it serves. Both
-/// joints turn one way all the time, so that their friction is smooth.
+/// Order 2: the local error of backward Euler, `h² a'/2`, is known up to its change over the few
+/// steps that it serves. Both joints turn one way all the time, so that their friction is smooth.
 #[test]
 fn steps_whose_error_is_known_take_one_solve_and_are_of_second_order() {
     let mut s = start(rubbing_pendulum(), TRUTH);
@@ -67,10 +69,10 @@ fn steps_whose_error_is_known_take_one_solve_and_are_of_second_order() {
     }
 }
 
-/// A known error that is taken off three times amplifies no oscillation, however stiff and damped: eigenvalues of the four
-/// steps together within the unit circle.
+/// A known error that is taken off three times amplifies no oscillation, however stiff and damped:
+/// eigenvalues of the four steps together within the unit circle.
 #[test]
-fn what_a_motor_holds_comes_to_rest_at_any_stiffness_and_communication_step() {
+fn a_load_held_by_a_motor_comes_to_rest_at_any_stiffness_and_communication_step() {
     for mass in [0.3, 3.0, 30.0] {
         for h in [3e-4, 1e-3, 4e-3] {
             let mut b = Builder::new(false, RigidInertia::ZERO);
@@ -95,8 +97,9 @@ fn what_a_motor_holds_comes_to_rest_at_any_stiffness_and_communication_step() {
     }
 }
 
-/// Newton's second law: contact impulse less weight is the change of momentum, in every communication step, however the step
-/// was taken. A block on the ground lifts a load with a soft pd motor; all moves along z alone.
+/// Newton's second law: contact impulse less weight is the change of momentum, in every
+/// communication step, however the step was taken. A block on the ground lifts a load with a soft
+/// pd motor; all moves along z alone.
 #[test]
 fn contact_impulses_change_the_momentum_whether_steps_take_one_solve_or_three() {
     let (mass, load) = (4.0, 2.0);

@@ -1,4 +1,5 @@
-//! Rolling and torsional friction, and friction that is higher at rest, against rigid-body formulas.
+//! Rolling and torsional friction, and friction that is higher at rest, against rigid-body
+//! formulas.
 
 use super::*;
 
@@ -24,7 +25,8 @@ fn started(mut b: Builder, (step, tolerance): (f64, f64)) -> Simulation {
     start(b.model, tolerance)
 }
 
-/// About the contact: (I + m R²) ω̇ = −c m g, so a ball loses 5/7 c g/R; it stops where v0²/2a says, for good.
+/// About the contact: (I + m R²) ω̇ = −c m g, so a ball loses 5/7 c g/R; it stops where v0²/2a
+/// says, for good.
 #[test]
 fn a_rolling_ball_slows_down_by_its_rolling_friction_and_stands() {
     let (c, v0) = (2e-3, 0.5);
@@ -81,7 +83,8 @@ fn a_rolling_cylinder_slows_down_by_its_rolling_friction() {
     }
 }
 
-/// Statics: a ball stays on a slope up to tan θ = c/R, and above it rolls with 5/7 g (sin θ − c/R cos θ).
+/// Statics: a ball stays on a slope up to tan θ = c/R, and above it rolls with 5/7 g (sin θ − c/R
+/// cos θ).
 #[test]
 fn a_ball_stands_for_an_hour_on_a_slope_below_its_rolling_threshold_and_rolls_above() {
     let c = 1e-3;
@@ -92,7 +95,8 @@ fn a_ball_stands_for_an_hour_on_a_slope_below_its_rolling_threshold_and_rolls_ab
         let mut s = started(b, mode);
         run(&mut s, 10.0, 0.1);
         let x = s.state().physical.q[0];
-        // Released into the load, it first gives way by some milliradians: BREAKAWAY at four times the load.
+        // Released into the load, it first gives way by some milliradians: BREAKAWAY at four times
+        // the load.
         assert!(x < 1e-2 * RADIUS, "{mode:?}: {x}");
         run(&mut s, 3610.0, 1.0);
         let creep = (s.state().physical.q[0] - x).abs();
@@ -153,7 +157,8 @@ fn of_two_surfaces_the_larger_resistance_to_turning_counts() {
     assert!((torsional - 3e-3).abs() < 1e-15 && (rolling - 2e-3).abs() < 1e-15);
 }
 
-/// Coulomb with two coefficients: it breaks away at `μ_s N` and then accelerates with the rest of the force.
+/// Coulomb with two coefficients: it breaks away at `μ_s N` and then accelerates with the rest of
+/// the force.
 #[test]
 fn a_block_breaks_away_at_its_static_friction_and_slides_with_its_dynamic_one() {
     let (sliding, rest) = (0.4, 0.6);

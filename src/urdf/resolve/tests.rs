@@ -33,7 +33,7 @@ fn found(folder: &Folder, base: &str, paths: &[&str], name: &str) -> Option<Stri
 }
 
 #[test]
-fn every_form_of_name_is_found() {
+fn every_form_of_mesh_name_is_found() {
     let folder = Folder::new(
         "resolve",
         &[
@@ -87,7 +87,7 @@ fn every_form_of_name_is_found() {
 }
 
 #[test]
-fn the_mesh_folder_of_mujoco_is_looked_into() {
+fn meshes_are_looked_for_in_the_mesh_folder_of_mujoco() {
     let folder = Folder::new(
         "meshdir",
         &[("r/assets/a.stl", ""), ("r/assets/b/c.stl", "")],
@@ -120,7 +120,7 @@ fn a_name_in_other_case_is_hinted_at() {
 }
 
 #[test]
-fn what_is_not_found_lists_every_place_and_an_advice() {
+fn a_missing_mesh_lists_every_place_searched_and_advice() {
     let options = ReadOptions {
         package_paths: vec![PathBuf::from("/nowhere")],
         ..ReadOptions::default()
@@ -221,7 +221,7 @@ fn a_file_outside_of_the_robot_s_folders_is_not_taken() {
 
 #[cfg(unix)]
 #[test]
-fn symbolic_links_are_followed_but_told_and_loops_end() {
+fn symbolic_links_are_followed_and_reported_and_cycles_end() {
     use std::os::unix::fs::symlink;
     let folder = Folder::new("links", &[("far/a.stl", ""), ("bot/own.stl", "")]);
     let bot = folder.0.join("bot");

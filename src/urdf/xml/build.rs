@@ -1,6 +1,6 @@
 //! XML text → [`Document`], by quick-xml, with a finding at its place for what is no XML.
 //!
-//! What an XML bomb needs is refused: DOCTYPE and entities, deep nesting, masses of elements.
+//! Constructs of XML bombs are refused: DOCTYPE and entities, deep nesting, very many elements.
 
 use super::{Attribute, Document, Element};
 use crate::diagnostic::Report;
@@ -335,7 +335,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_xml_is_told_with_its_place() {
+    fn text_that_is_not_xml_is_reported_with_its_place() {
         assert_eq!(problem(""), "U003 1:1");
         assert_eq!(problem("hello"), "U003 1:1");
         assert_eq!(problem("<a>\n <b>\n</a>"), "U003 3:1");

@@ -81,7 +81,7 @@ fn illegal_step_sizes_are_refused() {
 }
 
 #[test]
-fn experiments_that_make_no_sense_are_refused() {
+fn illegal_arguments_of_setup_experiment_are_refused() {
     let mut instance = instance();
     assert!(instance.setup_experiment(None, f64::NAN, None).is_err());
     assert!(

@@ -1,0 +1,165 @@
+//! Documents and comments name only what exists, and fit into 100 columns.
+//!
+//! In: every `*.rs` and `*.md` file of the repository but the recorded samples. Exceptions of the
+//! line length: rows of tables, and code, which `rustfmt` breaks as far as it can.
+
+use std::collections::HashSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Columns of a line, at most.
+const COLUMNS: usize = 100;
+/// Folders of this repository that documents may name files of.
+const FOLDERS: [&str; 8] = [
+    "src/",
+    "fmi/",
+    "build/",
+    "tests/",
+    "benches/",
+    "docs/",
+    "examples/",
+    "fuzz/",
+];
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+/// All files below `folder` with one of these extensions, without hidden and built folders.
+fn files(folder: &Path, extensions: &[&str], found: &mut Vec<PathBuf>) {
+    for entry in fs::read_dir(folder).expect("the folder can be read") {
+        let path = entry.expect("the folder can be read").path();
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        if name.starts_with('.') || name == "target" || name == "corpus" && !in_tests(&path) {
+            continue;
+        }
+        if path.is_dir() {
+            files(&path, extensions, found);
+        } else if path
+            .extension()
+            .is_some_and(|e| extensions.iter().any(|x| e == *x))
+        {
+            found.push(path);
+        }
+    }
+}
+
+/// `tests/corpus` holds scripts; the other folders of that name hold samples.
+fn in_tests(path: &Path) -> bool {
+    path == root().join("tests/corpus")
+}
+
+fn texts(extensions: &[&str]) -> Vec<(String, String)> {
+    let mut found = Vec::new();
+    files(root(), extensions, &mut found);
+    found.sort();
+    assert!(found.len() > 10, "the repository's files are found");
+    let text = |path: PathBuf| {
+        let name = path.strip_prefix(root()).expect("below the root");
+        let text = fs::read_to_string(&path).expect("UTF-8");
+        (name.to_string_lossy().replace('\\', "/"), text)
+    };
+    found.into_iter().map(text).collect()
+}
+
+/// What stands in backticks in a line.
+fn quoted(line: &str) -> impl Iterator<Item = &str> {
+    line.split('`').skip(1).step_by(2)
+}
+
+fn has_extension(name: &str, extension: &str) -> bool {
+    Path::new(name).extension().is_some_and(|e| e == extension)
+}
+
+fn is_test_name(word: &str) -> bool {
+    word.matches('_').count() >= 4
+        && word
+            .bytes()
+            .all(|b| b.is_ascii_lowercase() || b.is_ascii_digit() || b == b'_')
+}
+
+#[test]
+fn lines_of_documents_and_comments_fit_into_100_columns() {
+    let mut long = Vec::new();
+    for (name, text) in texts(&["rs", "md"]) {
+        for (number, line) in text.lines().enumerate() {
+            let comment = line.trim_start().starts_with("//");
+            let prose = line.trim_start_matches([' ', '/', '!']);
+            if line.chars().count() > COLUMNS
+                && (has_extension(&name, "md") || comment)
+                && !prose.starts_with('|')
+            {
+                long.push(format!("{name}:{}", number + 1));
+            }
+        }
+    }
+    assert!(long.is_empty(), "longer than {COLUMNS} columns: {long:#?}");
+}
+
+#[test]
+fn documents_name_files_and_tests_that_exist() {
+    let mut functions = HashSet::new();
+    for (_, text) in texts(&["rs", "py"]) {
+        for line in text.lines() {
+            let line = line.trim_start();
+            for keyword in ["fn ", "pub fn ", "pub(crate) fn ", "pub(super) fn ", "def "] {
+                if let Some(rest) = line.strip_prefix(keyword) {
+                    let end = rest.find(['(', '<']).unwrap_or(rest.len());
+                    functions.insert(rest[..end].to_string());
+                }
+            }
+            // A macro makes tests of lines such as `name: Value, 8;`.
+            if let Some((name, _)) = line.split_once(": ").filter(|_| line.ends_with(';')) {
+                functions.insert(name.to_string());
+            }
+        }
+    }
+    let mut missing = Vec::new();
+    let mut named = [0, 0];
+    for (name, text) in texts(&["md", "rs"]) {
+        // The list of changes names what has been; of the sources the page of numbers names tests.
+        if name == "CHANGELOG.md" || has_extension(&name, "rs") && name != "src/tuning.rs" {
+            continue;
+        }
+        let folder = root().join(&name);
+        let folder = folder.parent().expect("a file has a folder");
+        for (number, line) in text.lines().enumerate() {
+            let mut miss = |what: &str| missing.push(format!("{name}:{}: {what}", number + 1));
+            for word in quoted(line) {
+                if FOLDERS.iter().any(|f| word.starts_with(f))
+                    && !word.contains(['*', '<', ' ', '{', '…'])
+                {
+                    named[0] += 1;
+                    if !root().join(word).exists() {
+                        miss(word);
+                    }
+                }
+                let test = word.rsplit("::").next().unwrap_or(word);
+                if is_test_name(test) {
+                    named[1] += 1;
+                    if !functions.contains(test) {
+                        miss(word);
+                    }
+                }
+            }
+            for link in line
+                .split("](")
+                .skip(1)
+                .filter_map(|rest| rest.split(')').next())
+            {
+                let file = link.split('#').next().unwrap_or(link);
+                if !file.is_empty() && !file.contains("://") && !folder.join(file).exists() {
+                    miss(link);
+                }
+            }
+        }
+    }
+    assert!(
+        named[0] > 50 && named[1] > 100,
+        "files and tests are named: {named:?}"
+    );
+    assert!(
+        missing.is_empty(),
+        "documents name what does not exist: {missing:#?}"
+    );
+}
