@@ -142,7 +142,7 @@ ranges! {
     Stiffness 1e-3 to 1e15;
     Dissipation 0.0 to 1e6;
     ReferenceSpeed 1e-9 to 1e9;
-    View 0.0 to 6.2832;
+    View 0.0 to 6.3;
     Step (0) or 1e-7 to 1.0;
     Tolerance 1e-12 to 1.0;
     ToleranceOrNone (0) or 1e-12 to 1.0;

@@ -93,7 +93,7 @@ impl Fixed {
         let from = &state.physical;
         let turning = fastest(ctx, &from.v) * part.whole > TURN;
         let gain = turning.then(|| GAIN * part.h / part.whole);
-        let explicit = &mut methods.explicit;
+        let explicit = &mut *methods.explicit;
         if explicit.attempt_fixed(ctx, methods.here, state, (part.h, gain), attempt) {
             return Outcome::Good;
         }

@@ -103,21 +103,21 @@ fn a_step_that_takes_too_much_work_ends_the_simulation_and_says_what_to_change()
 
 /// A chain of `links` links on hinges.
 fn chain(links: usize) -> String {
-    let mut urdf = String::from("<robot name=\"chain\">");
-    for i in 0..links {
-        urdf += &format!(
+    let link = |i: usize| {
+        format!(
             "<link name=\"l{i}\"><inertial><mass value=\"0.1\"/><inertia ixx=\"1e-4\" ixy=\"0\" \
              ixz=\"0\" iyy=\"1e-4\" iyz=\"0\" izz=\"1e-4\"/></inertial></link>\n"
-        );
-        if i > 0 {
-            urdf += &format!(
-                "<joint name=\"j{i}\" type=\"continuous\"><parent link=\"l{}\"/><child \
-                 link=\"l{i}\"/><origin xyz=\"0.1 0 0\"/><axis xyz=\"0 1 0\"/></joint>\n",
-                i - 1
-            );
-        }
-    }
-    urdf + "</robot>"
+        )
+    };
+    let joint = |i: usize| {
+        format!(
+            "<joint name=\"j{i}\" type=\"continuous\"><parent link=\"l{}\"/><child \
+             link=\"l{i}\"/><origin xyz=\"0.1 0 0\"/><axis xyz=\"0 1 0\"/></joint>\n",
+            i - 1
+        )
+    };
+    let parts: Vec<String> = (0..links).map(link).chain((1..links).map(joint)).collect();
+    format!("<robot name=\"chain\">{}</robot>", parts.concat())
 }
 
 #[test]
