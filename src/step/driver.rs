@@ -250,7 +250,7 @@ impl Stepper {
             // explicit, too.
             std::mem::swap(&mut self.here.kin, &mut self.explicit.end);
             let next = landing(way.proposed.min(MAX_STEP), way.remaining());
-            self.here.find_terms(&ctx.after(h), &state.physical, next);
+            self.here.find_smooth(&ctx.after(h), &state.physical, next);
         } else {
             way.standing = Standing::Nowhere;
         }

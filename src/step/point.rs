@@ -79,11 +79,19 @@ impl Point {
     /// is for explicit steps alone. After [`Self::pose`].
     pub(super) fn update_smooth(&mut self, ctx: &Context, from: &Physical, h: f64) {
         if ctx.tree.long {
-            crba::diagonal(ctx.tree, &mut self.kin);
-            self.find_terms(ctx, from, h);
+            self.find_smooth(ctx, from, h);
         } else {
             self.update_dynamics(ctx, from, h);
         }
+    }
+
+    /// The same after an explicit step, whose last stage has found mass matrix and bias here unless
+    /// the tree is long.
+    pub(super) fn find_smooth(&mut self, ctx: &Context, from: &Physical, h: f64) {
+        if ctx.tree.long {
+            crba::diagonal(ctx.tree, &mut self.kin);
+        }
+        self.find_terms(ctx, from, h);
     }
 
     /// What depends on velocities, after the poses are up to date.
