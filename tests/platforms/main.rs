@@ -9,12 +9,10 @@
 #[allow(dead_code, reason = "only the robots of PyBullet are used")]
 #[path = "../python/environment.rs"]
 mod environment;
-#[path = "../skipped.rs"]
-mod skipped;
 mod wine;
 
+use environment::skipped::skipped;
 use serde_json::Value;
-use skipped::skipped;
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 use std::fs;

@@ -9,7 +9,7 @@ use std::process::Command;
 use urdf2fmu_core::hash::Fnv;
 
 #[path = "../skipped.rs"]
-mod skipped;
+pub mod skipped;
 
 /// A virtual environment with everything that the tests need.
 pub struct Environment {
