@@ -376,7 +376,7 @@ impl Simulation {
         if !self.inputs.is_finite_at(span) {
             return Err(refused(self.state.time));
         }
-        let most = (self.parameters.get(ParameterSlot::MaxSteps) * span.max(1.0)).floor();
+        let most = libm::floor(self.parameters.get(ParameterSlot::MaxSteps) * span.max(1.0));
         #[expect(
             clippy::cast_possible_truncation,
             clippy::cast_sign_loss,
