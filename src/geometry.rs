@@ -1,7 +1,7 @@
 //! Collision shapes, their reach, and the convex hull of a mesh.
 //!
 //! Their volume and inertia are in `solid`, the algorithm of the hull in `hull`. Contact points of
-//! a shape against the ground are found in [`crate::contact`].
+//! a shape against the ground are found in [`crate::force`].
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
@@ -92,7 +92,7 @@ impl Shape {
         }
     }
 
-    /// How many friction displacements the state keeps for this shape, see [`crate::contact`].
+    /// How many friction displacements the state keeps for this shape, see [`crate::force`].
     pub fn slots(&self) -> usize {
         match self {
             Self::Sphere { .. } => 1,

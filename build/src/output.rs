@@ -229,7 +229,7 @@ pub fn print(text: &str) -> Result<(), OutputError> {
 /// Prints findings and problems to standard error.
 ///
 /// # Errors
-/// As [`print`].
+/// As [`print()`].
 pub fn tell(text: &str) -> Result<(), OutputError> {
     quiet("error", write_to(2, &io::stderr(), text))
 }

@@ -8,7 +8,7 @@
 //!    slips along `ŷ`).
 //! 3. The displacement after the step is `(F − d u)/k`, at which the spring alone gives what the
 //!    damper leaves of `F`. Along the slip it may only approach that value, see
-//!    [`ElastoPlastic::slipped`].
+//!    `ElastoPlastic::slipped`.
 //!
 //! Where friction at rest is higher than sliding friction, the cap follows the speed at the start
 //! of the step (Stribeck): within the step it is constant, which keeps the law convex.

@@ -91,7 +91,7 @@ fn desired_speed(e: f64, slope: f64, braking: f64, limit: f64) -> (f64, f64) {
     }
 }
 
-/// [`desired_speed`] towards a target that moves at `rate`, within `limit`, and its derivative with
+/// `desired_speed` towards a target that moves at `rate`, within `limit`, and its derivative with
 /// the distance.
 #[inline]
 pub fn servo_speed(e: f64, rate: f64, slope: f64, braking: f64, limit: f64) -> (f64, f64) {

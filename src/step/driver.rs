@@ -1,7 +1,7 @@
 //! From one communication point to the next: propose a step, cap it, try it, guard it, accept it.
 //!
 //! Only this file knows the methods: explicit steps where nothing stiff acts, else implicit steps;
-//! steps of a length that the user fixes are in `fixed`. A try ([`Attempt`]) is accepted whole or
+//! steps of a length that the user fixes are in `fixed`. A try (`Attempt`) is accepted whole or
 //! dropped. The last step of a way lands on the communication point to the bit.
 
 use crate::model::Model;

@@ -1,6 +1,9 @@
 //! Random drops: a robot is dropped onto the ground in every attitude, limp or driven, unmodified
 //! or with one property at an extreme value. The tests take a sample; `benches/drops.rs` runs the
 //! thousands of `docs/robustness.md`.
+//!
+//! Over 500 lines because the falls, what disturbs them and the ledger they are held to belong
+//! together.
 
 use crate::random::Random;
 use std::sync::Arc;
