@@ -10,10 +10,13 @@
 //! | `URDF2FMU_LIBRARY` | a ready library for the target platform; `none`: this platform is left out |
 //! | `URDF2FMU_LIBRARY_DIR` | a folder with `<platform>/` folders, each with one library, such as `platforms.sh` makes; all are embedded |
 
+use flate2::Compression;
+use flate2::write::DeflateEncoder;
 use std::env;
 use std::error::Error;
 use std::fmt::Write as _;
 use std::fs;
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
@@ -79,9 +82,18 @@ fn run() -> Result<(), Box<dyn Error>> {
             library.file.display()
         );
     }
-    let place = PathBuf::from(env::var("OUT_DIR")?).join("libraries.rs");
-    fs::write(place, source(&libraries)?)?;
+    let out = PathBuf::from(env::var("OUT_DIR")?);
+    fs::write(out.join("libraries.rs"), source(&libraries)?)?;
+    fs::write(out.join("page.deflate"), deflated("page/dist/page.js")?)?;
     Ok(())
+}
+
+/// A file of this package, deflated: a third of its size in the command and in every page.
+fn deflated(file: &str) -> Result<Vec<u8>, Box<dyn Error>> {
+    println!("cargo::rerun-if-changed={file}");
+    let mut encoder = DeflateEncoder::new(Vec::new(), Compression::best());
+    encoder.write_all(&fs::read(file)?)?;
+    Ok(encoder.finish()?)
 }
 
 /// An environment variable on which the result depends; empty counts as unset.

@@ -30,3 +30,8 @@ fn the_corpus_of_settings_does_no_harm() {
 fn the_corpus_of_calls_does_no_harm() {
     replay("calls", targets::calls);
 }
+
+#[test]
+fn the_corpus_of_viewers_does_no_harm() {
+    replay("viewer", targets::viewer);
+}

@@ -7,6 +7,7 @@
 //! | `model` | a prepared model as text, or changes to the numbers of a good one |
 //! | `settings` | a settings file |
 //! | `calls` | a sequence of FMI calls with their arguments |
+//! | `viewer` | a request or the frames of a socket, as a live view gets them |
 #![allow(
     unsafe_code,
     dead_code,
@@ -21,8 +22,11 @@
 
 #[path = "targets/calls.rs"]
 mod calls;
+#[path = "targets/viewer.rs"]
+mod viewer;
 
 pub use calls::calls;
+pub use viewer::viewer;
 
 use std::ffi::{CString, c_char, c_void};
 use std::ptr::{null, null_mut};

@@ -1,5 +1,6 @@
 //! The command line and its options. [`crate::commands`] executes it.
 
+use crate::picture::{self, Look, Toward};
 use crate::stage::Request;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::{Path, PathBuf};
@@ -30,12 +31,21 @@ pub(crate) enum Command {
     /// Write commented settings for a robot, which change nothing until they are edited
     #[command(after_help = "Example: urdf2fmu init rover.urdf > rover.toml")]
     Init(Init),
+    /// Take a picture of a robot, or of an FMU made by urdf2fmu, as a PNG
+    #[command(after_help = "Example: urdf2fmu picture rover.urdf -o rover.png --theme light")]
+    Picture(Picture),
+    /// Make a page that plays a run in 3-D and plots it, from results of any program
+    #[command(after_help = "Example: urdf2fmu report out.csv --model rover.fmu -o rover.html")]
+    Report(Report),
     /// Simulate an FMU, or a robot by way of its FMU, as an importer does
     #[command(
         after_help = "Example: urdf2fmu simulate rover.fmu --start-value cmd.left_front_wheel_joint.velocity 5 \
                       --stop-time 2 --output-file rover.csv"
     )]
     Simulate(Simulate),
+    /// Show a robot live in a browser: drive it, push it, pause it
+    #[command(after_help = "Example: urdf2fmu view rover.urdf")]
+    View(View),
 }
 
 /// How a robot is read.
@@ -197,6 +207,130 @@ pub(crate) struct Init {
 }
 
 #[derive(Debug, Args)]
+pub(crate) struct Picture {
+    /// A URDF, or an FMU made by urdf2fmu
+    #[arg(value_name = "ROBOT.urdf|ROBOT.fmu")]
+    pub(crate) file: PathBuf,
+    /// The picture to write [default: the robot's name with .png, in this folder]
+    #[arg(short, long, value_name = "FILE.png")]
+    pub(crate) output: Option<PathBuf>,
+    /// An animated PNG of this run: a table that `simulate` or another importer wrote
+    #[arg(long, value_name = "FILE.csv")]
+    pub(crate) run: Option<PathBuf>,
+    /// Pictures of the run a second
+    #[arg(long, value_name = "HZ", value_parser = rate, default_value = "20")]
+    pub(crate) rate: f64,
+    /// Width and height in pixels [default: 512x512, of a run 320x240]
+    #[arg(long, value_name = "WxH", value_parser = size)]
+    pub(crate) size: Option<[usize; 2]>,
+    /// Where the camera stands: front, back, left, right, top, corner, or azimuth from x towards y
+    /// and elevation in degrees, such as 120,15
+    #[arg(long, value_name = "PLACE", value_parser = place, default_value = "corner",
+          allow_hyphen_values = true)]
+    pub(crate) from: Toward,
+    /// What is behind the robot [default: clear, of a run light]
+    #[arg(long, value_name = "THEME")]
+    pub(crate) theme: Option<Theme>,
+    #[command(flatten)]
+    pub(crate) source: Source,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Theme {
+    /// Nothing but its shadow, for pages of any colour
+    Clear,
+    /// Nothing at all
+    Cutout,
+    /// A light floor with a grid
+    Light,
+    /// A dark floor with a grid
+    Dark,
+}
+
+/// Longest side of a picture, pixels.
+const LONGEST_SIDE: usize = 4096;
+
+/// `640x480`.
+fn size(text: &str) -> Result<[usize; 2], String> {
+    let side = |text: &str| {
+        let side = text.trim().parse::<usize>().ok();
+        side.filter(|side| (16..=LONGEST_SIDE).contains(side))
+    };
+    text.split_once(['x', 'X', '×'])
+        .and_then(|(width, height)| Some([side(width)?, side(height)?]))
+        .ok_or_else(|| {
+            format!("give width x height in pixels, each 16 to {LONGEST_SIDE}, such as 640x480")
+        })
+}
+
+/// Pictures a second.
+fn rate(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(rate) if (1.0..=60.0).contains(&rate) => Ok(rate),
+        _ => Err("must be 1 to 60".to_owned()),
+    }
+}
+
+/// A named place, or azimuth and elevation.
+fn place(text: &str) -> Result<Toward, String> {
+    let at = |azimuth, elevation| Toward { azimuth, elevation };
+    Ok(match text {
+        // Robots look along x.
+        "front" => at(0.0, 8.0),
+        "back" => at(180.0, 8.0),
+        "left" => at(90.0, 8.0),
+        "right" => at(-90.0, 8.0),
+        "top" => at(-90.0, 89.0),
+        "corner" => Look::default().from,
+        _ => {
+            let number = |text: &str| text.trim().parse::<f64>().ok().filter(|x| x.is_finite());
+            let numbers = text
+                .split_once(',')
+                .and_then(|(azimuth, elevation)| Some((number(azimuth)?, number(elevation)?)));
+            match numbers {
+                Some((azimuth, elevation)) if azimuth.abs() <= 360.0 && elevation.abs() <= 90.0 => {
+                    at(azimuth, elevation)
+                }
+                _ => {
+                    return Err(
+                        "give front, back, left, right, top, corner, or azimuth (-360 … 360) and \
+                         elevation (-90 … 90) in degrees, such as 120,15"
+                            .to_owned(),
+                    );
+                }
+            }
+        }
+    })
+}
+
+impl Picture {
+    /// As asked for, with the defaults of a picture or of an animation.
+    pub(crate) fn look(&self) -> Look {
+        let film = self.run.is_some();
+        let (theme, size) = if film {
+            (Theme::Light, [320, 240])
+        } else {
+            (Theme::Clear, [512, 512])
+        };
+        let [width, height] = self.size.unwrap_or(size);
+        let plain = Look::default();
+        Look {
+            width,
+            height,
+            from: self.from,
+            theme: match self.theme.unwrap_or(theme) {
+                Theme::Clear => picture::Theme::Clear,
+                Theme::Cutout => picture::Theme::Cutout,
+                Theme::Light => picture::Theme::Light,
+                Theme::Dark => picture::Theme::Dark,
+            },
+            // In motion, a third of the sky looks as good.
+            sky: if film { plain.sky / 3 } else { plain.sky },
+        }
+    }
+}
+
+#[derive(Debug, Args)]
 pub(crate) struct Simulate {
     /// A URDF or an FMU
     #[arg(value_name = "ROBOT.urdf|ROBOT.fmu")]
@@ -204,9 +338,12 @@ pub(crate) struct Simulate {
     /// Inputs over time: CSV, `time` first, then inputs by name; straight lines between the rows
     #[arg(long, value_name = "FILE.csv")]
     pub(crate) input_file: Option<PathBuf>,
-    /// Where the results go, as CSV [default: standard output]
+    /// Where the results go, as CSV [default: standard output, with --report nowhere]
     #[arg(long, value_name = "FILE.csv")]
     pub(crate) output_file: Option<PathBuf>,
+    /// Where a page goes that plays the results in 3-D and plots them
+    #[arg(long, value_name = "FILE.html")]
+    pub(crate) report: Option<PathBuf>,
     /// Sets a parameter or an input at the start; may be repeated
     #[arg(long, num_args = 2, value_names = ["NAME", "VALUE"], action = clap::ArgAction::Append,
           allow_negative_numbers = true)]
@@ -231,6 +368,52 @@ pub(crate) struct Simulate {
     pub(crate) debug_logging: bool,
     #[command(flatten)]
     pub(crate) source: Source,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Report {
+    /// Results: separated values, names in the first line, one of them `time`
+    #[arg(value_name = "RESULTS.csv")]
+    pub(crate) results: PathBuf,
+    /// The robot: an FMU made by urdf2fmu, or a URDF
+    #[arg(long, value_name = "ROBOT.fmu|ROBOT.urdf")]
+    pub(crate) model: PathBuf,
+    /// The page to write [default: the results' name with .html, in this folder]
+    #[arg(short, long, value_name = "FILE.html")]
+    pub(crate) output: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) source: Source,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct View {
+    /// A URDF, or an FMU made by urdf2fmu
+    #[arg(value_name = "ROBOT.urdf|ROBOT.fmu")]
+    pub(crate) file: PathBuf,
+    /// Port on 127.0.0.1, 0 for any
+    #[arg(long, value_name = "PORT", default_value_t = 0)]
+    pub(crate) port: u16,
+    /// Open no browser, only print the address
+    #[arg(long)]
+    pub(crate) no_open: bool,
+    /// Simulated seconds for each second
+    #[arg(long, value_name = "FACTOR", value_parser = speed, default_value = "1")]
+    pub(crate) speed: f64,
+    /// Inputs over time: CSV, `time` first, then inputs by name; straight lines between the rows
+    #[arg(long, value_name = "FILE.csv")]
+    pub(crate) input_file: Option<PathBuf>,
+    /// Where the results go, as CSV; a run after a reset gets a file of its own
+    #[arg(long, value_name = "FILE.csv")]
+    pub(crate) record: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) source: Source,
+}
+
+/// A speed of `view`.
+fn speed(text: &str) -> Result<f64, String> {
+    let number = text.parse::<f64>().ok();
+    let number = number.filter(|x| (0.01..=100.0).contains(x));
+    number.ok_or_else(|| "must be 0.01 … 100".to_owned())
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -265,6 +448,7 @@ impl Source {
                 Conventions::None => Compat::None,
                 Conventions::Pybullet => Compat::PyBullet,
             }),
+            pushable: false,
             scale: self.scale,
             flat_names: self
                 .naming

@@ -1,97 +1,28 @@
-//! The commands, and the errors that can end them early.
+//! The commands.
 //!
 //! Results go to standard output, findings and problems to standard error, all of it through
 //! [`crate::output`].
 
-use crate::cli::{Check, Cli, Command, Deny, Export, Info, Init, Simulate};
+mod see;
+mod shared;
+
+pub use shared::{CliError, print_findings};
+use shared::{as_fmu, is_fmu, temporary};
+
+use crate::cli::{Check, Cli, Command, Deny, Export, Info, Init, Picture, Simulate};
 use crate::diagnostics::{self, Style};
+use crate::importer::csv::Table;
 use crate::importer::error::RunError;
 use crate::importer::run::{self, Experiment};
 use crate::output::{OutputError, Target, print, tell};
+use crate::scene::{self, Scene};
 use crate::stage::{self, Robot, StageError};
-use crate::{archive, info, init, library, summary};
+use crate::{archive, info, init, library, picture, summary};
 use serde_json::json;
-use std::path::{Path, PathBuf};
-use urdf2fmu_core::diagnostic::{Diagnostic, Severity};
-use urdf2fmu_core::prepared::{FILE_NAME, PreparedModel, PreparedModelError};
-use urdf2fmu_core::variables::{self, TableError};
-
-/// What ends the program early.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum CliError {
-    /// Findings; they are printed one by one.
-    #[error("{summary}")]
-    Findings {
-        /// All of them, errors too.
-        findings: Vec<Diagnostic>,
-        /// One line for the end.
-        summary: String,
-    },
-    /// Anything on the way to an FMU.
-    #[error(transparent)]
-    Stage(StageError),
-    /// Reading or writing a zip.
-    #[error(transparent)]
-    Archive(#[from] archive::ArchiveError),
-    /// The FMU's model.
-    #[error("'{}': {source}", path.display())]
-    Prepared {
-        /// The FMU.
-        path: PathBuf,
-        /// Why.
-        source: PreparedModelError,
-    },
-    /// The FMU's table.
-    #[error(transparent)]
-    Table(#[from] TableError),
-    /// Whatever is written.
-    #[error(transparent)]
-    Output(#[from] OutputError),
-    /// `init -c`.
-    #[error("init writes new settings: leave -c out")]
-    InitFromSettings,
-    /// The simulation of an FMU.
-    #[error(transparent)]
-    Run(#[from] RunError),
-    /// A folder to unpack an FMU in.
-    #[error("cannot make a temporary folder: {0}")]
-    Temporary(std::io::Error),
-    /// An FMU that another program made.
-    #[error("'{}' was not made by urdf2fmu: it has no resources/{FILE_NAME}", path.display())]
-    ForeignFmu {
-        /// The file.
-        path: PathBuf,
-    },
-}
-
-impl CliError {
-    /// The program's exit code.
-    pub fn exit_code(&self) -> u8 {
-        match self {
-            Self::Stage(StageError::Platform { .. }) | Self::InitFromSettings => 2,
-            Self::Stage(StageError::Trial(_)) => 3,
-            Self::Run(error) if error.is_simulation() => 3,
-            Self::Run(error) if error.is_usage() => 2,
-            _ => 1,
-        }
-    }
-}
-
-impl From<StageError> for CliError {
-    fn from(error: StageError) -> Self {
-        match error {
-            StageError::Robot(findings) => {
-                let tally = diagnostics::tally(&findings).unwrap_or_default();
-                Self::Findings {
-                    findings,
-                    summary: format!("the robot cannot be used: {tally}"),
-                }
-            }
-            other => Self::Stage(other),
-        }
-    }
-}
+use std::path::PathBuf;
+use urdf2fmu_core::diagnostic::Severity;
+use urdf2fmu_core::prepared::{FILE_NAME, PreparedModel};
+use urdf2fmu_core::variables;
 
 /// Does what was asked.
 ///
@@ -103,7 +34,10 @@ pub fn run(cli: &Cli) -> Result<(), CliError> {
         Command::Info(args) => show(args),
         Command::Check(args) => check(args),
         Command::Init(args) => init(args),
+        Command::Picture(args) => picture(args),
+        Command::Report(args) => see::report(args),
         Command::Simulate(args) => simulate(args),
+        Command::View(args) => see::view(args),
     }
 }
 
@@ -205,28 +139,95 @@ fn check(args: &Check) -> Result<(), CliError> {
     })
 }
 
-fn simulate(args: &Simulate) -> Result<(), CliError> {
+fn picture(args: &Picture) -> Result<(), CliError> {
     let mut inputs = vec![args.file.clone()];
-    inputs.extend(args.input_file.clone());
-    let folder = tempfile::Builder::new()
-        .prefix("urdf2fmu-")
-        .tempdir()
-        .map_err(CliError::Temporary)?;
-    let fmu = if is_fmu(&args.file) {
-        args.file.clone()
+    inputs.extend(args.run.clone());
+    let scene = if is_fmu(&args.file) {
+        let path = args.file.clone();
+        let name = format!("resources/{}", scene::FILE_NAME);
+        match archive::read_entry(&path, &name)? {
+            Some(bytes) => {
+                Scene::from_bytes(&bytes).map_err(|source| CliError::Scene { path, source })?
+            }
+            None => return Err(CliError::NoScene { path }),
+        }
     } else {
         let robot = stage::robot(&args.source.request(&args.file))?;
         print_findings(&robot.diagnostics, Severity::Warning)?;
-        let path = folder.path().join("robot.fmu");
-        let fmu = stage::fmu(&robot, &args.file, &[])?;
-        Target::new(&path, [])?.write(&fmu.bytes)?;
-        inputs.extend(robot.sources);
-        path
+        inputs.extend(robot.sources.iter().cloned());
+        stage::scene(&robot)?
     };
-    let target = match &args.output_file {
-        Some(path) => Some(Target::new(path, inputs.iter().map(PathBuf::as_path))?),
+    let output = args.output.clone().unwrap_or_else(|| {
+        let stem = args.file.file_stem().unwrap_or("robot".as_ref());
+        PathBuf::from(stem).with_extension("png")
+    });
+    let target = Target::new(&output, inputs.iter().map(PathBuf::as_path))?;
+    let look = args.look();
+    let Some(run) = &args.run else {
+        let poses = scene::link_poses(&scene.head, |_| None);
+        let (picture, camera) = picture::still(&scene, &poses, &look);
+        let bytes = picture::encode(&picture);
+        target.write(&bytes)?;
+        print(&summary::picture(&output, bytes.len(), &look, &camera))?;
+        return Ok(());
+    };
+    if matches!(look.theme, picture::Theme::Clear | picture::Theme::Cutout) {
+        return Err(CliError::FilmTheme);
+    }
+    let csv = |source| RunError::Csv {
+        path: run.clone(),
+        source,
+    };
+    let text = std::fs::read_to_string(run).map_err(|source| {
+        CliError::Run(RunError::Read {
+            path: run.clone(),
+            source,
+        })
+    })?;
+    let table = Table::parse(&text).map_err(csv)?;
+    let shown = picture::poses(&scene.head, &table, args.rate).map_err(|source| {
+        let path = run.clone();
+        CliError::Show { path, source }
+    })?;
+    if let Some(first) = shown.missing.first() {
+        let more = shown.missing.len() - 1;
+        tell(&format!(
+            "warning: '{}' has no column '{first}' (nor {more} others): that part of the robot stays at its start\n",
+            run.display()
+        ))?;
+    }
+    // 1 … 60 pictures a second.
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "16 … 1000"
+    )]
+    let delay = (1000.0 / args.rate).round() as u16;
+    let bytes = picture::film(&scene, &shown.poses, delay, &look);
+    target.write(&bytes)?;
+    print(&summary::film(
+        &output,
+        bytes.len(),
+        &look,
+        shown.poses.len(),
+    ))?;
+    Ok(())
+}
+
+fn simulate(args: &Simulate) -> Result<(), CliError> {
+    let folder = temporary()?;
+    let (fmu, mut inputs) = as_fmu(&args.file, &args.source.request(&args.file), folder.path())?;
+    inputs.extend(args.input_file.clone());
+    let target = |path: &Option<PathBuf>| -> Result<Option<Target>, OutputError> {
+        let target = |path| Target::new(path, inputs.iter().map(PathBuf::as_path));
+        path.as_deref().map(target).transpose()
+    };
+    let report = match target(&args.report)? {
+        // What a report needs is looked for before the simulation.
+        Some(target) => Some((target, see::scene(&fmu, &args.file)?)),
         None => None,
     };
+    let target = target(&args.output_file)?;
     let unpacked = folder.path().join("fmu");
     archive::unpack(&fmu, &unpacked)?;
     let pairs = args.start_value.chunks_exact(2);
@@ -247,8 +248,13 @@ fn simulate(args: &Simulate) -> Result<(), CliError> {
     let text = outcome.table.to_text();
     let written = match &target {
         Some(target) => target.write(text.as_bytes()),
+        None if report.is_some() => Ok(()),
         None => print(&text),
     };
+    let written = written.and_then(|()| match report {
+        Some((target, scene)) => see::report_of(&target, &scene, &outcome.table, &args.start_value),
+        None => Ok(()),
+    });
     let told = outcome.messages.iter().try_for_each(|(status, message)| {
         let word = match status {
             0 => "note",
@@ -266,23 +272,4 @@ fn simulate(args: &Simulate) -> Result<(), CliError> {
             Err(failure.into())
         }
     }
-}
-
-fn is_fmu(path: &Path) -> bool {
-    path.extension()
-        .is_some_and(|e| e.eq_ignore_ascii_case("fmu"))
-}
-
-/// Prints findings that are at least as bad as `least`.
-///
-/// # Errors
-/// [`OutputError::Stream`].
-pub fn print_findings(findings: &[Diagnostic], least: Severity) -> Result<(), OutputError> {
-    let style = Style::of_stderr();
-    let worst = findings.iter().filter(|d| d.severity >= least);
-    tell(
-        &worst
-            .map(|d| diagnostics::render(d, style))
-            .collect::<String>(),
-    )
 }

@@ -56,6 +56,7 @@ fn model() -> Model {
             angular_velocity: Vec3::zeros(),
             joint_positions: Vec::new(),
             joint_velocities: Vec::new(),
+            set_down: false,
         },
         solver: SolverDefaults {
             step_size: 0.0,

@@ -18,6 +18,8 @@ pub struct Remark {
     pub code: &'static str,
     /// In words.
     pub message: String,
+    /// What to do.
+    pub help: Option<String>,
     /// `rover.urdf, line 12`; none for what has no place.
     pub place: Option<String>,
 }
@@ -48,6 +50,10 @@ pub fn html(page: &Page, model: &Model, table: &[Variable]) -> String {
          <body>\n<h1>{name}</h1>\n<p class=\"quiet\">FMI 2.0 co-simulation FMU of a URDF robot, made by urdf2fmu {}</p>\n",
         include_str!("documentation.css"),
         env!("CARGO_PKG_VERSION"),
+    );
+    _ = writeln!(
+        out,
+        "<img class=\"robot\" src=\"../model.png\" alt=\"{name} at the start\" width=\"320\" height=\"320\">"
     );
     facts(&mut out, page, model, table);
     remarks(&mut out, page);

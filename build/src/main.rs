@@ -10,6 +10,7 @@ mod archive;
 mod cli;
 mod columns;
 mod commands;
+mod date;
 mod describe;
 mod diagnostics;
 mod documentation;
@@ -20,14 +21,19 @@ mod init;
 mod library;
 mod license;
 mod output;
+mod page;
+mod picture;
 #[cfg(unix)]
 mod process;
+mod report;
+mod scene;
 mod sources;
 mod stage;
 mod structure;
 mod summary;
 
 mod units;
+mod view;
 mod xacro;
 
 use crate::commands::CliError;

@@ -1,4 +1,4 @@
-//! Which standard streams were open when this process started.
+//! Which standard streams were open when this process started, and whether it is to end.
 //!
 //! The standard library opens `/dev/null` in the place of a standard stream that was closed
 //! (`>&-`), before `main` is called, so that a result printed there would vanish without an
@@ -10,7 +10,7 @@
 #![allow(unsafe_code, reason = "runs before main and calls the C library")]
 
 use std::io;
-use std::sync::atomic::{AtomicU8, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
 
 /// Bit `1 << n` is set where stream `n` (1 output, 2 error) was closed.
 static CLOSED: AtomicU8 = AtomicU8::new(0);
@@ -46,4 +46,27 @@ pub fn check_open(stream: u8) -> io::Result<()> {
     } else {
         Err(io::Error::from_raw_os_error(libc::EBADF))
     }
+}
+
+/// Whether SIGINT or SIGTERM has come.
+static ENDED: AtomicBool = AtomicBool::new(false);
+
+extern "C" fn end(signal: libc::c_int) {
+    ENDED.store(true, Ordering::Relaxed);
+    // SAFETY: allowed in a handler. The next one ends the process at once, should it hang.
+    unsafe { libc::signal(signal, libc::SIG_DFL) };
+}
+
+/// From now on Ctrl-C is told by [`ended`] the first time, so that files can be finished.
+pub fn watch_end() {
+    let handler = end as extern "C" fn(libc::c_int);
+    for signal in [libc::SIGINT, libc::SIGTERM] {
+        // SAFETY: the handler only stores to an atomic and sets a signal's action.
+        unsafe { libc::signal(signal, handler as libc::sighandler_t) };
+    }
+}
+
+/// Whether the user wants the process to end.
+pub fn ended() -> bool {
+    ENDED.load(Ordering::Relaxed)
 }

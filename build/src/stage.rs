@@ -10,7 +10,9 @@ use crate::describe::{self, DescribeError, Header};
 use crate::documentation::{self, Page, Remark};
 use crate::identifier::model_identifier;
 use crate::library::{self, Library};
-use crate::{license, sources, xacro};
+use crate::picture::{self, Look};
+use crate::scene::{self, Scene, SceneError};
+use crate::{date, license, sources, xacro};
 use sha2::{Digest, Sha256};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -18,6 +20,7 @@ use std::sync::Arc;
 use urdf2fmu_core::assemble;
 use urdf2fmu_core::diagnostic::{Diagnostic, Severity};
 use urdf2fmu_core::model::{ActuatorMode, Model};
+use urdf2fmu_core::pattern::Pattern;
 use urdf2fmu_core::prepared::{FILE_NAME, PreparedModel, PreparedModelError};
 use urdf2fmu_core::settings::{
     ActuatorSettings, BaseChoice, Compat, InertiaSource, ModeChoice, Settings,
@@ -25,6 +28,9 @@ use urdf2fmu_core::settings::{
 use urdf2fmu_core::simulation::{Simulation, SimulationError};
 use urdf2fmu_core::urdf::{self, Description, ReadOptions};
 use urdf2fmu_core::variables::{self, TableError, Variable};
+
+/// Pictures in an FMU: what importers show for it, and FMI 3's icon; with their sides in pixels.
+const PICTURES: [(&str, usize); 2] = [("model.png", 512), ("terminalsAndIcons/icon.png", 128)];
 
 /// What a person asked for. What stands here wins over the settings file.
 #[derive(Clone, Debug, Default)]
@@ -41,6 +47,8 @@ pub struct Request {
     pub compat: Option<Compat>,
     /// `--inertia`.
     pub inertia: Option<InertiaSource>,
+    /// Whether every link that can move gets inputs for forces from outside.
+    pub pushable: bool,
     /// `--scale`.
     pub scale: Option<f64>,
     /// `--naming`.
@@ -58,6 +66,8 @@ pub struct Request {
 /// A robot that is ready to simulate.
 #[derive(Debug)]
 pub struct Robot {
+    /// As read.
+    pub description: Description,
     /// As prepared.
     pub model: Model,
     /// Every variable of its FMU.
@@ -100,6 +110,9 @@ pub enum StageError {
     /// The XML.
     #[error(transparent)]
     Describe(#[from] DescribeError),
+    /// The scene.
+    #[error("{FILE}: {0}", FILE = scene::FILE_NAME)]
+    Scene(#[from] SceneError),
     /// The zip.
     #[error(transparent)]
     Archive(#[from] ArchiveError),
@@ -146,6 +159,13 @@ pub fn robot(request: &Request) -> Result<Robot, StageError> {
     if let Some(scale) = request.scale {
         settings.scale = scale;
     }
+    if request.pushable {
+        let all = Pattern {
+            text: "*".to_owned(),
+            place: None,
+        };
+        settings.external_wrenches = vec![all];
+    }
     if let Some(flat_names) = request.flat_names {
         settings.flat_names = flat_names;
     }
@@ -153,6 +173,7 @@ pub fn robot(request: &Request) -> Result<Robot, StageError> {
         settings.default_mode = Some(ModeChoice::Commanded(mode));
     }
     let mut options = assemble::read_options(&settings, ReadOptions::from_environment());
+    options.drawn = true;
     options
         .package_paths
         .splice(0..0, request.package_paths.iter().cloned());
@@ -184,10 +205,11 @@ pub fn robot(request: &Request) -> Result<Robot, StageError> {
     };
     diagnostics.extend(assembled.diagnostics);
     let table = variables::table(&assembled.model)?;
-    let mut sources = description.sources;
+    let mut sources = description.sources.clone();
     sources.extend(request.config.clone());
     sources.extend(request.srdf.clone());
     Ok(Robot {
+        description,
         model: assembled.model,
         table,
         diagnostics,
@@ -257,7 +279,7 @@ pub fn fmu(robot: &Robot, urdf: &Path, platforms: &[String]) -> Result<Fmu, Stag
             model_name: &robot.model.name,
             model_identifier: &model_identifier,
             guid: &guid,
-            date: &date(std::env::var("SOURCE_DATE_EPOCH").ok().as_deref()),
+            date: &date::text(std::env::var("SOURCE_DATE_EPOCH").ok().as_deref()),
             description: &sentence(robot),
         },
         &robot.model,
@@ -273,12 +295,28 @@ pub fn fmu(robot: &Robot, urdf: &Path, platforms: &[String]) -> Result<Fmu, Stag
     }
     archive.add(format!("resources/{FILE_NAME}"), prepared)?;
     let names = add_sources(&mut archive, robot)?;
+    let remarks = remarks(robot, &names);
+    let scene = make_scene(robot, &remarks, &guid)?.to_bytes()?;
+    let scene_name = format!("resources/{}", scene::FILE_NAME);
+    archive.add(scene_name, scene.clone())?;
+    // Whoever draws the FMU must be able to read it: the pictures are of what was written.
+    let scene = Scene::from_bytes(&scene)?;
+    for (name, side) in PICTURES {
+        let look = Look {
+            width: side,
+            height: side,
+            ..Look::default()
+        };
+        let poses = scene::link_poses(&scene.head, |_| None);
+        let (picture, _) = picture::still(&scene, &poses, &look);
+        archive.add(name, picture::encode(&picture))?;
+    }
     let platforms: Vec<&str> = libraries.iter().map(|l| l.platform).collect();
     let page = Page {
         model_identifier: &model_identifier,
         guid: &guid,
         platforms: &platforms,
-        remarks: &remarks(robot, &names),
+        remarks: &remarks,
         sources: &names,
     };
     let html = documentation::html(&page, &robot.model, &robot.table);
@@ -288,6 +326,32 @@ pub fn fmu(robot: &Robot, urdf: &Path, platforms: &[String]) -> Result<Fmu, Stag
         bytes: archive.to_bytes()?,
         platforms,
     })
+}
+
+/// What the robot looks like, outside of an FMU.
+///
+/// # Errors
+/// [`StageError::Trial`] if its initial state cannot be computed.
+pub fn scene(robot: &Robot) -> Result<Scene, StageError> {
+    make_scene(robot, &remarks(robot, &[]), "")
+}
+
+fn make_scene(robot: &Robot, remarks: &[Remark], guid: &str) -> Result<Scene, StageError> {
+    let notes = remarks.iter().map(|remark| scene::Note {
+        severity: remark.severity.to_string(),
+        code: remark.code.to_owned(),
+        message: remark.message.clone(),
+        help: remark.help.clone().unwrap_or_default(),
+        place: remark.place.clone().unwrap_or_default(),
+    });
+    let notes = notes.collect();
+    let Robot {
+        description,
+        model,
+        table,
+        ..
+    } = robot;
+    Ok(scene::make(description, model, table, notes, guid)?)
 }
 
 /// The libraries of `platforms`, or all where none is named.
@@ -405,7 +469,7 @@ fn add_sources(archive: &mut Archive, robot: &Robot) -> Result<Vec<String>, Stag
 /// Findings as the documentation shows them: files by their names in the FMU, no path of this
 /// machine.
 fn remarks(robot: &Robot, names: &[String]) -> Vec<Remark> {
-    let rename = |text: &str| {
+    let rename = |text: &str| -> String {
         robot
             .sources
             .iter()
@@ -421,72 +485,11 @@ fn remarks(robot: &Robot, names: &[String]) -> Vec<Remark> {
             severity: d.severity,
             code: d.code,
             message: rename(&d.message),
+            help: d.help.as_deref().map(rename),
             place: d
                 .place
                 .as_ref()
                 .map(|p| format!("{}, line {}", rename(&p.file), p.line)),
         })
         .collect()
-}
-
-/// `generationDateAndTime`: `SOURCE_DATE_EPOCH` (seconds since 1970) where it is set, else the zip
-/// format's first day, so that the same robot gives the same bytes on every day.
-fn date(source_date_epoch: Option<&str>) -> String {
-    /// 1980-01-01T00:00:00Z
-    const FIXED: i64 = 315_532_800;
-    let seconds = source_date_epoch
-        .and_then(|text| text.trim().parse().ok())
-        // Four digits for the year.
-        .filter(|s| (0..253_402_300_800).contains(s))
-        .unwrap_or(FIXED);
-    let (days, second) = (seconds.div_euclid(86_400), seconds.rem_euclid(86_400));
-    // Days since 1970 to a Gregorian date, by eras of 400 years that begin on a first of March, so
-    // that the leap day is the last day of its year.
-    let z = days + 719_468;
-    let (era, day_of_era) = (z.div_euclid(146_097), z.rem_euclid(146_097));
-    let year_of_era =
-        (day_of_era - day_of_era / 1_460 + day_of_era / 36_524 - day_of_era / 146_096) / 365;
-    let day_of_year = day_of_era - (365 * year_of_era + year_of_era / 4 - year_of_era / 100);
-    let month_from_march = (5 * day_of_year + 2) / 153;
-    let day = day_of_year - (153 * month_from_march + 2) / 5 + 1;
-    let month = (month_from_march + 2) % 12 + 1;
-    let year = era * 400 + year_of_era + i64::from(month <= 2);
-    format!(
-        "{year:04}-{month:02}-{day:02}T{:02}:{:02}:{:02}Z",
-        second / 3600,
-        second / 60 % 60,
-        second % 60
-    )
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Expected values: `date -u -d @SECONDS`.
-    #[test]
-    fn date_follows_the_calendar() {
-        for (seconds, expected) in [
-            ("0", "1970-01-01T00:00:00Z"),
-            ("951782399", "2000-02-28T23:59:59Z"),
-            ("951782400", "2000-02-29T00:00:00Z"),
-            ("1709208000", "2024-02-29T12:00:00Z"),
-            ("4107542400", "2100-03-01T00:00:00Z"),
-        ] {
-            assert_eq!(date(Some(seconds)), expected);
-        }
-    }
-
-    #[test]
-    fn the_date_is_1980_without_a_valid_source_date_epoch() {
-        for nothing in [
-            None,
-            Some(""),
-            Some("-1"),
-            Some("tomorrow"),
-            Some("99999999999999999"),
-        ] {
-            assert_eq!(date(nothing), "1980-01-01T00:00:00Z");
-        }
-    }
 }

@@ -1,11 +1,40 @@
 //! The report of `export`: the file, the robot, every assumption.
 
 use crate::info::{count, short, total_mass};
+use crate::picture::{Camera, Look};
 use crate::stage::{Fmu, Robot};
 use std::fmt::Write as _;
 use std::path::Path;
 use urdf2fmu_core::diagnostic::Severity;
+use urdf2fmu_core::spatial::Vec3;
 use urdf2fmu_core::variables::Slot;
+
+/// The report of `picture`: the file, and the camera for whoever wants to take the same picture.
+pub fn picture(output: &Path, bytes: usize, look: &Look, camera: &Camera) -> String {
+    let vector = |v: &Vec3| format!("({:.6}, {:.6}, {:.6})", v.x, v.y, v.z);
+    format!(
+        "{}  {}, {} by {} pixels\n  camera     at {} m, towards {} m, field of view {} degrees\n",
+        output.display(),
+        size(bytes),
+        look.width,
+        look.height,
+        vector(&camera.eye),
+        vector(&camera.target),
+        camera.field_of_view,
+    )
+}
+
+/// The report of `picture --run`.
+pub fn film(output: &Path, bytes: usize, look: &Look, pictures: usize) -> String {
+    format!(
+        "{}  {}, {}, {} by {} pixels\n",
+        output.display(),
+        size(bytes),
+        count(pictures, "picture"),
+        look.width,
+        look.height,
+    )
+}
 
 /// A few lines of plain text.
 pub fn text(output: &Path, fmu: &Fmu, robot: &Robot) -> String {

@@ -3,11 +3,15 @@
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
 use super::checked::{
-    CheckedCollision, CheckedInertial, CheckedRobot, Geometry, LinkReference, Order,
+    CheckedCollision, CheckedInertial, CheckedRobot, CheckedVisual, Geometry, LinkReference, Order,
 };
-use super::description::{CollisionDescription, Description, JointDescription, LinkDescription};
+use super::description::{
+    CollisionDescription, Description, JointDescription, LinkDescription, VisualDescription,
+    VisualShape,
+};
 use super::hulls::{Meshes, ReadMesh};
 use super::inertia;
+use super::visuals::Drawn;
 use crate::geometry::Shape;
 use crate::model::{JointKind, Limits};
 use crate::spatial::{Mat3, Pose, RigidInertia, Vec3, rotation_from_rpy};
@@ -47,6 +51,7 @@ pub(super) fn description(
     robot: &CheckedRobot,
     order: &Order,
     meshes: &Meshes,
+    drawn: Drawn,
     scale: f64,
 ) -> Option<Description> {
     let mut links = Vec::with_capacity(order.links.len());
@@ -67,6 +72,11 @@ pub(super) fn description(
                 .as_ref()
                 .map_or_else(Mat3::identity, |own| rotation_from_rpy(&own.rpy)),
             collisions,
+            visuals: checked
+                .visuals
+                .iter()
+                .filter_map(|visual| self::visual(visual, &drawn, scale))
+                .collect(),
             friction: checked.surface.friction,
             static_friction: checked.surface.static_friction,
             rolling_friction: checked.surface.rolling_friction,
@@ -129,9 +139,36 @@ pub(super) fn description(
         name: robot.name.clone(),
         links,
         joints,
+        drawn_meshes: drawn.meshes,
+        textures: drawn.textures,
         sources: meshes.sources.clone(),
         diagnostics: Vec::new(),
         text: "".into(),
+    })
+}
+
+/// `None` for a visual whose mesh cannot be had.
+fn visual(visual: &CheckedVisual, drawn: &Drawn, scale: f64) -> Option<VisualDescription> {
+    let known = |of: &HashMap<String, Option<usize>>, name: &str| of.get(name).copied().flatten();
+    Some(VisualDescription {
+        X_LG: pose(&visual.xyz, &visual.rpy, scale),
+        shape: match &visual.geometry {
+            Geometry::Mesh {
+                filename,
+                scale: factors,
+                ..
+            } => VisualShape::Mesh {
+                mesh: known(&drawn.mesh_of, filename)?,
+                scale: Vec3::from(*factors) * scale,
+            },
+            solid => VisualShape::Solid(shape(solid, None, scale)?),
+        },
+        color: visual.paint.color,
+        texture: visual
+            .paint
+            .texture
+            .and_then(|(name, _)| known(&drawn.texture_of, name)),
+        line: visual.line,
     })
 }
 

@@ -1,7 +1,7 @@
 //! A robot whose tags have been checked: every number is finite and in its range, every name is
 //! there.
 
-use super::xml::Node;
+use super::xml::{Attribute, Node};
 use crate::model::{ActuatorMode, JointKind};
 use crate::spatial::Vec3;
 use std::ops::Range;
@@ -33,6 +33,8 @@ pub(super) struct CheckedLink<'d> {
     pub(super) name: &'d str,
     pub(super) inertial: Option<CheckedInertial>,
     pub(super) collisions: Vec<CheckedCollision<'d>>,
+    /// Filled in last: whatever is wrong with them is a warning.
+    pub(super) visuals: Vec<CheckedVisual<'d>>,
     pub(super) surface: Surface,
 }
 
@@ -57,6 +59,25 @@ pub(super) struct CheckedCollision<'d> {
     pub(super) xyz: Vec3,
     pub(super) rpy: Vec3,
     pub(super) geometry: Geometry<'d>,
+}
+
+/// `<visual>`.
+pub(super) struct CheckedVisual<'d> {
+    pub(super) xyz: Vec3,
+    pub(super) rpy: Vec3,
+    pub(super) geometry: Geometry<'d>,
+    pub(super) paint: Paint<'d>,
+    /// 1-based
+    pub(super) line: usize,
+}
+
+/// What `<material>` says, where there is one.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Paint<'d> {
+    /// Red, green, blue, alpha, each 0 … 1.
+    pub(super) color: Option<[f64; 4]>,
+    /// File name of the texture, and its attribute.
+    pub(super) texture: Option<(&'d str, &'d Attribute)>,
 }
 
 /// What stands in `<geometry>`, sizes in m.

@@ -1,15 +1,20 @@
-//! COLLADA (`.dae`) → points: geometries placed by the nodes of the scene, in m by `<unit>`.
+//! COLLADA (`.dae`) → points and painted triangles: geometries placed by the nodes of the scene, in
+//! m by `<unit>`. Faces are read in `faces`, materials in `paint`.
 //!
 //! `<up_axis>` is ignored, as RViz, Gazebo, MoveIt and Pinocchio ignore it: robots are designed
-//! with these programs, so the axes of the file are those of the link in any case. Lines, splines
-//! and materials are skipped; a skinned geometry stands in its bind pose.
+//! with these programs, so the axes of the file are those of the link in any case. Lines and
+//! splines are skipped; a skinned geometry stands in its bind pose.
 
-use super::faces::{MeshError, fan};
+mod faces;
+mod paint;
+
+use super::faces::{MeshError, Part};
 use super::xml::{Document, Node};
 use crate::diagnostic::Report;
 use crate::spatial::Vec3;
 use nalgebra::{Matrix4, Point3, Rotation3, Unit};
 use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 
 /// Most placed geometries: a part library that refers to itself must end.
 const MOST_INSTANCES: usize = 10_000;
@@ -17,22 +22,29 @@ const MOST_INSTANCES: usize = 10_000;
 /// Most points that are kept.
 const MOST_POINTS: usize = 20_000_000;
 
-/// Corners of all faces in the scene.
+/// Corners of all faces in the scene, each once for each group of faces.
 pub(super) fn read(bytes: &[u8]) -> Result<Vec<Vec3>, MeshError> {
-    scene(bytes, false)
+    with_scene(bytes, |scene| scene.points(Scene::corners))
 }
 
 /// All faces in the scene, cut into triangles.
 pub(super) fn triangles(bytes: &[u8]) -> Result<Vec<[Vec3; 3]>, MeshError> {
-    let corners = scene(bytes, true)?;
+    let corners = with_scene(bytes, |scene| scene.points(Scene::triangle_corners))?;
     Ok(corners
         .chunks_exact(3)
         .map(|t| [t[0], t[1], t[2]])
         .collect())
 }
 
-/// Points of the scene: each corner once, or three of each triangle.
-fn scene(bytes: &[u8], triangles: bool) -> Result<Vec<Vec3>, MeshError> {
+/// All faces in the scene, cut into triangles, by what they are painted with.
+pub(super) fn parts(bytes: &[u8]) -> Result<Vec<Part>, MeshError> {
+    with_scene(bytes, |scene| scene.parts()?.finish())
+}
+
+fn with_scene<T>(
+    bytes: &[u8],
+    work: impl FnOnce(&Scene) -> Result<T, MeshError>,
+) -> Result<T, MeshError> {
     let text = std::str::from_utf8(bytes).map_err(|_| problem("the file is not UTF-8"))?;
     let text = text.trim_start_matches('\u{feff}');
     let mut report = Report::new("", text);
@@ -50,7 +62,7 @@ fn scene(bytes: &[u8], triangles: bool) -> Result<Vec<Vec3>, MeshError> {
     if root.local_name() != "COLLADA" {
         return Err(problem("the root element is not <COLLADA>"));
     }
-    Scene::new(root, triangles).points()
+    work(&Scene::new(root))
 }
 
 fn problem(what: &str) -> MeshError {
@@ -59,27 +71,27 @@ fn problem(what: &str) -> MeshError {
 
 struct Scene<'d> {
     root: Node<'d>,
-    /// Whether three points of each triangle are wanted, not each corner once.
-    triangles: bool,
     ids: HashMap<&'d str, Node<'d>>,
-    /// Points of a geometry, by the place of its tag.
-    geometries: HashMap<usize, Vec<Vec3>>,
+}
+
+/// A geometry in its place.
+struct Instance<'d> {
+    geometry: Node<'d>,
+    /// The element that binds materials to it.
+    binder: Node<'d>,
+    /// From the geometry's coordinates to m.
+    placed: Matrix4<f64>,
 }
 
 impl<'d> Scene<'d> {
-    fn new(root: Node<'d>, triangles: bool) -> Self {
+    fn new(root: Node<'d>) -> Self {
         let mut ids = HashMap::new();
         for node in root.descendants() {
             if let Some(id) = node.value("id") {
                 ids.entry(id).or_insert(node);
             }
         }
-        Self {
-            root,
-            triangles,
-            ids,
-            geometries: HashMap::new(),
-        }
+        Self { root, ids }
     }
 
     fn target(&self, node: Node<'d>, attribute: &str) -> Option<Node<'d>> {
@@ -88,7 +100,29 @@ impl<'d> Scene<'d> {
             .copied()
     }
 
-    fn points(mut self) -> Result<Vec<Vec3>, MeshError> {
+    /// What `of` gives of every geometry, placed.
+    fn points(
+        &self,
+        of: impl Fn(&Self, Node<'d>) -> Result<Vec<Vec3>, MeshError>,
+    ) -> Result<Vec<Vec3>, MeshError> {
+        let mut all = Vec::new();
+        // Points of a geometry, by the place of its tag.
+        let mut geometries: HashMap<usize, Vec<Vec3>> = HashMap::new();
+        for instance in self.instances()? {
+            let points = match geometries.entry(instance.geometry.tag_at().start) {
+                Entry::Occupied(known) => known.into_mut(),
+                Entry::Vacant(new) => new.insert(of(self, instance.geometry)?),
+            };
+            if all.len() + points.len() > MOST_POINTS {
+                return Err(too_many_points());
+            }
+            all.extend(points.iter().map(|p| instance.point(p)));
+        }
+        Ok(all)
+    }
+
+    /// Every geometry in its place, in the order of the scene.
+    fn instances(&self) -> Result<Vec<Instance<'d>>, MeshError> {
         let unit = self.unit()?;
         let scenes: Vec<Node> = match self.root.child("scene") {
             Some(scene) => scene
@@ -120,7 +154,11 @@ impl<'d> Scene<'d> {
             let placed = above * placement(node)?;
             for instance in node.children_named("instance_geometry") {
                 if let Some(geometry) = self.target(instance, "url") {
-                    self.place(geometry, &placed, &mut all)?;
+                    all.push(Instance {
+                        geometry,
+                        binder: instance,
+                        placed,
+                    });
                 }
             }
             for instance in node.children_named("instance_controller") {
@@ -131,7 +169,11 @@ impl<'d> Scene<'d> {
                     None => Matrix4::identity(),
                 };
                 if let Some(geometry) = self.target(skin, "source") {
-                    self.place(geometry, &(placed * bind), &mut all)?;
+                    all.push(Instance {
+                        geometry,
+                        binder: instance,
+                        placed: placed * bind,
+                    });
                 }
             }
             for instance in node.children_named("instance_node") {
@@ -158,163 +200,17 @@ impl<'d> Scene<'d> {
             _ => Err(problem("<unit meter> is not a number above zero")),
         }
     }
+}
 
-    fn place(
-        &mut self,
-        geometry: Node<'d>,
-        placed: &Matrix4<f64>,
-        all: &mut Vec<Vec3>,
-    ) -> Result<(), MeshError> {
-        let key = geometry.tag_at().start;
-        if !self.geometries.contains_key(&key) {
-            let points = self.corners(geometry)?;
-            self.geometries.insert(key, points);
-        }
-        let points = &self.geometries[&key];
-        if all.len() + points.len() > MOST_POINTS {
-            return Err(problem("the scene has too many points"));
-        }
-        all.extend(
-            points
-                .iter()
-                .map(|p| placed.transform_point(&Point3::from(*p)).coords),
-        );
-        Ok(())
-    }
-
-    /// Positions that a face of the geometry uses.
-    fn corners(&self, geometry: Node<'d>) -> Result<Vec<Vec3>, MeshError> {
-        let mesh = geometry
-            .child("mesh")
-            .or_else(|| geometry.child("convex_mesh"));
-        let Some(mesh) = mesh else {
-            return Ok(Vec::new());
-        };
-        let mut corners = Vec::new();
-        for faces in mesh.children() {
-            let kinds = ["triangles", "polylist", "polygons", "tristrips", "trifans"];
-            if !kinds.contains(&faces.local_name()) {
-                continue;
-            }
-            let inputs = || faces.children_named("input");
-            let Some(input) = inputs().find(|i| i.value("semantic") == Some("VERTEX")) else {
-                continue;
-            };
-            let offset_of = |input: Node| -> Result<usize, MeshError> {
-                let text = input.value("offset").unwrap_or("0");
-                text.trim()
-                    .parse()
-                    .ok()
-                    .filter(|&offset: &usize| offset < 1000)
-                    .ok_or_else(|| problem("an <input offset> is not a small number"))
-            };
-            let mut stride = 1;
-            for other in inputs() {
-                stride = stride.max(offset_of(other)? + 1);
-            }
-            let offset = offset_of(input)?;
-            let positions = self.positions(input)?;
-            let mut used = vec![false; positions.len()];
-            let mut polygons = Vec::new();
-            for p in faces.descendants().filter(|node| node.local_name() == "p") {
-                let content = p.content();
-                let mut face = Vec::new();
-                for word in content
-                    .split_ascii_whitespace()
-                    .skip(offset)
-                    .step_by(stride)
-                {
-                    let index = word.parse::<usize>().ok().filter(|&i| i < used.len());
-                    let Some(index) = index else {
-                        let what = format!("a face names vertex '{word}', which does not exist");
-                        return Err(MeshError::Collada(what));
-                    };
-                    used[index] = true;
-                    face.push(positions[index]);
-                }
-                polygons.push(face);
-            }
-            if self.triangles {
-                corners.extend(triangulated(faces, &polygons)?.into_iter().flatten());
-                continue;
-            }
-            corners.extend(
-                positions
-                    .iter()
-                    .zip(&used)
-                    .filter(|(_, used)| **used)
-                    .map(|(p, _)| *p),
-            );
-        }
-        Ok(corners)
-    }
-
-    /// The points behind an input of semantic VERTEX.
-    fn positions(&self, input: Node<'d>) -> Result<Vec<Vec3>, MeshError> {
-        let missing = || problem("a face refers to positions that are not there");
-        let vertices = self.target(input, "source").ok_or_else(missing)?;
-        let source = if vertices.local_name() == "vertices" {
-            let position = vertices
-                .children_named("input")
-                .find(|i| i.value("semantic") == Some("POSITION"))
-                .ok_or_else(missing)?;
-            self.target(position, "source").ok_or_else(missing)?
-        } else {
-            vertices
-        };
-        let accessor = source
-            .child("technique_common")
-            .and_then(|t| t.child("accessor"));
-        let number = |name: &str, default: usize| {
-            accessor
-                .and_then(|a| a.value(name))
-                .and_then(|v| v.trim().parse::<usize>().ok())
-                .unwrap_or(default)
-        };
-        let (stride, offset) = (number("stride", 3), number("offset", 0));
-        if stride < 3 {
-            return Err(problem("positions have fewer than three coordinates"));
-        }
-        let array = source
-            .child("float_array")
-            .or_else(|| self.target(accessor?, "source"))
-            .ok_or_else(missing)?;
-        let floats = numbers(array)?;
-        let floats = floats.get(offset..).unwrap_or_default();
-        Ok(floats
-            .chunks(stride)
-            .filter_map(|c| c.get(..3))
-            .map(|c| Vec3::new(c[0], c[1], c[2]))
-            .collect())
+impl Instance<'_> {
+    /// A point of the geometry, m.
+    fn point(&self, p: &Vec3) -> Vec3 {
+        self.placed.transform_point(&Point3::from(*p)).coords
     }
 }
 
-/// The triangles of a group of faces; `lists` are the corners in each of its `<p>`.
-fn triangulated(faces: Node, lists: &[Vec<Vec3>]) -> Result<Vec<[Vec3; 3]>, MeshError> {
-    let mut triangles = Vec::new();
-    for list in lists {
-        match faces.local_name() {
-            "triangles" => triangles.extend(list.chunks_exact(3).map(|t| [t[0], t[1], t[2]])),
-            "polylist" => {
-                let mut rest = list.as_slice();
-                let counts = faces.child("vcount").map(super::xml::Node::content);
-                for word in counts.iter().flat_map(|c| c.split_ascii_whitespace()) {
-                    let polygon = word.parse().ok().and_then(|n| rest.split_at_checked(n));
-                    let (polygon, others) =
-                        polygon.ok_or_else(|| problem("<vcount> and <p> do not agree"))?;
-                    triangles.extend(fan(polygon));
-                    rest = others;
-                }
-            }
-            // Every other triangle of a strip turns the other way.
-            "tristrips" => triangles.extend(list.windows(3).enumerate().map(|(i, t)| {
-                let [a, b] = if i % 2 == 0 { [0, 1] } else { [1, 0] };
-                [t[a], t[b], t[2]]
-            })),
-            _ => triangles.extend(fan(list)),
-        }
-    }
-    Ok(triangles)
+fn too_many_points() -> MeshError {
+    problem("the scene has too many points")
 }
 
 fn nodes(node: Node<'_>) -> impl Iterator<Item = Node<'_>> {

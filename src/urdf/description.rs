@@ -19,6 +19,10 @@ pub struct Description {
     pub links: Vec<LinkDescription>,
     /// The joints, ordered like their child links: joint `i` has child link `i + 1`.
     pub joints: Vec<JointDescription>,
+    /// Meshes of the visuals, each file once.
+    pub drawn_meshes: Vec<DrawnMesh>,
+    /// Textures of the visuals, each file once.
+    pub textures: Vec<Texture>,
     /// Files that it was read from (URDF first, then meshes), for `resources/source/`.
     pub sources: Vec<PathBuf>,
     /// Warnings and notes, each with its place in the file.
@@ -38,6 +42,8 @@ pub struct LinkDescription {
     pub R_LI: Mat3,
     /// `<collision>` elements in file order, poses in the link's frame.
     pub collisions: Vec<CollisionDescription>,
+    /// `<visual>` elements in file order; those whose mesh cannot be had are left out.
+    pub visuals: Vec<VisualDescription>,
     /// `<contact><lateral_friction>`, Drake's `mu_dynamic` or Gazebo's `mu1`, where the file has
     /// one.
     pub friction: Option<f64>,
@@ -76,6 +82,82 @@ pub struct CollisionDescription {
     /// Mesh: least and greatest coordinates of the whole of it, m, in the shape's axes; its hull
     /// has fewer corners.
     pub bounds: Option<[Vec3; 2]>,
+}
+
+/// A `<visual>` as the file has it.
+#[derive(Clone, Debug)]
+pub struct VisualDescription {
+    /// Pose of the shape in the link's frame.
+    pub X_LG: Pose,
+    /// What is drawn.
+    pub shape: VisualShape,
+    /// Red, green, blue (sRGB) and alpha of its `<material>`, each 0 … 1.
+    pub color: Option<[f64; 4]>,
+    /// Texture of its `<material>`, in [`Description::textures`].
+    pub texture: Option<usize>,
+    /// 1-based line of the `<visual>` element.
+    pub line: usize,
+}
+
+/// What a `<visual>` draws, lengths in m.
+#[derive(Clone, Debug)]
+pub enum VisualShape {
+    /// A mesh of [`Description::drawn_meshes`] or a part of one.
+    Mesh {
+        /// Its place in the list.
+        mesh: usize,
+        /// Factors on its coordinates, the robot's scale included.
+        scale: Vec3,
+    },
+    /// A solid; no hull.
+    Solid(Shape),
+}
+
+/// A mesh file as it is drawn.
+#[derive(Clone, Debug)]
+pub struct DrawnMesh {
+    /// The file.
+    pub path: PathBuf,
+    /// Its triangles by colour and texture; empty where [`super::ReadOptions::drawn`] is off.
+    pub parts: Vec<MeshPart>,
+}
+
+/// Triangles of one colour and texture.
+#[derive(Clone, Debug, Default)]
+pub struct MeshPart {
+    /// Corners, m, as the file has them.
+    pub triangles: Vec<[Vec3; 3]>,
+    /// Texture coordinates of the corners, (0, 0) at the lower left; one for each triangle where
+    /// there is a texture, else none.
+    pub uv: Vec<[[f64; 2]; 3]>,
+    /// Red, green, blue (sRGB) as the file has them, each 0 … 1.
+    pub color: Option<[f64; 3]>,
+    /// In [`Description::textures`].
+    pub texture: Option<usize>,
+}
+
+/// An image file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Texture {
+    /// The file.
+    pub path: PathBuf,
+    /// How it is written.
+    pub format: ImageFormat,
+    /// Pixels in a row.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// The file's content.
+    pub bytes: Vec<u8>,
+}
+
+/// How an image file is written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ImageFormat {
+    /// ISO/IEC 15948.
+    Png,
+    /// ISO/IEC 10918.
+    Jpeg,
 }
 
 /// A joint as the file has it.

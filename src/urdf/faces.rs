@@ -1,4 +1,5 @@
-//! What the readers of mesh files share: their errors, and polygons cut into triangles.
+//! What the readers of mesh files share: their errors, polygons cut into triangles, and triangles
+//! sorted by what they are painted with.
 
 use crate::spatial::Vec3;
 
@@ -39,7 +40,88 @@ pub(super) enum MeshError {
 }
 
 /// Triangles from the first corner of a polygon to its other sides.
-pub(super) fn fan(corners: &[Vec3]) -> impl Iterator<Item = [Vec3; 3]> + '_ {
+pub(super) fn fan<T: Copy>(corners: &[T]) -> impl Iterator<Item = [T; 3]> + '_ {
     let sides = corners.get(1..).unwrap_or_default().windows(2);
     sides.map(|side| [corners[0], side[0], side[1]])
+}
+
+/// What triangles are painted with.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Paint {
+    /// Red, green, blue, each 0 … 1.
+    pub(super) color: Option<[f64; 3]>,
+    /// Name of the texture's file, as the mesh has it.
+    pub(super) image: Option<String>,
+}
+
+/// Triangles that are painted alike.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Part {
+    pub(super) paint: Paint,
+    pub(super) triangles: Vec<[Vec3; 3]>,
+    /// One for each triangle or none at all; (0, 0) is the lower left corner of the texture.
+    pub(super) uv: Vec<[[f64; 2]; 3]>,
+}
+
+impl Part {
+    /// Adds a triangle; `uv` is there where [`Parts::of`] was told so.
+    pub(super) fn push(&mut self, triangle: [Vec3; 3], uv: Option<[[f64; 2]; 3]>) {
+        self.triangles.push(triangle);
+        if self.paint.image.is_some() {
+            self.uv.push(uv.unwrap_or_default());
+        }
+    }
+}
+
+/// Parts, each paint once, in the order in which they were first used.
+#[derive(Default)]
+pub(super) struct Parts {
+    list: Vec<Part>,
+    /// Faces of one paint follow each other.
+    last: usize,
+}
+
+impl Parts {
+    /// The triangles with this paint; without texture coordinates there is no texture.
+    pub(super) fn of(&mut self, paint: &Paint, textured: bool) -> &mut Part {
+        let image = paint.image.as_ref().filter(|_| textured);
+        let same =
+            |part: &Part| part.paint.color == paint.color && part.paint.image.as_ref() == image;
+        if !self.list.get(self.last).is_some_and(same) {
+            self.last = self.list.iter().position(same).unwrap_or(self.list.len());
+        }
+        if self.last == self.list.len() {
+            let image = image.cloned();
+            let color = paint.color;
+            self.list.push(Part {
+                paint: Paint { color, image },
+                ..Part::default()
+            });
+        }
+        &mut self.list[self.last]
+    }
+
+    /// Those with triangles; corners that are not finite are refused.
+    pub(super) fn finish(mut self) -> Result<Vec<Part>, MeshError> {
+        self.list.retain(|part| !part.triangles.is_empty());
+        if self.list.is_empty() {
+            return Err(MeshError::NoFaces);
+        }
+        let finite = |t: &[Vec3; 3]| t.iter().flatten().all(|x| x.is_finite());
+        if !self
+            .list
+            .iter()
+            .all(|part| part.triangles.iter().all(finite))
+        {
+            return Err(MeshError::NotFinite);
+        }
+        for part in &mut self.list {
+            for x in part.uv.iter_mut().flatten().flatten() {
+                if !x.is_finite() {
+                    *x = 0.0;
+                }
+            }
+        }
+        Ok(self.list)
+    }
 }

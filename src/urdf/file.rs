@@ -8,6 +8,14 @@ use std::path::Path;
 /// URDF files larger than this, in bytes, are refused.
 const LARGEST_FILE: u64 = 64 << 20;
 
+/// The text of a file that another one names; what is not UTF-8 in it is replaced.
+pub(super) fn lossy_text(path: &Path) -> Option<String> {
+    let mut bytes = Vec::new();
+    let file = File::open(path).ok()?;
+    file.take(LARGEST_FILE).read_to_end(&mut bytes).ok()?;
+    Some(String::from_utf8_lossy(&bytes).into_owned())
+}
+
 /// The text of a file.
 pub(super) fn text(path: &Path) -> Result<String, Box<Diagnostic>> {
     let problem = |code, message: String, help: &str| {

@@ -1,15 +1,14 @@
-//! Meshes of a robot's collision shapes → hulls and convex parts, scaled. Of visual meshes only the
-//! existence is checked.
+//! Meshes of a robot's collision shapes → hulls and convex parts, scaled.
 //!
 //! A file that several links use at one scale is processed once. A failure is a finding.
 
 use super::checked::{CheckedRobot, Geometry};
+use super::decompose;
 use super::faces::MeshError;
 use super::mesh::MeshFile;
 use super::options::ReadOptions;
 use super::resolve::{Found, Missing, Resolver};
 use super::scope::Scope;
-use super::{decompose, link};
 use crate::geometry::{GeometryError, MOST_CORNERS, bounded_hull};
 use crate::model::JointKind;
 use crate::spatial::Vec3;
@@ -179,7 +178,7 @@ fn report_missing(scope: &mut Scope, filename: &str, at: &Range<usize>, missing:
     }
 }
 
-fn outside_help(path: &Path) -> String {
+pub(super) fn outside_help(path: &Path) -> String {
     let folder = path.parent().unwrap_or(path).display();
     format!(
         "an FMU takes no other files of this machine; if it belongs to the robot, pass --package-path {folder}"
@@ -333,35 +332,4 @@ fn wheel_meshes<'d>(robot: &CheckedRobot<'d>) -> HashSet<&'d str> {
         }
     }
     files
-}
-
-/// Visuals do not move the robot: whatever is wrong with them is a warning.
-pub(super) fn check_visuals(scope: &mut Scope, robot: &CheckedRobot, resolver: &Resolver) {
-    let mut seen = HashSet::new();
-    let mut missing: Option<(Range<usize>, String, String)> = None;
-    let mut count = 0;
-    for link in &robot.links {
-        for (filename, at) in link::check_visuals(scope, link) {
-            if !seen.insert(filename) {
-                continue;
-            }
-            let help = match resolver.find(filename) {
-                Ok(_) => continue,
-                Err(Missing::NotFound(missing)) => missing.help(),
-                Err(Missing::Outside(path)) => outside_help(&path),
-            };
-            count += 1;
-            missing.get_or_insert_with(|| (at, filename.to_owned(), help));
-        }
-    }
-    if let Some((at, filename, help)) = missing {
-        let more = if count > 1 {
-            format!(", and {} more", count - 1)
-        } else {
-            String::new()
-        };
-        let message =
-            format!("visual mesh not found: {filename}{more}; the robot moves without it");
-        scope.report.warning("U111", at, message, help);
-    }
 }

@@ -4,10 +4,8 @@ use super::checked::{CheckedCollision, CheckedInertial, CheckedLink, Geometry};
 use super::scope::Scope;
 use super::xml::Node;
 use super::{foreign, inertia};
-use crate::diagnostic::Severity;
 use crate::diagnostic::words::did_you_mean;
 use crate::range::Range as Physical;
-use std::ops::Range;
 
 const CHILDREN: [&str; 4] = ["inertial", "visual", "collision", "contact"];
 
@@ -54,29 +52,9 @@ pub(super) fn check<'d>(scope: &mut Scope, node: Node<'d>, name: &'d str) -> Che
         name,
         inertial,
         collisions,
+        visuals: Vec::new(),
         surface,
     }
-}
-
-/// Checks the visuals of a link and gives the file names of their meshes; all problems are
-/// warnings.
-pub(super) fn check_visuals<'d>(
-    scope: &mut Scope,
-    link: &CheckedLink<'d>,
-) -> Vec<(&'d str, Range<usize>)> {
-    scope.owner = format!("link '{}'", link.name);
-    scope.severity = Severity::Warning;
-    let mut meshes = Vec::new();
-    for visual in link.node.children_named("visual") {
-        scope.known_attributes(visual, &["name"]);
-        scope.known_children(visual, &["origin", "geometry", "material"], &["meshScale"]);
-        scope.origin(visual);
-        if let Some(Geometry::Mesh { filename, at, .. }) = geometry(scope, visual) {
-            meshes.push((filename, at));
-        }
-    }
-    scope.severity = Severity::Error;
-    meshes
 }
 
 fn check_inertial(scope: &mut Scope, node: Node) -> Option<CheckedInertial> {
@@ -150,7 +128,8 @@ fn required<'d>(
 
 const SHAPES: [&str; 5] = ["box", "cylinder", "capsule", "sphere", "mesh"];
 
-fn geometry<'d>(scope: &mut Scope, node: Node<'d>) -> Option<Geometry<'d>> {
+/// The one shape of a `<collision>` or `<visual>`.
+pub(super) fn geometry<'d>(scope: &mut Scope, node: Node<'d>) -> Option<Geometry<'d>> {
     let geometry = required(scope, node, "geometry", "<geometry> with one shape")?;
     let mut shapes = geometry.children().filter(|c| {
         // Some exporters write materials here.

@@ -39,6 +39,15 @@ impl MeshFile {
         parse(&self.kind, &self.bytes)
     }
 
+    /// The name's ending.
+    pub(super) fn kind(&self) -> &str {
+        &self.kind
+    }
+
+    pub(super) fn bytes(&self) -> &[u8] {
+        &self.bytes
+    }
+
     /// The mesh's faces, cut into triangles: what [`MeshFile::corners`] has read without complaint.
     pub(super) fn triangles(&self) -> Result<Vec<[Vec3; 3]>, MeshError> {
         triangles_of(&self.kind, &self.bytes)
@@ -172,7 +181,7 @@ fn stl_text(text: &str) -> Result<Vec<Vec3>, MeshError> {
     Ok(points)
 }
 
-fn three<'w>(words: &mut impl Iterator<Item = &'w str>) -> Result<Vec3, String> {
+pub(super) fn three<'w>(words: &mut impl Iterator<Item = &'w str>) -> Result<Vec3, String> {
     let mut point = Vec3::zeros();
     for coordinate in point.iter_mut() {
         let word = words.next().ok_or("three numbers are needed")?;
@@ -237,7 +246,7 @@ fn obj_faces(text: &str, mut face: impl FnMut(&[Vec3], &[usize])) -> Result<Vec<
 }
 
 /// OBJ counts from 1, or backwards from -1.
-fn vertex_index(word: &str, count: usize) -> Option<usize> {
+pub(super) fn vertex_index(word: &str, count: usize) -> Option<usize> {
     let index: i64 = word.parse().ok()?;
     let count = i64::try_from(count).ok()?;
     let index = if index < 0 { count + index } else { index - 1 };

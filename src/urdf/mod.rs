@@ -2,8 +2,9 @@
 //!
 //! Way of a file: XML with places (`xml`), checks of links (`link`, `inertia`), joints (`joint`)
 //! and the whole (`tree`), which give a `checked` robot; meshes found (`resolve`), read (`mesh`,
-//! `collada`) and enclosed in hulls (`hulls`) or cut into parts (`decompose`); all put together
-//! (`assemble`). All problems of a file are found in one run.
+//! `collada`) and enclosed in hulls (`hulls`) or cut into parts (`decompose`); visuals with their
+//! colours and textures (`visuals`, `painted`); all put together (`assemble`). All problems of a
+//! file are found in one run.
 //!
 //! Not here: merging massless links, initial pose, defaults for what the file leaves out. xacro is
 //! not expanded.
@@ -17,18 +18,24 @@ mod faces;
 mod file;
 mod foreign;
 mod hulls;
+mod image;
 mod inertia;
 mod joint;
 mod link;
 mod mesh;
 mod options;
+mod painted;
 mod resolve;
 mod scope;
 mod srdf;
 mod tree;
+mod visuals;
 mod xml;
 
-pub use description::{CollisionDescription, Description, JointDescription, LinkDescription};
+pub use description::{
+    CollisionDescription, Description, DrawnMesh, ImageFormat, JointDescription, LinkDescription,
+    MeshPart, Texture, VisualDescription, VisualShape,
+};
 pub use options::ReadOptions;
 pub use srdf::{Semantics, read_srdf, read_srdf_str};
 
@@ -139,7 +146,7 @@ fn describe(
     let mut scope = Scope::new(report);
     scope.ignore_inertia = options.ignore_inertia;
     scope.pybullet = options.pybullet;
-    let robot = tree::check(&mut scope, &document, file_name)?;
+    let mut robot = tree::check(&mut scope, &document, file_name)?;
     let order = tree::order(&mut scope, &robot);
     inertia::judge(&mut scope, &robot, order.as_ref());
     let mesh_dir = document
@@ -149,13 +156,14 @@ fn describe(
         .and_then(|compiler| compiler.value("meshdir"));
     let resolver = Resolver::new(base_dir, options, mesh_dir);
     let meshes = hulls::read_meshes(&mut scope, &robot, &resolver, options);
-    hulls::check_visuals(&mut scope, &robot, &resolver);
+    visuals::check(&mut scope, document.root(), &mut robot);
+    let drawn = visuals::read(&mut scope, &robot, &resolver, options.drawn);
     scope.report_tags();
     if scope.report.has_errors() {
         return None;
     }
     let order = order?;
-    let description = assemble::description(&robot, &order, &meshes, options.scale)?;
+    let description = assemble::description(&robot, &order, &meshes, drawn, options.scale)?;
     inertia::compare_with_shapes(&mut scope, &robot, &order, &description);
     Some(description)
 }

@@ -17,6 +17,8 @@ pub struct ReadOptions {
     /// The numbers of `<contact>` are used that only `PyBullet` has a use for: inertia scaling,
     /// stiffness, damping.
     pub pybullet: bool,
+    /// The meshes and textures of visuals are read; else only that they are there is checked.
+    pub drawn: bool,
     /// Links whose collision meshes become several convex parts each (true) or their hulls (false);
     /// of those that match, the last holds.
     pub decomposed: Vec<(Pattern, bool)>,
@@ -29,6 +31,7 @@ impl Default for ReadOptions {
             scale: 1.0,
             ignore_inertia: false,
             pybullet: false,
+            drawn: false,
             decomposed: Vec::new(),
         }
     }

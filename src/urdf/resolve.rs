@@ -137,6 +137,33 @@ impl<'o> Resolver<'o> {
         Err(Missing::NotFound(NotFound { tried, advice }))
     }
 
+    /// A file that the mesh file `mesh` names, such as a texture: from the mesh's folder, or by its
+    /// last part in that folder, because many meshes name a path of the machine they were made on.
+    /// `None` if there is none in the robot's folders.
+    pub(super) fn beside(&self, mesh: &Path, name: &str) -> Option<PathBuf> {
+        let name = percent_decoded(&name.trim().replace('\\', "/"));
+        let name = name.strip_prefix("file://").unwrap_or(&name);
+        let folder = mesh.parent()?;
+        let named = Path::new(name);
+        let candidates = [
+            Some(folder.join(named)),
+            Some(folder.join(named.file_name()?)),
+        ];
+        let roots: Vec<PathBuf> = self
+            .package_paths
+            .iter()
+            .chain([&folder.to_owned()])
+            .filter_map(|root| fs::canonicalize(root).ok())
+            .collect();
+        candidates.into_iter().flatten().find_map(|path| {
+            let path = tidy(&path);
+            // What a symbolic link leads out of the robot's folders to is not packed.
+            let real = fs::canonicalize(&path).ok().filter(|real| real.is_file())?;
+            let own = self.holds(&real, None) || roots.iter().any(|root| real.starts_with(root));
+            own.then_some(path)
+        })
+    }
+
     /// Whether a file lies in the robot's folders, in a package path or in the package that was
     /// found for it.
     fn holds(&self, file: &Path, package: Option<&Path>) -> bool {

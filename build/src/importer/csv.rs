@@ -152,17 +152,18 @@ impl Table {
         let mut writer = csv::WriterBuilder::new()
             .quote_style(csv::QuoteStyle::NonNumeric)
             .from_writer(Vec::new());
-        let rows = self
-            .rows
-            .iter()
-            .map(|row| row.iter().map(|value| written(*value)).collect());
         let written = std::iter::once(self.names.clone())
-            .chain(rows)
+            .chain(self.rows.iter().map(|row| cells(row)))
             .try_for_each(|row: Vec<String>| writer.write_record(row));
         // Writing rows of equal length to memory does not fail.
         debug_assert!(written.is_ok());
         String::from_utf8(writer.into_inner().unwrap_or_default()).unwrap_or_default()
     }
+}
+
+/// The numbers of a row as they are written.
+pub fn cells(row: &[f64]) -> Vec<String> {
+    row.iter().map(|value| written(*value)).collect()
 }
 
 /// 1-based line of a record; its position may be that of empty lines before it.

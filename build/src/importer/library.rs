@@ -96,6 +96,7 @@ functions! {
     enter: "fmi2EnterInitializationMode", fn(Component) -> c_int;
     exit: "fmi2ExitInitializationMode", fn(Component) -> c_int;
     terminate: "fmi2Terminate", fn(Component) -> c_int;
+    reset: "fmi2Reset", fn(Component) -> c_int;
     get_real: "fmi2GetReal", fn(Component, *const c_uint, usize, *mut f64) -> c_int;
     get_integer: "fmi2GetInteger", fn(Component, *const c_uint, usize, *mut c_int) -> c_int;
     get_boolean: "fmi2GetBoolean", fn(Component, *const c_uint, usize, *mut c_int) -> c_int;
@@ -205,12 +206,14 @@ impl Slave {
         &mut self,
         tolerance: Option<f64>,
         start: f64,
-        stop: f64,
+        stop: Option<f64>,
     ) -> Result<(), LibraryError> {
         let (defined, tolerance) = (c_int::from(tolerance.is_some()), tolerance.unwrap_or(0.0));
+        let (ends, stop) = (c_int::from(stop.is_some()), stop.unwrap_or(0.0));
         // SAFETY: the component lives as long as `self`; numbers only. So below.
-        let status =
-            unsafe { (self.functions.setup)(self.component, defined, tolerance, start, 1, stop) };
+        let status = unsafe {
+            (self.functions.setup)(self.component, defined, tolerance, start, ends, stop)
+        };
         self.check("fmi2SetupExperiment", status)
     }
 
@@ -233,6 +236,13 @@ impl Slave {
         // SAFETY: see `setup`.
         let status = unsafe { (self.functions.terminate)(self.component) };
         self.check("fmi2Terminate", status)
+    }
+
+    /// fmi2Reset: as after its making
+    pub fn reset(&mut self) -> Result<(), LibraryError> {
+        // SAFETY: see `setup`.
+        let status = unsafe { (self.functions.reset)(self.component) };
+        self.check("fmi2Reset", status)
     }
 
     /// fmi2DoStep

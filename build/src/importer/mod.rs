@@ -11,6 +11,7 @@
 //! | `csv` | tables of numbers as text |
 //! | `signals` | inputs between the rows of a table |
 //! | `run` | from start to stop |
+//! | `live` | from step to step, by hand |
 //!
 //! Steps and inputs are those of `FMPy`'s `simulate_fmu` for the same arguments, to the bit.
 
@@ -18,5 +19,6 @@ pub mod csv;
 pub mod description;
 pub mod error;
 mod library;
+pub mod live;
 pub mod run;
 mod signals;

@@ -57,22 +57,10 @@ pub fn simulate(folder: &Path, experiment: &Experiment) -> Result<Outcome, RunEr
         None => None,
     };
     let starts = starts(&description, &experiment.start_values)?;
-    let library = library(folder, &description.model_identifier)?;
-    let mut run = Run {
-        slave: Slave::new(
-            &library,
-            &description.guid,
-            &uri(&folder.join("resources")),
-            experiment.debug_logging,
-        )?,
-        slopes: experiment.slopes && description.can_interpolate_inputs,
-        recorded: Recorded::new(&description),
-        signals,
-        table: Table::default(),
-    };
-    run.table.names = run.recorded.names.clone();
+    let mut run = Run::new(folder, &description, signals, experiment.debug_logging)?;
+    run.slopes = experiment.slopes && description.can_interpolate_inputs;
     let tolerance = experiment.tolerance.or(description.tolerance);
-    run.slave.setup(tolerance, times.start, times.stop)?;
+    run.slave.setup(tolerance, times.start, Some(times.stop))?;
     for (variable, value) in starts {
         run.set(variable, value)?;
     }
@@ -125,7 +113,7 @@ impl Times {
     }
 }
 
-fn read(path: &Path) -> Result<String, RunError> {
+pub(super) fn read(path: &Path) -> Result<String, RunError> {
     let failed = |source| RunError::Read {
         path: path.to_owned(),
         source,
@@ -135,7 +123,7 @@ fn read(path: &Path) -> Result<String, RunError> {
 }
 
 /// The file of inputs, its columns matched with variables.
-fn signals(description: &Description, path: &Path) -> Result<Signals, RunError> {
+pub(super) fn signals(description: &Description, path: &Path) -> Result<Signals, RunError> {
     let table = Table::parse(&read(path)?).map_err(|source| RunError::Csv {
         path: path.to_owned(),
         source,
@@ -331,8 +319,9 @@ impl Recorded {
     }
 }
 
-struct Run {
-    slave: Slave,
+/// An instance with its inputs and what is recorded of it.
+pub(super) struct Run {
+    pub(super) slave: Slave,
     slopes: bool,
     recorded: Recorded,
     signals: Option<Signals>,
@@ -340,6 +329,38 @@ struct Run {
 }
 
 impl Run {
+    pub(super) fn new(
+        folder: &Path,
+        description: &Description,
+        signals: Option<Signals>,
+        debug_logging: bool,
+    ) -> Result<Self, RunError> {
+        let library = library(folder, &description.model_identifier)?;
+        let resources = uri(&folder.join("resources"));
+        let recorded = Recorded::new(description);
+        Ok(Self {
+            slave: Slave::new(&library, &description.guid, &resources, debug_logging)?,
+            slopes: false,
+            signals,
+            table: Table {
+                names: recorded.names.clone(),
+                rows: Vec::new(),
+            },
+            recorded,
+        })
+    }
+
+    /// Names of what is recorded, `time` first.
+    pub(super) fn names(&self) -> &[String] {
+        &self.recorded.names
+    }
+
+    /// Whether the table of inputs has a column for a variable.
+    pub(super) fn has_signal(&self, name: &str) -> bool {
+        let mut signals = self.signals.iter().flat_map(|signals| &signals.list);
+        signals.any(|signal| signal.variable.name == name)
+    }
+
     fn set(&mut self, variable: &Variable, value: f64) -> Result<(), LibraryError> {
         let reference = variable.value_reference;
         match variable.kind {
@@ -352,7 +373,7 @@ impl Run {
     }
 
     /// Sets all inputs to what they are at `time`.
-    fn apply(&mut self, time: f64) -> Result<(), LibraryError> {
+    pub(super) fn apply(&mut self, time: f64) -> Result<(), LibraryError> {
         let Some(signals) = self.signals.take() else {
             return Ok(());
         };
@@ -386,6 +407,13 @@ impl Run {
 
     /// Records all outputs.
     fn sample(&mut self, time: f64) -> Result<(), LibraryError> {
+        let row = self.row(time)?;
+        self.table.rows.push(row);
+        Ok(())
+    }
+
+    /// `time` and all outputs.
+    pub(super) fn row(&mut self, time: f64) -> Result<Vec<f64>, LibraryError> {
         let Recorded {
             real,
             integer,
@@ -407,8 +435,7 @@ impl Run {
         for (place, value) in rest[integer.len()..].iter_mut().zip(&whole) {
             *place = f64::from(u8::from(*value != 0));
         }
-        self.table.rows.push(row);
-        Ok(())
+        Ok(row)
     }
 
     /// All steps. Steps end at multiples of the interval, at the stop time and where an input

@@ -1,0 +1,151 @@
+// The robot as a tree of nodes: placing the nodes is the forward kinematics. Needs no WebGL.
+import {
+  Box3, Color, DoubleSide, FrontSide, Group, Mesh, MeshBasicMaterial, MeshPhysicalMaterial,
+  Quaternion, RepeatWrapping, SRGBColorSpace, TextureLoader, Vector3,
+} from "three";
+import { maker } from "./shapes.js";
+
+/** Opacity of the robot while something inside of it is shown. */
+const FADED = 0.3;
+
+export class Robot {
+  constructor(scene) {
+    const { head } = scene;
+    this.root = new Group();
+    this.links = head.links.map((link, i) => {
+      const node = new Group();
+      node.name = link.name;
+      node.userData.link = i;
+      return node;
+    });
+    this.base = { node: new Group(), ...head.base };
+    this.root.add(this.base.node);
+    this.base.node.add(this.links[0]);
+    this.motions = [];
+    for (const joint of head.joints) {
+      let node = new Group();
+      node.position.fromArray(joint.position);
+      node.quaternion.fromArray(joint.orientation);
+      this.links[joint.parent].add(node);
+      for (const motion of joint.motions) {
+        const moved = new Group();
+        node.add(moved);
+        node = moved;
+        this.motions.push({ node, motion, axis: new Vector3(...motion.axis) });
+      }
+      node.add(this.links[joint.child]);
+    }
+    this.materials = new Map();
+    this.bodies = [];
+    this.hulls = [];
+    const geometry = maker(scene);
+    const textures = head.textures.map((texture) => image(texture, scene.body));
+    for (const drawn of head.visuals) {
+      this.bodies.push(this.#place(drawn, geometry(drawn), this.#material(drawn, textures)));
+    }
+    const collision = new MeshBasicMaterial({
+      color: "#f0883e", transparent: true, opacity: 0.35, depthWrite: false, toneMapped: false,
+    });
+    for (const drawn of head.collisions) {
+      const hull = this.#place(drawn, geometry(drawn), collision);
+      hull.visible = false;
+      this.hulls.push(hull);
+    }
+    for (const body of this.bodies) body.castShadow = body.receiveShadow = true;
+  }
+
+  #place(drawn, geometry, material) {
+    const mesh = new Mesh(geometry, material);
+    mesh.position.fromArray(drawn.position);
+    mesh.quaternion.fromArray(drawn.orientation);
+    if (drawn.scale) mesh.scale.fromArray(drawn.scale);
+    mesh.userData.link = drawn.link;
+    this.links[drawn.link].add(mesh);
+    return mesh;
+  }
+
+  #material({ color, texture, shape }, textures) {
+    const mesh = shape.mesh !== undefined;
+    const key = JSON.stringify([color, texture, mesh]);
+    if (!this.materials.has(key)) {
+      const [red, green, blue, alpha] = color;
+      // Pure colours of a URDF are brighter than anything real: the range becomes a little
+      // narrower. An image is taken as it is.
+      const soft = (x) => (texture === undefined ? 0.045 + 0.855 * x : x);
+      const material = new MeshPhysicalMaterial({
+        color: new Color().setRGB(soft(red), soft(green), soft(blue), SRGBColorSpace),
+        map: textures[texture] ?? null,
+        roughness: 0.5,
+        clearcoat: 0.4,
+        clearcoatRoughness: 0.3,
+        transparent: alpha < 1,
+        opacity: alpha,
+        side: mesh ? DoubleSide : FrontSide,
+      });
+      material.userData.opacity = alpha;
+      this.materials.set(key, material);
+    }
+    return this.materials.get(key);
+  }
+
+  /** Makes the robot see-through, for frames and collision shapes. */
+  fade(on) {
+    for (const material of this.materials.values()) {
+      const own = material.userData.opacity;
+      material.opacity = on ? Math.min(own, FADED) : own;
+      material.transparent = material.opacity < 1;
+      material.depthWrite = !on;
+      material.needsUpdate = true;
+    }
+  }
+
+  /** Shows what touches the ground in the simulation. */
+  showHulls(on) {
+    for (const hull of this.hulls) hull.visible = on;
+  }
+
+  /** Places all links where they are in the run now. */
+  pose(run) {
+    const { node, position, orientation } = this.base;
+    node.position.fromArray(run.numbers(position, []));
+    node.quaternion.fromArray(run.quaternion(orientation, []));
+    for (const { node: moved, motion, axis } of this.motions) {
+      if (motion.kind === "ball") {
+        moved.quaternion.fromArray(run.quaternion(motion, []));
+        continue;
+      }
+      const [x] = run.numbers(motion, []);
+      if (motion.kind === "slide") moved.position.copy(axis).multiplyScalar(x);
+      else moved.quaternion.setFromAxisAngle(axis, x);
+    }
+    this.root.updateMatrixWorld(true);
+  }
+
+  /** The box around all that is seen, in the pose that it has. */
+  box(into = new Box3()) {
+    into.makeEmpty();
+    for (const body of this.bodies) into.expandByObject(body);
+    if (into.isEmpty()) into.expandByPoint(this.base.node.position);
+    return into;
+  }
+
+  /** Positions and quaternions of all links by name, for whoever wants to compare them. */
+  poses() {
+    const position = new Vector3();
+    const quaternion = new Quaternion();
+    const scale = new Vector3();
+    return Object.fromEntries(this.links.map((link) => {
+      link.matrixWorld.decompose(position, quaternion, scale);
+      return [link.name, [...position.toArray(), ...quaternion.toArray()]];
+    }));
+  }
+}
+
+function image({ at, bytes, kind }, body) {
+  const address = URL.createObjectURL(new Blob([body.slice(at, at + bytes)], { type: kind }));
+  const texture = new TextureLoader().load(address, () => dispatchEvent(new Event("redraw")));
+  texture.colorSpace = SRGBColorSpace;
+  texture.wrapS = texture.wrapT = RepeatWrapping;
+  texture.anisotropy = 8;
+  return texture;
+}

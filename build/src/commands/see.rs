@@ -1,0 +1,144 @@
+//! The commands that show a robot in a browser.
+
+use super::shared::{CliError, as_fmu, temporary};
+use crate::archive;
+use crate::cli::{Report, View};
+use crate::importer::csv;
+use crate::output::{OutputError, Target, print, tell};
+use crate::report::{self, Table};
+use crate::scene::{FILE_NAME, Scene};
+use crate::view;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+/// A scene and its bytes.
+pub(super) struct Seen {
+    scene: Scene,
+    bytes: Vec<u8>,
+}
+
+/// The scene of an FMU.
+///
+/// - `named`: what the user called it
+pub(super) fn scene(fmu: &Path, named: &Path) -> Result<Seen, CliError> {
+    let path = named.to_owned();
+    let Some(bytes) = archive::read_entry(fmu, &format!("resources/{FILE_NAME}"))? else {
+        return Err(CliError::NoScene { path });
+    };
+    let scene = Scene::from_bytes(&bytes).map_err(|source| CliError::Scene { path, source })?;
+    Ok(Seen { scene, bytes })
+}
+
+/// `report`
+pub(super) fn report(args: &Report) -> Result<(), CliError> {
+    let folder = temporary()?;
+    let request = args.source.request(&args.model);
+    let (fmu, mut inputs) = as_fmu(&args.model, &request, folder.path())?;
+    inputs.push(args.results.clone());
+    let output = args.output.clone().unwrap_or_else(|| {
+        let stem = args.results.file_stem().unwrap_or("run".as_ref());
+        PathBuf::from(stem).with_extension("html")
+    });
+    let target = Target::new(&output, inputs.iter().map(PathBuf::as_path))?;
+    let seen = scene(&fmu, &args.model)?;
+    let path = args.results.clone();
+    let bytes = std::fs::read(&path);
+    let bytes = bytes.map_err(|source| CliError::Read {
+        path: path.clone(),
+        source,
+    })?;
+    let table = Table::parse(&String::from_utf8_lossy(&bytes))
+        .map_err(|source| CliError::Results { path, source })?;
+    Ok(write(&target, &seen, table, &BTreeMap::new())?)
+}
+
+/// `simulate --report`
+pub(super) fn report_of(
+    target: &Target,
+    seen: &Seen,
+    table: &csv::Table,
+    start_values: &[String],
+) -> Result<(), OutputError> {
+    if table.rows.is_empty() {
+        // It failed before its first row, which is told elsewhere.
+        return Ok(());
+    }
+    let pairs = start_values.chunks_exact(2);
+    let changed = pairs.filter_map(|p| Some((p[0].clone(), p[1].trim().parse().ok()?)));
+    let table = Table::of(&table.names, &table.rows);
+    write(target, seen, table, &changed.collect())
+}
+
+fn write(
+    target: &Target,
+    seen: &Seen,
+    table: Table,
+    changed: &BTreeMap<String, f64>,
+) -> Result<(), OutputError> {
+    let report = report::make(&seen.scene, &seen.bytes, table, changed);
+    for note in &report.notes {
+        tell(&format!("note: {note}\n"))?;
+    }
+    target.write(report.html.as_bytes())
+}
+
+/// Code of the finding that a wrench cannot move a link.
+const IMMOVABLE: &str = "A102";
+
+/// `view`
+pub(super) fn view(args: &View) -> Result<(), CliError> {
+    let folder = temporary()?;
+    let mut request = args.source.request(&args.file);
+    request.pushable = true;
+    let made = match as_fmu(&args.file, &request, folder.path()) {
+        // Nothing of a robot that is bolted to the world as a whole can be pushed.
+        Err(CliError::Findings { findings, .. })
+            if findings.iter().any(|f| f.code == IMMOVABLE) =>
+        {
+            request.pushable = false;
+            as_fmu(&args.file, &request, folder.path())
+        }
+        made => made,
+    };
+    let (fmu, mut inputs) = made?;
+    inputs.extend(args.input_file.clone());
+    if let Some(record) = &args.record {
+        // Only whether it may be written: the file grows while the simulation runs.
+        Target::new(record, inputs.iter().map(PathBuf::as_path))?;
+    }
+    let seen = scene(&fmu, &args.file)?;
+    let unpacked = folder.path().join("fmu");
+    archive::unpack(&fmu, &unpacked)?;
+    let view = view::View {
+        scene: &seen.scene,
+        packed: &seen.bytes,
+        folder: &unpacked,
+        inputs: args.input_file.clone(),
+        record: args.record.clone(),
+        port: args.port,
+        speed: args.speed,
+    };
+    let mut ready = view.start()?;
+    print(&format!("{}\n", ready.address()))?;
+    let port = ready.port();
+    tell(&format!(
+        "The address has a key: who knows it can steer the robot. It begins with the first viewer.\n\
+         From another machine: ssh -L {port}:127.0.0.1:{port} this-host. Ctrl-C ends it.\n"
+    ))?;
+    if !args.no_open && !matches!(view::open(ready.address(), folder.path()), Ok(true)) {
+        tell("note: no browser could be opened here; open the address yourself\n")?;
+    }
+    #[cfg(unix)]
+    crate::process::watch_end();
+    ready.run(ended)?;
+    Ok(())
+}
+
+/// Whether the user wants the program to end.
+fn ended() -> bool {
+    #[cfg(unix)]
+    return crate::process::ended();
+    // Elsewhere Ctrl-C ends the process as it is; a recording is whole up to a moment before.
+    #[cfg(not(unix))]
+    false
+}

@@ -1,0 +1,121 @@
+//! An FMU that is simulated step by step, with inputs that a person changes in between.
+
+use super::description::Description;
+use super::error::RunError;
+use super::library::Stepped;
+use super::run::{self, Run};
+use std::path::Path;
+
+/// A running FMU.
+pub struct Live {
+    run: Run,
+    tolerance: Option<f64>,
+    start: f64,
+    time: f64,
+    begun: bool,
+}
+
+impl Live {
+    /// Loads the FMU that was unpacked in `folder`.
+    ///
+    /// - `inputs`: a table of inputs over time
+    ///
+    /// # Errors
+    /// [`RunError`]
+    pub fn open(folder: &Path, inputs: Option<&Path>) -> Result<Self, RunError> {
+        let text = run::read(&folder.join("modelDescription.xml"))?;
+        let description = Description::parse(&text)?;
+        let signals = inputs.map(|path| run::signals(&description, path));
+        let run = Run::new(folder, &description, signals.transpose()?, false)?;
+        let start = description.start_time.unwrap_or(0.0);
+        Ok(Self {
+            run,
+            tolerance: description.tolerance,
+            start,
+            time: start,
+            begun: false,
+        })
+    }
+
+    /// Names of a row, `time` first.
+    pub fn names(&self) -> &[String] {
+        self.run.names()
+    }
+
+    /// Whether the table of inputs has a column for a variable.
+    pub fn has_in_table(&self, name: &str) -> bool {
+        self.run.has_signal(name)
+    }
+
+    /// s, where it begins.
+    pub fn start(&self) -> f64 {
+        self.start
+    }
+
+    /// Initialises; a simulation that has begun is reset.
+    ///
+    /// # Errors
+    /// [`RunError::Library`]
+    pub fn begin(&mut self) -> Result<(), RunError> {
+        if self.begun {
+            self.run.slave.reset()?;
+        }
+        self.begun = true;
+        self.time = self.start;
+        self.run.slave.setup(self.tolerance, self.start, None)?;
+        self.run.slave.enter_initialization()?;
+        self.run.apply(self.start)?;
+        self.run.slave.exit_initialization()?;
+        Ok(())
+    }
+
+    /// Sets inputs by value reference.
+    ///
+    /// # Errors
+    /// [`RunError::Library`]
+    pub fn set(&mut self, references: &[u32], values: &[f64]) -> Result<(), RunError> {
+        Ok(self.run.slave.set_real(references, values)?)
+    }
+
+    /// Sets the inputs of the table to what they are now.
+    ///
+    /// # Errors
+    /// [`RunError::Library`]
+    pub fn follow_table(&mut self) -> Result<(), RunError> {
+        Ok(self.run.apply(self.time)?)
+    }
+
+    /// Simulates until `end`, s.
+    ///
+    /// # Errors
+    /// [`RunError::Stopped`]
+    pub fn step_to(&mut self, end: f64) -> Result<(), RunError> {
+        let stopped = |time: f64, why: String| RunError::Stopped {
+            time,
+            stop: end,
+            why,
+        };
+        let stepped = self.run.slave.do_step(self.time, end - self.time);
+        match stepped.map_err(|error| stopped(self.time, error.to_string()))? {
+            Stepped::Done => {
+                self.time = end;
+                Ok(())
+            }
+            Stepped::Discarded(reached) => {
+                let said = self.run.slave.messages().pop();
+                let why = said.map_or("fmi2Discard".to_owned(), |message| message.text);
+                Err(stopped(reached, why))
+            }
+        }
+    }
+
+    /// Time and all outputs.
+    ///
+    /// # Errors
+    /// [`RunError::Library`]
+    pub fn row(&mut self) -> Result<Vec<f64>, RunError> {
+        // What the FMU says meanwhile would pile up.
+        self.run.slave.messages();
+        Ok(self.run.row(self.time)?)
+    }
+}

@@ -1,0 +1,139 @@
+//! The page that shows a robot in motion, as one HTML file.
+//!
+//! In: a scene, and a run for a report; without one the page asks the program that served it. The
+//! page itself is `build/page`, made of its sources by `build/page/build.mjs`. Everything that
+//! comes from a robot is data in base64, and the page runs no script but its own two, whose hashes
+//! stand in its content security policy.
+
+use flate2::Compression;
+use flate2::write::DeflateEncoder;
+use std::io::Write as _;
+
+/// The page with places for its contents.
+const SHELL: &str = include_str!("../page/dist/page.html");
+
+/// The page's code, deflated by the build script.
+const CODE: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/page.deflate"));
+
+/// The page.
+///
+/// - `title`: any text
+/// - `scene`: content of `scene.bin`
+/// - `run`: what [`crate::report`] makes of a table; none for a live view
+/// - `connect`: what the page may connect to, in the words of a content security policy
+pub fn html(title: &str, scene: &[u8], run: Option<&[u8]>, connect: &str) -> String {
+    let parts = [
+        ("@CONNECT@", connect.to_owned()),
+        ("@TITLE@", escaped(title)),
+        ("@SCENE@", base64(&deflate(scene))),
+        (
+            "@RUN@",
+            run.map_or(String::new(), |run| base64(&deflate(run))),
+        ),
+        ("@CODE@", base64(CODE)),
+    ];
+    let mut html =
+        String::with_capacity(SHELL.len() + parts.iter().map(|p| p.1.len()).sum::<usize>());
+    let mut rest = SHELL;
+    // The shell has its places in this order, and what is filled in is not looked at again.
+    for (place, content) in &parts {
+        if let Some((before, after)) = rest.split_once(place) {
+            html.push_str(before);
+            html.push_str(content);
+            rest = after;
+        }
+    }
+    html + rest
+}
+
+/// Raw deflate, which browsers decode themselves.
+pub fn deflate(bytes: &[u8]) -> Vec<u8> {
+    let mut encoder = DeflateEncoder::new(Vec::new(), Compression::best());
+    // Writing to memory does not fail.
+    _ = encoder.write_all(bytes);
+    encoder.finish().unwrap_or_default()
+}
+
+/// Text of an element.
+fn escaped(text: &str) -> String {
+    let mut escaped = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '&' => escaped.push_str("&amp;"),
+            '<' => escaped.push_str("&lt;"),
+            '>' => escaped.push_str("&gt;"),
+            '"' => escaped.push_str("&quot;"),
+            '\'' => escaped.push_str("&#39;"),
+            _ => escaped.push(c),
+        }
+    }
+    escaped
+}
+
+/// RFC 4648, with padding.
+pub fn base64(bytes: &[u8]) -> String {
+    const DIGITS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    let mut text = String::with_capacity(bytes.len().div_ceil(3) * 4);
+    for group in bytes.chunks(3) {
+        let byte = |i: usize| u32::from(group.get(i).copied().unwrap_or(0));
+        let bits = byte(0) << 16 | byte(1) << 8 | byte(2);
+        for digit in 0..4 {
+            let place = (bits >> (18 - 6 * digit)) as usize & 63;
+            text.push(if digit <= group.len() {
+                char::from(DIGITS[place])
+            } else {
+                '='
+            });
+        }
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use sha2::{Digest, Sha256};
+
+    #[test]
+    fn base64_is_that_of_the_rfc() {
+        // RFC 4648, section 10.
+        for (bytes, text) in [
+            ("", ""),
+            ("f", "Zg=="),
+            ("fo", "Zm8="),
+            ("foo", "Zm9v"),
+            ("foob", "Zm9vYg=="),
+            ("fooba", "Zm9vYmE="),
+            ("foobar", "Zm9vYmFy"),
+        ] {
+            assert_eq!(base64(bytes.as_bytes()), text);
+        }
+    }
+
+    #[test]
+    fn the_policy_holds_the_hashes_of_the_two_scripts() {
+        let boot = SHELL.rsplit_once("<script>").map(|(_, rest)| rest);
+        let boot = boot
+            .and_then(|rest| rest.split_once("</script>"))
+            .expect("a script")
+            .0;
+        for script in [boot, include_str!("../page/dist/page.js")] {
+            let hash = base64(&Sha256::digest(script.as_bytes()));
+            assert!(SHELL.contains(&format!("'sha256-{hash}'")), "{hash}");
+        }
+    }
+
+    #[test]
+    fn a_page_without_a_robot_is_small() {
+        // What the design allows; a fifth of it is the picture of a robot.
+        let bytes = html("", b"", None, "'none'").len();
+        assert!(bytes <= 270_000, "{bytes}");
+    }
+
+    #[test]
+    fn a_title_is_text_and_places_are_filled_once() {
+        let page = html("<script>@CODE@\"'&", b"@RUN@", None, "'none'");
+        assert!(page.contains("<title>&lt;script&gt;@CODE@&quot;&#39;&amp;</title>"));
+        assert!(!page.contains("@SCENE@") && page.contains("connect-src 'none'"));
+    }
+}

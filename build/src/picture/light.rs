@@ -1,0 +1,320 @@
+//! How much of a lamp and of the sky each place sees.
+//!
+//! The sky is a number of lamps far away, spread evenly over the upper half. Each lamp looks at the
+//! robot once, and a place sees the lamp if the lamp saw nothing nearer. A sum over the sky so
+//! gives soft shadows, in corners and on the ground, that no rule of thumb has to imitate.
+
+use super::camera::{Camera, count};
+use super::look::{Look, workers};
+use super::raster::{Depth, floor};
+use super::solid::{Stage, Triangle};
+use urdf2fmu_core::spatial::Vec3;
+
+/// Where the lamp stands, seen from the camera: to the left of it, degrees. Behind the camera no
+/// shadow would be seen.
+const LAMP_AZIMUTH: f64 = -62.0;
+/// Above the horizon, degrees.
+const LAMP_ELEVATION: f64 = 58.0;
+
+/// Side of the lamp's picture, and of one of a part of the sky.
+const LAMP_SIDE: usize = 1024;
+const SKY_SIDE: usize = 224;
+
+/// The sky sees the robot made of so many cubes along its size: finer than its pictures are.
+const SKY_CELLS: f64 = 300.0;
+
+/// Pixels around a lamp's picture of the robot: more than a cube of the sky's.
+const RIM: f32 = 5.0;
+
+/// Half width of the lamp's soft edge, as a part of the robot's size.
+const SOFTNESS: f64 = 0.012;
+
+/// A place is moved along its normal by this part of the robot's size before it looks at a lamp,
+/// because a lamp's picture knows distances only to within its pixels.
+const LAMP_OFFSET: f64 = 0.005;
+const SKY_OFFSET: f64 = 0.012;
+
+/// The lamp and the sky.
+pub(super) struct Lights {
+    pub(super) lamp: Lamp,
+    sky: Vec<Lamp>,
+    /// Places are given from here, m: so that short numbers are exact enough.
+    center: Vec3,
+    lamp_offset: f64,
+    sky_offset: f64,
+}
+
+/// A lamp far away.
+pub(super) struct Lamp {
+    /// Unit vector towards it.
+    pub(super) toward: Vec3,
+    /// The same in short numbers.
+    short: [f32; 3],
+    /// Factors of x, y, z and 1 that give column, row and nearness.
+    rows: [[f32; 4]; 3],
+    depth: Depth,
+}
+
+/// A place that is looked at, in short numbers from [`Lights::center`].
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Spot {
+    /// Seen from the lamp: the place, moved off its surface.
+    at_lamp: [f32; 3],
+    /// Seen from the sky, likewise.
+    at_sky: [f32; 3],
+    normal: [f32; 3],
+    /// Part of the lamp that is seen.
+    pub(super) lamp: f32,
+    /// Light of the sky: 1 under an open one.
+    pub(super) sky: f32,
+}
+
+#[allow(clippy::cast_possible_truncation, reason = "a few digits suffice")]
+fn shorter(v: &Vec3) -> [f32; 3] {
+    [v.x as f32, v.y as f32, v.z as f32]
+}
+
+fn dot(a: &[f32; 3], b: &[f32; 3]) -> f32 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+impl Lamp {
+    /// - `points`: those that the picture reaches to
+    #[allow(clippy::cast_possible_truncation, reason = "places in a picture")]
+    fn new(toward: Vec3, points: &[[f32; 3]], triangles: &[Three], side: usize) -> Self {
+        let right = Vec3::z().cross(&toward);
+        let right = right.try_normalize(1e-9).unwrap_or_else(Vec3::x);
+        let axes = [right, toward.cross(&right)].map(|axis| shorter(&axis));
+        let mut low = [f32::INFINITY; 2];
+        let mut high = [f32::NEG_INFINITY; 2];
+        for point in points {
+            for i in 0..2 {
+                let x = dot(&axes[i], point);
+                low[i] = low[i].min(x);
+                high[i] = high[i].max(x);
+            }
+        }
+        let size = (high[0] - low[0]).max(high[1] - low[1]).max(1e-6);
+        // Some pixels stay free at each rim.
+        let scale = (count(side) as f32 - 2.0 * RIM) / size;
+        let row = |i: usize| {
+            let [x, y, z] = axes[i].map(|x| x * scale);
+            [x, y, z, RIM - low[i] * scale]
+        };
+        let short = shorter(&toward);
+        let rows = [row(0), row(1), [short[0], short[1], short[2], 0.0]];
+        let corners = triangles
+            .iter()
+            .map(|[a, b, c]| [place(&rows, a), place(&rows, b), place(&rows, c)]);
+        let depth = Depth::new(corners, side);
+        Self {
+            toward,
+            short,
+            rows,
+            depth,
+        }
+    }
+
+    /// Whether nothing is nearer to the lamp, from a pixel on.
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "floats saturate, and negative ones are beyond the picture"
+    )]
+    fn open(&self, x: f32, y: f32, near: f32) -> f32 {
+        let side = self.depth.side;
+        if x < 0.0 || y < 0.0 {
+            return 1.0;
+        }
+        let (x, y) = (x as usize, y as usize);
+        let hidden = x < side && y < side && self.depth.near[y * side + x] > near;
+        if hidden { 0.0 } else { 1.0 }
+    }
+
+    /// Part of the lamp that is seen, mixed from the four pixels around a place.
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        clippy::cast_precision_loss,
+        reason = "within the picture"
+    )]
+    fn seen(&self, p: &[f32; 3]) -> f32 {
+        let [x, y, near] = place(&self.rows, p);
+        let (x, y) = (x - 0.5, y - 0.5);
+        let side = self.depth.side;
+        let end = count(side) as f32 - 1.0;
+        // The rim is free, so beyond it nothing hides the lamp.
+        if !(x >= 0.0 && y >= 0.0 && x < end && y < end) {
+            return 1.0;
+        }
+        let (left, top) = (x as usize, y as usize);
+        let (u, v) = (x - left as f32, y - top as f32);
+        let at = top * side + left;
+        let open = |k: usize| if self.depth.near[k] > near { 0.0 } else { 1.0 };
+        let upper = open(at) * (1.0 - u) + open(at + 1) * u;
+        let lower = open(at + side) * (1.0 - u) + open(at + side + 1) * u;
+        upper * (1.0 - v) + lower * v
+    }
+}
+
+/// Column, row and nearness of a place.
+#[inline]
+fn place(rows: &[[f32; 4]; 3], p: &[f32; 3]) -> [f32; 3] {
+    let along = |row: &[f32; 4]| row[0] * p[0] + row[1] * p[1] + row[2] * p[2] + row[3];
+    [along(&rows[0]), along(&rows[1]), along(&rows[2])]
+}
+
+impl Lights {
+    pub(super) fn new(stage: &Stage, triangles: &[Triangle], camera: &Camera, look: &Look) -> Self {
+        let center = camera.target;
+        let casting: Vec<Three> = triangles
+            .iter()
+            .filter(|t| stage.surfaces[t.surface].alpha > 0.5)
+            .map(|t| t.corners.map(|p| shorter(&(p - center))))
+            .collect();
+        let (points, coarse) = coarse(&casting, camera.size / SKY_CELLS);
+        let mut directions = sky(look.sky);
+        directions.push(direction(look.from.azimuth + LAMP_AZIMUTH, LAMP_ELEVATION));
+        let count = directions.len();
+        let mut all: Vec<Option<Lamp>> = Vec::new();
+        all.resize_with(count, || None);
+        let workers = workers();
+        std::thread::scope(|scope| {
+            let mut own: Vec<Vec<(usize, &mut Option<Lamp>)>> = Vec::new();
+            own.resize_with(workers, Vec::new);
+            for (k, place) in all.iter_mut().enumerate() {
+                own[k % workers].push((k, place));
+            }
+            for own in own {
+                let (casting, points, coarse) = (&casting, &points, &coarse);
+                let directions = &directions;
+                scope.spawn(move || {
+                    for (k, place) in own {
+                        *place = Some(if k + 1 == count {
+                            Lamp::new(directions[k], points, casting, LAMP_SIDE)
+                        } else {
+                            Lamp::new(directions[k], points, coarse, SKY_SIDE)
+                        });
+                    }
+                });
+            }
+        });
+        let mut sky: Vec<Lamp> = all.into_iter().flatten().collect();
+        let lamp = sky.remove(count - 1);
+        Self {
+            lamp,
+            sky,
+            center,
+            lamp_offset: LAMP_OFFSET * camera.size,
+            sky_offset: SKY_OFFSET * camera.size,
+        }
+    }
+
+    /// A place with the normal `n`; how much it sees is found by [`Lights::look`].
+    pub(super) fn spot(&self, p: &Vec3, n: &Vec3) -> Spot {
+        let p = p - self.center;
+        Spot {
+            at_lamp: shorter(&(p + n * self.lamp_offset)),
+            at_sky: shorter(&(p + n * self.sky_offset)),
+            normal: shorter(n),
+            lamp: 0.0,
+            sky: 0.0,
+        }
+    }
+
+    /// Finds what many places see: one lamp after the other, because what is near each other in the
+    /// list is near each other in the lamp's picture, and so in the processor's memory.
+    pub(super) fn look(&self, spots: &mut [Spot]) {
+        let mut whole = 0.0_f32;
+        for lamp in &self.sky {
+            whole += lamp.short[2];
+            for spot in &mut *spots {
+                let cosine = dot(&lamp.short, &spot.normal);
+                if cosine > 0.0 {
+                    spot.sky += cosine * lamp.seen(&spot.at_sky);
+                }
+            }
+        }
+        for spot in spots {
+            // A flat floor under an open sky has 1.
+            spot.sky /= whole;
+            if dot(&self.lamp.short, &spot.normal) > 0.0 {
+                spot.lamp = self.soft(&spot.at_lamp);
+            }
+        }
+    }
+
+    /// Part of the lamp that is seen, with a round soft edge.
+    #[allow(clippy::cast_possible_truncation, reason = "a few pixels")]
+    fn soft(&self, p: &[f32; 3]) -> f32 {
+        /// Steps to each side.
+        const REACH: i8 = 4;
+        let [x, y, near] = place(&self.lamp.rows, p);
+        let step = (SOFTNESS * count(self.lamp.depth.side) / f64::from(REACH)) as f32;
+        let (mut sum, mut weights) = (0.0, 0.0);
+        for j in -REACH..=REACH {
+            for i in -REACH..=REACH {
+                let weight = f32::from(REACH * REACH + 2 - i * i - j * j);
+                if weight > 0.0 {
+                    let (x, y) = (x + f32::from(i) * step, y + f32::from(j) * step);
+                    sum += weight * self.lamp.open(x, y, near);
+                    weights += weight;
+                }
+            }
+        }
+        sum / weights
+    }
+}
+
+/// Corners of a triangle.
+type Three = [[f32; 3]; 3];
+
+/// Triangles whose corners are moved to the middles of cubes, without those that become lines; and
+/// the middles of all cubes with a corner, each once.
+fn coarse(triangles: &[Three], cell: f64) -> (Vec<[f32; 3]>, Vec<Three>) {
+    #[allow(clippy::cast_possible_truncation, reason = "a length")]
+    let cell = cell as f32;
+    let number = |p: &[f32; 3]| [floor(p[0] / cell), floor(p[1] / cell), floor(p[2] / cell)];
+    #[allow(clippy::cast_precision_loss, reason = "a few hundred cubes")]
+    let middle = |n: [i32; 3]| {
+        let along = |n: i32| (n as f32 + 0.5) * cell;
+        [along(n[0]), along(n[1]), along(n[2])]
+    };
+    let (mut cubes, mut moved) = (Vec::new(), Vec::new());
+    for [a, b, c] in triangles {
+        let (a, b, c) = (number(a), number(b), number(c));
+        // Most corners stand in the cube of the one before.
+        for cube in [a, b, c] {
+            if cubes.last() != Some(&cube) {
+                cubes.push(cube);
+            }
+        }
+        if a != b && b != c && c != a {
+            moved.push([middle(a), middle(b), middle(c)]);
+        }
+    }
+    cubes.sort_unstable();
+    cubes.dedup();
+    (cubes.into_iter().map(middle).collect(), moved)
+}
+
+/// Unit vector of an azimuth and an elevation in degrees.
+fn direction(azimuth: f64, elevation: f64) -> Vec3 {
+    let radians = std::f64::consts::PI / 180.0;
+    let (sin_a, cos_a) = libm::sincos(azimuth * radians);
+    let (sin_e, cos_e) = libm::sincos(elevation * radians);
+    Vec3::new(cos_e * cos_a, cos_e * sin_a, sin_e)
+}
+
+/// Directions spread evenly over the sky: heights in equal steps, turned by the golden angle.
+fn sky(count: u16) -> Vec<Vec3> {
+    const GOLDEN: f64 = 137.507_764_05;
+    (0..count)
+        .map(|i| {
+            let height = 1.0 - 0.95 * (f64::from(i) + 0.5) / f64::from(count);
+            let across = (1.0 - height * height).sqrt();
+            let (sin, cos) = libm::sincos(f64::from(i) * GOLDEN * std::f64::consts::PI / 180.0);
+            Vec3::new(across * cos, across * sin, height)
+        })
+        .collect()
+}

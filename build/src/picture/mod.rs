@@ -1,0 +1,29 @@
+//! Pictures of a robot, without a graphics card, and with the same bytes on every platform.
+//!
+//! A scene at given poses becomes triangles with normals (`solid`), seen by a `camera`; `raster`
+//! finds what is visible at each sample, `light` computes how much of the sky and of the lamp each
+//! place sees, `shade` makes colours of it, `png` writes them. `image` reads textures, `run` and
+//! `film` make an animation of a run.
+//!
+//! Only additions, multiplications, divisions and square roots are used, which IEEE 754 defines to
+//! the last bit, and functions of `libm`. Threads share out rows and lamps, never sums.
+
+mod camera;
+mod color;
+mod film;
+mod image;
+mod light;
+mod look;
+mod png;
+mod raster;
+mod run;
+mod shade;
+mod solid;
+mod still;
+
+pub use camera::Camera;
+pub use film::film;
+pub use look::{Look, Theme, Toward};
+pub use png::encode;
+pub use run::{ShowError, poses};
+pub use still::still;

@@ -1,0 +1,63 @@
+//! A report: one page that plays a run and plots its variables.
+//!
+//! In: a scene and a table of values, whoever wrote it. Out: the page, and what had to be said
+//! about the table. `table` reads files, `names` finds the robot's variables in them, `encode`
+//! packs columns.
+
+mod encode;
+mod names;
+mod table;
+
+pub use table::{ResultsError, Table};
+
+use crate::page;
+use crate::scene::Scene;
+use std::collections::BTreeMap;
+
+/// Numbers of a run, beyond which rows are left out: the page would be larger than mail takes.
+const MOST_NUMBERS: usize = 12_000_000;
+
+/// A page and what was found on the way.
+#[derive(Debug)]
+pub struct Report {
+    /// The file's content.
+    pub html: String,
+    /// Sentences about the table.
+    pub notes: Vec<String>,
+}
+
+/// Makes a report.
+///
+/// - `packed`: the scene as bytes
+/// - `changed`: parameters that the run had other values of
+pub fn make(scene: &Scene, packed: &[u8], table: Table, changed: &BTreeMap<String, f64>) -> Report {
+    let Table {
+        mut time,
+        mut columns,
+        mut notes,
+    } = table;
+    names::rename(&mut columns, scene, &mut notes);
+    let rows = time.len();
+    let stride = (rows * (columns.len() + 1)).div_ceil(MOST_NUMBERS).max(1);
+    if stride > 1 {
+        let thin = |values: &mut Vec<f64>| {
+            let mut row = 0;
+            values.retain(|_| {
+                row += 1;
+                (row - 1) % stride == 0 || row == rows
+            });
+        };
+        thin(&mut time);
+        for (_, values) in &mut columns {
+            thin(values);
+        }
+        notes.push(format!(
+            "The run has {rows} rows; to keep the page small it shows each {stride}th."
+        ));
+    }
+    let run = encode::run(scene, &time, &columns, &notes, changed);
+    Report {
+        html: page::html(&scene.head.robot, packed, Some(&run), "'none'"),
+        notes,
+    }
+}

@@ -1,0 +1,466 @@
+//! A scene from a robot: its description, its model and the table of its variables.
+
+#![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
+
+use super::format::{
+    Base, Contact, Drawn, FORMAT, Head, Joint, Link, Mesh, Motion, MotionKind, Note, Scene, Shape,
+    Texture, Track, Variable, Wrench, short,
+};
+use super::mesh::{self, align};
+use super::pose;
+use crate::describe::{causality, variability};
+use crate::units;
+use std::collections::{BTreeMap, HashMap};
+use std::sync::Arc;
+use urdf2fmu_core::geometry;
+use urdf2fmu_core::model::{self, JointId, JointKind, LinkId, Model};
+use urdf2fmu_core::simulation::{Simulation, SimulationError};
+use urdf2fmu_core::slots::{InputSlot, OutputSlot};
+use urdf2fmu_core::spatial::{Pose, Vec3, quaternion_from_rotation};
+use urdf2fmu_core::urdf::{Description, DrawnMesh, ImageFormat, MeshPart, VisualShape};
+use urdf2fmu_core::variables::{self, Kind, Slot, Unit};
+
+/// Colour of what has none: a light metal.
+const PLAIN: [f64; 3] = [0.72, 0.74, 0.77];
+
+/// Colour of collision shapes.
+const COLLISION: [f64; 4] = [0.93, 0.56, 0.20, 1.0];
+
+/// A robot without any shape is drawn with balls at its links; their radius as a part of its size.
+const BALL: f64 = 0.04;
+
+/// Size of a robot all of whose links are in one place, m.
+const SMALLEST: f64 = 0.1;
+
+/// The scene of a robot.
+///
+/// - `guid`: of its FMU; may be empty
+///
+/// # Errors
+/// [`SimulationError`] if its initial state cannot be computed.
+pub fn make(
+    description: &Description,
+    model: &Model,
+    table: &[variables::Variable],
+    notes: Vec<Note>,
+    guid: &str,
+) -> Result<Scene, SimulationError> {
+    let mut simulation = Simulation::new(Arc::new(model.clone()));
+    simulation.initialize(0.0)?;
+    let mut names = Names {
+        outputs: Vec::new(),
+        inputs: Vec::new(),
+        simulation,
+    };
+    for row in table {
+        match row.slot {
+            Slot::Output(slot) => names.outputs.push((slot, &row.name)),
+            Slot::Input(slot) => names.inputs.push((slot, &row.name)),
+            Slot::Parameter(_) => {}
+        }
+    }
+    let links = model.links.iter().map(|link| Link {
+        name: link.name.clone(),
+        mass: short(link.inertia.mass),
+        center_of_mass: vector(&link.inertia.com),
+    });
+    let mut body = Body::default();
+    let mut visuals = body.visuals(description, model);
+    let collisions = body.collisions(model);
+    let joints: Vec<Joint> = (0..model.joints.len())
+        .map(|j| names.joint(model, j))
+        .collect();
+    let mut head = Head {
+        format: FORMAT,
+        generator: format!("urdf2fmu {}", env!("CARGO_PKG_VERSION")),
+        robot: model.name.clone(),
+        guid: guid.to_owned(),
+        mass: short(model.links.iter().map(|link| link.inertia.mass).sum()),
+        ground: model.world.ground.is_some(),
+        base: names.base(model),
+        links: links.collect(),
+        joints,
+        visuals: Vec::new(),
+        collisions,
+        meshes: body.meshes,
+        textures: body.textures,
+        contacts: names.contacts(model),
+        wrenches: names.wrenches(model),
+        variables: table.iter().map(variable).collect(),
+        notes,
+    };
+    if visuals.is_empty() && head.collisions.is_empty() {
+        visuals = skeleton(&head);
+    }
+    head.visuals = visuals;
+    Ok(Scene {
+        head,
+        body: body.bytes,
+    })
+}
+
+fn variable(row: &variables::Variable) -> Variable {
+    Variable {
+        name: row.name.clone(),
+        reference: row.value_reference,
+        causality: causality(row).to_owned(),
+        variability: variability(row).to_owned(),
+        kind: match row.kind {
+            Kind::Real => "real",
+            Kind::Integer => "integer",
+            Kind::Boolean => "boolean",
+        }
+        .to_owned(),
+        unit: match row.unit {
+            Unit::One => "",
+            unit => units::facts(unit).name,
+        }
+        .to_owned(),
+        description: row.description.clone(),
+        start: row.start,
+        min: row.min,
+        max: row.max,
+    }
+}
+
+/// The names of variables by their meaning, and their values at the start.
+struct Names<'t> {
+    outputs: Vec<(OutputSlot, &'t String)>,
+    inputs: Vec<(InputSlot, &'t String)>,
+    simulation: Simulation,
+}
+
+impl Names<'_> {
+    fn output(&self, slot: OutputSlot) -> Option<String> {
+        let found = self.outputs.iter().find(|(s, _)| *s == slot);
+        found.map(|(_, name)| (*name).clone())
+    }
+
+    fn input(&self, slot: InputSlot) -> Option<String> {
+        let found = self.inputs.iter().find(|(s, _)| *s == slot);
+        found.map(|(_, name)| (*name).clone())
+    }
+
+    fn track(&mut self, slots: impl IntoIterator<Item = OutputSlot>) -> Track {
+        let mut track = Track::default();
+        for slot in slots {
+            track.variables.extend(self.output(slot));
+            track.start.push(short(self.simulation.output(slot)));
+        }
+        track
+    }
+
+    fn base(&mut self, model: &Model) -> Base {
+        if model.is_floating() {
+            return Base {
+                position: self.track((0..3).map(OutputSlot::BasePosition)),
+                orientation: self.track((0..4).map(OutputSlot::BaseOrientation)),
+            };
+        }
+        let X_WB = Pose::from_xyz_rpy(model.initial.position, model.initial.rpy);
+        let still = |start: &[f64]| Track {
+            variables: Vec::new(),
+            start: start.to_vec(),
+        };
+        Base {
+            position: still(&vector(&X_WB.p)),
+            orientation: still(&quaternion(&X_WB)),
+        }
+    }
+
+    fn joint(&mut self, model: &Model, j: usize) -> Joint {
+        let joint = &model.joints[j];
+        let id = JointId::from(j);
+        let mut motions = Vec::new();
+        for (i, body) in (0..).zip(&joint.bodies) {
+            let motion = model.bodies[body.index()].motion;
+            let (kind, axis) = match motion {
+                model::Motion::Revolute(axis) => (MotionKind::Turn, axis),
+                model::Motion::Prismatic(axis) => (MotionKind::Slide, axis),
+                model::Motion::Spherical | model::Motion::Free | model::Motion::Welded => {
+                    (MotionKind::Ball, Vec3::zeros())
+                }
+            };
+            let track = match kind {
+                MotionKind::Ball => self.track((0..4).map(|i| OutputSlot::JointOrientation(id, i))),
+                _ => self.track([OutputSlot::JointPosition(id, i)]),
+            };
+            motions.push(Motion {
+                kind,
+                axis: vector(&axis),
+                track,
+            });
+        }
+        Joint {
+            name: joint.name.clone(),
+            kind: kind_name(joint.kind).to_owned(),
+            parent: joint.parent.index(),
+            child: joint.child.index(),
+            position: vector(&joint.X_PJ.p),
+            orientation: quaternion(&joint.X_PJ),
+            motions,
+            variables: self.variables_of(model, id),
+            limits: joint.limits.map(|l| [short(l.lower), short(l.upper)]),
+        }
+    }
+
+    /// What a turning or sliding joint shows and takes, by what it means.
+    fn variables_of(&self, model: &Model, id: JointId) -> BTreeMap<String, String> {
+        let mut list = BTreeMap::new();
+        let mut add = |key: &str, name: Option<String>| {
+            list.extend(name.map(|name| (key.to_owned(), name)));
+        };
+        if model.scalar_body(id).is_none() {
+            return list;
+        }
+        add("position", self.output(OutputSlot::JointPosition(id, 0)));
+        add("velocity", self.output(OutputSlot::JointVelocity(id, 0)));
+        add("effort", self.output(OutputSlot::JointEffort(id)));
+        let leaders = model.leaders();
+        for (a, actuator) in model.actuators.iter().enumerate() {
+            if actuator.joint == id {
+                let a = model::ActuatorId::from(leaders[a]);
+                add("cmd.velocity", self.input(InputSlot::Velocity(a)));
+                add("cmd.position", self.input(InputSlot::Position(a)));
+                add("cmd.effort", self.input(InputSlot::Effort(a)));
+                add("cmd.max_effort", self.input(InputSlot::MaxEffort(a)));
+            }
+        }
+        list
+    }
+
+    fn contacts(&self, model: &Model) -> Vec<Contact> {
+        let contact = |link: LinkId| {
+            let force = (0..3).filter_map(|i| self.output(OutputSlot::ContactForce(link, i)));
+            Some(Contact {
+                link: link.index(),
+                active: self.output(OutputSlot::ContactActive(link))?,
+                force: force.collect(),
+            })
+        };
+        let links = (0..model.links.len()).map(LinkId::from);
+        links.filter_map(contact).collect()
+    }
+
+    fn wrenches(&self, model: &Model) -> Vec<Wrench> {
+        let of = |slot: fn(LinkId, u8) -> InputSlot, link: LinkId| -> Vec<String> {
+            (0..3).filter_map(|i| self.input(slot(link, i))).collect()
+        };
+        let links = (0..model.links.len()).map(LinkId::from);
+        links
+            .map(|link| Wrench {
+                link: link.index(),
+                force: of(InputSlot::ExternalForce, link),
+                torque: of(InputSlot::ExternalTorque, link),
+            })
+            .filter(|wrench| wrench.force.len() == 3 && wrench.torque.len() == 3)
+            .collect()
+    }
+}
+
+fn kind_name(kind: JointKind) -> &'static str {
+    match kind {
+        JointKind::Fixed => "fixed",
+        JointKind::Revolute => "revolute",
+        JointKind::Continuous => "continuous",
+        JointKind::Prismatic => "prismatic",
+        JointKind::Planar => "planar",
+        JointKind::Floating => "floating",
+        JointKind::Spherical => "spherical",
+    }
+}
+
+/// The scene's body, and what is in it.
+#[derive(Default)]
+struct Body {
+    bytes: Vec<u8>,
+    meshes: Vec<Mesh>,
+    textures: Vec<Texture>,
+}
+
+impl Body {
+    /// The visuals of all links that the model has.
+    fn visuals(&mut self, description: &Description, model: &Model) -> Vec<Drawn> {
+        let link_of: HashMap<&str, usize> = model
+            .links
+            .iter()
+            .enumerate()
+            .map(|(l, link)| (link.name.as_str(), l))
+            .collect();
+        let mut textures = vec![None; description.textures.len()];
+        let mut meshes: Vec<Option<Vec<Option<usize>>>> =
+            vec![None; description.drawn_meshes.len()];
+        let mut list = Vec::new();
+        for link in &description.links {
+            let Some(&l) = link_of.get(link.name.as_str()) else {
+                continue;
+            };
+            for visual in &link.visuals {
+                let mut add = |shape, scale, color: Option<[f64; 3]>, texture| {
+                    let [red, green, blue] = color.unwrap_or(PLAIN);
+                    let alpha = visual.color.map_or(1.0, |color| color[3]);
+                    list.push(Drawn {
+                        scale,
+                        texture,
+                        color: [red, green, blue, alpha].map(|x| (x * 1000.0).round() / 1000.0),
+                        ..drawn(l, &visual.X_LG, shape)
+                    });
+                };
+                let own = visual.color.map(|[red, green, blue, _]| [red, green, blue]);
+                match &visual.shape {
+                    VisualShape::Solid(solid) => {
+                        if let Some(shape) = self.solid(solid) {
+                            add(shape, None, own, None);
+                        }
+                    }
+                    VisualShape::Mesh { mesh, scale } => {
+                        let file = &description.drawn_meshes[*mesh];
+                        let places = meshes[*mesh].get_or_insert_with(|| {
+                            let parts = file.parts.iter();
+                            parts.map(|part| self.part(part)).collect()
+                        });
+                        let scale = vector(scale);
+                        let same = scale.map(f64::to_bits) == [1.0_f64.to_bits(); 3];
+                        let scale = (!same).then_some(scale);
+                        for (part, place) in file.parts.iter().zip(places) {
+                            let Some(place) = *place else { continue };
+                            let texture = visual.texture.or(part.texture);
+                            let texture = texture.filter(|_| !part.uv.is_empty());
+                            let texture = texture.map(|texture| {
+                                *textures[texture].get_or_insert_with(|| {
+                                    self.texture(&description.textures[texture])
+                                })
+                            });
+                            let color = match texture {
+                                Some(_) => Some([1.0; 3]),
+                                None if is_colorful(file) => part.color.or(own),
+                                None => own.or(part.color),
+                            };
+                            add(Shape::Mesh(place), scale, color, texture);
+                        }
+                    }
+                }
+            }
+        }
+        list
+    }
+
+    /// The shapes that touch the ground, as the simulation has them.
+    fn collisions(&mut self, model: &Model) -> Vec<Drawn> {
+        let mut list = Vec::new();
+        for collider in &model.colliders {
+            let link = &model.links[collider.link.index()];
+            let X_LG = link.X_BL.inverse().compose(&collider.X_BG);
+            if let Some(shape) = self.solid(&collider.shape) {
+                list.push(drawn(collider.link.index(), &X_LG, shape));
+            }
+        }
+        list
+    }
+
+    /// `None` for a hull that has no area.
+    fn solid(&mut self, shape: &geometry::Shape) -> Option<Shape> {
+        Some(match shape {
+            geometry::Shape::Box { half } => Shape::Box(vector(&(half * 2.0))),
+            geometry::Shape::Sphere { radius } => Shape::Sphere(short(*radius)),
+            geometry::Shape::Cylinder {
+                radius,
+                half_length,
+            } => Shape::Cylinder([short(*radius), short(2.0 * half_length)]),
+            geometry::Shape::Capsule {
+                radius,
+                half_length,
+            } => Shape::Capsule([short(*radius), short(2.0 * half_length)]),
+            geometry::Shape::Hull { .. } => {
+                let triangles = shape.hull_triangles();
+                let triangles: Vec<_> = triangles.iter().map(|t| t.map(Into::into)).collect();
+                Shape::Mesh(self.mesh(&triangles, &[])?)
+            }
+        })
+    }
+
+    fn part(&mut self, part: &MeshPart) -> Option<usize> {
+        let triangles: Vec<_> = part.triangles.iter().map(|t| t.map(Into::into)).collect();
+        self.mesh(&triangles, &part.uv)
+    }
+
+    fn mesh(&mut self, triangles: &[[[f64; 3]; 3]], uv: &[[[f64; 2]; 3]]) -> Option<usize> {
+        let mesh = mesh::pack(&mut self.bytes, triangles, uv)?;
+        self.meshes.push(mesh);
+        Some(self.meshes.len() - 1)
+    }
+
+    fn texture(&mut self, texture: &urdf2fmu_core::urdf::Texture) -> usize {
+        align(&mut self.bytes);
+        self.textures.push(Texture {
+            at: self.bytes.len(),
+            bytes: texture.bytes.len(),
+            kind: match texture.format {
+                ImageFormat::Png => "image/png",
+                ImageFormat::Jpeg => "image/jpeg",
+            }
+            .to_owned(),
+            width: texture.width,
+            height: texture.height,
+        });
+        self.bytes.extend(&texture.bytes);
+        self.textures.len() - 1
+    }
+}
+
+/// Whether a mesh tells its parts apart by colour: one colour of the URDF must not paint over that.
+fn is_colorful(file: &DrawnMesh) -> bool {
+    let mut colors = file.parts.iter().filter_map(|part| part.color);
+    let first = colors.next();
+    colors.any(|color| Some(color) != first)
+}
+
+fn drawn(link: usize, X_LG: &Pose, shape: Shape) -> Drawn {
+    Drawn {
+        link,
+        position: vector(&X_LG.p),
+        orientation: quaternion(X_LG),
+        shape,
+        scale: None,
+        color: COLLISION,
+        texture: None,
+    }
+}
+
+/// Balls at the links and rods along the joints, for a robot that has no shape at all.
+fn skeleton(head: &Head) -> Vec<Drawn> {
+    let poses = pose::link_poses(head, |_| None);
+    let reach = poses.iter().map(|X_WL| (X_WL.p - poses[0].p).norm());
+    let radius = BALL * reach.fold(SMALLEST, f64::max);
+    let [red, green, blue] = PLAIN;
+    let plain = |link, X_LG: &Pose, shape| Drawn {
+        color: [red, green, blue, 1.0],
+        ..drawn(link, X_LG, shape)
+    };
+    let mut list: Vec<Drawn> = (0..poses.len())
+        .map(|link| plain(link, &Pose::IDENTITY, Shape::Sphere(short(radius))))
+        .collect();
+    for joint in &head.joints {
+        let p = Vec3::from(joint.position);
+        let length = p.norm();
+        if length > radius {
+            let X_LG = Pose {
+                R: urdf2fmu_core::spatial::rotation_to_axis(&(p / length)),
+                p: p * 0.5,
+            };
+            let rod = Shape::Cylinder([short(0.5 * radius), short(length)]);
+            list.push(plain(joint.parent, &X_LG, rod));
+        }
+    }
+    list
+}
+
+fn vector(v: &Vec3) -> [f64; 3] {
+    [short(v.x), short(v.y), short(v.z)]
+}
+
+/// x, y, z, w.
+fn quaternion(X: &Pose) -> [f64; 4] {
+    let q = quaternion_from_rotation(&X.R);
+    [short(q.i), short(q.j), short(q.k), short(q.w)]
+}

@@ -1,0 +1,241 @@
+//! Triangles in few bytes: vertices that look alike are one, coordinates are parts of the box.
+//!
+//! A block holds `vertices` positions of three u16, then, where there is a texture, as many texture
+//! coordinates of two u16, then `triangles` times three indices: u16, or u32 where there are more
+//! than 65,536 vertices. Each of the three begins at a multiple of four bytes. A coordinate is
+//! `low + size · number / 65535`.
+
+use super::format::{ALIGNMENT, Mesh, Scene, short};
+use std::collections::HashMap;
+
+/// The greatest number of a u16.
+const STEPS: f64 = 65535.0;
+
+/// Vertices that a u16 tells apart.
+const MOST_SHORT: usize = 65_536;
+
+/// Triangles of a mesh beyond which vertices that are close together become one.
+const MANY_TRIANGLES: usize = 100_000;
+
+/// Cells along the longest side in which vertices become one, in the order in which they are tried.
+const COARSER: [f64; 6] = [2048.0, 1024.0, 512.0, 256.0, 128.0, 96.0];
+
+/// Triangles as they are drawn.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Triangles {
+    /// m
+    pub positions: Vec<[f64; 3]>,
+    /// One for each position, or none at all; (0, 0) is the lower left corner of the texture.
+    pub uv: Vec<[f64; 2]>,
+    /// Places in `positions`.
+    pub indices: Vec<[usize; 3]>,
+}
+
+/// A range of numbers as u16.
+#[derive(Clone, Copy)]
+struct Scale<const N: usize> {
+    low: [f64; N],
+    size: [f64; N],
+}
+
+impl<const N: usize> Scale<N> {
+    fn of<'p>(points: impl Iterator<Item = &'p [f64; N]>) -> Self {
+        let (mut low, mut high) = ([f64::INFINITY; N], [f64::NEG_INFINITY; N]);
+        for point in points {
+            for i in 0..N {
+                low[i] = low[i].min(point[i]);
+                high[i] = high[i].max(point[i]);
+            }
+        }
+        // The numbers in the head are rounded: they must still hold all points.
+        let low = low.map(|x| short(x - 1e-7));
+        let size = std::array::from_fn(|i| short(high[i] - low[i] + 2e-7));
+        Self { low, size }
+    }
+
+    fn pack(&self, point: &[f64; N]) -> [u16; N] {
+        std::array::from_fn(|i| {
+            let part = (point[i] - self.low[i]) / self.size[i];
+            // In range by the clamp.
+            #[allow(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                reason = "clamped"
+            )]
+            let step = (part * STEPS).round().clamp(0.0, STEPS) as u16;
+            step
+        })
+    }
+
+    fn unpack(&self, point: [u16; N]) -> [f64; N] {
+        std::array::from_fn(|i| self.low[i] + self.size[i] * f64::from(point[i]) / STEPS)
+    }
+}
+
+/// Appends triangles to a body; `uv` has one entry for each triangle or none. `None` where nothing
+/// has an area.
+pub(super) fn pack(
+    body: &mut Vec<u8>,
+    triangles: &[[[f64; 3]; 3]],
+    uv: &[[[f64; 2]; 3]],
+) -> Option<Mesh> {
+    let corners = || triangles.iter().flatten();
+    let scale = Scale::of(corners());
+    let uv_scale = (!uv.is_empty()).then(|| Scale::of(uv.iter().flatten()));
+    let longest = scale.size.iter().fold(0.0_f64, |a, &b| a.max(b));
+    let coarser = if triangles.len() > MANY_TRIANGLES {
+        COARSER.as_slice()
+    } else {
+        &[]
+    };
+    // What is finer than the format is one vertex in any case.
+    let mut welded = Welded::new(triangles, uv, &scale, uv_scale.as_ref(), None);
+    for cells in coarser {
+        if welded.indices.len() <= MANY_TRIANGLES {
+            break;
+        }
+        welded = Welded::new(
+            triangles,
+            uv,
+            &scale,
+            uv_scale.as_ref(),
+            Some(longest / cells),
+        );
+    }
+    if welded.indices.is_empty() {
+        return None;
+    }
+    align(body);
+    let at = body.len();
+    body.extend(
+        welded
+            .positions
+            .iter()
+            .flatten()
+            .flat_map(|x| x.to_le_bytes()),
+    );
+    align(body);
+    if uv_scale.is_some() {
+        body.extend(welded.uv.iter().flatten().flat_map(|x| x.to_le_bytes()));
+        align(body);
+    }
+    let vertices = welded.positions.len();
+    for &index in welded.indices.iter().flatten() {
+        let bytes = index.to_le_bytes();
+        body.extend(if vertices > MOST_SHORT {
+            &bytes
+        } else {
+            &bytes[..2]
+        });
+    }
+    Some(Mesh {
+        at,
+        vertices,
+        triangles: welded.indices.len(),
+        low: scale.low,
+        size: scale.size,
+        uv: uv_scale.map(|uv| [uv.low, uv.size]),
+    })
+}
+
+/// Fills up with zeros to where the next block may begin.
+pub(super) fn align(body: &mut Vec<u8>) {
+    body.resize(body.len().next_multiple_of(ALIGNMENT), 0);
+}
+
+/// Vertices that are told apart, in the order of their first use.
+#[derive(Default)]
+struct Welded {
+    positions: Vec<[u16; 3]>,
+    uv: Vec<[u16; 2]>,
+    indices: Vec<[u32; 3]>,
+}
+
+impl Welded {
+    /// - `cell`: side of the cubes in which all vertices become the first of them, m
+    fn new(
+        triangles: &[[[f64; 3]; 3]],
+        uv: &[[[f64; 2]; 3]],
+        scale: &Scale<3>,
+        uv_scale: Option<&Scale<2>>,
+        cell: Option<f64>,
+    ) -> Self {
+        let mut welded = Self::default();
+        let mut places: HashMap<([u16; 3], [u16; 2]), u32> = HashMap::new();
+        for (t, triangle) in triangles.iter().enumerate() {
+            let corner = |k: usize| {
+                let packed = scale.pack(&triangle[k]);
+                let key = match cell {
+                    None => packed,
+                    Some(cell) => std::array::from_fn(|i| {
+                        // Fewer cells than a u16 has numbers.
+                        #[allow(
+                            clippy::cast_possible_truncation,
+                            clippy::cast_sign_loss,
+                            reason = "a cell's number is small and not negative"
+                        )]
+                        let number = ((triangle[k][i] - scale.low[i]) / cell).floor() as u16;
+                        number
+                    }),
+                };
+                let uv = uv_scale.map_or([0; 2], |uv_scale| uv_scale.pack(&uv[t][k]));
+                let place = *places.entry((key, uv)).or_insert_with(|| {
+                    welded.positions.push(packed);
+                    welded.uv.push(uv);
+                    u32::try_from(welded.positions.len() - 1).unwrap_or(u32::MAX)
+                });
+                (place, key)
+            };
+            let [a, b, c] = [0, 1, 2].map(corner);
+            if a.1 != b.1 && b.1 != c.1 && c.1 != a.1 {
+                welded.indices.push([a.0, b.0, c.0]);
+            }
+        }
+        welded
+    }
+}
+
+impl Scene {
+    /// The triangles of a mesh; `None` where the body does not hold them.
+    pub fn triangles(&self, mesh: &Mesh) -> Option<Triangles> {
+        let mut at = mesh.at;
+        let mut block = |count: usize, size: usize| {
+            let end = at.checked_add(count.checked_mul(size)?)?;
+            let bytes = self.body.get(at..end)?;
+            at = end.checked_next_multiple_of(ALIGNMENT)?;
+            Some(bytes)
+        };
+        let short = |bytes: &[u8]| u16::from_le_bytes([bytes[0], bytes[1]]);
+        let scale = Scale {
+            low: mesh.low,
+            size: mesh.size,
+        };
+        let positions = block(mesh.vertices, 6)?
+            .chunks_exact(6)
+            .map(|p| scale.unpack([short(p), short(&p[2..]), short(&p[4..])]))
+            .collect();
+        let mut uv = Vec::new();
+        if let Some([low, size]) = mesh.uv {
+            let scale = Scale { low, size };
+            let packed = block(mesh.vertices, 4)?.chunks_exact(4);
+            uv = packed
+                .map(|p| scale.unpack([short(p), short(&p[2..])]))
+                .collect();
+        }
+        let width = if mesh.vertices > MOST_SHORT { 4 } else { 2 };
+        let index = |bytes: &[u8]| match *bytes {
+            [a, b, c, d] => u32::from_le_bytes([a, b, c, d]) as usize,
+            _ => usize::from(short(bytes)),
+        };
+        let indices: Vec<[usize; 3]> = block(mesh.triangles, 3 * width)?
+            .chunks_exact(3 * width)
+            .map(|t| std::array::from_fn(|k| index(&t[k * width..(k + 1) * width])))
+            .collect();
+        let inside = indices.iter().flatten().all(|&i| i < mesh.vertices);
+        inside.then_some(Triangles {
+            positions,
+            uv,
+            indices,
+        })
+    }
+}

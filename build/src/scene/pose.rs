@@ -1,0 +1,87 @@
+//! Where the links of a scene are, for given values of its variables.
+
+#![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
+
+use super::format::{Head, MotionKind, Track};
+use urdf2fmu_core::spatial::{Mat3, Pose, Vec3};
+
+/// Poses `X_WL` of all links.
+///
+/// - `value`: of a variable by its name; `None` where it is not known, then its start counts
+pub fn link_poses(head: &Head, value: impl Fn(&str) -> Option<f64>) -> Vec<Pose> {
+    let mut poses = vec![Pose::IDENTITY; head.links.len()];
+    poses[0] = Pose {
+        R: rotation(numbers(&head.base.orientation, &value)),
+        p: Vec3::from(numbers(&head.base.position, &value)),
+    };
+    for joint in &head.joints {
+        let mut X_WC = poses[joint.parent].compose(&pose(&joint.position, &joint.orientation));
+        for motion in &joint.motions {
+            let axis = Vec3::from(motion.axis);
+            let moved = match motion.kind {
+                MotionKind::Slide => {
+                    let [x] = numbers(&motion.track, &value);
+                    Pose {
+                        p: axis * x,
+                        ..Pose::IDENTITY
+                    }
+                }
+                MotionKind::Turn => {
+                    let [angle] = numbers(&motion.track, &value);
+                    let (sin, cos) = libm::sincos(0.5 * angle);
+                    let v = axis * sin;
+                    Pose {
+                        R: rotation([v.x, v.y, v.z, cos]),
+                        ..Pose::IDENTITY
+                    }
+                }
+                MotionKind::Ball => Pose {
+                    R: rotation(numbers(&motion.track, &value)),
+                    ..Pose::IDENTITY
+                },
+            };
+            X_WC = X_WC.compose(&moved);
+        }
+        poses[joint.child] = X_WC;
+    }
+    poses
+}
+
+/// The numbers of a track; a variable that is not known, or not finite, has its start value.
+fn numbers<const N: usize>(track: &Track, value: impl Fn(&str) -> Option<f64>) -> [f64; N] {
+    std::array::from_fn(|i| {
+        let known = track.variables.get(i).and_then(|name| value(name));
+        known
+            .filter(|x| x.is_finite())
+            .or_else(|| track.start.get(i).copied())
+            .unwrap_or_default()
+    })
+}
+
+/// A pose from its position and its quaternion x, y, z, w.
+pub fn pose(position: &[f64; 3], orientation: &[f64; 4]) -> Pose {
+    Pose {
+        R: rotation(*orientation),
+        p: Vec3::from(*position),
+    }
+}
+
+/// Rotation of a quaternion x, y, z, w of any length above zero.
+fn rotation([x, y, z, w]: [f64; 4]) -> Mat3 {
+    let square = x * x + y * y + z * z + w * w;
+    if square < 1e-12 {
+        return Mat3::identity();
+    }
+    let s = 2.0 / square;
+    Mat3::new(
+        1.0 - s * (y * y + z * z),
+        s * (x * y - z * w),
+        s * (x * z + y * w),
+        s * (x * y + z * w),
+        1.0 - s * (x * x + z * z),
+        s * (y * z - x * w),
+        s * (x * z - y * w),
+        s * (y * z + x * w),
+        1.0 - s * (x * x + y * y),
+    )
+}

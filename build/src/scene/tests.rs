@@ -1,0 +1,184 @@
+#![allow(clippy::unwrap_used, reason = "a test may fail")]
+
+use super::format::*;
+use super::{mesh, pose};
+
+/// A robot of one link with one mesh and one texture.
+fn scene(triangles: &[[[f64; 3]; 3]], uv: &[[[f64; 2]; 3]]) -> Scene {
+    let mut body = Vec::new();
+    let meshes: Vec<Mesh> = mesh::pack(&mut body, triangles, uv).into_iter().collect();
+    mesh::align(&mut body);
+    let textures = vec![Texture {
+        at: body.len(),
+        bytes: 3,
+        kind: "image/png".to_owned(),
+        width: 1,
+        height: 1,
+    }];
+    body.extend(b"png");
+    let track = |start: &[f64]| Track {
+        variables: Vec::new(),
+        start: start.to_vec(),
+    };
+    let head = Head {
+        format: FORMAT,
+        generator: "a test".to_owned(),
+        robot: "</script> \"名\" 前".to_owned(),
+        guid: String::new(),
+        mass: 1.0,
+        ground: true,
+        base: Base {
+            position: track(&[0.0; 3]),
+            orientation: track(&[0.0, 0.0, 0.0, 1.0]),
+        },
+        links: vec![Link {
+            name: "a".to_owned(),
+            mass: 1.0,
+            center_of_mass: [0.0; 3],
+        }],
+        joints: Vec::new(),
+        visuals: vec![Drawn {
+            link: 0,
+            position: [0.0; 3],
+            orientation: [0.0, 0.0, 0.0, 1.0],
+            shape: Shape::Mesh(0),
+            scale: None,
+            color: [1.0; 4],
+            texture: Some(0),
+        }],
+        collisions: Vec::new(),
+        meshes,
+        textures,
+        contacts: Vec::new(),
+        wrenches: Vec::new(),
+        variables: Vec::new(),
+        notes: Vec::new(),
+    };
+    Scene { head, body }
+}
+
+/// Triangles of a sphere of radius 1, `n` strips of `2 n` squares.
+fn sphere(n: u32) -> Vec<[[f64; 3]; 3]> {
+    let part = |i: u32, of: u32| f64::from(i) / f64::from(of) * std::f64::consts::TAU;
+    let point = |i: u32, j: u32| {
+        let (a, b) = (part(i, 2 * n), 0.5 * part(j, n));
+        [b.sin() * a.cos(), b.sin() * a.sin(), b.cos()]
+    };
+    let squares = (0..2 * n).flat_map(|i| (0..n).map(move |j| (i, j)));
+    squares
+        .flat_map(|(i, j)| {
+            let [a, b] = [point(i, j), point(i + 1, j)];
+            let [c, d] = [point(i, j + 1), point(i + 1, j + 1)];
+            [[a, c, d], [a, d, b]]
+        })
+        .collect()
+}
+
+#[test]
+fn what_is_written_is_read_again() {
+    let uv = [[[0.0, 0.0], [1.0, 0.0], [0.0, 2.5]]; 2];
+    let triangles = [
+        [[0.0, 0.0, 0.0], [0.3, 0.0, 0.0], [0.0, 0.2, -7.0]],
+        [[0.0, 0.0, 0.0], [0.0, 0.2, -7.0], [0.3, 0.0, 0.0]],
+    ];
+    let scene = scene(&triangles, &uv);
+    let bytes = scene.to_bytes().unwrap();
+    let again = Scene::from_bytes(&bytes).unwrap();
+    assert_eq!(again, scene);
+    let mesh = &again.head.meshes[0];
+    // Of the three corners two have other texture coordinates in the second triangle.
+    assert_eq!((mesh.vertices, mesh.triangles), (5, 2));
+    let read = again.triangles(mesh).unwrap();
+    // Half a step of the largest side.
+    let near = |found: &[f64], given: &[f64], size: f64| {
+        let off = found.iter().zip(given).map(|(a, b)| (a - b).abs());
+        off.fold(0.0, f64::max) < 0.5 * size / 65535.0
+    };
+    for (face, (triangle, uv)) in read.indices.iter().zip(triangles.iter().zip(uv)) {
+        for k in 0..3 {
+            assert!(near(&read.positions[face[k]], &triangle[k], 7.01));
+            assert!(near(&read.uv[face[k]], &uv[k], 2.51));
+        }
+    }
+}
+
+#[test]
+fn very_many_triangles_become_fewer_and_the_shape_stays() {
+    let few = scene(&sphere(140), &[]);
+    let mesh = &few.head.meshes[0];
+    // Two triangles of each square, but one at the poles.
+    assert_eq!(mesh.triangles, 4 * 140 * 140 - 2 * 2 * 140);
+    assert!(few.triangles(mesh).is_some());
+    let many = sphere(600);
+    assert!(many.len() > 1_000_000);
+    let scene = scene(&many, &[]);
+    let mesh = &scene.head.meshes[0];
+    assert!(mesh.triangles <= 100_000, "{}", mesh.triangles);
+    // The ball keeps its shape: no corner leaves it, and little of its volume goes.
+    let read = scene.triangles(mesh).unwrap();
+    let mut volume = 0.0;
+    for face in &read.indices {
+        let [a, b, c] = face.map(|i| read.positions[i]);
+        let cross = [
+            b[1] * c[2] - b[2] * c[1],
+            b[2] * c[0] - b[0] * c[2],
+            b[0] * c[1] - b[1] * c[0],
+        ];
+        volume += (a[0] * cross[0] + a[1] * cross[1] + a[2] * cross[2]) / 6.0;
+    }
+    let ball = 4.0 / 3.0 * std::f64::consts::PI;
+    assert!((volume / ball - 1.0).abs() < 0.01, "{volume}");
+}
+
+#[test]
+fn more_vertices_than_a_short_index_counts_have_long_indices() {
+    // Triangles apart from each other.
+    let apart = |i: u32| {
+        let x = f64::from(i);
+        [[x, 0.0, 0.0], [x + 0.5, 0.0, 0.0], [x, 1.0, 0.0]]
+    };
+    for (count, vertices) in [(21_845, 65_535), (21_846, 65_538)] {
+        let triangles: Vec<_> = (0..count).map(apart).collect();
+        let scene = scene(&triangles, &[]);
+        let mesh = &scene.head.meshes[0];
+        assert_eq!(mesh.vertices, vertices);
+        let read = scene.triangles(mesh).unwrap();
+        let last = read.indices.last().unwrap().map(|i| read.positions[i]);
+        assert!((last[2][1] - 1.0).abs() < 1e-4 && (last[0][0] - last[2][0]).abs() < 1e-4);
+    }
+}
+
+#[test]
+fn damaged_scenes_are_refused_without_a_panic() {
+    let bytes = scene(&sphere(3), &[]).to_bytes().unwrap();
+    for length in 0..bytes.len() {
+        assert!(Scene::from_bytes(&bytes[..length]).is_err(), "{length}");
+    }
+    // A linear congruential generator: Knuth, The Art of Computer Programming, volume 2.
+    let mut seed = 1_u64;
+    let mut random = |end: usize| {
+        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+        usize::try_from(seed >> 33).unwrap() % end
+    };
+    for _ in 0..20_000 {
+        let mut changed = bytes.clone();
+        for _ in 0..=random(3) {
+            let at = random(changed.len());
+            changed[at] = b"0123456789-.e[]{}\",:z"[random(21)];
+        }
+        // Read or refused: both are fine, and what is read can be drawn.
+        if let Ok(scene) = Scene::from_bytes(&changed) {
+            _ = pose::link_poses(&scene.head, |_| Some(1.0));
+        }
+    }
+    let later = scene(&sphere(3), &[]);
+    let later = Scene {
+        head: Head {
+            format: 99,
+            ..later.head
+        },
+        ..later
+    };
+    let refused = Scene::from_bytes(&later.to_bytes().unwrap()).unwrap_err();
+    assert!(refused.to_string().contains("newer urdf2fmu"), "{refused}");
+}

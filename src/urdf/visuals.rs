@@ -1,0 +1,326 @@
+//! `<visual>` and `<material>`: their checks, and the meshes and textures that they name.
+//!
+//! Visuals do not move the robot: whatever is wrong with them is a warning, and what cannot be had
+//! is left out. A mesh or texture is read once, however often it stands in the file.
+
+use super::checked::{CheckedRobot, CheckedVisual, Geometry, Paint};
+use super::description::{DrawnMesh, MeshPart, Texture};
+use super::faces::MeshError;
+use super::hulls::outside_help;
+use super::mesh::MeshFile;
+use super::resolve::{Missing, Resolver};
+use super::scope::Scope;
+use super::xml::Node;
+use super::{file, image, link, painted};
+use crate::diagnostic::Severity;
+use std::collections::HashMap;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+/// Checks the visuals of all links, with the materials that they name.
+pub(super) fn check<'d>(scope: &mut Scope, root: Node<'d>, robot: &mut CheckedRobot<'d>) {
+    scope.severity = Severity::Warning;
+    "robot".clone_into(&mut scope.owner);
+    let mut palette = HashMap::new();
+    // The robot's own materials come first, then those that visuals give a name.
+    for material in root.children_named("material") {
+        add_material(scope, material, &mut palette);
+    }
+    for link in &robot.links {
+        scope.owner = format!("link '{}'", link.name);
+        for visual in link.node.children_named("visual") {
+            for material in visual.children_named("material") {
+                add_material(scope, material, &mut palette);
+            }
+        }
+    }
+    for link in &mut robot.links {
+        scope.owner = format!("link '{}'", link.name);
+        for visual in link.node.children_named("visual") {
+            scope.known_attributes(visual, &["name"]);
+            scope.known_children(visual, &["origin", "geometry", "material"], &["meshScale"]);
+            let (xyz, rpy) = scope.origin(visual);
+            let line = scope.report.line(visual.tag_at().start);
+            let material = visual.child("material");
+            let paint = material.and_then(|material| {
+                let own = palette.get(&Name::Place(material.tag_at().start));
+                own.or_else(|| palette.get(&Name::Given(material.value("name")?)))
+            });
+            let paint = paint.copied().unwrap_or_default();
+            if let Some(geometry) = link::geometry(scope, visual) {
+                link.visuals.push(CheckedVisual {
+                    xyz,
+                    rpy,
+                    geometry,
+                    paint,
+                    line,
+                });
+            }
+        }
+    }
+    scope.severity = Severity::Error;
+}
+
+/// What a material is found by.
+#[derive(PartialEq, Eq, Hash)]
+enum Name<'d> {
+    Given(&'d str),
+    /// Of its tag in the file.
+    Place(usize),
+}
+
+/// Adds a material that has a colour or a texture, by its place, and by its name if that is new.
+fn add_material<'d>(
+    scope: &mut Scope,
+    material: Node<'d>,
+    palette: &mut HashMap<Name<'d>, Paint<'d>>,
+) {
+    let color = material.child("color").and_then(|color| rgba(scope, color));
+    let texture = material.child("texture").and_then(|texture| {
+        let file = texture.attribute("filename")?;
+        Some((file.value.as_str(), file))
+    });
+    if color.is_none() && texture.is_none() {
+        return;
+    }
+    let paint = Paint { color, texture };
+    palette.insert(Name::Place(material.tag_at().start), paint);
+    if let Some(name) = material.value("name").filter(|name| !name.is_empty()) {
+        palette.entry(Name::Given(name)).or_insert(paint);
+    }
+}
+
+fn rgba(scope: &mut Scope, color: Node) -> Option<[f64; 4]> {
+    let rgba = scope.vector::<4>(color, "rgba")?;
+    if rgba.iter().all(|x| (0.0..=1.0).contains(x)) {
+        return Some(rgba);
+    }
+    let at = color
+        .attribute("rgba")
+        .map_or_else(|| color.tag_at(), |a| a.at.clone());
+    let help = "red, green, blue and alpha are 0 … 1";
+    scope.warning("U073", at, "a colour is outside of 0 … 1", help);
+    // Bytes in place of parts of 1 are the usual reason.
+    let byte = rgba.iter().any(|&x| x > 1.0) && rgba.iter().all(|x| x.fract() == 0.0);
+    let full = if byte && rgba[..3].iter().any(|&x| x > 2.0) {
+        255.0
+    } else {
+        1.0
+    };
+    let [red, green, blue] = [0, 1, 2].map(|i| (rgba[i] / full).clamp(0.0, 1.0));
+    let alpha = if rgba[3] > 1.0 {
+        rgba[3] / full
+    } else {
+        rgba[3]
+    };
+    Some([red, green, blue, alpha.clamp(0.0, 1.0)])
+}
+
+/// Meshes and textures of the visuals.
+#[derive(Default)]
+pub(super) struct Drawn {
+    pub(super) meshes: Vec<DrawnMesh>,
+    pub(super) textures: Vec<Texture>,
+    /// Place in `meshes` by the file's name in the URDF; none for one that cannot be had.
+    pub(super) mesh_of: HashMap<String, Option<usize>>,
+    /// Place in `textures`, likewise.
+    pub(super) texture_of: HashMap<String, Option<usize>>,
+}
+
+/// What went wrong, each kind told once with the place of the first.
+#[derive(Default)]
+struct Troubles {
+    list: Vec<Trouble>,
+}
+
+struct Trouble {
+    code: &'static str,
+    at: Range<usize>,
+    message: String,
+    help: String,
+    count: usize,
+}
+
+impl Troubles {
+    fn add(&mut self, code: &'static str, at: &Range<usize>, message: String, help: String) {
+        match self.list.iter_mut().find(|trouble| trouble.code == code) {
+            Some(trouble) => trouble.count += 1,
+            None => self.list.push(Trouble {
+                code,
+                at: at.clone(),
+                message,
+                help,
+                count: 1,
+            }),
+        }
+    }
+
+    fn report(self, scope: &mut Scope) {
+        for trouble in self.list {
+            let more = match trouble.count {
+                1 => String::new(),
+                n => format!(", and {} more", n - 1),
+            };
+            let end = match trouble.code {
+                "U117" => "it is drawn without",
+                _ => "the robot moves without it",
+            };
+            let message = format!("{}{more}; {end}", trouble.message);
+            scope
+                .report
+                .warning(trouble.code, trouble.at, message, trouble.help);
+        }
+    }
+}
+
+/// Finds the meshes and textures of all visuals, and reads them if `read`.
+pub(super) fn read(
+    scope: &mut Scope,
+    robot: &CheckedRobot,
+    resolver: &Resolver,
+    read: bool,
+) -> Drawn {
+    let mut drawn = Drawn::default();
+    let mut troubles = Troubles::default();
+    // Names may mean the same file.
+    let mut meshes_by_path: HashMap<PathBuf, Option<usize>> = HashMap::new();
+    let mut textures = Textures {
+        resolver,
+        by_path: HashMap::new(),
+        list: Vec::new(),
+    };
+    for visual in robot.links.iter().flat_map(|link| &link.visuals) {
+        if let Geometry::Mesh { filename, at, .. } = &visual.geometry
+            && !drawn.mesh_of.contains_key(*filename)
+        {
+            let place = match resolver.find(filename) {
+                Ok(found) => *meshes_by_path.entry(found.path).or_insert_with_key(|path| {
+                    let parts = if read {
+                        parts_of(path, at, &mut textures, &mut troubles)?
+                    } else {
+                        Vec::new()
+                    };
+                    drawn.meshes.push(DrawnMesh {
+                        path: path.clone(),
+                        parts,
+                    });
+                    Some(drawn.meshes.len() - 1)
+                }),
+                Err(missing) => {
+                    let message = format!("visual mesh not found: {filename}");
+                    troubles.add("U111", at, message, help_for(&missing));
+                    None
+                }
+            };
+            drawn.mesh_of.insert((*filename).to_owned(), place);
+        }
+        if let Some((name, attribute)) = visual.paint.texture
+            && !drawn.texture_of.contains_key(name)
+        {
+            let place = match resolver.find(name) {
+                Ok(_) if !read => None,
+                Ok(found) if found.linked => None,
+                Ok(found) => textures.read(&found.path, &attribute.at, &mut troubles),
+                Err(missing) => {
+                    let message = format!("texture not found: {name}");
+                    troubles.add("U117", &attribute.at, message, help_for(&missing));
+                    None
+                }
+            };
+            drawn.texture_of.insert(name.to_owned(), place);
+        }
+    }
+    drawn.textures = textures.list;
+    troubles.report(scope);
+    drawn
+}
+
+fn help_for(missing: &Missing) -> String {
+    match missing {
+        Missing::NotFound(missing) => missing.help(),
+        Missing::Outside(path) => outside_help(path),
+    }
+}
+
+/// Textures read so far.
+struct Textures<'r> {
+    resolver: &'r Resolver<'r>,
+    by_path: HashMap<PathBuf, Option<usize>>,
+    list: Vec<Texture>,
+}
+
+impl Textures<'_> {
+    fn read(&mut self, path: &Path, at: &Range<usize>, troubles: &mut Troubles) -> Option<usize> {
+        if let Some(&known) = self.by_path.get(path) {
+            return known;
+        }
+        let place = match image::texture(path) {
+            Ok(texture) => {
+                self.list.push(texture);
+                Some(self.list.len() - 1)
+            }
+            Err(error) => {
+                let message = format!("texture {} cannot be used: {error}", path.display());
+                let help = "save it as JPEG or PNG of at most 8192 pixels a side";
+                troubles.add("U117", at, message, help.to_owned());
+                None
+            }
+        };
+        self.by_path.insert(path.to_owned(), place);
+        place
+    }
+
+    /// A texture that a mesh file names.
+    fn beside(
+        &mut self,
+        mesh: &Path,
+        name: &str,
+        at: &Range<usize>,
+        troubles: &mut Troubles,
+    ) -> Option<usize> {
+        if let Some(path) = self.resolver.beside(mesh, name) {
+            return self.read(&path, at, troubles);
+        }
+        let message = format!("texture not found: {name}, of mesh {}", mesh.display());
+        let help = "it must lie in the robot's folders, as the mesh says";
+        troubles.add("U117", at, message, help.to_owned());
+        None
+    }
+}
+
+/// The painted triangles of a mesh file, or `None` after saying why there are none.
+fn parts_of(
+    path: &Path,
+    at: &Range<usize>,
+    textures: &mut Textures,
+    troubles: &mut Troubles,
+) -> Option<Vec<MeshPart>> {
+    let library = |name: &str| {
+        let path = textures.resolver.beside(path, name)?;
+        file::lossy_text(&path)
+    };
+    let parts = match MeshFile::open(path).and_then(|mesh| painted::parts(&mesh, library)) {
+        Ok(parts) => parts,
+        Err(error) => {
+            let help = match error {
+                MeshError::Format(_) => "convert the mesh to STL, OBJ or COLLADA",
+                _ => "export the mesh again; STL, OBJ and COLLADA are read",
+            };
+            let message = format!("visual mesh {} cannot be read: {error}", path.display());
+            troubles.add("U116", at, message, help.to_owned());
+            return None;
+        }
+    };
+    let mut list = Vec::with_capacity(parts.len());
+    for part in parts {
+        let image = part.paint.image.as_deref();
+        let texture = image.and_then(|name| textures.beside(path, name, at, troubles));
+        list.push(MeshPart {
+            triangles: part.triangles,
+            uv: part.uv,
+            color: part.paint.color,
+            texture,
+        });
+    }
+    Some(list)
+}

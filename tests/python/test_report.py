@@ -1,0 +1,392 @@
+"""Reports in a real browser: poses are the simulator's, values the table's, and nothing is asked of any network."""
+
+import csv
+import json
+import shutil
+import struct
+import zlib
+
+import numpy as np
+import pytest
+from browser import Browser
+from fmpy.util import read_csv
+
+SMALL = "quality=3&theme=light"
+LINKS = "[outputs]\nlinks = [\"*\"]\n"
+
+HOSTILE = """<robot name="&lt;script&gt;alert(1)&lt;/script&gt; ロボット">
+<link name="&quot;&gt;&lt;img src=x onerror=alert(2)&gt;"><inertial><mass value="1"/>
+  <inertia ixx="0.01" iyy="0.01" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial>
+  <visual><geometry><box size="0.2 0.2 0.1"/></geometry></visual>
+  <collision><geometry><box size="0.2 0.2 0.1"/></geometry></collision></link>
+<link name="腕 'arm'"><inertial><mass value="0.3"/>
+  <inertia ixx="0.002" iyy="0.003" izz="0.002" ixy="0" ixz="0" iyz="0"/></inertial></link>
+<joint name="@SCENE@ 関節 &lt;/script&gt;&lt;b&gt;" type="revolute"><parent link="&quot;&gt;&lt;img src=x onerror=alert(2)&gt;"/>
+  <child link="腕 'arm'"/><axis xyz="0 1 0"/><limit lower="-1" upper="1" effort="3" velocity="4"/></joint>
+</robot>"""
+
+
+@pytest.fixture(scope="module")
+def browser():
+    browser = Browser()
+    yield browser
+    browser.close()
+
+
+@pytest.fixture(scope="module")
+def made(command, export, pybullet_data, examples, tmp_path_factory):
+    """Simulates a robot that is commanded here and there; gives FMU, results and report. Each is made once."""
+    done = {}
+
+    def make(name, seconds=1.0):
+        if name in done:
+            return done[name]
+        folder = tmp_path_factory.mktemp("report")
+        urdf = {"r2d2": pybullet_data / "r2d2.urdf", "iiwa": pybullet_data / "kuka_iiwa/model.urdf",
+                "quadruped": examples / "quadruped.urdf", "humanoid": examples.parent / "tests/robots/humanoid.urdf",
+                "joints": examples.parent / "tests/robots/every_joint.urdf"}[name]
+        fmu = export(urdf, LINKS)
+        listing = json.loads(command("info", fmu, "--json", "--variables").stdout)
+        inputs = [v for v in listing["variables"] if v["causality"] == "input" and "max_effort" not in v["name"]]
+        rng = np.random.default_rng(5)
+        with open(folder / "in.csv", "w", newline="") as file:
+            writer = csv.writer(file)
+            writer.writerow(["time"] + [v["name"] for v in inputs])
+            for time in 0, 0.3, 0.6, 1:
+                writer.writerow([time] + list(rng.uniform(-0.5, 0.5, len(inputs)) * (time > 0)))
+        run = command("simulate", fmu, "--input-file", folder / "in.csv", "--stop-time", seconds,
+                      "--output-file", folder / "out.csv", "--report", folder / "r.html")
+        assert run.returncode == 0, run.stderr
+        done[name] = fmu, folder / "out.csv", folder / "r.html"
+        return done[name]
+
+    return make
+
+
+def open_report(browser, file, more="", **options):
+    options = {"width": 480, "height": 360, **options}
+    return browser.page(f"file://{file}?{SMALL}&{more}", **options).ready()
+
+
+@pytest.mark.parametrize("name", ["r2d2", "iiwa", "quadruped", "humanoid", "joints"])
+def test_poses_are_those_of_the_simulator(browser, made, name):
+    _, results, file = made(name)
+    table = read_csv(results)
+    links = [c[5:-11] for c in table.dtype.names if c.startswith("link.") and c.endswith(".position.x")]
+    assert len(links) > 2
+    moved = 0
+    for row in 0, 77, len(table) - 1:
+        with open_report(browser, file, f"t={float(table['time'][row])}") as page:
+            poses = page.evaluate("window.page.poses()")
+        for link in links:
+            expected = [table[f"link.{link}.position.{a}"][row] for a in "xyz"]
+            turned = np.array([table[f"link.{link}.orientation.{a}"][row] for a in "xyzw"])
+            found = np.array(poses[link])
+            np.testing.assert_allclose(found[:3], expected, atol=1e-4, err_msg=f"{link} in row {row}")
+            # A rotation and its quaternion's negative are the same.
+            np.testing.assert_allclose(found[3:] * np.sign(found[3:] @ turned), turned, atol=1e-4, err_msg=link)
+            moved = max(moved, *(np.ptp(table[f"link.{link}.orientation.{a}"]) for a in "xyzw"))
+    assert moved > 1e-2, "something moved, or nothing was compared"
+
+
+def test_values_are_those_of_the_table(browser, made):
+    _, results, file = made("r2d2")
+    table = read_csv(results)
+    with open_report(browser, file) as page:
+        for row in 0, 100, 240:
+            assert abs(page.evaluate(f"window.page.page.run.time[{row}]") - table["time"][row]) < 1e-8
+            page.evaluate(f"window.page.page.player.seek(window.page.page.run.time[{row}])")
+            shown = page.evaluate(f"Object.fromEntries({json.dumps(table.dtype.names[1:])}"
+                                  ".map((name) => [name, window.page.value(name)]))")
+            for name in table.dtype.names[1:]:
+                # Half of a 2^-20th of the range, and the digits of a number of 32 bits.
+                atol = np.ptp(table[name]) * 2**-21 + abs(table[name][row]) * 2**-23 + 1e-12
+                assert abs(shown[name] - table[name][row]) <= atol, name
+        # What the first plot draws is the same.
+        drawn = page.evaluate("(() => { const p = window.page.page.plots.list[0]; return [p.names, p.u.data.map(x => [...x])]; })()")
+        names, (times, *curves) = drawn
+        for name, curve in zip(names, curves):
+            rows = np.searchsorted(table["time"], np.array(times) - 1e-6)
+            np.testing.assert_allclose(curve, table[name][rows], atol=np.ptp(table[name]) * 2**-20 + 1e-6)
+
+
+def rewritten(results, folder, change):
+    """The results as another program writes them."""
+    with open(results, newline="") as file:
+        rows = list(csv.reader(file))
+    file = folder / "foreign.csv"
+    file.write_text(change(rows))
+    return file
+
+
+def joined(rows, separator=","):
+    return "\n".join(separator.join(row) for row in rows) + "\n"
+
+
+FOREIGN = {
+    "flat names": lambda rows: joined([[n.replace(".", "_") for n in rows[0]], *rows[1:]]),
+    "a path in front": lambda rows: joined([[n if n == "time" else f"plant.root.{n}" for n in rows[0]], *rows[1:]]),
+    "any order": lambda rows: joined([row[::-1] for row in rows]),
+    "semicolons and decimal commas": lambda rows: joined([[c.replace(".", ",") if i else c for c in row]
+                                                          for i, row in enumerate(rows)], ";"),
+    "units": lambda rows: joined([[f"{n} [m]" for n in rows[0]], *rows[1:]]),
+    "rows in any order": lambda rows: joined([rows[0], *rows[:0:-1]]),
+}
+
+
+@pytest.mark.parametrize("style", FOREIGN)
+def test_tables_of_other_programs_show_the_same(browser, made, command, tmp_path, style):
+    fmu, results, file = made("r2d2")
+    foreign = rewritten(results, tmp_path, FOREIGN[style])
+    run = command("report", foreign, "--model", fmu, "-o", tmp_path / "r.html")
+    assert run.returncode == 0, run.stderr
+    with open_report(browser, file, "t=0.7") as page:
+        expected = page.evaluate("window.page.poses()")
+    with open_report(browser, tmp_path / "r.html", "t=0.7") as page:
+        found = page.evaluate("window.page.poses()")
+    for link, pose in expected.items():
+        np.testing.assert_allclose(found[link], pose, atol=1e-6)
+
+
+def test_what_is_missing_or_unknown_is_said_and_the_rest_is_shown(browser, made, command, tmp_path):
+    fmu, results, _ = made("r2d2")
+
+    def change(rows):
+        keep = [i for i, n in enumerate(rows[0]) if "head_swivel.position" not in n and "contact" not in n]
+        rows = [[row[i] for i in keep] + [extra] for row, extra in zip(rows, ["my.own", *(["1.5"] * len(rows))])]
+        rows[5][3] = ""
+        return joined(rows)
+
+    run = command("report", rewritten(results, tmp_path, change), "--model", fmu, "-o", tmp_path / "r.html")
+    assert run.returncode == 0, run.stderr
+    said = "1 joint stays where it starts, because columns of positions are missing: 'head_swivel'."
+    for text in said, "contact forces of", "1 column is no variable of this robot", "'my.own'":
+        assert text in run.stderr, run.stderr
+    with open_report(browser, tmp_path / "r.html", "t=0.5") as page:
+        notes = page.evaluate("document.querySelector('#panes > :last-child').textContent")
+        assert said in notes
+        assert page.evaluate("window.page.value('my.own')") == 1.5
+        assert page.evaluate("Number.isNaN([...window.page.page.run.columns.values()][2][4])")
+
+
+def test_faulty_tables_are_refused_with_their_place(made, command, tmp_path):
+    fmu, _, _ = made("r2d2")
+    for text, message in ("", "it is empty"), ("a,b\n1,2\n", "no column is called 'time'"), \
+            ("time,a\n0\n1,2\n", "line 2: 1 values"), ("time,a\n", "no row"):
+        (tmp_path / "bad.csv").write_text(text)
+        run = command("report", tmp_path / "bad.csv", "--model", fmu, "-o", tmp_path / "r.html")
+        assert run.returncode == 1 and message in run.stderr, run.stderr
+        assert "bad.csv" in run.stderr and not (tmp_path / "r.html").exists()
+
+
+def test_names_are_text_whatever_they_are(browser, command, tmp_path):
+    (tmp_path / "robot.urdf").write_text(HOSTILE)
+    run = command("simulate", tmp_path / "robot.urdf", "--stop-time", "0.2", "--report", tmp_path / "r.html")
+    assert run.returncode == 0, run.stderr
+    assert run.stdout == "", "with a report the results go where they are asked to"
+    assert "alert(" not in (tmp_path / "r.html").read_text().split("<body>")[0].replace("&lt;script&gt;alert(1)", "")
+    with open_report(browser, tmp_path / "r.html") as page:
+        assert page.evaluate("document.getElementById('name').textContent") == "<script>alert(1)</script> ロボット"
+        assert page.evaluate("document.title") == "<script>alert(1)</script> ロボット"
+        assert not page.evaluate("document.querySelectorAll('#app img, #app script, #app td b').length")
+        assert "腕 'arm'" in page.evaluate("Object.keys(window.page.poses())")
+
+
+def test_keys_slider_and_buttons_move_through_the_run(browser, made):
+    _, _, file = made("r2d2")
+    with open_report(browser, file) as page:
+        now = "window.page.page.run.now"
+        assert page.evaluate(now) == 0
+        page.key("ArrowRight")
+        page.until(f"Math.abs({now} - 1 / 240) < 1e-6")
+        page.key("ArrowRight", modifiers=8)
+        page.until(f"Math.abs({now} - 1 / 240 - 0.1) < 1e-6")
+        page.key("End")
+        page.until(f"{now} === window.page.page.run.end")
+        page.key("ArrowLeft")
+        page.until(f"Math.abs({now} - 239 / 240) < 1e-6")
+        page.key("Home")
+        page.until(f"{now} === 0")
+        page.click("#step")
+        page.until(f"Math.abs({now} - 1 / 240) < 1e-6")
+        page.key(".")
+        page.until(f"Math.abs({now} - 2 / 240) < 1e-6")
+        page.click("#seek")
+        page.until(f"Math.abs({now} - 0.5) < 0.02")
+        page.click("#play")
+        page.until(f"{now} > 0.52")
+        # The line of the plots is where the slider is.
+        page.key(" ", modifiers=0)
+        line = "(() => { const p = window.page.page.plots.list[0]; p.tick(); return Math.abs(parseFloat(p.now.style.transform.slice(11)) - p.u.valToPos(window.page.page.run.now, 'x')); })()"
+        assert page.evaluate(line) < 0.01
+        for key, name in ("f", "follow"), ("c", "forces"), ("t", "path"), ("x", "frames"), ("v", "shapes"):
+            before = page.evaluate(f"window.page.page.view.shown.{name}")
+            page.key(key)
+            page.until(f"window.page.page.view.shown.{name} === {json.dumps(not before)}")
+        page.key("l")
+        page.until("document.documentElement.dataset.theme === 'dark'")
+        page.key("v")
+        page.key("]")
+
+
+def test_a_click_on_a_plot_goes_there_and_a_drag_zooms_all(browser, made):
+    _, _, file = made("r2d2")
+    with open_report(browser, file, width=1000, height=700) as page:
+        left, top, width, height = page.evaluate(
+            "(() => { const b = document.querySelector('.u-over').getBoundingClientRect(); return [b.left, b.top, b.width, b.height]; })()")
+        x, y = left + 0.25 * width, top + height / 2
+        page.mouse("mouseMoved", x, y, buttons=0)
+        page.mouse("mousePressed", x, y)
+        page.mouse("mouseReleased", x, y, buttons=0)
+        page.until("Math.abs(window.page.page.run.now - 0.25) < 0.02")
+        page.mouse("mousePressed", x, y)
+        for share in 0.4, 0.6, 0.75:
+            page.mouse("mouseMoved", left + share * width, y)
+        page.mouse("mouseReleased", left + 0.75 * width, y, buttons=0)
+        page.until("window.page.page.plots.zoomed")
+        for low, high in page.evaluate("window.page.page.plots.list.map(p => [p.u.scales.x.min, p.u.scales.x.max])"):
+            assert abs(low - 0.25) < 0.03 and abs(high - 0.75) < 0.03
+        assert abs(page.evaluate("window.page.page.run.now") - 0.25) < 0.02
+
+
+def test_all_is_reached_by_keyboard_and_seen_where_it_is(browser, made):
+    _, _, file = made("r2d2")
+    with open_report(browser, file) as page:
+        seen = set()
+        for _ in range(60):
+            page.key("Tab")
+            name, outline = page.evaluate(
+                "(() => { const n = document.activeElement; return [n === document.body ? 'body' : n.id || n.textContent,"
+                " getComputedStyle(n).outlineStyle]; })()")
+            if name != "body":
+                assert outline != "none", name
+            seen.add(name)
+        assert {"canvas", "Follow", "Home", "play", "step", "seek", "speed", "tab-0"} <= seen, seen
+        page.evaluate("document.querySelector('[role=tab]').focus()")
+        for title in "Variables", "Parameters", "Notes", "Plots":
+            page.key("ArrowRight")
+            assert page.evaluate("document.activeElement.textContent") == title
+            assert page.evaluate("document.querySelector('[role=tab][aria-selected=true]').textContent") == title
+        unnamed = page.evaluate("""[...document.querySelectorAll('button, input, select')].filter(n =>
+            !(n.getAttribute('aria-label') || n.labels?.length || n.textContent.trim())).length""")
+        assert unnamed == 0
+
+
+CONTRAST = """(() => {
+    const style = getComputedStyle(document.documentElement);
+    const canvas = document.createElement('canvas').getContext('2d', { willReadFrequently: true });
+    const light = (name) => {
+        canvas.fillStyle = style.getPropertyValue('--' + name);
+        canvas.fillRect(0, 0, 1, 1);
+        const [r, g, b] = [...canvas.getImageData(0, 0, 1, 1).data].map(x => x / 255)
+            .map(x => (x <= 0.04045 ? x / 12.92 : ((x + 0.055) / 1.055) ** 2.4));
+        return 0.2126 * r + 0.7152 * g + 0.0722 * b;
+    };
+    const ratio = (a, b) => (Math.max(light(a), light(b)) + 0.05) / (Math.min(light(a), light(b)) + 0.05);
+    return [['text', 'panel'], ['text', 'field'], ['dim', 'panel'], ['dim', 'field'], ['accent', 'panel'],
+            ['on-accent', 'accent'], ['warning', 'field'], ['text', 'bg'], ['focus', 'panel'], ['edge', 'panel']]
+        .map(pair => [...pair, ratio(...pair)]);
+})()"""
+
+
+@pytest.mark.parametrize("theme", ["light", "dark"])
+def test_text_stands_out(browser, made, theme):
+    _, _, file = made("r2d2")
+    with browser.page(f"file://{file}?quality=3&theme={theme}", width=480, height=360).ready() as page:
+        for a, b, ratio in page.evaluate(CONTRAST):
+            # WCAG 2.2, 1.4.3 for text and 1.4.11 for edges and focus.
+            assert ratio >= (3 if a in ("focus", "edge") else 4.5), (a, b, ratio)
+
+
+def test_a_phone_has_targets_for_fingers(browser, made):
+    _, _, file = made("r2d2")
+    with open_report(browser, file, width=390, height=844, phone=True) as page:
+        small = page.evaluate("""[...document.querySelectorAll('button, select')].filter(n => n.offsetParent)
+            .filter(n => n.getBoundingClientRect().height < 40).map(n => n.textContent || n.id)""")
+        assert small == []
+        assert page.evaluate("document.documentElement.scrollWidth") <= 390
+
+
+def test_reduced_motion_plays_nothing_by_itself(browser, made):
+    _, _, file = made("r2d2")
+    with open_report(browser, file, "play", features=[("prefers-reduced-motion", "reduce")]) as page:
+        assert page.evaluate("window.page.page.player.playing") is False
+        assert page.evaluate("window.page.page.view.stage.controls.enableDamping") is False
+    with open_report(browser, file, "play") as page:
+        page.until("window.page.page.run.now > 0.02")
+
+
+def test_plots_and_tables_work_without_webgl(made):
+    _, results, file = made("r2d2")
+    table = read_csv(results)
+    browser = Browser("--disable-3d-apis")
+    try:
+        with browser.page(f"file://{file}?{SMALL}&t=0.5", width=480, height=360).ready() as page:
+            page.errors = [e for e in page.errors if "WebGL" not in e]
+            assert "no WebGL" in page.evaluate("document.getElementById('overlay').textContent")
+            assert page.evaluate("window.page.page.plots.list.length") > 3
+            value = page.evaluate("window.page.value('base.position.z')")
+            assert abs(value - table["base.position.z"][120]) < 1e-4
+            page.key("ArrowRight")
+            page.until("Math.abs(window.page.page.run.now - 121 / 240) < 1e-6")
+            page.evaluate("0")
+            page.errors = [e for e in page.errors if "WebGL" not in e]
+    finally:
+        browser.close()
+
+
+def test_a_minute_of_r2d2_fits_into_three_megabytes(command, export, pybullet_data, tmp_path):
+    fmu = export(pybullet_data / "r2d2.urdf")
+    wheels = [f"cmd.{side}_{end}_wheel_joint.velocity" for side in ("left", "right") for end in ("front", "back")]
+    rng = np.random.default_rng(1)
+    rows = ["time," + ",".join(wheels)]
+    rows += [f"{time}," + ",".join(f"{x:.2f}" for x in rng.uniform(-8, 8, 4)) for time in range(61)]
+    (tmp_path / "in.csv").write_text("\n".join(rows))
+    run = command("simulate", fmu, "--input-file", tmp_path / "in.csv", "--stop-time", 60, "--output-interval",
+                  1 / 240, "--report", tmp_path / "r.html")
+    assert run.returncode == 0, run.stderr
+    assert (tmp_path / "r.html").stat().st_size <= 3_000_000
+
+
+def png(width, height):
+    """A picture of stripes."""
+    rows = b"".join(b"\0" + bytes([(x * 8) % 256, (y * 8) % 256, 128] * 1)[:3] * width for y in range(height) for x in [y])
+
+    def chunk(kind, data):
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+
+    return (b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0))
+            + chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b""))
+
+
+def test_a_hundred_links_with_textures_are_shown(browser, command, tmp_path):
+    (tmp_path / "stripes.png").write_bytes(png(32, 32))
+    (tmp_path / "m.mtl").write_text("newmtl a\nKd 1 1 1\nmap_Kd stripes.png\n")
+    (tmp_path / "m.obj").write_text(
+        "mtllib m.mtl\nusemtl a\nv 0 0 0\nv .1 0 0\nv 0 .1 0\nv 0 0 .1\nvt 0 0\nvt 1 0\nvt 0 1\n"
+        "f 1/1 2/2 3/3\nf 1/1 2/2 4/3\nf 1/1 3/2 4/3\nf 2/1 3/2 4/3\n")
+    parts = []
+    for i in range(100):
+        parts.append(f'<link name="l{i}"><inertial><mass value="0.1"/><inertia ixx="1e-3" iyy="1e-3" izz="1e-3" '
+                     'ixy="0" ixz="0" iyz="0"/></inertial>'
+                     '<visual><geometry><mesh filename="m.obj"/></geometry></visual></link>')
+        if i:
+            parts.append(f'<joint name="j{i}" type="revolute"><parent link="l{i - 1}"/><child link="l{i}"/>'
+                         '<origin xyz="0.1 0 0"/><axis xyz="0 0 1"/>'
+                         '<limit lower="-1" upper="1" effort="1" velocity="1"/></joint>')
+    (tmp_path / "r.urdf").write_text("<robot name='hundred'>" + "".join(parts) + "</robot>")
+    run = command("simulate", tmp_path / "r.urdf", "--fixed-base", "--stop-time", "0.05", "--report", tmp_path / "r.html")
+    assert run.returncode == 0, run.stderr
+    with open_report(browser, tmp_path / "r.html") as page:
+        assert page.evaluate("Object.keys(window.page.poses()).length") == 100
+        page.until("[...window.page.page.view.robot.materials.values()].every(m => m.map?.image?.width === 32)")
+
+
+@pytest.mark.skipif(shutil.which("npm") is None, reason="no npm; on Debian: apt install npm")
+def test_the_committed_page_is_that_of_its_sources(examples, tmp_path):
+    import subprocess
+    folder = shutil.copytree(examples.parent / "build/page", tmp_path / "page",
+                             ignore=shutil.ignore_patterns("node_modules"))
+    for step in ["npm", "ci", "--no-audit", "--no-fund"], ["npm", "run", "check"]:
+        run = subprocess.run(step, cwd=folder, capture_output=True, text=True, check=False)
+        assert run.returncode == 0, run.stdout + run.stderr
