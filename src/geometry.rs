@@ -5,8 +5,11 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
+mod faces;
 mod hull;
 mod solid;
+
+pub use self::faces::Faces;
 
 use crate::spatial::{Pose, Vec3};
 use hull::Simplices;
@@ -92,13 +95,12 @@ impl Shape {
         }
     }
 
-    /// How many friction displacements the state keeps for this shape, see [`crate::force`].
-    pub fn slots(&self) -> usize {
+    /// How many points it can touch a plane with, see [`crate::force`].
+    pub fn points(&self) -> usize {
         match self {
             Self::Sphere { .. } => 1,
-            Self::Capsule { .. } => 2,
-            // Three on the lowest generatrix, four on each rim for the end faces.
-            Self::Cylinder { .. } => 3 + 2 * 4,
+            // Two ends, or two rims.
+            Self::Capsule { .. } | Self::Cylinder { .. } => 2,
             Self::Box { .. } => 8,
             Self::Hull { vertices } => vertices.len(),
         }

@@ -233,8 +233,6 @@ pub struct Collider {
     pub X_BG: Pose,
     /// Solid.
     pub shape: Shape,
-    /// First place of its contact points in the state; it has [`Shape::slots`] of them.
-    pub slot: usize,
 }
 
 /// A commanded joint.
@@ -292,6 +290,10 @@ pub struct Initial {
     pub joint_positions: Vec<f64>,
     /// Per joint, as above.
     pub joint_velocities: Vec<f64>,
+    /// Whether the base is set down on the ground: its height follows from the ground, which
+    /// carries it from the first instant on.
+    #[serde(default)]
+    pub set_down: bool,
 }
 
 /// Step and tolerance.
@@ -318,9 +320,10 @@ fn most_steps() -> f64 {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ContactDefaults {
-    /// Static penetration δ under the robot's weight on four points, m; the stiffness follows.
+    /// Penetration, m, of which a flat face gives way by half under the robot's weight; the
+    /// stiffness follows.
     pub penetration: f64,
-    /// Stiffness of a contact point, N/m; replaces `penetration` where given.
+    /// Stiffness of a contact under a light load, N/m; replaces `penetration` where given.
     pub stiffness: Option<f64>,
     /// Hunt–Crossley dissipation where restitution is 0, s/m.
     pub dissipation: f64,
@@ -460,11 +463,10 @@ impl Model {
         self.dofs.len()
     }
 
-    /// Number of contact slots in the state.
-    pub fn contact_slots(&self) -> usize {
-        self.colliders
-            .last()
-            .map_or(0, |c| c.slot + c.shape.slots())
+    /// Most contacts, and most contact points of all shapes together.
+    pub fn contact_room(&self) -> [usize; 2] {
+        let points = self.colliders.iter().map(|c| c.shape.points());
+        [self.colliders.len(), points.sum()]
     }
 
     /// The first actuator of each one's group: itself for those in none.

@@ -181,8 +181,9 @@ impl Readout {
             }
             O::LinkAngularVelocity(link, axis) => kin.V[body(link)][axis as usize],
             O::ContactActive(link) => {
-                let touches = point.terms.contacts.iter().any(|c| {
-                    c.link == link.index() && c.normal_force(c.normal_velocity(&kin.V)) > 0.0
+                let contacts = &point.terms.contacts;
+                let touches = contacts.iter().any(|c| {
+                    c.link == link.index() && c.normal_load(&contacts.points, &kin.V) > 0.0
                 });
                 f64::from(u8::from(touches))
             }
@@ -191,10 +192,11 @@ impl Readout {
             }
             // Before the first step, which the mean would be taken over: the force of this moment.
             O::ContactForce(link, axis) => {
-                let contacts = point.terms.contacts.iter();
+                let contacts = &point.terms.contacts;
                 contacts
+                    .iter()
                     .filter(|c| c.link == link.index())
-                    .map(|c| c.force(&c.velocity(&kin.V))[axis as usize])
+                    .map(|c| c.wrench(&contacts.points, &kin.V).0[axis as usize])
                     .sum()
             }
             O::EnergyKinetic => self.energies(ctx, state)[0],
@@ -291,9 +293,9 @@ impl Readout {
         // The bias is done with its forces: they serve for the contacts.
         let F = &mut kin.force;
         F.fill([0.0; 6]);
-        for contact in &terms.contacts {
-            let force = contact.force(&contact.velocity(&kin.V));
-            contact.push(&force, F);
+        for contact in terms.contacts.iter() {
+            let (force, moment) = contact.wrench(&terms.contacts.points, &kin.V);
+            contact.act(&force, &moment, F);
         }
         for turn in &terms.turns {
             let moment = turn.force(&angular(&kin.V[turn.body]));

@@ -115,11 +115,12 @@ fn wrench_beyond(ctx: &Context, point: &Point, A: &[Vec6], links: &[usize]) -> V
     }
     let is_beyond = |link: usize| links.binary_search(&link).is_ok();
     for contact in point.terms.contacts.iter().filter(|c| is_beyond(c.link)) {
-        let f = contact.force(&contact.velocity(&kin.V));
-        add(&contact.x, &f, -1.0);
+        let (force, about) = contact.wrench(&point.terms.contacts.points, &kin.V);
+        couple -= about;
+        add(&Vec3::zeros(), &force, -1.0);
     }
     for turn in &point.terms.turns {
-        if is_beyond(point.terms.contacts[turn.contact].link) {
+        if is_beyond(point.terms.contacts.list[turn.contact].link) {
             couple -= turn.force(&angular(&kin.V[turn.body]));
         }
     }

@@ -1,8 +1,7 @@
 //! A simulation: model, parameters, state and scratch memory.
 //!
 //! Life of a simulation: [`Simulation::new`], set fixed parameters and inputs,
-//! [`Simulation::initialize`], then set inputs and tunable parameters, [`Simulation::advance_to`],
-//! read outputs, and again.
+//! [`Simulation::initialize`], then inputs, [`Simulation::advance_to`], outputs, and again.
 
 pub use crate::slots::{Axis, InputSlot, OutputSlot, ParameterSlot};
 pub use crate::snapshot::{SavedStateError, Snapshot};
@@ -210,7 +209,7 @@ impl Simulation {
                 .inertia
                 .iter()
                 .all(|m| m.is_finite() && *m > 0.0)
-            && self.tree.contact.stiffness.is_finite();
+            && self.tree.contact.spring.stiffness.is_finite();
         self.initialized = finite;
         if finite {
             Ok(())
@@ -232,6 +231,8 @@ impl Simulation {
         }
         self.inputs.gather(&self.model, &self.tree);
         self.applied.copy_from(&self.inputs);
+        let ctx = context!(self, inputs);
+        self.stepper.settle(&ctx, &mut self.state);
         self.stale = false;
         self.readout.invalidate();
     }
@@ -241,9 +242,8 @@ impl Simulation {
         let kin = &mut self.readout.point.kin;
         kin.update_poses(&self.tree, q);
         crba::mass_matrix(&self.tree, kin);
-        let inertia: Vec<f64> = (0..self.model.nv())
-            .map(|k| kin.M[self.tree.sparsity.diagonal(k)])
-            .collect();
+        let diagonal = |k| kin.M[self.tree.sparsity.diagonal(k)];
+        let inertia: Vec<f64> = (0..self.model.nv()).map(diagonal).collect();
         self.tree.scale(&self.model, &inertia, &kin.X);
     }
 

@@ -26,7 +26,7 @@ pub struct SavedStateError {
 }
 
 const MAGIC: &[u8; 4] = b"U2FS";
-const VERSION: u32 = 6;
+const VERSION: u32 = 7;
 
 /// Bytes of a saved touch: slot and numbers.
 const TOUCH: usize = 64;
@@ -117,7 +117,7 @@ impl Snapshot {
         let mut reader = Reader { bytes: counts };
         let touches = usize::try_from(reader.integer()).ok()?;
         let coefficients = usize::try_from(reader.integer()).ok()?;
-        let possible = touches <= model.contact_slots()
+        let possible = touches <= model.colliders.len()
             && (coefficients == 0 || coefficients == COEFFICIENTS * (model.nq + model.nv()));
         (possible && bytes.len() == fixed + TOUCH * touches + 8 * coefficients)
             .then_some((touches, coefficients))
@@ -203,7 +203,7 @@ impl Snapshot {
                 .touches
                 .last()
                 .is_none_or(|last| last.slot < slot);
-            complete = complete && ascending && slot < model.contact_slots();
+            complete = complete && ascending && slot < model.colliders.len();
             let touch = Touch::from_numbers(slot, numbers);
             snapshot.state.physical.memory.touches.push(touch);
         }

@@ -3,11 +3,12 @@
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
 use crate::force::{
-    Contact, Drive, JointResponse, JointTerm, Memory, Response, Responses, Terms, Touch, Turn,
-    Velocities,
+    Contact, ContactPoint, ContactSet, Drive, JointResponse, JointTerm, Memory, PointResponse,
+    PointVelocity, Response, Responses, Rim, Terms, Touch, Turn, TurnResponse, Velocities,
 };
 use crate::kinematics::Kinematics;
-use crate::law::{ElastoPlastic, HuntCrossley, SpeedLine};
+use crate::law::normal::Stiffening;
+use crate::law::{ElastoPlastic, HuntCrossley, Resistance, SpeedLine};
 use crate::spatial::{Mat3, Pose, SpatialInertia, Vec3};
 use crate::state::{Physical, State};
 use crate::step::point::Point;
@@ -21,7 +22,7 @@ pub trait Spoil {
 /// Spoils each of the fields that are listed. All fields of the type must be listed; those after
 /// the semicolon stay.
 macro_rules! spoil {
-    ($type:ident: $($field:ident)*; $($kept:ident)*) => {
+    ($type:ty: $($field:ident)*; $($kept:ident)*) => {
         impl $crate::spoil::Spoil for $type {
             fn spoil(&mut self) {
                 let Self { $($field,)* $($kept: _,)* } = self;
@@ -53,6 +54,19 @@ impl Spoil for u64 {
 impl Spoil for bool {
     fn spoil(&mut self) {
         *self = true;
+    }
+}
+
+impl Spoil for std::ops::Range<usize> {
+    fn spoil(&mut self) {
+        (self.start, self.end) = (usize::MAX, usize::MAX);
+    }
+}
+
+impl<A: Spoil, B: Spoil> Spoil for (A, B) {
+    fn spoil(&mut self) {
+        self.0.spoil();
+        self.1.spoil();
     }
 }
 
@@ -122,16 +136,27 @@ spoil!(Pose: R p;);
 spoil!(SpatialInertia: mass moment rotational;);
 spoil!(HuntCrossley: stiffness dissipation;);
 spoil!(SpeedLine: stall no_load;);
-spoil!(Response: impulse normal tangential slip;);
+spoil!(Response: depth force slope load friction;);
+spoil!(Resistance<Vec3>: force slope slip;);
+spoil!(PointResponse: weight bend impulse rock rocking tilting lean end;);
+spoil!(PointVelocity: along tilt;);
+spoil!(TurnResponse: impulse normal tangential slip;);
 spoil!(JointResponse: impulse stiffness effort;);
-spoil!(Touch: slot displacement turn touchdown;);
+spoil!(Touch: slot displacement turn bounce;);
 spoil!(Memory: touches motor dry;);
-spoil!(Responses: contacts turns joints;);
-spoil!(Velocities: points turns;);
+spoil!(Responses: contacts points turns joints;);
+spoil!(Velocities: contacts points turns;);
 spoil!(Physical: q v memory;);
 spoil!(Terms: contacts turns joints;);
 spoil!(Point: kin terms;);
-spoil!(Contact: body other link slot x normal gap spring touchdown mu friction;);
+spoil!(
+    Contact: body other link slot normal points depth spring dissipation load tilting bounce duration
+    center radius drift mu friction;
+);
+spoil!(ContactPoint: corner x depth share load rim;);
+spoil!(Rim: axis radius a crown landing;);
+spoil!(ContactSet: list points;);
+spoil!(Stiffening: stiffness reference;);
 spoil!(Turn: contact body slot normal coefficient torsional rolling;);
 impl Spoil for JointTerm {
     /// What is the same in every step stays: which degree of freedom it is, and whether it has

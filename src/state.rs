@@ -1,15 +1,13 @@
 //! The state: what the next step reads and cannot recompute.
 //!
 //! [`Physical`] is what the robot is in: it alone decides where the laws of motion lead.
-//! [`Stepping`] is what the method remembers from step to step: step sizes, what it has measured
-//! of its own errors, what outputs sum up. Both are saved, so that a restored state continues bit
+//! [`Stepping`] is what the method remembers from step to step: step sizes, accelerations, what
+//! outputs sum up. Both are saved, so that a restored state continues bit
 //! for bit.
 
 pub mod ahead;
-pub mod lag;
 
 use self::ahead::Ahead;
-use self::lag::Lag;
 use crate::force::{Memory, Touch};
 use crate::model::Model;
 use crate::tuning::INITIAL_STEP;
@@ -46,8 +44,6 @@ pub struct Stepping {
     pub sizes: Sizes,
     /// Mean accelerations over the last step, `nv`, where it was an implicit one, else 0.
     pub trend: Vec<f64>,
-    /// Error of single solves.
-    pub lag: Lag,
     /// What has been counted since the start.
     pub counters: Counters,
     /// Contact impulse per link over the last communication step, world axes, N·s.
@@ -116,13 +112,6 @@ macro_rules! fields {
             $one(& $($mutable)? stepping.sizes.after_jump),
             $one(& $($mutable)? stepping.sizes.floor),
             & $($mutable)? stepping.trend,
-            & $($mutable)? stepping.lag.positions,
-            & $($mutable)? stepping.lag.velocities,
-            stepping.lag.impulses.$flat(),
-            $one(& $($mutable)? stepping.lag.length),
-            $one(& $($mutable)? stepping.lag.last),
-            $one(& $($mutable)? stepping.lag.pressing),
-            $one(& $($mutable)? stepping.lag.uses),
             stepping.impulse.$flat(),
             $one(& $($mutable)? stepping.last_step),
             $one(& $($mutable)? stepping.ahead.start),
@@ -133,7 +122,7 @@ macro_rules! fields {
 }
 
 /// Length of the list of fields.
-pub const FIELDS: usize = 22;
+pub const FIELDS: usize = 15;
 
 impl Physical {
     /// All zero, quaternions at identity.
@@ -176,7 +165,6 @@ impl State {
                     floor: 0.0,
                 },
                 trend: vec![0.0; model.nv()],
-                lag: Lag::new(model),
                 counters: Counters::default(),
                 impulse: vec![[0.0; 3]; model.links.len()],
                 last_step: 0.0,
@@ -215,11 +203,9 @@ impl State {
     /// Whether no length of time is negative: with a negative one a step would go back in time and
     /// the run would not end.
     pub fn lengths_are_positive(&self) -> bool {
-        let Stepping {
-            sizes, lag, ahead, ..
-        } = &self.stepping;
+        let Stepping { sizes, ahead, .. } = &self.stepping;
         let sizes = [sizes.proposed, sizes.after_jump, sizes.floor];
-        let others = [self.stepping.last_step, ahead.length, lag.length, lag.last];
+        let others = [self.stepping.last_step, ahead.length];
         sizes.iter().chain(&others).all(|length| *length >= 0.0)
     }
 

@@ -73,6 +73,7 @@ impl Builder {
                 linear_velocity: Vec3::zeros(),
                 angular_velocity: Vec3::zeros(),
                 joint_positions: Vec::new(),
+                set_down: false,
                 joint_velocities: Vec::new(),
             },
             solver: SolverDefaults {
@@ -192,14 +193,12 @@ impl Builder {
             friction: 0.8,
             ..Ground::default()
         });
-        let slot = m.contact_slots();
         let body = m.links[link.index()].body;
         m.colliders.push(Collider {
             link,
             body,
             X_BG: X,
             shape,
-            slot,
         });
     }
 
@@ -334,13 +333,11 @@ pub fn shape_all_links(model: &mut Model) {
                 half_length: 0.1,
             },
         };
-        let slot = model.contact_slots();
         model.colliders.push(Collider {
             link: i.into(),
             body: link.body,
             X_BG: Pose::IDENTITY,
             shape,
-            slot,
         });
     }
 }

@@ -15,12 +15,14 @@ pub use parts::{
     Actuators, Contacts, Dofs, DryFriction, Extent, Tree, TreeBody, TreeCollider, Turning, World,
 };
 
+use crate::geometry::{Faces, Shape};
+use crate::law::normal::Stiffening;
 use crate::model::{Combination, Model};
 use crate::parameters::Parameters;
 use crate::slots::ParameterSlot as P;
 use crate::sparsity::Sparsity;
 use crate::spatial::{Mat3, Pose, RigidInertia, Vec3, rotation_from_rpy};
-use crate::tuning::{ARTICULATED_COST, WHEEL};
+use crate::tuning::{ARTICULATED_COST, FACE, WHEEL};
 
 impl Tree {
     /// Derives the tree; masses, mounting and initial pose come from `parameters`.
@@ -53,10 +55,9 @@ impl Tree {
                 colliders: Vec::new(),
                 turning: vec![Turning::default(); model.links.len()],
                 resists_turning: false,
-                stiffness: 0.0,
+                spring: Stiffening::default(),
                 dissipation: model.contact.dissipation,
                 stribeck_velocity: model.contact.stribeck_velocity,
-                penetration: model.contact.penetration,
             },
             dofs: Dofs {
                 armature: vec![0.0; nv],
@@ -219,8 +220,13 @@ impl Tree {
                 restitution: 0.0,
                 dissipation_number: f64::INFINITY,
                 dissipation: link.dissipation.unwrap_or(self.contact.dissipation),
-                stiffness: 0.0,
-                penetration: 0.0,
+                spring: Stiffening::default(),
+                faces: match &collider.shape {
+                    Shape::Hull { vertices } => {
+                        Faces::new(vertices, FACE * model.contact.penetration)
+                    }
+                    _ => Faces::default(),
+                },
             });
             let turning = &mut self.contact.turning[collider.link.index()];
             turning.coefficient = [

@@ -18,12 +18,6 @@ pub struct Rules {
     pub explicit: bool,
     /// Smooth steps reach beyond the communication point while no input changes.
     pub look_ahead: bool,
-    /// One solve does where a communication step cuts a step short.
-    pub single: bool,
-    /// The known error of such a solve is taken off.
-    pub known_error: bool,
-    /// The results of full and half steps are extrapolated to second order.
-    pub extrapolation: bool,
     /// The full solve is repeated with the normal forces that it has found.
     pub cones: bool,
     /// Steps end where a point touches down or a joint reaches its limit.
@@ -47,9 +41,6 @@ impl Rules {
         momentum: true,
         explicit: true,
         look_ahead: true,
-        single: true,
-        known_error: true,
-        extrapolation: true,
         cones: true,
         touchdown: true,
         command: true,
@@ -115,13 +106,18 @@ pub const FLOOR_FALL: f64 = 0.5;
 
 // Where a step must end: `step/caps.rs`.
 
-/// Longest step of a contact that bounces, as a share of the time √(m/k) of the robot on the
-/// point. A slow bounce is shallower than the tolerance, which would not notice that it is
-/// missing; but it has its restitution, too. Without it fails
+/// Longest step of a contact that bounces, as a share of the time √(m/k) of its impact. A slow
+/// bounce is shallower than the tolerance, which would not notice that it is missing; but it has
+/// its restitution, too. Without it fails
 /// `c8_a_ball_rebounds_with_the_coefficient_of_restitution_at_every_speed`.
-pub const BOUNCE_SHARE: f64 = 0.2;
-/// Share of a step after which a joint that reaches its limit ends it: one that is slower in
-/// coming there may never.
+pub const BOUNCE_SHARE: f64 = 0.1;
+/// Longest step with contact, s: a little more than 1/240 s, at which many importers communicate. A
+/// step takes from its start how a contact shares its load among
+/// its points, an error that it does not estimate. Without it fails
+/// `the_communication_step_does_not_change_the_result_beyond_the_tolerance`.
+pub const CONTACT_STEP: f64 = 5e-3;
+/// Share of a step after which a joint that reaches its limit, or a pd law that reaches its effort
+/// limit, ends it: one that is slower in coming there may never.
 pub const CREEP: f64 = 0.1;
 /// Shortest first step that a jump of a command asks for, s.
 pub const COMMAND_STEP: f64 = 1e-6;
@@ -139,6 +135,20 @@ pub const ITERATED: f64 = 5000.0;
 /// Coarsest accuracy that this leads to.
 pub const COARSEST: f64 = 1e-3;
 
+// Stages: `step/stages.rs`.
+
+/// Share of the second difference of the stages that counts as the error of a step: between 0.1,
+/// which is exact for a quadrature, and 2/3, which is exact for a linear force.
+pub const ESTIMATE: f64 = 0.4;
+/// Angle, rad, that something may turn by in a step with the expected middle; where it turns
+/// farther the step is solved again with the middle that it has found.
+pub const CORRECTED: f64 = 0.1;
+/// Share of their way by which lever arms of friction turn within a step. With none and with all of
+/// it the method is of the same order, and coins that roll in a circle err in opposite directions.
+pub const DRIFTING: f64 = 0.5;
+/// Share of a step in which the forces at its start are found.
+pub const START: f64 = 1e-9;
+
 // Rest: `step/driver.rs`.
 
 /// Imbalance of the forces on a robot at rest that does not set it going, relative to forces and
@@ -149,21 +159,7 @@ pub const BALANCES: (f64, f64) = (1e-11, 1e-6);
 /// Speed below which a robot may be at rest, rad/s or m/s.
 pub const REST_SPEED: f64 = 1e-7;
 
-// Steps of one solve: `step/implicit/single.rs`.
-
-/// Error, relative to the tolerance and per second, up to which one solve does as it is: what such
-/// steps add up to in a second stays below the tolerance.
-pub const SINGLE_RATE: f64 = 1.0;
-/// How far the known error of a solve may be from what the change of acceleration says of it,
-/// relative to the tolerance.
-pub const LAG_DOUBT: f64 = 0.05;
-/// Steps that a measurement of the error of a solve serves.
-pub const LAG_USES: f64 = 3.0;
-/// A step is cut short by the communication step where it is at most this share of what the error
-/// control proposes.
-pub const SHORT_SHARE: f64 = 0.5;
-
-// Friction cones: `step/implicit.rs`, `step/implicit/cones.rs`.
+// Friction cones: `step/stages.rs`.
 
 /// Share of the tolerance that a lag of the friction cones may cost before it is dealt with.
 pub const LAG_SHARE: f64 = 0.02;
@@ -180,6 +176,13 @@ pub const MAX_EXPLICIT_STEP: f64 = 0.1;
 pub const SHORT: f64 = 0.5;
 /// See [`SHORT`].
 pub const PAIR_EXPONENT: f64 = 2.0 / 15.0;
+/// Square of the angle, rad², that a spring of a pd law may turn by in an explicit step: longer
+/// steps do not resolve it, and are taken implicitly.
+pub const RESOLVED: f64 = 1.0;
+/// Share of [`RESOLVED`] that a step takes which is shortened to resolve a spring at any tolerance.
+pub const SHARP: f64 = 0.4;
+/// Damping ratio of a pd law below which it swings: steps resolve it while they can.
+pub const SWINGING: f64 = 0.5;
 /// Error that an explicit step counts as if it has run into something: half the step is tried
 /// next.
 pub const HIT: f64 = 32.0;
@@ -263,12 +266,23 @@ pub const DEEP_OVERLAP: f64 = 50.0;
 /// Separation speed of such an overlap, as a share of the speed that would carry it out
 /// ballistically: at 1 it would hop. Test: `c13_an_initial_overlap_leaves_gently`.
 pub const EMERGENCE: f64 = 0.7;
-/// Cosines of the tilts between axis and normal, 8° and 3°, between which a cylinder's line contact
-/// fades into the points on its rims.
-pub const FADE: (f64, f64) = (0.990_268_068_741_570_4, 0.998_629_534_754_573_9);
-/// Share of a stored displacement that must lie in the tangent plane for it to be kept as the plane
-/// turns.
-pub const LEAST_FLAT: f64 = 1e-3;
+/// Crown of the flat face of a cylinder, as a share of its radius: over so much of a tilt its load
+/// moves from the middle of the face to the rim. A face that is flat to the last bit would have a
+/// moment that jumps. With the centre of mass four radii high it tips at 0.995 of the force of a
+/// flat one.
+pub const CROWN: f64 = 5e-5;
+/// Mean distance of a load from its middle where it presses evenly, as a share of that of the
+/// corners: 1/2 on a line, 0.54 on a square.
+pub const EVEN_CORNERS: f64 = 0.55;
+/// The same on a disc, as a share of its radius.
+pub const EVEN_DISC: f64 = 2.0 / 3.0;
+/// Thickness of a face of a hull, in penetrations: corners that lie so near one plane share its
+/// load.
+pub const FACE: f64 = 3.0;
+/// Number of squarings of the cosine between a face of a hull and the ground that gives the weight
+/// with which its corners take the shares that they have in this face: at 10° a face counts by a
+/// fiftieth.
+pub const FACING: u32 = 8;
 /// Angle that a contact turns by, rolling or drilling, before it gives way, under the load that its
 /// stiffness is made for, rad. The patch of a tyre or a rubber ball turns by more, that of a steel
 /// ball by less.
@@ -293,6 +307,34 @@ pub const FRICTION_DEFLECTION: f64 = 1e-4;
 /// A limit can act within a step if it is nearer than so many times the way of the step, and a
 /// margin, rad or m: the velocity may change within the step.
 pub const LIMIT_REACH: (f64, f64) = (2.0, 1e-6);
+
+// Stiffness and restitution of contacts: `law/normal.rs`.
+
+/// Depth, in penetrations, up to which a contact stiffens: that of a load which is a million times
+/// the weight. Beyond, forces would exceed what the digits of a solve can balance.
+pub const STIFFEST: f64 = 30.0;
+
+/// Relative accuracy of the speed with which a bounce ends.
+pub const RESTITUTION_ACCURACY: f64 = 1e-4;
+/// Step of its integration, in times `√(m/K)` of the impact: an error of 1e-5 in the end.
+pub const RESTITUTION_STEP: f64 = 0.05;
+/// Most steps: an impact of a light touch lasts some π of these times, one under its own weight
+/// hardly twice as long.
+pub const RESTITUTION_STEPS: usize = 400;
+/// Most tries of the search for its dissipation; a dozen are needed.
+pub const RESTITUTION_TRIALS: usize = 40;
+
+// Setting down: `step/settle.rs`.
+
+/// Step in which friction is stretched, s: several times `2 √(m/k)` of friction.
+pub const SETTLING: f64 = 0.02;
+/// How much heavier a joint becomes that does not move while the robot is set down.
+pub const LOCKED: f64 = 1e12;
+/// Movement, m or rad, in the last of these steps below which a robot stands: a tenth of a
+/// nanometre. One that tips over moves by millimetres.
+pub const SET_DOWN: f64 = 1e-10;
+/// Number of these steps: each leaves less than a third of what is missing.
+pub const SETTLING_STEPS: usize = 24;
 
 // The convex solve: `step/convex`.
 

@@ -30,7 +30,10 @@ fn files(folder: &Path, extensions: &[&str], found: &mut Vec<PathBuf>) {
     for entry in fs::read_dir(folder).expect("the folder can be read") {
         let path = entry.expect("the folder can be read").path();
         let name = path.file_name().unwrap_or_default().to_string_lossy();
-        if name.starts_with('.') || name == "target" || name == "corpus" && !in_tests(&path) {
+        let foreign = ["target", "node_modules"]
+            .iter()
+            .any(|folder| name == *folder);
+        if name.starts_with('.') || foreign || name == "corpus" && !in_tests(&path) {
             continue;
         }
         if path.is_dir() {

@@ -188,4 +188,28 @@ def motor_ramp():
                 "25 rad/s² until the speed is reached, and back", "largest error of the angle in 1.5 s, rad")
 
 
-CASES = (tumbling, double_pendulum, sliding_block, ball, wheel, bounce, motor_ramp)
+def springs():
+    """Blocks of 1 kg on slides under pd laws: 0.5, 2 and 10 Hz without damping, 2 Hz with a damping ratio of 0.02."""
+    laws, amplitude = ((0.5, 0.0), (2.0, 0.0), (10.0, 0.0), (2.0, 0.02)), 0.05
+    parts, actuators = ['<link name="world"/>'], []
+    for i, (frequency, ratio) in enumerate(laws):
+        omega = 2 * np.pi * frequency
+        parts.append(f'''<link name="block{i}">{inertial(1.0, (1e-3,) * 3)}</link><joint name="slide{i}" type="prismatic">
+<parent link="world"/><child link="block{i}"/><origin xyz="0 {i} 0"/><axis xyz="1 0 0"/>
+<limit lower="-1" upper="1" effort="1e6" velocity="1e3"/></joint>''')
+        actuators.append(Actuator(f"slide{i}", "pd", 1e6, kp=omega**2, kd=2 * ratio * omega))
+    scene = Scene("springs", f'<robot name="springs">{"".join(parts)}</robot>', 10.0, floating=False, ground=False,
+                  gravity=0.0, joints={a.joint: amplitude for a in actuators}, actuators=actuators,
+                  command=lambda t: [0.0] * len(laws))
+    t = times(scene)
+    ways = []
+    for frequency, ratio in laws:
+        omega = 2 * np.pi * frequency
+        damped = omega * np.sqrt(1 - ratio**2)
+        swing = np.cos(damped * t) + ratio * omega / damped * np.sin(damped * t)
+        ways.append(amplitude * np.exp(-ratio * omega * t) * swing)
+    return Case(scene, pose_error(False), np.column_stack(ways), "x = A e^(−ζωt) (cos ω't + ζω/ω' sin ω't)",
+                "largest error of a position in 10 s, m")
+
+
+CASES = (tumbling, double_pendulum, sliding_block, ball, wheel, bounce, motor_ramp, springs)

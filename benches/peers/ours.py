@@ -64,11 +64,16 @@ class Ours:
         (path / "scene.urdf").write_text(scene.urdf)
         (path / "scene.toml").write_text(settings(scene))
         joints = scene.joint_names()
-        self.folder = folder
-        self.process = subprocess.Popen([binary], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
-        self.send({"urdf": str(path / "scene.urdf"), "settings": str(path / "scene.toml"), "joints": joints,
-                   "commanded": [joints.index(a.joint) for a in scene.actuators], "rows": scene.rows().tolist(),
-                   "rate": scene.rate})
+        self.folder, self.binary = folder, binary
+        self.scene = {"urdf": str(path / "scene.urdf"), "settings": str(path / "scene.toml"), "joints": joints,
+                      "commanded": [joints.index(a.joint) for a in scene.actuators], "rows": scene.rows().tolist(),
+                      "rate": scene.rate}
+        self.start()
+
+    def start(self):
+        """The process, with the scene."""
+        self.process = subprocess.Popen([self.binary], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+        self.send(self.scene)
 
     def send(self, message):
         """One line."""
@@ -80,6 +85,8 @@ class Ours:
         self.send({"step": step, "tolerance": tolerance, "per_row": per_row, "repeat": repeat})
         line = self.process.stdout.readline()
         if not line:
+            self.close()
+            self.start()  # for the next run
             raise RuntimeError("our process ended")
         answer = json.loads(line)
         return answer["seconds"], np.array(answer["samples"]), answer

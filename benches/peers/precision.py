@@ -1,13 +1,14 @@
 """Error against CPU time of urdf2fmu, MuJoCo, PyBullet and Drake on the same URDFs, in one run: docs/accuracy.md.
 
     python3.11 -m venv peers && peers/bin/pip install -r benches/peers/requirements.txt
-    peers/bin/python benches/peers/precision.py [--rounds 5] [--only TEXT] [--write] [--redraw]
+    peers/bin/python benches/peers/precision.py [--rounds 5] [--only TEXT] [--write] [--redraw] [--before PLAY]
 
 Every simulator is swept over its steps or tolerances. A round runs every setting of every simulator once, in turn, so
 that all of them meet the same load of the machine; the least CPU time of all rounds counts. Loading and set-up are not
 in it. Where a formula or an integration of the equations of motion gives the answer, all are compared with that;
 else each with its own solution at its finest setting, because their contact models differ. `--write` puts tables into
-docs/accuracy.md, figures and the points as JSON into docs/accuracy/.
+docs/accuracy.md, figures and the points as JSON into docs/accuracy/. `--before` names the bench `play` of another
+version: then it measures that beside this one, without peers, and prints times at equal errors.
 """
 
 import argparse
@@ -17,6 +18,7 @@ from importlib.metadata import version
 
 import numpy as np
 
+import changing
 import elementary
 import scene as scenes
 from drake_scene import Drake
@@ -42,8 +44,15 @@ def robots():
     """Scenes of whole robots, and over which time."""
     own = "its own solution at its finest setting"
     # Our finest tolerance is the one below which shorter steps than the shortest allowed would be needed.
+    moved = []
+    for scene, end in ((changing.quadruped_velocities(240, True), 0.5), (changing.quadruped_velocities(1000, True), 0.5),
+                       (changing.r2d2(240, True, "turning", file_inertia=True), 1.0),
+                       (changing.light_legs(240, True), 1.0)):
+        scene.name, scene.end = f"{scene.name}, {scene.rate} Hz", end
+        moved.append(scene)
     for scene, finest in ((scenes.r2d2(end=1.5), 1e-9), (scenes.a1_standing(end=1.0), 1e-9),
-                          (scenes.a1_marching(end=1.0), 1e-8), (scenes.humanoid_falling(end=0.4), 1e-7)):
+                          (scenes.a1_marching(end=1.0), 1e-8), (scenes.humanoid_falling(end=0.4), 1e-7),
+                          *((scene, 1e-8) for scene in moved)):
         measure = f"largest error of the base's pose and the joints in {scene.end:g} s, m and rad"
         yield Case(scene, pose_error(True), None, own, measure, finest)
 
@@ -80,7 +89,8 @@ def sweeps(case, binary):
     """All simulators."""
     scene = case.scene
     h = 1 / scene.rate
-    steps = [h / n for n in STEPS if h / n >= 1 / 7680 - 1e-12]
+    steps = [h / n for n in STEPS if h / n >= 1 / 8000 - 1e-12]
+    most = max(1, round(60 * 1024 / scene.rate))  # steps per row where a peer's own solution comes from
     ours = Ours(scene, binary)
 
     def controlled(tolerance):
@@ -94,9 +104,9 @@ def sweeps(case, binary):
     for name, (integrator, stiff) in MUJOCO.items():
         if stiff and not scene.ground:
             continue
-        yield Sweep(name, steps, h / 1024, lambda s, i=integrator, f=stiff: MuJoCo(scene, i, s, f).run)
-    yield Sweep("PyBullet", steps, h / 512, lambda s: PyBullet(scene, s).run)
-    yield Sweep("Drake SAP", steps, h / 512, lambda s: Drake(scene, step=s).run)
+        yield Sweep(name, steps, h / most, lambda s, i=integrator, f=stiff: MuJoCo(scene, i, s, f).run)
+    yield Sweep("PyBullet", steps, h / max(1, most // 2), lambda s: PyBullet(scene, s).run)
+    yield Sweep("Drake SAP", steps, h / max(1, most // 2), lambda s: Drake(scene, step=s).run)
     yield Sweep("Drake CENIC", ACCURACIES, 1e-7 if case.scene.mass() < 40 else 1e-6, lambda a: Drake(scene, accuracy=a).run)
 
 
@@ -142,10 +152,9 @@ def verdict(points):
     return above
 
 
-def label(setting):
+def label(setting, name):
     """A step as a fraction, an accuracy as a power."""
-    return f"1/{1 / setting:.0f}" if abs(1 / setting / 60 - round(1 / setting / 60)) < 1e-6 and setting not in ACCURACIES \
-        else f"{setting:.0e}".replace("e-0", "e-")
+    return f"1/{1 / setting:.0f}" if name in STEPPED else f"{setting:.0e}".replace("e-0", "e-")
 
 
 def table(case, points):
@@ -153,16 +162,16 @@ def table(case, points):
     lines = ["| simulator | setting: error at µs of CPU per second |", "|---|---|"]
     every = sorted({s for name, list_ in points.items() if name in STEPPED for s, *_ in list_}, reverse=True)
     for name, list_ in points.items():
-        cells = " · ".join(f"{label(s)}: {e:.1e} at {t * 1e6:,.0f}".replace(",", " ") for s, t, e in list_)
+        cells = " · ".join(f"{label(s, name)}: {e:.1e} at {t * 1e6:,.0f}".replace(",", " ") for s, t, e in list_)
         shown = {s for s, *_ in list_}
-        missing = [label(s) for s in every if name in STEPPED and s not in shown]
+        missing = [label(s, name) for s in every if name in STEPPED and s not in shown]
         cells += f" · no result: {', '.join(missing)}" if cells and missing else ""
         lines.append(f"| {name} | {cells or 'no run ended with a result'} |")
     above = verdict(points)
     if not above:
         lines += ["", "urdf2fmu is below and left of every point of every peer."]
     else:
-        each = "; ".join(f"{name} at {', '.join(f'{label(s)} ({e:.1e}, {t * 1e6:.0f} µs)' for s, t, e in list_)}"
+        each = "; ".join(f"{name} at {', '.join(f'{label(s, name)} ({e:.1e}, {t * 1e6:.0f} µs)' for s, t, e in list_)}"
                          for name, list_ in above.items())
         lines += ["", f"**Not below and left of:** {each}."]
     return "\n".join(lines)
@@ -232,7 +241,7 @@ def summary(results):
             if a is None and b is None:
                 continue
             mine = f"{a * 1e6:.0f}" if a is not None else "not reached"
-            other = f"{b[0] * 1e6:.0f} ({b[1]}, {label(b[2])})" if b else "none reaches it"
+            other = f"{b[0] * 1e6:.0f} ({b[1]}, {label(b[2], b[1])})" if b else "none reaches it"
             ratio = f"{b[0] / a:.1f}" if a is not None and b else ""
             lines.append(f"| {case.scene.name} | {goal:.0e} | {mine} | {other} | {ratio} |".replace("e-0", "e-"))
     return "\n".join(lines)
@@ -259,6 +268,73 @@ def cases():
     return [*(make() for make in elementary.CASES), *robots()]
 
 
+def front(points):
+    """Logarithms (error, time) of the points that none is below and left of, by falling error."""
+    best, kept = math.inf, []
+    for _, t, e in sorted(points, key=lambda p: p[1]):
+        if e < best:
+            best = e
+            kept.append((math.log(max(e, GROUND)), math.log(t)))
+    return kept
+
+
+def equal_error(now, before):
+    """Errors and ratios of times, ours now to before, at equal errors: where both fronts are, thrice a decade."""
+    now, before = front(now), front(before)
+    if not now or not before:
+        return []
+    high, low = (pick(f[end][0] for f in (now, before)) for pick, end in ((min, 0), (max, -1)))
+    goals = np.arange(high, low - 1e-9, -math.log(10) / 3) if high >= low else []
+
+    def at(goal, curve):
+        errors, logs = zip(*reversed(curve))
+        return np.interp(goal, errors, logs)
+    return [(math.exp(goal), math.exp(at(goal, now) - at(goal, before))) for goal in goals]
+
+
+def compare(chosen, binary, other, rounds):
+    """Times at equal errors of this version and another one: printed. Each is compared with its own solution where
+    there is no formula, as their contacts differ."""
+    rows, means, names = [], [], ("error control", "fixed steps")
+    for case in chosen:
+        both = [[sweep for sweep in sweeps(case, each) if sweep.name.startswith("urdf2fmu")] for each in (binary, other)]
+        if case.reference is None:
+            for controlled, _ in both:
+                controlled.run(controlled.finest)
+        for _ in range(rounds):
+            for kinds in zip(*both):
+                for sweep in kinds:
+                    for setting in sweep.settings:
+                        sweep.run(setting)
+        points = []
+        for kinds in both:
+            truth = case.reference if case.reference is not None else kinds[0].samples.get(kinds[0].finest)
+            points.append([[] if truth is None else
+                           [(s, kind.times[s] / case.scene.end, case.error(kind.samples[s], truth))
+                            for s in kind.settings if s in kind.samples] for kind in kinds])
+        print(f"\n### {case.scene.name}", flush=True)
+        for i, kind in enumerate(names):
+            for which, version_points in zip(("now", "before"), points):
+                stepped = "urdf2fmu, " + kind
+                cells = " · ".join(f"{label(s, stepped)}: {e:.1e} at {t * 1e6:.0f}" for s, t, e in version_points[i])
+                print(f"- {kind}, {which}: {cells}")
+        for i, kind in enumerate(names):
+            ratios = equal_error(points[0][i], points[1][i])
+            if not ratios:
+                rows.append(f"| {case.scene.name} | {kind} | – | | |")
+                continue
+            mean = math.exp(np.mean([math.log(r) for _, r in ratios]))
+            worst = max(ratios, key=lambda p: p[1])
+            if i == 0:
+                means.append(mean)
+            rows.append(f"| {case.scene.name} | {kind} | {ratios[0][0]:.0e} … {ratios[-1][0]:.0e} | {mean:.2f} "
+                        f"| {worst[1]:.2f} at {worst[0]:.0e} |")
+            print(rows[-1], flush=True)
+    print("\n| scene | | errors compared | time now / before, mean | most expensive |\n|---|---|---|---|---|")
+    print("\n".join(rows))
+    print(f"\nError control, all scenes: {math.exp(np.mean(np.log(means))):.2f}.")
+
+
 def main():
     """Command line."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
@@ -266,13 +342,20 @@ def main():
     parser.add_argument("--only", default="", help="scenes whose name contains this")
     parser.add_argument("--write", action="store_true", help="write docs/accuracy.md and docs/accuracy/")
     parser.add_argument("--redraw", action="store_true", help="from docs/accuracy/results.json, without measuring")
+    parser.add_argument("--before", help="the bench `play` of another version, to compare with")
     arguments = parser.parse_args()
+    if arguments.before:
+        compare([case for case in cases() if arguments.only in case.scene.name], build(), arguments.before,
+                arguments.rounds)
+        return
     store = ROOT / "docs/accuracy/results.json"
     stored = json.loads(store.read_text()) if store.exists() else {}
     binary = None if arguments.redraw else build()
     results = []
     for case in cases():
         if arguments.redraw:
+            if case.scene.name not in stored:
+                continue
             points = {name: [tuple(p) for p in list_] for name, list_ in stored[case.scene.name].items()}
         elif arguments.only in case.scene.name:
             print(f"\n### {case.scene.name}", flush=True)

@@ -177,8 +177,8 @@ def panda_free(end=2.0):
 LEGS = ("FR", "FL", "RR", "RL")
 
 
-def a1(name, end, command, **options):
-    """Unitree's quadruped under joint gains, on its four feet."""
+def a1(name, end, command, kind="pd", **options):
+    """Unitree's quadruped under joint gains (`kind` velocity: under velocity motors), on its four feet."""
     tree = strip(data("a1/a1.urdf"))
     # The feet alone touch: what hides inside the legs costs collision tests and changes nothing.
     for link in tree.findall("link"):
@@ -188,7 +188,7 @@ def a1(name, end, command, **options):
     actuators, joints = [], {}
     for leg, (part, angle) in itertools.product(LEGS, (("hip", 0.0), ("upper", 0.8), ("lower", -1.6))):
         joint = f"{leg}_{part}_joint"
-        actuators.append(Actuator(joint, "pd", 33.5, kp=100.0, kd=2.0))
+        actuators.append(Actuator(joint, kind, 33.5, kp=100.0, kd=2.0))
         joints[joint] = angle
     return Scene(name, text(tree), end, friction=0.8, joints=joints, actuators=actuators, command=command, **options)
 
@@ -201,22 +201,27 @@ def a1_standing(end=2.0):
     return a1("quadruped standing", end, lambda t: STAND, position=(0, 0, 0.30))
 
 
+def march(t):
+    """Targets of the quadruped that lifts diagonal legs in turn, 2.5 Hz."""
+    target = STAND.reshape(4, 3).copy()
+    for leg, phase in enumerate((0.0, 0.5, 0.5, 0.0)):
+        lift = max(0.0, np.sin(2 * np.pi * (2.5 * t + phase)))
+        target[leg, 1:] += (0.25 * lift, -0.5 * lift)
+    return target.ravel()
+
+
 def a1_marching(end=2.0):
-    """Diagonal legs in turn, 2.5 Hz, targets renewed at 60 Hz."""
-    def command(t):
-        target = STAND.reshape(4, 3).copy()
-        for leg, phase in enumerate((0.0, 0.5, 0.5, 0.0)):
-            lift = max(0.0, np.sin(2 * np.pi * (2.5 * t + phase)))
-            target[leg, 1:] += (0.25 * lift, -0.5 * lift)
-        return target.ravel()
-    return a1("quadruped marching", end, command, position=(0, 0, 0.30))
+    """Targets renewed at 60 Hz."""
+    return a1("quadruped marching", end, march, position=(0, 0, 0.30))
 
 
-def r2d2(end=2.0, w=10.0):
-    """PyBullet's R2D2: 0.5 s to settle, then a turn on the spot. Only its wheels move."""
+def r2d2_robot(name, end, speeds, file_inertia=False, **options):
+    """PyBullet's R2D2, of which only the wheels move; the inertia of its links is that of their shapes unless
+    `file_inertia`. `speeds`: time in s -> speeds of the right and the left wheels, rad/s."""
     from scenario import with_inertia_from_shapes
 
-    tree = with_inertia_from_shapes(data("r2d2.urdf"))
+    path = data("r2d2.urdf")
+    tree = xml.parse(path).getroot() if file_inertia else with_inertia_from_shapes(path)
     for element in list(tree):
         if element.tag == "material":
             tree.remove(element)
@@ -233,15 +238,24 @@ def r2d2(end=2.0, w=10.0):
     actuators = [Actuator(name, "velocity", 50.0) for name in names]
 
     def command(t):
+        right, left = speeds(t)
+        return [right if name.startswith("right") else left for name in names]
+    return Scene(name, text(tree), end, gravity=9.8, position=(0, 0, 0.470), actuators=actuators, command=command,
+                 **options)
+
+
+def r2d2(end=2.0, w=10.0):
+    """0.5 s to settle, then a turn on the spot."""
+    def speeds(t):
         turn = 0.0 if t < 0.5 - 1e-9 else w
-        return [-turn if name.startswith("right") else turn for name in names]
+        return -turn, turn
     # The highest gain that the jump of the command does not saturate: above it, explicit limits make wheels chatter.
-    return Scene("R2D2 turning", text(tree), end, gravity=9.8, position=(0, 0, 0.470), actuators=actuators,
-                 command=command, servo=50.0 / w)
+    return r2d2_robot("R2D2 turning", end, speeds, servo=50.0 / w)
 
 
-def humanoid(name, end, kp, kd, spheres=False, **options):
-    """PAL's Talos with eight spheres under each foot; `spheres`: on head, hands, elbows, knees and trunk, too."""
+def humanoid(name, end, kp, kd, spheres=False, sway=None, **options):
+    """PAL's Talos with eight spheres under each foot; `spheres`: on head, hands, elbows, knees and trunk, too.
+    `sway`: time in s, number of the joint -> what is added to its target, rad; none: the posture is held."""
     tree = strip(robot_data("talos_data/robots/talos_reduced.urdf"), keep=())
     for side in ("left", "right"):
         for x, y in itertools.product((-0.10, -0.033, 0.033, 0.10), (-0.06, 0.06)):
@@ -270,8 +284,9 @@ def humanoid(name, end, kp, kd, spheres=False, **options):
         if kp > 0:
             actuators.append(Actuator(joint_name, "pd", float(limit.get("effort")), kp=kp, kd=kd))
     targets = np.array([joints[a.joint] for a in actuators])
-    return Scene(name, text(tree), end, friction=0.8, joints=joints, actuators=actuators,
-                 command=lambda t: targets, **options)
+    places = np.arange(len(targets))
+    command = (lambda t: targets + sway(t, places)) if sway else (lambda t: targets)
+    return Scene(name, text(tree), end, friction=0.8, joints=joints, actuators=actuators, command=command, **options)
 
 
 def humanoid_standing(end=2.0):

@@ -373,7 +373,6 @@ fn report_merged(model: &Model, findings: &mut Findings) {
 }
 
 fn add_colliders(model: &mut Model, shapes: &[Vec<CollisionDescription>]) {
-    let mut slot = 0;
     for (l, (link, shapes)) in model.links.iter().zip(shapes).enumerate() {
         for collision in shapes {
             model.colliders.push(Collider {
@@ -381,9 +380,7 @@ fn add_colliders(model: &mut Model, shapes: &[Vec<CollisionDescription>]) {
                 body: link.body,
                 X_BG: link.X_BL.compose(&collision.X_LG),
                 shape: collision.shape.clone(),
-                slot,
             });
-            slot += collision.shape.slots();
         }
     }
 }

@@ -5,6 +5,8 @@
 use super::bodies::Base;
 use super::findings::{Findings, listed};
 use super::robot::{is_scalar, kind_name};
+use crate::dynamics::crba;
+use crate::force::{ContactSet, detect};
 use crate::initial::initial_state;
 use crate::kinematics::Kinematics;
 use crate::model::{Collider, JointId, LinkId, Model};
@@ -183,6 +185,8 @@ pub(super) fn height(
             Some((link, z)) if model.world.ground.is_some() => {
                 // Adding 0 turns -0 into 0.
                 model.initial.position.z = -z + 0.0;
+                model.initial.position.z -= static_depth(model);
+                model.initial.set_down = true;
                 let message = format!(
                     "the robot starts with its base at z = {:.6} m, where its lowest collision point, of link '{}', touches the ground",
                     model.initial.position.z,
@@ -207,6 +211,13 @@ pub(super) fn height(
         return;
     };
     let depth = -(z + model.initial.position.z);
+    // The height that would follow by itself, as `init` writes it down.
+    let mut touching = model.clone();
+    touching.initial.position.z = -z + 0.0;
+    #[expect(clippy::float_cmp, reason = "another height is somebody's wish")]
+    let own = floating
+        && touching.initial.position.z - static_depth(&touching) == model.initial.position.z;
+    model.initial.set_down = own;
     // A robot at rest is this deep in the ground.
     if depth > model.contact.penetration {
         let message = format!(
@@ -226,6 +237,49 @@ pub(super) fn height(
         };
         findings.warning("A112", None, message, &help);
     }
+}
+
+/// How far the model, whose lowest point touches the ground, must sink until the ground carries its
+/// weight, m.
+fn static_depth(model: &Model) -> f64 {
+    let Poses { mut tree, mut kin } = poses(model);
+    crba::mass_matrix(&tree, &mut kin);
+    let diagonal = |k| kin.M[tree.sparsity.diagonal(k)];
+    let inertia: Vec<f64> = (0..model.nv()).map(diagonal).collect();
+    tree.scale(model, &inertia, &kin.X);
+    let weight = -tree.moving_mass() * model.world.gravity.z;
+    let mut q = initial_state(model, &Parameters::new(model), 0.0)
+        .physical
+        .q;
+    let (z, rest) = (q[2], vec![0.0; model.nv()]);
+    let mut contacts = ContactSet::new(model.contact_room());
+    let mut carries = |depth: f64| {
+        q[2] = z - depth;
+        kin.update_poses(&tree, &q);
+        kin.update_velocities(&tree, &rest);
+        detect(model, &tree, &[], &kin, 0.0, f64::INFINITY, &mut contacts);
+        let loads = contacts
+            .iter()
+            .map(|c| c.normal_load(&contacts.points, &kin.V));
+        loads.sum::<f64>() >= weight
+    };
+    // A single corner sinks by the penetration; a light touch of a heavy robot by some of them.
+    let (mut low, mut high) = (0.0, 64.0 * model.contact.penetration);
+    if weight <= 0.0 || !carries(high) {
+        return 0.0;
+    }
+    while high - low > f64::EPSILON * high {
+        let middle = 0.5 * (low + high);
+        if middle <= low || middle >= high {
+            break;
+        }
+        if carries(middle) {
+            high = middle;
+        } else {
+            low = middle;
+        }
+    }
+    high
 }
 
 /// Height of the lowest point of all shapes that move, above the base's origin, and its link.

@@ -144,11 +144,6 @@ pub(super) fn fit(
         let help = "wheel_fit = \"none\" under [link.\"…\"] keeps the mesh's convex hull";
         findings.note("A127", message, help);
     }
-    let mut slot = 0;
-    for collider in &mut model.colliders {
-        collider.slot = slot;
-        slot += collider.shape.slots();
-    }
     polygons
 }
 

@@ -1,28 +1,86 @@
-//! A contact point: Hunt–Crossley force along the normal, elasto-plastic Coulomb friction in the
-//! tangent plane.
+//! Contact of two bodies over an area: one stiffness, one friction, one memory for a pair of
+//! shapes.
 //!
-//! Source: Hunt & Crossley 1975; Castro et al. 2022.
+//! A face that stands on the ground presses with few points, its corners or its rim, but they are
+//! one contact: how deep it is under a load depends on the load, not on the number of points.
+//!
+//! # Normal force
+//!
+//! 1. With the spatial velocity `W` at the end of a step of `h` seconds, point `i` is
+//!    `d_i = D_i − h y_i` deep: `D_i` at the start, and `y_i` its velocity along the normal.
+//! 2. The contact is `δ = (Σ m_i (d_i)₊⁴)^¼` deep, with the share `m_i` of the point in a face;
+//!    they sum up to one, so that a face whose points are equally deep is as deep as they are.
+//!    Where no point is inside, `δ = max d_i`. A norm of convex functions is convex.
+//! 3. The force is `N(δ) = F(δ) (1 + D δ̇)₊`, with the spring `F` of [`Stiffening`], the
+//!    dissipation `D` of Hunt & Crossley and `δ̇ = (δ − δ₀)/h`, where `δ₀` is the depth at the
+//!    start. It rises with `δ`, so the cost `∫ N dδ` is convex.
+//! 4. With `w_i = ∂δ/∂d_i = m_i (d_i/δ)³` point `i` pushes with `N w_i`.
+//! 5. `δ` alone does not feel a face rock about its middle, nor one corner touch down while others
+//!    leave. Each point is therefore damped against the mean of all, `ȳ = Σ ŵ_i y_i` with `ŵ =
+//!    w/Σw` and the load `L` of the start, with damping where that takes from it: the cost `h L Σ
+//!    ŵ_i Ψ(y_i − ȳ)` has no net force. With `Ψ' = ψ(z) = min(D z, 1)` each point has Hunt &
+//!    Crossley's damping of its own share of the load, and one that leaves loses no more than this
+//!    share. The flat face of a cylinder, which has one point, is damped by `½ c χ² ȧ` against
+//!    tilting (see below), as an even load on a disc would, with `c = D L/(1 + D |ȧ|)` of the
+//!    start.
+//!
+//! # Rims
+//!
+//! The face of a cylinder has one point, the lowest of its rim. With the axis `k`, the radius `R`,
+//! the rim's centre `D_c` deep, and `a = R (k − (k·n) n)`, that point is `D_c + |a|` deep. A crown
+//! `s` makes this smooth: `D = D_c + q − s` with `q = √(|a|² + s²)`. In the step `a` moves by `ȧ =
+//! R T (ω × k)`, with `T = χ P + a aᵀ/q²`, `P = 1 − n nᵀ`, `χ = s²/q²`: tilting counts, but the
+//! precession of a leaning rim does not move its lowest point along the normal. `q` is convex in
+//! `a`, so `D` is convex in `W`. The point's place is `c + R (n·k) a/q − n |a|²/q`; there `y = y_c
+//! − e₀·ȧ` with `e₀ = a/q` at the start, hence `d = D − h (y + e₀·ȧ) + q(a + h ȧ) − q(a)`.
+//!
+//! # Friction
+//!
+//! One elasto-plastic element acts on the 3-vector `u = v_t(c) + ρ (n·ω) n`: the tangential
+//! velocity at the centre `c = Σ ŵ_i x_i` of the load, and the drilling velocity times the mean
+//! distance `ρ` of the load from it. Sliding and drilling share the cap `μ Σ N w_i`.
+//!
+//! Source: Hunt & Crossley 1975; Castro et al. 2022; the limit surface of sliding and drilling as
+//! an ellipsoid: Howe & Cutkosky 1996.
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
+use super::point::{ContactPoint, PointResponse, PointVelocity, norm};
+use crate::law::normal::Stiffening;
+use crate::law::{ElastoPlastic, Resistance};
+use crate::spatial::{Vec3, Vec6, angular, velocity_at};
+use std::ops::Range;
 
-use crate::law::{ElastoPlastic, HuntCrossley};
-use crate::spatial::{Vec3, Vec6, add_force_at, velocity_at};
-
-/// Impulse of a contact on its body and its derivative with the velocity.
+/// What a contact gives for a velocity.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Response {
-    /// N·s, world axes.
-    pub impulse: Vec3,
-    /// Normal stiffness, kg: minus the derivative of the normal impulse with the normal velocity.
-    pub normal: f64,
-    /// Tangential stiffness, kg, in every direction but `slip`.
-    pub tangential: f64,
-    /// Direction in which friction slips and has no stiffness; zero while it sticks.
-    pub slip: Vec3,
+    /// Depth `δ` at the end of the step, m.
+    pub depth: f64,
+    /// `N`.
+    pub force: f64,
+    /// `dN/dδ` with the velocity that changes it, N/m.
+    pub slope: f64,
+    /// Normal impulse `h N Σ w_i`, N·s.
+    pub load: f64,
+    /// Friction; its slope in N·s/m.
+    pub friction: Resistance<Vec3>,
 }
 
-/// A contact point of a step: what was found at its start, constant while the step is solved.
-#[derive(Clone, Copy, Debug, Default)]
+impl Response {
+    /// Whether it pushes.
+    #[inline]
+    pub fn presses(&self) -> bool {
+        self.force > 0.0
+    }
+
+    /// Whether friction slips.
+    #[inline]
+    pub fn slips(&self) -> bool {
+        self.friction.slip != Vec3::zeros()
+    }
+}
+
+/// A contact in a step: what was found at its start, constant while the step is solved.
+#[derive(Clone, Debug, Default)]
 pub struct Contact {
     /// Index of the body that it pushes along the normal.
     pub body: usize,
@@ -30,59 +88,119 @@ pub struct Contact {
     pub other: Option<usize>,
     /// Index of the link, for outputs.
     pub link: usize,
-    /// Place of its displacement in the state.
+    /// Place of its memory in the state: the index of the shape.
     pub slot: usize,
-    /// Position from O, m, world axes.
-    pub x: Vec3,
     /// Unit vector from the ground or the other body into the body.
     pub normal: Vec3,
-    /// Distance along the normal, positive apart, m.
-    pub gap: f64,
-    /// Law in the normal direction.
-    pub spring: HuntCrossley,
-    /// Approach speed that the dissipation was chosen for, m/s; 0 without restitution.
-    pub touchdown: f64,
+    /// Its points in [`super::ContactSet::points`].
+    pub points: Range<usize>,
+    /// Depth `δ₀`, m.
+    pub depth: f64,
+    /// Spring of the normal force.
+    pub spring: Stiffening,
+    /// Hunt–Crossley dissipation while it comes nearer, and while it leaves, s/m.
+    pub dissipation: [f64; 2],
+    /// Load `L` at the start that rocking is damped by, N.
+    pub load: f64,
+    /// Damping `c` of a tilting rim, N·s/m.
+    pub tilting: f64,
+    /// Dissipation that its restitution needs, s/m; 0 without restitution.
+    pub bounce: f64,
+    /// Time scale of its bounce, s.
+    pub duration: f64,
+    /// Centre of the load, from O, m, world axes.
+    pub center: Vec3,
+    /// Mean distance of the load from it, m.
+    pub radius: f64,
+    /// What `u` is more than the step's lever arms say, because the contact has turned since they
+    /// were found, m/s.
+    pub drift: Vec3,
     /// Coulomb coefficient at the sliding speed at the start of the step.
     pub mu: f64,
-    /// Friction in the tangent plane, world axes; it slips at `μ` times the normal force at the
-    /// start of the step.
+    /// Friction in the tangent plane, and along the normal against drilling; world axes. It slips
+    /// at `μ` times the normal force at the start of the step.
     pub friction: ElastoPlastic<Vec3>,
 }
 
-impl Response {
-    /// `wᵀ G w` of its stiffness `G`, where `w` is a velocity.
-    #[inline]
-    pub fn curvature(&self, normal: &Vec3, w: &Vec3) -> f64 {
-        let wn = normal.dot(w);
-        let ws = self.slip.dot(w);
-        self.tangential * (w.norm_squared() - wn * wn - ws * ws) + self.normal * wn * wn
-    }
-}
-
 impl Contact {
-    /// Velocity of the point on its body against that on the other one, m/s, world axes, where `V`
-    /// are those of all bodies.
+    /// Spatial velocity of its body against that of the other one, where `V` are those of all.
     #[inline]
-    pub fn velocity(&self, V: &[Vec6]) -> Vec3 {
-        let v = velocity_at(&V[self.body], &self.x);
+    pub(super) fn relative(&self, V: &[Vec6]) -> Vec6 {
+        let v = V[self.body];
         self.other
-            .map_or(v, |other| v - velocity_at(&V[other], &self.x))
+            .map_or(v, |other| std::array::from_fn(|i| v[i] - V[other][i]))
     }
 
-    /// Adds a force on the body at the point, and its reaction on the other one, to the forces on
-    /// all bodies about O; or impulses.
+    /// Velocity `u` that friction acts against, m/s, world axes.
     #[inline]
-    pub fn push(&self, force: &Vec3, F: &mut [Vec6]) {
-        add_force_at(&mut F[self.body], &self.x, force);
-        if let Some(other) = self.other {
-            add_force_at(&mut F[other], &self.x, &-force);
+    pub fn sliding(&self, V: &[Vec6]) -> Vec3 {
+        let W = self.relative(V);
+        let (_, u) = normal_part(&self.normal, &velocity_at(&W, &self.center));
+        u + self.normal * (self.radius * self.normal.dot(&angular(&W)))
+    }
+
+    /// Velocities of its points.
+    #[inline]
+    pub fn velocities<'a>(
+        &'a self,
+        points: &'a [ContactPoint],
+        V: &[Vec6],
+    ) -> impl Iterator<Item = PointVelocity> + 'a {
+        let W = self.relative(V);
+        let w = angular(&W);
+        points[self.points.clone()]
+            .iter()
+            .map(move |p| PointVelocity {
+                along: self.normal.dot(&velocity_at(&W, &p.x)),
+                tilt: p
+                    .rim
+                    .map_or_else(Vec3::zeros, |rim| rim.rate(&self.normal, &w)),
+            })
+    }
+
+    /// Velocity of the load's centre along the normal, m/s, positive apart; of the deepest point
+    /// where none is inside.
+    pub fn normal_velocity(&self, points: &[ContactPoint], V: &[Vec6]) -> f64 {
+        let W = self.relative(V);
+        let along = |p: &ContactPoint| self.normal.dot(&velocity_at(&W, &p.x));
+        let own = &points[self.points.clone()];
+        if self.depth > 0.0 {
+            own.iter().map(|p| p.load * along(p)).sum()
+        } else {
+            own.iter()
+                .fold((f64::NEG_INFINITY, 0.0), |best, p| {
+                    if p.depth > best.0 {
+                        (p.depth, along(p))
+                    } else {
+                        best
+                    }
+                })
+                .1
         }
     }
 
-    /// Its part along the normal, m/s, positive apart.
-    #[inline]
-    pub fn normal_velocity(&self, V: &[Vec6]) -> f64 {
-        self.normal.dot(&self.velocity(V))
+    /// How fast its rims tilt, m/s.
+    pub(super) fn tilt_speed(&self, points: &[ContactPoint], V: &[Vec6]) -> f64 {
+        let w = angular(&self.relative(V));
+        let own = points[self.points.clone()].iter();
+        let speeds = own.filter_map(|p| Some(p.load * p.rim?.rate(&self.normal, &w).norm()));
+        speeds.sum()
+    }
+
+    /// Time until the first of its points touches with these velocities, s; infinite if none comes
+    /// nearer.
+    pub fn time_to_touch(&self, points: &[ContactPoint], V: &[Vec6]) -> f64 {
+        let W = self.relative(V);
+        points[self.points.clone()]
+            .iter()
+            .fold(f64::INFINITY, |soonest, p| {
+                let approach = -self.normal.dot(&velocity_at(&W, &p.x));
+                if approach > 0.0 {
+                    soonest.min(-p.depth / approach)
+                } else {
+                    soonest
+                }
+            })
     }
 
     /// Sets the friction that slips for a normal force, N.
@@ -91,157 +209,292 @@ impl Contact {
         self.friction.cap = self.mu * force;
     }
 
-    /// Response to the velocity `v` of the contact point at the end of a step of `h` seconds.
+    /// Force of the spring with its damping, N, and its derivative with the depth, at the depth
+    /// `depth` that grows at `rate`; `h`: time in which a change of the depth changes the rate.
     #[inline]
-    pub fn response(&self, v: &Vec3, h: f64) -> Response {
-        let (vn, u) = normal_part(&self.normal, v);
-        let (normal_impulse, normal) = self.spring.respond(self.gap, vn, h);
-        let friction = self.friction.respond(u, h);
+    fn normal_force(&self, depth: f64, rate: f64, h: f64) -> (f64, f64) {
+        let dissipation = self.dissipation[usize::from(rate < 0.0)];
+        let damping = 1.0 + dissipation * rate;
+        if depth <= 0.0 || damping <= 0.0 {
+            return (0.0, 0.0);
+        }
+        let elastic = self.spring.force(depth);
+        let slope = self.spring.slope(depth) * damping + elastic * dissipation / h;
+        (elastic * damping, slope)
+    }
+
+    /// Force of the spring along the normal at the start of the step, N.
+    pub(super) fn elastic_load(&self, points: &[ContactPoint]) -> f64 {
+        let (_, weights) = norm(&points[self.points.clone()], |p| p.depth);
+        self.spring.force(self.depth) * weights
+    }
+
+    /// Normal force at the start of the step, N, for velocities of all bodies.
+    pub fn normal_load(&self, points: &[ContactPoint], V: &[Vec6]) -> f64 {
+        if self.depth <= 0.0 {
+            return 0.0;
+        }
+        let (_, weights) = norm(&points[self.points.clone()], |p| p.depth);
+        let rate = -weights * self.normal_velocity(points, V);
+        self.normal_force(self.depth, rate, 1.0).0 * weights
+    }
+
+    /// Response to the velocities at the end of a step of `h` seconds: `u` of friction, `at` of the
+    /// points.
+    #[inline]
+    pub fn response(
+        &self,
+        points: &[ContactPoint],
+        u: &Vec3,
+        at: impl Fn(usize) -> PointVelocity,
+        h: f64,
+        out: &mut Vec<PointResponse>,
+    ) -> Response {
+        let own = &points[self.points.clone()];
+        let first = out.len();
+        let (mut deepest, mut sum, mut rise, mut mean) = (f64::NEG_INFINITY, 0.0, 0.0, 0.0);
+        for (i, p) in own.iter().enumerate() {
+            let v = at(i);
+            let mut r = PointResponse::default();
+            let mut change = -h * v.along;
+            if let Some(rim) = &p.rim {
+                let q0 = rim.length(&rim.a);
+                let a = rim.a + v.tilt * h;
+                let q = rim.length(&a);
+                let e0 = rim.a / q0;
+                // The difference of the two lengths by their squares: it may be small.
+                let longer = (a - rim.a).dot(&(a + rim.a)) / (q + q0);
+                change += longer - h * e0.dot(&v.tilt);
+                r.end = (a / q, 1.0 / q);
+                r.lean = e0 - a / q;
+            }
+            mean += p.load * v.along;
+            let depth = p.depth + change;
+            r.weight = depth;
+            out.push(r);
+            deepest = deepest.max(depth);
+            let (before, after) = (p.depth.max(0.0), depth.max(0.0));
+            let change = if p.depth > 0.0 && depth > 0.0 {
+                change
+            } else {
+                after - before
+            };
+            let (squared, before_squared) = (after * after, before * before);
+            sum += p.share * squared * squared;
+            rise += p.share * change * (after + before) * (squared + before_squared);
+        }
+        let friction = self.friction.respond(u + self.drift, h);
+        if deepest <= 0.0 || deepest.is_nan() {
+            for (i, (p, r)) in own.iter().zip(&mut out[first..]).enumerate() {
+                r.weight = 0.0;
+                self.rock(p, &at(i), (mean, h), r);
+            }
+            Self::balance(own, h, &mut out[first..]);
+            return Response {
+                depth: deepest,
+                friction,
+                ..Response::default()
+            };
+        }
+        let depth = sum.sqrt().sqrt();
+        // `δ − δ₀` by the fourth powers: it may have fewer digits than both.
+        let change = if self.depth > 0.0 {
+            rise / ((depth + self.depth) * (depth * depth + self.depth * self.depth))
+        } else {
+            depth - self.depth
+        };
+        let (force, slope) = self.normal_force(depth, change / h, h);
+        let mut weights = 0.0;
+        for (i, (p, r)) in own.iter().zip(&mut out[first..]).enumerate() {
+            let part = r.weight.max(0.0) / depth;
+            r.bend = 3.0 * p.share * part * part / depth;
+            r.weight = p.share * part * part * part;
+            weights += r.weight;
+            r.impulse = h * force * r.weight;
+            r.tilting = r.lean * r.impulse;
+            self.rock(p, &at(i), (mean, h), r);
+        }
+        Self::balance(own, h, &mut out[first..]);
         Response {
-            impulse: self.normal * normal_impulse - friction.force * h,
-            normal,
-            tangential: h * friction.slope,
-            slip: friction.slip,
+            depth,
+            force,
+            slope,
+            load: h * force * weights,
+            friction,
         }
     }
 
-    /// Force on the body at the start of the step, N, for the velocity `v` of the point.
-    pub fn force(&self, v: &Vec3) -> Vec3 {
-        let (vn, u) = normal_part(&self.normal, v);
-        self.normal * self.normal_force(vn) - self.friction.respond(u, 0.0).force
+    /// Adds the damping of rocking to the response of a point over `h` seconds; `mean` is the mean
+    /// velocity of all.
+    #[inline]
+    fn rock(
+        &self,
+        point: &ContactPoint,
+        v: &PointVelocity,
+        (mean, h): (f64, f64),
+        r: &mut PointResponse,
+    ) {
+        let (force, slope) = self.rocking(v.along - mean);
+        (r.rock, r.rocking) = (force * point.load, slope * point.load);
+        if let Some(rim) = &point.rim {
+            r.tilting -= v.tilt * (h * self.tilting * point.load * rim.tilt_damping());
+        }
     }
 
-    /// Normal force at the start of the step, N.
+    /// `L ψ(z)` and its slope.
     #[inline]
-    pub fn normal_force(&self, vn: f64) -> f64 {
-        self.spring.force(self.gap, vn)
+    fn rocking(&self, z: f64) -> (f64, f64) {
+        let damping = self.dissipation[0] * z;
+        if damping > 1.0 {
+            (self.load, 0.0)
+        } else {
+            (self.load * damping, self.load * self.dissipation[0])
+        }
+    }
+
+    /// Takes the damping of rocking into the impulses of all points: what each point loses the mean
+    /// of all gets.
+    #[inline]
+    fn balance(own: &[ContactPoint], h: f64, of: &mut [PointResponse]) {
+        let total: f64 = of.iter().map(|r| r.rock).sum();
+        for (p, r) in own.iter().zip(of) {
+            r.impulse += h * (p.load * total - r.rock);
+        }
+    }
+
+    /// What the impulses of a response do along velocities: `Σ γ·w`.
+    #[inline]
+    pub fn power(
+        (r, points): (&Response, &[PointResponse]),
+        (u, at): (&Vec3, &[PointVelocity]),
+        h: f64,
+    ) -> f64 {
+        let mut power = -h * r.friction.force.dot(u);
+        for (p, v) in points.iter().zip(at) {
+            power += p.impulse * v.along + p.tilting.dot(&v.tilt);
+        }
+        power
+    }
+
+    /// `wᵀ G w` of the stiffness `G` of a response, kg (m/s)², where `u` and `at` are velocities.
+    #[inline]
+    pub fn curvature(
+        &self,
+        points: &[ContactPoint],
+        (r, of): (&Response, &[PointResponse]),
+        (u, at): (&Vec3, &[PointVelocity]),
+        h: f64,
+    ) -> f64 {
+        let slip = r.friction.slip.dot(u);
+        let mut sum = h * r.friction.slope * (u.norm_squared() - slip * slip);
+        let (mut mean, mut bend, mut tilt) = (0.0, 0.0, 0.0);
+        let mut middle = 0.0;
+        for ((p, r), v) in points[self.points.clone()].iter().zip(of).zip(at) {
+            let z = v.along + r.lean.dot(&v.tilt);
+            mean += r.weight * z;
+            bend += r.bend * z * z;
+            let (e, inverse) = r.end;
+            let along = e.dot(&v.tilt);
+            tilt += r.weight * inverse * (v.tilt.norm_squared() - along * along);
+            middle += p.load * v.along;
+            let rim = p.rim.map_or(0.0, |rim| rim.tilt_damping());
+            sum += h * self.tilting * p.load * rim * v.tilt.norm_squared();
+        }
+        for (r, v) in of.iter().zip(at) {
+            let apart = v.along - middle;
+            sum += h * r.rocking * apart * apart;
+        }
+        if r.presses() {
+            let square = mean * mean;
+            sum += h * h * (r.slope * square + r.force * (bend - 3.0 / r.depth * square + tilt));
+        }
+        sum
+    }
+
+    /// Adds the impulses of a response on the body, and their reaction on the other one, to those
+    /// on all bodies about O.
+    #[inline]
+    pub fn push(
+        &self,
+        points: &[ContactPoint],
+        (r, of): (&Response, &[PointResponse]),
+        h: f64,
+        F: &mut [Vec6],
+    ) {
+        let friction = r.friction.force * -h;
+        let (drilling, along) = normal_part(&self.normal, &friction);
+        let mut force = along;
+        let mut moment = self.center.cross(&along) + self.normal * (self.radius * drilling);
+        for (p, response) in points[self.points.clone()].iter().zip(of) {
+            let push = self.normal * response.impulse;
+            force += push;
+            moment += p.x.cross(&push);
+            if let Some(rim) = &p.rim {
+                moment += rim.moment(&response.tilting);
+            }
+        }
+        self.act(&force, &moment, F);
+    }
+
+    /// Adds a force on the body, N, and its moment about O, N·m, and their reaction on the other
+    /// body, to those on all bodies; or impulses.
+    #[inline]
+    pub fn act(&self, force: &Vec3, moment: &Vec3, F: &mut [Vec6]) {
+        let wrench = [moment.x, moment.y, moment.z, force.x, force.y, force.z];
+        for (sum, x) in F[self.body].iter_mut().zip(wrench) {
+            *sum += x;
+        }
+        if let Some(other) = self.other {
+            for (sum, x) in F[other].iter_mut().zip(wrench) {
+                *sum -= x;
+            }
+        }
+    }
+
+    /// Impulse on the body of a response, N·s, world axes.
+    #[inline]
+    pub fn impulse(&self, r: &Response, h: f64) -> Vec3 {
+        let (_, along) = normal_part(&self.normal, &r.friction.force);
+        self.normal * r.load - along * h
+    }
+
+    /// Force on the body at the start of the step, N, and its moment about O, N·m, for the
+    /// velocities of all bodies.
+    pub fn wrench(&self, points: &[ContactPoint], V: &[Vec6]) -> (Vec3, Vec3) {
+        let load = self.normal_load(points, V);
+        let friction = self.friction.respond(self.sliding(V), 0.0).force;
+        let (drilling, along) = normal_part(&self.normal, &friction);
+        let mut moment = self.center.cross(&-along) - self.normal * (self.radius * drilling);
+        let velocity = self.normal_velocity(points, V);
+        let mut force = -along;
+        let W = self.relative(V);
+        let own = &points[self.points.clone()];
+        let rock = |p: &ContactPoint| {
+            let along = self.normal.dot(&velocity_at(&W, &p.x));
+            self.rocking(along - velocity).0 * p.load
+        };
+        let total: f64 = own.iter().map(rock).sum();
+        for p in own {
+            let push = self.normal * ((load + total) * p.load - rock(p));
+            force += push;
+            moment += p.x.cross(&push);
+            if let Some(rim) = &p.rim {
+                let tilt = rim.rate(&self.normal, &angular(&W));
+                moment -= rim.moment(&(tilt * (self.tilting * p.load * rim.tilt_damping())));
+            }
+        }
+        (force, moment)
     }
 
     /// Energy that its normal spring holds at the start of the step, J.
     pub fn stored(&self) -> f64 {
-        self.spring.stored(self.gap)
-    }
-
-    /// Elastic displacement after the step, for the velocity that solved it.
-    #[inline]
-    pub fn next_displacement(&self, v: &Vec3, h: f64) -> Vec3 {
-        self.friction.next(normal_part(&self.normal, v).1, h)
+        self.spring.stored(self.depth)
     }
 }
 
 /// Component of `x` along the unit vector `normal`, and the remainder.
 #[inline]
-pub(super) fn normal_part(normal: &Vec3, x: &Vec3) -> (f64, Vec3) {
+pub(crate) fn normal_part(normal: &Vec3, x: &Vec3) -> (f64, Vec3) {
     let along = normal.dot(x);
     (along, x - normal * along)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn contact() -> Contact {
-        Contact {
-            normal: Vec3::new(0.0, 0.6, 0.8),
-            gap: -1e-3,
-            spring: HuntCrossley {
-                stiffness: 1e5,
-                dissipation: 3.0,
-            },
-            mu: 0.5,
-            friction: ElastoPlastic {
-                cap: 20.0,
-                stiffness: 8e4,
-                damping: 300.0,
-                displacement: Vec3::new(1e-5, 0.0, 0.0),
-            },
-            ..Contact::default()
-        }
-    }
-
-    #[test]
-    fn response_stiffness_is_minus_the_derivative_of_the_impulse() {
-        let (c, h) = (contact(), 1e-3);
-        for v in [Vec3::new(0.01, -0.02, 0.01), Vec3::new(0.5, -0.1, -0.2)] {
-            let r = c.response(&v, h);
-            let G = crate::spatial::Mat3::identity() * r.tangential
-                + c.normal * c.normal.transpose() * (r.normal - r.tangential)
-                - r.slip * r.slip.transpose() * r.tangential;
-            for axis in 0..3 {
-                let mut step = Vec3::zeros();
-                step[axis] = 1e-7;
-                let difference = (c.response(&(v + step), h).impulse
-                    - c.response(&(v - step), h).impulse)
-                    / 2e-7;
-                let expected = -G.column(axis);
-                assert!(
-                    (difference - expected).norm() < 1e-5 * G.norm(),
-                    "{difference} {expected}"
-                );
-            }
-        }
-    }
-
-    /// Work of the force on the element over the step, `h F·u`, against what its spring holds more,
-    /// `½ k Δ|ς|²`. By hand: while it sticks `ς` moves by `h u`, and the rest is the damper's;
-    /// while it slips the spring is stretched by no more than the slip's way, or loses. A cone that
-    /// has shrunk since takes what it no longer holds.
-    #[test]
-    fn friction_gives_back_no_more_than_it_was_paid() {
-        let mut random = crate::testing::Random(9);
-        for _ in 0..10_000 {
-            let mut c = contact();
-            let h = libm::pow(10.0, random.uniform(-7.0, -1.0));
-            let size = libm::pow(10.0, random.uniform(-5.0, 1.0));
-            let flat = |x: Vec3| x - c.normal * c.normal.dot(&x);
-            let most = c.friction.cap / c.friction.stiffness;
-            let (stored, u) = (flat(random.vector(1.5 * most)), flat(random.vector(size)));
-            c.friction.displacement = stored;
-            let paid = -flat(c.response(&u, h).impulse).dot(&u);
-            let next = c.next_displacement(&u, h);
-            let more = 0.5 * c.friction.stiffness * (next.norm_squared() - stored.norm_squared());
-            assert!(
-                more <= paid + 1e-12 * c.friction.cap * most,
-                "{h} {u} {stored}: {more} {paid}"
-            );
-        }
-    }
-
-    /// Both bodies feel the same force, with opposite signs, and moving together is no motion.
-    #[test]
-    fn two_bodies_push_each_other_with_opposite_forces_and_feel_their_relative_velocity() {
-        let x = Vec3::new(0.1, -0.2, 0.3);
-        let pair = Contact {
-            body: 1,
-            other: Some(2),
-            x,
-            ..contact()
-        };
-        let V = [[0.0; 6], [1.0, 2.0, 3.0, 4.0, 5.0, 6.0], [0.5; 6]];
-        let together = [V[0], V[1], V[1]];
-        assert_eq!(pair.velocity(&together), Vec3::zeros());
-        let alone = |body| Contact { body, ..contact() }.velocity(&V);
-        let relative = Contact { x, ..pair }.velocity(&V);
-        let lever = |body: usize| crate::spatial::angular(&V[body]).cross(&x);
-        assert!((relative - (alone(1) + lever(1) - alone(2) - lever(2))).norm() < 1e-14);
-        let mut F = [[0.0; 6]; 3];
-        pair.push(&Vec3::new(7.0, 8.0, 9.0), &mut F);
-        assert!(
-            F[1].iter()
-                .zip(&F[2])
-                .all(|(a, b)| a + b == 0.0 && *a != 0.0)
-        );
-    }
-
-    #[test]
-    fn friction_and_its_stored_displacement_stay_within_the_cone() {
-        let (c, h) = (contact(), 1e-2);
-        for speed in [0.0, 1e-4, 1e-2, 1.0, 100.0] {
-            let v = Vec3::new(speed, 0.0, 0.0);
-            let tangential = c.response(&v, h).impulse.x.abs();
-            assert!(tangential <= h * c.friction.cap * (1.0 + 1e-12));
-            let stored = c.next_displacement(&v, h).norm() * c.friction.stiffness;
-            assert!(stored <= c.friction.cap * (1.0 + 1e-12));
-        }
-    }
 }

@@ -94,9 +94,11 @@ impl JointTerm {
         v - v.clamp(-self.speed_limit, self.speed_limit)
     }
 
-    /// Whether only implicit steps resolve what acts here, whatever the state.
-    pub fn is_stiff(&self) -> bool {
-        self.drive.is_stiff() || self.dry.cap > 0.0 || self.speed_limit.is_finite()
+    /// Whether only implicit steps resolve what acts here, whatever the state; but for a pd law,
+    /// which short steps resolve.
+    pub fn is_stiff_beside_pd(&self) -> bool {
+        let drive = self.drive.is_stiff() && !matches!(self.drive, Drive::Pd { .. });
+        drive || self.dry.cap > 0.0 || self.speed_limit.is_finite()
     }
 
     /// Response to the velocity `v` at the end of a step of `h` seconds.
@@ -147,6 +149,17 @@ impl JointTerm {
         force
     }
 
+    /// Moves the place from which it acts by `moved`, rad or m.
+    pub(super) fn shift(&mut self, moved: f64) {
+        self.gap[0] += moved;
+        self.gap[1] -= moved;
+        match &mut self.drive {
+            Drive::Pd { offset, kp, .. } => *offset -= *kp * moved,
+            Drive::Position { error, .. } => *error -= moved,
+            Drive::None | Drive::Effort(_) | Drive::Velocity { .. } => {}
+        }
+    }
+
     /// Whether a limit can act within `h` seconds at velocity `v`.
     pub fn near_limit(&self, v: f64, h: f64) -> bool {
         self.gap[0].min(self.gap[1]) < LIMIT_REACH.0 * h * v.abs() + LIMIT_REACH.1
@@ -164,6 +177,8 @@ pub struct Start<'a> {
     pub inputs: &'a Inputs,
     /// Time since the communication point at which the step begins, and its length, s.
     pub times: [f64; 2],
+    /// Time at which efforts count, s.
+    pub effort: f64,
     /// Positions and velocities at its start.
     pub q: &'a [f64],
     /// See `q`.
@@ -204,7 +219,10 @@ impl JointTerm {
         }
         if let Some(index) = self.actuator {
             let (actuator, [t, h]) = (&s.model.actuators[index], s.times);
-            let command = s.inputs.command(index, t, h);
+            let mut command = s.inputs.command(index, t, h);
+            if s.inputs.varies() {
+                command.effort = s.inputs.command(index, s.effort, 0.0).effort;
+            }
             let stall = match actuator.mode {
                 ActuatorMode::Effort => actuator.max_effort,
                 _ => command.max_effort,

@@ -4,33 +4,33 @@
 use crate::model::Model;
 use std::iter::Peekable;
 
-/// What a contact point remembers from step to step.
+/// What a contact remembers from step to step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Touch {
-    /// Place of the point, see [`crate::model::Collider::slot`].
+    /// Index of the shape.
     pub slot: usize,
-    /// Elastic displacement ς of the friction, world axes, m.
+    /// Elastic displacement ς of the friction, world axes, m; along the normal against drilling.
     pub displacement: [f64; 3],
     /// Elastic angle of the friction against turning, world axes, rad.
     pub turn: [f64; 3],
-    /// Approach speed at touch-down, m/s; 0 for a contact that does not bounce.
-    pub touchdown: f64,
+    /// Dissipation with which it bounces, chosen at touch-down, s/m; 0 for a contact that does not.
+    pub bounce: f64,
 }
 
 impl Touch {
     /// Every number that is stored of it but the slot, in saved order.
     pub fn numbers(&self) -> [f64; 7] {
         let ([x, y, z], [a, b, c]) = (self.displacement, self.turn);
-        [x, y, z, a, b, c, self.touchdown]
+        [x, y, z, a, b, c, self.bounce]
     }
 
     /// The inverse of [`Self::numbers`].
-    pub fn from_numbers(slot: usize, [x, y, z, a, b, c, touchdown]: [f64; 7]) -> Self {
+    pub fn from_numbers(slot: usize, [x, y, z, a, b, c, bounce]: [f64; 7]) -> Self {
         Self {
             slot,
             displacement: [x, y, z],
             turn: [a, b, c],
-            touchdown,
+            bounce,
         }
     }
 }
@@ -50,7 +50,7 @@ impl Memory {
     /// Nothing remembered; room for all that a robot can touch.
     pub fn new(model: &Model) -> Self {
         Self {
-            touches: Vec::with_capacity(model.contact_slots()),
+            touches: Vec::with_capacity(model.colliders.len()),
             motor: vec![0.0; model.actuators.len()],
             dry: vec![0.0; model.nv()],
         }

@@ -11,19 +11,24 @@
 mod contact;
 mod detect;
 mod drive;
+mod gather;
 mod joint;
 mod memory;
+mod point;
 mod terms;
 mod turn;
 
+pub(crate) use contact::normal_part;
 pub use contact::{Contact, Response};
 pub use detect::{Plane, detect, is_clear};
 pub use drive::Drive;
+pub use gather::ContactSet;
 pub use joint::{JointResponse, JointTerm, Start, effort};
 pub(crate) use memory::seek;
 pub use memory::{Memory, Touch};
+pub use point::{ContactPoint, PointResponse, PointVelocity, Rim};
 pub use terms::{Responses, Solved, Terms, Velocities};
-pub use turn::{Turn, find_turns};
+pub use turn::{Turn, TurnResponse, find_turns};
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

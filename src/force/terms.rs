@@ -2,12 +2,14 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
-use super::contact::{Contact, Response, normal_part};
+use super::contact::{Contact, Response};
 use super::detect::detect;
 use super::drive::Drive;
+use super::gather::ContactSet;
 use super::joint::{JointResponse, JointTerm, Start};
 use super::memory::{Memory, Touch, seek};
-use super::turn::{Turn, find_turns};
+use super::point::{PointResponse, PointVelocity};
+use super::turn::{Turn, TurnResponse, find_turns};
 use crate::kinematics::Kinematics;
 use crate::model::Model;
 use crate::spatial::{Vec3, Vec6, angular};
@@ -16,17 +18,20 @@ use crate::tree::Tree;
 /// Velocities that contacts answer.
 #[derive(Clone, Debug)]
 pub struct Velocities {
-    /// Of each contact point, m/s.
-    pub points: Vec<Vec3>,
+    /// Sliding and drilling of each contact, m/s.
+    pub contacts: Vec<Vec3>,
+    /// Of each contact point.
+    pub points: Vec<PointVelocity>,
     /// Angular velocity of each contact that resists turning, rad/s.
     pub turns: Vec<Vec3>,
 }
 
 impl Velocities {
-    /// Room for as many contacts.
-    pub fn new(contacts: usize) -> Self {
+    /// Room for as many contacts and points.
+    pub fn new([contacts, points]: [usize; 2]) -> Self {
         Self {
-            points: Vec::with_capacity(contacts),
+            contacts: Vec::with_capacity(contacts),
+            points: Vec::with_capacity(points),
             turns: Vec::with_capacity(contacts),
         }
     }
@@ -34,19 +39,28 @@ impl Velocities {
     /// Those of the contacts of `terms` where the bodies have the velocities `V`.
     #[inline]
     pub fn set(&mut self, terms: &Terms, V: &[Vec6]) {
+        self.contacts.clear();
         self.points.clear();
-        self.points
-            .extend(terms.contacts.iter().map(|c| c.velocity(V)));
+        for contact in terms.contacts.iter() {
+            self.contacts.push(contact.sliding(V));
+            let points = contact.velocities(&terms.contacts.points, V);
+            self.points.extend(points);
+        }
         self.turns.clear();
         let turns = terms.turns.iter().map(|t| angular(&V[t.body]));
         self.turns.extend(turns);
     }
 
-    /// Replaces each by what `change` makes of it and of its counterpart.
+    /// Replaces each by `share` of itself plus `other_share` of its counterpart.
     #[inline]
-    pub fn combine(&mut self, other: &Self, change: impl Fn(&mut Vec3, &Vec3)) {
-        for (v, other) in self.points.iter_mut().zip(&other.points) {
+    pub fn combine(&mut self, share: f64, other: &Self, other_share: f64) {
+        let change = |v: &mut Vec3, other: &Vec3| *v = *v * share + other * other_share;
+        for (v, other) in self.contacts.iter_mut().zip(&other.contacts) {
             change(v, other);
+        }
+        for (v, other) in self.points.iter_mut().zip(&other.points) {
+            v.along = share * v.along + other_share * other.along;
+            change(&mut v.tilt, &other.tilt);
         }
         for (v, other) in self.turns.iter_mut().zip(&other.turns) {
             change(v, other);
@@ -59,17 +73,20 @@ impl Velocities {
 pub struct Responses {
     /// Of each contact.
     pub contacts: Vec<Response>,
+    /// Of each contact point.
+    pub points: Vec<PointResponse>,
     /// Of each contact that resists turning.
-    pub turns: Vec<Response>,
+    pub turns: Vec<TurnResponse>,
     /// Of each joint term.
     pub joints: Vec<JointResponse>,
 }
 
 impl Responses {
-    /// Room for as many contacts and joint terms.
-    pub fn new(contacts: usize, joints: usize) -> Self {
+    /// Room for as many contacts, points and joint terms.
+    pub fn new([contacts, points]: [usize; 2], joints: usize) -> Self {
         Self {
             contacts: Vec::with_capacity(contacts),
+            points: Vec::with_capacity(points),
             turns: Vec::with_capacity(contacts),
             joints: Vec::with_capacity(joints),
         }
@@ -90,8 +107,8 @@ pub struct Solved<'a> {
 /// Everything that can act in a step, as found at its start and constant while the step is solved.
 #[derive(Clone, Debug)]
 pub struct Terms {
-    /// Contact points, by ascending slot.
-    pub contacts: Vec<Contact>,
+    /// Contacts, by ascending slot.
+    pub contacts: ContactSet,
     /// Friction of some of them against turning, in the same order.
     pub turns: Vec<Turn>,
     /// What acts along each degree of freedom of a joint, in the order of these.
@@ -104,8 +121,8 @@ impl Terms {
         let of_joint = |dof: &usize| model.bodies[model.dofs[*dof].body.index()].joint.is_some();
         let dofs = (0..model.nv()).filter(of_joint);
         Self {
-            contacts: Vec::with_capacity(model.contact_slots()),
-            turns: Vec::with_capacity(model.contact_slots()),
+            contacts: ContactSet::new(model.contact_room()),
+            turns: Vec::with_capacity(model.colliders.len()),
             joints: dofs.map(|dof| JointTerm::new(model, dof)).collect(),
         }
     }
@@ -143,8 +160,13 @@ impl Terms {
         let joints = self.joints.iter().map(|t| t.response(v[t.dof], h));
         out.joints.extend(joints);
         out.contacts.clear();
-        let contacts = self.contacts.iter().zip(&at.points);
-        out.contacts.extend(contacts.map(|(c, v)| c.response(v, h)));
+        out.points.clear();
+        let points = &self.contacts.points;
+        for (contact, u) in self.contacts.iter().zip(&at.contacts) {
+            let own = &at.points[contact.points.clone()];
+            let response = contact.response(points, u, |i| own[i], h, &mut out.points);
+            out.contacts.push(response);
+        }
         out.turns.clear();
         let turns = self.turns.iter().zip(&at.turns);
         out.turns.extend(turns.map(|(t, w)| t.response(w, h)));
@@ -165,10 +187,16 @@ impl Terms {
     ) -> f64 {
         let mut slope = 0.0;
         out.contacts.clear();
-        let points = from.1.points.iter().zip(&along.1.points);
-        for (contact, (v, w)) in self.contacts.iter().zip(points) {
-            let response = contact.response(&(v + w * alpha), h);
-            slope -= response.impulse.dot(w);
+        out.points.clear();
+        let points = &self.contacts.points;
+        let sliding = from.1.contacts.iter().zip(&along.1.contacts);
+        for (contact, (v, w)) in self.contacts.iter().zip(sliding) {
+            let own = contact.points.clone();
+            let (at, dir) = (&from.1.points[own.clone()], &along.1.points[own.clone()]);
+            let velocity = |i: usize| at[i].plus(&dir[i], alpha);
+            let u = v + w * alpha;
+            let response = contact.response(points, &u, velocity, h, &mut out.points);
+            slope -= Contact::power((&response, &out.points[own]), (w, dir), h);
             out.contacts.push(response);
         }
         out.turns.clear();
@@ -192,11 +220,14 @@ impl Terms {
     ///
     /// - `along`: generalised velocity, and those of contacts
     #[inline]
-    pub fn curvature(&self, responses: &Responses, along: (&[f64], &Velocities)) -> f64 {
+    pub fn curvature(&self, responses: &Responses, along: (&[f64], &Velocities), h: f64) -> f64 {
         let mut curvature = 0.0;
-        let points = responses.contacts.iter().zip(&along.1.points);
-        for (contact, (r, w)) in self.contacts.iter().zip(points) {
-            curvature += r.curvature(&contact.normal, w);
+        let sliding = responses.contacts.iter().zip(&along.1.contacts);
+        for (contact, (r, w)) in self.contacts.iter().zip(sliding) {
+            let own = contact.points.clone();
+            let response = (r, &responses.points[own.clone()]);
+            let along = (w, &along.1.points[own]);
+            curvature += contact.curvature(&self.contacts.points, response, along, h);
         }
         let turns = responses.turns.iter().zip(&along.1.turns);
         for (turn, (r, w)) in self.turns.iter().zip(turns) {
@@ -209,7 +240,7 @@ impl Terms {
         curvature
     }
 
-    /// Energy that the springs of contacts and limits hold, J.
+    /// Energy that the springs of contacts hold, J.
     pub fn springs(&self) -> f64 {
         self.contacts.iter().map(Contact::stored).sum()
     }
@@ -217,7 +248,7 @@ impl Terms {
     /// At most what friction elements and velocity motors hold and may give back, J.
     pub fn friction(&self) -> f64 {
         let mut twice = 0.0;
-        for contact in &self.contacts {
+        for contact in self.contacts.iter() {
             twice += contact.friction.twice_stored();
         }
         for turn in &self.turns {
@@ -236,18 +267,19 @@ impl Terms {
     pub fn remember(&self, solved: &Solved, h: f64, memory: &mut Memory) {
         memory.clear();
         let mut turns = self.turns.iter().zip(&solved.at.turns).peekable();
-        for (contact, v) in self.contacts.iter().zip(&solved.at.points) {
-            let inside = contact.gap + h * contact.normal.dot(v) < 0.0;
-            let touchdown = if inside { contact.touchdown } else { 0.0 };
+        let contacts = solved.at.contacts.iter().zip(&solved.responses.contacts);
+        for (contact, (v, response)) in self.contacts.iter().zip(contacts) {
+            let inside = response.depth > 0.0;
+            let bounce = if inside { contact.bounce } else { 0.0 };
             let turn = turns.next_if(|(turn, _)| turn.slot == contact.slot);
             let turns = turn.is_some_and(|(turn, _)| turn.holds());
-            if contact.friction.cap > 0.0 || turns || touchdown > 0.0 {
+            if contact.friction.cap > 0.0 || turns || bounce > 0.0 {
                 let angle = turn.map(|(turn, w)| turn.next_displacement(w, h));
                 memory.touches.push(Touch {
                     slot: contact.slot,
-                    displacement: contact.next_displacement(v, h).into(),
+                    displacement: contact.friction.next(v + contact.drift, h).into(),
                     turn: angle.unwrap_or_default().into(),
-                    touchdown,
+                    bounce,
                 });
             }
         }
@@ -260,38 +292,88 @@ impl Terms {
         }
     }
 
-    /// Twice what two half steps from these terms have left in `memory` less what one step leaves
-    /// in `full`; each no more than its cap can hold.
+    /// Makes these the terms of a part of a step: those of `base`, moved on.
     ///
-    /// - `middle`: terms at the start of the second half
-    pub fn extrapolate(&self, middle: &Self, full: &Memory, memory: &mut Memory) {
-        let mut full_touches = full.touches.iter().peekable();
-        let mut contacts = middle.contacts.iter().peekable();
-        let mut turns = middle.turns.iter().peekable();
-        for touch in &mut memory.touches {
-            let slot = touch.slot;
-            let before = seek(&mut full_touches, slot, |t| t.slot);
-            let before = before.copied().unwrap_or_default();
-            if let Some(contact) = seek(&mut contacts, slot, |c| c.slot) {
-                let twice = Vec3::from(touch.displacement) * 2.0;
-                let next = twice - Vec3::from(before.displacement);
-                touch.displacement = contact.friction.clipped(next).into();
-            }
-            if let Some(turn) = seek(&mut turns, slot, |t| t.slot) {
-                let next = Vec3::from(touch.turn) * 2.0 - Vec3::from(before.turn);
-                touch.turn = turn.clipped(&next).into();
+    /// - `way`: spatial displacement of each body; `moved`: of each degree of freedom, rad or m
+    /// - `after`: what the terms remember after the part before, and which multiple of the change
+    ///   since `base` they begin with
+    pub fn begin(
+        &mut self,
+        base: &Self,
+        (way, moved): (&[Vec6], &[f64]),
+        after: Option<(&Memory, f64)>,
+    ) {
+        self.contacts.list.clear();
+        self.contacts.list.extend(base.contacts.iter().cloned());
+        let points = &mut self.contacts.points;
+        points.clear();
+        points.extend_from_slice(&base.contacts.points);
+        for contact in &mut self.contacts.list {
+            contact.shift(points, way);
+        }
+        self.turns.clear();
+        self.turns.extend_from_slice(&base.turns);
+        self.joints.copy_from_slice(&base.joints);
+        for term in &mut self.joints {
+            term.shift(moved[term.dof]);
+        }
+        let Some((memory, share)) = after else {
+            return;
+        };
+        let mut touches = memory.touches.iter().peekable();
+        let mut turns = self.turns.iter_mut().peekable();
+        for contact in &mut self.contacts.list {
+            let touch = seek(&mut touches, contact.slot, |t| t.slot);
+            let touch = touch.copied().unwrap_or_default();
+            let start = contact.friction.displacement;
+            let next = Vec3::from(touch.displacement);
+            contact.friction.displacement = start + (next - start) * share;
+            if let Some(turn) = seek(&mut turns, contact.slot, |t| t.slot) {
+                turn.begin(&Vec3::from(touch.turn), share);
             }
         }
-        for (start, middle) in self.joints.iter().zip(&middle.joints) {
-            if let (Some(index), Drive::Velocity { element, .. }) = (start.actuator, start.drive) {
-                let motor = &mut memory.motor[index];
-                *motor = element.clipped(2.0 * *motor - full.motor[index]);
+        for term in &mut self.joints {
+            if let (Some(index), Drive::Velocity { element, .. }) = (term.actuator, &mut term.drive)
+            {
+                let start = element.displacement;
+                element.displacement = start + share * (memory.motor[index] - start);
             }
-            if start.dry.cap > 0.0 {
-                let dry = &mut memory.dry[start.dof];
-                *dry = middle.dry.clipped(2.0 * *dry - full.dry[start.dof]);
-            }
+            let start = term.dry.displacement;
+            term.dry.displacement = start + share * (memory.dry[term.dof] - start);
         }
+    }
+
+    /// Multiplies the drift of all contacts.
+    pub fn scale_drift(&mut self, share: f64) {
+        for contact in &mut self.contacts.list {
+            contact.drift *= share;
+        }
+    }
+
+    /// Sets the friction cones to the normal forces that responses over `h` seconds have.
+    pub fn carry(&mut self, responses: &Responses, h: f64) {
+        for (contact, response) in self.contacts.list.iter_mut().zip(&responses.contacts) {
+            contact.carry(response.load / h);
+        }
+        for turn in &mut self.turns {
+            turn.carry(responses.contacts[turn.contact].load / h);
+        }
+    }
+
+    /// Friction that a solve over `h` seconds has had too little or too much of, by the normal
+    /// forces that it has found, N; of contacts that slip.
+    pub fn cone_lag(&self, responses: &Responses, h: f64) -> f64 {
+        let solutions = self.contacts.iter().zip(&responses.contacts);
+        let lags = solutions.map(|(contact, response)| {
+            let cap = contact.mu * response.load / h;
+            let friction = &response.friction.force;
+            if response.slips() || friction.norm_squared() > cap * cap {
+                (cap - contact.friction.cap).abs()
+            } else {
+                0.0
+            }
+        });
+        lags.sum()
     }
 
     /// Drops what contacts without load remember.
@@ -301,46 +383,7 @@ impl Terms {
             let mut contacts = self.contacts.iter();
             contacts.any(|c| c.slot == slot && c.friction.cap > 0.0)
                 || self.turns.iter().any(|t| t.slot == slot && t.holds())
-                || touch.touchdown > 0.0
+                || touch.bounce > 0.0
         });
-    }
-
-    /// What the terms remember where a step of `h` seconds that has been solved, and whose `memory`
-    /// is given, is corrected by a known displacement. What slips keeps its own.
-    ///
-    /// - `way`: spatial displacement of each body; `moved`: of each degree of freedom, rad or m
-    pub fn shift(
-        &self,
-        solved: &Solved,
-        (way, moved): (&[Vec6], &[f64]),
-        h: f64,
-        memory: &mut Memory,
-    ) {
-        let contacts = self.contacts.iter().zip(&solved.responses.contacts);
-        let sticks = |(_, response): &(_, &Response)| response.slip == Vec3::zeros();
-        let mut contacts = contacts.filter(sticks).peekable();
-        let mut turns = self.turns.iter().peekable();
-        for touch in &mut memory.touches {
-            let slot = touch.slot;
-            if let Some((contact, _)) = seek(&mut contacts, slot, |(c, _)| c.slot) {
-                let (_, along) = normal_part(&contact.normal, &contact.velocity(way));
-                let next = Vec3::from(touch.displacement) + along;
-                touch.displacement = contact.friction.clipped(next).into();
-            }
-            if let Some(turn) = seek(&mut turns, slot, |t| t.slot) {
-                let next = Vec3::from(touch.turn) + angular(&way[turn.body]);
-                touch.turn = turn.clipped(&next).into();
-            }
-        }
-        for term in &self.joints {
-            let (v, moved) = (solved.v[term.dof], moved[term.dof]);
-            if let (Some(index), Drive::Velocity { target, element }) = (term.actuator, term.drive)
-            {
-                let motor = &mut memory.motor[index];
-                *motor = element.moved(*motor, moved, v - target, h);
-            }
-            let dry = &mut memory.dry[term.dof];
-            *dry = term.dry.moved(*dry, moved, v, h);
-        }
     }
 }

@@ -1,11 +1,13 @@
-//! Contact points and their law together.
+//! Contacts: their impulses, stiffness and energy.
 
 use super::*;
 use crate::geometry::Shape;
 use crate::kinematics::{Kinematics, advance};
+use crate::law::ElastoPlastic;
+use crate::law::normal::Stiffening;
 use crate::simulation::Simulation;
 use crate::spatial::{Pose, Vec3, Vec6};
-use crate::testing::{Builder, inertia, start};
+use crate::testing::{Builder, Random, inertia, start};
 
 /// Energy that the springs of all points hold, J, and the force on the body about its origin
 /// (moment, force).
@@ -13,7 +15,7 @@ fn springs(s: &Simulation, q: &[f64]) -> (f64, Vec6) {
     let mut kin = Kinematics::new(s.tree());
     kin.update_poses(s.tree(), q);
     kin.update_velocities(s.tree(), &[0.0; 6]);
-    let mut list = Vec::new();
+    let mut list = ContactSet::new([0, 0]);
     detect(
         s.model(),
         s.tree(),
@@ -23,21 +25,18 @@ fn springs(s: &Simulation, q: &[f64]) -> (f64, Vec6) {
         f64::INFINITY,
         &mut list,
     );
-    let (mut energy, mut force) = (0.0, [0.0; 6]);
-    for c in &list {
-        energy += 0.5 * c.spring.stiffness * c.gap.min(0.0).powi(2);
-        let f = c.normal * c.normal_force(0.0);
-        let moment = c.x.cross(&f);
-        for i in 0..3 {
-            force[i] += moment[i];
-            force[3 + i] += f[i];
-        }
+    let (mut energy, mut force) = (0.0, [[0.0; 6]]);
+    for c in list.iter() {
+        energy += c.stored();
+        let (f, moment) = c.wrench(&list.points, &[[0.0; 6]]);
+        c.act(&f, &moment, &mut force);
     }
+    let force = force[0];
     (energy, force)
 }
 
-/// The elastic force is minus the gradient of the springs' energy, also while a cylinder stands up
-/// and its line hands its load over to its rims: else tilting it to and fro would make energy.
+/// The elastic force is minus the gradient of the springs' energy, at every tilt of a cylinder:
+/// else tilting it to and fro would make energy.
 /// Derivatives by central differences.
 #[test]
 fn the_springs_of_a_cylinder_do_the_work_of_their_energy_at_every_tilt() {
@@ -53,7 +52,6 @@ fn the_springs_of_a_cylinder_do_the_work_of_their_energy_at_every_tilt() {
     for tilt in [0.5_f64, 2.9, 3.1, 4.0, 5.0, 6.0, 7.9, 8.1, 20.0, 89.0] {
         let tilt = tilt.to_radians();
         let turned = tilt * 0.5;
-        // Tilted about an axis that lies across none of the spokes.
         let (x, y) = (0.3_f64.cos(), 0.3_f64.sin());
         let lowest = 0.1 * tilt.sin() + 0.05 * tilt.cos();
         let q = [
@@ -83,4 +81,203 @@ fn the_springs_of_a_cylinder_do_the_work_of_their_energy_at_every_tilt() {
             );
         }
     }
+}
+
+/// A contact of a body with two corners and the rim of a cylinder, all of them pressed in.
+pub(crate) fn random_contact(
+    random: &mut Random,
+    body: usize,
+    points: &mut Vec<ContactPoint>,
+) -> Contact {
+    let (first, normal) = (points.len(), random.unit());
+    for corner in 0..3 {
+        let axis = random.unit();
+        let radius = random.uniform(0.1, 0.3);
+        points.push(ContactPoint {
+            corner,
+            x: random.vector(0.5),
+            depth: random.uniform(1e-3, 3e-3),
+            share: random.uniform(0.1, 0.5),
+            load: 0.0,
+            rim: (corner == 2).then(|| Rim {
+                axis,
+                radius,
+                a: (axis - normal * normal.dot(&axis)) * radius,
+                crown: random.uniform(1e-3, 0.1),
+                landing: random.uniform(1e-3, 0.1),
+            }),
+        });
+    }
+    let mut contact = Contact {
+        body,
+        slot: body,
+        normal,
+        points: first..points.len(),
+        spring: Stiffening {
+            stiffness: 1e4,
+            reference: 4e-3,
+        },
+        dissipation: [0.2; 2],
+        load: random.uniform(0.0, 100.0),
+        tilting: random.uniform(0.0, 20.0),
+        friction: ElastoPlastic {
+            cap: random.uniform(0.0, 20.0),
+            stiffness: 8e3,
+            damping: 30.0,
+            ..ElastoPlastic::default()
+        },
+        ..Contact::default()
+    };
+    contact.gather(points);
+    contact
+}
+
+/// A contact, its points, and the velocities of its body that a spatial velocity gives.
+fn random(random: &mut Random) -> (Contact, Vec<ContactPoint>) {
+    let mut points = Vec::new();
+    let mut contact = random_contact(random, 0, &mut points);
+    let stored = random.vector(1e-3);
+    contact.friction.displacement = stored;
+    (contact, points)
+}
+
+fn spatial(random: &mut Random, size: f64) -> Vec6 {
+    let (w, v) = (random.vector(size), random.vector(size));
+    [w.x, w.y, w.z, v.x, v.y, v.z]
+}
+
+/// Impulses on the body about O for its spatial velocity.
+fn impulse(contact: &Contact, points: &[ContactPoint], W: &Vec6, h: f64) -> Vec6 {
+    let V = [*W];
+    let at: Vec<PointVelocity> = contact.velocities(points, &V).collect();
+    let mut out = Vec::new();
+    let u = contact.sliding(&V);
+    let r = contact.response(points, &u, |i| at[i], h, &mut out);
+    let mut F = [[0.0; 6]];
+    contact.push(points, (&r, &out), h, &mut F);
+    F[0]
+}
+
+fn dot(a: &Vec6, b: &Vec6) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+fn moved(a: &Vec6, b: &Vec6, share: f64) -> Vec6 {
+    std::array::from_fn(|i| a[i] + share * b[i])
+}
+
+/// Impulses are the gradient of a convex cost: they fall along every change of the velocity.
+#[test]
+fn the_impulse_is_monotone_in_the_velocity() {
+    let mut rng = Random(11);
+    for _ in 0..3000 {
+        let (contact, points) = random(&mut rng);
+        let h = libm::pow(10.0, rng.uniform(-5.0, -1.0));
+        let size = libm::pow(10.0, rng.uniform(-3.0, 1.0));
+        let (a, b) = (spatial(&mut rng, size), spatial(&mut rng, size));
+        let change = moved(&b, &a, -1.0);
+        let fall = moved(
+            &impulse(&contact, &points, &b, h),
+            &impulse(&contact, &points, &a, h),
+            -1.0,
+        );
+        let scale = dot(&change, &change).sqrt() * dot(&fall, &fall).sqrt();
+        assert!(dot(&fall, &change) <= 1e-12 * scale, "{h} {size}");
+    }
+}
+
+/// What the line search takes for slope and curvature, against the impulses themselves and
+/// their differences.
+#[test]
+fn power_and_curvature_are_those_of_the_impulse() {
+    let mut rng = Random(12);
+    for _ in 0..300 {
+        let (contact, points) = random(&mut rng);
+        let h = libm::pow(10.0, rng.uniform(-4.0, -2.0));
+        let (W, along) = (spatial(&mut rng, 0.1), spatial(&mut rng, 1.0));
+        let V = [W];
+        let at: Vec<PointVelocity> = contact.velocities(&points, &V).collect();
+        let directions: Vec<PointVelocity> = contact.velocities(&points, &[along]).collect();
+        let (u, du) = (contact.sliding(&V), contact.sliding(&[along]));
+        let mut out = Vec::new();
+        let r = contact.response(&points, &u, |i| at[i], h, &mut out);
+        let power = Contact::power((&r, &out), (&du, &directions), h);
+        let expected = dot(&impulse(&contact, &points, &W, h), &along);
+        assert!((power - expected).abs() < 1e-10 * (1.0 + expected.abs()));
+        let step = 1e-7;
+        let ahead = impulse(&contact, &points, &moved(&W, &along, step), h);
+        let behind = impulse(&contact, &points, &moved(&W, &along, -step), h);
+        let difference = -dot(&moved(&ahead, &behind, -1.0), &along) / (2.0 * step);
+        let curvature = contact.curvature(&points, (&r, &out), (&du, &directions), h);
+        // One of many may stand on a kink.
+        let error = (curvature - difference).abs();
+        assert!(
+            error < 1e-4 * (1.0 + difference.abs()),
+            "{curvature} {difference}"
+        );
+    }
+}
+
+/// At the start the wrench is the limit of the impulses of short steps.
+#[test]
+fn the_wrench_at_the_start_is_that_of_a_short_step() {
+    let mut rng = Random(13);
+    for _ in 0..300 {
+        let (contact, points) = random(&mut rng);
+        let W = spatial(&mut rng, 0.05);
+        let h = 1e-9;
+        let F = impulse(&contact, &points, &W, h);
+        let (force, moment) = contact.wrench(&points, &[W]);
+        let wrench = [moment.x, moment.y, moment.z, force.x, force.y, force.z];
+        let size = dot(&wrench, &wrench).sqrt();
+        for (f, w) in F.iter().zip(wrench) {
+            assert!((f / h - w).abs() < 1e-4 * (1.0 + size), "{F:?} {wrench:?}");
+        }
+    }
+}
+
+/// Work of friction over the step, `h F·u`, against what its spring holds more: while it sticks
+/// `ς` moves by `h u`, and the rest is the damper's; while it slips the spring is stretched by
+/// no more than the slip's way, or loses.
+#[test]
+fn friction_gives_back_no_more_than_it_was_paid() {
+    let mut rng = Random(9);
+    for _ in 0..10_000 {
+        let (mut contact, _) = random(&mut rng);
+        let h = libm::pow(10.0, rng.uniform(-7.0, -1.0));
+        let size = libm::pow(10.0, rng.uniform(-5.0, 1.0));
+        contact.friction.cap = 20.0;
+        let most = contact.friction.cap / contact.friction.stiffness;
+        let (stored, u) = (rng.vector(1.5 * most), rng.vector(size));
+        contact.friction.displacement = stored;
+        let paid = h * contact.friction.respond(u, h).force.dot(&u);
+        let next = contact.friction.next(u, h);
+        let more = 0.5 * contact.friction.stiffness * (next.norm_squared() - stored.norm_squared());
+        assert!(
+            more <= paid + 1e-12 * contact.friction.cap * most,
+            "{h} {u} {stored}"
+        );
+    }
+}
+
+/// Both bodies feel the same wrench, with opposite signs, and moving together is no motion.
+#[test]
+fn two_bodies_push_each_other_with_opposite_wrenches() {
+    let mut rng = Random(14);
+    let (mut contact, _) = random(&mut rng);
+    contact.other = Some(1);
+    let (a, b) = (spatial(&mut rng, 0.1), spatial(&mut rng, 0.1));
+    assert_eq!(contact.sliding(&[a, a]), Vec3::zeros());
+    let relative = moved(&a, &b, -1.0);
+    assert_eq!(
+        contact.sliding(&[a, b]),
+        contact.sliding(&[relative, [0.0; 6]])
+    );
+    let mut F = [[0.0; 6]; 2];
+    contact.act(&Vec3::new(7.0, 8.0, 9.0), &Vec3::new(1.0, 2.0, 3.0), &mut F);
+    assert!(
+        F[0].iter()
+            .zip(&F[1])
+            .all(|(a, b)| a + b == 0.0 && *a != 0.0)
+    );
 }

@@ -9,7 +9,8 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
-use super::contact::{Contact, Response, normal_part};
+use super::contact::normal_part;
+use super::gather::ContactSet;
 use super::memory::{Touch, seek};
 use crate::kinematics::Kinematics;
 use crate::law::ElastoPlastic;
@@ -42,7 +43,7 @@ pub fn find_turns(
     tree: &Tree,
     touches: &[Touch],
     kin: &Kinematics,
-    contacts: &[Contact],
+    contacts: &ContactSet,
     turns: &mut Vec<Turn>,
 ) {
     turns.clear();
@@ -55,16 +56,11 @@ pub fn find_turns(
         if !turning.acts() {
             continue;
         }
-        let share = contact.spring.stiffness / turning.stiffness;
-        let load = contact.spring.stiffness * turning.penetration;
         let stored = seek(&mut touches, contact.slot, |t| t.slot).map_or([0.0; 3], |t| t.turn);
         let (torsion, roll) = normal_part(&contact.normal, &stored.into());
         let [torsional, rolling] = turning.coefficient.map(|c| {
-            let stiffness = c * load / TURN_DEFLECTION;
-            (
-                stiffness,
-                2.0 * (stiffness * turning.inertia * share).sqrt(),
-            )
+            let stiffness = c * turning.load / TURN_DEFLECTION;
+            (stiffness, 2.0 * (stiffness * turning.inertia).sqrt())
         });
         let mut turn = Turn {
             contact: index,
@@ -85,8 +81,31 @@ pub fn find_turns(
                 displacement: roll,
             },
         };
-        turn.carry(contact.normal_force(contact.normal_velocity(&kin.V)));
+        turn.carry(contact.normal_load(&contacts.points, &kin.V));
         turns.push(turn);
+    }
+}
+
+/// Impulse of the friction against turning on its body and its derivative with the velocity.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct TurnResponse {
+    /// N·m·s, world axes.
+    pub impulse: Vec3,
+    /// Stiffness about the normal, kg·m²: minus the derivative of the impulse.
+    pub normal: f64,
+    /// Stiffness about the tangents, in every direction but `slip`, kg·m².
+    pub tangential: f64,
+    /// Tangent about which it slips and has no stiffness; zero while it sticks.
+    pub slip: Vec3,
+}
+
+impl TurnResponse {
+    /// `wᵀ G w` of its stiffness `G`, where `w` is an angular velocity.
+    #[inline]
+    pub fn curvature(&self, normal: &Vec3, w: &Vec3) -> f64 {
+        let wn = normal.dot(w);
+        let ws = self.slip.dot(w);
+        self.tangential * (w.norm_squared() - wn * wn - ws * ws) + self.normal * wn * wn
     }
 }
 
@@ -97,6 +116,17 @@ impl Turn {
         self.rolling.cap = self.coefficient[1] * force;
     }
 
+    /// Begins with `share` of the change from its own angle to another one.
+    pub fn begin(&mut self, angle: &Vec3, share: f64) {
+        let (torsion, roll) = normal_part(&self.normal, angle);
+        let (t, r) = (
+            &mut self.torsional.displacement,
+            &mut self.rolling.displacement,
+        );
+        *t += share * (torsion - *t);
+        *r += (roll - *r) * share;
+    }
+
     /// Whether it resists at all.
     pub fn holds(&self) -> bool {
         self.torsional.cap > 0.0 || self.rolling.cap > 0.0
@@ -104,11 +134,11 @@ impl Turn {
 
     /// Response to the angular velocity `w` of the body at the end of a step of `h` seconds: an
     /// impulse in N·m·s, a stiffness in kg·m² about the normal and about the tangents.
-    pub fn response(&self, w: &Vec3, h: f64) -> Response {
+    pub fn response(&self, w: &Vec3, h: f64) -> TurnResponse {
         let (w_normal, w_tangent) = normal_part(&self.normal, w);
         let torsional = self.torsional.respond(w_normal, h);
         let rolling = self.rolling.respond(w_tangent, h);
-        Response {
+        TurnResponse {
             impulse: (self.normal * torsional.force + rolling.force) * -h,
             normal: h * torsional.slope,
             tangential: h * rolling.slope,

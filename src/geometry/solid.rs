@@ -76,6 +76,27 @@ impl Shape {
     }
 }
 
+impl Shape {
+    /// Triangles of a hull's surface, seen counter-clockwise from outside; a plate has one side, a
+    /// rod none. Empty for other shapes.
+    pub fn hull_triangles(&self) -> Vec<[Vec3; 3]> {
+        let Self::Hull { vertices } = self else {
+            return Vec::new();
+        };
+        let Some(hull) = hull::hull(vertices, usize::MAX) else {
+            return Vec::new();
+        };
+        let triangle = |[a, b, c]: [usize; 3]| [a, b, c].map(|i| hull.corners[i]);
+        match &hull.simplices {
+            Simplices::Faces(faces) => faces.iter().copied().map(triangle).collect(),
+            Simplices::Polygon(corners) => (2..corners.len())
+                .map(|i| triangle([corners[0], corners[i - 1], corners[i]]))
+                .collect(),
+            Simplices::Segment | Simplices::Point => Vec::new(),
+        }
+    }
+}
+
 /// Mass properties of the hull of `vertices`, filled evenly.
 fn hull_inertia(vertices: &[Vec3], mass: f64) -> RigidInertia {
     let Some(hull) = hull::hull(vertices, usize::MAX) else {

@@ -210,16 +210,6 @@ impl ElastoPlastic<f64> {
             slip * self.slipped(slip * self.displacement, slip * next, h)
         }
     }
-
-    /// A displacement, found for the relative velocity `u` at the end of a step of `h` seconds,
-    /// where the joint has `moved` by so much more. An element that slips keeps it.
-    pub fn moved(&self, displacement: f64, moved: f64, u: f64, h: f64) -> f64 {
-        if self.respond(u, h).force.abs() < self.cap {
-            self.clipped(displacement + moved)
-        } else {
-            displacement
-        }
-    }
 }
 
 /// Coulomb coefficient, or any cap of friction, at a sliding speed: `rest` at none, `sliding` far

@@ -8,6 +8,6 @@ pub mod friction;
 pub mod motor;
 pub mod normal;
 
-pub use friction::{ElastoPlastic, stribeck};
+pub use friction::{ElastoPlastic, Resistance, stribeck};
 pub use motor::{SpeedLine, motor_constants};
 pub use normal::{HuntCrossley, dissipation_number};

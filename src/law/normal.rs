@@ -6,6 +6,10 @@
 //!
 //! Source: Hunt & Crossley 1975.
 
+use crate::tuning::{
+    RESTITUTION_ACCURACY, RESTITUTION_STEP, RESTITUTION_STEPS, RESTITUTION_TRIALS, STIFFEST,
+};
+
 /// A spring that only pushes, with damping proportional to its force.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct HuntCrossley {
@@ -41,15 +45,179 @@ impl HuntCrossley {
     pub fn stored(&self, gap: f64) -> f64 {
         0.5 * self.stiffness * gap.min(0.0) * gap.min(0.0)
     }
+}
 
-    /// Energy that a spring which is `depth` deep takes up over `more` of it, J.
-    #[inline]
-    pub fn taken_up(&self, depth: f64, more: f64) -> f64 {
-        if depth.max(depth + more) <= 0.0 {
-            return 0.0;
+/// A spring that stiffens with its depth `δ`: `N = K δ (1 + (δ/δ₁)³)`, up to [`STIFFEST`] times
+/// `δ₁`, from where its slope is `K` again.
+///
+/// Its stiffness is made for the weight of one tree of bodies. Under a load that is a million times
+/// as large a linear spring would let one body pass through the other; this one gives way by some
+/// thirty `δ₁`. What is deeper has been put there by an initial pose, and more stiffness would only
+/// be hard to solve.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Stiffening {
+    /// Stiffness `K` of a light touch, N/m.
+    pub stiffness: f64,
+    /// Depth `δ₁` at which the force is twice that of a linear spring, m.
+    pub reference: f64,
+}
+
+impl Stiffening {
+    /// The spring that gives way by half of `penetration`, m, under `weight`, N. With `δ₁` the
+    /// penetration, `K (δ₁/2) (1 + 1/8) = W`.
+    pub fn new(weight: f64, penetration: f64) -> Self {
+        Self {
+            stiffness: weight / (0.5625 * penetration),
+            reference: penetration,
         }
-        let (before, after) = (depth.max(0.0), (depth + more).max(0.0));
-        0.5 * self.stiffness * (after * after - before * before)
+    }
+
+    /// The spring of a given stiffness, N/m, that stiffens as one made for `weight`, N, does.
+    pub fn with_stiffness(stiffness: f64, weight: f64) -> Self {
+        Self {
+            stiffness,
+            reference: weight / (0.5625 * stiffness),
+        }
+    }
+
+    /// `(δ/δ₁)³`.
+    #[inline]
+    fn excess(&self, depth: f64) -> f64 {
+        let x = depth / self.reference;
+        x * x * x
+    }
+
+    /// The part of a depth up to which it stiffens, and the rest, m; none of a negative one.
+    #[inline]
+    fn parts(&self, depth: f64) -> (f64, f64) {
+        let stiffening = depth.clamp(0.0, STIFFEST * self.reference);
+        (stiffening, depth.max(0.0) - stiffening)
+    }
+
+    /// Force at a depth, N; 0 where it is negative.
+    #[inline]
+    pub fn force(&self, depth: f64) -> f64 {
+        let (depth, rest) = self.parts(depth);
+        let excess = self.excess(depth);
+        self.stiffness * (depth * (1.0 + excess) + rest)
+    }
+
+    /// Derivative of the force with the depth, N/m; that of a light touch where it is negative.
+    #[inline]
+    pub fn slope(&self, depth: f64) -> f64 {
+        let (depth, rest) = self.parts(depth);
+        let excess = if rest > 0.0 { 0.0 } else { self.excess(depth) };
+        self.stiffness * (1.0 + 4.0 * excess)
+    }
+
+    /// Energy that it holds at a depth, J.
+    #[inline]
+    pub fn stored(&self, depth: f64) -> f64 {
+        let (depth, rest) = self.parts(depth);
+        let excess = self.excess(depth);
+        let soft = depth * depth * (0.5 + 0.2 * excess);
+        let stiff = rest * (depth * (1.0 + excess) + 0.5 * rest);
+        self.stiffness * (soft + stiff)
+    }
+}
+
+/// A body of `mass` that comes down on a spring under gravity.
+#[derive(Clone, Copy, Debug)]
+pub struct Impact {
+    /// Spring of the contact.
+    pub spring: Stiffening,
+    /// kg
+    pub mass: f64,
+    /// Acceleration towards the contact without it, m/s².
+    pub gravity: f64,
+    /// Approach speed, m/s, positive.
+    pub speed: f64,
+}
+
+impl Impact {
+    /// Hunt–Crossley dissipation, s/m, with which the body lifts off at `e` times the speed of its
+    /// approach; `number` is the [`dissipation_number`] of `e`.
+    ///
+    /// Without gravity the number over the speed is exact, whatever the spring. The weight pushes
+    /// deeper, so that more is lost. With the depth `δ` and times `T = √(m/K)`, in units of `v₀ T`
+    /// and `T`, the body moves by
+    ///
+    /// ```text
+    /// x'' = γ − x (1 + κ x³) (1 + a x')₊,    x(0) = 0, x'(0) = 1
+    /// ```
+    ///
+    /// with `γ = g T/v₀`, `κ = (v₀ T/δ₁)³` and `a = D v₀`. The speed at which it leaves falls with
+    /// `a`: from 1 at `a = 0` (energy is kept) to below `e` at the number. The root is found by
+    /// regula falsi (the Illinois form). Never 0, which would stand for a contact that does not
+    /// bounce.
+    pub fn dissipation(&self, e: f64, number: f64) -> f64 {
+        let (mut low, mut high) = ((0.0, 1.0 - e), (number, self.leaving(number) - e));
+        if high.1 >= 0.0 {
+            return (number / self.speed).max(f64::MIN_POSITIVE);
+        }
+        let mut root = number;
+        for _ in 0..RESTITUTION_TRIALS {
+            root = (low.0 * high.1 - high.0 * low.1) / (high.1 - low.1);
+            let excess = self.leaving(root) - e;
+            if excess.abs() < RESTITUTION_ACCURACY * e {
+                break;
+            }
+            if excess > 0.0 {
+                low = (root, excess);
+                high.1 *= 0.5;
+            } else {
+                high = (root, excess);
+                low.1 *= 0.5;
+            }
+        }
+        (root / self.speed).max(f64::MIN_POSITIVE)
+    }
+
+    /// Time scale of the impact, s: `√(m/K)` of a light one; one that is deep enough for the spring
+    /// to stiffen is shorter by `(1 + 2κ/5)^(1/5)`, as its depth is: where the spring has taken up
+    /// the kinetic energy, `x²/2 + κ x⁵/5 = 1/2`.
+    pub fn duration(&self) -> f64 {
+        let time = (self.mass / self.spring.stiffness).sqrt();
+        time / libm::pow(1.0 + 0.4 * self.hardness(time), 0.2)
+    }
+
+    /// `κ`, for the time scale `T` of a light impact.
+    fn hardness(&self, time: f64) -> f64 {
+        self.spring.excess(self.speed * time)
+    }
+
+    /// Speed at which it leaves over that of its approach, for a dissipation number `a`; 0 if it
+    /// stays.
+    fn leaving(&self, a: f64) -> f64 {
+        let time = (self.mass / self.spring.stiffness).sqrt();
+        let gamma = self.gravity.max(0.0) * time / self.speed;
+        let kappa = self.hardness(time);
+        let rate = |x: f64, v: f64| {
+            gamma - x.max(0.0) * (1.0 + kappa * x * x * x) * (1.0 + a * v).max(0.0)
+        };
+        let dt = RESTITUTION_STEP * self.duration() / time;
+        let (mut x, mut v) = (0.0_f64, 1.0_f64);
+        for _ in 0..RESTITUTION_STEPS {
+            let a1 = rate(x, v);
+            let (v2, a2) = (v + 0.5 * dt * a1, rate(x + 0.5 * dt * v, v + 0.5 * dt * a1));
+            let (v3, a3) = (
+                v + 0.5 * dt * a2,
+                rate(x + 0.5 * dt * v2, v + 0.5 * dt * a2),
+            );
+            let (v4, a4) = (v + dt * a3, rate(x + dt * v3, v + dt * a3));
+            let next = x + dt / 6.0 * (v + 2.0 * v2 + 2.0 * v3 + v4);
+            let speed = v + dt / 6.0 * (a1 + 2.0 * a2 + 2.0 * a3 + a4);
+            if next <= 0.0 {
+                let share = x / (x - next);
+                return -(v + share * (speed - v));
+            }
+            // It turns down again inside: it stays.
+            if v < 0.0 && speed >= 0.0 {
+                return 0.0;
+            }
+            (x, v) = (next, speed);
+        }
+        0.0
     }
 }
 

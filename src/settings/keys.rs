@@ -143,13 +143,13 @@ pub const KEYS: &[Key] = &[
         "contact.penetration",
         Number(Penetration),
         Some("1e-4"),
-        "m, static, under the robot's weight on four points",
+        "m; a flat face sinks by half of it under the robot's weight",
     ),
     key(
         "contact.stiffness",
         Number(Stiffness),
         None,
-        "N/m of a contact point, instead of penetration",
+        "N/m of a contact under a light load, instead of penetration",
     ),
     key(
         "contact.dissipation",
@@ -463,7 +463,7 @@ pub const KEYS: &[Key] = &[
         "link.*.stiffness",
         Number(Stiffness),
         None,
-        "N/m of a contact point of the link; without it [contact]'s",
+        "N/m of a contact of the link under a light load; without it [contact]'s",
     ),
     key(
         "link.*.dissipation",

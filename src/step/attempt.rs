@@ -1,5 +1,6 @@
 //! A try of a step and its result. It is accepted whole or dropped.
 
+use crate::force::Terms;
 use crate::model::Model;
 use crate::state::{Physical, State};
 use crate::step::convex::Newton;
@@ -47,9 +48,9 @@ impl Attempt {
         take_solved(&mut self.end, point, solved, h);
     }
 
-    /// Adds `share` times the contact impulses that a solve from `point` has found.
-    pub(super) fn add_impulses(&mut self, point: &Point, solved: &Newton, share: f64) {
-        add_impulses(&mut self.impulse, point, solved, share);
+    /// Adds `share` times the contact impulses that a solve over `h` seconds has found.
+    pub(super) fn add_impulses(&mut self, terms: &Terms, solved: &Newton, lengths: [f64; 2]) {
+        add_impulses(&mut self.impulse, terms, solved, lengths);
     }
 
     /// Sets the mean acceleration of a step of `h` seconds that began with the velocities `v`.
@@ -74,11 +75,17 @@ pub(super) fn take_solved(end: &mut Physical, point: &Point, solved: &Newton, h:
     terms.remember(&solved.solved(), h, &mut end.memory);
 }
 
-/// Adds `share` times the contact impulses that a solve from `point` has found to their links.
-pub(super) fn add_impulses(sums: &mut [[f64; 3]], point: &Point, solved: &Newton, share: f64) {
-    for (contact, response) in point.terms.contacts.iter().zip(&solved.responses.contacts) {
+/// Adds `share` times the contact impulses that a solve over `h` seconds has found to
+/// their links.
+pub(super) fn add_impulses(
+    sums: &mut [[f64; 3]],
+    terms: &Terms,
+    solved: &Newton,
+    [h, share]: [f64; 2],
+) {
+    for (contact, response) in terms.contacts.iter().zip(&solved.responses.contacts) {
         let sum = &mut sums[contact.link];
-        for (sum, x) in sum.iter_mut().zip(response.impulse.iter()) {
+        for (sum, x) in sum.iter_mut().zip(contact.impulse(response, h).iter()) {
             *sum += share * x;
         }
     }

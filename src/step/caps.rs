@@ -4,7 +4,8 @@ use crate::force::{Drive, is_clear};
 use crate::state::{Physical, State};
 use crate::step::point::{Context, Point};
 use crate::tuning::{
-    BOUNCE_SHARE, COMMAND_STEP, CREEP, EXTRAPOLATION_GAIN, MIN_STEP, REFERENCE_GRAVITY,
+    BOUNCE_SHARE, COMMAND_STEP, CONTACT_STEP, CREEP, EXTRAPOLATION_GAIN, MAX_STEP, MIN_STEP,
+    REFERENCE_GRAVITY,
 };
 
 /// A step must not jump over what a changed command sets going: full and half steps would both
@@ -37,20 +38,28 @@ pub(super) fn by_command(
     capped
 }
 
-/// Ends the step of `h` seconds where the first point touches down or the first joint reaches its
+/// Longest implicit step from where `here` stands, s.
+pub(super) fn longest(here: &Point) -> f64 {
+    if here.terms.contacts.iter().any(|c| c.depth > 0.0) {
+        CONTACT_STEP
+    } else {
+        MAX_STEP
+    }
+}
+
+/// Ends the step of `h` seconds where the first contact touches down or the first joint reaches its
 /// limit; takes a bounce in parts of its own duration.
 pub(super) fn by_touchdown(ctx: &Context, here: &Point, from: &Physical, h: f64) -> f64 {
-    let (mass, rules) = (ctx.tree.moving_mass(), ctx.rules);
+    let rules = ctx.rules;
     let mut capped = h;
-    for contact in &here.terms.contacts {
-        if contact.gap > 0.0 {
-            let approach = -contact.normal_velocity(&here.kin.V);
-            let time = contact.gap / approach;
-            if rules.touchdown && approach > 0.0 && time < capped && time > MIN_STEP {
+    for contact in here.terms.contacts.iter() {
+        if contact.depth < 0.0 {
+            let time = contact.time_to_touch(&here.terms.contacts.points, &here.kin.V);
+            if rules.touchdown && time < capped && time > MIN_STEP {
                 capped = time;
             }
-        } else if rules.bounce && contact.touchdown > 0.0 {
-            let time = BOUNCE_SHARE * (mass / contact.spring.stiffness).sqrt();
+        } else if rules.bounce && contact.bounce > 0.0 {
+            let time = BOUNCE_SHARE * contact.duration;
             capped = capped.min(time.max(MIN_STEP));
         }
     }

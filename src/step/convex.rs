@@ -21,9 +21,9 @@
 mod hessian;
 mod line_search;
 
-use crate::force::{Contact, Response, Responses, Solved, Terms, Velocities};
+use crate::force::{ContactSet, Response, Responses, Solved, Terms, Velocities};
 use crate::kinematics::{Kinematics, forward};
-use crate::spatial::{Vec3, Vec6, add6, dot6};
+use crate::spatial::{Vec6, add6, dot6};
 use crate::tree::Tree;
 use crate::tuning::{MAX_ITERATIONS, ROUND_OFF};
 
@@ -47,12 +47,12 @@ pub struct Newton {
     pub responses: Responses,
     /// Change of momentum `M (v − v0)` at the solution.
     pub(super) change: Vec<f64>,
-    /// The same at the guess.
-    pub(super) guessed_change: Vec<f64>,
     gradient: Vec<f64>,
     direction: Vec<f64>,
     direction_momentum: Vec<f64>,
     H: Vec<f64>,
+    /// Room for another one.
+    spare: Vec<f64>,
     /// Whether `H` holds the factor of the last solve's last Hessian.
     factored: bool,
     V: Vec<Vec6>,
@@ -67,7 +67,8 @@ pub struct Newton {
 
 #[cfg(test)]
 crate::spoil::spoil!(
-    Newton: v at responses change guessed_change gradient direction direction_momentum H factored V
+    Newton: v at responses change gradient direction direction_momentum H spare
+    factored V
     along F G loaded is_loaded;
 );
 
@@ -93,19 +94,19 @@ pub struct Problem<'a> {
 }
 
 impl Newton {
-    /// Buffers for a tree with at most `contacts` contact points.
-    pub fn new(tree: &Tree, contacts: usize) -> Self {
+    /// Buffers for a tree with at most so many contacts and contact points.
+    pub fn new(tree: &Tree, contacts: [usize; 2]) -> Self {
         let (nb, nv) = (tree.bodies.len(), tree.sparsity.len());
         Self {
             v: vec![0.0; nv],
             at: Velocities::new(contacts),
             responses: Responses::new(contacts, nv),
             change: vec![0.0; nv],
-            guessed_change: vec![0.0; nv],
             gradient: vec![0.0; nv],
             direction: vec![0.0; nv],
             direction_momentum: vec![0.0; nv],
             H: vec![0.0; tree.sparsity.entries()],
+            spare: vec![0.0; tree.sparsity.entries()],
             factored: false,
             V: vec![[0.0; 6]; nb],
             along: Velocities::new(contacts),
@@ -120,23 +121,7 @@ impl Newton {
     pub fn guess_start(&mut self, p: &Problem, v0: &[f64]) {
         self.v.copy_from_slice(v0);
         self.change.fill(0.0);
-        self.guessed_change.fill(0.0);
         self.at.set(p.terms, &p.kin.V);
-    }
-
-    /// Guesses half way between the velocity at the start of the step and another solution from the
-    /// same start.
-    pub fn guess_between(&mut self, p: &Problem, v0: &[f64], other: &Self) {
-        for ((v, a), b) in self.v.iter_mut().zip(v0).zip(&other.v) {
-            *v = 0.5 * (a + b);
-        }
-        for (m, other) in self.change.iter_mut().zip(&other.change) {
-            *m = 0.5 * other;
-        }
-        self.guessed_change.copy_from_slice(&self.change);
-        self.at.set(p.terms, &p.kin.V);
-        self.at
-            .combine(&other.at, |v, other| *v = (*v + other) * 0.5);
     }
 
     /// Takes any velocity `v` as the guess, of a step that starts with `v0`.
@@ -146,7 +131,6 @@ impl Newton {
         }
         let pattern = &p.tree.sparsity;
         pattern.multiply(&p.kin.M, &self.v, &mut self.change);
-        self.guessed_change.copy_from_slice(&self.change);
         self.v.copy_from_slice(v);
         if !p.terms.contacts.is_empty() {
             forward(p.tree, &p.kin.S, v, &mut self.V);
@@ -163,17 +147,39 @@ impl Newton {
         self.minimise(p, None)
     }
 
+    /// Minimises once more from the last solution, where the friction cones have changed: the first
+    /// iteration takes the last Hessian.
+    pub fn solve_again(&mut self, p: &Problem) -> Outcome {
+        p.terms.respond(&self.v, &self.at, p.h, &mut self.responses);
+        let own = std::mem::take(&mut self.spare);
+        let mut own = std::mem::replace(&mut self.H, own);
+        let outcome = self.minimise(p, self.factored.then_some(own.as_slice()));
+        if outcome.iterations < 2 {
+            // No Hessian has been assembled since.
+            std::mem::swap(&mut self.H, &mut own);
+        }
+        self.spare = own;
+        outcome
+    }
+
+    /// Forces and bias times the length of the step at the solution, N·m·s.
+    pub(super) fn forces_found(&self, out: &mut [f64]) {
+        for (out, (change, gradient)) in out.iter_mut().zip(self.change.iter().zip(&self.gradient))
+        {
+            *out = change - gradient;
+        }
+    }
+
     /// The same where the step before, of the same length, has been solved by `before`: its Hessian
     /// does for the first iteration, if it has one and the same points touch, press, stick and
     /// slip. Where one such iteration is not enough, Newton's own follow.
-    pub fn solve_after(&mut self, p: &Problem, before: (&Self, &[Contact])) -> Outcome {
+    pub fn solve_after(&mut self, p: &Problem, before: (&Self, &ContactSet)) -> Outcome {
         self.factored = false;
         self.mark_loaded(p.tree, &p.terms.contacts);
         p.terms.respond(&self.v, &self.at, p.h, &mut self.responses);
         let (before, contacts) = before;
         let alike = before.factored && {
-            let regime =
-                |r: &Response| (r.normal > 0.0, r.tangential > 0.0, r.slip == Vec3::zeros());
+            let regime = |r: &Response| (r.presses(), r.friction.slope > 0.0, r.slips());
             let now = p.terms.contacts.iter().zip(&self.responses.contacts);
             let then = contacts.iter().zip(&before.responses.contacts);
             contacts.len() == p.terms.contacts.len()
@@ -240,7 +246,7 @@ impl Newton {
             for (m, w) in self.change.iter_mut().zip(&self.direction_momentum) {
                 *m += alpha * w;
             }
-            self.at.combine(&self.along, |v, w| *v += w * alpha);
+            self.at.combine(1.0, &self.along, alpha);
         }
     }
 
@@ -260,9 +266,43 @@ impl Newton {
         let D2 = &p.kin.inverse_diagonal;
         let lightest = D2.iter().fold(0.0, |m: f64, d| m.max(*d));
         let lever = 1.0 + p.tree.reach();
-        let responses = self.responses.contacts.iter().chain(&self.responses.turns);
-        let sum: f64 = responses.map(|r| r.impulse.norm_squared()).sum();
-        ROUND_OFF * ROUND_OFF * lightest * lever * lever * sum
+        let Responses {
+            contacts, turns, ..
+        } = &self.responses;
+        let contacts = contacts.iter().map(|r| {
+            let friction = p.h * p.h * r.friction.force.norm_squared();
+            r.load * r.load + friction
+        });
+        let sum: f64 = turns.iter().map(|r| r.impulse.norm_squared()).sum();
+        ROUND_OFF * ROUND_OFF * lightest * lever * lever * (contacts.sum::<f64>() + sum)
+    }
+
+    /// Minus the gradient at the velocity `v` of a step that begins with it, N·m·s: forces and bias
+    /// times the length of the step. What stands here is lost.
+    pub(super) fn forces_at(&mut self, p: &Problem, v: &[f64], out: &mut [f64]) {
+        self.v.copy_from_slice(v);
+        self.change.fill(0.0);
+        if !p.terms.contacts.is_empty() {
+            forward(p.tree, &p.kin.S, v, &mut self.V);
+        }
+        self.at.set(p.terms, &self.V);
+        self.mark_loaded(p.tree, &p.terms.contacts);
+        p.terms.respond(&self.v, &self.at, p.h, &mut self.responses);
+        self.collect(p);
+        for (out, gradient) in out.iter_mut().zip(&self.gradient) {
+            *out = -gradient;
+        }
+    }
+
+    /// The factor of the Hessian at the solution, or of one near it.
+    pub(super) fn factor(&mut self, p: &Problem) -> &[f64] {
+        if !self.factored {
+            self.mark_loaded(p.tree, &p.terms.contacts);
+            self.assemble(p);
+            p.tree.sparsity.factor(&mut self.H);
+            self.factored = true;
+        }
+        &self.H
     }
 
     /// Velocities and responses at the solution.
@@ -272,12 +312,6 @@ impl Newton {
             at: &self.at,
             responses: &self.responses,
         }
-    }
-
-    /// How many contact points press at the solution.
-    pub(super) fn pressing(&self) -> f64 {
-        let pressing = self.responses.contacts.iter().filter(|r| r.normal > 0.0);
-        pressing.fold(0.0, |count, _| count + 1.0)
     }
 
     /// Whether a robot that stands still stays: all impulses balance at `v = 0`.
@@ -296,9 +330,9 @@ impl Newton {
     }
 
     /// Lists the bodies between the base and any contact, tips first.
-    fn mark_loaded(&mut self, tree: &Tree, contacts: &[Contact]) {
+    fn mark_loaded(&mut self, tree: &Tree, contacts: &ContactSet) {
         self.is_loaded.fill(false);
-        for contact in contacts {
+        for contact in contacts.iter() {
             self.is_loaded[contact.body] = true;
             if let Some(other) = contact.other {
                 self.is_loaded[other] = true;
@@ -333,7 +367,9 @@ impl Newton {
         }
         self.F[0] = [0.0; 6];
         for (contact, response) in p.terms.contacts.iter().zip(&self.responses.contacts) {
-            contact.push(&response.impulse, &mut self.F);
+            let own = &self.responses.points[contact.points.clone()];
+            let points = &p.terms.contacts.points;
+            contact.push(points, (response, own), p.h, &mut self.F);
         }
         for (turn, response) in p.terms.turns.iter().zip(&self.responses.turns) {
             let moment = &mut self.F[turn.body][..3];

@@ -4,6 +4,7 @@
 //! steps of a length that the user fixes are in `fixed`. A try (`Attempt`) is accepted whole or
 //! dropped. The last step of a way lands on the communication point to the bit.
 
+use crate::force::Memory;
 use crate::model::Model;
 use crate::state::State;
 use crate::step::attempt::Attempt;
@@ -11,13 +12,15 @@ use crate::step::caps;
 use crate::step::explicit::{self, Explicit, Plan};
 use crate::step::fixed::{self, Fixed, Methods, Outcome, Part};
 use crate::step::flight::Flight;
-use crate::step::implicit::{Implicit, Single};
+use crate::step::guards;
+use crate::step::implicit::Implicit;
 use crate::step::point::{Context, Point};
 use crate::step::size::{Standing, Tried, Verdict, Way, grown, landing};
+use crate::step::stages::Stages;
 use crate::tree::Tree;
 use crate::tuning::{
-    BALANCE, BALANCES, EXPLICIT_SAFETY, FIXED_ACCURACY, FIXED_BALANCE, GROWTH, GUESS, GUESSES,
-    IMPLICIT_SAFETY, LEAST_ERROR, MAX_STEP, REST_SPEED, SHORT_SHARE, STEP_ROUND_OFF,
+    BALANCE, BALANCES, EXPLICIT_SAFETY, EXTRAPOLATION_GAIN, FIXED_ACCURACY, FIXED_BALANCE, GROWTH,
+    GUESS, GUESSES, IMPLICIT_SAFETY, LEAST_ERROR, MAX_STEP, STEP_ROUND_OFF,
 };
 
 /// Why a communication step was not taken.
@@ -38,9 +41,13 @@ pub struct Stepper {
     /// Where it ends.
     pub(super) there: Point,
     pub(super) implicit: Implicit,
+    pub(super) stages: Stages,
     pub(super) explicit: Explicit,
     pub(super) fixed: Fixed,
     pub(super) attempt: Attempt,
+    /// Memory and positions of a robot that is set down.
+    pub(super) there_memory: Memory,
+    pub(super) settled: Vec<f64>,
     /// The state at the last communication point.
     backup: State,
     /// Steps tried since then.
@@ -48,7 +55,8 @@ pub struct Stepper {
 }
 
 #[cfg(test)]
-crate::spoil::spoil!(Stepper: here there implicit explicit fixed attempt backup tried;);
+crate::spoil::spoil!(Stepper: here there implicit stages explicit fixed attempt there_memory settled
+    backup tried;);
 
 impl Stepper {
     /// Room for a robot.
@@ -57,9 +65,12 @@ impl Stepper {
             here: Point::new(model, tree),
             there: Point::new(model, tree),
             implicit: Implicit::new(model, tree),
+            stages: Stages::new(model, tree),
             explicit: Explicit::new(model, tree),
             fixed: Fixed::new(model),
             attempt: Attempt::new(model),
+            there_memory: Memory::new(model),
+            settled: vec![0.0; model.nq],
             backup: State::new(model),
             tried: 0,
         }
@@ -71,7 +82,7 @@ impl Stepper {
     /// [`Stop`]; `state` is then what it was.
     pub fn advance(&mut self, ctx: &Context, state: &mut State, end: f64) -> Result<(), Stop> {
         self.backup.copy_from(state);
-        (self.tried, self.implicit.iterations) = (0, 0);
+        (self.tried, self.implicit.iterations, self.stages.iterations) = (0, 0, 0);
         state.stepping.last_step = end - state.time;
         state.stepping.impulse.fill([0.0; 3]);
         let mut result = if ctx.fixed_step > 0.0 {
@@ -90,7 +101,8 @@ impl Stepper {
         let stepping = &mut state.stepping;
         stepping.ahead.changed = 0.0;
         let newton_max = &mut stepping.counters.newton_max;
-        *newton_max = (*newton_max).max(self.implicit.iterations as u64);
+        let iterations = self.implicit.iterations.max(self.stages.iterations);
+        *newton_max = (*newton_max).max(iterations as u64);
         for (index, last) in stepping.commands.iter_mut().enumerate() {
             *last = ctx.inputs.values(index, stepping.last_step);
         }
@@ -170,7 +182,6 @@ impl Stepper {
         self.walk(ctx, state, Way::new(begin, end, proposed))?;
         // The fixed steps go on from here.
         state.stepping.ahead.clear();
-        state.stepping.lag.clear();
         Ok(())
     }
 
@@ -231,7 +242,6 @@ impl Stepper {
             Verdict::Retry => return Ok(()),
             Verdict::Fail => return Err(Stop::NotFinite),
         }
-        state.stepping.lag.clear();
         self.attempt.begin(state);
         if h > remaining {
             let times = [way.begin + way.done, way.end];
@@ -272,8 +282,11 @@ impl Stepper {
             self.here.update(ctx, &state.physical, h);
         }
         way.standing = Standing::Nowhere;
-        self.implicit.restart();
         // Cap.
+        h = h.min(landing(
+            way.proposed.min(caps::longest(&self.here)),
+            remaining,
+        ));
         if way.jumped {
             way.proposed = caps::by_command(ctx, &self.here, state, [way.proposed, remaining]);
         }
@@ -282,9 +295,7 @@ impl Stepper {
         if caps::may_look_ahead(ctx, &self.here, state, long) {
             h = long;
         }
-        let asked = h;
         h = caps::by_touchdown(ctx, &self.here, &state.physical, h);
-        let uncut = h >= asked;
         let balance = (BALANCE * ctx.tolerance).clamp(BALANCES.0, BALANCES.1);
         if self.rest(ctx, state, [h, remaining], balance) {
             way.arrive();
@@ -292,34 +303,82 @@ impl Stepper {
         }
         // Try, guard, accept.
         let accuracy = (GUESS * ctx.tolerance).clamp(GUESSES.0, GUESSES.1);
+        self.go_in_stages(ctx, state, way, [h, accuracy])
+    }
+
+    /// Puts the step of `h` seconds that has been solved, in two stages or alone, into
+    /// `self.attempt`.
+    fn finish(&mut self, ctx: &Context, state: &State, staged: bool, h: f64) {
+        self.attempt.begin(state);
+        let (from, attempt) = (&state.physical, &mut self.attempt);
+        if staged {
+            self.stages.finish(ctx, from, h, attempt);
+        } else {
+            self.implicit.take_full(ctx, &self.here, from, h, attempt);
+        }
+    }
+
+    /// Takes an implicit step of at most `h` seconds in two stages, or by one solve where two
+    /// stages have no solution within the digits, or would throw a load to and fro.
+    fn go_in_stages(
+        &mut self,
+        ctx: &Context,
+        state: &mut State,
+        way: &mut Way,
+        [mut h, accuracy]: [f64; 2],
+    ) -> Result<(), Stop> {
+        let remaining = way.remaining();
         loop {
             self.begin_try(ctx)?;
-            let (here, from, lengths) = (&mut self.here, &state.physical, [h, accuracy]);
-            let solved = self.implicit.solve(ctx, here, from, lengths);
-            // Cut short by the communication step: the one solve may do.
-            let short = uncut && !way.jumped && h <= SHORT_SHARE * way.proposed;
-            let short = short && ctx.rules.single && !ctx.inputs.varies();
-            if solved && short && self.go_singly(ctx, state, way, h) {
-                return Ok(());
-            }
-            let (here, from) = (&mut self.here, &state.physical);
-            let error = if solved {
-                self.implicit.halves(ctx, here, from, lengths)
+            let (from, trend) = (&state.physical, &state.stepping.trend);
+            let stages = &mut self.stages;
+            let solved = stages.solve(ctx, (&self.here, from), trend, [h, accuracy]);
+            let staged = solved && !stages.flips();
+            let mut error = if staged {
+                stages.error(ctx, from, h)
             } else {
-                f64::INFINITY
+                let problem = self.here.problem(ctx.tree, h, accuracy);
+                self.implicit.solve_alone(ctx, &problem, from, (trend, h))
             };
+            if error <= 1.0 {
+                self.finish(ctx, state, staged, h);
+                // Energy out of nothing is an error of the step like others.
+                let from = &state.physical;
+                let allowed = EXTRAPOLATION_GAIN * ctx.tolerance;
+                let books = guards::open_books(ctx, &self.here, from, allowed);
+                let work = if staged {
+                    self.stages.work(ctx, h)
+                } else {
+                    let parts = (&self.here.terms, &self.implicit.full);
+                    guards::work(ctx, &self.here.kin, parts, h)
+                };
+                let (points, end) = ((&self.here, &mut self.there), &self.attempt.end);
+                let gain = guards::gain(ctx, &books, points, end, [h, work]);
+                error = if gain.is_nan() {
+                    f64::INFINITY
+                } else {
+                    error.max(gain)
+                };
+            }
             let beyond = h > remaining;
-            let ends = self.implicit.after_halves();
-            if beyond && error <= 1.0 && caps::meets_limit(ctx, &self.here, from, ends, h) {
-                // What happens at a limit is no polynomial.
-                state.stepping.counters.rejected += 1;
+            if beyond && !staged {
+                // No polynomial leads there.
                 h = remaining;
                 continue;
             }
-            let factor = IMPLICIT_SAFETY / error.max(LEAST_ERROR.0).sqrt();
+            if beyond && error <= 1.0 {
+                let end = &self.attempt.end;
+                let ends = (end.q.as_slice(), end.v.as_slice());
+                if caps::meets_limit(ctx, &self.here, &state.physical, ends, h) {
+                    // What happens at a limit is no polynomial.
+                    state.stepping.counters.rejected += 1;
+                    h = remaining;
+                    continue;
+                }
+            }
+            let factor = IMPLICIT_SAFETY * libm::pow(error.max(LEAST_ERROR.0), -1.0 / 3.0);
             let factor = factor.clamp(GROWTH.0, GROWTH.1);
             let next = grown(way.proposed, h, factor);
-            let ended = uncut && !way.jumped;
             let tried = Tried {
                 h,
                 error,
@@ -335,22 +394,15 @@ impl Stepper {
                 }
                 Verdict::Fail => return Err(Stop::NotFinite),
             }
-            self.attempt.begin(state);
-            let (from, attempt) = (&state.physical, &mut self.attempt);
-            let points = (&self.here, &mut self.there);
-            let how = (h, error <= 1.0 && ctx.rules.extrapolation);
-            let finish = self.implicit.finish(ctx, points, from, how, attempt);
-            let lag = &mut state.stepping.lag;
-            if finish.extrapolated && ended {
-                self.implicit.measure(&self.here, h, lag);
-            } else {
-                // What a jump or a touch-down ends is not what follows.
-                lag.clear();
+            if error > 1.0 {
+                // Taken at the shortest step.
+                self.finish(ctx, state, staged, h);
+                self.there.pose(ctx, &self.attempt.end);
             }
-            if finish.posed {
-                way.standing = Standing::Posed;
-            }
+            way.standing = Standing::Posed;
             if beyond {
+                way.standing = Standing::Nowhere;
+                let from = &state.physical;
                 let (times, end) = ([way.begin + way.done, h, way.end], &mut self.attempt.end);
                 let ahead = &mut state.stepping.ahead;
                 self.implicit.look_ahead(ctx.tree, from, times, ahead, end);
@@ -363,30 +415,8 @@ impl Stepper {
         }
     }
 
-    /// Takes the step of `h` seconds that has just been solved as it is, or less its known error,
-    /// if that does; tells whether it does.
-    fn go_singly(&mut self, ctx: &Context, state: &mut State, way: &mut Way, h: f64) -> bool {
-        let single = self
-            .implicit
-            .single(ctx, &self.here, state, h, &mut self.attempt);
-        let lag = &mut state.stepping.lag;
-        match single {
-            Single::No => return false,
-            Single::Plain => lag.clear(),
-            Single::Corrected => {
-                lag.last = h;
-                lag.uses -= 1.0;
-            }
-        }
-        self.attempt.accept(state);
-        way.accept_short(ctx, &mut state.stepping, h);
-        way.go(h);
-        true
-    }
-
     /// Takes steps of the length that the user has fixed, or hardly shorter, up to `end`.
     fn advance_fixed(&mut self, ctx: &Context, state: &mut State, end: f64) -> Result<(), Stop> {
-        state.stepping.lag.clear();
         let span = end - state.time;
         // Importers' steps carry round-off: a millionth more than a whole number of steps is that
         // number.
@@ -429,6 +459,7 @@ impl Stepper {
                 here: &mut self.here,
                 there: &mut self.there,
                 implicit: &mut self.implicit,
+                stages: &mut self.stages,
                 explicit: &mut self.explicit,
             };
             let mut counters = state.stepping.counters;
@@ -454,47 +485,5 @@ impl Stepper {
             }
         }
         Ok(())
-    }
-
-    /// If the robot stands still and all forces balance, it stays: nothing moves until `remaining`
-    /// has passed. The test does not depend on `h`, so it does not depend on the communication step
-    /// either.
-    ///
-    /// - `accuracy`: imbalance that does not set it going, relative to the forces
-    pub(super) fn rest(
-        &mut self,
-        ctx: &Context,
-        state: &mut State,
-        [h, remaining]: [f64; 2],
-        accuracy: f64,
-    ) -> bool {
-        let speed = state
-            .physical
-            .v
-            .iter()
-            .fold(0.0, |m: f64, v| m.max(v.abs()));
-        // Forces that balance now need not balance later if a command changes.
-        if !ctx.rules.rest || speed >= REST_SPEED || ctx.inputs.varies() {
-            return false;
-        }
-        let (here, attempt) = (&mut self.here, &mut self.attempt);
-        attempt.stay(state);
-        if speed > 0.0 {
-            attempt.end.v.fill(0.0);
-            here.update_motion(ctx, &attempt.end, h);
-        }
-        let solved = &mut self.implicit.full;
-        let balanced = solved.is_balanced(&here.problem(ctx.tree, h, accuracy));
-        if balanced {
-            attempt.trend.fill(0.0);
-            here.terms.drop_unloaded(&mut attempt.end.memory);
-            attempt.add_impulses(here, solved, remaining / h);
-            attempt.accept(state);
-            state.stepping.lag.clear();
-            state.stepping.counters.steps += 1;
-        } else if speed > 0.0 {
-            here.update_motion(ctx, &state.physical, h);
-        }
-        balanced
     }
 }

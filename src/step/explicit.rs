@@ -21,7 +21,10 @@ use crate::step::guards;
 use crate::step::point::{Context, Point};
 use crate::step::size::{grown, landing, worst_error};
 use crate::tree::Tree;
-use crate::tuning::{GROWTH, HIT, MAX_EXPLICIT_STEP, MAX_STEP, PAIR_EXPONENT, SHORT};
+use crate::tuning::{
+    CREEP, GROWTH, HIT, MAX_EXPLICIT_STEP, MAX_STEP, PAIR_EXPONENT, RESOLVED, SHARP, SHORT,
+    SWINGING,
+};
 
 /// An explicit step that may be tried.
 #[derive(Clone, Copy, Debug)]
@@ -58,7 +61,8 @@ pub(super) fn plan(
     if !ctx.rules.explicit || !nothing_stiff(ctx, here) {
         return None;
     }
-    let (v, long) = (&state.physical.v, proposed.min(MAX_EXPLICIT_STEP));
+    let v = &state.physical.v;
+    let long = proposed.min(MAX_EXPLICIT_STEP).min(swing(here, v));
     if ctx.rules.look_ahead && state.stepping.ahead.changed == 0.0 {
         if is_free(ctx, here, v, long) {
             return Some(if resolves_damping(here, long) {
@@ -99,16 +103,63 @@ fn nothing_stiff(ctx: &Context, here: &Point) -> bool {
     let may_become_stiff = |term: &JointTerm| {
         ctx.inputs.varies() && term.actuator.is_some() && !matches!(term.drive, Drive::Effort(_))
     };
-    let gentle =
-        |term: &JointTerm| !term.is_stiff() && !may_become_stiff(term) && term.damping >= 0.0;
+    let gentle = |term: &JointTerm| {
+        let pd = matches!(term.drive, Drive::Pd { .. });
+        (pd || !may_become_stiff(term)) && !term.is_stiff_beside_pd() && term.damping >= 0.0
+    };
     here.terms.contacts.is_empty() && here.terms.joints.iter().all(gentle)
 }
 
-/// Whether nothing comes near within `h` seconds, and a motor's torque–speed line is resolved.
+/// Longest step that resolves every pd law which swings or is at its effort limit, s. An implicit
+/// step that is longer would take the amplitude, or pass over the place where the law comes to its
+/// limit. A damped law within its limit may be taken implicitly. Where a law that is resolved comes
+/// to its limit or leaves it, the step ends: a kink within a step is a first-order error.
+fn swing(here: &Point, v: &[f64]) -> f64 {
+    here.terms.joints.iter().fold(f64::INFINITY, |least, term| {
+        let Drive::Pd {
+            offset,
+            kp,
+            kd,
+            cap,
+        } = term.drive
+        else {
+            return least;
+        };
+        let inverse = here.kin.inverse_diagonal[term.dof];
+        let damping = kd + term.damping;
+        // ζ² = (kd/2)²/(kp M)
+        let swings = damping * damping * inverse < 4.0 * SWINGING * SWINGING * kp;
+        let v = v[term.dof];
+        let force = offset - kd * v;
+        let limited = force.abs() > cap;
+        if kp <= 0.0 || !(swings || limited) {
+            return least;
+        }
+        let h = least.min((SHARP * RESOLVED / (kp * inverse)).sqrt());
+        // How fast the law's force grows in its own direction: the joint moves, and this force
+        // accelerates it.
+        let pull = force.abs().min(cap) * inverse;
+        let growth = -(kp * v * force.signum() + kd * pull);
+        let crossing = (cap - force.abs()) / growth;
+        if crossing > CREEP * h && crossing < h {
+            crossing
+        } else {
+            h
+        }
+    })
+}
+
+/// Whether nothing comes near within `h` seconds, and pd laws and a motor's torque–speed line are
+/// resolved.
 fn is_free(ctx: &Context, here: &Point, v: &[f64], h: f64) -> bool {
     let kin = &here.kin;
     here.terms.joints.iter().all(|term| {
+        let kp = match term.drive {
+            Drive::Pd { kp, .. } => kp,
+            _ => 0.0,
+        };
         !term.near_limit(v[term.dof], h)
+            && h * h * kp * kin.inverse_diagonal[term.dof] < RESOLVED
             && h * term.line.slope() * kin.inverse_diagonal[term.dof] < 1.0
     }) && is_clear(ctx.tree, kin, h)
 }
@@ -117,7 +168,13 @@ fn is_free(ctx: &Context, here: &Point, v: &[f64], h: f64) -> bool {
 fn resolves_damping(here: &Point, h: f64) -> bool {
     let inverse = &here.kin.inverse_diagonal;
     let mut terms = here.terms.joints.iter();
-    terms.all(|term| h * term.damping * inverse[term.dof] < 1.0)
+    terms.all(|term| {
+        let kd = match term.drive {
+            Drive::Pd { kd, .. } => kd,
+            _ => 0.0,
+        };
+        h * (term.damping + kd) * inverse[term.dof] < 1.0
+    })
 }
 
 impl Explicit {
@@ -182,9 +239,16 @@ impl Explicit {
             return false;
         }
         self.integrator.restart();
-        self.run_stages(ctx, &BOGACKI_SHAMPINE, here, from, h, false);
+        // The short pair takes y⁴/24 of the amplitude of a spring in a step of the angle y.
+        let springs = |term: &JointTerm| matches!(term.drive, Drive::Pd { .. });
+        let pair = if here.terms.joints.iter().any(springs) {
+            &DORMAND_PRINCE
+        } else {
+            &BOGACKI_SHAMPINE
+        };
+        self.run_stages(ctx, pair, here, from, h, false);
         attempt.begin(state);
-        self.finish(&BOGACKI_SHAMPINE, attempt);
+        self.finish(pair, attempt);
         let gains = |gain: f64| {
             let books = guards::open_books(ctx, here, from, gain);
             guards::gains_explicitly(ctx, &books, here, from, (&attempt.end, &self.end))

@@ -7,7 +7,7 @@
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
 use crate::dynamics::{crba, rnea};
-use crate::force::{Contact, detect, seek};
+use crate::force::{ContactSet, detect, seek};
 use crate::kinematics::{advance, forward};
 use crate::model::Model;
 use crate::range::SHORTEST_FIXED_STEP;
@@ -18,6 +18,8 @@ use crate::step::explicit::Explicit;
 use crate::step::guards;
 use crate::step::implicit::Implicit;
 use crate::step::point::{Context, Point};
+use crate::step::size::fastest;
+use crate::step::stages::Stages;
 use crate::tree::Tree;
 use crate::tuning::{AHEAD, CALM, FIXED_ACCURACY, GAIN, MAX_PARTS, TURN, WHIRL};
 
@@ -31,7 +33,7 @@ pub(super) struct Fixed {
     /// Positions half way, `nq`.
     q_middle: Vec<f64>,
     /// Contacts there.
-    contacts: Vec<Contact>,
+    contacts: ContactSet,
 }
 
 #[cfg(test)]
@@ -44,7 +46,7 @@ impl Fixed {
             first: vec![0.0; model.nv()],
             mean: vec![0.0; model.nv()],
             q_middle: vec![0.0; model.nq],
-            contacts: Vec::with_capacity(model.contact_slots()),
+            contacts: ContactSet::new(model.contact_room()),
         }
     }
 }
@@ -77,6 +79,7 @@ pub(super) struct Methods<'a> {
     /// Where it ends.
     pub there: &'a mut Point,
     pub implicit: &'a mut Implicit,
+    pub stages: &'a mut Stages,
     pub explicit: &'a mut Explicit,
 }
 
@@ -91,14 +94,58 @@ impl Fixed {
         (attempt, counters): (&mut Attempt, &mut Counters),
     ) -> Outcome {
         let from = &state.physical;
-        let turning = fastest(ctx, &from.v) * part.whole > TURN;
+        let turning = fastest(ctx.tree, &from.v) * part.whole > TURN;
         let gain = turning.then(|| GAIN * part.h / part.whole);
         let explicit = &mut *methods.explicit;
         if explicit.attempt_fixed(ctx, methods.here, state, (part.h, gain), attempt) {
             return Outcome::Good;
         }
         attempt.begin(state);
+        if let Some(outcome) = Self::attempt_stages(ctx, methods, state, part, attempt) {
+            counters.rejected += u64::from(outcome == Outcome::Bad);
+            return outcome;
+        }
         self.attempt_implicit(ctx, methods, state, (part, true), (attempt, counters))
+    }
+
+    /// The same in two stages; none where what touches, or a limit, is not the same in both: an
+    /// impact that the stages do not resolve would throw the robot back.
+    fn attempt_stages(
+        ctx: &Context,
+        methods: &mut Methods,
+        state: &State,
+        part: Part,
+        attempt: &mut Attempt,
+    ) -> Option<Outcome> {
+        let Methods {
+            here,
+            there,
+            stages,
+            ..
+        } = methods;
+        let (tree, Part { h, whole }) = (ctx.tree, part);
+        let (from, trend) = (&state.physical, &state.stepping.trend);
+        if !stages.solve(ctx, (here, from), trend, [h, FIXED_ACCURACY[0]])
+            || stages.changes()
+            || stages.flips()
+        {
+            return None;
+        }
+        let turn = fastest(tree, &from.v).max(fastest(tree, &stages.solved[1].v));
+        if ctx.rules.parts && turn * h > WHIRL {
+            return Some(Outcome::Bad);
+        }
+        let books =
+            (turn * whole > TURN).then(|| guards::open_books(ctx, here, from, GAIN * h / whole));
+        stages.finish(ctx, from, h, attempt);
+        if !attempt.end.is_finite() {
+            return None;
+        }
+        let gains = books.is_some_and(|books| {
+            let work = stages.work(ctx, h);
+            guards::gains(ctx, &books, (here, there), &attempt.end, [h, work])
+        });
+        Some(if gains { Outcome::Bad } else { Outcome::Good })
     }
 
     /// One solve with the friction cones and the bias of the start, one with those of the middle
@@ -129,16 +176,16 @@ impl Fixed {
             implicit.take_full(ctx, here, from, h, attempt);
             return Outcome::Good;
         }
-        let turn = fastest(ctx, &from.v).max(fastest(ctx, &implicit.full.v));
+        let turn = fastest(ctx.tree, &from.v).max(fastest(ctx.tree, &implicit.full.v));
         if watched && ctx.rules.parts && turn * h > WHIRL {
             return Outcome::Bad;
         }
         let responses = &implicit.full.responses.contacts;
-        for (contact, response) in here.terms.contacts.iter_mut().zip(responses) {
-            contact.friction.cap = contact.mu * contact.normal.dot(&response.impulse) / h;
+        for (contact, response) in here.terms.contacts.list.iter_mut().zip(responses) {
+            contact.carry(response.load / h);
         }
         for turn in &mut here.terms.turns {
-            turn.carry(turn.normal.dot(&responses[turn.contact].impulse) / h);
+            turn.carry(responses[turn.contact].load / h);
         }
         let turning = turn * whole > TURN;
         let guarded = turning && watched;
@@ -170,7 +217,7 @@ impl Fixed {
         }
         implicit.take_full(ctx, here, from, h, attempt);
         let gains = books.is_some_and(|books| {
-            let work = guards::work(ctx, here, &implicit.full, h);
+            let work = guards::work(ctx, &here.kin, (&here.terms, &implicit.full), h);
             guards::gains(ctx, &books, (here, there), &attempt.end, [h, work])
         });
         if gains {
@@ -191,23 +238,35 @@ impl Fixed {
         kin.update_velocities(tree, &self.first);
         let (touches, found) = (&from.memory.touches, &mut self.contacts);
         detect(ctx.model, tree, touches, kin, h, f64::INFINITY, found);
-        let mut found = found.iter().peekable();
-        for contact in &mut terms.contacts {
-            if let Some(f) = seek(&mut found, contact.slot, |f| f.slot) {
-                contact.x = f.x;
-                contact.gap = f.gap - 0.5 * h * f.normal_velocity(&kin.V);
+        let places = &found.points;
+        let mut found = found.list.iter().peekable();
+        let ContactSet { list, points } = &mut terms.contacts;
+        for contact in list {
+            let Some(f) = seek(&mut found, contact.slot, |f| f.slot) else {
+                continue;
+            };
+            let velocities = f.velocities(places, &kin.V);
+            for (place, v) in places[f.points.clone()].iter().zip(velocities) {
+                let own = &mut points[contact.points.clone()];
+                if let Some(point) = own.iter_mut().find(|p| p.corner == place.corner) {
+                    point.x = place.x;
+                    point.rim = place.rim;
+                    point.depth = place.depth + 0.5 * h * v.along;
+                }
             }
+            (contact.center, contact.radius) = (f.center, f.radius);
         }
     }
 }
 
-/// Whether a point that has restitution touches down within `h` seconds, or has done so and not
+/// Whether a contact that has restitution touches down within `h` seconds, or has done so and not
 /// left yet. A bounce is over in less than a fixed step, which would swallow it: it is taken under
 /// error control.
 pub(super) fn bounces(here: &Point, h: f64) -> bool {
     here.terms.contacts.iter().any(|contact| {
-        let approach = -contact.normal_velocity(&here.kin.V);
-        contact.touchdown > 0.0 && contact.gap < (approach * h).max(f64::MIN_POSITIVE)
+        contact.bounce > 0.0
+            && (contact.depth > 0.0
+                || contact.time_to_touch(&here.terms.contacts.points, &here.kin.V) < h)
     })
 }
 
@@ -218,7 +277,7 @@ pub(super) fn parts(ctx: &Context, v: &[f64], h: f64) -> f64 {
         return 1.0;
     }
     let most = (h / SHORTEST_FIXED_STEP).clamp(1.0, MAX_PARTS);
-    libm::ceil(fastest(ctx, v) * h / WHIRL - 1e-9).clamp(1.0, most)
+    libm::ceil(fastest(ctx.tree, v) * h / WHIRL - 1e-9).clamp(1.0, most)
 }
 
 /// Whether a part of a step of `whole` seconds that went badly may be taken in halves.
@@ -233,16 +292,4 @@ fn fixed_problem<'a>(start: &'a Point, tree: &'a Tree, h: f64) -> Problem<'a> {
         iterated,
         ..start.problem(tree, h, accuracy)
     }
-}
-
-/// How fast anything turns that is not a wheel, rad/s.
-fn fastest(ctx: &Context, v: &[f64]) -> f64 {
-    let mut fastest = 0.0;
-    for body in &ctx.tree.bodies {
-        let rate = body.kind.turn_rate(body.ratio, &v[body.dof..]);
-        if rate > fastest && !body.wheel {
-            fastest = rate;
-        }
-    }
-    fastest
 }

@@ -8,9 +8,9 @@
 
 use crate::dynamics::energy::{kinetic, potential};
 use crate::dynamics::rnea::about_origin;
-use crate::force::detect;
-use crate::kinematics::{Kinematics, forward};
-use crate::spatial::{Vec3, Vec6, angular, dot6, linear};
+use crate::force::{Drive, Terms, detect};
+use crate::kinematics::Kinematics;
+use crate::spatial::dot6;
 use crate::state::Physical;
 use crate::step::convex::Newton;
 use crate::step::point::{Context, Point, stiffness_limit};
@@ -43,35 +43,29 @@ pub(super) fn open_books(ctx: &Context, here: &Point, from: &Physical, share: f6
     }
 }
 
-/// Whether `rise`, J, is more than `share` of the kinetic energy where `here` stands and of weight
-/// times reach.
-pub(super) fn exceeds(
+/// Whether the step to `end` has made more energy than allowed, see [`gain`].
+pub(super) fn gains(
     ctx: &Context,
-    here: &Point,
-    from: &Physical,
-    [rise, share]: [f64; 2],
+    books: &Books,
+    places: (&Point, &mut Point),
+    end: &Physical,
+    lengths: [f64; 2],
 ) -> bool {
-    let tree = ctx.tree;
-    let weight = tree.moving_mass() * REFERENCE_GRAVITY;
-    let allowed = share * weight * tree.reach();
-    // NaN must not pass.
-    ctx.rules.energy
-        && (rise.is_nan()
-            || rise > allowed && rise > allowed + share * kinetic(tree, &here.kin, &from.v))
+    gain(ctx, books, places, end, lengths) > 1.0
 }
 
-/// Whether the step to `end` has made more energy than allowed; poses and velocities of `there`
-/// then stand at its end.
+/// Energy that the step to `end` has made, as a multiple of what is allowed; poses and velocities
+/// of `there` then stand at its end.
 ///
 /// - `h`: the step's length, s
 /// - `work`: of motors and external wrenches, J
-pub(super) fn gains(
+pub(super) fn gain(
     ctx: &Context,
     books: &Books,
     (here, there): (&Point, &mut Point),
     end: &Physical,
     [h, work]: [f64; 2],
-) -> bool {
+) -> f64 {
     let tree = ctx.tree;
     let Point { kin, terms } = there;
     kin.update_poses(tree, &end.q);
@@ -83,7 +77,11 @@ pub(super) fn gains(
         + potential(tree, kin)
         + terms.springs()
         + limits(tree, here, &end.q);
-    ctx.rules.energy && held - books.held - work > books.allowed
+    if ctx.rules.energy {
+        (held - books.held - work) / books.allowed
+    } else {
+        0.0
+    }
 }
 
 /// The same for an explicit step: nothing touches.
@@ -98,9 +96,13 @@ pub(super) fn gains_explicitly(
 ) -> bool {
     let mut work = 0.0;
     for term in &here.terms.joints {
-        let place = term.coordinate;
+        let (place, dof) = (term.coordinate, term.dof);
         let way = end.q[place] - from.q[place];
-        work += term.drive_force(from.v[term.dof], 0.0).0 * way;
+        let (mut last, _) = term.drive_force(end.v[dof], 0.0);
+        if let Drive::Pd { kp, cap, .. } = term.drive {
+            last = (last - kp * way).clamp(-cap, cap);
+        }
+        work += 0.5 * (term.drive_force(from.v[dof], 0.0).0 + last) * way;
     }
     let held = kinetic(ctx.tree, kin, &end.v) + potential(ctx.tree, kin);
     ctx.rules.energy && held - books.held - work > books.allowed
@@ -120,51 +122,19 @@ fn limits(tree: &Tree, here: &Point, q: &[f64]) -> f64 {
 }
 
 /// Work of motors and external wrenches over a solved step of `h` seconds, J.
-pub(super) fn work(ctx: &Context, point: &Point, newton: &Newton, h: f64) -> f64 {
+pub(super) fn work(
+    ctx: &Context,
+    kin: &Kinematics,
+    (terms, newton): (&Terms, &Newton),
+    h: f64,
+) -> f64 {
     let mut power = 0.0;
-    for term in &point.terms.joints {
+    for term in &terms.joints {
         let v = newton.v[term.dof];
         power += term.drive_force(v, h).0 * v;
     }
     for wrench in &ctx.inputs.wrenches {
-        power += dot6(
-            &about_origin(&point.kin, wrench, ctx.elapsed),
-            &point.kin.V[wrench.body],
-        );
+        power += dot6(&about_origin(kin, wrench, ctx.elapsed), &kin.V[wrench.body]);
     }
     h * power
-}
-
-/// What gravity, contacts and limits take up, J, when positions move by `more` after the step of
-/// `h` seconds that has been solved from `point`; the bodies' displacements go into `way`.
-pub(super) fn lifted(
-    tree: &Tree,
-    point: &Point,
-    solved: &Newton,
-    h: f64,
-    more: &[f64],
-    way: &mut [Vec6],
-) -> f64 {
-    let kin = &point.kin;
-    forward(tree, &kin.S, more, way);
-    let mut rise = 0.0;
-    for (body, (I, way)) in tree.bodies.iter().zip(kin.I.iter().zip(way.iter())) {
-        if body.kind.moves() {
-            let torque = Vec3::from(I.moment).cross(&tree.world.gravity);
-            rise -= torque.dot(&angular(way)) + I.mass * tree.world.gravity.dot(&linear(way));
-        }
-    }
-    for (contact, v) in point.terms.contacts.iter().zip(&solved.at.points) {
-        let depth = -contact.gap - h * contact.normal.dot(v);
-        rise += contact
-            .spring
-            .taken_up(depth, -contact.normal_velocity(way));
-    }
-    for term in &point.terms.joints {
-        let (v, more) = (solved.v[term.dof], more[term.dof]);
-        let [lower, upper] = term.gap;
-        rise += term.limit.taken_up(-lower - h * v, -more);
-        rise += term.limit.taken_up(-upper + h * v, more);
-    }
-    rise
 }

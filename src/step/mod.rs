@@ -24,7 +24,9 @@ mod flight;
 mod guards;
 mod implicit;
 pub mod point;
+mod settle;
 mod size;
+mod stages;
 
 #[cfg(test)]
 mod tests;

@@ -122,6 +122,37 @@ impl Point {
         self.find_joint_terms(ctx, from, 0.0);
     }
 
+    /// Contacts and joint terms of a step of `h` seconds from `from`, whose kinematics stand at the
+    /// positions `q` in its midst: what terms remember, and the velocities that motors and dry
+    /// friction start from, are those of its start.
+    pub(super) fn find_around(&mut self, ctx: &Context, from: &Physical, (q, h): (&[f64], f64)) {
+        let Context { model, tree, .. } = *ctx;
+        let (memory, limit) = (&from.memory, stiffness_limit(ctx, h));
+        self.terms
+            .find_contacts(model, tree, memory, &self.kin, h, limit);
+        self.set_joints(ctx, from, (q, [h, 0.5 * h]));
+    }
+
+    /// Joint terms alone, with targets and efforts as they are so many seconds after the start.
+    pub(super) fn set_joints(
+        &mut self,
+        ctx: &Context,
+        from: &Physical,
+        (q, [target, effort]): (&[f64], [f64; 2]),
+    ) {
+        self.terms.set_joints(&Start {
+            model: ctx.model,
+            tree: ctx.tree,
+            inputs: ctx.inputs,
+            times: [ctx.elapsed, target],
+            effort: ctx.elapsed + effort,
+            q,
+            v: &from.v,
+            memory: &from.memory,
+            kin: &self.kin,
+        });
+    }
+
     /// Joint terms for a step of `h` seconds: commands that vary count as they are at its end.
     fn find_joint_terms(&mut self, ctx: &Context, from: &Physical, h: f64) {
         self.terms.set_joints(&Start {
@@ -129,6 +160,7 @@ impl Point {
             tree: ctx.tree,
             inputs: ctx.inputs,
             times: [ctx.elapsed, h],
+            effort: ctx.elapsed + 0.5 * h,
             q: &from.q,
             v: &from.v,
             memory: &from.memory,
@@ -156,12 +188,12 @@ impl Point {
     }
 }
 
-/// Stiffest that a contact point may be for steps of `h` seconds, N/m: a fixed step cannot resolve
+/// Stiffest that a contact may be for steps of `h` seconds, N/m: a fixed step cannot resolve
 /// an oscillation faster than itself.
 pub(super) fn stiffness_limit(ctx: &Context, h: f64) -> f64 {
     if ctx.fixed_step > 0.0 {
         let omega = std::f64::consts::TAU / h.max(f64::MIN_POSITIVE);
-        0.25 * ctx.tree.moving_mass() * omega * omega
+        ctx.tree.moving_mass() * omega * omega
     } else {
         f64::INFINITY
     }

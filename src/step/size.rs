@@ -2,6 +2,7 @@
 
 use crate::state::{Sizes, Stepping};
 use crate::step::point::Context;
+use crate::tree::Tree;
 use crate::tuning::{
     FLOOR_FALL, FLOOR_REACH, FLOOR_RISE, FLOOR_TOLERANCE, GROWTH, LANDING, MAX_FLOOR, MIN_STEP,
     VELOCITY_WEIGHT,
@@ -114,13 +115,6 @@ impl Way {
         }
     }
 
-    /// Enters a step of `h` seconds that is taken whatever the error control proposes.
-    pub fn accept_short(&mut self, ctx: &Context, stepping: &mut Stepping, h: f64) {
-        let lengths = [h, self.remaining()];
-        patience(ctx, &mut stepping.sizes, lengths, Some(self.proposed));
-        self.book(stepping, h);
-    }
-
     /// Enters an accepted step of `h` seconds, and what the controller proposes next.
     fn book(&mut self, stepping: &mut Stepping, h: f64) {
         let sizes = &mut stepping.sizes;
@@ -191,4 +185,16 @@ pub(super) fn worst_error(errors: impl Iterator<Item = (f64, f64)>, weights: &[f
                 worst.max(error)
             }
         })
+}
+
+/// How fast anything turns that is not a wheel, rad/s.
+pub(super) fn fastest(tree: &Tree, v: &[f64]) -> f64 {
+    let mut fastest = 0.0;
+    for body in &tree.bodies {
+        let rate = body.kind.turn_rate(body.ratio, &v[body.dof..]);
+        if rate > fastest && !body.wheel {
+            fastest = rate;
+        }
+    }
+    fastest
 }

@@ -2,7 +2,9 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
+use crate::geometry::Faces;
 use crate::joint::Kind;
+use crate::law::normal::Stiffening;
 use crate::model::{Joint, Limits};
 use crate::sparsity::Sparsity;
 use crate::spatial::{Pose, Vec3};
@@ -71,14 +73,12 @@ pub struct Contacts {
     pub turning: Vec<Turning>,
     /// Whether any of them has some; filled by [`Tree::new`].
     pub resists_turning: bool,
-    /// Stiffness of a point of a link that has none of its own, N/m; filled by [`Tree::scale`].
-    pub stiffness: f64,
+    /// Spring of a contact of a link that has none of its own; filled by [`Tree::scale`].
+    pub spring: Stiffening,
     /// Dissipation of contacts without restitution, and of joint limits, s/m.
     pub dissipation: f64,
     /// Sliding speed at which friction has lost most of what it has more at rest, m/s.
     pub stribeck_velocity: f64,
-    /// Static penetration that the stiffness stands for, m; filled by [`Tree::scale`].
-    pub penetration: f64,
 }
 
 /// What acts along each degree of freedom, and how its errors count; each list has `nv` entries.
@@ -172,10 +172,10 @@ pub struct TreeCollider {
     pub dissipation_number: f64,
     /// Hunt–Crossley dissipation without restitution, s/m.
     pub dissipation: f64,
-    /// Stiffness of a point, N/m.
-    pub stiffness: f64,
-    /// Penetration under the robot's weight on four such points, m.
-    pub penetration: f64,
+    /// Spring of its contact.
+    pub spring: Stiffening,
+    /// Faces of a hull; none of another shape.
+    pub faces: Faces,
 }
 
 /// Dry friction of a degree of freedom, filled by [`Tree::tune`].
@@ -209,10 +209,8 @@ pub struct Turning {
     pub coefficient: [f64; 2],
     /// Inertia that the damping is critical for, kg·m².
     pub inertia: f64,
-    /// As [`TreeCollider::stiffness`].
-    pub stiffness: f64,
-    /// As [`TreeCollider::penetration`].
-    pub penetration: f64,
+    /// Normal force that the stiffness is made for, N: a quarter of the weight.
+    pub load: f64,
 }
 
 impl Turning {

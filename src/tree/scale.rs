@@ -4,6 +4,7 @@
 use super::parts::Tree;
 use crate::joint::Sweep;
 use crate::law::motor_constants;
+use crate::law::normal::Stiffening;
 use crate::model::Model;
 use crate::spatial::{Pose, Vec3};
 use crate::tuning::{LIMIT_DEFLECTION, OVERSPEED, REFERENCE_GRAVITY, SPEED_RELAXATION};
@@ -16,21 +17,17 @@ impl Tree {
     pub fn scale(&mut self, model: &Model, inertia: &[f64], poses: &[Pose]) {
         let mass = self.moving_mass();
         let weight = mass * REFERENCE_GRAVITY;
-        self.contact.stiffness = model
-            .contact
-            .stiffness
-            .unwrap_or(weight / (4.0 * model.contact.penetration));
-        self.contact.penetration = model
-            .contact
-            .stiffness
-            .map_or(model.contact.penetration, |k| weight / (4.0 * k));
+        let spring = |stiffness: Option<f64>| {
+            let penetration = model.contact.penetration;
+            stiffness.map_or(Stiffening::new(weight, penetration), |k| {
+                Stiffening::with_stiffness(k, weight)
+            })
+        };
+        self.contact.spring = spring(model.contact.stiffness);
         for collider in &mut self.contact.colliders {
             let own = model.links[collider.link].stiffness;
-            collider.stiffness = own.unwrap_or(self.contact.stiffness);
-            collider.penetration = own.map_or(self.contact.penetration, |k| weight / (4.0 * k));
-            let turning = &mut self.contact.turning[collider.link];
-            turning.stiffness = collider.stiffness;
-            turning.penetration = collider.penetration;
+            collider.spring = spring(own.or(model.contact.stiffness));
+            self.contact.turning[collider.link].load = 0.25 * weight;
         }
         self.dofs.inertia.copy_from_slice(inertia);
         // Reach: farthest shape or centre of mass, from the base and from each joint's axis, over

@@ -34,8 +34,8 @@ fn c8_a_ball_rebounds_with_the_coefficient_of_restitution_at_every_speed() {
     let table = [0.95, 0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3, 0.2, 0.1, 0.05];
     for (tolerance, allowed) in [
         (1e-3, [4e-3, 1.5e-2, 1.5e-2]),
-        (1e-4, [5e-4, 5e-3, 1e-2]),
-        (1e-6, [4e-5, 1e-4, 7e-4]),
+        (1e-4, [1.5e-3, 5e-3, 1e-2]),
+        (1e-6, [3e-3, 5e-4, 2e-3]),
     ] {
         for (speed, allowed) in [10.0, 1.0, 0.1].into_iter().zip(allowed) {
             let mut worst = 0.0_f64;
@@ -44,12 +44,7 @@ fn c8_a_ball_rebounds_with_the_coefficient_of_restitution_at_every_speed() {
                 worst = worst.max((rebound / e - 1.0).abs());
             }
             let what = format!("e = 0.05 … 0.95 at {speed} m/s, relative, tol {tolerance:.0e}");
-            if (5e-5..5e-4).contains(&tolerance) && speed < 1.0 {
-                let why = "half a millimetre deep, resolved to a tenth of that";
-                miss(["C8", &what, "Newton's e"], worst, allowed, 1.15e-2, why);
-            } else {
-                hold("C8", &what, "Newton's e", worst, allowed);
-            }
+            hold("C8", &what, "Newton's e", worst, allowed);
         }
     }
 }
@@ -75,8 +70,8 @@ fn c8_a_ball_rebounds_in_fixed_steps_too() {
 }
 
 /// C10. A ball of 5 mm at 10 and 50 m/s: as deep in the ground as Hunt and Crossley's law lets it
-/// in, ½ k x² = m (v/d − ln(1 + d v)/d²), looked at every 10 µs while it is there; and at rest
-/// after communication steps of 0.1 s, the first of which goes through the whole impact.
+/// in, K (½ x² + x⁵/5δ₁³) = m (v/d − ln(1 + d v)/d²), looked at every 10 µs while it is there; and
+/// at rest after communication steps of 0.1 s, the first of which goes through the whole impact.
 #[test]
 fn c10_a_fast_small_ball_does_not_tunnel() {
     let sphere = Shape::Sphere { radius: 0.005 };
@@ -90,9 +85,17 @@ fn c10_a_fast_small_ball_does_not_tunnel() {
     ] {
         b.model.initial.linear_velocity.z = -speed;
         let mut s = start(b.model.clone(), tolerance);
-        let (k, d) = (s.tree().contact.stiffness, s.tree().contact.dissipation);
+        let (k, d) = (1e-3 * G / 0.5625e-4, s.tree().contact.dissipation);
         let v = (speed * speed + 2.0 * G * 0.095).sqrt();
-        let deepest = (2e-3 / k * (v / d - (d * v).ln_1p() / (d * d))).sqrt();
+        let energy = 1e-3 * (v / d - (d * v).ln_1p() / (d * d));
+        let (mut deepest, mut more) = (0.0_f64, 3e-3);
+        while more > 1e-12 {
+            let x = deepest + more;
+            if k * (0.5 * x * x + 0.2 * x.powi(5) * 1e12) <= energy {
+                deepest = x;
+            }
+            more *= 0.5;
+        }
         let mut lowest = f64::INFINITY;
         // It falls 0.1 m in 10 ms at most, and is deepest some milliseconds later.
         for i in 1..=5000 {
@@ -102,17 +105,12 @@ fn c10_a_fast_small_ball_does_not_tunnel() {
         let beyond = -lowest / deepest - 1.0;
         let what = |what: &str| format!("{what}, {speed} m/s, tol {tolerance:.0e}");
         let (depth, law) = (what("greatest depth, relative"), "Hunt & Crossley, exact");
-        if speed > 10.0 {
-            let why = "deeper than 50 δ contacts are damped less, on the way in, too";
-            miss(["C10", &depth, law], beyond, deep, 2.4, why);
-        } else {
-            hold("C10", &depth, law, beyond, deep);
-        }
+        hold("C10", &depth, law, beyond, deep);
         let mut s = start(b.model.clone(), tolerance);
         run(&mut s, 4.0, 0.1);
-        let rest = s.state().physical.q[2] - (0.005 - 4e-4);
+        let rest = s.state().physical.q[2] - (0.005 - 5e-5);
         let place = what("place of rest in communication steps of 0.1 s, m");
-        hold("C10", &place, "m g/k deep", rest, rests);
+        hold("C10", &place, "law of stiffness", rest, rests);
     }
 }
 
@@ -120,12 +118,12 @@ fn c10_a_fast_small_ball_does_not_tunnel() {
 /// deeper than 50 δ at most 0.7 √(2 g (depth − 50 δ)), and does not hop.
 #[test]
 fn c13_an_initial_overlap_leaves_gently() {
-    for (depth, allowed) in [(0.01, [1.0, 1.0]), (0.05, [1.0, 1.0])] {
+    for (depth, allowed) in [(0.01, [1.6, 1.0]), (0.05, [1.0, 1.0])] {
         let mut b = block(0.5);
         b.model.initial.position.z = 0.1 - depth;
         let mut s = start(b.model, 1e-4);
         let slow = 1.0 / s.tree().contact.dissipation;
-        let fast = 0.7 * (2.0 * G * (depth - 50.0 * s.tree().contact.penetration)).sqrt();
+        let fast = 0.7 * (2.0 * G * (depth - 50.0 * s.tree().contact.spring.reference)).sqrt();
         let (mut inside, mut outside, mut highest) = (0.0_f64, 0.0_f64, 0.0_f64);
         for i in 1..=2000 {
             s.advance_to(f64::from(i) * 1e-3).expect("finite");
@@ -159,7 +157,13 @@ fn c13_an_initial_overlap_leaves_gently() {
             (highest - 0.1).max(0.0),
             0.0,
         );
-        let rest = s.state().physical.q[2] - (0.1 - s.tree().contact.penetration);
-        hold("C13", &what("place of rest, m"), "m g/Σk deep", rest, 2e-12);
+        let rest = s.state().physical.q[2] - (0.1 - 5e-5);
+        hold(
+            "C13",
+            &what("place of rest, m"),
+            "law of stiffness",
+            rest,
+            2e-12,
+        );
     }
 }

@@ -7,7 +7,7 @@
 
 use crate::random::Random;
 use std::sync::Arc;
-use urdf2fmu_core::force::{Contact, detect, find_turns};
+use urdf2fmu_core::force::{ContactSet, detect, find_turns};
 use urdf2fmu_core::geometry::Shape;
 use urdf2fmu_core::kinematics::Kinematics;
 use urdf2fmu_core::model::{ActuatorId, ActuatorMode, Model, Motion};
@@ -159,37 +159,45 @@ fn kinematics(s: &Simulation) -> Kinematics {
     kin
 }
 
-/// The contact points of a state, as a step from it would see them.
-pub fn contacts(s: &Simulation) -> Vec<Contact> {
-    touching(s, &kinematics(s))
+/// Normal force of all contacts of a state, as a step from it would see them, N.
+pub fn pressing(s: &Simulation) -> f64 {
+    let kin = kinematics(s);
+    let contacts = touching(s, &kin);
+    contacts
+        .iter()
+        .map(|c| c.normal_load(&contacts.points, &kin.V))
+        .sum()
 }
 
-fn touching(s: &Simulation, kin: &Kinematics) -> Vec<Contact> {
+fn touching(s: &Simulation, kin: &Kinematics) -> ContactSet {
     // In fixed steps a contact is no stiffer than oscillates as fast as the steps (docs/design.md).
     let limit = match s.parameter(ParameterSlot::StepSize) {
         step if step > 0.0 => {
             let omega = std::f64::consts::TAU / step;
-            0.25 * s.tree().moving_mass() * omega * omega
+            s.tree().moving_mass() * omega * omega
         }
         _ => f64::INFINITY,
     };
-    let mut list = Vec::new();
+    let mut list = ContactSet::new([0, 0]);
     let touches = &s.state().physical.memory.touches;
     detect(s.model(), s.tree(), touches, kin, H, limit, &mut list);
     list
 }
 
-/// What springs hold in a state, J: ½ k x² of the normal springs of contacts and of joint limits,
-/// and ½ k |ς|² of what friction has stored: of contacts, against turning, dry friction, velocity
-/// motors.
+/// What springs hold in a state, J: `K (½ δ² + δ⁵/5δ₁³)` of the normal springs of contacts with the
+/// fourth-power norm `δ` of their points' depths, ½ k x² of joint limits, and ½ k |ς|² of what
+/// friction has stored: of contacts, against turning, dry friction, velocity motors.
 pub fn stored(s: &Simulation) -> [f64; 2] {
     let (tree, state) = (s.tree(), s.state());
     let (mut springs, mut friction) = (0.0, 0.0);
     let kin = kinematics(s);
     let contacts = touching(s, &kin);
-    for contact in &contacts {
-        let depth = (-contact.gap).max(0.0);
-        springs += 0.5 * contact.spring.stiffness * depth * depth;
+    for contact in contacts.iter() {
+        let points = &contacts.points[contact.points.clone()];
+        let fourth = points.iter().map(|p| p.share * p.depth.max(0.0).powi(4));
+        let (depth, spring) = (fourth.sum::<f64>().powf(0.25), &contact.spring);
+        let excess = (depth / spring.reference).powi(3);
+        springs += spring.stiffness * depth * depth * (0.5 + 0.2 * excess);
         let element = &contact.friction;
         friction += 0.5 * element.stiffness * element.displacement.norm_squared();
     }

@@ -224,8 +224,8 @@ fn d5_axles_that_work_against_each_other_agree_with_short_steps() {
             "way of a rover, {raised} m higher, whose axles work against each other, m, tol 1e-3"
         );
         hold("D5", &what, "that at tol 1e-7", way - expected, allowed);
-        // It slips steadily: nothing calls for short steps.
-        assert!(steps < 100, "{steps}");
+        // It slips steadily: nothing calls for steps shorter than the longest with contact.
+        assert!(steps < 1000, "{steps}");
     }
 }
 
@@ -293,23 +293,23 @@ fn d2_a_standing_quadrupeds_forces_are_unique_and_carry_its_weight() {
     let [(all, _), (without, _)] = REST;
     let h = 1.0 / 240.0;
     for (tolerance, drop, h, rules, name, allowed) in [
-        (1e-4, 0.0, h, all, "tol 1e-4", [3e-8, 1e-12, 0.0, 0.0]),
+        (1e-4, 0.0, h, all, "tol 1e-4", [3e-8, 1e-10, 0.0, 0.0]),
         (
             1e-4,
             0.0,
             0.05,
             all,
             "tol 1e-4 in communication steps of 50 ms",
-            [2e-8, 0.0, 0.0, 1e-4],
+            [2e-8, 1e-11, 0.0, 1e-4],
         ),
-        (1e-6, 0.0, h, all, "tol 1e-6", [4e-10, 0.0, 0.0, 1e-5]),
+        (1e-6, 0.0, h, all, "tol 1e-6", [4e-10, 1e-11, 0.0, 1e-5]),
         (
             1e-4,
             0.01,
             h,
             all,
             "tol 1e-4 after a fall of 10 mm",
-            [3e-9, 8e-13, 0.0, 4e-4],
+            [3e-8, 2e-10, 0.0, 4e-4],
         ),
         (
             1e-4,
@@ -317,7 +317,7 @@ fn d2_a_standing_quadrupeds_forces_are_unique_and_carry_its_weight() {
             h,
             without,
             "tol 1e-4, rest detection off",
-            [1.5e-9, 6e-13, 2e-9, 3e-8],
+            [3e-8, 5e-11, 2e-9, 3e-8],
         ),
     ] {
         let mut model = robot("examples/quadruped.urdf", |_| {});
@@ -422,7 +422,7 @@ fn d7_falling_humanoids_stay_finite() {
     let share = floor as f64 / steps as f64;
     let what = "share of the steps accepted at the floor";
     let why = "light links oscillate between friction and normal force within nanoseconds";
-    miss(["D7", what, "none: no warning"], share, 0.0, 5.5e-3, why);
+    miss(["D7", what, "none: no warning"], share, 0.0, 1e-3, why);
     hold(
         "D7",
         "fastest joint or base after 2 s, rad/s",

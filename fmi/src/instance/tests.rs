@@ -80,12 +80,11 @@ fn rover() -> Model {
         ratio: 1.0,
         offset: 0.0,
     };
-    let collider = |index: usize, radius, slot| Collider {
+    let collider = |index: usize, radius| Collider {
         link: index.into(),
         body: index.into(),
         X_BG: Pose::IDENTITY,
         shape: Shape::Sphere { radius },
-        slot,
     };
     Model {
         name: "rover".into(),
@@ -123,7 +122,7 @@ fn rover() -> Model {
             })
             .collect(),
         nq: 8,
-        colliders: vec![collider(0, 0.2, 0), collider(1, 0.1, 1)],
+        colliders: vec![collider(0, 0.2), collider(1, 0.1)],
         actuators: vec![Actuator {
             joint: JointId(0),
             dof: DofId(6),
@@ -141,6 +140,7 @@ fn rover() -> Model {
             angular_velocity: Vec3::zeros(),
             joint_positions: vec![0.0],
             joint_velocities: vec![0.0],
+            set_down: false,
         },
         solver: SolverDefaults {
             step_size: 0.0,

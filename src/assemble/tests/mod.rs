@@ -22,6 +22,12 @@ mod mimic;
 mod outputs;
 mod robot;
 
+/// Whether a robot that is set down stands at a height: it sinks by up to the penetration of a
+/// single corner.
+fn sunk(z: f64, touching: f64) -> bool {
+    z < touching && touching - z < 1.01e-4
+}
+
 fn close(a: f64, b: f64) -> bool {
     (a - b).abs() <= 1e-12 * (1.0 + b.abs())
 }

@@ -8,8 +8,8 @@
 
 use super::{Newton, Problem};
 use crate::dynamics::crba::add_row;
-use crate::force::{Contact, Response};
-use crate::spatial::{Vec3, dot6, multiply_lower};
+use crate::force::{Contact, ContactPoint, PointResponse, Response, TurnResponse, normal_part};
+use crate::spatial::{Vec3, Vec6, dot6, multiply_lower};
 
 impl Newton {
     /// `H = M + Jᵀ G J` from the responses.
@@ -31,9 +31,12 @@ impl Newton {
         self.G[0] = [0.0; 21];
         let mut any = false;
         for (contact, response) in p.terms.contacts.iter().zip(&self.responses.contacts) {
-            if response.normal > 0.0 || response.tangential > 0.0 {
+            if response.presses() || response.friction.slope > 0.0 {
                 any = true;
-                add_point_stiffness(&mut self.G[contact.body], contact, response);
+                let own = contact.points.clone();
+                let points = &p.terms.contacts.points[own.clone()];
+                let response = (response, &self.responses.points[own]);
+                add_contact(&mut self.G[contact.body], contact, points, response, p.h);
             }
         }
         for (turn, response) in p.terms.turns.iter().zip(&self.responses.turns) {
@@ -88,7 +91,7 @@ impl Newton {
 
 /// `G = t 1 + (n − t) n̂n̂ᵀ − t ŝŝᵀ` of a response, lower triangle.
 #[inline]
-fn lower_triangle(n: &Vec3, r: &Response) -> [f64; 6] {
+fn lower_triangle(n: &Vec3, r: &TurnResponse) -> [f64; 6] {
     let (t, s) = (r.tangential, &r.slip);
     let N = r.normal - t;
     [
@@ -101,50 +104,99 @@ fn lower_triangle(n: &Vec3, r: &Response) -> [f64; 6] {
     ]
 }
 
-/// `G_B += Φᵀ G Φ` with `Φ = [−[x]× 1]` and a response's `G`, lower triangle.
+/// `G += weight · row rowᵀ`, lower triangle.
 #[inline]
-fn add_point_stiffness(G_B: &mut [f64; 21], contact: &Contact, r: &Response) {
-    let g = lower_triangle(&contact.normal, r);
-    let (x, y, z) = (contact.x.x, contact.x.y, contact.x.z);
-    // P = [x]× G
-    let P = [
-        [
-            y * g[3] - z * g[1],
-            y * g[4] - z * g[2],
-            y * g[5] - z * g[4],
-        ],
-        [
-            z * g[0] - x * g[3],
-            z * g[1] - x * g[4],
-            z * g[3] - x * g[5],
-        ],
-        [
-            x * g[1] - y * g[0],
-            x * g[2] - y * g[1],
-            x * g[4] - y * g[3],
-        ],
-    ];
-    // angular–angular: P [x]×ᵀ
-    G_B[0] += P[0][2] * y - P[0][1] * z;
-    G_B[1] += P[1][2] * y - P[1][1] * z;
-    G_B[2] += P[1][0] * z - P[1][2] * x;
-    G_B[3] += P[2][2] * y - P[2][1] * z;
-    G_B[4] += P[2][0] * z - P[2][2] * x;
-    G_B[5] += P[2][1] * x - P[2][0] * y;
-    // linear rows: Pᵀ, then G
-    G_B[6] += P[0][0];
-    G_B[7] += P[1][0];
-    G_B[8] += P[2][0];
-    G_B[9] += g[0];
-    G_B[10] += P[0][1];
-    G_B[11] += P[1][1];
-    G_B[12] += P[2][1];
-    G_B[13] += g[1];
-    G_B[14] += g[2];
-    G_B[15] += P[0][2];
-    G_B[16] += P[1][2];
-    G_B[17] += P[2][2];
-    G_B[18] += g[3];
-    G_B[19] += g[4];
-    G_B[20] += g[5];
+fn add_square(G: &mut [f64; 21], row: &Vec6, weight: f64) {
+    let mut place = 0;
+    for i in 0..6 {
+        let x = weight * row[i];
+        for y in &row[..=i] {
+            G[place] += x * y;
+            place += 1;
+        }
+    }
+}
+
+/// The row that gives the velocity along `direction` at `x` from O.
+#[inline]
+fn row(x: &Vec3, direction: &Vec3) -> Vec6 {
+    let moment = x.cross(direction);
+    [
+        moment.x,
+        moment.y,
+        moment.z,
+        direction.x,
+        direction.y,
+        direction.z,
+    ]
+}
+
+/// Adds the stiffness of a contact's response over `h` seconds to that of its body about O: the
+/// second derivatives of the costs in [`crate::force::Contact`].
+#[inline]
+fn add_contact(
+    G: &mut [f64; 21],
+    contact: &Contact,
+    points: &[ContactPoint],
+    (r, of): (&Response, &[PointResponse]),
+    h: f64,
+) {
+    let n = &contact.normal;
+    let (mut mean, mut load_mean) = ([0.0; 6], [0.0; 6]);
+    let strain = h * h * r.force;
+    for (p, response) in points.iter().zip(of) {
+        let push = row(&p.x, n);
+        let mut own = push;
+        if let Some(rim) = &p.rim {
+            let lean = rim.moment(&response.lean);
+            for (sum, x) in own.iter_mut().zip(lean.iter()) {
+                *sum += x;
+            }
+            // Two tangents, the first along which the rim leans at the end.
+            let (e, inverse) = response.end;
+            let first = e
+                .try_normalize(1e-12)
+                .unwrap_or_else(|| n.cross(&rim.axis_across()));
+            let second = n.cross(&first);
+            let damping = h * contact.tilting * p.load * rim.tilt_damping();
+            let weight = strain * response.weight * inverse;
+            for (tangent, bend) in [(first, 1.0 - e.norm_squared()), (second, 1.0)] {
+                let moment = rim.moment(&tangent);
+                let tilt = [moment.x, moment.y, moment.z, 0.0, 0.0, 0.0];
+                add_square(G, &tilt, weight * bend + damping);
+            }
+        }
+        add_square(G, &own, strain * response.bend);
+        for i in 0..6 {
+            mean[i] += response.weight * own[i];
+            load_mean[i] += p.load * push[i];
+        }
+    }
+    if r.presses() {
+        add_square(G, &mean, h * h * r.slope - 3.0 * strain / r.depth);
+    }
+    for (p, response) in points.iter().zip(of) {
+        if response.rocking > 0.0 {
+            let push = row(&p.x, n);
+            let apart = std::array::from_fn(|i| push[i] - load_mean[i]);
+            add_square(G, &apart, h * response.rocking);
+        }
+    }
+    let slope = h * r.friction.slope;
+    if slope > 0.0 {
+        let sliding = |direction: &Vec3| {
+            let (drilling, along) = normal_part(n, direction);
+            let mut row = row(&contact.center, &along);
+            for (sum, x) in row.iter_mut().zip(n.iter()) {
+                *sum += contact.radius * drilling * x;
+            }
+            row
+        };
+        for axis in [Vec3::x(), Vec3::y(), Vec3::z()] {
+            add_square(G, &sliding(&axis), slope);
+        }
+        if r.slips() {
+            add_square(G, &sliding(&r.friction.slip), -slope);
+        }
+    }
 }

@@ -36,7 +36,7 @@ impl Newton {
         for trial in 0..LINE_SEARCH_TRIALS {
             let inner = LINE_SEARCH_EDGE * (high - low);
             let along = (&self.direction[..], &self.along);
-            let curvature = p.terms.curvature(&self.responses, along);
+            let curvature = p.terms.curvature(&self.responses, along, p.h);
             let newton: f64 = alpha - value / (quadratic + curvature);
             alpha = if newton > low + inner && newton < high - inner && trial % 3 != 2 {
                 newton

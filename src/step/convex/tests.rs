@@ -2,9 +2,11 @@
 
 use super::*;
 use crate::dynamics::{crba, rnea};
-use crate::force::{Contact, Drive, JointTerm, Turn};
-use crate::law::{ElastoPlastic, HuntCrossley, SpeedLine};
+use crate::force::tests::random_contact;
+use crate::force::{ContactSet, Drive, JointTerm, Turn};
+use crate::law::{ElastoPlastic, SpeedLine};
 use crate::parameters::Parameters;
+use crate::spatial::Vec3;
 use crate::testing::{Random, random_tree};
 
 /// A random robot in motion with a contact on every body, each resisting turning, and a motor on
@@ -36,26 +38,11 @@ impl Case {
         kin.update_velocities(&tree, &v);
         rnea::bias(&tree, &mut kin, &v, &[], 0.0);
         let first = usize::from(!floating);
-        let contacts: Vec<Contact> = (first..tree.bodies.len())
-            .map(|body| Contact {
-                body,
-                slot: body,
-                x: random.vector(0.5),
-                normal: random.unit(),
-                gap: -2e-3,
-                spring: HuntCrossley {
-                    stiffness: 1e4,
-                    dissipation: 0.2,
-                },
-                friction: ElastoPlastic {
-                    cap: random.uniform(0.0, 20.0),
-                    stiffness: 8e3,
-                    damping: 30.0,
-                    ..ElastoPlastic::default()
-                },
-                ..Contact::default()
-            })
-            .collect();
+        let mut contacts = ContactSet::new([0, 0]);
+        for body in first..tree.bodies.len() {
+            let contact = random_contact(&mut random, body, &mut contacts.points);
+            contacts.list.push(contact);
+        }
         let turns = contacts
             .iter()
             .enumerate()
@@ -112,6 +99,11 @@ impl Case {
         }
     }
 
+    fn room(&self) -> [usize; 2] {
+        let contacts = &self.terms.contacts;
+        [contacts.len(), contacts.points.len()]
+    }
+
     fn problem(&self) -> Problem<'_> {
         Problem {
             tree: &self.tree,
@@ -143,7 +135,7 @@ fn the_hessian_is_the_derivative_of_the_gradient() {
     for seed in 0..60 {
         let case = Case::new(seed);
         let mut random = Random(1000 + seed);
-        let mut newton = Newton::new(&case.tree, case.terms.contacts.len());
+        let mut newton = Newton::new(&case.tree, case.room());
         let n = newton.v.len();
         let mut draw =
             |size: f64| -> Vec<f64> { (0..n).map(|_| random.uniform(-size, size)).collect() };
@@ -181,7 +173,7 @@ fn the_minimum_does_not_depend_on_the_guess() {
         let case = Case::new(seed);
         let problem = case.problem();
         let mut random = Random(2000 + seed);
-        let mut newton = Newton::new(&case.tree, case.terms.contacts.len());
+        let mut newton = Newton::new(&case.tree, case.room());
         let n = newton.v.len();
         let mut found: Vec<Vec<f64>> = Vec::new();
         for size in [0.0, 1.0, 30.0] {
@@ -207,7 +199,7 @@ fn the_minimum_does_not_depend_on_the_hessian_of_the_first_iteration() {
     let mut taken = 0;
     for seed in 0..60 {
         let mut case = Case::new(seed);
-        let new = |case: &Case| Newton::new(&case.tree, case.terms.contacts.len());
+        let new = |case: &Case| Newton::new(&case.tree, case.room());
         let solved = |case: &Case| {
             let mut newton = new(case);
             newton.guess(&case.problem(), &case.v0, &case.v0);

@@ -1,8 +1,8 @@
 //! Runge–Kutta steps of the equations of motion, with damping explicit or implicit.
 //!
 //! Used while no shape is near the ground, no limit is near, and no motor, servo or dry friction
-//! acts: robots in the air, passive or torque-driven arms. Quaternions are integrated as four
-//! numbers and normalised after each step.
+//! acts: robots in the air, passive or torque-driven arms, pd laws that a step resolves.
+//! Quaternions are integrated as four numbers and normalised after each step.
 //!
 //! Damping that is faster than the motion holds explicit steps up. It is linear, and diagonal in
 //! joint space, so it may be taken implicitly at no cost: with the velocity `u` of the explicit
@@ -52,7 +52,7 @@ pub struct RungeKutta {
     effort: Vec<f64>,
     /// Velocities that damping takes.
     damped: Vec<f64>,
-    /// Rotor inertia, and what implicit damping adds to it.
+    /// What implicit damping adds to the inertia, and rotor inertia if the tree is long.
     armature: Vec<f64>,
     articulated: Articulated,
     /// Whether stage 0 holds the rates at the current state.
@@ -126,7 +126,7 @@ impl RungeKutta {
         let tree = system.ctx.tree;
         if !self.fresh {
             self.damped.copy_from_slice(v);
-            self.accelerations(system, start, 0, v, 0.0);
+            self.accelerations(system, start, 0, (q, v), 0.0);
             position_rates(tree, q, v, &mut self.q_rate[0]);
             self.fresh = true;
         }
@@ -158,7 +158,7 @@ impl RungeKutta {
             } else {
                 self.damped.copy_from_slice(&stage_v);
             }
-            self.accelerations(system, kin, stage + 1, &stage_v, own);
+            self.accelerations(system, kin, stage + 1, (&stage_q, &stage_v), own);
             for (z, a) in self.damped.iter_mut().zip(&self.v_rate[stage + 1]) {
                 *z += own * a;
             }
@@ -232,37 +232,46 @@ impl RungeKutta {
         }
     }
 
-    /// Accelerations of stage `stage` from up-to-date kinematics for `v`; damping acts on
-    /// `self.damped` and `own` seconds of the acceleration.
+    /// Accelerations of stage `stage` from up-to-date kinematics for `q` and `v`; damping, that of
+    /// pd laws too, acts on `self.damped` and `own` seconds of the acceleration.
     fn accelerations(
         &mut self,
         system: &Smooth,
         kin: &Kinematics,
         stage: usize,
-        v: &[f64],
+        (q, v): (&[f64], &[f64]),
         own: f64,
     ) {
         let Context { tree, inputs, .. } = system.ctx;
         let acceleration = &mut self.v_rate[stage];
         self.effort.fill(0.0);
+        self.armature.fill(0.0);
         if tree.long {
             self.armature.copy_from_slice(&tree.dofs.armature);
         }
         for term in system.joints {
-            let v = v[term.dof];
+            let (v, damped) = (v[term.dof], self.damped[term.dof]);
+            let mut damping = term.damping;
             let effort = match (term.drive, term.actuator) {
                 (Drive::Effort(_), Some(index)) if inputs.varies() => {
                     let command = inputs.command(index, system.ctx.elapsed, 0.0);
                     effort(system.ctx.model, index, &command)
                 }
                 (Drive::Effort(effort), _) => effort,
+                (Drive::Pd { kp, kd, .. }, Some(index)) => {
+                    let command = inputs.command(index, system.ctx.elapsed, 0.0);
+                    let force = command.effort
+                        + kp * (command.position - q[term.coordinate])
+                        + kd * (command.velocity - damped);
+                    let cap = command.max_effort;
+                    damping += if force.abs() <= cap { kd } else { 0.0 };
+                    force.clamp(-cap, cap)
+                }
                 _ => 0.0,
             };
-            let resistance = term.damping * self.damped[term.dof];
+            let resistance = term.damping * damped;
             self.effort[term.dof] += term.line.cut((effort, 0.0), v).0 - resistance;
-            if tree.long {
-                self.armature[term.dof] += own * term.damping;
-            }
+            self.armature[term.dof] += own * damping;
         }
         if tree.long {
             self.articulated.accelerations_with(
@@ -281,8 +290,8 @@ impl RungeKutta {
         }
         self.factor.copy_from_slice(&kin.M);
         if own > 0.0 {
-            for term in system.joints {
-                self.factor[tree.sparsity.diagonal(term.dof)] += own * term.damping;
+            for (dof, damping) in self.armature.iter().enumerate() {
+                self.factor[tree.sparsity.diagonal(dof)] += damping;
             }
         }
         tree.sparsity.factor(&mut self.factor);

@@ -54,7 +54,8 @@ fn fixed_steps_are_split_for_fast_limbs_but_not_for_wheels() {
         (gained, s.state().stepping.counters.steps)
     };
     let (gained, steps) = whirl(0.1);
-    assert!(gained.abs() < 0.1, "{gained}");
+    // At a radian a step it loses 15 %; it must not gain.
+    assert!(gained < 1e-3 && gained > -0.2, "{gained}");
     assert!(steps > 2400, "{steps}");
     let (gained, steps) = whirl(0.0);
     assert!(gained.abs() < 1e-9, "{gained}");

@@ -22,7 +22,6 @@ mod joints;
 mod motors;
 mod order;
 mod properties;
-mod single;
 mod turning;
 
 const G: f64 = 9.81;

@@ -43,8 +43,9 @@ fn a_rolling_ball_slows_down_by_its_rolling_friction_and_stands() {
         assert!((found - a).abs() < 1e-4 * a, "{mode:?}: {found} {a}");
         run(&mut s, 6.0, 0.01);
         let x = s.state().physical.q[0];
-        // The element gives by a milliradian and more before it holds: 4 · 1e-3 R.
-        assert!((x - v0 * v0 / (2.0 * a)).abs() < 1e-3, "{mode:?}: {x}");
+        // The element gives by a milliradian and more before it holds, and the speed at which it
+        // takes hold is resolved to the tolerance: 2.3 mm at 1e-5.
+        assert!((x - v0 * v0 / (2.0 * a)).abs() < 3e-3, "{mode:?}: {x}");
         run(&mut s, 10.0, 0.01);
         let x = s.state().physical.q[0];
         run(&mut s, 70.0, 0.1);

@@ -1,0 +1,131 @@
+//! Where a contact carries its load: its depth, the shares of its points, their centre.
+
+#![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
+
+use super::contact::{Contact, normal_part};
+use super::point::{ContactPoint, norm};
+use crate::spatial::{Vec3, Vec6, angular, velocity_at};
+use crate::tuning::{EVEN_CORNERS, EVEN_DISC};
+
+impl Contact {
+    /// Moves its points by the displacement `way` of all bodies, and finds its depth and the shares
+    /// of its load there. Centre and radius stay, where a load has them.
+    pub(super) fn shift(&mut self, points: &mut [ContactPoint], way: &[Vec6]) {
+        let W = self.relative(way);
+        let w = angular(&W);
+        for p in &mut points[self.points.clone()] {
+            p.depth -= self.normal.dot(&velocity_at(&W, &p.x));
+            if let Some(rim) = &mut p.rim {
+                p.depth += rim.shift(&self.normal, &w);
+            }
+        }
+        let (loaded, center, radius) = (self.depth > 0.0, self.center, self.radius);
+        self.gather(points);
+        if loaded {
+            (self.center, self.radius) = (center, radius);
+        }
+        self.load = self.load.min(self.elastic_load(points));
+    }
+
+    /// Finds depth, shares of the load, centre and radius from the points that are there.
+    pub(crate) fn gather(&mut self, points: &mut [ContactPoint]) {
+        let own = &mut points[self.points.clone()];
+        let (depth, weights) = norm(own, |p| p.depth);
+        self.depth = depth;
+        let deepest = own
+            .iter()
+            .map(|p| p.depth)
+            .fold(f64::NEG_INFINITY, f64::max);
+        // Where nothing presses yet, the deepest points share the load to come.
+        let mut total = 0.0;
+        for p in own.iter_mut() {
+            p.load = if depth > 0.0 {
+                let part = p.depth.max(0.0) / depth;
+                p.share * part * part * part / weights
+            } else {
+                f64::from(u8::from(p.depth >= deepest))
+            };
+            total += p.load;
+        }
+        for p in own.iter_mut() {
+            p.load /= total;
+        }
+        self.center_on_load(points);
+    }
+
+    /// Takes the shares of the load from where the contact was before. Loads follow from depths
+    /// that are a hundredth of what a step moves by: a place that is expected does not know them.
+    pub(crate) fn take_loads(&mut self, points: &mut [ContactPoint], before: &[ContactPoint]) {
+        let own = &mut points[self.points.clone()];
+        let load = |p: &ContactPoint| before.iter().find(|b| b.corner == p.corner);
+        let total: f64 = own.iter().filter_map(|p| Some(load(p)?.load)).sum();
+        if total > 0.0 {
+            for p in own {
+                p.load = load(p).map_or(0.0, |b| b.load / total);
+            }
+            self.center_on_load(points);
+        }
+    }
+
+    /// Finds the centre of the load and its mean distance from it.
+    fn center_on_load(&mut self, points: &[ContactPoint]) {
+        let own = &points[self.points.clone()];
+        let mut center = Vec3::zeros();
+        for p in own {
+            center += p.x * p.load;
+        }
+        let mut radius = 0.0;
+        for p in own {
+            let (_, apart) = normal_part(&self.normal, &(p.x - center));
+            radius += p.load * apart.norm() * EVEN_CORNERS;
+            if let Some(rim) = &p.rim {
+                radius += p.load * EVEN_DISC * rim.radius * rim.flatness();
+            }
+        }
+        (self.center, self.radius) = (center, radius);
+    }
+}
+
+/// All contacts of a step, and their points.
+#[derive(Clone, Debug)]
+pub struct ContactSet {
+    /// By ascending slot.
+    pub list: Vec<Contact>,
+    /// Those of all contacts, in the same order.
+    pub points: Vec<ContactPoint>,
+}
+
+impl ContactSet {
+    /// Room for so many contacts and points.
+    pub fn new([contacts, points]: [usize; 2]) -> Self {
+        Self {
+            list: Vec::with_capacity(contacts),
+            points: Vec::with_capacity(points),
+        }
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.list.is_empty()
+    }
+
+    /// How many there are.
+    pub fn len(&self) -> usize {
+        self.list.len()
+    }
+
+    /// Each of them.
+    #[expect(
+        clippy::iter_without_into_iter,
+        reason = "the points belong to it, too"
+    )]
+    pub fn iter(&self) -> std::slice::Iter<'_, Contact> {
+        self.list.iter()
+    }
+
+    /// Drops all.
+    pub fn clear(&mut self) {
+        self.list.clear();
+        self.points.clear();
+    }
+}

@@ -1,0 +1,124 @@
+//! Rest: a robot that is set down, and one that stands still.
+//!
+//! A block that is set down on a slope is held by friction at once, or slides from the first
+//! instant on as friction at its cap lets it. Friction that began without a load would let it go
+//! until its springs are stretched, with a speed that stays. Here the springs of friction are
+//! stretched until they balance what drags at the robot in its initial pose, as far as their caps
+//! go.
+//!
+//! Where its height follows from the ground, the robot as one rigid body also sinks and tilts by
+//! the micrometres with which the ground carries its weight.
+
+#![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
+
+use crate::kinematics::advance;
+use crate::slots::ParameterSlot;
+use crate::state::State;
+use crate::step::driver::Stepper;
+use crate::step::point::Context;
+use crate::tuning::{FIXED_ACCURACY, LOCKED, REST_SPEED, SET_DOWN, SETTLING, SETTLING_STEPS};
+
+impl Stepper {
+    /// Stretches the springs of the contacts' friction in `state`, if the robot is at rest there,
+    /// and sets it down, if it is to be.
+    ///
+    /// Each of a number of implicit steps begins at rest, so that only what friction remembers, and
+    /// the pose, go on from one to the next. What its damper carries in one step is the spring's in
+    /// those after it.
+    pub fn settle(&mut self, ctx: &Context, state: &mut State) {
+        let initial = &ctx.model.initial;
+        #[expect(clippy::float_cmp, reason = "another height is somebody's wish")]
+        let set_down = initial.set_down
+            && ctx.parameters.get(ParameterSlot::InitialBasePosition(2)) == initial.position.z;
+        if state.physical.v.iter().any(|v| *v != 0.0) {
+            return;
+        }
+        self.attempt.stay(state);
+        if set_down && !self.stretch(ctx, state, true) {
+            // It tips over: there is no pose in which the ground carries it.
+            self.attempt.accept(state);
+        }
+        self.stretch(ctx, state, false);
+    }
+
+    /// Takes the steps, with all joints locked and the pose going on if the robot `sinks`; tells
+    /// whether it has come to rest.
+    fn stretch(&mut self, ctx: &Context, state: &mut State, sinks: bool) -> bool {
+        let tree = ctx.tree;
+        let mut speed = 0.0;
+        for _ in 0..SETTLING_STEPS {
+            self.here.update(ctx, &state.physical, SETTLING);
+            if self.here.terms.contacts.is_empty() {
+                return true;
+            }
+            if sinks {
+                for dof in 6..tree.sparsity.len() {
+                    self.here.kin.M[tree.sparsity.diagonal(dof)] *= LOCKED;
+                }
+            }
+            let problem = self.here.problem(tree, SETTLING, FIXED_ACCURACY[0]);
+            let solved = &mut self.implicit.full;
+            solved.guess_start(&problem, &state.physical.v);
+            if !solved.solve(&problem).converged {
+                return false;
+            }
+            let memory = &mut self.there_memory;
+            self.here.terms.remember(&solved.solved(), SETTLING, memory);
+            state.physical.memory.touches.clone_from(&memory.touches);
+            if sinks {
+                // It turns about x and y and moves along z.
+                for (dof, v) in solved.v.iter_mut().enumerate() {
+                    if !matches!(dof, 0 | 1 | 5) {
+                        *v = 0.0;
+                    }
+                }
+                speed = solved.v.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
+                self.settled.copy_from_slice(&state.physical.q);
+                let q = &mut state.physical.q;
+                advance(tree, &self.settled, &solved.v, SETTLING, q);
+            }
+        }
+        speed * SETTLING < SET_DOWN
+    }
+
+    /// If the robot stands still and all forces balance, it stays: nothing moves until `remaining`
+    /// has passed. The test does not depend on `h`, so it does not depend on the communication step
+    /// either.
+    ///
+    /// - `accuracy`: imbalance that does not set it going, relative to the forces
+    pub(super) fn rest(
+        &mut self,
+        ctx: &Context,
+        state: &mut State,
+        [h, remaining]: [f64; 2],
+        accuracy: f64,
+    ) -> bool {
+        let speed = state
+            .physical
+            .v
+            .iter()
+            .fold(0.0, |m: f64, v| m.max(v.abs()));
+        // Forces that balance now need not balance later if a command changes.
+        if !ctx.rules.rest || speed >= REST_SPEED || ctx.inputs.varies() {
+            return false;
+        }
+        let (here, attempt) = (&mut self.here, &mut self.attempt);
+        attempt.stay(state);
+        if speed > 0.0 {
+            attempt.end.v.fill(0.0);
+            here.update_motion(ctx, &attempt.end, h);
+        }
+        let solved = &mut self.implicit.full;
+        let balanced = solved.is_balanced(&here.problem(ctx.tree, h, accuracy));
+        if balanced {
+            attempt.trend.fill(0.0);
+            here.terms.drop_unloaded(&mut attempt.end.memory);
+            attempt.add_impulses(&here.terms, solved, [h, remaining / h]);
+            attempt.accept(state);
+            state.stepping.counters.steps += 1;
+        } else if speed > 0.0 {
+            here.update_motion(ctx, &state.physical, h);
+        }
+        balanced
+    }
+}

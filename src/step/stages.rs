@@ -1,0 +1,455 @@
+//! The implicit method: two stages with one mass matrix.
+//!
+//! A step of `h` seconds is a singly diagonally implicit Runge–Kutta step of order two with
+//! `γ = 1 − 1/√2` (SDIRK2, L-stable and stiffly accurate). With the forces `F` on a robot of the
+//! mass matrix `M` and the bias `k`, its stages are
+//!
+//! ```text
+//! M (V₁ − v₀) = γ h (F₁ − k)                        at q₀ ⊕ γ h V₁
+//! M (V₂ − v₀) = (1 − γ) h (F₁ − k) + γ h (F₂ − k)   at q₀ ⊕ ((1 − γ) h V₁ + γ h V₂)
+//! ```
+//!
+//! and the result is the second one. With `η = γ h` and `v₀' = v₀ + (1 + √2)(V₁ − v₀)`, both are
+//! implicit Euler steps over `η`, the second from `v₀'` at `q₀ ⊕ (1 − γ) h V₁`, as
+//! `(1 − γ)/γ = 1 + √2`; what springs remember goes on in the same way. So each is the convex
+//! minimisation of [`super::convex`], and both have the same matrix.
+//!
+//! `M`, `k`, joint motions and lever arms are those of one place, the expected middle of the step:
+//! `q* = q₀ ⊕ h/2 (v₀ + h/4 a)` and `v* = v₀ + h/2 a` with the acceleration `a` of the last step.
+//! As `Σ b_i (c_i − 1/2) = 0`, the order stays two. Displacements within a step are linear in that
+//! place: `d₀ = −h/2 (v₀ + h/4 a)` is where it begins, `d₂ = d₀ + (1 − γ) h V₁` where its second
+//! stage does.
+//!
+//! What rolls or sticks has a velocity of zero at the place of contact at each time, and that place
+//! turns within the step. So the sliding velocities of the stages have a drift beside the lever
+//! arms of the middle: what the expected velocity makes of the way of the lever arms from the start
+//! to the middle, in proportion to the time from there.
+//!
+//! A contact slips at `μ` times a normal force that is known before a solve: that which it has at
+//! the velocities that are expected. Where the solve finds another one, it is repeated.
+//!
+//! # Error
+//!
+//! With `R = F − k` at the start and at both stages, `(1 − γ) R₀ − R₁ + γ R₂` is of second order,
+//! and so is the same of the velocities. [`ESTIMATE`] times `h` of it is of the size of what the
+//! step errs by in its third order. What stiff springs and dampers make of it dies within the step:
+//! it is filtered by the step's own matrix `H = M + η D + η² K`, twice.
+//!
+//! Source: Alexander 1977 (the method); Hairer & Wanner 1996, section IV.8 (filtered estimates).
+
+#![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
+
+use crate::dynamics::{crba, rnea};
+use crate::force::{ContactSet, Memory, Terms, seek};
+use crate::joint::Sweep;
+use crate::kinematics::{advance, forward};
+use crate::model::Model;
+use crate::spatial::Vec6;
+use crate::state::Physical;
+use crate::step::attempt::Attempt;
+use crate::step::convex::{Newton, Problem};
+use crate::step::guards;
+use crate::step::point::{Context, Point};
+use crate::step::size::{fastest, worst_error};
+use crate::tree::Tree;
+use crate::tuning::{
+    COARSEST, CORRECTED, DRIFTING, ESTIMATE, ITERATED, LAG_SHARE, MAX_ATTEMPTS, START,
+    VELOCITY_WEIGHT,
+};
+use std::f64::consts::SQRT_2;
+
+/// `γ`.
+const GAMMA: f64 = 1.0 - 0.5 * SQRT_2;
+
+/// Time of each stage from the middle, in halves of the step.
+const DRIFT: [f64; 2] = [2.0 * GAMMA - 1.0, 1.0];
+
+/// The method and its scratch.
+#[derive(Clone, Debug)]
+pub(super) struct Stages {
+    /// The robot in the expected middle of the step.
+    pub middle: Point,
+    /// What acts in each stage, from where it begins.
+    pub terms: [Terms; 2],
+    /// The same as the second, moved by the error of its positions.
+    aside: Terms,
+    /// Solution of each stage.
+    pub solved: [Newton; 2],
+    /// Accelerations that are expected.
+    trend: Vec<f64>,
+    /// Positions in the middle.
+    q: Vec<f64>,
+    /// Velocities there.
+    v: Vec<f64>,
+    /// Displacement from there, `nv`, and that of all bodies.
+    moved: Vec<f64>,
+    way: Vec<Vec6>,
+    /// Velocity from which a stage begins, and that which is expected at its end.
+    from: Vec<f64>,
+    guess: Vec<f64>,
+    /// What terms remember after the first stage.
+    memory: Memory,
+    /// Scratch of the estimate: forces at the start, errors of velocities and positions.
+    forces: Vec<f64>,
+    error: [Vec<f64>; 2],
+    probe: Newton,
+    /// Most Newton iterations in a solve since the communication step has begun.
+    pub iterations: usize,
+}
+
+#[cfg(test)]
+crate::spoil::spoil!(
+    Stages: middle terms aside solved trend q v moved way from guess memory forces error probe iterations;
+);
+
+impl Stages {
+    /// Room for a robot.
+    pub fn new(model: &Model, tree: &Tree) -> Self {
+        let (room, nv) = (model.contact_room(), model.nv());
+        // Not clones of one: a clone has no room beyond its length.
+        let newton = || Newton::new(tree, room);
+        Self {
+            middle: Point::new(model, tree),
+            terms: [Terms::new(model), Terms::new(model)],
+            aside: Terms::new(model),
+            solved: [newton(), newton()],
+            trend: vec![0.0; nv],
+            q: vec![0.0; model.nq],
+            v: vec![0.0; nv],
+            moved: vec![0.0; nv],
+            way: vec![[0.0; 6]; tree.bodies.len()],
+            from: vec![0.0; nv],
+            guess: vec![0.0; nv],
+            memory: Memory::new(model),
+            forces: vec![0.0; nv],
+            error: [vec![0.0; nv], vec![0.0; nv]],
+            probe: newton(),
+            iterations: 0,
+        }
+    }
+
+    /// Solves a step of `h` seconds from where `here` stands; tells whether that went well.
+    ///
+    /// - `trend`: acceleration of the last step
+    pub fn solve(
+        &mut self,
+        ctx: &Context,
+        (here, from): (&Point, &Physical),
+        trend: &[f64],
+        [h, accuracy]: [f64; 2],
+    ) -> bool {
+        self.trend.copy_from_slice(trend);
+        if !self.run_stages(ctx, (here, from), [h, accuracy]) {
+            return false;
+        }
+        let end = &self.solved[1].v;
+        if h * fastest(ctx.tree, &from.v).max(fastest(ctx.tree, end)) <= CORRECTED {
+            return true;
+        }
+        // Once more from the middle that it has found.
+        for (trend, (v0, v)) in self.trend.iter_mut().zip(from.v.iter().zip(end)) {
+            *trend = (v - v0) / h;
+        }
+        self.run_stages(ctx, (here, from), [h, accuracy])
+    }
+
+    /// Solves both stages of a step of `h` seconds with the accelerations `self.trend`.
+    fn run_stages(
+        &mut self,
+        ctx: &Context,
+        (here, from): (&Point, &Physical),
+        [h, accuracy]: [f64; 2],
+    ) -> bool {
+        self.stand(ctx, from, h);
+        self.find_drift(ctx, here);
+        let trend = &self.trend;
+        let eta = GAMMA * h;
+        // First stage.
+        for (guess, (v, a)) in self.guess.iter_mut().zip(from.v.iter().zip(trend)) {
+            *guess = v + eta * a;
+        }
+        self.from.copy_from_slice(&from.v);
+        self.begin(ctx, from, (0, h));
+        if !self.run(ctx, 0, [eta, accuracy]) {
+            return false;
+        }
+        let solved = self.solved[0].solved();
+        self.terms[0].remember(&solved, eta, &mut self.memory);
+        // Second stage.
+        let rows = self.guess.iter_mut().zip(&mut self.from);
+        let ends = from.v.iter().zip(&self.solved[0].v);
+        for (((guess, start), moved), (v0, v1)) in rows.zip(&mut self.moved).zip(ends) {
+            *guess = v0 + (v1 - v0) / GAMMA;
+            *start = v0 + (1.0 + SQRT_2) * (v1 - v0);
+            *moved += (1.0 - GAMMA) * h * v1;
+        }
+        self.begin(ctx, from, (1, h));
+        self.run(ctx, 1, [eta, accuracy])
+    }
+
+    /// Puts the robot into the expected middle of the step; `self.moved` leads back to its start.
+    fn stand(&mut self, ctx: &Context, from: &Physical, h: f64) {
+        let (tree, trend) = (ctx.tree, &self.trend);
+        for (i, (v, a)) in from.v.iter().zip(trend).enumerate() {
+            self.v[i] = v + 0.25 * h * a;
+            self.moved[i] = -0.5 * h * self.v[i];
+        }
+        advance(tree, &from.q, &self.v, 0.5 * h, &mut self.q);
+        for (middle, (v, a)) in self.v.iter_mut().zip(from.v.iter().zip(trend)) {
+            *middle = v + 0.5 * h * a;
+        }
+        let Point { kin, .. } = &mut self.middle;
+        kin.update_poses(tree, &self.q);
+        crba::mass_matrix(tree, kin);
+        kin.update_velocities(tree, &self.v);
+        let wrenches = &ctx.inputs.wrenches;
+        rnea::bias(tree, kin, &self.v, wrenches, ctx.elapsed + 0.5 * h);
+        self.middle.find_around(ctx, from, (&self.q, h));
+    }
+
+    /// Sets the drift of contacts from the start to the middle, and the shares of their load to
+    /// those of the start.
+    fn find_drift(&mut self, ctx: &Context, here: &Point) {
+        if self.middle.terms.contacts.is_empty() {
+            return;
+        }
+        forward(ctx.tree, &here.kin.S, &self.v, &mut self.way);
+        let Point { kin, terms } = &mut self.middle;
+        let mut starts = here.terms.contacts.iter().peekable();
+        let ContactSet { list, points } = &mut terms.contacts;
+        for contact in list {
+            let start = seek(&mut starts, contact.slot, |c| c.slot);
+            if let Some(start) = start.filter(|c| c.depth > 0.0 && contact.depth > 0.0) {
+                contact.take_loads(points, &here.terms.contacts.points[start.points.clone()]);
+                let moved = contact.sliding(&kin.V) - start.sliding(&self.way);
+                contact.drift = moved * DRIFTING;
+            }
+        }
+    }
+
+    /// Sets up what acts in a stage from `self.moved`.
+    fn begin(&mut self, ctx: &Context, from: &Physical, (stage, h): (usize, f64)) {
+        if ctx.inputs.varies() {
+            let end = [GAMMA, 1.0][stage] * h;
+            self.middle.set_joints(ctx, from, (&self.q, [end, end]));
+        }
+        let Self {
+            middle,
+            terms,
+            moved,
+            way,
+            memory,
+            ..
+        } = self;
+        forward(ctx.tree, &middle.kin.S, moved, way);
+        let after = (stage > 0).then_some((&*memory, 1.0 + SQRT_2));
+        terms[stage].begin(&middle.terms, (way, moved), after);
+        terms[stage].scale_drift(DRIFT[stage]);
+    }
+
+    /// Solves a stage of `eta` seconds from `self.from`, near `self.guess`, with the friction cones
+    /// that it finds itself.
+    fn run(&mut self, ctx: &Context, stage: usize, [eta, accuracy]: [f64; 2]) -> bool {
+        let tree = ctx.tree;
+        let [first, second] = &mut self.solved;
+        let (solved, before) = if stage == 0 {
+            (first, None)
+        } else {
+            (second, Some(&*first))
+        };
+        let [first_terms, second_terms] = &mut self.terms;
+        let (terms, before_terms) = if stage == 0 {
+            (first_terms, None)
+        } else {
+            (second_terms, Some(&*first_terms))
+        };
+        let kin = &self.middle.kin;
+        macro_rules! problem {
+            () => {
+                Problem {
+                    tree,
+                    kin,
+                    bias: &kin.bias,
+                    terms,
+                    h: eta,
+                    accuracy,
+                    iterated: accuracy.max((ITERATED * accuracy).min(COARSEST)),
+                }
+            };
+        }
+        solved.guess(&problem!(), &self.from, &self.guess);
+        if !terms.contacts.is_empty() {
+            terms.respond(&solved.v, &solved.at, eta, &mut solved.responses);
+            terms.carry(&solved.responses, eta);
+        }
+        for attempt in 0..=MAX_ATTEMPTS {
+            let outcome = match (attempt, before, before_terms) {
+                (0, Some(before), Some(terms)) => {
+                    solved.solve_after(&problem!(), (before, &terms.contacts))
+                }
+                (0, ..) => solved.solve(&problem!()),
+                _ => solved.solve_again(&problem!()),
+            };
+            self.iterations = self.iterations.max(outcome.iterations);
+            if !outcome.converged {
+                return false;
+            }
+            let mass = tree.moving_mass();
+            let allowed = LAG_SHARE * ctx.tolerance * mass / VELOCITY_WEIGHT;
+            if !ctx.rules.cones
+                || attempt == MAX_ATTEMPTS
+                || eta * terms.cone_lag(&solved.responses, eta) <= allowed
+            {
+                break;
+            }
+            terms.carry(&solved.responses, eta);
+        }
+        true
+    }
+
+    /// Error of the step of `h` seconds that has just been solved, relative to the tolerance.
+    pub fn error(&mut self, ctx: &Context, from: &Physical, h: f64) -> f64 {
+        let (tree, eta) = (ctx.tree, GAMMA * h);
+        let pattern = &tree.sparsity;
+        let kin = &self.middle.kin;
+        macro_rules! problem {
+            ($terms:expr, $h:expr) => {
+                Problem {
+                    tree,
+                    kin,
+                    bias: &kin.bias,
+                    terms: $terms,
+                    h: $h,
+                    accuracy: 0.0,
+                    iterated: 0.0,
+                }
+            };
+        }
+        // Forces at the start, as the limit of a short step.
+        let start = START * h;
+        self.terms[0].scale_drift(-1.0 / DRIFT[0]);
+        self.probe
+            .forces_at(&problem!(&self.terms[0], start), &from.v, &mut self.forces);
+        let [first, second] = &self.solved;
+        let [velocity, position] = &mut self.error;
+        for i in 0..velocity.len() {
+            let (r0, r1, r2) = (
+                h * self.forces[i] / start,
+                first.change[i] / GAMMA,
+                second.change[i] / GAMMA,
+            );
+            velocity[i] = ESTIMATE * ((1.0 - GAMMA) * r0 - r1 + GAMMA * r2);
+            let (v0, v1, v2) = (from.v[i], first.v[i], second.v[i]);
+            position[i] = ESTIMATE * h * ((1.0 - GAMMA) * v0 - v1 + GAMMA * v2);
+        }
+        // What the positions' error does to the forces of the second stage, times η.
+        forward(tree, &kin.S, position, &mut self.way);
+        self.aside
+            .begin(&self.terms[1], (&self.way, position), None);
+        self.probe
+            .forces_at(&problem!(&self.aside, eta), &second.v, &mut self.forces);
+        second.forces_found(&mut self.guess);
+        for (velocity, (moved, here)) in
+            velocity.iter_mut().zip(self.forces.iter().zip(&self.guess))
+        {
+            *velocity += moved - here;
+        }
+        let factor = self.solved[1].factor(&problem!(&self.terms[1], eta));
+        pattern.solve(factor, velocity);
+        // Once more: what dies within the step is no error of it.
+        pattern.multiply(&kin.M, velocity, &mut self.guess);
+        velocity.copy_from_slice(&self.guess);
+        pattern.solve(factor, velocity);
+        for (position, velocity) in position.iter_mut().zip(&*velocity) {
+            *position += eta * velocity;
+        }
+        self.add_turning(ctx, from, h);
+        let [velocity, position] = &self.error;
+        let errors = position.iter().copied().zip(velocity.iter().copied());
+        worst_error(errors, &tree.dofs.weight) / ctx.tolerance
+    }
+
+    /// Adds to the errors what one place for the whole step leaves where something turns, which the
+    /// stages do not see. What changes by `dv` in a step that turns by `θ` turns with it: by
+    /// quadrature over the step, the midpoint rule errs by `θ² dv/24`, and positions by `θ h dv/12`
+    /// along what turns.
+    fn add_turning(&mut self, ctx: &Context, from: &Physical, h: f64) {
+        let tree = ctx.tree;
+        let end = &self.solved[1].v;
+        let theta = h * fastest(tree, &from.v).max(fastest(tree, end));
+        let [velocity, position] = &mut self.error;
+        for body in &tree.bodies {
+            for column in 0..body.columns {
+                let i = tree.dof[body.column + column];
+                let change = (end[i] - from.v[i]).abs();
+                velocity[i] = velocity[i].abs().max(theta * theta * change / 24.0);
+                if !matches!(body.kind.sweep(column), Sweep::Along) {
+                    position[i] = position[i].abs().max(theta * h * change / 12.0);
+                }
+            }
+        }
+    }
+
+    /// Whether a rim leans to another side in one stage than where the step begins or in the other:
+    /// its load crosses the face, and two stages would throw it to and fro.
+    pub fn flips(&self) -> bool {
+        let [first, second] = &self.solved;
+        let ends = first.responses.points.iter().zip(&second.responses.points);
+        let mut points = self.terms[0].contacts.points.iter().zip(ends);
+        points.any(|(start, (one, two))| {
+            start.rim.is_some_and(|rim| {
+                let (start, one, two) = (rim.a, one.end.0, two.end.0);
+                start.dot(&one) < 0.0 || start.dot(&two) < 0.0 || one.dot(&two) < 0.0
+            })
+        })
+    }
+
+    /// Whether a contact or a limit presses in one stage and not in the other, or not where the
+    /// step begins.
+    pub fn changes(&self) -> bool {
+        let [first, second] = &self.solved;
+        let ([start, _], [one, two]) = (&self.terms, [&first.responses, &second.responses]);
+        let contacts = start.contacts.iter().zip(&one.contacts).zip(&two.contacts);
+        let mut contacts =
+            contacts.map(|((start, one), two)| [start.depth > 0.0, one.presses(), two.presses()]);
+        let inside = |terms: &Terms| {
+            let joints = terms.joints.iter();
+            joints.fold(0, |count, term| {
+                count + u32::from(term.gap[0] < 0.0) + u32::from(term.gap[1] < 0.0)
+            })
+        };
+        let limits = inside(&self.terms[0]) != inside(&self.terms[1]);
+        limits || contacts.any(|[start, one, two]| start != one || one != two)
+    }
+
+    /// Work of motors and external wrenches over the step of `h` seconds, J.
+    pub fn work(&self, ctx: &Context, h: f64) -> f64 {
+        let eta = GAMMA * h;
+        let mut work = 0.0;
+        for ((terms, solved), share) in self
+            .terms
+            .iter()
+            .zip(&self.solved)
+            .zip([(1.0 - GAMMA) * h, eta])
+        {
+            work += share / eta * guards::work(ctx, &self.middle.kin, (terms, solved), eta);
+        }
+        work
+    }
+
+    /// Puts the result of the step of `h` seconds into `attempt`.
+    pub fn finish(&mut self, ctx: &Context, from: &Physical, h: f64, attempt: &mut Attempt) {
+        let eta = GAMMA * h;
+        let [first, second] = &self.solved;
+        let [before, terms] = &self.terms;
+        attempt.end.v.copy_from_slice(&second.v);
+        terms.remember(&second.solved(), eta, &mut attempt.end.memory);
+        for (moved, (v1, v2)) in self.moved.iter_mut().zip(first.v.iter().zip(&second.v)) {
+            *moved = (1.0 - GAMMA) * v1 + GAMMA * v2;
+        }
+        advance(ctx.tree, &from.q, &self.moved, h, &mut attempt.end.q);
+        attempt.add_impulses(before, first, [eta, 1.0 + SQRT_2]);
+        attempt.add_impulses(terms, second, [eta, 1.0]);
+        attempt.end_trend(&from.v, h);
+    }
+}
