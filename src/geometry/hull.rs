@@ -11,7 +11,7 @@
 //! Source: Barber, Dobkin and Huhdanpaa 1996, The Quickhull Algorithm for Convex Hulls.
 
 use crate::spatial::Vec3;
-use std::collections::{BinaryHeap, HashMap};
+use std::collections::{BTreeMap, BinaryHeap};
 
 /// Part of the size (half the longest edge of the bounding box) below which a point counts as on
 /// the hull. Mesh files hold seven digits.
@@ -350,9 +350,9 @@ impl<'p> Solid<'p> {
     fn add(&mut self, seen_by: usize, apex: usize) -> bool {
         let p = self.points[apex];
         let mut visible = vec![seen_by];
-        let mut is_visible: HashMap<usize, bool> = HashMap::from([(seen_by, true)]);
+        let mut is_visible: BTreeMap<usize, bool> = BTreeMap::from([(seen_by, true)]);
         // Edges of the rim by their start: end, facet beyond.
-        let mut rim: HashMap<usize, (usize, usize)> = HashMap::new();
+        let mut rim: BTreeMap<usize, (usize, usize)> = BTreeMap::new();
         let mut edges = 0;
         let mut next = 0;
         while let Some(&f) = visible.get(next) {
@@ -439,7 +439,7 @@ impl<'p> Solid<'p> {
             .chain(&self.skipped);
         let error = left.map(|&i| self.distance(i, &faces)).fold(0.0, f64::max);
         let corners = self.corners();
-        let place: HashMap<usize, usize> =
+        let place: BTreeMap<usize, usize> =
             corners.iter().enumerate().map(|(k, &i)| (i, k)).collect();
         let faces = faces.iter().map(|f| f.map(|i| place[&i])).collect();
         (corners, faces, error)
