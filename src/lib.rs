@@ -31,8 +31,8 @@
 //! let z = simulation.output(OutputSlot::BasePosition(2));
 //! assert!((z - (1.0 - 9.81 * 0.4 * 0.4 / 2.0)).abs() < 1e-9);
 //! simulation.advance_to(3.0).unwrap();
-//! // At rest on the ground, 0.4 mm deep: one point carries what the stiffness spreads over four.
-//! assert!((simulation.output(OutputSlot::BasePosition(2)) - (0.1 - 4e-4)).abs() < 1e-6);
+//! // At rest on the ground, half of `contact.penetration` deep.
+//! assert!((simulation.output(OutputSlot::BasePosition(2)) - (0.1 - 5e-5)).abs() < 1e-9);
 //! # }
 //! ```
 //!

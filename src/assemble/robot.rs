@@ -6,6 +6,7 @@
 use super::findings::{Findings, counted, listed};
 use super::masses::{given_inertia, link_inertia, report_missing_masses};
 use crate::diagnostic::Place;
+use crate::geometry::Shape;
 use crate::model::{ActuatorMode, Joint, JointKind, Limits, Link};
 use crate::settings::{
     Compat, InertiaSource, JointSettings, LinkSettings, STATIC_FRICTION_HELP, Settings, WheelFit,
@@ -178,17 +179,30 @@ impl Robot {
 }
 
 impl Robot {
-    /// Takes over the contact springs of the file that the settings leave open. A damping, N·s/m,
-    /// is `PyBullet`'s where it matters, under a fourth of the robot's weight: there a point's
-    /// damping is its load times the dissipation.
+    /// Takes over the contact springs of the file that the settings leave open. They are those of
+    /// each of `PyBullet`'s contact points, of which a face has four; here a contact has one for
+    /// all. The damping, N·s/m, is `PyBullet`'s where it matters, under the robot's weight: there
+    /// it is the load times the dissipation.
     fn take_springs(&mut self, description: &Description) {
         let mass: f64 = self.links.iter().map(|link| link.inertia.mass).sum();
-        let load = 0.25 * mass * REFERENCE_GRAVITY;
+        let load = mass * REFERENCE_GRAVITY;
         for (link, file) in self.links.iter_mut().zip(&description.links) {
-            link.stiffness = link.stiffness.or(file.stiffness.filter(|&k| k > 0.0));
-            let dissipation = file.damping.filter(|_| load > 0.0).map(|c| c / load);
-            link.dissipation = link.dissipation.or(dissipation);
+            let shapes = file.collisions.iter().map(|collision| &collision.shape);
+            let points = shapes.map(contact_points).fold(1.0, f64::max);
+            let stiffness = file.stiffness.filter(|&k| k > 0.0).map(|k| k * points);
+            link.stiffness = link.stiffness.or(stiffness);
+            let dissipation = file.damping.filter(|_| load > 0.0);
+            link.dissipation = link.dissipation.or(dissipation.map(|c| c * points / load));
         }
+    }
+}
+
+/// With how many points a shape that lies on the ground touches it in `PyBullet`.
+fn contact_points(shape: &Shape) -> f64 {
+    match shape {
+        Shape::Sphere { .. } => 1.0,
+        Shape::Capsule { .. } => 2.0,
+        Shape::Box { .. } | Shape::Cylinder { .. } | Shape::Hull { .. } => 4.0,
     }
 }
 

@@ -72,11 +72,12 @@ impl Stiffening {
         }
     }
 
-    /// The spring of a given stiffness, N/m, that stiffens as one made for `weight`, N, does.
+    /// The spring that is as deep under `weight`, N, as a linear one of `stiffness`, N/m.
     pub fn with_stiffness(stiffness: f64, weight: f64) -> Self {
+        // With `W/k = δ₁/2`, as in `new`.
         Self {
-            stiffness,
-            reference: weight / (0.5625 * stiffness),
+            stiffness: stiffness / 1.125,
+            reference: 2.0 * weight / stiffness,
         }
     }
 

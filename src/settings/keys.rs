@@ -149,7 +149,7 @@ pub const KEYS: &[Key] = &[
         "contact.stiffness",
         Number(Stiffness),
         None,
-        "N/m of a contact under a light load, instead of penetration",
+        "N/m, the robot's weight over the depth of a contact under it; instead of penetration",
     ),
     key(
         "contact.dissipation",
@@ -463,7 +463,7 @@ pub const KEYS: &[Key] = &[
         "link.*.stiffness",
         Number(Stiffness),
         None,
-        "N/m of a contact of the link under a light load; without it [contact]'s",
+        "N/m, the robot's weight over the depth of a contact of the link under it; without it [contact]'s",
     ),
     key(
         "link.*.dissipation",

@@ -395,8 +395,14 @@ impl Stepper {
                 Verdict::Fail => return Err(Stop::NotFinite),
             }
             if error > 1.0 {
-                // Taken at the shortest step.
-                self.finish(ctx, state, staged, h);
+                // Taken at the shortest step, by the method that throws nothing back.
+                let problem = self.here.problem(ctx.tree, h, accuracy);
+                let (from, trend) = (&state.physical, &state.stepping.trend);
+                let alone = staged && {
+                    let error = self.implicit.solve_alone(ctx, &problem, from, (trend, h));
+                    error.is_finite()
+                };
+                self.finish(ctx, state, staged && !alone, h);
                 self.there.pose(ctx, &self.attempt.end);
             }
             way.standing = Standing::Posed;

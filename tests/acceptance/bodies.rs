@@ -204,15 +204,18 @@ fn d3_a_mass_ratio_of_a_million_rests_at_the_static_penetration() {
     let weight = 1000.001 * G;
     let expected = Law::new(weight, 1e-4).depth(0.25 * weight, 1.0);
     let depth = (0.05 - s.state().physical.q[2]) / expected - 1.0;
+    // The forces on a robot at rest may be out of balance by 1e-8 of them (`tuning::BALANCE` times
+    // the tolerance), on each of two bodies.
+    let balance = 2e-8;
     hold(
         "D3",
         "depth of 1 g under 1 t, relative",
         "law of stiffness",
         depth,
-        1e-8,
+        balance,
     );
     let force = carried(&mut s) / (1000.001 * G) - 1.0;
-    hold("D3", "force under them, relative", "m g", force, 1e-8);
+    hold("D3", "force under them, relative", "m g", force, balance);
 }
 
 /// D4. A rimless wheel of eight spokes (α = π/8, l = 1 m, I = j m l²) walks down a slope of 0.08

@@ -316,14 +316,17 @@ def test_a_box_on_springs_sinks_as_deep(write, world, pybullet_data, export, loa
 
 @pytest.mark.parametrize("dissipation", [10, 1000])
 def test_a_box_sinks_into_the_springs_of_the_settings_as_fast_as_their_law_says(dissipation, write, export, load):
-    # m ẍ = m g − 4 k x (1 + d ẋ), x being the depth: Hunt and Crossley's law, integrated by Euler in steps of 1 µs.
-    m, g, k = 2, 9.81, 3000
+    # m ẍ = m g − F(x) (1 + d ẋ), x being the depth: Hunt and Crossley's law, integrated by Euler in steps of 1 µs. The
+    # spring F = K x (1 + (x/x₁)³) is m g at x₁/2 = m g/k.
+    m, g, k = 2, 9.81, 12000
+    x1 = 2 * m * g / k
     urdf = write(link("a", collision('<box size="0.4 0.4 0.1"/>')))
-    robot = load(export(urdf, f'[link."*"]\nstiffness = {k}\ndissipation = {dissipation}\n[solver]\ntolerance = 1e-6\n'))
+    robot = load(export(urdf, f'[link."*"]\nstiffness = {k}\ndissipation = {dissipation}\n'
+                              '[solver]\ntolerance = 1e-6\n[initial]\nxyz = [0, 0, 0.05]\n'))
     x = v = 0.0
     for _ in range(20):
         for _ in range(5000):
-            v += 1e-6 * (g - 4 * k * x * max(0, 1 + dissipation * v) / m)
+            v += 1e-6 * (g - k / 1.125 * x * (1 + (x / x1) ** 3) * max(0, 1 + dissipation * v) / m)
             x += 1e-6 * v
         robot.step(0.005)
         assert 0.05 - robot["base.position.z"] == pytest.approx(x, rel=5e-3, abs=1e-6)

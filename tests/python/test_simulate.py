@@ -111,7 +111,9 @@ def test_faulty_inputs_are_told_with_their_place(command, export, examples, tmp_
     (["--start-value", "world.gravity.z"], 2, "2 values"),
     (["--start-value", "solver.step_size", "-1"], 3, "0 or a number from 1e-7 to 1.0"),
     (["--start-value", "world.gravity.z", "-1e308"], 3, "a number from -1e4 to 1e4"),
-    (["--start-value", "solver.max_steps", "1", "--output-interval", "1"], 3, "stopped at 0 s"),
+    # A robot that rests needs no step.
+    (["--start-value", "solver.max_steps", "1", "--start-value", "cmd.head_joint.velocity", "1", "--output-interval", "1"],
+     3, "stopped at 0 s"),
 ])
 def test_exit_codes_tell_whose_fault_it_is(command, export, examples, tmp_path, arguments, code, words):
     output = ["--output-file", tmp_path / "out.csv"]
