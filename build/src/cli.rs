@@ -12,7 +12,8 @@ use urdf2fmu_core::settings::{BaseChoice, Compat, InertiaSource};
 #[derive(Debug, Parser)]
 #[command(version, about, long_about = None, max_term_width = 100)]
 #[command(
-    after_help = "Exit codes: 0 ok, 1 a problem in the robot or a file, 2 wrong usage, 3 the simulation failed."
+    after_help = "Exit codes: 0 ok, 1 a problem in the robot or a file, 2 wrong usage, 3 the simulation failed, \
+                  130 ended by Ctrl-C."
 )]
 pub struct Cli {
     #[command(subcommand)]
@@ -338,12 +339,22 @@ pub(crate) struct Simulate {
     /// Inputs over time: CSV, `time` first, then inputs by name; straight lines between the rows
     #[arg(long, value_name = "FILE.csv")]
     pub(crate) input_file: Option<PathBuf>,
-    /// Where the results go, as CSV [default: standard output, with --report nowhere]
+    /// Where the results go, as CSV [default: standard output, with --report or --plot nowhere]
     #[arg(long, value_name = "FILE.csv")]
     pub(crate) output_file: Option<PathBuf>,
+    /// An output or input to write and plot, or a glob such as `joint.*.position`; may be repeated
+    /// [default: all outputs]
+    #[arg(long = "output-variable", value_name = "NAME")]
+    pub(crate) output_variables: Vec<String>,
     /// Where a page goes that plays the results in 3-D and plots them
     #[arg(long, value_name = "FILE.html")]
     pub(crate) report: Option<PathBuf>,
+    /// Where a picture of the results goes, as curves over time
+    #[arg(long, value_name = "FILE.svg")]
+    pub(crate) plot: Option<PathBuf>,
+    /// Tell neither progress nor a summary
+    #[arg(long)]
+    pub(crate) quiet: bool,
     /// Sets a parameter or an input at the start; may be repeated
     #[arg(long, num_args = 2, value_names = ["NAME", "VALUE"], action = clap::ArgAction::Append,
           allow_negative_numbers = true)]

@@ -5,16 +5,16 @@
 
 mod see;
 mod shared;
+mod simulate;
 
+use shared::is_fmu;
 pub use shared::{CliError, print_findings};
-use shared::{as_fmu, is_fmu, temporary};
 
-use crate::cli::{Check, Cli, Command, Deny, Export, Info, Init, Picture, Simulate};
+use crate::cli::{Check, Cli, Command, Deny, Export, Info, Init, Picture};
 use crate::diagnostics::{self, Style};
 use crate::importer::csv::Table;
 use crate::importer::error::RunError;
-use crate::importer::run::{self, Experiment};
-use crate::output::{OutputError, Target, print, tell};
+use crate::output::{Target, print, tell};
 use crate::scene::{self, Scene};
 use crate::stage::{self, Robot, StageError};
 use crate::{archive, info, init, library, picture, summary};
@@ -36,7 +36,7 @@ pub fn run(cli: &Cli) -> Result<(), CliError> {
         Command::Init(args) => init(args),
         Command::Picture(args) => picture(args),
         Command::Report(args) => see::report(args),
-        Command::Simulate(args) => simulate(args),
+        Command::Simulate(args) => simulate::simulate(args),
         Command::View(args) => see::view(args),
     }
 }
@@ -212,64 +212,4 @@ fn picture(args: &Picture) -> Result<(), CliError> {
         shown.poses.len(),
     ))?;
     Ok(())
-}
-
-fn simulate(args: &Simulate) -> Result<(), CliError> {
-    let folder = temporary()?;
-    let (fmu, mut inputs) = as_fmu(&args.file, &args.source.request(&args.file), folder.path())?;
-    inputs.extend(args.input_file.clone());
-    let target = |path: &Option<PathBuf>| -> Result<Option<Target>, OutputError> {
-        let target = |path| Target::new(path, inputs.iter().map(PathBuf::as_path));
-        path.as_deref().map(target).transpose()
-    };
-    let report = match target(&args.report)? {
-        // What a report needs is looked for before the simulation.
-        Some(target) => Some((target, see::scene(&fmu, &args.file)?)),
-        None => None,
-    };
-    let target = target(&args.output_file)?;
-    let unpacked = folder.path().join("fmu");
-    archive::unpack(&fmu, &unpacked)?;
-    let pairs = args.start_value.chunks_exact(2);
-    let outcome = run::simulate(
-        &unpacked,
-        &Experiment {
-            start_time: args.start_time,
-            stop_time: args.stop_time,
-            output_interval: args.output_interval,
-            tolerance: args.tolerance,
-            start_values: pairs.map(|p| (p[0].clone(), p[1].clone())).collect(),
-            inputs: args.input_file.clone(),
-            slopes: args.set_input_derivatives,
-            debug_logging: args.debug_logging,
-        },
-    )?;
-    // What was reached is of use even if the end was not.
-    let text = outcome.table.to_text();
-    let written = match &target {
-        Some(target) => target.write(text.as_bytes()),
-        None if report.is_some() => Ok(()),
-        None => print(&text),
-    };
-    let written = written.and_then(|()| match report {
-        Some((target, scene)) => see::report_of(&target, &scene, &outcome.table, &args.start_value),
-        None => Ok(()),
-    });
-    let told = outcome.messages.iter().try_for_each(|(status, message)| {
-        let word = match status {
-            0 => "note",
-            1 => "warning",
-            _ => "error",
-        };
-        tell(&format!("{word}: {message}\n"))
-    });
-    let written = written.and(told);
-    match (outcome.failure, written) {
-        (None, written) => Ok(written?),
-        (Some(failure), Ok(())) => Err(failure.into()),
-        (Some(failure), Err(error)) => {
-            tell(&format!("error: {error}\n"))?;
-            Err(failure.into())
-        }
-    }
 }

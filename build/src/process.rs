@@ -70,3 +70,16 @@ pub fn watch_end() {
 pub fn ended() -> bool {
     ENDED.load(Ordering::Relaxed)
 }
+
+/// Columns of the terminal at standard error; `None` where it does not say.
+pub fn terminal_width() -> Option<usize> {
+    let mut size = libc::winsize {
+        ws_row: 0,
+        ws_col: 0,
+        ws_xpixel: 0,
+        ws_ypixel: 0,
+    };
+    // SAFETY: fills the structure, or fails and leaves it as it is.
+    let asked = unsafe { libc::ioctl(2, libc::TIOCGWINSZ, &raw mut size) };
+    (asked == 0 && size.ws_col > 0).then_some(usize::from(size.ws_col))
+}

@@ -92,7 +92,7 @@ pub fn text(output: &Path, fmu: &Fmu, robot: &Robot) -> String {
 }
 
 /// Lines of at most `width` characters, broken between words; a longer word stands alone.
-fn wrap(text: &str, width: usize) -> Vec<String> {
+pub fn wrap(text: &str, width: usize) -> Vec<String> {
     let mut lines = vec![String::new()];
     for word in text.split_whitespace() {
         let line = lines.last_mut().expect("there is a first line");

@@ -1,4 +1,4 @@
-"""Takes the pictures of README.md and docs/gallery.md: python make.py URDF2FMU EXAMPLE_ROBOT_DATA
+"""Takes the pictures of README.md, docs/gallery.md and the plot of docs/see.md: python make.py URDF2FMU EXAMPLE_ROBOT_DATA
 
 URDF2FMU is the command, EXAMPLE_ROBOT_DATA the folder `share/example-robot-data/robots` of the package of that name.
 """
@@ -23,6 +23,7 @@ ROBOTS = {
 }
 # Wheel speeds in rad/s: time, left, right. Ahead, a turn on the spot, ahead.
 DRIVE = [(0, 0, 0), (0.4, 5, 5), (1.4, 5, 5), (1.6, -5, 5), (2.4, -5, 5), (2.6, 5, 5), (3.4, 5, 5)]
+PLOTTED = ["base.position.x", "base.position.y", "base.rpy.yaw", "joint.*_wheel_joint.velocity", "contact.*_wheel.force.z"]
 
 
 def take(command, robot, name, *arguments):
@@ -43,6 +44,9 @@ def main(command, robots):
         drive.write_text("\n".join(",".join(map(str, row)) for row in [("time", *wheels), *rows]) + "\n")
         subprocess.run([command, "simulate", EXAMPLES / "rover.urdf", "--input-file", drive, "--stop-time", "3.4",
                         "--output-interval", "0.02", "--output-file", run], check=True)
+        subprocess.run([command, "simulate", EXAMPLES / "rover.urdf", "--input-file", drive, "--stop-time", "3.4",
+                        "--output-interval", "0.02", "--plot", HERE / "rover_plot.svg", "--quiet",
+                        *(part for name in PLOTTED for part in ("--output-variable", name))], check=True)
         take(command, EXAMPLES / "rover.urdf", "rover_drives", "--run", run, "--rate", "8", "--size", "256x160")
 
 

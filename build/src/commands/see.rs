@@ -3,9 +3,10 @@
 use super::shared::{CliError, as_fmu, temporary};
 use crate::archive;
 use crate::cli::{Report, View};
-use crate::importer::csv;
+use crate::events::Event;
 use crate::output::{OutputError, Target, print, tell};
 use crate::report::{self, Table};
+use crate::run_summary;
 use crate::scene::{FILE_NAME, Scene};
 use crate::view;
 use std::collections::BTreeMap;
@@ -13,7 +14,7 @@ use std::path::{Path, PathBuf};
 
 /// A scene and its bytes.
 pub(super) struct Seen {
-    scene: Scene,
+    pub(super) scene: Scene,
     bytes: Vec<u8>,
 }
 
@@ -49,37 +50,23 @@ pub(super) fn report(args: &Report) -> Result<(), CliError> {
     })?;
     let table = Table::parse(&String::from_utf8_lossy(&bytes))
         .map_err(|source| CliError::Results { path, source })?;
-    Ok(write(&target, &seen, table, &BTreeMap::new())?)
+    let events = write(&target, &seen, table, &BTreeMap::new())?;
+    Ok(tell(&run_summary::list(&events))?)
 }
 
-/// `simulate --report`
-pub(super) fn report_of(
-    target: &Target,
-    seen: &Seen,
-    table: &csv::Table,
-    start_values: &[String],
-) -> Result<(), OutputError> {
-    if table.rows.is_empty() {
-        // It failed before its first row, which is told elsewhere.
-        return Ok(());
-    }
-    let pairs = start_values.chunks_exact(2);
-    let changed = pairs.filter_map(|p| Some((p[0].clone(), p[1].trim().parse().ok()?)));
-    let table = Table::of(&table.names, &table.rows);
-    write(target, seen, table, &changed.collect())
-}
-
-fn write(
+/// Writes the page and says what had to be said; gives what happened in the run.
+pub(super) fn write(
     target: &Target,
     seen: &Seen,
     table: Table,
     changed: &BTreeMap<String, f64>,
-) -> Result<(), OutputError> {
+) -> Result<Vec<Event>, OutputError> {
     let report = report::make(&seen.scene, &seen.bytes, table, changed);
     for note in &report.notes {
         tell(&format!("note: {note}\n"))?;
     }
-    target.write(report.html.as_bytes())
+    target.write(report.html.as_bytes())?;
+    Ok(report.events)
 }
 
 /// Code of the finding that a wrench cannot move a link.
@@ -135,7 +122,7 @@ pub(super) fn view(args: &View) -> Result<(), CliError> {
 }
 
 /// Whether the user wants the program to end.
-fn ended() -> bool {
+pub(super) fn ended() -> bool {
     #[cfg(unix)]
     return crate::process::ended();
     // Elsewhere Ctrl-C ends the process as it is; a recording is whole up to a moment before.

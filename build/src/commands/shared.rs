@@ -15,6 +15,9 @@ use urdf2fmu_core::diagnostic::{Diagnostic, Severity};
 use urdf2fmu_core::prepared::{FILE_NAME, PreparedModelError};
 use urdf2fmu_core::variables::TableError;
 
+/// Exit code after Ctrl-C, as shells have it: 128 and the number of SIGINT.
+const ENDED: u8 = 130;
+
 /// What ends the program early.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -121,6 +124,7 @@ impl CliError {
             Self::Stage(StageError::Trial(_)) => 3,
             Self::Run(error) | Self::View(ViewError::Run(error)) if error.is_simulation() => 3,
             Self::Run(error) if error.is_usage() => 2,
+            Self::Run(RunError::Ended { .. }) => ENDED,
             _ => 1,
         }
     }

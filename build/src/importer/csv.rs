@@ -149,14 +149,21 @@ impl Table {
 
     /// As text.
     pub fn to_text(&self) -> String {
+        self.to_text_of(&(0..self.names.len()).collect::<Vec<_>>())
+    }
+
+    /// Some of the columns as text.
+    pub fn to_text_of(&self, columns: &[usize]) -> String {
         let mut writer = csv::WriterBuilder::new()
             .quote_style(csv::QuoteStyle::NonNumeric)
             .from_writer(Vec::new());
-        let written = std::iter::once(self.names.clone())
-            .chain(self.rows.iter().map(|row| cells(row)))
+        let names = columns.iter().map(|&i| self.names[i].clone()).collect();
+        let values = |row: &Vec<f64>| columns.iter().map(|&i| written(row[i])).collect();
+        let done = std::iter::once(names)
+            .chain(self.rows.iter().map(values))
             .try_for_each(|row: Vec<String>| writer.write_record(row));
         // Writing rows of equal length to memory does not fail.
-        debug_assert!(written.is_ok());
+        debug_assert!(done.is_ok());
         String::from_utf8(writer.into_inner().unwrap_or_default()).unwrap_or_default()
     }
 }

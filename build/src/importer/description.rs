@@ -41,6 +41,8 @@ pub struct Variable {
     pub variability: String,
     /// `initial`, as written.
     pub initial: String,
+    /// FMI's name of the unit; empty where none is written at the variable.
+    pub unit: String,
 }
 
 /// Type of a variable.
@@ -151,6 +153,7 @@ impl Description {
                         causality: or(attributes.text("causality"), "local"),
                         variability: or(attributes.text("variability"), "continuous"),
                         initial: attributes.text("initial").unwrap_or_default(),
+                        unit: String::new(),
                     });
                 }
                 "Real" | "Integer" | "Enumeration" | "Boolean" | "String" => {
@@ -162,6 +165,7 @@ impl Description {
                             "String" => Kind::Text,
                             _ => Kind::Integer,
                         };
+                        variable.unit = attributes.text("unit").unwrap_or_default();
                         description.variables.push(variable);
                     }
                 }
@@ -244,7 +248,7 @@ mod tests {
   <TypeDefinitions><SimpleType name="T"><Real unit="m"/></SimpleType></TypeDefinitions>
   <DefaultExperiment stopTime="2.5" tolerance="1e-4"/>
   <ModelVariables>
-    <ScalarVariable name="u" valueReference="7" causality="input"><Real start="0"/></ScalarVariable>
+    <ScalarVariable name="u" valueReference="7" causality="input"><Real start="0" unit="m/s"/></ScalarVariable>
     <ScalarVariable name="on" valueReference="8" causality="output" variability="discrete"><Boolean/></ScalarVariable>
   </ModelVariables>
 </fmiModelDescription>"#;
@@ -263,6 +267,7 @@ mod tests {
             .iter()
             .map(|v| (v.name.as_str(), v.value_reference, v.kind))
             .collect();
+        assert_eq!(description.variables[0].unit, "m/s");
         assert_eq!(names, [("u", 7, Kind::Real), ("on", 8, Kind::Boolean)]);
     }
 

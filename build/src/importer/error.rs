@@ -8,6 +8,9 @@ use std::path::PathBuf;
 /// Where a name on the command line stands.
 pub(super) const START_VALUE: &str = "--start-value";
 
+/// As [`START_VALUE`].
+pub(super) const OUTPUT_VARIABLE: &str = "--output-variable";
+
 /// Why nothing, or not all, was simulated.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -77,13 +80,21 @@ pub enum RunError {
         /// What the FMU said.
         why: String,
     },
+    /// Ctrl-C.
+    #[error("ended by the user at {time} s of {stop} s")]
+    Ended {
+        /// s
+        time: f64,
+        /// s
+        stop: f64,
+    },
 }
 
 impl RunError {
     /// Whether the command was used in a wrong way.
     pub fn is_usage(&self) -> bool {
         match self {
-            Self::Name { place, .. } => place == START_VALUE,
+            Self::Name { place, .. } => place == START_VALUE || place == OUTPUT_VARIABLE,
             Self::Value { .. } | Self::Times(_) => true,
             _ => false,
         }

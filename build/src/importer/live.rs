@@ -2,8 +2,9 @@
 
 use super::description::Description;
 use super::error::RunError;
+use super::experiment;
 use super::library::Stepped;
-use super::run::{self, Run};
+use super::run::{Recorded, Run};
 use std::path::Path;
 
 /// A running FMU.
@@ -23,10 +24,11 @@ impl Live {
     /// # Errors
     /// [`RunError`]
     pub fn open(folder: &Path, inputs: Option<&Path>) -> Result<Self, RunError> {
-        let text = run::read(&folder.join("modelDescription.xml"))?;
+        let text = experiment::read(&folder.join("modelDescription.xml"))?;
         let description = Description::parse(&text)?;
-        let signals = inputs.map(|path| run::signals(&description, path));
-        let run = Run::new(folder, &description, signals.transpose()?, false)?;
+        let signals = inputs.map(|path| experiment::signals(&description, path));
+        let recorded = Recorded::new(&description, |v| v.causality == "output");
+        let run = Run::new(folder, &description, signals.transpose()?, recorded, false)?;
         let start = description.start_time.unwrap_or(0.0);
         Ok(Self {
             run,

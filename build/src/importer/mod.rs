@@ -10,6 +10,8 @@
 //! | `library` | the C functions: the only unsafe code of this package |
 //! | `csv` | tables of numbers as text |
 //! | `signals` | inputs between the rows of a table |
+//! | `experiment` | what to simulate: times, start values, files of inputs |
+//! | `select` | which variables are written |
 //! | `run` | from start to stop |
 //! | `live` | from step to step, by hand |
 //!
@@ -18,7 +20,9 @@
 pub mod csv;
 pub mod description;
 pub mod error;
+pub mod experiment;
 mod library;
 pub mod live;
 pub mod run;
+mod select;
 mod signals;

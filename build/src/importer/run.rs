@@ -2,41 +2,32 @@
 
 use super::csv::Table;
 use super::description::{Description, Kind, Variable};
-use super::error::{RunError, START_VALUE};
+use super::error::RunError;
+use super::experiment::{Experiment, Times, read, signals, starts};
 use super::library::{LibraryError, Slave, Stepped};
-use super::signals::{Signal, Signals, is_close};
+use super::select::selection;
+use super::signals::{Signals, is_close};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
-
-/// Longest table of results, in rows: a longer one is probably a typing error in an interval.
-const MOST_ROWS: f64 = 1e8;
-
-/// What to simulate; missing values are those of modelDescription.xml.
-#[derive(Clone, Debug, Default)]
-pub struct Experiment {
-    /// s
-    pub start_time: Option<f64>,
-    /// s
-    pub stop_time: Option<f64>,
-    /// s
-    pub output_interval: Option<f64>,
-    /// Relative tolerance.
-    pub tolerance: Option<f64>,
-    /// Names and values of parameters and inputs.
-    pub start_values: Vec<(String, String)>,
-    /// Inputs over time.
-    pub inputs: Option<PathBuf>,
-    /// Whether the FMU is told the inputs' slopes.
-    pub slopes: bool,
-    /// Whether the FMU is asked to say more.
-    pub debug_logging: bool,
-}
+use std::time::{Duration, Instant};
 
 /// What came out of a simulation.
 #[derive(Debug)]
 pub struct Outcome {
-    /// Every output at every step, `time` first.
+    /// Every output and input at every step, `time` first.
     pub table: Table,
+    /// FMI's names of the columns' units; empty where there is none.
+    pub units: Vec<String>,
+    /// Which columns change in jumps only.
+    pub discrete: Vec<bool>,
+    /// Columns that are written, in their order.
+    pub written: Vec<usize>,
+    /// What was to be simulated.
+    pub times: Times,
+    /// Relative tolerance, if the FMU was told one.
+    pub tolerance: Option<f64>,
+    /// How long each step took; one less than there are rows.
+    pub took: Vec<Duration>,
     /// What the FMU said: status and text.
     pub messages: Vec<(i32, String)>,
     /// Why it ended early, if it did.
@@ -45,10 +36,16 @@ pub struct Outcome {
 
 /// Simulates the FMU that was unpacked in `folder`.
 ///
+/// - `watch`: is told the time, s, after each step; it ends the simulation by answering `false`
+///
 /// # Errors
 /// [`RunError`] for whatever comes before the first step; what comes later is in the outcome,
 /// beside the results.
-pub fn simulate(folder: &Path, experiment: &Experiment) -> Result<Outcome, RunError> {
+pub fn simulate(
+    folder: &Path,
+    experiment: &Experiment,
+    watch: &mut dyn FnMut(f64, &Times) -> bool,
+) -> Result<Outcome, RunError> {
     let text = read(&folder.join("modelDescription.xml"))?;
     let description = Description::parse(&text)?;
     let times = Times::new(&description, experiment)?;
@@ -57,7 +54,15 @@ pub fn simulate(folder: &Path, experiment: &Experiment) -> Result<Outcome, RunEr
         None => None,
     };
     let starts = starts(&description, &experiment.start_values)?;
-    let mut run = Run::new(folder, &description, signals, experiment.debug_logging)?;
+    let recorded = Recorded::new(&description, |v| v.causality == "output" || v.is_input());
+    let written = selection(&description, &recorded.names, &experiment.written)?;
+    let mut run = Run::new(
+        folder,
+        &description,
+        signals,
+        recorded,
+        experiment.debug_logging,
+    )?;
     run.slopes = experiment.slopes && description.can_interpolate_inputs;
     let tolerance = experiment.tolerance.or(description.tolerance);
     run.slave.setup(tolerance, times.start, Some(times.stop))?;
@@ -68,160 +73,21 @@ pub fn simulate(folder: &Path, experiment: &Experiment) -> Result<Outcome, RunEr
     run.apply(times.start)?;
     run.slave.exit_initialization()?;
     run.sample(times.start)?;
-    let stepped = run.steps(&times, description.variable_step);
+    let stepped = run.steps(&times, description.variable_step, watch);
     // A failure at the end leaves the results, too.
     let failure = stepped.and_then(|()| Ok(run.slave.terminate()?)).err();
     let messages = run.slave.messages().into_iter();
     Ok(Outcome {
         messages: messages.map(|m| (m.status, m.text)).collect(),
+        units: of_each(&description, &run.table.names, |v| v.unit.clone()),
+        discrete: of_each(&description, &run.table.names, |v| v.kind != Kind::Real),
         table: run.table,
+        written,
+        times,
+        tolerance,
+        took: run.took,
         failure,
     })
-}
-
-/// Start, stop and interval.
-struct Times {
-    start: f64,
-    stop: f64,
-    interval: f64,
-}
-
-impl Times {
-    fn new(description: &Description, experiment: &Experiment) -> Result<Self, RunError> {
-        let start = experiment.start_time.or(description.start_time);
-        let start = start.unwrap_or(0.0);
-        let stop = experiment.stop_time.or(description.stop_time);
-        let stop = stop.unwrap_or(start + 1.0);
-        let interval = experiment.output_interval.or(description.step_size);
-        let interval = interval.unwrap_or((stop - start) / 500.0);
-        if !(start.is_finite() && stop.is_finite() && stop > start) {
-            return Err(RunError::Times(format!(
-                "the stop time must be after the start time, not {stop} s after {start} s"
-            )));
-        }
-        if !(interval.is_finite() && interval > 0.0 && (stop - start) / interval <= MOST_ROWS) {
-            return Err(RunError::Times(format!(
-                "the output interval must be above 0 s and not too short for {} s, not {interval} s",
-                stop - start
-            )));
-        }
-        Ok(Self {
-            start,
-            stop,
-            interval,
-        })
-    }
-}
-
-pub(super) fn read(path: &Path) -> Result<String, RunError> {
-    let failed = |source| RunError::Read {
-        path: path.to_owned(),
-        source,
-    };
-    let bytes = std::fs::read(path).map_err(failed)?;
-    Ok(String::from_utf8_lossy(&bytes).into_owned())
-}
-
-/// The file of inputs, its columns matched with variables.
-pub(super) fn signals(description: &Description, path: &Path) -> Result<Signals, RunError> {
-    let table = Table::parse(&read(path)?).map_err(|source| RunError::Csv {
-        path: path.to_owned(),
-        source,
-    })?;
-    let mut list = Vec::new();
-    for (column, name) in table.names.iter().enumerate().skip(1) {
-        let place = || format!("'{}', line 1, column {}", path.display(), column + 1);
-        let settable = |v: &Variable| v.is_input() || v.variability == "tunable";
-        let variable = find(
-            description,
-            name,
-            settable,
-            "an input or a tunable parameter",
-        )
-        .map_err(|what| RunError::Name {
-            place: place(),
-            what,
-        })?;
-        list.push(Signal {
-            variable: variable.clone(),
-            column,
-        });
-    }
-    Ok(Signals::new(table, list))
-}
-
-/// `--start-value`
-fn starts<'d>(
-    description: &'d Description,
-    values: &[(String, String)],
-) -> Result<Vec<(&'d Variable, f64)>, RunError> {
-    let mut starts = Vec::new();
-    for (name, text) in values {
-        let variable = find(
-            description,
-            name,
-            Variable::can_start,
-            "a parameter or an input",
-        )
-        .map_err(|what| RunError::Name {
-            place: START_VALUE.to_owned(),
-            what,
-        })?;
-        let bad = |expected| RunError::Value {
-            name: name.clone(),
-            text: text.clone(),
-            expected,
-        };
-        let value = match (variable.kind, text.trim()) {
-            (Kind::Boolean, "true" | "True" | "1") => 1.0,
-            (Kind::Boolean, "false" | "False" | "0") => 0.0,
-            (Kind::Boolean, _) => return Err(bad("true or false")),
-            (Kind::Integer, text) => {
-                f64::from(text.parse::<i32>().map_err(|_| bad("whole number"))?)
-            }
-            (_, text) => text
-                .parse()
-                .ok()
-                .filter(|x: &f64| x.is_finite())
-                .ok_or_else(|| bad("finite number"))?,
-        };
-        starts.push((variable, value));
-    }
-    Ok(starts)
-}
-
-/// The variable called `name`, if it is `fit`; otherwise the error, with the nearest suitable name.
-fn find<'d>(
-    description: &'d Description,
-    name: &str,
-    fit: impl Fn(&Variable) -> bool,
-    expected: &str,
-) -> Result<&'d Variable, String> {
-    match description.find(name) {
-        Some(variable) if fit(variable) && variable.kind != Kind::Text => Ok(variable),
-        Some(variable) => Err(format!(
-            "'{name}' is not {expected}, but {} {}",
-            if variable.causality == "output" || variable.causality == "input" {
-                "an"
-            } else {
-                "a"
-            },
-            variable.causality
-        )),
-        None => {
-            let names = description.variables.iter().filter(|v| fit(v));
-            let nearest = names
-                .map(|v| (strsim::damerau_levenshtein(&v.name, name), &v.name))
-                .min();
-            let hint = match nearest {
-                Some((distance, nearest)) if distance <= 3 + name.len() / 3 => {
-                    format!("; did you mean '{nearest}'?")
-                }
-                _ => "; urdf2fmu info --variables lists all".to_owned(),
-            };
-            Err(format!("there is no variable '{name}'{hint}"))
-        }
-    }
 }
 
 /// This system's folder under `binaries/`.
@@ -288,8 +154,18 @@ fn uri(path: &Path) -> String {
     uri
 }
 
-/// Outputs by type.
-struct Recorded {
+/// Something of each variable by its name, and a default for `time`.
+fn of_each<T: Default>(
+    description: &Description,
+    names: &[String],
+    what: impl Fn(&Variable) -> T,
+) -> Vec<T> {
+    let of = |name: &String| description.find(name).map(&what).unwrap_or_default();
+    names.iter().map(of).collect()
+}
+
+/// What is recorded, by type.
+pub(super) struct Recorded {
     names: Vec<String>,
     real: Vec<u32>,
     integer: Vec<u32>,
@@ -297,11 +173,11 @@ struct Recorded {
 }
 
 impl Recorded {
-    fn new(description: &Description) -> Self {
+    pub(super) fn new(description: &Description, wanted: impl Fn(&Variable) -> bool) -> Self {
         let mut names = vec!["time".to_owned()];
         let mut of = |kind: Kind| -> Vec<u32> {
             let variables = description.variables.iter();
-            let variables = variables.filter(|v| v.kind == kind && v.causality == "output");
+            let variables = variables.filter(|v| v.kind == kind && wanted(v));
             variables
                 .map(|v| {
                     names.push(v.name.clone());
@@ -326,6 +202,7 @@ pub(super) struct Run {
     recorded: Recorded,
     signals: Option<Signals>,
     table: Table,
+    took: Vec<Duration>,
 }
 
 impl Run {
@@ -333,11 +210,11 @@ impl Run {
         folder: &Path,
         description: &Description,
         signals: Option<Signals>,
+        recorded: Recorded,
         debug_logging: bool,
     ) -> Result<Self, RunError> {
         let library = library(folder, &description.model_identifier)?;
         let resources = uri(&folder.join("resources"));
-        let recorded = Recorded::new(description);
         Ok(Self {
             slave: Slave::new(&library, &description.guid, &resources, debug_logging)?,
             slopes: false,
@@ -346,6 +223,7 @@ impl Run {
                 names: recorded.names.clone(),
                 rows: Vec::new(),
             },
+            took: Vec::new(),
             recorded,
         })
     }
@@ -405,14 +283,14 @@ impl Run {
         Ok(())
     }
 
-    /// Records all outputs.
+    /// Records a row.
     fn sample(&mut self, time: f64) -> Result<(), LibraryError> {
         let row = self.row(time)?;
         self.table.rows.push(row);
         Ok(())
     }
 
-    /// `time` and all outputs.
+    /// `time` and all that is recorded.
     pub(super) fn row(&mut self, time: f64) -> Result<Vec<f64>, LibraryError> {
         let Recorded {
             real,
@@ -440,7 +318,12 @@ impl Run {
 
     /// All steps. Steps end at multiples of the interval, at the stop time and where an input
     /// jumps.
-    fn steps(&mut self, times: &Times, variable_step: bool) -> Result<(), RunError> {
+    fn steps(
+        &mut self,
+        times: &Times,
+        variable_step: bool,
+        watch: &mut dyn FnMut(f64, &Times) -> bool,
+    ) -> Result<(), RunError> {
         let Times {
             start,
             stop,
@@ -466,7 +349,9 @@ impl Run {
             let stopped = |time: f64, why: String| RunError::Stopped { time, stop, why };
             self.apply(time)
                 .map_err(|error| stopped(time, error.to_string()))?;
+            let begun = Instant::now();
             let stepped = self.slave.do_step(time, next - time);
+            let took = begun.elapsed();
             match stepped.map_err(|error| stopped(time, error.to_string()))? {
                 Stepped::Done => time = next,
                 Stepped::Discarded(reached) => {
@@ -476,8 +361,12 @@ impl Run {
                 }
             }
             self.sample(time)?;
+            self.took.push(took);
             if is_close(time, regular) {
                 count += 1;
+            }
+            if !watch(time, times) {
+                return Err(RunError::Ended { time, stop });
             }
         }
         Ok(())

@@ -140,6 +140,7 @@ mod tests {
             causality: "input".into(),
             variability: variability.into(),
             initial: String::new(),
+            unit: String::new(),
         };
         let signal = Signal {
             variable,

@@ -26,7 +26,7 @@ pub fn run(
     scene: &Scene,
     time: &[f64],
     columns: &[(String, Vec<f64>)],
-    notes: &[String],
+    notes: &[&String],
     changed: &BTreeMap<String, f64>,
 ) -> Vec<u8> {
     let head = &scene.head;

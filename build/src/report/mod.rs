@@ -1,8 +1,8 @@
 //! A report: one page that plays a run and plots its variables.
 //!
-//! In: a scene and a table of values, whoever wrote it. Out: the page, and what had to be said
-//! about the table. `table` reads files, `names` finds the robot's variables in them, `encode`
-//! packs columns.
+//! In: a scene and a table of values, whoever wrote it. Out: the page, what had to be said about
+//! the table, and what happened in the run; the page's Notes have both. `table` reads files,
+//! `names` finds the robot's variables in them, `encode` packs columns.
 
 mod encode;
 mod names;
@@ -10,6 +10,7 @@ mod table;
 
 pub use table::{ResultsError, Table};
 
+use crate::events::{self, Event};
 use crate::page;
 use crate::scene::Scene;
 use std::collections::BTreeMap;
@@ -24,12 +25,14 @@ pub struct Report {
     pub html: String,
     /// Sentences about the table.
     pub notes: Vec<String>,
+    /// What happened in the run.
+    pub events: Vec<Event>,
 }
 
 /// Makes a report.
 ///
 /// - `packed`: the scene as bytes
-/// - `changed`: parameters that the run had other values of
+/// - `changed`: parameters and inputs that the run had other values of
 pub fn make(scene: &Scene, packed: &[u8], table: Table, changed: &BTreeMap<String, f64>) -> Report {
     let Table {
         mut time,
@@ -37,6 +40,7 @@ pub fn make(scene: &Scene, packed: &[u8], table: Table, changed: &BTreeMap<Strin
         mut notes,
     } = table;
     names::rename(&mut columns, scene, &mut notes);
+    let events = events::find(scene, &time, &columns, changed);
     let rows = time.len();
     let stride = (rows * (columns.len() + 1)).div_ceil(MOST_NUMBERS).max(1);
     if stride > 1 {
@@ -55,9 +59,12 @@ pub fn make(scene: &Scene, packed: &[u8], table: Table, changed: &BTreeMap<Strin
             "The run has {rows} rows; to keep the page small it shows each {stride}th."
         ));
     }
-    let run = encode::run(scene, &time, &columns, &notes, changed);
+    let happened = events.iter().map(|event| &event.text);
+    let said: Vec<&String> = happened.chain(&notes).collect();
+    let run = encode::run(scene, &time, &columns, &said, changed);
     Report {
         html: page::html(&scene.head.robot, packed, Some(&run), "'none'"),
         notes,
+        events,
     }
 }

@@ -1,0 +1,47 @@
+//! What happened in a run, in sentences: `simulate` tells them at its end, and the page of a report
+//! lists them.
+//!
+//! In: a scene and columns of values, whoever wrote them. What has no column gives no event. Out:
+//! events in the order of time; the same columns give the same sentences. `run` has the columns,
+//! `posture` finds falls, `contact` looks at the ground, `joints` at limits of positions and
+//! efforts. The definitions stand in `docs/see.md`.
+
+mod contact;
+mod joints;
+mod posture;
+mod run;
+
+pub use run::{Event, moment};
+
+use crate::scene::Scene;
+use run::Run;
+use std::collections::BTreeMap;
+
+/// Finds what happened.
+///
+/// - `time`: s, never decreasing
+/// - `columns`: values of variables by their names; NaN where there is none
+/// - `changed`: parameters and inputs that had other values than the FMU's
+pub fn find(
+    scene: &Scene,
+    time: &[f64],
+    columns: &[(String, Vec<f64>)],
+    changed: &BTreeMap<String, f64>,
+) -> Vec<Event> {
+    let columns = columns
+        .iter()
+        .map(|(name, values)| (name.as_str(), values.as_slice()));
+    let run = Run {
+        head: &scene.head,
+        time,
+        columns: columns.collect(),
+        changed,
+    };
+    let mut events = posture::falls(&run);
+    events.extend(joints::limits(&run));
+    events.extend(joints::efforts(&run));
+    events.extend(contact::hardest(&run));
+    events.extend(contact::ground(&run, scene));
+    events.sort_by(|a, b| a.time.total_cmp(&b.time));
+    events
+}

@@ -1,0 +1,185 @@
+//! What to simulate: times, start values and inputs, checked against the FMU's description.
+
+use super::csv::Table;
+use super::description::{Description, Kind, Variable};
+use super::error::{RunError, START_VALUE};
+use super::signals::{Signal, Signals};
+use std::path::{Path, PathBuf};
+
+/// Longest table of results, in rows: a longer one is probably a typing error in an interval.
+const MOST_ROWS: f64 = 1e8;
+
+/// What to simulate; missing values are those of modelDescription.xml.
+#[derive(Clone, Debug, Default)]
+pub struct Experiment {
+    /// s
+    pub start_time: Option<f64>,
+    /// s
+    pub stop_time: Option<f64>,
+    /// s
+    pub output_interval: Option<f64>,
+    /// Relative tolerance.
+    pub tolerance: Option<f64>,
+    /// Names and values of parameters and inputs.
+    pub start_values: Vec<(String, String)>,
+    /// Inputs over time.
+    pub inputs: Option<PathBuf>,
+    /// Names and globs of what is written; none for all outputs.
+    pub written: Vec<String>,
+    /// Whether the FMU is told the inputs' slopes.
+    pub slopes: bool,
+    /// Whether the FMU is asked to say more.
+    pub debug_logging: bool,
+}
+
+/// When a simulation begins and ends, and what lies between two rows.
+#[derive(Clone, Copy, Debug)]
+pub struct Times {
+    /// s
+    pub start: f64,
+    /// s
+    pub stop: f64,
+    /// s
+    pub interval: f64,
+}
+
+impl Times {
+    pub(super) fn new(
+        description: &Description,
+        experiment: &Experiment,
+    ) -> Result<Self, RunError> {
+        let start = experiment.start_time.or(description.start_time);
+        let start = start.unwrap_or(0.0);
+        let stop = experiment.stop_time.or(description.stop_time);
+        let stop = stop.unwrap_or(start + 1.0);
+        let interval = experiment.output_interval.or(description.step_size);
+        let interval = interval.unwrap_or((stop - start) / 500.0);
+        if !(start.is_finite() && stop.is_finite() && stop > start) {
+            return Err(RunError::Times(format!(
+                "the stop time must be after the start time, not {stop} s after {start} s"
+            )));
+        }
+        if !(interval.is_finite() && interval > 0.0 && (stop - start) / interval <= MOST_ROWS) {
+            return Err(RunError::Times(format!(
+                "the output interval must be above 0 s and not too short for {} s, not {interval} s",
+                stop - start
+            )));
+        }
+        Ok(Self {
+            start,
+            stop,
+            interval,
+        })
+    }
+}
+
+pub(super) fn read(path: &Path) -> Result<String, RunError> {
+    let failed = |source| RunError::Read {
+        path: path.to_owned(),
+        source,
+    };
+    let bytes = std::fs::read(path).map_err(failed)?;
+    Ok(String::from_utf8_lossy(&bytes).into_owned())
+}
+
+/// The file of inputs, its columns matched with variables.
+pub(super) fn signals(description: &Description, path: &Path) -> Result<Signals, RunError> {
+    let table = Table::parse(&read(path)?).map_err(|source| RunError::Csv {
+        path: path.to_owned(),
+        source,
+    })?;
+    let mut list = Vec::new();
+    for (column, name) in table.names.iter().enumerate().skip(1) {
+        let place = || format!("'{}', line 1, column {}", path.display(), column + 1);
+        let settable = |v: &Variable| v.is_input() || v.variability == "tunable";
+        let variable = find(
+            description,
+            name,
+            settable,
+            "an input or a tunable parameter",
+        )
+        .map_err(|what| RunError::Name {
+            place: place(),
+            what,
+        })?;
+        list.push(Signal {
+            variable: variable.clone(),
+            column,
+        });
+    }
+    Ok(Signals::new(table, list))
+}
+
+/// `--start-value`
+pub(super) fn starts<'d>(
+    description: &'d Description,
+    values: &[(String, String)],
+) -> Result<Vec<(&'d Variable, f64)>, RunError> {
+    let mut starts = Vec::new();
+    for (name, text) in values {
+        let variable = find(
+            description,
+            name,
+            Variable::can_start,
+            "a parameter or an input",
+        )
+        .map_err(|what| RunError::Name {
+            place: START_VALUE.to_owned(),
+            what,
+        })?;
+        let bad = |expected| RunError::Value {
+            name: name.clone(),
+            text: text.clone(),
+            expected,
+        };
+        let value = match (variable.kind, text.trim()) {
+            (Kind::Boolean, "true" | "True" | "1") => 1.0,
+            (Kind::Boolean, "false" | "False" | "0") => 0.0,
+            (Kind::Boolean, _) => return Err(bad("true or false")),
+            (Kind::Integer, text) => {
+                f64::from(text.parse::<i32>().map_err(|_| bad("whole number"))?)
+            }
+            (_, text) => text
+                .parse()
+                .ok()
+                .filter(|x: &f64| x.is_finite())
+                .ok_or_else(|| bad("finite number"))?,
+        };
+        starts.push((variable, value));
+    }
+    Ok(starts)
+}
+
+/// The variable called `name`, if it is `fit`; otherwise the error, with the nearest suitable name.
+fn find<'d>(
+    description: &'d Description,
+    name: &str,
+    fit: impl Fn(&Variable) -> bool,
+    expected: &str,
+) -> Result<&'d Variable, String> {
+    match description.find(name) {
+        Some(variable) if fit(variable) && variable.kind != Kind::Text => Ok(variable),
+        Some(variable) => Err(format!(
+            "'{name}' is not {expected}, but {} {}",
+            if variable.causality == "output" || variable.causality == "input" {
+                "an"
+            } else {
+                "a"
+            },
+            variable.causality
+        )),
+        None => {
+            let names = description.variables.iter().filter(|v| fit(v));
+            let nearest = names
+                .map(|v| (strsim::damerau_levenshtein(&v.name, name), &v.name))
+                .min();
+            let hint = match nearest {
+                Some((distance, nearest)) if distance <= 3 + name.len() / 3 => {
+                    format!("; did you mean '{nearest}'?")
+                }
+                _ => "; urdf2fmu info --variables lists all".to_owned(),
+            };
+            Err(format!("there is no variable '{name}'{hint}"))
+        }
+    }
+}
