@@ -39,10 +39,11 @@ fn names(folder: &Path) -> Vec<String> {
     names
 }
 
-/// Both commands that write a file, to `$to`.
-const WRITERS: [&str; 2] = [
+/// Commands that write a file, to `$to`.
+const WRITERS: [&str; 3] = [
     "\"$urdf2fmu\" export \"$rover\" -o \"$to\"",
     "\"$urdf2fmu\" simulate \"$fmu\" --stop-time 0.01 --output-file \"$to\"",
+    "\"$urdf2fmu\" simulate \"$fmu\" --stop-time 0.01 --plot \"$to\"",
 ];
 
 fn write_to(folder: &Path, writer: &str, to: &str) -> Run {
@@ -251,7 +252,8 @@ fn a_closed_pipe_on_standard_output_is_no_error() {
     let folder = with_fmu();
     for arguments in [
         "info \"$fmu\" --json --variables",
-        "simulate \"$fmu\"",
+        "simulate --quiet \"$fmu\"",
+        "simulate \"$fmu\" 2>&1",
         "--help",
     ] {
         let line = format!("{{ \"$urdf2fmu\" {arguments}; echo $? >code; }} | head -c 1");

@@ -110,6 +110,16 @@ def test_values_are_those_of_the_table(browser, made):
             np.testing.assert_allclose(curve, table[name][rows], atol=np.ptp(table[name]) * 2**-20 + 1e-6)
 
 
+def test_the_notes_begin_with_what_happened_in_the_words_of_the_terminal(browser, made, command, tmp_path):
+    fmu, results, _ = made("r2d2")
+    done = command("report", results, "--model", fmu, "-o", tmp_path / "r.html")
+    told = " ".join(done.stderr.partition("  events\n")[2].split())
+    assert done.returncode == 0 and "Deepest contact" in told, done.stderr
+    with open_report(browser, tmp_path / "r.html") as page:
+        notes = page.evaluate("[...document.querySelectorAll('p.said')].map((p) => p.textContent)")
+    assert told == " ".join(f"- {note}" for note in notes)
+
+
 def rewritten(results, folder, change):
     """The results as another program writes them."""
     with open(results, newline="") as file:
