@@ -382,6 +382,9 @@ pub struct OutputSelection {
     pub flat_names: bool,
     /// Links with a `contact.*` output.
     pub contacts: Vec<LinkId>,
+    /// Whether these outputs include where the forces act.
+    #[serde(default)]
+    pub contact_points: bool,
     /// Links with `link.*` outputs.
     pub links: Vec<LinkId>,
     /// Links with `ext.*` inputs.

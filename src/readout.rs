@@ -135,7 +135,9 @@ impl Readout {
             | O::SensorOrientation(..)
             | O::SensorAngularVelocity(..)
             | O::SensorDistance(..) => Level::Kinematics,
-            O::ContactActive(_) | O::ContactForce(..) | O::JointEffort(_) => Level::Forces,
+            O::ContactActive(_) | O::ContactForce(..) | O::ContactPoint(..) | O::JointEffort(_) => {
+                Level::Forces
+            }
             O::JointAcceleration(..) => Level::Accelerations,
             O::SensorAcceleration(..) | O::SensorForce(..) | O::SensorTorque(..) => {
                 Level::BodyAccelerations
@@ -181,11 +183,11 @@ impl Readout {
             }
             O::LinkAngularVelocity(link, axis) => kin.V[body(link)][axis as usize],
             O::ContactActive(link) => {
-                let contacts = &point.terms.contacts;
-                let touches = contacts.iter().any(|c| {
-                    c.link == link.index() && c.normal_load(&contacts.points, &kin.V) > 0.0
-                });
+                let touches = self.normal_loads(link).any(|(load, _)| load > 0.0);
                 f64::from(u8::from(touches))
+            }
+            O::ContactPoint(link, axis) => {
+                (self.contact_point(ctx, link) + kin.origin)[axis as usize]
             }
             O::ContactForce(link, axis) if state.stepping.last_step > 0.0 => {
                 state.stepping.impulse[link.index()][axis as usize] / state.stepping.last_step
@@ -232,6 +234,29 @@ impl Readout {
     fn link_pose(&self, ctx: &Context, link: usize) -> Pose {
         let body = ctx.model.links[link].body.index();
         self.point.kin.X[body].compose(&ctx.tree.link_pose[link])
+    }
+
+    /// Normal force, N, and centre of the load, from O, of each contact of a link at this moment.
+    fn normal_loads(&self, link: LinkId) -> impl Iterator<Item = (f64, Vec3)> + '_ {
+        let Point { kin, terms } = &self.point;
+        let contacts = &terms.contacts;
+        let own = contacts.iter().filter(move |c| c.link == link.index());
+        own.map(|c| (c.normal_load(&contacts.points, &kin.V), c.center))
+    }
+
+    /// Centre of pressure of a link, from O: the mean of its loads' centres, weighted with their
+    /// normal forces; the link's origin where nothing presses.
+    fn contact_point(&self, ctx: &Context, link: LinkId) -> Vec3 {
+        let (mut load, mut moment) = (0.0, Vec3::zeros());
+        for (force, center) in self.normal_loads(link) {
+            load += force;
+            moment += center * force;
+        }
+        if load > 0.0 {
+            moment / load
+        } else {
+            self.link_pose(ctx, link.index()).p
+        }
     }
 
     /// What the actuator applies at this moment; 0 for a joint without one.
@@ -369,3 +394,6 @@ fn joint_rate(model: &Model, rate: &[f64], joint: JointId, axis: Axis) -> f64 {
         body.ratio * rate[body.dof.index() + own]
     })
 }
+
+#[cfg(all(test, feature = "urdf"))]
+mod tests;

@@ -128,6 +128,8 @@ pub enum OutputSlot {
     ContactActive(LinkId),
     /// N, net contact force on the link, world, mean over the last communication step.
     ContactForce(LinkId, Axis),
+    /// m, world: where the normal forces on the link act, or its origin where nothing touches.
+    ContactPoint(LinkId, Axis),
     /// J
     EnergyKinetic,
     /// J, of gravity, zero at world height 0.

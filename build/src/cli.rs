@@ -232,6 +232,9 @@ pub(crate) struct Picture {
     /// What is behind the robot [default: clear, of a run light]
     #[arg(long, value_name = "THEME")]
     pub(crate) theme: Option<Theme>,
+    /// Draw the frames of the base and of the links that move: x red, y green, z blue
+    #[arg(long)]
+    pub(crate) frames: bool,
     #[command(flatten)]
     pub(crate) source: Source,
 }
@@ -327,6 +330,7 @@ impl Picture {
             },
             // In motion, a third of the sky looks as good.
             sky: if film { plain.sky / 3 } else { plain.sky },
+            frames: self.frames,
         }
     }
 }

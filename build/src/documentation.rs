@@ -1,4 +1,7 @@
-//! documentation/index.html: one page without external links.
+//! documentation/index.html: one page without links to the network.
+//!
+//! Beside it lie `robot.html`, the robot in 3-D ([`crate::page::still`]), which a script puts in the
+//! place of a picture where the browser can show it, and a picture of the frames.
 //!
 //! It is made from the same table as modelDescription.xml. It lists the assumptions and names no
 //! path of the machine that made the FMU.
@@ -51,9 +54,11 @@ pub fn html(page: &Page, model: &Model, table: &[Variable]) -> String {
         include_str!("documentation.css"),
         env!("CARGO_PKG_VERSION"),
     );
-    _ = writeln!(
+    _ = write!(
         out,
-        "<img class=\"robot\" src=\"../model.png\" alt=\"{name} at the start\" width=\"320\" height=\"320\">"
+        "<figure id=\"robot\"><img src=\"../model.png\" alt=\"{name} at the start\" width=\"400\" height=\"400\"></figure>\n\
+         <script>{}</script>\n",
+        include_str!("documentation.js"),
     );
     facts(&mut out, page, model, table);
     remarks(&mut out, page);
@@ -168,7 +173,10 @@ const CONVENTIONS: &str = "<h2>Units and frames</h2>
 URDF's root link, at its origin and not at its centre of mass; velocities are those of that point, in world axes.
 Quaternions are x, y, z, w; roll, pitch and yaw turn about fixed axes, as in URDF. Joint positions and velocities have
 the sign and the zero of the URDF; <code>effort</code> is the actuator's alone, without friction and damping. Contact
-forces are net forces on the link in world axes, averaged over the last communication step.</p>
+forces are net forces on the link in world axes, averaged over the last communication step; a contact point is where
+the normal forces act at the end of that step, or the link's origin where nothing touches.</p>
+<figure><img src=\"frames.png\" alt=\"Frames of the base and of the links that move\" width=\"400\" height=\"400\">
+<figcaption>Frames of the base and of the links that move: x red, y green, z blue.</figcaption></figure>
 <p>Outputs are values at the end of the communication step. An unconnected input keeps its start value. A
 <code>max_effort</code> of 0 lets the joint go. Tunable parameters may change between steps, fixed ones only before or
 during initialisation. <code>solver.step_size</code> = 0 means error controlled by <code>solver.tolerance</code>; 0

@@ -263,19 +263,9 @@ fn links(out: &mut String, model: &Model) {
 }
 
 fn outputs(out: &mut String, model: &Model) {
-    let names: Vec<String> = model
-        .outputs
-        .contacts
-        .iter()
-        .map(|l| quoted(&model.links[l.index()].name))
-        .collect();
     out.push_str("\n[outputs]\n");
-    let contacts = if names.is_empty() {
-        quoted("none")
-    } else {
-        format!("[{}]", names.join(", "))
-    };
-    choice(out, "outputs", "contacts", &contacts, false);
+    choice(out, "outputs", "contacts", &quoted("auto"), false);
+    choice(out, "outputs", "contact_points", "false", false);
     choice(out, "outputs", "links", "[]", false);
     let link = quoted(&model.links[0].name);
     out.push_str("\n# More inputs and outputs, as wanted:\n");

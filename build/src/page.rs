@@ -1,12 +1,13 @@
 //! The page that shows a robot in motion, as one HTML file.
 //!
-//! In: a scene, and a run for a report; without one the page asks the program that served it. The
-//! page itself is `build/page`, made of its sources by `build/page/build.mjs`. Everything that
+//! In: a scene, and a run for a report; without one the page asks the program that served it, or
+//! shows the robot's start in an FMU's documentation. The page itself is `build/page`, made of its sources by `build/page/build.mjs`. Everything that
 //! comes from a robot is data in base64, and the page runs no script but its own two, whose hashes
 //! stand in its content security policy.
 
 use flate2::Compression;
 use flate2::write::DeflateEncoder;
+use serde_json::{Value, json};
 use std::io::Write as _;
 
 /// The page with places for its contents.
@@ -44,6 +45,36 @@ pub fn html(title: &str, scene: &[u8], run: Option<&[u8]>, connect: &str) -> Str
         }
     }
     html + rest
+}
+
+/// The page of a robot that stands as it starts, without a run, plots and tables.
+///
+/// - `title`: any text
+/// - `scene`: content of `scene.bin`
+pub fn still(title: &str, scene: &[u8]) -> String {
+    let time = json!({ "name": "time", "low": 0, "step": 0, "planes": 0, "order": 1 });
+    let run = container(
+        &json!({
+            "format": 1,
+            "rows": 1,
+            "columns": [time],
+            "notes": [],
+            "changed": {},
+            "still": true,
+        }),
+        &[],
+    );
+    html(title, scene, Some(&run), "'none'")
+}
+
+/// A head of JSON and a binary body, as the page reads them.
+pub fn container(head: &Value, body: &[u8]) -> Vec<u8> {
+    let mut text = head.to_string().into_bytes();
+    while !text.len().is_multiple_of(4) {
+        text.push(b' ');
+    }
+    let length = u32::try_from(text.len()).unwrap_or(u32::MAX);
+    [&length.to_le_bytes(), text.as_slice(), body].concat()
 }
 
 /// Raw deflate, which browsers decode themselves.

@@ -12,7 +12,7 @@ use crate::identifier::model_identifier;
 use crate::library::{self, Library};
 use crate::picture::{self, Look};
 use crate::scene::{self, Scene, SceneError};
-use crate::{date, license, sources, xacro};
+use crate::{date, license, page, sources, xacro};
 use sha2::{Digest, Sha256};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -29,8 +29,13 @@ use urdf2fmu_core::simulation::{Simulation, SimulationError};
 use urdf2fmu_core::urdf::{self, Description, ReadOptions};
 use urdf2fmu_core::variables::{self, TableError, Variable};
 
-/// Pictures in an FMU: what importers show for it, and FMI 3's icon; with their sides in pixels.
-const PICTURES: [(&str, usize); 2] = [("model.png", 512), ("terminalsAndIcons/icon.png", 128)];
+/// Pictures in an FMU: what importers show for it, FMI 3's icon, and one for the documentation;
+/// with their sides in pixels, and whether they show the frames of links.
+const PICTURES: [(&str, usize, bool); 3] = [
+    ("model.png", 512, false),
+    ("terminalsAndIcons/icon.png", 128, false),
+    ("documentation/frames.png", 512, true),
+];
 
 /// What a person asked for. What stands here wins over the settings file.
 #[derive(Clone, Debug, Default)]
@@ -47,7 +52,8 @@ pub struct Request {
     pub compat: Option<Compat>,
     /// `--inertia`.
     pub inertia: Option<InertiaSource>,
-    /// Whether every link that can move gets inputs for forces from outside.
+    /// Whether every link that can move gets inputs for forces from outside, and contact outputs
+    /// say where forces act.
     pub pushable: bool,
     /// `--scale`.
     pub scale: Option<f64>,
@@ -165,6 +171,7 @@ pub fn robot(request: &Request) -> Result<Robot, StageError> {
             place: None,
         };
         settings.external_wrenches = vec![all];
+        settings.contact_points = true;
     }
     if let Some(flat_names) = request.flat_names {
         settings.flat_names = flat_names;
@@ -299,12 +306,17 @@ pub fn fmu(robot: &Robot, urdf: &Path, platforms: &[String]) -> Result<Fmu, Stag
     let scene = make_scene(robot, &remarks, &guid)?.to_bytes()?;
     let scene_name = format!("resources/{}", scene::FILE_NAME);
     archive.add(scene_name, scene.clone())?;
+    archive.add(
+        "documentation/robot.html",
+        page::still(&robot.model.name, &scene),
+    )?;
     // Whoever draws the FMU must be able to read it: the pictures are of what was written.
     let scene = Scene::from_bytes(&scene)?;
-    for (name, side) in PICTURES {
+    for (name, side, frames) in PICTURES {
         let look = Look {
             width: side,
             height: side,
+            frames,
             ..Look::default()
         };
         let poses = scene::link_poses(&scene.head, |_| None);

@@ -144,6 +144,7 @@ impl Follows {
             | OutputSlot::JointEffort(_)
             | OutputSlot::ContactActive(_)
             | OutputSlot::ContactForce(..)
+            | OutputSlot::ContactPoint(..)
             | OutputSlot::SensorAcceleration(..)
             | OutputSlot::SensorForce(..)
             | OutputSlot::SensorTorque(..)

@@ -13,10 +13,11 @@ use crate::variables::identifier;
 
 /// Fills `model.outputs` from the settings.
 pub(super) fn select(model: &mut Model, settings: &Settings, findings: &mut Findings) {
+    let has_shape = shaped(model);
     let contacts = match &settings.contact_outputs {
-        ContactOutputs::Auto => leaves(model),
+        ContactOutputs::Auto if model.world.ground.is_none() => Vec::new(),
+        ContactOutputs::Auto => chosen(&has_shape),
         ContactOutputs::Links(patterns) => {
-            let has_shape = shaped(model);
             let unsuitable = |l: usize| {
                 (!has_shape[l]).then(|| "has no collision shape that can touch anything".to_owned())
             };
@@ -31,6 +32,7 @@ pub(super) fn select(model: &mut Model, settings: &Settings, findings: &mut Find
     };
     let wrenches = links(model, &settings.external_wrenches, welded, findings);
     model.outputs.contacts = contacts;
+    model.outputs.contact_points = settings.contact_points;
     model.outputs.links = shown;
     model.outputs.external_wrenches = wrenches;
     for group in &settings.groups {
@@ -248,10 +250,13 @@ fn links(
             chosen[l] = true;
         }
     }
-    (0..names.len())
-        .filter(|&l| chosen[l])
-        .map(LinkId::from)
-        .collect()
+    self::chosen(&chosen)
+}
+
+/// The links that are marked.
+fn chosen(marked: &[bool]) -> Vec<LinkId> {
+    let links = marked.iter().enumerate().filter(|(_, marked)| **marked);
+    links.map(|(l, _)| LinkId::from(l)).collect()
 }
 
 /// Links with a shape that is not on a fixed base.
@@ -261,25 +266,4 @@ fn shaped(model: &Model) -> Vec<bool> {
         shaped[collider.link.index()] = model.bodies[collider.body.index()].motion.kind().moves();
     }
     shaped
-}
-
-/// Links at the end of the tree: they can touch something and carry no moving link, not even by way
-/// of links fixed to them. None without a ground.
-fn leaves(model: &Model) -> Vec<LinkId> {
-    if model.world.ground.is_none() {
-        return Vec::new();
-    }
-    let mut leaf = shaped(model);
-    let mut carries = vec![false; model.links.len()];
-    for joint in model.joints.iter().rev() {
-        let moving = joint.kind != JointKind::Fixed;
-        carries[joint.parent.index()] |= moving || carries[joint.child.index()];
-    }
-    for (leaf, carries) in leaf.iter_mut().zip(&carries) {
-        *leaf &= !carries;
-    }
-    (0..leaf.len())
-        .filter(|&l| leaf[l])
-        .map(LinkId::from)
-        .collect()
 }

@@ -90,6 +90,7 @@ impl Readout {
             | O::JointEffort(_)
             | O::ContactActive(_)
             | O::ContactForce(..)
+            | O::ContactPoint(..)
             | O::EnergyKinetic
             | O::EnergyPotential
             | O::Steps

@@ -82,6 +82,7 @@ pub(super) fn fill(reader: &mut Reader, root: &Section, compat: Option<Compat>) 
             Some(Value::Word(word)) if word == "none" => ContactOutputs::Links(Vec::new()),
             _ => ContactOutputs::Auto,
         },
+        contact_points: outputs.flag("contact_points"),
         link_outputs: match outputs.value("links") {
             Some(Value::Texts(texts)) => patterns(reader, texts),
             _ => Vec::new(),

@@ -355,7 +355,14 @@ pub const KEYS: &[Key] = &[
         "outputs.contacts",
         WordOrPatterns(&["auto", "none"]),
         Some("\"auto\""),
-        "links with contact outputs; auto: those with collision shapes at the end of the tree",
+        "links with contact outputs; auto: all that have collision shapes and can move, none without \
+         a ground",
+    ),
+    key(
+        "outputs.contact_points",
+        Flag,
+        Some("false"),
+        "whether contact outputs include the point where the normal forces act",
     ),
     key(
         "outputs.links",

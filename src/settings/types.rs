@@ -38,6 +38,8 @@ pub struct Settings {
     pub links: Vec<LinkSettings>,
     /// Links with contact outputs.
     pub contact_outputs: ContactOutputs,
+    /// Whether these include where the forces act.
+    pub contact_points: bool,
     /// Links with pose and velocity outputs.
     pub link_outputs: Vec<Pattern>,
     /// Links with force and torque inputs.
@@ -322,7 +324,7 @@ impl LinkSettings {
 /// Links with contact outputs.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ContactOutputs {
-    /// Those with collision shapes at the end of the tree.
+    /// All that can touch something.
     Auto,
     /// These.
     Links(Vec<Pattern>),

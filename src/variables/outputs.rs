@@ -294,7 +294,8 @@ impl Table<'_> {
     }
 
     pub(super) fn contact_outputs(&mut self) {
-        for &id in &self.model.outputs.contacts {
+        let outputs = &self.model.outputs;
+        for &id in &outputs.contacts {
             let name = &self.model.links[id.index()].name;
             let (owner, prefix) = (
                 format!("link '{name}'"),
@@ -309,6 +310,16 @@ impl Table<'_> {
                 );
                 let row = Row::output(OutputSlot::ContactForce(id, axis), Unit::Newton, about);
                 self.add(format!("{prefix}.force.{letter}"), &owner, row);
+            }
+            let points: &[Group<OfLink>] = &[group(
+                "point",
+                &XYZ,
+                Unit::Meter,
+                OutputSlot::ContactPoint,
+                "Position in the world where the normal forces act, else the origin, of",
+            )];
+            if outputs.contact_points {
+                self.groups(points, |of, axis| of(id, axis), &owner, &prefix);
             }
         }
     }

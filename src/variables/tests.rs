@@ -70,6 +70,7 @@ fn the_variables_of_a_small_robot_are_those_of_the_interface_page() {
         joint.left_wheel.position joint.left_wheel.velocity joint.left_wheel.acceleration joint.left_wheel.effort
         joint.lift.position joint.lift.velocity joint.lift.acceleration joint.lift.effort
         joint.grip.position joint.grip.velocity joint.grip.acceleration joint.grip.effort
+        contact.chassis.active contact.chassis.force.x contact.chassis.force.y contact.chassis.force.z
         contact.left_rim.active contact.left_rim.force.x contact.left_rim.force.y contact.left_rim.force.z
         energy.kinetic energy.potential
         solver.steps solver.rejected solver.newton_max";
@@ -96,6 +97,19 @@ fn the_variables_of_a_small_robot_are_those_of_the_interface_page() {
         names(&table, |s| matches!(s, Slot::Parameter(_))),
         expected.split_whitespace().collect::<Vec<_>>()
     );
+}
+
+#[test]
+fn contact_points_are_outputs_on_request() {
+    let settings = "[outputs]\ncontacts = [\"left_rim\"]\ncontact_points = true\n";
+    let table = table_of(&cart(), settings);
+    let mut of_contacts = names(&table, |s| matches!(s, Slot::Output(_)));
+    of_contacts.retain(|name| name.starts_with("contact."));
+    let expected = "contact.left_rim.active
+        contact.left_rim.force.x contact.left_rim.force.y contact.left_rim.force.z
+        contact.left_rim.point.x contact.left_rim.point.y contact.left_rim.point.z";
+    assert_eq!(of_contacts, expected.split_whitespace().collect::<Vec<_>>());
+    assert_eq!(get(&table, "contact.left_rim.point.x").unit, Unit::Meter);
 }
 
 #[test]

@@ -28,6 +28,7 @@ fn descriptions_keep_the_rules_of_fmi_in_every_mode() {
 const EVERYTHING: &str = r#"
 [outputs]
 contacts = ["*"]
+contact_points = true
 links = ["*"]
 [[actuator]]
 joint = "left_*_wheel_joint"
@@ -77,7 +78,9 @@ fn fmu_holds_the_files_of_the_interface_in_order() {
     let (names, contents) = entries(&fmu);
     assert!(names.is_sorted(), "{names:?}");
     for name in [
+        "documentation/frames.png",
         "documentation/index.html",
+        "documentation/robot.html",
         "documentation/licenses/license.txt",
         "model.png",
         "modelDescription.xml",

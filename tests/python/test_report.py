@@ -392,6 +392,27 @@ def test_a_hundred_links_with_textures_are_shown(browser, command, tmp_path):
         page.until("[...window.page.page.view.robot.materials.values()].every(m => m.map?.image?.width === 32)")
 
 
+ARROWS = """(() => { const { view } = window.page.page; view.draw();
+    return view.contacts.list.map(({ link }, i) => [view.scene.head.links[link].name,
+        view.arrows[i].node.visible ? view.arrows[i].node.position.toArray() : null]); })()"""
+
+
+def test_forces_stand_where_the_fmu_says_that_they_act(browser, command, export, pybullet_data, tmp_path):
+    fmu = export(pybullet_data / "r2d2.urdf", "[outputs]\ncontact_points = true\n")
+    run = command("simulate", fmu, "--start-value", "initial.base.rpy.roll", "1.5", "--start-value",
+                  "initial.base.position.z", "0.6", "--stop-time", "3", "--output-file", tmp_path / "out.csv",
+                  "--report", tmp_path / "r.html")
+    assert run.returncode == 0, run.stderr
+    table = read_csv(tmp_path / "out.csv")
+    with open_report(browser, tmp_path / "r.html", f"t={float(table['time'][-1])}") as page:
+        arrows = {link: place for link, place in page.evaluate(ARROWS) if place}
+    assert len(arrows) > 1
+    for link, place in arrows.items():
+        expected = [table[f"contact.{link}.point.{axis}"][-1] for axis in "xyz"]
+        # Numbers of 32 bits, in steps of a millionth of what a column spans.
+        np.testing.assert_allclose(place, expected, atol=1e-5, err_msg=link)
+
+
 @pytest.mark.skipif(shutil.which("npm") is None, reason="no npm; on Debian: apt install npm")
 def test_the_committed_page_is_that_of_its_sources(examples, tmp_path):
     import subprocess

@@ -41,21 +41,14 @@ function points({ head, body }, drawn) {
 
 export class Contacts {
   constructor(scene, robot, size) {
-    const known = new Set(scene.head.variables.map((variable) => variable.name));
     this.robot = robot;
     this.tolerance = size * 0.004;
-    this.list = scene.head.contacts.map((contact) => {
-      // Some FMUs say where the force acts.
-      const outputs = contact.force.map((name) => name.replace(/force(.[xyz])$/, "point$1"));
-      return {
-        ...contact,
-        outputs: outputs.every((name, i) => known.has(name) && name !== contact.force[i])
-          ? outputs : null,
-        points: scene.head.collisions
-          .filter((drawn) => drawn.link === contact.link)
-          .flatMap((drawn) => points(scene, drawn)),
-      };
-    });
+    this.list = scene.head.contacts.map((contact) => ({
+      ...contact,
+      points: scene.head.collisions
+        .filter((drawn) => drawn.link === contact.link)
+        .flatMap((drawn) => points(scene, drawn)),
+    }));
   }
 
   /** Force of a contact now, N. */
@@ -65,8 +58,8 @@ export class Contacts {
 
   /** Where it acts: the FMU's output, or the middle of the lowest points of the link. */
   point(contact, run, into) {
-    const given = contact.outputs?.map((name) => run.value(name));
-    if (given?.every((x) => x !== undefined)) return into.set(...given);
+    const given = contact.point?.map((name) => run.value(name));
+    if (given?.every((x) => Number.isFinite(x))) return into.set(...given);
     const { matrixWorld } = this.robot.links[contact.link];
     let lowest = Infinity;
     const placed = contact.points.map(({ place, radius }) => {

@@ -58,7 +58,7 @@ function summary(head, run, live) {
     count(freedom, "degree of freedom", "degrees of freedom"), `${short(head.mass)} kg`,
   ];
   if (live) parts.push("live");
-  else parts.push(`${short(run.end - run.start)} s in ${count(run.rows, "row", "rows")}`);
+  else if (run.rows > 1) parts.push(`${short(run.end - run.start)} s in ${count(run.rows, "row", "rows")}`);
   return parts.join(" · ");
 }
 
@@ -78,6 +78,9 @@ class Page {
     this.outputs = outputs.map(({ name }) => name);
     this.run = this.live ? Run.live(this.outputs, stepped) : recordedRun(recorded, stepped);
     this.recorded = recorded?.head ?? { notes: [], changed: {} };
+    // An FMU's documentation shows the robot as it starts, and nothing beside it.
+    this.still = Boolean(this.recorded.still);
+    document.body.classList.toggle("still", this.still);
     this.theme = query.get("theme")
       ?? (matchMedia("(prefers-color-scheme: light)").matches ? "light" : "dark");
     document.documentElement.dataset.theme = this.theme;
@@ -93,7 +96,7 @@ class Page {
       await this.socket.first;
     }
     const quality = query.has("quality") ? Number(query.get("quality")) : undefined;
-    this.view = new View(scene, run, { live, quality });
+    this.view = new View(scene, run, { live, still: this.still, quality });
     this.player = new Player(run, this.view.contacts, this.view.weight, this.socket);
     this.player.changed = () => {
       this.dirty = true;

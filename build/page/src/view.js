@@ -18,10 +18,15 @@ const TOGGLES = [
   ["shapes", "v", "Shapes", "What touches the ground in the simulation (V)", false],
 ];
 
+const MOVING = new Set(["follow", "forces", "path"]);
+
 export class View {
-  /** @param quality what is left out, from 0 for nothing to 3; chosen by itself if undefined */
-  constructor(scene, run, { live, quality }) {
-    Object.assign(this, { scene, run, live, quality, shown: {}, buttons: {}, dirty: true });
+  /**
+   * @param still whether there is nothing but the robot's start
+   * @param quality what is left out, from 0 for nothing to 3; chosen by itself if undefined
+   */
+  constructor(scene, run, { live, still, quality }) {
+    Object.assign(this, { scene, run, live, still, quality, shown: {}, buttons: {}, dirty: true });
     this.robot = new Robot(scene);
     run.locate(run.start);
     this.robot.pose(run);
@@ -83,13 +88,16 @@ export class View {
     const overlay = byId("overlay");
     overlay.classList.add("plain");
     overlay.textContent = "This browser shows no 3-D view, because it has no WebGL. "
-      + "Plots, variables and parameters work without.";
+      + (this.still ? "The picture in index.html shows the robot."
+        : "Plots, variables and parameters work without.");
     overlay.hidden = false;
   }
 
   #tools() {
     const bar = byId("tools");
     for (const [name, key, label, title] of TOGGLES) {
+      // What moves or acts has no place in a still.
+      if (this.still && MOVING.has(name)) continue;
       const button = element("button", {
         type: "button", textContent: label, title, "aria-pressed": this.shown[name],
         "data-key": key, disabled: !this.stage,
@@ -107,7 +115,7 @@ export class View {
   }
 
   toggle(name) {
-    if (!this.stage) return;
+    if (!this.stage || !this.buttons[name]) return;
     this.shown[name] = !this.shown[name];
     this.buttons[name].setAttribute("aria-pressed", this.shown[name]);
     const { frames, shapes } = this.shown;

@@ -10,7 +10,7 @@ use super::camera::Camera;
 use super::look::{Look, Picture};
 use super::png::{File, big, compressed};
 use super::solid::Stage;
-use super::still::draw;
+use super::still::Subject;
 use crate::scene::Scene;
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -28,10 +28,14 @@ const FAR: f64 = 2.0;
 pub fn film(scene: &Scene, run: &[Vec<Pose>], delay: u16, look: &Look) -> Vec<u8> {
     let stage = Stage::new(scene);
     let cameras = cameras(&stage, run, look);
+    let Some(camera) = cameras.first() else {
+        return encode(&[], delay);
+    };
+    let subject = Subject::new(scene, stage, camera, look);
     let frames: Vec<Picture> = run
         .iter()
         .zip(&cameras)
-        .map(|(poses, camera)| draw(&stage, poses, camera, look, scene.head.ground))
+        .map(|(poses, camera)| subject.draw(poses, camera, look))
         .collect();
     encode(&frames, delay)
 }

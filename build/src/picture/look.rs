@@ -27,6 +27,8 @@ pub struct Look {
     pub theme: Theme,
     /// Directions of the sky that are looked at for each place.
     pub sky: u16,
+    /// Whether the frames of the links are drawn over it.
+    pub frames: bool,
 }
 
 /// Where the camera stands, seen from the robot.
@@ -62,6 +64,7 @@ impl Default for Look {
             },
             theme: Theme::Clear,
             sky: 48,
+            frames: false,
         }
     }
 }

@@ -1,6 +1,7 @@
 //! One picture.
 
 use super::camera::Camera;
+use super::frames;
 use super::light::Lights;
 use super::look::{Look, Picture, SAMPLES, Theme};
 use super::raster::{self, Layer};
@@ -13,18 +14,44 @@ use urdf2fmu_core::spatial::Pose;
 pub fn still(scene: &Scene, poses: &[Pose], look: &Look) -> (Picture, Camera) {
     let stage = Stage::new(scene);
     let camera = Camera::fit(&stage.corners(poses), look);
-    let picture = draw(&stage, poses, &camera, look, scene.head.ground);
-    (picture, camera)
+    let subject = Subject::new(scene, stage, &camera, look);
+    (subject.draw(poses, &camera, look), camera)
+}
+
+/// What is drawn.
+pub(super) struct Subject {
+    stage: Stage,
+    /// Axes of frames, drawn over the robot.
+    axes: Option<Stage>,
+    /// Whether there is a floor.
+    ground: bool,
+}
+
+impl Subject {
+    pub(super) fn new(scene: &Scene, stage: Stage, camera: &Camera, look: &Look) -> Self {
+        let axes = || Stage::new(&frames::axes(&scene.head, camera.size));
+        Self {
+            stage,
+            axes: look.frames.then(axes),
+            ground: scene.head.ground,
+        }
+    }
+
+    pub(super) fn draw(&self, poses: &[Pose], camera: &Camera, look: &Look) -> Picture {
+        let mut picture = draw(&self.stage, poses, camera, look, self.ground);
+        if let Some(axes) = &self.axes {
+            let plain = Look {
+                theme: Theme::Cutout,
+                ..look.clone()
+            };
+            frames::lay_over(&mut picture, &draw(axes, poses, camera, &plain, false));
+        }
+        picture
+    }
 }
 
 /// - `ground`: whether there is a floor
-pub(super) fn draw(
-    stage: &Stage,
-    poses: &[Pose],
-    camera: &Camera,
-    look: &Look,
-    ground: bool,
-) -> Picture {
+fn draw(stage: &Stage, poses: &[Pose], camera: &Camera, look: &Look, ground: bool) -> Picture {
     let triangles = stage.triangles(poses);
     let lights = Lights::new(stage, &triangles, camera, look);
     let corners = raster::project(&triangles, |p| camera.project(p, SAMPLES));

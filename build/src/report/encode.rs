@@ -4,7 +4,7 @@
 //! kept, whichever is smaller when deflated, with the sign in the lowest bit, all lowest bytes
 //! first, then all of the next, because neighbours are alike in their high bytes.
 
-use crate::page::deflate;
+use crate::page::{container, deflate};
 use crate::scene::Scene;
 use serde_json::json;
 use std::collections::{BTreeMap, BTreeSet};
@@ -53,15 +53,7 @@ pub fn run(
         "notes": notes,
         "changed": changed,
     });
-    let mut text = head.to_string().into_bytes();
-    while !text.len().is_multiple_of(4) {
-        text.push(b' ');
-    }
-    let length = u32::try_from(text.len()).unwrap_or(u32::MAX);
-    let mut bytes = length.to_le_bytes().to_vec();
-    bytes.append(&mut text);
-    bytes.append(&mut body);
-    bytes
+    container(&head, &body)
 }
 
 /// Appends a column to the body; gives what the head says of it.

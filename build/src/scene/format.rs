@@ -228,6 +228,9 @@ pub struct Contact {
     pub active: String,
     /// Names of the three outputs of the force on the link, world axes.
     pub force: Vec<String>,
+    /// Names of the three outputs of where it acts, world; empty for none.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub point: Vec<String>,
 }
 
 /// Inputs for a force and a torque on a link, at its centre of mass.

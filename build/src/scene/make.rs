@@ -230,12 +230,15 @@ impl Names<'_> {
     }
 
     fn contacts(&self, model: &Model) -> Vec<Contact> {
+        let of = |slot: fn(LinkId, u8) -> OutputSlot, link: LinkId| -> Vec<String> {
+            (0..3).filter_map(|i| self.output(slot(link, i))).collect()
+        };
         let contact = |link: LinkId| {
-            let force = (0..3).filter_map(|i| self.output(OutputSlot::ContactForce(link, i)));
             Some(Contact {
                 link: link.index(),
                 active: self.output(OutputSlot::ContactActive(link))?,
-                force: force.collect(),
+                force: of(OutputSlot::ContactForce, link),
+                point: of(OutputSlot::ContactPoint, link),
             })
         };
         let links = (0..model.links.len()).map(LinkId::from);
