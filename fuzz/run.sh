@@ -21,7 +21,7 @@ while getopts n:m option; do
 done
 shift $((OPTIND - 1))
 if [ $# -eq 0 ]; then
-  set -- stl obj collada urdf settings model states calls viewer decomposition
+  set -- stl obj collada urdf settings model states calls viewer scene decomposition
 fi
 work=$PWD/target/fuzz
 host=$(rustc -vV | sed -n 's/^host: //p')
@@ -37,6 +37,7 @@ for target in "$@"; do
     collada) folder=fuzz/readers length=900 words=fuzz/readers/collada.dict ;;
     urdf) folder=fuzz/readers length=500 words=fuzz/readers/urdf.dict ;;
     decomposition) folder=fuzz/readers length=73 count=$((executions < 10000 ? executions : 10000)) ;;
+    scene) folder=fuzz/readers length=900 words=fuzz/readers/scene.dict ;;
     settings) length=200 words=fuzz/settings.dict ;;
     model) length=64 ;;
     states) length=96 ;;

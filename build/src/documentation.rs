@@ -1,7 +1,7 @@
 //! documentation/index.html: one page without links to the network.
 //!
-//! Beside it lie `robot.html`, the robot in 3-D ([`crate::page::still`]), which a script puts in the
-//! place of a picture where the browser can show it, and a picture of the frames.
+//! Beside it lie `robot.html`, the robot in 3-D ([`crate::page::still`]), which a script puts in
+//! the place of a picture where the browser can show it, and a picture of the frames.
 //!
 //! It is made from the same table as modelDescription.xml. It lists the assumptions and names no
 //! path of the machine that made the FMU.

@@ -1,9 +1,9 @@
 //! The page that shows a robot in motion, as one HTML file.
 //!
 //! In: a scene, and a run for a report; without one the page asks the program that served it, or
-//! shows the robot's start in an FMU's documentation. The page itself is `build/page`, made of its sources by `build/page/build.mjs`. Everything that
-//! comes from a robot is data in base64, and the page runs no script but its own two, whose hashes
-//! stand in its content security policy.
+//! shows the robot's start in an FMU's documentation. The page itself is `build/page`, made of its
+//! sources by `build/page/build.mjs`. Everything that comes from a robot is data in base64, and the
+//! page runs no script but its own two, whose hashes stand in its content security policy.
 
 use flate2::Compression;
 use flate2::write::DeflateEncoder;

@@ -77,6 +77,11 @@ fn the_corpus_of_urdfs_does_no_harm() {
 }
 
 #[test]
+fn the_corpus_of_scenes_does_no_harm() {
+    replay_corpus("scene", targets::scene);
+}
+
+#[test]
 fn the_corpus_of_small_meshes_is_decomposed_without_harm() {
     replay_corpus("decomposition", targets::decomposition);
 }

@@ -6,12 +6,18 @@
 //! | `urdf` | a URDF; what is accepted is made a model of, with the settings' defaults |
 //! | `stl`, `obj`, `collada` | a mesh, read as corners and as triangles; some of the accepted are enclosed in their hull |
 //! | `decomposition` | the corners of a small mesh, which is cut into convex parts |
+//! | `scene` | what a robot looks like, as an FMU holds it |
 #![allow(
     dead_code,
     missing_docs,
     clippy::cast_precision_loss,
     reason = "each target is a program of its own that uses a part"
 )]
+
+#[path = "targets/scene.rs"]
+mod scene;
+
+pub use scene::scene;
 
 use std::path::Path;
 use urdf2fmu_core::geometry::{MOST_CORNERS, Shape, bounded_hull};

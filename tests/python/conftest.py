@@ -1,10 +1,13 @@
-"""What the tests share: the command under test, other people's robots, exports (made once), and a driven robot."""
+"""What the tests share: the command under test, other people's robots, exports (made once), reports, and a driven robot."""
 
+import csv
 import hashlib
+import json
 import os
 import subprocess
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import robots
@@ -95,3 +98,33 @@ def load():
     yield run
     for robot in made:
         robot.free()
+
+
+@pytest.fixture(scope="session")
+def made(command, export, pybullet_data, examples, tmp_path_factory):
+    """Simulates a robot that is commanded here and there; gives FMU, results and report. Each is made once."""
+    done = {}
+
+    def make(name, seconds=1.0):
+        if name in done:
+            return done[name]
+        folder = tmp_path_factory.mktemp("report")
+        urdf = {"r2d2": pybullet_data / "r2d2.urdf", "iiwa": pybullet_data / "kuka_iiwa/model.urdf",
+                "quadruped": examples / "quadruped.urdf", "humanoid": examples.parent / "tests/robots/humanoid.urdf",
+                "joints": examples.parent / "tests/robots/every_joint.urdf"}[name]
+        fmu = export(urdf, "[outputs]\nlinks = [\"*\"]\n")
+        listing = json.loads(command("info", fmu, "--json", "--variables").stdout)
+        inputs = [v for v in listing["variables"] if v["causality"] == "input" and "max_effort" not in v["name"]]
+        rng = np.random.default_rng(5)
+        with open(folder / "in.csv", "w", newline="") as file:
+            writer = csv.writer(file)
+            writer.writerow(["time"] + [v["name"] for v in inputs])
+            for time in 0, 0.3, 0.6, 1:
+                writer.writerow([time] + list(rng.uniform(-0.5, 0.5, len(inputs)) * (time > 0)))
+        run = command("simulate", fmu, "--input-file", folder / "in.csv", "--stop-time", seconds,
+                      "--output-file", folder / "out.csv", "--report", folder / "r.html")
+        assert run.returncode == 0, run.stderr
+        done[name] = fmu, folder / "out.csv", folder / "r.html"
+        return done[name]
+
+    return make

@@ -12,7 +12,6 @@ from browser import Browser
 from fmpy.util import read_csv
 
 SMALL = "quality=3&theme=light"
-LINKS = "[outputs]\nlinks = [\"*\"]\n"
 
 HOSTILE = """<robot name="&lt;script&gt;alert(1)&lt;/script&gt; ロボット">
 <link name="&quot;&gt;&lt;img src=x onerror=alert(2)&gt;"><inertial><mass value="1"/>
@@ -31,36 +30,6 @@ def browser():
     browser = Browser()
     yield browser
     browser.close()
-
-
-@pytest.fixture(scope="module")
-def made(command, export, pybullet_data, examples, tmp_path_factory):
-    """Simulates a robot that is commanded here and there; gives FMU, results and report. Each is made once."""
-    done = {}
-
-    def make(name, seconds=1.0):
-        if name in done:
-            return done[name]
-        folder = tmp_path_factory.mktemp("report")
-        urdf = {"r2d2": pybullet_data / "r2d2.urdf", "iiwa": pybullet_data / "kuka_iiwa/model.urdf",
-                "quadruped": examples / "quadruped.urdf", "humanoid": examples.parent / "tests/robots/humanoid.urdf",
-                "joints": examples.parent / "tests/robots/every_joint.urdf"}[name]
-        fmu = export(urdf, LINKS)
-        listing = json.loads(command("info", fmu, "--json", "--variables").stdout)
-        inputs = [v for v in listing["variables"] if v["causality"] == "input" and "max_effort" not in v["name"]]
-        rng = np.random.default_rng(5)
-        with open(folder / "in.csv", "w", newline="") as file:
-            writer = csv.writer(file)
-            writer.writerow(["time"] + [v["name"] for v in inputs])
-            for time in 0, 0.3, 0.6, 1:
-                writer.writerow([time] + list(rng.uniform(-0.5, 0.5, len(inputs)) * (time > 0)))
-        run = command("simulate", fmu, "--input-file", folder / "in.csv", "--stop-time", seconds,
-                      "--output-file", folder / "out.csv", "--report", folder / "r.html")
-        assert run.returncode == 0, run.stderr
-        done[name] = fmu, folder / "out.csv", folder / "r.html"
-        return done[name]
-
-    return make
 
 
 def open_report(browser, file, more="", **options):

@@ -40,7 +40,7 @@ export class Robot {
     this.hulls = [];
     const geometry = maker(scene);
     const textures = head.textures.map((texture) => image(texture, scene.body));
-    for (const drawn of head.visuals) {
+    for (const drawn of head.visuals.length ? head.visuals : head.collisions) {
       this.bodies.push(this.#place(drawn, geometry(drawn), this.#material(drawn, textures)));
     }
     const collision = new MeshBasicMaterial({
