@@ -10,9 +10,8 @@ use crate::describe::{self, DescribeError, Header};
 use crate::documentation::{self, Page, Remark};
 use crate::identifier::model_identifier;
 use crate::library::{self, Library};
-use crate::picture::{self, Look};
 use crate::scene::{self, Scene, SceneError};
-use crate::{date, license, page, sources, xacro};
+use crate::{date, license, page, picture, sources, xacro};
 use sha2::{Digest, Sha256};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -28,14 +27,6 @@ use urdf2fmu_core::settings::{
 use urdf2fmu_core::simulation::{Simulation, SimulationError};
 use urdf2fmu_core::urdf::{self, Description, ReadOptions};
 use urdf2fmu_core::variables::{self, TableError, Variable};
-
-/// Pictures in an FMU: what importers show for it, FMI 3's icon, and one for the documentation;
-/// with their sides in pixels, and whether they show the frames of links.
-const PICTURES: [(&str, usize, bool); 3] = [
-    ("model.png", 512, false),
-    ("terminalsAndIcons/icon.png", 128, false),
-    ("documentation/frames.png", 512, true),
-];
 
 /// What a person asked for. What stands here wins over the settings file.
 #[derive(Clone, Debug, Default)]
@@ -312,16 +303,8 @@ pub fn fmu(robot: &Robot, urdf: &Path, platforms: &[String]) -> Result<Fmu, Stag
     )?;
     // Whoever draws the FMU must be able to read it: the pictures are of what was written.
     let scene = Scene::from_bytes(&scene)?;
-    for (name, side, frames) in PICTURES {
-        let look = Look {
-            width: side,
-            height: side,
-            frames,
-            ..Look::default()
-        };
-        let poses = scene::link_poses(&scene.head, |_| None);
-        let (picture, _) = picture::still(&scene, &poses, &look);
-        archive.add(name, picture::encode(&picture))?;
+    for (name, picture) in picture::all(&scene) {
+        archive.add(name, picture)?;
     }
     let platforms: Vec<&str> = libraries.iter().map(|l| l.platform).collect();
     let page = Page {

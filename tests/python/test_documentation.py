@@ -70,6 +70,7 @@ def test_the_documentation_shows_the_robot_in_3d(browser, export, examples, tmp_
         assert page.evaluate(labels)[:2] == ["Frames", "Shapes"]
         assert page.evaluate("document.documentElement.scrollWidth") <= width
         assert page.evaluate("document.querySelector('#robot img')") is None
+        assert page.evaluate(f"{INSIDE}.page.view.stage.controls.enableZoom") is False, "the wheel scrolls"
         assert page.evaluate("[...document.images].every(n => n.naturalWidth === 512)")
 
 
@@ -86,6 +87,7 @@ def test_the_robot_is_drawn_and_its_frames_on_request(browser, export, examples,
         robot, frames = pictures
         assert len(np.unique(robot.reshape(-1, 3), axis=0)) > 300, "a robot has many shades"
         assert (np.abs(frames - robot).max(axis=2) > 40).sum() > 100
+        assert page.evaluate("window.page.page.view.stage.controls.enableZoom") is True
         page.key("c")
         assert page.evaluate("window.page.page.view.shown.forces") is True, "there is nothing to hide"
 

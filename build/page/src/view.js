@@ -60,6 +60,8 @@ export class View {
       this.robot.links[link].add(lines);
       return lines;
     });
+    // In the midst of another page the wheel scrolls that page.
+    this.stage.controls.enableZoom = window.parent === window;
     this.stage.controls.addEventListener("change", () => {
       this.dirty = true;
     });

@@ -27,4 +27,4 @@ pub use film::film;
 pub use look::{Look, Theme, Toward};
 pub use png::encode;
 pub use run::{ShowError, poses};
-pub use still::still;
+pub use still::{all, still};

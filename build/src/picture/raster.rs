@@ -37,7 +37,7 @@ pub(super) fn project(
         .collect()
 }
 
-/// The greatest whole number that is not greater.
+/// The greatest whole number that is not greater. However far away `x` is, it has a negative.
 #[inline]
 #[allow(
     clippy::cast_possible_truncation,
@@ -45,7 +45,7 @@ pub(super) fn project(
     reason = "floats saturate"
 )]
 pub(super) fn floor(x: f32) -> i32 {
-    let toward_zero = x as i32;
+    let toward_zero = (x as i32).max(1 - i32::MAX);
     toward_zero - i32::from(toward_zero as f32 > x)
 }
 
@@ -212,5 +212,23 @@ impl Depth {
             });
         }
         Self { side, near }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::floor;
+
+    #[test]
+    fn whole_numbers_of_places_far_away_have_negatives() {
+        let near = [(2.0, 2), (2.5, 2), (-0.5, -1), (-3.0, -3), (0.0, 0)];
+        for (x, whole) in near {
+            assert_eq!(floor(x), whole);
+        }
+        for x in [1e30, f32::INFINITY, -1e30, f32::NEG_INFINITY, f32::NAN] {
+            let whole = floor(x);
+            assert_eq!(whole.checked_neg().map(f64::from), Some(-f64::from(whole)));
+        }
+        assert!(floor(1e30) > 2_000_000_000 && floor(-1e30) < -2_000_000_000);
     }
 }

@@ -1,14 +1,38 @@
-//! One picture.
+//! One picture, and those of an FMU.
 
 use super::camera::Camera;
 use super::frames;
 use super::light::Lights;
 use super::look::{Look, Picture, SAMPLES, Theme};
+use super::png::encode;
 use super::raster::{self, Layer};
 use super::shade::{self, Seen};
 use super::solid::Stage;
-use crate::scene::Scene;
+use crate::scene::{self, Scene};
 use urdf2fmu_core::spatial::Pose;
+
+/// Pictures in an FMU: what importers show for it, FMI 3's icon, and one for the documentation;
+/// with their sides in pixels, and whether they show the frames of links.
+const ALL: [(&str, usize, bool); 3] = [
+    ("model.png", 512, false),
+    ("terminalsAndIcons/icon.png", 128, false),
+    ("documentation/frames.png", 512, true),
+];
+
+/// Names and contents of the pictures in a robot's FMU, which show it as it starts.
+pub fn all(scene: &Scene) -> impl Iterator<Item = (&'static str, Vec<u8>)> {
+    let poses = scene::link_poses(&scene.head, |_| None);
+    ALL.into_iter().map(move |(name, side, frames)| {
+        let look = Look {
+            width: side,
+            height: side,
+            frames,
+            ..Look::default()
+        };
+        let (picture, _) = still(scene, &poses, &look);
+        (name, encode(&picture))
+    })
+}
 
 /// A picture of a scene whose links have these poses, and the camera that took it.
 pub fn still(scene: &Scene, poses: &[Pose], look: &Look) -> (Picture, Camera) {
