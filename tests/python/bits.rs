@@ -34,6 +34,7 @@ use random::Random;
 const SETTINGS: &str = r#"
 [outputs]
 links = ["*"]
+contact_points = true
 [[external_wrench]]
 link = "*"
 [link."*"]
