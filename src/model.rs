@@ -323,7 +323,7 @@ pub struct ContactDefaults {
     /// Penetration, m, of which a flat face gives way by half under the robot's weight; the
     /// stiffness follows.
     pub penetration: f64,
-    /// Robot's weight over the depth of a contact under it, N/m; replaces `penetration` where given.
+    /// The weight over the depth of a contact under it, N/m; replaces `penetration` where given.
     pub stiffness: Option<f64>,
     /// Hunt–Crossley dissipation where restitution is 0, s/m.
     pub dissipation: f64,
