@@ -167,15 +167,8 @@ impl Contact {
         if self.depth > 0.0 {
             own.iter().map(|p| p.load * along(p)).sum()
         } else {
-            own.iter()
-                .fold((f64::NEG_INFINITY, 0.0), |best, p| {
-                    if p.depth > best.0 {
-                        (p.depth, along(p))
-                    } else {
-                        best
-                    }
-                })
-                .1
+            let deeper = |a: &&ContactPoint, b: &&ContactPoint| a.depth.total_cmp(&b.depth);
+            own.iter().rev().max_by(deeper).map_or(0.0, along)
         }
     }
 
@@ -225,7 +218,7 @@ impl Contact {
 
     /// Force of the spring along the normal at the start of the step, N.
     pub(super) fn elastic_load(&self, points: &[ContactPoint]) -> f64 {
-        let (_, weights) = norm(&points[self.points.clone()], |p| p.depth);
+        let (_, weights) = norm(&points[self.points.clone()]);
         self.spring.force(self.depth) * weights
     }
 
@@ -234,7 +227,7 @@ impl Contact {
         if self.depth <= 0.0 {
             return 0.0;
         }
-        let (_, weights) = norm(&points[self.points.clone()], |p| p.depth);
+        let (_, weights) = norm(&points[self.points.clone()]);
         let rate = -weights * self.normal_velocity(points, V);
         self.normal_force(self.depth, rate, 1.0).0 * weights
     }
@@ -258,15 +251,10 @@ impl Contact {
             let mut r = PointResponse::default();
             let mut change = -h * v.along;
             if let Some(rim) = &p.rim {
-                let q0 = rim.length(&rim.a);
-                let a = rim.a + v.tilt * h;
-                let q = rim.length(&a);
-                let e0 = rim.a / q0;
-                // The difference of the two lengths by their squares: it may be small.
-                let longer = (a - rim.a).dot(&(a + rim.a)) / (q + q0);
-                change += longer - h * e0.dot(&v.tilt);
+                let (a, q, deeper, lean) = rim.tilted(&(v.tilt * h));
+                change += deeper;
                 r.end = (a / q, 1.0 / q);
-                r.lean = e0 - a / q;
+                r.lean = lean;
             }
             mean += p.load * v.along;
             let depth = p.depth + change;
@@ -283,7 +271,7 @@ impl Contact {
             sum += p.share * squared * squared;
             rise += p.share * change * (after + before) * (squared + before_squared);
         }
-        let friction = self.friction.respond(u + self.drift, h);
+        let friction = self.rub(u, h);
         if deepest <= 0.0 || deepest.is_nan() {
             for (i, (p, r)) in own.iter().zip(&mut out[first..]).enumerate() {
                 r.weight = 0.0;
@@ -322,6 +310,12 @@ impl Contact {
             load: h * force * weights,
             friction,
         }
+    }
+
+    /// Friction over `h` seconds at the velocity `u`.
+    #[inline]
+    pub(super) fn rub(&self, u: &Vec3, h: f64) -> Resistance<Vec3> {
+        self.friction.respond(u + self.drift, h)
     }
 
     /// Adds the damping of rocking to the response of a point over `h` seconds; `mean` is the mean

@@ -30,12 +30,8 @@ impl Contact {
     /// Finds depth, shares of the load, centre and radius from the points that are there.
     pub(crate) fn gather(&mut self, points: &mut [ContactPoint]) {
         let own = &mut points[self.points.clone()];
-        let (depth, weights) = norm(own, |p| p.depth);
+        let (depth, weights) = norm(own);
         self.depth = depth;
-        let deepest = own
-            .iter()
-            .map(|p| p.depth)
-            .fold(f64::NEG_INFINITY, f64::max);
         // Where nothing presses yet, the deepest points share the load to come.
         let mut total = 0.0;
         for p in own.iter_mut() {
@@ -43,7 +39,7 @@ impl Contact {
                 let part = p.depth.max(0.0) / depth;
                 p.share * part * part * part / weights
             } else {
-                f64::from(u8::from(p.depth >= deepest))
+                f64::from(u8::from(p.depth >= depth))
             };
             total += p.load;
         }

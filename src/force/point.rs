@@ -37,10 +37,17 @@ pub struct Rim {
 }
 
 impl Rim {
-    /// `q = √(|a|² + s²)`.
+    /// Where `a` goes that moves by `tilt`, its `q = √(|a|² + s²)`, how much deeper the lowest
+    /// point then is than the point that was the lowest one, and `e₀ − e`.
     #[inline]
-    pub(super) fn length(&self, a: &Vec3) -> f64 {
-        (a.norm_squared() + self.crown * self.crown).sqrt()
+    pub(super) fn tilted(&self, tilt: &Vec3) -> (Vec3, f64, f64, Vec3) {
+        let length = |a: &Vec3| (a.norm_squared() + self.crown * self.crown).sqrt();
+        let a = self.a + tilt;
+        let (q0, q) = (length(&self.a), length(&a));
+        let e0 = self.a / q0;
+        // The difference of the two lengths by their squares: it may be small.
+        let longer = (a - self.a).dot(&(a + self.a)) / (q + q0);
+        (a, q, longer - e0.dot(tilt), e0 - a / q)
     }
 
     /// `T x` for a vector in the tangent plane.
@@ -87,10 +94,7 @@ impl Rim {
     /// Turns the rim by the small rotation `w`; returns how much deeper its lowest point is than
     /// the point that was the lowest one.
     pub(super) fn shift(&mut self, normal: &Vec3, w: &Vec3) -> f64 {
-        let (q0, tilt) = (self.length(&self.a), self.rate(normal, w));
-        let a = self.a + tilt;
-        let longer = (a - self.a).dot(&(a + self.a)) / (self.length(&a) + q0);
-        let deeper = longer - self.a.dot(&tilt) / q0;
+        let (a, _, deeper, _) = self.tilted(&self.rate(normal, w));
         self.a = a;
         deeper
     }
@@ -121,16 +125,6 @@ impl PointVelocity {
             tilt: self.tilt + other.tilt * share,
         }
     }
-
-    /// Half way to another.
-    #[inline]
-    #[must_use]
-    pub fn halfway(&self, other: &Self) -> Self {
-        Self {
-            along: 0.5 * (self.along + other.along),
-            tilt: (self.tilt + other.tilt) * 0.5,
-        }
-    }
 }
 
 /// What a contact point gives for a velocity.
@@ -155,12 +149,11 @@ pub struct PointResponse {
 }
 
 /// Depth `δ` of points and the sum of `∂δ/∂d_i`; the deepest one's and 1 where none is inside.
-pub(super) fn norm(points: &[ContactPoint], depth: impl Fn(&ContactPoint) -> f64) -> (f64, f64) {
+pub(super) fn norm(points: &[ContactPoint]) -> (f64, f64) {
     let (mut deepest, mut fourth, mut third) = (f64::NEG_INFINITY, 0.0, 0.0);
     for p in points {
-        let d = depth(p);
-        deepest = deepest.max(d);
-        let d = d.max(0.0);
+        deepest = deepest.max(p.depth);
+        let d = p.depth.max(0.0);
         third += p.share * d * d * d;
         fourth += p.share * d * d * d * d;
     }

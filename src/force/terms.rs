@@ -360,6 +360,18 @@ impl Terms {
         }
     }
 
+    /// Sets the friction in responses to that at the velocities `at`, after [`Self::carry`].
+    pub fn rub(&self, at: &Velocities, h: f64, responses: &mut Responses) {
+        let contacts = self.contacts.iter().zip(&at.contacts);
+        for ((contact, u), response) in contacts.zip(&mut responses.contacts) {
+            response.friction = contact.rub(u, h);
+        }
+        let turns = self.turns.iter().zip(&at.turns);
+        for ((turn, w), response) in turns.zip(&mut responses.turns) {
+            *response = turn.response(w, h);
+        }
+    }
+
     /// Friction that a solve over `h` seconds has had too little or too much of, by the normal
     /// forces that it has found, N; of contacts that slip.
     pub fn cone_lag(&self, responses: &Responses, h: f64) -> f64 {
@@ -367,7 +379,9 @@ impl Terms {
         let lags = solutions.map(|(contact, response)| {
             let cap = contact.mu * response.load / h;
             let friction = &response.friction.force;
-            if response.slips() || friction.norm_squared() > cap * cap {
+            // Where a contact had no load, it had no friction that could have slipped.
+            let unloaded = contact.friction.cap <= 0.0;
+            if unloaded || response.slips() || friction.norm_squared() > cap * cap {
                 (cap - contact.friction.cap).abs()
             } else {
                 0.0

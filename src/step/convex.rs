@@ -25,7 +25,7 @@ use crate::force::{ContactSet, Response, Responses, Solved, Terms, Velocities};
 use crate::kinematics::{Kinematics, forward};
 use crate::spatial::{Vec6, add6, dot6};
 use crate::tree::Tree;
-use crate::tuning::{MAX_ITERATIONS, ROUND_OFF};
+use crate::tuning::{COARSEST, ITERATED, MAX_ITERATIONS, ROUND_OFF};
 
 /// How a solve ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -93,6 +93,26 @@ pub struct Problem<'a> {
     pub iterated: f64,
 }
 
+impl<'a> Problem<'a> {
+    /// A step of `h` seconds with the bias of `kin`.
+    pub fn new(
+        (tree, kin): (&'a Tree, &'a Kinematics),
+        terms: &'a Terms,
+        h: f64,
+        accuracy: f64,
+    ) -> Self {
+        Self {
+            tree,
+            kin,
+            bias: &kin.bias,
+            terms,
+            h,
+            accuracy,
+            iterated: accuracy.max((ITERATED * accuracy).min(COARSEST)),
+        }
+    }
+}
+
 impl Newton {
     /// Buffers for a tree with at most so many contacts and contact points.
     pub fn new(tree: &Tree, contacts: [usize; 2]) -> Self {
@@ -122,6 +142,7 @@ impl Newton {
         self.v.copy_from_slice(v0);
         self.change.fill(0.0);
         self.at.set(p.terms, &p.kin.V);
+        self.respond(p);
     }
 
     /// Takes any velocity `v` as the guess, of a step that starts with `v0`.
@@ -132,25 +153,53 @@ impl Newton {
         let pattern = &p.tree.sparsity;
         pattern.multiply(&p.kin.M, &self.v, &mut self.change);
         self.v.copy_from_slice(v);
-        if !p.terms.contacts.is_empty() {
-            forward(p.tree, &p.kin.S, v, &mut self.V);
-        }
-        self.at.set(p.terms, &self.V);
+        self.stand(p);
     }
 
-    /// Minimises from the guess that stands in `v`: one of the `guess` functions, or the last
-    /// solution.
-    pub fn solve(&mut self, p: &Problem) -> Outcome {
+    /// Finds the responses at `v`.
+    fn stand(&mut self, p: &Problem) {
+        if !p.terms.contacts.is_empty() {
+            forward(p.tree, &p.kin.S, &self.v, &mut self.V);
+        }
+        self.at.set(p.terms, &self.V);
+        self.respond(p);
+    }
+
+    fn respond(&mut self, p: &Problem) {
         self.factored = false;
         self.mark_loaded(p.tree, &p.terms.contacts);
         p.terms.respond(&self.v, &self.at, p.h, &mut self.responses);
-        self.minimise(p, None)
+    }
+
+    /// Sets the friction cones of `terms` to the normal forces of the responses over `h` seconds,
+    /// and the friction of these to the new cones.
+    pub fn carry(&mut self, terms: &mut Terms, h: f64) {
+        terms.carry(&self.responses, h);
+        terms.rub(&self.at, h, &mut self.responses);
+    }
+
+    /// Minimises from the guess.
+    ///
+    /// - `before`: solution and contacts of the step before, of the same length. Its Hessian does
+    ///   for the first iteration, if it has one and the same points touch, press, stick and slip.
+    ///   Where one such iteration is not enough, Newton's own follow.
+    pub fn solve(&mut self, p: &Problem, before: Option<(&Self, &ContactSet)>) -> Outcome {
+        let alike = before.filter(|(before, contacts)| {
+            let regime = |r: &Response| (r.presses(), r.friction.slope > 0.0, r.slips());
+            let now = p.terms.contacts.iter().zip(&self.responses.contacts);
+            let then = contacts.iter().zip(&before.responses.contacts);
+            before.factored
+                && contacts.len() == p.terms.contacts.len()
+                && now
+                    .zip(then)
+                    .all(|((c, r), (d, s))| c.slot == d.slot && regime(r) == regime(s))
+        });
+        self.minimise(p, alike.map(|(before, _)| before.H.as_slice()))
     }
 
     /// Minimises once more from the last solution, where the friction cones have changed: the first
     /// iteration takes the last Hessian.
     pub fn solve_again(&mut self, p: &Problem) -> Outcome {
-        p.terms.respond(&self.v, &self.at, p.h, &mut self.responses);
         let own = std::mem::take(&mut self.spare);
         let mut own = std::mem::replace(&mut self.H, own);
         let outcome = self.minimise(p, self.factored.then_some(own.as_slice()));
@@ -168,26 +217,6 @@ impl Newton {
         {
             *out = change - gradient;
         }
-    }
-
-    /// The same where the step before, of the same length, has been solved by `before`: its Hessian
-    /// does for the first iteration, if it has one and the same points touch, press, stick and
-    /// slip. Where one such iteration is not enough, Newton's own follow.
-    pub fn solve_after(&mut self, p: &Problem, before: (&Self, &ContactSet)) -> Outcome {
-        self.factored = false;
-        self.mark_loaded(p.tree, &p.terms.contacts);
-        p.terms.respond(&self.v, &self.at, p.h, &mut self.responses);
-        let (before, contacts) = before;
-        let alike = before.factored && {
-            let regime = |r: &Response| (r.presses(), r.friction.slope > 0.0, r.slips());
-            let now = p.terms.contacts.iter().zip(&self.responses.contacts);
-            let then = contacts.iter().zip(&before.responses.contacts);
-            contacts.len() == p.terms.contacts.len()
-                && now
-                    .zip(then)
-                    .all(|((c, r), (d, s))| c.slot == d.slot && regime(r) == regime(s))
-        };
-        self.minimise(p, alike.then_some(before.H.as_slice()))
     }
 
     /// Iterates from the responses at the guess; the first iteration takes `factor` for that of its
@@ -282,12 +311,7 @@ impl Newton {
     pub(super) fn forces_at(&mut self, p: &Problem, v: &[f64], out: &mut [f64]) {
         self.v.copy_from_slice(v);
         self.change.fill(0.0);
-        if !p.terms.contacts.is_empty() {
-            forward(p.tree, &p.kin.S, v, &mut self.V);
-        }
-        self.at.set(p.terms, &self.V);
-        self.mark_loaded(p.tree, &p.terms.contacts);
-        p.terms.respond(&self.v, &self.at, p.h, &mut self.responses);
+        self.stand(p);
         self.collect(p);
         for (out, gradient) in out.iter_mut().zip(&self.gradient) {
             *out = -gradient;
@@ -318,10 +342,9 @@ impl Newton {
     pub fn is_balanced(&mut self, p: &Problem) -> bool {
         self.v.fill(0.0);
         self.change.fill(0.0);
-        self.mark_loaded(p.tree, &p.terms.contacts);
         self.V.fill([0.0; 6]);
         self.at.set(p.terms, &self.V);
-        p.terms.respond(&self.v, &self.at, p.h, &mut self.responses);
+        self.respond(p);
         let impulse_scale = self.collect(p);
         let D2 = &p.kin.inverse_diagonal;
         let norm = scaled_square(&self.gradient, D2);

@@ -369,8 +369,10 @@ impl Stepper {
             if beyond && error <= 1.0 {
                 let end = &self.attempt.end;
                 let ends = (end.q.as_slice(), end.v.as_slice());
-                if caps::meets_limit(ctx, &self.here, &state.physical, ends, h) {
-                    // What happens at a limit is no polynomial.
+                if caps::meets_limit(ctx, &self.here, &state.physical, ends, h)
+                    || self.stages.yields(&state.physical, h)
+                {
+                    // What happens at a limit, or where a motor yields, is no polynomial.
                     state.stepping.counters.rejected += 1;
                     h = remaining;
                     continue;

@@ -1,8 +1,10 @@
 //! Steps of a length that the user fixes.
 //!
-//! Each has one solve with the friction cones and the bias of its start, and one with those of its
-//! middle unless that changes nothing. It is taken in parts where something turns far in it, and
-//! under error control where a point bounces or no part is short enough.
+//! Each is taken in two stages. Where what touches is not the same in both, or friction lags behind
+//! its cones, it has one solve with the friction cones and the bias of its start instead, and one
+//! with those of its middle unless that changes nothing. It is taken in parts where something turns
+//! far in it or it makes energy, and under error control where a point bounces or no part is short
+//! enough.
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
@@ -109,7 +111,8 @@ impl Fixed {
     }
 
     /// The same in two stages; none where what touches, or a limit, is not the same in both: an
-    /// impact that the stages do not resolve would throw the robot back.
+    /// impact that the stages do not resolve would throw the robot back. None either where friction
+    /// is off by more than the tolerance.
     fn attempt_stages(
         ctx: &Context,
         methods: &mut Methods,
@@ -128,6 +131,7 @@ impl Fixed {
         if !stages.solve(ctx, (here, from), trend, [h, FIXED_ACCURACY[0]])
             || stages.changes()
             || stages.flips()
+            || stages.lag() > 1.0
         {
             return None;
         }
@@ -135,16 +139,13 @@ impl Fixed {
         if ctx.rules.parts && turn * h > WHIRL {
             return Some(Outcome::Bad);
         }
-        let books =
-            (turn * whole > TURN).then(|| guards::open_books(ctx, here, from, GAIN * h / whole));
+        let books = guards::open_books(ctx, here, from, GAIN * h / whole);
         stages.finish(ctx, from, h, attempt);
         if !attempt.end.is_finite() {
             return None;
         }
-        let gains = books.is_some_and(|books| {
-            let work = stages.work(ctx, h);
-            guards::gains(ctx, &books, (here, there), &attempt.end, [h, work])
-        });
+        let lengths = [h, stages.work(ctx, h)];
+        let gains = guards::gains(ctx, &books, (here, there), &attempt.end, lengths);
         Some(if gains { Outcome::Bad } else { Outcome::Good })
     }
 
@@ -169,7 +170,7 @@ impl Fixed {
         here.expect_commands(ctx, from, h);
         let problem = fixed_problem(here, tree, h);
         implicit.full.guess_start(&problem, &from.v);
-        let outcome = implicit.full.solve(&problem);
+        let outcome = implicit.full.solve(&problem, None);
         implicit.iterations = implicit.iterations.max(outcome.iterations);
         // Where hardly anything happens the middle is as the start.
         if outcome.converged && implicit.single_error(ctx, from, trend, h) <= CALM * h * h {
@@ -180,16 +181,9 @@ impl Fixed {
         if watched && ctx.rules.parts && turn * h > WHIRL {
             return Outcome::Bad;
         }
-        let responses = &implicit.full.responses.contacts;
-        for (contact, response) in here.terms.contacts.list.iter_mut().zip(responses) {
-            contact.carry(response.load / h);
-        }
-        for turn in &mut here.terms.turns {
-            turn.carry(responses[turn.contact].load / h);
-        }
+        implicit.full.carry(&mut here.terms, h);
         let turning = turn * whole > TURN;
-        let guarded = turning && watched;
-        let books = guarded.then(|| guards::open_books(ctx, here, from, GAIN * h / whole));
+        let books = watched.then(|| guards::open_books(ctx, here, from, GAIN * h / whole));
         let share = if turning { AHEAD } else { 0.5 };
         for ((mean, a), b) in self.mean.iter_mut().zip(&from.v).zip(&implicit.full.v) {
             *mean = a + share * (b - a);
@@ -205,7 +199,7 @@ impl Fixed {
         if turning {
             implicit.full.guess(&problem, &from.v, &self.first);
         }
-        let outcome = implicit.full.solve(&problem);
+        let outcome = implicit.full.solve(&problem, None);
         implicit.iterations = implicit.iterations.max(outcome.iterations);
         counters.rejected += u64::from(!outcome.converged);
         if !implicit.full.v.iter().all(|v| v.is_finite()) {

@@ -53,7 +53,7 @@ impl Implicit {
         (trend, h): (&[f64], f64),
     ) -> f64 {
         self.full.guess_start(problem, &from.v);
-        let outcome = self.full.solve(problem);
+        let outcome = self.full.solve(problem, None);
         self.iterations = self.iterations.max(outcome.iterations);
         if outcome.converged {
             self.single_error(ctx, from, trend, h)

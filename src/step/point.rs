@@ -11,7 +11,7 @@ use crate::parameters::Parameters;
 use crate::state::Physical;
 use crate::step::convex::Problem;
 use crate::tree::Tree;
-use crate::tuning::{COARSEST, ITERATED, Rules};
+use crate::tuning::Rules;
 
 /// What a step needs and does not change.
 #[derive(Clone, Copy, Debug)]
@@ -176,15 +176,7 @@ impl Point {
     }
 
     pub(super) fn problem<'a>(&'a self, tree: &'a Tree, h: f64, accuracy: f64) -> Problem<'a> {
-        Problem {
-            tree,
-            kin: &self.kin,
-            bias: &self.kin.bias,
-            terms: &self.terms,
-            h,
-            accuracy,
-            iterated: accuracy.max((ITERATED * accuracy).min(COARSEST)),
-        }
+        Problem::new((tree, &self.kin), &self.terms, h, accuracy)
     }
 }
 

@@ -59,7 +59,7 @@ impl Stepper {
             let problem = self.here.problem(tree, SETTLING, FIXED_ACCURACY[0]);
             let solved = &mut self.implicit.full;
             solved.guess_start(&problem, &state.physical.v);
-            if !solved.solve(&problem).converged {
+            if !solved.solve(&problem, None).converged {
                 return false;
             }
             let memory = &mut self.there_memory;

@@ -40,7 +40,7 @@
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
 use crate::dynamics::{crba, rnea};
-use crate::force::{ContactSet, Memory, Terms, seek};
+use crate::force::{ContactSet, JointTerm, Memory, Terms, seek};
 use crate::joint::Sweep;
 use crate::kinematics::{advance, forward};
 use crate::model::Model;
@@ -53,8 +53,7 @@ use crate::step::point::{Context, Point};
 use crate::step::size::{fastest, worst_error};
 use crate::tree::Tree;
 use crate::tuning::{
-    COARSEST, CORRECTED, DRIFTING, ESTIMATE, ITERATED, LAG_SHARE, MAX_ATTEMPTS, START,
-    VELOCITY_WEIGHT,
+    CORRECTED, DRIFTING, ESTIMATE, LAG_SHARE, MAX_ATTEMPTS, START, VELOCITY_WEIGHT,
 };
 use std::f64::consts::SQRT_2;
 
@@ -93,13 +92,15 @@ pub(super) struct Stages {
     forces: Vec<f64>,
     error: [Vec<f64>; 2],
     probe: Newton,
+    /// What the friction cones of each stage lag behind, as an error relative to the tolerance.
+    lag: [f64; 2],
     /// Most Newton iterations in a solve since the communication step has begun.
     pub iterations: usize,
 }
 
 #[cfg(test)]
 crate::spoil::spoil!(
-    Stages: middle terms aside solved trend q v moved way from guess memory forces error probe iterations;
+    Stages: middle terms aside solved trend q v moved way from guess memory forces error probe lag iterations;
 );
 
 impl Stages {
@@ -124,6 +125,7 @@ impl Stages {
             forces: vec![0.0; nv],
             error: [vec![0.0; nv], vec![0.0; nv]],
             probe: newton(),
+            lag: [0.0; 2],
             iterations: 0,
         }
     }
@@ -162,10 +164,9 @@ impl Stages {
     ) -> bool {
         self.stand(ctx, from, h);
         self.find_drift(ctx, here);
-        let trend = &self.trend;
         let eta = GAMMA * h;
         // First stage.
-        for (guess, (v, a)) in self.guess.iter_mut().zip(from.v.iter().zip(trend)) {
+        for (guess, (v, a)) in self.guess.iter_mut().zip(from.v.iter().zip(&self.trend)) {
             *guess = v + eta * a;
         }
         self.from.copy_from_slice(&from.v);
@@ -251,58 +252,35 @@ impl Stages {
     /// that it finds itself.
     fn run(&mut self, ctx: &Context, stage: usize, [eta, accuracy]: [f64; 2]) -> bool {
         let tree = ctx.tree;
-        let [first, second] = &mut self.solved;
-        let (solved, before) = if stage == 0 {
-            (first, None)
-        } else {
-            (second, Some(&*first))
-        };
-        let [first_terms, second_terms] = &mut self.terms;
-        let (terms, before_terms) = if stage == 0 {
-            (first_terms, None)
-        } else {
-            (second_terms, Some(&*first_terms))
-        };
         let kin = &self.middle.kin;
+        let ([first, second], [first_terms, second_terms]) = (&mut self.solved, &mut self.terms);
+        let (solved, terms, before) = if stage == 0 {
+            (first, first_terms, None)
+        } else {
+            (second, second_terms, Some((&*first, &first_terms.contacts)))
+        };
         macro_rules! problem {
             () => {
-                Problem {
-                    tree,
-                    kin,
-                    bias: &kin.bias,
-                    terms,
-                    h: eta,
-                    accuracy,
-                    iterated: accuracy.max((ITERATED * accuracy).min(COARSEST)),
-                }
+                Problem::new((tree, kin), terms, eta, accuracy)
             };
         }
         solved.guess(&problem!(), &self.from, &self.guess);
-        if !terms.contacts.is_empty() {
-            terms.respond(&solved.v, &solved.at, eta, &mut solved.responses);
-            terms.carry(&solved.responses, eta);
-        }
-        for attempt in 0..=MAX_ATTEMPTS {
-            let outcome = match (attempt, before, before_terms) {
-                (0, Some(before), Some(terms)) => {
-                    solved.solve_after(&problem!(), (before, &terms.contacts))
-                }
-                (0, ..) => solved.solve(&problem!()),
-                _ => solved.solve_again(&problem!()),
-            };
+        solved.carry(terms, eta);
+        let mut outcome = solved.solve(&problem!(), before);
+        for attempt in 0.. {
             self.iterations = self.iterations.max(outcome.iterations);
             if !outcome.converged {
                 return false;
             }
-            let mass = tree.moving_mass();
-            let allowed = LAG_SHARE * ctx.tolerance * mass / VELOCITY_WEIGHT;
-            if !ctx.rules.cones
-                || attempt == MAX_ATTEMPTS
-                || eta * terms.cone_lag(&solved.responses, eta) <= allowed
-            {
+            let lag = eta * terms.cone_lag(&solved.responses, eta);
+            let allowed = ctx.tolerance * tree.moving_mass() / VELOCITY_WEIGHT;
+            let counts = ctx.rules.cones && lag > 0.0;
+            self.lag[stage] = if counts { lag / allowed } else { 0.0 };
+            if attempt == MAX_ATTEMPTS || self.lag[stage] <= LAG_SHARE {
                 break;
             }
-            terms.carry(&solved.responses, eta);
+            solved.carry(terms, eta);
+            outcome = solved.solve_again(&problem!());
         }
         true
     }
@@ -312,24 +290,12 @@ impl Stages {
         let (tree, eta) = (ctx.tree, GAMMA * h);
         let pattern = &tree.sparsity;
         let kin = &self.middle.kin;
-        macro_rules! problem {
-            ($terms:expr, $h:expr) => {
-                Problem {
-                    tree,
-                    kin,
-                    bias: &kin.bias,
-                    terms: $terms,
-                    h: $h,
-                    accuracy: 0.0,
-                    iterated: 0.0,
-                }
-            };
-        }
+        let problem = |terms, h| Problem::new((tree, kin), terms, h, 0.0);
         // Forces at the start, as the limit of a short step.
         let start = START * h;
         self.terms[0].scale_drift(-1.0 / DRIFT[0]);
         self.probe
-            .forces_at(&problem!(&self.terms[0], start), &from.v, &mut self.forces);
+            .forces_at(&problem(&self.terms[0], start), &from.v, &mut self.forces);
         let [first, second] = &self.solved;
         let [velocity, position] = &mut self.error;
         for i in 0..velocity.len() {
@@ -347,14 +313,14 @@ impl Stages {
         self.aside
             .begin(&self.terms[1], (&self.way, position), None);
         self.probe
-            .forces_at(&problem!(&self.aside, eta), &second.v, &mut self.forces);
+            .forces_at(&problem(&self.aside, eta), &second.v, &mut self.forces);
         second.forces_found(&mut self.guess);
         for (velocity, (moved, here)) in
             velocity.iter_mut().zip(self.forces.iter().zip(&self.guess))
         {
             *velocity += moved - here;
         }
-        let factor = self.solved[1].factor(&problem!(&self.terms[1], eta));
+        let factor = self.solved[1].factor(&problem(&self.terms[1], eta));
         pattern.solve(factor, velocity);
         // Once more: what dies within the step is no error of it.
         pattern.multiply(&kin.M, velocity, &mut self.guess);
@@ -366,7 +332,8 @@ impl Stages {
         self.add_turning(ctx, from, h);
         let [velocity, position] = &self.error;
         let errors = position.iter().copied().zip(velocity.iter().copied());
-        worst_error(errors, &tree.dofs.weight) / ctx.tolerance
+        let worst = worst_error(errors, &tree.dofs.weight) / ctx.tolerance;
+        worst.max(self.lag())
     }
 
     /// Adds to the errors what one place for the whole step leaves where something turns, which the
@@ -420,6 +387,26 @@ impl Stages {
         };
         let limits = inside(&self.terms[0]) != inside(&self.terms[1]);
         limits || contacts.any(|[start, one, two]| start != one || one != two)
+    }
+
+    /// What friction cones still lag behind, as an error relative to the tolerance.
+    pub fn lag(&self) -> f64 {
+        self.lag[0].max(self.lag[1])
+    }
+
+    /// Whether a motor yields at the start of the step of `h` seconds or in one stage, and does not
+    /// everywhere.
+    pub fn yields(&self, from: &Physical, h: f64) -> bool {
+        let [first, second] = &self.solved;
+        let [before, terms] = &self.terms;
+        before.joints.iter().zip(&terms.joints).any(|(one, two)| {
+            let yields = |term: &JointTerm, v: &[f64]| {
+                let (_, slope) = term.drive_force(v[term.dof], GAMMA * h);
+                slope.abs() <= 0.0
+            };
+            let start = yields(one, &from.v);
+            start != yields(one, &first.v) || start != yields(two, &second.v)
+        })
     }
 
     /// Work of motors and external wrenches over the step of `h` seconds, J.

@@ -179,7 +179,7 @@ fn the_minimum_does_not_depend_on_the_guess() {
         for size in [0.0, 1.0, 30.0] {
             let guess: Vec<f64> = (0..n).map(|_| random.uniform(-1.0, 1.0) * size).collect();
             newton.guess(&problem, &case.v0, &guess);
-            let outcome = newton.solve(&problem);
+            let outcome = newton.solve(&problem, None);
             assert!(outcome.converged, "seed {seed}: {outcome:?}");
             found.push(newton.v.clone());
         }
@@ -203,7 +203,7 @@ fn the_minimum_does_not_depend_on_the_hessian_of_the_first_iteration() {
         let solved = |case: &Case| {
             let mut newton = new(case);
             newton.guess(&case.problem(), &case.v0, &case.v0);
-            let outcome = newton.solve(&case.problem());
+            let outcome = newton.solve(&case.problem(), None);
             assert!(outcome.converged, "seed {seed}: {outcome:?}");
             newton
         };
@@ -216,7 +216,7 @@ fn the_minimum_does_not_depend_on_the_hessian_of_the_first_iteration() {
             let problem = case.problem();
             let mut newton = new(&case);
             newton.guess(&problem, &case.v0, &before.v);
-            let outcome = newton.solve_after(&problem, (&before, &case.terms.contacts));
+            let outcome = newton.solve(&problem, Some((&before, &case.terms.contacts)));
             assert!(outcome.converged, "seed {seed}: {outcome:?}");
             for (a, b) in expected.v.iter().zip(&newton.v) {
                 assert!((a - b).abs() < 1e-6 * speed, "seed {seed}: {a} {b}");
@@ -226,7 +226,7 @@ fn the_minimum_does_not_depend_on_the_hessian_of_the_first_iteration() {
                 ..problem
             };
             newton.guess(&coarse, &case.v0, &before.v);
-            let outcome = newton.solve_after(&coarse, (&before, &case.terms.contacts));
+            let outcome = newton.solve(&coarse, Some((&before, &case.terms.contacts)));
             taken += usize::from(outcome.converged && outcome.iterations == 1 && !newton.factored);
         }
     }
