@@ -180,6 +180,7 @@ fn valgrind_finds_nothing_in_a_simulation_by_the_command() {
         .args(["--show-leak-kinds=definite,indirect", command, "simulate"])
         .arg(&fmu)
         .args([
+            "--quiet",
             "--stop-time",
             "0.05",
             "--start-value",
