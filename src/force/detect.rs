@@ -10,7 +10,7 @@
 use super::contact::{Contact, normal_part};
 use super::gather::ContactSet;
 use super::memory::{Touch, seek};
-use super::point::{ContactPoint, Rim};
+use super::point::{ContactPoint, Rim, norm};
 use crate::geometry::Shape;
 use crate::kinematics::Kinematics;
 use crate::law::normal::{Impact, Stiffening};
@@ -55,31 +55,10 @@ pub fn detect(
     contacts.clear();
     let plane = Plane::GROUND;
     let mut touches = touches.iter().peekable();
-    let g = tree.world.gravity.norm();
+    let margin = 2.0 * h * h * tree.world.gravity.norm() + CONTACT_MARGIN;
     for collider in &tree.contact.colliders {
-        let (X_OB, V) = (&kin.X[collider.body], &kin.V[collider.body]);
-        let center = X_OB.p + X_OB.R * collider.X.p;
-        // Height of O over the plane, and of the shape.
-        let height = plane.normal.dot(&kin.origin) - plane.offset;
-        let clearance = height + plane.normal.dot(&center) - collider.radius;
-        let spin = V[0].abs() + V[1].abs() + V[2].abs();
-        let speed = plane.normal.dot(&velocity_at(V, &center)).abs() + spin * collider.radius;
-        let margin = 2.0 * h * h * g + CONTACT_MARGIN;
-        if clearance >= h * speed + margin {
-            continue;
-        }
         let first = contacts.points.len();
-        let mut finder = Finder {
-            plane,
-            height,
-            R: X_OB.R * collider.X.R,
-            center,
-            V,
-            h,
-            margin,
-            points: &mut contacts.points,
-        };
-        finder.find(collider, &model.colliders[collider.index].shape);
+        find(model, collider, kin, [h, margin], &mut contacts.points);
         if contacts.points.len() == first {
             continue;
         }
@@ -91,10 +70,7 @@ pub fn detect(
             slot: collider.index,
             normal: plane.normal,
             points: first..contacts.points.len(),
-            spring: Stiffening {
-                stiffness: collider.spring.stiffness.min(stiffness_limit),
-                ..collider.spring
-            },
+            spring: limited(collider, stiffness_limit),
             ..Contact::default()
         };
         contact.gather(&mut contacts.points);
@@ -107,6 +83,67 @@ pub fn detect(
         );
         contacts.list.push(contact);
     }
+}
+
+/// Energy that the springs of all contacts hold at the poses of `kin`, J. `points` is scratch;
+/// `stiffness_limit` is that of [`detect`].
+pub fn held(
+    model: &Model,
+    tree: &Tree,
+    kin: &Kinematics,
+    stiffness_limit: f64,
+    points: &mut Vec<ContactPoint>,
+) -> f64 {
+    let mut sum = 0.0;
+    for collider in &tree.contact.colliders {
+        points.clear();
+        find(model, collider, kin, [0.0, 0.0], points);
+        if !points.is_empty() {
+            let (depth, _) = norm(points);
+            sum += limited(collider, stiffness_limit).stored(depth);
+        }
+    }
+    sum
+}
+
+/// The spring of a shape, at most as stiff as that, N/m.
+fn limited(collider: &TreeCollider, stiffness_limit: f64) -> Stiffening {
+    Stiffening {
+        stiffness: collider.spring.stiffness.min(stiffness_limit),
+        ..collider.spring
+    }
+}
+
+/// Adds the points of a shape that can touch within `h` seconds, or are nearer than `margin`, m.
+fn find(
+    model: &Model,
+    collider: &TreeCollider,
+    kin: &Kinematics,
+    [h, margin]: [f64; 2],
+    points: &mut Vec<ContactPoint>,
+) {
+    let plane = Plane::GROUND;
+    let (X_OB, V) = (&kin.X[collider.body], &kin.V[collider.body]);
+    let center = X_OB.p + X_OB.R * collider.X.p;
+    // Height of O over the plane, and of the shape.
+    let height = plane.normal.dot(&kin.origin) - plane.offset;
+    let clearance = height + plane.normal.dot(&center) - collider.radius;
+    let spin = V[0].abs() + V[1].abs() + V[2].abs();
+    let speed = plane.normal.dot(&velocity_at(V, &center)).abs() + spin * collider.radius;
+    if clearance >= h * speed + margin {
+        return;
+    }
+    let mut finder = Finder {
+        plane,
+        height,
+        R: X_OB.R * collider.X.R,
+        center,
+        V,
+        h,
+        margin,
+        points,
+    };
+    finder.find(collider, &model.colliders[collider.index].shape);
 }
 
 /// Sets what a contact that has its points and its spring does: damping, friction, restitution.

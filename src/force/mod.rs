@@ -20,7 +20,7 @@ mod turn;
 
 pub(crate) use contact::normal_part;
 pub use contact::{Contact, Response};
-pub use detect::{Plane, detect, is_clear};
+pub use detect::{Plane, detect, held, is_clear};
 pub use drive::Drive;
 pub use gather::ContactSet;
 pub use joint::{JointResponse, JointTerm, Start, effort};

@@ -8,7 +8,7 @@
 
 use crate::dynamics::energy::{kinetic, potential};
 use crate::dynamics::rnea::about_origin;
-use crate::force::{Drive, Terms, detect};
+use crate::force::{self, Drive, Terms};
 use crate::kinematics::Kinematics;
 use crate::spatial::dot6;
 use crate::state::Physical;
@@ -70,12 +70,10 @@ pub(super) fn gain(
     let Point { kin, terms } = there;
     kin.update_poses(tree, &end.q);
     kin.update_velocities(tree, &end.v);
-    let limit = stiffness_limit(ctx, h);
-    let (touches, contacts) = (&end.memory.touches, &mut terms.contacts);
-    detect(ctx.model, tree, touches, kin, 0.0, limit, contacts);
+    let (limit, points) = (stiffness_limit(ctx, h), &mut terms.contacts.points);
     let held = kinetic(tree, kin, &end.v)
         + potential(tree, kin)
-        + terms.springs()
+        + force::held(ctx.model, tree, kin, limit, points)
         + limits(tree, here, &end.q);
     if ctx.rules.energy {
         (held - books.held - work) / books.allowed
