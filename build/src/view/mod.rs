@@ -1,6 +1,6 @@
 //! A live view: the FMU runs by its own library in real time, and browsers look on and steer.
 //!
-//! One thread simulates, the one that called [`View::run`]; `server` has the others. `http` and
+//! One thread simulates, the one that called [`Ready::run`]; `server` has the others. `http` and
 //! `socket` read what comes from outside, `protocol` says what it means, `inputs` knows who holds
 //! what, `pace` keeps time, `hub` sends, `record` writes.
 
