@@ -11,7 +11,6 @@ use crate::law::normal::Stiffening;
 use crate::law::{ElastoPlastic, HuntCrossley, Resistance, SpeedLine};
 use crate::spatial::{Mat3, Pose, SpatialInertia, Vec3};
 use crate::state::{Physical, State};
-use crate::step::point::Point;
 
 /// What can be spoilt.
 pub trait Spoil {
@@ -148,7 +147,6 @@ spoil!(Responses: contacts points turns joints;);
 spoil!(Velocities: contacts points turns;);
 spoil!(Physical: q v memory;);
 spoil!(Terms: contacts turns joints;);
-spoil!(Point: kin terms;);
 spoil!(
     Contact: body other link slot normal points depth spring dissipation load tilting bounce duration
     center radius drift mu friction;

@@ -198,8 +198,9 @@ pub const DAMPED_SHARE: f64 = 0.1;
 /// Energy that a fixed step may make out of nothing, as a share of kinetic energy and weight times
 /// reach: hundreds of steps together a thousandth.
 pub const GAIN: f64 = 1e-5;
-/// The same for extrapolation, as a share of the tolerance.
-pub const EXTRAPOLATION_GAIN: f64 = 0.05;
+/// Energy that counts under error control as an error of the size of the tolerance, as a share of
+/// the tolerance and of the same energies.
+pub const CONTROLLED_GAIN: f64 = 0.05;
 
 /// `1/(tr I · tr I⁻¹)` of the inertia, 1/9 for a ball and 0 for a rod without thickness, below
 /// which a robot in flight keeps its angular velocity as it is: about the axis of a rod it would

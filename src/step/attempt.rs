@@ -45,12 +45,20 @@ impl Attempt {
     /// Takes velocities and memory from a solve over `h` seconds from `point`; positions are the
     /// caller's.
     pub(super) fn take_solved(&mut self, point: &Point, solved: &Newton, h: f64) {
-        take_solved(&mut self.end, point, solved, h);
+        self.end.v.copy_from_slice(&solved.v);
+        let memory = &mut self.end.memory;
+        point.terms.remember(&solved.solved(), h, memory);
     }
 
-    /// Adds `share` times the contact impulses that a solve over `h` seconds has found.
-    pub(super) fn add_impulses(&mut self, terms: &Terms, solved: &Newton, lengths: [f64; 2]) {
-        add_impulses(&mut self.impulse, terms, solved, lengths);
+    /// Adds `share` times the contact impulses that a solve over `h` seconds has found to their
+    /// links.
+    pub(super) fn add_impulses(&mut self, terms: &Terms, solved: &Newton, [h, share]: [f64; 2]) {
+        for (contact, response) in terms.contacts.iter().zip(&solved.responses.contacts) {
+            let sum = &mut self.impulse[contact.link];
+            for (sum, x) in sum.iter_mut().zip(contact.impulse(response, h).iter()) {
+                *sum += share * x;
+            }
+        }
     }
 
     /// Sets the mean acceleration of a step of `h` seconds that began with the velocities `v`.
@@ -65,28 +73,5 @@ impl Attempt {
         std::mem::swap(&mut self.end, &mut state.physical);
         std::mem::swap(&mut self.impulse, &mut state.stepping.impulse);
         std::mem::swap(&mut self.trend, &mut state.stepping.trend);
-    }
-}
-
-/// Velocities and memory after a solve over `h` seconds from `point`; positions are the caller's.
-pub(super) fn take_solved(end: &mut Physical, point: &Point, solved: &Newton, h: f64) {
-    end.v.copy_from_slice(&solved.v);
-    let terms = &point.terms;
-    terms.remember(&solved.solved(), h, &mut end.memory);
-}
-
-/// Adds `share` times the contact impulses that a solve over `h` seconds has found to
-/// their links.
-pub(super) fn add_impulses(
-    sums: &mut [[f64; 3]],
-    terms: &Terms,
-    solved: &Newton,
-    [h, share]: [f64; 2],
-) {
-    for (contact, response) in terms.contacts.iter().zip(&solved.responses.contacts) {
-        let sum = &mut sums[contact.link];
-        for (sum, x) in sum.iter_mut().zip(contact.impulse(response, h).iter()) {
-            *sum += share * x;
-        }
     }
 }

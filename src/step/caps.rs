@@ -4,7 +4,7 @@ use crate::force::{Drive, is_clear};
 use crate::state::{Physical, State};
 use crate::step::point::{Context, Point};
 use crate::tuning::{
-    BOUNCE_SHARE, COMMAND_STEP, CONTACT_STEP, CREEP, EXTRAPOLATION_GAIN, MAX_STEP, MIN_STEP,
+    BOUNCE_SHARE, COMMAND_STEP, CONTACT_STEP, CONTROLLED_GAIN, CREEP, MAX_STEP, MIN_STEP,
     REFERENCE_GRAVITY,
 };
 
@@ -103,7 +103,7 @@ pub(super) fn meets_limit(
 ) -> bool {
     let tree = ctx.tree;
     let weight = tree.moving_mass() * REFERENCE_GRAVITY;
-    let allowed = EXTRAPOLATION_GAIN * ctx.tolerance * weight * tree.reach();
+    let allowed = CONTROLLED_GAIN * ctx.tolerance * weight * tree.reach();
     here.terms.joints.iter().any(|term| {
         let (place, dof) = (term.coordinate, term.dof);
         let ends = [from.q[place], q[place]];

@@ -19,7 +19,7 @@ use crate::step::size::{Standing, Tried, Verdict, Way, grown, landing};
 use crate::step::stages::Stages;
 use crate::tree::Tree;
 use crate::tuning::{
-    BALANCE, BALANCES, EXPLICIT_SAFETY, EXTRAPOLATION_GAIN, FIXED_ACCURACY, FIXED_BALANCE, GROWTH,
+    BALANCE, BALANCES, CONTROLLED_GAIN, EXPLICIT_SAFETY, FIXED_ACCURACY, FIXED_BALANCE, GROWTH,
     GUESS, GUESSES, IMPLICIT_SAFETY, LEAST_ERROR, MAX_STEP, STEP_ROUND_OFF,
 };
 
@@ -344,7 +344,7 @@ impl Stepper {
                 self.finish(ctx, state, staged, h);
                 // Energy out of nothing is an error of the step like others.
                 let from = &state.physical;
-                let allowed = EXTRAPOLATION_GAIN * ctx.tolerance;
+                let allowed = CONTROLLED_GAIN * ctx.tolerance;
                 let books = guards::open_books(ctx, &self.here, from, allowed);
                 let work = if staged {
                     self.stages.work(ctx, h)
@@ -489,7 +489,6 @@ impl Stepper {
                     let begin = state.time + ctx.elapsed;
                     return self.advance_between(ctx, state, begin, begin + (h - done));
                 }
-                Outcome::NotFinite => return Err(Stop::NotFinite),
             }
         }
         Ok(())

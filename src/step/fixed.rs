@@ -61,8 +61,6 @@ pub(super) enum Outcome {
     /// Something turns too far in it, it makes energy, or it leaves the numbers: a shorter one may
     /// do.
     Bad,
-    /// It leaves the numbers.
-    NotFinite,
 }
 
 /// Lengths of a fixed step, s.
@@ -107,7 +105,7 @@ impl Fixed {
             counters.rejected += u64::from(outcome == Outcome::Bad);
             return outcome;
         }
-        self.attempt_implicit(ctx, methods, state, (part, true), (attempt, counters))
+        self.attempt_implicit(ctx, methods, state, part, (attempt, counters))
     }
 
     /// The same in two stages; none where what touches, or a limit, is not the same in both: an
@@ -150,13 +148,13 @@ impl Fixed {
     }
 
     /// One solve with the friction cones and the bias of the start, one with those of the middle
-    /// unless that changes nothing. Unless it is `watched`, energy and angles may be what they are.
+    /// unless that changes nothing.
     pub fn attempt_implicit(
         &mut self,
         ctx: &Context,
         methods: &mut Methods,
         state: &State,
-        (part, watched): (Part, bool),
+        part: Part,
         (attempt, counters): (&mut Attempt, &mut Counters),
     ) -> Outcome {
         let Methods {
@@ -178,12 +176,12 @@ impl Fixed {
             return Outcome::Good;
         }
         let turn = fastest(ctx.tree, &from.v).max(fastest(ctx.tree, &implicit.full.v));
-        if watched && ctx.rules.parts && turn * h > WHIRL {
+        if ctx.rules.parts && turn * h > WHIRL {
             return Outcome::Bad;
         }
         implicit.full.carry(&mut here.terms, h);
         let turning = turn * whole > TURN;
-        let books = watched.then(|| guards::open_books(ctx, here, from, GAIN * h / whole));
+        let books = guards::open_books(ctx, here, from, GAIN * h / whole);
         let share = if turning { AHEAD } else { 0.5 };
         for ((mean, a), b) in self.mean.iter_mut().zip(&from.v).zip(&implicit.full.v) {
             *mean = a + share * (b - a);
@@ -203,18 +201,11 @@ impl Fixed {
         implicit.iterations = implicit.iterations.max(outcome.iterations);
         counters.rejected += u64::from(!outcome.converged);
         if !implicit.full.v.iter().all(|v| v.is_finite()) {
-            return if watched {
-                Outcome::Bad
-            } else {
-                Outcome::NotFinite
-            };
+            return Outcome::Bad;
         }
         implicit.take_full(ctx, here, from, h, attempt);
-        let gains = books.is_some_and(|books| {
-            let work = guards::work(ctx, &here.kin, (&here.terms, &implicit.full), h);
-            guards::gains(ctx, &books, (here, there), &attempt.end, [h, work])
-        });
-        if gains {
+        let work = guards::work(ctx, &here.kin, (&here.terms, &implicit.full), h);
+        if guards::gains(ctx, &books, (here, there), &attempt.end, [h, work]) {
             counters.rejected += 1;
             return Outcome::Bad;
         }

@@ -1,8 +1,8 @@
 //! Checks that a try does not add energy: kinetic, potential, and stored by springs.
 //!
 //! The laws dissipate energy in continuous time. A step may add some, because it uses the robot's
-//! position at one time of the step. The gain is measured here, and a step that adds too much is
-//! replaced by a shorter one or by one without extrapolation.
+//! position at one time of the step. The gain is measured here; a step that adds too much is
+//! replaced by shorter ones.
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 

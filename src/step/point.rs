@@ -55,6 +55,9 @@ pub struct Point {
     pub terms: Terms,
 }
 
+#[cfg(test)]
+crate::spoil::spoil!(Point: kin terms;);
+
 impl Point {
     pub(crate) fn new(model: &Model, tree: &Tree) -> Self {
         Self {

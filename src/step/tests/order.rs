@@ -86,7 +86,12 @@ fn end_by(model: &Model, method: Method, count: u32, articulated: bool) -> Vec<f
             0.0
         },
         budget: u64::MAX,
-        rules: &Rules::ALL,
+        // Angles and energy may be what they are.
+        rules: &Rules {
+            parts: false,
+            energy: false,
+            ..Rules::ALL
+        },
     };
     let mut state = simulation.state().clone();
     let mut stepper = Stepper::new(model, ctx.tree);
@@ -115,7 +120,7 @@ fn end_by(model: &Model, method: Method, count: u32, articulated: bool) -> Vec<f
                     implicit: &mut stepper.implicit,
                     explicit: &mut stepper.explicit,
                 };
-                let part = (Part { h, whole: 1.0 }, false);
+                let part = Part { h, whole: 1.0 };
                 let mut counters = Counters::default();
                 let found = (&mut stepper.attempt, &mut counters);
                 let fixed = &mut stepper.fixed;
