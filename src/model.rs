@@ -9,13 +9,14 @@
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
 mod id;
+mod joint_kind;
 mod validate;
 
 use crate::geometry::Shape;
-use crate::joint::Kind;
 pub use crate::joint::Motion;
 use crate::spatial::{Pose, RigidInertia, Vec3};
 pub use id::{ActuatorId, BodyId, DofId, JointId, LinkId, SensorId};
+pub use joint_kind::JointKind;
 use serde::{Deserialize, Serialize};
 
 /// A robot, prepared for simulation.
@@ -126,40 +127,6 @@ pub struct Joint {
     pub armature: f64,
     /// Exact coupling to another joint.
     pub mimic: Option<Mimic>,
-}
-
-/// The URDF's joint types.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum JointKind {
-    /// No motion.
-    Fixed,
-    /// Turns within limits.
-    Revolute,
-    /// Turns without limits.
-    Continuous,
-    /// Slides within limits.
-    Prismatic,
-    /// Slides in the plane normal to the axis and turns about it.
-    Planar,
-    /// Six degrees of freedom.
-    Floating,
-    /// Turns freely about a point: not URDF's, but `PyBullet`'s and Drake's (`ball`).
-    Spherical,
-}
-
-impl JointKind {
-    /// The chain of bodies that makes up its motion, by their kinds, from the parent to the child.
-    pub fn chain(self) -> &'static [Kind] {
-        match self {
-            Self::Fixed => &[],
-            Self::Revolute | Self::Continuous => &[Kind::Turn],
-            Self::Prismatic => &[Kind::Slide],
-            Self::Planar => &[Kind::Slide, Kind::Slide, Kind::Turn],
-            Self::Floating => &[Kind::Slide, Kind::Slide, Kind::Slide, Kind::Ball],
-            Self::Spherical => &[Kind::Ball],
-        }
-    }
 }
 
 /// Range of a joint's position.

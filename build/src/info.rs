@@ -93,7 +93,7 @@ fn joints(model: &Model) -> Columns {
         rows.row([
             i.to_string(),
             joint.name.clone(),
-            kind(joint.kind).to_owned(),
+            joint.kind.name().to_owned(),
             index(place.map(|(q, _)| q)),
             index(place.map(|(_, v)| v)),
             u8::from(is_driven(model, i)).to_string(),
@@ -282,18 +282,6 @@ pub fn unit(v: &Variable) -> &'static str {
     }
 }
 
-fn kind(kind: JointKind) -> &'static str {
-    match kind {
-        JointKind::Fixed => "fixed",
-        JointKind::Revolute => "revolute",
-        JointKind::Continuous => "continuous",
-        JointKind::Prismatic => "prismatic",
-        JointKind::Planar => "planar",
-        JointKind::Floating => "floating",
-        JointKind::Spherical => "spherical",
-    }
-}
-
 /// The same for other programs; numbers exact.
 pub fn json(model: &Model, table: &[Variable], with_variables: bool) -> Value {
     let poses = poses(model);
@@ -336,7 +324,7 @@ fn joint_json(model: &Model, index: usize, joint: &Joint) -> Value {
     json!({
         "index": index,
         "name": joint.name,
-        "type": kind(joint.kind),
+        "type": joint.kind.name(),
         "q_index": place.map(|(q, _)| q),
         "v_index": place.map(|(_, v)| v),
         "flags": u8::from(actuator.is_some()),

@@ -9,16 +9,6 @@ use crate::range::Range as Physical;
 use crate::spatial::Vec3;
 use std::collections::HashMap;
 
-const KINDS: [(&str, JointKind); 7] = [
-    ("fixed", JointKind::Fixed),
-    ("revolute", JointKind::Revolute),
-    ("continuous", JointKind::Continuous),
-    ("prismatic", JointKind::Prismatic),
-    ("planar", JointKind::Planar),
-    ("floating", JointKind::Floating),
-    ("spherical", JointKind::Spherical),
-];
-
 const CHILDREN: [&str; 10] = [
     "origin",
     "parent",
@@ -90,14 +80,14 @@ pub(super) fn check<'d>(scope: &mut Scope, node: Node<'d>, name: &'d str) -> Che
 
 /// The type; fixed after a problem was reported, so that the other checks can go on.
 fn kind(scope: &mut Scope, node: Node) -> JointKind {
-    let types = KINDS.map(|(name, _)| name);
+    let types = JointKind::ALL.map(JointKind::name);
     let Some(attribute) = node.attribute("type") else {
         scope.missing_attribute(node, "type", &format!("write one of {}", types.join(", ")));
         return JointKind::Fixed;
     };
-    let found = KINDS.iter().find(|(name, _)| *name == attribute.value);
-    if let Some((_, kind)) = found {
-        return *kind;
+    let mut kinds = JointKind::ALL.into_iter();
+    if let Some(kind) = kinds.find(|kind| kind.name() == attribute.value) {
+        return kind;
     }
     let message = format!("unknown joint type '{}'", attribute.value);
     let help = match did_you_mean(&attribute.value.to_lowercase(), types) {

@@ -13,7 +13,7 @@ use crate::units;
 use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
 use urdf2fmu_core::geometry;
-use urdf2fmu_core::model::{self, JointId, JointKind, LinkId, Model};
+use urdf2fmu_core::model::{self, JointId, LinkId, Model};
 use urdf2fmu_core::simulation::{Simulation, SimulationError};
 use urdf2fmu_core::slots::{InputSlot, OutputSlot};
 use urdf2fmu_core::spatial::{Pose, Vec3, quaternion_from_rotation};
@@ -193,7 +193,7 @@ impl Names<'_> {
         }
         Joint {
             name: joint.name.clone(),
-            kind: kind_name(joint.kind).to_owned(),
+            kind: joint.kind.name().to_owned(),
             parent: joint.parent.index(),
             child: joint.child.index(),
             position: vector(&joint.X_PJ.p),
@@ -258,18 +258,6 @@ impl Names<'_> {
             })
             .filter(|wrench| wrench.force.len() == 3 && wrench.torque.len() == 3)
             .collect()
-    }
-}
-
-fn kind_name(kind: JointKind) -> &'static str {
-    match kind {
-        JointKind::Fixed => "fixed",
-        JointKind::Revolute => "revolute",
-        JointKind::Continuous => "continuous",
-        JointKind::Prismatic => "prismatic",
-        JointKind::Planar => "planar",
-        JointKind::Floating => "floating",
-        JointKind::Spherical => "spherical",
     }
 }
 
