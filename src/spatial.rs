@@ -355,6 +355,17 @@ pub fn multiply_lower(A: &[f64; 21], s: &Vec6) -> Vec6 {
     y
 }
 
+/// A unit vector across the unit vector `axis`.
+pub fn across(axis: &Vec3) -> Vec3 {
+    // Of two coordinate directions one that is not along it.
+    let other = if axis.x.abs() < 0.6 {
+        Vec3::x()
+    } else {
+        Vec3::y()
+    };
+    axis.cross(&other).normalize()
+}
+
 /// Rotation that takes z to the unit vector `axis`; exact for the coordinate axes.
 pub fn rotation_to_axis(axis: &Vec3) -> Mat3 {
     let z = *axis;

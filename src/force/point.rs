@@ -1,7 +1,7 @@
 //! Points of a contact: corners of a face, and the lowest point of a cylinder's rim. What they do
 //! together is in [`super::contact`].
 
-use crate::spatial::Vec3;
+use crate::spatial::{Vec3, across};
 
 /// A point of a contact, as found at the start of a step.
 #[derive(Clone, Copy, Debug, Default)]
@@ -76,12 +76,7 @@ impl Rim {
     /// A unit vector across the axis.
     #[inline]
     pub(crate) fn axis_across(&self) -> Vec3 {
-        let other = if self.axis.x.abs() < 0.6 {
-            Vec3::x()
-        } else {
-            Vec3::y()
-        };
-        self.axis.cross(&other).normalize()
+        across(&self.axis)
     }
 
     /// `ȧ`, m/s, for an angular velocity.

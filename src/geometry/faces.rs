@@ -9,7 +9,7 @@
 //! hardly curved side are one face.
 
 use super::hull::{Simplices, hull};
-use crate::spatial::Vec3;
+use crate::spatial::{Vec3, across};
 use crate::tuning::FACING;
 
 /// The faces of a hull, and the shares of its corners.
@@ -108,13 +108,7 @@ impl Faces {
 /// Shares of the corners `list` of one face: exterior angles over 2π of those on its outline; the
 /// others, which lie in its midst, take the mean. They sum up to one.
 fn shares(corners: &[Vec3], list: &[usize], normal: &Vec3) -> Vec<f64> {
-    let x = normal
-        .cross(&if normal.x.abs() < 0.6 {
-            Vec3::x()
-        } else {
-            Vec3::y()
-        })
-        .normalize();
+    let x = across(normal);
     let y = normal.cross(&x);
     let flat: Vec<(f64, f64)> = list
         .iter()

@@ -112,14 +112,19 @@ pub fn quadruped(h: f64) -> Scene {
         }
         // Two links of 0.2 m, bent, and a foot of some centimetres.
         model.initial.position.z = 0.4 * libm::cos(0.8) + 0.021;
-        let count = model.actuators.len();
-        let command = move |s: &mut Simulation, t: f64| {
-            for a in 0..count {
-                let slot = InputSlot::Velocity(ActuatorId::from(a));
-                s.set_input(slot, 0.3 * libm::sin(12.0 * t + a as f64));
-            }
-        };
-        (model, Box::new(command) as Command)
+        let command = swaying(&model, InputSlot::Velocity, [0.3, 12.0]);
+        (model, command)
+    })
+}
+
+/// Sets the input `slot` of actuator `i` to `size sin(rate t + i)`, for all of them.
+fn swaying(model: &Model, slot: fn(ActuatorId) -> InputSlot, [size, rate]: [f64; 2]) -> Command {
+    let count = model.actuators.len();
+    Box::new(move |s: &mut Simulation, t: f64| {
+        for a in 0..count {
+            let value = size * libm::sin(rate * t + a as f64);
+            s.set_input(slot(ActuatorId::from(a)), value);
+        }
     })
 }
 
@@ -131,14 +136,8 @@ pub fn humanoid(h: f64) -> Scene {
         for actuator in &mut model.actuators {
             (actuator.kp, actuator.kd) = (100.0, 5.0);
         }
-        let count = model.actuators.len();
-        let command = move |s: &mut Simulation, t: f64| {
-            for a in 0..count {
-                let slot = InputSlot::Position(ActuatorId::from(a));
-                s.set_input(slot, 0.2 * libm::sin(6.0 * t + a as f64));
-            }
-        };
-        (model, Box::new(command) as Command)
+        let command = swaying(&model, InputSlot::Position, [0.2, 6.0]);
+        (model, command)
     })
 }
 
