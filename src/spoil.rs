@@ -4,13 +4,13 @@
 
 use crate::force::{
     Contact, ContactPoint, ContactSet, Drive, JointResponse, JointTerm, Memory, PointResponse,
-    PointVelocity, Response, Responses, Rim, Terms, Touch, Turn, TurnResponse, Velocities,
+    PointVelocity, Response, Responses, Terms, Touch, Turn, TurnResponse, Velocities,
 };
 use crate::kinematics::Kinematics;
 use crate::law::normal::Stiffening;
 use crate::law::{ElastoPlastic, HuntCrossley, Resistance, SpeedLine};
 use crate::spatial::{Mat3, Pose, SpatialInertia, Vec3};
-use crate::state::{Physical, State};
+use crate::state::{Physical, State, Trend};
 
 /// What can be spoilt.
 pub trait Spoil {
@@ -143,6 +143,7 @@ spoil!(TurnResponse: impulse normal tangential slip;);
 spoil!(JointResponse: impulse stiffness effort;);
 spoil!(Touch: slot displacement turn bounce;);
 spoil!(Memory: touches motor dry;);
+spoil!(Trend: first whole;);
 spoil!(Responses: contacts points turns joints;);
 spoil!(Velocities: contacts points turns;);
 spoil!(Physical: q v memory;);
@@ -151,8 +152,8 @@ spoil!(
     Contact: body other link slot normal points depth spring dissipation load tilting bounce duration
     center radius drift mu friction;
 );
-spoil!(ContactPoint: corner x depth share load rim;);
-spoil!(Rim: axis radius a crown landing;);
+spoil!(ContactPoint: corner x arm depth share load rim;);
+
 spoil!(ContactSet: list points;);
 spoil!(Stiffening: stiffness reference;);
 spoil!(Turn: contact body slot normal coefficient torsional rolling;);

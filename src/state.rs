@@ -42,8 +42,8 @@ pub struct Stepping {
     pub commands: Vec<[f64; 4]>,
     /// Step sizes of the error control.
     pub sizes: Sizes,
-    /// Mean accelerations over the last step, `nv`, where it was an implicit one, else 0.
-    pub trend: Vec<f64>,
+    /// Accelerations of the last step, where it was an implicit one, else 0.
+    pub trend: Trend,
     /// What has been counted since the start.
     pub counters: Counters,
     /// Contact impulse per link over the last communication step, world axes, N·s.
@@ -52,6 +52,37 @@ pub struct Stepping {
     pub last_step: f64,
     /// The smooth step under way.
     pub ahead: Ahead,
+}
+
+/// Mean accelerations of a step, `nv`.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Trend {
+    /// Over its first stage.
+    pub first: Vec<f64>,
+    /// Over all of it.
+    pub whole: Vec<f64>,
+}
+
+impl Trend {
+    /// Room for so many degrees of freedom, all zero.
+    pub fn new(nv: usize) -> Self {
+        Self {
+            first: vec![0.0; nv],
+            whole: vec![0.0; nv],
+        }
+    }
+
+    /// Forgets all.
+    pub fn clear(&mut self) {
+        self.first.fill(0.0);
+        self.whole.fill(0.0);
+    }
+
+    /// Overwrites this with another of the same length, without allocating.
+    pub fn copy_from(&mut self, other: &Self) {
+        self.first.copy_from_slice(&other.first);
+        self.whole.copy_from_slice(&other.whole);
+    }
 }
 
 /// Step sizes of the error control, s.
@@ -111,7 +142,8 @@ macro_rules! fields {
             $one(& $($mutable)? stepping.sizes.proposed),
             $one(& $($mutable)? stepping.sizes.after_jump),
             $one(& $($mutable)? stepping.sizes.floor),
-            & $($mutable)? stepping.trend,
+            & $($mutable)? stepping.trend.first,
+            & $($mutable)? stepping.trend.whole,
             stepping.impulse.$flat(),
             $one(& $($mutable)? stepping.last_step),
             $one(& $($mutable)? stepping.ahead.start),
@@ -122,7 +154,7 @@ macro_rules! fields {
 }
 
 /// Length of the list of fields.
-pub const FIELDS: usize = 15;
+pub const FIELDS: usize = 16;
 
 impl Physical {
     /// All zero, quaternions at identity.
@@ -164,7 +196,7 @@ impl State {
                     after_jump: INITIAL_STEP,
                     floor: 0.0,
                 },
-                trend: vec![0.0; model.nv()],
+                trend: Trend::new(model.nv()),
                 counters: Counters::default(),
                 impulse: vec![[0.0; 3]; model.links.len()],
                 last_step: 0.0,

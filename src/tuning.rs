@@ -161,10 +161,11 @@ pub const REST_SPEED: f64 = 1e-7;
 
 // Friction cones: `step/stages.rs`.
 
-/// Share of the tolerance that a lag of the friction cones may cost before it is dealt with.
+/// Share of the tolerance that a lag of the friction cones may cost, as an error of velocities,
+/// before a solve takes other ones.
 pub const LAG_SHARE: f64 = 0.02;
-/// Solves with other friction cones than those of the start, at most.
-pub const MAX_ATTEMPTS: usize = 3;
+/// How often a solve takes its friction cones from its own normal forces, at most.
+pub const MAX_CARRIES: usize = 3;
 
 // Explicit steps: `step/explicit.rs`, `step/explicit/tableau.rs`.
 
@@ -343,11 +344,9 @@ pub const SETTLING_STEPS: usize = 24;
 pub const MAX_ITERATIONS: usize = 50;
 /// Relative round-off of a sum of a few terms.
 pub const ROUND_OFF: f64 = 8.0 * f64::EPSILON;
-/// Share of the initial slope that a full Newton step may leave uphill before the line search looks
-/// closer.
-pub const ACCEPTED_SLOPE: f64 = 0.1;
-/// Share of the initial slope at which the line search stops.
-pub const LINE_SEARCH_TOLERANCE: f64 = 1e-3;
+/// Share of the initial slope at which the line search stops; a full Newton step may leave as much
+/// uphill, and more downhill. A search that is a hundred times as exact needs as many iterations.
+pub const LINE_SEARCH_TOLERANCE: f64 = 0.1;
 /// Tries of the line search, at most: every third halves the bracket, down to a millionth.
 pub const LINE_SEARCH_TRIALS: usize = 60;
 /// Share of the bracket at either end in which Newton's proposal gives way to bisection.

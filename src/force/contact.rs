@@ -47,7 +47,7 @@
 use super::point::{ContactPoint, PointResponse, PointVelocity, norm};
 use crate::law::normal::Stiffening;
 use crate::law::{ElastoPlastic, Resistance};
-use crate::spatial::{Vec3, Vec6, angular, velocity_at};
+use crate::spatial::{Vec3, Vec6, angular, linear, velocity_at};
 use std::ops::Range;
 
 /// What a contact gives for a velocity.
@@ -147,11 +147,11 @@ impl Contact {
         V: &[Vec6],
     ) -> impl Iterator<Item = PointVelocity> + 'a {
         let W = self.relative(V);
-        let w = angular(&W);
+        let (w, lift) = (angular(&W), self.normal.dot(&linear(&W)));
         points[self.points.clone()]
             .iter()
             .map(move |p| PointVelocity {
-                along: self.normal.dot(&velocity_at(&W, &p.x)),
+                along: lift + p.arm.dot(&w),
                 tilt: p
                     .rim
                     .map_or_else(Vec3::zeros, |rim| rim.rate(&self.normal, &w)),
@@ -162,7 +162,7 @@ impl Contact {
     /// where none is inside.
     pub fn normal_velocity(&self, points: &[ContactPoint], V: &[Vec6]) -> f64 {
         let W = self.relative(V);
-        let along = |p: &ContactPoint| self.normal.dot(&velocity_at(&W, &p.x));
+        let along = |p: &ContactPoint| p.along(&self.normal, &W);
         let own = &points[self.points.clone()];
         if self.depth > 0.0 {
             own.iter().map(|p| p.load * along(p)).sum()
@@ -187,7 +187,7 @@ impl Contact {
         points[self.points.clone()]
             .iter()
             .fold(f64::INFINITY, |soonest, p| {
-                let approach = -self.normal.dot(&velocity_at(&W, &p.x));
+                let approach = -p.along(&self.normal, &W);
                 if approach > 0.0 {
                     soonest.min(-p.depth / approach)
                 } else {
@@ -251,10 +251,10 @@ impl Contact {
             let mut r = PointResponse::default();
             let mut change = -h * v.along;
             if let Some(rim) = &p.rim {
-                let (a, q, deeper, lean) = rim.tilted(&(v.tilt * h));
-                change += deeper;
-                r.end = (a / q, 1.0 / q);
-                r.lean = lean;
+                let tilted = rim.tilted(&(v.tilt * h));
+                change += tilted.deeper;
+                r.end = tilted.end;
+                r.lean = rim.direction() - tilted.end.0;
             }
             mean += p.load * v.along;
             let depth = p.depth + change;
@@ -331,13 +331,13 @@ impl Contact {
         let (force, slope) = self.rocking(v.along - mean);
         (r.rock, r.rocking) = (force * point.load, slope * point.load);
         if let Some(rim) = &point.rim {
-            r.tilting -= v.tilt * (h * self.tilting * point.load * rim.tilt_damping());
+            r.tilting -= v.tilt * (h * self.tilting * point.load * rim.tilt_damping);
         }
     }
 
     /// `L ψ(z)` and its slope.
     #[inline]
-    fn rocking(&self, z: f64) -> (f64, f64) {
+    pub(super) fn rocking(&self, z: f64) -> (f64, f64) {
         let damping = self.dissipation[0] * z;
         if damping > 1.0 {
             (self.load, 0.0)
@@ -391,7 +391,7 @@ impl Contact {
             let along = e.dot(&v.tilt);
             tilt += r.weight * inverse * (v.tilt.norm_squared() - along * along);
             middle += p.load * v.along;
-            let rim = p.rim.map_or(0.0, |rim| rim.tilt_damping());
+            let rim = p.rim.map_or(0.0, |rim| rim.tilt_damping);
             sum += h * self.tilting * p.load * rim * v.tilt.norm_squared();
         }
         for (r, v) in of.iter().zip(at) {
@@ -403,81 +403,6 @@ impl Contact {
             sum += h * h * (r.slope * square + r.force * (bend - 3.0 / r.depth * square + tilt));
         }
         sum
-    }
-
-    /// Adds the impulses of a response on the body, and their reaction on the other one, to those
-    /// on all bodies about O.
-    #[inline]
-    pub fn push(
-        &self,
-        points: &[ContactPoint],
-        (r, of): (&Response, &[PointResponse]),
-        h: f64,
-        F: &mut [Vec6],
-    ) {
-        let friction = r.friction.force * -h;
-        let (drilling, along) = normal_part(&self.normal, &friction);
-        let mut force = along;
-        let mut moment = self.center.cross(&along) + self.normal * (self.radius * drilling);
-        for (p, response) in points[self.points.clone()].iter().zip(of) {
-            let push = self.normal * response.impulse;
-            force += push;
-            moment += p.x.cross(&push);
-            if let Some(rim) = &p.rim {
-                moment += rim.moment(&response.tilting);
-            }
-        }
-        self.act(&force, &moment, F);
-    }
-
-    /// Adds a force on the body, N, and its moment about O, N·m, and their reaction on the other
-    /// body, to those on all bodies; or impulses.
-    #[inline]
-    pub fn act(&self, force: &Vec3, moment: &Vec3, F: &mut [Vec6]) {
-        let wrench = [moment.x, moment.y, moment.z, force.x, force.y, force.z];
-        for (sum, x) in F[self.body].iter_mut().zip(wrench) {
-            *sum += x;
-        }
-        if let Some(other) = self.other {
-            for (sum, x) in F[other].iter_mut().zip(wrench) {
-                *sum -= x;
-            }
-        }
-    }
-
-    /// Impulse on the body of a response, N·s, world axes.
-    #[inline]
-    pub fn impulse(&self, r: &Response, h: f64) -> Vec3 {
-        let (_, along) = normal_part(&self.normal, &r.friction.force);
-        self.normal * r.load - along * h
-    }
-
-    /// Force on the body at the start of the step, N, and its moment about O, N·m, for the
-    /// velocities of all bodies.
-    pub fn wrench(&self, points: &[ContactPoint], V: &[Vec6]) -> (Vec3, Vec3) {
-        let load = self.normal_load(points, V);
-        let friction = self.friction.respond(self.sliding(V), 0.0).force;
-        let (drilling, along) = normal_part(&self.normal, &friction);
-        let mut moment = self.center.cross(&-along) - self.normal * (self.radius * drilling);
-        let velocity = self.normal_velocity(points, V);
-        let mut force = -along;
-        let W = self.relative(V);
-        let own = &points[self.points.clone()];
-        let rock = |p: &ContactPoint| {
-            let along = self.normal.dot(&velocity_at(&W, &p.x));
-            self.rocking(along - velocity).0 * p.load
-        };
-        let total: f64 = own.iter().map(rock).sum();
-        for p in own {
-            let push = self.normal * ((load + total) * p.load - rock(p));
-            force += push;
-            moment += p.x.cross(&push);
-            if let Some(rim) = &p.rim {
-                let tilt = rim.rate(&self.normal, &angular(&W));
-                moment -= rim.moment(&(tilt * (self.tilting * p.load * rim.tilt_damping())));
-            }
-        }
-        (force, moment)
     }
 
     /// Energy that its normal spring holds at the start of the step, J.

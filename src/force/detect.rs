@@ -298,13 +298,8 @@ impl Finder<'_> {
     fn add(&mut self, corner: usize, x: Vec3, share: f64) {
         let depth = -self.height - self.plane.normal.dot(&x);
         if self.reaches(depth, &x) {
-            self.points.push(ContactPoint {
-                corner,
-                x,
-                depth,
-                share,
-                ..ContactPoint::default()
-            });
+            let point = ContactPoint::new(corner, x, &self.plane.normal, [depth, share]);
+            self.points.push(point);
         }
     }
 
@@ -317,25 +312,13 @@ impl Finder<'_> {
         let crown = CROWN * R;
         // So that a lying cylinder, whose `q` is `√(R² + s²)`, reaches down by its own radius.
         let R = (R * (R + 2.0 * crown)).sqrt();
-        let a = across * R;
-        let q = (a.norm_squared() + crown * crown).sqrt();
-        let lowest = q - crown;
-        let x = c + a * (R * up / q) - n * lowest;
-        let depth = -self.height - n.dot(&c) + lowest;
+        let rim = Rim::new(k, across * R, [R, crown, landing]);
+        let x = c + rim.direction() * (R * up) - n * rim.lowest();
+        let depth = -self.height - n.dot(&c) + rim.lowest();
         if self.reaches(depth, &x) {
             self.points.push(ContactPoint {
-                corner,
-                x,
-                depth,
-                share: 0.5,
-                rim: Some(Rim {
-                    axis: k,
-                    radius: R,
-                    a,
-                    crown,
-                    landing,
-                }),
-                ..ContactPoint::default()
+                rim: Some(rim),
+                ..ContactPoint::new(corner, x, &n, [depth, 0.5])
             });
         }
     }

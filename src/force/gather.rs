@@ -4,7 +4,7 @@
 
 use super::contact::{Contact, normal_part};
 use super::point::{ContactPoint, norm};
-use crate::spatial::{Vec3, Vec6, angular, velocity_at};
+use crate::spatial::{Vec3, Vec6, angular};
 use crate::tuning::{EVEN_CORNERS, EVEN_DISC};
 
 impl Contact {
@@ -14,7 +14,7 @@ impl Contact {
         let W = self.relative(way);
         let w = angular(&W);
         for p in &mut points[self.points.clone()] {
-            p.depth -= self.normal.dot(&velocity_at(&W, &p.x));
+            p.depth -= p.along(&self.normal, &W);
             if let Some(rim) = &mut p.rim {
                 p.depth += rim.shift(&self.normal, &w);
             }
@@ -75,7 +75,7 @@ impl Contact {
             let (_, apart) = normal_part(&self.normal, &(p.x - center));
             radius += p.load * apart.norm() * EVEN_CORNERS;
             if let Some(rim) = &p.rim {
-                radius += p.load * EVEN_DISC * rim.radius * rim.flatness();
+                radius += p.load * EVEN_DISC * rim.radius * rim.flatness;
             }
         }
         (self.center, self.radius) = (center, radius);

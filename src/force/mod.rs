@@ -8,6 +8,7 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
+mod act;
 mod contact;
 mod detect;
 mod drive;

@@ -1,7 +1,9 @@
 //! Points of a contact: corners of a face, and the lowest point of a cylinder's rim. What they do
 //! together is in [`super::contact`].
 
-use crate::spatial::{Vec3, across};
+#![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
+
+use crate::spatial::{Vec3, Vec6, across, angular, linear};
 
 /// A point of a contact, as found at the start of a step.
 #[derive(Clone, Copy, Debug, Default)]
@@ -10,6 +12,8 @@ pub struct ContactPoint {
     pub corner: usize,
     /// Position from O, m, world axes.
     pub x: Vec3,
+    /// `x × n`: by which a rotation of its body moves it along the normal, m.
+    pub arm: Vec3,
     /// Depth along the normal, negative apart, m.
     pub depth: f64,
     /// Share `m_i` in a face.
@@ -20,57 +24,117 @@ pub struct ContactPoint {
     pub rim: Option<Rim>,
 }
 
+impl ContactPoint {
+    /// The one at `x` from O that is so deep along `normal`, without a load yet.
+    pub fn new(corner: usize, x: Vec3, normal: &Vec3, [depth, share]: [f64; 2]) -> Self {
+        Self {
+            corner,
+            x,
+            arm: x.cross(normal),
+            depth,
+            share,
+            ..Self::default()
+        }
+    }
+
+    /// Velocity along `normal` with the spatial velocity `W`, positive apart, m/s.
+    #[inline]
+    pub fn along(&self, normal: &Vec3, W: &Vec6) -> f64 {
+        normal.dot(&linear(W)) + self.arm.dot(&angular(W))
+    }
+}
+
 /// The rim of a cylinder, as it stands at the start of a step.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Rim {
     /// The cylinder's axis, a unit vector.
-    pub axis: Vec3,
+    axis: Vec3,
     /// m
     pub radius: f64,
     /// What of the axis lies in the tangent plane, times the radius, m.
     pub a: Vec3,
     /// Crown, m.
-    pub crown: f64,
+    crown: f64,
     /// The same for damping, m: as deep as the contact is under a load, so that the far side of
     /// the face lands like the corner of a box.
-    pub landing: f64,
+    landing: f64,
+    /// `q`, m.
+    q: f64,
+    /// `a/q`
+    e: Vec3,
+    /// `χ`: 1 where the face is flat on the ground, 0 where it leans.
+    pub flatness: f64,
+    /// Share `½ χ²`, with `χ` of the landing, of the damping of rocking that acts against tilting.
+    pub tilt_damping: f64,
+}
+
+/// Where a rim has tilted to.
+#[derive(Clone, Copy, Debug)]
+pub struct Tilted {
+    /// `a`, m.
+    pub a: Vec3,
+    /// `a/q` and `1/q`.
+    pub end: (Vec3, f64),
+    /// How much deeper its lowest point is than the point that was the lowest one, m.
+    pub deeper: f64,
 }
 
 impl Rim {
-    /// Where `a` goes that moves by `tilt`, its `q = √(|a|² + s²)`, how much deeper the lowest
-    /// point then is than the point that was the lowest one, and `e₀ − e`.
+    /// The rim of `radius` about `axis`, where `a` is what of the axis lies in the tangent plane,
+    /// times the radius.
+    pub fn new(axis: Vec3, a: Vec3, [radius, crown, landing]: [f64; 3]) -> Self {
+        let mut rim = Self {
+            axis,
+            radius,
+            crown,
+            landing,
+            ..Self::default()
+        };
+        rim.stand(a);
+        rim
+    }
+
+    /// Takes another `a`, and finds what follows from it.
+    fn stand(&mut self, a: Vec3) {
+        let (squared, crown) = (a.norm_squared(), self.crown * self.crown);
+        self.a = a;
+        self.q = (squared + crown).sqrt();
+        self.e = a / self.q;
+        self.flatness = crown / (squared + crown);
+        let landing = self.landing * self.landing;
+        let flat = landing / (squared + landing);
+        self.tilt_damping = 0.5 * flat * flat;
+    }
+
+    /// How far its lowest point is below its centre, but for the crown, m.
+    pub fn lowest(&self) -> f64 {
+        self.q - self.crown
+    }
+
+    /// `a/q`.
+    pub fn direction(&self) -> Vec3 {
+        self.e
+    }
+
+    /// Where it goes if `a` moves by `tilt`.
     #[inline]
-    pub(super) fn tilted(&self, tilt: &Vec3) -> (Vec3, f64, f64, Vec3) {
-        let length = |a: &Vec3| (a.norm_squared() + self.crown * self.crown).sqrt();
+    pub(super) fn tilted(&self, tilt: &Vec3) -> Tilted {
         let a = self.a + tilt;
-        let (q0, q) = (length(&self.a), length(&a));
-        let e0 = self.a / q0;
+        let q = (a.norm_squared() + self.crown * self.crown).sqrt();
         // The difference of the two lengths by their squares: it may be small.
-        let longer = (a - self.a).dot(&(a + self.a)) / (q + q0);
-        (a, q, longer - e0.dot(tilt), e0 - a / q)
+        let longer = tilt.dot(&(a + self.a)) / (q + self.q);
+        let inverse = 1.0 / q;
+        Tilted {
+            a,
+            end: (a * inverse, inverse),
+            deeper: longer - self.e.dot(tilt),
+        }
     }
 
     /// `T x` for a vector in the tangent plane.
     #[inline]
     fn tilting(&self, x: &Vec3) -> Vec3 {
-        let squared = self.a.norm_squared() + self.crown * self.crown;
-        let chi = self.crown * self.crown / squared;
-        x * chi + self.a * (self.a.dot(x) / squared)
-    }
-
-    /// `χ`: 1 where the face is flat on the ground, 0 where it leans.
-    #[inline]
-    pub(super) fn flatness(&self) -> f64 {
-        let crown = self.crown * self.crown;
-        crown / (self.a.norm_squared() + crown)
-    }
-
-    /// Share `½ χ²`, with `χ` of the landing, of the damping of rocking that acts against tilting.
-    #[inline]
-    pub(crate) fn tilt_damping(&self) -> f64 {
-        let squared = self.landing * self.landing;
-        let chi = squared / (self.a.norm_squared() + squared);
-        0.5 * chi * chi
+        x * self.flatness + self.e * self.e.dot(x)
     }
 
     /// A unit vector across the axis.
@@ -89,8 +153,8 @@ impl Rim {
     /// Turns the rim by the small rotation `w`; returns how much deeper its lowest point is than
     /// the point that was the lowest one.
     pub(super) fn shift(&mut self, normal: &Vec3, w: &Vec3) -> f64 {
-        let (a, _, deeper, _) = self.tilted(&self.rate(normal, w));
-        self.a = a;
+        let Tilted { a, deeper, .. } = self.tilted(&self.rate(normal, w));
+        self.stand(a);
         deeper
     }
 
@@ -158,3 +222,6 @@ pub(super) fn norm(points: &[ContactPoint]) -> (f64, f64) {
     let delta = fourth.sqrt().sqrt();
     (delta, third / (delta * delta * delta))
 }
+
+#[cfg(test)]
+crate::spoil::spoil!(Rim: axis radius a crown landing q e flatness tilt_damping;);

@@ -372,22 +372,29 @@ impl Terms {
         }
     }
 
-    /// Friction that a solve over `h` seconds has had too little or too much of, by the normal
-    /// forces that it has found, N; of contacts that slip.
-    pub fn cone_lag(&self, responses: &Responses, h: f64) -> f64 {
-        let solutions = self.contacts.iter().zip(&responses.contacts);
-        let lags = solutions.map(|(contact, response)| {
-            let cap = contact.mu * response.load / h;
-            let friction = &response.friction.force;
-            // Where a contact had no load, it had no friction that could have slipped.
-            let unloaded = contact.friction.cap <= 0.0;
-            if unloaded || response.slips() || friction.norm_squared() > cap * cap {
-                (cap - contact.friction.cap).abs()
-            } else {
-                0.0
+    /// Adds what friction would do more over `h` seconds with the cones that belong to the normal
+    /// forces of `responses`, N·s and N·m·s about O, to `F`; tells whether there is any.
+    ///
+    /// - `at`: velocities of the responses
+    pub fn add_lag(&self, at: &Velocities, responses: &Responses, h: f64, F: &mut [Vec6]) -> bool {
+        let mut any = false;
+        let contacts = self.contacts.iter().zip(&at.contacts);
+        for ((contact, u), response) in contacts.zip(&responses.contacts) {
+            if let Some(more) = contact.lag(u, response, h) {
+                contact.drag(&(more * -h), F);
+                any = true;
             }
-        });
-        lags.sum()
+        }
+        for ((turn, w), response) in self.turns.iter().zip(&at.turns).zip(&responses.turns) {
+            let mut turn = *turn;
+            turn.carry(responses.contacts[turn.contact].load / h);
+            let more = turn.response(w, h).impulse - response.impulse;
+            for (sum, x) in F[turn.body][..3].iter_mut().zip(more.iter()) {
+                *sum += x;
+            }
+            any |= more != Vec3::zeros();
+        }
+        any
     }
 
     /// Drops what contacts without load remember.

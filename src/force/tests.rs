@@ -93,19 +93,16 @@ pub(crate) fn random_contact(
     for corner in 0..3 {
         let axis = random.unit();
         let radius = random.uniform(0.1, 0.3);
+        let x = random.vector(0.5);
+        let of_face = [random.uniform(1e-3, 3e-3), random.uniform(0.1, 0.5)];
+        let rim = (corner == 2).then(|| {
+            let a = (axis - normal * normal.dot(&axis)) * radius;
+            let [crown, landing] = [0; 2].map(|_| random.uniform(1e-3, 0.1));
+            Rim::new(axis, a, [radius, crown, landing])
+        });
         points.push(ContactPoint {
-            corner,
-            x: random.vector(0.5),
-            depth: random.uniform(1e-3, 3e-3),
-            share: random.uniform(0.1, 0.5),
-            load: 0.0,
-            rim: (corner == 2).then(|| Rim {
-                axis,
-                radius,
-                a: (axis - normal * normal.dot(&axis)) * radius,
-                crown: random.uniform(1e-3, 0.1),
-                landing: random.uniform(1e-3, 0.1),
-            }),
+            rim,
+            ..ContactPoint::new(corner, x, &normal, of_face)
         });
     }
     let mut contact = Contact {

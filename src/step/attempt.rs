@@ -2,7 +2,7 @@
 
 use crate::force::Terms;
 use crate::model::Model;
-use crate::state::{Physical, State};
+use crate::state::{Physical, State, Trend};
 use crate::step::convex::Newton;
 use crate::step::point::Point;
 
@@ -13,8 +13,8 @@ pub struct Attempt {
     pub end: Physical,
     /// Contact impulse per link from the last communication point to its end, world axes, N·s.
     pub impulse: Vec<[f64; 3]>,
-    /// Mean acceleration over it, `nv`; 0 after an explicit step.
-    pub trend: Vec<f64>,
+    /// Its accelerations; 0 after an explicit step.
+    pub trend: Trend,
 }
 
 #[cfg(test)]
@@ -26,7 +26,7 @@ impl Attempt {
         Self {
             end: Physical::new(model),
             impulse: vec![[0.0; 3]; model.links.len()],
-            trend: vec![0.0; model.nv()],
+            trend: Trend::new(model.nv()),
         }
     }
 
@@ -39,7 +39,7 @@ impl Attempt {
     pub(super) fn stay(&mut self, state: &State) {
         self.begin(state);
         self.end.copy_from(&state.physical);
-        self.trend.copy_from_slice(&state.stepping.trend);
+        self.trend.copy_from(&state.stepping.trend);
     }
 
     /// Takes velocities and memory from a solve over `h` seconds from `point`; positions are the
@@ -61,11 +61,12 @@ impl Attempt {
         }
     }
 
-    /// Sets the mean acceleration of a step of `h` seconds that began with the velocities `v`.
-    pub(super) fn end_trend(&mut self, v: &[f64], h: f64) {
-        for ((trend, end), start) in self.trend.iter_mut().zip(&self.end.v).zip(v) {
-            *trend = (end - start) / h;
-        }
+    /// Sets the accelerations of a step of `h` seconds that began with the velocities `v`.
+    ///
+    /// - `first`: velocities at the end of its first stage, which takes so many seconds
+    pub(super) fn end_trend(&mut self, v: &[f64], h: f64, (first, eta): (&[f64], f64)) {
+        mean_acceleration(v, (&self.end.v, h), &mut self.trend.whole);
+        mean_acceleration(v, (first, eta), &mut self.trend.first);
     }
 
     /// Makes it the state. What is left here is where the step began.
@@ -73,5 +74,12 @@ impl Attempt {
         std::mem::swap(&mut self.end, &mut state.physical);
         std::mem::swap(&mut self.impulse, &mut state.stepping.impulse);
         std::mem::swap(&mut self.trend, &mut state.stepping.trend);
+    }
+}
+
+/// Mean acceleration over `h` seconds from the velocities `v` to `end`.
+pub(super) fn mean_acceleration(v: &[f64], (end, h): (&[f64], f64), out: &mut [f64]) {
+    for ((out, end), start) in out.iter_mut().zip(end).zip(v) {
+        *out = (end - start) / h;
     }
 }

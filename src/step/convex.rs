@@ -36,6 +36,17 @@ pub struct Outcome {
     pub converged: bool,
 }
 
+/// How far a solve has come.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Run {
+    /// Newton iterations.
+    pub iterations: usize,
+    /// Squared scale of the impulse of the bias.
+    bias_scale: Option<f64>,
+    /// Squared scale of the velocities' round-off.
+    round_off: Option<f64>,
+}
+
 /// The minimiser and its scratch.
 #[derive(Clone, Debug)]
 pub struct Newton {
@@ -51,8 +62,6 @@ pub struct Newton {
     direction: Vec<f64>,
     direction_momentum: Vec<f64>,
     H: Vec<f64>,
-    /// Room for another one.
-    spare: Vec<f64>,
     /// Whether `H` holds the factor of the last solve's last Hessian.
     factored: bool,
     V: Vec<Vec6>,
@@ -67,7 +76,7 @@ pub struct Newton {
 
 #[cfg(test)]
 crate::spoil::spoil!(
-    Newton: v at responses change gradient direction direction_momentum H spare
+    Newton: v at responses change gradient direction direction_momentum H
     factored V
     along F G loaded is_loaded;
 );
@@ -126,7 +135,6 @@ impl Newton {
             direction: vec![0.0; nv],
             direction_momentum: vec![0.0; nv],
             H: vec![0.0; tree.sparsity.entries()],
-            spare: vec![0.0; tree.sparsity.entries()],
             factored: false,
             V: vec![[0.0; 6]; nb],
             along: Velocities::new(contacts),
@@ -179,36 +187,29 @@ impl Newton {
     }
 
     /// Minimises from the guess.
-    ///
-    /// - `before`: solution and contacts of the step before, of the same length. Its Hessian does
-    ///   for the first iteration, if it has one and the same points touch, press, stick and slip.
-    ///   Where one such iteration is not enough, Newton's own follow.
-    pub fn solve(&mut self, p: &Problem, before: Option<(&Self, &ContactSet)>) -> Outcome {
-        let alike = before.filter(|(before, contacts)| {
-            let regime = |r: &Response| (r.presses(), r.friction.slope > 0.0, r.slips());
-            let now = p.terms.contacts.iter().zip(&self.responses.contacts);
-            let then = contacts.iter().zip(&before.responses.contacts);
-            before.factored
-                && contacts.len() == p.terms.contacts.len()
-                && now
-                    .zip(then)
-                    .all(|((c, r), (d, s))| c.slot == d.slot && regime(r) == regime(s))
-        });
-        self.minimise(p, alike.map(|(before, _)| before.H.as_slice()))
+    pub fn solve(&mut self, p: &Problem) -> Outcome {
+        let mut run = Run::default();
+        loop {
+            if let Some(outcome) = self.iterate(p, &mut run, None) {
+                return outcome;
+            }
+        }
     }
 
-    /// Minimises once more from the last solution, where the friction cones have changed: the first
-    /// iteration takes the last Hessian.
-    pub fn solve_again(&mut self, p: &Problem) -> Outcome {
-        let own = std::mem::take(&mut self.spare);
-        let mut own = std::mem::replace(&mut self.H, own);
-        let outcome = self.minimise(p, self.factored.then_some(own.as_slice()));
-        if outcome.iterations < 2 {
-            // No Hessian has been assembled since.
-            std::mem::swap(&mut self.H, &mut own);
-        }
-        self.spare = own;
-        outcome
+    /// The factor of the last Hessian of this solve, for another one of the same length: that of
+    /// `p`, at its guess `next`. None unless the same points touch, press, stick and slip.
+    ///
+    /// - `contacts`: those of this solve
+    pub fn factor_for(&self, contacts: &ContactSet, next: &Self, p: &Problem) -> Option<&[f64]> {
+        let regime = |r: &Response| (r.presses(), r.friction.slope > 0.0, r.slips());
+        let now = p.terms.contacts.iter().zip(&next.responses.contacts);
+        let then = contacts.iter().zip(&self.responses.contacts);
+        let alike = self.factored
+            && contacts.len() == p.terms.contacts.len()
+            && now
+                .zip(then)
+                .all(|((c, r), (d, s))| c.slot == d.slot && regime(r) == regime(s));
+        alike.then_some(&self.H)
     }
 
     /// Forces and bias times the length of the step at the solution, N·m·s.
@@ -219,64 +220,64 @@ impl Newton {
         }
     }
 
-    /// Iterates from the responses at the guess; the first iteration takes `factor` for that of its
-    /// Hessian, if there is one.
-    fn minimise(&mut self, p: &Problem, mut factor: Option<&[f64]>) -> Outcome {
+    /// Ends a run where the responses balance, or cannot be made to; else iterates once.
+    ///
+    /// - `factor`: does for that of the Hessian, if there is one
+    pub fn iterate(
+        &mut self,
+        p: &Problem,
+        run: &mut Run,
+        factor: Option<&[f64]>,
+    ) -> Option<Outcome> {
         let Problem { tree, kin, h, .. } = *p;
         let D2 = &kin.inverse_diagonal;
         // Impulses set the scale: else free fall would stop accelerating in small steps.
-        let bias_scale = h * h * scaled_square(p.bias, D2);
-        let mut round_off = None;
-        let mut iterations = 0;
-        loop {
-            let impulse_scale = self.collect(p);
-            let norm = scaled_square(&self.gradient, D2);
-            let scale = bias_scale.max(impulse_scale);
-            let accuracy = if iterations == 0 {
-                p.accuracy
-            } else {
-                p.iterated
-            };
-            // An infinite scale would call anything converged.
-            let finite = norm.is_finite() && scale.is_finite();
-            let good = norm <= accuracy * accuracy * scale || {
-                let velocities = *round_off.get_or_insert_with(|| self.round_off(p));
-                let floor = velocities + self.cancelled(p);
-                norm <= floor && floor.is_finite()
-            };
-            if finite && good {
-                return Outcome {
-                    iterations,
-                    converged: true,
-                };
-            }
-            if iterations >= MAX_ITERATIONS || !finite {
-                return Outcome {
-                    iterations,
-                    converged: false,
-                };
-            }
-            iterations += 1;
-            for (x, g) in self.direction.iter_mut().zip(&self.gradient) {
-                *x = -g;
-            }
-            if let Some(factor) = factor.take() {
-                tree.sparsity.solve(factor, &mut self.direction);
-            } else {
-                self.assemble(p);
-                tree.sparsity.factor(&mut self.H);
-                self.factored = true;
-                tree.sparsity.solve(&self.H, &mut self.direction);
-            }
-            let alpha = self.line_search(p);
-            for (v, w) in self.v.iter_mut().zip(&self.direction) {
-                *v += alpha * w;
-            }
-            for (m, w) in self.change.iter_mut().zip(&self.direction_momentum) {
-                *m += alpha * w;
-            }
-            self.at.combine(1.0, &self.along, alpha);
+        let bias_scale = *run
+            .bias_scale
+            .get_or_insert_with(|| h * h * scaled_square(p.bias, D2));
+        let impulse_scale = self.collect(p);
+        let norm = scaled_square(&self.gradient, D2);
+        let scale = bias_scale.max(impulse_scale);
+        let accuracy = if run.iterations == 0 {
+            p.accuracy
+        } else {
+            p.iterated
+        };
+        // An infinite scale would call anything converged.
+        let finite = norm.is_finite() && scale.is_finite();
+        let good = norm <= accuracy * accuracy * scale || {
+            let velocities = *run.round_off.get_or_insert_with(|| self.round_off(p));
+            let floor = velocities + self.cancelled(p);
+            norm <= floor && floor.is_finite()
+        };
+        let converged = finite && good;
+        if converged || run.iterations >= MAX_ITERATIONS || !finite {
+            return Some(Outcome {
+                iterations: run.iterations,
+                converged,
+            });
         }
+        run.iterations += 1;
+        for (x, g) in self.direction.iter_mut().zip(&self.gradient) {
+            *x = -g;
+        }
+        if let Some(factor) = factor {
+            tree.sparsity.solve(factor, &mut self.direction);
+        } else {
+            self.assemble(p);
+            tree.sparsity.factor(&mut self.H);
+            self.factored = true;
+            tree.sparsity.solve(&self.H, &mut self.direction);
+        }
+        let alpha = self.line_search(p);
+        for (v, w) in self.v.iter_mut().zip(&self.direction) {
+            *v += alpha * w;
+        }
+        for (m, w) in self.change.iter_mut().zip(&self.direction_momentum) {
+            *m += alpha * w;
+        }
+        self.at.combine(1.0, &self.along, alpha);
+        None
     }
 
     /// Squared scale of what velocities' round-off does to momenta, at the velocity that stands in
@@ -385,10 +386,7 @@ impl Newton {
         if p.terms.contacts.is_empty() {
             return scale;
         }
-        for &b in &self.loaded {
-            self.F[b] = [0.0; 6];
-        }
-        self.F[0] = [0.0; 6];
+        self.clear_forces();
         for (contact, response) in p.terms.contacts.iter().zip(&self.responses.contacts) {
             let own = &self.responses.points[contact.points.clone()];
             let points = &p.terms.contacts.points;
@@ -401,24 +399,71 @@ impl Newton {
             }
         }
         let mut contact_scale = 0.0;
-        for &b in &self.loaded {
-            let body = &tree.bodies[b];
-            let F = self.F[b];
-            for c in body.column..body.column + body.columns {
-                let projected = dot6(&kin.S[c], &F);
-                let dof = tree.dof[c];
-                self.gradient[dof] -= projected;
-                contact_scale += D2[dof] * projected * projected;
-            }
-            add6(&mut self.F[body.parent], &F);
-        }
-        if tree.is_free() {
-            for (k, F) in self.F[0].iter().enumerate() {
-                self.gradient[k] -= F;
-                contact_scale += D2[k] * F * F;
-            }
-        }
+        let gradient = &mut self.gradient;
+        project((tree, kin), &self.loaded, &mut self.F, |dof, projected| {
+            gradient[dof] -= projected;
+            contact_scale += D2[dof] * projected * projected;
+        });
         scale.max(contact_scale)
+    }
+
+    /// Clears the forces on all bodies that have any.
+    fn clear_forces(&mut self) {
+        for &b in &self.loaded {
+            self.F[b] = [0.0; 6];
+        }
+        self.F[0] = [0.0; 6];
+    }
+
+    /// What velocities lack because friction slips at other normal forces than those at the
+    /// solution: the largest, weighted, to first order, rad/s.
+    ///
+    /// - `factor`: that of the Hessian, where the solve has not needed one of its own
+    pub(super) fn lag(&mut self, p: &Problem, factor: Option<&[f64]>) -> f64 {
+        if p.terms.contacts.is_empty() {
+            return 0.0;
+        }
+        self.clear_forces();
+        if !p.terms.add_lag(&self.at, &self.responses, p.h, &mut self.F) {
+            return 0.0;
+        }
+        let mut missing = std::mem::take(&mut self.direction);
+        missing.fill(0.0);
+        project((p.tree, p.kin), &self.loaded, &mut self.F, |dof, lag| {
+            missing[dof] += lag;
+        });
+        let factor = match factor {
+            Some(factor) if !self.factored => factor,
+            _ => self.factor(p),
+        };
+        p.tree.sparsity.solve(factor, &mut missing);
+        self.direction = missing;
+        let weighted = self.direction.iter().zip(&p.tree.dofs.weight);
+        weighted.fold(0.0, |most: f64, (v, w)| most.max(w * v.abs()))
+    }
+}
+
+/// Passes forces on bodies on to their parents, from the tips of the tree to its base, and what
+/// they do along each degree of freedom to `take`.
+#[inline]
+fn project(
+    (tree, kin): (&Tree, &Kinematics),
+    loaded: &[usize],
+    F: &mut [Vec6],
+    mut take: impl FnMut(usize, f64),
+) {
+    for &b in loaded {
+        let body = &tree.bodies[b];
+        let own = F[b];
+        for c in body.column..body.column + body.columns {
+            take(tree.dof[c], dot6(&kin.S[c], &own));
+        }
+        add6(&mut F[body.parent], &own);
+    }
+    if tree.is_free() {
+        for (k, F) in F[0].iter().enumerate() {
+            take(k, *F);
+        }
     }
 }
 

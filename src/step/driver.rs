@@ -332,13 +332,13 @@ impl Stepper {
             self.begin_try(ctx)?;
             let (from, trend) = (&state.physical, &state.stepping.trend);
             let stages = &mut self.stages;
-            let solved = stages.solve(ctx, (&self.here, from), trend, [h, accuracy]);
-            let staged = solved && !stages.flips();
+            let staged = stages.solve(ctx, (&self.here, from), trend, [h, accuracy], false);
             let mut error = if staged {
                 stages.error(ctx, from, h)
             } else {
                 let problem = self.here.problem(ctx.tree, h, accuracy);
-                self.implicit.solve_alone(ctx, &problem, from, (trend, h))
+                self.implicit
+                    .solve_alone(ctx, &problem, from, (&trend.whole, h))
             };
             if error <= 1.0 {
                 self.finish(ctx, state, staged, h);
@@ -401,7 +401,9 @@ impl Stepper {
                 let problem = self.here.problem(ctx.tree, h, accuracy);
                 let (from, trend) = (&state.physical, &state.stepping.trend);
                 let alone = staged && {
-                    let error = self.implicit.solve_alone(ctx, &problem, from, (trend, h));
+                    let error = self
+                        .implicit
+                        .solve_alone(ctx, &problem, from, (&trend.whole, h));
                     error.is_finite()
                 };
                 self.finish(ctx, state, staged && !alone, h);

@@ -274,7 +274,7 @@ impl Explicit {
         attempt.end.q.copy_from_slice(&self.integrator.q);
         attempt.end.v.copy_from_slice(&self.integrator.v);
         attempt.end.memory.clear();
-        attempt.trend.fill(0.0);
+        attempt.trend.clear();
         self.integrator.accept(pair);
     }
 

@@ -126,11 +126,7 @@ impl Fixed {
         } = methods;
         let (tree, Part { h, whole }) = (ctx.tree, part);
         let (from, trend) = (&state.physical, &state.stepping.trend);
-        if !stages.solve(ctx, (here, from), trend, [h, FIXED_ACCURACY[0]])
-            || stages.changes()
-            || stages.flips()
-            || stages.lag() > 1.0
-        {
+        if !stages.solve(ctx, (here, from), trend, [h, FIXED_ACCURACY[0]], true) {
             return None;
         }
         let turn = fastest(tree, &from.v).max(fastest(tree, &stages.solved[1].v));
@@ -168,10 +164,10 @@ impl Fixed {
         here.expect_commands(ctx, from, h);
         let problem = fixed_problem(here, tree, h);
         implicit.full.guess_start(&problem, &from.v);
-        let outcome = implicit.full.solve(&problem, None);
+        let outcome = implicit.full.solve(&problem);
         implicit.iterations = implicit.iterations.max(outcome.iterations);
         // Where hardly anything happens the middle is as the start.
-        if outcome.converged && implicit.single_error(ctx, from, trend, h) <= CALM * h * h {
+        if outcome.converged && implicit.single_error(ctx, from, &trend.whole, h) <= CALM * h * h {
             implicit.take_full(ctx, here, from, h, attempt);
             return Outcome::Good;
         }
@@ -197,7 +193,7 @@ impl Fixed {
         if turning {
             implicit.full.guess(&problem, &from.v, &self.first);
         }
-        let outcome = implicit.full.solve(&problem, None);
+        let outcome = implicit.full.solve(&problem);
         implicit.iterations = implicit.iterations.max(outcome.iterations);
         counters.rejected += u64::from(!outcome.converged);
         if !implicit.full.v.iter().all(|v| v.is_finite()) {
@@ -234,7 +230,7 @@ impl Fixed {
             for (place, v) in places[f.points.clone()].iter().zip(velocities) {
                 let own = &mut points[contact.points.clone()];
                 if let Some(point) = own.iter_mut().find(|p| p.corner == place.corner) {
-                    point.x = place.x;
+                    (point.x, point.arm) = (place.x, place.arm);
                     point.rim = place.rim;
                     point.depth = place.depth + 0.5 * h * v.along;
                 }

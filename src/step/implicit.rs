@@ -53,7 +53,7 @@ impl Implicit {
         (trend, h): (&[f64], f64),
     ) -> f64 {
         self.full.guess_start(problem, &from.v);
-        let outcome = self.full.solve(problem, None);
+        let outcome = self.full.solve(problem);
         self.iterations = self.iterations.max(outcome.iterations);
         if outcome.converged {
             self.single_error(ctx, from, trend, h)
@@ -88,7 +88,7 @@ impl Implicit {
         attempt.take_solved(here, &self.full, h);
         advance(ctx.tree, &from.q, &self.full.v, h, &mut attempt.end.q);
         attempt.add_impulses(&here.terms, &self.full, [h, 1.0]);
-        attempt.end_trend(&from.v, h);
+        attempt.end_trend(&from.v, h, (&self.full.v, h));
     }
 
     /// Puts the step of `h` seconds that began at time `start` and reaches beyond the communication

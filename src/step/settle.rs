@@ -59,7 +59,7 @@ impl Stepper {
             let problem = self.here.problem(tree, SETTLING, FIXED_ACCURACY[0]);
             let solved = &mut self.implicit.full;
             solved.guess_start(&problem, &state.physical.v);
-            if !solved.solve(&problem, None).converged {
+            if !solved.solve(&problem).converged {
                 return false;
             }
             let memory = &mut self.there_memory;
@@ -111,7 +111,7 @@ impl Stepper {
         let solved = &mut self.implicit.full;
         let balanced = solved.is_balanced(&here.problem(ctx.tree, h, accuracy));
         if balanced {
-            attempt.trend.fill(0.0);
+            attempt.trend.clear();
             here.terms.drop_unloaded(&mut attempt.end.memory);
             attempt.add_impulses(&here.terms, solved, [h, remaining / h]);
             attempt.accept(state);

@@ -25,8 +25,12 @@
 //! arms of the middle: what the expected velocity makes of the way of the lever arms from the start
 //! to the middle, in proportion to the time from there.
 //!
-//! A contact slips at `μ` times a normal force that is known before a solve: that which it has at
-//! the velocities that are expected. Where the solve finds another one, it is repeated.
+//! A contact slips at `μ` times a normal force that is known before a Newton iteration: at first
+//! that of the guess. Where the normal forces that an iteration has found would change velocities,
+//! by the step's own matrix, the next one goes on with these.
+//!
+//! A guess is what the last step has done: a stage changes the velocity by as much as the same
+//! stage of the last step. So a motor that gets a new command at each step finds its transient.
 //!
 //! # Error
 //!
@@ -45,15 +49,15 @@ use crate::joint::Sweep;
 use crate::kinematics::{advance, forward};
 use crate::model::Model;
 use crate::spatial::Vec6;
-use crate::state::Physical;
-use crate::step::attempt::Attempt;
-use crate::step::convex::{Newton, Problem};
+use crate::state::{Physical, Trend};
+use crate::step::attempt::{Attempt, mean_acceleration};
+use crate::step::convex::{Newton, Problem, Run};
 use crate::step::guards;
 use crate::step::point::{Context, Point};
 use crate::step::size::{fastest, worst_error};
 use crate::tree::Tree;
 use crate::tuning::{
-    CORRECTED, DRIFTING, ESTIMATE, LAG_SHARE, MAX_ATTEMPTS, START, VELOCITY_WEIGHT,
+    CONTACT_STEP, CORRECTED, DRIFTING, ESTIMATE, LAG_SHARE, MAX_CARRIES, START, VELOCITY_WEIGHT,
 };
 use std::f64::consts::SQRT_2;
 
@@ -75,7 +79,7 @@ pub(super) struct Stages {
     /// Solution of each stage.
     pub solved: [Newton; 2],
     /// Accelerations that are expected.
-    trend: Vec<f64>,
+    trend: Trend,
     /// Positions in the middle.
     q: Vec<f64>,
     /// Velocities there.
@@ -114,7 +118,7 @@ impl Stages {
             terms: [Terms::new(model), Terms::new(model)],
             aside: Terms::new(model),
             solved: [newton(), newton()],
-            trend: vec![0.0; nv],
+            trend: Trend::new(nv),
             q: vec![0.0; model.nq],
             v: vec![0.0; nv],
             moved: vec![0.0; nv],
@@ -130,18 +134,22 @@ impl Stages {
         }
     }
 
-    /// Solves a step of `h` seconds from where `here` stands; tells whether that went well.
+    /// Solves a step of `h` seconds from where `here` stands; tells whether that went well, and no
+    /// rim has thrown its load across its face.
     ///
-    /// - `trend`: acceleration of the last step
+    /// - `trend`: accelerations of the last step
+    /// - `alike`: whether what touches has to be the same throughout, and friction right within the
+    ///   tolerance
     pub fn solve(
         &mut self,
         ctx: &Context,
         (here, from): (&Point, &Physical),
-        trend: &[f64],
+        trend: &Trend,
         [h, accuracy]: [f64; 2],
+        alike: bool,
     ) -> bool {
-        self.trend.copy_from_slice(trend);
-        if !self.run_stages(ctx, (here, from), [h, accuracy]) {
+        self.trend.copy_from(trend);
+        if !self.run_stages(ctx, (here, from), [h, accuracy], alike) {
             return false;
         }
         let end = &self.solved[1].v;
@@ -149,10 +157,10 @@ impl Stages {
             return true;
         }
         // Once more from the middle that it has found.
-        for (trend, (v0, v)) in self.trend.iter_mut().zip(from.v.iter().zip(end)) {
-            *trend = (v - v0) / h;
-        }
-        self.run_stages(ctx, (here, from), [h, accuracy])
+        let first = &self.solved[0].v;
+        mean_acceleration(&from.v, (first, GAMMA * h), &mut self.trend.first);
+        mean_acceleration(&from.v, (end, h), &mut self.trend.whole);
+        self.run_stages(ctx, (here, from), [h, accuracy], alike)
     }
 
     /// Solves both stages of a step of `h` seconds with the accelerations `self.trend`.
@@ -161,17 +169,22 @@ impl Stages {
         ctx: &Context,
         (here, from): (&Point, &Physical),
         [h, accuracy]: [f64; 2],
+        alike: bool,
     ) -> bool {
         self.stand(ctx, from, h);
         self.find_drift(ctx, here);
         let eta = GAMMA * h;
         // First stage.
-        for (guess, (v, a)) in self.guess.iter_mut().zip(from.v.iter().zip(&self.trend)) {
+        for (guess, (v, a)) in self
+            .guess
+            .iter_mut()
+            .zip(from.v.iter().zip(&self.trend.first))
+        {
             *guess = v + eta * a;
         }
         self.from.copy_from_slice(&from.v);
         self.begin(ctx, from, (0, h));
-        if !self.run(ctx, 0, [eta, accuracy]) {
+        if !self.run(ctx, 0, [eta, accuracy]) || self.breaks(0, alike) {
             return false;
         }
         let solved = self.solved[0].solved();
@@ -179,18 +192,26 @@ impl Stages {
         // Second stage.
         let rows = self.guess.iter_mut().zip(&mut self.from);
         let ends = from.v.iter().zip(&self.solved[0].v);
-        for (((guess, start), moved), (v0, v1)) in rows.zip(&mut self.moved).zip(ends) {
-            *guess = v0 + (v1 - v0) / GAMMA;
+        let trends = self.trend.first.iter().zip(&self.trend.whole);
+        for ((((guess, start), moved), (v0, v1)), (first, whole)) in
+            rows.zip(&mut self.moved).zip(ends).zip(trends)
+        {
+            *guess = v1 + h * whole - eta * first;
             *start = v0 + (1.0 + SQRT_2) * (v1 - v0);
             *moved += (1.0 - GAMMA) * h * v1;
         }
         self.begin(ctx, from, (1, h));
-        self.run(ctx, 1, [eta, accuracy])
+        self.run(ctx, 1, [eta, accuracy]) && !self.breaks(1, alike)
+    }
+
+    /// Whether the solution of the stages up to `last` is not to be taken, see [`Self::solve`].
+    fn breaks(&self, last: usize, alike: bool) -> bool {
+        self.flips(last) || alike && (self.changes(last) || self.lag[last] > 1.0)
     }
 
     /// Puts the robot into the expected middle of the step; `self.moved` leads back to its start.
     fn stand(&mut self, ctx: &Context, from: &Physical, h: f64) {
-        let (tree, trend) = (ctx.tree, &self.trend);
+        let (tree, trend) = (ctx.tree, &self.trend.whole);
         for (i, (v, a)) in from.v.iter().zip(trend).enumerate() {
             self.v[i] = v + 0.25 * h * a;
             self.moved[i] = -0.5 * h * self.v[i];
@@ -266,23 +287,27 @@ impl Stages {
         }
         solved.guess(&problem!(), &self.from, &self.guess);
         solved.carry(terms, eta);
-        let mut outcome = solved.solve(&problem!(), before);
-        for attempt in 0.. {
-            self.iterations = self.iterations.max(outcome.iterations);
-            if !outcome.converged {
-                return false;
+        let (mut run, mut carried) = (Run::default(), 0);
+        let shared =
+            before.and_then(|(first, contacts)| first.factor_for(contacts, solved, &problem!()));
+        let mut factor = shared;
+        // What many short steps leave shall not add up to more than what few long ones do.
+        let allowed = LAG_SHARE * (eta / (GAMMA * CONTACT_STEP)).min(1.0);
+        loop {
+            let ended = solved.iterate(&problem!(), &mut run, factor.take());
+            self.lag[stage] = if ctx.rules.cones {
+                VELOCITY_WEIGHT * solved.lag(&problem!(), shared) / ctx.tolerance
+            } else {
+                0.0
+            };
+            if self.lag[stage] > allowed && carried < MAX_CARRIES {
+                solved.carry(terms, eta);
+                carried += 1;
+            } else if let Some(outcome) = ended {
+                self.iterations = self.iterations.max(outcome.iterations);
+                return outcome.converged;
             }
-            let lag = eta * terms.cone_lag(&solved.responses, eta);
-            let allowed = ctx.tolerance * tree.moving_mass() / VELOCITY_WEIGHT;
-            let counts = ctx.rules.cones && lag > 0.0;
-            self.lag[stage] = if counts { lag / allowed } else { 0.0 };
-            if attempt == MAX_ATTEMPTS || self.lag[stage] <= LAG_SHARE {
-                break;
-            }
-            solved.carry(terms, eta);
-            outcome = solved.solve_again(&problem!());
         }
-        true
     }
 
     /// Error of the step of `h` seconds that has just been solved, relative to the tolerance.
@@ -357,36 +382,37 @@ impl Stages {
         }
     }
 
-    /// Whether a rim leans to another side in one stage than where the step begins or in the other:
-    /// its load crosses the face, and two stages would throw it to and fro.
-    pub fn flips(&self) -> bool {
-        let [first, second] = &self.solved;
-        let ends = first.responses.points.iter().zip(&second.responses.points);
-        let mut points = self.terms[0].contacts.points.iter().zip(ends);
-        points.any(|(start, (one, two))| {
-            start.rim.is_some_and(|rim| {
-                let (start, one, two) = (rim.a, one.end.0, two.end.0);
-                start.dot(&one) < 0.0 || start.dot(&two) < 0.0 || one.dot(&two) < 0.0
-            })
+    /// Whether a rim leans to another side in one of the stages up to `last` than in another or
+    /// where the step begins: its load crosses the face, and two stages would throw it to and fro.
+    fn flips(&self, last: usize) -> bool {
+        let [first, second] = self.solved.each_ref().map(|s| &s.responses.points);
+        let starts = self.terms[0].contacts.points.iter().enumerate();
+        let mut rims = starts.filter_map(|(i, point)| Some((i, point.rim.as_ref()?)));
+        rims.any(|(i, rim)| {
+            let (start, one) = (rim.a, first[i].end.0);
+            start.dot(&one) < 0.0
+                || last > 0 && {
+                    let two = second[i].end.0;
+                    start.dot(&two) < 0.0 || one.dot(&two) < 0.0
+                }
         })
     }
 
-    /// Whether a contact or a limit presses in one stage and not in the other, or not where the
-    /// step begins.
-    pub fn changes(&self) -> bool {
-        let [first, second] = &self.solved;
-        let ([start, _], [one, two]) = (&self.terms, [&first.responses, &second.responses]);
-        let contacts = start.contacts.iter().zip(&one.contacts).zip(&two.contacts);
-        let mut contacts =
-            contacts.map(|((start, one), two)| [start.depth > 0.0, one.presses(), two.presses()]);
+    /// Whether a contact presses in one of the stages up to `last` and not in another, or not where
+    /// the step begins; or a limit in one.
+    fn changes(&self, last: usize) -> bool {
+        let [first, second] = self.solved.each_ref().map(|s| &s.responses.contacts);
+        let mut contacts = self.terms[0].contacts.iter().enumerate();
         let inside = |terms: &Terms| {
             let joints = terms.joints.iter();
             joints.fold(0, |count, term| {
                 count + u32::from(term.gap[0] < 0.0) + u32::from(term.gap[1] < 0.0)
             })
         };
-        let limits = inside(&self.terms[0]) != inside(&self.terms[1]);
-        limits || contacts.any(|[start, one, two]| start != one || one != two)
+        contacts.any(|(i, contact)| {
+            let one = first[i].presses();
+            one != (contact.depth > 0.0) || last > 0 && one != second[i].presses()
+        }) || last > 0 && inside(&self.terms[0]) != inside(&self.terms[1])
     }
 
     /// What friction cones still lag behind, as an error relative to the tolerance.
@@ -437,6 +463,6 @@ impl Stages {
         advance(ctx.tree, &from.q, &self.moved, h, &mut attempt.end.q);
         attempt.add_impulses(before, first, [eta, 1.0 + SQRT_2]);
         attempt.add_impulses(terms, second, [eta, 1.0]);
-        attempt.end_trend(&from.v, h);
+        attempt.end_trend(&from.v, h, (&first.v, eta));
     }
 }

@@ -9,7 +9,7 @@
 use super::{Newton, Problem};
 use crate::dynamics::crba::add_row;
 use crate::force::{Contact, ContactPoint, PointResponse, Response, TurnResponse, normal_part};
-use crate::spatial::{Vec3, Vec6, dot6, multiply_lower};
+use crate::spatial::{Vec3, Vec6, across, dot6, join, multiply_lower};
 
 impl Newton {
     /// `H = M + Jᵀ G J` from the responses.
@@ -106,29 +106,15 @@ fn lower_triangle(n: &Vec3, r: &TurnResponse) -> [f64; 6] {
 
 /// `G += weight · row rowᵀ`, lower triangle.
 #[inline]
-fn add_square(G: &mut [f64; 21], row: &Vec6, weight: f64) {
+fn add_square<const N: usize>(G: &mut [f64], row: &[f64; N], weight: f64) {
     let mut place = 0;
-    for i in 0..6 {
+    for i in 0..N {
         let x = weight * row[i];
         for y in &row[..=i] {
             G[place] += x * y;
             place += 1;
         }
     }
-}
-
-/// The row that gives the velocity along `direction` at `x` from O.
-#[inline]
-fn row(x: &Vec3, direction: &Vec3) -> Vec6 {
-    let moment = x.cross(direction);
-    [
-        moment.x,
-        moment.y,
-        moment.z,
-        direction.x,
-        direction.y,
-        direction.z,
-    ]
 }
 
 /// Adds the stiffness of a contact's response over `h` seconds to that of its body about O: the
@@ -138,65 +124,107 @@ fn add_contact(
     G: &mut [f64; 21],
     contact: &Contact,
     points: &[ContactPoint],
-    (r, of): (&Response, &[PointResponse]),
+    response: (&Response, &[PointResponse]),
     h: f64,
 ) {
+    add_along(
+        G,
+        &contact.normal,
+        &along_normal(contact, points, response, h),
+    );
+    let friction = &response.0.friction;
+    let slope = h * friction.slope;
+    if slope > 0.0 {
+        let n = &contact.normal;
+        let mut add = |direction: &Vec3| {
+            let (drilling, along) = normal_part(n, direction);
+            let moment = contact.center.cross(&along) + n * (contact.radius * drilling);
+            let row: Vec6 = join(&moment, &along);
+            add_square(G, &row, slope);
+        };
+        // Two directions across the slip, or two tangents and drilling. A single point does not
+        // resist drilling: of a slip, one direction is left.
+        let slips = response.0.slips();
+        let axis = if slips { friction.slip } else { *n };
+        let first = n.cross(&axis).try_normalize(1e-12);
+        let first = first.unwrap_or_else(|| across(n));
+        add(&first);
+        if contact.radius > 0.0 || !slips {
+            add(&axis.cross(&first));
+        }
+        if contact.radius > 0.0 && !slips {
+            add(n);
+        }
+    }
+}
+
+/// The stiffness of what acts along the normal, as that of a velocity `ṁ·ω + c n·v`: lower triangle
+/// over `[m c]`.
+#[inline]
+fn along_normal(
+    contact: &Contact,
+    points: &[ContactPoint],
+    (r, of): (&Response, &[PointResponse]),
+    h: f64,
+) -> [f64; 10] {
     let n = &contact.normal;
-    let (mut mean, mut load_mean) = ([0.0; 6], [0.0; 6]);
+    let mut S = [0.0; 10];
+    let (mut mean, mut load_mean) = ([0.0; 4], Vec3::zeros());
     let strain = h * h * r.force;
     for (p, response) in points.iter().zip(of) {
-        let push = row(&p.x, n);
-        let mut own = push;
+        let mut arm = p.arm;
+        load_mean += p.arm * p.load;
         if let Some(rim) = &p.rim {
-            let lean = rim.moment(&response.lean);
-            for (sum, x) in own.iter_mut().zip(lean.iter()) {
-                *sum += x;
-            }
+            arm += rim.moment(&response.lean);
             // Two tangents, the first along which the rim leans at the end.
             let (e, inverse) = response.end;
             let first = e
                 .try_normalize(1e-12)
                 .unwrap_or_else(|| n.cross(&rim.axis_across()));
             let second = n.cross(&first);
-            let damping = h * contact.tilting * p.load * rim.tilt_damping();
+            let damping = h * contact.tilting * p.load * rim.tilt_damping;
             let weight = strain * response.weight * inverse;
             for (tangent, bend) in [(first, 1.0 - e.norm_squared()), (second, 1.0)] {
                 let moment = rim.moment(&tangent);
-                let tilt = [moment.x, moment.y, moment.z, 0.0, 0.0, 0.0];
-                add_square(G, &tilt, weight * bend + damping);
+                let tilt = [moment.x, moment.y, moment.z];
+                add_square(&mut S[..6], &tilt, weight * bend + damping);
             }
         }
-        add_square(G, &own, strain * response.bend);
-        for i in 0..6 {
-            mean[i] += response.weight * own[i];
-            load_mean[i] += p.load * push[i];
+        let own = [arm.x, arm.y, arm.z, 1.0];
+        add_square(&mut S, &own, strain * response.bend);
+        for (sum, x) in mean.iter_mut().zip(own) {
+            *sum += response.weight * x;
         }
     }
     if r.presses() {
-        add_square(G, &mean, h * h * r.slope - 3.0 * strain / r.depth);
+        add_square(&mut S, &mean, h * h * r.slope - 3.0 * strain / r.depth);
     }
     for (p, response) in points.iter().zip(of) {
         if response.rocking > 0.0 {
-            let push = row(&p.x, n);
-            let apart = std::array::from_fn(|i| push[i] - load_mean[i]);
-            add_square(G, &apart, h * response.rocking);
+            // The shares of the load sum up to one: the linear velocity is the same for all.
+            let apart = p.arm - load_mean;
+            let apart = [apart.x, apart.y, apart.z];
+            add_square(&mut S[..6], &apart, h * response.rocking);
         }
     }
-    let slope = h * r.friction.slope;
-    if slope > 0.0 {
-        let sliding = |direction: &Vec3| {
-            let (drilling, along) = normal_part(n, direction);
-            let mut row = row(&contact.center, &along);
-            for (sum, x) in row.iter_mut().zip(n.iter()) {
-                *sum += contact.radius * drilling * x;
-            }
-            row
-        };
-        for axis in [Vec3::x(), Vec3::y(), Vec3::z()] {
-            add_square(G, &sliding(&axis), slope);
+    S
+}
+
+/// Adds what [`along_normal`] gives for the normal `n`.
+#[inline]
+fn add_along(G: &mut [f64; 21], n: &Vec3, S: &[f64; 10]) {
+    for (sum, x) in G.iter_mut().zip(&S[..6]) {
+        *sum += x;
+    }
+    let mut place = 6;
+    for i in 0..3 {
+        for m in &S[6..9] {
+            G[place] += n[i] * m;
+            place += 1;
         }
-        if r.slips() {
-            add_square(G, &sliding(&r.friction.slip), -slope);
+        for j in 0..=i {
+            G[place] += n[i] * n[j] * S[9];
+            place += 1;
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::{Newton, Problem};
 use crate::kinematics::forward;
-use crate::tuning::{ACCEPTED_SLOPE, LINE_SEARCH_EDGE, LINE_SEARCH_TOLERANCE, LINE_SEARCH_TRIALS};
+use crate::tuning::{LINE_SEARCH_EDGE, LINE_SEARCH_TOLERANCE, LINE_SEARCH_TRIALS};
 
 impl Newton {
     /// Length along `direction` at which the slope of the cost is (nearly) zero, at most 1. The
@@ -26,7 +26,7 @@ impl Newton {
         let initial = initial.abs();
         let mut alpha = 1.0;
         let mut value = linear + quadratic + self.respond_along(p, alpha);
-        if value <= ACCEPTED_SLOPE * initial {
+        if value <= LINE_SEARCH_TOLERANCE * initial {
             return alpha;
         }
         // Newton inside a shrinking bracket; every third time, and where Newton leaves it,

@@ -191,7 +191,8 @@ fn an_enforced_velocity_limit_is_exceeded_by_one_percent_under_the_effort_limit(
 }
 
 /// Dry friction 0.6 at rest and 0.4 in motion: holds 0.599, starts at 0.602 and then accelerates
-/// with the rest.
+/// with the rest. The effort rises in steps of 0.0012: the spring and the damper of friction answer
+/// a jump with at most e⁻² of it too much.
 #[test]
 fn a_joint_breaks_away_at_its_static_friction_and_turns_with_its_dynamic_one() {
     for mode in MODES {
@@ -200,17 +201,17 @@ fn a_joint_breaks_away_at_its_static_friction_and_turns_with_its_dynamic_one() {
             b.model.joints[0].friction = 0.4;
             b.model.joints[0].static_excess = 0.5;
             let mut s = started(b, mode);
-            for i in 1..=50 {
+            for i in 1..=500 {
                 s.set_input(
                     InputSlot::Effort(ActuatorId(0)),
-                    effort * f64::from(i) / 50.0,
+                    effort * f64::from(i) / 500.0,
                 );
                 run(&mut s, 0.02 * f64::from(i), 0.01);
             }
-            run(&mut s, 2.0, 0.01);
+            run(&mut s, 11.0, 0.01);
             let (q, v) = (s.state().physical.q[0], s.state().physical.v[0]);
             if moves {
-                run(&mut s, 3.0, 0.01);
+                run(&mut s, 12.0, 0.01);
                 let a = s.state().physical.v[0] - v;
                 let expected = (effort - 0.4) / INERTIA;
                 assert!(
@@ -218,7 +219,7 @@ fn a_joint_breaks_away_at_its_static_friction_and_turns_with_its_dynamic_one() {
                     "{mode:?}: {a} {expected}"
                 );
             } else {
-                run(&mut s, 62.0, 0.1);
+                run(&mut s, 71.0, 0.1);
                 assert!((s.state().physical.q[0] - q).abs() < 1e-12, "{mode:?}");
             }
         }

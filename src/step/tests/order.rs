@@ -109,7 +109,7 @@ fn end_by(model: &Model, method: Method, count: u32, articulated: bool) -> Vec<f
             Method::Stages => {
                 // Sharper than any tolerance asks: the iterations' end must not blur the order.
                 let (stages, trend) = (&mut stepper.stages, &state.stepping.trend);
-                assert!(stages.solve(&ctx, (&stepper.here, from), trend, [h, 1e-12]));
+                assert!(stages.solve(&ctx, (&stepper.here, from), trend, [h, 1e-12], false));
                 stages.finish(&ctx, from, h, &mut stepper.attempt);
             }
             Method::Fixed => {

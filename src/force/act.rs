@@ -1,0 +1,105 @@
+//! What a contact does to its bodies, and what its friction would do at another normal force.
+
+#![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
+
+use super::contact::{Contact, Response, normal_part};
+use super::point::{ContactPoint, PointResponse};
+use crate::law::ElastoPlastic;
+use crate::spatial::{Vec3, Vec6, angular};
+
+impl Contact {
+    /// By what friction would be more over `h` seconds at the velocity `u`, N, with the cone that
+    /// belongs to the normal force of a response; none where it would be the same.
+    #[inline]
+    pub(super) fn lag(&self, u: &Vec3, r: &Response, h: f64) -> Option<Vec3> {
+        let cap = self.mu * r.load / h;
+        let force = &r.friction.force;
+        let sticks = !r.slips() && self.friction.cap > 0.0;
+        if sticks && force.norm_squared() <= cap * cap {
+            return None;
+        }
+        let friction = ElastoPlastic {
+            cap,
+            ..self.friction
+        };
+        let more = friction.respond(u + self.drift, h).force - force;
+        (more != Vec3::zeros()).then_some(more)
+    }
+
+    /// Adds an impulse of friction, along what `u` is along, to those on all bodies about O.
+    #[inline]
+    pub(super) fn drag(&self, impulse: &Vec3, F: &mut [Vec6]) {
+        let (drilling, along) = normal_part(&self.normal, impulse);
+        let moment = self.center.cross(&along) + self.normal * (self.radius * drilling);
+        self.act(&along, &moment, F);
+    }
+
+    /// Adds the impulses of a response on the body, and their reaction on the other one, to those
+    /// on all bodies about O.
+    #[inline]
+    pub fn push(
+        &self,
+        points: &[ContactPoint],
+        (r, of): (&Response, &[PointResponse]),
+        h: f64,
+        F: &mut [Vec6],
+    ) {
+        self.drag(&(r.friction.force * -h), F);
+        let (mut push, mut moment) = (0.0, Vec3::zeros());
+        for (p, response) in points[self.points.clone()].iter().zip(of) {
+            push += response.impulse;
+            moment += p.arm * response.impulse;
+            if let Some(rim) = &p.rim {
+                moment += rim.moment(&response.tilting);
+            }
+        }
+        self.act(&(self.normal * push), &moment, F);
+    }
+
+    /// Adds a force on the body, N, and its moment about O, N·m, and their reaction on the other
+    /// body, to those on all bodies; or impulses.
+    #[inline]
+    pub fn act(&self, force: &Vec3, moment: &Vec3, F: &mut [Vec6]) {
+        let wrench = [moment.x, moment.y, moment.z, force.x, force.y, force.z];
+        for (sum, x) in F[self.body].iter_mut().zip(wrench) {
+            *sum += x;
+        }
+        if let Some(other) = self.other {
+            for (sum, x) in F[other].iter_mut().zip(wrench) {
+                *sum -= x;
+            }
+        }
+    }
+
+    /// Impulse on the body of a response, N·s, world axes.
+    #[inline]
+    pub fn impulse(&self, r: &Response, h: f64) -> Vec3 {
+        let (_, along) = normal_part(&self.normal, &r.friction.force);
+        self.normal * r.load - along * h
+    }
+
+    /// Force on the body at the start of the step, N, and its moment about O, N·m, for the
+    /// velocities of all bodies.
+    pub fn wrench(&self, points: &[ContactPoint], V: &[Vec6]) -> (Vec3, Vec3) {
+        let load = self.normal_load(points, V);
+        let friction = self.friction.respond(self.sliding(V), 0.0).force;
+        let (drilling, along) = normal_part(&self.normal, &friction);
+        let mut moment = self.center.cross(&-along) - self.normal * (self.radius * drilling);
+        let velocity = self.normal_velocity(points, V);
+        let mut force = -along;
+        let W = self.relative(V);
+        let own = &points[self.points.clone()];
+        let rock = |p: &ContactPoint| self.rocking(p.along(&self.normal, &W) - velocity).0 * p.load;
+        let total: f64 = own.iter().map(rock).sum();
+        for p in own {
+            let push = (load + total) * p.load - rock(p);
+            force += self.normal * push;
+            moment += p.arm * push;
+            if let Some(rim) = &p.rim {
+                let tilt = rim.rate(&self.normal, &angular(&W));
+                moment -= rim.moment(&(tilt * (self.tilting * p.load * rim.tilt_damping)));
+            }
+        }
+        (force, moment)
+    }
+}
