@@ -72,6 +72,59 @@ def test_the_outline_is_that_of_pybullet(name, place, command, export, pybullet_
     assert share >= 0.97, f"intersection over union is {share:.4f}"
 
 
+def turn(quaternion):
+    """The matrix of x, y, z, w."""
+    x, y, z, w = quaternion
+    return numpy.array([[1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+                        [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+                        [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)]])
+
+
+def outline_by_rays(head, view):
+    """Which pixels' rays meet a sphere, a capsule or a box of a robot whose joints are balls or hinges at zero."""
+    eye, target, field = view
+    ahead = numpy.subtract(target, eye) / numpy.linalg.norm(numpy.subtract(target, eye))
+    right = numpy.cross(ahead, [0, 0, 1]) / numpy.linalg.norm(numpy.cross(ahead, [0, 0, 1]))
+    steps = (numpy.arange(SIZE) + 0.5 - SIZE / 2) / (SIZE / 2) * numpy.tan(numpy.radians(field / 2))
+    rays = ahead + steps[None, :, None] * right - steps[:, None, None] * numpy.cross(right, ahead)
+    poses = {0: (turn(head["base"]["orientation"]["start"]), numpy.array(head["base"]["position"]["start"]))}
+    for joint in head["joints"]:
+        R, p = poses[joint["parent"]]
+        p, R = p + R @ joint["position"], R @ turn(joint["orientation"])
+        for motion in joint["motions"]:
+            assert motion["start"] in ([0], [0, 0, 0, 1])
+        poses[joint["child"]] = R, p
+    seen = numpy.zeros((SIZE, SIZE), bool)
+    for shape in head["visuals"] or head["collisions"]:
+        R, p = poses[shape["link"]]
+        p, R = p + R @ shape["position"], R @ turn(shape["orientation"])
+        if "box" in shape["shape"]:
+            origin, way = (numpy.array(eye) - p) @ R, rays @ R
+            half = numpy.array(shape["shape"]["box"]) / 2
+            walls = numpy.sort([(-half - origin) / way, (half - origin) / way], axis=0)
+            seen |= walls[0].max(axis=-1) <= walls[1].min(axis=-1)
+            continue
+        radius, length = shape["shape"].get("capsule") or (shape["shape"]["sphere"], 0)
+        # The least distance of a ray from an axis, which is a line of points.
+        for part in numpy.linspace(-0.5, 0.5, 201 if length else 1):
+            away = p + R[:, 2] * part * length - eye
+            seen |= ((away @ away - (rays @ away) ** 2 / (rays ** 2).sum(-1)) <= radius ** 2)
+    return seen
+
+
+@pytest.mark.parametrize("place", ["corner", "200,35"])
+def test_the_outline_of_round_shapes_is_that_of_rays(place, command, export, pybullet_data, tmp_path):
+    """PyBullet's humanoid is of capsules, whose round ends PyBullet's own renderer draws with so few corners that 4 to
+    10 percent of its outline are missing. Rays know no corners."""
+    fmu, picture = export(pybullet_data / "humanoid/humanoid.urdf"), tmp_path / "robot.png"
+    run = command("picture", fmu, "-o", picture, "--theme", "cutout", "--size", SIZE, "--from", place)
+    assert run.returncode == 0, run.stderr
+    ours = png.read(picture)[:, :, 3] > 127
+    theirs = outline_by_rays(scene.read(fmu)[0], camera(run.stdout))
+    share = (ours & theirs).sum() / (ours | theirs).sum()
+    assert share >= 0.99, f"intersection over union is {share:.4f}"
+
+
 INERTIAL = '<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
 
 
