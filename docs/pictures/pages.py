@@ -39,7 +39,8 @@ def main(command, pybullet, examples):
                         page.picture(file)
                     data = base64.b64encode(file.read_bytes()).decode()
                     images += f'<img src="data:image/png;base64,{data}" style="height: 540px">'
-            sheet.write_text(f'<body style="margin: 0; display: grid; grid: auto / auto auto; gap: 6px; width: 1120px">{images}')
+            style = "margin: 0; display: grid; grid: auto / auto auto; gap: 6px; width: 1120px"
+            sheet.write_text(f'<body style="{style}">{images}')
             with browser.page(f"file://{sheet}", width=1120, height=1086) as page:
                 page.until("[...document.images].length === 4 && [...document.images].every((image) => image.complete)")
                 shot = page.call("Page.captureScreenshot", format="jpeg", quality=80)
