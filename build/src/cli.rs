@@ -221,7 +221,7 @@ pub(crate) struct Picture {
     /// Pictures of the run a second
     #[arg(long, value_name = "HZ", value_parser = rate, default_value = "20")]
     pub(crate) rate: f64,
-    /// Width and height in pixels [default: 512x512, of a run 320x240]
+    /// Width and height in pixels, or one number for both [default: 512, of a run 320x240]
     #[arg(long, value_name = "WxH", value_parser = size)]
     pub(crate) size: Option<[usize; 2]>,
     /// Where the camera stands: front, back, left, right, top, corner, or azimuth from x towards y
@@ -254,16 +254,20 @@ pub(crate) enum Theme {
 /// Longest side of a picture, pixels.
 const LONGEST_SIDE: usize = 4096;
 
-/// `640x480`.
+/// `640x480`, or `512` for a square.
 fn size(text: &str) -> Result<[usize; 2], String> {
     let side = |text: &str| {
         let side = text.trim().parse::<usize>().ok();
         side.filter(|side| (16..=LONGEST_SIDE).contains(side))
     };
-    text.split_once(['x', 'X', '×'])
-        .and_then(|(width, height)| Some([side(width)?, side(height)?]))
+    let (width, height) = text.split_once(['x', 'X', '×']).unwrap_or((text, text));
+    side(width)
+        .and_then(|width| Some([width, side(height)?]))
         .ok_or_else(|| {
-            format!("give width x height in pixels, each 16 to {LONGEST_SIDE}, such as 640x480")
+            format!(
+                "give width x height in pixels, or one number for both, each 16 to {LONGEST_SIDE}, \
+                 such as 640x480"
+            )
         })
 }
 

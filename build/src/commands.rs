@@ -49,7 +49,7 @@ fn export(args: &Export) -> Result<(), CliError> {
         PathBuf::from(stem).with_extension("fmu")
     });
     let target = Target::new(&output, robot.sources.iter().map(PathBuf::as_path))?;
-    let fmu = stage::fmu(&robot, &args.urdf, &args.platforms)?;
+    let fmu = stage::fmu(&robot, &args.urdf, &args.platforms, true)?;
     target.write(&fmu.bytes)?;
     print(&summary::text(&output, &fmu, &robot))?;
     Ok(())

@@ -1,6 +1,13 @@
-//! The FMU's `modelIdentifier`: a C identifier that is a file name on every system.
+//! What an FMU is called: its `modelIdentifier`, a C identifier that is a file name on every
+//! system, and its guid.
 
 use crate::archive::is_device;
+use crate::library::Library;
+use sha2::{Digest, Sha256};
+use std::fmt::Write as _;
+use urdf2fmu_core::model::Model;
+use urdf2fmu_core::prepared::{PreparedModel, PreparedModelError};
+use urdf2fmu_core::variables::Variable;
 
 /// Longest identifier; paths inside an unpacked FMU stay short enough for Windows.
 const MAX_LENGTH: usize = 64;
@@ -40,6 +47,54 @@ fn identifier(name: &str) -> Option<String> {
         text.push_str("_robot");
     }
     Some(text)
+}
+
+/// Identifies what the FMU is: model, table and library. Written as FMI 2 likes it, a UUID
+/// (version 8) in braces.
+///
+/// - `libraries`: with their files
+///
+/// # Errors
+/// [`PreparedModelError`] if the model cannot be written.
+pub fn guid(
+    model_identifier: &str,
+    model: &Model,
+    table: &[Variable],
+    libraries: &[(Library, Vec<u8>)],
+) -> Result<String, PreparedModelError> {
+    let mut hash = Sha256::new();
+    // Lengths keep neighbouring parts apart.
+    let mut part = |bytes: &[u8]| {
+        hash.update((bytes.len() as u64).to_le_bytes());
+        hash.update(bytes);
+    };
+    part(model_identifier.as_bytes());
+    // The guid stands in the prepared model, so an empty one is hashed.
+    part(
+        PreparedModel::new(String::new(), model.clone())
+            .to_json()?
+            .as_bytes(),
+    );
+    for v in table {
+        part(format!("{v:?}").as_bytes());
+    }
+    for (library, file) in libraries {
+        part(library.platform.as_bytes());
+        part(file);
+    }
+    let mut bytes = [0_u8; 16];
+    bytes.copy_from_slice(&hash.finalize()[..16]);
+    bytes[6] = (bytes[6] & 0x0f) | 0x80;
+    bytes[8] = (bytes[8] & 0x3f) | 0x80;
+    let mut text = String::from("{");
+    for (i, byte) in bytes.iter().enumerate() {
+        if [4, 6, 8, 10].contains(&i) {
+            text.push('-');
+        }
+        _ = write!(text, "{byte:02x}");
+    }
+    text.push('}');
+    Ok(text)
 }
 
 #[cfg(test)]

@@ -1,4 +1,7 @@
-//! The FMU's libraries, which `build.rs` embeds into this program.
+//! The FMU's libraries, which `build.rs` embeds into this program, deflated.
+
+use flate2::read::DeflateDecoder;
+use std::io::{self, Read};
 
 /// A shared library with the FMI functions.
 #[derive(Clone, Copy)]
@@ -7,8 +10,20 @@ pub struct Library {
     pub platform: &'static str,
     /// Of its file, such as `so`; the name is the model identifier.
     pub extension: &'static str,
+    /// The file, deflated.
+    pub deflated: &'static [u8],
+}
+
+impl Library {
     /// The file.
-    pub bytes: &'static [u8],
+    ///
+    /// # Errors
+    /// [`io::Error`] if this program is damaged.
+    pub fn file(&self) -> io::Result<Vec<u8>> {
+        let mut file = Vec::new();
+        DeflateDecoder::new(self.deflated).read_to_end(&mut file)?;
+        Ok(file)
+    }
 }
 
 /// One per platform, sorted by platform.

@@ -17,6 +17,7 @@ mod diagnostics;
 mod documentation;
 mod events;
 mod identifier;
+mod image;
 mod importer;
 mod info;
 mod init;

@@ -8,12 +8,10 @@
 use crate::archive::{Archive, ArchiveError};
 use crate::describe::{self, DescribeError, Header};
 use crate::documentation::{self, Page, Remark};
-use crate::identifier::model_identifier;
+use crate::identifier::{guid, model_identifier};
 use crate::library::{self, Library};
 use crate::scene::{self, Scene, SceneError};
 use crate::{date, license, page, picture, sources, xacro};
-use sha2::{Digest, Sha256};
-use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use urdf2fmu_core::assemble;
@@ -98,6 +96,9 @@ pub enum StageError {
     /// Names clash.
     #[error(transparent)]
     Table(#[from] TableError),
+    /// A library of this program.
+    #[error("this program is damaged: its library cannot be unpacked ({0})")]
+    Library(std::io::Error),
     /// The prepared model.
     #[error(transparent)]
     Prepared(#[from] PreparedModelError),
@@ -261,13 +262,27 @@ fn read(
 /// Makes an FMU of a robot, with the libraries of the platforms asked for, or of all that there
 /// are.
 ///
+/// - `whole`: whether it has pictures and documentation, which one that is used at once can do
+///   without
+///
 /// # Errors
 /// [`StageError`].
-pub fn fmu(robot: &Robot, urdf: &Path, platforms: &[String]) -> Result<Fmu, StageError> {
-    let libraries = &select(library::embedded(), platforms)?;
+pub fn fmu(
+    robot: &Robot,
+    urdf: &Path,
+    platforms: &[String],
+    whole: bool,
+) -> Result<Fmu, StageError> {
+    let libraries = select(library::embedded(), platforms)?;
+    let files = libraries
+        .iter()
+        .map(|library| Ok((*library, library.file()?)));
+    let libraries: Vec<(Library, Vec<u8>)> = files
+        .collect::<Result<_, _>>()
+        .map_err(StageError::Library)?;
     let stem = urdf.file_stem().unwrap_or_default().to_string_lossy();
     let model_identifier = model_identifier(&robot.model.name, &stem);
-    let guid = guid(&model_identifier, robot, libraries)?;
+    let guid = guid(&model_identifier, &robot.model, &robot.table, &libraries)?;
     let prepared = PreparedModel::new(guid.clone(), robot.model.clone()).to_json()?;
     trial(&prepared)?;
 
@@ -284,12 +299,12 @@ pub fn fmu(robot: &Robot, urdf: &Path, platforms: &[String]) -> Result<Fmu, Stag
         &robot.table,
     )?;
     archive.add("modelDescription.xml", xml)?;
-    for library in libraries {
+    for (library, file) in &libraries {
         let name = format!(
             "binaries/{}/{model_identifier}.{}",
             library.platform, library.extension
         );
-        archive.add_executable(name, library.bytes)?;
+        archive.add_executable(name, file.clone())?;
     }
     archive.add(format!("resources/{FILE_NAME}"), prepared)?;
     let names = add_sources(&mut archive, robot)?;
@@ -297,30 +312,41 @@ pub fn fmu(robot: &Robot, urdf: &Path, platforms: &[String]) -> Result<Fmu, Stag
     let scene = make_scene(robot, &remarks, &guid)?.to_bytes()?;
     let scene_name = format!("resources/{}", scene::FILE_NAME);
     archive.add(scene_name, scene.clone())?;
-    archive.add(
-        "documentation/robot.html",
-        page::still(&robot.model.name, &scene),
-    )?;
-    // Whoever draws the FMU must be able to read it: the pictures are of what was written.
-    let scene = Scene::from_bytes(&scene)?;
-    for (name, picture) in picture::all(&scene) {
-        archive.add(name, picture)?;
+    let platforms: Vec<&str> = libraries.iter().map(|(l, _)| l.platform).collect();
+    if whole {
+        let page = Page {
+            model_identifier: &model_identifier,
+            guid: &guid,
+            platforms: &platforms,
+            remarks: &remarks,
+            sources: &names,
+        };
+        document(&mut archive, robot, &page, &scene)?;
     }
-    let platforms: Vec<&str> = libraries.iter().map(|l| l.platform).collect();
-    let page = Page {
-        model_identifier: &model_identifier,
-        guid: &guid,
-        platforms: &platforms,
-        remarks: &remarks,
-        sources: &names,
-    };
-    let html = documentation::html(&page, &robot.model, &robot.table);
-    archive.add("documentation/index.html", html)?;
-    archive.add("documentation/licenses/license.txt", license::text())?;
     Ok(Fmu {
         bytes: archive.to_bytes()?,
         platforms,
     })
+}
+
+/// Adds what people look at.
+fn document(
+    archive: &mut Archive,
+    robot: &Robot,
+    page: &Page,
+    scene: &[u8],
+) -> Result<(), StageError> {
+    let still = page::still(&robot.model.name, scene);
+    archive.add("documentation/robot.html", still)?;
+    // Whoever draws the FMU must be able to read it: the pictures are of what was written.
+    let scene = Scene::from_bytes(scene)?;
+    for (name, picture) in picture::all(&scene) {
+        archive.add(name, picture)?;
+    }
+    let html = documentation::html(page, &robot.model, &robot.table);
+    archive.add("documentation/index.html", html)?;
+    archive.add("documentation/licenses/license.txt", license::text())?;
+    Ok(())
 }
 
 /// What the robot looks like, outside of an FMU.
@@ -375,48 +401,6 @@ fn trial(prepared: &str) -> Result<(), StageError> {
     simulation.initialize(0.0)?;
     simulation.advance_to(describe::STEP_SIZE)?;
     Ok(())
-}
-
-/// Identifies what the FMU is: model, table and library. Written as FMI 2 likes it, a UUID
-/// (version 8) in braces.
-fn guid(
-    model_identifier: &str,
-    robot: &Robot,
-    libraries: &[Library],
-) -> Result<String, StageError> {
-    let mut hash = Sha256::new();
-    // Lengths keep neighbouring parts apart.
-    let mut part = |bytes: &[u8]| {
-        hash.update((bytes.len() as u64).to_le_bytes());
-        hash.update(bytes);
-    };
-    part(model_identifier.as_bytes());
-    // The guid stands in the prepared model, so an empty one is hashed.
-    part(
-        PreparedModel::new(String::new(), robot.model.clone())
-            .to_json()?
-            .as_bytes(),
-    );
-    for v in &robot.table {
-        part(format!("{v:?}").as_bytes());
-    }
-    for library in libraries {
-        part(library.platform.as_bytes());
-        part(library.bytes);
-    }
-    let mut bytes = [0_u8; 16];
-    bytes.copy_from_slice(&hash.finalize()[..16]);
-    bytes[6] = (bytes[6] & 0x0f) | 0x80;
-    bytes[8] = (bytes[8] & 0x3f) | 0x80;
-    let mut text = String::from("{");
-    for (i, byte) in bytes.iter().enumerate() {
-        if [4, 6, 8, 10].contains(&i) {
-            text.push('-');
-        }
-        _ = write!(text, "{byte:02x}");
-    }
-    text.push('}');
-    Ok(text)
 }
 
 /// One sentence for importers that show it.

@@ -1,7 +1,9 @@
 """The README's script is the example's, and what it says is printed is printed."""
 
+import csv
 import os
 import re
+import shlex
 import subprocess
 import sys
 from pathlib import Path
@@ -21,6 +23,24 @@ def blocks(language=""):
 
 def test_script_is_the_example():
     assert blocks("python") == [(ROOT / "examples/drive_rover.py").read_text(encoding="utf-8")]
+
+
+def test_the_table_of_inputs_drives_the_rover_to_the_same_place(tmp_path):
+    [shown] = [block for block in blocks() if "drive_rover.py" in block]
+    [line] = [line for block in blocks() for line in block.splitlines() if "drive_rover.csv" in line]
+    command, *arguments = shlex.split(line)
+    assert command == "urdf2fmu"
+    subprocess.run([os.environ["URDF2FMU"], "export", ROOT / "examples/rover.urdf", "-o", tmp_path / "rover.fmu"],
+                   check=True, capture_output=True)
+    arguments = [ROOT / argument if argument.startswith("examples/") else argument for argument in arguments]
+    subprocess.run([os.environ["URDF2FMU"], *arguments, "--output-file", "out.csv"], check=True, capture_output=True,
+                   cwd=tmp_path)
+    assert (tmp_path / "drive.html").exists()
+    with open(tmp_path / "out.csv", encoding="utf-8", newline="") as file:
+        *_, last = csv.DictReader(file)
+    there = [float(last[f"base.{name}"]) for name in ("position.x", "position.y", "position.z", "rpy.yaw")]
+    _, *printed = [float(number) for number in NUMBER.findall(shown.splitlines()[-1])]
+    assert there == pytest.approx(printed, abs=5e-3)
 
 
 def test_rover_drives_as_the_readme_prints(tmp_path):

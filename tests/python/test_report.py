@@ -158,6 +158,28 @@ def test_faulty_tables_are_refused_with_their_place(made, command, tmp_path):
         assert "bad.csv" in run.stderr and not (tmp_path / "r.html").exists()
 
 
+def test_files_that_are_no_tables_are_named_and_not_printed(made, command, tmp_path):
+    """An FMU in place of its table, and a table as some shells write it, in two bytes for each letter."""
+    fmu, results, _ = made("r2d2")
+    (tmp_path / "wide.csv").write_text(results.read_text(), encoding="utf-16")
+    for file in fmu, tmp_path / "wide.csv":
+        for run in (command("report", file, "--model", fmu, "-o", tmp_path / "r.html"),
+                    command("simulate", fmu, "--input-file", file, "--output-file", tmp_path / "out.csv")):
+            assert run.returncode == 1
+            assert run.stderr.splitlines() == [f"error: '{file}': it is no text in UTF-8, as tables have to be"]
+    assert [file.name for file in tmp_path.iterdir()] == ["wide.csv"]
+
+
+def test_a_table_of_another_robot_is_noticed(browser, made, command, tmp_path):
+    _, results, _ = made("r2d2")
+    fmu, _, _ = made("iiwa")
+    run = command("report", results, "--model", fmu, "-o", tmp_path / "r.html")
+    said = "No column says where 'lbr_iiwa' is, so that it stays where it starts: is it a run of this robot?"
+    assert run.returncode == 0 and f"note: {said}" in run.stderr.splitlines(), run.stderr
+    with open_report(browser, tmp_path / "r.html") as page:
+        assert said in page.evaluate("document.querySelector('#panes > :last-child').textContent")
+
+
 def test_names_are_text_whatever_they_are(browser, command, tmp_path):
     (tmp_path / "robot.urdf").write_text(HOSTILE)
     run = command("simulate", tmp_path / "robot.urdf", "--stop-time", "0.2", "--report", tmp_path / "r.html")

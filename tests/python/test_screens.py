@@ -60,6 +60,15 @@ def test_the_page_fits_and_shows_the_robot(browser, made, tmp_path, name, width,
                 assert not overlap(layout[one], layout[other]), (one, other, layout)
         assert page.evaluate(CUT) == []
         pictures = [seen(page, tmp_path / "light.png", layout)]
+        # Arrows of forces are as long as they have to be.
+        page.key("c")
+        page.evaluate("document.querySelector('header').style.visibility = 'hidden'")
+        without = seen(page, tmp_path / "without.png", layout)
+        left, top, right, bottom = (round(x) for x in layout["summary"])
+        behind = without[top:bottom, left:right]
+        assert np.abs(behind - np.median(behind, axis=(0, 1))).max() < 40, "the robot stands behind its title"
+        page.evaluate("document.querySelector('header').style.visibility = ''")
+        page.key("c")
         page.key("l")
         pictures.append(seen(page, tmp_path / "dark.png", layout))
     brightness = []

@@ -85,14 +85,15 @@ export class Stage {
     this.ground.theme(THEMES[name]);
   }
 
-  /** Looks at a box from the front, so that it fills the view. */
-  home(box) {
+  /** Looks at a box from the front, so that it fills the view but for `margin` pixels at the top. */
+  home(box, margin) {
     const center = box.getCenter(new Vector3());
     const radius = Math.max(box.getSize(new Vector3()).length() / 2, this.size * 0.2);
     const portrait = Math.min(Math.max(1 / this.camera.aspect, 1), 1.6);
     const distance = radius / Math.sin(MathUtils.degToRad(this.camera.fov / 2)) * portrait;
     this.controls.target.copy(center);
-    this.camera.position.copy(center).addScaledVector(HOME, distance * 1.05);
+    const free = Math.max(1 - 2 * margin / Math.max(this.canvas.clientHeight, 1), 0.5);
+    this.camera.position.copy(center).addScaledVector(HOME, distance * Math.max(1.05, 1 / free));
     this.controls.update();
   }
 

@@ -135,7 +135,9 @@ export class View {
     const box = whole ? reach(this.robot, this.run) : undefined;
     this.run.locate(now);
     this.robot.pose(this.run);
-    this.stage.home(box ?? this.robot.box(new Box3()));
+    // The title stands above the robot and not on it.
+    const { offsetTop, offsetHeight } = document.querySelector("header");
+    this.stage.home(box ?? this.robot.box(new Box3()), offsetHeight && offsetTop + offsetHeight);
     this.stage.follow(false);
     this.dirty = true;
   }

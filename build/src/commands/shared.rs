@@ -167,7 +167,7 @@ pub(super) fn as_fmu(
     let robot = stage::robot(request)?;
     print_findings(&robot.diagnostics, Severity::Warning)?;
     let path = folder.join("robot.fmu");
-    let fmu = stage::fmu(&robot, file, &[])?;
+    let fmu = stage::fmu(&robot, file, &[], false)?;
     Target::new(&path, [])?.write(&fmu.bytes)?;
     inputs.extend(robot.sources);
     Ok((path, inputs))

@@ -4,6 +4,7 @@
 
 use super::run::{Event, Run, TOLD, moment, three};
 use crate::scene::{self, Drawn, Head, Scene, Shape};
+use urdf2fmu_core::geometry::Shape as Solids;
 use urdf2fmu_core::spatial::{Pose, Vec3};
 
 /// Least depth that is told, m.
@@ -208,61 +209,62 @@ fn known_links(run: &Run) -> Vec<bool> {
 struct Solid {
     link: usize,
     X_LG: Pose,
-    shape: Shape,
-    /// Vertices of a mesh.
-    corners: Vec<Vec3>,
-    /// Middle and half the sides of the box around them.
-    around: [Vec3; 2],
+    shape: Solids,
+    /// The box around a mesh: its pose on the link, and itself.
+    around: Option<(Pose, Solids)>,
 }
 
 impl Solid {
     /// `None` for a mesh that is not there.
     fn new(scene: &Scene, drawn: &Drawn) -> Option<Self> {
-        let mut solid = Self {
-            link: drawn.link,
-            X_LG: scene::pose(&drawn.position, &drawn.orientation),
-            shape: drawn.shape,
-            corners: Vec::new(),
-            around: [Vec3::zeros(); 2],
+        let X_LG = scene::pose(&drawn.position, &drawn.orientation);
+        let mut around = None;
+        let shape = match drawn.shape {
+            Shape::Box(sides) => Solids::Box {
+                half: 0.5 * Vec3::from(sides),
+            },
+            Shape::Sphere(radius) => Solids::Sphere { radius },
+            Shape::Cylinder([radius, length]) => Solids::Cylinder {
+                radius,
+                half_length: 0.5 * length,
+            },
+            Shape::Capsule([radius, length]) => Solids::Capsule {
+                radius,
+                half_length: 0.5 * length,
+            },
+            Shape::Mesh(mesh) => {
+                let mesh = scene.head.meshes.get(mesh)?;
+                let scale = Vec3::from(drawn.scale.unwrap_or([1.0; 3]));
+                let corner = |p: &[f64; 3]| Vec3::from(*p).component_mul(&scale);
+                let half = Vec3::from(mesh.size).component_mul(&scale) * 0.5;
+                let middle = Pose {
+                    p: corner(&mesh.low) + half,
+                    ..Pose::IDENTITY
+                };
+                let half = half.abs();
+                around = Some((X_LG.compose(&middle), Solids::Box { half }));
+                let vertices = &scene.triangles(mesh)?.positions;
+                Solids::Hull {
+                    vertices: vertices.iter().map(corner).collect(),
+                }
+            }
         };
-        if let Shape::Mesh(mesh) = drawn.shape {
-            let mesh = scene.head.meshes.get(mesh)?;
-            let scale = Vec3::from(drawn.scale.unwrap_or([1.0; 3]));
-            let corner = |p: &[f64; 3]| Vec3::from(*p).component_mul(&scale);
-            solid.corners = scene
-                .triangles(mesh)?
-                .positions
-                .iter()
-                .map(corner)
-                .collect();
-            let half = Vec3::from(mesh.size).component_mul(&scale) * 0.5;
-            solid.around = [corner(&mesh.low) + half, half.abs()];
-        }
-        Some(solid)
+        Some(Self {
+            link: drawn.link,
+            X_LG,
+            shape,
+            around,
+        })
     }
 
     /// z of its lowest point, m, if that is below `least`.
     fn height(&self, X_WL: &Pose, least: f64) -> Option<f64> {
-        let X_WG = X_WL.compose(&self.X_LG);
-        // Downwards, in the shape's axes.
-        let down = -X_WG.R.row(2).transpose();
-        let at = |reach: f64| X_WG.p.z - reach;
-        let across = libm::hypot(down.x, down.y);
-        let height = match self.shape {
-            Shape::Box(sides) => at(0.5 * down.abs().dot(&Vec3::from(sides))),
-            Shape::Sphere(radius) => at(radius),
-            Shape::Cylinder([radius, length]) => at(radius * across + 0.5 * length * down.z.abs()),
-            Shape::Capsule([radius, length]) => at(radius + 0.5 * length * down.z.abs()),
-            Shape::Mesh(_) => {
-                let [middle, half] = &self.around;
-                // Most meshes are higher as a whole.
-                if at(down.dot(middle) + down.abs().dot(half)) >= least {
-                    return None;
-                }
-                let reaches = self.corners.iter().map(|corner| down.dot(corner));
-                at(reaches.fold(f64::NEG_INFINITY, f64::max))
-            }
-        };
-        (height < least).then_some(height)
+        let height = |X_LG: &Pose, shape: &Solids| shape.lowest(&X_WL.compose(X_LG), &Vec3::z());
+        // Most meshes are higher as a whole.
+        let may_be_lower = |(X_LG, shape): &(Pose, Solids)| height(X_LG, shape) < least;
+        if !self.around.as_ref().is_none_or(may_be_lower) {
+            return None;
+        }
+        Some(height(&self.X_LG, &self.shape)).filter(|height| *height < least)
     }
 }

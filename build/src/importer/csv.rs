@@ -20,6 +20,9 @@ pub enum CsvError {
     /// Nothing in it.
     #[error("it is empty; the first line names the columns: time,<input>,…")]
     Empty,
+    /// Another kind of file, or two bytes for each letter.
+    #[error("it is no text in UTF-8, as tables have to be")]
+    NotText,
     /// The first column.
     #[error("line 1: the first column must be 'time', not '{found}'")]
     NoTime {
@@ -84,6 +87,9 @@ impl Table {
     /// [`CsvError`] with line and column.
     pub fn parse(text: &str) -> Result<Self, CsvError> {
         let text = text.trim_start_matches('\u{feff}');
+        if text.contains('\0') {
+            return Err(CsvError::NotText);
+        }
         let mut reader = csv::ReaderBuilder::new()
             .has_headers(false)
             .flexible(true)
@@ -271,6 +277,7 @@ mod tests {
     fn faults_are_reported_with_line_and_column() {
         let message = |text: &str| Table::parse(text).expect_err("faulty").to_string();
         assert!(message("").contains("empty"));
+        assert!(message("PK\u{3}\u{4}\0\0").contains("no text"));
         assert_eq!(
             message("t,x\n0,1"),
             "line 1: the first column must be 'time', not 't'"

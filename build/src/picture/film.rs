@@ -8,9 +8,9 @@
 
 use super::camera::Camera;
 use super::look::{Look, Picture};
-use super::png::{File, big, compressed};
 use super::solid::Stage;
 use super::still::Subject;
+use crate::image::png::{File, big, compressed};
 use crate::scene::Scene;
 use std::collections::BTreeMap;
 use std::ops::Range;

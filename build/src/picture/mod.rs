@@ -2,8 +2,9 @@
 //!
 //! A scene at given poses becomes triangles with normals (`solid`), seen by a `camera`; `raster`
 //! finds what is visible at each sample, `light` computes how much of the sky and of the lamp each
-//! place sees, `shade` makes colours of it, `png` writes them. `image` reads textures, `run` and
-//! `film` make an animation of a run; `frames` are the axes of links.
+//! place sees, `shade` makes colours of it, `png` writes them. `texture` has images in halves of
+//! halves of their size, `run` and `film` make an animation of a run; `frames` are the axes of
+//! links.
 //!
 //! Only additions, multiplications, divisions and square roots are used, which IEEE 754 defines to
 //! the last bit, and functions of `libm`. Threads share out rows and lamps, never sums.
@@ -12,7 +13,6 @@ mod camera;
 mod color;
 mod film;
 mod frames;
-mod image;
 mod light;
 mod look;
 mod png;
@@ -21,6 +21,7 @@ mod run;
 mod shade;
 mod solid;
 mod still;
+mod texture;
 
 pub use camera::Camera;
 pub use film::film;

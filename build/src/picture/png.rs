@@ -1,16 +1,9 @@
-//! PNG: writing pictures and animations, and the parts of reading that both need.
-//!
-//! Source: ISO/IEC 15948 (PNG), and the APNG specification 1.0.
+//! A picture as a PNG.
 
 use super::look::Picture;
-use flate2::Compression;
-use flate2::write::ZlibEncoder;
-use std::io::Write;
+use crate::image::png;
 
-/// First bytes of a file.
-pub(super) const SIGNATURE: &[u8] = b"\x89PNG\r\n\x1a\n";
-
-/// The content of a PNG file.
+/// The content of a PNG file; without alpha where nothing shines through.
 pub fn encode(picture: &Picture) -> Vec<u8> {
     let opaque = picture.pixels.iter().all(|pixel| pixel[3] == 255);
     let channels = if opaque { 3 } else { 4 };
@@ -20,110 +13,5 @@ pub fn encode(picture: &Picture) -> Vec<u8> {
         .flat_map(|pixel| &pixel[..channels])
         .copied()
         .collect();
-    let mut file = File::new();
-    // 8 bits; colour with or without alpha.
-    file.header(picture.width, picture.height, if opaque { 2 } else { 6 });
-    file.chunk(
-        *b"IDAT",
-        &compressed(&raw, picture.width * channels, channels),
-    );
-    file.end()
-}
-
-/// A PNG file in the making.
-pub(super) struct File(Vec<u8>);
-
-impl File {
-    pub(super) fn new() -> Self {
-        Self(SIGNATURE.to_vec())
-    }
-
-    /// - `kind`: 2 colour, 3 palette, 6 colour and alpha; all of 8 bits
-    pub(super) fn header(&mut self, width: usize, height: usize, kind: u8) {
-        let mut data = [width, height].map(big).concat();
-        data.extend([8, kind, 0, 0, 0]);
-        self.chunk(*b"IHDR", &data);
-    }
-
-    pub(super) fn chunk(&mut self, name: [u8; 4], data: &[u8]) {
-        self.0.extend(big(data.len()));
-        self.0.extend(name);
-        self.0.extend(data);
-        let mut check = crc32fast::Hasher::new();
-        check.update(&name);
-        check.update(data);
-        self.0.extend(check.finalize().to_be_bytes());
-    }
-
-    pub(super) fn end(mut self) -> Vec<u8> {
-        self.chunk(*b"IEND", &[]);
-        self.0
-    }
-}
-
-/// Four bytes, the highest first; a picture has no number that needs more.
-pub(super) fn big(x: usize) -> [u8; 4] {
-    u32::try_from(x).unwrap_or(u32::MAX).to_be_bytes()
-}
-
-/// Rows of bytes, each with the filter whose differences are smallest, compressed.
-///
-/// - `row`: bytes of a row
-/// - `pixel`: bytes of a pixel; 0 for places in a palette, whose differences mean nothing
-pub(super) fn compressed(raw: &[u8], row: usize, pixel: usize) -> Vec<u8> {
-    let mut filtered = Vec::with_capacity(raw.len() + raw.len() / row.max(1));
-    let nothing = vec![0; row];
-    let mut above = nothing.as_slice();
-    for line in raw.chunks_exact(row) {
-        let kinds = if pixel == 0 { 0..1 } else { 0..5 };
-        let candidates = kinds.map(|kind| {
-            let mut bytes = vec![kind];
-            bytes.extend(
-                (0..row).map(|i| line[i].wrapping_sub(expected(kind, line, above, i, pixel))),
-            );
-            bytes
-        });
-        let cost = |bytes: &Vec<u8>| -> u32 {
-            let sizes = bytes[1..]
-                .iter()
-                .map(|&b| u32::from(b.min(b.wrapping_neg())));
-            sizes.sum()
-        };
-        filtered.extend(candidates.min_by_key(cost).unwrap_or_default());
-        above = line;
-    }
-    let mut encoder = ZlibEncoder::new(Vec::new(), Compression::new(7));
-    // Writing to memory cannot fail.
-    _ = encoder.write_all(&filtered);
-    encoder.finish().unwrap_or_default()
-}
-
-/// What a filter expects at byte `i` of a row whose bytes before it are known.
-pub(super) fn expected(kind: u8, line: &[u8], above: &[u8], i: usize, pixel: usize) -> u8 {
-    let left = |row: &[u8]| {
-        if i >= pixel && pixel > 0 {
-            row[i - pixel]
-        } else {
-            0
-        }
-    };
-    let (a, b, c) = (left(line), above[i], left(above));
-    match kind {
-        1 => a,
-        2 => b,
-        3 => a.midpoint(b),
-        4 => {
-            let [x, y, z] = [a, b, c].map(i16::from);
-            let estimate = x + y - z;
-            let off = [x, y, z].map(|known| (estimate - known).abs());
-            if off[0] <= off[1] && off[0] <= off[2] {
-                a
-            } else if off[1] <= off[2] {
-                b
-            } else {
-                c
-            }
-        }
-        _ => 0,
-    }
+    png::encode(picture.width, picture.height, channels, &raw)
 }

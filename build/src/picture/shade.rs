@@ -5,11 +5,12 @@
 //! than the paper is bent under it.
 
 use super::camera::{Camera, count};
-use super::color::{finish, linear, srgb_table};
+use super::color::finish;
 use super::light::{Lights, Spot};
 use super::look::{Look, Picture, SAMPLES, Theme, workers};
 use super::raster::{Layer, NONE};
 use super::solid::{Stage, Triangle};
+use crate::image::{linear, srgb_table};
 use std::sync::{Mutex, PoisonError};
 use urdf2fmu_core::spatial::Vec3;
 

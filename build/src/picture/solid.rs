@@ -6,8 +6,8 @@
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
 use super::camera::count;
-use super::color::linear;
-use super::image::{ALL_PIXELS, Image};
+use super::texture::{ALL_PIXELS, Image};
+use crate::image::linear;
 use crate::scene::{Drawn, Scene, Shape, Triangles, pose};
 use std::collections::HashMap;
 use urdf2fmu_core::spatial::{Pose, Vec3};

@@ -70,6 +70,18 @@ pub fn rename(columns: &mut [(String, Vec<f64>)], scene: &Scene, notes: &mut Vec
 fn missing(scene: &Scene, there: &BTreeSet<String>, notes: &mut Vec<String>) {
     let head = &scene.head;
     let lacks = |names: &[String]| names.iter().any(|name| !there.contains(name));
+    let base = [&head.base.position, &head.base.orientation];
+    let motions = head.joints.iter().flat_map(|joint| &joint.motions);
+    let tracks = base.into_iter().chain(motions.map(|motion| &motion.track));
+    let mut poses = tracks.flat_map(|track| &track.variables).peekable();
+    if poses.peek().is_some() && !poses.any(|name| there.contains(name)) {
+        notes.push(format!(
+            "No column says where '{}' is, so that it stays where it starts: is it a run of this \
+             robot?",
+            head.robot
+        ));
+        return;
+    }
     if lacks(&head.base.position.variables) || lacks(&head.base.orientation.variables) {
         notes.push(
             "The base stays where it starts: columns of its position or orientation are missing."

@@ -22,6 +22,9 @@ pub enum ResultsError {
     /// Nothing in it.
     #[error("it is empty; the first line names the columns, one of them 'time'")]
     Empty,
+    /// Another kind of file, or two bytes for each letter.
+    #[error("it is no text in UTF-8, as tables have to be")]
+    NotText,
     /// No column of times.
     #[error("line 1: no column is called 'time'; it has: {found}")]
     NoTime {
@@ -62,6 +65,9 @@ impl Table {
     /// [`ResultsError`] with line and column.
     pub fn parse(text: &str) -> Result<Self, ResultsError> {
         let text = text.trim_start_matches('\u{feff}');
+        if text.contains('\0') {
+            return Err(ResultsError::NotText);
+        }
         let delimiter = delimiter(text.lines().next().unwrap_or_default());
         let mut reader = csv::ReaderBuilder::new()
             .has_headers(false)
@@ -333,6 +339,7 @@ mod tests {
     fn faults_are_reported_with_their_place() {
         let message = |text: &str| Table::parse(text).expect_err("faulty").to_string();
         assert!(message("").contains("empty"));
+        assert!(message("PK\u{3}\u{4}\0\0").contains("no text"));
         assert_eq!(
             message("x,y\n0,1"),
             "line 1: no column is called 'time'; it has: x, y"

@@ -6,8 +6,9 @@ use super::format::{
     Base, Contact, Drawn, FORMAT, Head, Joint, Link, Mesh, Motion, MotionKind, Note, Scene, Shape,
     Texture, Track, Variable, Wrench, short,
 };
-use super::mesh::{self, align};
+use super::mesh;
 use super::pose;
+use super::texture;
 use crate::describe::{causality, variability};
 use crate::units;
 use std::collections::{BTreeMap, HashMap};
@@ -17,7 +18,7 @@ use urdf2fmu_core::model::{self, JointId, LinkId, Model};
 use urdf2fmu_core::simulation::{Simulation, SimulationError};
 use urdf2fmu_core::slots::{InputSlot, OutputSlot};
 use urdf2fmu_core::spatial::{Pose, Vec3, quaternion_from_rotation};
-use urdf2fmu_core::urdf::{Description, DrawnMesh, ImageFormat, MeshPart, VisualShape};
+use urdf2fmu_core::urdf::{Description, DrawnMesh, MeshPart, VisualShape};
 use urdf2fmu_core::variables::{self, Kind, Slot, Unit};
 
 /// Colour of what has none: a light metal.
@@ -279,6 +280,7 @@ impl Body {
             .map(|(l, link)| (link.name.as_str(), l))
             .collect();
         let mut textures = vec![None; description.textures.len()];
+        let side = texture::longest_side(&description.textures);
         let mut meshes: Vec<Option<Vec<Option<usize>>>> =
             vec![None; description.drawn_meshes.len()];
         let mut list = Vec::new();
@@ -319,7 +321,10 @@ impl Body {
                             let texture = texture.filter(|_| !part.uv.is_empty());
                             let texture = texture.map(|texture| {
                                 *textures[texture].get_or_insert_with(|| {
-                                    self.texture(&description.textures[texture])
+                                    let texture = &description.textures[texture];
+                                    let packed = texture::pack(&mut self.bytes, texture, side);
+                                    self.textures.push(packed);
+                                    self.textures.len() - 1
                                 })
                             });
                             let color = match texture {
@@ -379,23 +384,6 @@ impl Body {
         let mesh = mesh::pack(&mut self.bytes, triangles, uv)?;
         self.meshes.push(mesh);
         Some(self.meshes.len() - 1)
-    }
-
-    fn texture(&mut self, texture: &urdf2fmu_core::urdf::Texture) -> usize {
-        align(&mut self.bytes);
-        self.textures.push(Texture {
-            at: self.bytes.len(),
-            bytes: texture.bytes.len(),
-            kind: match texture.format {
-                ImageFormat::Png => "image/png",
-                ImageFormat::Jpeg => "image/jpeg",
-            }
-            .to_owned(),
-            width: texture.width,
-            height: texture.height,
-        });
-        self.bytes.extend(&texture.bytes);
-        self.textures.len() - 1
     }
 }
 

@@ -1,12 +1,6 @@
-//! Textures: PNG and JPEG files → linear colours in halves of halves of their size.
-//!
-//! A file that is damaged, or of a kind that nobody uses for textures, is no image: the surface
-//! keeps its plain colour.
+//! Reading of PNG and JPEG. Files of a kind that nobody uses for textures are not read.
 
-use super::camera::count;
-use super::color::linear;
 use super::png::{SIGNATURE, expected};
-
 use flate2::read::ZlibDecoder;
 use std::io::Read;
 use zune_jpeg::JpegDecoder;
@@ -14,132 +8,21 @@ use zune_jpeg::zune_core::bytestream::ZCursor;
 use zune_jpeg::zune_core::colorspace::ColorSpace;
 use zune_jpeg::zune_core::options::DecoderOptions;
 
-/// Most pixels of a texture's file.
+/// Most pixels of a file.
 const MOST_PIXELS: usize = 64 << 20;
 
-/// Pixels that the textures of a robot are reduced to, all together: a picture shows no more.
-pub(super) const ALL_PIXELS: usize = 8 << 20;
-
-/// A texture in several sizes.
-pub(super) struct Image {
-    /// The largest first, each half of the one before.
-    levels: Vec<Level>,
-}
-
-struct Level {
-    width: usize,
-    height: usize,
-    /// Row by row from the top.
-    colors: Vec<[f32; 3]>,
-}
-
-impl Image {
-    /// - `most`: pixels that are kept; a larger image is reduced by a whole factor
-    pub(super) fn read(kind: &str, bytes: &[u8], most: usize) -> Option<Self> {
-        let (width, height, pixels) = match kind {
-            "image/png" => read_png(bytes)?,
-            _ => read_jpeg(bytes)?,
-        };
-        let light: Vec<f32> = (0..=255).map(|x| linear(f64::from(x) / 255.0)).collect();
-        let (mut factor, mut kept) = (1, width * height);
-        while kept > most.max(1) && factor < width.max(height) {
-            factor += 1;
-            kept = width.div_ceil(factor) * height.div_ceil(factor);
-        }
-        let mean = |x: usize, y: usize| {
-            let (mut sum, mut number) = ([0.0; 3], 0.0);
-            for y in y * factor..((y + 1) * factor).min(height) {
-                for x in x * factor..((x + 1) * factor).min(width) {
-                    for (sum, byte) in sum.iter_mut().zip(pixels[y * width + x]) {
-                        *sum += light[usize::from(byte)];
-                    }
-                    number += 1.0;
-                }
-            }
-            sum.map(|x| x / number)
-        };
-        let (columns, rows) = (width.div_ceil(factor), height.div_ceil(factor));
-        let first = Level {
-            width: columns,
-            height: rows,
-            colors: (0..columns * rows)
-                .map(|k| mean(k % columns, k / columns))
-                .collect(),
-        };
-        let mut levels = vec![first];
-        while let Some(next) = levels.last().and_then(Level::half) {
-            levels.push(next);
-        }
-        Some(Self { levels })
-    }
-
-    /// The colour at texture coordinates, mixed from the four nearest of the size in which `pixel`
-    /// (a part of the side) is about one.
-    pub(super) fn at(&self, [u, v]: [f64; 2], pixel: f64) -> [f32; 3] {
-        let fits = |level: &&Level| pixel * count(level.width.max(level.height)) <= 1.5;
-        let level = self.levels.iter().find(fits).or(self.levels.last());
-        level.map_or([1.0; 3], |level| level.mixed([u, 1.0 - v]))
-    }
-}
-
-impl Level {
-    /// `None` for one pixel.
-    fn half(&self) -> Option<Self> {
-        if self.width == 1 && self.height == 1 {
-            return None;
-        }
-        let (width, height) = (self.width.div_ceil(2), self.height.div_ceil(2));
-        let mut colors = Vec::with_capacity(width * height);
-        for y in 0..height {
-            for x in 0..width {
-                let four = [[0, 0], [1, 0], [0, 1], [1, 1]].map(|[i, j]| {
-                    let x = (2 * x + i).min(self.width - 1);
-                    let y = (2 * y + j).min(self.height - 1);
-                    self.colors[y * self.width + x]
-                });
-                colors.push(std::array::from_fn(|k| {
-                    0.25 * (four[0][k] + four[1][k] + four[2][k] + four[3][k])
-                }));
-            }
-        }
-        Some(Self {
-            width,
-            height,
-            colors,
-        })
-    }
-
-    /// - `at`: parts of the sides from the upper left corner; the texture repeats
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "within the sides"
-    )]
-    fn mixed(&self, at: [f64; 2]) -> [f32; 3] {
-        let sides = [self.width, self.height];
-        let near: [(usize, usize, f32); 2] = std::array::from_fn(|i| {
-            let side = sides[i];
-            let x = (at[i] - at[i].floor()) * count(side) - 0.5;
-            let low = x.floor();
-            let first = if low < 0.0 {
-                side - 1
-            } else {
-                (low as usize).min(side - 1)
-            };
-            (first, (first + 1) % side, (x - low) as f32)
-        });
-        let [(left, right, u), (top, bottom, v)] = near;
-        let color = |x: usize, y: usize, k: usize| self.colors[y * self.width + x][k];
-        std::array::from_fn(|k| {
-            let upper = color(left, top, k) * (1.0 - u) + color(right, top, k) * u;
-            let lower = color(left, bottom, k) * (1.0 - u) + color(right, bottom, k) * u;
-            upper * (1.0 - v) + lower * v
-        })
-    }
-}
-
 /// Width, height, and red, green, blue of each pixel.
-type Pixels = (usize, usize, Vec<[u8; 3]>);
+pub type Pixels = (usize, usize, Vec<[u8; 3]>);
+
+/// The pixels of an image file; none where it is damaged.
+///
+/// - `kind`: `image/png` or `image/jpeg`
+pub fn read(kind: &str, bytes: &[u8]) -> Option<Pixels> {
+    match kind {
+        "image/png" => read_png(bytes),
+        _ => read_jpeg(bytes),
+    }
+}
 
 fn read_jpeg(bytes: &[u8]) -> Option<Pixels> {
     // Without the instructions of one processor or the other, so that all give the same.
@@ -275,25 +158,21 @@ impl Header {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::picture::look::Picture;
-    use crate::picture::png::encode;
+    use crate::image::png;
 
-    fn picture() -> Picture {
-        Picture {
-            width: 5,
-            height: 4,
-            pixels: (0..20)
-                .map(|k| [k * 12, 255 - k, k % 7 * 30, 255])
-                .collect(),
-        }
+    /// Red, green, blue and alpha of five by four pixels.
+    fn picture() -> Vec<u8> {
+        (0..20)
+            .flat_map(|k| [k * 12, 255 - k, k % 7 * 30, 255])
+            .collect()
     }
 
     #[test]
     fn a_png_that_was_written_is_read_again() {
-        let picture = picture();
-        let (width, height, pixels) = read_png(&encode(&picture)).expect("a PNG");
+        let raw = picture();
+        let (width, height, pixels) = read_png(&png::encode(5, 4, 4, &raw)).expect("a PNG");
         assert_eq!((width, height), (5, 4));
-        let colors: Vec<[u8; 3]> = picture.pixels.iter().map(|p| [p[0], p[1], p[2]]).collect();
+        let colors: Vec<[u8; 3]> = raw.chunks_exact(4).map(|p| [p[0], p[1], p[2]]).collect();
         assert_eq!(pixels, colors);
     }
 
@@ -337,7 +216,7 @@ mod tests {
 
     #[test]
     fn damaged_images_are_no_images_and_no_panic() {
-        let bytes = encode(&picture());
+        let bytes = png::encode(5, 4, 4, &picture());
         let mut seed = 7_u64;
         let mut random = |end: usize| {
             seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
@@ -355,37 +234,7 @@ mod tests {
             }
             // A JPEG of noise behind a true beginning.
             let jpeg = [b"\xff\xd8\xff\xe0", changed.as_slice()].concat();
-            assert!(Image::read("image/jpeg", &jpeg, 64).is_none());
+            assert!(read("image/jpeg", &jpeg).is_none());
         }
-    }
-
-    #[test]
-    fn textures_repeat_and_begin_at_the_lower_left() {
-        let picture = Picture {
-            width: 2,
-            height: 2,
-            pixels: vec![
-                [255, 0, 0, 255],
-                [0, 255, 0, 255],
-                [0, 0, 255, 255],
-                [0, 0, 0, 255],
-            ],
-        };
-        let image = Image::read("image/png", &encode(&picture), 4).expect("a PNG");
-        let near = |found: [f32; 3], expected: [f32; 3]| {
-            found
-                .iter()
-                .zip(expected)
-                .all(|(a, b)| (a - b).abs() < 1e-6)
-        };
-        for shift in [-3.0, 0.0, 2.0] {
-            assert!(near(image.at([shift + 0.25, 0.25], 0.0), [0.0, 0.0, 1.0]));
-            assert!(near(image.at([0.25, shift + 0.75], 0.0), [1.0, 0.0, 0.0]));
-            assert!(near(image.at([shift + 0.75, 0.75], 0.0), [0.0, 1.0, 0.0]));
-        }
-        // From afar all four are one, and so they are where no more may be kept.
-        assert!(near(image.at([0.1, 0.9], 1.0), [0.25; 3]));
-        let small = Image::read("image/png", &encode(&picture), 1).expect("a PNG");
-        assert!(near(small.at([0.1, 0.9], 0.0), [0.25; 3]));
     }
 }
