@@ -20,7 +20,7 @@ use crate::step::stages::Stages;
 use crate::tree::Tree;
 use crate::tuning::{
     BALANCE, BALANCES, CONTROLLED_GAIN, EXPLICIT_SAFETY, FIXED_ACCURACY, FIXED_BALANCE, GROWTH,
-    GUESS, GUESSES, IMPLICIT_SAFETY, LEAST_ERROR, MAX_STEP, STEP_ROUND_OFF,
+    GUESS, GUESSES, IMPLICIT_SAFETY, LEAST_ERROR, MAX_STEP, MIN_STEP, STEP_ROUND_OFF,
 };
 
 /// Why a communication step was not taken.
@@ -222,14 +222,16 @@ impl Stepper {
         plan: Plan,
     ) -> Result<(), Stop> {
         self.begin_try(ctx)?;
-        let (Plan { pair, h }, remaining) = (plan, way.remaining());
-        let error = self
-            .explicit
-            .attempt(ctx, &self.here, &state.physical, plan);
+        let (Plan { pair, h }, from) = (plan, &state.physical);
+        let error = self.explicit.attempt(ctx, &self.here, from, plan);
         let power = -1.0 / f64::from(pair.order);
         let factor = EXPLICIT_SAFETY * libm::pow(error.max(LEAST_ERROR.1), power);
         let factor = factor.clamp(GROWTH.0, GROWTH.1);
         way.standing = Standing::Current;
+        if error > 1.0 && h <= state.stepping.sizes.floor.max(MIN_STEP) {
+            // What is taken although it errs must be stable.
+            return self.go_implicitly(ctx, state, way);
+        }
         let tried = Tried {
             h,
             error,
@@ -243,7 +245,7 @@ impl Stepper {
             Verdict::Fail => return Err(Stop::NotFinite),
         }
         self.attempt.begin(state);
-        if h > remaining {
+        if h > way.remaining() {
             let times = [way.begin + way.done, way.end];
             let found = (&mut state.stepping.ahead, &mut self.attempt);
             self.explicit

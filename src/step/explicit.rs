@@ -48,7 +48,7 @@ pub(super) struct Explicit {
 crate::spoil::spoil!(Explicit: integrator end;);
 
 /// Method and length of the next explicit step: beyond the communication point as long as inputs
-/// stay as they are, else up to it; none where something stiff acts.
+/// stay as they are, else up to it; none where something stiff acts, or swings too fast.
 ///
 /// - `proposed`: length that the error control proposes, s
 /// - `remaining`: time to the communication point, s
@@ -63,6 +63,10 @@ pub(super) fn plan(
     }
     let v = &state.physical.v;
     let long = proposed.min(MAX_EXPLICIT_STEP).min(swing(here, v));
+    // What swings faster than the shortest step that is worth while is taken implicitly.
+    if long < state.stepping.sizes.floor {
+        return None;
+    }
     if ctx.rules.look_ahead && state.stepping.ahead.changed == 0.0 {
         if is_free(ctx, here, v, long) {
             return Some(if resolves_damping(here, long) {

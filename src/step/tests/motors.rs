@@ -274,3 +274,25 @@ fn a_servo_pressed_against_a_limit_rests() {
         s.state().stepping.counters
     );
 }
+
+/// A pd law that swings at 3 million rad/s, a jump of 1 rad from its target: nobody sees that. It is
+/// taken implicitly, in steps that grow, and comes to its target; steps that resolve it would be
+/// five million a second.
+#[test]
+fn a_spring_that_swings_too_fast_to_be_seen_comes_to_its_target() {
+    let mut b = rotor(ActuatorMode::Pd, 1e9);
+    b.model.links[1].inertia.I_cm[(2, 2)] = 1e-7;
+    b.model.actuators[0].kp = 1e6;
+    b.model.actuators[0].kd = 1e-3;
+    let mut s = start(b.model, 1e-3);
+    s.set_input(InputSlot::Position(ActuatorId(0)), 1.0);
+    run(&mut s, 0.1, 0.01);
+    let state = s.state();
+    assert!(
+        (state.physical.q[0] - 1.0).abs() < 1e-3,
+        "{:?}",
+        state.physical
+    );
+    let steps = state.stepping.counters.steps;
+    assert!(steps < 10_000, "{steps}");
+}
