@@ -275,9 +275,9 @@ fn a_servo_pressed_against_a_limit_rests() {
     );
 }
 
-/// A pd law that swings at 3 million rad/s, a jump of 1 rad from its target: nobody sees that. It is
-/// taken implicitly, in steps that grow, and comes to its target; steps that resolve it would be
-/// five million a second.
+/// A pd law that swings at 3 million rad/s, 1 rad from its target: nobody sees that. It is taken
+/// implicitly, in steps that grow, and comes to its target; steps that resolve it would be five
+/// million a second.
 #[test]
 fn a_spring_that_swings_too_fast_to_be_seen_comes_to_its_target() {
     let mut b = rotor(ActuatorMode::Pd, 1e9);
