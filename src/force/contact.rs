@@ -118,7 +118,8 @@ pub struct Contact {
     /// Coulomb coefficient at the sliding speed at the start of the step.
     pub mu: f64,
     /// Friction in the tangent plane, and along the normal against drilling; world axes. It slips
-    /// at `μ` times the normal force at the start of the step.
+    /// at `μ` times a normal force that is known: that at the start of the step, until a solve has
+    /// found one.
     pub friction: ElastoPlastic<Vec3>,
 }
 
