@@ -26,11 +26,19 @@ impl Contact {
         (more != Vec3::zeros()).then_some(more)
     }
 
+    /// Force, and moment about O, of friction `x` along what `u` is along: the transpose of
+    /// [`Self::sliding`].
+    #[inline]
+    pub fn lever(&self, x: &Vec3) -> (Vec3, Vec3) {
+        let (drilling, along) = normal_part(&self.normal, x);
+        let moment = self.center.cross(&along) + self.normal * (self.radius * drilling);
+        (along, moment)
+    }
+
     /// Adds an impulse of friction, along what `u` is along, to those on all bodies about O.
     #[inline]
     pub(super) fn drag(&self, impulse: &Vec3, F: &mut [Vec6]) {
-        let (drilling, along) = normal_part(&self.normal, impulse);
-        let moment = self.center.cross(&along) + self.normal * (self.radius * drilling);
+        let (along, moment) = self.lever(impulse);
         self.act(&along, &moment, F);
     }
 
@@ -83,10 +91,8 @@ impl Contact {
     pub fn wrench(&self, points: &[ContactPoint], V: &[Vec6]) -> (Vec3, Vec3) {
         let load = self.normal_load(points, V);
         let friction = self.friction.respond(self.sliding(V), 0.0).force;
-        let (drilling, along) = normal_part(&self.normal, &friction);
-        let mut moment = self.center.cross(&-along) - self.normal * (self.radius * drilling);
+        let (mut force, mut moment) = self.lever(&-friction);
         let velocity = self.normal_velocity(points, V);
-        let mut force = -along;
         let W = self.relative(V);
         let own = &points[self.points.clone()];
         let rock = |p: &ContactPoint| self.rocking(p.along(&self.normal, &W) - velocity).0 * p.load;

@@ -414,7 +414,7 @@ impl Contact {
 
 /// Component of `x` along the unit vector `normal`, and the remainder.
 #[inline]
-pub(crate) fn normal_part(normal: &Vec3, x: &Vec3) -> (f64, Vec3) {
+pub(super) fn normal_part(normal: &Vec3, x: &Vec3) -> (f64, Vec3) {
     let along = normal.dot(x);
     (along, x - normal * along)
 }

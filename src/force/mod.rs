@@ -19,7 +19,6 @@ mod point;
 mod terms;
 mod turn;
 
-pub(crate) use contact::normal_part;
 pub use contact::{Contact, Response};
 pub use detect::{Plane, detect, held, is_clear};
 pub use drive::Drive;

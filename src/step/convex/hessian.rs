@@ -8,8 +8,8 @@
 
 use super::{Newton, Problem};
 use crate::dynamics::crba::add_row;
-use crate::force::{Contact, ContactPoint, PointResponse, Response, TurnResponse, normal_part};
-use crate::spatial::{Vec3, Vec6, across, dot6, join, multiply_lower};
+use crate::force::{Contact, ContactPoint, PointResponse, Response, TurnResponse};
+use crate::spatial::{Vec3, across, dot6, join, multiply_lower};
 
 impl Newton {
     /// `H = M + Jᵀ G J` from the responses.
@@ -137,10 +137,8 @@ fn add_contact(
     if slope > 0.0 {
         let n = &contact.normal;
         let mut add = |direction: &Vec3| {
-            let (drilling, along) = normal_part(n, direction);
-            let moment = contact.center.cross(&along) + n * (contact.radius * drilling);
-            let row: Vec6 = join(&moment, &along);
-            add_square(G, &row, slope);
+            let (along, moment) = contact.lever(direction);
+            add_square(G, &join(&moment, &along), slope);
         };
         // Two directions across the slip, or two tangents and drilling. A single point does not
         // resist drilling: of a slip, one direction is left.
