@@ -16,7 +16,7 @@ use std::io::BufRead;
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
-use urdf2fmu_core::model::{ActuatorId, Model};
+use urdf2fmu_core::model::{ActuatorId, Model, RootId};
 use urdf2fmu_core::settings::Settings;
 use urdf2fmu_core::simulation::{
     InputSlot, OutputSlot, ParameterSlot, Simulation, SimulationError,
@@ -52,10 +52,10 @@ fn read(path: &Path) -> Result<Model, Vec<urdf2fmu_core::diagnostic::Diagnostic>
 /// Position, m, and heading, rad.
 fn pose(simulation: &mut Simulation) -> [f64; 4] {
     [
-        simulation.output(OutputSlot::BasePosition(0)),
-        simulation.output(OutputSlot::BasePosition(1)),
-        simulation.output(OutputSlot::BasePosition(2)),
-        simulation.output(OutputSlot::BaseRpy(2)),
+        simulation.output(OutputSlot::BasePosition(RootId::ROBOT, 0)),
+        simulation.output(OutputSlot::BasePosition(RootId::ROBOT, 1)),
+        simulation.output(OutputSlot::BasePosition(RootId::ROBOT, 2)),
+        simulation.output(OutputSlot::BaseRpy(RootId::ROBOT, 2)),
     ]
 }
 

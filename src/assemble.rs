@@ -67,7 +67,7 @@ mod solids;
 mod wheels;
 
 use crate::diagnostic::Diagnostic;
-use crate::model::{Initial, Model, OutputSelection};
+use crate::model::{BodyId, Initial, Model, OutputSelection, Root};
 use crate::settings::{Compat, InertiaSource, Settings};
 use crate::urdf::{Description, ReadOptions};
 use findings::Findings;
@@ -134,6 +134,7 @@ fn assemble(
         links: robot.links,
         joints: robot.joints,
         bodies: Vec::new(),
+        roots: vec![Root::new(String::new(), BodyId(0))],
         dofs: Vec::new(),
         nq: 0,
         colliders: Vec::new(),

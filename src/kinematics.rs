@@ -1,8 +1,9 @@
 //! Poses and velocities, base to tip.
 //!
-//! All spatial quantities are in world axes about one common point O, the origin of the base:
-//! contact stiffness and inertia of any body then add up without transforms, and a robot far from
-//! the world's origin loses no digits.
+//! All spatial quantities of a tree are in world axes about one common point O, the origin of its
+//! base: contact stiffness and inertia of any body then add up without transforms, and a robot far
+//! from the world's origin loses no digits. Each tree has an O of its own, so that what one tree
+//! does has the same digits whatever else is in the world.
 //!
 //! Source: Featherstone 2008, chapters 2 and 4.
 
@@ -16,8 +17,8 @@ use crate::tree::Tree;
 /// [`crate::dynamics`].
 #[derive(Clone, Debug)]
 pub struct Kinematics {
-    /// O in the world, m.
-    pub origin: Vec3,
+    /// O of each tree in the world, m.
+    pub origins: Vec<Vec3>,
     /// Pose of each body's solver frame: rotation to world axes, position from O.
     pub X: Vec<Pose>,
     /// Motion of each column: `V_child = V_parent + Σ S v`.
@@ -46,7 +47,7 @@ impl Kinematics {
     pub fn new(tree: &Tree) -> Self {
         let (nb, nv) = (tree.bodies.len(), tree.sparsity.len());
         Self {
-            origin: Vec3::zeros(),
+            origins: vec![Vec3::zeros(); tree.trees.len()],
             X: vec![Pose::IDENTITY; nb],
             S: vec![[0.0; 6]; tree.dof.len()],
             V: vec![[0.0; 6]; nb],
@@ -64,14 +65,15 @@ impl Kinematics {
     pub fn update_poses(&mut self, tree: &Tree, q: &[f64]) {
         for (b, body) in tree.bodies.iter().enumerate() {
             let mount = Mount {
-                base: &tree.world.base,
+                base: &tree.trees[body.tree].base,
                 parent: &self.X[body.parent],
                 X: &body.X,
                 ratio: body.ratio,
                 offset: body.offset,
             };
             let (q, S) = (&q[body.coordinate..], &mut self.S[body.column..]);
-            let X = body.kind.place(&mount, q, S, &mut self.origin);
+            let origin = &mut self.origins[body.tree];
+            let X = body.kind.place(&mount, q, S, origin);
             self.X[b] = X;
             self.I[b] = if body.mass > 0.0 {
                 let c = X.p + X.R * body.com;
@@ -83,6 +85,12 @@ impl Kinematics {
                 }
             };
         }
+    }
+
+    /// O of a body's tree in the world, m.
+    #[inline]
+    pub fn origin(&self, tree: &Tree, body: usize) -> &Vec3 {
+        &self.origins[tree.bodies[body].tree]
     }
 
     /// Velocities of all bodies for `v`, into `self.V`.

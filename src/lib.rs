@@ -9,6 +9,7 @@
 //! # #[cfg(feature = "urdf")] {
 //! use std::path::Path;
 //! use std::sync::Arc;
+//! use urdf2fmu_core::model::RootId;
 //! use urdf2fmu_core::simulation::{OutputSlot, Simulation};
 //! use urdf2fmu_core::{assemble, settings::Settings, urdf};
 //!
@@ -28,11 +29,12 @@
 //! simulation.initialize(0.0).unwrap();
 //! simulation.advance_to(0.4).unwrap();
 //! // Free fall: z = 1 − g t²/2.
-//! let z = simulation.output(OutputSlot::BasePosition(2));
+//! let height = OutputSlot::BasePosition(RootId::ROBOT, 2);
+//! let z = simulation.output(height);
 //! assert!((z - (1.0 - 9.81 * 0.4 * 0.4 / 2.0)).abs() < 1e-9);
 //! simulation.advance_to(3.0).unwrap();
 //! // At rest on the ground, half of `contact.penetration` deep.
-//! assert!((simulation.output(OutputSlot::BasePosition(2)) - (0.1 - 5e-5)).abs() < 1e-9);
+//! assert!((simulation.output(height) - (0.1 - 5e-5)).abs() < 1e-9);
 //! # }
 //! ```
 //!

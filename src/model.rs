@@ -1,5 +1,5 @@
-//! The robot itself: links, joints, shapes, actuators and defaults. It does not change after
-//! loading.
+//! The world itself: a robot and what is around it, with links, joints, shapes, actuators and
+//! defaults. It does not change after loading.
 //!
 //! A `Model` is prepared once at export (see `urdf/` and [`crate::assemble`]) and is all that the
 //! FMU loads. Links and joints are the URDF's, fixed ones included. Bodies are the solver's: links
@@ -15,11 +15,11 @@ mod validate;
 use crate::geometry::Shape;
 pub use crate::joint::Motion;
 use crate::spatial::{Pose, RigidInertia, Vec3};
-pub use id::{ActuatorId, BodyId, DofId, JointId, LinkId, SensorId};
+pub use id::{ActuatorId, BodyId, DofId, JointId, LinkId, RootId, SensorId};
 pub use joint_kind::JointKind;
 use serde::{Deserialize, Serialize};
 
-/// A robot, prepared for simulation.
+/// A world of one robot or more, prepared for simulation.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Model {
@@ -29,9 +29,13 @@ pub struct Model {
     pub links: Vec<Link>,
     /// All joints of the URDF, parents before children.
     pub joints: Vec<Joint>,
-    /// Rigid bodies, parents before children; body 0 is the base.
+    /// Rigid bodies, parents before children; body 0 is the robot's base.
     pub bodies: Vec<Body>,
-    /// Independent degrees of freedom, parents before children; a floating base has the first six.
+    /// The trees that the bodies make up, the robot's first. The links, joints, bodies and degrees
+    /// of freedom of a tree come one after the other.
+    pub roots: Vec<Root>,
+    /// Independent degrees of freedom, parents before children; a floating base has the first six
+    /// of its tree.
     pub dofs: Vec<Dof>,
     /// Length of `q`: 7 for a floating base, 4 for a spherical body, 1 for every other degree of
     /// freedom.
@@ -40,7 +44,7 @@ pub struct Model {
     pub colliders: Vec<Collider>,
     /// Commanded joints.
     pub actuators: Vec<Actuator>,
-    /// Initial state.
+    /// Initial state of the joints; that of the bases is in [`Root`].
     pub initial: Initial,
     /// Step and tolerance.
     pub solver: SolverDefaults,
@@ -50,6 +54,56 @@ pub struct Model {
     pub world: World,
     /// What the FMU shows beyond what it always shows.
     pub outputs: OutputSelection,
+}
+
+/// A robot or an object: the base of a tree, and how it begins.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Root {
+    /// Its name; empty for the first. The names of its links and joints begin with it and a dot.
+    pub name: String,
+    /// What it is.
+    pub kind: RootKind,
+    /// Its base.
+    pub body: BodyId,
+    /// Initial base position `p_WB`, m. For a fixed base: where it is mounted.
+    pub position: Vec3,
+    /// Initial base roll, pitch, yaw, rad.
+    pub rpy: Vec3,
+    /// Initial base velocity `ṗ_WB`, m/s; zero for a fixed base.
+    pub linear_velocity: Vec3,
+    /// Initial base angular velocity `ω_WB_W`, rad/s; zero for a fixed base.
+    pub angular_velocity: Vec3,
+    /// Whether the base is set down on the ground: its height follows from the ground, which
+    /// carries it from the first instant on.
+    #[serde(default)]
+    pub set_down: bool,
+}
+
+/// What stands in the world.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum RootKind {
+    /// Something that is commanded.
+    Robot,
+    /// Something that is not.
+    Object,
+}
+
+impl Root {
+    /// One on the body `body`, at rest in the world's origin.
+    pub fn new(name: String, body: BodyId) -> Self {
+        Self {
+            name,
+            kind: RootKind::Robot,
+            body,
+            position: Vec3::zeros(),
+            rpy: Vec3::zeros(),
+            linear_velocity: Vec3::zeros(),
+            angular_velocity: Vec3::zeros(),
+            set_down: false,
+        }
+    }
 }
 
 /// A URDF link: a frame and the parts attached to it.
@@ -241,26 +295,14 @@ pub enum ActuatorMode {
     Pd,
 }
 
-/// Initial state.
+/// Initial state of the joints; that of the bases is in [`Root`].
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Initial {
-    /// Base position `p_WB`, m. For a fixed base: where it is mounted.
-    pub position: Vec3,
-    /// Base roll, pitch, yaw, rad.
-    pub rpy: Vec3,
-    /// Base velocity `ṗ_WB`, m/s; zero for a fixed base.
-    pub linear_velocity: Vec3,
-    /// Base angular velocity `ω_WB_W`, rad/s; zero for a fixed base.
-    pub angular_velocity: Vec3,
     /// Per joint; meaningful for turning and sliding joints that mimic nothing, else 0.
     pub joint_positions: Vec<f64>,
     /// Per joint, as above.
     pub joint_velocities: Vec<f64>,
-    /// Whether the base is set down on the ground: its height follows from the ground, which
-    /// carries it from the first instant on.
-    #[serde(default)]
-    pub set_down: bool,
 }
 
 /// Step and tolerance.
@@ -421,11 +463,25 @@ pub enum ModelError {
 }
 
 impl Model {
-    /// Whether the base can move.
+    /// Whether the robot's base can move.
     pub fn is_floating(&self) -> bool {
-        self.bodies
-            .first()
-            .is_some_and(|base| base.motion.kind().is_free())
+        self.floats(RootId::ROBOT)
+    }
+
+    /// Whether the base of a tree can move.
+    pub fn floats(&self, root: RootId) -> bool {
+        self.base(root).motion.kind().is_free()
+    }
+
+    /// The tree of a body.
+    pub fn root_of(&self, body: BodyId) -> RootId {
+        let before = self.roots.partition_point(|root| root.body <= body);
+        RootId::from(before.saturating_sub(1))
+    }
+
+    /// The base of a tree.
+    pub fn base(&self, root: RootId) -> &Body {
+        &self.bodies[self.roots[root.index()].body.index()]
     }
 
     /// Length of `v`.

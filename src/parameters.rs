@@ -3,9 +3,10 @@
 //! What follows from the parameters (inertias, stiffness) is in [`crate::tree`]; commands are in
 //! [`crate::inputs`].
 
-use crate::model::{ActuatorId, JointId, LinkId, Model};
+use crate::model::{ActuatorId, JointId, LinkId, Model, RootId};
 use crate::range::Range;
-use crate::slots::ParameterSlot;
+use crate::slots::{Axis, ParameterSlot};
+use crate::spatial::Vec3;
 
 impl ParameterSlot {
     /// What its value may be.
@@ -18,12 +19,12 @@ impl ParameterSlot {
             Self::GroundRestitution => Range::Restitution,
             Self::LinkMass(_) => Range::Mass,
             Self::Gravity(_) => Range::Gravity,
-            Self::InitialBasePosition(_)
-            | Self::InitialBaseRpy(_)
+            Self::InitialBasePosition(..)
+            | Self::InitialBaseRpy(..)
             | Self::InitialJointPosition(_) => Range::Position,
             Self::InitialJointVelocity(_) => Range::Velocity,
-            Self::InitialBaseLinearVelocity(_) => Range::Flight,
-            Self::InitialBaseAngularVelocity(_) => Range::Spin,
+            Self::InitialBaseLinearVelocity(..) => Range::Flight,
+            Self::InitialBaseAngularVelocity(..) => Range::Spin,
             Self::StepSize => Range::Step,
             Self::Tolerance => Range::ToleranceOrNone,
             Self::MaxSteps => Range::Work,
@@ -42,6 +43,8 @@ pub struct Parameters {
     joints: usize,
     /// Number of links.
     links: usize,
+    /// Number of trees.
+    roots: usize,
     /// In the order that `Self::index` gives.
     pub values: Vec<f64>,
 }
@@ -54,6 +57,7 @@ impl Parameters {
             leader: model.leaders(),
             joints: model.joints.len(),
             links: model.links.len(),
+            roots: model.roots.len(),
             values: Vec::new(),
         };
         let v = &mut p.values;
@@ -65,11 +69,11 @@ impl Parameters {
         v.extend(&model.initial.joint_velocities);
         v.extend(model.links.iter().map(|l| l.friction));
         v.extend(model.links.iter().map(|l| l.inertia.mass));
+        v.extend(model.roots.iter().flat_map(|r| r.position.iter()));
+        v.extend(model.roots.iter().flat_map(|r| r.rpy.iter()));
+        v.extend(model.roots.iter().flat_map(|r| r.linear_velocity.iter()));
+        v.extend(model.roots.iter().flat_map(|r| r.angular_velocity.iter()));
         v.extend(model.world.gravity.iter());
-        v.extend(model.initial.position.iter());
-        v.extend(model.initial.rpy.iter());
-        v.extend(model.initial.linear_velocity.iter());
-        v.extend(model.initial.angular_velocity.iter());
         let ground = model.world.ground.as_ref();
         v.push(ground.map_or(0.0, |g| g.friction));
         v.push(ground.map_or(0.0, |g| g.restitution));
@@ -82,7 +86,11 @@ impl Parameters {
     fn index(&self, slot: ParameterSlot) -> usize {
         let joints = 2 * self.actuators;
         let links = joints + 4 * self.joints;
-        let world = links + 2 * self.links;
+        let roots = links + 2 * self.links;
+        let world = roots + 12 * self.roots;
+        let of_base = |kind: usize, root: RootId, axis: u8| {
+            roots + 3 * (kind * self.roots + root.index()) + axis as usize
+        };
         match slot {
             ParameterSlot::Kp(a) => self.leader[a.index()],
             ParameterSlot::Kd(a) => self.actuators + self.leader[a.index()],
@@ -92,16 +100,16 @@ impl Parameters {
             ParameterSlot::InitialJointVelocity(j) => joints + 3 * self.joints + j.index(),
             ParameterSlot::LinkFriction(l) => links + l.index(),
             ParameterSlot::LinkMass(l) => links + self.links + l.index(),
+            ParameterSlot::InitialBasePosition(root, axis) => of_base(0, root, axis),
+            ParameterSlot::InitialBaseRpy(root, axis) => of_base(1, root, axis),
+            ParameterSlot::InitialBaseLinearVelocity(root, axis) => of_base(2, root, axis),
+            ParameterSlot::InitialBaseAngularVelocity(root, axis) => of_base(3, root, axis),
             ParameterSlot::Gravity(axis) => world + axis as usize,
-            ParameterSlot::InitialBasePosition(axis) => world + 3 + axis as usize,
-            ParameterSlot::InitialBaseRpy(axis) => world + 6 + axis as usize,
-            ParameterSlot::InitialBaseLinearVelocity(axis) => world + 9 + axis as usize,
-            ParameterSlot::InitialBaseAngularVelocity(axis) => world + 12 + axis as usize,
-            ParameterSlot::GroundFriction => world + 15,
-            ParameterSlot::GroundRestitution => world + 16,
-            ParameterSlot::StepSize => world + 17,
-            ParameterSlot::Tolerance => world + 18,
-            ParameterSlot::MaxSteps => world + 19,
+            ParameterSlot::GroundFriction => world + 3,
+            ParameterSlot::GroundRestitution => world + 4,
+            ParameterSlot::StepSize => world + 5,
+            ParameterSlot::Tolerance => world + 6,
+            ParameterSlot::MaxSteps => world + 7,
         }
     }
 
@@ -111,6 +119,7 @@ impl Parameters {
     pub(crate) fn allow(&self, values: &[f64]) -> bool {
         use ParameterSlot as P;
         let (actuator, joint, link) = (ActuatorId::from(0), JointId::from(0), LinkId::from(0));
+        let root = RootId::from(0);
         // One of each kind stands for all of them.
         let lists = [
             (self.actuators, P::Kp(actuator)),
@@ -121,11 +130,11 @@ impl Parameters {
             (self.joints, P::InitialJointVelocity(joint)),
             (self.links, P::LinkFriction(link)),
             (self.links, P::LinkMass(link)),
+            (3 * self.roots, P::InitialBasePosition(root, 0)),
+            (3 * self.roots, P::InitialBaseRpy(root, 0)),
+            (3 * self.roots, P::InitialBaseLinearVelocity(root, 0)),
+            (3 * self.roots, P::InitialBaseAngularVelocity(root, 0)),
             (3, P::Gravity(0)),
-            (3, P::InitialBasePosition(0)),
-            (3, P::InitialBaseRpy(0)),
-            (3, P::InitialBaseLinearVelocity(0)),
-            (3, P::InitialBaseAngularVelocity(0)),
             (1, P::GroundFriction),
             (1, P::GroundRestitution),
             (1, P::StepSize),
@@ -147,6 +156,15 @@ impl Parameters {
     /// Value of a parameter.
     pub fn get(&self, slot: ParameterSlot) -> f64 {
         self.values[self.index(slot)]
+    }
+
+    /// The three values of a slot for the base of a tree.
+    pub fn of_base(&self, slot: fn(RootId, Axis) -> ParameterSlot, root: RootId) -> Vec3 {
+        Vec3::new(
+            self.get(slot(root, 0)),
+            self.get(slot(root, 1)),
+            self.get(slot(root, 2)),
+        )
     }
 
     /// Sets a parameter; ranges are [`crate::simulation::Simulation::check_parameter`]'s business.

@@ -144,7 +144,7 @@ mod tests {
 
     fn model() -> Model {
         let mut model = Builder::new(true, inertia(1.0, Vec3::zeros(), [0.1; 3])).model;
-        model.initial.position = Vec3::new(0.1, 1.0 / 3.0, 5e-324);
+        model.roots[0].position = Vec3::new(0.1, 1.0 / 3.0, 5e-324);
         model.solver.step_size = 1.0 / 240.0;
         model
     }
@@ -160,7 +160,7 @@ mod tests {
     #[test]
     fn a_number_that_is_not_finite_is_refused_when_writing() {
         let mut model = model();
-        model.initial.position.x = f64::NAN;
+        model.roots[0].position.x = f64::NAN;
         let result = PreparedModel::new("{0}".into(), model).to_json();
         assert!(matches!(result, Err(PreparedModelError::Model { .. })));
     }

@@ -7,7 +7,7 @@ mod derivative;
 
 use crate::dynamics::energy;
 use crate::kinematics::forward;
-use crate::model::{JointId, LinkId, Model};
+use crate::model::{JointId, LinkId, Model, RootId};
 use crate::sensor::{self, Sensors};
 use crate::slots::{Axis, OutputSlot};
 use crate::spatial::{
@@ -47,7 +47,7 @@ pub struct Readout {
     /// What of the fields above is that of the state.
     known: Level,
     /// Roll, pitch, yaw of the base, rad; filled when first read, because it is asked for in parts.
-    rpy: Option<Vec3>,
+    rpy: Vec<Option<Vec3>>,
     /// Kinetic and potential energy, J; filled when first read, because it takes long.
     energies: Option<[f64; 2]>,
     /// Wrenches in joints; filled when first read.
@@ -66,7 +66,7 @@ impl Readout {
             A: vec![[0.0; 6]; tree.bodies.len()],
             factor: vec![0.0; tree.sparsity.entries()],
             known: Level::State,
-            rpy: None,
+            rpy: vec![None; model.roots.len()],
             energies: None,
             sensors: Sensors::new(model),
         }
@@ -75,7 +75,7 @@ impl Readout {
     /// The state, a parameter or an input has changed.
     pub fn invalidate(&mut self) {
         self.known = Level::State;
-        self.rpy = None;
+        self.rpy.fill(None);
         self.energies = None;
         self.sensors.invalidate();
     }
@@ -112,20 +112,20 @@ impl Readout {
             | O::Steps
             | O::Rejected
             | O::NewtonMax => Level::State,
-            O::BasePosition(_)
-            | O::BaseOrientation(_)
-            | O::BaseLinearVelocity(_)
-            | O::BaseAngularVelocity(_)
-                if ctx.model.is_floating() =>
+            O::BasePosition(root, _)
+            | O::BaseOrientation(root, _)
+            | O::BaseLinearVelocity(root, _)
+            | O::BaseAngularVelocity(root, _)
+                if ctx.model.floats(root) =>
             {
                 Level::State
             }
             O::ContactForce(..) if state.stepping.last_step > 0.0 => Level::State,
-            O::BasePosition(_)
-            | O::BaseOrientation(_)
-            | O::BaseRpy(_)
-            | O::BaseLinearVelocity(_)
-            | O::BaseAngularVelocity(_)
+            O::BasePosition(..)
+            | O::BaseOrientation(..)
+            | O::BaseRpy(..)
+            | O::BaseLinearVelocity(..)
+            | O::BaseAngularVelocity(..)
             | O::LinkPosition(..)
             | O::LinkOrientation(..)
             | O::LinkLinearVelocity(..)
@@ -158,21 +158,28 @@ impl Readout {
             O::JointVelocity(joint, axis) => joint_rate(model, &state.physical.v, joint, axis),
             O::JointAcceleration(joint, axis) => joint_rate(model, &self.vdot, joint, axis),
             O::JointEffort(joint) => self.joint_effort(model, state, joint),
-            O::BasePosition(axis) if model.is_floating() => state.physical.q[axis as usize],
-            O::BasePosition(axis) => kin.origin[axis as usize],
-            O::BaseOrientation(axis) if model.is_floating() => {
-                state.physical.q[3 + (axis as usize + 1) % 4]
+            O::BasePosition(root, axis) if model.floats(root) => {
+                state.physical.q[model.base(root).coordinate + axis as usize]
             }
-            O::BaseOrientation(axis) => quaternion(&kin.X[0])[axis as usize],
-            O::BaseRpy(axis) => self.rpy()[axis as usize],
-            O::BaseLinearVelocity(axis) if model.is_floating() => {
-                state.physical.v[3 + axis as usize]
+            O::BasePosition(root, axis) => kin.origins[root.index()][axis as usize],
+            O::BaseOrientation(root, axis) if model.floats(root) => {
+                state.physical.q[model.base(root).coordinate + 3 + (axis as usize + 1) % 4]
             }
-            O::BaseAngularVelocity(axis) if model.is_floating() => state.physical.v[axis as usize],
+            O::BaseOrientation(root, axis) => {
+                quaternion(&kin.X[model.roots[root.index()].body.index()])[axis as usize]
+            }
+            O::BaseRpy(root, axis) => self.rpy(ctx, root)[axis as usize],
+            O::BaseLinearVelocity(root, axis) if model.floats(root) => {
+                state.physical.v[model.base(root).dof.index() + 3 + axis as usize]
+            }
+            O::BaseAngularVelocity(root, axis) if model.floats(root) => {
+                state.physical.v[model.base(root).dof.index() + axis as usize]
+            }
             // A fixed base does not move.
-            O::BaseLinearVelocity(_) | O::BaseAngularVelocity(_) => 0.0,
+            O::BaseLinearVelocity(..) | O::BaseAngularVelocity(..) => 0.0,
             O::LinkPosition(link, axis) => {
-                (self.link_pose(ctx, link.index()).p + kin.origin)[axis as usize]
+                let origin = kin.origin(ctx.tree, body(link));
+                (self.link_pose(ctx, link.index()).p + origin)[axis as usize]
             }
             O::LinkOrientation(link, axis) => {
                 quaternion(&self.link_pose(ctx, link.index()))[axis as usize]
@@ -187,7 +194,8 @@ impl Readout {
                 f64::from(u8::from(touches))
             }
             O::ContactPoint(link, axis) => {
-                (self.contact_point(ctx, link) + kin.origin)[axis as usize]
+                let origin = kin.origin(ctx.tree, body(link));
+                (self.contact_point(ctx, link) + origin)[axis as usize]
             }
             O::ContactForce(link, axis) if state.stepping.last_step > 0.0 => {
                 state.stepping.impulse[link.index()][axis as usize] / state.stepping.last_step
@@ -276,10 +284,11 @@ impl Readout {
             })
     }
 
-    /// Roll, pitch, yaw of the base.
-    fn rpy(&mut self) -> Vec3 {
-        let R = &self.point.kin.X[0].R;
-        *self.rpy.get_or_insert_with(|| rpy_from_rotation(R))
+    /// Roll, pitch, yaw of the base of a tree.
+    fn rpy(&mut self, ctx: &Context, root: RootId) -> Vec3 {
+        let body = ctx.model.roots[root.index()].body;
+        let R = &self.point.kin.X[body.index()].R;
+        *self.rpy[root.index()].get_or_insert_with(|| rpy_from_rotation(R))
     }
 
     /// Kinetic and potential energy.
@@ -328,18 +337,18 @@ impl Readout {
                 *sum += x;
             }
         }
-        for b in (1..tree.bodies.len()).rev() {
-            let body = &tree.bodies[b];
+        for (b, body) in tree.bodies.iter().enumerate().rev() {
             let f = F[b];
+            if body.kind.is_base() {
+                for (a, f) in self.vdot[body.dof..].iter_mut().zip(&f[..body.columns]) {
+                    *a += f;
+                }
+                continue;
+            }
             for c in body.column..body.column + body.columns {
                 self.vdot[tree.dof[c]] += dot6(&kin.S[c], &f);
             }
             add6(&mut F[body.parent], &f);
-        }
-        if tree.is_free() {
-            for (a, f) in self.vdot.iter_mut().zip(&F[0]) {
-                *a += f;
-            }
         }
         self.factor.copy_from_slice(&kin.M);
         tree.sparsity.factor(&mut self.factor);

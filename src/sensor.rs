@@ -167,8 +167,8 @@ pub fn distance(ctx: &Context, point: &Point, sensor: usize, ray: usize) -> f64 
     if ctx.model.world.ground.is_none() {
         return *range;
     }
-    let (_, X) = pose(ctx, point, sensor);
-    let height = X.p.z + point.kin.origin.z;
+    let (body, X) = pose(ctx, point, sensor);
+    let height = X.p.z + point.kin.origin(ctx.tree, body).z;
     if height <= 0.0 {
         return 0.0;
     }

@@ -209,7 +209,12 @@ impl Simulation {
                 .inertia
                 .iter()
                 .all(|m| m.is_finite() && *m > 0.0)
-            && self.tree.contact.spring.stiffness.is_finite();
+            && self
+                .tree
+                .contact
+                .colliders
+                .iter()
+                .all(|c| c.spring.stiffness.is_finite());
         self.initialized = finite;
         if finite {
             Ok(())

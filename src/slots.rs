@@ -2,7 +2,7 @@
 //!
 //! Names and value references for the outside are given by [`crate::variables`].
 
-use crate::model::{ActuatorId, JointId, LinkId, SensorId};
+use crate::model::{ActuatorId, JointId, LinkId, RootId, SensorId};
 
 /// x, y, z or w of a vector or quaternion: 0, 1, 2, 3.
 pub type Axis = u8;
@@ -46,13 +46,13 @@ pub enum ParameterSlot {
     /// kg, fixed; the inertia scales with it.
     LinkMass(LinkId),
     /// m, fixed.
-    InitialBasePosition(Axis),
+    InitialBasePosition(RootId, Axis),
     /// rad, fixed; roll, pitch, yaw.
-    InitialBaseRpy(Axis),
+    InitialBaseRpy(RootId, Axis),
     /// m/s, fixed.
-    InitialBaseLinearVelocity(Axis),
+    InitialBaseLinearVelocity(RootId, Axis),
     /// rad/s, fixed.
-    InitialBaseAngularVelocity(Axis),
+    InitialBaseAngularVelocity(RootId, Axis),
     /// rad or m, fixed; turning and sliding joints that mimic nothing.
     InitialJointPosition(JointId),
     /// rad/s or m/s, fixed.
@@ -80,10 +80,10 @@ impl ParameterSlot {
             | Self::GroundRestitution
             | Self::MaxSteps => true,
             Self::LinkMass(_)
-            | Self::InitialBasePosition(_)
-            | Self::InitialBaseRpy(_)
-            | Self::InitialBaseLinearVelocity(_)
-            | Self::InitialBaseAngularVelocity(_)
+            | Self::InitialBasePosition(..)
+            | Self::InitialBaseRpy(..)
+            | Self::InitialBaseLinearVelocity(..)
+            | Self::InitialBaseAngularVelocity(..)
             | Self::InitialJointPosition(_)
             | Self::InitialJointVelocity(_)
             | Self::StepSize
@@ -96,15 +96,15 @@ impl ParameterSlot {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum OutputSlot {
     /// m, base link origin in the world.
-    BasePosition(Axis),
+    BasePosition(RootId, Axis),
     /// x, y, z, w.
-    BaseOrientation(Axis),
+    BaseOrientation(RootId, Axis),
     /// rad: roll, pitch, yaw.
-    BaseRpy(Axis),
+    BaseRpy(RootId, Axis),
     /// m/s, of the base link origin.
-    BaseLinearVelocity(Axis),
+    BaseLinearVelocity(RootId, Axis),
     /// rad/s, world axes.
-    BaseAngularVelocity(Axis),
+    BaseAngularVelocity(RootId, Axis),
     /// rad or m. `Axis` is 0 for turning and sliding joints; x, y, angle of a planar one; x, y, z
     /// of a floating one.
     JointPosition(JointId, Axis),

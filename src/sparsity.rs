@@ -4,11 +4,13 @@
 //! tree, root first, then the diagonal. Ancestors of an ancestor are a prefix, so that factor and
 //! solve run over contiguous memory, and entry (k, j) lies at `start[k] + depth[j]`. For a tree
 //! without mimic joints the elimination tree is the robot's own; a mimic joint couples two branches
-//! and only makes the elimination tree deeper there.
+//! and only makes the elimination tree deeper there. Trees that do not depend on each other are
+//! blocks of consecutive rows, and each block is worked on as if it were alone.
 //!
 //! Source: Featherstone 2008, section 6.5; elimination trees: Liu 1990.
 
 use crate::spatial::{Vec6, add_scaled6, add6, dot6, multiply_lower};
+use std::ops::Range;
 
 /// Entries of a row from which a loop over neighbours costs less than one over columns that are
 /// looked up.
@@ -23,19 +25,38 @@ pub struct Sparsity {
     pub depth: Vec<usize>,
     /// Column of every entry.
     pub column: Vec<u32>,
-    /// How many of each row's ancestors are 0, 1, 2, …, where they are many: there no column needs
-    /// to be looked up.
+    /// How many of each row's ancestors are the first of its block, one after the other, where they
+    /// are many: there no column needs to be looked up.
     pub prefix: Vec<usize>,
-    /// Whether the ancestors of every row begin with 0 … 5, as they do for a floating base.
+    /// Rows that depend on no others.
+    pub blocks: Vec<Block>,
+}
+
+/// Consecutive rows that depend on no others.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Block {
+    /// Which.
+    pub rows: Range<usize>,
+    /// Whether the ancestors of every row begin with the first six, as they do for a floating base.
     pub floating: bool,
 }
 
+impl Block {
+    /// How many unknowns a floating base has: every row's ancestors begin with them.
+    #[inline]
+    fn base(&self) -> usize {
+        if self.floating { 6 } else { 0 }
+    }
+}
+
 impl Sparsity {
-    /// The pattern that holds all pairs within each of the `cliques` of the `n` unknowns.
+    /// The pattern that holds all pairs within each of the `cliques` of the unknowns, which lie
+    /// within one of the `blocks`; these come one after the other and make up all unknowns.
     ///
     /// # Panics
     /// If there are 2^32 unknowns or more.
-    pub fn new(n: usize, cliques: &[Vec<usize>]) -> Self {
+    pub fn new(blocks: &[Range<usize>], cliques: &[Vec<usize>]) -> Self {
+        let n = blocks.last().map_or(0, |last| last.end);
         let mut coupled = vec![vec![false; n]; n];
         for clique in cliques {
             for &i in clique {
@@ -58,33 +79,37 @@ impl Sparsity {
                 }
             }
         }
-        let mut pattern = Self {
-            floating: n >= 6,
-            ..Self::default()
-        };
-        for k in 0..n {
+        let mut pattern = Self::default();
+        for rows in blocks {
+            pattern.add_block(rows.clone(), &parent);
+        }
+        pattern
+    }
+
+    /// Adds the next block, with the parent of each row.
+    fn add_block(&mut self, rows: Range<usize>, parent: &[Option<usize>]) {
+        let first = rows.start;
+        let mut floating = rows.len() >= 6;
+        for k in rows.clone() {
             let mut path = vec![k];
             while let Some(p) = parent[path[path.len() - 1]] {
                 path.push(p);
             }
             path.reverse();
-            pattern.floating &= path
-                .iter()
-                .take(6.min(k + 1))
-                .enumerate()
-                .all(|(i, &j)| i == j);
+            let first_ones = 6.min(k - first + 1);
+            let mut begin = path.iter().take(first_ones).zip(first..);
+            floating &= path.len() >= first_ones && begin.all(|(j, i)| *j == i);
             let ancestors = &path[..path.len() - 1];
-            let prefix = ancestors.iter().zip(0..).take_while(|(c, i)| **c == *i);
+            let prefix = ancestors.iter().zip(first..).take_while(|(c, i)| **c == *i);
             let prefix = prefix.count();
-            pattern.prefix.push(if prefix < MANY { 0 } else { prefix });
-            pattern.start.push(pattern.column.len());
-            pattern.depth.push(path.len() - 1);
-            pattern.column.extend(
-                path.iter()
-                    .map(|&j| u32::try_from(j).expect("few unknowns")),
-            );
+            self.prefix.push(if prefix < MANY { 0 } else { prefix });
+            self.start.push(self.column.len());
+            self.depth.push(path.len() - 1);
+            let columns = path.iter().map(|&j| u32::try_from(j));
+            self.column
+                .extend(columns.map(|j| j.expect("few unknowns")));
         }
-        pattern
+        self.blocks.push(Block { rows, floating });
     }
 
     /// Number of unknowns.
@@ -122,15 +147,22 @@ impl Sparsity {
     /// `y = A x`.
     pub fn multiply(&self, a: &[f64], x: &[f64], y: &mut [f64]) {
         y.fill(0.0);
-        let base = self.base();
+        for block in &self.blocks {
+            self.multiply_block(block, a, x, y);
+        }
+    }
+
+    #[inline]
+    fn multiply_block(&self, block: &Block, a: &[f64], x: &[f64], y: &mut [f64]) {
+        let (base, Range { start: first, end }) = (block.base(), block.rows.clone());
         // What rows beyond the base's add to its six stays in registers.
         let (mut head, mut above) = ([0.0; 6], [0.0; 6]);
-        if let Some(x) = x.first_chunk()
-            && base > 0
+        if base > 0
+            && let Some(x) = x[first..].first_chunk()
         {
             head = *x;
         }
-        for k in base..self.len() {
+        for k in first + base..end {
             let (s, d) = (self.start[k], self.depth[k]);
             let row = &a[s..=s + d];
             let xk = x[k];
@@ -142,8 +174,9 @@ impl Sparsity {
                 add_scaled6(&mut above, r, xk);
             }
             let near = self.prefix[k].max(base);
-            let direct = row[base..near].iter().zip(&x[base..near]);
-            for ((r, x), y) in direct.zip(&mut y[base..near]) {
+            let beside = first + base..first + near;
+            let direct = row[base..near].iter().zip(&x[beside.clone()]);
+            for ((r, x), y) in direct.zip(&mut y[beside]) {
                 sum += r * x;
                 *y += r * xk;
             }
@@ -156,25 +189,30 @@ impl Sparsity {
             y[k] += sum;
         }
         if base > 0
-            && let (Some(lower), Some(y)) = (a.first_chunk(), y.first_chunk_mut())
+            && let (Some(lower), Some(y)) = (
+                a[self.start[first]..].first_chunk(),
+                y[first..].first_chunk_mut(),
+            )
         {
             *y = multiply_lower(lower, &head);
             add6(y, &above);
         }
     }
 
-    /// How many unknowns a floating base has: every row's ancestors begin with them.
-    #[inline]
-    fn base(&self) -> usize {
-        if self.floating { 6 } else { 0 }
-    }
-
     /// Overwrites `a` by its factor: `D L` below the diagonal and `1/D` on it, with `A = LᵀDL`; no
     /// roots are taken, whose time is that of a whole row. A pivot that round-off has made smaller
     /// than the smallest positive number is replaced by that, so that the direction stays finite.
     pub fn factor(&self, a: &mut [f64]) {
-        let base = self.base();
-        for k in (base..self.len()).rev() {
+        for block in &self.blocks {
+            self.factor_block(block, a);
+        }
+    }
+
+    #[inline]
+    fn factor_block(&self, block: &Block, a: &mut [f64]) {
+        let (base, Range { start: first, end }) = (block.base(), block.rows.clone());
+        let own = self.start.get(first).copied().unwrap_or_default();
+        for k in (first + base..end).rev() {
             let (s, d) = (self.start[k], self.depth[k]);
             let (above, rest) = a.split_at_mut(s);
             let row = &mut rest[..=d];
@@ -182,7 +220,7 @@ impl Sparsity {
             row[d] = reciprocal;
             // A floating base's rows begin with its six.
             if base > 0
-                && let (Some(lower), Some(r)) = (above.first_chunk_mut(), row.first_chunk())
+                && let (Some(lower), Some(r)) = (above[own..].first_chunk_mut(), row.first_chunk())
             {
                 subtract_square(lower, r, reciprocal);
             }
@@ -202,7 +240,7 @@ impl Sparsity {
             }
         }
         if base > 0
-            && let Some(lower) = a.first_chunk_mut()
+            && let Some(lower) = a[own..].first_chunk_mut()
         {
             factor_base(lower);
         }
@@ -210,15 +248,22 @@ impl Sparsity {
 
     /// `x = A⁻¹ x` with the factor of [`Self::factor`].
     pub fn solve(&self, factor: &[f64], x: &mut [f64]) {
-        let base = self.base();
+        for block in &self.blocks {
+            self.solve_block(block, factor, x);
+        }
+    }
+
+    #[inline]
+    fn solve_block(&self, block: &Block, factor: &[f64], x: &mut [f64]) {
+        let (base, Range { start: first, end }) = (block.base(), block.rows.clone());
         // The base's six stay in registers.
         let mut head = [0.0; 6];
-        if let Some(x) = x.first_chunk()
-            && base > 0
+        if base > 0
+            && let Some(x) = x[first..].first_chunk()
         {
             head = *x;
         }
-        for k in (base..self.len()).rev() {
+        for k in (first + base..end).rev() {
             let (s, d) = (self.start[k], self.depth[k]);
             let row = &factor[s..=s + d];
             let xk = x[k] * row[d];
@@ -228,7 +273,8 @@ impl Sparsity {
                 add_scaled6(&mut head, r, -xk);
             }
             let near = self.prefix[k].max(base);
-            for (x, r) in x[base..near].iter_mut().zip(&row[base..near]) {
+            let beside = &mut x[first + base..first + near];
+            for (x, r) in beside.iter_mut().zip(&row[base..near]) {
                 *x -= r * xk;
             }
             let columns = &self.column[s + near..s + d];
@@ -237,12 +283,15 @@ impl Sparsity {
             }
         }
         if base > 0
-            && let (Some(lower), Some(x)) = (factor.first_chunk(), x.first_chunk_mut())
+            && let (Some(lower), Some(x)) = (
+                factor[self.start[first]..].first_chunk(),
+                x[first..].first_chunk_mut(),
+            )
         {
             solve_base(lower, &mut head);
             *x = head;
         }
-        for k in base..self.len() {
+        for k in first + base..end {
             let (s, d) = (self.start[k], self.depth[k]);
             let row = &factor[s..=s + d];
             let mut sum = x[k];
@@ -252,7 +301,7 @@ impl Sparsity {
                 sum -= dot6(r, &head);
             }
             let near = self.prefix[k].max(base);
-            sum -= dot(&row[base..near], &x[base..near]);
+            sum -= dot(&row[base..near], &x[first + base..first + near]);
             let columns = &self.column[s + near..s + d];
             for (r, &c) in row[near..d].iter().zip(columns) {
                 sum -= r * x[c as usize];
@@ -377,8 +426,8 @@ mod tests {
     fn factor_and_solve_invert_multiply_on_a_branched_floating_tree() {
         let base: Vec<usize> = (0..6).collect();
         let path = |tail: &[usize]| [base.clone(), tail.to_vec()].concat();
-        let p = Sparsity::new(11, &[path(&[6, 7]), path(&[6, 8]), path(&[9, 10])]);
-        assert!(p.floating);
+        let p = Sparsity::new(&[0..11], &[path(&[6, 7]), path(&[6, 8]), path(&[9, 10])]);
+        assert!(p.blocks[0].floating);
         assert_eq!(p.depth[8], 7);
         check(&p);
     }
@@ -395,22 +444,45 @@ mod tests {
             path(&trunk, 18..21),
             path(&trunk[..6], 21..23),
         ];
-        let p = Sparsity::new(23, &limbs);
-        assert!(p.floating);
+        let p = Sparsity::new(&[0..23], &limbs);
+        assert!(p.blocks[0].floating);
         let direct = [13, 14, 17, 20, 22].map(|k| p.prefix[k]);
         assert_eq!(direct, [0, 14, 17, 15, 0]);
         check(&p);
-        let chain = Sparsity::new(20, &[path(&[], 0..20)]);
-        assert!(chain.floating);
+        let chain = Sparsity::new(&[0..20], &[path(&[], 0..20)]);
+        assert!(chain.blocks[0].floating);
         check(&chain);
+    }
+
+    #[test]
+    fn trees_that_are_apart_are_worked_on_one_by_one() {
+        // A floating robot with two arms of two, a fixed chain of three, a free body.
+        let base: Vec<usize> = (0..6).collect();
+        let arm = |from: usize| [base.clone(), vec![from, from + 1]].concat();
+        let cliques = [arm(6), arm(8), vec![10, 11, 12], (13..19).collect()];
+        let p = Sparsity::new(&[0..10, 10..13, 13..13, 13..19], &cliques);
+        let floating: Vec<bool> = p.blocks.iter().map(|b| b.floating).collect();
+        assert_eq!(floating, [true, false, false, true]);
+        check(&p);
+        // The robot has the digits that it has alone.
+        let alone = Sparsity::new(&[0..10], &cliques[..2]);
+        let n = alone.entries();
+        let mut a: Vec<f64> = (0..p.entries()).map(|i| libm::sin(i as f64)).collect();
+        for k in 0..p.len() {
+            a[p.diagonal(k)] = 20.0;
+        }
+        let mut own = a[..n].to_vec();
+        p.factor(&mut a);
+        alone.factor(&mut own);
+        assert_eq!(own, a[..n]);
     }
 
     #[test]
     fn coupled_branches_fill_in_and_still_solve() {
         // Two fingers on one palm joint (0); finger 3 follows finger 1, so that 1 and 3's subtree
         // (4) couple.
-        let p = Sparsity::new(5, &[vec![0, 1, 2], vec![0, 3, 4], vec![0, 2, 4]]);
-        assert!(!p.floating);
+        let p = Sparsity::new(&[0..5], &[vec![0, 1, 2], vec![0, 3, 4], vec![0, 2, 4]]);
+        assert!(!p.blocks[0].floating);
         check(&p);
     }
 }

@@ -189,4 +189,4 @@ impl Spoil for JointTerm {
     }
 }
 
-spoil!(Kinematics: origin X S V I composite M inverse_diagonal bias force C;);
+spoil!(Kinematics: origins X S V I composite M inverse_diagonal bias force C;);

@@ -12,7 +12,7 @@ use crate::geometry::Shape;
 use crate::model::{
     Actuator, ActuatorMode, Body, BodyId, Collider, Combination, ContactDefaults, Dof, DofId,
     Ground, Initial, Joint, JointId, JointKind, Limits, Link, LinkId, Mimic, Model, Motion,
-    OutputSelection, SolverDefaults, World,
+    OutputSelection, Root, SolverDefaults, World,
 };
 use crate::simulation::Simulation;
 use crate::spatial::{Mat3, Pose, RigidInertia, Vec3};
@@ -64,16 +64,12 @@ impl Builder {
                 offset: 0.0,
             }],
             dofs: Vec::new(),
+            roots: vec![Root::new(String::new(), BodyId(0))],
             nq: motion.nq(),
             colliders: Vec::new(),
             actuators: Vec::new(),
             initial: Initial {
-                position: Vec3::zeros(),
-                rpy: Vec3::zeros(),
-                linear_velocity: Vec3::zeros(),
-                angular_velocity: Vec3::zeros(),
                 joint_positions: Vec::new(),
-                set_down: false,
                 joint_velocities: Vec::new(),
             },
             solver: SolverDefaults {

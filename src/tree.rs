@@ -17,7 +17,7 @@ pub use parts::{
 
 use crate::geometry::{Faces, Shape};
 use crate::law::normal::Stiffening;
-use crate::model::{Combination, Model};
+use crate::model::{Body, Combination, Model, RootId};
 use crate::parameters::Parameters;
 use crate::slots::ParameterSlot as P;
 use crate::sparsity::Sparsity;
@@ -27,13 +27,6 @@ use crate::tuning::{ARTICULATED_COST, FACE, WHEEL};
 impl Tree {
     /// Derives the tree; masses, mounting and initial pose come from `parameters`.
     pub fn new(model: &Model, parameters: &Parameters) -> Self {
-        let axes = |slot: fn(u8) -> P| {
-            Vec3::new(
-                parameters.get(slot(0)),
-                parameters.get(slot(1)),
-                parameters.get(slot(2)),
-            )
-        };
         let nv = model.nv();
         let mut tree = Self {
             bodies: Vec::with_capacity(model.bodies.len()),
@@ -44,10 +37,6 @@ impl Tree {
             long: false,
             link_pose: Vec::new(),
             world: World {
-                base: Pose {
-                    R: rotation_from_rpy(&axes(P::InitialBaseRpy)),
-                    p: axes(P::InitialBasePosition),
-                },
                 gravity: Vec3::zeros(),
                 drag: model.world.drag,
             },
@@ -55,7 +44,6 @@ impl Tree {
                 colliders: Vec::new(),
                 turning: vec![Turning::default(); model.links.len()],
                 resists_turning: false,
-                spring: Stiffening::default(),
                 dissipation: model.contact.dissipation,
                 stribeck_velocity: model.contact.stribeck_velocity,
             },
@@ -75,13 +63,13 @@ impl Tree {
                 gains: vec![[0.0; 2]; model.actuators.len()],
             },
         };
-        let turned = tree.add_bodies(model);
+        let turned = tree.add_bodies(model, parameters);
         tree.add_inertia(model, parameters, &turned);
         for b in 0..tree.bodies.len() {
             tree.bodies[b].wheel = tree.is_wheel(b);
         }
         tree.add_colliders(model, &turned);
-        tree.sparsity = tree.pattern(model.nv());
+        tree.sparsity = tree.pattern();
         tree.long = tree.pure && tree.sparsity.factor_cost() > ARTICULATED_COST * tree.bodies.len();
         for joint in &model.joints {
             for body in &joint.bodies {
@@ -102,11 +90,15 @@ impl Tree {
 
     /// Bodies with their poses; returns the rotation of each solver frame in the model's body
     /// frame.
-    fn add_bodies(&mut self, model: &Model) -> Vec<Mat3> {
+    fn add_bodies(&mut self, model: &Model, parameters: &Parameters) -> Vec<Mat3> {
         let mut turned = Vec::with_capacity(model.bodies.len());
         for body in &model.bodies {
             let R_BS = body.motion.solver_frame();
-            let parent = body.parent.map_or(0, super::model::BodyId::index);
+            let (b, kind) = (self.bodies.len(), body.motion.kind());
+            if kind.is_base() {
+                self.add_tree(b, body, parameters);
+            }
+            let parent = body.parent.map_or(b, super::model::BodyId::index);
             let R_PS: Mat3 = body.parent.map_or(Mat3::identity(), |p| turned[p.index()]);
             let column = self.dof.len();
             let columns = body.motion.nv();
@@ -117,7 +109,8 @@ impl Tree {
                 .all(|(i, &d)| d == column + i);
             self.bodies.push(TreeBody {
                 parent,
-                kind: body.motion.kind(),
+                tree: self.trees.len() - 1,
+                kind,
                 X: Pose {
                     R: R_PS.transpose() * body.X_PB.R * R_BS,
                     p: R_PS.transpose() * body.X_PB.p,
@@ -134,24 +127,31 @@ impl Tree {
                 I_cm: [0.0; 6],
             });
             turned.push(R_BS);
-            let kind = body.motion.kind();
-            let (b, dof) = (self.bodies.len(), body.dof.index());
-            if kind.is_base() {
-                self.trees.push(Extent {
-                    bodies: b - 1..b,
-                    dofs: dof..dof,
-                    free: kind.is_free(),
-                    moving_mass: 0.0,
-                    reach: 0.0,
-                });
-            }
             if let Some(tree) = self.trees.last_mut() {
-                tree.bodies.end = b;
+                tree.bodies.end = b + 1;
                 // A mimic body has the place of the joint that it follows.
-                tree.dofs.end = tree.dofs.end.max(dof + columns);
+                tree.dofs.end = tree.dofs.end.max(body.dof.index() + columns);
             }
         }
         turned
+    }
+
+    /// Begins the next tree with its base, the body `b`.
+    fn add_tree(&mut self, b: usize, base: &Body, parameters: &Parameters) {
+        let root = RootId::from(self.trees.len());
+        let axes = |slot| parameters.of_base(slot, root);
+        let dof = base.dof.index();
+        self.trees.push(Extent {
+            base: Pose {
+                R: rotation_from_rpy(&axes(P::InitialBaseRpy)),
+                p: axes(P::InitialBasePosition),
+            },
+            bodies: b..b,
+            dofs: dof..dof,
+            free: base.motion.kind().is_free(),
+            moving_mass: 0.0,
+            reach: 0.0,
+        });
     }
 
     fn add_inertia(&mut self, model: &Model, parameters: &Parameters, turned: &[Mat3]) {
@@ -198,7 +198,6 @@ impl Tree {
         let Some(ground) = &model.world.ground else {
             return;
         };
-        let mass = self.moving_mass();
         for (index, collider) in model.colliders.iter().enumerate() {
             let b = collider.body.index();
             if !self.bodies[b].kind.moves() {
@@ -209,6 +208,7 @@ impl Tree {
             self.contact.colliders.push(TreeCollider {
                 index,
                 body: b,
+                tree: self.bodies[b].tree,
                 link: collider.link.index(),
                 X: Pose {
                     R: R_SB * collider.X_BG.R,
@@ -228,6 +228,7 @@ impl Tree {
                     _ => Faces::default(),
                 },
             });
+            let mass = self.mass_with(b);
             let turning = &mut self.contact.turning[collider.link.index()];
             turning.coefficient = [
                 link.torsional_friction.max(ground.torsional_friction),
@@ -242,10 +243,10 @@ impl Tree {
     }
 
     /// All degrees of freedom on the way from the base to a body are coupled with each other.
-    fn pattern(&self, nv: usize) -> Sparsity {
+    fn pattern(&self) -> Sparsity {
         let mut paths: Vec<Vec<usize>> = Vec::with_capacity(self.bodies.len());
-        for (b, body) in self.bodies.iter().enumerate() {
-            let mut path = if b == 0 {
+        for body in &self.bodies {
+            let mut path = if body.kind.is_base() {
                 Vec::new()
             } else {
                 paths[body.parent].clone()
@@ -255,7 +256,8 @@ impl Tree {
             path.dedup();
             paths.push(path);
         }
-        Sparsity::new(nv, &paths)
+        let blocks: Vec<_> = self.trees.iter().map(|tree| tree.dofs.clone()).collect();
+        Sparsity::new(&blocks, &paths)
     }
 
     /// Takes over the tunable parameters: what may change between two steps.
@@ -330,7 +332,11 @@ impl Tree {
         let uneven = (xx - yy).abs() + xy.abs() + xz.abs() + yz.abs() + eccentric;
         body.kind.turns_about_its_axis()
             && uneven <= WHEEL * (xx + yy + zz)
-            && self.bodies.iter().skip(1).all(|b| b.parent != index)
+            && self
+                .bodies
+                .iter()
+                .enumerate()
+                .all(|(b, body)| b == index || body.parent != index)
     }
 }
 

@@ -5,7 +5,7 @@ use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 use std::path::Path;
 use std::sync::Arc;
-use urdf2fmu_core::model::{ActuatorId, Model};
+use urdf2fmu_core::model::{ActuatorId, Model, RootId};
 use urdf2fmu_core::settings::Settings;
 use urdf2fmu_core::simulation::{InputSlot, OutputSlot, ParameterSlot, Simulation};
 use urdf2fmu_core::urdf::ReadOptions;
@@ -125,8 +125,11 @@ fn allocations(model: &Model, fixed: f64, slope: f64) -> usize {
     let mut simulation = Simulation::new(Arc::new(model.clone()));
     simulation.set_parameter(ParameterSlot::StepSize, fixed);
     // From the air, so that explicit steps, the impact and rest all happen.
-    let height = simulation.parameter(ParameterSlot::InitialBasePosition(2));
-    simulation.set_parameter(ParameterSlot::InitialBasePosition(2), height + 0.3);
+    let height = simulation.parameter(ParameterSlot::InitialBasePosition(RootId::ROBOT, 2));
+    simulation.set_parameter(
+        ParameterSlot::InitialBasePosition(RootId::ROBOT, 2),
+        height + 0.3,
+    );
     simulation.initialize(0.0).expect("a sound model");
     let mut saved = simulation.save();
     counted(|| {

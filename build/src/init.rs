@@ -134,6 +134,7 @@ fn initial(out: &mut String, subject: &Subject) {
     let model = subject.model;
     let initial = &model.initial;
     out.push_str("\n[initial]\n");
+    let root = &model.roots[0];
     // A root that stands for the world is placed itself, not the base that the model has.
     let left_out = subject
         .diagnostics
@@ -142,14 +143,14 @@ fn initial(out: &mut String, subject: &Subject) {
     if left_out {
         _ = writeln!(out, "# xyz, rpy: m and rad, where the root link is placed");
     } else {
-        let xyz = list(initial.position.as_slice());
+        let xyz = list(root.position.as_slice());
         choice(out, "initial", "xyz", &xyz, false);
-        choice(out, "initial", "rpy", &list(initial.rpy.as_slice()), false);
+        choice(out, "initial", "rpy", &list(root.rpy.as_slice()), false);
     }
     if model.is_floating() {
-        let velocity = list(initial.linear_velocity.as_slice());
+        let velocity = list(root.linear_velocity.as_slice());
         choice(out, "initial", "linear_velocity", &velocity, false);
-        let velocity = list(initial.angular_velocity.as_slice());
+        let velocity = list(root.angular_velocity.as_slice());
         choice(out, "initial", "angular_velocity", &velocity, false);
     }
     let free: Vec<usize> = (0..model.joints.len())

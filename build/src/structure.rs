@@ -79,19 +79,19 @@ impl Follows {
             joint.kind == JointKind::Floating && joint.bodies.as_slice() == [BodyId(0)]
         };
         Some(match output {
-            OutputSlot::BasePosition(_) => Self {
+            OutputSlot::BasePosition(..) => Self {
                 base_position: true,
                 ..none
             },
-            OutputSlot::BaseOrientation(_) | OutputSlot::BaseRpy(_) => Self {
+            OutputSlot::BaseOrientation(..) | OutputSlot::BaseRpy(..) => Self {
                 base_rpy: true,
                 ..none
             },
-            OutputSlot::BaseLinearVelocity(_) => Self {
+            OutputSlot::BaseLinearVelocity(..) => Self {
                 base_linear_velocity: true,
                 ..none
             },
-            OutputSlot::BaseAngularVelocity(_) => Self {
+            OutputSlot::BaseAngularVelocity(..) => Self {
                 base_angular_velocity: true,
                 ..none
             },
@@ -155,10 +155,10 @@ impl Follows {
 
     fn parameter(self, slot: ParameterSlot) -> bool {
         match slot {
-            ParameterSlot::InitialBasePosition(_) => self.base_position,
-            ParameterSlot::InitialBaseRpy(_) => self.base_rpy,
-            ParameterSlot::InitialBaseLinearVelocity(_) => self.base_linear_velocity,
-            ParameterSlot::InitialBaseAngularVelocity(_) => self.base_angular_velocity,
+            ParameterSlot::InitialBasePosition(..) => self.base_position,
+            ParameterSlot::InitialBaseRpy(..) => self.base_rpy,
+            ParameterSlot::InitialBaseLinearVelocity(..) => self.base_linear_velocity,
+            ParameterSlot::InitialBaseAngularVelocity(..) => self.base_angular_velocity,
             ParameterSlot::InitialJointPosition(joint) => self.joint_positions.has(joint),
             ParameterSlot::InitialJointVelocity(joint) => self.joint_velocities.has(joint),
             _ => false,

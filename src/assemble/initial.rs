@@ -150,17 +150,17 @@ pub(super) fn base(model: &mut Model, base: &Base, settings: &Settings, findings
     let place = Vec3::new(initial.xy[0], initial.xy[1], initial.z.unwrap_or(0.0));
     if base.X_RB == Pose::IDENTITY {
         // The very numbers of the settings.
-        model.initial.position = place;
-        model.initial.rpy = initial.rpy;
+        model.roots[0].position = place;
+        model.roots[0].rpy = initial.rpy;
     } else {
         let X_WR = Pose::from_xyz_rpy(place, initial.rpy);
         let X_WB = X_WR.compose(&base.X_RB);
-        model.initial.position = X_WB.p;
-        model.initial.rpy = rpy_from_rotation(&X_WB.R);
+        model.roots[0].position = X_WB.p;
+        model.roots[0].rpy = rpy_from_rotation(&X_WB.R);
     }
     if base.motion.kind().is_free() {
-        model.initial.linear_velocity = initial.linear_velocity;
-        model.initial.angular_velocity = initial.angular_velocity;
+        model.roots[0].linear_velocity = initial.linear_velocity;
+        model.roots[0].angular_velocity = initial.angular_velocity;
     } else if initial.linear_velocity != Vec3::zeros() || initial.angular_velocity != Vec3::zeros()
     {
         let message = "a fixed base has no initial velocity".to_owned();
@@ -184,18 +184,18 @@ pub(super) fn height(
         match lowest {
             Some((link, z)) if model.world.ground.is_some() => {
                 // Adding 0 turns -0 into 0.
-                model.initial.position.z = -z + 0.0;
-                model.initial.position.z -= static_depth(model);
-                model.initial.set_down = true;
+                model.roots[0].position.z = -z + 0.0;
+                model.roots[0].position.z -= static_depth(model);
+                model.roots[0].set_down = true;
                 let message = format!(
                     "the robot starts with its base at z = {:.6} m, where its lowest collision point, of link '{}', touches the ground",
-                    model.initial.position.z,
+                    model.roots[0].position.z,
                     model.links[link.index()].name
                 );
                 findings.note("A111", message, "set [initial] xyz to start elsewhere");
             }
             _ => {
-                model.initial.position.z = 0.0;
+                model.roots[0].position.z = 0.0;
                 let why = if model.world.ground.is_some() {
                     "it has no collision shapes to stand on"
                 } else {
@@ -210,14 +210,14 @@ pub(super) fn height(
     let (Some((link, z)), Some(_)) = (lowest, &model.world.ground) else {
         return;
     };
-    let depth = -(z + model.initial.position.z);
+    let depth = -(z + model.roots[0].position.z);
     // The height that would follow by itself, as `init` writes it down.
     let mut touching = model.clone();
-    touching.initial.position.z = -z + 0.0;
+    touching.roots[0].position.z = -z + 0.0;
     #[expect(clippy::float_cmp, reason = "another height is somebody's wish")]
     let own = floating
-        && touching.initial.position.z - static_depth(&touching) == model.initial.position.z;
-    model.initial.set_down = own;
+        && touching.roots[0].position.z - static_depth(&touching) == model.roots[0].position.z;
+    model.roots[0].set_down = own;
     // A robot at rest is this deep in the ground.
     if depth > model.contact.penetration {
         let message = format!(

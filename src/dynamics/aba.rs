@@ -11,7 +11,7 @@
 use super::rnea::{add_drag, add_wrenches};
 use crate::inputs::ExternalWrench;
 use crate::kinematics::Kinematics;
-use crate::spatial::{Mat3, Vec6, add_scaled6, add6, cross_force, dot6, multiply_lower};
+use crate::spatial::{Mat3, Vec3, Vec6, add_scaled6, add6, cross_force, dot6, multiply_lower};
 use crate::tree::Tree;
 use nalgebra::{Matrix6, Vector6};
 
@@ -100,8 +100,10 @@ impl Articulated {
         }
         add_drag(tree, kin, &mut self.pA);
         add_wrenches(kin, wrenches, t, &mut self.pA);
-        for b in (1..tree.bodies.len()).rev() {
-            let body = &tree.bodies[b];
+        for (b, body) in tree.bodies.iter().enumerate().rev() {
+            if body.kind.is_base() {
+                continue;
+            }
             if body.columns == 1 {
                 self.fold_one(tree, kin, armature, tau, b);
             } else {
@@ -192,6 +194,30 @@ impl Articulated {
         add6(&mut self.pA[body.parent], &pA);
     }
 
+    /// Acceleration of the base `b`, with gravity as an upward acceleration.
+    fn release(&mut self, b: usize, g: &Vec3, armature: &[f64], tau: &[f64], vdot: &mut [f64]) {
+        if vdot.is_empty() {
+            self.A[b] = [0.0, 0.0, 0.0, -g.x, -g.y, -g.z];
+            return;
+        }
+        let mut a0 = self.c[b];
+        for i in 0..3 {
+            a0[3 + i] -= g[i];
+        }
+        let carried = multiply_lower(&self.IA[b], &a0);
+        let right = Vector6::from_fn(|i, _| tau[i] - self.pA[b][i] - carried[i]);
+        let IA = Matrix6::from_fn(|i, j| {
+            let (high, low) = (i.max(j), i.min(j));
+            let armature = if i == j { armature[i] } else { 0.0 };
+            self.IA[b][high * (high + 1) / 2 + low] + armature
+        });
+        let x = IA
+            .cholesky()
+            .map_or(Vector6::zeros(), |factor| factor.solve(&right));
+        vdot.copy_from_slice(x.as_slice());
+        self.A[b] = std::array::from_fn(|i| a0[i] + x[i]);
+    }
+
     /// Base to tip: accelerations; gravity as an upward acceleration of the base.
     fn spread(
         &mut self,
@@ -202,29 +228,13 @@ impl Articulated {
         vdot: &mut [f64],
     ) {
         let g = tree.world.gravity;
-        let base = &tree.bodies[0];
-        self.A[0] = if base.kind.is_free() {
-            let mut a0 = self.c[0];
-            for i in 0..3 {
-                a0[3 + i] -= g[i];
+        for (b, body) in tree.bodies.iter().enumerate() {
+            if body.kind.is_base() {
+                let dofs = body.dof..body.dof + body.columns;
+                let (armature, tau) = (&armature[dofs.clone()], &tau[dofs.clone()]);
+                self.release(b, &g, armature, tau, &mut vdot[dofs]);
+                continue;
             }
-            let carried = multiply_lower(&self.IA[0], &a0);
-            let right = Vector6::from_fn(|i, _| tau[i] - self.pA[0][i] - carried[i]);
-            let IA = Matrix6::from_fn(|i, j| {
-                let (high, low) = (i.max(j), i.min(j));
-                let armature = if i == j { armature[i] } else { 0.0 };
-                self.IA[0][high * (high + 1) / 2 + low] + armature
-            });
-            let x = IA
-                .cholesky()
-                .map_or(Vector6::zeros(), |factor| factor.solve(&right));
-            vdot[..6].copy_from_slice(x.as_slice());
-            std::array::from_fn(|i| a0[i] + x[i])
-        } else {
-            [0.0, 0.0, 0.0, -g.x, -g.y, -g.z]
-        };
-        for b in 1..tree.bodies.len() {
-            let body = &tree.bodies[b];
             let mut A = self.A[body.parent];
             add6(&mut A, &self.c[b]);
             let columns = body.column..body.column + body.columns;

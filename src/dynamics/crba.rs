@@ -19,8 +19,6 @@ pub fn mass_matrix(tree: &Tree, kin: &mut Kinematics) {
         ..
     } = kin;
     let pattern = &tree.sparsity;
-    // Not `pattern.floating`: the rows of a fixed serial chain of six joints or more look the same.
-    let floating = tree.is_free();
     composite.copy_from_slice(I);
     if !tree.pure {
         M.fill(0.0);
@@ -29,10 +27,12 @@ pub fn mass_matrix(tree: &Tree, kin: &mut Kinematics) {
         let body = &tree.bodies[b];
         if body.kind.is_free() {
             let lower = composite[b].lower();
+            let first = pattern.start[body.dof];
+            let rows = &mut M[first..first + 21];
             if tree.pure {
-                M[..21].copy_from_slice(&lower);
+                rows.copy_from_slice(&lower);
             } else {
-                for (m, x) in M[..21].iter_mut().zip(&lower) {
+                for (m, x) in rows.iter_mut().zip(&lower) {
                     *m += x;
                 }
             }
@@ -41,6 +41,9 @@ pub fn mass_matrix(tree: &Tree, kin: &mut Kinematics) {
         if !body.kind.moves() {
             continue;
         }
+        // Not what the pattern looks like: the rows of a fixed serial chain of six joints or more
+        // look the same as those on a floating base.
+        let floating = tree.is_free(b);
         for c in body.column..body.column + body.columns {
             let F = composite[b].mul(&S[c]);
             if tree.pure {
@@ -85,7 +88,7 @@ pub fn diagonal(tree: &Tree, kin: &mut Kinematics) {
             let diagonal = dot6(&S[c], &composite[b].mul(&S[c])) + tree.dofs.armature[c];
             inverse_diagonal[c] = 1.0 / diagonal.max(f64::MIN_POSITIVE);
         }
-        if b > 0 {
+        if !body.kind.is_base() {
             let sub = composite[b];
             composite[body.parent].add(&sub);
         }
@@ -116,7 +119,7 @@ pub(crate) fn add_row(
             };
             M[pattern.place(dof, tree.dof[a])] += twice * value;
         }
-        if other == 0 {
+        if body.kind.is_base() {
             return;
         }
         other = body.parent;

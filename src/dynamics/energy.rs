@@ -5,6 +5,7 @@
 use crate::kinematics::Kinematics;
 use crate::spatial::{Vec3, Vec6, add6, dot6};
 use crate::tree::Tree;
+use std::ops::Range;
 
 /// Kinetic energy, J, of the bodies and of the rotors (armature); reads `kin.V`, `kin.I`.
 pub fn kinetic(tree: &Tree, kin: &Kinematics, v: &[f64]) -> f64 {
@@ -25,23 +26,25 @@ pub fn kinetic(tree: &Tree, kin: &Kinematics, v: &[f64]) -> f64 {
 }
 
 /// Potential energy of gravity on the moving bodies, J, zero at the world's origin; reads `kin.I`,
-/// `kin.origin`.
+/// `kin.origins`.
 pub fn potential(tree: &Tree, kin: &Kinematics) -> f64 {
     tree.bodies
         .iter()
         .zip(&kin.I)
         .filter(|(body, _)| body.kind.moves())
-        .map(|(_, I)| {
-            let moment = Vec3::from(I.moment) + kin.origin * I.mass;
+        .map(|(body, I)| {
+            let moment = Vec3::from(I.moment) + kin.origins[body.tree] * I.mass;
             -tree.world.gravity.dot(&moment)
         })
         .sum()
 }
 
-/// Angular momentum about O and linear momentum, world axes; reads `kin.V`, `kin.I`.
-pub fn momentum(kin: &Kinematics) -> Vec6 {
+/// Angular momentum about O and linear momentum of a tree, world axes; reads `kin.V`, `kin.I`.
+///
+/// - `bodies`: those of the tree
+pub fn momentum(kin: &Kinematics, bodies: Range<usize>) -> Vec6 {
     let mut sum = [0.0; 6];
-    for (V, I) in kin.V.iter().zip(&kin.I) {
+    for (V, I) in kin.V[bodies.clone()].iter().zip(&kin.I[bodies]) {
         add6(&mut sum, &I.mul(V));
     }
     sum

@@ -28,7 +28,7 @@ pub fn bias(tree: &Tree, kin: &mut Kinematics, v: &[f64], wrenches: &[ExternalWr
         let body = &tree.bodies[b];
         let F = force[b];
         if body.kind.is_free() {
-            bias[..6].copy_from_slice(&F);
+            bias[body.dof..body.dof + 6].copy_from_slice(&F);
             continue;
         }
         if !body.kind.moves() {

@@ -71,8 +71,8 @@ impl Case {
 
     /// Momentum about the world's origin.
     fn momentum(&self) -> Vec6 {
-        let mut P = energy::momentum(&self.kin);
-        let shift = self.kin.origin.cross(&Vec3::new(P[3], P[4], P[5]));
+        let mut P = energy::momentum(&self.kin, 0..self.kin.V.len());
+        let shift = self.kin.origins[0].cross(&Vec3::new(P[3], P[4], P[5]));
         for i in 0..3 {
             P[i] += shift[i];
         }

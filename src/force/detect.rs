@@ -42,14 +42,15 @@ impl Plane {
 /// Finds the contacts that can act within `h` seconds, into `contacts`; reads poses and velocities
 /// of `kin`.
 ///
-/// `stiffness_limit` caps the stiffness of a contact (fixed steps cannot resolve more), N/m.
+/// `fastest` caps how fast a contact may swing under its tree (fixed steps cannot resolve more),
+/// rad/s.
 pub fn detect(
     model: &Model,
     tree: &Tree,
     touches: &[Touch],
     kin: &Kinematics,
     h: f64,
-    stiffness_limit: f64,
+    fastest: f64,
     contacts: &mut ContactSet,
 ) {
     contacts.clear();
@@ -70,7 +71,7 @@ pub fn detect(
             slot: collider.index,
             normal: plane.normal,
             points: first..contacts.points.len(),
-            spring: limited(collider, stiffness_limit),
+            spring: limited(tree, collider, fastest),
             ..Contact::default()
         };
         contact.gather(&mut contacts.points);
@@ -86,12 +87,12 @@ pub fn detect(
 }
 
 /// Energy that the springs of all contacts hold at the poses of `kin`, J. `points` is scratch;
-/// `stiffness_limit` is that of [`detect`].
+/// `fastest` is that of [`detect`].
 pub fn held(
     model: &Model,
     tree: &Tree,
     kin: &Kinematics,
-    stiffness_limit: f64,
+    fastest: f64,
     points: &mut Vec<ContactPoint>,
 ) -> f64 {
     let mut sum = 0.0;
@@ -100,16 +101,17 @@ pub fn held(
         find(model, collider, kin, [0.0, 0.0], points);
         if !points.is_empty() {
             let (depth, _) = norm(points);
-            sum += limited(collider, stiffness_limit).stored(depth);
+            sum += limited(tree, collider, fastest).stored(depth);
         }
     }
     sum
 }
 
-/// The spring of a shape, at most as stiff as that, N/m.
-fn limited(collider: &TreeCollider, stiffness_limit: f64) -> Stiffening {
+/// The spring of a shape, at most as stiff as `fastest` says, rad/s.
+fn limited(tree: &Tree, collider: &TreeCollider, fastest: f64) -> Stiffening {
+    let limit = tree.trees[collider.tree].moving_mass * fastest * fastest;
     Stiffening {
-        stiffness: collider.spring.stiffness.min(stiffness_limit),
+        stiffness: collider.spring.stiffness.min(limit),
         ..collider.spring
     }
 }
@@ -126,7 +128,8 @@ fn find(
     let (X_OB, V) = (&kin.X[collider.body], &kin.V[collider.body]);
     let center = X_OB.p + X_OB.R * collider.X.p;
     // Height of O over the plane, and of the shape.
-    let height = plane.normal.dot(&kin.origin) - plane.offset;
+    let origin = &kin.origins[collider.tree];
+    let height = plane.normal.dot(origin) - plane.offset;
     let clearance = height + plane.normal.dot(&center) - collider.radius;
     let spin = V[0].abs() + V[1].abs() + V[2].abs();
     let speed = plane.normal.dot(&velocity_at(V, &center)).abs() + spin * collider.radius;
@@ -155,7 +158,7 @@ fn complete(
     contact: &mut Contact,
 ) {
     let (V, g) = (&kin.V, tree.world.gravity.norm());
-    let mass = tree.moving_mass();
+    let mass = tree.trees[collider.tree].moving_mass;
     let speed = contact.normal_velocity(points, V);
     let u = contact.sliding(V);
     contact.bounce = stored.bounce;
@@ -210,11 +213,11 @@ fn complete(
 /// gravity take it; reads poses and velocities of `kin`.
 pub fn is_clear(tree: &Tree, kin: &Kinematics, h: f64) -> bool {
     let plane = Plane::GROUND;
-    let height = plane.normal.dot(&kin.origin) - plane.offset;
     let fall = 2.0 * h * h * tree.world.gravity.norm();
     tree.contact.colliders.iter().all(|collider| {
         let (X_OB, V) = (&kin.X[collider.body], &kin.V[collider.body]);
         let center = X_OB.p + X_OB.R * collider.X.p;
+        let height = plane.normal.dot(&kin.origins[collider.tree]) - plane.offset;
         let clearance = height + plane.normal.dot(&center) - collider.radius;
         let spin = V[0].abs() + V[1].abs() + V[2].abs();
         let speed = velocity_at(V, &center).norm() + spin * collider.radius;

@@ -130,7 +130,7 @@ impl Terms {
     /// Finds contacts, and their friction against turning, for a step of at most `h` seconds from
     /// the poses and velocities of `kin`.
     ///
-    /// - `stiffness_limit`: see [`detect`]
+    /// - `fastest`: see [`detect`]
     pub fn find_contacts(
         &mut self,
         model: &Model,
@@ -138,10 +138,10 @@ impl Terms {
         memory: &Memory,
         kin: &Kinematics,
         h: f64,
-        stiffness_limit: f64,
+        fastest: f64,
     ) {
         let (touches, contacts) = (&memory.touches, &mut self.contacts);
-        detect(model, tree, touches, kin, h, stiffness_limit, contacts);
+        detect(model, tree, touches, kin, h, fastest, contacts);
         find_turns(tree, touches, kin, contacts, &mut self.turns);
     }
 

@@ -35,6 +35,13 @@ id! {
     DofId,
     /// Index into [`super::Model::actuators`].
     ActuatorId,
+    /// Index into [`super::Model::roots`].
+    RootId,
     /// Index into [`super::OutputSelection::sensors`].
     SensorId,
+}
+
+impl RootId {
+    /// The tree of the robot itself.
+    pub const ROBOT: Self = Self(0);
 }

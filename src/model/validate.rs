@@ -65,14 +65,14 @@ fn sizes(model: &Model) -> Check {
         "has more than 2000 degrees of freedom",
     )?;
     require(
-        model.joints.len() + 1 == model.links.len(),
+        model.joints.len() + model.roots.len() == model.links.len(),
         model_part,
-        "must have one link more than joints",
+        "must have one link more than joints for each of its trees",
     )
 }
 
 fn links(model: &Model) -> Check {
-    let mut names = BTreeSet::new();
+    let (mut names, mut next) = (BTreeSet::new(), 0);
     for (l, link) in model.links.iter().enumerate() {
         let part = || format!("link '{}'", link.name);
         require(
@@ -80,8 +80,13 @@ fn links(model: &Model) -> Check {
             part,
             "has the name of another link",
         )?;
-        // Links and joints are ordered alike: joint i carries link i + 1.
-        let joint = l.checked_sub(1);
+        // Links and joints are ordered alike: each joint carries the next link that is no base's.
+        let base = model.roots.iter().any(|root| {
+            let base = model.bodies.get(root.body.index());
+            base.is_some_and(|base| base.link.index() == l)
+        });
+        let joint = (!base).then_some(next);
+        next += usize::from(!base);
         require(
             link.joint.map(JointId::index) == joint,
             part,
@@ -299,17 +304,19 @@ fn actuators(model: &Model) -> Check {
 fn initial(model: &Model) -> Check {
     let part = || "the initial state".to_owned();
     let initial = &model.initial;
-    let vectors = [
-        &initial.position,
-        &initial.rpy,
-        &initial.linear_velocity,
-        &initial.angular_velocity,
-    ];
-    require(
-        vectors.into_iter().all(vector),
-        part,
-        "has a number that is not finite",
-    )?;
+    for root in &model.roots {
+        let vectors = [
+            &root.position,
+            &root.rpy,
+            &root.linear_velocity,
+            &root.angular_velocity,
+        ];
+        require(
+            vectors.into_iter().all(vector),
+            part,
+            "has a number that is not finite",
+        )?;
+    }
     let per_joint = [&initial.joint_positions, &initial.joint_velocities];
     require(
         per_joint

@@ -2,10 +2,10 @@
 //! contact forces, accelerations, energies) have none: they may jump.
 
 use super::{Level, Readout, joint_orientation, quaternion};
-use crate::model::{BodyId, JointId, Model};
+use crate::model::{BodyId, JointId, Model, RootId};
 use crate::sensor;
 use crate::slots::{Axis, OutputSlot};
-use crate::spatial::{Vec3, angular, linear, quaternion_product, rpy_from_rotation};
+use crate::spatial::{Vec3, angular, linear, quaternion_product};
 use crate::state::State;
 use crate::step::point::Context;
 
@@ -16,25 +16,26 @@ impl Readout {
         use OutputSlot as O;
         let model = ctx.model;
         let derivative = match slot {
-            O::BasePosition(axis) => self.read(ctx, state, O::BaseLinearVelocity(axis)),
-            O::BaseOrientation(axis) => {
-                let q =
-                    std::array::from_fn(|i| self.read(ctx, state, O::BaseOrientation(LETTERS[i])));
-                world_quaternion_rate(q, &self.base_spin(ctx, state), axis)
+            O::BasePosition(root, axis) => self.read(ctx, state, O::BaseLinearVelocity(root, axis)),
+            O::BaseOrientation(root, axis) => {
+                let q = std::array::from_fn(|i| {
+                    self.read(ctx, state, O::BaseOrientation(root, LETTERS[i]))
+                });
+                world_quaternion_rate(q, &self.base_spin(ctx, state, root), axis)
             }
-            O::BaseRpy(axis) => {
-                let omega = self.base_spin(ctx, state);
-                rpy_rate(&rpy_from_rotation(&self.point.kin.X[0].R), &omega, axis)
+            O::BaseRpy(root, axis) => {
+                let omega = self.base_spin(ctx, state, root);
+                rpy_rate(&self.rpy(ctx, root), &omega, axis)
             }
-            O::BaseLinearVelocity(axis) if model.is_floating() => {
+            O::BaseLinearVelocity(root, axis) if model.floats(root) => {
                 self.prepare(ctx, state, Level::Accelerations);
-                self.vdot[3 + axis as usize]
+                self.vdot[model.base(root).dof.index() + 3 + axis as usize]
             }
-            O::BaseAngularVelocity(axis) if model.is_floating() => {
+            O::BaseAngularVelocity(root, axis) if model.floats(root) => {
                 self.prepare(ctx, state, Level::Accelerations);
-                self.vdot[axis as usize]
+                self.vdot[model.base(root).dof.index() + axis as usize]
             }
-            O::BaseLinearVelocity(_) | O::BaseAngularVelocity(_) => 0.0,
+            O::BaseLinearVelocity(..) | O::BaseAngularVelocity(..) => 0.0,
             O::JointPosition(joint, axis) => self.read(ctx, state, O::JointVelocity(joint, axis)),
             O::JointVelocity(joint, axis) => {
                 self.read(ctx, state, O::JointAcceleration(joint, axis))
@@ -101,9 +102,10 @@ impl Readout {
         derivative.is_finite().then_some(derivative)
     }
 
-    fn base_spin(&mut self, ctx: &Context, state: &State) -> Vec3 {
+    fn base_spin(&mut self, ctx: &Context, state: &State, root: RootId) -> Vec3 {
         self.prepare(ctx, state, Level::Kinematics);
-        angular(&self.point.kin.V[0])
+        let body = ctx.model.roots[root.index()].body;
+        angular(&self.point.kin.V[body.index()])
     }
 }
 
@@ -178,10 +180,10 @@ mod tests {
                 kind: SensorKind::Imu,
             })
             .collect();
-        model.initial.position = Vec3::new(1.0, -2.0, 3.0);
-        model.initial.rpy = Vec3::new(0.4, -0.7, 2.0);
-        model.initial.angular_velocity = random.vector(2.0);
-        model.initial.linear_velocity = random.vector(1.0);
+        model.roots[0].position = Vec3::new(1.0, -2.0, 3.0);
+        model.roots[0].rpy = Vec3::new(0.4, -0.7, 2.0);
+        model.roots[0].angular_velocity = random.vector(2.0);
+        model.roots[0].linear_velocity = random.vector(1.0);
         for velocity in &mut model.initial.joint_velocities {
             *velocity = random.uniform(-2.0, 2.0);
         }

@@ -3,7 +3,7 @@
 use crate::assemble::testing::{at, body, collision, frame, mass, model, robot};
 use crate::geometry::Shape;
 use crate::model::JointKind::{Continuous, Fixed};
-use crate::model::LinkId;
+use crate::model::{LinkId, RootId};
 use crate::simulation::{OutputSlot, Simulation};
 use crate::spatial::Vec3;
 use crate::urdf::{Description, LinkDescription};
@@ -64,7 +64,7 @@ fn the_contact_point_of_a_standing_box_lies_below_its_load() {
     );
     let mut s = start(&loaded, "");
     s.advance_to(3.0).expect("finite");
-    let base = vector(&mut s, OutputSlot::BasePosition);
+    let base = vector(&mut s, |axis| OutputSlot::BasePosition(RootId::ROBOT, axis));
     // The middle of the masses, in the plate; the plate tilts by less than 1e-3 rad.
     let found = point(&mut s, 0) - base;
     near(found, Vec3::new(0.04, -0.02, -0.5 * HEIGHT), 2e-4);
@@ -79,8 +79,8 @@ fn the_contact_point_of_a_sliding_box_runs_ahead() {
                     world.ground = { type = \"plane\", friction = 0.3 }\n";
     let mut s = start(&robot(plate("plate", 2.0)), settings);
     s.advance_to(0.4).expect("finite");
-    let base = vector(&mut s, OutputSlot::BasePosition);
-    let speed = s.output(OutputSlot::BaseLinearVelocity(0));
+    let base = vector(&mut s, |axis| OutputSlot::BasePosition(RootId::ROBOT, axis));
+    let speed = s.output(OutputSlot::BaseLinearVelocity(RootId::ROBOT, 0));
     assert!((speed - (2.0 - 0.3 * G * 0.4)).abs() < 1e-2, "{speed}");
     let ahead = point(&mut s, 0).x - base.x;
     assert!((ahead - 0.3 * 0.5 * HEIGHT).abs() < 2e-4, "{ahead}");
@@ -93,7 +93,7 @@ fn the_contact_point_of_a_rolling_ball_stays_below_its_middle() {
         "initial.linear_velocity = [1, 0.5, 0]\n",
     );
     s.advance_to(1.5).expect("finite");
-    let base = vector(&mut s, OutputSlot::BasePosition);
+    let base = vector(&mut s, |axis| OutputSlot::BasePosition(RootId::ROBOT, axis));
     assert!(base.x > 0.5, "{base}");
     near(point(&mut s, 0), Vec3::new(base.x, base.y, 0.0), 2e-4);
 }
@@ -112,7 +112,7 @@ fn the_contact_point_of_a_link_in_the_air_is_its_origin() {
         if time > 0.0 {
             s.advance_to(time).expect("finite");
         }
-        let base = vector(&mut s, OutputSlot::BasePosition);
+        let base = vector(&mut s, |axis| OutputSlot::BasePosition(RootId::ROBOT, axis));
         near(point(&mut s, 0), base, 1e-15);
         let wing = vector(&mut s, |axis| OutputSlot::LinkPosition(LinkId(1), axis));
         near(point(&mut s, 1), wing, 1e-15);

@@ -363,9 +363,9 @@ impl Newton {
             }
         }
         self.loaded.clear();
-        for b in (1..tree.bodies.len()).rev() {
-            if self.is_loaded[b] {
-                self.is_loaded[tree.bodies[b].parent] = true;
+        for (b, body) in tree.bodies.iter().enumerate().rev() {
+            if self.is_loaded[b] && !body.kind.is_base() {
+                self.is_loaded[body.parent] = true;
                 self.loaded.push(b);
             }
         }
@@ -386,7 +386,7 @@ impl Newton {
         if p.terms.contacts.is_empty() {
             return scale;
         }
-        self.clear_forces();
+        self.clear_forces(p.tree);
         for (contact, response) in p.terms.contacts.iter().zip(&self.responses.contacts) {
             let own = &self.responses.points[contact.points.clone()];
             let points = &p.terms.contacts.points;
@@ -408,11 +408,13 @@ impl Newton {
     }
 
     /// Clears the forces on all bodies that have any.
-    fn clear_forces(&mut self) {
+    fn clear_forces(&mut self, tree: &Tree) {
         for &b in &self.loaded {
             self.F[b] = [0.0; 6];
         }
-        self.F[0] = [0.0; 6];
+        for tree in &tree.trees {
+            self.F[tree.bodies.start] = [0.0; 6];
+        }
     }
 
     /// What velocities lack because friction slips at other normal forces than those at the
@@ -423,7 +425,7 @@ impl Newton {
         if p.terms.contacts.is_empty() {
             return 0.0;
         }
-        self.clear_forces();
+        self.clear_forces(p.tree);
         if !p.terms.add_lag(&self.at, &self.responses, p.h, &mut self.F) {
             return 0.0;
         }
@@ -443,7 +445,7 @@ impl Newton {
     }
 }
 
-/// Passes forces on bodies on to their parents, from the tips of the tree to its base, and what
+/// Passes forces on bodies on to their parents, from the tips of the trees to their bases, and what
 /// they do along each degree of freedom to `take`.
 #[inline]
 fn project(
@@ -460,9 +462,9 @@ fn project(
         }
         add6(&mut F[body.parent], &own);
     }
-    if tree.is_free() {
-        for (k, F) in F[0].iter().enumerate() {
-            take(k, *F);
+    for tree in tree.trees.iter().filter(|tree| tree.free) {
+        for (dof, F) in tree.dofs.clone().zip(&F[tree.bodies.start]) {
+            take(dof, *F);
         }
     }
 }

@@ -45,6 +45,8 @@ pub struct Stepper {
     pub(super) explicit: Explicit,
     pub(super) fixed: Fixed,
     pub(super) attempt: Attempt,
+    /// Trees that fly from the last communication point on.
+    flights: Vec<Flight>,
     /// Memory and positions of a robot that is set down.
     pub(super) there_memory: Memory,
     pub(super) settled: Vec<f64>,
@@ -55,8 +57,8 @@ pub struct Stepper {
 }
 
 #[cfg(test)]
-crate::spoil::spoil!(Stepper: here there implicit stages explicit fixed attempt there_memory settled
-    backup tried;);
+crate::spoil::spoil!(Stepper: here there implicit stages explicit fixed attempt flights there_memory
+    settled backup tried;);
 
 impl Stepper {
     /// Room for a robot.
@@ -69,6 +71,7 @@ impl Stepper {
             explicit: Explicit::new(model, tree),
             fixed: Fixed::new(model),
             attempt: Attempt::new(model),
+            flights: Vec::with_capacity(tree.trees.len()),
             there_memory: Memory::new(model),
             settled: vec![0.0; model.nq],
             backup: State::new(model),
@@ -125,7 +128,8 @@ impl Stepper {
         state: &mut State,
         end: f64,
     ) -> Result<(), Stop> {
-        let flight = Flight::begin(ctx, state, &mut self.there.kin);
+        let flights = &mut self.flights;
+        let flies = Flight::begin(ctx, state, &mut self.there.kin, flights);
         let sizes = state.stepping.sizes;
         let mut way = Way::new(state.time, end, sizes.proposed);
         way.jumped = state.stepping.ahead.changed != 0.0;
@@ -134,15 +138,13 @@ impl Stepper {
             way.proposed = way.proposed.min(sizes.after_jump);
         }
         way.done = self.follow(ctx, state, end);
-        if flight.is_some() && way.done == 0.0 {
+        if flies && way.done == 0.0 {
             way.standing = Standing::Posed;
         }
         self.walk(ctx, state, way)?;
-        if let Some(flight) = &flight {
-            let (h, scratch) = (end - state.time, (&mut self.there.kin, &mut self.attempt));
-            if flight.keep(ctx, state, h, scratch) {
-                self.attempt.accept(state);
-            }
+        let (h, scratch) = (end - state.time, (&mut self.there.kin, &mut self.attempt));
+        if Flight::keep(&self.flights, ctx, state, h, scratch) {
+            self.attempt.accept(state);
         }
         Ok(())
     }

@@ -19,9 +19,11 @@ use crate::step::point::Context;
 use crate::tree::Tree;
 use crate::tuning::THIN;
 
-/// What a flying robot keeps; world axes.
+/// What a flying tree keeps; world axes.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Flight {
+    /// Index of the tree.
+    tree: usize,
     /// The base's origin, m.
     origin: Vec3,
     /// The centre of mass, from the base's origin, m.
@@ -35,34 +37,66 @@ pub(super) struct Flight {
 }
 
 impl Flight {
-    /// What a robot keeps that flies from `state` on: nothing holds it, nothing pushes it, and it
-    /// touches nothing. Poses and velocities of `kin` then stand at `state`.
-    pub fn begin(ctx: &Context, state: &State, kin: &mut Kinematics) -> Option<Self> {
+    /// Which trees fly from `state` on, and what they keep, into `flights`: nothing holds them,
+    /// nothing pushes them, and they touch nothing. Poses and velocities of `kin` then stand at
+    /// `state`; tells whether there are any.
+    pub fn begin(
+        ctx: &Context,
+        state: &State,
+        kin: &mut Kinematics,
+        flights: &mut Vec<Self>,
+    ) -> bool {
+        flights.clear();
         let tree = ctx.tree;
-        let free = tree.is_free();
         let undisturbed = tree.world.drag == 0.0 && ctx.inputs.wrenches.is_empty();
-        let flies = free && undisturbed && state.physical.memory.touches.is_empty();
-        if !ctx.rules.momentum || !flies {
-            return None;
+        if !ctx.rules.momentum || !undisturbed {
+            return false;
         }
-        pose(kin, tree, &state.physical);
-        Some(Self::of(kin))
+        let touches = &state.physical.memory.touches;
+        let flies = |index: &usize| {
+            tree.trees[*index].free && !touches.iter().any(|t| tree.holds(*index, t.slot))
+        };
+        let flying = (0..tree.trees.len()).filter(flies);
+        for index in flying {
+            if flights.is_empty() {
+                pose(kin, tree, &state.physical);
+            }
+            flights.push(Self::of(tree, kin, index));
+        }
+        !flights.is_empty()
     }
 
-    /// What the robot should be in, `h` seconds later in `state`, into `attempt`; tells whether it
-    /// is known: nothing has touched it since.
+    /// What trees should be in that have flown, `h` seconds later in `state`, into `attempt`; tells
+    /// whether that is known of any: nothing has touched it since.
     pub fn keep(
-        &self,
+        flights: &[Self],
         ctx: &Context,
         state: &State,
         h: f64,
         (kin, attempt): (&mut Kinematics, &mut Attempt),
     ) -> bool {
-        if state.stepping.impulse.iter().flatten().any(|x| *x != 0.0) {
+        let impulse = &state.stepping.impulse;
+        let touched = |flight: &Self| {
+            let bodies = &ctx.tree.trees[flight.tree].bodies;
+            let mut links = ctx.model.links.iter().zip(impulse);
+            links
+                .any(|(link, J)| bodies.contains(&link.body.index()) && J.iter().any(|x| *x != 0.0))
+        };
+        if flights.iter().all(touched) {
             return false;
         }
         pose(kin, ctx.tree, &state.physical);
-        let now = Self::of(kin);
+        attempt.stay(state);
+        let mut kept = false;
+        for flight in flights.iter().filter(|flight| !touched(flight)) {
+            kept |= flight.keep_one(ctx, h, kin, &mut attempt.end);
+        }
+        kept
+    }
+
+    /// The same for one tree.
+    fn keep_one(&self, ctx: &Context, h: f64, kin: &Kinematics, end: &mut Physical) -> bool {
+        let now = Self::of(ctx.tree, kin, self.tree);
         let (mass, gravity) = (now.inertia.mass, ctx.tree.world.gravity);
         let way = self.linear * (h / mass) + gravity * (0.5 * h * h);
         // Differences first: far from the world's origin its digits are few.
@@ -75,8 +109,9 @@ impl Flight {
         if !(finite(&moved) && finite(&turn) && finite(&velocity)) {
             return false;
         }
-        attempt.stay(state);
-        let Physical { q, v, .. } = &mut attempt.end;
+        let base = &ctx.tree.bodies[ctx.tree.trees[self.tree].bodies.start];
+        let q = &mut end.q[base.coordinate..];
+        let v = &mut end.v[base.dof..];
         for i in 0..3 {
             q[i] += moved[i];
             v[i] += turn[i];
@@ -85,17 +120,19 @@ impl Flight {
         true
     }
 
-    /// What stands in poses, inertias and velocities.
-    fn of(kin: &Kinematics) -> Self {
+    /// What stands in poses, inertias and velocities of the tree `index`.
+    fn of(tree: &Tree, kin: &Kinematics, index: usize) -> Self {
+        let bodies = &tree.trees[index].bodies;
         let mut whole = SpatialInertia::default();
-        for I in &kin.I {
+        for I in &kin.I[bodies.clone()] {
             whole.add(I);
         }
         let center = Vec3::from(whole.moment) / whole.mass;
-        let momentum = momentum(kin);
+        let momentum = momentum(kin, bodies.clone());
         let linear = linear(&momentum);
         Self {
-            origin: kin.origin,
+            tree: index,
+            origin: kin.origins[index],
             center,
             inertia: whole,
             linear,
@@ -121,3 +158,6 @@ fn pose(kin: &mut Kinematics, tree: &Tree, physical: &Physical) {
     kin.update_poses(tree, &physical.q);
     kin.update_velocities(tree, &physical.v);
 }
+
+#[cfg(test)]
+crate::spoil::spoil!(Flight: tree origin center inertia linear angular;);

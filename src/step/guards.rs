@@ -13,7 +13,7 @@ use crate::kinematics::Kinematics;
 use crate::spatial::dot6;
 use crate::state::Physical;
 use crate::step::convex::Newton;
-use crate::step::point::{Context, Point, stiffness_limit};
+use crate::step::point::{Context, Point, fastest_contact};
 use crate::tree::Tree;
 use crate::tuning::REFERENCE_GRAVITY;
 
@@ -70,7 +70,7 @@ pub(super) fn gain(
     let Point { kin, terms } = there;
     kin.update_poses(tree, &end.q);
     kin.update_velocities(tree, &end.v);
-    let (limit, points) = (stiffness_limit(ctx, h), &mut terms.contacts.points);
+    let (limit, points) = (fastest_contact(ctx, h), &mut terms.contacts.points);
     let held = kinetic(tree, kin, &end.v)
         + potential(tree, kin)
         + force::held(ctx.model, tree, kin, limit, points)

@@ -119,7 +119,7 @@ impl Point {
     /// Contacts and joint terms, after the kinematics are up to date.
     pub(super) fn find_terms(&mut self, ctx: &Context, from: &Physical, h: f64) {
         let Context { model, tree, .. } = *ctx;
-        let (memory, limit) = (&from.memory, stiffness_limit(ctx, h));
+        let (memory, limit) = (&from.memory, fastest_contact(ctx, h));
         self.terms
             .find_contacts(model, tree, memory, &self.kin, h, limit);
         self.find_joint_terms(ctx, from, 0.0);
@@ -130,7 +130,7 @@ impl Point {
     /// friction start from, are those of its start.
     pub(super) fn find_around(&mut self, ctx: &Context, from: &Physical, (q, h): (&[f64], f64)) {
         let Context { model, tree, .. } = *ctx;
-        let (memory, limit) = (&from.memory, stiffness_limit(ctx, h));
+        let (memory, limit) = (&from.memory, fastest_contact(ctx, h));
         self.terms
             .find_contacts(model, tree, memory, &self.kin, h, limit);
         self.set_joints(ctx, from, (q, [h, 0.5 * h]));
@@ -183,12 +183,11 @@ impl Point {
     }
 }
 
-/// Stiffest that a contact may be for steps of `h` seconds, N/m: a fixed step cannot resolve
-/// an oscillation faster than itself.
-pub(super) fn stiffness_limit(ctx: &Context, h: f64) -> f64 {
+/// How fast a contact may swing in steps of `h` seconds, rad/s: a fixed step cannot resolve an
+/// oscillation faster than itself.
+pub(super) fn fastest_contact(ctx: &Context, h: f64) -> f64 {
     if ctx.fixed_step > 0.0 {
-        let omega = std::f64::consts::TAU / h.max(f64::MIN_POSITIVE);
-        ctx.tree.moving_mass() * omega * omega
+        std::f64::consts::TAU / h.max(f64::MIN_POSITIVE)
     } else {
         f64::INFINITY
     }

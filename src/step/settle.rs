@@ -12,6 +12,7 @@
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
 use crate::kinematics::advance;
+use crate::model::RootId;
 use crate::slots::ParameterSlot;
 use crate::state::State;
 use crate::step::driver::Stepper;
@@ -26,10 +27,8 @@ impl Stepper {
     /// the pose, go on from one to the next. What its damper carries in one step is the spring's in
     /// those after it.
     pub fn settle(&mut self, ctx: &Context, state: &mut State) {
-        let initial = &ctx.model.initial;
-        #[expect(clippy::float_cmp, reason = "another height is somebody's wish")]
-        let set_down = initial.set_down
-            && ctx.parameters.get(ParameterSlot::InitialBasePosition(2)) == initial.position.z;
+        let mut trees = 0..ctx.model.roots.len();
+        let set_down = trees.any(|index| is_set_down(ctx, index));
         if state.physical.v.iter().any(|v| *v != 0.0) {
             return;
         }
@@ -45,6 +44,7 @@ impl Stepper {
     /// whether it has come to rest.
     fn stretch(&mut self, ctx: &Context, state: &mut State, sinks: bool) -> bool {
         let tree = ctx.tree;
+        let pattern = &tree.sparsity;
         let mut speed = 0.0;
         for _ in 0..SETTLING_STEPS {
             self.here.update(ctx, &state.physical, SETTLING);
@@ -52,8 +52,11 @@ impl Stepper {
                 return true;
             }
             if sinks {
-                for dof in 6..tree.sparsity.len() {
-                    self.here.kin.M[tree.sparsity.diagonal(dof)] *= LOCKED;
+                for tree in tree.trees.iter() {
+                    let base = if tree.free { 6 } else { 0 };
+                    for dof in tree.dofs.clone().skip(base) {
+                        self.here.kin.M[pattern.diagonal(dof)] *= LOCKED;
+                    }
                 }
             }
             let problem = self.here.problem(tree, SETTLING, FIXED_ACCURACY[0]);
@@ -66,10 +69,13 @@ impl Stepper {
             self.here.terms.remember(&solved.solved(), SETTLING, memory);
             state.physical.memory.touches.clone_from(&memory.touches);
             if sinks {
-                // It turns about x and y and moves along z.
-                for (dof, v) in solved.v.iter_mut().enumerate() {
-                    if !matches!(dof, 0 | 1 | 5) {
-                        *v = 0.0;
+                for (index, tree) in tree.trees.iter().enumerate() {
+                    let sinks = tree.free && is_set_down(ctx, index);
+                    for (place, v) in solved.v[tree.dofs.clone()].iter_mut().enumerate() {
+                        // It turns about x and y and moves along z.
+                        if !(sinks && matches!(place, 0 | 1 | 5)) {
+                            *v = 0.0;
+                        }
                     }
                 }
                 speed = solved.v.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
@@ -121,4 +127,12 @@ impl Stepper {
         }
         balanced
     }
+}
+
+/// Whether a tree is to be set down: its height is the one that follows from the ground.
+#[expect(clippy::float_cmp, reason = "another height is somebody's wish")]
+fn is_set_down(ctx: &Context, tree: usize) -> bool {
+    let root = &ctx.model.roots[tree];
+    let height = ParameterSlot::InitialBasePosition(RootId::from(tree), 2);
+    root.set_down && ctx.parameters.get(height) == root.position.z
 }

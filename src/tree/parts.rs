@@ -41,6 +41,8 @@ pub struct Tree {
 /// One tree: a base that hangs in the world, and all that hangs on it.
 #[derive(Clone, Debug)]
 pub struct Extent {
+    /// Pose of a fixed base in the world; filled by [`Tree::new`].
+    pub base: Pose,
     /// Its bodies, the base first; filled by [`Tree::new`].
     pub bodies: Range<usize>,
     /// Its places in `v`; filled by [`Tree::new`].
@@ -56,8 +58,6 @@ pub struct Extent {
 /// What the world does to all bodies.
 #[derive(Clone, Debug)]
 pub struct World {
-    /// Pose of a fixed base in the world; filled by [`Tree::new`].
-    pub base: Pose,
     /// m/s², world axes; filled by [`Tree::tune`].
     pub gravity: Vec3,
     /// As [`crate::model::World::drag`], 1/s.
@@ -73,8 +73,6 @@ pub struct Contacts {
     pub turning: Vec<Turning>,
     /// Whether any of them has some; filled by [`Tree::new`].
     pub resists_turning: bool,
-    /// Spring of a contact of a link that has none of its own; filled by [`Tree::scale`].
-    pub spring: Stiffening,
     /// Dissipation of contacts without restitution, and of joint limits, s/m.
     pub dissipation: f64,
     /// Sliding speed at which friction has lost most of what it has more at rest, m/s.
@@ -119,8 +117,10 @@ pub struct Actuators {
 /// [`Tree::new`].
 #[derive(Clone, Debug)]
 pub struct TreeBody {
-    /// Index of the parent; the base points to itself.
+    /// Index of the parent; a base points to itself.
     pub parent: usize,
+    /// Index of its tree in [`Tree::trees`].
+    pub tree: usize,
     /// How it moves in its parent.
     pub kind: Kind,
     /// Pose at joint zero in the parent's solver frame.
@@ -154,8 +154,10 @@ pub struct TreeBody {
 pub struct TreeCollider {
     /// Index in the model's list.
     pub index: usize,
-    /// Index of the body.
+    /// Index of the body, and of its tree.
     pub body: usize,
+    /// See `body`.
+    pub tree: usize,
     /// Index of the link.
     pub link: usize,
     /// Pose in the body's solver frame.
@@ -231,10 +233,23 @@ impl Tree {
         self.trees.iter().map(|tree| tree.reach).fold(0.0, f64::max)
     }
 
-    /// Whether a base floats: its columns of `S`, the first six, are the unit vectors.
+    /// Whether the base of a body's tree floats: its columns of `S`, the first six of the tree, are
+    /// the unit vectors.
     #[inline]
-    pub fn is_free(&self) -> bool {
-        self.trees.iter().any(|tree| tree.free)
+    pub fn is_free(&self, body: usize) -> bool {
+        self.trees[self.bodies[body].tree].free
+    }
+
+    /// Whether a contact with the memory `slot` is one of the tree `index`.
+    pub fn holds(&self, index: usize, slot: usize) -> bool {
+        let colliders = &self.contact.colliders;
+        colliders.iter().any(|c| c.index == slot && c.tree == index)
+    }
+
+    /// Mass of all moving bodies of a body's tree, kg.
+    #[inline]
+    pub fn mass_with(&self, body: usize) -> f64 {
+        self.trees[self.bodies[body].tree].moving_mass
     }
 
     /// Brings the quaternions in `q` back to unit length.

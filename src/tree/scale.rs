@@ -13,20 +13,19 @@ impl Tree {
     /// Sets what depends on the initial position: stiffness of contacts and limits, error weights.
     ///
     /// - `inertia`: diagonal of the mass matrix, per degree of freedom
-    /// - `poses`: pose of each body's solver frame, relative to the base
+    /// - `poses`: pose of each body's solver frame, relative to the base of its tree
     pub fn scale(&mut self, model: &Model, inertia: &[f64], poses: &[Pose]) {
-        let mass = self.moving_mass();
-        let weight = mass * REFERENCE_GRAVITY;
-        let spring = |stiffness: Option<f64>| {
+        let spring = |weight: f64, stiffness: Option<f64>| {
             let penetration = model.contact.penetration;
             stiffness.map_or(Stiffening::new(weight, penetration), |k| {
                 Stiffening::with_stiffness(k, weight)
             })
         };
-        self.contact.spring = spring(model.contact.stiffness);
+        let weight_of = |tree: usize| self.trees[tree].moving_mass * REFERENCE_GRAVITY;
         for collider in &mut self.contact.colliders {
+            let weight = weight_of(collider.tree);
             let own = model.links[collider.link].stiffness;
-            collider.spring = spring(own.or(model.contact.stiffness));
+            collider.spring = spring(weight, own.or(model.contact.stiffness));
             self.contact.turning[collider.link].load = 0.25 * weight;
         }
         self.dofs.inertia.copy_from_slice(inertia);
@@ -52,24 +51,22 @@ impl Tree {
                 points.push((b, poses[b].point(&body.com), 0.0));
             }
         }
-        let reach = points
-            .iter()
-            .map(|(_, p, r)| p.norm() + r)
-            .fold(0.0, f64::max)
-            .max(0.01);
-        // Poses are from the one base that all trees share so far.
         for tree in &mut self.trees {
-            tree.reach = reach;
+            let own = points.iter().filter(|(b, ..)| tree.bodies.contains(b));
+            let reach = own.map(|(_, p, r)| p.norm() + r).fold(0.0, f64::max);
+            tree.reach = reach.max(0.01);
         }
         let mut subtree_mass: Vec<f64> = self.bodies.iter().map(|b| b.mass).collect();
-        for b in (1..self.bodies.len()).rev() {
-            let m = subtree_mass[b];
-            subtree_mass[self.bodies[b].parent] += m;
+        for (b, body) in self.bodies.iter().enumerate().rev() {
+            if !body.kind.is_base() {
+                let m = subtree_mass[b];
+                subtree_mass[body.parent] += m;
+            }
         }
         let mut levers = vec![0.0; inertia.len()];
         for (b, body) in self.bodies.iter().enumerate() {
             let within = |mut other: usize| {
-                while other > b {
+                while other > b && !self.bodies[other].kind.is_base() {
                     other = self.bodies[other].parent;
                 }
                 other == b
@@ -90,7 +87,9 @@ impl Tree {
                 let gyration = (inertia[dof] / subtree_mass[b].max(1e-12)).sqrt();
                 self.dofs.weight[dof] = match body.kind.sweep(c - body.column) {
                     Sweep::Along => 1.0,
-                    Sweep::AboutPoint if body.kind.is_base() => reach.max(gyration).min(1.0),
+                    Sweep::AboutPoint if body.kind.is_base() => {
+                        self.trees[body.tree].reach.max(gyration).min(1.0)
+                    }
                     Sweep::AboutPoint => lever(None).max(gyration).min(1.0),
                     Sweep::AboutAxis => levers[dof].max(gyration).min(1.0),
                 };
@@ -98,6 +97,8 @@ impl Tree {
         }
         for (motor, actuator) in self.actuators.motors.iter_mut().zip(&model.actuators) {
             let dof = actuator.dof.index();
+            let body = model.dofs[dof].body.index();
+            let mass = self.trees[self.bodies[body].tree].moving_mass;
             // A wheel on the ground carries the whole robot along: damped for itself alone it would
             // overshoot.
             let inertia = inertia[dof].max(mass * levers[dof] * levers[dof]);

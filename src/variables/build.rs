@@ -1,7 +1,7 @@
 //! Parts of the rows of [`super::table`].
 
 use super::row::{Kind, Slot, TableError, Unit, Variable};
-use crate::model::{Joint, JointId, JointKind, Limits, Model};
+use crate::model::{BodyId, Joint, JointId, JointKind, Limits, Link, Model, RootId, RootKind};
 use crate::slots::{Axis, InputSlot, OutputSlot, ParameterSlot};
 use std::collections::BTreeMap;
 
@@ -230,6 +230,37 @@ impl<'m> Table<'m> {
             }
         }
         Ok(self.rows)
+    }
+
+    /// What the names of a tree's variables begin with: nothing for the robot itself.
+    pub(super) fn scope(&self, root: RootId) -> String {
+        let root = &self.model.roots[root.index()];
+        match (root.name.is_empty(), root.kind) {
+            (true, _) => String::new(),
+            (false, RootKind::Robot) => format!("{}.", identifier(&root.name)),
+            (false, RootKind::Object) => format!("object.{}.", identifier(&root.name)),
+        }
+    }
+
+    /// The name of a group of variables of a joint, such as `joint.elbow`.
+    pub(super) fn of_joint(&self, group: &str, joint: &Joint) -> String {
+        let body = self.model.links[joint.child.index()].body;
+        self.of_part(group, body, &joint.name)
+    }
+
+    /// The name of a group of variables of a link, such as `link.hand`.
+    pub(super) fn of_link(&self, group: &str, link: &Link) -> String {
+        self.of_part(group, link.body, &link.name)
+    }
+
+    fn of_part(&self, group: &str, body: BodyId, name: &str) -> String {
+        let root = self.model.root_of(body);
+        let own = &self.model.roots[root.index()].name;
+        let local = name.strip_prefix(own.as_str());
+        let local = local
+            .and_then(|rest| rest.strip_prefix('.'))
+            .unwrap_or(name);
+        format!("{}{group}.{}", self.scope(root), identifier(local))
     }
 
     pub(super) fn joints(&self) -> impl Iterator<Item = (JointId, &'m Joint)> + use<'m> {

@@ -2,21 +2,32 @@
 
 use super::build::{Group, RPY, Row, Table, XYZ, XYZW, axes, group, identifier, units};
 use super::row::{Kind, Unit};
-use crate::model::{JointId, JointKind, LinkId, SensorId, SensorKind};
+use crate::model::{JointId, JointKind, LinkId, RootId, RootKind, SensorId, SensorKind};
 use crate::slots::{Axis, OutputSlot};
 
 /// Slots by axis.
-type OfBase = fn(Axis) -> OutputSlot;
+type OfBase = fn(RootId, Axis) -> OutputSlot;
 type OfJoint = fn(JointId, Axis) -> OutputSlot;
 type OfLink = fn(LinkId, Axis) -> OutputSlot;
 type OfSensor = fn(SensorId, Axis) -> OutputSlot;
 
 impl Table<'_> {
     pub(super) fn base_outputs(&mut self) {
-        if !self.model.is_floating() {
-            return;
+        for (id, root) in (0..).map(RootId).zip(&self.model.roots) {
+            if self.model.floats(id) {
+                let prefix = self.scope(id);
+                let prefix = match root.kind {
+                    RootKind::Robot => format!("{prefix}base"),
+                    RootKind::Object => prefix.trim_end_matches('.').to_owned(),
+                };
+                self.outputs_of_base(id, &prefix);
+            }
         }
-        let owner = format!("base link '{}'", self.model.links[0].name);
+    }
+
+    fn outputs_of_base(&mut self, id: RootId, prefix: &str) {
+        let base = self.model.base(id).link;
+        let owner = format!("base link '{}'", self.model.links[base.index()].name);
         let groups: [Group<OfBase>; 5] = [
             group(
                 "position",
@@ -54,7 +65,7 @@ impl Table<'_> {
                 "Angular velocity in world axes of",
             ),
         ];
-        self.groups(&groups, |of, axis| of(axis), &owner, "base");
+        self.groups(&groups, |of, axis| of(id, axis), &owner, prefix);
     }
 
     /// Rows of a base, link or sensor, one for each axis of each group; `slot` says which slot a
@@ -78,7 +89,7 @@ impl Table<'_> {
     pub(super) fn joint_outputs(&mut self) {
         for (id, joint) in self.joints() {
             let owner = format!("joint '{}'", joint.name);
-            let prefix = format!("joint.{}", identifier(&joint.name));
+            let prefix = self.of_joint("joint", joint);
             match joint.kind {
                 JointKind::Fixed => {}
                 JointKind::Revolute | JointKind::Continuous | JointKind::Prismatic => {
@@ -284,11 +295,9 @@ impl Table<'_> {
             ),
         ];
         for &id in &self.model.outputs.links {
-            let name = &self.model.links[id.index()].name;
-            let (owner, prefix) = (
-                format!("link '{name}'"),
-                format!("link.{}", identifier(name)),
-            );
+            let link = &self.model.links[id.index()];
+            let owner = format!("link '{}'", link.name);
+            let prefix = self.of_link("link", link);
             self.groups(&groups, |of, axis| of(id, axis), &owner, &prefix);
         }
     }
@@ -296,11 +305,9 @@ impl Table<'_> {
     pub(super) fn contact_outputs(&mut self) {
         let outputs = &self.model.outputs;
         for &id in &outputs.contacts {
-            let name = &self.model.links[id.index()].name;
-            let (owner, prefix) = (
-                format!("link '{name}'"),
-                format!("contact.{}", identifier(name)),
-            );
+            let link = &self.model.links[id.index()];
+            let owner = format!("link '{}'", link.name);
+            let prefix = self.of_link("contact", link);
             let about = format!("Whether {owner} touches something");
             let row = Row::output(OutputSlot::ContactActive(id), Unit::One, about);
             self.add(format!("{prefix}.active"), &owner, row.kind(Kind::Boolean));

@@ -2,11 +2,11 @@
 
 use super::build::{Group, RPY, Row, Table, XYZ, axes, group, identifier, is_scalar, units};
 use super::row::Unit;
-use crate::model::{Actuator, ActuatorId, ActuatorMode, Limits, LinkId};
+use crate::model::{Actuator, ActuatorId, ActuatorMode, Limits, LinkId, Root, RootId, RootKind};
 use crate::slots::{Axis, InputSlot, ParameterSlot};
 
 /// Slots by axis.
-type OfAxis = fn(Axis) -> ParameterSlot;
+type OfAxis = fn(RootId, Axis) -> ParameterSlot;
 
 /// What the inputs of an actuator drive: a joint, or a group of them.
 struct Driven {
@@ -25,11 +25,9 @@ impl Table<'_> {
             }
         }
         for &id in &self.model.outputs.external_wrenches {
-            let name = &self.model.links[id.index()].name;
-            let (owner, prefix) = (
-                format!("link '{name}'"),
-                format!("ext.{}", identifier(name)),
-            );
+            let link = &self.model.links[id.index()];
+            let owner = format!("link '{}'", link.name);
+            let prefix = self.of_link("ext", link);
             for (axis, letter) in axes(&XYZ) {
                 let about = format!("Force on {owner} at its centre of mass, world {letter}");
                 let slot = InputSlot::ExternalForce(id, axis);
@@ -58,7 +56,7 @@ impl Table<'_> {
             let joint = joint_of(&id);
             return Some(Driven {
                 owner: format!("joint '{}'", joint.name),
-                prefix: format!("cmd.{}", identifier(&joint.name)),
+                prefix: self.of_joint("cmd", joint),
                 limits: self.limits(joint),
                 velocity: joint.velocity,
                 effort: joint.effort,
@@ -123,8 +121,19 @@ impl Table<'_> {
     }
 
     pub(super) fn initial_parameters(&mut self) {
-        let initial = &self.model.initial;
-        let owner = format!("base link '{}'", self.model.links[0].name);
+        for (id, root) in (0..).map(RootId).zip(&self.model.roots) {
+            self.initial_base(id, root);
+        }
+        self.initial_joints();
+    }
+
+    fn initial_base(&mut self, id: RootId, initial: &Root) {
+        let base = self.model.base(id).link;
+        let owner = format!("base link '{}'", self.model.links[base.index()].name);
+        let name = match initial.kind {
+            RootKind::Robot => format!("{}initial.base", self.scope(id)),
+            RootKind::Object => format!("initial.{}", self.scope(id).trim_end_matches('.')),
+        };
         let groups: [(Group<OfAxis>, [f64; 3]); 4] = [
             (
                 group(
@@ -168,7 +177,7 @@ impl Table<'_> {
             ),
         ];
         // A fixed base can be mounted anywhere, but does not move.
-        let count = if self.model.is_floating() { 4 } else { 2 };
+        let count = if self.model.floats(id) { 4 } else { 2 };
         for (
             Group {
                 name: group,
@@ -180,15 +189,23 @@ impl Table<'_> {
             starts,
         ) in groups.into_iter().take(count)
         {
-            for ((axis, name), start) in axes(names).zip(starts) {
-                let row =
-                    Row::parameter(slot(axis), unit, start, format!("{about} {owner}, {name}"));
-                self.add(format!("initial.base.{group}.{name}"), &owner, row);
+            for ((axis, axis_name), start) in axes(names).zip(starts) {
+                let row = Row::parameter(
+                    slot(id, axis),
+                    unit,
+                    start,
+                    format!("{about} {owner}, {axis_name}"),
+                );
+                self.add(format!("{name}.{group}.{axis_name}"), &owner, row);
             }
         }
+    }
+
+    fn initial_joints(&mut self) {
+        let initial = &self.model.initial;
         for (id, joint) in self.independent_joints() {
             let owner = format!("joint '{}'", joint.name);
-            let prefix = format!("initial.joint.{}", identifier(&joint.name));
+            let prefix = self.of_joint("initial.joint", joint);
             let units = units(joint.kind);
             let start = initial.joint_positions[id.index()];
             let slot = ParameterSlot::InitialJointPosition(id);
@@ -246,7 +263,7 @@ impl Table<'_> {
         }
         for (id, joint) in self.joints().filter(|(_, joint)| is_scalar(joint)) {
             let owner = format!("joint '{}'", joint.name);
-            let prefix = format!("joint.{}", identifier(&joint.name));
+            let prefix = self.of_joint("joint", joint);
             let units = units(joint.kind);
             let rows = [
                 (
@@ -294,7 +311,7 @@ impl Table<'_> {
         for (l, link) in model.links.iter().enumerate() {
             let id = LinkId::from(l);
             let owner = format!("link '{}'", link.name);
-            let prefix = format!("link.{}", identifier(&link.name));
+            let prefix = self.of_link("link", link);
             if model.colliders.iter().any(|collider| collider.link == id) {
                 let about = format!("Coulomb coefficient of the surface of {owner}");
                 let slot = ParameterSlot::LinkFriction(id);

@@ -47,8 +47,8 @@ fn c9_bodies_rest_as_deep_as_their_faces_are_stiff() {
     ];
     for (name, share, height, shape, turn, allowed) in shapes {
         let mut b = single(1.0, [4e-3; 3], shape, 0.8);
-        b.model.initial.rpy.x = turn;
-        b.model.initial.position.z = height + 0.05;
+        b.model.roots[0].rpy.x = turn;
+        b.model.roots[0].position.z = height + 0.05;
         let mut s = start(b.model, 1e-4);
         run(&mut s, 4.0, 1.0 / 240.0);
         let depth = height - s.state().physical.q[2];
@@ -111,8 +111,8 @@ fn c12_a_tilted_can_feels_a_continuous_force_and_settles_on_its_end() {
     for degrees in 0..=10 {
         let mut b = can();
         let tilt = f64::from(degrees).to_radians();
-        b.model.initial.rpy.y = tilt;
-        b.model.initial.position.z = 0.15 * tilt.cos() + 0.1 * tilt.sin();
+        b.model.roots[0].rpy.y = tilt;
+        b.model.roots[0].position.z = 0.15 * tilt.cos() + 0.1 * tilt.sin();
         let mut s = start(b.model, 1e-4);
         run(&mut s, 6.0, 1.0 / 240.0);
         worst =
@@ -159,9 +159,9 @@ fn c14_painleves_rod_finishes_without_gaining_energy() {
             half_length: 0.5,
         };
         let mut b = single(1.0, [1.0 / 12.0, 1.0 / 12.0, 1e-4], rod, 2.0);
-        b.model.initial.rpy.y = -0.6;
-        b.model.initial.position.z = 0.5 * libm::cos(0.6) + 0.01;
-        b.model.initial.linear_velocity.x = 2.0;
+        b.model.roots[0].rpy.y = -0.6;
+        b.model.roots[0].position.z = 0.5 * libm::cos(0.6) + 0.01;
+        b.model.roots[0].linear_velocity.x = 2.0;
         let mut s = start(b.model, tolerance);
         let mut ledger = Ledger::new(&mut s);
         for i in 1..=4000 {
@@ -198,7 +198,7 @@ fn d3_a_mass_ratio_of_a_million_rests_at_the_static_penetration() {
     let heavy = inertia(1e3, Vec3::zeros(), [10.0; 3]);
     let torso = b.link(BASE, at(0.0, 0.0, 0.2), Motion::Prismatic(Z), heavy);
     b.limits(torso, 0.0, 0.1);
-    b.model.initial.position.z = 0.05;
+    b.model.roots[0].position.z = 0.05;
     let mut s = start(b.model, 1e-4);
     run(&mut s, 3.0, 1.0 / 240.0);
     let weight = 1000.001 * G;
@@ -306,9 +306,9 @@ fn heap(seed: u64) -> Model {
         link.friction = mu;
     }
     model.world.ground = Some(ground(mu));
-    model.initial.position.z = 1.2;
-    model.initial.rpy = random.vector(3.0);
-    model.initial.linear_velocity = random.vector(2.0);
+    model.roots[0].position.z = 1.2;
+    model.roots[0].rpy = random.vector(3.0);
+    model.roots[0].linear_velocity = random.vector(2.0);
     for joint in &mut model.joints {
         joint.friction = 0.05;
     }

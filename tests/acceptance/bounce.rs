@@ -7,8 +7,8 @@ use super::*;
 /// - `step`: fixed, s; 0: under error control
 fn restitution(e: f64, speed: f64, g: f64, tolerance: f64, step: f64) -> f64 {
     let mut b = ball(0.8);
-    b.model.initial.position.z = 0.11;
-    b.model.initial.linear_velocity.z = -speed;
+    b.model.roots[0].position.z = 0.11;
+    b.model.roots[0].linear_velocity.z = -speed;
     b.model.world.gravity = Vec3::new(0.0, 0.0, -g);
     b.model.links[0].restitution = e;
     b.model.solver.step_size = step;
@@ -76,14 +76,14 @@ fn c8_a_ball_rebounds_in_fixed_steps_too() {
 fn c10_a_fast_small_ball_does_not_tunnel() {
     let sphere = Shape::Sphere { radius: 0.005 };
     let mut b = single(1e-3, [1e-8; 3], sphere, 0.8);
-    b.model.initial.position.z = 0.1;
+    b.model.roots[0].position.z = 0.1;
     for (tolerance, speed, deep, rests) in [
         (1e-3, 10.0, 2e-3, 5e-11),
         (1e-3, 50.0, 5e-2, 5e-11),
         (1e-4, 10.0, 1.5e-3, 4e-12),
         (1e-4, 50.0, 5e-2, 4e-12),
     ] {
-        b.model.initial.linear_velocity.z = -speed;
+        b.model.roots[0].linear_velocity.z = -speed;
         let mut s = start(b.model.clone(), tolerance);
         let (k, d) = (1e-3 * G / 0.5625e-4, s.tree().contact.dissipation);
         let v = (speed * speed + 2.0 * G * 0.095).sqrt();
@@ -120,10 +120,11 @@ fn c10_a_fast_small_ball_does_not_tunnel() {
 fn c13_an_initial_overlap_leaves_gently() {
     for (depth, allowed) in [(0.01, [1.6, 1.0]), (0.05, [1.0, 1.0])] {
         let mut b = block(0.5);
-        b.model.initial.position.z = 0.1 - depth;
+        b.model.roots[0].position.z = 0.1 - depth;
         let mut s = start(b.model, 1e-4);
         let slow = 1.0 / s.tree().contact.dissipation;
-        let fast = 0.7 * (2.0 * G * (depth - 50.0 * s.tree().contact.spring.reference)).sqrt();
+        let fast = 0.7
+            * (2.0 * G * (depth - 50.0 * s.tree().contact.colliders[0].spring.reference)).sqrt();
         let (mut inside, mut outside, mut highest) = (0.0_f64, 0.0_f64, 0.0_f64);
         for i in 1..=2000 {
             s.advance_to(f64::from(i) * 1e-3).expect("finite");

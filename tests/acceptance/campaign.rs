@@ -10,7 +10,7 @@ use std::sync::Arc;
 use urdf2fmu_core::force::{ContactSet, detect, find_turns};
 use urdf2fmu_core::geometry::Shape;
 use urdf2fmu_core::kinematics::Kinematics;
-use urdf2fmu_core::model::{ActuatorId, ActuatorMode, Model, Motion};
+use urdf2fmu_core::model::{ActuatorId, ActuatorMode, Model, Motion, RootId};
 use urdf2fmu_core::simulation::{InputSlot, OutputSlot, ParameterSlot, Simulation};
 
 /// Communication step, s, and number of them in a drop.
@@ -487,15 +487,21 @@ fn place(s: &mut Simulation, extreme: Extreme, random: &mut Random) {
     let model = s.model().clone();
     for axis in 0..3 {
         let angle = random.uniform(-3.0, 3.0);
-        s.set_parameter(ParameterSlot::InitialBaseRpy(axis), angle);
+        s.set_parameter(ParameterSlot::InitialBaseRpy(RootId::ROBOT, axis), angle);
         if model.bodies[0].motion == Motion::Free {
             let spin = random.uniform(-3.0, 3.0);
-            s.set_parameter(ParameterSlot::InitialBaseAngularVelocity(axis), spin);
+            s.set_parameter(
+                ParameterSlot::InitialBaseAngularVelocity(RootId::ROBOT, axis),
+                spin,
+            );
             let mut speed = random.uniform(-1.0, 1.0);
             if extreme == Extreme::NoGravity && axis == 2 {
                 speed -= 2.0;
             }
-            s.set_parameter(ParameterSlot::InitialBaseLinearVelocity(axis), speed);
+            s.set_parameter(
+                ParameterSlot::InitialBaseLinearVelocity(RootId::ROBOT, axis),
+                speed,
+            );
         }
     }
     for (index, joint) in model.joints.iter().enumerate() {
@@ -513,5 +519,5 @@ fn place(s: &mut Simulation, extreme: Extreme, random: &mut Random) {
     } else {
         reach + random.uniform(0.2, 1.0)
     };
-    s.set_parameter(ParameterSlot::InitialBasePosition(2), height);
+    s.set_parameter(ParameterSlot::InitialBasePosition(RootId::ROBOT, 2), height);
 }

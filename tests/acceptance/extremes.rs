@@ -190,8 +190,8 @@ fn what_springs_hold_is_what_a_lossless_bounce_gives_back() {
     ] {
         let mut b = single(1.0, [4e-3; 3], shape, 0.0);
         b.model.contact.dissipation = 0.0;
-        b.model.initial.rpy.x = tilt;
-        b.model.initial.position.z = 0.3;
+        b.model.roots[0].rpy.x = tilt;
+        b.model.roots[0].position.z = 0.3;
         let mut s = start(b.model, 1e-6);
         let mut ledger = Ledger::new(&mut s);
         let before = ledger.moving();

@@ -16,7 +16,7 @@ fn elliptic_k(m: f64) -> f64 {
 #[test]
 fn a2_a_tumbling_body_falls_on_the_parabola() {
     let mut b = Builder::new(true, inertia(2.0, Vec3::zeros(), [0.01, 0.02, 0.025]));
-    b.model.initial.angular_velocity = Vec3::new(1.0, 2.0, 3.0);
+    b.model.roots[0].angular_velocity = Vec3::new(1.0, 2.0, 3.0);
     for ((rules, name), allowed) in MOMENTUM.into_iter().zip([1e-12, 1e-12]) {
         let mut s = start(b.model.clone(), 1e-4);
         s.set_rules(rules);
@@ -33,7 +33,7 @@ fn a2_a_tumbling_body_falls_on_the_parabola() {
 fn a2_the_centre_of_mass_falls_on_the_parabola_wherever_the_frame_is() {
     let mut b = Builder::new(true, inertia(2.0, X * 0.1, [0.01, 0.02, 0.025]));
     let omega = Vec3::new(1.0, 2.0, 3.0);
-    b.model.initial.angular_velocity = omega;
+    b.model.roots[0].angular_velocity = omega;
     let [with, without] = MOMENTUM;
     for (tolerance, (rules, name), allowed) in [
         (1e-4, with, 1e-12),
@@ -67,7 +67,7 @@ fn a3_a_free_asymmetric_body_has_the_period_of_jacobis_functions() {
     let mut b = Builder::new(true, inertia(1.0, Vec3::zeros(), I.into()));
     b.model.world.gravity = Vec3::zeros();
     let omega = Vec3::new(1.0, 1.0, 1.0);
-    b.model.initial.angular_velocity = omega;
+    b.model.roots[0].angular_velocity = omega;
     let bounds = [[5e-9, 5e-9, 2e-15, 4e-10], [5e-9, 5e-9, 6e-10, 4e-10]];
     for (rules, allowed) in MOMENTUM.into_iter().zip(bounds) {
         hold_free_spin(&b.model, period, rules, allowed);

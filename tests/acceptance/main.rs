@@ -108,7 +108,7 @@ fn single(mass: f64, diagonal: [f64; 3], shape: Shape, mu: f64) -> Builder {
 fn block(mu: f64) -> Builder {
     let half = Vec3::new(0.1, 0.1, 0.1);
     let mut b = single(1.0, [0.04 / 6.0; 3], Shape::Box { half }, mu);
-    b.model.initial.position.z = 0.1 - 0.5 * b.model.contact.penetration;
+    b.model.roots[0].position.z = 0.1 - 0.5 * b.model.contact.penetration;
     b
 }
 
@@ -116,7 +116,7 @@ fn block(mu: f64) -> Builder {
 /// spreads over four.
 fn ball(mu: f64) -> Builder {
     let mut b = single(1.0, [4e-3; 3], Shape::Sphere { radius: 0.1 }, mu);
-    b.model.initial.position.z = 0.1 - 0.5 * b.model.contact.penetration;
+    b.model.roots[0].position.z = 0.1 - 0.5 * b.model.contact.penetration;
     b
 }
 

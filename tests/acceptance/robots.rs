@@ -5,6 +5,7 @@ use std::path::Path;
 use testing::Random;
 use urdf2fmu_core::dynamics::energy::momentum;
 use urdf2fmu_core::kinematics::Kinematics;
+use urdf2fmu_core::model::RootId;
 use urdf2fmu_core::settings::{ModeChoice, Settings};
 use urdf2fmu_core::{assemble, urdf};
 
@@ -35,9 +36,9 @@ fn total_momentum(s: &Simulation) -> (Vec3, Vec3) {
     let mut kin = Kinematics::new(s.tree());
     kin.update_poses(s.tree(), &s.state().physical.q);
     kin.update_velocities(s.tree(), &s.state().physical.v);
-    let P = momentum(&kin);
+    let P = momentum(&kin, 0..s.tree().bodies.len());
     let linear = vector(&P[3..]);
-    (vector(&P) + kin.origin.cross(&linear), linear)
+    (vector(&P) + kin.origins[0].cross(&linear), linear)
 }
 
 /// A8. A humanoid of 60 degrees of freedom kicks about in space: its momentum stays zero
@@ -105,7 +106,7 @@ fn a9_a_limp_quadruped_in_flight_keeps_its_energy() {
     for speed in &mut model.initial.joint_velocities {
         *speed = random.uniform(-5.0, 5.0);
     }
-    model.initial.angular_velocity = Vec3::new(1.0, 2.0, -1.0);
+    model.roots[0].angular_velocity = Vec3::new(1.0, 2.0, -1.0);
     let mut s = start(model, 1e-8);
     let before = energy(&mut s);
     let mut worst = 0.0_f64;
@@ -141,7 +142,7 @@ fn drive(tolerance: f64, left: f64, right: f64, time: f64) -> (f64, Vec3) {
     for i in 1..=count {
         s.advance_to(1.0 + time * f64::from(i) / f64::from(count))
             .expect("finite");
-        let yaw = s.output(OutputSlot::BaseRpy(2));
+        let yaw = s.output(OutputSlot::BaseRpy(RootId::ROBOT, 2));
         let step = yaw - before;
         heading += step - std::f64::consts::TAU * (step / std::f64::consts::TAU).round();
         before = yaw;
@@ -321,7 +322,7 @@ fn d2_a_standing_quadrupeds_forces_are_unique_and_carry_its_weight() {
         ),
     ] {
         let mut model = robot("examples/quadruped.urdf", |_| {});
-        model.initial.position.z += drop;
+        model.roots[0].position.z += drop;
         let mut s = start(model, tolerance);
         s.set_rules(rules);
         run(&mut s, 10.0, h);
@@ -385,10 +386,10 @@ fn d7_falling_humanoids_stay_finite() {
             ActuatorMode::Position
         };
         let mut model = humanoid(mode);
-        model.initial.rpy = random.vector(3.0);
-        model.initial.angular_velocity = random.vector(3.0);
-        model.initial.linear_velocity = random.vector(1.0);
-        model.initial.position.z = 1.3;
+        model.roots[0].rpy = random.vector(3.0);
+        model.roots[0].angular_velocity = random.vector(3.0);
+        model.roots[0].linear_velocity = random.vector(1.0);
+        model.roots[0].position.z = 1.3;
         for joint in 0..model.joints.len() {
             if let Some(limits) = model.joints[joint].limits {
                 let q = random.uniform(limits.lower, limits.upper);

@@ -7,7 +7,7 @@ use super::*;
 #[test]
 fn c6_a_sliding_ball_ends_up_rolling_at_five_sevenths() {
     let mut b = ball(0.3);
-    b.model.initial.linear_velocity.x = 1.0;
+    b.model.roots[0].linear_velocity.x = 1.0;
     let (time, way) = (2.0 / (7.0 * 0.3 * G), 12.0 / (49.0 * 0.3 * G));
     for (tolerance, allowed) in [
         (1e-4, [1.5e-6, 1.5e-10, 2e-12, 3e-10]),
@@ -73,8 +73,8 @@ fn wheel(mu: f64) -> Builder {
         half_length: 0.05,
     };
     let mut b = single(1.0, [across, across, 5e-3], cylinder, mu);
-    b.model.initial.rpy.x = std::f64::consts::FRAC_PI_2;
-    b.model.initial.position.z = 0.1 - 0.5 * b.model.contact.penetration;
+    b.model.roots[0].rpy.x = std::f64::consts::FRAC_PI_2;
+    b.model.roots[0].position.z = 0.1 - 0.5 * b.model.contact.penetration;
     b
 }
 
@@ -131,8 +131,8 @@ fn c7_balls_and_cylinders_roll_and_slip_down_a_slope_as_rigid_bodies_do() {
 /// Rolls at 1 m/s for 1 s, then for 2 s more: how much its height varies, how far it is from where
 /// `ω R` takes it, and the mismatch of its speeds.
 fn rolled(mut b: Builder) -> [f64; 3] {
-    b.model.initial.linear_velocity.x = 1.0;
-    b.model.initial.angular_velocity.y = 10.0;
+    b.model.roots[0].linear_velocity.x = 1.0;
+    b.model.roots[0].angular_velocity.y = 10.0;
     let mut s = start(b.model, 1e-4);
     run(&mut s, 1.0, 0.01);
     let (x0, v, spin) = (

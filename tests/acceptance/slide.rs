@@ -105,7 +105,7 @@ fn c4_a_sliding_block_stops_after_the_coulomb_distance() {
     for mu in [0.5, 0.4] {
         for tolerance in [1e-4, 1e-6] {
             let mut b = block(mu);
-            b.model.initial.linear_velocity.x = 1.0;
+            b.model.roots[0].linear_velocity.x = 1.0;
             let mut s = start(b.model, tolerance);
             let (stop, distance) = (1.0 / (mu * G), 0.5 / (mu * G));
             // Just before the end, and long after it.
@@ -164,7 +164,7 @@ fn c5_friction_is_isotropic() {
             let speed = s.state().physical.v[3].hypot(s.state().physical.v[4]) - before;
             share = share.max((speed / (0.4 * (8.0 - 0.5 * G)) - 1.0).abs());
             let mut b = block(0.5);
-            b.model.initial.linear_velocity = Vec3::new(cos, sin, 0.0);
+            b.model.roots[0].linear_velocity = Vec3::new(cos, sin, 0.0);
             let mut s = start(b.model, 1e-4);
             run(&mut s, 0.15, 0.01);
             let way = libm::atan2(s.state().physical.v[4], s.state().physical.v[3]);

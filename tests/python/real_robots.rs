@@ -18,7 +18,7 @@ use std::process::Command;
 use std::sync::Arc;
 use urdf2fmu_core::dynamics::{aba::Articulated, crba, energy, rnea};
 use urdf2fmu_core::kinematics::Kinematics;
-use urdf2fmu_core::model::{ActuatorId, LinkId, Model, Motion};
+use urdf2fmu_core::model::{ActuatorId, LinkId, Model, Motion, RootId};
 use urdf2fmu_core::parameters::Parameters;
 use urdf2fmu_core::settings::Settings;
 use urdf2fmu_core::simulation::{InputSlot, OutputSlot, Simulation};
@@ -285,7 +285,7 @@ fn d1_r2d2_drives_straight() {
             s.advance_to(end / 240.0).expect("finite");
         }
         let way = s.state().physical.q[0].hypot(s.state().physical.q[1]);
-        (s.output(OutputSlot::BaseRpy(2)), way)
+        (s.output(OutputSlot::BaseRpy(RootId::ROBOT, 2)), way)
     };
     let (reference, distance) = drive(1e-8);
     assert!(distance > 0.9, "{distance}");

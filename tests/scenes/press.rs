@@ -27,7 +27,7 @@ fn tips(radius: f64, tall: f64, angle: f64, share: f64, solver: Solver) -> Run {
     };
     let moments = cylinder_moments(radius, half_length);
     let mut b = single(1.0, moments, shape, 2.0 / tall);
-    b.model.initial.position.z = half_length - 0.5 * b.model.contact.penetration;
+    b.model.roots[0].position.z = half_length - 0.5 * b.model.contact.penetration;
     let force = G * radius / half_length * share;
     let (sin, cos) = libm::sincos(angle);
     let mut push = |s: &mut Simulation, t: f64| {
@@ -107,7 +107,7 @@ pub fn leaning_can(radius: f64, tall: f64, share: f64) -> Scene {
         };
         let moments = cylinder_moments(radius, half_length);
         let mut b = single(1.0, moments, shape, 2.0 / tall);
-        b.model.initial.position.z = half_length - 0.5 * b.model.contact.penetration;
+        b.model.roots[0].position.z = half_length - 0.5 * b.model.contact.penetration;
         let force = G / tall * share;
         let mut push = |s: &mut Simulation, t: f64| {
             s.set_input(
@@ -278,8 +278,8 @@ impl Resting {
             );
         }
         let mut b = single(1.0, moments, self.shape.clone(), 0.8);
-        b.model.initial.rpy = self.rpy;
-        b.model.initial.position.z = start;
+        b.model.roots[0].rpy = self.rpy;
+        b.model.roots[0].position.z = start;
         play(
             b.model,
             solver,
@@ -332,7 +332,7 @@ pub fn pressed(mass: f64, load: f64) -> Scene {
         let half = Vec3::new(0.1, 0.1, 0.1);
         let moments = [mass * 0.02 / 3.0; 3];
         let mut b = single(mass, moments, Shape::Box { half }, 0.8);
-        b.model.initial.position.z = 0.1;
+        b.model.roots[0].position.z = 0.1;
         let mut push = |s: &mut Simulation, t: f64| {
             let force = -load * mass * G * (t / 0.5).min(1.0);
             s.set_input(InputSlot::ExternalForce(BASE, 2), force);
@@ -379,7 +379,7 @@ pub fn bounce_of(mass: f64, radius: f64, h: f64, e: f64) -> Scene {
     let simulate = move |solver| {
         let moments = [0.4 * mass * radius * radius; 3];
         let mut b = single(mass, moments, Shape::Sphere { radius }, 0.8);
-        b.model.initial.position.z = radius + h;
+        b.model.roots[0].position.z = radius + h;
         b.model.links[0].restitution = e;
         if let Some(ground) = &mut b.model.world.ground {
             ground.restitution = e;
@@ -450,7 +450,7 @@ fn box_on_slope(angle: f64, mu: f64, placed: Placed) -> Model {
     let mut b = single(1.0, moments, Shape::Box { half }, mu);
     b.model.world.gravity = g;
     let sunk = if placed == Placed::Sunk { 0.5 } else { 0.0 };
-    b.model.initial.position.z = 0.05 - sunk * b.model.contact.penetration;
+    b.model.roots[0].position.z = 0.05 - sunk * b.model.contact.penetration;
     b.model
 }
 

@@ -21,7 +21,7 @@ pub fn model(body: &Rolling, start: &Rolls, mu: f64) -> Model {
     );
     let y = k.cross(&Vec3::x()).normalize();
     let turn = Mat3::from_columns(&[y.cross(&k), y, k]);
-    let initial = &mut b.model.initial;
+    let initial = &mut b.model.roots[0];
     initial.position = Vec3::new(start[6], start[7], start[8]);
     initial.position.z -= 0.7 * b.model.contact.penetration;
     initial.rpy = rpy_from_rotation(&turn);

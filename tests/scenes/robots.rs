@@ -111,7 +111,7 @@ pub fn quadruped(h: f64) -> Scene {
             }
         }
         // Two links of 0.2 m, bent, and a foot of some centimetres.
-        model.initial.position.z = 0.4 * libm::cos(0.8) + 0.021;
+        model.roots[0].position.z = 0.4 * libm::cos(0.8) + 0.021;
         let command = swaying(&model, InputSlot::Velocity, [0.3, 12.0]);
         (model, command)
     })
@@ -161,7 +161,7 @@ pub fn light_legs() -> Scene {
                 (actuator.kp, actuator.kd) = (3000.0, 30.0);
             }
         }
-        b.model.initial.position.z = 0.42;
+        b.model.roots[0].position.z = 0.42;
         let command = |s: &mut Simulation, t: f64| {
             for a in 0..8 {
                 // Feet sway together, legs in turn.
@@ -195,7 +195,7 @@ pub fn swaying_legs() -> Scene {
                 (actuator.kp, actuator.kd) = (kp, kd);
             }
         }
-        b.model.initial.position.z = 0.41;
+        b.model.roots[0].position.z = 0.41;
         let command = |s: &mut Simulation, t: f64| {
             for a in 0..8 {
                 // Ankles turn against hips, so that soles stay level.

@@ -50,7 +50,7 @@ pub fn satellite(stiffness: f64, spin: [f64; 3]) -> Scene {
         };
         b.actuator(wheel, mode, 10.0);
         b.model.actuators[0].kp = stiffness;
-        b.model.initial.angular_velocity = Vec3::from(spin);
+        b.model.roots[0].angular_velocity = Vec3::from(spin);
         let mut watch = last(move |s| satellite_state(s, stiffness));
         play(b.model, solver, [H, end], &mut idle, &mut watch)
     };
@@ -101,11 +101,11 @@ pub fn tumble(spin: [f64; 3], shaped: bool) -> Scene {
     let simulate = move |solver| {
         let mut b = Builder::new(true, inertia(1.0, Vec3::zeros(), I));
         b.model.world.gravity = Vec3::zeros();
-        b.model.initial.angular_velocity = Vec3::from(spin);
+        b.model.roots[0].angular_velocity = Vec3::from(spin);
         if shaped {
             let half = Vec3::new(0.15, 0.1, 0.05);
             b.shape(BASE, Shape::Box { half }, Pose::IDENTITY);
-            b.model.initial.position.z = 1.0;
+            b.model.roots[0].position.z = 1.0;
         }
         let mut watch = last(|s| s.state().physical.q[3..7].to_vec());
         play(b.model, solver, [H, 5.0], &mut idle, &mut watch)

@@ -112,7 +112,7 @@ pub fn sprung_foot() -> Scene {
         let body = inertia(20.0, Vec3::zeros(), [0.5; 3]);
         let link = b.link(BASE, at(0.0, 0.0, 0.3), Motion::Prismatic(Z), body);
         pd(&mut b, link, kp, 0.0, 1e4);
-        b.model.initial.position.z = 0.025 - 0.5 * b.model.contact.penetration;
+        b.model.roots[0].position.z = 0.025 - 0.5 * b.model.contact.penetration;
         b.model.initial.joint_positions = vec![rest - 0.02];
         play(
             b.model,

@@ -14,7 +14,7 @@ use crate::units;
 use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
 use urdf2fmu_core::geometry;
-use urdf2fmu_core::model::{self, JointId, LinkId, Model};
+use urdf2fmu_core::model::{self, JointId, LinkId, Model, RootId};
 use urdf2fmu_core::simulation::{Simulation, SimulationError};
 use urdf2fmu_core::slots::{InputSlot, OutputSlot};
 use urdf2fmu_core::spatial::{Pose, Vec3, quaternion_from_rotation};
@@ -154,11 +154,13 @@ impl Names<'_> {
     fn base(&mut self, model: &Model) -> Base {
         if model.is_floating() {
             return Base {
-                position: self.track((0..3).map(OutputSlot::BasePosition)),
-                orientation: self.track((0..4).map(OutputSlot::BaseOrientation)),
+                position: self
+                    .track((0..3).map(|axis| OutputSlot::BasePosition(RootId::ROBOT, axis))),
+                orientation: self
+                    .track((0..4).map(|axis| OutputSlot::BaseOrientation(RootId::ROBOT, axis))),
             };
         }
-        let X_WB = Pose::from_xyz_rpy(model.initial.position, model.initial.rpy);
+        let X_WB = Pose::from_xyz_rpy(model.roots[0].position, model.roots[0].rpy);
         let still = |start: &[f64]| Track {
             variables: Vec::new(),
             start: start.to_vec(),

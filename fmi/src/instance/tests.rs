@@ -13,8 +13,8 @@ use crate::pointers::{In, Out};
 use urdf2fmu_core::geometry::Shape;
 use urdf2fmu_core::model::{
     Actuator, ActuatorMode, Body, Collider, Combination, ContactDefaults, Dof, DofId, Ground,
-    Initial, Joint, JointId, JointKind, Link, LinkId, Motion, OutputSelection, SolverDefaults,
-    World,
+    Initial, Joint, JointId, JointKind, Link, LinkId, Motion, OutputSelection, Root, RootId,
+    SolverDefaults, World,
 };
 use urdf2fmu_core::simulation::{InputSlot, OutputSlot, ParameterSlot};
 use urdf2fmu_core::spatial::{Mat3, Pose, RigidInertia, Vec3};
@@ -121,6 +121,10 @@ fn rover() -> Model {
                 limits: None,
             })
             .collect(),
+        roots: vec![Root {
+            position: Vec3::new(0.0, 0.0, 0.35),
+            ..Root::new(String::new(), 0.into())
+        }],
         nq: 8,
         colliders: vec![collider(0, 0.2), collider(1, 0.1)],
         actuators: vec![Actuator {
@@ -134,13 +138,8 @@ fn rover() -> Model {
             no_load_speed: None,
         }],
         initial: Initial {
-            position: Vec3::new(0.0, 0.0, 0.35),
-            rpy: Vec3::zeros(),
-            linear_velocity: Vec3::zeros(),
-            angular_velocity: Vec3::zeros(),
             joint_positions: vec![0.0],
             joint_velocities: vec![0.0],
-            set_down: false,
         },
         solver: SolverDefaults {
             step_size: 0.0,
@@ -181,7 +180,7 @@ fn rows() -> Vec<Variable> {
         ),
         (
             "base.position.z",
-            Slot::Output(OutputSlot::BasePosition(2)),
+            Slot::Output(OutputSlot::BasePosition(RootId::ROBOT, 2)),
             Kind::Real,
         ),
         (
@@ -196,7 +195,7 @@ fn rows() -> Vec<Variable> {
         ),
         (
             "initial.base.position.z",
-            Slot::Parameter(ParameterSlot::InitialBasePosition(2)),
+            Slot::Parameter(ParameterSlot::InitialBasePosition(RootId::ROBOT, 2)),
             Kind::Real,
         ),
         (

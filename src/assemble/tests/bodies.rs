@@ -182,7 +182,7 @@ fn a_massless_root_with_one_floating_joint_is_the_world() {
     assert_eq!(built.joints.len(), 1);
     assert_eq!(built.joints[0].parent, LinkId(0));
     // y is the joint's, z makes the shank's ball of radius 0.1 touch the ground.
-    assert!(close(built.initial.position.y, 3.0) && sunk(built.initial.position.z, 0.4));
+    assert!(close(built.roots[0].position.y, 3.0) && sunk(built.roots[0].position.z, 0.4));
     assert!(note(&assembled, "A107").message.contains("'map'"));
     // Bolted down, its trunk is the fixed base.
     let fixed = model(
@@ -190,7 +190,7 @@ fn a_massless_root_with_one_floating_joint_is_the_world() {
         "robot.base = \"fixed\"\ninitial.xyz = [0, 0, 2]",
     );
     assert_eq!(fixed.bodies[0].motion, Motion::Welded);
-    assert!(close(fixed.initial.position.z, 3.0));
+    assert!(close(fixed.roots[0].position.z, 3.0));
 }
 
 #[test]

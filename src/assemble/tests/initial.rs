@@ -39,18 +39,18 @@ fn joint_zero_outside_the_limits_moves_to_the_nearest_limit() {
 fn a_floating_robot_starts_with_its_lowest_point_on_the_ground() {
     let built = assembled(&cart(), "");
     // The wheels' centres are 0.1 below the base's, their radius is 0.1.
-    assert!(sunk(built.model.initial.position.z, 0.2));
+    assert!(sunk(built.model.roots[0].position.z, 0.2));
     assert!(note(&built, "A111").message.contains("z = 0.1999"));
     // Turned by 90° about x, the right wheel's centre at y = −0.2 is lowest; the left one's after
     // −90°.
     let leaning = model(&cart(), &format!("initial.rpy = [{FRAC_PI_2}, 0, 0]"));
-    assert!(sunk(leaning.initial.position.z, 0.3));
+    assert!(sunk(leaning.roots[0].position.z, 0.3));
     // Upside down nothing but the mast's frames is lower than the chassis' ball.
     let over = model(
         &cart(),
         &format!("initial.rpy = [{PI}, 0, 0]\ninitial.xyz = [5, 6]"),
     );
-    assert!((over.initial.position - Vec3::new(5.0, 6.0, 0.1)).norm() < 1.01e-4);
+    assert!((over.roots[0].position - Vec3::new(5.0, 6.0, 0.1)).norm() < 1.01e-4);
 }
 
 #[test]
@@ -71,10 +71,10 @@ fn joint_positions_count_for_the_initial_height() {
             at(0.0, 0.0, -1.0),
             body("foot", 1.0),
         );
-    assert!(sunk(model(&leg, "").initial.position.z, 1.1));
+    assert!(sunk(model(&leg, "").roots[0].position.z, 1.1));
     let bent = model(&leg, "initial.joints = { hip = 1.0471975511965976 }");
     // 60°: the foot's centre is cos 60° = 0.5 m below.
-    assert!(sunk(bent.initial.position.z, 0.6));
+    assert!(sunk(bent.roots[0].position.z, 0.6));
 }
 
 #[test]
@@ -83,7 +83,7 @@ fn a_start_inside_the_ground_is_warned_about_with_its_depth() {
     let found = note(&deep, "A112");
     assert!(found.message.contains("100.000 mm"), "{}", found.message);
     assert!(found.help.is_some_and(|h| h.contains("0.200000")));
-    assert!(close(deep.model.initial.position.z, 0.1));
+    assert!(close(deep.model.roots[0].position.z, 0.1));
     for settings in [
         "initial.xyz = [0, 0, 0.2]",
         "initial.xyz = [0, 0, 5]",
@@ -101,7 +101,7 @@ fn a_start_inside_the_ground_is_warned_about_with_its_depth() {
     );
     let fixed = assembled(&arm, "robot.base = \"fixed\"");
     assert!(note(&fixed, "A112").message.contains("50.000 mm"));
-    assert!(close(fixed.model.initial.position.z, 0.0));
+    assert!(close(fixed.model.roots[0].position.z, 0.0));
 }
 
 #[test]
@@ -111,7 +111,7 @@ fn without_shapes_or_ground_the_base_starts_at_zero() {
         (cart(), "world.ground = { type = \"none\" }"),
     ] {
         let assembled = assembled(&description, settings);
-        assert!(close(assembled.model.initial.position.z, 0.0));
+        assert!(close(assembled.model.roots[0].position.z, 0.0));
         assert!(note(&assembled, "A111").message.contains("z = 0"));
     }
 }

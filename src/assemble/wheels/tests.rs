@@ -1,7 +1,7 @@
 use super::super::testing::*;
 use super::*;
 use crate::geometry::convex_hull;
-use crate::model::ActuatorId;
+use crate::model::{ActuatorId, RootId};
 use crate::simulation::{InputSlot, OutputSlot, Simulation};
 use crate::urdf::Description;
 use std::sync::Arc;
@@ -277,11 +277,11 @@ fn a_fitted_wheel_rolls_without_ripple() {
         for i in 1..=600 {
             s.advance_to(0.01 * f64::from(i)).expect("finite");
             if i > 300 {
-                let z = s.output(OutputSlot::BasePosition(2));
+                let z = s.output(OutputSlot::BasePosition(RootId::ROBOT, 2));
                 (low, high) = (low.min(z), high.max(z));
             }
         }
-        let speed = s.output(OutputSlot::BaseLinearVelocity(0));
+        let speed = s.output(OutputSlot::BaseLinearVelocity(RootId::ROBOT, 0));
         assert!(speed > 0.5, "{speed}");
         high - low
     };

@@ -4,10 +4,34 @@
 use super::check::{Check, number, pose, require, unit};
 use crate::model::{Body, BodyId, Joint, LinkId, Model};
 use crate::spatial::Pose;
+use std::collections::BTreeSet;
 
 pub(super) fn validate(model: &Model) -> Check {
+    roots(model)?;
     bodies(model)?;
     dofs(model)
+}
+
+/// There is a robot, and every base is listed once, in order, with a name of its own.
+fn roots(model: &Model) -> Check {
+    let part = || "the list of trees".to_owned();
+    let bases = model.bodies.iter().zip(0..);
+    let bases = bases.filter(|(body, _)| body.parent.is_none());
+    let listed = model.roots.iter().map(|root| root.body);
+    require(
+        listed.eq(bases.map(|(_, b)| BodyId(b))) && !model.roots.is_empty(),
+        part,
+        "does not name every base in order",
+    )?;
+    let mut names = BTreeSet::new();
+    for (r, root) in model.roots.iter().enumerate() {
+        require(
+            root.name.is_empty() == (r == 0) && names.insert(root.name.as_str()),
+            part,
+            "has a name twice, or a tree without one",
+        )?;
+    }
+    Ok(())
 }
 
 fn bodies(model: &Model) -> Check {
@@ -19,13 +43,13 @@ fn bodies(model: &Model) -> Check {
             "names a link that does not exist",
         )?;
         let before = match body.parent {
-            None => b == 0,
+            None => true,
             Some(parent) => parent.index() < b,
         };
         require(before, part, "does not come after its parent")?;
         let base = body.motion.kind().is_base();
         require(
-            base == (b == 0) && base == body.joint.is_none(),
+            base == body.parent.is_none() && base == body.joint.is_none(),
             part,
             "is no base but moves like one, or the other way round",
         )?;
@@ -62,7 +86,7 @@ fn bodies(model: &Model) -> Check {
     for (l, link) in model.links.iter().enumerate() {
         let part = || format!("link '{}'", link.name);
         let expected = match link.joint {
-            None => Some(BodyId(0)),
+            None => Some(model.roots[model.root_of(link.body).index()].body),
             Some(joint) => {
                 let joint = &model.joints[joint.index()];
                 let moved = joint.bodies.last().copied();

@@ -216,7 +216,7 @@ fn a_model_with_wrong_rotations_axes_or_names_is_refused() {
     assert!(wrong(|m| m.links[4].X_BL.R *= -1.0).contains("link 'camera'"));
     assert!(wrong(|m| m.bodies[1].X_PB.R[(0, 0)] = 0.9).contains("body 1"));
     assert!(wrong(|m| m.links[1].name = "trunk".into()).contains("another link"));
-    assert!(wrong(|m| m.initial.rpy.x = f64::NAN).contains("initial"));
+    assert!(wrong(|m| m.roots[0].rpy.x = f64::NAN).contains("initial"));
     assert!(wrong(|m| m.colliders[2].body = 7_usize.into()).contains("collider 2"));
     assert!(wrong(|m| m.dofs.clear()).contains("coordinates"));
 }

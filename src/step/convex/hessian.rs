@@ -28,7 +28,9 @@ impl Newton {
         for &b in &self.loaded {
             self.G[b] = [0.0; 21];
         }
-        self.G[0] = [0.0; 21];
+        for tree in &tree.trees {
+            self.G[tree.bodies.start] = [0.0; 21];
+        }
         let mut any = false;
         for (contact, response) in p.terms.contacts.iter().zip(&self.responses.contacts) {
             if response.presses() || response.friction.slope > 0.0 {
@@ -51,11 +53,11 @@ impl Newton {
         if !any {
             return;
         }
-        // Not `pattern.floating`: the rows of a fixed serial chain of six joints or more look the
-        // same.
-        let floating = tree.is_free();
         for &b in &self.loaded {
             let body = &tree.bodies[b];
+            // Not what the pattern looks like: the rows of a fixed serial chain of six joints or
+            // more look the same as those on a floating base.
+            let floating = tree.is_free(b);
             let G = self.G[b];
             for c in body.column..body.column + body.columns {
                 let F = multiply_lower(&G, &kin.S[c]);
@@ -81,8 +83,9 @@ impl Newton {
                 *sum += g;
             }
         }
-        if floating {
-            for (m, g) in self.H[..21].iter_mut().zip(&self.G[0]) {
+        for tree in tree.trees.iter().filter(|tree| tree.free) {
+            let rows = &mut self.H[pattern.start[tree.dofs.start]..];
+            for (m, g) in rows.iter_mut().zip(&self.G[tree.bodies.start]) {
                 *m += g;
             }
         }

@@ -28,9 +28,9 @@ fn distance(a: &[f64], b: &[f64]) -> f64 {
 #[test]
 fn fixed_steps_agree_with_error_control_where_corners_slip_briefly() {
     let mut b = block(1.0, 0.8);
-    b.model.initial.position.z = 0.16;
-    b.model.initial.rpy.y = 0.4;
-    b.model.initial.linear_velocity = Vec3::new(1.0, 0.0, -1.0);
+    b.model.roots[0].position.z = 0.16;
+    b.model.roots[0].rpy.y = 0.4;
+    b.model.roots[0].linear_velocity = Vec3::new(1.0, 0.0, -1.0);
     let exact = end(&b.model, None, (0.0, 1e-8), 0.4);
     let error = |mode| distance(&end(&b.model, None, mode, 0.4), &exact);
     let mean = |rate: f64| {

@@ -145,7 +145,7 @@ fn a_robot_in_flight_follows_a_parabola_and_keeps_its_angular_momentum() {
         let (mut mass, mut center, mut linear) = (0.0, Vec3::zeros(), Vec3::zeros());
         for I in &kin.I {
             mass += I.mass;
-            center += Vec3::from(I.moment) + kin.origin * I.mass;
+            center += Vec3::from(I.moment) + kin.origins[0] * I.mass;
         }
         let mut angular = Vec3::zeros();
         for (I, V) in kin.I.iter().zip(&kin.V) {
@@ -157,7 +157,7 @@ fn a_robot_in_flight_follows_a_parabola_and_keeps_its_angular_momentum() {
         (
             center,
             linear / mass,
-            angular - (center - kin.origin).cross(&linear),
+            angular - (center - kin.origins[0]).cross(&linear),
         )
     };
     for (mode, seed) in [
@@ -175,8 +175,8 @@ fn a_robot_in_flight_follows_a_parabola_and_keeps_its_angular_momentum() {
                 b.actuator(link.into(), mode, 5.0);
             }
         }
-        b.model.initial.angular_velocity = Vec3::new(1.0, -2.0, 3.0);
-        b.model.initial.linear_velocity = Vec3::new(3.0, 0.0, 8.0);
+        b.model.roots[0].angular_velocity = Vec3::new(1.0, -2.0, 3.0);
+        b.model.roots[0].linear_velocity = Vec3::new(3.0, 0.0, 8.0);
         let ends: Vec<State> = [1.0 / 1000.0, 1.0 / 240.0, 0.125]
             .into_iter()
             .map(|h| {
@@ -215,7 +215,7 @@ fn a_robot_in_flight_follows_a_parabola_and_keeps_its_angular_momentum() {
 #[test]
 fn a_thin_rod_in_flight_does_not_spin_up_about_its_axis() {
     let mut b = Builder::new(true, inertia(1.0, Vec3::zeros(), [1e-12, 0.1, 0.1]));
-    b.model.initial.angular_velocity = Vec3::new(0.3, 1.0, -2.0);
+    b.model.roots[0].angular_velocity = Vec3::new(0.3, 1.0, -2.0);
     let mut s = start(b.model, 1e-3);
     let about_axis = |s: &Simulation| {
         let mut kin = crate::kinematics::Kinematics::new(s.tree());

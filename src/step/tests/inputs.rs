@@ -220,7 +220,7 @@ fn a_state_saved_with_derivatives_continues_bit_for_bit() {
     let bytes = s.save().to_bytes();
     let read = |s: &mut Simulation| {
         [
-            s.output(OutputSlot::BaseLinearVelocity(0)),
+            s.output(OutputSlot::BaseLinearVelocity(RootId::ROBOT, 0)),
             s.output(OutputSlot::EnergyKinetic),
             s.input(slot),
         ]

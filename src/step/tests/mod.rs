@@ -9,7 +9,7 @@
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
 use crate::geometry::Shape;
-use crate::model::{ActuatorId, ActuatorMode, LinkId, Model, Motion};
+use crate::model::{ActuatorId, ActuatorMode, LinkId, Model, Motion, RootId};
 use crate::simulation::{InputSlot, OutputSlot, ParameterSlot, Simulation};
 use crate::spatial::{Pose, RigidInertia, Vec3};
 use crate::testing::{Builder, Random, at, inertia, random_tree, run, shape_all_links, start};
@@ -39,7 +39,7 @@ fn block(mass: f64, mu: f64) -> Builder {
         },
         Pose::IDENTITY,
     );
-    b.model.initial.position.z = 0.1;
+    b.model.roots[0].position.z = 0.1;
     b.model.links[0].friction = mu;
     b.model.world.ground = Some(crate::model::Ground {
         friction: mu,

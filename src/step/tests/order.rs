@@ -34,7 +34,7 @@ enum Method {
 fn motions() -> [(&'static str, Model); 4] {
     let mut top = Builder::new(true, inertia(1.0, Vec3::zeros(), [1.0, 2.0, 3.0]));
     top.model.world.gravity = Vec3::zeros();
-    top.model.initial.angular_velocity = Vec3::new(1.0, 1.0, 1.0);
+    top.model.roots[0].angular_velocity = Vec3::new(1.0, 1.0, 1.0);
     let pendulum = |rods: usize| {
         let mut b = Builder::new(false, RigidInertia::ZERO);
         for rod in 0..rods {

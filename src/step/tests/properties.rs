@@ -12,7 +12,7 @@ fn everything() -> Model {
         restitution: 0.3,
         ..Default::default()
     });
-    model.initial.position.z = 1.2;
+    model.roots[0].position.z = 1.2;
     for (i, link) in model.links.iter_mut().enumerate() {
         link.static_excess = [0.0, 0.3][i % 2];
         link.rolling_friction = [1e-3, 0.0][i % 2];
@@ -86,8 +86,8 @@ fn the_communication_step_does_not_change_the_result_beyond_the_tolerance() {
     let mut ends = Vec::new();
     for h in [1.0 / 1000.0, 1.0 / 240.0, 1.0 / 60.0, 0.1] {
         let mut b = block(1.0, 0.5);
-        b.model.initial.linear_velocity = Vec3::new(1.0, 0.5, 0.0);
-        b.model.initial.angular_velocity.z = 2.0;
+        b.model.roots[0].linear_velocity = Vec3::new(1.0, 0.5, 0.0);
+        b.model.roots[0].angular_velocity.z = 2.0;
         let mut s = start(b.model, 1e-4);
         run(&mut s, 1.0, h);
         ends.push(Vec3::new(
@@ -134,7 +134,7 @@ fn same_with_spoilt_scratch(mut model: Model) {
 #[test]
 fn nan_in_the_scratch_between_steps_changes_nothing() {
     let mut flying = random_tree(&mut Random(5), 9, true, false);
-    flying.initial.angular_velocity = Vec3::new(1.0, 2.0, 3.0);
+    flying.roots[0].angular_velocity = Vec3::new(1.0, 2.0, 3.0);
     let mut damped = flying.clone();
     for joint in &mut damped.joints {
         joint.damping = 10.0;
@@ -207,8 +207,8 @@ fn random_robot(seed: u64, random: &mut Random) -> Model {
     if seed % 3 == 1 {
         roughen(&mut model, random);
     }
-    model.initial.position.z = random.uniform(-0.3, 1.5);
-    model.initial.rpy = random.vector(3.0);
+    model.roots[0].position.z = random.uniform(-0.3, 1.5);
+    model.roots[0].rpy = random.vector(3.0);
     for joint in &mut model.joints {
         joint.damping = libm::pow(10.0, random.uniform(-4.0, 3.0));
         joint.friction = random.uniform(0.0, 1.0);
@@ -300,9 +300,9 @@ fn tighter_tolerances_converge_through_contact_and_friction() {
         let spin = Vec3::new(in_plane(0.5), in_plane(0.5), in_plane(1.0));
         let end = |tolerance: f64| {
             let mut b = block(1.0, 0.4);
-            b.model.initial.position.z = 0.15;
-            b.model.initial.linear_velocity = speed;
-            b.model.initial.angular_velocity = spin;
+            b.model.roots[0].position.z = 0.15;
+            b.model.roots[0].linear_velocity = speed;
+            b.model.roots[0].angular_velocity = spin;
             let mut s = start(b.model, tolerance);
             run(&mut s, 0.5, 0.05);
             let q = &s.state().physical.q;
@@ -348,7 +348,7 @@ fn a_link_stuck_deep_in_the_ground_stays_finite() {
                 friction,
                 ..Default::default()
             });
-            b.model.initial.rpy = rpy;
+            b.model.roots[0].rpy = rpy;
             b.model.joints[0].damping = 1.0;
             b.model.joints[0].friction = 1e-4;
             let mut s = start(b.model, 1e-3);

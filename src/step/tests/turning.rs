@@ -14,7 +14,7 @@ fn ball(rolling: f64, torsional: f64) -> Builder {
     let shape = Shape::Sphere { radius: RADIUS };
     b.shape(0u32.into_link(), shape, Pose::IDENTITY);
     // One point carries the weight that the stiffness spreads over four.
-    b.model.initial.position.z = RADIUS - 4e-4;
+    b.model.roots[0].position.z = RADIUS - 4e-4;
     b.model.links[0].rolling_friction = rolling;
     b.model.links[0].torsional_friction = torsional;
     b
@@ -33,8 +33,8 @@ fn a_rolling_ball_slows_down_by_its_rolling_friction_and_stands() {
     let a = 5.0 / 7.0 * c * G / RADIUS;
     for mode in MODES {
         let mut b = ball(c, 0.0);
-        b.model.initial.linear_velocity.x = v0;
-        b.model.initial.angular_velocity.y = v0 / RADIUS;
+        b.model.roots[0].linear_velocity.x = v0;
+        b.model.roots[0].angular_velocity.y = v0 / RADIUS;
         let mut s = started(b, mode);
         run(&mut s, 1.0, 0.01);
         let v1 = s.state().physical.v[3];
@@ -66,10 +66,10 @@ fn a_rolling_cylinder_slows_down_by_its_rolling_friction() {
             half_length: 0.05,
         };
         b.shape(0u32.into_link(), shape, Pose::IDENTITY);
-        b.model.initial.rpy.x = std::f64::consts::FRAC_PI_2;
-        b.model.initial.position.z = RADIUS - 2e-4;
-        b.model.initial.linear_velocity.x = 1.0;
-        b.model.initial.angular_velocity.y = 1.0 / RADIUS;
+        b.model.roots[0].rpy.x = std::f64::consts::FRAC_PI_2;
+        b.model.roots[0].position.z = RADIUS - 2e-4;
+        b.model.roots[0].linear_velocity.x = 1.0;
+        b.model.roots[0].angular_velocity.y = 1.0 / RADIUS;
         b.model.world.ground = Some(crate::model::Ground {
             friction: 0.8,
             rolling_friction: c,
@@ -126,7 +126,7 @@ fn a_spinning_ball_slows_down_by_its_torsional_friction_alone() {
     for mode in MODES {
         for (torsional, rolling) in [(c, 0.0), (0.0, c)] {
             let mut b = ball(rolling, torsional);
-            b.model.initial.angular_velocity.z = 10.0;
+            b.model.roots[0].angular_velocity.z = 10.0;
             let mut s = started(b, mode);
             run(&mut s, 0.5, 0.01);
             let w = s.state().physical.v[2];
@@ -208,8 +208,8 @@ fn a_sliding_block_stops_after_the_distance_of_its_dynamic_friction() {
             static_excess: rest / sliding - 1.0,
             ..Default::default()
         });
-        b.model.initial.linear_velocity.x = 1.0;
-        b.model.initial.position.z = 0.1 - 1e-4;
+        b.model.roots[0].linear_velocity.x = 1.0;
+        b.model.roots[0].position.z = 0.1 - 1e-4;
         let mut s = started(b, mode);
         run(&mut s, 1.0, 0.01);
         let x = s.state().physical.q[0];

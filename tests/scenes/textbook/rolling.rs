@@ -34,9 +34,9 @@ fn billiard(mu: f64, v: Vec3, w: Vec3) -> Builder {
     let (mass, radius) = (0.17, 0.0286);
     let moment = 0.4 * mass * radius * radius;
     let mut b = single(mass, [moment; 3], Shape::Sphere { radius }, mu);
-    b.model.initial.position.z = radius - 0.5 * b.model.contact.penetration;
-    b.model.initial.linear_velocity = v;
-    b.model.initial.angular_velocity = w;
+    b.model.roots[0].position.z = radius - 0.5 * b.model.contact.penetration;
+    b.model.roots[0].linear_velocity = v;
+    b.model.roots[0].angular_velocity = w;
     b
 }
 
@@ -80,9 +80,9 @@ fn hoop() -> Scene {
             half_length: 0.02,
         };
         let mut b = single(1.0, [0.02, 0.02, 0.04], shape, mu);
-        b.model.initial.rpy.x = std::f64::consts::FRAC_PI_2;
-        b.model.initial.position.z = 0.2 - 0.5 * b.model.contact.penetration;
-        b.model.initial.linear_velocity.x = speed;
+        b.model.roots[0].rpy.x = std::f64::consts::FRAC_PI_2;
+        b.model.roots[0].position.z = 0.2 - 0.5 * b.model.contact.penetration;
+        b.model.roots[0].linear_velocity.x = speed;
         (b.model, nothing())
     };
     let truth = move || {
@@ -119,8 +119,8 @@ fn roly_poly() -> Scene {
         b.shape(BASE, Shape::Sphere { radius }, Pose::IDENTITY);
         b.model.links[0].friction = 0.8;
         b.model.world.ground = Some(ground(0.8));
-        b.model.initial.position.z = radius - 0.5 * b.model.contact.penetration;
-        b.model.initial.rpy.y = 1.0;
+        b.model.roots[0].position.z = radius - 0.5 * b.model.contact.penetration;
+        b.model.roots[0].rpy.y = 1.0;
         (b.model, nothing())
     };
     let truth = move || {
@@ -246,10 +246,10 @@ fn tippe_top() -> Scene {
         b.shape(BASE, Shape::Sphere { radius }, Pose::IDENTITY);
         b.model.links[0].friction = mu;
         b.model.world.ground = Some(ground(mu));
-        b.model.initial.position.z = radius - 0.5 * b.model.contact.penetration;
-        b.model.initial.rpy.y = lean;
+        b.model.roots[0].position.z = radius - 0.5 * b.model.contact.penetration;
+        b.model.roots[0].rpy.y = lean;
         let w = Vec3::new(libm::sin(lean), 0.0, libm::cos(lean)) * spin;
-        b.model.initial.angular_velocity = w;
+        b.model.roots[0].angular_velocity = w;
         // The middle lies on the axis and does not move.
         (b.model, nothing())
     };

@@ -25,9 +25,9 @@ fn spinning_disc() -> Scene {
         };
         let moments = [2.5e-3, 2.5e-3, 0.5 * radius * radius];
         let mut b = single(1.0, moments, shape, mu);
-        b.model.initial.position.z = 5e-3 - 0.7 * b.model.contact.penetration;
-        b.model.initial.linear_velocity.x = speed;
-        b.model.initial.angular_velocity.z = spin;
+        b.model.roots[0].position.z = 5e-3 - 0.7 * b.model.contact.penetration;
+        b.model.roots[0].linear_velocity.x = speed;
+        b.model.roots[0].angular_velocity.z = spin;
         (b.model, nothing())
     };
     let truth = move || {
@@ -87,8 +87,8 @@ fn circling_block() -> Scene {
     let make = move || {
         let half = [0.1, 0.1, 0.02];
         let mut b = single(1.0, cuboid(half), Shape::Box { half: half.into() }, mu);
-        b.model.initial.position.z = 0.02 - 0.5 * b.model.contact.penetration;
-        b.model.initial.linear_velocity.x = speed;
+        b.model.roots[0].position.z = 0.02 - 0.5 * b.model.contact.penetration;
+        b.model.roots[0].linear_velocity.x = speed;
         let command = move |s: &mut Simulation, t: f64| {
             for (axis, turn) in [(0, 0.0), (1, -std::f64::consts::FRAC_PI_2)] {
                 let slot = InputSlot::ExternalForce(BASE, axis);
@@ -123,7 +123,7 @@ fn tipping_boxes() -> Scene {
         let (sin, cos) = libm::sincos(angle);
         let force = G * (half[0] / cos).min(half[1] / sin.max(1e-9)) / half[2];
         let mut b = single(1.0, cuboid(half), Shape::Box { half: half.into() }, 3.0);
-        b.model.initial.position.z = half[2] - 0.5 * b.model.contact.penetration;
+        b.model.roots[0].position.z = half[2] - 0.5 * b.model.contact.penetration;
         let mut push = |s: &mut Simulation, t: f64| {
             let now = force * share * (t / 0.5).min(1.0);
             s.set_input(InputSlot::ExternalForce(BASE, 0), now * cos);
@@ -182,8 +182,8 @@ fn rocking_block(name: &'static str, end: f64) -> Scene {
     let make = move || {
         let half = [b_half, 0.1, h_half];
         let mut b = single(1.0, cuboid(half), Shape::Box { half: half.into() }, 3.0);
-        b.model.initial.rpy.y = first;
-        b.model.initial.position.z =
+        b.model.roots[0].rpy.y = first;
+        b.model.roots[0].position.z =
             reach * libm::cos(alpha - first) - 0.7 * b.model.contact.penetration;
         (b.model, nothing())
     };
@@ -234,8 +234,8 @@ fn falling_rod(rough: bool) -> Scene {
         };
         let mu = if rough { 20.0 } else { 0.0 };
         let mut b = single(1.0, [moment, moment, 1e-5], rod, mu);
-        b.model.initial.rpy.y = 0.1;
-        b.model.initial.position.z = l * libm::cos(0.1) + r - 0.7 * b.model.contact.penetration;
+        b.model.roots[0].rpy.y = 0.1;
+        b.model.roots[0].position.z = l * libm::cos(0.1) + r - 0.7 * b.model.contact.penetration;
         (b.model, nothing())
     };
     let look = move |s: &mut Simulation| {
@@ -282,7 +282,7 @@ fn bounces() -> Scene {
     let end = first * (1.0 + 2.0 * e + 2.0 * e * e + e * e * e);
     let make = move || {
         let mut b = single(0.2, [5e-5; 3], Shape::Sphere { radius: 0.03 }, 0.5);
-        b.model.initial.position.z = 0.03 + h;
+        b.model.roots[0].position.z = 0.03 + h;
         b.model.links[0].restitution = e;
         if let Some(ground) = &mut b.model.world.ground {
             ground.restitution = e;
@@ -312,8 +312,8 @@ fn thrown_ball(name: &'static str, mu: f64) -> Scene {
             mu,
         );
         b.model.world.gravity *= 0.0;
-        b.model.initial.position.z = radius + 0.03;
-        b.model.initial.linear_velocity = X - Vec3::new(0.0, 0.0, 3.0);
+        b.model.roots[0].position.z = radius + 0.03;
+        b.model.roots[0].linear_velocity = X - Vec3::new(0.0, 0.0, 3.0);
         b.model.links[0].restitution = e;
         if let Some(ground) = &mut b.model.world.ground {
             ground.restitution = e;

@@ -262,7 +262,7 @@ fn thrown() -> Scene {
     let make = move || {
         let mut b = Builder::new(true, inertia(1.0, Vec3::zeros(), [1e-3; 3]));
         b.model.world.drag = drag;
-        b.model.initial.linear_velocity = Vec3::new(5.0, 0.0, 8.0);
+        b.model.roots[0].linear_velocity = Vec3::new(5.0, 0.0, 8.0);
         (b.model, nothing())
     };
     let truth = move || {

@@ -5,7 +5,7 @@ use crate::scenes::truth::runge_kutta;
 use crate::scenes::{G, H, Scene, Y, ground};
 use crate::testing::{Builder, at, inertia};
 use urdf2fmu_core::geometry::Shape;
-use urdf2fmu_core::model::{ActuatorMode, LinkId, Model, Motion};
+use urdf2fmu_core::model::{ActuatorMode, LinkId, Model, Motion, RootId};
 use urdf2fmu_core::simulation::{InputSlot, OutputSlot, Simulation};
 use urdf2fmu_core::spatial::{Mat3, Pose, RigidInertia, Vec3};
 
@@ -56,9 +56,9 @@ fn bicycle_model(speed: f64) -> Model {
     let front = b.link(fork, at(-0.08, 0.0, 0.35), Motion::Revolute(Y), front);
     wheel(&mut b, rear, 0.3, 1e-6, mu);
     wheel(&mut b, front, 0.35, 1e-6, mu);
-    b.model.initial.position.z = -0.3 * b.model.contact.penetration;
-    b.model.initial.linear_velocity.x = speed;
-    b.model.initial.angular_velocity.x = 0.02;
+    b.model.roots[0].position.z = -0.3 * b.model.contact.penetration;
+    b.model.roots[0].linear_velocity.x = speed;
+    b.model.roots[0].angular_velocity.x = 0.02;
     b.model.initial.joint_velocities = vec![speed / 0.3, 0.0, speed / 0.35];
     b.model
 }
@@ -113,7 +113,12 @@ fn bicycle(name: &'static str, speed: f64, least: f64) -> Scene {
             least,
         },
     };
-    let look = |s: &mut Simulation| vec![s.output(OutputSlot::BaseRpy(0)), s.state().physical.q[8]];
+    let look = |s: &mut Simulation| {
+        vec![
+            s.output(OutputSlot::BaseRpy(RootId::ROBOT, 0)),
+            s.state().physical.q[8],
+        ]
+    };
     compare(
         plan,
         move || (bicycle_model(speed), nothing()),
@@ -142,8 +147,8 @@ fn two_wheels() -> Scene {
             wheel(&mut b, link, radius, 0.02, 1.0);
             motor(&mut b, link, ActuatorMode::Effort, [0.0; 2]);
         }
-        b.model.initial.position.z = radius - 0.25 * b.model.contact.penetration;
-        b.model.initial.rpy.y = first;
+        b.model.roots[0].position.z = radius - 0.25 * b.model.contact.penetration;
+        b.model.roots[0].rpy.y = first;
         // Wheels that do not turn in the world.
         b.model.initial.joint_positions = vec![-first; 2];
         let command = |s: &mut Simulation, _: f64| {
@@ -209,8 +214,8 @@ fn four_wheels(mode: ActuatorMode, mu: f64, speed: f64) -> Model {
         motor(&mut b, link, mode, [0.0; 2]);
         b.model.outputs.contacts.push(link);
     }
-    b.model.initial.position.z = radius - 0.12 * b.model.contact.penetration;
-    b.model.initial.linear_velocity.x = speed;
+    b.model.roots[0].position.z = radius - 0.12 * b.model.contact.penetration;
+    b.model.roots[0].linear_velocity.x = speed;
     b.model
 }
 
