@@ -15,6 +15,9 @@ use crate::spatial::{Pose, Vec3};
 use hull::Simplices;
 use serde::{Deserialize, Serialize};
 
+/// Most points of a contact between two shapes.
+pub const PAIR_POINTS: usize = 8;
+
 /// A convex solid about its own origin; cylinders and capsules stand along z.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "type", rename_all = "lowercase")]

@@ -12,7 +12,7 @@ mod id;
 mod joint_kind;
 mod validate;
 
-use crate::geometry::Shape;
+use crate::geometry::{PAIR_POINTS, Shape};
 pub use crate::joint::Motion;
 use crate::spatial::{Pose, RigidInertia, Vec3};
 pub use id::{ActuatorId, BodyId, DofId, JointId, LinkId, RootId, SensorId};
@@ -489,10 +489,33 @@ impl Model {
         self.dofs.len()
     }
 
-    /// Most contacts, and most contact points of all shapes together.
+    /// Most contacts at a time, and most contact points of all together.
     pub fn contact_room(&self) -> [usize; 2] {
-        let points = self.colliders.iter().map(|c| c.shape.points());
-        [self.colliders.len(), points.sum()]
+        let points: usize = self.colliders.iter().map(|c| c.shape.points()).sum();
+        let (shapes, pairs) = (self.colliders.len(), self.pair_room());
+        [shapes + pairs, points + PAIR_POINTS * pairs]
+    }
+
+    /// Most contacts between two shapes at a time.
+    fn pair_room(&self) -> usize {
+        let shapes = self.colliders.len();
+        if self.roots.len() < 2 {
+            return 0;
+        }
+        (4 * shapes + 64).min(shapes * shapes.saturating_sub(1) / 2)
+    }
+
+    /// How many slots the memory of contacts has: one for each shape with the ground, then one for
+    /// each pair of shapes `(a, b)` with `a < b`, see [`Self::pair_slot`].
+    pub fn slots(&self) -> usize {
+        let shapes = self.colliders.len();
+        let others = if self.roots.len() < 2 { 0 } else { shapes };
+        shapes * (1 + others)
+    }
+
+    /// The slot of the pair of the shapes `a` and `b`.
+    pub fn pair_slot(&self, a: usize, b: usize) -> usize {
+        self.colliders.len() * (1 + a) + b
     }
 
     /// The first actuator of each one's group: itself for those in none.

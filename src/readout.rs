@@ -11,7 +11,7 @@ use crate::model::{JointId, LinkId, Model, RootId};
 use crate::sensor::{self, Sensors};
 use crate::slots::{Axis, OutputSlot};
 use crate::spatial::{
-    Pose, Vec3, Vec6, add6, angular, dot6, quaternion_from_rotation, rpy_from_rotation, velocity_at,
+    Pose, Vec3, Vec6, add6, dot6, quaternion_from_rotation, rpy_from_rotation, velocity_at,
 };
 use crate::state::State;
 use crate::step::point::{Context, Point};
@@ -205,8 +205,9 @@ impl Readout {
                 let contacts = &point.terms.contacts;
                 contacts
                     .iter()
-                    .filter(|c| c.link == link.index())
-                    .map(|c| c.wrench(&contacts.points, &kin.V).0[axis as usize])
+                    .map(|c| (c, c.share_of(link.index())))
+                    .filter(|(_, share)| *share != 0.0)
+                    .map(|(c, share)| share * c.wrench(&contacts.points, &kin.V).0[axis as usize])
                     .sum()
             }
             O::EnergyKinetic => self.energies(ctx, state)[0],
@@ -248,8 +249,13 @@ impl Readout {
     fn normal_loads(&self, link: LinkId) -> impl Iterator<Item = (f64, Vec3)> + '_ {
         let Point { kin, terms } = &self.point;
         let contacts = &terms.contacts;
-        let own = contacts.iter().filter(move |c| c.link == link.index());
-        own.map(|c| (c.normal_load(&contacts.points, &kin.V), c.center))
+        let own = contacts
+            .iter()
+            .filter(move |c| c.share_of(link.index()) != 0.0);
+        own.map(move |c| {
+            let center = c.center + c.seen_from(link.index());
+            (c.normal_load(&contacts.points, &kin.V), center)
+        })
     }
 
     /// Centre of pressure of a link, from O: the mean of its loads' centres, weighted with their
@@ -332,10 +338,7 @@ impl Readout {
             contact.act(&force, &moment, F);
         }
         for turn in &terms.turns {
-            let moment = turn.force(&angular(&kin.V[turn.body]));
-            for (sum, x) in F[turn.body].iter_mut().zip(moment.iter()) {
-                *sum += x;
-            }
+            turn.act(&turn.force(&turn.relative(&kin.V)), F);
         }
         for (b, body) in tree.bodies.iter().enumerate().rev() {
             let f = F[b];

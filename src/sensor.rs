@@ -114,14 +114,26 @@ fn wrench_beyond(ctx: &Context, point: &Point, A: &[Vec6], links: &[usize]) -> V
         couple += I * angular(A) + omega.cross(&(I * omega));
     }
     let is_beyond = |link: usize| links.binary_search(&link).is_ok();
-    for contact in point.terms.contacts.iter().filter(|c| is_beyond(c.link)) {
-        let (force, about) = contact.wrench(&point.terms.contacts.points, &kin.V);
-        couple -= about;
-        add(&Vec3::zeros(), &force, -1.0);
+    let contacts = &point.terms.contacts;
+    for contact in contacts.iter() {
+        let (force, about) = contact.wrench(&contacts.points, &kin.V);
+        if is_beyond(contact.link) {
+            couple -= about;
+            add(&Vec3::zeros(), &force, -1.0);
+        }
+        if let Some(link) = contact.other_link.filter(|link| is_beyond(*link)) {
+            couple += about;
+            add(&-contact.seen_from(link), &force, 1.0);
+        }
     }
     for turn in &point.terms.turns {
-        if is_beyond(point.terms.contacts.list[turn.contact].link) {
-            couple -= turn.force(&angular(&kin.V[turn.body]));
+        let contact = &contacts.list[turn.contact];
+        let moment = turn.force(&turn.relative(&kin.V));
+        if is_beyond(contact.link) {
+            couple -= moment;
+        }
+        if contact.other_link.is_some_and(is_beyond) {
+            couple += moment;
         }
     }
     for &link in &ctx.model.outputs.external_wrenches {

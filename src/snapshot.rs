@@ -117,7 +117,7 @@ impl Snapshot {
         let mut reader = Reader { bytes: counts };
         let touches = usize::try_from(reader.integer()).ok()?;
         let coefficients = usize::try_from(reader.integer()).ok()?;
-        let possible = touches <= model.colliders.len()
+        let possible = touches <= model.contact_room()[0]
             && (coefficients == 0 || coefficients == COEFFICIENTS * (model.nq + model.nv()));
         (possible && bytes.len() == fixed + TOUCH * touches + 8 * coefficients)
             .then_some((touches, coefficients))
@@ -203,7 +203,7 @@ impl Snapshot {
                 .touches
                 .last()
                 .is_none_or(|last| last.slot < slot);
-            complete = complete && ascending && slot < model.colliders.len();
+            complete = complete && ascending && slot < model.slots();
             let touch = Touch::from_numbers(slot, numbers);
             snapshot.state.physical.memory.touches.push(touch);
         }

@@ -9,6 +9,10 @@
 //!
 //! Source: Featherstone 2008, section 6.5; elimination trees: Liu 1990.
 
+mod coupled;
+
+pub use coupled::Coupled;
+
 use crate::spatial::{Vec6, add_scaled6, add6, dot6, multiply_lower};
 use std::ops::Range;
 
@@ -50,13 +54,13 @@ impl Block {
 }
 
 impl Sparsity {
-    /// The pattern that holds all pairs within each of the `cliques` of the unknowns, which lie
-    /// within one of the `blocks`; these come one after the other and make up all unknowns.
+    /// The pattern that holds all pairs within each of the `cliques` of the unknowns, each of which
+    /// lies within one block; `blocks` are their lengths.
     ///
     /// # Panics
     /// If there are 2^32 unknowns or more.
-    pub fn new(blocks: &[Range<usize>], cliques: &[Vec<usize>]) -> Self {
-        let n = blocks.last().map_or(0, |last| last.end);
+    pub fn new(blocks: &[usize], cliques: &[Vec<usize>]) -> Self {
+        let n = blocks.iter().sum();
         let mut coupled = vec![vec![false; n]; n];
         for clique in cliques {
             for &i in clique {
@@ -80,8 +84,10 @@ impl Sparsity {
             }
         }
         let mut pattern = Self::default();
-        for rows in blocks {
-            pattern.add_block(rows.clone(), &parent);
+        let mut first = 0;
+        for length in blocks {
+            pattern.add_block(first..first + length, &parent);
+            first += length;
         }
         pattern
     }
@@ -426,7 +432,7 @@ mod tests {
     fn factor_and_solve_invert_multiply_on_a_branched_floating_tree() {
         let base: Vec<usize> = (0..6).collect();
         let path = |tail: &[usize]| [base.clone(), tail.to_vec()].concat();
-        let p = Sparsity::new(&[0..11], &[path(&[6, 7]), path(&[6, 8]), path(&[9, 10])]);
+        let p = Sparsity::new(&[11], &[path(&[6, 7]), path(&[6, 8]), path(&[9, 10])]);
         assert!(p.blocks[0].floating);
         assert_eq!(p.depth[8], 7);
         check(&p);
@@ -444,12 +450,12 @@ mod tests {
             path(&trunk, 18..21),
             path(&trunk[..6], 21..23),
         ];
-        let p = Sparsity::new(&[0..23], &limbs);
+        let p = Sparsity::new(&[23], &limbs);
         assert!(p.blocks[0].floating);
         let direct = [13, 14, 17, 20, 22].map(|k| p.prefix[k]);
         assert_eq!(direct, [0, 14, 17, 15, 0]);
         check(&p);
-        let chain = Sparsity::new(&[0..20], &[path(&[], 0..20)]);
+        let chain = Sparsity::new(&[20], &[path(&[], 0..20)]);
         assert!(chain.blocks[0].floating);
         check(&chain);
     }
@@ -460,12 +466,12 @@ mod tests {
         let base: Vec<usize> = (0..6).collect();
         let arm = |from: usize| [base.clone(), vec![from, from + 1]].concat();
         let cliques = [arm(6), arm(8), vec![10, 11, 12], (13..19).collect()];
-        let p = Sparsity::new(&[0..10, 10..13, 13..13, 13..19], &cliques);
+        let p = Sparsity::new(&[10, 3, 0, 6], &cliques);
         let floating: Vec<bool> = p.blocks.iter().map(|b| b.floating).collect();
         assert_eq!(floating, [true, false, false, true]);
         check(&p);
         // The robot has the digits that it has alone.
-        let alone = Sparsity::new(&[0..10], &cliques[..2]);
+        let alone = Sparsity::new(&[10], &cliques[..2]);
         let n = alone.entries();
         let mut a: Vec<f64> = (0..p.entries()).map(|i| libm::sin(i as f64)).collect();
         for k in 0..p.len() {
@@ -481,7 +487,7 @@ mod tests {
     fn coupled_branches_fill_in_and_still_solve() {
         // Two fingers on one palm joint (0); finger 3 follows finger 1, so that 1 and 3's subtree
         // (4) couple.
-        let p = Sparsity::new(&[0..5], &[vec![0, 1, 2], vec![0, 3, 4], vec![0, 2, 4]]);
+        let p = Sparsity::new(&[5], &[vec![0, 1, 2], vec![0, 3, 4], vec![0, 2, 4]]);
         assert!(!p.blocks[0].floating);
         check(&p);
     }

@@ -3,8 +3,9 @@
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
 use crate::force::{
-    Contact, ContactPoint, ContactSet, Drive, JointResponse, JointTerm, Memory, PointResponse,
-    PointVelocity, Response, Responses, Terms, Touch, Turn, TurnResponse, Velocities,
+    Contact, ContactPoint, ContactSet, Drive, JointResponse, JointTerm, Memory, Other,
+    PointResponse, PointVelocity, Response, Responses, Terms, Touch, Turn, TurnResponse,
+    Velocities,
 };
 use crate::kinematics::Kinematics;
 use crate::law::normal::Stiffening;
@@ -148,15 +149,16 @@ spoil!(Responses: contacts points turns joints;);
 spoil!(Velocities: contacts points turns;);
 spoil!(Physical: q v memory;);
 spoil!(Terms: contacts turns joints;);
+spoil!(Other: body from axes;);
 spoil!(
-    Contact: body other link slot normal points depth spring dissipation load tilting bounce duration
+    Contact: body other link other_link slot mass normal points depth spring dissipation load tilting bounce duration
     center radius drift mu friction;
 );
 spoil!(ContactPoint: corner x arm depth share load rim;);
 
 spoil!(ContactSet: list points;);
 spoil!(Stiffening: stiffness reference;);
-spoil!(Turn: contact body slot normal coefficient torsional rolling;);
+spoil!(Turn: contact body other slot normal coefficient torsional rolling;);
 impl Spoil for JointTerm {
     /// What is the same in every step stays: which degree of freedom it is, and whether it has
     /// limits and an actuator.

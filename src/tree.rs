@@ -256,7 +256,7 @@ impl Tree {
             path.dedup();
             paths.push(path);
         }
-        let blocks: Vec<_> = self.trees.iter().map(|tree| tree.dofs.clone()).collect();
+        let blocks: Vec<usize> = self.trees.iter().map(|tree| tree.dofs.len()).collect();
         Sparsity::new(&blocks, &paths)
     }
 

@@ -73,7 +73,10 @@ impl Contact {
             *sum += x;
         }
         if let Some(other) = self.other {
-            for (sum, x) in F[other].iter_mut().zip(wrench) {
+            // About the other tree's O.
+            let m = moment + other.from.cross(force);
+            let wrench = [m.x, m.y, m.z, force.x, force.y, force.z];
+            for (sum, x) in F[other.body].iter_mut().zip(wrench) {
                 *sum -= x;
             }
         }

@@ -47,7 +47,7 @@
 use super::point::{ContactPoint, PointResponse, PointVelocity, norm};
 use crate::law::normal::Stiffening;
 use crate::law::{ElastoPlastic, Resistance};
-use crate::spatial::{Vec3, Vec6, angular, linear, velocity_at};
+use crate::spatial::{Mat3, Vec3, Vec6, angular, linear, velocity_at};
 use std::ops::Range;
 
 /// What a contact gives for a velocity.
@@ -79,17 +79,42 @@ impl Response {
     }
 }
 
+/// The body on the other side of a contact.
+#[derive(Clone, Copy, Debug)]
+pub struct Other {
+    /// Its index.
+    pub body: usize,
+    /// O of the tree of the first body, seen from O of this one's, m, world axes.
+    pub from: Vec3,
+    /// Its axes in the world: what friction remembers turns with it.
+    pub axes: Mat3,
+}
+
+impl Other {
+    /// A velocity or displacement of the body, about O of the first one's tree.
+    #[inline]
+    pub fn seen(&self, V: &Vec6) -> Vec6 {
+        let v = velocity_at(V, &self.from);
+        [V[0], V[1], V[2], v.x, v.y, v.z]
+    }
+}
+
 /// A contact in a step: what was found at its start, constant while the step is solved.
 #[derive(Clone, Debug, Default)]
 pub struct Contact {
     /// Index of the body that it pushes along the normal.
     pub body: usize,
-    /// Index of the body that it pushes against; none: the ground, which does not move.
-    pub other: Option<usize>,
-    /// Index of the link, for outputs.
+    /// The body that it pushes against; none: the ground, or something else that does not move.
+    pub other: Option<Other>,
+    /// Index of the link, for outputs, and of the other one.
     pub link: usize,
-    /// Place of its memory in the state: the index of the shape.
+    /// See `link`; none for the ground.
+    pub other_link: Option<usize>,
+    /// Place of its memory in the state: the index of the shape, or of the pair of shapes after
+    /// those of all shapes.
     pub slot: usize,
+    /// Mass that takes part: that of the body's tree, reduced by that of the other one, kg.
+    pub mass: f64,
     /// Unit vector from the ground or the other body into the body.
     pub normal: Vec3,
     /// Its points in [`super::ContactSet::points`].
@@ -128,8 +153,29 @@ impl Contact {
     #[inline]
     pub(super) fn relative(&self, V: &[Vec6]) -> Vec6 {
         let v = V[self.body];
-        self.other
-            .map_or(v, |other| std::array::from_fn(|i| v[i] - V[other][i]))
+        self.other.map_or(v, |other| {
+            let w = other.seen(&V[other.body]);
+            std::array::from_fn(|i| v[i] - w[i])
+        })
+    }
+
+    /// What a link gets of its force: all, all reversed, or nothing.
+    pub fn share_of(&self, link: usize) -> f64 {
+        if self.link == link {
+            1.0
+        } else if self.other_link == Some(link) {
+            -1.0
+        } else {
+            0.0
+        }
+    }
+
+    /// O of the tree of its first body, seen from O of the tree of `link`, one of its two, m.
+    pub fn seen_from(&self, link: usize) -> Vec3 {
+        match self.other {
+            Some(other) if self.link != link => other.from,
+            _ => Vec3::zeros(),
+        }
     }
 
     /// Velocity `u` that friction acts against, m/s, world axes.
@@ -195,6 +241,21 @@ impl Contact {
                     soonest
                 }
             })
+    }
+
+    /// A vector that is remembered, in world axes.
+    #[inline]
+    pub fn recall(&self, stored: &[f64; 3]) -> Vec3 {
+        let stored = Vec3::from(*stored);
+        self.other.map_or(stored, |other| other.axes * stored)
+    }
+
+    /// The inverse of [`Self::recall`].
+    #[inline]
+    pub fn keep(&self, x: &Vec3) -> [f64; 3] {
+        self.other
+            .map_or(*x, |other| other.axes.transpose() * x)
+            .into()
     }
 
     /// Sets the friction that slips for a normal force, N.

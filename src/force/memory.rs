@@ -7,11 +7,12 @@ use std::iter::Peekable;
 /// What a contact remembers from step to step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Touch {
-    /// Index of the shape.
+    /// Index of the shape, or that of a pair of shapes: see [`Model::slots`].
     pub slot: usize,
-    /// Elastic displacement ς of the friction, world axes, m; along the normal against drilling.
+    /// Elastic displacement ς of the friction, m, in axes of the body that is pushed against; along
+    /// the normal against drilling.
     pub displacement: [f64; 3],
-    /// Elastic angle of the friction against turning, world axes, rad.
+    /// Elastic angle of the friction against turning, in the same axes, rad.
     pub turn: [f64; 3],
     /// Dissipation with which it bounces, chosen at touch-down, s/m; 0 for a contact that does not.
     pub bounce: f64,
@@ -50,7 +51,7 @@ impl Memory {
     /// Nothing remembered; room for all that a robot can touch.
     pub fn new(model: &Model) -> Self {
         Self {
-            touches: Vec::with_capacity(model.colliders.len()),
+            touches: Vec::with_capacity(model.contact_room()[0]),
             motor: vec![0.0; model.actuators.len()],
             dry: vec![0.0; model.nv()],
         }

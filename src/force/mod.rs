@@ -19,7 +19,7 @@ mod point;
 mod terms;
 mod turn;
 
-pub use contact::{Contact, Response};
+pub use contact::{Contact, Other, Response};
 pub use detect::{Plane, detect, held, is_clear};
 pub use drive::Drive;
 pub use gather::ContactSet;

@@ -12,7 +12,7 @@ use super::point::{PointResponse, PointVelocity};
 use super::turn::{Turn, TurnResponse, find_turns};
 use crate::kinematics::Kinematics;
 use crate::model::Model;
-use crate::spatial::{Vec3, Vec6, angular};
+use crate::spatial::{Vec3, Vec6};
 use crate::tree::Tree;
 
 /// Velocities that contacts answer.
@@ -47,7 +47,7 @@ impl Velocities {
             self.points.extend(points);
         }
         self.turns.clear();
-        let turns = terms.turns.iter().map(|t| angular(&V[t.body]));
+        let turns = terms.turns.iter().map(|t| t.relative(V));
         self.turns.extend(turns);
     }
 
@@ -122,7 +122,7 @@ impl Terms {
         let dofs = (0..model.nv()).filter(of_joint);
         Self {
             contacts: ContactSet::new(model.contact_room()),
-            turns: Vec::with_capacity(model.colliders.len()),
+            turns: Vec::with_capacity(model.contact_room()[0]),
             joints: dofs.map(|dof| JointTerm::new(model, dof)).collect(),
         }
     }
@@ -277,8 +277,8 @@ impl Terms {
                 let angle = turn.map(|(turn, w)| turn.next_displacement(w, h));
                 memory.touches.push(Touch {
                     slot: contact.slot,
-                    displacement: contact.friction.next(v + contact.drift, h).into(),
-                    turn: angle.unwrap_or_default().into(),
+                    displacement: contact.keep(&contact.friction.next(v + contact.drift, h)),
+                    turn: contact.keep(&angle.unwrap_or_default()),
                     bounce,
                 });
             }
@@ -326,10 +326,10 @@ impl Terms {
             let touch = seek(&mut touches, contact.slot, |t| t.slot);
             let touch = touch.copied().unwrap_or_default();
             let start = contact.friction.displacement;
-            let next = Vec3::from(touch.displacement);
+            let next = contact.recall(&touch.displacement);
             contact.friction.displacement = start + (next - start) * share;
             if let Some(turn) = seek(&mut turns, contact.slot, |t| t.slot) {
-                turn.begin(&Vec3::from(touch.turn), share);
+                turn.begin(&contact.recall(&touch.turn), share);
             }
         }
         for term in &mut self.joints {
@@ -389,9 +389,7 @@ impl Terms {
             let mut turn = *turn;
             turn.carry(responses.contacts[turn.contact].load / h);
             let more = turn.response(w, h).impulse - response.impulse;
-            for (sum, x) in F[turn.body][..3].iter_mut().zip(more.iter()) {
-                *sum += x;
-            }
+            turn.act(&more, F);
             any |= more != Vec3::zeros();
         }
         any

@@ -6,7 +6,7 @@ use crate::kinematics::{Kinematics, advance};
 use crate::law::ElastoPlastic;
 use crate::law::normal::Stiffening;
 use crate::simulation::Simulation;
-use crate::spatial::{Pose, Vec3, Vec6};
+use crate::spatial::{Mat3, Pose, Vec3, Vec6, angular, dot6, linear, velocity_at};
 use crate::testing::{Builder, Random, inertia, start};
 
 /// Energy that the springs of all points hold, J, and the force on the body about its origin
@@ -262,19 +262,31 @@ fn friction_gives_back_no_more_than_it_was_paid() {
 fn two_bodies_push_each_other_with_opposite_wrenches() {
     let mut rng = Random(14);
     let (mut contact, _) = random(&mut rng);
-    contact.other = Some(1);
+    let from = rng.vector(0.3);
+    contact.other = Some(Other {
+        body: 1,
+        from,
+        axes: Mat3::identity(),
+    });
     let (a, b) = (spatial(&mut rng, 0.1), spatial(&mut rng, 0.1));
-    assert_eq!(contact.sliding(&[a, a]), Vec3::zeros());
+    // The same motion, about the other tree's O.
+    let about_other = |V: &Vec6| {
+        let v = velocity_at(V, &-from);
+        [V[0], V[1], V[2], v.x, v.y, v.z]
+    };
+    assert!(contact.sliding(&[a, about_other(&a)]).norm() < 1e-15);
     let relative = moved(&a, &b, -1.0);
-    assert_eq!(
-        contact.sliding(&[a, b]),
-        contact.sliding(&[relative, [0.0; 6]])
-    );
+    let slides = contact.sliding(&[a, about_other(&b)]);
+    let expected = contact.sliding(&[relative, [0.0; 6]]);
+    assert!((slides - expected).norm() < 1e-15);
     let mut F = [[0.0; 6]; 2];
     contact.act(&Vec3::new(7.0, 8.0, 9.0), &Vec3::new(1.0, 2.0, 3.0), &mut F);
-    assert!(
-        F[0].iter()
-            .zip(&F[1])
-            .all(|(a, b)| a + b == 0.0 && *a != 0.0)
-    );
+    // The force is opposite, and so is the moment about one point.
+    let (f, g) = (linear(&F[0]), linear(&F[1]));
+    assert_eq!(f, -g);
+    let moment = angular(&F[1]) - from.cross(&g);
+    assert!((angular(&F[0]) + moment).norm() < 1e-14);
+    // What both do to a common motion is nothing.
+    let power = dot6(&F[0], &a) + dot6(&F[1], &about_other(&a));
+    assert!(power.abs() < 1e-14);
 }

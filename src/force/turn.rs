@@ -14,7 +14,7 @@ use super::gather::ContactSet;
 use super::memory::{Touch, seek};
 use crate::kinematics::Kinematics;
 use crate::law::ElastoPlastic;
-use crate::spatial::Vec3;
+use crate::spatial::{Vec3, Vec6, angular};
 use crate::tree::Tree;
 use crate::tuning::TURN_DEFLECTION;
 
@@ -25,6 +25,8 @@ pub struct Turn {
     pub contact: usize,
     /// Index of the body.
     pub body: usize,
+    /// Index of the body that it turns against; none: what does not move.
+    pub other: Option<usize>,
     /// Place in the state, the contact's.
     pub slot: usize,
     /// The contact's.
@@ -57,7 +59,7 @@ pub fn find_turns(
             continue;
         }
         let stored = seek(&mut touches, contact.slot, |t| t.slot).map_or([0.0; 3], |t| t.turn);
-        let (torsion, roll) = normal_part(&contact.normal, &stored.into());
+        let (torsion, roll) = normal_part(&contact.normal, &contact.recall(&stored));
         let [torsional, rolling] = turning.coefficient.map(|c| {
             let stiffness = c * turning.load / TURN_DEFLECTION;
             (stiffness, 2.0 * (stiffness * turning.inertia).sqrt())
@@ -65,6 +67,7 @@ pub fn find_turns(
         let mut turn = Turn {
             contact: index,
             body: contact.body,
+            other: contact.other.map(|other| other.body),
             slot: contact.slot,
             normal: contact.normal,
             coefficient: turning.coefficient,
@@ -110,6 +113,26 @@ impl TurnResponse {
 }
 
 impl Turn {
+    /// Angular velocity of its body against the other one, where `V` are those of all.
+    #[inline]
+    pub fn relative(&self, V: &[Vec6]) -> Vec3 {
+        let w = angular(&V[self.body]);
+        self.other.map_or(w, |other| w - angular(&V[other]))
+    }
+
+    /// Adds a moment on the body, and its reaction, to the forces on all bodies; or impulses.
+    #[inline]
+    pub fn act(&self, moment: &Vec3, F: &mut [Vec6]) {
+        for (sum, x) in F[self.body][..3].iter_mut().zip(moment.iter()) {
+            *sum += x;
+        }
+        if let Some(other) = self.other {
+            for (sum, x) in F[other][..3].iter_mut().zip(moment.iter()) {
+                *sum -= x;
+            }
+        }
+    }
+
     /// Sets the moments that slip for a normal force, N.
     pub fn carry(&mut self, force: f64) {
         self.torsional.cap = self.coefficient[0] * force;

@@ -54,9 +54,14 @@ impl Attempt {
     /// links.
     pub(super) fn add_impulses(&mut self, terms: &Terms, solved: &Newton, [h, share]: [f64; 2]) {
         for (contact, response) in terms.contacts.iter().zip(&solved.responses.contacts) {
-            let sum = &mut self.impulse[contact.link];
-            for (sum, x) in sum.iter_mut().zip(contact.impulse(response, h).iter()) {
-                *sum += share * x;
+            let impulse = contact.impulse(response, h) * share;
+            for (sum, x) in self.impulse[contact.link].iter_mut().zip(impulse.iter()) {
+                *sum += x;
+            }
+            if let Some(other) = contact.other_link {
+                for (sum, x) in self.impulse[other].iter_mut().zip(impulse.iter()) {
+                    *sum -= x;
+                }
             }
         }
     }

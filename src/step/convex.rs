@@ -23,6 +23,7 @@ mod line_search;
 
 use crate::force::{ContactSet, Response, Responses, Solved, Terms, Velocities};
 use crate::kinematics::{Kinematics, forward};
+use crate::sparsity::Coupled;
 use crate::spatial::{Vec6, add6, dot6};
 use crate::tree::Tree;
 use crate::tuning::{COARSEST, ITERATED, MAX_ITERATIONS, ROUND_OFF};
@@ -61,7 +62,7 @@ pub struct Newton {
     gradient: Vec<f64>,
     direction: Vec<f64>,
     direction_momentum: Vec<f64>,
-    H: Vec<f64>,
+    H: Coupled,
     /// Whether `H` holds the factor of the last solve's last Hessian.
     factored: bool,
     V: Vec<Vec6>,
@@ -134,7 +135,7 @@ impl Newton {
             gradient: vec![0.0; nv],
             direction: vec![0.0; nv],
             direction_momentum: vec![0.0; nv],
-            H: vec![0.0; tree.sparsity.entries()],
+            H: Coupled::new(&tree.sparsity),
             factored: false,
             V: vec![[0.0; 6]; nb],
             along: Velocities::new(contacts),
@@ -200,7 +201,7 @@ impl Newton {
     /// `p`, at its guess `next`. None unless the same points touch, press, stick and slip.
     ///
     /// - `contacts`: those of this solve
-    pub fn factor_for(&self, contacts: &ContactSet, next: &Self, p: &Problem) -> Option<&[f64]> {
+    pub fn factor_for(&self, contacts: &ContactSet, next: &Self, p: &Problem) -> Option<&Coupled> {
         let regime = |r: &Response| (r.presses(), r.friction.slope > 0.0, r.slips());
         let now = p.terms.contacts.iter().zip(&next.responses.contacts);
         let then = contacts.iter().zip(&self.responses.contacts);
@@ -227,7 +228,7 @@ impl Newton {
         &mut self,
         p: &Problem,
         run: &mut Run,
-        factor: Option<&[f64]>,
+        factor: Option<&Coupled>,
     ) -> Option<Outcome> {
         let Problem { tree, kin, h, .. } = *p;
         let D2 = &kin.inverse_diagonal;
@@ -262,12 +263,12 @@ impl Newton {
             *x = -g;
         }
         if let Some(factor) = factor {
-            tree.sparsity.solve(factor, &mut self.direction);
+            factor.solve(&tree.sparsity, &mut self.direction);
         } else {
             self.assemble(p);
-            tree.sparsity.factor(&mut self.H);
+            self.H.factor(&tree.sparsity);
             self.factored = true;
-            tree.sparsity.solve(&self.H, &mut self.direction);
+            self.H.solve(&tree.sparsity, &mut self.direction);
         }
         let alpha = self.line_search(p);
         for (v, w) in self.v.iter_mut().zip(&self.direction) {
@@ -320,11 +321,11 @@ impl Newton {
     }
 
     /// The factor of the Hessian at the solution, or of one near it.
-    pub(super) fn factor(&mut self, p: &Problem) -> &[f64] {
+    pub(super) fn factor(&mut self, p: &Problem) -> &Coupled {
         if !self.factored {
             self.mark_loaded(p.tree, &p.terms.contacts);
             self.assemble(p);
-            p.tree.sparsity.factor(&mut self.H);
+            self.H.factor(&p.tree.sparsity);
             self.factored = true;
         }
         &self.H
@@ -359,7 +360,7 @@ impl Newton {
         for contact in contacts.iter() {
             self.is_loaded[contact.body] = true;
             if let Some(other) = contact.other {
-                self.is_loaded[other] = true;
+                self.is_loaded[other.body] = true;
             }
         }
         self.loaded.clear();
@@ -393,10 +394,7 @@ impl Newton {
             contact.push(points, (response, own), p.h, &mut self.F);
         }
         for (turn, response) in p.terms.turns.iter().zip(&self.responses.turns) {
-            let moment = &mut self.F[turn.body][..3];
-            for (sum, x) in moment.iter_mut().zip(response.impulse.iter()) {
-                *sum += x;
-            }
+            turn.act(&response.impulse, &mut self.F);
         }
         let mut contact_scale = 0.0;
         let gradient = &mut self.gradient;
@@ -421,7 +419,7 @@ impl Newton {
     /// solution: the largest, weighted, to first order, rad/s.
     ///
     /// - `factor`: that of the Hessian, where the solve has not needed one of its own
-    pub(super) fn lag(&mut self, p: &Problem, factor: Option<&[f64]>) -> f64 {
+    pub(super) fn lag(&mut self, p: &Problem, factor: Option<&Coupled>) -> f64 {
         if p.terms.contacts.is_empty() {
             return 0.0;
         }
@@ -438,7 +436,7 @@ impl Newton {
             Some(factor) if !self.factored => factor,
             _ => self.factor(p),
         };
-        p.tree.sparsity.solve(factor, &mut missing);
+        factor.solve(&p.tree.sparsity, &mut missing);
         self.direction = missing;
         let weighted = self.direction.iter().zip(&p.tree.dofs.weight);
         weighted.fold(0.0, |most: f64, (v, w)| most.max(w * v.abs()))

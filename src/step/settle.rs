@@ -52,7 +52,7 @@ impl Stepper {
                 return true;
             }
             if sinks {
-                for tree in tree.trees.iter() {
+                for tree in &tree.trees {
                     let base = if tree.free { 6 } else { 0 };
                     for dof in tree.dofs.clone().skip(base) {
                         self.here.kin.M[pattern.diagonal(dof)] *= LOCKED;

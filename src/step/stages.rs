@@ -346,11 +346,11 @@ impl Stages {
             *velocity += moved - here;
         }
         let factor = self.solved[1].factor(&problem(&self.terms[1], eta));
-        pattern.solve(factor, velocity);
+        factor.solve(pattern, velocity);
         // Once more: what dies within the step is no error of it.
         pattern.multiply(&kin.M, velocity, &mut self.guess);
         velocity.copy_from_slice(&self.guess);
-        pattern.solve(factor, velocity);
+        factor.solve(pattern, velocity);
         for (position, velocity) in position.iter_mut().zip(&*velocity) {
             *position += eta * velocity;
         }

@@ -233,6 +233,19 @@ impl Tree {
         self.trees.iter().map(|tree| tree.reach).fold(0.0, f64::max)
     }
 
+    /// Columns of `S` that move a body: its own, its parent's, and so on down to the base.
+    #[inline]
+    pub fn columns_to(&self, body: usize) -> impl Iterator<Item = usize> + '_ {
+        let below = |b: &usize| {
+            let body = &self.bodies[*b];
+            (!body.kind.is_base()).then_some(body.parent)
+        };
+        std::iter::successors(Some(body), below).flat_map(|b| {
+            let body = &self.bodies[b];
+            body.column..body.column + body.columns
+        })
+    }
+
     /// Whether the base of a body's tree floats: its columns of `S`, the first six of the tree, are
     /// the unit vectors.
     #[inline]

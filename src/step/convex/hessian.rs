@@ -1,15 +1,18 @@
 //! The Hessian `H = M + Jᵀ G J`: a contact's stiffness is a 6×6 matrix on its body, composed and
 //! projected like a composite rigid body, so that `H` has the sparsity of `M`.
 //!
-//! For contacts with the ground: the stiffness between two bodies of different branches lies
-//! outside that pattern.
+//! Between bodies of two trees it is that on each of the two, and one block beside the pattern,
+//! `−Sᵀ G S'` with the columns of both, which couples the trees.
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
 use super::{Newton, Problem};
 use crate::dynamics::crba::add_row;
-use crate::force::{Contact, ContactPoint, PointResponse, Response, TurnResponse};
-use crate::spatial::{Vec3, across, dot6, join, multiply_lower};
+use crate::force::{Contact, ContactPoint, Other, PointResponse, Response, TurnResponse};
+use crate::kinematics::Kinematics;
+use crate::sparsity::Coupled;
+use crate::spatial::{Vec3, Vec6, across, angular, dot6, join, linear, multiply_lower};
+use crate::tree::Tree;
 
 impl Newton {
     /// `H = M + Jᵀ G J` from the responses.
@@ -17,10 +20,11 @@ impl Newton {
     pub(super) fn assemble(&mut self, p: &Problem) {
         let Problem { tree, kin, .. } = *p;
         let pattern = &tree.sparsity;
-        self.H.copy_from_slice(&kin.M);
+        self.H.part();
+        self.H.packed.copy_from_slice(&kin.M);
         for (term, r) in p.terms.joints.iter().zip(&self.responses.joints) {
             let stiffness = r.stiffness;
-            self.H[pattern.diagonal(term.dof)] += stiffness;
+            self.H.packed[pattern.diagonal(term.dof)] += stiffness;
         }
         if p.terms.contacts.is_empty() {
             return;
@@ -38,13 +42,29 @@ impl Newton {
                 let own = contact.points.clone();
                 let points = &p.terms.contacts.points[own.clone()];
                 let response = (response, &self.responses.points[own]);
-                add_contact(&mut self.G[contact.body], contact, points, response, p.h);
+                let own = &mut self.G[contact.body];
+                let Some(other) = contact.other else {
+                    add_contact(own, contact, points, response, p.h);
+                    continue;
+                };
+                let mut G = [0.0; 21];
+                add_contact(&mut G, contact, points, response, p.h);
+                let sums = (&mut self.G[..], &mut self.H);
+                link((tree, kin), sums, contact.body, &other, &G);
             }
         }
         for (turn, response) in p.terms.turns.iter().zip(&self.responses.turns) {
             if response.normal > 0.0 || response.tangential > 0.0 {
                 any = true;
                 let stiffness = lower_triangle(&turn.normal, response);
+                let contact = &p.terms.contacts.list[turn.contact];
+                if let Some(other) = contact.other {
+                    let mut G = [0.0; 21];
+                    G[..6].copy_from_slice(&stiffness);
+                    let sums = (&mut self.G[..], &mut self.H);
+                    link((tree, kin), sums, turn.body, &other, &G);
+                    continue;
+                }
                 for (sum, g) in self.G[turn.body].iter_mut().zip(stiffness) {
                     *sum += g;
                 }
@@ -65,18 +85,18 @@ impl Newton {
                     let (start, depth) = (pattern.start[c], pattern.depth[c]);
                     let mut from = 0;
                     if floating {
-                        for (m, f) in self.H[start..start + 6].iter_mut().zip(&F) {
+                        for (m, f) in self.H.packed[start..start + 6].iter_mut().zip(&F) {
                             *m += f;
                         }
                         from = 6;
                     }
-                    let places = &mut self.H[start + from..=start + depth];
+                    let places = &mut self.H.packed[start + from..=start + depth];
                     let columns = &pattern.column[start + from..=start + depth];
                     for (m, &a) in places.iter_mut().zip(columns) {
                         *m += dot6(&kin.S[a as usize], &F);
                     }
                 } else {
-                    add_row(tree, &kin.S, b, c, &F, &mut self.H);
+                    add_row(tree, &kin.S, b, c, &F, &mut self.H.packed);
                 }
             }
             for (sum, g) in self.G[body.parent].iter_mut().zip(&G) {
@@ -84,10 +104,50 @@ impl Newton {
             }
         }
         for tree in tree.trees.iter().filter(|tree| tree.free) {
-            let rows = &mut self.H[pattern.start[tree.dofs.start]..];
+            let rows = &mut self.H.packed[pattern.start[tree.dofs.start]..];
             for (m, g) in rows.iter_mut().zip(&self.G[tree.bodies.start]) {
                 *m += g;
             }
+        }
+    }
+}
+
+/// Adds the stiffness `G`, about O of the tree of `body`, between `body` and another one of another
+/// tree, to what acts on both and to what couples them.
+fn link(
+    (tree, kin): (&Tree, &Kinematics),
+    (sums, H): (&mut [[f64; 21]], &mut Coupled),
+    body: usize,
+    other: &Other,
+    G: &[f64; 21],
+) {
+    for (sum, g) in sums[body].iter_mut().zip(G) {
+        *sum += g;
+    }
+    // A force about O of the first tree, as one about O of the other one.
+    let about_other = |F: &Vec6| {
+        let moment = angular(F) + other.from.cross(&linear(F));
+        [moment.x, moment.y, moment.z, F[3], F[4], F[5]]
+    };
+    let mut place = 0;
+    for i in 0..6 {
+        let mut unit = [0.0; 6];
+        unit[i] = 1.0;
+        let row = about_other(&multiply_lower(G, &other.seen(&unit)));
+        for g in &row[..=i] {
+            sums[other.body][place] += g;
+            place += 1;
+        }
+    }
+    let dofs = [body, other.body].map(|b| &tree.trees[tree.bodies[b].tree].dofs);
+    if dofs.iter().any(|dofs| dofs.is_empty()) {
+        return;
+    }
+    H.couple(&tree.sparsity, dofs.map(|dofs| dofs.start));
+    for i in tree.columns_to(body) {
+        let F = about_other(&multiply_lower(G, &kin.S[i]));
+        for j in tree.columns_to(other.body) {
+            H.add(tree.dof[i], tree.dof[j], -dot6(&kin.S[j], &F));
         }
     }
 }

@@ -49,6 +49,7 @@ impl Case {
             .map(|(contact, c)| Turn {
                 contact,
                 body: c.body,
+                other: None,
                 slot: c.slot,
                 normal: c.normal,
                 coefficient: [0.1, 0.05],
@@ -147,7 +148,9 @@ fn the_hessian_is_the_derivative_of_the_gradient() {
         let middle = case.gradient(&mut newton, &v);
         newton.assemble(&case.problem());
         let mut product = vec![0.0; n];
-        case.tree.sparsity.multiply(&newton.H, &w, &mut product);
+        case.tree
+            .sparsity
+            .multiply(&newton.H.packed, &w, &mut product);
         let size = product.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
         for i in 0..n {
             let difference = (ahead[i] - behind[i]) / (2.0 * d);
