@@ -12,12 +12,13 @@ mod parts;
 mod scale;
 
 pub use parts::{
-    Actuators, Contacts, Dofs, DryFriction, Extent, Tree, TreeBody, TreeCollider, Turning, World,
+    Actuators, Contacts, Dofs, DryFriction, Extent, Surface, Tree, TreeBody, TreeCollider, Turning,
+    World, harmonic_mean,
 };
 
 use crate::geometry::{Faces, Shape};
 use crate::law::normal::Stiffening;
-use crate::model::{Body, Combination, Model, RootId};
+use crate::model::{Body, Model, RootId};
 use crate::parameters::Parameters;
 use crate::slots::ParameterSlot as P;
 use crate::sparsity::Sparsity;
@@ -46,6 +47,8 @@ impl Tree {
                 resists_turning: false,
                 dissipation: model.contact.dissipation,
                 stribeck_velocity: model.contact.stribeck_velocity,
+                combination: model.world.combination,
+                ground: Surface::default(),
             },
             dofs: Dofs {
                 armature: vec![0.0; nv],
@@ -215,10 +218,8 @@ impl Tree {
                     p: R_SB * collider.X_BG.p,
                 },
                 radius: collider.shape.bounding_radius(),
-                mu: 0.0,
-                mu_at_rest: 0.0,
-                restitution: 0.0,
-                dissipation_number: f64::INFINITY,
+                own: Surface::default(),
+                ground: Surface::default(),
                 dissipation: link.dissipation.unwrap_or(self.contact.dissipation),
                 spring: Stiffening::default(),
                 faces: match &collider.shape {
@@ -292,34 +293,20 @@ impl Tree {
                 }
             }
         }
-        let ground_mu = parameters.get(P::GroundFriction);
-        let ground_e = parameters.get(P::GroundRestitution);
         let ground = model.world.ground.as_ref();
-        let ground_excess = ground.map_or(0.0, |ground| ground.static_excess);
-        let combined = match model.world.combination {
-            Combination::Mean => harmonic_mean,
-            Combination::Product => |a: f64, b: f64| a * b,
-        };
-        for collider in &mut self.contact.colliders {
+        let excess = ground.map_or(0.0, |ground| ground.static_excess);
+        let contact = &mut self.contact;
+        contact.ground.set(
+            parameters.get(P::GroundFriction),
+            excess,
+            parameters.get(P::GroundRestitution),
+        );
+        for collider in &mut contact.colliders {
             let link = &model.links[collider.link];
             let mu = parameters.get(P::LinkFriction(collider.link.into()));
-            collider.mu = combined(mu, ground_mu);
-            collider.mu_at_rest = combined(
-                mu * (1.0 + link.static_excess),
-                ground_mu * (1.0 + ground_excess),
-            );
-            let e = match model.world.combination {
-                Combination::Mean => link.restitution.max(ground_e),
-                Combination::Product => link.restitution * ground_e,
-            };
-            #[expect(
-                clippy::float_cmp,
-                reason = "skips the root search where nothing changed"
-            )]
-            if collider.restitution != e {
-                collider.restitution = e;
-                collider.dissipation_number = crate::law::dissipation_number(e);
-            }
+            collider.own.set(mu, link.static_excess, link.restitution);
+            let both = [&collider.own, &contact.ground];
+            collider.ground.combine(both, contact.combination);
         }
     }
 
@@ -337,14 +324,5 @@ impl Tree {
                 .iter()
                 .enumerate()
                 .all(|(b, body)| b == index || body.parent != index)
-    }
-}
-
-/// `2ab/(a+b)`, 0 where both are 0.
-pub fn harmonic_mean(a: f64, b: f64) -> f64 {
-    if a + b > 0.0 {
-        2.0 * a * b / (a + b)
-    } else {
-        0.0
     }
 }

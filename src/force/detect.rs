@@ -17,7 +17,7 @@ use crate::law::normal::{Impact, Stiffening};
 use crate::law::{ElastoPlastic, stribeck};
 use crate::model::Model;
 use crate::spatial::{Mat3, Vec3, Vec6, angular, velocity_at};
-use crate::tree::{Tree, TreeCollider};
+use crate::tree::{Surface, Tree, TreeCollider};
 use crate::tuning::{
     BOUNCE_THRESHOLD, CONTACT_MARGIN, CROWN, DEEP_OVERLAP, EMERGENCE, TANGENTIAL_RATIO,
 };
@@ -66,6 +66,7 @@ pub fn detect(
         let stored = seek(&mut touches, collider.index, |t| t.slot);
         let stored = stored.copied().unwrap_or_default();
         let mut contact = Contact {
+            mass: tree.trees[collider.tree].moving_mass,
             body: collider.body,
             link: collider.link,
             slot: collider.index,
@@ -75,13 +76,12 @@ pub fn detect(
             ..Contact::default()
         };
         contact.gather(&mut contacts.points);
-        complete(
-            tree,
-            collider,
-            &stored,
-            (kin, &contacts.points),
-            &mut contact,
-        );
+        let meet = Meeting {
+            surface: &collider.ground,
+            dissipation: collider.dissipation,
+            gravity: -contact.normal.dot(&tree.world.gravity),
+        };
+        meet.complete(tree, &stored, (kin, &contacts.points), &mut contact);
         contacts.list.push(contact);
     }
 }
@@ -149,63 +149,76 @@ fn find(
     finder.find(collider, &model.colliders[collider.index].shape);
 }
 
-/// Sets what a contact that has its points and its spring does: damping, friction, restitution.
-fn complete(
-    tree: &Tree,
-    collider: &TreeCollider,
-    stored: &Touch,
-    (kin, points): (&Kinematics, &[ContactPoint]),
-    contact: &mut Contact,
-) {
-    let (V, g) = (&kin.V, tree.world.gravity.norm());
-    let mass = tree.trees[collider.tree].moving_mass;
-    let speed = contact.normal_velocity(points, V);
-    let u = contact.sliding(V);
-    contact.bounce = stored.bounce;
-    if collider.restitution > 0.0 {
-        let number = collider.dissipation_number;
-        let gravity = -contact.normal.dot(&tree.world.gravity);
-        // It falls until it touches.
-        let gained = 2.0 * gravity * (-contact.depth).max(0.0);
-        let mut impact = Impact {
-            spring: contact.spring,
-            mass,
-            gravity,
-            speed: (speed * speed + gained).max(0.0).sqrt(),
+/// How two shapes meet.
+struct Meeting<'a> {
+    surface: &'a Surface,
+    /// Hunt–Crossley dissipation without restitution, s/m.
+    dissipation: f64,
+    /// Acceleration that presses one of them on the other one, m/s².
+    gravity: f64,
+}
+
+impl Meeting<'_> {
+    /// Sets what a contact that has its points, its spring and its mass does: damping, friction,
+    /// restitution.
+    fn complete(
+        &self,
+        tree: &Tree,
+        stored: &Touch,
+        (kin, points): (&Kinematics, &[ContactPoint]),
+        contact: &mut Contact,
+    ) {
+        let (V, g) = (&kin.V, tree.world.gravity.norm());
+        let speed = contact.normal_velocity(points, V);
+        let u = contact.sliding(V);
+        contact.bounce = stored.bounce;
+        let surface = self.surface;
+        let mass = contact.mass;
+        if surface.restitution > 0.0 {
+            let number = surface.dissipation_number;
+            let gravity = self.gravity;
+            // It falls until it touches.
+            let gained = 2.0 * gravity * (-contact.depth).max(0.0);
+            let mut impact = Impact {
+                spring: contact.spring,
+                mass,
+                gravity,
+                speed: (speed * speed + gained).max(0.0).sqrt(),
+            };
+            if contact.bounce == 0.0 && speed < 0.0 && impact.speed > BOUNCE_THRESHOLD {
+                contact.bounce = impact.dissipation(surface.restitution, number);
+            }
+            if contact.bounce > 0.0 {
+                impact.speed = number / contact.bounce;
+                contact.duration = impact.duration();
+            }
+        }
+        contact.dissipation = if contact.bounce > 0.0 {
+            [contact.bounce; 2]
+        } else {
+            // A deep initial overlap leaves faster than a light touch, but slower than it would hop.
+            let excess = contact.depth - DEEP_OVERLAP * contact.spring.reference;
+            let emergence = EMERGENCE * (2.0 * g * excess.max(0.0)).sqrt();
+            let leaving = 1.0 / (1.0 / self.dissipation).max(emergence);
+            [self.dissipation, leaving]
         };
-        if contact.bounce == 0.0 && speed < 0.0 && impact.speed > BOUNCE_THRESHOLD {
-            contact.bounce = impact.dissipation(collider.restitution, number);
+        let slope = TANGENTIAL_RATIO * contact.spring.slope(contact.depth);
+        let (_, tangential) = normal_part(&contact.normal, &u);
+        contact.mu = friction(tree, surface, &tangential);
+        contact.friction = ElastoPlastic {
+            stiffness: slope,
+            damping: 2.0 * (slope * mass).sqrt(),
+            displacement: stored.displacement.into(),
+            ..ElastoPlastic::default()
+        };
+        let load = contact.normal_load(points, V);
+        contact.carry(load);
+        contact.load = load.min(contact.elastic_load(points));
+        if contact.load > 0.0 {
+            let dissipation = contact.dissipation[0];
+            let speed = contact.tilt_speed(points, V);
+            contact.tilting = dissipation * contact.load / (1.0 + dissipation * speed);
         }
-        if contact.bounce > 0.0 {
-            impact.speed = number / contact.bounce;
-            contact.duration = impact.duration();
-        }
-    }
-    contact.dissipation = if contact.bounce > 0.0 {
-        [contact.bounce; 2]
-    } else {
-        // A deep initial overlap leaves faster than a light touch, but slower than it would hop.
-        let excess = contact.depth - DEEP_OVERLAP * contact.spring.reference;
-        let emergence = EMERGENCE * (2.0 * g * excess.max(0.0)).sqrt();
-        let leaving = 1.0 / (1.0 / collider.dissipation).max(emergence);
-        [collider.dissipation, leaving]
-    };
-    let slope = TANGENTIAL_RATIO * contact.spring.slope(contact.depth);
-    let (_, tangential) = normal_part(&contact.normal, &u);
-    contact.mu = friction(tree, collider, &tangential);
-    contact.friction = ElastoPlastic {
-        stiffness: slope,
-        damping: 2.0 * (slope * mass).sqrt(),
-        displacement: stored.displacement.into(),
-        ..ElastoPlastic::default()
-    };
-    let load = contact.normal_load(points, V);
-    contact.carry(load);
-    contact.load = load.min(contact.elastic_load(points));
-    if contact.load > 0.0 {
-        let dissipation = contact.dissipation[0];
-        let speed = contact.tilt_speed(points, V);
-        contact.tilting = dissipation * contact.load / (1.0 + dissipation * speed);
     }
 }
 
@@ -336,11 +349,11 @@ impl Finder<'_> {
 
 /// Coulomb coefficient of a contact that slides at `u`.
 #[inline]
-fn friction(tree: &Tree, collider: &TreeCollider, u: &Vec3) -> f64 {
-    if collider.mu_at_rest > collider.mu {
+fn friction(tree: &Tree, surface: &Surface, u: &Vec3) -> f64 {
+    if surface.mu_at_rest > surface.mu {
         let reference = tree.contact.stribeck_velocity;
-        stribeck(collider.mu_at_rest, collider.mu, u.norm(), reference)
+        stribeck(surface.mu_at_rest, surface.mu, u.norm(), reference)
     } else {
-        collider.mu
+        surface.mu
     }
 }

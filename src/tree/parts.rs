@@ -5,7 +5,7 @@
 use crate::geometry::Faces;
 use crate::joint::Kind;
 use crate::law::normal::Stiffening;
-use crate::model::{Joint, Limits};
+use crate::model::{Combination, Joint, Limits};
 use crate::sparsity::Sparsity;
 use crate::spatial::{Pose, Vec3};
 use std::ops::Range;
@@ -77,6 +77,10 @@ pub struct Contacts {
     pub dissipation: f64,
     /// Sliding speed at which friction has lost most of what it has more at rest, m/s.
     pub stribeck_velocity: f64,
+    /// How the coefficients of two surfaces are combined.
+    pub combination: Combination,
+    /// Surface of the ground; filled by [`Tree::tune`].
+    pub ground: Surface,
 }
 
 /// What acts along each degree of freedom, and how its errors count; each list has `nv` entries.
@@ -164,20 +168,89 @@ pub struct TreeCollider {
     pub X: Pose,
     /// Radius of a ball about `X.p` that holds the shape, m.
     pub radius: f64,
-    /// Combined Coulomb coefficient with the ground, sliding.
-    pub mu: f64,
-    /// The same at rest, not below.
-    pub mu_at_rest: f64,
-    /// Combined coefficient of restitution with the ground.
-    pub restitution: f64,
-    /// Hunt–Crossley dissipation times approach speed for that restitution.
-    pub dissipation_number: f64,
+    /// Coefficients of its own surface.
+    pub own: Surface,
+    /// The same, combined with those of the ground.
+    pub ground: Surface,
     /// Hunt–Crossley dissipation without restitution, s/m.
     pub dissipation: f64,
     /// Spring of its contact.
     pub spring: Stiffening,
     /// Faces of a hull; none of another shape.
     pub faces: Faces,
+}
+
+/// Coefficients of a surface, or of two that touch.
+#[derive(Clone, Copy, Debug)]
+pub struct Surface {
+    /// Coulomb coefficient, sliding.
+    pub mu: f64,
+    /// The same at rest, not below.
+    pub mu_at_rest: f64,
+    /// Coefficient of restitution.
+    pub restitution: f64,
+    /// Hunt–Crossley dissipation times approach speed for that restitution.
+    pub dissipation_number: f64,
+}
+
+impl Default for Surface {
+    /// Without friction and restitution.
+    fn default() -> Self {
+        Self {
+            mu: 0.0,
+            mu_at_rest: 0.0,
+            restitution: 0.0,
+            dissipation_number: f64::INFINITY,
+        }
+    }
+}
+
+impl Surface {
+    /// Takes a coefficient of restitution.
+    #[expect(
+        clippy::float_cmp,
+        reason = "skips the root search where nothing changed"
+    )]
+    fn bounce(&mut self, restitution: f64) {
+        if self.restitution != restitution {
+            self.restitution = restitution;
+            self.dissipation_number = crate::law::dissipation_number(restitution);
+        }
+    }
+
+    /// Takes what this surface and another one have together.
+    pub fn combine(&mut self, [own, other]: [&Self; 2], combination: Combination) {
+        let combined = match combination {
+            Combination::Mean => harmonic_mean,
+            Combination::Product => |a: f64, b: f64| a * b,
+        };
+        self.mu = combined(own.mu, other.mu);
+        self.mu_at_rest = combined(own.mu_at_rest, other.mu_at_rest);
+        let [a, b] = [own, other].map(|surface| surface.restitution);
+        match combination {
+            Combination::Mean => {
+                let bouncier = if a < b { other } else { own };
+                self.restitution = bouncier.restitution;
+                self.dissipation_number = bouncier.dissipation_number;
+            }
+            Combination::Product => self.bounce(a * b),
+        }
+    }
+
+    /// Takes the coefficients of a surface alone.
+    pub(super) fn set(&mut self, mu: f64, static_excess: f64, restitution: f64) {
+        (self.mu, self.mu_at_rest) = (mu, mu * (1.0 + static_excess));
+        self.bounce(restitution);
+    }
+}
+
+/// `2ab/(a+b)`, 0 where both are 0.
+pub fn harmonic_mean(a: f64, b: f64) -> f64 {
+    if a + b > 0.0 {
+        2.0 * a * b / (a + b)
+    } else {
+        0.0
+    }
 }
 
 /// Dry friction of a degree of freedom, filled by [`Tree::tune`].
