@@ -7,6 +7,7 @@
 
 mod faces;
 mod hull;
+pub mod pair;
 mod solid;
 
 pub use self::faces::Faces;

@@ -9,6 +9,7 @@
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
 mod id;
+mod join;
 mod joint_kind;
 mod validate;
 
@@ -516,6 +517,19 @@ impl Model {
     /// The slot of the pair of the shapes `a` and `b`.
     pub fn pair_slot(&self, a: usize, b: usize) -> usize {
         self.colliders.len() * (1 + a) + b
+    }
+
+    /// The trees of the shapes whose contact has a slot; one with the ground.
+    pub fn touches_of(&self, slot: usize) -> [Option<usize>; 2] {
+        let tree = |shape: usize| {
+            let collider = self.colliders.get(shape)?;
+            Some(self.root_of(collider.body).index())
+        };
+        match self.colliders.len() {
+            0 => [None; 2],
+            shapes if slot < shapes => [tree(slot), None],
+            shapes => [tree(slot / shapes - 1), tree(slot % shapes)],
+        }
     }
 
     /// The first actuator of each one's group: itself for those in none.

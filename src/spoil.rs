@@ -156,7 +156,7 @@ spoil!(
 );
 spoil!(ContactPoint: corner x arm depth share load rim;);
 
-spoil!(ContactSet: list points;);
+spoil!(ContactSet: list points; pairs);
 spoil!(Stiffening: stiffness reference;);
 spoil!(Turn: contact body other slot normal coefficient torsional rolling;);
 impl Spoil for JointTerm {

@@ -16,6 +16,7 @@ pub use parts::{
     World, harmonic_mean,
 };
 
+use crate::geometry::pair::Solid;
 use crate::geometry::{Faces, Shape};
 use crate::law::normal::Stiffening;
 use crate::model::{Body, Model, RootId};
@@ -48,6 +49,7 @@ impl Tree {
                 dissipation: model.contact.dissipation,
                 stribeck_velocity: model.contact.stribeck_velocity,
                 combination: model.world.combination,
+                has_ground: model.world.ground.is_some(),
                 ground: Surface::default(),
             },
             dofs: Dofs {
@@ -198,12 +200,15 @@ impl Tree {
     }
 
     fn add_colliders(&mut self, model: &Model, turned: &[Mat3]) {
-        let Some(ground) = &model.world.ground else {
+        let ground = model.world.ground.as_ref();
+        let others = self.trees.len() > 1;
+        if ground.is_none() && !others {
             return;
-        };
+        }
         for (index, collider) in model.colliders.iter().enumerate() {
             let b = collider.body.index();
-            if !self.bodies[b].kind.moves() {
+            let moves = self.bodies[b].kind.moves();
+            if !moves && !others {
                 continue;
             }
             let R_SB = turned[b].transpose();
@@ -212,6 +217,7 @@ impl Tree {
                 index,
                 body: b,
                 tree: self.bodies[b].tree,
+                moves,
                 link: collider.link.index(),
                 X: Pose {
                     R: R_SB * collider.X_BG.R,
@@ -228,12 +234,16 @@ impl Tree {
                     }
                     _ => Faces::default(),
                 },
+                solid: others
+                    .then(|| Solid::new(&collider.shape, FACE * model.contact.penetration)),
             });
             let mass = self.mass_with(b);
             let turning = &mut self.contact.turning[collider.link.index()];
             turning.coefficient = [
-                link.torsional_friction.max(ground.torsional_friction),
-                link.rolling_friction.max(ground.rolling_friction),
+                link.torsional_friction
+                    .max(ground.map_or(0.0, |g| g.torsional_friction)),
+                link.rolling_friction
+                    .max(ground.map_or(0.0, |g| g.rolling_friction)),
             ];
             // Half the robot at the shape's radius: a ball alone, or one wheel of four.
             let radius = collider.shape.bounding_radius();

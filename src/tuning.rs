@@ -281,6 +281,12 @@ pub const EVEN_DISC: f64 = 2.0 / 3.0;
 /// Thickness of a face of a hull, in penetrations: corners that lie so near one plane share its
 /// load.
 pub const FACE: f64 = 3.0;
+/// How much edges of a shape are rounded by to find the direction of contact with another shape, m,
+/// at most, and as a share of its smallest half extent: what overlaps by less than both roundings
+/// has a direction that does not jump.
+pub const ROUNDING: f64 = 1e-3;
+/// See [`ROUNDING`].
+pub const ROUNDING_SHARE: f64 = 0.02;
 /// Number of squarings of the cosine between a face of a hull and the ground that gives the weight
 /// with which its corners take the shares that they have in this face: at 10° a face counts by a
 /// fiftieth.

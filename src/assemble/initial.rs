@@ -252,7 +252,7 @@ fn static_depth(model: &Model) -> f64 {
         .physical
         .q;
     let (z, rest) = (q[2], vec![0.0; model.nv()]);
-    let mut contacts = ContactSet::new(model.contact_room());
+    let mut contacts = ContactSet::of(model);
     let mut carries = |depth: f64| {
         q[2] = z - depth;
         kin.update_poses(&tree, &q);

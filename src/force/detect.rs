@@ -10,6 +10,7 @@
 use super::contact::{Contact, normal_part};
 use super::gather::ContactSet;
 use super::memory::{Touch, seek};
+use super::pairs::{find_pairs, held_between, is_apart};
 use super::point::{ContactPoint, Rim, norm};
 use crate::geometry::Shape;
 use crate::kinematics::Kinematics;
@@ -55,9 +56,10 @@ pub fn detect(
 ) {
     contacts.clear();
     let plane = Plane::GROUND;
-    let mut touches = touches.iter().peekable();
+    let all_touches = touches;
+    let mut touches = all_touches.iter().peekable();
     let margin = 2.0 * h * h * tree.world.gravity.norm() + CONTACT_MARGIN;
-    for collider in &tree.contact.colliders {
+    for collider in tree.on_ground() {
         let first = contacts.points.len();
         find(model, collider, kin, [h, margin], &mut contacts.points);
         if contacts.points.len() == first {
@@ -65,14 +67,15 @@ pub fn detect(
         }
         let stored = seek(&mut touches, collider.index, |t| t.slot);
         let stored = stored.copied().unwrap_or_default();
+        let mass = tree.trees[collider.tree].moving_mass;
         let mut contact = Contact {
-            mass: tree.trees[collider.tree].moving_mass,
+            mass,
             body: collider.body,
             link: collider.link,
             slot: collider.index,
             normal: plane.normal,
             points: first..contacts.points.len(),
-            spring: limited(tree, collider, fastest),
+            spring: limited(&collider.spring, mass, fastest),
             ..Contact::default()
         };
         contact.gather(&mut contacts.points);
@@ -84,35 +87,46 @@ pub fn detect(
         meet.complete(tree, &stored, (kin, &contacts.points), &mut contact);
         contacts.list.push(contact);
     }
+    let remembered = &all_touches[..];
+    find_pairs(
+        (model, tree),
+        remembered,
+        kin,
+        [h, margin],
+        fastest,
+        contacts,
+    );
 }
 
-/// Energy that the springs of all contacts hold at the poses of `kin`, J. `points` is scratch;
-/// `fastest` is that of [`detect`].
+/// Energy that the springs of all contacts hold at the poses of `kin`, J. The points of `contacts`
+/// are scratch; `fastest` is that of [`detect`].
 pub fn held(
     model: &Model,
     tree: &Tree,
     kin: &Kinematics,
     fastest: f64,
-    points: &mut Vec<ContactPoint>,
+    contacts: &mut ContactSet,
 ) -> f64 {
-    let mut sum = 0.0;
-    for collider in &tree.contact.colliders {
+    let mut sum = held_between(tree, kin, fastest, contacts);
+    let points = &mut contacts.points;
+    for collider in tree.on_ground() {
         points.clear();
         find(model, collider, kin, [0.0, 0.0], points);
         if !points.is_empty() {
             let (depth, _) = norm(points);
-            sum += limited(tree, collider, fastest).stored(depth);
+            let mass = tree.trees[collider.tree].moving_mass;
+            sum += limited(&collider.spring, mass, fastest).stored(depth);
         }
     }
     sum
 }
 
-/// The spring of a shape, at most as stiff as `fastest` says, rad/s.
-fn limited(tree: &Tree, collider: &TreeCollider, fastest: f64) -> Stiffening {
-    let limit = tree.trees[collider.tree].moving_mass * fastest * fastest;
+/// A spring, at most as stiff as a mass may swing on it, rad/s.
+pub(super) fn limited(spring: &Stiffening, mass: f64, fastest: f64) -> Stiffening {
+    let limit = mass * fastest * fastest;
     Stiffening {
-        stiffness: collider.spring.stiffness.min(limit),
-        ..collider.spring
+        stiffness: spring.stiffness.min(limit),
+        ..*spring
     }
 }
 
@@ -150,18 +164,19 @@ fn find(
 }
 
 /// How two shapes meet.
-struct Meeting<'a> {
-    surface: &'a Surface,
+pub(super) struct Meeting<'a> {
+    /// Friction and restitution.
+    pub surface: &'a Surface,
     /// Hunt–Crossley dissipation without restitution, s/m.
-    dissipation: f64,
+    pub dissipation: f64,
     /// Acceleration that presses one of them on the other one, m/s².
-    gravity: f64,
+    pub gravity: f64,
 }
 
 impl Meeting<'_> {
     /// Sets what a contact that has its points, its spring and its mass does: damping, friction,
     /// restitution.
-    fn complete(
+    pub fn complete(
         &self,
         tree: &Tree,
         stored: &Touch,
@@ -222,12 +237,12 @@ impl Meeting<'_> {
     }
 }
 
-/// Whether nothing comes near the ground within `h` seconds, by twice the way that velocities and
+/// Whether nothing comes near the ground, or something else, within `h` seconds, by twice the way that velocities and
 /// gravity take it; reads poses and velocities of `kin`.
 pub fn is_clear(tree: &Tree, kin: &Kinematics, h: f64) -> bool {
     let plane = Plane::GROUND;
     let fall = 2.0 * h * h * tree.world.gravity.norm();
-    tree.contact.colliders.iter().all(|collider| {
+    let above = tree.on_ground().all(|collider| {
         let (X_OB, V) = (&kin.X[collider.body], &kin.V[collider.body]);
         let center = X_OB.p + X_OB.R * collider.X.p;
         let height = plane.normal.dot(&kin.origins[collider.tree]) - plane.offset;
@@ -235,7 +250,8 @@ pub fn is_clear(tree: &Tree, kin: &Kinematics, h: f64) -> bool {
         let spin = V[0].abs() + V[1].abs() + V[2].abs();
         let speed = velocity_at(V, &center).norm() + spin * collider.radius;
         clearance > 2.0 * h * speed + fall + 2.0 * CONTACT_MARGIN
-    })
+    });
+    above && (tree.trees.len() < 2 || is_apart(tree, kin, h))
 }
 
 /// Finds the points of one shape.

@@ -3,7 +3,9 @@
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
 use super::contact::{Contact, normal_part};
+use super::pairs::Pairs;
 use super::point::{ContactPoint, norm};
+use crate::model::Model;
 use crate::spatial::{Vec3, Vec6, angular};
 use crate::tuning::{EVEN_CORNERS, EVEN_DISC};
 
@@ -89,14 +91,25 @@ pub struct ContactSet {
     pub list: Vec<Contact>,
     /// Those of all contacts, in the same order.
     pub points: Vec<ContactPoint>,
+    /// Scratch of the search for pairs of shapes.
+    pub(crate) pairs: Pairs,
 }
 
 impl ContactSet {
-    /// Room for so many contacts and points.
+    /// Room for so many contacts and points, none between two bodies.
     pub fn new([contacts, points]: [usize; 2]) -> Self {
         Self {
             list: Vec::with_capacity(contacts),
             points: Vec::with_capacity(points),
+            pairs: Pairs::default(),
+        }
+    }
+
+    /// Room for all that can touch in a model.
+    pub fn of(model: &Model) -> Self {
+        Self {
+            pairs: Pairs::new(model),
+            ..Self::new(model.contact_room())
         }
     }
 

@@ -15,6 +15,7 @@ mod drive;
 mod gather;
 mod joint;
 mod memory;
+mod pairs;
 mod point;
 mod terms;
 mod turn;

@@ -121,7 +121,7 @@ impl Terms {
         let of_joint = |dof: &usize| model.bodies[model.dofs[*dof].body.index()].joint.is_some();
         let dofs = (0..model.nv()).filter(of_joint);
         Self {
-            contacts: ContactSet::new(model.contact_room()),
+            contacts: ContactSet::of(model),
             turns: Vec::with_capacity(model.contact_room()[0]),
             joints: dofs.map(|dof| JointTerm::new(model, dof)).collect(),
         }

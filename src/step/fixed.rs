@@ -48,7 +48,7 @@ impl Fixed {
             first: vec![0.0; model.nv()],
             mean: vec![0.0; model.nv()],
             q_middle: vec![0.0; model.nq],
-            contacts: ContactSet::new(model.contact_room()),
+            contacts: ContactSet::of(model),
         }
     }
 }
@@ -221,7 +221,7 @@ impl Fixed {
         detect(ctx.model, tree, touches, kin, h, f64::INFINITY, found);
         let places = &found.points;
         let mut found = found.list.iter().peekable();
-        let ContactSet { list, points } = &mut terms.contacts;
+        let ContactSet { list, points, .. } = &mut terms.contacts;
         for contact in list {
             let Some(f) = seek(&mut found, contact.slot, |f| f.slot) else {
                 continue;

@@ -11,6 +11,7 @@
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
 use crate::dynamics::energy::momentum;
+use crate::force::Touch;
 use crate::kinematics::Kinematics;
 use crate::spatial::{Mat3, SpatialInertia, Vec3, angular, linear};
 use crate::state::{Physical, State};
@@ -54,7 +55,8 @@ impl Flight {
         }
         let touches = &state.physical.memory.touches;
         let flies = |index: &usize| {
-            tree.trees[*index].free && !touches.iter().any(|t| tree.holds(*index, t.slot))
+            let held = |touch: &Touch| ctx.model.touches_of(touch.slot).contains(&Some(*index));
+            tree.trees[*index].free && !touches.iter().any(held)
         };
         let flying = (0..tree.trees.len()).filter(flies);
         for index in flying {

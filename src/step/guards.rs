@@ -70,7 +70,7 @@ pub(super) fn gain(
     let Point { kin, terms } = there;
     kin.update_poses(tree, &end.q);
     kin.update_velocities(tree, &end.v);
-    let (limit, points) = (fastest_contact(ctx, h), &mut terms.contacts.points);
+    let (limit, points) = (fastest_contact(ctx, h), &mut terms.contacts);
     let held = kinetic(tree, kin, &end.v)
         + potential(tree, kin)
         + force::held(ctx.model, tree, kin, limit, points)

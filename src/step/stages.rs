@@ -238,7 +238,7 @@ impl Stages {
         forward(ctx.tree, &here.kin.S, &self.v, &mut self.way);
         let Point { kin, terms } = &mut self.middle;
         let mut starts = here.terms.contacts.iter().peekable();
-        let ContactSet { list, points } = &mut terms.contacts;
+        let ContactSet { list, points, .. } = &mut terms.contacts;
         for contact in list {
             let start = seek(&mut starts, contact.slot, |c| c.slot);
             if let Some(start) = start.filter(|c| c.depth > 0.0 && contact.depth > 0.0) {

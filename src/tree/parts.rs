@@ -3,6 +3,7 @@
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
 use crate::geometry::Faces;
+use crate::geometry::pair::Solid;
 use crate::joint::Kind;
 use crate::law::normal::Stiffening;
 use crate::model::{Combination, Joint, Limits};
@@ -67,7 +68,7 @@ pub struct World {
 /// What touches, and how stiffly.
 #[derive(Clone, Debug)]
 pub struct Contacts {
-    /// Shapes on moving bodies, by ascending index; empty without a ground.
+    /// Shapes that can touch something, by ascending index.
     pub colliders: Vec<TreeCollider>,
     /// Friction against turning of each link's contacts, per link.
     pub turning: Vec<Turning>,
@@ -79,6 +80,8 @@ pub struct Contacts {
     pub stribeck_velocity: f64,
     /// How the coefficients of two surfaces are combined.
     pub combination: Combination,
+    /// Whether there is a ground.
+    pub has_ground: bool,
     /// Surface of the ground; filled by [`Tree::tune`].
     pub ground: Surface,
 }
@@ -162,6 +165,8 @@ pub struct TreeCollider {
     pub body: usize,
     /// See `body`.
     pub tree: usize,
+    /// Whether the body moves.
+    pub moves: bool,
     /// Index of the link.
     pub link: usize,
     /// Pose in the body's solver frame.
@@ -178,6 +183,8 @@ pub struct TreeCollider {
     pub spring: Stiffening,
     /// Faces of a hull; none of another shape.
     pub faces: Faces,
+    /// What it is for other shapes; none where there are none.
+    pub solid: Option<Solid>,
 }
 
 /// Coefficients of a surface, or of two that touch.
@@ -326,10 +333,10 @@ impl Tree {
         self.trees[self.bodies[body].tree].free
     }
 
-    /// Whether a contact with the memory `slot` is one of the tree `index`.
-    pub fn holds(&self, index: usize, slot: usize) -> bool {
-        let colliders = &self.contact.colliders;
-        colliders.iter().any(|c| c.index == slot && c.tree == index)
+    /// Shapes that can touch the ground: those that move, if there is one.
+    pub fn on_ground(&self) -> impl Iterator<Item = &TreeCollider> + '_ {
+        let colliders = self.contact.colliders.iter();
+        colliders.filter(|c| c.moves && self.contact.has_ground)
     }
 
     /// Mass of all moving bodies of a body's tree, kg.

@@ -23,6 +23,7 @@ mod motors;
 mod order;
 mod properties;
 mod turning;
+mod worlds;
 
 const G: f64 = 9.81;
 const X: Vec3 = Vec3::new(1.0, 0.0, 0.0);

@@ -1,0 +1,344 @@
+//! Contacts of shapes with each other.
+//!
+//! Two shapes of different trees may touch if one of them moves. Which pairs come near is found by
+//! sorting the balls about all shapes along x; where these come near, [`Patch`] finds the points.
+
+#![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
+
+use super::contact::{Contact, Other};
+use super::detect::{Meeting, limited};
+use super::gather::ContactSet;
+use super::memory::{Touch, seek};
+use super::point::{ContactPoint, Rim, norm};
+use crate::geometry::PAIR_POINTS;
+use crate::geometry::pair::{Patch, PatchPoint, Side, Solid};
+use crate::kinematics::Kinematics;
+use crate::model::Model;
+use crate::spatial::{Pose, Vec3, velocity_at};
+use crate::tree::{Surface, Tree, TreeCollider};
+use crate::tuning::CONTACT_MARGIN;
+
+/// Scratch of the search for pairs.
+#[derive(Clone, Debug, Default)]
+pub struct Pairs {
+    /// A ball about each shape.
+    balls: Vec<Ball>,
+    /// Places in `balls`, by ascending `Ball::low`.
+    order: Vec<usize>,
+    /// Pairs of places that come near, the lower one first.
+    near: Vec<[usize; 2]>,
+    /// None where there is one tree.
+    patch: Option<Box<Patch>>,
+}
+
+/// A ball in which a shape stays for the time that is looked ahead.
+#[derive(Clone, Copy, Debug, Default)]
+struct Ball {
+    /// Centre in the world, m.
+    center: Vec3,
+    /// m
+    radius: f64,
+    /// Its least x, m.
+    low: f64,
+}
+
+impl Pairs {
+    /// Room for a model.
+    pub fn new(model: &Model) -> Self {
+        let shapes = if model.roots.len() < 2 {
+            0
+        } else {
+            model.colliders.len()
+        };
+        Self {
+            balls: Vec::with_capacity(shapes),
+            order: Vec::with_capacity(shapes),
+            near: Vec::with_capacity(shapes * shapes.saturating_sub(1) / 2),
+            patch: (shapes > 0).then(Box::default),
+        }
+    }
+
+    /// Lists the pairs that may come near within `h` seconds, by ascending slots; `margin`: gap that
+    /// is near whatever the velocities, m.
+    fn search(&mut self, tree: &Tree, kin: &Kinematics, [h, margin]: [f64; 2]) {
+        self.balls.clear();
+        self.near.clear();
+        for collider in &tree.contact.colliders {
+            let (X_OB, V) = (&kin.X[collider.body], &kin.V[collider.body]);
+            let center = X_OB.p + X_OB.R * collider.X.p;
+            let spin = V[0].abs() + V[1].abs() + V[2].abs();
+            let speed = velocity_at(V, &center).norm() + spin * collider.radius;
+            let radius = collider.radius + h * speed + 0.5 * margin;
+            let center = center + kin.origins[collider.tree];
+            let low = center.x - radius;
+            self.balls.push(Ball {
+                center,
+                radius,
+                low,
+            });
+        }
+        // By insertion: neighbours in the model are often neighbours in space.
+        self.order.clear();
+        for place in 0..self.balls.len() {
+            let low = self.balls[place].low;
+            let mut at = self.order.len();
+            while at > 0 && self.balls[self.order[at - 1]].low > low {
+                at -= 1;
+            }
+            self.order.insert(at, place);
+        }
+        for (rank, &first) in self.order.iter().enumerate() {
+            let a = &self.balls[first];
+            for &second in &self.order[rank + 1..] {
+                let b = &self.balls[second];
+                if b.low > a.center.x + a.radius {
+                    break;
+                }
+                let reach = a.radius + b.radius;
+                let pair = [first.min(second), first.max(second)];
+                if (a.center - b.center).norm_squared() < reach * reach
+                    && may_touch(tree, pair)
+                    && self.near.len() < self.near.capacity()
+                {
+                    self.near.push(pair);
+                }
+            }
+        }
+        self.near.sort_unstable();
+    }
+}
+
+/// Whether the shapes at two places may touch: they belong to different trees, and one moves.
+fn may_touch(tree: &Tree, pair: [usize; 2]) -> bool {
+    let [a, b] = pair.map(|place| &tree.contact.colliders[place]);
+    a.tree != b.tree && (a.moves || b.moves)
+}
+
+/// Two shapes as they meet: the first one moves, and is pushed along the normal.
+struct Pair<'a> {
+    colliders: [&'a TreeCollider; 2],
+    solids: [&'a Solid; 2],
+    /// Their poses, from O of the first one's tree.
+    poses: [Pose; 2],
+    /// O of the first one's tree, seen from that of the second one.
+    from: Vec3,
+}
+
+impl<'a> Pair<'a> {
+    fn new(tree: &'a Tree, kin: &Kinematics, [a, b]: [usize; 2]) -> Option<Self> {
+        let places = if tree.contact.colliders[b].moves {
+            [b, a]
+        } else {
+            [a, b]
+        };
+        let colliders = places.map(|place| &tree.contact.colliders[place]);
+        let [Some(first), Some(second)] = colliders.map(|c| c.solid.as_ref()) else {
+            return None;
+        };
+        let from = kin.origins[colliders[0].tree] - kin.origins[colliders[1].tree];
+        let poses = colliders.map(|c| kin.X[c.body].compose(&c.X));
+        let poses = [
+            poses[0],
+            Pose {
+                p: poses[1].p - from,
+                ..poses[1]
+            },
+        ];
+        Some(Self {
+            colliders,
+            solids: [first, second],
+            poses,
+            from,
+        })
+    }
+
+    /// Finds what both have in common within `reach`, m.
+    fn touch(&self, patch: &mut Patch, reach: f64) -> bool {
+        let [a, b] = [0, 1].map(|i| (self.solids[i], &self.poses[i]));
+        patch.find(a, b, reach)
+    }
+
+    /// How fast any two of their points come nearer, at most, m/s.
+    fn speed(&self, kin: &Kinematics) -> f64 {
+        let [X, Y] = &self.poses;
+        let centers = [X.p, Y.p + self.from];
+        let parts = self.colliders.iter().zip(&centers);
+        let speeds = parts.map(|(c, center)| {
+            let V = &kin.V[c.body];
+            let spin = V[0].abs() + V[1].abs() + V[2].abs();
+            velocity_at(V, center).norm() + spin * c.radius
+        });
+        speeds.sum()
+    }
+
+    /// Mass that takes part in an impact of both, kg: see [`Contact::mass`].
+    fn mass(&self, tree: &Tree) -> f64 {
+        let [a, b] = self.colliders.map(|c| tree.trees[c.tree].moving_mass);
+        if self.colliders[1].moves {
+            a * b / (a + b)
+        } else {
+            a
+        }
+    }
+
+    /// The one whose contact is made for the greater weight.
+    fn heavier(&self, tree: &Tree) -> &TreeCollider {
+        let [a, b] = self.colliders;
+        let mass = |c: &TreeCollider| tree.trees[c.tree].moving_mass;
+        if b.moves && mass(b) > mass(a) { b } else { a }
+    }
+}
+
+/// Adds the contacts between shapes that can act within `h` seconds, after those with the ground;
+/// parameters are those of [`super::detect`].
+pub(super) fn find_pairs(
+    (model, tree): (&Model, &Tree),
+    touches: &[Touch],
+    kin: &Kinematics,
+    [h, margin]: [f64; 2],
+    fastest: f64,
+    contacts: &mut ContactSet,
+) {
+    let ContactSet {
+        list,
+        points,
+        pairs,
+    } = contacts;
+    let Some(mut patch) = pairs.patch.take() else {
+        return;
+    };
+    pairs.search(tree, kin, [h, margin]);
+    let mut touches = touches.iter().peekable();
+    for &places in &pairs.near {
+        let Some(pair) = Pair::new(tree, kin, places) else {
+            continue;
+        };
+        let [a, b] = pair.colliders;
+        let landing = pair.heavier(tree).spring.reference;
+        let reach = h * pair.speed(kin) + margin;
+        if list.len() == list.capacity() || !pair.touch(&mut patch, reach) {
+            continue;
+        }
+        let first = points.len();
+        let found = patch.points();
+        // Where there are more, the first ones: corners of a face are all alike.
+        for point in found.iter().take(PAIR_POINTS) {
+            let corner = points.len() - first;
+            points.push(contact_point(corner, point, &patch.normal, landing));
+        }
+        let shapes = places.map(|place| tree.contact.colliders[place].index);
+        let slot = model.pair_slot(shapes[0], shapes[1]);
+        let stored = seek(&mut touches, slot, |t| t.slot);
+        let stored = stored.copied().unwrap_or_default();
+        let mass = pair.mass(tree);
+        let other = b.moves.then(|| Other {
+            body: b.body,
+            from: pair.from,
+            axes: kin.X[b.body].R,
+        });
+        let mut contact = Contact {
+            body: a.body,
+            other,
+            link: a.link,
+            other_link: Some(b.link),
+            slot,
+            mass,
+            normal: patch.normal,
+            points: first..points.len(),
+            spring: limited(&pair.heavier(tree).spring, mass, fastest),
+            ..Contact::default()
+        };
+        contact.gather(points);
+        let mut surface = Surface::default();
+        surface.combine([&a.own, &b.own], tree.contact.combination);
+        let meeting = Meeting {
+            surface: &surface,
+            dissipation: a.dissipation.max(b.dissipation),
+            gravity: if b.moves {
+                0.0
+            } else {
+                -contact.normal.dot(&tree.world.gravity)
+            },
+        };
+        meeting.complete(tree, &stored, (kin, points), &mut contact);
+        list.push(contact);
+    }
+    pairs.patch = Some(patch);
+}
+
+/// Energy that the springs between shapes hold at the poses of `kin`, J.
+///
+/// - `contacts`: its points are scratch
+pub(super) fn held_between(
+    tree: &Tree,
+    kin: &Kinematics,
+    fastest: f64,
+    contacts: &mut ContactSet,
+) -> f64 {
+    let ContactSet { points, pairs, .. } = contacts;
+    let Some(mut patch) = pairs.patch.take() else {
+        return 0.0;
+    };
+    pairs.search(tree, kin, [0.0, 0.0]);
+    let mut sum = 0.0;
+    for &places in &pairs.near {
+        let Some(pair) = Pair::new(tree, kin, places) else {
+            continue;
+        };
+        if !pair.touch(&mut patch, 0.0) {
+            continue;
+        }
+        points.clear();
+        let landing = pair.heavier(tree).spring.reference;
+        for (corner, point) in patch.points().iter().take(PAIR_POINTS).enumerate() {
+            points.push(contact_point(corner, point, &patch.normal, landing));
+        }
+        let (depth, _) = norm(points);
+        let spring = limited(&pair.heavier(tree).spring, pair.mass(tree), fastest);
+        sum += spring.stored(depth);
+    }
+    pairs.patch = Some(patch);
+    sum
+}
+
+/// Whether no two shapes come near within `h` seconds, by twice the way that velocities and gravity
+/// take them.
+pub(super) fn is_apart(tree: &Tree, kin: &Kinematics, h: f64) -> bool {
+    let fall = 2.0 * h * h * tree.world.gravity.norm();
+    let ball = |c: &TreeCollider| {
+        let (X_OB, V) = (&kin.X[c.body], &kin.V[c.body]);
+        let center = X_OB.p + X_OB.R * c.X.p;
+        let spin = V[0].abs() + V[1].abs() + V[2].abs();
+        let speed = velocity_at(V, &center).norm() + spin * c.radius;
+        let radius = c.radius + 2.0 * h * speed + fall + CONTACT_MARGIN;
+        (center + kin.origins[c.tree], radius)
+    };
+    let colliders = &tree.contact.colliders;
+    colliders.iter().enumerate().all(|(first, c)| {
+        let (center, radius) = ball(c);
+        (first + 1..colliders.len()).all(|second| {
+            let (other, reach) = ball(&colliders[second]);
+            !may_touch(tree, [first, second]) || (other - center).norm() > radius + reach
+        })
+    })
+}
+
+/// A point of a patch, from O of the first one's tree, as a contact has it; `landing` as in
+/// [`Rim::new`].
+fn contact_point(corner: usize, point: &PatchPoint, normal: &Vec3, landing: f64) -> ContactPoint {
+    let PatchPoint {
+        x, depth, share, ..
+    } = *point;
+    ContactPoint {
+        rim: point.rim.map(|rim| {
+            // What turns the second body one way tilts its rim as turning the first one the other
+            // way does.
+            let axis = match rim.side {
+                Side::First => rim.axis,
+                Side::Second => -rim.axis,
+            };
+            Rim::new(axis, rim.a, [rim.radius, rim.crown, landing])
+        }),
+        ..ContactPoint::new(corner, x, normal, [depth, share])
+    }
+}

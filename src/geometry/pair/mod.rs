@@ -1,0 +1,121 @@
+//! Contact between two shapes: where they touch, how deep, and how much of a face each point
+//! carries.
+//!
+//! In: two shapes, prepared by [`Solid::new`], and their poses. Out: a [`Patch`], a normal and some
+//! points. What a contact of these points does is in [`crate::force`]; nothing here knows forces or
+//! velocities, and nothing is remembered from one query to the next.
+//!
+//! 1. The normal is the direction between the nearest points of the cores, see [`core`]. It moves
+//!    continuously with the poses as long as the cores do not meet, which is while the shapes overlap
+//!    by less than both roundings; beyond, it is the axis of least overlap, which may jump.
+//! 2. Depths are those of the sharp shapes along the normal, so a face that lies on a face has
+//!    the depths that it has on a plane. Balls and capsules meet what is rounded at its edges.
+//! 3. Each point has its share in a face, so that the fourth-power mean of the depths is continuous,
+//!    too: [`polygon`] for faces, [`trace`] for the lines and rims of round shapes.
+//! 4. A cylinder's flat end that lies within a face has the law of a rim. Where a side of the face
+//!    cuts it, a polygon of 16 corners takes over, by four times the part that is cut off.
+//!
+//! | pair | points and shares |
+//! |---|---|
+//! | ball | one, 1 |
+//! | capsule on plane or face | two ends of what lies over it, ½ |
+//! | two capsules | skew one, 1; parallel two, ½ |
+//! | box, hull on plane | corners, exterior angle / 2π |
+//! | box, hull on box, hull | corners of the polygon that both cover, exterior angle / 2π |
+//! | cylinder on plane or face | two circles, ½ each; standing one of them is high above |
+//! | cylinder on cylinder | as on a face where an end takes part, as two capsules otherwise |
+//!
+//! Nothing is allocated in a query. Exchanging the shapes gives the same points to round-off and the
+//! opposite normal.
+
+#![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
+
+mod core;
+mod cylinders;
+mod deep;
+mod gjk;
+mod meet;
+mod nearest;
+mod points;
+mod polygon;
+#[cfg(test)]
+mod tests;
+mod trace;
+mod view;
+
+pub use self::core::Solid;
+pub use self::points::{MOST_POINTS, PatchPoint, Rim, Side};
+
+use self::core::{Core, Placed};
+use self::meet::Meeting;
+use self::points::Points;
+use crate::spatial::{Pose, Vec3};
+
+/// What two shapes have in common. One is filled again and again: it holds the memory of a query,
+/// too.
+#[derive(Clone, Debug, Default)]
+pub struct Patch {
+    /// Unit vector from the second shape into the first.
+    pub normal: Vec3,
+    /// Whether the shapes overlap by more than their roundings: then the normal may jump.
+    pub deep: bool,
+    points: Points,
+    meeting: Meeting,
+}
+
+impl Patch {
+    /// An empty one.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Its points.
+    pub fn points(&self) -> &[PatchPoint] {
+        self.points.list()
+    }
+
+    /// Finds what `a` at `X_WA` and `b` at `X_WB` have in common, as far as it is nearer than
+    /// `reach`, m; whether there is anything. Positions and vectors are those of the frame W.
+    ///
+    /// A half-space may be `a` or `b`; two half-spaces have nothing in common.
+    pub fn find(
+        &mut self,
+        (a, X_WA): (&Solid, &Pose),
+        (b, X_WB): (&Solid, &Pose),
+        reach: f64,
+    ) -> bool {
+        self.points.clear();
+        if (X_WA.p - X_WB.p).norm() > a.reach + b.reach + reach {
+            return false;
+        }
+        // Few digits are lost near one of the two.
+        let origin = if matches!(a.core, Core::HalfSpace) {
+            X_WB.p
+        } else {
+            X_WA.p
+        };
+        let first = Placed::new(a, X_WA, &origin);
+        let second = Placed::new(b, X_WB, &origin);
+        let swapped = rank(a) > rank(b);
+        let (above, below) = if swapped {
+            (&second, &first)
+        } else {
+            (&first, &second)
+        };
+        let (normal, deep) = self.meeting.find((above, below), reach, &mut self.points);
+        self.normal = if swapped { -normal } else { normal };
+        self.deep = deep;
+        self.points.finish(&origin, swapped);
+        !self.points().is_empty()
+    }
+}
+
+/// Pairs are treated in this order: balls, round shapes, polyhedra, the half-space.
+fn rank(s: &Solid) -> usize {
+    match s.core {
+        Core::Point => 0,
+        Core::Segment { .. } | Core::Cylinder { .. } => 1,
+        Core::Box { .. } | Core::Corners(_) => 2,
+        Core::HalfSpace => 3,
+    }
+}

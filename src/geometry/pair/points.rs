@@ -1,0 +1,134 @@
+//! Points of a patch.
+
+use crate::spatial::Vec3;
+
+/// Points of a patch, at most. Two boxes have eight; only faces with many corners have more than
+/// 24. What does not find a place is left out.
+pub const MOST_POINTS: usize = 64;
+
+/// Distance within which two points of a patch are one, m.
+const SAME: f64 = 1e-14;
+
+/// One of the two shapes of a pair.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Side {
+    /// The first one, into which the normal points.
+    #[default]
+    First,
+    /// The second one.
+    Second,
+}
+
+impl Side {
+    /// The other one.
+    #[must_use]
+    pub fn other(self) -> Self {
+        match self {
+            Self::First => Self::Second,
+            Self::Second => Self::First,
+        }
+    }
+}
+
+/// A circle about the axis of a cylinder, of which a point is the lowest against the other shape.
+///
+/// Its law is that of rims in `force`, with the patch's normal; a circle of the second shape turns
+/// with this shape's angular velocity against the first.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Rim {
+    /// Whose it is.
+    pub side: Side,
+    /// Its centre, m, in the frame of the poses.
+    pub center: Vec3,
+    /// Unit vector along the cylinder's axis, outwards.
+    pub axis: Vec3,
+    /// What of the axis lies in the tangent plane, times the radius, m.
+    pub a: Vec3,
+    /// Radius with the crown, `√(R (R + 2 s))`, m.
+    pub radius: f64,
+    /// Crown `s`, m.
+    pub crown: f64,
+}
+
+/// A point of a patch.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PatchPoint {
+    /// Position half way between the two surfaces along the normal, m, in the frame of the poses.
+    pub x: Vec3,
+    /// How much they overlap there along the normal, m; negative apart.
+    pub depth: f64,
+    /// Share `m_i` in a face: those of a whole face sum up to one.
+    pub share: f64,
+    /// The circle whose lowest point it is, of a cylinder.
+    pub rim: Option<Rim>,
+}
+
+/// Points that are being found.
+#[derive(Clone, Debug)]
+pub(super) struct Points {
+    at: [PatchPoint; MOST_POINTS],
+    count: usize,
+}
+
+impl Default for Points {
+    fn default() -> Self {
+        Self {
+            at: [PatchPoint::default(); MOST_POINTS],
+            count: 0,
+        }
+    }
+}
+
+impl Points {
+    pub(super) fn clear(&mut self) {
+        self.count = 0;
+    }
+
+    pub(super) fn count(&self) -> usize {
+        self.count
+    }
+
+    pub(super) fn list(&self) -> &[PatchPoint] {
+        &self.at[..self.count]
+    }
+
+    /// Adds a point; `from`: first of the points among which one in the same place may be.
+    pub(super) fn add(&mut self, from: usize, point: PatchPoint) {
+        if point.share <= 0.0 {
+            return;
+        }
+        let same = |p: &&mut PatchPoint| {
+            (p.x - point.x).amax() <= SAME && (p.depth - point.depth).abs() <= SAME
+        };
+        let known = self.at[from..self.count].iter_mut().find(same);
+        if let Some(known) = known {
+            known.share += point.share;
+        } else if self.count < MOST_POINTS {
+            self.at[self.count] = point;
+            self.count += 1;
+        }
+    }
+
+    /// Multiplies the shares of the points from `from` on; drops these where that is zero.
+    pub(super) fn scale(&mut self, from: usize, by: f64) {
+        if by <= 0.0 {
+            self.count = from;
+        }
+        for p in &mut self.at[from..self.count] {
+            p.share *= by;
+        }
+    }
+
+    /// Moves all to the frame of the poses, with the shapes in their order.
+    pub(super) fn finish(&mut self, origin: &Vec3, swapped: bool) {
+        for p in &mut self.at[..self.count] {
+            p.x += origin;
+            if let Some(rim) = &mut p.rim {
+                rim.center += origin;
+                if swapped {
+                    rim.side = rim.side.other();
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,222 @@
+//! Where faces of two shapes lie over each other, and how much of a face each corner of that carries.
+//!
+//! Seen along the normal, each pair of faces that look at each other, `f` of A and `g` of B, covers
+//! a convex polygon, and the gap `t` between them is a linear function on it.
+//!
+//! 1. Within a polygon a corner's share is its exterior angle over 2π: the shares of all sum up to
+//!    one, and a corner that is split, or a new one that has no angle yet, changes nothing. As the
+//!    polygon moves, they change continuously as long as it has an area.
+//! 2. The polygons of all pairs tile what the shapes cover in common. Each has the weight `W = ∫ (ℓ
+//!    − t)₊ dA`, with the level `ℓ` a little above the gap where the shapes are nearest. It is
+//!    continuous, and vanishes with the polygon's area: so a point's share, `Σ W m / Σ W` of all
+//!    pairs, moves continuously with the poses. A flat face on a flat face has all the weight; where
+//!    a shape stands on an edge, the flatter of its two faces has more.
+//! 3. Angles are those in the plane of the face that is more tilted against the normal: the corner
+//!    of a box has a quarter at any lean.
+
+use super::core::Mesh;
+use super::meet::point;
+use super::points::Points;
+use super::view::{Frame, Front, Seen};
+use crate::spatial::Vec3;
+
+/// Corners of a polygon, at most: two faces of 64 corners, and one more for each cut.
+const MOST_CORNERS: usize = 2 * crate::geometry::MOST_CORNERS + 8;
+/// Part of the size of a polygon within which two corners are one.
+const SAME: f64 = 1e-15;
+
+/// Corners of a polygon, counter-clockwise: places and heights of the upper surface.
+#[derive(Clone, Debug)]
+pub(super) struct Polygon {
+    at: [Vec3; MOST_CORNERS],
+    count: usize,
+}
+
+impl Polygon {
+    pub(super) const NONE: Self = Self {
+        at: [Vec3::new(0.0, 0.0, 0.0); MOST_CORNERS],
+        count: 0,
+    };
+
+    fn push(&mut self, x: Vec3) {
+        if self.count < MOST_CORNERS {
+            self.at[self.count] = x;
+            self.count += 1;
+        }
+    }
+
+    fn corners(&self) -> &[Vec3] {
+        &self.at[..self.count]
+    }
+
+    /// What of `from` has `side ≥ 0`, a linear function of the place.
+    fn cut(&mut self, from: &Self, side: impl Fn(&Vec3) -> f64) {
+        self.count = 0;
+        let Some(last) = from.corners().last() else {
+            return;
+        };
+        let (mut a, mut before) = (*last, side(last));
+        for &b in from.corners() {
+            let after = side(&b);
+            if (before >= 0.0) != (after >= 0.0) {
+                self.push(a + (b - a) * (before / (before - after)));
+            }
+            if after >= 0.0 {
+                self.push(b);
+            }
+            (a, before) = (b, after);
+        }
+    }
+
+    /// Area, and integral of a linear function over it.
+    fn integral(&self, value: impl Fn(&Vec3) -> f64) -> (f64, f64) {
+        let (mut area, mut sum) = (0.0, 0.0);
+        let list = self.corners();
+        for i in 2..self.count {
+            let (a, b, c) = (&list[0], &list[i - 1], &list[i]);
+            let part = 0.5 * turn(&(b - a), &(c - a));
+            area += part;
+            sum += part * (value(a) + value(b) + value(c)) / 3.0;
+        }
+        (area, sum)
+    }
+
+    /// Drops corners that coincide with the one before.
+    fn merge(&mut self) {
+        let size = self.corners().iter().fold(0.0, |size: f64, x| {
+            size.max((x.x - self.at[0].x).abs() + (x.y - self.at[0].y).abs())
+        });
+        let near = |a: &Vec3, b: &Vec3| (a.x - b.x).abs() + (a.y - b.y).abs() <= SAME * size;
+        let mut kept = 0;
+        for i in 0..self.count {
+            if kept == 0 || !near(&self.at[i], &self.at[kept - 1]) {
+                self.at[kept] = self.at[i];
+                kept += 1;
+            }
+        }
+        while kept > 1 && near(&self.at[kept - 1], &self.at[0]) {
+            kept -= 1;
+        }
+        self.count = kept;
+    }
+}
+
+fn turn(a: &Vec3, b: &Vec3) -> f64 {
+    a.x * b.y - a.y * b.x
+}
+
+/// Memory for the polygons of a query.
+#[derive(Clone, Debug)]
+pub(super) struct Polygons {
+    one: Polygon,
+    two: Polygon,
+}
+
+impl Polygons {
+    pub(super) const NONE: Self = Self {
+        one: Polygon::NONE,
+        two: Polygon::NONE,
+    };
+}
+
+/// What all pairs of faces have in common.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Cover {
+    /// `Σ W`, m³.
+    pub(super) weight: f64,
+    /// Area below the level, m².
+    pub(super) area: f64,
+    /// What part of the upper face's area below the level has no lower face under it, 0 … 1.
+    pub(super) cut: f64,
+}
+
+/// Level, and farthest gap of a point that is taken, m.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Limits {
+    pub(super) level: f64,
+    pub(super) reach: f64,
+}
+
+/// Adds the corners of all pairs of faces to `points`, with their shares times `W`. `upper` looks
+/// down, `lower` up.
+pub(super) fn cover(
+    (upper, upper_mesh): (&Seen, &Mesh),
+    (lower, lower_mesh): (&Seen, &Mesh),
+    frame: &Frame,
+    limits: Limits,
+    work: &mut Polygons,
+    points: &mut Points,
+) -> Cover {
+    let (mut all, first) = (Cover::default(), points.count());
+    for f in upper.fronts() {
+        for g in lower.fronts() {
+            let gap = |x: &Vec3| x.z - g.height(x);
+            let Polygons { one, two } = work;
+            // How much the face would cover of the whole plane.
+            one.count = 0;
+            for x in upper.outline(upper_mesh, f.index).rev() {
+                one.push(x);
+            }
+            two.cut(one, |x| limits.level - gap(x));
+            let (whole, _) = two.integral(|_| 0.0);
+            if whole <= 0.0 {
+                continue;
+            }
+            let outline = lower.outline(lower_mesh, g.index);
+            let ends = outline.clone().cycle().skip(1);
+            for (a, b) in outline.zip(ends) {
+                two.cut(one, |x| turn(&(b - a), &(x - a)));
+                std::mem::swap(one, two);
+            }
+            two.cut(one, |x| limits.level - gap(x));
+            let (area, weight) = two.integral(|x| limits.level - gap(x));
+            if area <= 0.0 || weight <= 0.0 {
+                continue;
+            }
+            all.weight += weight;
+            all.area += area;
+            all.cut += area * (1.0 - area / whole).max(0.0);
+            one.merge();
+            corners(one, (f, g), frame, (limits.reach, weight), (first, points));
+        }
+    }
+    if all.area > 0.0 {
+        all.cut /= all.area;
+    }
+    all
+}
+
+/// Adds the corners of a polygon with their shares times `weight`.
+fn corners(
+    polygon: &Polygon,
+    (f, g): (&Front, &Front),
+    frame: &Frame,
+    (reach, weight): (f64, f64),
+    (first, points): (usize, &mut Points),
+) {
+    let list = polygon.corners();
+    let count = list.len();
+    let tilts = f.tilt + g.tilt;
+    let part = if tilts > 1e-26 { f.tilt / tilts } else { 0.5 };
+    // Cosines, by which areas in a face are greater than seen.
+    let (cos_f, cos_g) = (
+        (1.0 - f.tilt).max(1e-18).sqrt(),
+        (1.0 - g.tilt).max(1e-18).sqrt(),
+    );
+    for (i, x) in list.iter().enumerate() {
+        let depth = g.height(x) - x.z;
+        if depth <= -reach {
+            continue;
+        }
+        let (before, after) = (list[(i + count - 1) % count], list[(i + 1) % count]);
+        let (u, v) = (x - before, after - x);
+        let (sine, cosine) = (turn(&u, &v), u.x * v.x + u.y * v.y);
+        let rise = |e: &Vec3| g.slope[0] * e.x + g.slope[1] * e.y;
+        let angle = |cos: f64, rises: f64| libm::atan2(sine / cos, cosine + rises).max(0.0);
+        let share =
+            part * angle(cos_f, u.z * v.z) + (1.0 - part) * angle(cos_g, rise(&u) * rise(&v));
+        let middle = Vec3::new(x.x, x.y, x.z + 0.5 * depth);
+        let share = weight * share / std::f64::consts::TAU;
+        points.add(first, point(frame.world(&middle), depth, share));
+    }
+}

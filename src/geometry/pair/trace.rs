@@ -1,0 +1,227 @@
+//! The line on which a capsule or a cylinder comes nearest to a surface, and its rims.
+//!
+//! Seen along the normal `n`, every circle about the axis of a cylinder is lowest at one point, and
+//! these are a line along the axis; a capsule has such a line, too. Against a face the gap is a
+//! linear function on it, and the two ends of what lies over the face carry half each. Where the
+//! line passes over several faces, each has the weight `W = ∫ (ℓ − t)₊ ds`, as in
+//! [`super::polygon`].
+//!
+//! Each point of a cylinder's line is the lowest of a circle, whether of its rim or of a circle
+//! between them, and follows the law of [`crate::force`] for rims: with the axis `k`, the radius
+//! `R`, `a = R (k − (k·n) n)` and the crown `s` it is `q − s` below the circle's centre, `q = √(|a|²
+//! + s²)`, and lies at `c + R (n·k) a/q` over it.
+
+use super::core::{Mesh, Placed, Round};
+use super::meet::point;
+use super::nearest::Apart;
+use super::points::{PatchPoint, Points, Rim, Side};
+use super::polygon::Limits;
+use super::view::{Frame, Seen};
+use crate::spatial::Vec3;
+use crate::tuning::CROWN;
+
+/// The line of a solid along the normal of a frame, which points from what it lies on into it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Trace {
+    /// Middle of the axis, and half of it, m.
+    center: Vec3,
+    half: Vec3,
+    /// From the axis to the line, m.
+    low: Vec3,
+    rim: Option<Rim>,
+}
+
+impl Trace {
+    /// Of a solid that is a capsule or a cylinder.
+    pub(super) fn new(placed: &Placed, round: &Round, n: &Vec3, side: Side) -> Self {
+        let axis = placed.axis();
+        let mut trace = Self {
+            center: placed.p,
+            half: axis * round.half,
+            low: -n * round.radius,
+            rim: None,
+        };
+        if round.flat {
+            let up = n.dot(&axis);
+            let crown = CROWN * round.radius;
+            // So that a lying cylinder, whose `q` is `√(R² + s²)`, reaches down by its own radius.
+            let radius = (round.radius * (round.radius + 2.0 * crown)).sqrt();
+            let a = (axis - n * up) * radius;
+            let q = (a.norm_squared() + crown * crown).sqrt();
+            trace.low = a * (radius * up / q) - n * (q - crown);
+            trace.rim = Some(Rim {
+                side,
+                center: Vec3::zeros(),
+                axis,
+                a,
+                radius,
+                crown,
+            });
+        }
+        trace
+    }
+
+    /// The point at `s`, −1 … 1.
+    fn at(&self, s: f64) -> Vec3 {
+        self.center + self.half * s + self.low
+    }
+
+    /// The circle at `s`, with its axis outwards.
+    fn rim(&self, s: f64) -> Option<Rim> {
+        let out = if s < 0.0 { -1.0 } else { 1.0 };
+        self.rim.map(|rim| Rim {
+            center: self.center + self.half * s,
+            axis: rim.axis * out,
+            a: rim.a * out,
+            ..rim
+        })
+    }
+
+    /// Least height of its ends.
+    pub(super) fn lowest(&self, n: &Vec3) -> f64 {
+        n.dot(&self.at(1.0)).min(n.dot(&self.at(-1.0)))
+    }
+
+    /// Adds both ends against the plane `n·x = offset`.
+    pub(super) fn on_plane(&self, n: &Vec3, offset: f64, reach: f64, points: &mut Points) {
+        for s in [1.0, -1.0] {
+            let x = self.at(s);
+            let depth = offset - n.dot(&x);
+            if depth > -reach {
+                points.add(
+                    0,
+                    PatchPoint {
+                        rim: self.rim(s),
+                        ..point(x + n * (0.5 * depth), depth, 0.5)
+                    },
+                );
+            }
+        }
+    }
+
+    /// Adds the ends of what lies over each face of `lower`, with half of its weight each; returns
+    /// the sum of the weights, m².
+    pub(super) fn cover(
+        &self,
+        (lower, mesh): (&Seen, &Mesh),
+        frame: &Frame,
+        limits: Limits,
+        points: &mut Points,
+    ) -> f64 {
+        let (middle, way) = (frame.see(&self.at(0.0)), frame.see(&self.half));
+        let length = self.half.norm().max(self.low.norm());
+        let (mut total, first) = (0.0, points.count());
+        for g in lower.fronts() {
+            let (mut low, mut high) = (-1.0_f64, 1.0_f64);
+            let outline = lower.outline(mesh, g.index);
+            let ends = outline.clone().cycle().skip(1);
+            for (a, b) in outline.zip(ends) {
+                let (u, v) = (b - a, middle - a);
+                // Inside is where `inside + s rate ≥ 0`.
+                let inside = u.x * v.y - u.y * v.x;
+                let rate = u.x * way.y - u.y * way.x;
+                if rate > 0.0 {
+                    low = low.max(-inside / rate);
+                } else if rate < 0.0 {
+                    high = high.min(-inside / rate);
+                } else if inside < 0.0 {
+                    high = f64::NEG_INFINITY;
+                }
+            }
+            if low >= high {
+                continue;
+            }
+            let gap = |s: f64| {
+                let x = middle + way * s;
+                x.z - g.height(&x)
+            };
+            // `(ℓ − t)₊` at both ends, and its integral.
+            let over = [low, high].map(|s| limits.level - gap(s));
+            let weight = length * (high - low) * ramp(over);
+            if weight <= 0.0 {
+                continue;
+            }
+            total += weight;
+            for s in [low, high] {
+                let depth = -gap(s);
+                if depth > -limits.reach {
+                    let x = self.at(s) + frame.n * (0.5 * depth);
+                    points.add(
+                        first,
+                        PatchPoint {
+                            rim: self.rim(s),
+                            ..point(x, depth, 0.5 * weight)
+                        },
+                    );
+                }
+            }
+        }
+        total
+    }
+}
+
+/// Mean of `x₊` where `x` goes evenly from `a` to `b`.
+fn ramp([a, b]: [f64; 2]) -> f64 {
+    let (low, high) = (a.min(b), a.max(b));
+    if high <= 0.0 {
+        0.0
+    } else if low >= 0.0 {
+        0.5 * (low + high)
+    } else {
+        0.5 * high * high / (high - low)
+    }
+}
+
+/// Adds what two round solids have in common along their axes, with shares that sum up to one.
+///
+/// Skew ones touch in one point. Parallel ones lie on each other between two ends, with half of the
+/// load each. In between the shares of the ends fall from a half to nothing as these rise by the
+/// blend `ε` above the nearest point: with `β = 1 − max(rise)/ε` the ends have `β/2`, the nearest
+/// point `1 − β`. Where only the tips of parallel axes pass each other, both ends and the nearest
+/// point are the same.
+pub(super) fn along_axes(
+    (a, ra): (&Placed, &Round),
+    (b, rb): (&Placed, &Round),
+    apart: &Apart,
+    reach: f64,
+    points: &mut Points,
+) {
+    let n = apart.normal;
+    let depth = a.solid.radius + b.solid.radius - apart.distance;
+    let blend = a.solid.blend + b.solid.blend;
+    let first = points.count();
+    let mut take = |x: Vec3, depth: f64, share: f64| {
+        if depth > -reach && share > 0.0 {
+            points.add(first, point(x, depth, share));
+        }
+    };
+    let (k, other) = (a.axis(), b.axis());
+    let cosine = k.dot(&other);
+    let other = if cosine < 0.0 { -other } else { other };
+    let mut beta = (2.0 * cosine.abs() - 1.0).max(0.0);
+    if beta > 0.0 {
+        let along = (k + other).normalize();
+        let range = |p: &Vec3, k: &Vec3, half: f64| {
+            let (middle, half) = (along.dot(p), along.dot(k) * half);
+            (middle - half, middle + half)
+        };
+        let (u, v) = (range(&a.p, &k, ra.half), range(&b.p, &other, rb.half));
+        let (low, high) = (u.0.max(v.0), u.1.min(v.1));
+        if low > high {
+            beta = 0.0;
+        }
+        let ends = [low, high].map(|c| {
+            let on = |p: &Vec3, k: &Vec3| p + k * ((c - along.dot(p)) / along.dot(k));
+            let (x, y) = (on(&a.p, &k), on(&b.p, &other));
+            let middle = ((x - n * ra.radius) + (y + n * rb.radius)) * 0.5;
+            (middle, ra.radius + rb.radius - (x - y).norm())
+        });
+        let rise = (depth - ends[0].1).abs().max((depth - ends[1].1).abs());
+        beta *= (1.0 - rise / blend).max(0.0);
+        for (x, depth) in ends {
+            take(x, depth, 0.5 * beta);
+        }
+    }
+    let x = apart.at - n * (0.5 * (a.solid.radius - b.solid.radius + apart.distance));
+    take(x, depth, 1.0 - beta);
+}

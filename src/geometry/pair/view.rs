@@ -1,0 +1,151 @@
+//! Two shapes seen along the direction between them: corners as places in the plane across it and
+//! heights, faces as heights over that plane.
+
+#![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
+
+use super::core::{Mesh, Placed};
+use crate::geometry::MOST_CORNERS;
+use crate::spatial::{Vec3, across};
+
+/// Faces that can take part at a time: those within the blend of the deepest place.
+const MOST_FRONTS: usize = 64;
+/// Cosine to the direction below which a face is seen edge-on and has no part.
+const EDGE_ON: f64 = 1e-9;
+
+/// Axes of the plane and the direction, right-handed.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Frame {
+    t: Vec3,
+    b: Vec3,
+    pub(super) n: Vec3,
+}
+
+impl Frame {
+    pub(super) fn new(n: Vec3) -> Self {
+        let t = across(&n);
+        Self {
+            t,
+            b: n.cross(&t),
+            n,
+        }
+    }
+
+    /// The same plane seen from the other side.
+    pub(super) fn flipped(&self) -> Self {
+        Self {
+            t: self.t,
+            b: -self.b,
+            n: -self.n,
+        }
+    }
+
+    /// A vector in these axes.
+    pub(super) fn see(&self, x: &Vec3) -> Vec3 {
+        Vec3::new(self.t.dot(x), self.b.dot(x), self.n.dot(x))
+    }
+
+    /// And back.
+    pub(super) fn world(&self, x: &Vec3) -> Vec3 {
+        self.t * x.x + self.b * x.y + self.n * x.z
+    }
+}
+
+/// A face that looks towards the other shape.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Front {
+    pub(super) index: usize,
+    /// Height `h0 + slope·(u, v)`.
+    pub(super) h0: f64,
+    pub(super) slope: [f64; 2],
+    /// Square of the sine of its tilt.
+    pub(super) tilt: f64,
+}
+
+impl Front {
+    /// Height at a place.
+    pub(super) fn height(&self, x: &Vec3) -> f64 {
+        self.h0 + self.slope[0] * x.x + self.slope[1] * x.y
+    }
+}
+
+/// A shape with faces, as seen.
+#[derive(Clone, Debug)]
+pub(super) struct Seen {
+    corners: [Vec3; MOST_CORNERS],
+    count: usize,
+    fronts: [Front; MOST_FRONTS],
+    front_count: usize,
+    /// Least and greatest height of a corner, m.
+    pub(super) heights: (f64, f64),
+}
+
+impl Seen {
+    pub(super) const NONE: Self = Self {
+        corners: [Vec3::new(0.0, 0.0, 0.0); MOST_CORNERS],
+        count: 0,
+        fronts: [Front {
+            index: 0,
+            h0: 0.0,
+            slope: [0.0; 2],
+            tilt: 0.0,
+        }; MOST_FRONTS],
+        front_count: 0,
+        heights: (0.0, 0.0),
+    };
+
+    /// Looks at the corners of a solid.
+    pub(super) fn look(&mut self, placed: &Placed, frame: &Frame) {
+        let (R, p) = (
+            [0, 1, 2].map(|i| frame.see(&placed.R.column(i).into())),
+            frame.see(&placed.p),
+        );
+        let corners = &placed.solid.mesh.corners;
+        self.count = corners.len().min(MOST_CORNERS);
+        self.heights = (f64::INFINITY, f64::NEG_INFINITY);
+        for (seen, c) in self.corners.iter_mut().zip(corners) {
+            *seen = p + R[0] * c.x + R[1] * c.y + R[2] * c.z;
+            self.heights = (self.heights.0.min(seen.z), self.heights.1.max(seen.z));
+        }
+    }
+
+    /// Finds the faces that look up, `up` = 1, or down, −1, and reach beyond the height `limit`
+    /// that way.
+    pub(super) fn face(&mut self, placed: &Placed, frame: &Frame, up: f64, limit: f64) {
+        self.front_count = 0;
+        let local = placed.R.tr_mul(&(frame.n * up));
+        let mesh = &placed.solid.mesh;
+        for (index, normal) in mesh.normals.iter().enumerate() {
+            if normal.dot(&local) <= EDGE_ON {
+                continue;
+            }
+            let list = mesh.face(index);
+            let reaches = list.iter().any(|&i| up * self.corners[i].z > up * limit);
+            if !reaches || self.front_count == MOST_FRONTS {
+                continue;
+            }
+            let seen = frame.see(&(placed.R * normal));
+            let slope = [-seen.x / seen.z, -seen.y / seen.z];
+            let corner = &self.corners[list[0]];
+            self.fronts[self.front_count] = Front {
+                index,
+                h0: corner.z - slope[0] * corner.x - slope[1] * corner.y,
+                slope,
+                tilt: seen.x * seen.x + seen.y * seen.y,
+            };
+            self.front_count += 1;
+        }
+    }
+
+    pub(super) fn fronts(&self) -> &[Front] {
+        &self.fronts[..self.front_count]
+    }
+
+    /// Corners of a face in order, as seen.
+    pub(super) fn outline<'a>(
+        &'a self,
+        mesh: &'a Mesh,
+        face: usize,
+    ) -> impl DoubleEndedIterator<Item = Vec3> + ExactSizeIterator + Clone + 'a {
+        mesh.face(face).iter().map(|&i| self.corners[i])
+    }
+}
