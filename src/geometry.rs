@@ -16,8 +16,8 @@ use crate::spatial::{Pose, Vec3};
 use hull::Simplices;
 use serde::{Deserialize, Serialize};
 
-/// Most points of a contact between two shapes.
-pub const PAIR_POINTS: usize = 8;
+/// Points of a contact between two shapes that there is room for, on average.
+pub const PAIR_POINTS: usize = 24;
 
 /// A convex solid about its own origin; cylinders and capsules stand along z.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -223,7 +223,7 @@ impl Meeting<'_> {
         contact.friction = ElastoPlastic {
             stiffness: slope,
             damping: 2.0 * (slope * mass).sqrt(),
-            displacement: stored.displacement.into(),
+            displacement: contact.recall(&stored.displacement),
             ..ElastoPlastic::default()
         };
         let load = contact.normal_load(points, V);
@@ -330,7 +330,7 @@ impl Finder<'_> {
     fn add(&mut self, corner: usize, x: Vec3, share: f64) {
         let depth = -self.height - self.plane.normal.dot(&x);
         if self.reaches(depth, &x) {
-            let point = ContactPoint::new(corner, x, &self.plane.normal, [depth, share]);
+            let point = ContactPoint::new(Some(corner), x, &self.plane.normal, [depth, share]);
             self.points.push(point);
         }
     }
@@ -350,7 +350,7 @@ impl Finder<'_> {
         if self.reaches(depth, &x) {
             self.points.push(ContactPoint {
                 rim: Some(rim),
-                ..ContactPoint::new(corner, x, &n, [depth, 0.5])
+                ..ContactPoint::new(Some(corner), x, &n, [depth, 0.5])
             });
         }
     }

@@ -55,7 +55,7 @@ impl Contact {
     /// that are a hundredth of what a step moves by: a place that is expected does not know them.
     pub(crate) fn take_loads(&mut self, points: &mut [ContactPoint], before: &[ContactPoint]) {
         let own = &mut points[self.points.clone()];
-        let load = |p: &ContactPoint| before.iter().find(|b| b.corner == p.corner);
+        let load = |p: &ContactPoint| before.iter().find(|b| b.is(p));
         let total: f64 = own.iter().filter_map(|p| Some(load(p)?.load)).sum();
         if total > 0.0 {
             for p in own {

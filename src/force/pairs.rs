@@ -10,7 +10,6 @@ use super::detect::{Meeting, limited};
 use super::gather::ContactSet;
 use super::memory::{Touch, seek};
 use super::point::{ContactPoint, Rim, norm};
-use crate::geometry::PAIR_POINTS;
 use crate::geometry::pair::{Patch, PatchPoint, Side, Solid};
 use crate::kinematics::Kinematics;
 use crate::model::Model;
@@ -221,10 +220,11 @@ pub(super) fn find_pairs(
         }
         let first = points.len();
         let found = patch.points();
-        // Where there are more, the first ones: corners of a face are all alike.
-        for point in found.iter().take(PAIR_POINTS) {
-            let corner = points.len() - first;
-            points.push(contact_point(corner, point, &patch.normal, landing));
+        if first + found.len() > points.capacity() {
+            continue;
+        }
+        for point in found {
+            points.push(contact_point(point, &patch.normal, landing));
         }
         let shapes = places.map(|place| tree.contact.colliders[place].index);
         let slot = model.pair_slot(shapes[0], shapes[1]);
@@ -290,8 +290,8 @@ pub(super) fn held_between(
         }
         points.clear();
         let landing = pair.heavier(tree).spring.reference;
-        for (corner, point) in patch.points().iter().take(PAIR_POINTS).enumerate() {
-            points.push(contact_point(corner, point, &patch.normal, landing));
+        for point in patch.points() {
+            points.push(contact_point(point, &patch.normal, landing));
         }
         let (depth, _) = norm(points);
         let spring = limited(&pair.heavier(tree).spring, pair.mass(tree), fastest);
@@ -325,7 +325,7 @@ pub(super) fn is_apart(tree: &Tree, kin: &Kinematics, h: f64) -> bool {
 
 /// A point of a patch, from O of the first one's tree, as a contact has it; `landing` as in
 /// [`Rim::new`].
-fn contact_point(corner: usize, point: &PatchPoint, normal: &Vec3, landing: f64) -> ContactPoint {
+fn contact_point(point: &PatchPoint, normal: &Vec3, landing: f64) -> ContactPoint {
     let PatchPoint {
         x, depth, share, ..
     } = *point;
@@ -339,6 +339,6 @@ fn contact_point(corner: usize, point: &PatchPoint, normal: &Vec3, landing: f64)
             };
             Rim::new(axis, rim.a, [rim.radius, rim.crown, landing])
         }),
-        ..ContactPoint::new(corner, x, normal, [depth, share])
+        ..ContactPoint::new(None, x, normal, [depth, share])
     }
 }

@@ -8,8 +8,8 @@ use crate::spatial::{Vec3, Vec6, across, angular, linear};
 /// A point of a contact, as found at the start of a step.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ContactPoint {
-    /// Which one of its shape.
-    pub corner: usize,
+    /// Which one of its shape; none between two shapes, whose points come and go with the poses.
+    pub corner: Option<usize>,
     /// Position from O, m, world axes.
     pub x: Vec3,
     /// `x × n`: by which a rotation of its body moves it along the normal, m.
@@ -26,7 +26,7 @@ pub struct ContactPoint {
 
 impl ContactPoint {
     /// The one at `x` from O that is so deep along `normal`, without a load yet.
-    pub fn new(corner: usize, x: Vec3, normal: &Vec3, [depth, share]: [f64; 2]) -> Self {
+    pub fn new(corner: Option<usize>, x: Vec3, normal: &Vec3, [depth, share]: [f64; 2]) -> Self {
         Self {
             corner,
             x,
@@ -35,6 +35,11 @@ impl ContactPoint {
             share,
             ..Self::default()
         }
+    }
+
+    /// Whether it is the same point of a shape as another one, found at another pose.
+    pub fn is(&self, other: &Self) -> bool {
+        self.corner.is_some() && self.corner == other.corner
     }
 
     /// Velocity along `normal` with the spatial velocity `W`, positive apart, m/s.

@@ -102,7 +102,7 @@ pub(crate) fn random_contact(
         });
         points.push(ContactPoint {
             rim,
-            ..ContactPoint::new(corner, x, &normal, of_face)
+            ..ContactPoint::new(Some(corner), x, &normal, of_face)
         });
     }
     let mut contact = Contact {

@@ -66,8 +66,12 @@ impl Model {
             self.actuators.push(part);
         }
         let initial = &mut self.initial;
-        initial.joint_positions.extend(other.initial.joint_positions);
-        initial.joint_velocities.extend(other.initial.joint_velocities);
+        initial
+            .joint_positions
+            .extend(other.initial.joint_positions);
+        initial
+            .joint_velocities
+            .extend(other.initial.joint_velocities);
         let OutputSelection {
             contacts,
             links: shown,
@@ -85,14 +89,18 @@ impl Model {
             name: own(&group.name),
             actuators: group.actuators.into_iter().map(actuator).collect(),
         }));
-        outputs.sensors.extend(sensors.into_iter().map(|sensor| Sensor {
-            name: own(&sensor.name),
-            link: link(sensor.link),
-            kind: match sensor.kind {
-                SensorKind::ForceTorque { joint: id } => SensorKind::ForceTorque { joint: joint(id) },
-                kind => kind,
-            },
-            ..sensor
-        }));
+        outputs
+            .sensors
+            .extend(sensors.into_iter().map(|sensor| Sensor {
+                name: own(&sensor.name),
+                link: link(sensor.link),
+                kind: match sensor.kind {
+                    SensorKind::ForceTorque { joint: id } => {
+                        SensorKind::ForceTorque { joint: joint(id) }
+                    }
+                    kind => kind,
+                },
+                ..sensor
+            }));
     }
 }

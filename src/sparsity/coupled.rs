@@ -228,6 +228,22 @@ impl Coupled {
         }
     }
 
+    /// `y = A x` of a matrix that is not factorised yet.
+    #[cfg(test)]
+    pub(crate) fn multiply(&self, pattern: &Sparsity, x: &[f64], y: &mut [f64]) {
+        pattern.multiply(&self.packed, x, y);
+        let blocks = pattern.blocks.iter().zip(&self.is_coupled);
+        for (block, _) in blocks.filter(|(_, coupled)| **coupled) {
+            for k in block.rows.clone() {
+                self.for_columns(k, |c| {
+                    let value = self.spread[row_start(k) + c];
+                    y[k] += value * x[c];
+                    y[c] += value * x[k];
+                });
+            }
+        }
+    }
+
     /// Calls `take` with each column of a row below its diagonal, the lowest first.
     #[inline]
     fn for_columns(&self, k: usize, mut take: impl FnMut(usize)) {

@@ -229,7 +229,7 @@ impl Fixed {
             let velocities = f.velocities(places, &kin.V);
             for (place, v) in places[f.points.clone()].iter().zip(velocities) {
                 let own = &mut points[contact.points.clone()];
-                if let Some(point) = own.iter_mut().find(|p| p.corner == place.corner) {
+                if let Some(point) = own.iter_mut().find(|p| p.is(place)) {
                     (point.x, point.arm) = (place.x, place.arm);
                     point.rim = place.rim;
                     point.depth = place.depth + 0.5 * h * v.along;

@@ -3,8 +3,9 @@
 use super::*;
 use crate::dynamics::{crba, rnea};
 use crate::force::tests::random_contact;
-use crate::force::{ContactSet, Drive, JointTerm, Turn};
+use crate::force::{ContactSet, Drive, JointTerm, Other, Turn};
 use crate::law::{ElastoPlastic, SpeedLine};
+use crate::model::RootKind;
 use crate::parameters::Parameters;
 use crate::spatial::Vec3;
 use crate::testing::{Random, random_tree};
@@ -28,7 +29,19 @@ impl Case {
     fn new(seed: u64) -> Self {
         let mut random = Random(seed);
         let floating = seed.is_multiple_of(2);
-        let model = random_tree(&mut random, 6, floating, seed.is_multiple_of(3));
+        let mut model = random_tree(&mut random, 6, floating, seed.is_multiple_of(3));
+        // Every fourth is a world of three robots, of which the others push the first.
+        let worlds = seed % 4 == 3;
+        if worlds {
+            for name in ["b", "c"] {
+                let other = random_tree(&mut random, 4, name == "b", seed.is_multiple_of(3));
+                model.join(other, name, RootKind::Robot);
+            }
+        }
+        let own = model
+            .roots
+            .get(1)
+            .map_or(model.bodies.len(), |root| root.body.index());
         let tree = Tree::new(&model, &Parameters::new(&model));
         let mut kin = Kinematics::new(&tree);
         let state = crate::state::State::new(&model);
@@ -37,10 +50,20 @@ impl Case {
         let v: Vec<f64> = (0..model.nv()).map(|_| random.uniform(-1.0, 1.0)).collect();
         kin.update_velocities(&tree, &v);
         rnea::bias(&tree, &mut kin, &v, &[], 0.0);
-        let first = usize::from(!floating);
         let mut contacts = ContactSet::new([0, 0]);
-        for body in first..tree.bodies.len() {
-            let contact = random_contact(&mut random, body, &mut contacts.points);
+        for body in 0..tree.bodies.len() {
+            if !tree.bodies[body].kind.moves() {
+                continue;
+            }
+            let mut contact = random_contact(&mut random, body, &mut contacts.points);
+            let other = body % own;
+            if body >= own && tree.bodies[other].kind.moves() {
+                contact.other = Some(Other {
+                    body: other,
+                    from: random.vector(0.5),
+                    axes: crate::spatial::Mat3::identity(),
+                });
+            }
             contacts.list.push(contact);
         }
         let turns = contacts
@@ -49,7 +72,7 @@ impl Case {
             .map(|(contact, c)| Turn {
                 contact,
                 body: c.body,
-                other: None,
+                other: c.other.map(|other| other.body),
                 slot: c.slot,
                 normal: c.normal,
                 coefficient: [0.1, 0.05],
@@ -67,7 +90,9 @@ impl Case {
                 },
             })
             .collect();
-        let joints = (if floating { 6 } else { 0 }..model.nv())
+        let of_joint = |dof: &usize| model.bodies[model.dofs[*dof].body.index()].joint.is_some();
+        let joints = (0..model.nv())
+            .filter(of_joint)
             .map(|dof| JointTerm {
                 dof,
                 damping: 0.1,
@@ -148,9 +173,7 @@ fn the_hessian_is_the_derivative_of_the_gradient() {
         let middle = case.gradient(&mut newton, &v);
         newton.assemble(&case.problem());
         let mut product = vec![0.0; n];
-        case.tree
-            .sparsity
-            .multiply(&newton.H.packed, &w, &mut product);
+        newton.H.multiply(&case.tree.sparsity, &w, &mut product);
         let size = product.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
         for i in 0..n {
             let difference = (ahead[i] - behind[i]) / (2.0 * d);
