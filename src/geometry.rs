@@ -7,6 +7,7 @@
 
 mod faces;
 mod hull;
+mod nearest;
 pub mod pair;
 mod solid;
 
@@ -340,6 +341,39 @@ mod tests {
         .solid_inertia(3.0);
         assert!((found.I_cm - Mat3::from_diagonal(&Vec3::new(1.0, 1.0, 0.0))).norm() < 1e-12);
         assert!((found.com - Vec3::new(0.0, 0.0, 1.0)).norm() < 1e-12);
+    }
+
+    /// Most points are left out of the search for the furthest one.
+    #[test]
+    fn the_error_of_a_bounded_hull_is_that_of_the_furthest_of_all_points() {
+        let mut random = Random(11);
+        for most in [4, 7, 20, 60] {
+            let sides = Vec3::new(1.0, 0.3, 0.05);
+            let direction = |p: Vec3| p.try_normalize(1e-3).unwrap_or_else(Vec3::x);
+            let points: Vec<Vec3> = (0..300)
+                .map(|_| direction(random.vector(1.0)).component_mul(&sides))
+                .collect();
+            let hull = hull::hull(&points, most).expect("points");
+            let Simplices::Faces(faces) = &hull.simplices else {
+                panic!("an ellipsoid is a solid");
+            };
+            let faces: Vec<[Vec3; 3]> = faces.iter().map(|f| f.map(|i| hull.corners[i])).collect();
+            let distance = |p: &Vec3| {
+                let above = |[a, b, c]: &[Vec3; 3]| (b - a).cross(&(c - a)).dot(&(p - a)) > 0.0;
+                let to = |face: &[Vec3; 3]| (p - nearest::on_triangle(p, *face)).norm();
+                if faces.iter().any(above) {
+                    faces.iter().map(to).fold(f64::INFINITY, f64::min)
+                } else {
+                    0.0
+                }
+            };
+            let furthest = points.iter().map(distance).fold(0.0, f64::max);
+            assert!(
+                (furthest - hull.error).abs() < 1e-12,
+                "{most}: {furthest} {}",
+                hull.error
+            );
+        }
     }
 
     #[test]

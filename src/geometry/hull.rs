@@ -10,6 +10,7 @@
 //!
 //! Source: Barber, Dobkin and Huhdanpaa 1996, The Quickhull Algorithm for Convex Hulls.
 
+use super::nearest::{on_segment, on_triangle};
 use crate::spatial::Vec3;
 use std::collections::{BTreeMap, BinaryHeap};
 
@@ -433,11 +434,7 @@ impl<'p> Solid<'p> {
 
     fn finish(self) -> (Vec<usize>, Vec<[usize; 3]>, f64) {
         let faces: Vec<[usize; 3]> = self.alive().map(|f| f.corners).collect();
-        let left = self
-            .alive()
-            .flat_map(|f| f.outside.iter())
-            .chain(&self.skipped);
-        let error = left.map(|&i| self.distance(i, &faces)).fold(0.0, f64::max);
+        let error = self.error(&faces);
         let corners = self.corners();
         let place: BTreeMap<usize, usize> =
             corners.iter().enumerate().map(|(k, &i)| (i, k)).collect();
@@ -445,43 +442,37 @@ impl<'p> Solid<'p> {
         (corners, faces, error)
     }
 
-    /// Distance of a point from the solid.
-    fn distance(&self, i: usize, faces: &[[usize; 3]]) -> f64 {
-        let p = &self.points[i];
-        if self.alive().all(|f| f.distance(p) <= 0.0) {
-            return 0.0;
+    /// Largest distance of a point from the solid.
+    fn error(&self, faces: &[[usize; 3]]) -> f64 {
+        let own = self
+            .alive()
+            .flat_map(|f| f.outside.iter().map(move |&i| (f, i)));
+        let skipped = self.skipped.iter().filter_map(|&i| {
+            let height = |f: &Facet| f.distance(&self.points[i]);
+            let facet = self.alive().max_by(|a, b| height(a).total_cmp(&height(b)));
+            facet.map(|f| (f, i))
+        });
+        let left = own.chain(skipped);
+        let mut left: Vec<_> = left
+            .map(|(f, i)| (f.distance(&self.points[i]), f, i))
+            .collect();
+        // What is likely to be the furthest comes first. Most others can then be left out: a point
+        // is no further from the solid than from any one of its faces.
+        left.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let mut error = 0.0;
+        for (_, own, i) in left.into_iter().filter(|(height, ..)| *height > 0.0) {
+            let p = &self.points[i];
+            let mut least = f64::INFINITY;
+            for face in std::iter::once(&own.corners).chain(faces) {
+                least = (p - on_triangle(p, face.map(|i| self.points[i])))
+                    .norm()
+                    .min(least);
+                if least <= error {
+                    break;
+                }
+            }
+            error = least.max(error);
         }
-        faces
-            .iter()
-            .map(|f| (p - on_triangle(p, f.map(|i| self.points[i]))).norm())
-            .fold(f64::INFINITY, f64::min)
+        error
     }
-}
-
-/// The point of the segment `a b` nearest to `p`.
-fn on_segment(p: &Vec3, a: &Vec3, b: &Vec3) -> Vec3 {
-    let ab = b - a;
-    let length = ab.norm_squared();
-    if length <= 0.0 {
-        return *a;
-    }
-    a + ab * ((p - a).dot(&ab) / length).clamp(0.0, 1.0)
-}
-
-/// The point of the triangle nearest to `p`.
-fn on_triangle(p: &Vec3, [a, b, c]: [Vec3; 3]) -> Vec3 {
-    let normal = (b - a).cross(&(c - a));
-    let inside = [(a, b), (b, c), (c, a)]
-        .iter()
-        .all(|(s, e)| (e - s).cross(&(p - s)).dot(&normal) >= 0.0);
-    if inside && normal.norm_squared() > 0.0 {
-        return p - normal * (normal.dot(&(p - a)) / normal.norm_squared());
-    }
-    let nearest = |s: &Vec3, e: &Vec3| on_segment(p, s, e);
-    let candidates = [nearest(&a, &b), nearest(&b, &c), nearest(&c, &a)];
-    let distance = |x: &Vec3| (p - x).norm_squared();
-    candidates
-        .into_iter()
-        .min_by(|x, y| distance(x).total_cmp(&distance(y)))
-        .unwrap_or(a)
 }
