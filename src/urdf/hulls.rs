@@ -10,9 +10,11 @@ use super::options::ReadOptions;
 use super::resolve::{Found, Missing, Resolver};
 use super::scope::Scope;
 use crate::geometry::{GeometryError, MOST_CORNERS, bounded_hull};
+use crate::hash::Quick;
 use crate::model::JointKind;
 use crate::spatial::Vec3;
 use std::collections::{HashMap, HashSet};
+use std::hash::BuildHasherDefault;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -221,7 +223,7 @@ fn read_mesh(
             return None;
         }
     };
-    let points: Vec<Vec3> = points.iter().map(|p| p.component_mul(&factors)).collect();
+    let points = distinct(points.iter().map(|p| p.component_mul(&factors)));
     let hull = match bounded_hull(&points, MOST_CORNERS) {
         Ok(hull) => hull,
         Err(error) => {
@@ -261,6 +263,14 @@ fn read_mesh(
         parts,
         outline,
     })
+}
+
+/// Each point once, where it first comes: an STL has a corner anew for each of its triangles.
+fn distinct(points: impl ExactSizeIterator<Item = Vec3>) -> Vec<Vec3> {
+    let mut known: HashSet<[u64; 3], BuildHasherDefault<Quick>> =
+        HashSet::with_capacity_and_hasher(points.len() / 4, BuildHasherDefault::default());
+    let bits = |p: &Vec3| [p.x, p.y, p.z].map(f64::to_bits);
+    points.filter(|p| known.insert(bits(p))).collect()
 }
 
 /// The convex parts of a mesh; says how many, and how much they fill that the mesh does not.
