@@ -41,7 +41,7 @@ impl Camera {
     /// of half the width. So (x + t z) − x₀ ≤ t D and x₀ − (x − t z) ≤ t D for all corners: the
     /// least D has 2 t D = max(x + t z) − min(x − t z), and x₀ lies in the middle. The same holds
     /// for y; the larger D is taken.
-    pub(super) fn fit(corners: &[Vec3], look: &Look) -> Self {
+    pub(super) fn fit(corners: impl Iterator<Item = Vec3>, look: &Look) -> Self {
         let radians = std::f64::consts::PI / 180.0;
         let (sin_a, cos_a) = libm::sincos(look.from.azimuth * radians);
         let elevation = look.from.elevation.clamp(-STEEPEST, STEEPEST) * radians;
@@ -63,7 +63,7 @@ impl Camera {
         let mut high = [f64::NEG_INFINITY; 3];
         let mut reach = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
         for corner in corners {
-            let [x, y, z] = axes.map(|axis| axis.dot(corner));
+            let [x, y, z] = axes.map(|axis| axis.dot(&corner));
             for (i, x) in [x, y, z].into_iter().enumerate() {
                 low[i] = low[i].min(x);
                 high[i] = high[i].max(x);
@@ -73,7 +73,7 @@ impl Camera {
                 reach[i][1] = reach[i][1].max(x + tangents[i] * z);
             }
         }
-        if corners.is_empty() {
+        if low[0] > high[0] {
             (low, high) = ([-0.5; 3], [0.5; 3]);
             reach = [[-1.0, 1.0]; 2];
         }

@@ -47,25 +47,21 @@ fn cameras(stage: &Stage, run: &[Vec<Pose>], look: &Look) -> Vec<Camera> {
         return Vec::new();
     };
     let start = first[0].p;
-    let corners = stage.corners(first);
-    let size = Camera::fit(&corners, look).size;
+    let size = Camera::fit(stage.corners(first), look).size;
     let moved = |poses: &Vec<Pose>| {
         let p = poses[0].p - start;
         Vec3::new(p.x, p.y, 0.0)
     };
     let way = run.iter().map(|poses| moved(poses).norm());
     if way.fold(0.0, f64::max) <= FAR * size {
-        let all: Vec<Vec3> = run.iter().flat_map(|poses| stage.corners(poses)).collect();
-        return vec![Camera::fit(&all, look); run.len()];
+        let all = run.iter().flat_map(|poses| stage.corners(poses));
+        return vec![Camera::fit(all, look); run.len()];
     }
-    let all: Vec<Vec3> = run
-        .iter()
-        .flat_map(|poses| {
-            let by = moved(poses);
-            stage.corners(poses).into_iter().map(move |p| p - by)
-        })
-        .collect();
-    let camera = Camera::fit(&all, look);
+    let all = run.iter().flat_map(|poses| {
+        let by = moved(poses);
+        stage.corners(poses).map(move |p| p - by)
+    });
+    let camera = Camera::fit(all, look);
     run.iter()
         .map(|poses| camera.moved(&moved(poses)))
         .collect()

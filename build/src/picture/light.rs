@@ -6,9 +6,15 @@
 
 use super::camera::{Camera, count};
 use super::look::{Look, workers};
-use super::raster::{Depth, floor};
-use super::solid::{Stage, Triangle};
+use super::raster::{Depth, Places, floor};
+use super::solid::{self, World};
+use std::collections::HashMap;
+use std::hash::BuildHasherDefault;
+use urdf2fmu_core::hash::Quick;
 use urdf2fmu_core::spatial::Vec3;
+
+/// A point in short numbers.
+type Point = [f32; 3];
 
 /// Where the lamp stands, seen from the camera: to the left of it, degrees. Behind the camera no
 /// shadow would be seen.
@@ -79,15 +85,22 @@ fn dot(a: &[f32; 3], b: &[f32; 3]) -> f32 {
 }
 
 impl Lamp {
-    /// - `points`: those that the picture reaches to
+    /// - `reach`: points that the picture reaches to
+    /// - `faces`: places in `points`
     #[allow(clippy::cast_possible_truncation, reason = "places in a picture")]
-    fn new(toward: Vec3, points: &[[f32; 3]], triangles: &[Three], side: usize) -> Self {
+    fn new(
+        toward: Vec3,
+        reach: &[Point],
+        points: &[Point],
+        faces: impl Iterator<Item = [u32; 3]>,
+        side: usize,
+    ) -> Self {
         let right = Vec3::z().cross(&toward);
         let right = right.try_normalize(1e-9).unwrap_or_else(Vec3::x);
         let axes = [right, toward.cross(&right)].map(|axis| shorter(&axis));
         let mut low = [f32::INFINITY; 2];
         let mut high = [f32::NEG_INFINITY; 2];
-        for point in points {
+        for point in reach {
             for i in 0..2 {
                 let x = dot(&axes[i], point);
                 low[i] = low[i].min(x);
@@ -103,10 +116,8 @@ impl Lamp {
         };
         let short = shorter(&toward);
         let rows = [row(0), row(1), [short[0], short[1], short[2], 0.0]];
-        let corners = triangles
-            .iter()
-            .map(|[a, b, c]| [place(&rows, a), place(&rows, b), place(&rows, c)]);
-        let depth = Depth::new(corners, side);
+        let places = Places::new(points.iter().map(|p| place(&rows, p)));
+        let depth = Depth::new(&places, faces, side);
         Self {
             toward,
             short,
@@ -126,7 +137,7 @@ impl Lamp {
         if x < 0.0 || y < 0.0 {
             return 1.0;
         }
-        let (x, y) = (x as usize, y as usize);
+        let (x, y) = (x as i32 as usize, y as i32 as usize);
         let hidden = x < side && y < side && self.depth.near[y * side + x] > near;
         if hidden { 0.0 } else { 1.0 }
     }
@@ -147,12 +158,16 @@ impl Lamp {
         if !(x >= 0.0 && y >= 0.0 && x < end && y < end) {
             return 1.0;
         }
-        let (left, top) = (x as usize, y as usize);
+        let (left, top) = (x as i32, y as i32);
         let (u, v) = (x - left as f32, y - top as f32);
-        let at = top * side + left;
-        let open = |k: usize| if self.depth.near[k] > near { 0.0 } else { 1.0 };
-        let upper = open(at) * (1.0 - u) + open(at + 1) * u;
-        let lower = open(at + side) * (1.0 - u) + open(at + side + 1) * u;
+        let at = top as usize * side + left as usize;
+        // The four pixels lie in these two rows.
+        let Some(rows) = self.depth.near.get(at..at + side + 2) else {
+            return 1.0;
+        };
+        let open = |k: usize| if rows[k] > near { 0.0 } else { 1.0 };
+        let upper = open(0) * (1.0 - u) + open(1) * u;
+        let lower = open(side) * (1.0 - u) + open(side + 1) * u;
         upper * (1.0 - v) + lower * v
     }
 }
@@ -165,14 +180,15 @@ fn place(rows: &[[f32; 4]; 3], p: &[f32; 3]) -> [f32; 3] {
 }
 
 impl Lights {
-    pub(super) fn new(stage: &Stage, triangles: &[Triangle], camera: &Camera, look: &Look) -> Self {
+    pub(super) fn new(world: &World, camera: &Camera, look: &Look) -> Self {
         let center = camera.target;
-        let casting: Vec<Three> = triangles
-            .iter()
-            .filter(|t| stage.surfaces[t.surface].alpha > 0.5)
-            .map(|t| t.corners.map(|p| shorter(&(p - center))))
-            .collect();
-        let (points, coarse) = coarse(&casting, camera.size / SKY_CELLS);
+        let points = world.positions.iter();
+        let points: Vec<Point> = points.map(|p| shorter(&(p - center))).collect();
+        // Glass throws no shadow.
+        let casting = world.surfaces().filter(|(surface, _)| surface.alpha > 0.5);
+        let casting: Vec<&[[u32; 3]]> = casting.map(|(_, at)| &world.faces[at]).collect();
+        let faces = || casting.iter().flat_map(|faces| faces.iter().copied());
+        let cubes = Cubes::new(&points, faces(), camera.size / SKY_CELLS);
         let mut directions = sky(look.sky);
         directions.push(direction(look.from.azimuth + LAMP_AZIMUTH, LAMP_ELEVATION));
         let count = directions.len();
@@ -186,14 +202,15 @@ impl Lights {
                 own[k % workers].push((k, place));
             }
             for own in own {
-                let (casting, points, coarse) = (&casting, &points, &coarse);
-                let directions = &directions;
+                let (points, cubes, directions) = (&points, &cubes, &directions);
                 scope.spawn(move || {
                     for (k, place) in own {
+                        let (toward, reach) = (directions[k], &cubes.middles);
                         *place = Some(if k + 1 == count {
-                            Lamp::new(directions[k], points, casting, LAMP_SIDE)
+                            Lamp::new(toward, reach, points, faces(), LAMP_SIDE)
                         } else {
-                            Lamp::new(directions[k], points, coarse, SKY_SIDE)
+                            let faces = cubes.faces.iter().copied();
+                            Lamp::new(toward, reach, reach, faces, SKY_SIDE)
                         });
                     }
                 });
@@ -266,36 +283,48 @@ impl Lights {
     }
 }
 
-/// Corners of a triangle.
-type Three = [[f32; 3]; 3];
+/// Triangles whose corners are moved to the middles of cubes.
+struct Cubes {
+    /// Those of all cubes with a corner.
+    middles: Vec<Point>,
+    /// Places in `middles`, without triangles that became lines.
+    faces: Vec<[u32; 3]>,
+}
 
-/// Triangles whose corners are moved to the middles of cubes, without those that become lines; and
-/// the middles of all cubes with a corner, each once.
-fn coarse(triangles: &[Three], cell: f64) -> (Vec<[f32; 3]>, Vec<Three>) {
-    #[allow(clippy::cast_possible_truncation, reason = "a length")]
-    let cell = cell as f32;
-    let number = |p: &[f32; 3]| [floor(p[0] / cell), floor(p[1] / cell), floor(p[2] / cell)];
-    #[allow(clippy::cast_precision_loss, reason = "a few hundred cubes")]
-    let middle = |n: [i32; 3]| {
+impl Cubes {
+    /// - `cell`: side of a cube, m
+    fn new(points: &[Point], faces: impl Iterator<Item = [u32; 3]>, cell: f64) -> Self {
+        /// A point that no face has had yet.
+        const NEW: u32 = u32::MAX;
+        #[allow(clippy::cast_possible_truncation, reason = "a length")]
+        let cell = cell as f32;
+        #[allow(clippy::cast_precision_loss, reason = "a few hundred cubes")]
         let along = |n: i32| (n as f32 + 0.5) * cell;
-        [along(n[0]), along(n[1]), along(n[2])]
-    };
-    let (mut cubes, mut moved) = (Vec::new(), Vec::new());
-    for [a, b, c] in triangles {
-        let (a, b, c) = (number(a), number(b), number(c));
-        // Most corners stand in the cube of the one before.
-        for cube in [a, b, c] {
-            if cubes.last() != Some(&cube) {
-                cubes.push(cube);
+        let mut cubes = Self {
+            middles: Vec::new(),
+            faces: Vec::new(),
+        };
+        let mut places: HashMap<[i32; 3], u32, BuildHasherDefault<Quick>> = HashMap::default();
+        let mut cube_of = vec![NEW; points.len()];
+        let mut cube = |i: u32| {
+            let cube = &mut cube_of[i as usize];
+            if *cube == NEW {
+                let number = points[i as usize].map(|x| floor(x / cell));
+                *cube = *places.entry(number).or_insert_with(|| {
+                    cubes.middles.push(number.map(along));
+                    solid::place(cubes.middles.len() - 1)
+                });
+            }
+            *cube
+        };
+        for face in faces {
+            let [a, b, c] = face.map(&mut cube);
+            if a != b && b != c && c != a {
+                cubes.faces.push([a, b, c]);
             }
         }
-        if a != b && b != c && c != a {
-            moved.push([middle(a), middle(b), middle(c)]);
-        }
+        cubes
     }
-    cubes.sort_unstable();
-    cubes.dedup();
-    (cubes.into_iter().map(middle).collect(), moved)
 }
 
 /// Unit vector of an azimuth and an elevation in degrees.

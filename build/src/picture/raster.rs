@@ -5,7 +5,7 @@
 //! triangles that are equally near, the first counts.
 
 use super::look::{SAMPLES, workers};
-use super::solid::{Stage, Triangle};
+use super::solid::{self, Triangle, World};
 use std::ops::Range;
 use urdf2fmu_core::spatial::Vec3;
 
@@ -14,28 +14,6 @@ pub(super) const NONE: u32 = u32::MAX;
 
 /// Column, row and nearness of three corners.
 pub(super) type Corners = [[f32; 3]; 3];
-
-/// The corners of all triangles in a picture.
-#[allow(clippy::cast_possible_truncation, reason = "places in a picture")]
-pub(super) fn project(
-    triangles: &[Triangle],
-    place: impl Fn(&Vec3) -> [f64; 3] + Sync,
-) -> Vec<Corners> {
-    let corner = |p: &Vec3| {
-        let [x, y, near] = place(p);
-        [x as f32, y as f32, near as f32]
-    };
-    triangles
-        .iter()
-        .map(|t| {
-            [
-                corner(&t.corners[0]),
-                corner(&t.corners[1]),
-                corner(&t.corners[2]),
-            ]
-        })
-        .collect()
-}
 
 /// The greatest whole number that is not greater. However far away `x` is, it has a negative.
 #[inline]
@@ -47,6 +25,72 @@ pub(super) fn project(
 pub(super) fn floor(x: f32) -> i32 {
     let toward_zero = (x as i32).max(1 - i32::MAX);
     toward_zero - i32::from(toward_zero as f32 > x)
+}
+
+/// The same as a float; what is beyond four million is only near it.
+#[inline]
+fn whole(x: f32) -> f32 {
+    /// Numbers this large have no digits behind the point.
+    const LARGE: f32 = 12_582_912.0;
+    let nearest = (x + LARGE) - LARGE;
+    if nearest > x { nearest - 1.0 } else { nearest }
+}
+
+/// Corners in a picture, and what tells quickly that a triangle has no sample.
+pub(super) struct Places {
+    corners: Vec<[f32; 3]>,
+    /// First column and row whose centre is not before it, and last ones whose centre is not behind
+    /// it.
+    cells: Vec<[i16; 4]>,
+}
+
+impl Places {
+    #[allow(clippy::cast_possible_truncation, reason = "clamped to 16 bits")]
+    pub(super) fn new(corners: impl Iterator<Item = [f32; 3]>) -> Self {
+        let corners: Vec<[f32; 3]> = corners.collect();
+        let low = |x: f32| (-floor(0.5 - x)).clamp(-32_768, 32_767) as i16;
+        let high = |x: f32| floor(x - 0.5).clamp(-32_768, 32_767) as i16;
+        let cells = corners.iter();
+        let cells = cells.map(|[x, y, _]| [low(*x), low(*y), high(*x), high(*y)]);
+        Self {
+            cells: cells.collect(),
+            corners,
+        }
+    }
+
+    /// A triangle, if the centre of a sample can be in it. Most triangles are smaller than a sample.
+    #[inline]
+    #[allow(clippy::needless_bitwise_bool, reason = "one branch instead of two")]
+    fn triangle(&self, face: [u32; 3]) -> Option<Placed> {
+        let [a, b, c] = face.map(|i| self.cells[i as usize]);
+        let range = |i: usize| {
+            (
+                a[i].min(b[i]).min(c[i]),
+                a[i + 2].max(b[i + 2]).max(c[i + 2]),
+            )
+        };
+        let (columns, rows) = (range(0), range(1));
+        let some = (columns.0 <= columns.1) & (rows.0 <= rows.1);
+        some.then(|| Placed {
+            corners: face.map(|i| self.corners[i as usize]),
+            columns,
+            rows,
+        })
+    }
+}
+
+/// A triangle in a picture, and the first and last columns and rows whose centres it can have.
+struct Placed {
+    corners: Corners,
+    columns: (i16, i16),
+    rows: (i16, i16),
+}
+
+/// The places within a picture; none for those beside it.
+fn within(range: (i16, i16), picture: &Range<usize>) -> Range<usize> {
+    let start = usize::try_from(range.0).unwrap_or(0).max(picture.start);
+    let end = usize::try_from(range.1).map_or(0, |last| last + 1);
+    start..end.min(picture.end)
 }
 
 /// A side of a triangle.
@@ -82,18 +126,18 @@ impl Edge {
     }
 }
 
-/// Shows each row of a triangle within a picture: its number, its samples from the first to the
-/// last, the nearness at the first, and what is added from sample to sample.
+/// Shows each of some rows of a triangle within a picture: its number, its samples from the first to
+/// the last, the nearness at the first, and what is added from sample to sample.
 #[allow(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
     clippy::cast_precision_loss,
     reason = "clamped to the picture"
 )]
-pub(super) fn rows(
+fn rows(
     corners: &Corners,
     width: usize,
-    within: &Range<usize>,
+    rows: Range<usize>,
     mut row: impl FnMut(usize, Range<usize>, f32, f32),
 ) {
     let [a, b, c] = corners;
@@ -102,16 +146,6 @@ pub(super) fn rows(
         return;
     }
     let sign = if area > 0.0 { 1.0 } else { -1.0 };
-    let top = -floor(0.5 - a[1].min(b[1]).min(c[1]));
-    let bottom = floor(a[1].max(b[1]).max(c[1]) - 0.5);
-    let first = usize::try_from(top).unwrap_or(0).max(within.start);
-    let Ok(last) = usize::try_from(bottom) else {
-        return;
-    };
-    let last = last.min(within.end - 1);
-    if last < first {
-        return;
-    }
     // Nearness = near_a + (x − xa) slope_x + (y − ya) slope_y.
     let (u, v) = (b[2] - a[2], c[2] - a[2]);
     let slope_x = (u * (c[1] - a[1]) - v * (b[1] - a[1])) / area;
@@ -121,20 +155,20 @@ pub(super) fn rows(
         Edge::new(b, c, sign),
         Edge::new(c, a, sign),
     ];
-    let end = i32::try_from(width).unwrap_or(i32::MAX) - 1;
-    for y in first..=last {
+    let end = width as f32 - 1.0;
+    for y in rows {
         let center = y as f32 + 0.5;
-        let (mut left, mut right) = (0, end);
+        let (mut left, mut right) = (0.0_f32, end);
         for edge in edges.iter().flatten() {
             let at = edge.x + (center - edge.y) * edge.slope - 0.5;
             if edge.right {
-                right = right.min(floor(at));
+                right = right.min(whole(at));
             } else {
-                left = left.max(-floor(-at));
+                left = left.max(-whole(-at));
             }
         }
         if left <= right {
-            let x = left as f32 + 0.5;
+            let x = left + 0.5;
             let near = a[2] + (x - a[0]) * slope_x + (center - a[1]) * slope_y;
             row(y, left as usize..right as usize + 1, near, slope_x);
         }
@@ -144,8 +178,10 @@ pub(super) fn rows(
 /// The nearest triangle at each sample of a picture.
 pub(super) struct Layer {
     pub(super) width: usize,
-    /// Places in the list of triangles, or [`NONE`].
-    pub(super) triangle: Vec<u32>,
+    /// Of each sample, its place in `triangles`, or [`NONE`].
+    pub(super) seen: Vec<u32>,
+    /// Those that are seen somewhere.
+    pub(super) triangles: Vec<Triangle>,
 }
 
 /// Which of 16 samples a part of the light passes: their order spreads over the square.
@@ -155,43 +191,74 @@ const ORDER: [f32; 16] = [
 
 impl Layer {
     /// Of a glass wall, as many samples of each pixel show it as its alpha says.
+    ///
+    /// - `place`: column, row and nearness of a point
     pub(super) fn new(
-        stage: &Stage,
-        triangles: &[Triangle],
-        corners: &[Corners],
+        world: &World,
+        place: impl Fn(&Vec3) -> [f64; 3],
         width: usize,
         height: usize,
     ) -> Self {
-        let mut triangle = vec![NONE; width * height];
+        #[allow(clippy::cast_possible_truncation, reason = "places in a picture")]
+        let corners = world.positions.iter().map(|p| place(p).map(|x| x as f32));
+        let places = Places::new(corners);
+        let mut seen = vec![NONE; width * height];
         let band = height.div_ceil(workers()).next_multiple_of(SAMPLES);
         std::thread::scope(|scope| {
-            for (i, band_triangle) in triangle.chunks_mut(band * width).enumerate() {
-                let rows_here = i * band..(i * band + band_triangle.len() / width);
-                scope.spawn(move || {
-                    let mut near = vec![0.0_f32; band_triangle.len()];
-                    for (t, (own, corners)) in (0..).zip(triangles.iter().zip(corners)) {
-                        let alpha = stage.surfaces[own.surface].alpha;
-                        rows(corners, width, &rows_here, |y, xs, start, slope| {
-                            let offset = (y - rows_here.start) * width;
-                            let mut depth = start;
-                            for x in xs {
-                                let place = offset + x;
-                                let seen =
-                                    alpha >= 1.0 || ORDER[(y % 4) * 4 + x % 4] < alpha * 16.0 - 0.5;
-                                if depth > near[place] && seen {
-                                    near[place] = depth;
-                                    band_triangle[place] = t;
-                                }
-                                depth += slope;
-                            }
-                        });
-                    }
-                });
+            for (i, seen) in seen.chunks_mut(band * width).enumerate() {
+                let band = i * band..(i * band + seen.len() / width);
+                let places = &places;
+                scope.spawn(move || nearest(world, places, seen, width, &band));
             }
         });
-        Self { width, triangle }
+        let mut triangles = Vec::new();
+        let mut kept = vec![NONE; world.faces.len()];
+        for face in seen.iter_mut().filter(|face| **face != NONE) {
+            let place = &mut kept[*face as usize];
+            if *place == NONE {
+                *place = solid::place(triangles.len());
+                triangles.push(world.triangle(*face as usize));
+            }
+            *face = *place;
+        }
+        Self {
+            width,
+            seen,
+            triangles,
+        }
     }
 }
+
+/// Writes which of the world's faces is nearest at each sample of some rows.
+fn nearest(world: &World, places: &Places, seen: &mut [u32], width: usize, band: &Range<usize>) {
+    let mut near = vec![0.0_f32; seen.len()];
+    for (surface, faces) in world.surfaces() {
+        let alpha = surface.alpha;
+        for face in faces {
+            let Some(placed) = places.triangle(world.faces[face]) else {
+                continue;
+            };
+            let face = solid::place(face);
+            let here = within(placed.rows, band);
+            rows(&placed.corners, width, here, |y, xs, start, slope| {
+                let offset = (y - band.start) * width;
+                let mut depth = start;
+                for x in xs {
+                    let place = offset + x;
+                    let passed = alpha >= 1.0 || ORDER[(y % 4) * 4 + x % 4] < alpha * 16.0 - 0.5;
+                    if depth > near[place] && passed {
+                        near[place] = depth;
+                        seen[place] = face;
+                    }
+                    depth += slope;
+                }
+            });
+        }
+    }
+}
+
+/// Rows and columns up to which a triangle is compared with what is known before it is drawn.
+const SMALL: usize = 3;
 
 /// How near the nearest triangle is, in a square picture.
 pub(super) struct Depth {
@@ -200,10 +267,26 @@ pub(super) struct Depth {
 }
 
 impl Depth {
-    pub(super) fn new(corners: impl Iterator<Item = Corners>, side: usize) -> Self {
+    /// - `places`: those of the corners of `faces`
+    pub(super) fn new(places: &Places, faces: impl Iterator<Item = [u32; 3]>, side: usize) -> Self {
         let mut near = vec![f32::NEG_INFINITY; side * side];
-        for corners in corners {
-            rows(&corners, side, &(0..side), |y, xs, start, slope| {
+        let picture = 0..side;
+        for placed in faces.filter_map(|face| places.triangle(face)) {
+            let here = within(placed.rows, &picture);
+            if here.len() <= SMALL {
+                // What lies behind all that is known of its few pixels changes nothing.
+                let columns = within(placed.columns, &picture);
+                let [a, b, c] = placed.corners.map(|corner| corner[2]);
+                let nearest = a.max(b).max(c);
+                let hidden = |y: usize| {
+                    let pixels = near.get(y * side + columns.start..y * side + columns.end);
+                    pixels.is_none_or(|pixels| pixels.iter().all(|known| *known >= nearest))
+                };
+                if columns.len() <= SMALL && here.clone().all(hidden) {
+                    continue;
+                }
+            }
+            rows(&placed.corners, side, here, |y, xs, start, slope| {
                 let mut depth = start;
                 for place in &mut near[y * side + xs.start..y * side + xs.end] {
                     *place = place.max(depth);
@@ -217,7 +300,7 @@ impl Depth {
 
 #[cfg(test)]
 mod tests {
-    use super::floor;
+    use super::{floor, whole};
 
     #[test]
     fn whole_numbers_of_places_far_away_have_negatives() {
@@ -230,5 +313,16 @@ mod tests {
             assert_eq!(whole.checked_neg().map(f64::from), Some(-f64::from(whole)));
         }
         assert!(floor(1e30) > 2_000_000_000 && floor(-1e30) < -2_000_000_000);
+    }
+
+    #[test]
+    #[allow(clippy::float_cmp, reason = "whole numbers")]
+    fn whole_numbers_as_floats_are_the_same_within_any_picture() {
+        for i in i16::MIN..=i16::MAX {
+            let x = f32::from(i) * 0.37;
+            assert_eq!(f64::from(whole(x)), f64::from(floor(x)), "{x}");
+            assert_eq!(f64::from(whole(x.round())), f64::from(x.round()), "{x}");
+        }
+        assert!(whole(1e30) > 4e6 && whole(-1e30) < -4e6);
     }
 }

@@ -63,7 +63,6 @@ const FAR: f32 = 2.6;
 /// All that a picture is made of.
 pub(super) struct Seen<'s> {
     pub(super) stage: &'s Stage,
-    pub(super) triangles: &'s [Triangle],
     pub(super) layer: &'s Layer,
     pub(super) lights: &'s Lights,
     pub(super) camera: &'s Camera,
@@ -173,7 +172,7 @@ impl Seen<'_> {
         for j in 0..SAMPLES {
             for i in 0..SAMPLES {
                 let (column, row) = (x * SAMPLES + i, y * SAMPLES + j);
-                let t = self.layer.triangle[row * self.layer.width + column];
+                let t = self.layer.seen[row * self.layer.width + column];
                 if t == NONE {
                     empty += 1.0;
                     continue;
@@ -212,12 +211,12 @@ impl Seen<'_> {
         if group.triangle == t {
             return true;
         }
-        let [a, b] = [group.triangle, t].map(|t| &self.triangles[t as usize]);
+        let [a, b] = [group.triangle, t].map(|t| &self.layer.triangles[t as usize]);
         a.surface == b.surface && a.facing.dot(&b.facing).abs() > SAME_SIDE
     }
 
     fn robot(&self, group: &Group) -> (Place, Spot) {
-        let triangle = &self.triangles[group.triangle as usize];
+        let triangle = &self.layer.triangles[group.triangle as usize];
         let middle = group.place.map(|x| x / group.count);
         let from = self.camera.eye;
         // The middle of the samples may lie beside the triangle of the first.

@@ -1,25 +1,21 @@
 //! Shapes of a scene → triangles with normals.
 //!
 //! Edges of boxes and cylinders are bevelled by a little: they catch light, and a box stops looking
-//! like a diagram. Faces of a mesh that meet at a flat angle share their normal.
+//! like a diagram. Faces of a mesh that meet at a flat angle share their normal, which is computed
+//! only for faces that are seen: of many meshes most are not.
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
 use super::camera::count;
+use super::smooth::Mesh;
 use super::texture::{ALL_PIXELS, Image};
 use crate::image::linear;
-use crate::scene::{Drawn, Scene, Shape, Triangles, pose};
-use std::collections::HashMap;
+use crate::scene::{Drawn, Scene, Shape, pose};
+use std::ops::Range;
 use urdf2fmu_core::spatial::{Pose, Vec3};
 
 /// Bevel of an edge, as a part of the shortest side.
 const BEVEL: f64 = 0.05;
-
-/// Cosine of the angle up to which faces look like one surface.
-const CREASE: f64 = 0.83;
-
-/// Faces at one vertex beyond which each keeps its own normal: comparing all pairs would take long.
-const MOST_FACES: usize = 400;
 
 /// Sides of a circle.
 const SIDES: usize = 64;
@@ -28,7 +24,8 @@ const SIDES: usize = 64;
 pub(super) struct Stage {
     pub(super) surfaces: Vec<Surface>,
     pub(super) images: Vec<Option<Image>>,
-    shapes: Vec<(usize, Pose, Vec<Face>)>,
+    /// One for each surface: its link, its pose there, and its triangles.
+    shapes: Vec<(usize, Pose, Solid)>,
 }
 
 /// What triangles look like.
@@ -40,34 +37,36 @@ pub(super) struct Surface {
     pub(super) image: Option<usize>,
 }
 
-/// A triangle of a shape, in the shape's frame.
-#[derive(Clone, Debug)]
-struct Face {
-    corners: [Vec3; 3],
-    normals: [Vec3; 3],
-    /// The middle of the normals, a unit vector.
-    facing: Vec3,
-    uv: [[f64; 2]; 3],
+/// Triangles in a shape's frame.
+#[derive(Default)]
+pub(super) struct Solid {
+    /// Corners, each of which some triangle has.
+    pub(super) positions: Vec<Vec3>,
+    /// Places in `positions`.
+    pub(super) faces: Vec<[u32; 3]>,
+    normals: Normals,
 }
 
-impl Face {
-    fn new(corners: [Vec3; 3], normals: [Vec3; 3], uv: [[f64; 2]; 3]) -> Self {
-        let middle = normals[0] + normals[1] + normals[2];
-        Self {
-            corners,
-            normals,
-            facing: middle.try_normalize(0.0).unwrap_or_else(Vec3::z),
-            uv,
-        }
+/// Normals at the corners of triangles.
+enum Normals {
+    /// Those of each position.
+    Own(Vec<Vec3>),
+    /// Those of a mesh.
+    Mesh(Mesh),
+}
+
+impl Default for Normals {
+    fn default() -> Self {
+        Self::Own(Vec::new())
     }
 }
 
-/// A triangle in the world.
+/// A triangle that is seen, in the world.
 pub(super) struct Triangle {
     pub(super) corners: [Vec3; 3],
     pub(super) normals: [Vec3; 3],
     pub(super) uv: [[f64; 2]; 3],
-    /// The middle of the normals.
+    /// The middle of the normals, a unit vector.
     pub(super) facing: Vec3,
     /// In [`Stage::surfaces`].
     pub(super) surface: usize,
@@ -95,38 +94,115 @@ impl Stage {
                 image,
             });
             let X_LG = pose(&drawn.position, &drawn.orientation);
-            stage.shapes.push((drawn.link, X_LG, faces(scene, drawn)));
+            stage.shapes.push((drawn.link, X_LG, solid(scene, drawn)));
         }
         stage
     }
 
-    /// All triangles for links at these poses.
-    pub(super) fn triangles(&self, poses: &[Pose]) -> Vec<Triangle> {
-        let mut list = Vec::with_capacity(self.shapes.iter().map(|s| s.2.len()).sum());
-        for (surface, (link, X_LG, faces)) in self.shapes.iter().enumerate() {
+    /// All corners of what can be seen.
+    pub(super) fn corners<'s>(&'s self, poses: &'s [Pose]) -> impl Iterator<Item = Vec3> + 's {
+        let seen = self.shapes.iter().zip(&self.surfaces);
+        let seen = seen.filter(|(_, surface)| surface.alpha > 0.0);
+        seen.flat_map(|((link, X_LG, solid), _)| {
             let X_WG = poses[*link].compose(X_LG);
-            list.extend(faces.iter().map(|face| Triangle {
-                corners: face.corners.map(|p| X_WG.point(&p)),
-                normals: face.normals.map(|n| X_WG.R * n),
-                facing: X_WG.R * face.facing,
-                uv: face.uv,
-                surface,
-            }));
+            solid.positions.iter().map(move |p| X_WG.point(p))
+        })
+    }
+}
+
+/// A stage whose links are at given poses.
+pub(super) struct World<'s> {
+    pub(super) stage: &'s Stage,
+    /// Corners of all triangles.
+    pub(super) positions: Vec<Vec3>,
+    /// All triangles, one surface after the other: places in `positions`.
+    pub(super) faces: Vec<[u32; 3]>,
+    /// Poses of the shapes, and which of `faces` are theirs.
+    shapes: Vec<(Pose, Range<usize>)>,
+}
+
+impl<'s> World<'s> {
+    pub(super) fn new(stage: &'s Stage, poses: &[Pose]) -> Self {
+        let solids = || stage.shapes.iter().map(|(_, _, solid)| solid);
+        let mut world = Self {
+            stage,
+            positions: Vec::with_capacity(solids().map(|solid| solid.positions.len()).sum()),
+            faces: Vec::with_capacity(solids().map(|solid| solid.faces.len()).sum()),
+            shapes: Vec::with_capacity(stage.shapes.len()),
+        };
+        for (link, X_LG, solid) in &stage.shapes {
+            let X_WG = poses[*link].compose(X_LG);
+            let (base, first) = (place(world.positions.len()), world.faces.len());
+            let positions = solid.positions.iter().map(|p| X_WG.point(p));
+            world.positions.extend(positions);
+            let faces = solid.faces.iter().map(|face| face.map(|i| base + i));
+            world.faces.extend(faces);
+            world.shapes.push((X_WG, first..world.faces.len()));
         }
-        list
+        world
     }
 
-    /// All corners of what can be seen.
-    pub(super) fn corners(&self, poses: &[Pose]) -> Vec<Vec3> {
-        let mut list = Vec::new();
-        for (surface, (link, X_LG, faces)) in self.shapes.iter().enumerate() {
-            if self.surfaces[surface].alpha > 0.0 {
-                let X_WG = poses[*link].compose(X_LG);
-                let corners = faces.iter().flat_map(|face| face.corners);
-                list.extend(corners.map(|p| X_WG.point(&p)));
-            }
+    /// The surfaces, and which of [`World::faces`] they have.
+    pub(super) fn surfaces(&self) -> impl Iterator<Item = (&Surface, Range<usize>)> {
+        let faces = self.shapes.iter().map(|(_, faces)| faces.clone());
+        self.stage.surfaces.iter().zip(faces)
+    }
+
+    /// One of [`World::faces`].
+    pub(super) fn triangle(&self, face: usize) -> Triangle {
+        let surface = self.shapes.partition_point(|(_, faces)| faces.end <= face);
+        let (X_WG, faces) = &self.shapes[surface];
+        let (normals, uv) = self.stage.shapes[surface].2.corners(face - faces.start);
+        let middle = normals[0] + normals[1] + normals[2];
+        let facing = middle.try_normalize(0.0).unwrap_or_else(Vec3::z);
+        Triangle {
+            corners: self.faces[face].map(|i| self.positions[i as usize]),
+            normals: normals.map(|n| X_WG.R * n),
+            uv,
+            facing: X_WG.R * facing,
+            surface,
         }
-        list
+    }
+}
+
+/// A place in a list that has far fewer entries than a u32 can count.
+pub(super) fn place(i: usize) -> u32 {
+    u32::try_from(i).unwrap_or(u32::MAX)
+}
+
+impl Solid {
+    /// - `positions`: corners, each of which some face has
+    pub(super) fn of_mesh(positions: Vec<Vec3>, faces: Vec<[u32; 3]>, mesh: Mesh) -> Self {
+        Self {
+            positions,
+            faces,
+            normals: Normals::Mesh(mesh),
+        }
+    }
+
+    /// Adds a triangle that has an area.
+    fn push(&mut self, corners: [(Vec3, Vec3); 3]) {
+        let positions = corners.map(|c| c.0);
+        let Normals::Own(normals) = &mut self.normals else {
+            return;
+        };
+        if area(&positions).norm() > 0.0 {
+            let first = place(self.positions.len());
+            self.positions.extend(positions);
+            normals.extend(corners.map(|c| c.1));
+            self.faces.push([first, first + 1, first + 2]);
+        }
+    }
+
+    /// Normals and texture coordinates at the corners of a face.
+    fn corners(&self, face: usize) -> ([Vec3; 3], [[f64; 2]; 3]) {
+        match &self.normals {
+            Normals::Own(normals) => {
+                let normals = self.faces[face].map(|i| normals[i as usize]);
+                (normals, [[0.0; 2]; 3])
+            }
+            Normals::Mesh(mesh) => (mesh.normals(self, face), mesh.uv(&self.faces[face])),
+        }
     }
 }
 
@@ -135,31 +211,26 @@ fn soft(x: f64) -> f64 {
     0.045 + 0.855 * x
 }
 
-fn faces(scene: &Scene, drawn: &Drawn) -> Vec<Face> {
-    let mut faces = match drawn.shape {
+fn solid(scene: &Scene, drawn: &Drawn) -> Solid {
+    match drawn.shape {
         Shape::Box(sides) => cuboid(&Vec3::from(sides)),
         Shape::Sphere(radius) => turned(&capsule(radius, 0.0)),
         Shape::Cylinder([radius, length]) => turned(&cylinder(radius, length)),
         Shape::Capsule([radius, length]) => turned(&capsule(radius, length)),
         Shape::Mesh(mesh) => {
             let mesh = scene.triangles(&scene.head.meshes[mesh]);
-            return mesh.map_or_else(Vec::new, |mesh| smooth(&mesh, drawn.scale));
+            mesh.map_or_else(Solid::default, |mesh| Mesh::solid(&mesh, drawn.scale))
         }
-    };
-    faces.retain(|face| area(&face.corners).norm() > 0.0);
-    faces
+    }
 }
 
 /// A bevelled box: six sides, twelve strips, eight corners. Each corner of a side has its normal,
 /// so that the light bends around the edges.
-fn cuboid(sides: &Vec3) -> Vec<Face> {
+fn cuboid(sides: &Vec3) -> Solid {
     let half = sides * 0.5;
     let bevel = BEVEL * sides.min();
-    let mut faces = Vec::new();
-    let mut add = |corners: [(Vec3, Vec3); 3]| {
-        let [p, n] = [corners.map(|c| c.0), corners.map(|c| c.1)];
-        faces.push(Face::new(p, n, [[0.0; 2]; 3]));
-    };
+    let mut solid = Solid::default();
+    let mut add = |corners| solid.push(corners);
     // The corner of side `axis` nearest to the box's corner `signs`.
     let corner = |axis: usize, signs: &[f64; 3]| {
         let mut p = Vec3::zeros();
@@ -204,7 +275,7 @@ fn cuboid(sides: &Vec3) -> Vec<Face> {
             }
         }
     }
-    faces
+    solid
 }
 
 /// Radius and height of a point of a profile, and its normal in these directions.
@@ -238,7 +309,7 @@ fn capsule(radius: f64, length: f64) -> Vec<Rim> {
 }
 
 /// Turns a profile about z.
-fn turned(profile: &[Rim]) -> Vec<Face> {
+fn turned(profile: &[Rim]) -> Solid {
     let circle: Vec<(f64, f64)> = (0..=SIDES)
         .map(|i| {
             // The last is the first, to the bit.
@@ -246,7 +317,7 @@ fn turned(profile: &[Rim]) -> Vec<Face> {
             libm::sincos(part * 2.0 * std::f64::consts::PI)
         })
         .collect();
-    let mut faces = Vec::new();
+    let mut solid = Solid::default();
     for pair in profile.windows(2) {
         for side in circle.windows(2) {
             let at = |rim: &Rim, (sin, cos): (f64, f64)| {
@@ -258,87 +329,15 @@ fn turned(profile: &[Rim]) -> Vec<Face> {
                 at(&pair[1], side[1]),
                 at(&pair[0], side[1]),
             ];
-            for [i, j, k] in [[0, 1, 2], [0, 2, 3]] {
-                let [p, n] = [0, 1].map(|of| [quad[i][of], quad[j][of], quad[k][of]]);
-                faces.push(Face::new(p, n, [[0.0; 2]; 3]));
+            for triangle in [[0, 1, 2], [0, 2, 3]] {
+                solid.push(triangle.map(|i: usize| (quad[i][0], quad[i][1])));
             }
         }
     }
-    faces
+    solid
 }
 
 /// Twice the area of a triangle, along its normal.
-fn area([a, b, c]: &[Vec3; 3]) -> Vec3 {
+pub(super) fn area([a, b, c]: &[Vec3; 3]) -> Vec3 {
     (b - a).cross(&(c - a))
-}
-
-/// The faces of a mesh; at each corner the normals of the faces that meet there at a flat angle
-/// are averaged by their areas, whichever way these faces are wound.
-fn smooth(mesh: &Triangles, scale: Option<[f64; 3]>) -> Vec<Face> {
-    let scale = Vec3::from(scale.unwrap_or([1.0; 3]));
-    let positions: Vec<Vec3> = mesh
-        .positions
-        .iter()
-        .map(|&p| Vec3::from(p).component_mul(&scale))
-        .collect();
-    // Vertices that differ only in their texture coordinates are one corner.
-    let mut places: HashMap<[u64; 3], usize> = HashMap::new();
-    let corner_of: Vec<usize> = mesh
-        .positions
-        .iter()
-        .map(|p| {
-            let next = places.len();
-            *places.entry(p.map(f64::to_bits)).or_insert(next)
-        })
-        .collect();
-    let areas: Vec<Vec3> = mesh
-        .indices
-        .iter()
-        .map(|face| area(&face.map(|i| positions[i])))
-        .collect();
-    let normals: Vec<Vec3> = areas
-        .iter()
-        .map(|a| a.try_normalize(0.0).unwrap_or_else(Vec3::z))
-        .collect();
-    // The faces at each corner, one list behind the other.
-    let mut first = vec![0; places.len() + 1];
-    for &i in mesh.indices.iter().flatten() {
-        first[corner_of[i] + 1] += 1;
-    }
-    for i in 1..first.len() {
-        first[i] += first[i - 1];
-    }
-    let mut next = first.clone();
-    let mut at = vec![0; 3 * mesh.indices.len()];
-    for (f, face) in mesh.indices.iter().enumerate() {
-        for &i in face {
-            let place = &mut next[corner_of[i]];
-            at[*place] = f;
-            *place += 1;
-        }
-    }
-    let normal = |f: usize, i: usize| {
-        let corner = corner_of[i];
-        let around = &at[first[corner]..first[corner + 1]];
-        if around.len() > MOST_FACES {
-            return normals[f];
-        }
-        let mut sum = Vec3::zeros();
-        for &other in around {
-            let cosine = normals[f].dot(&normals[other]);
-            if cosine > CREASE {
-                sum += areas[other];
-            } else if cosine < -CREASE {
-                sum -= areas[other];
-            }
-        }
-        sum.try_normalize(0.0).unwrap_or(normals[f])
-    };
-    let faces = mesh.indices.iter().enumerate();
-    faces
-        .map(|(f, face)| {
-            let uv = face.map(|i| mesh.uv.get(i).copied().unwrap_or_default());
-            Face::new(face.map(|i| positions[i]), face.map(|i| normal(f, i)), uv)
-        })
-        .collect()
 }

@@ -5,9 +5,9 @@ use super::frames;
 use super::light::Lights;
 use super::look::{Look, Picture, SAMPLES, Theme};
 use super::png::encode;
-use super::raster::{self, Layer};
+use super::raster::Layer;
 use super::shade::{self, Seen};
-use super::solid::Stage;
+use super::solid::{Stage, World};
 use crate::scene::{self, Scene};
 use urdf2fmu_core::spatial::Pose;
 
@@ -37,7 +37,7 @@ pub fn all(scene: &Scene) -> impl Iterator<Item = (&'static str, Vec<u8>)> {
 /// A picture of a scene whose links have these poses, and the camera that took it.
 pub fn still(scene: &Scene, poses: &[Pose], look: &Look) -> (Picture, Camera) {
     let stage = Stage::new(scene);
-    let camera = Camera::fit(&stage.corners(poses), look);
+    let camera = Camera::fit(stage.corners(poses), look);
     let subject = Subject::new(scene, stage, &camera, look);
     (subject.draw(poses, &camera, look), camera)
 }
@@ -76,14 +76,12 @@ impl Subject {
 
 /// - `ground`: whether there is a floor
 fn draw(stage: &Stage, poses: &[Pose], camera: &Camera, look: &Look, ground: bool) -> Picture {
-    let triangles = stage.triangles(poses);
-    let lights = Lights::new(stage, &triangles, camera, look);
-    let corners = raster::project(&triangles, |p| camera.project(p, SAMPLES));
+    let world = World::new(stage, poses);
+    let lights = Lights::new(&world, camera, look);
     let (width, height) = (look.width * SAMPLES, look.height * SAMPLES);
-    let layer = Layer::new(stage, &triangles, &corners, width, height);
+    let layer = Layer::new(&world, |p| camera.project(p, SAMPLES), width, height);
     shade::picture(&Seen {
         stage,
-        triangles: &triangles,
         layer: &layer,
         lights: &lights,
         camera,

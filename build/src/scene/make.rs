@@ -369,20 +369,15 @@ impl Body {
                 radius,
                 half_length,
             } => Shape::Capsule([short(*radius), short(2.0 * half_length)]),
-            geometry::Shape::Hull { .. } => {
-                let triangles = shape.hull_triangles();
-                let triangles: Vec<_> = triangles.iter().map(|t| t.map(Into::into)).collect();
-                Shape::Mesh(self.mesh(&triangles, &[])?)
-            }
+            geometry::Shape::Hull { .. } => Shape::Mesh(self.mesh(&shape.hull_triangles(), &[])?),
         })
     }
 
     fn part(&mut self, part: &MeshPart) -> Option<usize> {
-        let triangles: Vec<_> = part.triangles.iter().map(|t| t.map(Into::into)).collect();
-        self.mesh(&triangles, &part.uv)
+        self.mesh(&part.triangles, &part.uv)
     }
 
-    fn mesh(&mut self, triangles: &[[[f64; 3]; 3]], uv: &[[[f64; 2]; 3]]) -> Option<usize> {
+    fn mesh(&mut self, triangles: &[[Vec3; 3]], uv: &[[[f64; 2]; 3]]) -> Option<usize> {
         let mesh = mesh::pack(&mut self.bytes, triangles, uv)?;
         self.meshes.push(mesh);
         Some(self.meshes.len() - 1)

@@ -7,6 +7,9 @@
 
 use super::format::{ALIGNMENT, Mesh, Scene, short};
 use std::collections::HashMap;
+use std::hash::BuildHasherDefault;
+use urdf2fmu_core::hash::Quick;
+use urdf2fmu_core::spatial::Vec3;
 
 /// The greatest number of a u16.
 const STEPS: f64 = 65535.0;
@@ -28,7 +31,7 @@ pub struct Triangles {
     /// One for each position, or none at all; (0, 0) is the lower left corner of the texture.
     pub uv: Vec<[f64; 2]>,
     /// Places in `positions`.
-    pub indices: Vec<[usize; 3]>,
+    pub indices: Vec<[u32; 3]>,
 }
 
 /// A range of numbers as u16.
@@ -39,7 +42,7 @@ struct Scale<const N: usize> {
 }
 
 impl<const N: usize> Scale<N> {
-    fn of<'p>(points: impl Iterator<Item = &'p [f64; N]>) -> Self {
+    fn of(points: impl Iterator<Item = [f64; N]>) -> Self {
         let (mut low, mut high) = ([f64::INFINITY; N], [f64::NEG_INFINITY; N]);
         for point in points {
             for i in 0..N {
@@ -53,17 +56,19 @@ impl<const N: usize> Scale<N> {
         Self { low, size }
     }
 
+    /// The nearest steps; of two that are equally near, the upper one.
     fn pack(&self, point: &[f64; N]) -> [u16; N] {
         std::array::from_fn(|i| {
             let part = (point[i] - self.low[i]) / self.size[i];
+            let x = (part * STEPS).clamp(0.0, STEPS);
             // In range by the clamp.
             #[allow(
                 clippy::cast_possible_truncation,
                 clippy::cast_sign_loss,
                 reason = "clamped"
             )]
-            let step = (part * STEPS).round().clamp(0.0, STEPS) as u16;
-            step
+            let below = x as u16;
+            below + u16::from(x - f64::from(below) >= 0.5)
         })
     }
 
@@ -76,12 +81,12 @@ impl<const N: usize> Scale<N> {
 /// has an area.
 pub(super) fn pack(
     body: &mut Vec<u8>,
-    triangles: &[[[f64; 3]; 3]],
+    triangles: &[[Vec3; 3]],
     uv: &[[[f64; 2]; 3]],
 ) -> Option<Mesh> {
-    let corners = || triangles.iter().flatten();
-    let scale = Scale::of(corners());
-    let uv_scale = (!uv.is_empty()).then(|| Scale::of(uv.iter().flatten()));
+    let corners = triangles.iter().flatten();
+    let scale = Scale::of(corners.map(|&p| p.into()));
+    let uv_scale = (!uv.is_empty()).then(|| Scale::of(uv.iter().flatten().copied()));
     let longest = scale.size.iter().fold(0.0_f64, |a, &b| a.max(b));
     let coarser = if triangles.len() > MANY_TRIANGLES {
         COARSER.as_slice()
@@ -154,32 +159,37 @@ struct Welded {
 impl Welded {
     /// - `cell`: side of the cubes in which all vertices become the first of them, m
     fn new(
-        triangles: &[[[f64; 3]; 3]],
+        triangles: &[[Vec3; 3]],
         uv: &[[[f64; 2]; 3]],
         scale: &Scale<3>,
         uv_scale: Option<&Scale<2>>,
         cell: Option<f64>,
     ) -> Self {
         let mut welded = Self::default();
-        let mut places: HashMap<([u16; 3], [u16; 2]), u32> = HashMap::new();
+        // Each vertex stands in some six triangles.
+        let mut places: HashMap<(u64, u32), u32, BuildHasherDefault<Quick>> =
+            HashMap::with_capacity_and_hasher(triangles.len() / 2, BuildHasherDefault::default());
         for (t, triangle) in triangles.iter().enumerate() {
             let corner = |k: usize| {
-                let packed = scale.pack(&triangle[k]);
+                let packed = scale.pack(triangle[k].as_ref());
                 let key = match cell {
                     None => packed,
                     Some(cell) => std::array::from_fn(|i| {
-                        // Fewer cells than a u16 has numbers.
+                        // Fewer cells than a u16 has numbers; none is below the first.
                         #[allow(
                             clippy::cast_possible_truncation,
                             clippy::cast_sign_loss,
                             reason = "a cell's number is small and not negative"
                         )]
-                        let number = ((triangle[k][i] - scale.low[i]) / cell).floor() as u16;
+                        let number = ((triangle[k][i] - scale.low[i]) / cell) as u16;
                         number
                     }),
                 };
                 let uv = uv_scale.map_or([0; 2], |uv_scale| uv_scale.pack(&uv[t][k]));
-                let place = *places.entry((key, uv)).or_insert_with(|| {
+                let [x, y, z] = key.map(u64::from);
+                let [u, v] = uv.map(u32::from);
+                let number = (x | y << 16 | z << 32, u | v << 16);
+                let place = *places.entry(number).or_insert_with(|| {
                     welded.positions.push(packed);
                     welded.uv.push(uv);
                     u32::try_from(welded.positions.len() - 1).unwrap_or(u32::MAX)
@@ -224,14 +234,17 @@ impl Scene {
         }
         let width = if mesh.vertices > MOST_SHORT { 4 } else { 2 };
         let index = |bytes: &[u8]| match *bytes {
-            [a, b, c, d] => u32::from_le_bytes([a, b, c, d]) as usize,
-            _ => usize::from(short(bytes)),
+            [a, b, c, d] => u32::from_le_bytes([a, b, c, d]),
+            _ => u32::from(short(bytes)),
         };
-        let indices: Vec<[usize; 3]> = block(mesh.triangles, 3 * width)?
+        let indices: Vec<[u32; 3]> = block(mesh.triangles, 3 * width)?
             .chunks_exact(3 * width)
             .map(|t| std::array::from_fn(|k| index(&t[k * width..(k + 1) * width])))
             .collect();
-        let inside = indices.iter().flatten().all(|&i| i < mesh.vertices);
+        let inside = indices
+            .iter()
+            .flatten()
+            .all(|&i| (i as usize) < mesh.vertices);
         inside.then_some(Triangles {
             positions,
             uv,

@@ -2,11 +2,13 @@
 
 use super::format::*;
 use super::{mesh, pose};
+use urdf2fmu_core::spatial::Vec3;
 
 /// A robot of one link with one mesh and one texture.
 fn scene(triangles: &[[[f64; 3]; 3]], uv: &[[[f64; 2]; 3]]) -> Scene {
     let mut body = Vec::new();
-    let meshes: Vec<Mesh> = mesh::pack(&mut body, triangles, uv).into_iter().collect();
+    let triangles: Vec<_> = triangles.iter().map(|t| t.map(Vec3::from)).collect();
+    let meshes: Vec<Mesh> = mesh::pack(&mut body, &triangles, uv).into_iter().collect();
     mesh::align(&mut body);
     let textures = vec![Texture {
         at: body.len(),
@@ -96,8 +98,8 @@ fn what_is_written_is_read_again() {
     };
     for (face, (triangle, uv)) in read.indices.iter().zip(triangles.iter().zip(uv)) {
         for k in 0..3 {
-            assert!(near(&read.positions[face[k]], &triangle[k], 7.01));
-            assert!(near(&read.uv[face[k]], &uv[k], 2.51));
+            assert!(near(&read.positions[face[k] as usize], &triangle[k], 7.01));
+            assert!(near(&read.uv[face[k] as usize], &uv[k], 2.51));
         }
     }
 }
@@ -118,7 +120,7 @@ fn very_many_triangles_become_fewer_and_the_shape_stays() {
     let read = scene.triangles(mesh).unwrap();
     let mut volume = 0.0;
     for face in &read.indices {
-        let [a, b, c] = face.map(|i| read.positions[i]);
+        let [a, b, c] = face.map(|i| read.positions[i as usize]);
         let cross = [
             b[1] * c[2] - b[2] * c[1],
             b[2] * c[0] - b[0] * c[2],
@@ -143,7 +145,11 @@ fn more_vertices_than_a_short_index_counts_have_long_indices() {
         let mesh = &scene.head.meshes[0];
         assert_eq!(mesh.vertices, vertices);
         let read = scene.triangles(mesh).unwrap();
-        let last = read.indices.last().unwrap().map(|i| read.positions[i]);
+        let last = read
+            .indices
+            .last()
+            .unwrap()
+            .map(|i| read.positions[i as usize]);
         assert!((last[2][1] - 1.0).abs() < 1e-4 && (last[0][0] - last[2][0]).abs() < 1e-4);
     }
 }

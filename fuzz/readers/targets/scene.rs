@@ -31,7 +31,11 @@ pub fn scene(data: &[u8]) {
     assert_eq!(pose::link_poses(head, |_| None).len(), head.links.len());
     for mesh in &head.meshes {
         let read = scene.triangles(mesh).expect("it was checked");
-        let inside = read.indices.iter().flatten().all(|&i| i < mesh.vertices);
+        let inside = read
+            .indices
+            .iter()
+            .flatten()
+            .all(|&i| (i as usize) < mesh.vertices);
         assert!(inside && read.positions.len() == mesh.vertices);
     }
     for texture in &head.textures {
