@@ -11,8 +11,16 @@ use zune_jpeg::zune_core::options::DecoderOptions;
 /// Most pixels of a file.
 const MOST_PIXELS: usize = 64 << 20;
 
-/// Width, height, and red, green, blue of each pixel.
-pub type Pixels = (usize, usize, Vec<[u8; 3]>);
+/// What an image shows.
+#[derive(Debug, PartialEq)]
+pub struct Pixels {
+    /// Pixels in a row.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+    /// Red, green, blue of each pixel, row by row from the top.
+    pub bytes: Vec<u8>,
+}
 
 /// The pixels of an image file; none where it is damaged.
 ///
@@ -35,9 +43,12 @@ fn read_jpeg(bytes: &[u8]) -> Option<Pixels> {
     if width == 0 || height == 0 || width.checked_mul(height)? > MOST_PIXELS {
         return None;
     }
-    let raw = decoder.decode().ok()?;
-    let pixels: Vec<[u8; 3]> = raw.chunks_exact(3).map(|p| [p[0], p[1], p[2]]).collect();
-    (pixels.len() == width * height).then_some((width, height, pixels))
+    let bytes = decoder.decode().ok()?;
+    (bytes.len() == 3 * width * height).then_some(Pixels {
+        width,
+        height,
+        bytes,
+    })
 }
 
 /// What the header of a PNG says of its pixels.
@@ -82,7 +93,7 @@ fn read_png(bytes: &[u8]) -> Option<Pixels> {
     }
     let pixel = bits.div_ceil(8);
     let mut above = vec![0; row];
-    let mut pixels = Vec::with_capacity(header.width * header.height);
+    let mut bytes = Vec::with_capacity(3 * header.width * header.height);
     for line in raw.chunks_exact(row + 1) {
         let (&kind, differences) = line.split_first()?;
         let mut line = differences.to_vec();
@@ -90,11 +101,15 @@ fn read_png(bytes: &[u8]) -> Option<Pixels> {
             line[i] = line[i].wrapping_add(expected(kind, &line, &above, i, pixel));
         }
         for x in 0..header.width {
-            pixels.push(header.color(&line, x, &palette));
+            bytes.extend(header.color(&line, x, &palette));
         }
         above = line;
     }
-    Some((header.width, header.height, pixels))
+    Some(Pixels {
+        width: header.width,
+        height: header.height,
+        bytes,
+    })
 }
 
 fn png_header(data: &[u8]) -> Option<Header> {
@@ -170,10 +185,10 @@ mod tests {
     #[test]
     fn a_png_that_was_written_is_read_again() {
         let raw = picture();
-        let (width, height, pixels) = read_png(&png::encode(5, 4, 4, &raw)).expect("a PNG");
-        assert_eq!((width, height), (5, 4));
-        let colors: Vec<[u8; 3]> = raw.chunks_exact(4).map(|p| [p[0], p[1], p[2]]).collect();
-        assert_eq!(pixels, colors);
+        let pixels = read_png(&png::encode(5, 4, 4, &raw)).expect("a PNG");
+        assert_eq!((pixels.width, pixels.height), (5, 4));
+        let colors: Vec<u8> = raw.chunks_exact(4).flat_map(|p| &p[..3]).copied().collect();
+        assert_eq!(pixels.bytes, colors);
     }
 
     /// Few bits and palettes: the numbers of a row stand side by side in its bytes.
@@ -229,8 +244,8 @@ mod tests {
                 changed[at] = u8::try_from(random(256)).unwrap_or(0);
             }
             changed.truncate(random(changed.len()) + 1);
-            if let Some((width, height, pixels)) = read_png(&changed) {
-                assert_eq!(pixels.len(), width * height);
+            if let Some(pixels) = read_png(&changed) {
+                assert_eq!(pixels.bytes.len(), 3 * pixels.width * pixels.height);
             }
             // A JPEG of noise behind a true beginning.
             let jpeg = [b"\xff\xd8\xff\xe0", changed.as_slice()].concat();

@@ -8,23 +8,32 @@ const QUALITY: u8 = 85;
 
 /// The means of squares of `factor` pixels a side, in linear light; smaller ones at the right and
 /// lower edge.
-pub fn shrunk((width, height, pixels): &Pixels, factor: usize) -> (usize, usize, Vec<[f32; 3]>) {
+pub fn shrunk(pixels: &Pixels, factor: usize) -> (usize, usize, Vec<[f32; 3]>) {
     let light: Vec<f32> = (0..=255).map(|x| linear(f64::from(x) / 255.0)).collect();
-    let mean = |x: usize, y: usize| {
-        let (mut sum, mut number) = ([0.0; 3], 0.0);
-        for y in y * factor..((y + 1) * factor).min(*height) {
-            for x in x * factor..((x + 1) * factor).min(*width) {
-                for (sum, byte) in sum.iter_mut().zip(pixels[y * width + x]) {
-                    *sum += light[usize::from(byte)];
+    let (columns, rows) = (
+        pixels.width.div_ceil(factor),
+        pixels.height.div_ceil(factor),
+    );
+    let mut colors = vec![[0.0; 3]; columns * rows];
+    let lines = pixels.bytes.chunks_exact(3 * pixels.width);
+    for (y, line) in lines.enumerate() {
+        let sums = &mut colors[y / factor * columns..][..columns];
+        for (sum, square) in sums.iter_mut().zip(line.chunks(3 * factor)) {
+            for pixel in square.as_chunks::<3>().0 {
+                for (sum, byte) in sum.iter_mut().zip(pixel) {
+                    *sum += light[usize::from(*byte)];
                 }
-                number += 1.0;
             }
         }
-        sum.map(|x| x / number)
-    };
-    let (columns, rows) = (width.div_ceil(factor), height.div_ceil(factor));
-    let colors = (0..columns * rows).map(|k| mean(k % columns, k / columns));
-    (columns, rows, colors.collect())
+    }
+    let side = |i: usize, all: usize| factor.min(all - i * factor);
+    for (k, color) in colors.iter_mut().enumerate() {
+        let pixels = side(k % columns, pixels.width) * side(k / columns, pixels.height);
+        #[allow(clippy::cast_precision_loss, reason = "few pixels")]
+        let number = pixels as f32;
+        *color = color.map(|sum| sum / number);
+    }
+    (columns, rows, colors)
 }
 
 /// Width, height and file, of the same kind, of an image that is smaller by a whole factor; none
@@ -74,9 +83,9 @@ mod tests {
         let file = png::encode(64, 32, 3, &raw);
         let (width, height, small) = reduced("image/png", &file, 4).expect("a PNG");
         assert_eq!((width, height), (16, 8));
-        let (width, height, pixels) = read("image/png", &small).expect("a PNG");
-        assert_eq!((width, height), (16, 8));
-        assert!(pixels.iter().all(|pixel| *pixel == [188; 3]), "{pixels:?}");
+        let pixels = read("image/png", &small).expect("a PNG");
+        assert_eq!((pixels.width, pixels.height), (16, 8));
+        assert!(pixels.bytes.iter().all(|x| *x == 188), "{pixels:?}");
     }
 
     /// The edge between two colours lies between blocks, so that each block has one colour, which
@@ -92,9 +101,9 @@ mod tests {
             .expect("a JPEG");
         let (width, height, small) = reduced("image/jpeg", &file, 3).expect("a JPEG");
         assert_eq!((width, height), (32, 16));
-        let (width, height, pixels) = read("image/jpeg", &small).expect("a JPEG");
-        assert_eq!((width, height), (32, 16));
-        for (k, pixel) in pixels.iter().enumerate() {
+        let pixels = read("image/jpeg", &small).expect("a JPEG");
+        assert_eq!((pixels.width, pixels.height), (32, 16));
+        for (k, pixel) in pixels.bytes.as_chunks::<3>().0.iter().enumerate() {
             let x = k % 32;
             // Readers mix colours of neighbouring blocks, which have half of the pixels.
             if !(15..17).contains(&x) {

@@ -26,7 +26,7 @@ impl Image {
     /// - `most`: pixels that are kept; a larger image is reduced by a whole factor
     pub(super) fn read(kind: &str, bytes: &[u8], most: usize) -> Option<Self> {
         let pixels = read(kind, bytes)?;
-        let (width, height) = (pixels.0, pixels.1);
+        let (width, height) = (pixels.width, pixels.height);
         let (mut factor, mut kept) = (1, width * height);
         while kept > most.max(1) && factor < width.max(height) {
             factor += 1;
