@@ -12,9 +12,7 @@ pub use shared::{CliError, print_findings};
 
 use crate::cli::{Check, Cli, Command, Deny, Export, Info, Init, Picture};
 use crate::diagnostics::{self, Style};
-use crate::importer::csv::Table;
-use crate::importer::error::RunError;
-use crate::output::{Target, print, tell};
+use crate::output::{Target, print};
 use crate::scene::{self, Scene};
 use crate::stage::{self, Robot, StageError};
 use crate::{archive, info, init, library, picture, summary};
@@ -174,28 +172,12 @@ fn picture(args: &Picture) -> Result<(), CliError> {
     if matches!(look.theme, picture::Theme::Clear | picture::Theme::Cutout) {
         return Err(CliError::FilmTheme);
     }
-    let csv = |source| RunError::Csv {
-        path: run.clone(),
-        source,
-    };
-    let text = std::fs::read_to_string(run).map_err(|source| {
-        CliError::Run(RunError::Read {
-            path: run.clone(),
-            source,
-        })
-    })?;
-    let table = Table::parse(&text).map_err(csv)?;
+    let table = see::run(run, &scene)?;
+    see::tell_notes(&table.notes)?;
     let shown = picture::poses(&scene.head, &table, args.rate).map_err(|source| {
         let path = run.clone();
         CliError::Show { path, source }
     })?;
-    if let Some(first) = shown.missing.first() {
-        let more = shown.missing.len() - 1;
-        tell(&format!(
-            "warning: '{}' has no column '{first}' (nor {more} others): that part of the robot stays at its start\n",
-            run.display()
-        ))?;
-    }
     // 1 … 60 pictures a second.
     #[allow(
         clippy::cast_possible_truncation,
@@ -203,13 +185,8 @@ fn picture(args: &Picture) -> Result<(), CliError> {
         reason = "16 … 1000"
     )]
     let delay = (1000.0 / args.rate).round() as u16;
-    let bytes = picture::film(&scene, &shown.poses, delay, &look);
+    let bytes = picture::film(&scene, &shown, delay, &look);
     target.write(&bytes)?;
-    print(&summary::film(
-        &output,
-        bytes.len(),
-        &look,
-        shown.poses.len(),
-    ))?;
+    print(&summary::film(&output, bytes.len(), &look, shown.len()))?;
     Ok(())
 }

@@ -31,6 +31,7 @@ mod plot;
 mod process;
 mod progress;
 mod report;
+mod results;
 mod run_summary;
 mod scene;
 mod sources;

@@ -12,6 +12,7 @@ import pytest
 
 import png
 import scene
+import tables
 
 ROBOTS = {
     "r2d2": "r2d2.urdf",
@@ -359,19 +360,76 @@ def test_an_animation_shows_each_step_of_a_run(export, examples, command, tmp_pa
     table.write_text('"time","base.position.x"\n0,0\n1,0.5\n')
     run = command("picture", fmu, "--run", table, "--rate", "10", "--size", "120x90", "-o", film)
     assert run.returncode == 0, run.stderr
-    assert "no column 'base.position.y'" in run.stderr
+    assert "columns of its position or orientation are missing" in run.stderr
     content = png.chunks(film)
     assert struct.unpack(">II", dict(content)["acTL"]) == (11, 0)
     assert [name for name, _ in content].count("fcTL") == 11
     numbers = [struct.unpack(">I", data[:4])[0] for name, data in content if name in ("fcTL", "fdAT")]
     assert numbers == list(range(21))
 
-    for text, words in (("time,other\n0,1\n", "base.position.x"), ("time\n", "no values")):
+    for text, words in (("time,other\n0,1\n", "base.position.x"), ("time\n", "no row")):
         table.write_text(text)
         run = command("picture", fmu, "--run", table, "-o", film)
         assert run.returncode == 1 and words in run.stderr
     table.write_text("time,base.position.x\n0,0\n1,0.5\n")
     assert command("picture", fmu, "--run", table, "-o", film, "--theme", "clear").returncode == 2
+
+
+@pytest.fixture(scope="module")
+def drive(export, examples, command, tmp_path_factory):
+    """The rover's FMU and the table of a run of one second, in which its wheels turn and it moves on."""
+    folder, fmu = tmp_path_factory.mktemp("drive"), export(examples / "rover.urdf")
+    wheels = re.findall(r"(cmd\.\S*wheel\S*\.velocity)\s", command("info", fmu, "--variables").stdout)
+    (folder / "in.csv").write_text(f"time,{','.join(wheels)}\n0{',6' * len(wheels)}\n")
+    run = command("simulate", fmu, "--input-file", folder / "in.csv", "--stop-time", "1", "--output-interval", "0.1",
+                  "--output-file", folder / "run.csv")
+    assert run.returncode == 0 and wheels, run.stderr
+    return fmu, folder / "run.csv"
+
+
+def film_and_notes(command, fmu, table, folder):
+    """The animation of a table, and what is said of the table; a report says the same."""
+    film = folder / "film.png"
+    run = command("picture", fmu, "--run", table, "--rate", "5", "--size", "120x90", "-o", film)
+    assert run.returncode == 0, run.stderr
+    report = command("report", table, "--model", fmu, "-o", folder / "report.html")
+    assert report.returncode == 0, report.stderr
+    notes, those_of_the_report = ([line for line in text.splitlines() if line.startswith("note: ")]
+                                  for text in (run.stderr, report.stderr))
+    assert notes == [note for note in those_of_the_report if "contact forces" not in note]
+    return film.read_bytes(), notes
+
+
+@pytest.mark.parametrize("style", tables.FOREIGN)
+def test_an_animation_reads_the_tables_of_other_programs(drive, command, tmp_path, style):
+    fmu, table = drive
+    expected, notes = film_and_notes(command, fmu, table, tmp_path)
+    assert not notes and len(set(png.chunks(tmp_path / "film.png"))) > 4
+    foreign = tables.rewritten(table, tmp_path, tables.FOREIGN[style])
+    film, _ = film_and_notes(command, fmu, foreign, tmp_path)
+    assert film == expected
+
+
+def test_an_animation_leaves_out_what_its_table_does_not_have_and_says_so(drive, command, tmp_path):
+    """Columns that are missing or unknown, empty cells, and a last line that is cut off."""
+    fmu, table = drive
+
+    def without(word, cell=None):
+        def change(rows):
+            keep = [i for i, name in enumerate(rows[0]) if cell is not None or word not in name]
+            changed = [[cell if cell is not None and r and word in rows[0][i] else row[i] for i in keep]
+                       for r, row in enumerate(rows)]
+            return tables.joined([[*row, "x" if r else "my.own"] for r, row in enumerate(changed)]) + "1.1,0"
+        return tables.rewritten(table, tmp_path, change)
+
+    missing, notes = film_and_notes(command, fmu, without("wheel"), tmp_path)
+    for words in ("not complete and is left out", "'my.own'", "joints stay where they start"):
+        assert any(words in note for note in notes), notes
+    empty, notes = film_and_notes(command, fmu, without("wheel", ""), tmp_path)
+    assert not any("stay where" in note for note in notes), notes
+    whole, _ = film_and_notes(command, fmu, table, tmp_path)
+    # What has no column and what has no value in it stay where they start.
+    assert missing == empty != whole
 
 
 def test_an_fmu_of_an_older_program_has_no_picture_to_take(export, examples, command, tmp_path):

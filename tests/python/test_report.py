@@ -1,6 +1,5 @@
 """Reports in a real browser: poses are the simulator's, values the table's, and nothing is asked of any network."""
 
-import csv
 import json
 import shutil
 import struct
@@ -10,6 +9,8 @@ import numpy as np
 import pytest
 from browser import Browser
 from fmpy.util import read_csv
+
+from tables import FOREIGN, joined, rewritten
 
 SMALL = "quality=3&theme=light"
 
@@ -87,30 +88,6 @@ def test_the_notes_begin_with_what_happened_in_the_words_of_the_terminal(browser
     with open_report(browser, tmp_path / "r.html") as page:
         notes = page.evaluate("[...document.querySelectorAll('p.said')].map((p) => p.textContent)")
     assert told == " ".join(f"- {note}" for note in notes)
-
-
-def rewritten(results, folder, change):
-    """The results as another program writes them."""
-    with open(results, newline="") as file:
-        rows = list(csv.reader(file))
-    file = folder / "foreign.csv"
-    file.write_text(change(rows))
-    return file
-
-
-def joined(rows, separator=","):
-    return "\n".join(separator.join(row) for row in rows) + "\n"
-
-
-FOREIGN = {
-    "flat names": lambda rows: joined([[n.replace(".", "_") for n in rows[0]], *rows[1:]]),
-    "a path in front": lambda rows: joined([[n if n == "time" else f"plant.root.{n}" for n in rows[0]], *rows[1:]]),
-    "any order": lambda rows: joined([row[::-1] for row in rows]),
-    "semicolons and decimal commas": lambda rows: joined([[c.replace(".", ",") if i else c for c in row]
-                                                          for i, row in enumerate(rows)], ";"),
-    "units": lambda rows: joined([[f"{n} [m]" for n in rows[0]], *rows[1:]]),
-    "rows in any order": lambda rows: joined([rows[0], *rows[:0:-1]]),
-}
 
 
 @pytest.mark.parametrize("style", FOREIGN)

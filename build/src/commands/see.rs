@@ -5,7 +5,8 @@ use crate::archive;
 use crate::cli::{Report, View};
 use crate::events::Event;
 use crate::output::{OutputError, Target, print, tell};
-use crate::report::{self, Table};
+use crate::report;
+use crate::results::Table;
 use crate::run_summary;
 use crate::scene::{FILE_NAME, Scene};
 use crate::view;
@@ -42,16 +43,30 @@ pub(super) fn report(args: &Report) -> Result<(), CliError> {
     });
     let target = Target::new(&output, inputs.iter().map(PathBuf::as_path))?;
     let seen = scene(&fmu, &args.model)?;
-    let path = args.results.clone();
-    let bytes = std::fs::read(&path);
-    let bytes = bytes.map_err(|source| CliError::Read {
-        path: path.clone(),
-        source,
-    })?;
-    let table = Table::parse(&String::from_utf8_lossy(&bytes))
-        .map_err(|source| CliError::Results { path, source })?;
+    let table = run(&args.results, &seen.scene)?;
     let events = write(&target, &seen, table, &BTreeMap::new())?;
     Ok(tell(&run_summary::list(&events))?)
+}
+
+/// The table of a run.
+pub(super) fn run(path: &Path, scene: &Scene) -> Result<Table, CliError> {
+    let path = path.to_owned();
+    let bytes = match std::fs::read(&path) {
+        Ok(bytes) => bytes,
+        Err(source) => return Err(CliError::Read { path, source }),
+    };
+    match Table::parse(&String::from_utf8_lossy(&bytes)) {
+        Ok(table) => Ok(table.named(scene)),
+        Err(source) => Err(CliError::Results { path, source }),
+    }
+}
+
+/// Says what had to be said of a table.
+pub(super) fn tell_notes(notes: &[String]) -> Result<(), OutputError> {
+    for note in notes {
+        tell(&format!("note: {note}\n"))?;
+    }
+    Ok(())
 }
 
 /// Writes the page and says what had to be said; gives what happened in the run.
@@ -62,9 +77,7 @@ pub(super) fn write(
     changed: &BTreeMap<String, f64>,
 ) -> Result<Vec<Event>, OutputError> {
     let report = report::make(&seen.scene, &seen.bytes, table, changed);
-    for note in &report.notes {
-        tell(&format!("note: {note}\n"))?;
-    }
+    tell_notes(&report.notes)?;
     target.write(report.html.as_bytes())?;
     Ok(report.events)
 }

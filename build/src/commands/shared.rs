@@ -5,7 +5,7 @@ use crate::diagnostics::{self, Style};
 use crate::importer::error::RunError;
 use crate::output::{OutputError, Target, tell};
 use crate::picture::ShowError;
-use crate::report::ResultsError;
+use crate::results::ResultsError;
 use crate::scene::{self, SceneError};
 use crate::stage::{self, Request, StageError};
 use crate::view::ViewError;
@@ -87,7 +87,7 @@ pub enum CliError {
         /// Why.
         source: ShowError,
     },
-    /// The results that a report is made of.
+    /// The table of a run that is shown.
     #[error("'{}': {source}", path.display())]
     Results {
         /// The file.

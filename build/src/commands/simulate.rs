@@ -11,7 +11,7 @@ use crate::importer::run::{self, Outcome};
 use crate::output::{OutputError, Target, print, tell};
 use crate::plot::{self, Curve};
 use crate::progress::Progress;
-use crate::report::Table;
+use crate::results::Table;
 use crate::run_summary::{self, Ended};
 use crate::scene::{Head, Shape};
 use std::collections::BTreeMap;
@@ -136,7 +136,10 @@ fn results(
     let hint = seen.filter(|_| timed && !args.quiet);
     let hint = hint.and_then(|seen| costs(outcome, &table, seen, &changed).hint());
     let events = match (&targets.page, seen) {
-        (Some(target), Some(seen)) => Some(see::write(target, seen, table, &changed)?),
+        (Some(target), Some(seen)) => {
+            let table = table.named(&seen.scene);
+            Some(see::write(target, seen, table, &changed)?)
+        }
         (None, Some(seen)) if !args.quiet => {
             let Table { time, columns, .. } = &table;
             Some(events::find(&seen.scene, time, columns, &changed))

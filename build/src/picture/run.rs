@@ -1,8 +1,8 @@
 //! The table of a run → poses of all links at equal steps of time.
 
-use crate::importer::csv::Table;
+use crate::results::Table;
 use crate::scene::{Head, link_poses};
-use std::collections::HashMap;
+use std::collections::BTreeMap;
 use urdf2fmu_core::spatial::Pose;
 
 /// Most pictures of an animation.
@@ -35,57 +35,39 @@ pub enum ShowError {
     },
 }
 
-/// A run as it is shown.
-#[derive(Debug)]
-pub struct Shown {
-    /// Poses of all links, one entry for each picture.
-    pub poses: Vec<Vec<Pose>>,
-    /// Outputs that would move the robot and have no column.
-    pub missing: Vec<String>,
-}
-
-/// The poses of a run; straight lines between its rows.
+/// The poses of all links, one entry for each picture of a run; straight lines between its rows.
 ///
-/// Columns are found by the names of the outputs, or by these with `_` for `.`, as tools write them
-/// that know no dots. What has no column stays where it starts.
+/// What has no column, or no value in one of the two rows, stays where it starts.
 ///
+/// - `table`: with the names of the scene's variables
 /// - `rate`: pictures a second
 ///
 /// # Errors
 /// [`ShowError`].
-pub fn poses(head: &Head, table: &Table, rate: f64) -> Result<Shown, ShowError> {
+pub fn poses(head: &Head, table: &Table, rate: f64) -> Result<Vec<Vec<Pose>>, ShowError> {
     let motions = head.joints.iter().flat_map(|joint| &joint.motions);
     let tracks = [&head.base.position, &head.base.orientation].into_iter();
     let tracks = tracks.chain(motions.map(|motion| &motion.track));
-    let names: Vec<&String> = tracks.flat_map(|track| &track.variables).collect();
-    let column_of: HashMap<&str, usize> = table
-        .names
-        .iter()
-        .enumerate()
-        .map(|(i, name)| (name.as_str(), i))
-        .collect();
-    let mut columns = HashMap::new();
-    let mut missing = Vec::new();
-    for name in &names {
-        let flat = name.replace('.', "_");
-        match column_of
-            .get(name.as_str())
-            .or_else(|| column_of.get(flat.as_str()))
-        {
-            Some(&column) => _ = columns.insert(name.as_str(), column),
-            None => missing.push((*name).clone()),
-        }
-    }
-    let Some(example) = names.first() else {
+    let tracks: Vec<&[String]> = tracks.map(|track| track.variables.as_slice()).collect();
+    let Some(example) = tracks.iter().copied().flatten().next() else {
         return Err(ShowError::Still);
     };
+    let mut columns: BTreeMap<&str, Vec<f64>> = BTreeMap::new();
+    for (name, values) in &table.columns {
+        if tracks.iter().copied().flatten().any(|known| known == name) {
+            columns.insert(name, values.clone());
+        }
+    }
     let (Some(first), Some(last), false) =
-        (table.rows.first(), table.rows.last(), columns.is_empty())
+        (table.time.first(), table.time.last(), columns.is_empty())
     else {
-        let example = (*example).clone();
+        let example = example.clone();
         return Err(ShowError::Foreign { example });
     };
-    let seconds = last[0] - first[0];
+    for names in tracks.iter().filter(|names| names.len() == 4) {
+        turn_the_short_way(&mut columns, names);
+    }
+    let seconds = last - first;
     let steps = (seconds * rate).floor();
     if steps >= MOST_PICTURES {
         return Err(ShowError::Long { seconds, rate });
@@ -93,22 +75,73 @@ pub fn poses(head: &Head, table: &Table, rate: f64) -> Result<Shown, ShowError> 
     let mut poses = Vec::new();
     let (mut after, mut step) = (0, 0.0);
     while step <= steps {
-        let time = first[0] + step / rate;
-        while after + 1 < table.rows.len() && table.rows[after][0] <= time {
+        let time = first + step / rate;
+        while after + 1 < table.time.len() && table.time[after] <= time {
             after += 1;
         }
-        let (a, b) = (&table.rows[after.saturating_sub(1)], &table.rows[after]);
-        let part = if b[0] > a[0] {
-            ((time - a[0]) / (b[0] - a[0])).clamp(0.0, 1.0)
+        let before = after.saturating_sub(1);
+        let [a, b] = [before, after].map(|row| table.time[row]);
+        let part = if b > a {
+            ((time - a) / (b - a)).clamp(0.0, 1.0)
         } else {
             1.0
         };
         let value = |name: &str| {
-            let &column = columns.get(name)?;
-            Some(a[column] + (b[column] - a[column]) * part)
+            let column = columns.get(name)?;
+            // On a row, the other one does not matter, even if it has no value.
+            Some(match part {
+                0.0 => column[before],
+                1.0 => column[after],
+                _ => column[before] + (column[after] - column[before]) * part,
+            })
         };
         poses.push(link_poses(head, value));
         step += 1.0;
     }
-    Ok(Shown { poses, missing })
+    Ok(poses)
+}
+
+/// A quaternion and its opposite are the same rotation: of the two the one is taken that is nearer
+/// to that of the row before, so that the way between them is the short one.
+fn turn_the_short_way(columns: &mut BTreeMap<&str, Vec<f64>>, names: &[String]) {
+    let Some(first) = names.first().and_then(|name| columns.get(name.as_str())) else {
+        return;
+    };
+    for row in 1..first.len() {
+        let near = names.iter().map(|name| {
+            let column = columns.get(name.as_str());
+            column.map_or(0.0, |column| column[row - 1] * column[row])
+        });
+        if near.sum::<f64>() < 0.0 {
+            for name in names {
+                if let Some(column) = columns.get_mut(name.as_str()) {
+                    column[row] = -column[row];
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A turn about z by 40° in two rows, the second of which has the opposite quaternion: halfway
+    /// it is one by 20°, and not one by 200°.
+    #[test]
+    fn between_two_quaternions_of_opposite_signs_the_short_way_is_taken() {
+        let names = ["a", "b", "c", "d"].map(str::to_owned);
+        let half = |degrees: f64| libm::sincos(0.5 * degrees.to_radians());
+        let ((sin_a, cos_a), (sin_b, cos_b)) = (half(0.0), half(40.0));
+        let mut columns = BTreeMap::from([
+            ("a", vec![0.0, 0.0]),
+            ("b", vec![0.0, 0.0]),
+            ("c", vec![sin_a, -sin_b]),
+            ("d", vec![cos_a, -cos_b]),
+        ]);
+        turn_the_short_way(&mut columns, &names);
+        let middle = |name: &str| 0.5 * (columns[name][0] + columns[name][1]);
+        let angle = 2.0 * libm::atan2(middle("c"), middle("d"));
+        assert!((angle.to_degrees() - 20.0).abs() < 1e-9, "{angle}");
+    }
 }

@@ -1,17 +1,13 @@
 //! A report: one page that plays a run and plots its variables.
 //!
 //! In: a scene and a table of values, whoever wrote it. Out: the page, what had to be said about
-//! the table, and what happened in the run; the page's Notes have both. `table` reads files,
-//! `names` finds the robot's variables in them, `encode` packs columns.
+//! the table, and what happened in the run; the page's Notes have both. `encode` packs columns.
 
 mod encode;
-mod names;
-mod table;
-
-pub use table::{ResultsError, Table};
 
 use crate::events::{self, Event};
 use crate::page;
+use crate::results::Table;
 use crate::scene::Scene;
 use std::collections::BTreeMap;
 
@@ -32,6 +28,7 @@ pub struct Report {
 /// Makes a report.
 ///
 /// - `packed`: the scene as bytes
+/// - `table`: with the names of the scene's variables
 /// - `changed`: parameters and inputs that the run had other values of
 pub fn make(scene: &Scene, packed: &[u8], table: Table, changed: &BTreeMap<String, f64>) -> Report {
     let Table {
@@ -39,7 +36,7 @@ pub fn make(scene: &Scene, packed: &[u8], table: Table, changed: &BTreeMap<Strin
         mut columns,
         mut notes,
     } = table;
-    names::rename(&mut columns, scene, &mut notes);
+    notes.extend(forces_without_columns(scene, &columns));
     let events = events::find(scene, &time, &columns, changed);
     let rows = time.len();
     let stride = (rows * (columns.len() + 1)).div_ceil(MOST_NUMBERS).max(1);
@@ -66,5 +63,18 @@ pub fn make(scene: &Scene, packed: &[u8], table: Table, changed: &BTreeMap<Strin
         html: page::html(&scene.head.robot, packed, Some(&run), "'none'"),
         notes,
         events,
+    }
+}
+
+/// Says how many contact forces cannot be shown.
+fn forces_without_columns(scene: &Scene, columns: &[(String, Vec<f64>)]) -> Option<String> {
+    let lacks = |name: &String| !columns.iter().any(|(column, _)| column == name);
+    let contacts = scene.head.contacts.iter();
+    match contacts.filter(|c| c.force.iter().any(lacks)).count() {
+        0 => None,
+        n => Some(format!(
+            "The contact forces of {n} {} are not shown: their columns are missing.",
+            if n == 1 { "link" } else { "links" }
+        )),
     }
 }

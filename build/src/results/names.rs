@@ -12,7 +12,7 @@ use std::fmt::Write as _;
 const LISTED: usize = 6;
 
 /// Gives columns the names of the scene's variables, and says what is missing and what is unknown.
-pub fn rename(columns: &mut [(String, Vec<f64>)], scene: &Scene, notes: &mut Vec<String>) {
+pub(super) fn rename(columns: &mut [(String, Vec<f64>)], scene: &Scene, notes: &mut Vec<String>) {
     let head = &scene.head;
     let mut variables: HashMap<String, Option<&str>> = HashMap::new();
     for variable in &head.variables {
@@ -54,7 +54,7 @@ pub fn rename(columns: &mut [(String, Vec<f64>)], scene: &Scene, notes: &mut Vec
     }
     if !unknown.is_empty() {
         notes.push(format!(
-            "{} of this robot and shown without a unit: {}.",
+            "{} of this robot: {}.",
             count(
                 unknown.len(),
                 "column is no variable",
@@ -66,7 +66,7 @@ pub fn rename(columns: &mut [(String, Vec<f64>)], scene: &Scene, notes: &mut Vec
     missing(scene, &taken, notes);
 }
 
-/// Says which poses and forces cannot be shown.
+/// Says which poses cannot be shown.
 fn missing(scene: &Scene, there: &BTreeSet<String>, notes: &mut Vec<String>) {
     let head = &scene.head;
     let lacks = |names: &[String]| names.iter().any(|name| !there.contains(name));
@@ -104,14 +104,6 @@ fn missing(scene: &Scene, there: &BTreeSet<String>, notes: &mut Vec<String>) {
             listed(&still)
         ));
     }
-    let unseen = head.contacts.iter().filter(|contact| lacks(&contact.force));
-    let unseen = unseen.count();
-    if unseen > 0 {
-        notes.push(format!(
-            "The contact forces of {} are not shown: their columns are missing.",
-            count(unseen, "link", "links")
-        ));
-    }
 }
 
 /// Letters and digits of a name; whatever stands between them is one underscore.
@@ -145,7 +137,7 @@ fn prefix(columns: &[(String, Vec<f64>)], variables: &HashMap<String, Option<&st
     most.map_or(String::new(), |(prefix, _)| prefix)
 }
 
-fn count(n: usize, one: &str, many: &str) -> String {
+pub(super) fn count(n: usize, one: &str, many: &str) -> String {
     format!("{n} {}", if n == 1 { one } else { many })
 }
 

@@ -4,6 +4,9 @@
 //! behind names, quotes, empty cells, columns in any order and rows out of order are understood.
 //! What is left out or mended is said in notes.
 
+use super::names;
+use crate::scene::Scene;
+
 /// Columns of numbers; what is missing is NaN.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Table {
@@ -59,6 +62,12 @@ const TIMES: [&str; 4] = ["time", "t", "tout", "timestamp"];
 const GREATEST: f64 = 1e38;
 
 impl Table {
+    /// The same with the names of the scene's variables.
+    pub fn named(mut self, scene: &Scene) -> Self {
+        names::rename(&mut self.columns, scene, &mut self.notes);
+        self
+    }
+
     /// Reads a table.
     ///
     /// # Errors
