@@ -1,8 +1,8 @@
 //! The hash of Fowler, Noll and Vo (FNV-1a, 64 bits): names, checksums and comparisons, nothing
 //! secret.
 //!
-//! Each step is a bijection, so a change of any one byte changes the result. Tables of many keys have
-//! a quicker one.
+//! Each step is a bijection, so a change of any one byte changes the result. Tables of many keys
+//! have a quicker one.
 
 use std::hash::Hasher;
 

@@ -58,7 +58,8 @@ impl Places {
         }
     }
 
-    /// A triangle, if the centre of a sample can be in it. Most triangles are smaller than a sample.
+    /// A triangle, if the centre of a sample can be in it. Most triangles are smaller than a
+    /// sample.
     #[inline]
     #[allow(clippy::needless_bitwise_bool, reason = "one branch instead of two")]
     fn triangle(&self, face: [u32; 3]) -> Option<Placed> {
@@ -126,8 +127,8 @@ impl Edge {
     }
 }
 
-/// Shows each of some rows of a triangle within a picture: its number, its samples from the first to
-/// the last, the nearness at the first, and what is added from sample to sample.
+/// Shows each of some rows of a triangle within a picture: its number, its samples from the first
+/// to the last, the nearness at the first, and what is added from sample to sample.
 #[allow(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
