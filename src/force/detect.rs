@@ -211,7 +211,8 @@ impl Meeting<'_> {
         contact.dissipation = if contact.bounce > 0.0 {
             [contact.bounce; 2]
         } else {
-            // A deep initial overlap leaves faster than a light touch, but slower than it would hop.
+            // A deep initial overlap leaves faster than a light touch, but slower than it would
+            // hop.
             let excess = contact.depth - DEEP_OVERLAP * contact.spring.reference;
             let emergence = EMERGENCE * (2.0 * g * excess.max(0.0)).sqrt();
             let leaving = 1.0 / (1.0 / self.dissipation).max(emergence);
@@ -237,8 +238,8 @@ impl Meeting<'_> {
     }
 }
 
-/// Whether nothing comes near the ground, or something else, within `h` seconds, by twice the way that velocities and
-/// gravity take it; reads poses and velocities of `kin`.
+/// Whether nothing comes near the ground, or something else, within `h` seconds, by twice the way
+/// that velocities and gravity take it; reads poses and velocities of `kin`.
 pub fn is_clear(tree: &Tree, kin: &Kinematics, h: f64) -> bool {
     let plane = Plane::GROUND;
     let fall = 2.0 * h * h * tree.world.gravity.norm();

@@ -57,8 +57,8 @@ impl Pairs {
         }
     }
 
-    /// Lists the pairs that may come near within `h` seconds, by ascending slots; `margin`: gap that
-    /// is near whatever the velocities, m.
+    /// Lists the pairs that may come near within `h` seconds, by ascending slots; `margin`: gap
+    /// that is near whatever the velocities, m.
     fn search(&mut self, tree: &Tree, kin: &Kinematics, [h, margin]: [f64; 2]) {
         self.balls.clear();
         self.near.clear();
