@@ -50,6 +50,7 @@
 //! | A130 | groups |
 //! | A131 | sensors |
 //! | A132 | masses that the conventions of another simulator give |
+//! | A133 | links of one robot that overlap before anything moves |
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
@@ -64,6 +65,7 @@ mod outputs;
 mod pybullet;
 mod robot;
 mod solids;
+mod touch;
 mod wheels;
 
 use crate::diagnostic::Diagnostic;
@@ -138,6 +140,7 @@ fn assemble(
         dofs: Vec::new(),
         nq: 0,
         colliders: Vec::new(),
+        apart: Vec::new(),
         actuators: Vec::new(),
         initial: Initial::default(),
         solver: settings.solver.clone(),
@@ -166,6 +169,7 @@ fn assemble(
     actuators::report_velocity_limits(&model, findings);
     wheels::warn(&model, &poses, &polygons, findings);
     outputs::select(&mut model, settings, findings);
+    touch::select(&mut model, settings, findings);
     if !findings.has_errors()
         && let Err(error) = model.validate()
     {

@@ -41,8 +41,11 @@ pub struct Model {
     /// Length of `q`: 7 for a floating base, 4 for a spherical body, 1 for every other degree of
     /// freedom.
     pub nq: usize,
-    /// Shapes that can touch the ground.
+    /// Shapes that can touch the ground and each other.
     pub colliders: Vec<Collider>,
+    /// Pairs of links that do not touch, the lower one first.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub apart: Vec<[LinkId; 2]>,
     /// Commanded joints.
     pub actuators: Vec<Actuator>,
     /// Initial state of the joints; that of the bases is in [`Root`].
@@ -79,6 +82,9 @@ pub struct Root {
     /// carries it from the first instant on.
     #[serde(default)]
     pub set_down: bool,
+    /// Whether its own links touch each other.
+    #[serde(default)]
+    pub self_collision: bool,
 }
 
 /// What stands in the world.
@@ -103,6 +109,7 @@ impl Root {
             linear_velocity: Vec3::zeros(),
             angular_velocity: Vec3::zeros(),
             set_down: false,
+            self_collision: false,
         }
     }
 }
@@ -497,10 +504,15 @@ impl Model {
         [shapes + pairs, points + PAIR_POINTS * pairs]
     }
 
+    /// Whether shapes may touch each other.
+    pub fn has_pairs(&self) -> bool {
+        self.roots.len() > 1 || self.roots.iter().any(|root| root.self_collision)
+    }
+
     /// Most contacts between two shapes at a time.
     fn pair_room(&self) -> usize {
         let shapes = self.colliders.len();
-        if self.roots.len() < 2 {
+        if !self.has_pairs() {
             return 0;
         }
         (4 * shapes + 64).min(shapes * shapes.saturating_sub(1) / 2)
@@ -510,7 +522,7 @@ impl Model {
     /// each pair of shapes `(a, b)` with `a < b`, see [`Self::pair_slot`].
     pub fn slots(&self) -> usize {
         let shapes = self.colliders.len();
-        let others = if self.roots.len() < 2 { 0 } else { shapes };
+        let others = if self.has_pairs() { shapes } else { 0 };
         shapes * (1 + others)
     }
 

@@ -67,6 +67,7 @@ impl Builder {
             roots: vec![Root::new(String::new(), BodyId(0))],
             nq: motion.nq(),
             colliders: Vec::new(),
+            apart: Vec::new(),
             actuators: Vec::new(),
             initial: Initial {
                 joint_positions: Vec::new(),

@@ -8,6 +8,7 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
+mod pairs;
 mod parts;
 mod scale;
 
@@ -49,6 +50,7 @@ impl Tree {
                 dissipation: model.contact.dissipation,
                 stribeck_velocity: model.contact.stribeck_velocity,
                 combination: model.world.combination,
+                pairs: Vec::new(),
                 has_ground: model.world.ground.is_some(),
                 ground: Surface::default(),
             },
@@ -201,7 +203,7 @@ impl Tree {
 
     fn add_colliders(&mut self, model: &Model, turned: &[Mat3]) {
         let ground = model.world.ground.as_ref();
-        let others = self.trees.len() > 1;
+        let others = model.has_pairs();
         if ground.is_none() && !others {
             return;
         }
@@ -250,6 +252,9 @@ impl Tree {
             let inertia = 0.5 * mass * radius * radius;
             turning.inertia = turning.inertia.max(inertia);
             self.contact.resists_turning |= turning.acts();
+        }
+        if others {
+            self.contact.pairs = self.pairs(model);
         }
     }
 

@@ -48,6 +48,7 @@ fn model() -> Model {
         roots: Vec::new(),
         dofs: Vec::new(),
         nq: 0,
+        apart: Vec::new(),
         colliders: Vec::new(),
         actuators: Vec::new(),
         initial: Initial {

@@ -185,6 +185,9 @@ pub fn robot(request: &Request) -> Result<Robot, StageError> {
             Ok(semantics) => {
                 diagnostics.extend(semantics.diagnostics);
                 settings.initial.state = semantics.positions;
+                let name = |link: usize| description.links[link].name.clone();
+                let pairs = semantics.disabled_pairs.iter();
+                settings.disabled_contacts = pairs.map(|pair| pair.map(name)).collect();
                 // Whatever the settings say comes later, and wins.
                 let passive = semantics.passive.into_iter().map(ActuatorSettings::passive);
                 settings.actuators.splice(0..0, passive);

@@ -252,7 +252,7 @@ pub fn is_clear(tree: &Tree, kin: &Kinematics, h: f64) -> bool {
         let speed = velocity_at(V, &center).norm() + spin * collider.radius;
         clearance > 2.0 * h * speed + fall + 2.0 * CONTACT_MARGIN
     });
-    above && (tree.trees.len() < 2 || is_apart(tree, kin, h))
+    above && (tree.contact.pairs.is_empty() || is_apart(tree, kin, h))
 }
 
 /// Finds the points of one shape.

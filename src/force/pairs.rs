@@ -1,7 +1,8 @@
 //! Contacts of shapes with each other.
 //!
-//! Two shapes of different trees may touch if one of them moves. Which pairs come near is found by
-//! sorting the balls about all shapes along x; where these come near, [`Patch`] finds the points.
+//! Which pairs may touch is known beforehand, see [`crate::tree::Contacts::may_touch`]. Which come
+//! near is found by sorting the balls about all shapes along x; where these come near, [`Patch`]
+//! finds the points.
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
@@ -26,7 +27,7 @@ pub struct Pairs {
     order: Vec<usize>,
     /// Pairs of places that come near, the lower one first.
     near: Vec<[usize; 2]>,
-    /// None where there is one tree.
+    /// None where no shapes touch each other.
     patch: Option<Box<Patch>>,
 }
 
@@ -44,10 +45,10 @@ struct Ball {
 impl Pairs {
     /// Room for a model.
     pub fn new(model: &Model) -> Self {
-        let shapes = if model.roots.len() < 2 {
-            0
-        } else {
+        let shapes = if model.has_pairs() {
             model.colliders.len()
+        } else {
+            0
         };
         Self {
             balls: Vec::with_capacity(shapes),
@@ -96,7 +97,7 @@ impl Pairs {
                 let reach = a.radius + b.radius;
                 let pair = [first.min(second), first.max(second)];
                 if (a.center - b.center).norm_squared() < reach * reach
-                    && may_touch(tree, pair)
+                    && tree.contact.may_touch(pair)
                     && self.near.len() < self.near.capacity()
                 {
                     self.near.push(pair);
@@ -105,12 +106,6 @@ impl Pairs {
         }
         self.near.sort_unstable();
     }
-}
-
-/// Whether the shapes at two places may touch: they belong to different trees, and one moves.
-fn may_touch(tree: &Tree, pair: [usize; 2]) -> bool {
-    let [a, b] = pair.map(|place| &tree.contact.colliders[place]);
-    a.tree != b.tree && (a.moves || b.moves)
 }
 
 /// Two shapes as they meet: the first one moves, and is pushed along the normal.
@@ -318,7 +313,7 @@ pub(super) fn is_apart(tree: &Tree, kin: &Kinematics, h: f64) -> bool {
         let (center, radius) = ball(c);
         (first + 1..colliders.len()).all(|second| {
             let (other, reach) = ball(&colliders[second]);
-            !may_touch(tree, [first, second]) || (other - center).norm() > radius + reach
+            !tree.contact.may_touch([first, second]) || (other - center).norm() > radius + reach
         })
     })
 }

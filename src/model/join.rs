@@ -65,6 +65,8 @@ impl Model {
             (part.joint, part.dof) = (joint(part.joint), dof(part.dof));
             self.actuators.push(part);
         }
+        let apart = other.apart.into_iter().map(|pair| pair.map(link));
+        self.apart.extend(apart);
         let initial = &mut self.initial;
         initial
             .joint_positions

@@ -27,9 +27,6 @@ pub(super) fn fill(reader: &mut Reader, root: &Section, compat: Option<Compat>) 
     let compat = compat
         .or_else(|| Compat::from_word(&robot.word("compat")?))
         .unwrap_or_default();
-    if robot.flag("self_collision") {
-        unsupported(reader, &robot, "self_collision", "self_collision = true");
-    }
     let outputs = root.table("outputs");
     Settings {
         compat,
@@ -44,6 +41,16 @@ pub(super) fn fill(reader: &mut Reader, root: &Section, compat: Option<Compat>) 
             Some(Value::Word(word)) if word == "pybullet" => InertiaSource::PyBullet,
             _ => InertiaSource::Urdf,
         },
+        self_collision: robot.flag("self_collision"),
+        ignored_contacts: root
+            .tables("ignore_contact")
+            .iter()
+            .filter_map(|section| match section.value("links") {
+                Some(Value::Texts(texts)) => Some(patterns(reader, texts)),
+                _ => None,
+            })
+            .collect(),
+        disabled_contacts: Vec::new(),
         flat_names: root.table("fmu").word("naming").as_deref() == Some("flat"),
         solver: solver(&root.table("solver"), compat),
         contact: contact(reader, &root.table("contact")),

@@ -107,7 +107,7 @@ pub const KEYS: &[Key] = &[
         "robot.self_collision",
         Flag,
         Some("false"),
-        "contact between links",
+        "whether links touch each other; not those of one body, nor neighbours at a joint",
     ),
     key(
         "robot.compat",
@@ -339,6 +339,12 @@ pub const KEYS: &[Key] = &[
         "whether a damper holds the joint at its velocity limit: 1 % above it under the effort limit; without it false, but position servos keep to the limit anyway",
     ),
     key("loop", Later, None, "kinematic loops"),
+    key(
+        "ignore_contact[].links",
+        Patterns,
+        None,
+        "links that do not touch each other",
+    ),
     key(
         "group[].name",
         Name,

@@ -294,7 +294,6 @@ fn numbers_outside_their_range_are_refused() {
 #[test]
 fn keys_of_planned_features_are_errors_that_name_the_key() {
     for (text, key) in [
-        ("robot.self_collision = true", "self_collision"),
         ("world.ground = { type = \"heightfield\" }", "heightfield"),
         ("[[world.object]]\nurdf = \"a\"", "object"),
         ("[[loop]]\ntype = \"ball\"", "loop"),

@@ -17,6 +17,12 @@ pub struct Settings {
     pub scale: f64,
     /// Where rotational inertia comes from.
     pub inertia: InertiaSource,
+    /// Whether links touch each other.
+    pub self_collision: bool,
+    /// Lists of links that do not touch each other.
+    pub ignored_contacts: Vec<Vec<Pattern>>,
+    /// Pairs of names of links that do not touch each other, of an SRDF.
+    pub disabled_contacts: Vec<[String; 2]>,
     /// Variable names with `_` instead of `.`.
     pub flat_names: bool,
     /// Step and tolerance.

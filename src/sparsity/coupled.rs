@@ -12,7 +12,7 @@
 //!
 //! Source: George & Liu 1981, chapter 5 (symbolic elimination).
 
-use super::{Block, Sparsity};
+use super::Sparsity;
 use std::ops::Range;
 
 /// Unknowns whose marks fit into one number.
@@ -23,7 +23,7 @@ const WORD: usize = u64::BITS as usize;
 pub struct Coupled {
     /// Entries within blocks, packed as the pattern says.
     pub packed: Vec<f64>,
-    /// Lower triangle with a place for every pair; empty where there is one block.
+    /// Lower triangle with a place for every pair; empty where nothing couples.
     spread: Vec<f64>,
     /// Which columns below its diagonal each row has, a bit each, `words` numbers a row.
     marks: Vec<u64>,
@@ -46,11 +46,9 @@ fn row_start(k: usize) -> usize {
 }
 
 impl Coupled {
-    /// Room for a matrix of a pattern.
-    pub fn new(pattern: &Sparsity) -> Self {
-        let moving = |block: &&Block| !block.rows.is_empty();
-        let alone = pattern.blocks.iter().filter(moving).count() < 2;
-        let n = if alone { 0 } else { pattern.len() };
+    /// Room for a matrix of a pattern, of which contacts couple unknowns or not.
+    pub fn new(pattern: &Sparsity, couples: bool) -> Self {
+        let n = if couples { pattern.len() } else { 0 };
         let words = n.div_ceil(WORD);
         Self {
             packed: vec![0.0; pattern.entries()],
@@ -69,8 +67,8 @@ impl Coupled {
         self.any = false;
     }
 
-    /// Couples the blocks of two unknowns; their entries may then be added to. Those within blocks
-    /// are taken from `packed` when the matrix is factorised.
+    /// Couples the blocks of two unknowns, or those of one block beyond its pattern; their entries
+    /// may then be added to. Those within blocks are taken from `packed` when the matrix is factorised.
     pub fn couple(&mut self, pattern: &Sparsity, unknowns: [usize; 2]) {
         for (block, coupled) in pattern.blocks.iter().zip(&mut self.is_coupled) {
             if !*coupled && unknowns.iter().any(|k| block.rows.contains(k)) {
@@ -86,10 +84,14 @@ impl Coupled {
         self.any = true;
     }
 
-    /// Adds to an entry between two coupled blocks.
+    /// Adds to an entry of two unknowns of coupled blocks, and to the one across the diagonal.
     #[inline]
     pub fn add(&mut self, i: usize, j: usize, value: f64) {
         let (row, column) = (i.max(j), i.min(j));
+        if row == column {
+            self.spread[row_start(row) + column] += 2.0 * value;
+            return;
+        }
         self.marks[row * self.words + column / WORD] |= 1 << (column % WORD);
         self.spread[row_start(row) + column] += value;
     }
@@ -235,6 +237,7 @@ impl Coupled {
         let blocks = pattern.blocks.iter().zip(&self.is_coupled);
         for (block, _) in blocks.filter(|(_, coupled)| **coupled) {
             for k in block.rows.clone() {
+                y[k] += self.spread[row_start(k) + k] * x[k];
                 self.for_columns(k, |c| {
                     let value = self.spread[row_start(k) + c];
                     y[k] += value * x[c];
@@ -286,7 +289,7 @@ mod tests {
         let pattern = Sparsity::new(lengths, &cliques);
         let n = pattern.len();
         let mut m = DMatrix::zeros(n, n);
-        let mut coupled = Coupled::new(&pattern);
+        let mut coupled = Coupled::new(&pattern, true);
         for k in 0..n {
             for q in 0..=pattern.depth[k] {
                 let j = pattern.column[pattern.start[k] + q] as usize;

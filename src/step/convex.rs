@@ -135,7 +135,7 @@ impl Newton {
             gradient: vec![0.0; nv],
             direction: vec![0.0; nv],
             direction_momentum: vec![0.0; nv],
-            H: Coupled::new(&tree.sparsity),
+            H: Coupled::new(&tree.sparsity, !tree.contact.pairs.is_empty()),
             factored: false,
             V: vec![[0.0; 6]; nb],
             along: Velocities::new(contacts),

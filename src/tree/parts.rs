@@ -80,6 +80,9 @@ pub struct Contacts {
     pub stribeck_velocity: f64,
     /// How the coefficients of two surfaces are combined.
     pub combination: Combination,
+    /// Whether each pair of `colliders` may touch: the one at `a * colliders.len() + b`, `a < b`;
+    /// empty where none may.
+    pub pairs: Vec<bool>,
     /// Whether there is a ground.
     pub has_ground: bool,
     /// Surface of the ground; filled by [`Tree::tune`].
@@ -299,6 +302,16 @@ impl Turning {
     /// Whether there is any.
     pub fn acts(&self) -> bool {
         self.coefficient[0] > 0.0 || self.coefficient[1] > 0.0
+    }
+}
+
+impl Contacts {
+    /// Whether the shapes at two places, the lower one first, may touch.
+    #[inline]
+    pub fn may_touch(&self, [a, b]: [usize; 2]) -> bool {
+        self.pairs
+            .get(a * self.colliders.len() + b)
+            .is_some_and(|may| *may)
     }
 }
 

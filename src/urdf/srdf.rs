@@ -234,7 +234,7 @@ impl<'r, 't> Reader<'r, 't> {
         }
         if let Some(at) = first {
             let message = format!(
-                "{} pairs of links that do not touch are read; no links touch each other here, so nothing changes",
+                "{} pairs of links that do not touch are read; they count where [robot] self_collision is true",
                 semantics.disabled_pairs.len()
             );
             self.report.note("R106", at, message, "");

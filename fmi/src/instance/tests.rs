@@ -126,6 +126,7 @@ fn rover() -> Model {
             ..Root::new(String::new(), 0.into())
         }],
         nq: 8,
+        apart: Vec::new(),
         colliders: vec![collider(0, 0.2), collider(1, 0.1)],
         actuators: vec![Actuator {
             joint: JointId(0),

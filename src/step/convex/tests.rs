@@ -42,7 +42,9 @@ impl Case {
             .roots
             .get(1)
             .map_or(model.bodies.len(), |root| root.body.index());
-        let tree = Tree::new(&model, &Parameters::new(&model));
+        let mut tree = Tree::new(&model, &Parameters::new(&model));
+        // Room for what couples.
+        tree.contact.pairs = vec![true];
         let mut kin = Kinematics::new(&tree);
         let state = crate::state::State::new(&model);
         kin.update_poses(&tree, &state.physical.q);
@@ -56,11 +58,14 @@ impl Case {
                 continue;
             }
             let mut contact = random_contact(&mut random, body, &mut contacts.points);
-            let other = body % own;
-            if body >= own && tree.bodies[other].kind.moves() {
+            // Of the others' the first robot's, of every second robot's its own.
+            let other = if body >= own { body % own } else { body / 2 };
+            let meets = body >= own || seed % 4 == 2 && other != body;
+            if meets && tree.bodies[other].kind.moves() {
+                let apart = tree.bodies[other].tree != tree.bodies[body].tree;
                 contact.other = Some(Other {
                     body: other,
-                    from: random.vector(0.5),
+                    from: random.vector(if apart { 0.5 } else { 0.0 }),
                     axes: crate::spatial::Mat3::identity(),
                 });
             }

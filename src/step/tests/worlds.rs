@@ -379,6 +379,47 @@ fn a_cube_between_two_fingers_is_lifted_and_held() {
     assert!(crept < 2e-9, "{crept}");
 }
 
+/// Two slides of a robot that floats in space press their pads on each other with the motors'
+/// 10 N: the pads feel these, and the robot as a whole stays where it is.
+#[test]
+fn links_of_one_robot_press_each_other_with_their_motors_force() {
+    let mut b = Builder::new(true, inertia(1.0, Vec3::zeros(), [0.01; 3]));
+    let half = Vec3::new(0.01, 0.03, 0.03);
+    for (side, turn) in [(-1.0, 0.0), (1.0, 0.3)] {
+        let slide = b.link(
+            LinkId(0),
+            at(side * 0.05, 0.0, 0.1),
+            Motion::Prismatic(Vec3::x()),
+            inertia(0.2, Vec3::zeros(), [1e-4; 3]),
+        );
+        let R = crate::spatial::rotation_from_rpy(&Vec3::new(turn, 0.0, 0.0));
+        let p = Vec3::zeros();
+        b.shape(slide, Shape::Box { half }, Pose { R, p });
+        b.actuator(slide, ActuatorMode::Effort, 20.0);
+    }
+    b.model.world.gravity = Vec3::zeros();
+    b.model.world.ground = None;
+    for self_collision in [true, false] {
+        let mut model = b.model.clone();
+        model.roots[0].self_collision = self_collision;
+        let mut s = start(model, 1e-3);
+        s.set_input(InputSlot::Effort(ActuatorId(0)), 10.0);
+        s.set_input(InputSlot::Effort(ActuatorId(1)), -10.0);
+        run(&mut s, 0.5, 0.01);
+        println!("{:?} {:?} {:?} {:?}", s.state().physical, s.tree().contact.pairs, s.tree().contact.colliders.len(), s.state().stepping.impulse);
+        let force = s.output(OutputSlot::ContactForce(LinkId(1), 0));
+        let opposite = s.output(OutputSlot::ContactForce(LinkId(2), 0));
+        if self_collision {
+            assert!((force + 10.0).abs() < 1e-6 && force == -opposite, "{force} {opposite}");
+            assert_eq!(speed(&s), 0.0);
+            let moved = Vec3::from_row_slice(&s.state().physical.q[..3]).norm();
+            assert!(moved < 1e-6, "{moved}");
+        } else {
+            assert!(force == 0.0 && speed(&s) > 1.0);
+        }
+    }
+}
+
 /// Nothing but the state is remembered from step to step, with contacts between bodies, too.
 #[test]
 fn a_restored_world_goes_on_with_the_same_bits() {
