@@ -5,9 +5,12 @@ use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 use std::path::Path;
 use std::sync::Arc;
+use urdf2fmu_core::geometry::Shape;
+use urdf2fmu_core::geometry::pair::{Patch, Solid};
 use urdf2fmu_core::model::{ActuatorId, Model, RootId};
 use urdf2fmu_core::settings::Settings;
 use urdf2fmu_core::simulation::{InputSlot, OutputSlot, ParameterSlot, Simulation};
+use urdf2fmu_core::spatial::{Pose, Vec3};
 use urdf2fmu_core::urdf::ReadOptions;
 use urdf2fmu_core::{assemble, urdf};
 
@@ -50,6 +53,63 @@ fn counted(body: impl FnOnce()) -> usize {
 #[test]
 fn the_counting_allocator_counts_allocations() {
     assert_eq!(counted(|| drop(std::hint::black_box(vec![1, 2, 3]))), 1);
+}
+
+/// Every pairing of shapes, over each other in places from apart to deep.
+#[test]
+fn a_contact_of_two_shapes_does_not_allocate() {
+    let (radius, half_length) = (0.03, 0.05);
+    let vertices: Vec<Vec3> = (0..40)
+        .map(|i| {
+            let angle = 2.4 * f64::from(i);
+            let z = f64::from(i) / 19.5 - 1.0;
+            let r = (1.0 - z * z).sqrt();
+            Vec3::new(r * libm::cos(angle), r * libm::sin(angle), z) * 0.05
+        })
+        .collect();
+    let solids = [
+        Solid::new(&Shape::Sphere { radius }, 3e-4),
+        Solid::new(
+            &Shape::Capsule {
+                radius,
+                half_length,
+            },
+            3e-4,
+        ),
+        Solid::new(
+            &Shape::Cylinder {
+                radius,
+                half_length,
+            },
+            3e-4,
+        ),
+        Solid::new(
+            &Shape::Box {
+                half: Vec3::new(0.03, 0.04, 0.05),
+            },
+            3e-4,
+        ),
+        Solid::new(&Shape::Hull { vertices }, 3e-4),
+        Solid::half_space(),
+    ];
+    let mut patch = Patch::new();
+    let mut found = 0;
+    let allocations = counted(|| {
+        for a in &solids {
+            for b in &solids {
+                for i in 0..100 {
+                    let t = f64::from(i) * 0.01;
+                    let pose = Pose::from_xyz_rpy(
+                        Vec3::new(0.02 * t, 0.01, 0.11 - 0.11 * t),
+                        Vec3::new(t, 0.5 * t, 3.0 * t),
+                    );
+                    found += usize::from(patch.find((a, &pose), (b, &Pose::IDENTITY), 1e-3));
+                }
+            }
+        }
+    });
+    assert_eq!(allocations, 0);
+    assert!(found > 1500, "{found}");
 }
 
 /// Everything that contacts can have.

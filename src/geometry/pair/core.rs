@@ -17,6 +17,15 @@ use crate::tuning::{ROUNDING, ROUNDING_SHARE};
 /// Corners of the polygon that stands for the flat end of a cylinder where something cuts it.
 pub(super) const END_CORNERS: usize = 16;
 
+/// Rounding of the inner core, as a share of the smallest half extent.
+const INNER: f64 = 0.3;
+
+/// Blend of a shape that is too thin for a rounding, as a share of its reach.
+const LEAST_BLEND: f64 = 1e-4;
+
+/// Part of the rounding within which two corners of a core are one.
+const SAME: f64 = 1e-6;
+
 /// Part of a hull's size within which corners count as in one plane.
 const IN_PLANE: f64 = 1e-7;
 
@@ -97,8 +106,12 @@ pub(super) struct Round {
 #[derive(Clone, Debug)]
 pub struct Solid {
     pub(super) core: Core,
+    /// A smaller one, for shapes that overlap by more than their roundings.
+    pub(super) inner: Core,
     /// Radius of the ball that sweeps the core, m.
     pub(super) radius: f64,
+    /// The same for the inner core, m.
+    pub(super) inner_radius: f64,
     /// Length over which faces take over from each other, m.
     pub(super) blend: f64,
     /// Real faces; of a cylinder its two ends as polygons.
@@ -118,9 +131,11 @@ impl Solid {
     pub fn new(shape: &Shape, thickness: f64) -> Self {
         let reach = shape.bounding_radius();
         let of = |core: Core, radius: f64, smallest: f64| Self {
+            inner: core.clone(),
             core,
             radius,
-            blend: rounding(smallest).max(1e-4 * reach),
+            inner_radius: radius,
+            blend: rounding(smallest).max(LEAST_BLEND * reach),
             mesh: Mesh::default(),
             round: None,
             reach,
@@ -143,8 +158,9 @@ impl Solid {
                 radius,
                 half_length: half,
             } => {
-                let r = rounding(radius.min(*half));
-                let core = Core::Cylinder {
+                let smallest = radius.min(*half);
+                let r = rounding(smallest);
+                let core = |r: f64| Core::Cylinder {
                     radius: radius - r,
                     half: half - r,
                 };
@@ -155,28 +171,36 @@ impl Solid {
                         flat: true,
                     }),
                     mesh: ends(*radius, *half),
-                    ..of(core, r, radius.min(*half))
+                    inner: core(INNER * smallest),
+                    inner_radius: INNER * smallest,
+                    ..of(core(r), r, smallest)
                 }
             }
             Shape::Box { half } => {
                 let r = rounding(half.min());
-                let core = Core::Box {
+                let core = |r: f64| Core::Box {
                     half: half.add_scalar(-r),
                 };
                 Self {
                     mesh: box_mesh(half),
-                    ..of(core, r, half.min())
+                    inner: core(INNER * half.min()),
+                    inner_radius: INNER * half.min(),
+                    ..of(core(r), r, half.min())
                 }
             }
             Shape::Hull { vertices } => {
                 let kept = bounded_hull(vertices, MOST_CORNERS);
                 let corners = kept.map_or_else(|_| vertices.clone(), |hull| hull.vertices);
                 let mesh = hull_mesh(&corners, reach);
-                let (core, r) = shrunk(&mesh, &corners);
+                let smallest = thickness_of(&mesh);
+                let (core, r) = shrunk(&mesh, rounding(smallest));
+                let (inner, inner_radius) = shrunk(&mesh, INNER * smallest);
                 Self {
                     shares: Faces::new(&corners, thickness),
                     mesh,
-                    ..of(Core::Corners(core), r, r / ROUNDING_SHARE)
+                    inner: Core::Corners(inner),
+                    inner_radius,
+                    ..of(Core::Corners(core), r, smallest)
                 }
             }
         }
@@ -186,7 +210,9 @@ impl Solid {
     pub fn half_space() -> Self {
         Self {
             core: Core::HalfSpace,
+            inner: Core::HalfSpace,
             radius: 0.0,
+            inner_radius: 0.0,
             blend: 0.0,
             mesh: Mesh::default(),
             round: None,
@@ -309,41 +335,54 @@ fn hull_mesh(corners: &[Vec3], size: f64) -> Mesh {
     mesh
 }
 
-/// Corners of the hull whose faces are all moved in by a rounding, and that rounding; the hull
-/// itself and 0 where it has no volume.
+/// The middle of a hull's corners.
+fn center(mesh: &Mesh) -> Vec3 {
+    #[expect(clippy::cast_precision_loss, reason = "a small count")]
+    let count = mesh.corners.len() as f64;
+    mesh.corners.iter().sum::<Vec3>() / count
+}
+
+/// How far the faces of a hull are from its middle.
+fn inside<'a>(mesh: &'a Mesh, center: &'a Vec3) -> impl Fn(usize) -> f64 + 'a {
+    move |face| {
+        let corner = mesh.corners[mesh.face(face)[0]];
+        mesh.normals[face].dot(&(corner - center))
+    }
+}
+
+/// Least distance of a face of a hull from its middle; 0 if it has no volume.
+fn thickness_of(mesh: &Mesh) -> f64 {
+    if mesh.normals.len() < 4 {
+        return 0.0;
+    }
+    let center = center(mesh);
+    let least = (0..mesh.normals.len()).map(inside(mesh, &center));
+    least.fold(f64::INFINITY, f64::min).max(0.0)
+}
+
+/// The core of a hull with that rounding, and it; the hull itself and 0 where it has no volume.
+fn shrunk(mesh: &Mesh, r: f64) -> (Vec<Vec3>, f64) {
+    let core = if r > 0.0 { moved_in(mesh, r) } else { None };
+    core.map_or_else(|| (mesh.corners.clone(), 0.0), |core| (core, r))
+}
+
+/// Corners of the hull whose faces are all moved in by `r`.
 ///
 /// 1. About an inner point `c` the faces are `ν·x ≤ e`, with `x` from `c` and `e > 0`.
 /// 2. Moved in they are `p·x ≤ 1` with `p = ν/(e − r)`. A corner where faces `i j k` meet solves
 ///    `p_i·x = p_j·x = p_k·x = 1` and violates no other: `x` is the normal of a face of the hull of
 ///    all `p`, over its distance from 0.
-fn shrunk(mesh: &Mesh, corners: &[Vec3]) -> (Vec<Vec3>, f64) {
-    let itself = (corners.to_vec(), 0.0);
-    if mesh.normals.len() < 4 {
-        return itself;
-    }
-    #[expect(clippy::cast_precision_loss, reason = "a small count")]
-    let center = corners.iter().sum::<Vec3>() / corners.len() as f64;
-    let inside = |face: usize| {
-        let corner = corners[mesh.face(face)[0]];
-        mesh.normals[face].dot(&(corner - center))
-    };
-    let least = (0..mesh.normals.len())
-        .map(inside)
-        .fold(f64::INFINITY, f64::min);
-    let r = rounding(least);
-    if r <= 0.0 {
-        return itself;
-    }
+fn moved_in(mesh: &Mesh, r: f64) -> Option<Vec<Vec3>> {
+    let center = center(mesh);
+    let inside = inside(mesh, &center);
     let dual: Vec<Vec3> = (0..mesh.normals.len())
         .map(|face| mesh.normals[face] / (inside(face) - r))
         .collect();
-    let Some(found) = hull(&dual, dual.len().max(4)) else {
-        return itself;
-    };
+    let found = hull(&dual, dual.len().max(4))?;
     let Simplices::Faces(triangles) = &found.simplices else {
-        return itself;
+        return None;
     };
-    let mut core: Vec<Vec3> = Vec::new();
+    let mut corners: Vec<Vec3> = Vec::new();
     for triangle in triangles {
         let [p, q, s] = triangle.map(|i| found.corners[i]);
         let rows = Mat3::from_rows(&[p.transpose(), q.transpose(), s.transpose()]);
@@ -351,17 +390,18 @@ fn shrunk(mesh: &Mesh, corners: &[Vec3]) -> (Vec<Vec3>, f64) {
             continue;
         };
         let corner = x + center;
-        if !core.iter().any(|c| (c - corner).norm() < 1e-6 * r) {
-            core.push(corner);
+        if !corners.iter().any(|c| (c - corner).norm() < SAME * r) {
+            corners.push(corner);
         }
     }
-    if core.len() < 4 { itself } else { (core, r) }
+    (corners.len() >= 4).then_some(corners)
 }
 
 /// A solid in a place.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Placed<'a> {
     pub(super) solid: &'a Solid,
+    pub(super) core: &'a Core,
     pub(super) R: Mat3,
     pub(super) p: Vec3,
 }
@@ -371,8 +411,17 @@ impl<'a> Placed<'a> {
     pub(super) fn new(solid: &'a Solid, X: &Pose, origin: &Vec3) -> Self {
         Self {
             solid,
+            core: &solid.core,
             R: X.R,
             p: X.p - origin,
+        }
+    }
+
+    /// The same with its inner core.
+    pub(super) fn inner(&self) -> Self {
+        Self {
+            core: &self.solid.inner,
+            ..*self
         }
     }
 
@@ -381,34 +430,31 @@ impl<'a> Placed<'a> {
         self.R.column(2).into()
     }
 
+    /// A point of its own axes in those of the poses.
+    pub(super) fn world(&self, local: &Vec3) -> Vec3 {
+        self.p + self.R * local
+    }
+
     /// The point of the core that is farthest along `d`.
     pub(super) fn support(&self, d: &Vec3) -> Vec3 {
+        self.world(&self.support_local(d))
+    }
+
+    /// The same in its own axes.
+    pub(super) fn support_local(&self, d: &Vec3) -> Vec3 {
         let signed = |x: f64, by: f64| if by < 0.0 { -x } else { x };
-        match &self.solid.core {
-            Core::HalfSpace | Core::Point => self.p,
-            Core::Segment { half } => {
-                let k = self.axis();
-                self.p + k * signed(*half, k.dot(d))
-            }
+        let local = self.R.tr_mul(d);
+        match self.core {
+            Core::HalfSpace | Core::Point => Vec3::zeros(),
+            Core::Segment { half } => Vec3::new(0.0, 0.0, signed(*half, local.z)),
             Core::Cylinder { radius, half } => {
-                let k = self.axis();
-                let along = k.dot(d);
-                let off = d - k * along;
-                let length = off.norm();
-                let rim = if length > 0.0 {
-                    off * (radius / length)
-                } else {
-                    Vec3::zeros()
-                };
-                self.p + k * signed(*half, along) + rim
+                // Round-off of a direction along the axis stays across it.
+                let off = (local.x * local.x + local.y * local.y).sqrt();
+                let out = if off > 0.0 { radius / off } else { 0.0 };
+                Vec3::new(local.x * out, local.y * out, signed(*half, local.z))
             }
-            Core::Box { half } => {
-                let local = self.R.tr_mul(d);
-                let corner = half.zip_map(&local, signed);
-                self.p + self.R * corner
-            }
+            Core::Box { half } => half.zip_map(&local, signed),
             Core::Corners(list) => {
-                let local = self.R.tr_mul(d);
                 let mut best = (f64::NEG_INFINITY, Vec3::zeros());
                 for corner in list {
                     let height = local.dot(corner);
@@ -416,8 +462,13 @@ impl<'a> Placed<'a> {
                         best = (height, *corner);
                     }
                 }
-                self.p + self.R * best.1
+                best.1
             }
         }
     }
+}
+
+/// The gap of the cores of `a` and `b` along `n`: `min n·x` of A minus `max n·y` of B.
+pub(super) fn separation(a: &Placed, b: &Placed, n: &Vec3) -> f64 {
+    n.dot(&(a.support(&-n) - b.support(n)))
 }

@@ -3,16 +3,18 @@
 //! In this order, each with its own test: the flat end of one faces the other; both face each other
 //! with their sides; a rim faces a side; two rims face each other. The first two are closed, the
 //! others are a minimum over two places, found by Newton's method from the direction that
-//! [`super::gjk`] has found.
+//! `gjk.rs` has found.
 
-use super::core::{Core, Placed};
-use super::nearest::{segments, separation};
+use super::core::{Core, Placed, separation};
+use super::segments::segments;
 use crate::spatial::Vec3;
 
 /// Sine below which two directions count as parallel.
 const PARALLEL: f64 = 1e-14;
 /// Cosine to the axis below which the side is tried before the rim.
 const SIDE: f64 = 1e-6;
+/// Accuracy of the gap against the distance, relative to the size of the cylinders.
+const OPTIMAL: f64 = 1e-14;
 /// Iterations of Newton's method, at most.
 const MOST_ITERATIONS: usize = 30;
 
@@ -27,7 +29,7 @@ struct Cylinder {
 
 impl Cylinder {
     fn of(placed: &Placed) -> Option<Self> {
-        let Core::Cylinder { radius, half } = placed.solid.core else {
+        let Core::Cylinder { radius, half } = *placed.core else {
             return None;
         };
         Some(Self {
@@ -71,11 +73,18 @@ pub(super) fn apart(a: &Placed, b: &Placed, (rough, at): (&Vec3, &Vec3)) -> (Vec
             let Some((v, s)) = newton(&x, &y) else {
                 continue;
             };
-            let v = v.normalize();
+            let distance = v.norm();
+            let v = v / distance;
             let value = separation(a, b, &v);
+            let beyond = |curve: &Curve, of: &Cylinder| if curve.round { 0.0 } else { of.radius };
+            let (p, q) = (beyond(&x, &first), beyond(&y, &second));
             if value > best.0 {
-                let radius = if x.round { 0.0 } else { first.radius };
-                best = (value, (v * value, x.at(s).0 - v * radius));
+                best = (value, (v * value, x.at(s).0 - v * p));
+            }
+            // No gap along a direction is more than the distance: where they agree, it is that.
+            let size = distance + first.radius + second.radius;
+            if (distance - p - q - value).abs() <= OPTIMAL * size {
+                return best.1;
             }
         }
     }

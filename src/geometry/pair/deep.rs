@@ -5,8 +5,8 @@
 //! direction jumps where two axes overlap alike; only cores that meet come here, and these overlap
 //! by more than their rounding.
 
-use super::core::Placed;
-use super::nearest::{segments, separation};
+use super::core::{Placed, separation};
+use super::segments::segments;
 use crate::spatial::Vec3;
 
 /// Pairs of edges that are tried, at most: with more, faces alone decide.
@@ -59,13 +59,12 @@ pub(super) fn least_overlap(a: &Placed, b: &Placed) -> (Vec3, f64) {
     best
 }
 
-/// A point in the midst of the overlap, on the side of `a`: where their axes are nearest, of what has
-/// one.
-pub(super) fn middle(a: &Placed, b: &Placed, normal: &Vec3) -> Vec3 {
+/// A point in the midst of the overlap: where their axes are nearest, of what has one.
+pub(super) fn middle(a: &Placed, b: &Placed) -> Vec3 {
     let axis = |p: &Placed| {
         let half = p.solid.round.map_or(0.0, |round| round.half);
         (p.p, p.axis() * half)
     };
-    let (x, _) = segments(axis(a), axis(b));
-    x - normal * (a.solid.round.map_or(0.0, |round| round.radius) - a.solid.radius)
+    let (x, y) = segments(axis(a), axis(b));
+    (x + y) * 0.5
 }

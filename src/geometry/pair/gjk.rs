@@ -8,19 +8,25 @@
 //! 3. Otherwise `w` joins the simplex, and `|v|` decreases. For polyhedra this ends, because a
 //!    simplex never returns; for round cores `|v|² − v·w` falls below any bound.
 //!
-//! The simplex is kept as pairs of points, from which [`super::nearest`] takes the features that
+//! The simplex is kept as pairs of points, from which `nearest.rs` takes the features that
 //! face each other and their direction to round-off. All tolerances are relative to what is
 //! compared, so that parts of a millimetre are treated like those of a metre.
 //!
 //! Source: Gilbert, Johnson and Keerthi 1988; van den Bergen 1999.
 
-use super::core::Placed;
+use super::core::{Core, Placed};
 use crate::spatial::Vec3;
 
 /// Iterations, at most: three to eight are usual, a round core takes up to thirty.
 const MOST_ITERATIONS: usize = 64;
 /// Accuracy of `|v|² − v·w` relative to `|v|` and the size of the simplex.
 const ACCURACY: f64 = 4e-16;
+/// The same for round cores, whose nearest points are found from the features that these face each
+/// other with.
+const ROUND_ACCURACY: f64 = 1e-12;
+
+/// Height of a tetrahedron, relative to its size, below which it is flat.
+const FLAT: f64 = 1e-10;
 
 /// A point of A, one of B, and their difference.
 #[derive(Clone, Copy, Debug, Default)]
@@ -28,6 +34,8 @@ pub(super) struct Pair {
     pub(super) a: Vec3,
     pub(super) b: Vec3,
     pub(super) w: Vec3,
+    /// The points in the axes of A and of B: from these short edges have all their digits.
+    pub(super) local: [Vec3; 2],
 }
 
 /// The pairs whose hull has the nearest point, and the weights of them in it.
@@ -90,10 +98,10 @@ impl Simplex {
         }
         let (_, weights, v) = best;
         let mut kept = Self::default();
-        for i in 0..self.count {
-            if weights[i] > 0.0 {
-                kept.pairs[kept.count] = self.pairs[i];
-                kept.weights[kept.count] = weights[i];
+        for (pair, weight) in self.pairs.iter().zip(weights) {
+            if weight > 0.0 {
+                kept.pairs[kept.count] = *pair;
+                kept.weights[kept.count] = weight;
                 kept.count += 1;
             }
         }
@@ -101,14 +109,16 @@ impl Simplex {
         v
     }
 
-    /// Whether 0 is inside of the tetrahedron.
+    /// Whether 0 is inside of the tetrahedron. One that is flat but for round-off holds nothing.
     fn encloses(&self) -> bool {
         let w = |i: usize| self.pairs[i].w;
+        let size = (0..4).map(|i| w(i).norm()).fold(0.0, f64::max);
         (0..4).all(|i| {
             let (a, b, c, d) = (w((i + 1) % 4), w((i + 2) % 4), w((i + 3) % 4), w(i));
             let normal = (b - a).cross(&(c - a));
+            let height = normal.dot(&(a - d));
             // 0 and the fourth corner on one side.
-            normal.dot(&a) * normal.dot(&(a - d)) > 0.0
+            height.abs() > FLAT * size * normal.norm() && normal.dot(&a) * height > 0.0
         })
     }
 }
@@ -116,9 +126,19 @@ impl Simplex {
 /// The simplex of the nearest points; `None` if the cores are nearer than `touch`, m.
 pub(super) fn distance(a: &Placed, b: &Placed, touch: f64) -> Option<Simplex> {
     let pair = |d: &Vec3| {
-        let (a, b) = (a.support(&-d), b.support(d));
-        Pair { a, b, w: a - b }
+        let local = [a.support_local(&-d), b.support_local(d)];
+        let (a, b) = (a.world(&local[0]), b.world(&local[1]));
+        Pair {
+            a,
+            b,
+            w: a - b,
+            local,
+        }
     };
+    let round = [a, b]
+        .iter()
+        .any(|p| matches!(p.core, Core::Cylinder { .. }));
+    let accuracy = if round { ROUND_ACCURACY } else { ACCURACY };
     let mut toward = a.p - b.p;
     if toward == Vec3::zeros() {
         toward = Vec3::z();
@@ -142,7 +162,7 @@ pub(super) fn distance(a: &Placed, b: &Placed, touch: f64) -> Option<Simplex> {
             .map(|p| p.w.norm())
             .fold(next.w.norm(), f64::max);
         let known = simplex.pairs[..simplex.count].iter().any(|p| p.w == next.w);
-        if known || squared - v.dot(&next.w) <= ACCURACY * squared.sqrt() * size {
+        if known || squared - v.dot(&next.w) <= accuracy * squared.sqrt() * size {
             return Some(simplex);
         }
         let last = simplex;

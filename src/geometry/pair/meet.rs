@@ -2,7 +2,7 @@
 
 use super::core::{Core, Placed, Round};
 use super::nearest::{Apart, nearest};
-use super::points::{PatchPoint, Points, Side};
+use super::points::{Points, Side, point};
 use super::polygon::{Cover, Limits, Polygons, cover};
 use super::trace::{Trace, along_axes};
 use super::view::{Frame, Seen};
@@ -17,34 +17,36 @@ const LEAST: f64 = 0.125;
 /// Memory of a query.
 #[derive(Clone, Debug)]
 pub(super) struct Meeting {
-    seen: [Seen; 2],
+    upper: Seen,
+    lower: Seen,
     work: Polygons,
 }
 
 impl Default for Meeting {
     fn default() -> Self {
         Self {
-            seen: [Seen::NONE, Seen::NONE],
+            upper: Seen::NONE,
+            lower: Seen::NONE,
             work: Polygons::NONE,
         }
     }
 }
 
 impl Meeting {
-    /// Adds the points of a pair, in the order of their rank; returns normal and whether the cores
-    /// meet.
+    /// Adds the points of a pair, in the order of their rank; returns the normal, whether inner
+    /// cores have a part in it, and whether these meet.
     pub(super) fn find(
         &mut self,
         (a, b): (&Placed, &Placed),
         reach: f64,
         points: &mut Points,
-    ) -> (Vec3, bool) {
+    ) -> (Vec3, bool, bool) {
         if matches!(b.solid.core, Core::HalfSpace) {
             let n = b.axis();
             if !matches!(a.solid.core, Core::HalfSpace) {
                 on_plane(a, &n, n.dot(&b.p), reach, points);
             }
-            return (n, false);
+            return (n, false, false);
         }
         let apart = nearest(a, b);
         let n = apart.normal;
@@ -52,13 +54,37 @@ impl Meeting {
         // Sharp corners are nearer than rounded ones.
         let sharp = a.solid.rounding() + b.solid.rounding();
         if gap > reach + sharp {
-            return (n, apart.deep);
+            return (n, apart.part < 1.0, apart.deep);
         }
-        let limits = Limits {
-            level: gap + a.solid.blend + b.solid.blend,
+        let blend = a.solid.blend + b.solid.blend;
+        let mut limits = Limits {
+            level: gap + blend,
             reach,
         };
         let faces = |p: &Placed| p.solid.round.is_none() && !p.solid.mesh.normals.is_empty();
+        let blended = apart.part < 1.0;
+        if blended && faces(b) {
+            // Along a direction between two, the farthest points need not lie over each other. What
+            // lies below a level is all that is looked at: it rises until there is something.
+            let most = a.solid.reach + b.solid.reach;
+            let (mut rise, mut least) = (0.5 * blend, f64::INFINITY);
+            while least > gap + rise && rise < 8.0 * most {
+                rise *= 8.0;
+                let all = Limits {
+                    level: gap + rise,
+                    reach,
+                };
+                if let Some(round) = a.solid.round {
+                    least = self.line((a, &round), b, (&n, all, Side::First), points).2;
+                }
+                least = least.min(self.cover((a, b), (&n, all), points).least);
+            }
+            points.clear();
+            if least.is_finite() {
+                let part = (1.0 - 4.0 * (1.0 - apart.part)).max(0.0);
+                limits.level = part * gap + (1.0 - part) * least + blend;
+            }
+        }
         match (a.solid.round, b.solid.round) {
             (Some(round), Some(other)) => {
                 self.two_round((a, &round), (b, &other), &apart, limits, points);
@@ -78,10 +104,9 @@ impl Meeting {
             _ => {}
         }
         if points.count() == 0 && gap <= reach {
-            let x = apart.at - n * (a.solid.radius + 0.5 * gap);
-            points.add(0, point(x, -gap, 1.0));
+            points.add(0, point(apart.middle, -gap, 1.0));
         }
-        (n, apart.deep)
+        (n, blended, apart.deep)
     }
 
     /// What the faces of both have in common.
@@ -92,13 +117,13 @@ impl Meeting {
         points: &mut Points,
     ) -> Cover {
         let frame = Frame::new(*n);
-        let [upper, lower] = &mut self.seen;
+        let Self { upper, lower, work } = self;
         upper.look(a, &frame);
         lower.look(b, &frame);
         upper.face(a, &frame, -1.0, lower.heights.1 + limits.level);
         lower.face(b, &frame, 1.0, upper.heights.0 - limits.level);
         let pair = ((&*upper, &a.solid.mesh), (&*lower, &b.solid.mesh));
-        cover(pair.0, pair.1, &frame, limits, &mut self.work, points)
+        cover(pair.0, pair.1, &frame, limits, work, points)
     }
 
     /// What the line of `a` has in common with the faces of `b`.
@@ -108,10 +133,10 @@ impl Meeting {
         b: &Placed,
         (n, limits, side): (&Vec3, Limits, Side),
         points: &mut Points,
-    ) -> f64 {
+    ) -> (f64, f64, f64) {
         let trace = Trace::new(a, round, n, side);
         let frame = Frame::new(*n);
-        let lower = &mut self.seen[1];
+        let lower = &mut self.lower;
         lower.look(b, &frame);
         lower.face(b, &frame, 1.0, trace.lowest(n) - limits.level);
         trace.cover((lower, &b.solid.mesh), &frame, limits, points)
@@ -126,22 +151,27 @@ impl Meeting {
         points: &mut Points,
     ) {
         let blend = a.solid.blend + b.solid.blend;
-        let mut cut = 0.0;
+        let mut all = Cover::default();
         if round.flat {
-            let all = self.cover((a, b), (n, limits), points);
-            cut = cut_off(a, n, &all, blend);
-            points.scale(0, if cut > 0.0 { cut / all.weight } else { 0.0 });
-        }
-        if cut == 1.0 {
-            return;
+            all = self.cover((a, b), (n, limits), points);
         }
         let first = points.count();
-        let line = self.line((a, round), b, (n, limits, Side::First), points);
-        if line > 0.0 {
-            points.scale(first, (1.0 - cut) / line);
-        } else if cut > 0.0 {
-            points.scale(0, 1.0 / cut);
-        }
+        let (line, weight, _) = self.line((a, round), b, (n, limits, Side::First), points);
+        let cut = cut_off(a, n, &all, blend);
+        let there = (line / (LEAST * blend * blend)).min(1.0) * (1.0 - cut);
+        // What the line does not have, the end has, as far as it takes part.
+        let other = (all.volume / (LEAST * blend * blend * blend)).min(1.0) * (1.0 - there);
+        let total = there + other;
+        let by = |share: f64, weight: f64| {
+            if weight > 0.0 {
+                share / (total * weight)
+            } else {
+                0.0
+            }
+        };
+        points.scale_range(0, first, by(other, all.weight));
+        points.scale_range(first, points.count(), by(there, weight));
+        points.drop_empty();
     }
 
     /// Two capsules or cylinders.
@@ -162,15 +192,15 @@ impl Meeting {
             points.scale(0, 0.0);
             let all = self.cover((a, b), (&n, limits), points);
             (cut_a, cut_b) = (cut_off(a, &n, &all, blend), cut_off(b, &n, &back, blend));
-            let share = (all.weight / (LEAST * blend * blend * blend)).min(1.0) * cut_a * cut_b;
+            let share = (all.volume / (LEAST * blend * blend * blend)).min(1.0) * cut_a * cut_b;
             points.scale(0, if share > 0.0 { share / all.weight } else { 0.0 });
             taken += share;
         }
         let mut lie = |(p, round): (&Placed, &Round), q: &Placed, n: &Vec3, side, cut: f64| {
             let first = points.count();
-            let line = self.line((p, round), q, (n, limits, side), points);
+            let (line, weight, _) = self.line((p, round), q, (n, limits, side), points);
             let share = (line / (LEAST * blend * blend)).min(1.0) * (1.0 - cut);
-            points.scale(first, if share > 0.0 { share / line } else { 0.0 });
+            points.scale(first, if share > 0.0 { share / weight } else { 0.0 });
             share
         };
         if rb.flat {
@@ -197,16 +227,6 @@ fn cut_off(p: &Placed, n: &Vec3, all: &Cover, blend: f64) -> f64 {
     let squared = facing * facing;
     let there = (all.area / (LEAST * blend * blend)).min(1.0);
     squared * squared * there * (CUT * all.cut).min(1.0)
-}
-
-/// A point without a rim.
-pub(super) fn point(x: Vec3, depth: f64, share: f64) -> PatchPoint {
-    PatchPoint {
-        x,
-        depth,
-        share,
-        rim: None,
-    }
 }
 
 /// The points of a shape on the plane `n·x = offset`.

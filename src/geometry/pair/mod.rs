@@ -5,13 +5,13 @@
 //! points. What a contact of these points does is in [`crate::force`]; nothing here knows forces or
 //! velocities, and nothing is remembered from one query to the next.
 //!
-//! 1. The normal is the direction between the nearest points of the cores, see [`core`]. It moves
-//!    continuously with the poses as long as the cores do not meet, which is while the shapes overlap
-//!    by less than both roundings; beyond, it is the axis of least overlap, which may jump.
-//! 2. Depths are those of the sharp shapes along the normal, so a face that lies on a face has
-//!    the depths that it has on a plane. Balls and capsules meet what is rounded at its edges.
-//! 3. Each point has its share in a face, so that the fourth-power mean of the depths is continuous,
-//!    too: [`polygon`] for faces, [`trace`] for the lines and rims of round shapes.
+//! 1. The normal is the direction between the nearest points of the cores, see `core.rs`. It moves
+//!    continuously with the poses. Where the shapes overlap by more than half of their roundings,
+//!    smaller cores take over, and where these meet, too, the axis of least overlap, which jumps.
+//! 2. Depths of faces are those of the sharp shapes along the normal, so a face that lies on a face
+//!    has the depths that it has on a plane. Balls meet what is rounded at its edges.
+//! 3. Each point has its share in a face, so that the fourth-power mean of the depths is
+//!    continuous, too: `polygon.rs` for faces, `trace.rs` for the lines and rims of round shapes.
 //! 4. A cylinder's flat end that lies within a face has the law of a rim. Where a side of the face
 //!    cuts it, a polygon of 16 corners takes over, by four times the part that is cut off.
 //!
@@ -25,8 +25,8 @@
 //! | cylinder on plane or face | two circles, ½ each; standing one of them is high above |
 //! | cylinder on cylinder | as on a face where an end takes part, as two capsules otherwise |
 //!
-//! Nothing is allocated in a query. Exchanging the shapes gives the same points to round-off and the
-//! opposite normal.
+//! Nothing is allocated in a query. Exchanging the shapes gives the same points to round-off and
+//! the opposite normal.
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
@@ -38,6 +38,7 @@ mod meet;
 mod nearest;
 mod points;
 mod polygon;
+mod segments;
 #[cfg(test)]
 mod tests;
 mod trace;
@@ -57,7 +58,10 @@ use crate::spatial::{Pose, Vec3};
 pub struct Patch {
     /// Unit vector from the second shape into the first.
     pub normal: Vec3,
-    /// Whether the shapes overlap by more than their roundings: then the normal may jump.
+    /// Whether the shapes overlap by more than half of their roundings, so that smaller cores have
+    /// a part in the normal.
+    pub blended: bool,
+    /// Whether these smaller cores meet, too: then the normal may jump.
     pub deep: bool,
     points: Points,
     meeting: Meeting,
@@ -102,9 +106,11 @@ impl Patch {
         } else {
             (&first, &second)
         };
-        let (normal, deep) = self.meeting.find((above, below), reach, &mut self.points);
-        self.normal = if swapped { -normal } else { normal };
-        self.deep = deep;
+        let found = self.meeting.find((above, below), reach, &mut self.points);
+        (self.normal, self.blended, self.deep) = found;
+        if swapped {
+            self.normal = -self.normal;
+        }
         self.points.finish(&origin, swapped);
         !self.points().is_empty()
     }

@@ -1,18 +1,21 @@
 //! Direction and distance from one core to another.
 //!
-//! Closed forms where a point or a segment meets something simple. Otherwise [`super::gjk`] finds
+//! Closed forms where a point or a segment meets something simple. Otherwise `gjk.rs` finds
 //! which features face each other, and the direction follows from these to round-off: normal of a
 //! face, product of two edges, what is across an edge, or the nearest point of an edge to a round
-//! core. Two cylinders are in [`super::cylinders`]. Where cores meet, [`super::deep`] takes the
+//! core. Two cylinders are in `cylinders.rs`. Where cores meet, `deep.rs` takes the
 //! axis of least overlap.
 //!
 //! For any unit vector `n` the gap along it, `σ(n) = min n·a − max n·b`, is no more than the
 //! distance, and equal to it for the right one. Each result is checked by it.
 
-use super::core::{Core, Placed};
+#![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
+
+use super::core::{Core, Placed, separation};
 use super::gjk::{self, Pair, Simplex};
+use super::segments::segments;
 use super::{cylinders, deep};
-use crate::spatial::Vec3;
+use crate::spatial::{Mat3, Vec3};
 
 /// Share of the rounding within which cores count as meeting.
 const TOUCH: f64 = 1e-6;
@@ -28,22 +31,78 @@ pub(super) struct Apart {
     pub(super) normal: Vec3,
     /// Distance, m; where the cores meet by how much they overlap along the normal, negative.
     pub(super) distance: f64,
-    /// Nearest point of the core of A, where it is needed: not between polyhedra.
-    pub(super) at: Vec3,
-    /// Whether the cores meet.
+    /// Half way between the surfaces where the cores are nearest. To round-off only where it is
+    /// needed: not where polyhedra have faces in common.
+    pub(super) middle: Vec3,
+    /// Part of the direction that is that of the cores, 1 where inner cores have none.
+    pub(super) part: f64,
+    /// Whether these meet, too.
     pub(super) deep: bool,
 }
 
-/// `σ(n)`.
-pub(super) fn separation(a: &Placed, b: &Placed, n: &Vec3) -> f64 {
-    n.dot(&(a.support(&-n) - b.support(n)))
+/// How the core of `a` lies to that of `b`.
+///
+/// Where the shapes overlap by more than half of their roundings, the direction turns over to that
+/// between the inner cores, and is it alone before the cores meet: with the distance `d` of the
+/// cores and the sum `r` of the roundings, by `w = 2 d/r`. Inner cores that meet, too, have the
+/// axis of least overlap.
+pub(super) fn nearest(a: &Placed, b: &Placed) -> Apart {
+    let touch = TOUCH * (a.solid.blend + b.solid.blend);
+    let half = 0.5 * (a.solid.rounding() + b.solid.rounding());
+    let (apart, at) = between(a, b, touch).unwrap_or((Vec3::zeros(), a.p));
+    let distance = apart.norm();
+    let part = if distance <= 2.0 * touch {
+        0.0
+    } else if half > 0.0 {
+        ((distance - 2.0 * touch) / half).min(1.0)
+    } else {
+        1.0
+    };
+    // What sweeps the cores leaves the nearest points along the direction.
+    let halfway =
+        |v: &Vec3, n: &Vec3, x: &Vec3, [r, s]: [f64; 2]| x - v * 0.5 + n * (0.5 * (s - r));
+    let outer = apart.try_normalize(touch).map(|n| {
+        let radii = [a.solid.radius, b.solid.radius];
+        (n, halfway(&apart, &n, &at, radii))
+    });
+    let (normal, middle, deep) = match outer {
+        Some((n, x)) if part >= 1.0 => (n, x, false),
+        _ => {
+            let (p, q) = (a.inner(), b.inner());
+            let radii = [a.solid.inner_radius, b.solid.inner_radius];
+            let inner = between(&p, &q, touch).and_then(|(v, at)| {
+                let n = v.try_normalize(touch)?;
+                Some((n, halfway(&v, &n, &at, radii)))
+            });
+            let deep = inner.is_none();
+            let (n, x) = inner.unwrap_or_else(|| {
+                let (n, _) = deep::least_overlap(&p, &q);
+                (n, deep::middle(a, b))
+            });
+            match outer {
+                Some((m, y)) if part > 0.0 => (
+                    (n * (1.0 - part) + m * part).normalize(),
+                    x * (1.0 - part) + y * part,
+                    deep,
+                ),
+                _ => (n, x, deep),
+            }
+        }
+    };
+    Apart {
+        normal,
+        distance: separation(a, b, &normal),
+        middle,
+        part,
+        deep,
+    }
 }
 
-/// How the core of `a` lies to that of `b`.
-pub(super) fn nearest(a: &Placed, b: &Placed) -> Apart {
+/// From the core of `b` to that of `a`, and the nearest point of `a`; nothing, or 0, where they
+/// meet.
+fn between(a: &Placed, b: &Placed, touch: f64) -> Option<(Vec3, Vec3)> {
     use Core::{Box, Cylinder, Point, Segment};
-    let touch = TOUCH * (a.solid.blend + b.solid.blend);
-    let (apart, at) = match (&a.solid.core, &b.solid.core) {
+    Some(match (a.core, b.core) {
         (Point, Point | Segment { .. } | Box { .. } | Cylinder { .. }) => {
             (from_point(&a.p, b), a.p)
         }
@@ -65,34 +124,21 @@ pub(super) fn nearest(a: &Placed, b: &Placed) -> Apart {
             let (apart, s) = from_segment(&b.p, &u, a);
             (-apart, b.p + u * s - apart)
         }
-        _ => match gjk::distance(a, b, touch) {
-            Some(simplex) => polished(a, b, &simplex),
-            None => (Vec3::zeros(), a.p),
-        },
-    };
-    let distance = apart.norm();
-    if distance > touch {
-        let normal = apart / distance;
-        return Apart {
-            normal,
-            distance: separation(a, b, &normal),
-            at,
-            deep: false,
-        };
-    }
-    let (normal, distance) = deep::least_overlap(a, b);
-    Apart {
-        normal,
-        distance,
-        at: deep::middle(a, b, &normal),
-        deep: true,
-    }
+        _ => {
+            let (apart, at) = polished(a, b, &gjk::distance(a, b, touch)?);
+            let normal = apart.try_normalize(touch)?;
+            if separation(a, b, &normal) <= touch {
+                return None;
+            }
+            (apart, at)
+        }
+    })
 }
 
 /// From the nearest point of the core of `b` to `x`; 0 inside.
 pub(super) fn from_point(x: &Vec3, b: &Placed) -> Vec3 {
     let local = b.R.tr_mul(&(x - b.p));
-    let apart = match &b.solid.core {
+    let apart = match b.core {
         Core::Segment { half } => Vec3::new(local.x, local.y, past(local.z, *half)),
         Core::Box { half } => local.zip_map(half, past),
         Core::Cylinder { radius, half } => {
@@ -132,7 +178,7 @@ pub(super) fn from_segment(p: &Vec3, u: &Vec3, b: &Placed) -> (Vec3, f64) {
         return (last, 1.0);
     }
     let (mut s, mut t) = (-1.0, 1.0);
-    let mut found = (first, -1.0);
+    let mut best = (f64::INFINITY, first, -1.0);
     let mut side = 0;
     for i in 0..100 {
         let middle = if i % 4 == 3 {
@@ -144,8 +190,10 @@ pub(super) fn from_segment(p: &Vec3, u: &Vec3, b: &Placed) -> (Vec3, f64) {
             break;
         }
         let (value, apart) = at(middle);
-        found = (apart, middle);
-        if value == 0.0 || apart == Vec3::zeros() {
+        if value.abs() < best.0 {
+            best = (value.abs(), apart, middle);
+        }
+        if value == 0.0 {
             break;
         }
         if value < 0.0 {
@@ -162,44 +210,6 @@ pub(super) fn from_segment(p: &Vec3, u: &Vec3, b: &Placed) -> (Vec3, f64) {
             side = 1;
         }
     }
-    found
-}
-
-/// Nearest points of the segments `p ± u` and `q ± v`.
-///
-/// The lines are nearest where `w = u × v` joins them: at `s = (r × v)·w/|w|²` of the first, with
-/// `r = q − p`, and at `t = (r × u)·w/|w|²` of the second. As products these are exact to round-off
-/// over the angle of the lines, by which a wrong place hardly moves the nearest points. If one is
-/// not on its segment, the nearest points are at an end of one of the two.
-pub(super) fn segments((p, u): (Vec3, Vec3), (q, v): (Vec3, Vec3)) -> (Vec3, Vec3) {
-    let (r, w) = (q - p, u.cross(&v));
-    let square = w.norm_squared();
-    if square > 0.0 {
-        let s = r.cross(&v).dot(&w) / square;
-        let t = r.cross(&u).dot(&w) / square;
-        if s.abs() <= 1.0 && t.abs() <= 1.0 {
-            return (p + u * s, q + v * t);
-        }
-    }
-    let on = |x: Vec3, p: Vec3, u: Vec3| {
-        let square = u.norm_squared();
-        if square > 0.0 {
-            p + u * ((x - p).dot(&u) / square).clamp(-1.0, 1.0)
-        } else {
-            p
-        }
-    };
-    let mut best = (f64::INFINITY, p, q);
-    let mut take = |x: Vec3, y: Vec3| {
-        let distance = (x - y).norm_squared();
-        if distance < best.0 {
-            best = (distance, x, y);
-        }
-    };
-    for sign in [1.0, -1.0] {
-        take(p + u * sign, on(p + u * sign, q, v));
-        take(on(q + v * sign, p, u), q + v * sign);
-    }
     (best.1, best.2)
 }
 
@@ -209,8 +219,8 @@ fn polished(a: &Placed, b: &Placed, simplex: &Simplex) -> (Vec3, Vec3) {
     let (x, y) = simplex.nearest();
     let rough = x - y;
     let pairs = &simplex.pairs[..simplex.count];
-    let (on_a, on_b) = (distinct(pairs, |p| p.a), distinct(pairs, |p| p.b));
-    let round = |p: &Placed| matches!(p.solid.core, Core::Cylinder { .. });
+    let (on_a, on_b) = (distinct(pairs, a, 0), distinct(pairs, b, 1));
+    let round = |p: &Placed| matches!(p.core, Core::Cylinder { .. });
     let apart = match (round(a), round(b)) {
         (true, true) => return cylinders::apart(a, b, (&rough, &x)),
         (true, false) => -against_round(b, &on_b, a, &-rough),
@@ -227,7 +237,8 @@ fn polished(a: &Placed, b: &Placed, simplex: &Simplex) -> (Vec3, Vec3) {
     };
     let best = gap(&apart);
     let size = pairs.iter().map(|p| p.w.norm()).fold(0.0, f64::max);
-    if (apart.norm() - best).abs() <= OPTIMAL * size {
+    let tolerance = OPTIMAL * size;
+    if (apart.norm() - best).abs() <= tolerance && best >= gap(&rough) - tolerance {
         return (apart, x);
     }
     // The features were not the right ones: of all that can be, the one with the largest gap.
@@ -244,22 +255,39 @@ fn polished(a: &Placed, b: &Placed, simplex: &Simplex) -> (Vec3, Vec3) {
     (better(best, apart).1, x)
 }
 
-/// Different points of a simplex.
+/// Different points of a simplex on one side.
 #[derive(Clone, Copy, Debug)]
 struct Distinct {
     at: [Vec3; 4],
+    local: [Vec3; 4],
     count: usize,
+    R: Mat3,
 }
 
-fn distinct(pairs: &[Pair], of: impl Fn(&Pair) -> Vec3) -> Distinct {
+impl Distinct {
+    /// From the first to the `i`th.
+    fn edge(&self, i: usize) -> Vec3 {
+        self.R * (self.local[i] - self.local[0])
+    }
+
+    /// Middle and half of the edge between two.
+    fn halves(&self) -> (Vec3, Vec3) {
+        ((self.at[0] + self.at[1]) * 0.5, self.edge(1) * 0.5)
+    }
+}
+
+fn distinct(pairs: &[Pair], placed: &Placed, side: usize) -> Distinct {
     let mut list = Distinct {
         at: [Vec3::zeros(); 4],
+        local: [Vec3::zeros(); 4],
         count: 0,
+        R: placed.R,
     };
     for pair in pairs {
-        let x = of(pair);
-        if !list.at[..list.count].contains(&x) {
-            list.at[list.count] = x;
+        let x = pair.local[side];
+        if !list.local[..list.count].contains(&x) {
+            list.at[list.count] = placed.world(&x);
+            list.local[list.count] = x;
             list.count += 1;
         }
     }
@@ -275,8 +303,7 @@ fn along(direction: Vec3, rough: &Vec3) -> Option<Vec3> {
 /// The normal of the face through three of the corners of a core, times the length of `rough`
 /// along it.
 fn of_face(p: &Placed, corners: &Distinct, rough: &Vec3) -> Option<Vec3> {
-    let [x, y, z, _] = corners.at;
-    let found = along((y - x).cross(&(z - x)), rough)?;
+    let found = along(corners.edge(1).cross(&corners.edge(2)), rough)?;
     let local = p.R.tr_mul(&found.normalize());
     let normals = &p.solid.mesh.normals;
     let same = |n: &&Vec3| n.dot(&local).abs() > 1.0 - SNAP;
@@ -285,6 +312,21 @@ fn of_face(p: &Placed, corners: &Distinct, rough: &Vec3) -> Option<Vec3> {
         .find(same)
         .and_then(|n| along(p.R * n, rough));
     Some(snapped.unwrap_or(found))
+}
+
+/// From an edge of B to an edge of A that it crosses: along their product, which loses digits by
+/// the sine of their angle, or between their nearest points, which loses them by the distance.
+fn across_edges(on_a: &Distinct, on_b: &Distinct, rough: &Vec3) -> Vec3 {
+    let (e, f) = (on_a.halves(), on_b.halves());
+    let product = e.1.cross(&f.1);
+    let lengths = e.1.norm() * f.1.norm();
+    let size = e.1.norm() + f.1.norm();
+    if product.norm() * size > rough.norm() * lengths {
+        along(product, rough).unwrap_or(*rough)
+    } else {
+        let (x, y) = segments(e, f);
+        x - y
+    }
 }
 
 /// Two polyhedra, or one and a segment.
@@ -296,6 +338,11 @@ fn from_features(
     rough: &Vec3,
 ) -> Vec3 {
     let found = match (pairs.len(), on_a.count, on_b.count) {
+        (2, 2, 2) => {
+            // An edge each, but only a diagonal of what they span.
+            let (x, y) = segments(on_a.halves(), on_b.halves());
+            Some(x - y)
+        }
         (2, ..) => {
             let edge = pairs[1].w - pairs[0].w;
             let off = rough - edge * (edge.dot(rough) / edge.norm_squared());
@@ -303,10 +350,7 @@ fn from_features(
         }
         (3, 3, 1) => of_face(a, on_a, rough),
         (3, 1, 3) => of_face(b, on_b, rough),
-        (3, 2, 2) => along(
-            (on_a.at[1] - on_a.at[0]).cross(&(on_b.at[1] - on_b.at[0])),
-            rough,
-        ),
+        (3, 2, 2) => Some(across_edges(on_a, on_b, rough)),
         (3, ..) => along(
             (pairs[1].w - pairs[0].w).cross(&(pairs[2].w - pairs[0].w)),
             rough,
@@ -321,8 +365,8 @@ fn against_round(p: &Placed, on: &Distinct, cylinder: &Placed, rough: &Vec3) -> 
     match on.count {
         1 => from_point(&on.at[0], cylinder),
         2 => {
-            let (x, y) = (on.at[0], on.at[1]);
-            from_segment(&((x + y) * 0.5), &((y - x) * 0.5), cylinder).0
+            let (middle, half) = on.halves();
+            from_segment(&middle, &half, cylinder).0
         }
         _ => {
             let found = of_face(p, on, rough).unwrap_or(*rough);
@@ -352,7 +396,7 @@ fn search_round(p: &Placed, cylinder: &Placed) -> Vec3 {
         let (x, y) = (p.p + p.R * x, p.p + p.R * y);
         take(from_segment(&((x + y) * 0.5), &((y - x) * 0.5), cylinder).0);
     };
-    match &p.solid.core {
+    match p.core {
         Core::Box { half } => {
             for i in 0..8 {
                 let corner = |i: usize| {

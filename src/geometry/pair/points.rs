@@ -63,6 +63,16 @@ pub struct PatchPoint {
     pub rim: Option<Rim>,
 }
 
+/// A point without a rim.
+pub(super) fn point(x: Vec3, depth: f64, share: f64) -> PatchPoint {
+    PatchPoint {
+        x,
+        depth,
+        share,
+        rim: None,
+    }
+}
+
 /// Points that are being found.
 #[derive(Clone, Debug)]
 pub(super) struct Points {
@@ -117,6 +127,25 @@ impl Points {
         for p in &mut self.at[from..self.count] {
             p.share *= by;
         }
+    }
+
+    /// Multiplies the shares of the points from `from` on, before `to`.
+    pub(super) fn scale_range(&mut self, from: usize, to: usize, by: f64) {
+        for p in &mut self.at[from..to] {
+            p.share *= by;
+        }
+    }
+
+    /// Drops the points without a share.
+    pub(super) fn drop_empty(&mut self) {
+        let mut kept = 0;
+        for i in 0..self.count {
+            if self.at[i].share > 0.0 {
+                self.at[kept] = self.at[i];
+                kept += 1;
+            }
+        }
+        self.count = kept;
     }
 
     /// Moves all to the frame of the poses, with the shapes in their order.

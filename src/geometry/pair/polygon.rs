@@ -1,4 +1,4 @@
-//! Where faces of two shapes lie over each other, and how much of a face each corner of that carries.
+//! Where faces of two shapes lie over each other, and how much of a face each corner carries.
 //!
 //! Seen along the normal, each pair of faces that look at each other, `f` of A and `g` of B, covers
 //! a convex polygon, and the gap `t` between them is a linear function on it.
@@ -6,17 +6,17 @@
 //! 1. Within a polygon a corner's share is its exterior angle over 2π: the shares of all sum up to
 //!    one, and a corner that is split, or a new one that has no angle yet, changes nothing. As the
 //!    polygon moves, they change continuously as long as it has an area.
-//! 2. The polygons of all pairs tile what the shapes cover in common. Each has the weight `W = ∫ (ℓ
-//!    − t)₊ dA`, with the level `ℓ` a little above the gap where the shapes are nearest. It is
-//!    continuous, and vanishes with the polygon's area: so a point's share, `Σ W m / Σ W` of all
-//!    pairs, moves continuously with the poses. A flat face on a flat face has all the weight; where
-//!    a shape stands on an edge, the flatter of its two faces has more.
+//! 2. The polygons of all pairs tile what the shapes cover in common. Each has the volume `V = ∫ (ℓ
+//!    − t)₊ dA`, with the level `ℓ` a little above the gap where the shapes are nearest, and the
+//!    weight `W = V⁴`. It is continuous, and vanishes with the polygon's area: so a point's share,
+//!    `Σ W m / Σ W` of all pairs, moves continuously with the poses. The power lets one pair
+//!    decide: at the side of a flat face lie others with some percent of its volume, and with less
+//!    than a millionth of its weight.
 //! 3. Angles are those in the plane of the face that is more tilted against the normal: the corner
 //!    of a box has a quarter at any lean.
 
 use super::core::Mesh;
-use super::meet::point;
-use super::points::Points;
+use super::points::{Points, point};
 use super::view::{Frame, Front, Seen};
 use crate::spatial::Vec3;
 
@@ -42,6 +42,13 @@ impl Polygon {
         if self.count < MOST_CORNERS {
             self.at[self.count] = x;
             self.count += 1;
+        }
+    }
+
+    fn take(&mut self, corners: impl Iterator<Item = Vec3>) {
+        self.count = 0;
+        for x in corners {
+            self.push(x);
         }
     }
 
@@ -122,12 +129,16 @@ impl Polygons {
 /// What all pairs of faces have in common.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Cover {
-    /// `Σ W`, m³.
+    /// `Σ W`, m¹².
     pub(super) weight: f64,
+    /// `Σ V`, m³.
+    pub(super) volume: f64,
     /// Area below the level, m².
     pub(super) area: f64,
     /// What part of the upper face's area below the level has no lower face under it, 0 … 1.
     pub(super) cut: f64,
+    /// Least gap, m; infinite where nothing lies over each other.
+    pub(super) least: f64,
 }
 
 /// Level, and farthest gap of a point that is taken, m.
@@ -147,37 +158,48 @@ pub(super) fn cover(
     work: &mut Polygons,
     points: &mut Points,
 ) -> Cover {
-    let (mut all, first) = (Cover::default(), points.count());
+    let first = points.count();
+    let mut all = Cover {
+        least: f64::INFINITY,
+        ..Cover::default()
+    };
     for f in upper.fronts() {
         for g in lower.fronts() {
-            let gap = |x: &Vec3| x.z - g.height(x);
-            let Polygons { one, two } = work;
-            // How much the face would cover of the whole plane.
-            one.count = 0;
-            for x in upper.outline(upper_mesh, f.index).rev() {
-                one.push(x);
-            }
-            two.cut(one, |x| limits.level - gap(x));
-            let (whole, _) = two.integral(|_| 0.0);
-            if whole <= 0.0 {
+            if !f.meets(g) {
                 continue;
             }
+            let gap = |x: &Vec3| x.z - g.height(x);
+            let Polygons { one, two } = work;
+            let face = upper.outline(upper_mesh, f.index).rev();
+            one.take(face.clone());
             let outline = lower.outline(lower_mesh, g.index);
             let ends = outline.clone().cycle().skip(1);
             for (a, b) in outline.zip(ends) {
                 two.cut(one, |x| turn(&(b - a), &(x - a)));
                 std::mem::swap(one, two);
+                if one.count == 0 {
+                    break;
+                }
             }
+            all.least = one.corners().iter().map(gap).fold(all.least, f64::min);
             two.cut(one, |x| limits.level - gap(x));
-            let (area, weight) = two.integral(|x| limits.level - gap(x));
-            if area <= 0.0 || weight <= 0.0 {
+            let (area, volume) = two.integral(|x| limits.level - gap(x));
+            if area <= 0.0 || volume <= 0.0 {
                 continue;
             }
+            let weight = (volume * volume) * (volume * volume);
+            all.volume += volume;
             all.weight += weight;
-            all.area += area;
-            all.cut += area * (1.0 - area / whole).max(0.0);
             one.merge();
             corners(one, (f, g), frame, (limits.reach, weight), (first, points));
+            // How much the face would cover of the whole plane.
+            one.take(face);
+            two.cut(one, |x| limits.level - gap(x));
+            let (whole, _) = two.integral(|_| 0.0);
+            all.area += area;
+            if whole > area {
+                all.cut += area * (1.0 - area / whole);
+            }
         }
     }
     if all.area > 0.0 {

@@ -3,22 +3,24 @@
 //! Seen along the normal `n`, every circle about the axis of a cylinder is lowest at one point, and
 //! these are a line along the axis; a capsule has such a line, too. Against a face the gap is a
 //! linear function on it, and the two ends of what lies over the face carry half each. Where the
-//! line passes over several faces, each has the weight `W = ∫ (ℓ − t)₊ ds`, as in
-//! [`super::polygon`].
+//! line passes over several faces, each has the weight `(∫ (ℓ − t)₊ ds)⁴`, as in
+//! `polygon.rs`.
 //!
 //! Each point of a cylinder's line is the lowest of a circle, whether of its rim or of a circle
-//! between them, and follows the law of [`crate::force`] for rims: with the axis `k`, the radius
-//! `R`, `a = R (k − (k·n) n)` and the crown `s` it is `q − s` below the circle's centre, `q = √(|a|²
-//! + s²)`, and lies at `c + R (n·k) a/q` over it.
+//! between them, and follows the law of `force` for rims: with the axis `k`, the radius
+//! `R`, `a = R (k − (k·n) n)` and the crown `s` it is `q − s` below the circle's centre, with
+//! `q = √(|a|² + s²)`, and lies at `c + R (n·k) a/q` over it.
 
 use super::core::{Mesh, Placed, Round};
-use super::meet::point;
 use super::nearest::Apart;
-use super::points::{PatchPoint, Points, Rim, Side};
+use super::points::{PatchPoint, Points, Rim, Side, point};
 use super::polygon::Limits;
 use super::view::{Frame, Seen};
 use crate::spatial::Vec3;
 use crate::tuning::CROWN;
+
+/// Sine of 60°.
+const STANDING: f64 = 0.866;
 
 /// The line of a solid along the normal of a frame, which points from what it lies on into it.
 #[derive(Clone, Copy, Debug)]
@@ -47,6 +49,8 @@ impl Trace {
             // So that a lying cylinder, whose `q` is `√(R² + s²)`, reaches down by its own radius.
             let radius = (round.radius * (round.radius + 2.0 * crown)).sqrt();
             let a = (axis - n * up) * radius;
+            // Once more: over the crown, what is left along the normal counts.
+            let a = a - n * n.dot(&a);
             let q = (a.norm_squared() + crown * crown).sqrt();
             trace.low = a * (radius * up / q) - n * (q - crown);
             trace.rim = Some(Rim {
@@ -100,19 +104,32 @@ impl Trace {
     }
 
     /// Adds the ends of what lies over each face of `lower`, with half of its weight each; returns
-    /// the sum of the weights, m².
+    /// how much of it there is, m², the sum of the weights, m⁸, and the least gap, m.
+    ///
+    /// The first is the integral over the line as seen. A line that stands is seen as a point, and
+    /// the length of what is over the face has few digits: there it is how far inside that
+    /// point is.
+    ///
+    /// Where a line that stands leaves a face, this is no end of a contact: the upper end counts
+    /// fully up to 30° from lying, and no more from 60° on.
     pub(super) fn cover(
         &self,
         (lower, mesh): (&Seen, &Mesh),
         frame: &Frame,
         limits: Limits,
         points: &mut Points,
-    ) -> f64 {
+    ) -> (f64, f64, f64) {
         let (middle, way) = (frame.see(&self.at(0.0)), frame.see(&self.half));
         let length = self.half.norm().max(self.low.norm());
-        let (mut total, first) = (0.0, points.count());
+        let (mut sum, mut total, mut least) = (0.0, 0.0, f64::INFINITY);
+        let up = (way.z / way.norm().max(f64::MIN_POSITIVE)).abs();
+        let left = ((STANDING - up) / (STANDING - 0.5)).clamp(0.0, 1.0);
+        let first = points.count();
+        let lower_end = if way.z > 0.0 { -1.0 } else { 1.0 };
+        let seen = (way.x * way.x + way.y * way.y).sqrt();
         for g in lower.fronts() {
             let (mut low, mut high) = (-1.0_f64, 1.0_f64);
+            let mut depth = f64::INFINITY;
             let outline = lower.outline(mesh, g.index);
             let ends = outline.clone().cycle().skip(1);
             for (a, b) in outline.zip(ends) {
@@ -120,6 +137,8 @@ impl Trace {
                 // Inside is where `inside + s rate ≥ 0`.
                 let inside = u.x * v.y - u.y * v.x;
                 let rate = u.x * way.y - u.y * way.x;
+                let width = (u.x * u.x + u.y * u.y).sqrt();
+                depth = depth.min((inside + lower_end * rate) / width);
                 if rate > 0.0 {
                     low = low.max(-inside / rate);
                 } else if rate < 0.0 {
@@ -137,26 +156,31 @@ impl Trace {
             };
             // `(ℓ − t)₊` at both ends, and its integral.
             let over = [low, high].map(|s| limits.level - gap(s));
-            let weight = length * (high - low) * ramp(over);
-            if weight <= 0.0 {
+            least = least.min(gap(low)).min(gap(high));
+            let part = length * (high - low) * ramp(over);
+            if part <= 0.0 {
                 continue;
             }
+            let weight = (part * part) * (part * part);
+            let over = (limits.level - gap(lower_end)).max(0.0);
+            sum += part * seen / length + (1.0 - left) * depth.clamp(0.0, over) * over;
             total += weight;
-            for s in [low, high] {
+            for (s, is_high) in [(low, false), (high, true)] {
                 let depth = -gap(s);
+                let part = if is_high == (way.z > 0.0) { left } else { 1.0 };
                 if depth > -limits.reach {
                     let x = self.at(s) + frame.n * (0.5 * depth);
                     points.add(
                         first,
                         PatchPoint {
                             rim: self.rim(s),
-                            ..point(x, depth, 0.5 * weight)
+                            ..point(x, depth, 0.5 * part * weight)
                         },
                     );
                 }
             }
         }
-        total
+        (sum, total, least)
     }
 }
 
@@ -177,8 +201,8 @@ fn ramp([a, b]: [f64; 2]) -> f64 {
 /// Skew ones touch in one point. Parallel ones lie on each other between two ends, with half of the
 /// load each. In between the shares of the ends fall from a half to nothing as these rise by the
 /// blend `ε` above the nearest point: with `β = 1 − max(rise)/ε` the ends have `β/2`, the nearest
-/// point `1 − β`. Where only the tips of parallel axes pass each other, both ends and the nearest
-/// point are the same.
+/// point `1 − β`. The same where they pass each other by less than the blend: by the length of that
+/// over the blend.
 pub(super) fn along_axes(
     (a, ra): (&Placed, &Round),
     (b, rb): (&Placed, &Round),
@@ -207,9 +231,7 @@ pub(super) fn along_axes(
         };
         let (u, v) = (range(&a.p, &k, ra.half), range(&b.p, &other, rb.half));
         let (low, high) = (u.0.max(v.0), u.1.min(v.1));
-        if low > high {
-            beta = 0.0;
-        }
+        beta *= ((high - low) / blend).clamp(0.0, 1.0);
         let ends = [low, high].map(|c| {
             let on = |p: &Vec3, k: &Vec3| p + k * ((c - along.dot(p)) / along.dot(k));
             let (x, y) = (on(&a.p, &k), on(&b.p, &other));
@@ -222,6 +244,5 @@ pub(super) fn along_axes(
             take(x, depth, 0.5 * beta);
         }
     }
-    let x = apart.at - n * (0.5 * (a.solid.radius - b.solid.radius + apart.distance));
-    take(x, depth, 1.0 - beta);
+    take(apart.middle, depth, 1.0 - beta);
 }

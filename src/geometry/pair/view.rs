@@ -7,8 +7,8 @@ use super::core::{Mesh, Placed};
 use crate::geometry::MOST_CORNERS;
 use crate::spatial::{Vec3, across};
 
-/// Faces that can take part at a time: those within the blend of the deepest place.
-const MOST_FRONTS: usize = 64;
+/// Faces that can take part at a time: all of a hull, which has fewer than two a corner.
+const MOST_FRONTS: usize = 2 * MOST_CORNERS;
 /// Cosine to the direction below which a face is seen edge-on and has no part.
 const EDGE_ON: f64 = 1e-9;
 
@@ -27,15 +27,6 @@ impl Frame {
             t,
             b: n.cross(&t),
             n,
-        }
-    }
-
-    /// The same plane seen from the other side.
-    pub(super) fn flipped(&self) -> Self {
-        Self {
-            t: self.t,
-            b: -self.b,
-            n: -self.n,
         }
     }
 
@@ -59,9 +50,17 @@ pub(super) struct Front {
     pub(super) slope: [f64; 2],
     /// Square of the sine of its tilt.
     pub(super) tilt: f64,
+    /// Least and greatest place of its corners.
+    low: [f64; 2],
+    high: [f64; 2],
 }
 
 impl Front {
+    /// Whether it may lie over another one.
+    pub(super) fn meets(&self, other: &Self) -> bool {
+        (0..2).all(|i| self.low[i] <= other.high[i] && other.low[i] <= self.high[i])
+    }
+
     /// Height at a place.
     pub(super) fn height(&self, x: &Vec3) -> f64 {
         self.h0 + self.slope[0] * x.x + self.slope[1] * x.y
@@ -88,6 +87,8 @@ impl Seen {
             h0: 0.0,
             slope: [0.0; 2],
             tilt: 0.0,
+            low: [0.0; 2],
+            high: [0.0; 2],
         }; MOST_FRONTS],
         front_count: 0,
         heights: (0.0, 0.0),
@@ -126,11 +127,20 @@ impl Seen {
             let seen = frame.see(&(placed.R * normal));
             let slope = [-seen.x / seen.z, -seen.y / seen.z];
             let corner = &self.corners[list[0]];
+            let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
+            for &i in list {
+                for axis in 0..2 {
+                    low[axis] = low[axis].min(self.corners[i][axis]);
+                    high[axis] = high[axis].max(self.corners[i][axis]);
+                }
+            }
             self.fronts[self.front_count] = Front {
                 index,
                 h0: corner.z - slope[0] * corner.x - slope[1] * corner.y,
                 slope,
                 tilt: seen.x * seen.x + seen.y * seen.y,
+                low,
+                high,
             };
             self.front_count += 1;
         }

@@ -17,13 +17,13 @@ fn table() -> (Shape, Pose) {
 }
 
 /// `shape` at `pose` on a big box, and on the plane z = 0.
-fn on_both(shape: &Shape, pose: Pose) -> [Patch; 2] {
+fn on_both(shape: &Shape, pose: Pose) -> Vec<Patch> {
     let (table, place) = table();
     let on_box = find((shape, pose), (&table, place), REACH);
     let mut on_plane = Patch::new();
     let ground = Solid::half_space();
     on_plane.find((&solid(shape), &pose), (&ground, &Pose::IDENTITY), REACH);
-    [on_box, on_plane]
+    vec![on_box, on_plane]
 }
 
 #[test]
@@ -47,28 +47,44 @@ fn what_lies_flat_on_a_big_box_has_the_points_that_it_has_on_a_plane() {
     };
     let hull = cloud(40, 0.06, random);
     let cases = [
-        (Shape::Sphere { radius: 0.05 }, Mat3::identity(), 1, 1.0),
-        (capsule, lying, 2, 1.0),
-        (cylinder.clone(), lying, 2, 1.0),
-        (cylinder, Mat3::identity(), 1, 0.5),
-        (cube(0.05), Mat3::identity(), 4, 1.0),
-        (dodecahedron(0.05), face(&dodecahedron(0.05)), 5, 1.0),
-        (hull.clone(), face(&hull), 3, 1.0),
+        (
+            Shape::Sphere { radius: 0.05 },
+            Mat3::identity(),
+            [1.0; 1].as_slice(),
+            1e-12,
+        ),
+        (capsule, lying, &[0.5; 2], 1e-12),
+        (cylinder.clone(), lying, &[0.5; 2], 1e-12),
+        (cylinder, Mat3::identity(), &[0.5], 1e-12),
+        (cube(0.05), Mat3::identity(), &[0.25; 4], 1e-12),
+        (
+            dodecahedron(0.05),
+            face(&dodecahedron(0.05)),
+            &[0.2; 5],
+            1e-6,
+        ),
+        // Its faces are 20° from each other, and the nearest ones have a part of the weight.
+        (hull.clone(), face(&hull), &[0.4, 0.38, 0.22], 1e-2),
     ];
-    for (shape, R, count, whole) in cases {
+    for (shape, R, shares, tolerance) in cases {
+        let (count, whole) = (shares.len(), shares.iter().sum::<f64>());
         let R = turned(Vec3::z(), 0.7) * R;
         let down = -1e-4 - shape.lowest(&at(Vec3::zeros(), R), &Vec3::z());
         let pose = at(Vec3::new(0.2, 0.1, down), R);
-        let [on_box, on_plane] = on_both(&shape, pose);
+        let both = on_both(&shape, pose);
+        let (on_box, on_plane) = (&both[0], &both[1]);
         assert!((on_box.normal - Vec3::z()).norm() < 1e-12, "{shape:?}");
         let deep = |patch: &Patch| -> Vec<PatchPoint> {
             let list = patch.points().iter().copied();
             list.filter(|p| p.depth > -1e-3).collect()
         };
-        let (found, expected) = (deep(&on_box), deep(&on_plane));
+        let (found, expected) = (deep(on_box), deep(on_plane));
         assert_eq!(found.len(), count, "{shape:?} {found:?}");
         assert_eq!(expected.len(), count, "{shape:?} {expected:?}");
-        assert!((total(&found) - whole).abs() < 1e-9, "{shape:?} {found:?}");
+        assert!(
+            (total(&found) - whole).abs() < tolerance,
+            "{shape:?} {found:?}"
+        );
         for p in &expected {
             let q = found
                 .iter()
@@ -77,7 +93,10 @@ fn what_lies_flat_on_a_big_box_has_the_points_that_it_has_on_a_plane() {
             assert!((q.x - p.x).norm() < 1e-12, "{shape:?} {p:?} {q:?}");
             assert!((q.depth - p.depth).abs() < 1e-12, "{shape:?} {p:?} {q:?}");
             assert!((q.depth - 1e-4).abs() < 1e-8, "{shape:?} {q:?}");
-            assert!((q.share - p.share).abs() < 1e-9, "{shape:?} {p:?} {q:?}");
+            assert!(
+                (q.share - p.share).abs() < tolerance,
+                "{shape:?} {p:?} {q:?}"
+            );
             assert_eq!(q.rim.is_some(), p.rim.is_some());
             if let (Some(found), Some(expected)) = (q.rim, p.rim) {
                 assert!((found.a - expected.a).norm() < 1e-12);
@@ -147,8 +166,8 @@ fn a_corner_on_a_face_has_a_quarter_at_any_lean() {
         let R = any_rotation(random);
         let shape = cube(0.05);
         let down = -1e-4 - shape.lowest(&at(Vec3::zeros(), R), &Vec3::z());
-        let [on_box, on_plane] = on_both(&shape, at(Vec3::new(0.0, 0.0, down), R));
-        for patch in [&on_box, &on_plane] {
+        let both = on_both(&shape, at(Vec3::new(0.0, 0.0, down), R));
+        for patch in &both {
             let deepest = patch
                 .points()
                 .iter()
@@ -277,4 +296,59 @@ fn nothing_is_found_beyond_the_reach() {
             .points()
             .is_empty()
     );
+}
+
+/// The same points from both sides, and against a plane that is given first.
+#[test]
+fn exchanging_the_shapes_turns_the_normal_over() {
+    let random = &mut Random(77);
+    for round in 0..200 {
+        let first = distances::kinds(random, 0.05).map(|shape| solid(&shape));
+        let second = distances::kinds(random, 0.05).map(|shape| solid(&shape));
+        for a in &first {
+            for b in &second {
+                let X = at(
+                    random.unit() * 0.7 * (a.reach + b.reach),
+                    any_rotation(random),
+                );
+                let Y = at(random.vector(0.01), any_rotation(random));
+                let (mut there, mut back) = (Patch::new(), Patch::new());
+                let found = there.find((a, &X), (b, &Y), 0.02);
+                assert_eq!(found, back.find((b, &Y), (a, &X), 0.02), "round {round}");
+                // Which of several axes of least overlap is found first is chance.
+                if !found || there.deep {
+                    continue;
+                }
+                assert!((there.normal + back.normal).norm() < 1e-9, "round {round}");
+                for p in there.points() {
+                    let same = |q: &&PatchPoint| {
+                        (q.x - p.x).norm() + (q.depth - p.depth).abs() < 1e-9
+                            && q.rim.map(|r| r.side.other()) == p.rim.map(|r| r.side)
+                    };
+                    let sum = |patch: &Patch| -> f64 {
+                        patch.points().iter().filter(same).map(|q| q.share).sum()
+                    };
+                    let own: f64 = there
+                        .points()
+                        .iter()
+                        .filter(|q| (q.x - p.x).norm() < 1e-9)
+                        .filter(|q| q.rim.map(|r| r.side) == p.rim.map(|r| r.side))
+                        .map(|q| q.share)
+                        .sum();
+                    let error = (sum(&back) - own).abs();
+                    assert!(error < 1e-6, "round {round}: {p:?} {:?}", back.points());
+                }
+            }
+        }
+        let shape = &first[round % 5];
+        let X = at(random.vector(0.02), any_rotation(random));
+        let Y = at(random.vector(0.02), any_rotation(random));
+        let (mut there, mut back) = (Patch::new(), Patch::new());
+        let ground = Solid::half_space();
+        assert!(there.find((shape, &X), (&ground, &Y), 1.0));
+        assert!(back.find((&ground, &Y), (shape, &X), 1.0));
+        assert_eq!(there.normal, -back.normal);
+        assert_eq!(there.normal, Vec3::from(Y.R.column(2)));
+        assert_eq!(there.points().len(), back.points().len());
+    }
 }
