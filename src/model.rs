@@ -519,16 +519,11 @@ impl Model {
     }
 
     /// How many slots the memory of contacts has: one for each shape with the ground, then one for
-    /// each pair of shapes `(a, b)` with `a < b`, see [`Self::pair_slot`].
+    /// each pair of shapes `(a, b)` with `a < b`, at `shapes · (1 + a) + b`.
     pub fn slots(&self) -> usize {
         let shapes = self.colliders.len();
         let others = if self.has_pairs() { shapes } else { 0 };
         shapes * (1 + others)
-    }
-
-    /// The slot of the pair of the shapes `a` and `b`.
-    pub fn pair_slot(&self, a: usize, b: usize) -> usize {
-        self.colliders.len() * (1 + a) + b
     }
 
     /// The trees of the shapes whose contact has a slot; one with the ground.

@@ -151,7 +151,7 @@ spoil!(Physical: q v memory;);
 spoil!(Terms: contacts turns joints;);
 spoil!(Other: body from axes;);
 spoil!(
-    Contact: body other link other_link slot mass normal points depth spring dissipation load tilting bounce duration
+    Contact: body other link other_link slot thickness mass normal points depth spring dissipation load tilting bounce duration
     center radius drift mu friction;
 );
 spoil!(ContactPoint: corner x arm depth share load rim;);

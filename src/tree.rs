@@ -44,6 +44,7 @@ impl Tree {
                 drag: model.world.drag,
             },
             contact: Contacts {
+                shapes: model.colliders.len(),
                 colliders: Vec::new(),
                 turning: vec![Turning::default(); model.links.len()],
                 resists_turning: false,

@@ -106,6 +106,11 @@ pub const FLOOR_FALL: f64 = 0.5;
 
 // Where a step must end: `step/caps.rs`.
 
+/// By how much of the half thickness of the thinner one two shapes may come nearer in a step: what
+/// a step expects in its middle must not lie beyond. Without it fails
+/// `links_of_one_robot_press_each_other_with_their_motors_force`.
+pub const ADVANCE: f64 = 0.5;
+
 /// Longest step of a contact that bounces, as a share of the time √(m/k) of its impact. A slow
 /// bounce is shallower than the tolerance, which would not notice that it is missing; but it has
 /// its restitution, too. Without it fails

@@ -48,6 +48,7 @@ use super::point::{ContactPoint, PointResponse, PointVelocity, norm};
 use crate::law::normal::Stiffening;
 use crate::law::{ElastoPlastic, Resistance};
 use crate::spatial::{Mat3, Vec3, Vec6, angular, linear, velocity_at};
+use crate::tuning::ADVANCE;
 use std::ops::Range;
 
 /// What a contact gives for a velocity.
@@ -113,6 +114,8 @@ pub struct Contact {
     /// Place of its memory in the state: the index of the shape, or of the pair of shapes after
     /// those of all shapes.
     pub slot: usize,
+    /// Half of the least extent of the thinner of its two shapes, m; infinite with the ground.
+    pub thickness: f64,
     /// Mass that takes part: that of the body's tree, reduced by that of the other one, kg.
     pub mass: f64,
     /// Unit vector from the ground or the other body into the body.
@@ -225,6 +228,22 @@ impl Contact {
         let own = points[self.points.clone()].iter();
         let speeds = own.filter_map(|p| Some(p.load * p.rim?.rate(&self.normal, &w).norm()));
         speeds.sum()
+    }
+
+    /// Longest step, s, in which the shapes come nearer by no more than [`ADVANCE`] of the thinner one:
+    /// what is expected in its middle still lies on the side that it has come from. Infinite where
+    /// they do not come nearer, or not yet touch in `h` seconds.
+    pub fn longest_step(&self, points: &[ContactPoint], V: &[Vec6], h: f64) -> f64 {
+        let W = self.relative(V);
+        let own = points[self.points.clone()].iter();
+        own.fold(f64::INFINITY, |least, p| {
+            let approach = -p.along(&self.normal, &W);
+            if approach > 0.0 && p.depth + h * approach > 0.0 {
+                least.min(ADVANCE * self.thickness / approach)
+            } else {
+                least
+            }
+        })
     }
 
     /// Time until the first of its points touches with these velocities, s; infinite if none comes

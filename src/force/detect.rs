@@ -69,6 +69,7 @@ pub fn detect(
         let stored = stored.copied().unwrap_or_default();
         let mass = tree.trees[collider.tree].moving_mass;
         let mut contact = Contact {
+            thickness: f64::INFINITY,
             mass,
             body: collider.body,
             link: collider.link,
@@ -88,14 +89,7 @@ pub fn detect(
         contacts.list.push(contact);
     }
     let remembered = &all_touches[..];
-    find_pairs(
-        (model, tree),
-        remembered,
-        kin,
-        [h, margin],
-        fastest,
-        contacts,
-    );
+    find_pairs(tree, remembered, kin, [h, margin], fastest, contacts);
 }
 
 /// Energy that the springs of all contacts hold at the poses of `kin`, J. The points of `contacts`

@@ -5,8 +5,10 @@
 use super::contact::{Contact, normal_part};
 use super::pairs::Pairs;
 use super::point::{ContactPoint, norm};
+use crate::kinematics::Kinematics;
 use crate::model::Model;
 use crate::spatial::{Vec3, Vec6, angular};
+use crate::tree::Tree;
 use crate::tuning::{EVEN_CORNERS, EVEN_DISC};
 
 impl Contact {
@@ -111,6 +113,16 @@ impl ContactSet {
             pairs: Pairs::new(model),
             ..Self::new(model.contact_room())
         }
+    }
+
+    /// Whether shapes that are not in contact here have come so near within the `h` seconds to the
+    /// poses and velocities of `kin` that they may have met on the way: motors may make them much
+    /// faster than they were when contacts were looked for. Points of `self` are lost.
+    ///
+    /// - `known`: contacts as they were found at the start
+    pub fn has_missed(&mut self, tree: &Tree, kin: &Kinematics, h: f64, known: &Self) -> bool {
+        let is_known = |slot| known.list.binary_search_by_key(&slot, |c| c.slot).is_ok();
+        self.pairs.met(tree, kin, h, is_known)
     }
 
     /// Whether there are none.

@@ -58,6 +58,28 @@ impl Pairs {
         }
     }
 
+    /// Whether a pair with another slot than those `known` is within the way that both go in `h`
+    /// seconds.
+    pub(super) fn met(
+        &mut self,
+        tree: &Tree,
+        kin: &Kinematics,
+        h: f64,
+        known: impl Fn(usize) -> bool,
+    ) -> bool {
+        let Some(mut patch) = self.patch.take() else {
+            return false;
+        };
+        self.search(tree, kin, [h, 0.0]);
+        let met = self.near.iter().any(|&places| {
+            !known(tree.contact.slot(places))
+                && Pair::new(tree, kin, places)
+                    .is_some_and(|pair| pair.touch(&mut patch, h * pair.speed(kin)))
+        });
+        self.patch = Some(patch);
+        met
+    }
+
     /// Lists the pairs that may come near within `h` seconds, by ascending slots; `margin`: gap
     /// that is near whatever the velocities, m.
     fn search(&mut self, tree: &Tree, kin: &Kinematics, [h, margin]: [f64; 2]) {
@@ -175,6 +197,12 @@ impl<'a> Pair<'a> {
         }
     }
 
+    /// See [`Contact::thickness`].
+    fn thickness(&self) -> f64 {
+        let [a, b] = self.solids.map(Solid::thickness);
+        a.min(b)
+    }
+
     /// The one whose contact is made for the greater weight.
     fn heavier(&self, tree: &Tree) -> &TreeCollider {
         let [a, b] = self.colliders;
@@ -186,7 +214,7 @@ impl<'a> Pair<'a> {
 /// Adds the contacts between shapes that can act within `h` seconds, after those with the ground;
 /// parameters are those of [`super::detect`].
 pub(super) fn find_pairs(
-    (model, tree): (&Model, &Tree),
+    tree: &Tree,
     touches: &[Touch],
     kin: &Kinematics,
     [h, margin]: [f64; 2],
@@ -221,8 +249,7 @@ pub(super) fn find_pairs(
         for point in found {
             points.push(contact_point(point, &patch.normal, landing));
         }
-        let shapes = places.map(|place| tree.contact.colliders[place].index);
-        let slot = model.pair_slot(shapes[0], shapes[1]);
+        let slot = tree.contact.slot(places);
         let stored = seek(&mut touches, slot, |t| t.slot);
         let stored = stored.copied().unwrap_or_default();
         let mass = pair.mass(tree);
@@ -237,6 +264,7 @@ pub(super) fn find_pairs(
             link: a.link,
             other_link: Some(b.link),
             slot,
+            thickness: pair.thickness(),
             mass,
             normal: patch.normal,
             points: first..points.len(),

@@ -58,7 +58,12 @@ pub(super) fn by_touchdown(ctx: &Context, here: &Point, from: &Physical, h: f64)
             if rules.touchdown && time < capped && time > MIN_STEP {
                 capped = time;
             }
-        } else if rules.bounce && contact.bounce > 0.0 {
+        }
+        if contact.thickness < f64::INFINITY {
+            let time = contact.longest_step(&here.terms.contacts.points, &here.kin.V, h);
+            capped = capped.min(time.max(MIN_STEP));
+        }
+        if contact.depth >= 0.0 && rules.bounce && contact.bounce > 0.0 {
             let time = BOUNCE_SHARE * contact.duration;
             capped = capped.min(time.max(MIN_STEP));
         }

@@ -20,7 +20,7 @@ use crate::step::stages::Stages;
 use crate::tree::Tree;
 use crate::tuning::{
     BALANCE, BALANCES, CONTROLLED_GAIN, EXPLICIT_SAFETY, FIXED_ACCURACY, FIXED_BALANCE, GROWTH,
-    GUESS, GUESSES, IMPLICIT_SAFETY, LEAST_ERROR, MAX_STEP, MIN_STEP, STEP_ROUND_OFF,
+    GUESS, GUESSES, HIT, IMPLICIT_SAFETY, LEAST_ERROR, MAX_STEP, MIN_STEP, STEP_ROUND_OFF,
 };
 
 /// Why a communication step was not taken.
@@ -363,6 +363,9 @@ impl Stepper {
                 } else {
                     error.max(gain)
                 };
+                if guards::has_missed(ctx, (&self.here, &mut self.there), h) {
+                    error = error.max(HIT);
+                }
             }
             let beyond = h > remaining;
             if beyond && !staged {

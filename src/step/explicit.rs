@@ -10,7 +10,7 @@ pub mod tableau;
 
 use self::runge_kutta::{RungeKutta, Smooth};
 use self::tableau::{BOGACKI_SHAMPINE, DORMAND_PRINCE, KENNEDY_CARPENTER, Pair};
-use crate::force::{Drive, JointTerm, is_clear};
+use crate::force::{ContactSet, Drive, JointTerm, is_clear};
 use crate::kinematics::Kinematics;
 use crate::model::Model;
 use crate::state::ahead::Ahead;
@@ -42,10 +42,12 @@ pub(super) struct Explicit {
     /// Poses and velocities where the last try has ended, and unless the tree is long mass matrix
     /// and bias, where its last stage stands there.
     pub end: Kinematics,
+    /// None, and scratch of the search for those that shapes have passed by.
+    contacts: ContactSet,
 }
 
 #[cfg(test)]
-crate::spoil::spoil!(Explicit: integrator end;);
+crate::spoil::spoil!(Explicit: integrator end; contacts);
 
 /// Method and length of the next explicit step: beyond the communication point as long as inputs
 /// stay as they are, else up to it; none where something stiff acts, or swings too fast.
@@ -187,6 +189,7 @@ impl Explicit {
         Self {
             integrator: RungeKutta::new(tree, model.nq),
             end: Kinematics::new(tree),
+            contacts: ContactSet::of(model),
         }
     }
 
@@ -257,11 +260,13 @@ impl Explicit {
             let books = guards::open_books(ctx, here, from, gain);
             guards::gains_explicitly(ctx, &books, here, from, (&attempt.end, &self.end))
         };
-        attempt.end.is_finite() && self.stays_free(ctx, here, from, h) && !gain.is_some_and(gains)
+        let sound = attempt.end.is_finite() && !gain.is_some_and(gains);
+        sound && self.stays_free(ctx, here, from, h)
     }
 
-    /// Whether the step just tried has stayed within all limits, and has ended off the ground.
-    fn stays_free(&self, ctx: &Context, here: &Point, from: &Physical, h: f64) -> bool {
+    /// Whether the step just tried has stayed within all limits, and has ended off the ground and
+    /// met nothing on its way.
+    fn stays_free(&mut self, ctx: &Context, here: &Point, from: &Physical, h: f64) -> bool {
         let within = here.terms.joints.iter().all(|term| {
             ctx.tree.dofs.limits[term.dof].is_none_or(|limits| {
                 let (place, dof) = (term.coordinate, term.dof);
@@ -270,7 +275,10 @@ impl Explicit {
                 low >= limits.lower && high <= limits.upper
             })
         });
-        within && is_clear(ctx.tree, &self.end, 0.0)
+        let known = &here.terms.contacts;
+        within
+            && is_clear(ctx.tree, &self.end, 0.0)
+            && !self.contacts.has_missed(ctx.tree, &self.end, h, known)
     }
 
     /// Puts the step just tried into `attempt`: nothing touches, so nothing is displaced.

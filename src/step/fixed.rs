@@ -139,8 +139,9 @@ impl Fixed {
             return None;
         }
         let lengths = [h, stages.work(ctx, h)];
-        let gains = guards::gains(ctx, &books, (here, there), &attempt.end, lengths);
-        Some(if gains { Outcome::Bad } else { Outcome::Good })
+        let bad = guards::gains(ctx, &books, (here, there), &attempt.end, lengths)
+            || guards::has_missed(ctx, (here, there), h);
+        Some(if bad { Outcome::Bad } else { Outcome::Good })
     }
 
     /// One solve with the friction cones and the bias of the start, one with those of the middle
@@ -201,7 +202,9 @@ impl Fixed {
         }
         implicit.take_full(ctx, here, from, h, attempt);
         let work = guards::work(ctx, &here.kin, (&here.terms, &implicit.full), h);
-        if guards::gains(ctx, &books, (here, there), &attempt.end, [h, work]) {
+        if guards::gains(ctx, &books, (here, there), &attempt.end, [h, work])
+            || guards::has_missed(ctx, (here, there), h)
+        {
             counters.rejected += 1;
             return Outcome::Bad;
         }
@@ -241,13 +244,14 @@ impl Fixed {
 }
 
 /// Whether a contact that has restitution touches down within `h` seconds, or has done so and not
-/// left yet. A bounce is over in less than a fixed step, which would swallow it: it is taken under
-/// error control.
+/// left yet, or shapes come nearer than they are thick. That is over in less than a fixed step, which
+/// would swallow it: it is taken under error control.
 pub(super) fn bounces(here: &Point, h: f64) -> bool {
+    let (points, V) = (&here.terms.contacts.points, &here.kin.V);
     here.terms.contacts.iter().any(|contact| {
-        contact.bounce > 0.0
-            && (contact.depth > 0.0
-                || contact.time_to_touch(&here.terms.contacts.points, &here.kin.V) < h)
+        let bounces =
+            contact.bounce > 0.0 && (contact.depth > 0.0 || contact.time_to_touch(points, V) < h);
+        bounces || contact.longest_step(points, V, h) < h
     })
 }
 

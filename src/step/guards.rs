@@ -54,6 +54,14 @@ pub(super) fn gains(
     gain(ctx, books, places, end, lengths) > 1.0
 }
 
+/// Whether shapes have met in the step of `h` seconds from `here` that it knows nothing of. Poses and
+/// velocities of `there` stand at its end; they do after [`gain`].
+pub(super) fn has_missed(ctx: &Context, (here, there): (&Point, &mut Point), h: f64) -> bool {
+    let Point { kin, terms } = there;
+    let known = &here.terms.contacts;
+    terms.contacts.has_missed(ctx.tree, kin, h, known)
+}
+
 /// Energy that the step to `end` has made, as a multiple of what is allowed; poses and velocities
 /// of `there` then stand at its end.
 ///

@@ -68,6 +68,8 @@ pub struct World {
 /// What touches, and how stiffly.
 #[derive(Clone, Debug)]
 pub struct Contacts {
+    /// How many shapes the model has.
+    pub shapes: usize,
     /// Shapes that can touch something, by ascending index.
     pub colliders: Vec<TreeCollider>,
     /// Friction against turning of each link's contacts, per link.
@@ -306,6 +308,14 @@ impl Turning {
 }
 
 impl Contacts {
+    /// The slot of the contact of the shapes at two places, the lower one first; see
+    /// [`crate::model::Model::slots`].
+    #[inline]
+    pub fn slot(&self, places: [usize; 2]) -> usize {
+        let [a, b] = places.map(|place| self.colliders[place].index);
+        self.shapes * (1 + a) + b
+    }
+
     /// Whether the shapes at two places, the lower one first, may touch.
     #[inline]
     pub fn may_touch(&self, [a, b]: [usize; 2]) -> bool {

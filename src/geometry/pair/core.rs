@@ -229,6 +229,17 @@ impl Solid {
             _ => 0.0,
         }
     }
+
+    /// Half of its least extent, m, where that is below 5 cm; else no more than its half extents.
+    pub fn thickness(&self) -> f64 {
+        match self.core {
+            Core::Point | Core::Segment { .. } => self.radius,
+            Core::Cylinder { .. } | Core::Box { .. } | Core::Corners(_) => {
+                self.radius / ROUNDING_SHARE
+            }
+            Core::HalfSpace => f64::INFINITY,
+        }
+    }
 }
 
 /// By how much edges of a shape with this smallest half extent are rounded.
