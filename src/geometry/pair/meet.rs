@@ -48,11 +48,12 @@ impl Meeting {
             }
             return (n, false, false);
         }
-        let apart = nearest(a, b);
-        let n = apart.normal;
-        let gap = apart.distance - a.solid.radius - b.solid.radius;
         // Sharp corners are nearer than rounded ones.
         let sharp = a.solid.rounding() + b.solid.rounding();
+        let radii = a.solid.radius + b.solid.radius;
+        let apart = nearest(a, b, reach + sharp + radii);
+        let n = apart.normal;
+        let gap = apart.distance - radii;
         if gap > reach + sharp {
             return (n, apart.part < 1.0, apart.deep);
         }

@@ -21,6 +21,8 @@ use crate::spatial::{Mat3, Vec3};
 const TOUCH: f64 = 1e-6;
 /// Accuracy of `σ` against the distance, relative to the size of the cores.
 const OPTIMAL: f64 = 1e-13;
+/// Share of a hull's reach within which what a cylinder faces is looked for first.
+const NEARBY: f64 = 0.05;
 /// How far a face's normal may be off the direction found from three of its corners.
 const SNAP: f64 = 1e-6;
 
@@ -40,16 +42,17 @@ pub(super) struct Apart {
     pub(super) deep: bool,
 }
 
-/// How the core of `a` lies to that of `b`.
+/// How the core of `a` lies to that of `b`; only roughly, but farther than `far`, m, where they are
+/// that far from each other.
 ///
 /// Where the shapes overlap by more than half of their roundings, the direction turns over to that
 /// between the inner cores, and is it alone before the cores meet: with the distance `d` of the
 /// cores and the sum `r` of the roundings, by `w = 2 d/r`. Inner cores that meet, too, have the
 /// axis of least overlap.
-pub(super) fn nearest(a: &Placed, b: &Placed) -> Apart {
+pub(super) fn nearest(a: &Placed, b: &Placed, far: f64) -> Apart {
     let touch = TOUCH * (a.solid.blend + b.solid.blend);
     let half = 0.5 * (a.solid.rounding() + b.solid.rounding());
-    let (apart, at) = between(a, b, touch).unwrap_or((Vec3::zeros(), a.p));
+    let (apart, at) = between(a, b, [touch, far]).unwrap_or((Vec3::zeros(), a.p));
     let distance = apart.norm();
     let part = if distance <= 2.0 * touch {
         0.0
@@ -70,7 +73,7 @@ pub(super) fn nearest(a: &Placed, b: &Placed) -> Apart {
         _ => {
             let (p, q) = (a.inner(), b.inner());
             let radii = [a.solid.inner_radius, b.solid.inner_radius];
-            let inner = between(&p, &q, touch).and_then(|(v, at)| {
+            let inner = between(&p, &q, [touch, f64::INFINITY]).and_then(|(v, at)| {
                 let n = v.try_normalize(touch)?;
                 Some((n, halfway(&v, &n, &at, radii)))
             });
@@ -99,8 +102,8 @@ pub(super) fn nearest(a: &Placed, b: &Placed) -> Apart {
 }
 
 /// From the core of `b` to that of `a`, and the nearest point of `a`; nothing, or 0, where they
-/// meet.
-fn between(a: &Placed, b: &Placed, touch: f64) -> Option<(Vec3, Vec3)> {
+/// are within `touch`; only roughly beyond `far`, see [`nearest`].
+fn between(a: &Placed, b: &Placed, [touch, far]: [f64; 2]) -> Option<(Vec3, Vec3)> {
     use Core::{Box, Cylinder, Point, Segment};
     Some(match (a.core, b.core) {
         (Point, Point | Segment { .. } | Box { .. } | Cylinder { .. }) => {
@@ -125,7 +128,15 @@ fn between(a: &Placed, b: &Placed, touch: f64) -> Option<(Vec3, Vec3)> {
             (-apart, b.p + u * s - apart)
         }
         _ => {
-            let (apart, at) = polished(a, b, &gjk::distance(a, b, touch)?);
+            let simplex = gjk::distance(a, b, touch)?;
+            let (x, y) = simplex.nearest();
+            if let Some(n) = (x - y).try_normalize(touch) {
+                let gap = separation(a, b, &n);
+                if gap > far {
+                    return Some((n * gap, x));
+                }
+            }
+            let (apart, at) = polished(a, b, &simplex);
             let normal = apart.try_normalize(touch)?;
             if separation(a, b, &normal) <= touch {
                 return None;
@@ -241,12 +252,17 @@ fn polished(a: &Placed, b: &Placed, simplex: &Simplex) -> (Vec3, Vec3) {
     if (apart.norm() - best).abs() <= tolerance && best >= gap(&rough) - tolerance {
         return (apart, x);
     }
-    // The features were not the right ones: of all that can be, the one with the largest gap.
-    let searched = match (round(a), round(b)) {
-        (true, false) => -search_round(b, a),
-        (false, true) => search_round(a, b),
+    // The features were not the right ones: of all that can be, the one with the largest gap; first
+    // among those near the direction found.
+    let search = |share: f64| match (round(a), round(b)) {
+        (true, false) => -search_round(b, a, (&-rough, share)),
+        (false, true) => search_round(a, b, (&rough, share)),
         _ => rough,
     };
+    let mut searched = search(NEARBY);
+    if (searched.norm() - gap(&searched)).abs() > tolerance {
+        searched = search(f64::INFINITY);
+    }
     let better = |found: (f64, Vec3), v: Vec3| {
         let value = gap(&v);
         if value > found.0 { (value, v) } else { found }
@@ -376,8 +392,9 @@ fn against_round(p: &Placed, on: &Distinct, cylinder: &Placed, rough: &Vec3) -> 
     }
 }
 
-/// The same by trying everything that a polyhedron can face it with.
-fn search_round(p: &Placed, cylinder: &Placed) -> Vec3 {
+/// The same by trying everything that a polyhedron can face it with; of a hull what lies within
+/// `share` of its reach of what is farthest against `rough`.
+fn search_round(p: &Placed, cylinder: &Placed, (rough, share): (&Vec3, f64)) -> Vec3 {
     let mut best = (f64::NEG_INFINITY, Vec3::zeros());
     let mut take = |v: Vec3| {
         let length = v.norm();
@@ -412,8 +429,11 @@ fn search_round(p: &Placed, cylinder: &Placed) -> Vec3 {
         }
         Core::Corners(list) => {
             // Segments within the core do no harm: nothing in it is nearer than its surface.
-            for (i, x) in list.iter().enumerate() {
-                for y in &list[..i] {
+            let local = p.R.tr_mul(rough);
+            let limit = p.support_local(&-rough).dot(&local) + share * p.solid.reach * local.norm();
+            let faces = |x: &&Vec3| x.dot(&local) <= limit;
+            for (i, x) in list.iter().enumerate().filter(|(_, x)| faces(x)) {
+                for y in list[..i].iter().filter(faces) {
                     edge(*x, *y);
                 }
             }

@@ -190,7 +190,7 @@ fn cores_are_as_far_apart_as_brute_force_and_parry_say() {
                     let second = at(Vec3::zeros(), any_rotation(random));
                     let place_of = |s, p| Placed::new(s, p, &Vec3::zeros());
                     let (p, q) = (place_of(&a, &first), place_of(&b, &second));
-                    let apart = nearest(&p, &q);
+                    let apart = nearest(&p, &q, f64::INFINITY);
                     if apart.part < 1.0 {
                         let both = a.rounding() + b.rounding();
                         assert!(

@@ -105,7 +105,11 @@ fn settle((a, mut pose): (&Solid, Pose), b: &Solid, direction: &Vec3, overlap: f
         let middle = 0.5 * (low + high);
         pose.p = start + direction * middle;
         let placed = |s, p| Placed::new(s, p, &Vec3::zeros());
-        let apart = nearest(&placed(a, &pose), &placed(b, &Pose::IDENTITY));
+        let apart = nearest(
+            &placed(a, &pose),
+            &placed(b, &Pose::IDENTITY),
+            f64::INFINITY,
+        );
         if apart.distance > a.radius + b.radius - overlap {
             high = middle;
         } else {
