@@ -50,11 +50,13 @@
 //! | A130 | groups |
 //! | A131 | sensors |
 //! | A132 | masses that the conventions of another simulator give |
-//! | A133 | links of one robot that overlap before anything moves |
-
-#![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
+//! | A133 | settings of a further robot that are the world's |
+//! | A134 | an object that is the ground |
+//! | A135 | shapes of different trees that overlap at the start |
+//! | A136 | links of one robot that overlap before anything moves |
 
 mod actuators;
+mod alone;
 mod bodies;
 mod findings;
 mod inertia;
@@ -67,22 +69,12 @@ mod robot;
 mod solids;
 mod touch;
 mod wheels;
+mod world;
 
-use crate::diagnostic::Diagnostic;
-use crate::model::{BodyId, Initial, Model, OutputSelection, Root};
 use crate::settings::{Compat, InertiaSource, Settings};
-use crate::urdf::{Description, ReadOptions};
-use findings::Findings;
-use robot::Robot;
-
-/// A robot, ready to simulate.
-#[derive(Clone, Debug)]
-pub struct Assembled {
-    /// The robot.
-    pub model: Model,
-    /// Notes and warnings: what was assumed.
-    pub diagnostics: Vec<Diagnostic>,
-}
+use crate::urdf::ReadOptions;
+pub use alone::{Assembled, build};
+pub use world::{Guest, of_object, of_robot, solid, take_ground, world};
 
 /// What the settings mean for the reader of the URDF: `options` with scale, source of inertia and
 /// links whose meshes become several parts.
@@ -99,84 +91,6 @@ pub fn read_options(settings: &Settings, options: ReadOptions) -> ReadOptions {
             .collect(),
         ..options
     }
-}
-
-/// Builds the model of a described robot.
-///
-/// [`Settings::scale`] and [`Settings::inertia`] concern the reader too, see [`read_options`].
-///
-/// # Errors
-/// Everything that is wrong, with the notes and warnings found on the way.
-pub fn build(description: &Description, settings: &Settings) -> Result<Assembled, Vec<Diagnostic>> {
-    let mut findings = Findings::new(description);
-    let model = assemble(description, settings, &mut findings);
-    match model {
-        Some(model) if !findings.has_errors() => Ok(Assembled {
-            model,
-            diagnostics: findings.list,
-        }),
-        _ => Err(findings.list),
-    }
-}
-
-/// None only after an error was reported.
-fn assemble(
-    description: &Description,
-    settings: &Settings,
-    findings: &mut Findings,
-) -> Option<Model> {
-    let mut robot = Robot::new(description, settings, findings);
-    let base = bodies::choose_base(&mut robot, settings, findings);
-    mimic::resolve(&mut robot, findings);
-    if findings.has_errors() {
-        return None;
-    }
-    let mut model = Model {
-        name: robot.name,
-        links: robot.links,
-        joints: robot.joints,
-        bodies: Vec::new(),
-        roots: vec![Root::new(String::new(), BodyId(0))],
-        dofs: Vec::new(),
-        nq: 0,
-        colliders: Vec::new(),
-        apart: Vec::new(),
-        actuators: Vec::new(),
-        initial: Initial::default(),
-        solver: settings.solver.clone(),
-        contact: settings.contact.clone(),
-        world: settings.world.clone(),
-        outputs: OutputSelection {
-            flat_names: settings.flat_names,
-            ..OutputSelection::default()
-        },
-    };
-    bodies::add(&mut model, &base, &robot.shapes, findings);
-    let polygons = wheels::fit(&mut model, &robot.shapes, &robot.wheels, findings);
-    initial::joints(&mut model, settings, findings);
-    initial::base(&mut model, &base, settings, findings);
-    if let Err(error) = model.validate() {
-        let help = "make what is named smaller or simpler, or correct its numbers";
-        findings.error("A121", None, error.to_string(), help);
-    }
-    if findings.has_errors() {
-        return None;
-    }
-    let poses = initial::poses(&model);
-    let poses = inertia::complete(&mut model, poses, &robot.shapes, &robot.lines, findings);
-    initial::height(&mut model, &poses, settings, findings);
-    actuators::add(&mut model, &poses, &robot.lines, settings, findings);
-    actuators::report_velocity_limits(&model, findings);
-    wheels::warn(&model, &poses, &polygons, findings);
-    outputs::select(&mut model, settings, findings);
-    touch::select(&mut model, settings, findings);
-    if !findings.has_errors()
-        && let Err(error) = model.validate()
-    {
-        let help = "make what is named smaller or simpler, or correct its numbers";
-        findings.error("A121", None, error.to_string(), help);
-    }
-    Some(model)
 }
 
 #[cfg(test)]

@@ -15,21 +15,24 @@
 //! | S107 | a key that must be there is missing |
 //! | S108 | the file cannot be read |
 
+mod common;
 mod compat;
 mod fill;
 pub mod keys;
 mod reader;
 mod section;
 mod types;
+mod world;
 
 pub use compat::Compat;
 pub use types::{
     ActuatorSettings, BaseChoice, ContactOutputs, GroupSettings, InertiaSource, InitialSettings,
-    JointSettings, LinkSettings, ModeChoice, SensorSettings, SensorSettingsKind, Settings,
-    WheelFit,
+    JointSettings, LinkSettings, ModeChoice, ObjectSettings, ObjectSource, RobotSettings,
+    SensorSettings, SensorSettingsKind, Settings, WheelFit,
 };
 
 pub(crate) use fill::{STATIC_FRICTION_HELP, static_excess};
+pub use world::is_taken;
 
 use crate::diagnostic::{Diagnostic, Severity};
 use fill::fill;

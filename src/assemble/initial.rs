@@ -178,15 +178,22 @@ pub(super) fn height(
     findings: &mut Findings,
 ) {
     let floating = model.is_floating();
-    let lowest = lowest_point(model, poses);
+    let stands = floating || settings.initial.stands;
+    let lowest = lowest_point(
+        model,
+        poses,
+        stands && !floating && settings.initial.z.is_none(),
+    );
     let given = settings.initial.z.is_some();
-    if floating && !given {
+    if stands && !given {
         match lowest {
             Some((link, z)) if model.world.ground.is_some() => {
                 // Adding 0 turns -0 into 0.
                 model.roots[0].position.z = -z + 0.0;
-                model.roots[0].position.z -= static_depth(model);
-                model.roots[0].set_down = true;
+                if floating {
+                    model.roots[0].position.z -= static_depth(model);
+                    model.roots[0].set_down = true;
+                }
                 let message = format!(
                     "the robot starts with its base at z = {:.6} m, where its lowest collision point, of link '{}', touches the ground",
                     model.roots[0].position.z,
@@ -282,13 +289,14 @@ fn static_depth(model: &Model) -> f64 {
     high
 }
 
-/// Height of the lowest point of all shapes that move, above the base's origin, and its link.
-fn lowest_point(model: &Model, poses: &Poses) -> Option<(LinkId, f64)> {
-    let moving = |collider: &&Collider| model.bodies[collider.body.index()].motion.kind().moves();
+/// Height of the lowest point of the shapes that move, or of all, above the base's origin, and its
+/// link.
+fn lowest_point(model: &Model, poses: &Poses, all: bool) -> Option<(LinkId, f64)> {
+    let moving = |collider: &Collider| model.bodies[collider.body.index()].motion.kind().moves();
     model
         .colliders
         .iter()
-        .filter(moving)
+        .filter(|collider| all || moving(collider))
         .map(|collider| {
             let X = poses.collider(model, collider);
             (collider.link, collider.shape.lowest(&X, &Vec3::z()))

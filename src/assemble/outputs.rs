@@ -259,6 +259,11 @@ fn chosen(marked: &[bool]) -> Vec<LinkId> {
     links.map(|(l, _)| LinkId::from(l)).collect()
 }
 
+/// Links that can touch something.
+pub(super) fn touching(model: &Model) -> Vec<LinkId> {
+    chosen(&shaped(model))
+}
+
 /// Links with a shape that is not on a fixed base.
 fn shaped(model: &Model) -> Vec<bool> {
     let mut shaped = vec![false; model.links.len()];

@@ -63,7 +63,7 @@ pub(super) fn select(model: &mut Model, settings: &Settings, findings: &mut Find
             1e3 * depth
         );
         let help = "name them in [[ignore_contact]] if that is right, else correct their shapes";
-        findings.warning("A133", None, message, help);
+        findings.warning("A136", None, message, help);
     }
     model.apart.extend(drawn.into_iter().map(|(pair, _)| pair));
     model.apart.sort_unstable();

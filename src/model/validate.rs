@@ -140,6 +140,15 @@ fn links(model: &Model) -> Check {
 
 fn joints(model: &Model) -> Check {
     let mut names = BTreeSet::new();
+    // Per link: the base of its tree.
+    let mut base = 0;
+    let bases: Vec<usize> = (0..)
+        .zip(&model.links)
+        .map(|(l, link)| {
+            base = if link.joint.is_none() { l } else { base };
+            base
+        })
+        .collect();
     for (j, joint) in model.joints.iter().enumerate() {
         let part = || format!("joint '{}'", joint.name);
         require(
@@ -147,8 +156,10 @@ fn joints(model: &Model) -> Check {
             part,
             "has the name of another joint",
         )?;
+        let (parent, child) = (joint.parent.index(), joint.child.index());
+        let carried = model.links.get(child).and_then(|link| link.joint);
         require(
-            joint.child.index() == j + 1 && joint.parent.index() <= j,
+            carried.map(JointId::index) == Some(j) && (bases[child]..child).contains(&parent),
             part,
             "breaks the order: parents come before children",
         )?;

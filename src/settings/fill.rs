@@ -5,18 +5,19 @@
 //! [`Settings`]; findings S105 to S107 in the reader. This module uses neither the text nor a
 //! robot.
 
+use super::common::{pattern, patterns, required, unsupported, vector};
 use super::compat::Compat;
 use super::reader::Reader;
-use super::section::{Node, Section, Span, Value};
+use super::section::{Node, Section, Value};
 use super::types::{
     ActuatorSettings, BaseChoice, ContactOutputs, GroupSettings, InertiaSource, InitialSettings,
     JointSettings, LinkSettings, ModeChoice, SensorSettings, SensorSettingsKind, Settings,
     WheelFit,
 };
+use super::world;
 use crate::model::{ActuatorMode, Combination, ContactDefaults, Ground, SolverDefaults, World};
 use crate::pattern::Pattern;
 use crate::range::MOST_STEPS;
-use crate::spatial::Vec3;
 
 /// What the file at `root` means; a given `compat` wins over the file's.
 ///
@@ -28,6 +29,7 @@ pub(super) fn fill(reader: &mut Reader, root: &Section, compat: Option<Compat>) 
         .or_else(|| Compat::from_word(&robot.word("compat")?))
         .unwrap_or_default();
     let outputs = root.table("outputs");
+    let (robots, objects) = world::things(reader, &root.table("world"));
     Settings {
         compat,
         base: match robot.word("base").as_deref() {
@@ -54,7 +56,9 @@ pub(super) fn fill(reader: &mut Reader, root: &Section, compat: Option<Compat>) 
         flat_names: root.table("fmu").word("naming").as_deref() == Some("flat"),
         solver: solver(&root.table("solver"), compat),
         contact: contact(reader, &root.table("contact")),
-        world: world(reader, &root.table("world"), compat),
+        world: surroundings(reader, &root.table("world"), compat),
+        objects,
+        robots,
         initial: initial(reader, &root.table("initial")),
         default_mode: None,
         actuators: root
@@ -176,12 +180,6 @@ fn sensor(reader: &mut Reader, section: &Section) -> Option<SensorSettings> {
     })
 }
 
-fn unsupported(reader: &mut Reader, section: &Section, key: &str, what: &str) {
-    let span = section.entry(key).map_or(0..0, |entry| entry.span.clone());
-    let message = format!("{what} is not supported yet");
-    reader.error("S105", &span, message, "leave it out");
-}
-
 fn solver(section: &Section, compat: Compat) -> SolverDefaults {
     SolverDefaults {
         step_size: section.number_as("step_size", compat).unwrap_or(0.0),
@@ -205,7 +203,7 @@ fn contact(reader: &mut Reader, section: &Section) -> ContactDefaults {
     }
 }
 
-fn world(reader: &mut Reader, section: &Section, compat: Compat) -> World {
+fn surroundings(reader: &mut Reader, section: &Section, compat: Compat) -> World {
     let ground = section.table("ground");
     let kind = ground.word("type");
     if kind.as_deref() == Some("heightfield") {
@@ -278,6 +276,7 @@ fn initial(reader: &mut Reader, section: &Section) -> InitialSettings {
             xyz.get(1).copied().unwrap_or(0.0),
         ],
         z: xyz.get(2).copied(),
+        stands: false,
         rpy: vector(section, "rpy"),
         linear_velocity: vector(section, "linear_velocity"),
         angular_velocity: vector(section, "angular_velocity"),
@@ -369,43 +368,4 @@ fn named_tables(reader: &Reader, section: &Section) -> std::vec::IntoIter<(Patte
         })
         .collect();
     tables.into_iter()
-}
-
-fn required(reader: &mut Reader, section: &Section, key: &str, table: &str) -> Option<Pattern> {
-    if let Some(Value::Texts(texts)) = section.value(key) {
-        patterns(reader, texts).into_iter().next()
-    } else {
-        if !section.rejected.iter().any(|rejected| rejected == key) {
-            let span = section.span.clone();
-            let message = format!("[[{table}]] needs '{key}'");
-            let help = match key {
-                "name" => "name = \"a name of your own\"".to_owned(),
-                "joints" => "joints = [\"names or globs\"]".to_owned(),
-                _ => format!("{key} = \"a name or glob\""),
-            };
-            reader.error("S107", &span, message, help);
-        }
-        None
-    }
-}
-
-fn pattern(reader: &Reader, text: String, span: &Span) -> Pattern {
-    Pattern {
-        text,
-        place: Some(reader.place(span)),
-    }
-}
-
-fn patterns(reader: &Reader, texts: Vec<(String, Span)>) -> Vec<Pattern> {
-    texts
-        .into_iter()
-        .map(|(text, span)| pattern(reader, text, &span))
-        .collect()
-}
-
-fn vector(section: &Section, key: &str) -> Vec3 {
-    match section.numbers(key).as_deref() {
-        Some([x, y, z]) => Vec3::new(*x, *y, *z),
-        _ => Vec3::zeros(),
-    }
 }

@@ -35,6 +35,8 @@ pub enum Takes {
     Pattern,
     /// A name of the user's own.
     Name,
+    /// A file; a relative one counts from the folder of the settings.
+    File,
     /// A whole number from 1 on, with its greatest.
     Count(u32),
     /// A list of names or globs.
@@ -65,7 +67,7 @@ use Range::{
     Velocity, View, Work,
 };
 use Takes::{
-    Count, Flag, Later, Name, Number, NumberOrRatio, Numbers, Pattern, Patterns, Word,
+    Count, File, Flag, Later, Name, Number, NumberOrRatio, Numbers, Pattern, Patterns, Word,
     WordOrPatterns,
 };
 
@@ -205,7 +207,126 @@ pub const KEYS: &[Key] = &[
         Some("0.0"),
         "Newton's coefficient; combined with the link's by the larger of the two",
     ),
-    key("world.object", Later, None, "more robots and obstacles"),
+    key(
+        "world.object[].name",
+        Name,
+        None,
+        "a name of its own, in the names of its variables: object.<name>.…",
+    ),
+    key(
+        "world.object[].urdf",
+        File,
+        None,
+        "the file that says what it is, from the folder of the settings; its joints are passive",
+    ),
+    key(
+        "world.object[].shape.box",
+        Numbers(3, 3, Length),
+        None,
+        "m, instead of urdf: the sides along x, y, z",
+    ),
+    key(
+        "world.object[].shape.sphere",
+        Number(Length),
+        None,
+        "m, instead of urdf: the radius",
+    ),
+    key(
+        "world.object[].shape.cylinder",
+        Numbers(2, 2, Length),
+        None,
+        "m, instead of urdf: radius and length along z",
+    ),
+    key(
+        "world.object[].shape.capsule",
+        Numbers(2, 2, Length),
+        None,
+        "m, instead of urdf: radius and length along z without the round ends",
+    ),
+    key(
+        "world.object[].mass",
+        Number(Mass),
+        None,
+        "kg, of a shape; its inertia is that of a solid. A static one needs none",
+    ),
+    key(
+        "world.object[].xyz",
+        Numbers(2, 3, Position),
+        None,
+        "m, base position; z, or all of it, may be left out: the lowest collision point then touches the ground, but a static one of a file is mounted at z = 0",
+    ),
+    key(
+        "world.object[].rpy",
+        Numbers(3, 3, Position),
+        None,
+        "rad, base roll, pitch, yaw; without it 0",
+    ),
+    key(
+        "world.object[].linear_velocity",
+        Numbers(3, 3, Flight),
+        None,
+        "m/s at the start, world axes; without it 0",
+    ),
+    key(
+        "world.object[].angular_velocity",
+        Numbers(3, 3, Spin),
+        None,
+        "rad/s at the start, world axes; without it 0",
+    ),
+    key(
+        "world.object[].static",
+        Flag,
+        None,
+        "whether it stands still whatever pushes it; without it false, but what has no mass stands still",
+    ),
+    key(
+        "world.object[].friction",
+        Number(Friction),
+        None,
+        "Coulomb coefficient of all its links; without it the file's, else 0.8",
+    ),
+    key(
+        "world.object[].restitution",
+        Number(Restitution),
+        None,
+        "Newton's coefficient of all its links; without it the file's, else 0",
+    ),
+    key(
+        "world.robot[].name",
+        Name,
+        None,
+        "what the names of its variables begin with: <name>.cmd.…",
+    ),
+    key(
+        "world.robot[].urdf",
+        File,
+        None,
+        "the file that says what it is, from the folder of the settings",
+    ),
+    key(
+        "world.robot[].config",
+        File,
+        None,
+        "its own settings: [robot], [initial], [[actuator]], [joint], [link], [outputs] … as in this file",
+    ),
+    key(
+        "world.robot[].xyz",
+        Numbers(2, 3, Position),
+        None,
+        "m, base position; without it that of its own settings, see initial.xyz",
+    ),
+    key(
+        "world.robot[].rpy",
+        Numbers(3, 3, Position),
+        None,
+        "rad, base roll, pitch, yaw; without it those of its own settings",
+    ),
+    key(
+        "world.robot[].fixed_base",
+        Flag,
+        None,
+        "whether its base is mounted in the world; without it as its own settings say",
+    ),
     key(
         "initial.xyz",
         Numbers(2, 3, Position),

@@ -9,6 +9,7 @@ use crate::diagnostic::words::likeliest;
 use crate::diagnostic::{Diagnostic, Place, Severity};
 use crate::range::Range;
 use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 use toml::Spanned;
 use toml::de::{DeArray, DeTable, DeValue};
@@ -104,10 +105,26 @@ impl<'a> Reader<'a> {
         Place::in_text(self.file, self.text, span.clone())
     }
 
+    /// A file that is named in the text: a relative name counts from the text's own folder.
+    pub(super) fn beside(&self, name: &str) -> PathBuf {
+        let folder = Path::new(self.file).parent();
+        folder.map_or_else(|| name.into(), |folder| folder.join(name))
+    }
+
     pub(super) fn error(
         &mut self,
         code: &'static str,
         span: &Span,
+        message: impl Into<String>,
+        help: impl Into<String>,
+    ) {
+        self.error_at(code, Some(self.place(span)), message, help);
+    }
+
+    pub(super) fn error_at(
+        &mut self,
+        code: &'static str,
+        place: Option<Place>,
         message: impl Into<String>,
         help: impl Into<String>,
     ) {
@@ -117,7 +134,7 @@ impl<'a> Reader<'a> {
             code,
             message: message.into(),
             help: (!help.is_empty()).then_some(help),
-            place: Some(self.place(span)),
+            place,
         };
         self.findings.push(finding);
     }
@@ -151,6 +168,7 @@ impl<'a> Reader<'a> {
                 section.child(text)
             } else {
                 self.unknown(path, text, &known, &name.span());
+                section.rejected.push(text.to_owned());
                 continue;
             };
             if let Some(node) = self.node(&child, text, value, &name.span()) {
@@ -271,7 +289,7 @@ impl<'a> Reader<'a> {
                     None
                 }
             }
-            Takes::Name => match value.get_ref().as_str().map(str::trim) {
+            Takes::Name | Takes::File => match value.get_ref().as_str().map(str::trim) {
                 Some("") => {
                     let message = format!("'{name}' must not be empty");
                     self.error("S104", &value.span(), message, "");
@@ -279,7 +297,9 @@ impl<'a> Reader<'a> {
                 }
                 Some(text) => Some(Value::Texts(vec![(text.to_owned(), value.span())])),
                 None => {
-                    self.wrong_type(name, "a name in quotes", value);
+                    let file = matches!(key.takes, Takes::File);
+                    let what = if file { "file's name" } else { "name" };
+                    self.wrong_type(name, &format!("a {what} in quotes"), value);
                     None
                 }
             },

@@ -4,6 +4,8 @@ use crate::model::ActuatorMode;
 use crate::range::Range;
 use crate::spatial::Vec3;
 
+mod world;
+
 fn parse(text: &str) -> Settings {
     Settings::parse(text, "robot.toml").unwrap_or_else(|findings| panic!("{findings:?}"))
 }
@@ -295,7 +297,6 @@ fn numbers_outside_their_range_are_refused() {
 fn keys_of_planned_features_are_errors_that_name_the_key() {
     for (text, key) in [
         ("world.ground = { type = \"heightfield\" }", "heightfield"),
-        ("[[world.object]]\nurdf = \"a\"", "object"),
         ("[[loop]]\ntype = \"ball\"", "loop"),
     ] {
         let found = finding(text);

@@ -2,9 +2,11 @@
 
 use super::compat::Compat;
 use crate::diagnostic::Place;
+use crate::geometry::Shape;
 use crate::model::{ActuatorMode, ContactDefaults, SolverDefaults, World};
 use crate::pattern::Pattern;
 use crate::spatial::Vec3;
+use std::path::PathBuf;
 
 /// A settings file, checked.
 #[derive(Clone, Debug, PartialEq)]
@@ -31,6 +33,10 @@ pub struct Settings {
     pub contact: ContactDefaults,
     /// Gravity and ground.
     pub world: World,
+    /// Things in the world.
+    pub objects: Vec<ObjectSettings>,
+    /// Further robots.
+    pub robots: Vec<RobotSettings>,
     /// Initial state.
     pub initial: InitialSettings,
     /// What is commanded where no entry of `actuators` says so; none: position for limited joints,
@@ -54,6 +60,60 @@ pub struct Settings {
     pub groups: Vec<GroupSettings>,
     /// Sensors.
     pub sensors: Vec<SensorSettings>,
+}
+
+/// A thing in the world.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ObjectSettings {
+    /// Its name; none: that of its URDF's robot, made unique.
+    pub name: Option<Pattern>,
+    /// What it is.
+    pub source: ObjectSource,
+    /// Where it begins, and how fast.
+    pub initial: InitialSettings,
+    /// Whether it stands still whatever pushes it.
+    pub fixed: bool,
+    /// Coulomb coefficient of all its links; none: its file's.
+    pub friction: Option<f64>,
+    /// Newton's coefficient of all its links; none: its file's.
+    pub restitution: Option<f64>,
+    /// Where it was asked for; none for one from the command line.
+    pub place: Option<Place>,
+}
+
+/// What an object is.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ObjectSource {
+    /// What a URDF says.
+    Urdf(PathBuf),
+    /// A solid of one material.
+    Solid {
+        /// Its shape.
+        shape: Shape,
+        /// kg; 0 for one that stands still.
+        mass: f64,
+    },
+}
+
+/// A further robot.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RobotSettings {
+    /// What the names of its variables begin with.
+    pub name: Pattern,
+    /// Its URDF.
+    pub urdf: PathBuf,
+    /// Its own settings.
+    pub config: Option<PathBuf>,
+    /// Base x and y, m; none: those of its own settings.
+    pub xy: Option<[f64; 2]>,
+    /// Base z, m; none: that of its own settings.
+    pub z: Option<f64>,
+    /// Base roll, pitch, yaw, rad; none: those of its own settings.
+    pub rpy: Option<Vec3>,
+    /// Whether the base can move; none: as its own settings say.
+    pub fixed_base: Option<bool>,
+    /// Where it was asked for.
+    pub place: Option<Place>,
 }
 
 /// Joints that share a command.
@@ -130,6 +190,9 @@ pub struct InitialSettings {
     pub xy: [f64; 2],
     /// Base z, m; none: the lowest collision point touches the ground.
     pub z: Option<f64>,
+    /// Whether a fixed base without z is set down on the ground, as a floating one is; else it is
+    /// mounted at z = 0.
+    pub stands: bool,
     /// Base roll, pitch, yaw, rad.
     pub rpy: Vec3,
     /// m/s, world axes.

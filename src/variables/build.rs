@@ -260,7 +260,11 @@ impl<'m> Table<'m> {
         let local = local
             .and_then(|rest| rest.strip_prefix('.'))
             .unwrap_or(name);
-        format!("{}{group}.{}", self.scope(root), identifier(local))
+        let (scope, local) = (self.scope(root), identifier(local));
+        match (scope.starts_with("object."), group.strip_prefix("initial.")) {
+            (true, Some(group)) => format!("initial.{scope}{group}.{local}"),
+            _ => format!("{scope}{group}.{local}"),
+        }
     }
 
     pub(super) fn joints(&self) -> impl Iterator<Item = (JointId, &'m Joint)> + use<'m> {

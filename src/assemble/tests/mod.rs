@@ -21,6 +21,7 @@ mod initial;
 mod mimic;
 mod outputs;
 mod robot;
+mod world;
 
 /// Whether a robot that is set down stands at a height: it sinks by up to the penetration of a
 /// single corner.

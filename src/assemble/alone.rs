@@ -1,0 +1,96 @@
+//! One robot or object by itself.
+
+use super::findings::Findings;
+use super::robot::Robot;
+use super::{actuators, bodies, inertia, initial, mimic, outputs, touch, wheels};
+use crate::diagnostic::Diagnostic;
+use crate::model::{BodyId, Initial, Model, OutputSelection, Root};
+use crate::settings::Settings;
+use crate::urdf::Description;
+
+/// A robot, ready to simulate.
+#[derive(Clone, Debug)]
+pub struct Assembled {
+    /// The robot.
+    pub model: Model,
+    /// Notes and warnings: what was assumed.
+    pub diagnostics: Vec<Diagnostic>,
+}
+
+/// Builds the model of a described robot.
+///
+/// [`Settings::scale`] and [`Settings::inertia`] concern the reader too, see [`super::read_options`].
+///
+/// # Errors
+/// Everything that is wrong, with the notes and warnings found on the way.
+pub fn build(description: &Description, settings: &Settings) -> Result<Assembled, Vec<Diagnostic>> {
+    let mut findings = Findings::new(description);
+    let model = assemble(description, settings, &mut findings);
+    match model {
+        Some(model) if !findings.has_errors() => Ok(Assembled {
+            model,
+            diagnostics: findings.list,
+        }),
+        _ => Err(findings.list),
+    }
+}
+
+/// None only after an error was reported.
+fn assemble(
+    description: &Description,
+    settings: &Settings,
+    findings: &mut Findings,
+) -> Option<Model> {
+    let mut robot = Robot::new(description, settings, findings);
+    let base = bodies::choose_base(&mut robot, settings, findings);
+    mimic::resolve(&mut robot, findings);
+    if findings.has_errors() {
+        return None;
+    }
+    let mut model = Model {
+        name: robot.name,
+        links: robot.links,
+        joints: robot.joints,
+        bodies: Vec::new(),
+        roots: vec![Root::new(String::new(), BodyId(0))],
+        dofs: Vec::new(),
+        nq: 0,
+        colliders: Vec::new(),
+        apart: Vec::new(),
+        actuators: Vec::new(),
+        initial: Initial::default(),
+        solver: settings.solver.clone(),
+        contact: settings.contact.clone(),
+        world: settings.world.clone(),
+        outputs: OutputSelection {
+            flat_names: settings.flat_names,
+            ..OutputSelection::default()
+        },
+    };
+    bodies::add(&mut model, &base, &robot.shapes, findings);
+    let polygons = wheels::fit(&mut model, &robot.shapes, &robot.wheels, findings);
+    initial::joints(&mut model, settings, findings);
+    initial::base(&mut model, &base, settings, findings);
+    if let Err(error) = model.validate() {
+        let help = "make what is named smaller or simpler, or correct its numbers";
+        findings.error("A121", None, error.to_string(), help);
+    }
+    if findings.has_errors() {
+        return None;
+    }
+    let poses = initial::poses(&model);
+    let poses = inertia::complete(&mut model, poses, &robot.shapes, &robot.lines, findings);
+    initial::height(&mut model, &poses, settings, findings);
+    actuators::add(&mut model, &poses, &robot.lines, settings, findings);
+    actuators::report_velocity_limits(&model, findings);
+    wheels::warn(&model, &poses, &polygons, findings);
+    outputs::select(&mut model, settings, findings);
+    touch::select(&mut model, settings, findings);
+    if !findings.has_errors()
+        && let Err(error) = model.validate()
+    {
+        let help = "make what is named smaller or simpler, or correct its numbers";
+        findings.error("A121", None, error.to_string(), help);
+    }
+    Some(model)
+}

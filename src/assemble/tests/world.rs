@@ -1,0 +1,251 @@
+//! Robots and objects in one world.
+
+use super::*;
+use crate::assemble::{Assembled, Guest, of_object, of_robot, solid, take_ground, world};
+use crate::diagnostic::Diagnostic;
+use crate::model::RootKind;
+use crate::settings::{ObjectSource, Settings};
+use crate::variables;
+
+/// The cart with the objects of a settings file, which are solids, or the file of a test's own.
+fn surrounded(text: &str, file: Option<&Description>) -> Result<Assembled, Vec<Diagnostic>> {
+    let settings = Settings::parse(text, "test.toml").expect("legal settings");
+    let guests: Vec<Guest> = settings
+        .objects
+        .iter()
+        .map(|object| {
+            let name = object.name.as_ref().expect("a name").text.clone();
+            let description = match &object.source {
+                ObjectSource::Solid { shape, mass } => solid(&name, shape, *mass),
+                ObjectSource::Urdf(_) => file.expect("a file").clone(),
+            };
+            Guest {
+                name,
+                kind: RootKind::Object,
+                description,
+                settings: of_object(object, &settings),
+            }
+        })
+        .collect();
+    world(&cart(), &settings, &guests)
+}
+
+fn built(text: &str, file: Option<&Description>) -> Assembled {
+    surrounded(text, file).unwrap_or_else(|findings| panic!("{}", texts(&findings).join("\n")))
+}
+
+fn names(model: &Model) -> Vec<String> {
+    let table = variables::table(model).expect("a table");
+    table.into_iter().map(|variable| variable.name).collect()
+}
+
+#[test]
+fn a_cube_beside_a_cart_has_its_own_variables_and_stands_on_the_ground() {
+    let built = built(
+        "[[world.object]]\nname = \"cube\"\nshape = { box = [0.2, 0.4, 0.6] }\nmass = 3\n\
+         xyz = [1, 2]\nfriction = 0.3\nrestitution = 0.1",
+        None,
+    );
+    let model = &built.model;
+    assert_eq!(model.roots.len(), 2);
+    let root = &model.roots[1];
+    assert_eq!((root.name.as_str(), root.kind), ("cube", RootKind::Object));
+    assert_eq!((root.position.x, root.position.y), (1.0, 2.0));
+    assert!(root.set_down && sunk(root.position.z, 0.3), "{root:?}");
+    let link = model.links.last().expect("a link");
+    assert_eq!((link.friction, link.restitution), (0.3, 0.1));
+    // A cuboid's: m (y² + z²) / 12 and so on.
+    let moments = link.inertia.I_cm.diagonal();
+    for (i, squares) in [0.16 + 0.36, 0.04 + 0.36, 0.04 + 0.16]
+        .into_iter()
+        .enumerate()
+    {
+        assert!(close(moments[i], 3.0 * squares / 12.0), "{moments}");
+    }
+    let all = names(model);
+    for name in [
+        "object.cube.position.x",
+        "initial.object.cube.position.z",
+        "object.cube.contact.cube.force.z",
+        "base.position.x",
+        "cmd.left.velocity",
+    ] {
+        assert!(all.iter().any(|n| n == name), "{name} of {all:#?}");
+    }
+    let note = built
+        .diagnostics
+        .iter()
+        .find(|d| d.code == "A111" && d.message.contains("cube"));
+    let note = note.expect("a note about its height");
+    assert!(
+        note.message.starts_with("object 'cube': it starts"),
+        "{}",
+        note.message
+    );
+}
+
+#[test]
+fn joints_of_objects_are_passive() {
+    let door = robot(body("frame", 5.0)).with(
+        "frame",
+        "hinge",
+        Revolute,
+        at(0.5, 0.0, 0.0),
+        mass("leaf", 1.0),
+    );
+    let text = "[[world.object]]\nname = \"door\"\nurdf = \"door.urdf\"\nxyz = [3, 0, 1]\n\
+                static = true";
+    let built = built(text, Some(&door));
+    let alone = model(&cart(), "");
+    assert_eq!(built.model.actuators, alone.actuators);
+    assert!(!built.model.floats(crate::model::RootId::from(1)));
+    let all = names(&built.model);
+    assert!(
+        all.iter().any(|n| n == "object.door.joint.hinge.position"),
+        "{all:#?}"
+    );
+    assert!(
+        all.iter()
+            .any(|n| n == "initial.object.door.joint.hinge.position")
+    );
+    assert!(!all.iter().any(|n| n.contains("door.cmd")), "{all:#?}");
+}
+
+#[test]
+fn a_static_object_without_a_height_stands_on_the_ground() {
+    let built = built(
+        "[[world.object]]\nname = \"wall\"\nshape = { box = [0.2, 4, 0.6] }\nstatic = true\n\
+         xyz = [2, 0]",
+        None,
+    );
+    let root = &built.model.roots[1];
+    assert!(close(root.position.z, 0.3), "{root:?}");
+    assert!(!root.set_down);
+    assert_eq!(built.model.nv(), model(&cart(), "").nv());
+}
+
+#[test]
+fn findings_in_an_object_say_whose_they_are() {
+    let text = "[[world.object]]\nname = \"arm\"\nurdf = \"arm.urdf\"\nxyz = [3, 0, 1]";
+    // A moving link without mass.
+    let broken =
+        robot(body("base", 5.0)).with("base", "elbow", Revolute, at(0.5, 0.0, 0.0), frame("hand"));
+    let mut broken = broken;
+    broken.sources = vec!["arm.urdf".into()];
+    let findings = surrounded(text, Some(&broken)).expect_err("a hand without mass");
+    let wrong = findings
+        .iter()
+        .find(|d| d.severity == Severity::Error)
+        .expect("an error");
+    let place = wrong.place.as_ref().map(|p| p.file.as_str());
+    assert!(
+        place == Some("arm.urdf") || wrong.message.starts_with("object 'arm': "),
+        "{wrong:?}"
+    );
+}
+
+#[test]
+fn shapes_that_overlap_at_the_start_are_warned_of_with_their_depth() {
+    // The chassis is a ball of 0.1 m at z = 0.5, the box reaches up to 0.45 below it.
+    let text = |top: f64| {
+        format!(
+            "initial.xyz = [0, 0, 0.5]\n[[world.object]]\nname = \"box\"\nmass = 1\n\
+             shape = {{ box = [0.2, 0.2, 0.2] }}\nxyz = [0, 0, {}]",
+            top - 0.1
+        )
+    };
+    let warned = note(&built(&text(0.45), None), "A135");
+    assert_eq!(warned.severity, Severity::Warning);
+    assert!(
+        warned.message.contains("'chassis' and 'box.box'"),
+        "{warned:?}"
+    );
+    assert!(warned.message.contains("50.0 mm"), "{warned:?}");
+    assert!(!has(&built(&text(0.3999), None), "A135"));
+    // 0.5 mm are left to the contact.
+    assert!(!has(&built(&text(0.4005), None), "A135"));
+}
+
+#[test]
+fn a_second_robot_keeps_its_commands_and_takes_the_world_of_the_first() {
+    let text = "world.gravity = [0, 0, -1.62]\n[[world.robot]]\nname = \"left\"\n\
+                urdf = \"a\"\nxyz = [0, 1]";
+    let settings = Settings::parse(text, "test.toml").expect("legal settings");
+    let own = Settings::parse(
+        "[[actuator]]\njoint = \"left\"\nmode = \"effort\"",
+        "own.toml",
+    );
+    let entry = &settings.robots[0];
+    let own = of_robot(entry, own.expect("legal settings"), &settings).expect("no contradiction");
+    let guests = [Guest {
+        name: "left".to_owned(),
+        kind: RootKind::Robot,
+        description: cart(),
+        settings: own,
+    }];
+    let built = world(&cart(), &settings, &guests).expect("a world");
+    assert_eq!(built.model.roots[1].position.y.to_bits(), 1.0_f64.to_bits());
+    assert_eq!(built.model.actuators.len(), 4);
+    let all = names(&built.model);
+    for name in [
+        "left.cmd.left.effort",
+        "cmd.left.velocity",
+        "left.base.position.z",
+    ] {
+        assert!(all.iter().any(|n| n == name), "{name} of {all:#?}");
+    }
+    for wrong in [
+        "world.gravity = [0, 0, -3]",
+        "solver.step_size = 0.01",
+        "contact.penetration = 1e-3",
+        "fmu.naming = \"flat\"",
+        "[[world.object]]\nname = \"a\"\nurdf = \"a\"",
+    ] {
+        let own = Settings::parse(wrong, "own.toml").expect("legal settings");
+        let errors = of_robot(entry, own, &settings).expect_err(wrong);
+        assert_eq!(errors.len(), 1, "{wrong}");
+        assert_eq!(errors[0].code, "A133", "{wrong}");
+        assert_eq!(errors[0].place.as_ref().map(|p| p.line), Some(2));
+    }
+}
+
+#[test]
+fn a_large_box_without_mass_below_zero_is_the_ground() {
+    let text = "[[world.object]]\nname = \"plane\"\nurdf = \"plane.urdf\"";
+    let plane = |size: f64, top: f64, mass: f64| {
+        let half = Vec3::new(size / 2.0, size / 2.0, 5.0);
+        let mut link = frame("planeLink");
+        link.collisions = vec![collision(at(0.0, 0.0, top - 5.0), Shape::Box { half })];
+        link.friction = Some(1.0);
+        link.inertial = (mass > 0.0).then(|| ball().solid_inertia(mass));
+        robot(link)
+    };
+    let taken = |text: &str, description: &Description| {
+        let mut settings = Settings::parse(text, "test.toml").expect("legal settings");
+        let object = settings.objects[0].clone();
+        let note = take_ground("plane", &object, description, &mut settings);
+        note.map(|note| (note, settings.world.ground.expect("a ground").friction))
+    };
+    let (note, friction) = taken(text, &plane(30.0, 0.0, 0.0)).expect("a ground");
+    assert_eq!(friction.to_bits(), 1.0_f64.to_bits());
+    assert_eq!((note.code, note.severity), ("A134", Severity::Note));
+    assert!(note.message.contains("'plane'") && note.message.contains("friction 1"));
+    // The settings win over the file.
+    let own = format!("{text}\nfriction = 0.2");
+    let (_, friction) = taken(&own, &plane(30.0, 0.0, 0.0)).expect("a ground");
+    assert_eq!(friction.to_bits(), 0.2_f64.to_bits());
+    // There is a ground even where the settings have none.
+    let none = format!("world.ground = {{ type = \"none\" }}\n{text}");
+    assert!(taken(&none, &plane(30.0, 0.0, 0.0)).is_some());
+    for other in [
+        plane(1.0, 0.0, 0.0),
+        plane(30.0, 0.1, 0.0),
+        plane(30.0, 0.0, 1.0),
+    ] {
+        assert!(taken(text, &other).is_none());
+    }
+    for place in ["xyz = [0, 0, 0.5]", "xyz = [1, 0]", "rpy = [0.1, 0, 0]"] {
+        let moved = format!("{text}\n{place}");
+        assert!(taken(&moved, &plane(30.0, 0.0, 0.0)).is_none(), "{place}");
+    }
+}

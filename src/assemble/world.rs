@@ -1,0 +1,403 @@
+//! Worlds: the robot with further robots and objects, as one model.
+//!
+//! Each of them is assembled by itself under the same gravity, ground, contact law and solver, and
+//! then joined with the others. Reading the files is left to the caller.
+
+#![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
+
+use super::alone::{Assembled, build};
+use super::initial::poses;
+use super::outputs;
+use crate::diagnostic::{Diagnostic, Place, Severity};
+use crate::geometry::Shape;
+use crate::geometry::pair::{Patch, Solid};
+use crate::model::{Collider, Ground, JointKind, Model, RootKind};
+use crate::settings::{
+    BaseChoice, ContactOutputs, LinkSettings, ModeChoice, ObjectSettings, ObjectSource,
+    RobotSettings, Settings, static_excess,
+};
+use crate::spatial::{Mat3, Pose, Vec3};
+use crate::urdf::{
+    CollisionDescription, Description, LinkDescription, VisualDescription, VisualShape,
+};
+
+/// Least length and width of a box that may be the ground, m.
+const GROUND_SIZE: f64 = 5.0;
+/// How far the top of such a box may be off z = 0, m.
+const GROUND_SLACK: f64 = 1e-6;
+/// Overlap at the start that is worth a warning, m.
+const OVERLAP: f64 = 1e-3;
+
+/// A further robot or an object.
+#[derive(Clone, Debug)]
+pub struct Guest {
+    /// Its name in the world.
+    pub name: String,
+    /// What it is.
+    pub kind: RootKind,
+    /// What it consists of.
+    pub description: Description,
+    /// Its own settings, see [`of_object`] and [`of_robot`].
+    pub settings: Settings,
+}
+
+/// Assembles a robot and all that is around it.
+///
+/// # Errors
+/// Everything that is wrong with any of them, with the notes and warnings found on the way.
+pub fn world(
+    description: &Description,
+    settings: &Settings,
+    guests: &[Guest],
+) -> Result<Assembled, Vec<Diagnostic>> {
+    let robot = build(description, settings);
+    if guests.is_empty() {
+        return robot;
+    }
+    let mut findings = Vec::new();
+    let mut models = Vec::new();
+    let mut add = |built: Result<Assembled, Vec<Diagnostic>>, guest: Option<&Guest>| {
+        let (model, list) = match built {
+            Ok(Assembled { model, diagnostics }) => (Some(model), diagnostics),
+            Err(list) => (None, list),
+        };
+        match guest {
+            Some(guest) => findings.extend(list.into_iter().filter_map(|d| told(d, guest))),
+            None => findings.extend(list),
+        }
+        let settings = guest.map_or(settings, |guest| &guest.settings);
+        models.extend(model.map(|mut model| {
+            // Without a ground there is still something to touch.
+            if settings.contact_outputs == ContactOutputs::Auto {
+                model.outputs.contacts = outputs::touching(&model);
+            }
+            model
+        }));
+    };
+    add(robot, None);
+    for guest in guests {
+        add(build(&guest.description, &guest.settings), Some(guest));
+    }
+    if models.len() <= guests.len() {
+        return Err(findings);
+    }
+    let mut models = models.into_iter();
+    let Some(mut model) = models.next() else {
+        return Err(findings);
+    };
+    for (other, guest) in models.zip(guests) {
+        model.join(other, &guest.name, guest.kind);
+    }
+    if let Err(error) = model.validate() {
+        let message = format!("the robot and what is around it do not make a world: {error}");
+        let help = "leave something out, or correct what is named";
+        findings.push(finding(Severity::Error, "A121", None, message, help));
+        return Err(findings);
+    }
+    findings.extend(overlaps(&model));
+    Ok(Assembled {
+        model,
+        diagnostics: findings,
+    })
+}
+
+fn finding(
+    severity: Severity,
+    code: &'static str,
+    place: Option<Place>,
+    message: String,
+    help: &str,
+) -> Diagnostic {
+    Diagnostic {
+        severity,
+        code,
+        message,
+        help: (!help.is_empty()).then(|| help.to_owned()),
+        place,
+    }
+}
+
+/// What a thing is called in a sentence.
+fn called(kind: RootKind, name: &str) -> String {
+    match kind {
+        RootKind::Robot => format!("robot '{name}'"),
+        RootKind::Object => format!("object '{name}'"),
+    }
+}
+
+/// A finding in a guest as it is told: it says whose it is, and advises what can be done in the
+/// settings of the world. None for what goes without saying.
+fn told(mut finding: Diagnostic, guest: &Guest) -> Option<Diagnostic> {
+    if guest.kind == RootKind::Object {
+        if finding.code == "A107" {
+            if finding.message.starts_with("the base is floating") {
+                return None;
+            }
+            // As scenery is meant.
+            finding.severity = Severity::Note;
+        }
+        finding.help = match finding.code {
+            "A107" => Some("static = true says so, a mass lets it move".to_owned()),
+            "A111" => Some("give it a z to start elsewhere".to_owned()),
+            "A116" => Some("set its friction in [[world.object]]".to_owned()),
+            _ => finding.help,
+        };
+    }
+    // The place says whose it is.
+    if finding.place.is_none() {
+        let message = finding.message.replacen("the robot ", "it ", 1);
+        finding.message = format!("{}: {message}", called(guest.kind, &guest.name));
+    }
+    Some(finding)
+}
+
+/// Settings that are the world's.
+fn shared(own: Settings, world: &Settings) -> Settings {
+    Settings {
+        flat_names: world.flat_names,
+        solver: world.solver.clone(),
+        contact: world.contact.clone(),
+        world: world.world.clone(),
+        ..own
+    }
+}
+
+/// The settings by which an object is assembled.
+pub fn of_object(object: &ObjectSettings, world: &Settings) -> Settings {
+    let mut own = shared(Settings::of(world.compat), world);
+    own.base = if object.fixed {
+        BaseChoice::Fixed
+    } else {
+        BaseChoice::Auto
+    };
+    own.initial = object.initial.clone();
+    // A file has its own zero, as a mounted robot has.
+    own.initial.stands = matches!(object.source, ObjectSource::Solid { .. });
+    own.inertia = world.inertia;
+    own.default_mode = Some(ModeChoice::Passive);
+    if object.friction.is_some() || object.restitution.is_some() {
+        own.links.push(LinkSettings {
+            friction: object.friction,
+            restitution: object.restitution,
+            ..LinkSettings::new("*")
+        });
+    }
+    own
+}
+
+/// The settings by which a further robot is assembled: `own` are those of its own file.
+///
+/// # Errors
+/// What only the settings of the world may say.
+pub fn of_robot(
+    robot: &RobotSettings,
+    own: Settings,
+    world: &Settings,
+) -> Result<Settings, Vec<Diagnostic>> {
+    let plain = Settings::of(own.compat);
+    let decided = [
+        ("compat", own.compat != world.compat),
+        ("[fmu]", own.flat_names && !world.flat_names),
+        ("[solver]", own.solver != plain.solver),
+        ("[contact]", own.contact != plain.contact),
+        (
+            "[world]",
+            own.world != plain.world || !own.objects.is_empty() || !own.robots.is_empty(),
+        ),
+    ];
+    let errors: Vec<_> = decided
+        .into_iter()
+        .filter(|(_, differs)| *differs)
+        .map(|(what, _)| {
+            let message = format!(
+                "the settings of robot '{}' have {what}, which is the same for the whole world",
+                robot.name.text
+            );
+            let help = "move it into the settings of the world";
+            finding(Severity::Error, "A133", robot.place.clone(), message, help)
+        })
+        .collect();
+    if !errors.is_empty() {
+        return Err(errors);
+    }
+    let mut own = shared(own, world);
+    if let Some(xy) = robot.xy {
+        (own.initial.xy, own.initial.z) = (xy, robot.z);
+    }
+    if let Some(rpy) = robot.rpy {
+        own.initial.rpy = rpy;
+    }
+    own.base = match robot.fixed_base {
+        Some(true) => BaseChoice::Fixed,
+        Some(false) => BaseChoice::Floating,
+        None => own.base,
+    };
+    Ok(own)
+}
+
+/// A solid of one material as a robot of one link.
+///
+/// - `mass`: kg; 0 for one without
+pub fn solid(name: &str, shape: &Shape, mass: f64) -> Description {
+    let link = LinkDescription {
+        name: name.to_owned(),
+        inertial: (mass > 0.0).then(|| shape.solid_inertia(mass)),
+        R_LI: Mat3::identity(),
+        collisions: vec![CollisionDescription {
+            X_LG: Pose::IDENTITY,
+            shape: shape.clone(),
+            part: false,
+            mesh: None,
+            outline: None,
+            bounds: None,
+        }],
+        visuals: vec![VisualDescription {
+            X_LG: Pose::IDENTITY,
+            shape: VisualShape::Solid(shape.clone()),
+            color: None,
+            texture: None,
+            line: 0,
+        }],
+        friction: None,
+        static_friction: None,
+        rolling_friction: None,
+        torsional_friction: None,
+        restitution: None,
+        stiffness: None,
+        damping: None,
+        inertia_scaling: None,
+        line: 0,
+    };
+    Description {
+        name: name.to_owned(),
+        links: vec![link],
+        joints: Vec::new(),
+        drawn_meshes: Vec::new(),
+        textures: Vec::new(),
+        sources: Vec::new(),
+        diagnostics: Vec::new(),
+        text: "".into(),
+    }
+}
+
+/// Whether an object is nothing but a ground: links without mass that carry one large box whose top
+/// is the plane z = 0, as `PyBullet`'s planes are. The world then has this ground, and a note says
+/// so.
+pub fn take_ground(
+    name: &str,
+    object: &ObjectSettings,
+    description: &Description,
+    world: &mut Settings,
+) -> Option<Diagnostic> {
+    let initial = &object.initial;
+    let placed = initial.xy != [0.0; 2]
+        || initial.z.is_some_and(|z| z != 0.0)
+        || initial.rpy != Vec3::zeros();
+    let welded = description
+        .joints
+        .iter()
+        .all(|j| j.kind == JointKind::Fixed);
+    let mass = |link: &LinkDescription| link.inertial.map_or(0.0, |inertial| inertial.mass);
+    let light = object.fixed || description.links.iter().all(|link| mass(link) <= 0.0);
+    if placed || !welded || !light {
+        return None;
+    }
+    let link = large_box(description)?;
+    let plain = Settings::of(world.compat).world.ground.unwrap_or_default();
+    let before = world.world.ground.clone().unwrap_or(plain);
+    let friction = object.friction.or(link.friction);
+    let at_rest = link.static_friction.filter(|_| object.friction.is_none());
+    let excess = friction.map(|friction| static_excess(friction, at_rest.unwrap_or(friction)));
+    let ground = Ground {
+        friction: friction.unwrap_or(before.friction),
+        restitution: object
+            .restitution
+            .or(link.restitution)
+            .unwrap_or(before.restitution),
+        static_excess: excess.map_or(before.static_excess, |excess| excess.unwrap_or(0.0)),
+        rolling_friction: link.rolling_friction.unwrap_or(before.rolling_friction),
+        torsional_friction: link.torsional_friction.unwrap_or(before.torsional_friction),
+    };
+    let message = format!(
+        "{} is nothing but a ground: it becomes that of the world, the plane z = 0 without an end, with the friction {}; its own picture is not drawn",
+        called(RootKind::Object, name),
+        ground.friction
+    );
+    let help = "leave it out to have the ground of [world] ground";
+    world.world.ground = Some(ground);
+    Some(finding(
+        Severity::Note,
+        "A134",
+        object.place.clone(),
+        message,
+        help,
+    ))
+}
+
+/// The link of the one collision shape, a large box with its top at z = 0.
+fn large_box(description: &Description) -> Option<&LinkDescription> {
+    let mut poses = vec![Pose::IDENTITY; description.links.len()];
+    for joint in &description.joints {
+        poses[joint.child] = poses[joint.parent].compose(&joint.X_PJ);
+    }
+    let links = description.links.iter().zip(&poses);
+    let mut shapes = links.flat_map(|(l, X_WL)| l.collisions.iter().map(move |c| (l, X_WL, c)));
+    let (link, X_WL, collision) = shapes.next()?;
+    let Shape::Box { half } = collision.shape else {
+        return None;
+    };
+    let X_WG = X_WL.compose(&collision.X_LG);
+    let level = X_WG.R[(2, 2)].abs() > 1.0 - 1e-12;
+    let top = X_WG.p.z + half.z;
+    let large = half.x.min(half.y) >= 0.5 * GROUND_SIZE;
+    (shapes.next().is_none() && level && large && top.abs() <= GROUND_SLACK).then_some(link)
+}
+
+/// Warnings of shapes of different trees that overlap at the start.
+fn overlaps(model: &Model) -> Vec<Diagnostic> {
+    let start = poses(model);
+    let solids: Vec<(Solid, Pose, &Collider)> = model
+        .colliders
+        .iter()
+        .map(|collider| {
+            let tree = model.root_of(collider.body).index();
+            let mut X_WG = start.collider(model, collider);
+            X_WG.p += start.kin.origins[tree];
+            (Solid::new(&collider.shape, 0.0), X_WG, collider)
+        })
+        .collect();
+    let moves = |c: &Collider| model.bodies[c.body.index()].motion.kind().moves();
+    let mut patch = Patch::new();
+    let mut deepest: Vec<([usize; 2], f64)> = Vec::new();
+    for (i, (a, X_WA, first)) in solids.iter().enumerate() {
+        for (b, X_WB, second) in &solids[i + 1..] {
+            let apart = model.root_of(first.body) == model.root_of(second.body);
+            if apart || !(moves(first) || moves(second)) {
+                continue;
+            }
+            if !patch.find((a, X_WA), (b, X_WB), 0.0) {
+                continue;
+            }
+            let depth = patch.points().iter().fold(0.0_f64, |d, p| d.max(p.depth));
+            if depth <= OVERLAP {
+                continue;
+            }
+            let links = [first.link.index(), second.link.index()];
+            match deepest.iter_mut().find(|(known, _)| *known == links) {
+                Some((_, most)) => *most = most.max(depth),
+                None => deepest.push((links, depth)),
+            }
+        }
+    }
+    let told = deepest.into_iter().map(|([a, b], depth)| {
+        let message = format!(
+            "links '{}' and '{}' overlap by {:.1} mm at the start and will push each other apart",
+            model.links[a].name,
+            model.links[b].name,
+            1e3 * depth
+        );
+        let help = "place them apart, with xyz and rpy";
+        finding(Severity::Warning, "A135", None, message, help)
+    });
+    told.collect()
+}

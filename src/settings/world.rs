@@ -1,0 +1,202 @@
+//! `[[world.object]]` and `[[world.robot]]`: what stands in the world besides the robot.
+//!
+//! Files are named here and read by whoever builds the world.
+
+use super::common::{required, vector};
+use super::reader::Reader;
+use super::section::{Section, Value};
+use super::types::{InitialSettings, ObjectSettings, ObjectSource, RobotSettings};
+use crate::geometry::Shape;
+use crate::pattern::Pattern;
+use crate::spatial::Vec3;
+use std::path::PathBuf;
+
+/// What no robot and no object may be named: these words begin the names of other variables.
+const GROUPS: [&str; 15] = [
+    "base", "cmd", "contact", "energy", "ext", "initial", "joint", "link", "loop", "object",
+    "pair", "robot", "sensor", "solver", "world",
+];
+
+/// What tells two names apart in the names of variables.
+fn letters(name: &str) -> String {
+    let letter = |c: char| if c.is_ascii_alphanumeric() { c } else { '_' };
+    name.chars().map(letter).collect()
+}
+
+/// Whether a name would hide a group of variables, or is one of `others` as far as variables show.
+pub fn is_taken<'n>(name: &str, others: impl IntoIterator<Item = &'n str>) -> bool {
+    let own = letters(name);
+    GROUPS.contains(&own.as_str()) || others.into_iter().any(|other| letters(other) == own)
+}
+
+/// Robots and objects, each in file order.
+pub(super) fn things(
+    reader: &mut Reader,
+    section: &Section,
+) -> (Vec<RobotSettings>, Vec<ObjectSettings>) {
+    let robots: Vec<_> = section
+        .tables("robot")
+        .iter()
+        .filter_map(|section| robot(reader, section))
+        .collect();
+    let objects: Vec<_> = section
+        .tables("object")
+        .iter()
+        .filter_map(|section| object(reader, section))
+        .collect();
+    let names = robots.iter().map(|robot| &robot.name);
+    check_names(
+        reader,
+        names.chain(objects.iter().filter_map(|o| o.name.as_ref())),
+    );
+    (robots, objects)
+}
+
+fn check_names<'n>(reader: &mut Reader, names: impl Iterator<Item = &'n Pattern>) {
+    let mut before: Vec<&str> = Vec::new();
+    for name in names {
+        let text = &name.text;
+        if is_taken(text, []) {
+            let message = format!("'{text}' is the name of a group of variables");
+            let help = format!("give it another one, such as '{text}1'");
+            reader.error_at("S106", name.place.clone(), message, help);
+        } else if is_taken(text, before.iter().copied()) {
+            let message = format!("a second thing in the world is named '{text}'");
+            reader.error_at("S106", name.place.clone(), message, "give it another name");
+        }
+        before.push(text);
+    }
+}
+
+/// The file that a key names.
+fn file(reader: &Reader, section: &Section, key: &str) -> Option<PathBuf> {
+    match section.value(key) {
+        Some(Value::Texts(texts)) => Some(reader.beside(&texts.first()?.0)),
+        _ => None,
+    }
+}
+
+/// x and y, and z where it is given.
+fn place(section: &Section) -> (Option<[f64; 2]>, Option<f64>) {
+    match section.numbers("xyz").as_deref() {
+        Some([x, y, rest @ ..]) => (Some([*x, *y]), rest.first().copied()),
+        _ => (None, None),
+    }
+}
+
+fn robot(reader: &mut Reader, section: &Section) -> Option<RobotSettings> {
+    let name = required(reader, section, "name", "world.robot");
+    let urdf = required(reader, section, "urdf", "world.robot");
+    let (xy, z) = place(section);
+    Some(RobotSettings {
+        name: name?,
+        urdf: reader.beside(&urdf?.text),
+        config: file(reader, section, "config"),
+        xy,
+        z,
+        rpy: section.entry("rpy").map(|_| vector(section, "rpy")),
+        fixed_base: section
+            .entry("fixed_base")
+            .map(|_| section.flag("fixed_base")),
+        place: Some(reader.place(&section.span)),
+    })
+}
+
+fn object(reader: &mut Reader, section: &Section) -> Option<ObjectSettings> {
+    let name = required(reader, section, "name", "world.object");
+    let fixed = section.flag("static");
+    let source = source(reader, section, fixed);
+    let velocity = section
+        .entry("linear_velocity")
+        .or_else(|| section.entry("angular_velocity"));
+    if let (true, Some(entry)) = (fixed, velocity) {
+        let message = "a static object has no velocity";
+        let help = "leave it out, or set static = false";
+        reader.error("S106", &entry.span, message, help);
+    }
+    let (xy, z) = place(section);
+    Some(ObjectSettings {
+        name: Some(name?),
+        source: source?,
+        initial: InitialSettings {
+            xy: xy.unwrap_or_default(),
+            z,
+            rpy: vector(section, "rpy"),
+            linear_velocity: vector(section, "linear_velocity"),
+            angular_velocity: vector(section, "angular_velocity"),
+            velocity_place: velocity.map(|entry| reader.place(&entry.span)),
+            ..InitialSettings::default()
+        },
+        fixed,
+        friction: section.number("friction"),
+        restitution: section.number("restitution"),
+        place: Some(reader.place(&section.span)),
+    })
+}
+
+/// What an object is; none after an error.
+fn source(reader: &mut Reader, section: &Section, fixed: bool) -> Option<ObjectSource> {
+    let rejected = |key: &str| section.rejected.iter().any(|rejected| rejected == key);
+    match (section.entry("urdf"), section.entry("shape")) {
+        (Some(_), Some(shape)) => {
+            let message = "'urdf' and 'shape' say twice what the object is";
+            reader.error("S106", &shape.span, message, "leave one of them out");
+            None
+        }
+        (Some(_), None) => {
+            if let Some(mass) = section.entry("mass") {
+                let message = "'mass' is that of a shape, the links of a URDF have their own";
+                let help = "leave it out, or change the file";
+                reader.error("S106", &mass.span, message, help);
+            }
+            Some(ObjectSource::Urdf(file(reader, section, "urdf")?))
+        }
+        (None, Some(_)) => {
+            let shape = shape(reader, &section.table("shape"))?;
+            let mass = section.number("mass");
+            if mass.is_none() && !fixed && !rejected("mass") {
+                let message = "an object of a shape needs 'mass'";
+                let help = "mass = 1.0, or static = true for one that stands still";
+                reader.error("S107", &section.span, message, help);
+            }
+            let mass = mass.unwrap_or(0.0);
+            Some(ObjectSource::Solid { shape, mass })
+        }
+        (None, None) => {
+            if !rejected("urdf") && !rejected("shape") {
+                let message = "[[world.object]] needs 'urdf' or 'shape'";
+                let help = "urdf = \"a file\", or shape = { box = [0.1, 0.1, 0.1] }, { sphere = 0.1 }, { cylinder = [0.1, 0.2] } or { capsule = [0.1, 0.2] }";
+                reader.error("S107", &section.span, message, help);
+            }
+            None
+        }
+    }
+}
+
+fn shape(reader: &mut Reader, section: &Section) -> Option<Shape> {
+    let [entry] = &section.entries[..] else {
+        if section.rejected.is_empty() || !section.entries.is_empty() {
+            let message = "'shape' must be one of box, sphere, cylinder, capsule";
+            let help = "shape = { box = [0.1, 0.1, 0.1] }";
+            reader.error("S106", &section.span, message, help);
+        }
+        return None;
+    };
+    let numbers = section.numbers(&entry.name);
+    Some(match (entry.name.as_str(), numbers.as_deref()) {
+        ("box", Some(&[x, y, z])) => Shape::Box {
+            half: Vec3::new(x, y, z) * 0.5,
+        },
+        ("cylinder", Some(&[radius, length])) => Shape::Cylinder {
+            radius,
+            half_length: 0.5 * length,
+        },
+        ("capsule", Some(&[radius, length])) => Shape::Capsule {
+            radius,
+            half_length: 0.5 * length,
+        },
+        _ => Shape::Sphere {
+            radius: section.number("sphere")?,
+        },
+    })
+}
