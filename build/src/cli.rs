@@ -1,12 +1,14 @@
 //! The command line and its options. [`crate::commands`] executes it.
 
+mod object;
+
 use crate::picture::{self, Look, Toward};
 use crate::stage::Request;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::{Path, PathBuf};
 use urdf2fmu_core::model::ActuatorMode;
 use urdf2fmu_core::range::Range;
-use urdf2fmu_core::settings::{BaseChoice, Compat, InertiaSource};
+use urdf2fmu_core::settings::{BaseChoice, Compat, InertiaSource, ObjectSettings};
 
 /// Any URDF robot in, a self-contained FMI 2.0 co-simulation FMU out.
 #[derive(Debug, Parser)]
@@ -85,6 +87,10 @@ pub(crate) struct Source {
     /// Folder to look in for `package://`; may be repeated
     #[arg(long = "package-path", value_name = "DIR")]
     pub(crate) package_paths: Vec<PathBuf>,
+    /// Something else in the world: a URDF, and where its base is in m and rad; without z it stands
+    /// on the ground; may be repeated
+    #[arg(long = "object", value_name = "FILE[@X,Y[,Z[,ROLL,PITCH,YAW]]]", value_parser = object::parse)]
+    pub(crate) objects: Vec<ObjectSettings>,
     /// Arguments of a .xacro file
     #[arg(value_name = "NAME:=VALUE", value_parser = xacro_argument)]
     pub(crate) xacro_arguments: Vec<String>,
@@ -476,6 +482,7 @@ impl Source {
             initial_state: self.initial_state.clone(),
             package_paths: self.package_paths.clone(),
             xacro_arguments: self.xacro_arguments.clone(),
+            objects: self.objects.clone(),
         }
     }
 }

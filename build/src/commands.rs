@@ -87,7 +87,10 @@ fn init(args: &Init) -> Result<(), CliError> {
     if args.source.config.is_some() {
         return Err(CliError::InitFromSettings);
     }
-    let robot = stage::robot(&args.source.request(&args.urdf))?;
+    let mut request = args.source.request(&args.urdf);
+    // The settings of the robot are its own, whatever is around it.
+    let objects = std::mem::take(&mut request.objects);
+    let robot = stage::robot(&request)?;
     print_findings(&robot.diagnostics, Severity::Warning)?;
     let urdf = args.urdf.file_name().unwrap_or(args.urdf.as_os_str());
     print(&init::text(&init::Subject {
@@ -95,6 +98,7 @@ fn init(args: &Init) -> Result<(), CliError> {
         settings: &robot.settings,
         diagnostics: &robot.diagnostics,
         urdf: &urdf.to_string_lossy(),
+        objects: &objects,
     }))?;
     Ok(())
 }

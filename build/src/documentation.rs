@@ -6,7 +6,7 @@
 //! It is made from the same table as modelDescription.xml. It lists the assumptions and names no
 //! path of the machine that made the FMU.
 
-use crate::info::{count, role, short, total_mass, unit};
+use crate::info::{around, count, role, short, total_mass, unit};
 use std::fmt::{Display, Write as _};
 use urdf2fmu_core::diagnostic::Severity;
 use urdf2fmu_core::model::Model;
@@ -88,6 +88,8 @@ fn facts(out: &mut String, page: &Page, model: &Model, table: &[Variable]) {
             )
         },
     );
+    let around = around(model);
+    let around = (!around.is_empty()).then_some(("Around it", around));
     let rows: [(&str, String); 8] = [
         (
             "Base",
@@ -134,7 +136,7 @@ fn facts(out: &mut String, page: &Page, model: &Model, table: &[Variable]) {
         ),
     ];
     out.push_str("<table class=\"facts\">\n");
-    for (what, value) in rows {
+    for (what, value) in rows.into_iter().chain(around) {
         _ = writeln!(out, "<tr><td>{what}</td><td>{}</td></tr>", escape(&value));
     }
     out.push_str("</table>\n");

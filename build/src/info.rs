@@ -9,7 +9,7 @@ use crate::units;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 use std::sync::Arc;
-use urdf2fmu_core::model::{Joint, JointId, JointKind, LinkId, Model};
+use urdf2fmu_core::model::{Joint, JointId, JointKind, LinkId, Model, Root, RootId, RootKind};
 use urdf2fmu_core::simulation::{OutputSlot, Simulation};
 use urdf2fmu_core::spatial::{Mat3, Vec3, quaternion_from_rotation};
 use urdf2fmu_core::variables::{Kind, Variable};
@@ -29,6 +29,9 @@ pub fn text(model: &Model, table: &[Variable], with_variables: bool) -> String {
         count(model.nv(), "degree of freedom"),
         short(total_mass(model)),
     );
+    if model.roots.len() > 1 {
+        _ = write!(out, "\nWorld\n{}", things(model).indented());
+    }
     if !model.joints.is_empty() {
         _ = write!(out, "\nJoints\n{}", joints(model).indented());
     }
@@ -48,6 +51,69 @@ pub fn count(n: usize, thing: &str) -> String {
         Some((head, rest)) => format!("{n} {head}s {rest}"),
         None => format!("{n} {thing}s"),
     }
+}
+
+/// What a tree is: a robot or an object, whether its base moves, and its mass, kg.
+fn facts(model: &Model, id: RootId) -> (&'static str, &'static str, f64) {
+    let kind = match model.roots[id.index()].kind {
+        RootKind::Robot => "robot",
+        RootKind::Object => "object",
+    };
+    let base = if model.floats(id) {
+        "floating"
+    } else {
+        "fixed"
+    };
+    let own = model.links.iter();
+    let own = own.filter(|link| model.root_of(link.body) == id);
+    (kind, base, own.map(|link| link.inertia.mass).sum())
+}
+
+/// The names of all that stands in the world, the robot first.
+fn named(model: &Model) -> impl Iterator<Item = (RootId, &str, &Root)> {
+    let roots = model.roots.iter().enumerate();
+    roots.map(|(i, root)| {
+        let name = if root.name.is_empty() {
+            model.name.as_str()
+        } else {
+            root.name.as_str()
+        };
+        (RootId::from(i), name, root)
+    })
+}
+
+/// The robots and objects of a world.
+fn things(model: &Model) -> Columns {
+    let titles = [
+        "name",
+        "what",
+        "base",
+        "mass kg",
+        "position x y z m",
+        "rpy rad",
+    ];
+    let mut rows = Columns::new(&titles);
+    for (id, name, root) in named(model) {
+        let (kind, base, mass) = facts(model, id);
+        rows.row([
+            name.to_owned(),
+            kind.to_owned(),
+            base.to_owned(),
+            short(mass),
+            triple(&root.position),
+            triple(&root.rpy),
+        ]);
+    }
+    rows
+}
+
+/// What is around the robot, in words; empty for nothing.
+pub fn around(model: &Model) -> String {
+    let others = named(model).skip(1).map(|(id, name, _)| {
+        let (kind, base, mass) = facts(model, id);
+        format!("{kind} {name} ({base}, {} kg)", short(mass))
+    });
+    others.collect::<Vec<_>>().join(", ")
 }
 
 /// kg, all links together.
@@ -290,6 +356,17 @@ pub fn json(model: &Model, table: &[Variable], with_variables: bool) -> Value {
         "base": if model.is_floating() { "floating" } else { "fixed" },
         "degrees_of_freedom": model.nv(),
         "mass": total_mass(model),
+        "world": named(model).map(|(id, name, root)| {
+            let (kind, base, mass) = facts(model, id);
+            json!({
+                "name": name,
+                "kind": kind,
+                "base": base,
+                "mass": mass,
+                "position": root.position.as_slice(),
+                "rpy": root.rpy.as_slice(),
+            })
+        }).collect::<Vec<_>>(),
         "joints": model.joints.iter().enumerate().map(|(i, j)| joint_json(model, i, j)).collect::<Vec<_>>(),
         "links": model.links.iter().enumerate().map(|(i, link)| json!({
             "index": i,

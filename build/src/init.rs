@@ -4,11 +4,12 @@
 //! `#key = value` lines made active, gives the same model. Keys and their meaning come from the
 //! table of keys, values from the assembled robot; lines that start with `# ` are prose.
 
+use crate::world::free_name;
 use std::fmt::Write as _;
 use urdf2fmu_core::diagnostic::Diagnostic;
 use urdf2fmu_core::model::{ActuatorMode, Joint, JointKind, LinkId, Model};
 use urdf2fmu_core::settings::keys::{KEYS, Key, Takes};
-use urdf2fmu_core::settings::{Compat, InertiaSource, Settings};
+use urdf2fmu_core::settings::{Compat, InertiaSource, ObjectSettings, ObjectSource, Settings};
 
 /// What is written about.
 #[derive(Clone, Copy, Debug)]
@@ -21,6 +22,8 @@ pub struct Subject<'r> {
     pub diagnostics: &'r [Diagnostic],
     /// The URDF's name, for the heading.
     pub urdf: &'r str,
+    /// What is around the robot, as asked for on the command line.
+    pub objects: &'r [ObjectSettings],
 }
 
 /// The file.
@@ -34,6 +37,7 @@ pub fn text(subject: &Subject) -> String {
     for table in ["solver", "contact", "world", "world.ground"] {
         defaults(&mut out, table, subject.settings.compat);
     }
+    things(&mut out, subject.objects);
     initial(&mut out, subject);
     actuators(&mut out, subject.model);
     joints(&mut out, subject.model);
@@ -83,6 +87,36 @@ fn defaults(out: &mut String, table: &str, compat: Compat) {
             None => _ = writeln!(out, "# {name}: {}", key.about),
         }
     }
+}
+
+/// Things in the world: those asked for, and how others are written.
+fn things(out: &mut String, objects: &[ObjectSettings]) {
+    out.push_str("\n# Things in the world, each a [[world.object]] of its own.\n");
+    for table in ["world.object[]", "world.object[].shape"] {
+        legend(out, table);
+    }
+    let mut names: Vec<String> = Vec::new();
+    for object in objects {
+        let ObjectSource::Urdf(path) = &object.source else {
+            continue;
+        };
+        let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+        let name = free_name(&stem, &names);
+        let initial = &object.initial;
+        let mut place = initial.xy.to_vec();
+        place.extend(initial.z);
+        _ = writeln!(
+            out,
+            "[[world.object]]\nname = {}\nurdf = {}\nxyz = {}\nrpy = {}",
+            quoted(&name),
+            quoted(&path.display().to_string()),
+            list(&place),
+            list(initial.rpy.as_slice()),
+        );
+        names.push(name);
+    }
+    out.push_str("# Further robots, each a [[world.robot]] of its own.\n");
+    legend(out, "world.robot[]");
 }
 
 /// A key that holds: active where the command line asked for it.

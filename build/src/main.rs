@@ -38,9 +38,9 @@ mod sources;
 mod stage;
 mod structure;
 mod summary;
-
 mod units;
 mod view;
+mod world;
 mod xacro;
 
 use crate::commands::CliError;

@@ -11,19 +11,19 @@ use crate::documentation::{self, Page, Remark};
 use crate::identifier::{guid, model_identifier};
 use crate::library::{self, Library};
 use crate::scene::{self, Scene, SceneError};
-use crate::{date, license, page, picture, sources, xacro};
+use crate::{date, license, page, picture, sources, world, xacro};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use urdf2fmu_core::assemble;
-use urdf2fmu_core::diagnostic::{Diagnostic, Severity};
+use urdf2fmu_core::assemble::{self, Guest};
+use urdf2fmu_core::diagnostic::Diagnostic;
 use urdf2fmu_core::model::{ActuatorMode, Model};
 use urdf2fmu_core::pattern::Pattern;
 use urdf2fmu_core::prepared::{FILE_NAME, PreparedModel, PreparedModelError};
 use urdf2fmu_core::settings::{
-    ActuatorSettings, BaseChoice, Compat, InertiaSource, ModeChoice, Settings,
+    ActuatorSettings, BaseChoice, Compat, InertiaSource, ModeChoice, ObjectSettings, Settings,
 };
 use urdf2fmu_core::simulation::{Simulation, SimulationError};
-use urdf2fmu_core::urdf::{self, Description, ReadOptions};
+use urdf2fmu_core::urdf::{self, Description};
 use urdf2fmu_core::variables::{self, TableError, Variable};
 
 /// What a person asked for. What stands here wins over the settings file.
@@ -56,6 +56,8 @@ pub struct Request {
     pub package_paths: Vec<PathBuf>,
     /// `name:=value`, for xacro.
     pub xacro_arguments: Vec<String>,
+    /// `--object`: beside those of the settings file.
+    pub objects: Vec<ObjectSettings>,
 }
 
 /// A robot that is ready to simulate.
@@ -63,18 +65,21 @@ pub struct Request {
 pub struct Robot {
     /// As read.
     pub description: Description,
+    /// What is around it.
+    pub guests: Vec<Guest>,
     /// As prepared.
     pub model: Model,
     /// Every variable of its FMU.
     pub table: Vec<Variable>,
     /// What was assumed and what looks wrong.
     pub diagnostics: Vec<Diagnostic>,
-    /// Files that it was read from: the URDF, its meshes, then the settings and the SRDF.
+    /// Files that it was read from: the URDF, its meshes, then the settings and the SRDF, then
+    /// those of what is around it.
     pub sources: Vec<PathBuf>,
     /// As asked for.
     pub settings: Settings,
-    /// The URDF that a xacro file expands to; none for a URDF.
-    pub expanded: Option<String>,
+    /// The URDFs that xacro files expand to, by these files.
+    pub expanded: Vec<(PathBuf, String)>,
 }
 
 /// An FMU, not yet on disk.
@@ -171,13 +176,11 @@ pub fn robot(request: &Request) -> Result<Robot, StageError> {
     if let Some(mode) = request.mode {
         settings.default_mode = Some(ModeChoice::Commanded(mode));
     }
-    let mut options = assemble::read_options(&settings, ReadOptions::from_environment());
-    options.drawn = true;
-    options
-        .package_paths
-        .splice(0..0, request.package_paths.iter().cloned());
-
-    let (description, expanded) = read(request, &options).map_err(StageError::Robot)?;
+    settings.objects.extend(request.objects.iter().cloned());
+    let packages = &request.package_paths;
+    let options = world::options(&settings, packages);
+    let read = world::read(&request.urdf, &request.xacro_arguments, &options);
+    let (description, expanded) = read.map_err(StageError::Robot)?;
     let mut diagnostics = description.diagnostics.clone();
     if let Some(path) = &request.srdf {
         let state = request.initial_state.as_deref();
@@ -198,20 +201,32 @@ pub fn robot(request: &Request) -> Result<Robot, StageError> {
             }
         }
     }
-    let assembled = match assemble::build(&description, &settings) {
-        Ok(assembled) => assembled,
-        Err(errors) => {
-            diagnostics.extend(errors);
-            return Err(StageError::Robot(diagnostics));
-        }
+    let mut failed = |errors| {
+        diagnostics.extend(errors);
+        StageError::Robot(std::mem::take(&mut diagnostics))
     };
+    let mut around = world::surroundings(&mut settings, packages).map_err(&mut failed)?;
+    if request.pushable {
+        around.push(&settings);
+    }
+    let built = assemble::world(&description, &settings, &around.guests);
+    let assembled = built.map_err(&mut failed)?;
+    diagnostics.extend(around.diagnostics);
     diagnostics.extend(assembled.diagnostics);
     let table = variables::table(&assembled.model)?;
     let mut sources = description.sources.clone();
     sources.extend(request.config.clone());
     sources.extend(request.srdf.clone());
+    for source in around.sources {
+        if !sources.contains(&source) {
+            sources.push(source);
+        }
+    }
+    let own = expanded.map(|text| (request.urdf.clone(), text));
+    let expanded = own.into_iter().chain(around.expanded).collect();
     Ok(Robot {
         description,
+        guests: around.guests,
         model: assembled.model,
         table,
         diagnostics,
@@ -219,47 +234,6 @@ pub fn robot(request: &Request) -> Result<Robot, StageError> {
         settings,
         expanded,
     })
-}
-
-/// Reads the URDF, or what xacro makes of the file.
-fn read(
-    request: &Request,
-    options: &ReadOptions,
-) -> Result<(Description, Option<String>), Vec<Diagnostic>> {
-    let path = &request.urdf;
-    if !xacro::is_xacro(path) {
-        if let Some(argument) = request.xacro_arguments.first() {
-            return Err(vec![Diagnostic {
-                severity: Severity::Error,
-                code: "U006",
-                message: format!(
-                    "'{argument}' is an argument of xacro, '{}' is no xacro file",
-                    path.display()
-                ),
-                help: Some("leave it out, or give the .xacro file".to_owned()),
-                place: None,
-            }]);
-        }
-        return urdf::read(path, options).map(|description| (description, None));
-    }
-    let (text, note) = xacro::expand(path, &request.xacro_arguments, &options.package_paths)
-        .map_err(|finding| vec![*finding])?;
-    let folder = match path.parent() {
-        Some(parent) if !parent.as_os_str().is_empty() => parent,
-        _ => Path::new("."),
-    };
-    let name = path.display().to_string();
-    match urdf::read_str(&text, &name, folder, options) {
-        Ok(mut description) => {
-            description.sources.insert(0, path.clone());
-            description.diagnostics.insert(0, note);
-            Ok((description, Some(text)))
-        }
-        Err(mut findings) => {
-            findings.insert(0, note);
-            Err(findings)
-        }
-    }
 }
 
 /// Makes an FMU of a robot, with the libraries of the platforms asked for, or of all that there
@@ -369,13 +343,13 @@ fn make_scene(robot: &Robot, remarks: &[Remark], guid: &str) -> Result<Scene, St
         place: remark.place.clone().unwrap_or_default(),
     });
     let notes = notes.collect();
-    let Robot {
-        description,
-        model,
-        table,
-        ..
-    } = robot;
-    Ok(scene::make(description, model, table, notes, guid)?)
+    let Robot { model, table, .. } = robot;
+    let guests = robot.guests.iter();
+    let parts = guests.map(|guest| (guest.name.as_str(), &guest.description));
+    let parts: Vec<_> = std::iter::once(("", &robot.description))
+        .chain(parts)
+        .collect();
+    Ok(scene::make(&parts, model, table, notes, guid)?)
 }
 
 /// The libraries of `platforms`, or all where none is named.
@@ -425,8 +399,9 @@ fn sentence(robot: &Robot) -> String {
 fn add_sources(archive: &mut Archive, robot: &Robot) -> Result<Vec<String>, StageError> {
     let paths = &robot.sources;
     let mut contents = Vec::with_capacity(paths.len());
-    for (i, path) in paths.iter().enumerate() {
-        if let (0, Some(expanded)) = (i, &robot.expanded) {
+    let text_of = |path: &PathBuf| robot.expanded.iter().find(|(file, _)| file == path);
+    for path in paths {
+        if let Some((_, expanded)) = text_of(path) {
             contents.push(expanded.clone().into_bytes());
             continue;
         }
@@ -439,8 +414,10 @@ fn add_sources(archive: &mut Archive, robot: &Robot) -> Result<Vec<String>, Stag
         .first()
         .map(|c| String::from_utf8_lossy(c).into_owned());
     let mut names = sources::layout(paths, &urdf.unwrap_or_default());
-    if let (Some(name), Some(_)) = (names.first_mut(), &robot.expanded) {
-        *name = xacro::urdf_name(name);
+    for (name, path) in names.iter_mut().zip(paths) {
+        if text_of(path).is_some() {
+            *name = xacro::urdf_name(name);
+        }
     }
     for (name, content) in names.iter().zip(contents) {
         archive.add(format!("resources/source/{name}"), content)?;

@@ -1,6 +1,6 @@
 //! The report of `export`: the file, the robot, every assumption.
 
-use crate::info::{count, short, total_mass};
+use crate::info::{around, count, short, total_mass};
 use crate::picture::{Camera, Look};
 use crate::stage::{Fmu, Robot};
 use std::fmt::Write as _;
@@ -60,6 +60,10 @@ pub fn text(output: &Path, fmu: &Fmu, robot: &Robot) -> String {
         count(model.nv(), "degree of freedom"),
         short(total_mass(model)),
     );
+    let around = around(model);
+    if !around.is_empty() {
+        _ = writeln!(out, "  around it  {around}");
+    }
     _ = writeln!(
         out,
         "  variables  {}, {}, {}",

@@ -24,7 +24,7 @@ export function defaultPlots({ head }, has) {
       plots.push({ title: title + number, unit: unitOf.get(part[0]) ?? "", names: part });
     }
   };
-  const base = head.base.position.variables;
+  const base = head.roots[0].position.variables;
   add("Base position", base);
   add("Base velocity", base.map((name) => sameEnd(name, /position(.[xyz])$/, "linear_velocity$1")));
   const angles = ["roll", "pitch", "yaw"];

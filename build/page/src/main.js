@@ -51,7 +51,8 @@ const VIEW_KEYS = [
 function summary(head, run, live) {
   const moving = head.joints.reduce((sum, { motions }) =>
     sum + motions.reduce((n, { kind }) => n + (kind === "ball" ? 3 : 1), 0), 0);
-  const freedom = moving + (head.base.position.variables.length ? 6 : 0);
+  const floating = head.roots.filter(({ position }) => position.variables.length);
+  const freedom = moving + 6 * floating.length;
   const count = (n, word, words) => `${n} ${n === 1 ? word : words}`;
   const parts = [
     count(head.links.length, "link", "links"),
@@ -287,7 +288,7 @@ class Page {
         element("b", { textContent: value }), unitName);
       parts.push(node);
     };
-    const base = head.base.position.variables;
+    const base = head.roots[0].position.variables;
     if (base.length) {
       const velocity = base.map((name) => name.replace(/position(.[xyz])$/, "linear_velocity$1"));
       const speed = velocity.map((name) => run.value(name));

@@ -1,4 +1,4 @@
-// The robot as a tree of nodes: placing the nodes is the forward kinematics. Needs no WebGL.
+// The robot and what is around it as trees of nodes: placing the nodes is the forward kinematics. Needs no WebGL.
 import {
   Box3, Color, DoubleSide, FrontSide, Group, Mesh, MeshBasicMaterial, MeshPhysicalMaterial,
   Quaternion, RepeatWrapping, SRGBColorSpace, TextureLoader, Vector3,
@@ -18,9 +18,12 @@ export class Robot {
       node.userData.link = i;
       return node;
     });
-    this.base = { node: new Group(), ...head.base };
-    this.root.add(this.base.node);
-    this.base.node.add(this.links[0]);
+    this.bases = head.roots.map((base) => ({ node: new Group(), ...base }));
+    for (const { node, link } of this.bases) {
+      this.root.add(node);
+      node.add(this.links[link]);
+    }
+    [this.base] = this.bases;
     this.motions = [];
     for (const joint of head.joints) {
       let node = new Group();
@@ -106,9 +109,10 @@ export class Robot {
 
   /** Places all links where they are in the run now. */
   pose(run) {
-    const { node, position, orientation } = this.base;
-    node.position.fromArray(run.numbers(position, []));
-    node.quaternion.fromArray(run.quaternion(orientation, []));
+    for (const { node, position, orientation } of this.bases) {
+      node.position.fromArray(run.numbers(position, []));
+      node.quaternion.fromArray(run.quaternion(orientation, []));
+    }
     for (const { node: moved, motion, axis } of this.motions) {
       if (motion.kind === "ball") {
         moved.quaternion.fromArray(run.quaternion(motion, []));

@@ -35,7 +35,7 @@ export class View {
     this.weight = Math.max(scene.head.mass * 9.81, 1e-9);
     this.contacts = new Contacts(scene, this.robot, this.size);
     for (const [name, , , , on] of TOGGLES) this.shown[name] = on;
-    this.floating = scene.head.base.position.variables.length > 0;
+    this.floating = scene.head.roots[0].position.variables.length > 0;
     try {
       this.#stage();
     } catch (error) {
@@ -51,11 +51,12 @@ export class View {
     const { scene } = this.stage;
     this.arrows = this.contacts.list.map(() => new Arrow("#56d39b", this.size));
     this.pushed = new Arrow("#ff7b9c", this.size);
-    this.path = new Path(head.base.position, this.size);
+    this.path = new Path(head.roots[0].position, this.size);
     scene.add(this.path.node, this.pushed.node, ...this.arrows.map(({ node }) => node));
     // Frames where something moves; those of welded links would only hide them.
     const moved = head.joints.filter(({ motions }) => motions.length).map(({ child }) => child);
-    this.frames = [0, ...moved].map((link) => {
+    const bases = head.roots.map(({ link }) => link);
+    this.frames = [...bases, ...moved].map((link) => {
       const lines = frame(this.size * 0.12);
       this.robot.links[link].add(lines);
       return lines;

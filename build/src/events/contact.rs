@@ -90,8 +90,10 @@ pub(super) fn ground(run: &Run, scene: &Scene) -> Vec<Event> {
     }
     let mut events = Vec::from_iter(deepest(head, &heights));
     // A link whose place is not known may touch.
-    let floating = !head.base.position.variables.is_empty();
-    if floating && head.collisions.iter().all(|drawn| known[drawn.link]) {
+    let floating = !head.base().position.variables.is_empty();
+    // Above the ground a robot may stand on something else.
+    let alone = head.roots.len() == 1;
+    if floating && alone && head.collisions.iter().all(|drawn| known[drawn.link]) {
         events.extend(flights(&heights));
     }
     events
@@ -184,19 +186,18 @@ fn length(meters: f64) -> String {
 
 /// Variables that place any link.
 fn pose_variables(head: &Head) -> impl Iterator<Item = &String> {
-    let base = [&head.base.position, &head.base.orientation];
-    let motions = head.joints.iter().flat_map(|joint| &joint.motions);
-    base.into_iter()
-        .chain(motions.map(|motion| &motion.track))
-        .flat_map(|track| &track.variables)
+    head.tracks().flat_map(|track| &track.variables)
 }
 
 /// Links whose place follows from the columns.
 fn known_links(run: &Run) -> Vec<bool> {
     let head = run.head;
     let mut known = vec![false; head.links.len()];
-    let base = [&head.base.position, &head.base.orientation];
-    known[0] = base.iter().all(|track| run.all(&track.variables).is_some());
+    for root in &head.roots {
+        let tracks = [&root.position, &root.orientation];
+        let mut tracks = tracks.into_iter();
+        known[root.link] = tracks.all(|track| run.all(&track.variables).is_some());
+    }
     for joint in &head.joints {
         let mut tracks = joint.motions.iter().map(|motion| &motion.track);
         known[joint.child] =

@@ -22,7 +22,7 @@ struct Fall {
 
 /// Times at which the base tilted from the direction that was up in the first row.
 pub(super) fn falls(run: &Run) -> Vec<Event> {
-    let names = &run.head.base.orientation.variables;
+    let names = &run.head.base().orientation.variables;
     let Some(columns) = run.all(names).filter(|columns| columns.len() == 4) else {
         return Vec::new();
     };

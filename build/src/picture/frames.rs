@@ -24,7 +24,8 @@ const COLORS: [[f64; 4]; 3] = [
 pub(super) fn axes(head: &Head, size: f64) -> Scene {
     let [length, radius] = AXIS.map(|part| part * size);
     let moving = head.joints.iter().filter(|joint| !joint.motions.is_empty());
-    let links = std::iter::once(0).chain(moving.map(|joint| joint.child));
+    let bases = head.roots.iter().map(|root| root.link);
+    let links = bases.chain(moving.map(|joint| joint.child));
     let axis = |link, i| {
         let axis = Vec3::ith(i, 1.0);
         let q = quaternion_from_rotation(&rotation_to_axis(&axis));

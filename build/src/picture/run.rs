@@ -45,10 +45,8 @@ pub enum ShowError {
 /// # Errors
 /// [`ShowError`].
 pub fn poses(head: &Head, table: &Table, rate: f64) -> Result<Vec<Vec<Pose>>, ShowError> {
-    let motions = head.joints.iter().flat_map(|joint| &joint.motions);
-    let tracks = [&head.base.position, &head.base.orientation].into_iter();
-    let tracks = tracks.chain(motions.map(|motion| &motion.track));
-    let tracks: Vec<&[String]> = tracks.map(|track| track.variables.as_slice()).collect();
+    let tracks = head.tracks().map(|track| track.variables.as_slice());
+    let tracks: Vec<&[String]> = tracks.collect();
     let Some(example) = tracks.iter().copied().flatten().next() else {
         return Err(ShowError::Still);
     };

@@ -145,10 +145,10 @@ fn pieces(name: &str) -> Vec<&str> {
 /// Names of what says most about a run, as the page of a report has it: base, joints, contacts,
 /// efforts, energy. What is zero throughout says nothing.
 pub fn defaults(head: &Head, columns: &[(String, Vec<f64>)]) -> Vec<String> {
-    let mut names: Vec<String> = head.base.position.variables.clone();
+    let mut names: Vec<String> = head.base().position.variables.clone();
     // Beside the position: `base.position.x` and `base.rpy.roll`, with dots or underscores.
     for (position, angle) in head
-        .base
+        .base()
         .position
         .variables
         .iter()

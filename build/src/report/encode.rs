@@ -30,10 +30,8 @@ pub fn run(
     changed: &BTreeMap<String, f64>,
 ) -> Vec<u8> {
     let head = &scene.head;
-    let tracks = [&head.base.position, &head.base.orientation].into_iter();
-    let motions = head.joints.iter().flat_map(|joint| &joint.motions);
-    let poses: BTreeSet<&str> = tracks
-        .chain(motions.map(|motion| &motion.track))
+    let poses: BTreeSet<&str> = head
+        .tracks()
         .flat_map(|track| track.variables.iter().map(String::as_str))
         .collect();
     let mut body = Vec::new();

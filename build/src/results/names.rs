@@ -70,10 +70,7 @@ pub(super) fn rename(columns: &mut [(String, Vec<f64>)], scene: &Scene, notes: &
 fn missing(scene: &Scene, there: &BTreeSet<String>, notes: &mut Vec<String>) {
     let head = &scene.head;
     let lacks = |names: &[String]| names.iter().any(|name| !there.contains(name));
-    let base = [&head.base.position, &head.base.orientation];
-    let motions = head.joints.iter().flat_map(|joint| &joint.motions);
-    let tracks = base.into_iter().chain(motions.map(|motion| &motion.track));
-    let mut poses = tracks.flat_map(|track| &track.variables).peekable();
+    let mut poses = head.tracks().flat_map(|track| &track.variables).peekable();
     if poses.peek().is_some() && !poses.any(|name| there.contains(name)) {
         notes.push(format!(
             "No column says where '{}' is, so that it stays where it starts: is it a run of this \
@@ -82,11 +79,16 @@ fn missing(scene: &Scene, there: &BTreeSet<String>, notes: &mut Vec<String>) {
         ));
         return;
     }
-    if lacks(&head.base.position.variables) || lacks(&head.base.orientation.variables) {
-        notes.push(
-            "The base stays where it starts: columns of its position or orientation are missing."
-                .to_owned(),
-        );
+    for root in &head.roots {
+        if lacks(&root.position.variables) || lacks(&root.orientation.variables) {
+            let base = match root.name.as_str() {
+                "" => "The base".to_owned(),
+                name => format!("'{name}'"),
+            };
+            notes.push(format!(
+                "{base} stays where it starts: columns of its position or orientation are missing."
+            ));
+        }
     }
     let moving = head.joints.iter().filter(|joint| !joint.motions.is_empty());
     let still: Vec<String> = moving

@@ -6,8 +6,8 @@ use std::collections::BTreeMap;
 /// Name in an FMU, below `resources/`.
 pub const FILE_NAME: &str = "scene.bin";
 
-/// Version of the format; a reader refuses later ones.
-pub(super) const FORMAT: u32 = 1;
+/// Version of the format; a reader refuses others.
+pub(super) const FORMAT: u32 = 2;
 
 /// Blocks of the body, and the body itself, begin at multiples of this many bytes.
 pub(super) const ALIGNMENT: usize = 4;
@@ -28,8 +28,11 @@ pub enum SceneError {
     /// Its bytes contradict each other.
     #[error("it is damaged: {0}")]
     Damaged(String),
-    /// Written by a later program.
-    #[error("it has format {0}, this program reads format {FORMAT}; use a newer urdf2fmu")]
+    /// Written by another version of this program.
+    #[error(
+        "it has format {0}, this program reads format {FORMAT}; use the urdf2fmu that wrote it, or export \
+         again"
+    )]
     Format(u32),
 }
 
@@ -44,15 +47,15 @@ pub struct Head {
     pub robot: String,
     /// The FMU's guid; empty outside of an FMU.
     pub guid: String,
-    /// Of the whole robot.
+    /// Of the robot itself.
     pub mass: f64,
     /// Whether there is a ground at z = 0.
     pub ground: bool,
-    /// Where link 0 is in the world.
-    pub base: Base,
+    /// The trees that the links make up, the robot's first.
+    pub roots: Vec<Root>,
     /// Parents before children.
     pub links: Vec<Link>,
-    /// Parents before children; every link but the first is the child of one.
+    /// Parents before children; every link but those of the roots is the child of one.
     pub joints: Vec<Joint>,
     /// What is seen.
     pub visuals: Vec<Drawn>,
@@ -81,9 +84,16 @@ pub struct Track {
     pub start: Vec<f64>,
 }
 
-/// Pose of the base in the world.
+/// A robot or an object: where its base is in the world.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Base {
+pub struct Root {
+    /// Empty for the robot itself; the names of the others' links and joints begin with theirs and
+    /// a dot.
+    pub name: String,
+    /// `robot` or `object`.
+    pub kind: String,
+    /// The base, in the list of links.
+    pub link: usize,
     /// x, y, z.
     pub position: Track,
     /// x, y, z, w.
@@ -287,6 +297,21 @@ pub struct Note {
     pub place: String,
 }
 
+impl Head {
+    /// What places all that moves: bases, then joints.
+    pub fn tracks(&self) -> impl Iterator<Item = &Track> {
+        let roots = self.roots.iter();
+        let bases = roots.flat_map(|root| [&root.position, &root.orientation]);
+        let motions = self.joints.iter().flat_map(|joint| &joint.motions);
+        bases.chain(motions.map(|motion| &motion.track))
+    }
+
+    /// The robot's own base.
+    pub fn base(&self) -> &Root {
+        &self.roots[0]
+    }
+}
+
 impl Scene {
     /// The file's content.
     ///
@@ -340,6 +365,7 @@ impl Scene {
     /// Every place in a list and every block is there.
     fn check(&self) -> Result<(), SceneError> {
         let Head {
+            roots,
             links,
             joints,
             meshes,
@@ -347,15 +373,20 @@ impl Scene {
             ..
         } = &self.head;
         let fail = |what: &str| Err(SceneError::Damaged(what.to_owned()));
-        if links.is_empty() || joints.len() + 1 != links.len() {
-            return fail("its joints do not make a tree");
+        if roots.is_empty() || joints.len() + roots.len() != links.len() {
+            return fail("its joints do not make trees");
         }
         // Parents come first, so that one pass over the joints places every link.
         let mut placed = vec![false; links.len()];
-        placed[0] = true;
+        for root in roots {
+            if placed.get(root.link) != Some(&false) {
+                return fail("its joints do not make trees");
+            }
+            placed[root.link] = true;
+        }
         for joint in joints {
             if placed.get(joint.parent) != Some(&true) || placed.get(joint.child) != Some(&false) {
-                return fail("its joints do not make a tree");
+                return fail("its joints do not make trees");
             }
             placed[joint.child] = true;
         }

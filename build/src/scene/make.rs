@@ -3,7 +3,7 @@
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
 use super::format::{
-    Base, Contact, Drawn, FORMAT, Head, Joint, Link, Mesh, Motion, MotionKind, Note, Scene, Shape,
+    Contact, Drawn, FORMAT, Head, Joint, Link, Mesh, Motion, MotionKind, Note, Root, Scene, Shape,
     Texture, Track, Variable, Wrench, short,
 };
 use super::mesh;
@@ -33,14 +33,15 @@ const BALL: f64 = 0.04;
 /// Size of a robot all of whose links are in one place, m.
 const SMALLEST: f64 = 0.1;
 
-/// The scene of a robot.
+/// The scene of a robot and what is around it.
 ///
+/// - `parts`: descriptions of all trees with their names, empty for the robot itself
 /// - `guid`: of its FMU; may be empty
 ///
 /// # Errors
 /// [`SimulationError`] if its initial state cannot be computed.
 pub fn make(
-    description: &Description,
+    parts: &[(&str, &Description)],
     model: &Model,
     table: &[variables::Variable],
     notes: Vec<Note>,
@@ -66,19 +67,24 @@ pub fn make(
         center_of_mass: vector(&link.inertia.com),
     });
     let mut body = Body::default();
-    let mut visuals = body.visuals(description, model);
+    let mut visuals = Vec::new();
+    for (name, description) in parts {
+        body.visuals(&mut visuals, name, description, model);
+    }
     let collisions = body.collisions(model);
     let joints: Vec<Joint> = (0..model.joints.len())
         .map(|j| names.joint(model, j))
         .collect();
+    let own = model.links.iter();
+    let own = own.filter(|link| model.root_of(link.body) == RootId::ROBOT);
     let mut head = Head {
         format: FORMAT,
         generator: format!("urdf2fmu {}", env!("CARGO_PKG_VERSION")),
         robot: model.name.clone(),
         guid: guid.to_owned(),
-        mass: short(model.links.iter().map(|link| link.inertia.mass).sum()),
+        mass: short(own.map(|link| link.inertia.mass).sum()),
         ground: model.world.ground.is_some(),
-        base: names.base(model),
+        roots: names.roots(model),
         links: links.collect(),
         joints,
         visuals: Vec::new(),
@@ -151,23 +157,36 @@ impl Names<'_> {
         track
     }
 
-    fn base(&mut self, model: &Model) -> Base {
-        if model.is_floating() {
-            return Base {
-                position: self
-                    .track((0..3).map(|axis| OutputSlot::BasePosition(RootId::ROBOT, axis))),
-                orientation: self
-                    .track((0..4).map(|axis| OutputSlot::BaseOrientation(RootId::ROBOT, axis))),
+    fn roots(&mut self, model: &Model) -> Vec<Root> {
+        let ids = (0..model.roots.len()).map(RootId::from);
+        ids.map(|id| self.root(model, id)).collect()
+    }
+
+    fn root(&mut self, model: &Model, id: RootId) -> Root {
+        let root = &model.roots[id.index()];
+        let (position, orientation) = if model.floats(id) {
+            (
+                self.track((0..3).map(|axis| OutputSlot::BasePosition(id, axis))),
+                self.track((0..4).map(|axis| OutputSlot::BaseOrientation(id, axis))),
+            )
+        } else {
+            let X_WB = Pose::from_xyz_rpy(root.position, root.rpy);
+            let still = |start: &[f64]| Track {
+                variables: Vec::new(),
+                start: start.to_vec(),
             };
-        }
-        let X_WB = Pose::from_xyz_rpy(model.roots[0].position, model.roots[0].rpy);
-        let still = |start: &[f64]| Track {
-            variables: Vec::new(),
-            start: start.to_vec(),
+            (still(&vector(&X_WB.p)), still(&quaternion(&X_WB)))
         };
-        Base {
-            position: still(&vector(&X_WB.p)),
-            orientation: still(&quaternion(&X_WB)),
+        Root {
+            name: root.name.clone(),
+            kind: match root.kind {
+                model::RootKind::Robot => "robot",
+                model::RootKind::Object => "object",
+            }
+            .to_owned(),
+            link: model.base(id).link.index(),
+            position,
+            orientation,
         }
     }
 
@@ -273,8 +292,14 @@ struct Body {
 }
 
 impl Body {
-    /// The visuals of all links that the model has.
-    fn visuals(&mut self, description: &Description, model: &Model) -> Vec<Drawn> {
+    /// Adds the visuals of all links of a tree that the model has.
+    fn visuals(
+        &mut self,
+        list: &mut Vec<Drawn>,
+        name: &str,
+        description: &Description,
+        model: &Model,
+    ) {
         let link_of: HashMap<&str, usize> = model
             .links
             .iter()
@@ -285,9 +310,14 @@ impl Body {
         let side = texture::longest_side(&description.textures);
         let mut meshes: Vec<Option<Vec<Option<usize>>>> =
             vec![None; description.drawn_meshes.len()];
-        let mut list = Vec::new();
+        let prefix = if name.is_empty() {
+            String::new()
+        } else {
+            format!("{name}.")
+        };
         for link in &description.links {
-            let Some(&l) = link_of.get(link.name.as_str()) else {
+            let own = format!("{prefix}{}", link.name);
+            let Some(&l) = link_of.get(own.as_str()) else {
                 continue;
             };
             for visual in &link.visuals {
@@ -340,7 +370,6 @@ impl Body {
                 }
             }
         }
-        list
     }
 
     /// The shapes that touch the ground, as the simulation has them.

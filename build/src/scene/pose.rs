@@ -10,10 +10,12 @@ use urdf2fmu_core::spatial::{Mat3, Pose, Vec3};
 /// - `value`: of a variable by its name; `None` where it is not known, then its start counts
 pub fn link_poses(head: &Head, value: impl Fn(&str) -> Option<f64>) -> Vec<Pose> {
     let mut poses = vec![Pose::IDENTITY; head.links.len()];
-    poses[0] = Pose {
-        R: rotation(numbers(&head.base.orientation, &value)),
-        p: Vec3::from(numbers(&head.base.position, &value)),
-    };
+    for root in &head.roots {
+        poses[root.link] = Pose {
+            R: rotation(numbers(&root.orientation, &value)),
+            p: Vec3::from(numbers(&root.position, &value)),
+        };
+    }
     for joint in &head.joints {
         let mut X_WC = poses[joint.parent].compose(&pose(&joint.position, &joint.orientation));
         for motion in &joint.motions {

@@ -29,10 +29,13 @@ fn scene(triangles: &[[[f64; 3]; 3]], uv: &[[[f64; 2]; 3]]) -> Scene {
         guid: String::new(),
         mass: 1.0,
         ground: true,
-        base: Base {
+        roots: vec![Root {
+            name: String::new(),
+            kind: "robot".to_owned(),
+            link: 0,
             position: track(&[0.0; 3]),
             orientation: track(&[0.0, 0.0, 0.0, 1.0]),
-        },
+        }],
         links: vec![Link {
             name: "a".to_owned(),
             mass: 1.0,
@@ -186,5 +189,5 @@ fn damaged_scenes_are_refused_without_a_panic() {
         ..later
     };
     let refused = Scene::from_bytes(&later.to_bytes().unwrap()).unwrap_err();
-    assert!(refused.to_string().contains("newer urdf2fmu"), "{refused}");
+    assert!(refused.to_string().contains("export again"), "{refused}");
 }

@@ -1,0 +1,92 @@
+//! `--object`: a file, and where it is.
+
+use std::path::PathBuf;
+use urdf2fmu_core::range::Range;
+use urdf2fmu_core::settings::{InitialSettings, ObjectSettings, ObjectSource};
+use urdf2fmu_core::spatial::Vec3;
+
+/// `cube.urdf`, `cube.urdf@1,0` or `cube.urdf@1,0,0.5,0,0,1.57`.
+pub(super) fn parse(text: &str) -> Result<ObjectSettings, String> {
+    // A file may have such a sign in its name, too.
+    let numeric = |c: char| c.is_ascii_digit() || "+-.,eE ".contains(c);
+    let (file, place) = match text.rsplit_once('@') {
+        Some((file, place)) if place.chars().all(numeric) => (file, Some(place)),
+        _ => (text, None),
+    };
+    let number = |part: &str| {
+        let number = part.trim().parse().ok();
+        number.filter(|number| Range::Position.contains(*number))
+    };
+    let numbers = place.map_or(Some(Vec::new()), |place| {
+        place.split(',').map(number).collect::<Option<Vec<f64>>>()
+    });
+    let numbers = numbers.ok_or_else(|| {
+        let legal = Range::Position.expected();
+        format!("each number of the place must be {legal}")
+    })?;
+    if file.is_empty() || !matches!(numbers.len(), 0 | 2 | 3 | 6) {
+        return Err(
+            "give a file and its place in m and rad: FILE, FILE@X,Y, FILE@X,Y,Z or \
+             FILE@X,Y,Z,ROLL,PITCH,YAW"
+                .to_owned(),
+        );
+    }
+    let at = |i: usize| numbers.get(i).copied();
+    let or_zero = |i: usize| at(i).unwrap_or_default();
+    Ok(ObjectSettings {
+        name: None,
+        source: ObjectSource::Urdf(PathBuf::from(file)),
+        initial: InitialSettings {
+            xy: [or_zero(0), or_zero(1)],
+            z: at(2),
+            rpy: Vec3::new(or_zero(3), or_zero(4), or_zero(5)),
+            ..InitialSettings::default()
+        },
+        fixed: false,
+        friction: None,
+        restitution: None,
+        place: None,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_place_has_two_three_or_six_numbers_or_is_left_out() {
+        let place = |text: &str| {
+            let object = parse(text).expect(text);
+            let initial = object.initial;
+            let ObjectSource::Urdf(file) = object.source else {
+                panic!("{text}")
+            };
+            let file = file.display().to_string();
+            (file, initial.xy, initial.z, initial.rpy)
+        };
+        let level = Vec3::zeros();
+        let cube = || "cube.urdf".to_owned();
+        assert_eq!(place("cube.urdf"), (cube(), [0.0, 0.0], None, level));
+        assert_eq!(place("cube.urdf@1,-2"), (cube(), [1.0, -2.0], None, level));
+        let high = (cube(), [1.0, 0.0], Some(0.5), level);
+        assert_eq!(place("cube.urdf@1,0,0.5"), high);
+        let turned = (cube(), [1.0, 0.0], Some(0.5), Vec3::new(0.0, 0.0, 1.57));
+        assert_eq!(place("cube.urdf@1,0,5e-1,0,0,1.57"), turned);
+        // A file may be named so.
+        let odd = ("a@b.urdf".to_owned(), [1.0, 2.0], None, level);
+        assert_eq!(place("a@b.urdf@1,2"), odd);
+        assert_eq!(place("a@b.urdf").0, "a@b.urdf");
+    }
+
+    #[test]
+    fn other_counts_and_numbers_out_of_range_are_told() {
+        for text in ["", "@1,2", "a@1", "a@1,2,3,4", "a@1,2,3,4,5,6,7"] {
+            let why = parse(text).expect_err(text);
+            assert!(why.contains("FILE@X,Y,Z"), "{text}: {why}");
+        }
+        for text in ["a@", "a@1,2,", "a@1,e", "a@1,1e300"] {
+            let why = parse(text).expect_err(text);
+            assert!(why.contains("each number"), "{text}: {why}");
+        }
+    }
+}

@@ -1,0 +1,268 @@
+//! Files of the world: the robot's, and those of further robots and objects.
+
+use crate::xacro;
+use std::path::{Path, PathBuf};
+use urdf2fmu_core::assemble::{self, Guest};
+use urdf2fmu_core::diagnostic::{Diagnostic, Severity};
+use urdf2fmu_core::model::{JointKind, RootKind};
+use urdf2fmu_core::settings::{
+    BaseChoice, ObjectSettings, ObjectSource, RobotSettings, Settings, is_taken,
+};
+use urdf2fmu_core::urdf::{self, Description, ReadOptions};
+
+/// What stands around the robot.
+#[derive(Debug, Default)]
+pub struct Surroundings {
+    /// In the order of the settings: robots, then objects.
+    pub guests: Vec<Guest>,
+    /// Notes and warnings.
+    pub diagnostics: Vec<Diagnostic>,
+    /// Files that they were read from.
+    pub sources: Vec<PathBuf>,
+    /// What xacro files expand to.
+    pub expanded: Vec<(PathBuf, String)>,
+}
+
+/// What all files are read with: folders of packages, and that everything is drawn.
+pub fn options(settings: &Settings, package_paths: &[PathBuf]) -> ReadOptions {
+    let mut options = assemble::read_options(settings, ReadOptions::from_environment());
+    options.drawn = true;
+    options
+        .package_paths
+        .splice(0..0, package_paths.iter().cloned());
+    options
+}
+
+/// Reads a URDF, or what xacro makes of the file, which is the text returned.
+///
+/// # Errors
+/// Everything that is wrong with the file.
+pub fn read(
+    path: &Path,
+    arguments: &[String],
+    options: &ReadOptions,
+) -> Result<(Description, Option<String>), Vec<Diagnostic>> {
+    if !xacro::is_xacro(path) {
+        if let Some(argument) = arguments.first() {
+            return Err(vec![Diagnostic {
+                severity: Severity::Error,
+                code: "U006",
+                message: format!(
+                    "'{argument}' is an argument of xacro, '{}' is no xacro file",
+                    path.display()
+                ),
+                help: Some("leave it out, or give the .xacro file".to_owned()),
+                place: None,
+            }]);
+        }
+        return urdf::read(path, options).map(|description| (description, None));
+    }
+    let (text, note) =
+        xacro::expand(path, arguments, &options.package_paths).map_err(|finding| vec![*finding])?;
+    let folder = match path.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
+    };
+    let name = path.display().to_string();
+    match urdf::read_str(&text, &name, folder, options) {
+        Ok(mut description) => {
+            description.sources.insert(0, path.to_owned());
+            description.diagnostics.insert(0, note);
+            Ok((description, Some(text)))
+        }
+        Err(mut findings) => {
+            findings.insert(0, note);
+            Err(findings)
+        }
+    }
+}
+
+/// Reads all that the settings place around the robot. An object that is nothing but a ground
+/// becomes that of the settings.
+///
+/// # Errors
+/// Everything that is wrong with any of it, and the findings before.
+pub fn surroundings(
+    settings: &mut Settings,
+    package_paths: &[PathBuf],
+) -> Result<Surroundings, Vec<Diagnostic>> {
+    let mut around = Surroundings::default();
+    let mut names: Vec<String> = settings
+        .robots
+        .iter()
+        .map(|r| r.name.text.clone())
+        .collect();
+    let given = settings.objects.iter().filter_map(|o| o.name.as_ref());
+    names.extend(given.map(|name| name.text.clone()));
+
+    // The ground comes first, so that all stand on the same one.
+    let mut objects = Vec::new();
+    let mut failed = false;
+    for object in settings.objects.clone() {
+        let Some(description) = around.object(&object, settings, package_paths) else {
+            failed = true;
+            continue;
+        };
+        let name = match &object.name {
+            Some(name) => name.text.clone(),
+            None => {
+                let name = free_name(&description.name, &names);
+                names.push(name.clone());
+                name
+            }
+        };
+        match assemble::take_ground(&name, &object, &description, settings) {
+            Some(note) => around.diagnostics.push(note),
+            None => objects.push((name, object, description)),
+        }
+    }
+    for robot in settings.robots.clone() {
+        match around.robot(&robot, settings, package_paths) {
+            Some((own, description)) => around.guests.push(Guest {
+                name: robot.name.text,
+                kind: RootKind::Robot,
+                description,
+                settings: own,
+            }),
+            None => failed = true,
+        }
+    }
+    for (name, object, description) in objects {
+        around.guests.push(Guest {
+            name,
+            kind: RootKind::Object,
+            settings: assemble::of_object(&object, settings),
+            description,
+        });
+    }
+    if failed {
+        return Err(around.diagnostics);
+    }
+    Ok(around)
+}
+
+/// The name of a robot without its file's ending, with a number where it is taken.
+pub fn free_name(name: &str, taken: &[String]) -> String {
+    let name = name.trim();
+    let name = name.strip_suffix(".urdf").unwrap_or(name);
+    let name = if name.is_empty() { "thing" } else { name };
+    let taken = |name: &str| is_taken(name, taken.iter().map(String::as_str));
+    if !taken(name) {
+        return name.to_owned();
+    }
+    let numbered = (2..).map(|n| format!("{name}{n}"));
+    numbered
+        .into_iter()
+        .find(|name| !taken(name))
+        .unwrap_or_default()
+}
+
+impl Surroundings {
+    /// Gives all links that can move the inputs of `settings` for forces from outside.
+    pub fn push(&mut self, settings: &Settings) {
+        for guest in &mut self.guests {
+            let Description { links, joints, .. } = &guest.description;
+            let heavy = links
+                .iter()
+                .any(|link| link.inertial.is_some_and(|i| i.mass > 0.0));
+            let floats = heavy && guest.settings.base != BaseChoice::Fixed;
+            if floats || joints.iter().any(|joint| joint.kind != JointKind::Fixed) {
+                guest.settings.external_wrenches = settings.external_wrenches.clone();
+            }
+        }
+    }
+
+    fn tell(&mut self, findings: Vec<Diagnostic>) {
+        for finding in findings {
+            // Two objects of one file have the same findings.
+            if !self.diagnostics.contains(&finding) {
+                self.diagnostics.push(finding);
+            }
+        }
+    }
+
+    /// None after an error was told.
+    fn urdf(&mut self, path: &Path, options: &ReadOptions) -> Option<Description> {
+        match read(path, &[], options) {
+            Ok((description, expanded)) => {
+                self.tell(description.diagnostics.clone());
+                for source in &description.sources {
+                    self.source(source);
+                }
+                if let Some(text) = expanded {
+                    self.expanded.push((path.to_owned(), text));
+                }
+                Some(description)
+            }
+            Err(findings) => {
+                self.tell(findings);
+                None
+            }
+        }
+    }
+
+    fn source(&mut self, path: &Path) {
+        if !self.sources.iter().any(|known| known == path) {
+            self.sources.push(path.to_owned());
+        }
+    }
+
+    fn object(
+        &mut self,
+        object: &ObjectSettings,
+        world: &Settings,
+        package_paths: &[PathBuf],
+    ) -> Option<Description> {
+        match &object.source {
+            ObjectSource::Urdf(path) => {
+                let options = options(&assemble::of_object(object, world), package_paths);
+                self.urdf(path, &options)
+            }
+            ObjectSource::Solid { shape, mass } => {
+                let name = object.name.as_ref().map_or("thing", |name| &name.text);
+                Some(assemble::solid(name, shape, *mass))
+            }
+        }
+    }
+
+    fn robot(
+        &mut self,
+        robot: &RobotSettings,
+        world: &Settings,
+        package_paths: &[PathBuf],
+    ) -> Option<(Settings, Description)> {
+        let own = match &robot.config {
+            Some(path) => {
+                self.source(path);
+                Settings::read_as(path, Some(world.compat))
+            }
+            None => Ok(Settings::of(world.compat)),
+        };
+        let own = own.and_then(|own| assemble::of_robot(robot, own, world));
+        match own {
+            Ok(own) => {
+                let description = self.urdf(&robot.urdf, &options(&own, package_paths))?;
+                Some((own, description))
+            }
+            Err(findings) => {
+                self.tell(findings);
+                None
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_object_gets_the_name_of_its_robot_and_a_number_where_that_is_taken() {
+        let taken = ["cube".to_owned(), "cube2".to_owned()];
+        assert_eq!(free_name("cube.urdf", &taken), "cube3");
+        assert_eq!(free_name("duck", &taken), "duck");
+        // The name of a group of variables.
+        assert_eq!(free_name("object", &[]), "object2");
+        assert_eq!(free_name(" ", &[]), "thing");
+    }
+}
