@@ -9,10 +9,10 @@ use std::path::Path;
 use std::sync::Arc;
 use urdf2fmu_core::assemble;
 use urdf2fmu_core::diagnostic::{Diagnostic, Severity};
-use urdf2fmu_core::model::Model;
+use urdf2fmu_core::model::{Model, RootKind};
 use urdf2fmu_core::range::Range;
-use urdf2fmu_core::settings::Settings;
 use urdf2fmu_core::settings::keys::{KEYS, Key, Takes};
+use urdf2fmu_core::settings::{ObjectSource, Settings};
 use urdf2fmu_core::simulation::{InputSlot, Simulation, SimulationError};
 use urdf2fmu_core::urdf::{self, ReadOptions};
 use urdf2fmu_core::variables::{Slot, Variable, table};
@@ -60,7 +60,19 @@ fn robot(urdf: &str, settings: &str) -> Result<Model, Vec<Diagnostic>> {
     let settings = Settings::parse(settings, "robot.toml")?;
     let options = assemble::read_options(&settings, ReadOptions::default());
     let description = urdf::read_str(urdf, "robot.urdf", Path::new("examples"), &options)?;
-    Ok(assemble::build(&description, &settings)?.model)
+    let guests = settings.objects.iter().filter_map(|object| {
+        let ObjectSource::Solid { shape, mass } = &object.source else {
+            return None;
+        };
+        Some(assemble::Guest {
+            name: "thing".to_owned(),
+            kind: RootKind::Object,
+            description: assemble::solid("thing", shape, *mass),
+            settings: assemble::of_object(object, &settings),
+        })
+    });
+    let guests: Vec<_> = guests.collect();
+    Ok(assemble::world(&description, &settings, &guests)?.model)
 }
 
 /// What came of a robot that was accepted.
@@ -142,6 +154,19 @@ fn settings_with(key: &Key, value: f64) -> String {
             "pd"
         };
         return format!("[[actuator]]\njoint = \"*\"\nmode = \"{mode}\"\n{name} = {value}\n");
+    }
+    if let Some(key) = path.strip_prefix("world.object[].shape.") {
+        return format!(
+            "[[world.object]]\nname = \"thing\"\nmass = 1\nxyz = [5, 0]\nshape = {{ {key} = {value} }}\n"
+        );
+    }
+    if path.starts_with("world.object[]") {
+        let shape = "shape = { sphere = 0.1 }";
+        let mass = if name == "mass" { "" } else { "mass = 1\n" };
+        return format!("[[world.object]]\nname = \"thing\"\n{shape}\n{mass}{name} = {value}\n");
+    }
+    if path.starts_with("world.robot[]") {
+        return format!("[[world.robot]]\nname = \"a\"\nurdf = \"a\"\n{name} = {value}\n");
     }
     if path.starts_with("sensor[]") {
         return format!(

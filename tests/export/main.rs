@@ -12,6 +12,7 @@ mod model_description;
 #[cfg(unix)]
 mod output;
 mod ranges;
+mod world;
 #[cfg(unix)]
 mod xacro;
 

@@ -38,7 +38,7 @@ def camera(text):
 def outline_by_pybullet(pybullet, client, urdf, head, view):
     """Which pixels PyBullet's software renderer sees the robot in, at the start of the simulation."""
     eye, target, field = view
-    base = head["base"]
+    base = head["roots"][0]
     robot = pybullet.loadURDF(str(urdf), base["position"]["start"], base["orientation"]["start"],
                               useFixedBase=True, physicsClientId=client)
     starts = {joint["name"]: joint["motions"] for joint in head["joints"]}
@@ -88,7 +88,10 @@ def outline_by_rays(head, view):
     right = numpy.cross(ahead, [0, 0, 1]) / numpy.linalg.norm(numpy.cross(ahead, [0, 0, 1]))
     steps = (numpy.arange(SIZE) + 0.5 - SIZE / 2) / (SIZE / 2) * numpy.tan(numpy.radians(field / 2))
     rays = ahead + steps[None, :, None] * right - steps[:, None, None] * numpy.cross(right, ahead)
-    poses = {0: (turn(head["base"]["orientation"]["start"]), numpy.array(head["base"]["position"]["start"]))}
+    poses = {
+        root["link"]: (turn(root["orientation"]["start"]), numpy.array(root["position"]["start"]))
+        for root in head["roots"]
+    }
     for joint in head["joints"]:
         R, p = poses[joint["parent"]]
         p, R = p + R @ joint["position"], R @ turn(joint["orientation"])

@@ -389,3 +389,22 @@ def test_the_committed_page_is_that_of_its_sources(examples, tmp_path):
     for step in ["npm", "ci", "--no-audit", "--no-fund"], ["npm", "run", "check"]:
         run = subprocess.run(step, cwd=folder, capture_output=True, text=True, check=False)
         assert run.returncode == 0, run.stdout + run.stderr
+
+
+def test_every_tree_is_drawn_at_its_own_base(browser, command, export, pybullet_data, tmp_path):
+    fmu = export(pybullet_data / "r2d2.urdf", "[initial]\nxyz = [0, 0, 0.6]\n",
+                 "--object", pybullet_data / "plane.urdf", "--object", f"{pybullet_data / 'cube_small.urdf'}@1,0.5,0.8",
+                 "--object", f"{pybullet_data / 'table/table.urdf'}@0,3")
+    run = command("simulate", fmu, "--stop-time", 0.5, "--output-file", tmp_path / "out.csv",
+                  "--report", tmp_path / "r.html")
+    assert run.returncode == 0, run.stderr
+    table = read_csv(tmp_path / "out.csv")
+    for row in 0, 60, len(table) - 1:
+        with open_report(browser, tmp_path / "r.html", f"t={float(table['time'][row])}") as page:
+            poses = page.evaluate("window.page.poses()")
+        for link, name in ("base_link", "base"), ("cube.baseLink", "object.cube"):
+            expected = [table[f"{name}.position.{axis}"][row] for axis in "xyz"]
+            assert np.allclose(poses[link][:3], expected, atol=1e-4), link
+        assert np.allclose(poses["table.baseLink"], [0, 3, 0, 0, 0, 0, 1], atol=1e-6)
+    # The cube has fallen by g t^2 / 2 meanwhile: 1.226 m would be below the ground.
+    assert table["object.cube.position.z"][-1] < 0.03

@@ -158,6 +158,36 @@ fn more_vertices_than_a_short_index_counts_have_long_indices() {
 }
 
 #[test]
+fn every_tree_stands_where_its_own_base_is() {
+    let mut scene = scene(&sphere(3), &[]);
+    scene.head.links.push(scene.head.links[0].clone());
+    let mut other = scene.head.roots[0].clone();
+    (other.name, other.kind, other.link) = ("cube".to_owned(), "object".to_owned(), 1);
+    other.position = Track {
+        variables: ["x", "y", "z"].map(|axis| format!("cube.{axis}")).to_vec(),
+        start: vec![1.0, 2.0, 3.0],
+    };
+    assert!(
+        scene
+            .to_bytes()
+            .is_ok_and(|bytes| Scene::from_bytes(&bytes).is_err())
+    );
+    scene.head.roots.push(other);
+    let bytes = scene.to_bytes().unwrap();
+    let head = Scene::from_bytes(&bytes).unwrap().head;
+    let at = |value: &dyn Fn(&str) -> Option<f64>| pose::link_poses(&head, value)[1].p;
+    assert_eq!(at(&|_| None).as_slice(), [1.0, 2.0, 3.0]);
+    let moved = at(&|name| (name == "cube.y").then_some(5.0));
+    assert_eq!(moved.as_slice(), [1.0, 5.0, 3.0]);
+    assert_eq!(pose::link_poses(&head, |_| None)[0].p.norm().to_bits(), 0);
+    assert_eq!(head.tracks().count(), 4);
+    // Two trees on one link.
+    scene.head.roots[1].link = 0;
+    let bytes = scene.to_bytes().unwrap();
+    assert!(Scene::from_bytes(&bytes).is_err());
+}
+
+#[test]
 fn damaged_scenes_are_refused_without_a_panic() {
     let bytes = scene(&sphere(3), &[]).to_bytes().unwrap();
     for length in 0..bytes.len() {

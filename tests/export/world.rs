@@ -1,0 +1,172 @@
+//! A robot with other things around it: from the command line and from settings.
+
+use super::*;
+
+const CUBE: &str = r#"<robot name="cube.urdf"><link name="body">
+<inertial><mass value="2"/>
+<inertia ixx="0.0133333" iyy="0.0133333" izz="0.0133333" ixy="0" ixz="0" iyz="0"/></inertial>
+<visual><geometry><box size="0.2 0.2 0.2"/></geometry></visual>
+<collision><geometry><box size="0.2 0.2 0.2"/></geometry></collision>
+</link></robot>"#;
+
+/// As `PyBullet`'s: a ground and nothing else.
+const PLANE: &str = r#"<robot name="plane"><link name="planeLink">
+<contact><lateral_friction value="0.5"/></contact>
+<inertial><mass value="0"/><inertia ixx="0" iyy="0" izz="0" ixy="0" ixz="0" iyz="0"/></inertial>
+<collision><origin xyz="0 0 -5"/><geometry><box size="30 30 10"/></geometry></collision>
+</link></robot>"#;
+
+/// A folder with both.
+fn files() -> TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("cube.urdf"), CUBE).unwrap();
+    fs::write(folder.path().join("plane.urdf"), PLANE).unwrap();
+    folder
+}
+
+/// The last row of a run, by names.
+fn last(folder: &Path, args: &[&str]) -> BTreeMap<String, f64> {
+    let mut all = vec!["simulate", "--quiet", "--output-file", "out.csv"];
+    all.extend(args);
+    let run = run_in(folder, &all, &[]);
+    assert_eq!(run.code, 0, "{run:?}");
+    let table = fs::read_to_string(folder.join("out.csv")).unwrap();
+    let names = table.lines().next().unwrap().split(',');
+    let names = names.map(|name| name.trim_matches('"').to_owned());
+    let values = table.lines().last().unwrap().split(',');
+    names
+        .zip(values.map(|x| x.parse().unwrap_or(f64::NAN)))
+        .collect()
+}
+
+#[test]
+fn a_plane_two_cubes_and_a_rover_need_no_settings() {
+    let folder = files();
+    let rover = std::path::absolute(example("rover.urdf")).unwrap();
+    let args = [
+        "export",
+        text(&rover),
+        "-o",
+        "world.fmu",
+        "--object",
+        "plane.urdf",
+        "--object",
+        "cube.urdf@2,0",
+        "--object",
+        "cube.urdf@2,0,1.1",
+    ];
+    let run = run_in(folder.path(), &args, &[]);
+    assert_eq!(run.code, 0, "{run:?}");
+    assert!(run.out.contains("nothing but a ground"), "{}", run.out);
+    let around = "around it  object cube (floating, 2 kg), object cube2 (floating, 2 kg)";
+    assert!(run.out.contains(around), "{}", run.out);
+    let fmu = folder.path().join("world.fmu");
+    let (names, contents) = entries(&fmu);
+    let packed = |file: &str| names.iter().any(|name| name.ends_with(file));
+    assert!(packed("/cube.urdf") && packed("/plane.urdf"), "{names:?}");
+    let page = String::from_utf8_lossy(&contents["documentation/index.html"]);
+    assert!(page.contains("object cube2 (floating, 2 kg)"));
+
+    let told = info(&fmu, &[]);
+    let world = told["world"].as_array().unwrap();
+    let of = |i: usize, key: &str| world[i][key].as_str().unwrap().to_owned();
+    assert_eq!(world.len(), 3);
+    assert_eq!([of(1, "name"), of(2, "name")], ["cube", "cube2"]);
+    assert_eq!([of(0, "kind"), of(1, "kind")], ["robot", "object"]);
+    let friction = told["variables"].as_array().unwrap();
+    let named = |v: &&Value| v["name"] == "world.ground.friction";
+    let friction = friction.iter().find(named).unwrap();
+    assert_eq!(friction["start"], 0.5);
+
+    // z = 1.1 − g t² / 2 until it meets the first cube, at 0.3 s.
+    let falling = last(folder.path(), &["world.fmu", "--stop-time", "0.3"]);
+    let expected = 1.1 - 0.5 * 9.81 * 0.3 * 0.3;
+    let z = falling["object.cube2.position.z"];
+    assert!((z - expected).abs() < 1e-6, "{z} {expected}");
+    assert!((falling["object.cube.position.z"] - 0.1).abs() < 1e-4);
+    // Whoever begins elsewhere says so with a parameter.
+    let args = ["world.fmu", "--stop-time", "0.1", "--start-value"];
+    let moved = [&args[..], &["initial.object.cube2.position.z", "2"]].concat();
+    let z = last(folder.path(), &moved)["object.cube2.position.z"];
+    assert!((z - (2.0 - 0.5 * 9.81 * 0.01)).abs() < 1e-6, "{z}");
+}
+
+#[test]
+fn a_cube_on_a_static_table_rests_at_its_height_and_two_robots_take_commands() {
+    let folder = files();
+    let arm = std::path::absolute(example("arm.urdf")).unwrap();
+    fs::write(
+        folder.path().join("world.toml"),
+        format!(
+            "[[world.object]]\nname = \"table\"\nshape = {{ box = [1, 1, 0.4] }}\nstatic = true\n\
+             xyz = [3, 0]\n[[world.object]]\nname = \"cup\"\nurdf = \"cube.urdf\"\n\
+             xyz = [3, 0, 0.5]\n[[world.robot]]\nname = \"left\"\nurdf = '{}'\nxyz = [-3, 0, 0]\n",
+            text(&arm)
+        ),
+    )
+    .unwrap();
+    let rover = std::path::absolute(example("rover.urdf")).unwrap();
+    let end = last(
+        folder.path(),
+        &[text(&rover), "-c", "world.toml", "--stop-time", "1"],
+    );
+    // Its face lies on the table: less deep than the penetration.
+    let z = end["object.cup.position.z"];
+    assert!((0.4999..=0.5).contains(&z), "{z}");
+    assert!(end["object.cup.position.x"] - 3.0 < 1e-6);
+    assert!((end["object.cup.contact.body.force.z"] - 2.0 * 9.81).abs() < 0.01);
+    assert!(end.keys().any(|name| name.starts_with("left.joint.")));
+    let inputs = info(&rover, &["-c", text(&folder.path().join("world.toml"))]);
+    let variables = inputs["variables"].as_array().unwrap();
+    let starts = |prefix: &str| {
+        let named = |v: &&Value| v["name"].as_str().unwrap().starts_with(prefix);
+        variables.iter().filter(named).count()
+    };
+    assert!(starts("left.cmd.") > 0 && starts("cmd.") > 0);
+}
+
+#[test]
+fn what_is_wrong_with_an_object_is_told_with_its_file() {
+    let folder = files();
+    let rover = std::path::absolute(example("rover.urdf")).unwrap();
+    let broken = CUBE.replace("value=\"2\"", "value=\"-2\"");
+    fs::write(folder.path().join("broken.urdf"), broken).unwrap();
+    for (object, words) in [("broken.urdf", "broken.urdf:2"), ("no.urdf", "no.urdf")] {
+        let args = ["check", text(&rover), "--object", object];
+        let run = run_in(folder.path(), &args, &[]);
+        assert_eq!(run.code, 1, "{run:?}");
+        assert!(run.err.contains(words), "{object}: {}", run.err);
+    }
+    let args = ["check", text(&rover), "--object", "cube.urdf@1"];
+    let run = run_in(folder.path(), &args, &[]);
+    assert_eq!(run.code, 2, "{run:?}");
+    assert!(run.err.contains("FILE@X,Y,Z"), "{}", run.err);
+}
+
+#[test]
+fn init_writes_the_objects_that_it_is_given() {
+    let folder = files();
+    let rover = std::path::absolute(example("rover.urdf")).unwrap();
+    let objects = [
+        "--object",
+        "plane.urdf",
+        "--object",
+        "cube.urdf@2,0,1,0,0,0.5",
+    ];
+    let args = [&["init", text(&rover)][..], &objects].concat();
+    let run = run_in(folder.path(), &args, &[]);
+    assert_eq!(run.code, 0, "{run:?}");
+    fs::write(folder.path().join("init.toml"), run.out).unwrap();
+    let export = |fmu: &str, options: &[&str]| {
+        let args = [&["export", text(&rover), "-o", fmu][..], options].concat();
+        let run = run_in(folder.path(), &args, &[]);
+        assert_eq!(run.code, 0, "{run:?}");
+        entries(&folder.path().join(fmu))
+            .1
+            .remove("resources/model.json")
+    };
+    assert_eq!(
+        export("a.fmu", &objects).map(|bytes| String::from_utf8(bytes).unwrap()),
+        export("b.fmu", &["-c", "init.toml"]).map(|bytes| String::from_utf8(bytes).unwrap())
+    );
+}
