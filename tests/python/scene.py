@@ -13,5 +13,5 @@ def read(fmu: Path):
     (length,) = struct.unpack("<I", data[:4])
     assert length % 4 == 0
     head = json.loads(data[4:4 + length].decode("utf-8"))
-    assert head["format"] == 1
+    assert head["format"] == 2
     return head, data[4 + length:]

@@ -5,16 +5,20 @@ async function inflate(bytes) {
   return new Response(stream).arrayBuffer();
 }
 
-/** Head and body of the element with this id; null where it holds nothing. */
-export async function unpack(id) {
+/**
+ * Head and body of the element with this id; null where it holds nothing.
+ *
+ * @param format the one that is read
+ */
+export async function unpack(id, format) {
   const text = document.getElementById(id)?.textContent.trim();
   if (!text) return null;
   const bytes = Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
   const buffer = await inflate(bytes);
   const length = new DataView(buffer).getUint32(0, true);
   const head = JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, 4, length)));
-  if (head.format !== 1) {
-    throw new Error(`The data has format ${head.format}, this page reads format 1. `
+  if (head.format !== format) {
+    throw new Error(`The data has format ${head.format}, this page reads format ${format}. `
       + "Make page and data with the same urdf2fmu.");
   }
   return { head, body: new Uint8Array(buffer, 4 + length) };

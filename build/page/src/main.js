@@ -352,7 +352,7 @@ class Page {
 }
 
 async function start() {
-  const [scene, recorded] = await Promise.all([unpack("scene"), unpack("run")]);
+  const [scene, recorded] = await Promise.all([unpack("scene", 2), unpack("run", 1)]);
   const page = new Page(scene, recorded);
   await page.start();
   // For tests and the curious.
