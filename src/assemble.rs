@@ -55,6 +55,8 @@
 //! | A135 | shapes of different trees that overlap at the start |
 //! | A136 | links of one robot that overlap before anything moves |
 
+#![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
+
 mod actuators;
 mod alone;
 mod bodies;

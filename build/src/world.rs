@@ -103,13 +103,12 @@ pub fn surroundings(
             failed = true;
             continue;
         };
-        let name = match &object.name {
-            Some(name) => name.text.clone(),
-            None => {
-                let name = free_name(&description.name, &names);
-                names.push(name.clone());
-                name
-            }
+        let name = if let Some(name) = &object.name {
+            name.text.clone()
+        } else {
+            let name = free_name(&description.name, &names);
+            names.push(name.clone());
+            name
         };
         match assemble::take_ground(&name, &object, &description, settings) {
             Some(note) => around.diagnostics.push(note),
@@ -167,7 +166,8 @@ impl Surroundings {
                 .any(|link| link.inertial.is_some_and(|i| i.mass > 0.0));
             let floats = heavy && guest.settings.base != BaseChoice::Fixed;
             if floats || joints.iter().any(|joint| joint.kind != JointKind::Fixed) {
-                guest.settings.external_wrenches = settings.external_wrenches.clone();
+                let wrenches = &mut guest.settings.external_wrenches;
+                wrenches.clone_from(&settings.external_wrenches);
             }
         }
     }

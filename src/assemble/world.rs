@@ -290,7 +290,7 @@ pub fn take_ground(
     world: &mut Settings,
 ) -> Option<Diagnostic> {
     let initial = &object.initial;
-    let placed = initial.xy != [0.0; 2]
+    let placed = initial.xy.iter().any(|x| *x != 0.0)
         || initial.z.is_some_and(|z| z != 0.0)
         || initial.rpy != Vec3::zeros();
     let welded = description
