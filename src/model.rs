@@ -8,16 +8,19 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
+mod contacts;
 mod id;
 mod join;
 mod joint_kind;
+mod root;
 mod validate;
 
-use crate::geometry::{PAIR_POINTS, Shape};
+use crate::geometry::Shape;
 pub use crate::joint::Motion;
 use crate::spatial::{Pose, RigidInertia, Vec3};
 pub use id::{ActuatorId, BodyId, DofId, JointId, LinkId, RootId, SensorId};
 pub use joint_kind::JointKind;
+pub use root::{Root, RootKind};
 use serde::{Deserialize, Serialize};
 
 /// A world of one robot or more, prepared for simulation.
@@ -58,60 +61,6 @@ pub struct Model {
     pub world: World,
     /// What the FMU shows beyond what it always shows.
     pub outputs: OutputSelection,
-}
-
-/// A robot or an object: the base of a tree, and how it begins.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Root {
-    /// Its name; empty for the first. The names of its links and joints begin with it and a dot.
-    pub name: String,
-    /// What it is.
-    pub kind: RootKind,
-    /// Its base.
-    pub body: BodyId,
-    /// Initial base position `p_WB`, m. For a fixed base: where it is mounted.
-    pub position: Vec3,
-    /// Initial base roll, pitch, yaw, rad.
-    pub rpy: Vec3,
-    /// Initial base velocity `ṗ_WB`, m/s; zero for a fixed base.
-    pub linear_velocity: Vec3,
-    /// Initial base angular velocity `ω_WB_W`, rad/s; zero for a fixed base.
-    pub angular_velocity: Vec3,
-    /// Whether the base is set down on the ground: its height follows from the ground, which
-    /// carries it from the first instant on.
-    #[serde(default)]
-    pub set_down: bool,
-    /// Whether its own links touch each other.
-    #[serde(default)]
-    pub self_collision: bool,
-}
-
-/// What stands in the world.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum RootKind {
-    /// Something that is commanded.
-    Robot,
-    /// Something that is not.
-    Object,
-}
-
-impl Root {
-    /// One on the body `body`, at rest in the world's origin.
-    pub fn new(name: String, body: BodyId) -> Self {
-        Self {
-            name,
-            kind: RootKind::Robot,
-            body,
-            position: Vec3::zeros(),
-            rpy: Vec3::zeros(),
-            linear_velocity: Vec3::zeros(),
-            angular_velocity: Vec3::zeros(),
-            set_down: false,
-            self_collision: false,
-        }
-    }
 }
 
 /// A URDF link: a frame and the parts attached to it.
@@ -495,48 +444,6 @@ impl Model {
     /// Length of `v`.
     pub fn nv(&self) -> usize {
         self.dofs.len()
-    }
-
-    /// Most contacts at a time, and most contact points of all together.
-    pub fn contact_room(&self) -> [usize; 2] {
-        let points: usize = self.colliders.iter().map(|c| c.shape.points()).sum();
-        let (shapes, pairs) = (self.colliders.len(), self.pair_room());
-        [shapes + pairs, points + PAIR_POINTS * pairs]
-    }
-
-    /// Whether shapes may touch each other.
-    pub fn has_pairs(&self) -> bool {
-        self.roots.len() > 1 || self.roots.iter().any(|root| root.self_collision)
-    }
-
-    /// Most contacts between two shapes at a time.
-    fn pair_room(&self) -> usize {
-        let shapes = self.colliders.len();
-        if !self.has_pairs() {
-            return 0;
-        }
-        (4 * shapes + 64).min(shapes * shapes.saturating_sub(1) / 2)
-    }
-
-    /// How many slots the memory of contacts has: one for each shape with the ground, then one for
-    /// each pair of shapes `(a, b)` with `a < b`, at `shapes · (1 + a) + b`.
-    pub fn slots(&self) -> usize {
-        let shapes = self.colliders.len();
-        let others = if self.has_pairs() { shapes } else { 0 };
-        shapes * (1 + others)
-    }
-
-    /// The trees of the shapes whose contact has a slot; one with the ground.
-    pub fn touches_of(&self, slot: usize) -> [Option<usize>; 2] {
-        let tree = |shape: usize| {
-            let collider = self.colliders.get(shape)?;
-            Some(self.root_of(collider.body).index())
-        };
-        match self.colliders.len() {
-            0 => [None; 2],
-            shapes if slot < shapes => [tree(slot), None],
-            shapes => [tree(slot / shapes - 1), tree(slot % shapes)],
-        }
     }
 
     /// The first actuator of each one's group: itself for those in none.

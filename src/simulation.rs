@@ -202,19 +202,7 @@ impl Simulation {
     pub fn initialize(&mut self, start: f64) -> Result<(), SimulationError> {
         self.start = start;
         self.place();
-        let finite = self.state.is_finite()
-            && self
-                .tree
-                .dofs
-                .inertia
-                .iter()
-                .all(|m| m.is_finite() && *m > 0.0)
-            && self
-                .tree
-                .contact
-                .colliders
-                .iter()
-                .all(|c| c.spring.stiffness.is_finite());
+        let finite = self.state.is_finite() && self.tree.is_sound();
         self.initialized = finite;
         if finite {
             Ok(())

@@ -9,9 +9,7 @@
 //!
 //! Source: Featherstone 2008, section 6.5; elimination trees: Liu 1990.
 
-mod coupled;
-
-pub use coupled::Coupled;
+pub mod coupled;
 
 use crate::spatial::{Vec6, add_scaled6, add6, dot6, multiply_lower};
 use std::ops::Range;

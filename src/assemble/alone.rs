@@ -19,7 +19,8 @@ pub struct Assembled {
 
 /// Builds the model of a described robot.
 ///
-/// [`Settings::scale`] and [`Settings::inertia`] concern the reader too, see [`super::read_options`].
+/// [`Settings::scale`] and [`Settings::inertia`] concern the reader too, see
+/// [`super::read_options`].
 ///
 /// # Errors
 /// Everything that is wrong, with the notes and warnings found on the way.

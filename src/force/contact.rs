@@ -230,9 +230,9 @@ impl Contact {
         speeds.sum()
     }
 
-    /// Longest step, s, in which the shapes come nearer by no more than [`ADVANCE`] of the thinner one:
-    /// what is expected in its middle still lies on the side that it has come from. Infinite where
-    /// they do not come nearer, or not yet touch in `h` seconds.
+    /// Longest step, s, in which the shapes come nearer by no more than [`ADVANCE`] of the thinner
+    /// one: what is expected in its middle still lies on the side that it has come from. Infinite
+    /// where they do not come nearer, or not yet touch in `h` seconds.
     pub fn longest_step(&self, points: &[ContactPoint], V: &[Vec6], h: f64) -> f64 {
         let W = self.relative(V);
         let own = points[self.points.clone()].iter();

@@ -7,21 +7,19 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
+use super::between::{find_pairs, held_between};
 use super::contact::{Contact, normal_part};
 use super::gather::ContactSet;
+use super::meeting::{Meeting, limited};
 use super::memory::{Touch, seek};
-use super::pairs::{find_pairs, held_between, is_apart};
+use super::pairs::is_apart;
 use super::point::{ContactPoint, Rim, norm};
 use crate::geometry::Shape;
 use crate::kinematics::Kinematics;
-use crate::law::normal::{Impact, Stiffening};
-use crate::law::{ElastoPlastic, stribeck};
 use crate::model::Model;
 use crate::spatial::{Mat3, Vec3, Vec6, angular, velocity_at};
-use crate::tree::{Surface, Tree, TreeCollider};
-use crate::tuning::{
-    BOUNCE_THRESHOLD, CONTACT_MARGIN, CROWN, DEEP_OVERLAP, EMERGENCE, TANGENTIAL_RATIO,
-};
+use crate::tree::{Tree, TreeCollider};
+use crate::tuning::{CONTACT_MARGIN, CROWN};
 
 /// The half space `normal·x < offset` is solid.
 #[derive(Clone, Copy, Debug)]
@@ -88,8 +86,7 @@ pub fn detect(
         meet.complete(tree, &stored, (kin, &contacts.points), &mut contact);
         contacts.list.push(contact);
     }
-    let remembered = &all_touches[..];
-    find_pairs(tree, remembered, kin, [h, margin], fastest, contacts);
+    find_pairs(tree, all_touches, kin, [h, margin], fastest, contacts);
 }
 
 /// Energy that the springs of all contacts hold at the poses of `kin`, J. The points of `contacts`
@@ -113,15 +110,6 @@ pub fn held(
         }
     }
     sum
-}
-
-/// A spring, at most as stiff as a mass may swing on it, rad/s.
-pub(super) fn limited(spring: &Stiffening, mass: f64, fastest: f64) -> Stiffening {
-    let limit = mass * fastest * fastest;
-    Stiffening {
-        stiffness: spring.stiffness.min(limit),
-        ..*spring
-    }
 }
 
 /// Adds the points of a shape that can touch within `h` seconds, or are nearer than `margin`, m.
@@ -155,81 +143,6 @@ fn find(
         points,
     };
     finder.find(collider, &model.colliders[collider.index].shape);
-}
-
-/// How two shapes meet.
-pub(super) struct Meeting<'a> {
-    /// Friction and restitution.
-    pub surface: &'a Surface,
-    /// Hunt–Crossley dissipation without restitution, s/m.
-    pub dissipation: f64,
-    /// Acceleration that presses one of them on the other one, m/s².
-    pub gravity: f64,
-}
-
-impl Meeting<'_> {
-    /// Sets what a contact that has its points, its spring and its mass does: damping, friction,
-    /// restitution.
-    pub fn complete(
-        &self,
-        tree: &Tree,
-        stored: &Touch,
-        (kin, points): (&Kinematics, &[ContactPoint]),
-        contact: &mut Contact,
-    ) {
-        let (V, g) = (&kin.V, tree.world.gravity.norm());
-        let speed = contact.normal_velocity(points, V);
-        let u = contact.sliding(V);
-        contact.bounce = stored.bounce;
-        let surface = self.surface;
-        let mass = contact.mass;
-        if surface.restitution > 0.0 {
-            let number = surface.dissipation_number;
-            let gravity = self.gravity;
-            // It falls until it touches.
-            let gained = 2.0 * gravity * (-contact.depth).max(0.0);
-            let mut impact = Impact {
-                spring: contact.spring,
-                mass,
-                gravity,
-                speed: (speed * speed + gained).max(0.0).sqrt(),
-            };
-            if contact.bounce == 0.0 && speed < 0.0 && impact.speed > BOUNCE_THRESHOLD {
-                contact.bounce = impact.dissipation(surface.restitution, number);
-            }
-            if contact.bounce > 0.0 {
-                impact.speed = number / contact.bounce;
-                contact.duration = impact.duration();
-            }
-        }
-        contact.dissipation = if contact.bounce > 0.0 {
-            [contact.bounce; 2]
-        } else {
-            // A deep initial overlap leaves faster than a light touch, but slower than it would
-            // hop.
-            let excess = contact.depth - DEEP_OVERLAP * contact.spring.reference;
-            let emergence = EMERGENCE * (2.0 * g * excess.max(0.0)).sqrt();
-            let leaving = 1.0 / (1.0 / self.dissipation).max(emergence);
-            [self.dissipation, leaving]
-        };
-        let slope = TANGENTIAL_RATIO * contact.spring.slope(contact.depth);
-        let (_, tangential) = normal_part(&contact.normal, &u);
-        contact.mu = friction(tree, surface, &tangential);
-        contact.friction = ElastoPlastic {
-            stiffness: slope,
-            damping: 2.0 * (slope * mass).sqrt(),
-            displacement: contact.recall(&stored.displacement),
-            ..ElastoPlastic::default()
-        };
-        let load = contact.normal_load(points, V);
-        contact.carry(load);
-        contact.load = load.min(contact.elastic_load(points));
-        if contact.load > 0.0 {
-            let dissipation = contact.dissipation[0];
-            let speed = contact.tilt_speed(points, V);
-            contact.tilting = dissipation * contact.load / (1.0 + dissipation * speed);
-        }
-    }
 }
 
 /// Whether nothing comes near the ground, or something else, within `h` seconds, by twice the way
@@ -355,16 +268,5 @@ impl Finder<'_> {
     fn reaches(&self, depth: f64, x: &Vec3) -> bool {
         let speed = self.plane.normal.dot(&velocity_at(self.V, x)).abs();
         -depth < self.h * speed + self.margin
-    }
-}
-
-/// Coulomb coefficient of a contact that slides at `u`.
-#[inline]
-fn friction(tree: &Tree, surface: &Surface, u: &Vec3) -> f64 {
-    if surface.mu_at_rest > surface.mu {
-        let reference = tree.contact.stribeck_velocity;
-        stribeck(surface.mu_at_rest, surface.mu, u.norm(), reference)
-    } else {
-        surface.mu
     }
 }

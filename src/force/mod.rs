@@ -9,11 +9,13 @@
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
 mod act;
+mod between;
 mod contact;
 mod detect;
 mod drive;
 mod gather;
 mod joint;
+mod meeting;
 mod memory;
 mod pairs;
 mod point;

@@ -1,4 +1,4 @@
-//! Contacts of shapes with each other.
+//! Pairs of shapes that come near each other.
 //!
 //! Which pairs may touch is known beforehand, see [`crate::tree::Contacts::may_touch`]. Which come
 //! near is found by sorting the balls about all shapes along x; where these come near, [`Patch`]
@@ -6,16 +6,12 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
-use super::contact::{Contact, Other};
-use super::detect::{Meeting, limited};
-use super::gather::ContactSet;
-use super::memory::{Touch, seek};
-use super::point::{ContactPoint, Rim, norm};
+use super::point::{ContactPoint, Rim};
 use crate::geometry::pair::{Patch, PatchPoint, Side, Solid};
 use crate::kinematics::Kinematics;
 use crate::model::Model;
 use crate::spatial::{Pose, Vec3, velocity_at};
-use crate::tree::{Surface, Tree, TreeCollider};
+use crate::tree::{Tree, TreeCollider};
 use crate::tuning::CONTACT_MARGIN;
 
 /// Scratch of the search for pairs.
@@ -26,9 +22,9 @@ pub struct Pairs {
     /// Places in `balls`, by ascending `Ball::low`.
     order: Vec<usize>,
     /// Pairs of places that come near, the lower one first.
-    near: Vec<[usize; 2]>,
+    pub(super) near: Vec<[usize; 2]>,
     /// None where no shapes touch each other.
-    patch: Option<Box<Patch>>,
+    pub(super) patch: Option<Box<Patch>>,
 }
 
 /// A ball in which a shape stays for the time that is looked ahead.
@@ -82,7 +78,7 @@ impl Pairs {
 
     /// Lists the pairs that may come near within `h` seconds, by ascending slots; `margin`: gap
     /// that is near whatever the velocities, m.
-    fn search(&mut self, tree: &Tree, kin: &Kinematics, [h, margin]: [f64; 2]) {
+    pub(super) fn search(&mut self, tree: &Tree, kin: &Kinematics, [h, margin]: [f64; 2]) {
         self.balls.clear();
         self.near.clear();
         for collider in &tree.contact.colliders {
@@ -131,17 +127,17 @@ impl Pairs {
 }
 
 /// Two shapes as they meet: the first one moves, and is pushed along the normal.
-struct Pair<'a> {
-    colliders: [&'a TreeCollider; 2],
+pub(super) struct Pair<'a> {
+    pub colliders: [&'a TreeCollider; 2],
     solids: [&'a Solid; 2],
     /// Their poses, from O of the first one's tree.
     poses: [Pose; 2],
     /// O of the first one's tree, seen from that of the second one.
-    from: Vec3,
+    pub from: Vec3,
 }
 
 impl<'a> Pair<'a> {
-    fn new(tree: &'a Tree, kin: &Kinematics, [a, b]: [usize; 2]) -> Option<Self> {
+    pub fn new(tree: &'a Tree, kin: &Kinematics, [a, b]: [usize; 2]) -> Option<Self> {
         let places = if tree.contact.colliders[b].moves {
             [b, a]
         } else {
@@ -169,13 +165,13 @@ impl<'a> Pair<'a> {
     }
 
     /// Finds what both have in common within `reach`, m.
-    fn touch(&self, patch: &mut Patch, reach: f64) -> bool {
+    pub fn touch(&self, patch: &mut Patch, reach: f64) -> bool {
         let [a, b] = [0, 1].map(|i| (self.solids[i], &self.poses[i]));
         patch.find(a, b, reach)
     }
 
     /// How fast any two of their points come nearer, at most, m/s.
-    fn speed(&self, kin: &Kinematics) -> f64 {
+    pub fn speed(&self, kin: &Kinematics) -> f64 {
         let [X, Y] = &self.poses;
         let centers = [X.p, Y.p + self.from];
         let parts = self.colliders.iter().zip(&centers);
@@ -187,8 +183,8 @@ impl<'a> Pair<'a> {
         speeds.sum()
     }
 
-    /// Mass that takes part in an impact of both, kg: see [`Contact::mass`].
-    fn mass(&self, tree: &Tree) -> f64 {
+    /// Mass that takes part in an impact of both, kg: see [`super::Contact::mass`].
+    pub fn mass(&self, tree: &Tree) -> f64 {
         let [a, b] = self.colliders.map(|c| tree.trees[c.tree].moving_mass);
         if self.colliders[1].moves {
             a * b / (a + b)
@@ -197,131 +193,18 @@ impl<'a> Pair<'a> {
         }
     }
 
-    /// See [`Contact::thickness`].
-    fn thickness(&self) -> f64 {
+    /// See [`super::Contact::thickness`].
+    pub fn thickness(&self) -> f64 {
         let [a, b] = self.solids.map(Solid::thickness);
         a.min(b)
     }
 
     /// The one whose contact is made for the greater weight.
-    fn heavier(&self, tree: &Tree) -> &TreeCollider {
+    pub fn heavier(&self, tree: &Tree) -> &TreeCollider {
         let [a, b] = self.colliders;
         let mass = |c: &TreeCollider| tree.trees[c.tree].moving_mass;
         if b.moves && mass(b) > mass(a) { b } else { a }
     }
-}
-
-/// Adds the contacts between shapes that can act within `h` seconds, after those with the ground;
-/// parameters are those of [`super::detect`].
-pub(super) fn find_pairs(
-    tree: &Tree,
-    touches: &[Touch],
-    kin: &Kinematics,
-    [h, margin]: [f64; 2],
-    fastest: f64,
-    contacts: &mut ContactSet,
-) {
-    let ContactSet {
-        list,
-        points,
-        pairs,
-    } = contacts;
-    let Some(mut patch) = pairs.patch.take() else {
-        return;
-    };
-    pairs.search(tree, kin, [h, margin]);
-    let mut touches = touches.iter().peekable();
-    for &places in &pairs.near {
-        let Some(pair) = Pair::new(tree, kin, places) else {
-            continue;
-        };
-        let [a, b] = pair.colliders;
-        let landing = pair.heavier(tree).spring.reference;
-        let reach = h * pair.speed(kin) + margin;
-        if list.len() == list.capacity() || !pair.touch(&mut patch, reach) {
-            continue;
-        }
-        let first = points.len();
-        let found = patch.points();
-        if first + found.len() > points.capacity() {
-            continue;
-        }
-        for point in found {
-            points.push(contact_point(point, &patch.normal, landing));
-        }
-        let slot = tree.contact.slot(places);
-        let stored = seek(&mut touches, slot, |t| t.slot);
-        let stored = stored.copied().unwrap_or_default();
-        let mass = pair.mass(tree);
-        let other = b.moves.then(|| Other {
-            body: b.body,
-            from: pair.from,
-            axes: kin.X[b.body].R,
-        });
-        let mut contact = Contact {
-            body: a.body,
-            other,
-            link: a.link,
-            other_link: Some(b.link),
-            slot,
-            thickness: pair.thickness(),
-            mass,
-            normal: patch.normal,
-            points: first..points.len(),
-            spring: limited(&pair.heavier(tree).spring, mass, fastest),
-            ..Contact::default()
-        };
-        contact.gather(points);
-        let mut surface = Surface::default();
-        surface.combine([&a.own, &b.own], tree.contact.combination);
-        let meeting = Meeting {
-            surface: &surface,
-            dissipation: a.dissipation.max(b.dissipation),
-            gravity: if b.moves {
-                0.0
-            } else {
-                -contact.normal.dot(&tree.world.gravity)
-            },
-        };
-        meeting.complete(tree, &stored, (kin, points), &mut contact);
-        list.push(contact);
-    }
-    pairs.patch = Some(patch);
-}
-
-/// Energy that the springs between shapes hold at the poses of `kin`, J.
-///
-/// - `contacts`: its points are scratch
-pub(super) fn held_between(
-    tree: &Tree,
-    kin: &Kinematics,
-    fastest: f64,
-    contacts: &mut ContactSet,
-) -> f64 {
-    let ContactSet { points, pairs, .. } = contacts;
-    let Some(mut patch) = pairs.patch.take() else {
-        return 0.0;
-    };
-    pairs.search(tree, kin, [0.0, 0.0]);
-    let mut sum = 0.0;
-    for &places in &pairs.near {
-        let Some(pair) = Pair::new(tree, kin, places) else {
-            continue;
-        };
-        if !pair.touch(&mut patch, 0.0) {
-            continue;
-        }
-        points.clear();
-        let landing = pair.heavier(tree).spring.reference;
-        for point in patch.points() {
-            points.push(contact_point(point, &patch.normal, landing));
-        }
-        let (depth, _) = norm(points);
-        let spring = limited(&pair.heavier(tree).spring, pair.mass(tree), fastest);
-        sum += spring.stored(depth);
-    }
-    pairs.patch = Some(patch);
-    sum
 }
 
 /// Whether no two shapes come near within `h` seconds, by twice the way that velocities and gravity
@@ -348,7 +231,7 @@ pub(super) fn is_apart(tree: &Tree, kin: &Kinematics, h: f64) -> bool {
 
 /// A point of a patch, from O of the first one's tree, as a contact has it; `landing` as in
 /// [`Rim::new`].
-fn contact_point(point: &PatchPoint, normal: &Vec3, landing: f64) -> ContactPoint {
+pub(super) fn contact_point(point: &PatchPoint, normal: &Vec3, landing: f64) -> ContactPoint {
     let PatchPoint {
         x, depth, share, ..
     } = *point;

@@ -29,7 +29,7 @@ pub struct Coupled {
     marks: Vec<u64>,
     words: usize,
     /// Whether each block is coupled with another one.
-    is_coupled: Vec<bool>,
+    joined: Vec<bool>,
     /// Whether any is.
     any: bool,
     /// Columns of the row that is worked on, as ranges.
@@ -37,7 +37,7 @@ pub struct Coupled {
 }
 
 #[cfg(test)]
-crate::spoil::spoil!(Coupled: packed spread marks is_coupled any runs; words);
+crate::spoil::spoil!(Coupled: packed spread marks joined any runs; words);
 
 /// First place of a row in the lower triangle.
 #[inline]
@@ -55,7 +55,7 @@ impl Coupled {
             spread: vec![0.0; row_start(n)],
             marks: vec![0; n * words],
             words,
-            is_coupled: vec![false; pattern.blocks.len()],
+            joined: vec![false; pattern.blocks.len()],
             any: false,
             runs: Vec::with_capacity(n),
         }
@@ -63,14 +63,15 @@ impl Coupled {
 
     /// Begins with blocks that nothing couples.
     pub fn part(&mut self) {
-        self.is_coupled.fill(false);
+        self.joined.fill(false);
         self.any = false;
     }
 
     /// Couples the blocks of two unknowns, or those of one block beyond its pattern; their entries
-    /// may then be added to. Those within blocks are taken from `packed` when the matrix is factorised.
+    /// may then be added to. Those within blocks are taken from `packed` when the matrix is
+    /// factorised.
     pub fn couple(&mut self, pattern: &Sparsity, unknowns: [usize; 2]) {
-        for (block, coupled) in pattern.blocks.iter().zip(&mut self.is_coupled) {
+        for (block, coupled) in pattern.blocks.iter().zip(&mut self.joined) {
             if !*coupled && unknowns.iter().any(|k| block.rows.contains(k)) {
                 *coupled = true;
                 for k in block.rows.clone() {
@@ -102,7 +103,7 @@ impl Coupled {
             pattern.factor(&mut self.packed);
             return;
         }
-        for (block, coupled) in pattern.blocks.iter().zip(&self.is_coupled) {
+        for (block, coupled) in pattern.blocks.iter().zip(&self.joined) {
             if !coupled {
                 pattern.factor_block(block, &mut self.packed);
             }
@@ -110,7 +111,7 @@ impl Coupled {
         self.spread_out(pattern);
         self.eliminate(pattern);
         for b in (0..pattern.blocks.len()).rev() {
-            if self.is_coupled[b] {
+            if self.joined[b] {
                 for k in pattern.blocks[b].rows.clone().rev() {
                     self.factor_row(k);
                 }
@@ -120,7 +121,7 @@ impl Coupled {
 
     /// Adds what lies within coupled blocks to what lies between them.
     fn spread_out(&mut self, pattern: &Sparsity) {
-        let coupled = pattern.blocks.iter().zip(&self.is_coupled);
+        let coupled = pattern.blocks.iter().zip(&self.joined);
         for (block, _) in coupled.filter(|(_, coupled)| **coupled) {
             for k in block.rows.clone() {
                 let own = pattern.start[k]..=pattern.diagonal(k);
@@ -142,7 +143,7 @@ impl Coupled {
     /// become those of its highest one, too.
     fn eliminate(&mut self, pattern: &Sparsity) {
         let words = self.words;
-        let blocks = pattern.blocks.iter().zip(&self.is_coupled).rev();
+        let blocks = pattern.blocks.iter().zip(&self.joined).rev();
         for (block, _) in blocks.filter(|(_, coupled)| **coupled) {
             for k in block.rows.clone().rev() {
                 let (above, row) = self.marks.split_at_mut(k * words);
@@ -208,7 +209,7 @@ impl Coupled {
             pattern.solve(&self.packed, x);
             return;
         }
-        let blocks = || pattern.blocks.iter().zip(&self.is_coupled);
+        let blocks = || pattern.blocks.iter().zip(&self.joined);
         for (block, _) in blocks().filter(|(_, coupled)| !**coupled) {
             pattern.solve_block(block, &self.packed, x);
         }
@@ -234,7 +235,7 @@ impl Coupled {
     #[cfg(test)]
     pub(crate) fn multiply(&self, pattern: &Sparsity, x: &[f64], y: &mut [f64]) {
         pattern.multiply(&self.packed, x, y);
-        let blocks = pattern.blocks.iter().zip(&self.is_coupled);
+        let blocks = pattern.blocks.iter().zip(&self.joined);
         for (block, _) in blocks.filter(|(_, coupled)| **coupled) {
             for k in block.rows.clone() {
                 y[k] += self.spread[row_start(k) + k] * x[k];

@@ -23,7 +23,7 @@ mod line_search;
 
 use crate::force::{ContactSet, Response, Responses, Solved, Terms, Velocities};
 use crate::kinematics::{Kinematics, forward};
-use crate::sparsity::Coupled;
+use crate::sparsity::coupled::Coupled;
 use crate::spatial::{Vec6, add6, dot6};
 use crate::tree::Tree;
 use crate::tuning::{COARSEST, ITERATED, MAX_ITERATIONS, ROUND_OFF};

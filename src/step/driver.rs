@@ -20,7 +20,7 @@ use crate::step::stages::Stages;
 use crate::tree::Tree;
 use crate::tuning::{
     BALANCE, BALANCES, CONTROLLED_GAIN, EXPLICIT_SAFETY, FIXED_ACCURACY, FIXED_BALANCE, GROWTH,
-    GUESS, GUESSES, HIT, IMPLICIT_SAFETY, LEAST_ERROR, MAX_STEP, MIN_STEP, STEP_ROUND_OFF,
+    GUESS, GUESSES, IMPLICIT_SAFETY, LEAST_ERROR, MAX_STEP, MIN_STEP, STEP_ROUND_OFF,
 };
 
 /// Why a communication step was not taken.
@@ -357,15 +357,7 @@ impl Stepper {
                     guards::work(ctx, &self.here.kin, parts, h)
                 };
                 let (points, end) = ((&self.here, &mut self.there), &self.attempt.end);
-                let gain = guards::gain(ctx, &books, points, end, [h, work]);
-                error = if gain.is_nan() {
-                    f64::INFINITY
-                } else {
-                    error.max(gain)
-                };
-                if guards::has_missed(ctx, (&self.here, &mut self.there), h) {
-                    error = error.max(HIT);
-                }
+                error = error.max(guards::error(ctx, &books, points, end, [h, work]));
             }
             let beyond = h > remaining;
             if beyond && !staged {

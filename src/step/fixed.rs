@@ -244,8 +244,8 @@ impl Fixed {
 }
 
 /// Whether a contact that has restitution touches down within `h` seconds, or has done so and not
-/// left yet, or shapes come nearer than they are thick. That is over in less than a fixed step, which
-/// would swallow it: it is taken under error control.
+/// left yet, or shapes come nearer than they are thick. That is over in less than a fixed step,
+/// which would swallow it: it is taken under error control.
 pub(super) fn bounces(here: &Point, h: f64) -> bool {
     let (points, V) = (&here.terms.contacts.points, &here.kin.V);
     here.terms.contacts.iter().any(|contact| {

@@ -15,7 +15,7 @@ use crate::state::Physical;
 use crate::step::convex::Newton;
 use crate::step::point::{Context, Point, fastest_contact};
 use crate::tree::Tree;
-use crate::tuning::REFERENCE_GRAVITY;
+use crate::tuning::{HIT, REFERENCE_GRAVITY};
 
 /// Energies at the start of a step, J.
 #[derive(Clone, Copy, Debug, Default)]
@@ -54,12 +54,34 @@ pub(super) fn gains(
     gain(ctx, books, places, end, lengths) > 1.0
 }
 
-/// Whether shapes have met in the step of `h` seconds from `here` that it knows nothing of. Poses and
-/// velocities of `there` stand at its end; they do after [`gain`].
+/// Whether shapes have met in the step of `h` seconds from `here` that it knows nothing of. Poses
+/// and velocities of `there` stand at its end; they do after [`gain`].
 pub(super) fn has_missed(ctx: &Context, (here, there): (&Point, &mut Point), h: f64) -> bool {
     let Point { kin, terms } = there;
     let known = &here.terms.contacts;
     terms.contacts.has_missed(ctx.tree, kin, h, known)
+}
+
+/// What the step to `end` errs by, relative to what it may: by energy that it has made, see
+/// [`gain`], and by what it has missed.
+pub(super) fn error(
+    ctx: &Context,
+    books: &Books,
+    (here, there): (&Point, &mut Point),
+    end: &Physical,
+    [h, work]: [f64; 2],
+) -> f64 {
+    let gain = gain(ctx, books, (here, there), end, [h, work]);
+    let missed = if has_missed(ctx, (here, there), h) {
+        HIT
+    } else {
+        0.0
+    };
+    if gain.is_nan() {
+        f64::INFINITY
+    } else {
+        gain.max(missed)
+    }
 }
 
 /// Energy that the step to `end` has made, as a multiple of what is allowed; poses and velocities

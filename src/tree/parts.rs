@@ -331,6 +331,13 @@ impl Tree {
         self.trees.iter().map(|tree| tree.moving_mass).sum()
     }
 
+    /// Whether everything that moves has an inertia, and every spring is finite.
+    pub fn is_sound(&self) -> bool {
+        let mut springs = self.contact.colliders.iter().map(|c| &c.spring);
+        self.dofs.inertia.iter().all(|m| m.is_finite() && *m > 0.0)
+            && springs.all(|spring| spring.stiffness.is_finite())
+    }
+
     /// Largest extent of a tree from its base, m.
     pub fn reach(&self) -> f64 {
         self.trees.iter().map(|tree| tree.reach).fold(0.0, f64::max)

@@ -1,6 +1,6 @@
 //! Pictures of a robot, without a graphics card, and with the same bytes on every platform.
 //!
-//! A scene at given poses becomes triangles with normals (`solid`, `smooth`), seen by a `camera`;
+//! A scene at given poses becomes triangles with normals (`solid`), seen by a `camera`;
 //! `raster` finds what is visible at each sample, `light` computes how much of the sky and of the
 //! lamp each place sees, `shade` makes colours of it, `png` writes them. `texture` has images in
 //! halves of halves of their size, `run` and `film` make an animation of a run; `frames` are the
@@ -19,7 +19,6 @@ mod png;
 mod raster;
 mod run;
 mod shade;
-mod smooth;
 mod solid;
 mod still;
 mod texture;

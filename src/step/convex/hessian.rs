@@ -10,7 +10,7 @@ use super::{Newton, Problem};
 use crate::dynamics::crba::add_row;
 use crate::force::{Contact, ContactPoint, Other, PointResponse, Response, TurnResponse};
 use crate::kinematics::Kinematics;
-use crate::sparsity::Coupled;
+use crate::sparsity::coupled::Coupled;
 use crate::spatial::{Vec3, Vec6, across, angular, dot6, join, linear, multiply_lower};
 use crate::tree::Tree;
 

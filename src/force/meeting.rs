@@ -1,0 +1,108 @@
+//! What a contact does that has its points: spring, damping, friction, restitution.
+
+#![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
+
+use super::contact::{Contact, normal_part};
+use super::memory::Touch;
+use super::point::ContactPoint;
+use crate::kinematics::Kinematics;
+use crate::law::normal::{Impact, Stiffening};
+use crate::law::{ElastoPlastic, stribeck};
+use crate::spatial::Vec3;
+use crate::tree::{Surface, Tree};
+use crate::tuning::{BOUNCE_THRESHOLD, DEEP_OVERLAP, EMERGENCE, TANGENTIAL_RATIO};
+
+/// A spring, at most as stiff as a mass may swing on it, rad/s.
+pub(super) fn limited(spring: &Stiffening, mass: f64, fastest: f64) -> Stiffening {
+    let limit = mass * fastest * fastest;
+    Stiffening {
+        stiffness: spring.stiffness.min(limit),
+        ..*spring
+    }
+}
+
+/// How two shapes meet.
+pub(super) struct Meeting<'a> {
+    /// Friction and restitution.
+    pub surface: &'a Surface,
+    /// Hunt–Crossley dissipation without restitution, s/m.
+    pub dissipation: f64,
+    /// Acceleration that presses one of them on the other one, m/s².
+    pub gravity: f64,
+}
+
+impl Meeting<'_> {
+    /// Sets what a contact that has its points, its spring and its mass does: damping, friction,
+    /// restitution.
+    pub fn complete(
+        &self,
+        tree: &Tree,
+        stored: &Touch,
+        (kin, points): (&Kinematics, &[ContactPoint]),
+        contact: &mut Contact,
+    ) {
+        let (V, g) = (&kin.V, tree.world.gravity.norm());
+        let speed = contact.normal_velocity(points, V);
+        let u = contact.sliding(V);
+        contact.bounce = stored.bounce;
+        let surface = self.surface;
+        let mass = contact.mass;
+        if surface.restitution > 0.0 {
+            let number = surface.dissipation_number;
+            let gravity = self.gravity;
+            // It falls until it touches.
+            let gained = 2.0 * gravity * (-contact.depth).max(0.0);
+            let mut impact = Impact {
+                spring: contact.spring,
+                mass,
+                gravity,
+                speed: (speed * speed + gained).max(0.0).sqrt(),
+            };
+            if contact.bounce == 0.0 && speed < 0.0 && impact.speed > BOUNCE_THRESHOLD {
+                contact.bounce = impact.dissipation(surface.restitution, number);
+            }
+            if contact.bounce > 0.0 {
+                impact.speed = number / contact.bounce;
+                contact.duration = impact.duration();
+            }
+        }
+        contact.dissipation = if contact.bounce > 0.0 {
+            [contact.bounce; 2]
+        } else {
+            // A deep initial overlap leaves faster than a light touch, but slower than it would
+            // hop.
+            let excess = contact.depth - DEEP_OVERLAP * contact.spring.reference;
+            let emergence = EMERGENCE * (2.0 * g * excess.max(0.0)).sqrt();
+            let leaving = 1.0 / (1.0 / self.dissipation).max(emergence);
+            [self.dissipation, leaving]
+        };
+        let slope = TANGENTIAL_RATIO * contact.spring.slope(contact.depth);
+        let (_, tangential) = normal_part(&contact.normal, &u);
+        contact.mu = friction(tree, surface, &tangential);
+        contact.friction = ElastoPlastic {
+            stiffness: slope,
+            damping: 2.0 * (slope * mass).sqrt(),
+            displacement: contact.recall(&stored.displacement),
+            ..ElastoPlastic::default()
+        };
+        let load = contact.normal_load(points, V);
+        contact.carry(load);
+        contact.load = load.min(contact.elastic_load(points));
+        if contact.load > 0.0 {
+            let dissipation = contact.dissipation[0];
+            let speed = contact.tilt_speed(points, V);
+            contact.tilting = dissipation * contact.load / (1.0 + dissipation * speed);
+        }
+    }
+}
+
+/// Coulomb coefficient of a contact that slides at `u`.
+#[inline]
+fn friction(tree: &Tree, surface: &Surface, u: &Vec3) -> f64 {
+    if surface.mu_at_rest > surface.mu {
+        let reference = tree.contact.stribeck_velocity;
+        stribeck(surface.mu_at_rest, surface.mu, u.norm(), reference)
+    } else {
+        surface.mu
+    }
+}
