@@ -54,8 +54,7 @@ pub fn detect(
 ) {
     contacts.clear();
     let plane = Plane::GROUND;
-    let all_touches = touches;
-    let mut touches = all_touches.iter().peekable();
+    let mut remembered = touches.iter().peekable();
     let margin = 2.0 * h * h * tree.world.gravity.norm() + CONTACT_MARGIN;
     for collider in tree.on_ground() {
         let first = contacts.points.len();
@@ -63,7 +62,7 @@ pub fn detect(
         if contacts.points.len() == first {
             continue;
         }
-        let stored = seek(&mut touches, collider.index, |t| t.slot);
+        let stored = seek(&mut remembered, collider.index, |t| t.slot);
         let stored = stored.copied().unwrap_or_default();
         let mass = tree.trees[collider.tree].moving_mass;
         let mut contact = Contact {
@@ -86,7 +85,7 @@ pub fn detect(
         meet.complete(tree, &stored, (kin, &contacts.points), &mut contact);
         contacts.list.push(contact);
     }
-    find_pairs(tree, all_touches, kin, [h, margin], fastest, contacts);
+    find_pairs(tree, touches, kin, [h, margin], fastest, contacts);
 }
 
 /// Energy that the springs of all contacts hold at the poses of `kin`, J. The points of `contacts`
