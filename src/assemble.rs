@@ -1,7 +1,8 @@
-//! Description and settings → [`Model`]: bodies, mimic joints, defaults, initial pose.
+//! Description and settings → model: bodies, mimic joints, defaults, initial pose.
 //!
-//! In: [`Description`] (checked URDF, lengths already scaled, see [`crate::urdf::ReadOptions`]) and
-//! [`Settings`]. Out: [`Model`] and every assumption that was taken, as notes.
+//! In: [`crate::urdf::Description`] (checked URDF, lengths already scaled, see
+//! [`crate::urdf::ReadOptions`]) and [`Settings`]. Out: [`crate::model::Model`] and every
+//! assumption that was taken, as notes.
 //!
 //! - Links joined by fixed joints are one body; each keeps its frame (`Link::X_BL`). A body's frame
 //!   is the frame of the link that its joint carries.
