@@ -10,8 +10,8 @@
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
 use crate::joint::Mount;
-use crate::spatial::{Mat3, Pose, SpatialInertia, Vec3, Vec6};
-use crate::tree::Tree;
+use crate::spatial::{Mat3, Pose, SpatialInertia, Vec3, Vec6, velocity_at};
+use crate::tree::{Tree, TreeCollider};
 
 /// What depends on `q` and `v` alone. Filled by the functions of this module and of
 /// [`crate::dynamics`].
@@ -91,6 +91,18 @@ impl Kinematics {
     #[inline]
     pub fn origin(&self, tree: &Tree, body: usize) -> &Vec3 {
         &self.origins[tree.bodies[body].tree]
+    }
+
+    /// Centre of a shape from O of its tree, m, and how fast one of its points moves at most, m/s.
+    #[inline]
+    pub fn ball(&self, collider: &TreeCollider) -> (Vec3, f64) {
+        let (X_OB, V) = (&self.X[collider.body], &self.V[collider.body]);
+        let center = X_OB.p + X_OB.R * collider.X.p;
+        let spin = V[0].abs() + V[1].abs() + V[2].abs();
+        (
+            center,
+            velocity_at(V, &center).norm() + spin * collider.radius,
+        )
     }
 
     /// Velocities of all bodies for `v`, into `self.V`.

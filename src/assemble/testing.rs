@@ -5,41 +5,21 @@ use crate::diagnostic::Diagnostic;
 use crate::geometry::Shape;
 use crate::model::{JointKind, Limits, Model};
 use crate::settings::Settings;
-use crate::spatial::{Mat3, Pose, RigidInertia, Vec3};
+use crate::spatial::{Pose, RigidInertia, Vec3};
 use crate::urdf::{CollisionDescription, Description, JointDescription, LinkDescription};
 
 /// A robot with a root link alone.
 pub(crate) fn robot(root: LinkDescription) -> Description {
     Description {
         name: "test".into(),
-        links: vec![root],
-        joints: Vec::new(),
-        drawn_meshes: Vec::new(),
-        textures: Vec::new(),
         sources: vec!["test.urdf".into()],
-        diagnostics: Vec::new(),
-        text: "".into(),
+        ..Description::of(root)
     }
 }
 
 /// A frame without mass and shape.
 pub(crate) fn frame(name: &str) -> LinkDescription {
-    LinkDescription {
-        name: name.into(),
-        inertial: None,
-        R_LI: Mat3::identity(),
-        collisions: Vec::new(),
-        visuals: Vec::new(),
-        friction: None,
-        static_friction: None,
-        rolling_friction: None,
-        torsional_friction: None,
-        restitution: None,
-        stiffness: None,
-        damping: None,
-        inertia_scaling: None,
-        line: 7,
-    }
+    LinkDescription::frame(name, 7)
 }
 
 /// A ball of `mass` kg and 0.1 m radius that touches nothing.

@@ -3,16 +3,15 @@
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
 use super::findings::Findings;
-use super::initial::poses;
+use super::initial::{Poses, poses};
 use crate::geometry::pair::Patch;
-use crate::kinematics::Kinematics;
 use crate::model::{LinkId, Model};
 use crate::settings::Settings;
-use crate::tree::Tree;
 use std::collections::BTreeSet;
 
-/// Overlap at the start from which two links are taken not to touch each other, m: shapes of
-/// neighbours are drawn into each other, and a robot that is pushed apart at once helps nobody.
+/// Overlap before anything moves that is worth a warning, m. Links of one robot then do not touch
+/// each other: shapes of neighbours are drawn into each other, and a robot that is pushed apart at
+/// once helps nobody.
 const DRAWN_TOGETHER: f64 = 1e-3;
 
 /// Lets the robot's links touch each other if the settings say so, but for those that they and the
@@ -47,8 +46,7 @@ pub(super) fn select(model: &mut Model, settings: &Settings, findings: &mut Find
     zero.initial.joint_positions.fill(0.0);
     let mut drawn: Vec<([LinkId; 2], f64)> = Vec::new();
     for model in [&*model, &zero] {
-        let poses = poses(model);
-        for (pair, depth) in overlaps(&poses.tree, &poses.kin) {
+        for (pair, depth) in overlaps(model) {
             match drawn.iter_mut().find(|(known, _)| *known == pair) {
                 Some((_, most)) => *most = most.max(depth),
                 None => drawn.push((pair, depth)),
@@ -69,8 +67,10 @@ pub(super) fn select(model: &mut Model, settings: &Settings, findings: &mut Find
     model.apart.sort_unstable();
 }
 
-/// Links whose shapes may touch and overlap by more than [`DRAWN_TOGETHER`], and by how much, m.
-fn overlaps(tree: &Tree, kin: &Kinematics) -> Vec<([LinkId; 2], f64)> {
+/// Links whose shapes may touch and overlap at the start by more than [`DRAWN_TOGETHER`], and by how
+/// much, m.
+pub(super) fn overlaps(model: &Model) -> Vec<([LinkId; 2], f64)> {
+    let Poses { tree, kin } = poses(model);
     let colliders = &tree.contact.colliders;
     let mut patch = Patch::new();
     let mut found: Vec<([LinkId; 2], f64)> = Vec::new();
@@ -82,7 +82,8 @@ fn overlaps(tree: &Tree, kin: &Kinematics) -> Vec<([LinkId; 2], f64)> {
             if !tree.contact.may_touch([i, j]) {
                 continue;
             }
-            let X = [a, b].map(|c| kin.X[c.body].compose(&c.X));
+            let mut X = [a, b].map(|c| kin.X[c.body].compose(&c.X));
+            X[1].p += kin.origins[b.tree] - kin.origins[a.tree];
             patch.find((first, &X[0]), (second, &X[1]), 0.0);
             let deepest = patch.points().iter().map(|p| p.depth).fold(0.0, f64::max);
             let pair = [a.link.min(b.link), a.link.max(b.link)].map(LinkId::from);

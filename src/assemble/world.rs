@@ -6,17 +6,16 @@
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
 use super::alone::{Assembled, build};
-use super::initial::poses;
 use super::outputs;
+use super::touch::overlaps;
 use crate::diagnostic::{Diagnostic, Place, Severity};
 use crate::geometry::Shape;
-use crate::geometry::pair::{Patch, Solid};
-use crate::model::{Collider, Ground, JointKind, Model, RootKind};
+use crate::model::{Ground, JointKind, Model, RootKind};
 use crate::settings::{
     BaseChoice, ContactOutputs, LinkSettings, ModeChoice, ObjectSettings, ObjectSource,
     RobotSettings, Settings, static_excess,
 };
-use crate::spatial::{Mat3, Pose, Vec3};
+use crate::spatial::{Pose, Vec3};
 use crate::urdf::{
     CollisionDescription, Description, LinkDescription, VisualDescription, VisualShape,
 };
@@ -25,8 +24,6 @@ use crate::urdf::{
 const GROUND_SIZE: f64 = 5.0;
 /// How far the top of such a box may be off z = 0, m.
 const GROUND_SLACK: f64 = 1e-6;
-/// Overlap at the start that is worth a warning, m.
-const OVERLAP: f64 = 1e-3;
 
 /// A further robot or an object.
 #[derive(Clone, Debug)]
@@ -94,7 +91,7 @@ pub fn world(
         findings.push(finding(Severity::Error, "A121", None, message, help));
         return Err(findings);
     }
-    findings.extend(overlaps(&model));
+    findings.extend(warnings(&model));
     Ok(Assembled {
         model,
         diagnostics: findings,
@@ -239,10 +236,8 @@ pub fn of_robot(
 ///
 /// - `mass`: kg; 0 for one without
 pub fn solid(name: &str, shape: &Shape, mass: f64) -> Description {
-    let link = LinkDescription {
-        name: name.to_owned(),
+    Description::of(LinkDescription {
         inertial: (mass > 0.0).then(|| shape.solid_inertia(mass)),
-        R_LI: Mat3::identity(),
         collisions: vec![CollisionDescription {
             X_LG: Pose::IDENTITY,
             shape: shape.clone(),
@@ -258,26 +253,8 @@ pub fn solid(name: &str, shape: &Shape, mass: f64) -> Description {
             texture: None,
             line: 0,
         }],
-        friction: None,
-        static_friction: None,
-        rolling_friction: None,
-        torsional_friction: None,
-        restitution: None,
-        stiffness: None,
-        damping: None,
-        inertia_scaling: None,
-        line: 0,
-    };
-    Description {
-        name: name.to_owned(),
-        links: vec![link],
-        joints: Vec::new(),
-        drawn_meshes: Vec::new(),
-        textures: Vec::new(),
-        sources: Vec::new(),
-        diagnostics: Vec::new(),
-        text: "".into(),
-    }
+        ..LinkDescription::frame(name, 0)
+    })
 }
 
 /// Whether an object is nothing but a ground: links without mass that carry one large box whose top
@@ -353,51 +330,16 @@ fn large_box(description: &Description) -> Option<&LinkDescription> {
     (shapes.next().is_none() && level && large && top.abs() <= GROUND_SLACK).then_some(link)
 }
 
-/// Warnings of shapes of different trees that overlap at the start.
-fn overlaps(model: &Model) -> Vec<Diagnostic> {
-    let start = poses(model);
-    let solids: Vec<(Solid, Pose, &Collider)> = model
-        .colliders
-        .iter()
-        .map(|collider| {
-            let tree = model.root_of(collider.body).index();
-            let mut X_WG = start.collider(model, collider);
-            X_WG.p += start.kin.origins[tree];
-            (Solid::new(&collider.shape, 0.0), X_WG, collider)
-        })
-        .collect();
-    let moves = |c: &Collider| model.bodies[c.body.index()].motion.kind().moves();
-    let mut patch = Patch::new();
-    let mut deepest: Vec<([usize; 2], f64)> = Vec::new();
-    for (i, (a, X_WA, first)) in solids.iter().enumerate() {
-        for (b, X_WB, second) in &solids[i + 1..] {
-            let apart = model.root_of(first.body) == model.root_of(second.body);
-            if apart || !(moves(first) || moves(second)) {
-                continue;
-            }
-            if !patch.find((a, X_WA), (b, X_WB), 0.0) {
-                continue;
-            }
-            let depth = patch.points().iter().fold(0.0_f64, |d, p| d.max(p.depth));
-            if depth <= OVERLAP {
-                continue;
-            }
-            let links = [first.link.index(), second.link.index()];
-            match deepest.iter_mut().find(|(known, _)| *known == links) {
-                Some((_, most)) => *most = most.max(depth),
-                None => deepest.push((links, depth)),
-            }
-        }
-    }
-    let told = deepest.into_iter().map(|([a, b], depth)| {
+/// Warnings of links that overlap at the start: of different trees, as those of one robot that do
+/// are already kept apart.
+fn warnings(model: &Model) -> impl Iterator<Item = Diagnostic> + '_ {
+    overlaps(model).into_iter().map(|(pair, depth)| {
+        let [a, b] = pair.map(|link| &model.links[link.index()].name);
         let message = format!(
-            "links '{}' and '{}' overlap by {:.1} mm at the start and will push each other apart",
-            model.links[a].name,
-            model.links[b].name,
+            "links '{a}' and '{b}' overlap by {:.1} mm at the start and will push each other apart",
             1e3 * depth
         );
         let help = "place them apart, with xyz and rpy";
         finding(Severity::Warning, "A135", None, message, help)
-    });
-    told.collect()
+    })
 }

@@ -4,10 +4,11 @@
 
 use super::contact::{Contact, Other};
 use super::gather::ContactSet;
-use super::meeting::{Meeting, limited};
+use super::meeting::Meeting;
 use super::memory::{Touch, seek};
-use super::pairs::{Pair, contact_point};
+use super::pairs::Pair;
 use super::point::norm;
+use crate::geometry::pair::Patch;
 use crate::kinematics::Kinematics;
 use crate::tree::{Surface, Tree};
 
@@ -26,33 +27,17 @@ pub(super) fn find_pairs(
         points,
         pairs,
     } = contacts;
-    let Some(mut patch) = pairs.patch.take() else {
-        return;
-    };
-    pairs.search(tree, kin, [h, margin]);
     let mut touches = touches.iter().peekable();
-    for &places in &pairs.near {
-        let Some(pair) = Pair::new(tree, kin, places) else {
-            continue;
-        };
-        let [a, b] = pair.colliders;
-        let landing = pair.heavier(tree).spring.reference;
-        let reach = h * pair.speed(kin) + margin;
-        if list.len() == list.capacity() || !pair.touch(&mut patch, reach) {
-            continue;
-        }
+    let add = |slot: usize, pair: &Pair, patch: &Patch| {
         let first = points.len();
-        let found = patch.points();
-        if first + found.len() > points.capacity() {
-            continue;
+        let room = first + patch.points().len() <= points.capacity();
+        if list.len() == list.capacity() || !room {
+            return false;
         }
-        for point in found {
-            points.push(contact_point(point, &patch.normal, landing));
-        }
-        let slot = tree.contact.slot(places);
+        pair.add_points(tree, patch, points);
+        let [a, b] = pair.colliders;
         let stored = seek(&mut touches, slot, |t| t.slot);
         let stored = stored.copied().unwrap_or_default();
-        let mass = pair.mass(tree);
         let other = b.moves.then(|| Other {
             body: b.body,
             from: pair.from,
@@ -65,10 +50,10 @@ pub(super) fn find_pairs(
             other_link: Some(b.link),
             slot,
             thickness: pair.thickness(),
-            mass,
+            mass: pair.mass(tree),
             normal: patch.normal,
             points: first..points.len(),
-            spring: limited(&pair.heavier(tree).spring, mass, fastest),
+            spring: pair.spring(tree, fastest),
             ..Contact::default()
         };
         contact.gather(points);
@@ -85,8 +70,9 @@ pub(super) fn find_pairs(
         };
         meeting.complete(tree, &stored, (kin, points), &mut contact);
         list.push(contact);
-    }
-    pairs.patch = Some(patch);
+        false
+    };
+    pairs.each((tree, kin), [h, margin], |_| false, add);
 }
 
 /// Energy that the springs between shapes hold at the poses of `kin`, J.
@@ -99,27 +85,14 @@ pub(super) fn held_between(
     contacts: &mut ContactSet,
 ) -> f64 {
     let ContactSet { points, pairs, .. } = contacts;
-    let Some(mut patch) = pairs.patch.take() else {
-        return 0.0;
-    };
-    pairs.search(tree, kin, [0.0, 0.0]);
     let mut sum = 0.0;
-    for &places in &pairs.near {
-        let Some(pair) = Pair::new(tree, kin, places) else {
-            continue;
-        };
-        if !pair.touch(&mut patch, 0.0) {
-            continue;
-        }
+    let add = |_: usize, pair: &Pair, patch: &Patch| {
         points.clear();
-        let landing = pair.heavier(tree).spring.reference;
-        for point in patch.points() {
-            points.push(contact_point(point, &patch.normal, landing));
-        }
+        pair.add_points(tree, patch, points);
         let (depth, _) = norm(points);
-        let spring = limited(&pair.heavier(tree).spring, pair.mass(tree), fastest);
-        sum += spring.stored(depth);
-    }
-    pairs.patch = Some(patch);
+        sum += pair.spring(tree, fastest).stored(depth);
+        false
+    };
+    pairs.each((tree, kin), [0.0, 0.0], |_| false, add);
     sum
 }

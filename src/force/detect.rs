@@ -64,7 +64,7 @@ pub fn detect(
         }
         let stored = seek(&mut remembered, collider.index, |t| t.slot);
         let stored = stored.copied().unwrap_or_default();
-        let mass = tree.trees[collider.tree].moving_mass;
+        let mass = tree.mass_with(collider.body);
         let mut contact = Contact {
             thickness: f64::INFINITY,
             mass,
@@ -104,7 +104,7 @@ pub fn held(
         find(model, collider, kin, [0.0, 0.0], points);
         if !points.is_empty() {
             let (depth, _) = norm(points);
-            let mass = tree.trees[collider.tree].moving_mass;
+            let mass = tree.mass_with(collider.body);
             sum += limited(&collider.spring, mass, fastest).stored(depth);
         }
     }
@@ -150,12 +150,9 @@ pub fn is_clear(tree: &Tree, kin: &Kinematics, h: f64) -> bool {
     let plane = Plane::GROUND;
     let fall = 2.0 * h * h * tree.world.gravity.norm();
     let above = tree.on_ground().all(|collider| {
-        let (X_OB, V) = (&kin.X[collider.body], &kin.V[collider.body]);
-        let center = X_OB.p + X_OB.R * collider.X.p;
+        let (center, speed) = kin.ball(collider);
         let height = plane.normal.dot(&kin.origins[collider.tree]) - plane.offset;
         let clearance = height + plane.normal.dot(&center) - collider.radius;
-        let spin = V[0].abs() + V[1].abs() + V[2].abs();
-        let speed = velocity_at(V, &center).norm() + spin * collider.radius;
         clearance > 2.0 * h * speed + fall + 2.0 * CONTACT_MARGIN
     });
     above && (tree.contact.pairs.is_empty() || is_apart(tree, kin, h))

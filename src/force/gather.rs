@@ -117,12 +117,13 @@ impl ContactSet {
 
     /// Whether shapes that are not in contact here have come so near within the `h` seconds to the
     /// poses and velocities of `kin` that they may have met on the way: motors may make them much
-    /// faster than they were when contacts were looked for. Points of `self` are lost.
+    /// faster than they were when contacts were looked for. Only scratch of `self` changes.
     ///
     /// - `known`: contacts as they were found at the start
     pub fn has_missed(&mut self, tree: &Tree, kin: &Kinematics, h: f64, known: &Self) -> bool {
         let is_known = |slot| known.list.binary_search_by_key(&slot, |c| c.slot).is_ok();
-        self.pairs.met(tree, kin, h, is_known)
+        self.pairs
+            .each((tree, kin), [h, 0.0], is_known, |_, _, _| true)
     }
 
     /// Whether there are none.

@@ -6,11 +6,13 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
+use super::meeting::limited;
 use super::point::{ContactPoint, Rim};
 use crate::geometry::pair::{Patch, PatchPoint, Side, Solid};
 use crate::kinematics::Kinematics;
+use crate::law::normal::Stiffening;
 use crate::model::Model;
-use crate::spatial::{Pose, Vec3, velocity_at};
+use crate::spatial::{Pose, Vec3};
 use crate::tree::{Tree, TreeCollider};
 use crate::tuning::CONTACT_MARGIN;
 
@@ -22,9 +24,9 @@ pub struct Pairs {
     /// Places in `balls`, by ascending `Ball::low`.
     order: Vec<usize>,
     /// Pairs of places that come near, the lower one first.
-    pub(super) near: Vec<[usize; 2]>,
+    near: Vec<[usize; 2]>,
     /// None where no shapes touch each other.
-    pub(super) patch: Option<Box<Patch>>,
+    patch: Option<Box<Patch>>,
 }
 
 /// A ball in which a shape stays for the time that is looked ahead.
@@ -54,38 +56,39 @@ impl Pairs {
         }
     }
 
-    /// Whether a pair with another slot than those `known` is within the way that both go in `h`
-    /// seconds.
-    pub(super) fn met(
+    /// Calls `take` with each pair that is within the way that both go in `h` seconds, or nearer
+    /// than `margin`, m, by ascending slots, until it says that it has enough; tells whether it
+    /// has. Pairs whose slot is to be passed over are not looked at closely.
+    pub(super) fn each(
         &mut self,
-        tree: &Tree,
-        kin: &Kinematics,
-        h: f64,
-        known: impl Fn(usize) -> bool,
+        (tree, kin): (&Tree, &Kinematics),
+        [h, margin]: [f64; 2],
+        pass_over: impl Fn(usize) -> bool,
+        mut take: impl FnMut(usize, &Pair, &Patch) -> bool,
     ) -> bool {
         let Some(mut patch) = self.patch.take() else {
             return false;
         };
-        self.search(tree, kin, [h, 0.0]);
-        let met = self.near.iter().any(|&places| {
-            !known(tree.contact.slot(places))
-                && Pair::new(tree, kin, places)
-                    .is_some_and(|pair| pair.touch(&mut patch, h * pair.speed(kin)))
+        self.search(tree, kin, [h, margin]);
+        let enough = self.near.iter().any(|&places| {
+            let slot = tree.contact.slot(places);
+            !pass_over(slot)
+                && Pair::new(tree, kin, places).is_some_and(|pair| {
+                    pair.touch(&mut patch, h * pair.speed(kin) + margin)
+                        && take(slot, &pair, &patch)
+                })
         });
         self.patch = Some(patch);
-        met
+        enough
     }
 
     /// Lists the pairs that may come near within `h` seconds, by ascending slots; `margin`: gap
     /// that is near whatever the velocities, m.
-    pub(super) fn search(&mut self, tree: &Tree, kin: &Kinematics, [h, margin]: [f64; 2]) {
+    fn search(&mut self, tree: &Tree, kin: &Kinematics, [h, margin]: [f64; 2]) {
         self.balls.clear();
         self.near.clear();
         for collider in &tree.contact.colliders {
-            let (X_OB, V) = (&kin.X[collider.body], &kin.V[collider.body]);
-            let center = X_OB.p + X_OB.R * collider.X.p;
-            let spin = V[0].abs() + V[1].abs() + V[2].abs();
-            let speed = velocity_at(V, &center).norm() + spin * collider.radius;
+            let (center, speed) = kin.ball(collider);
             let radius = collider.radius + h * speed + 0.5 * margin;
             let center = center + kin.origins[collider.tree];
             let low = center.x - radius;
@@ -116,7 +119,6 @@ impl Pairs {
                 let pair = [first.min(second), first.max(second)];
                 if (a.center - b.center).norm_squared() < reach * reach
                     && tree.contact.may_touch(pair)
-                    && self.near.len() < self.near.capacity()
                 {
                     self.near.push(pair);
                 }
@@ -137,7 +139,7 @@ pub(super) struct Pair<'a> {
 }
 
 impl<'a> Pair<'a> {
-    pub fn new(tree: &'a Tree, kin: &Kinematics, [a, b]: [usize; 2]) -> Option<Self> {
+    fn new(tree: &'a Tree, kin: &Kinematics, [a, b]: [usize; 2]) -> Option<Self> {
         let places = if tree.contact.colliders[b].moves {
             [b, a]
         } else {
@@ -165,27 +167,19 @@ impl<'a> Pair<'a> {
     }
 
     /// Finds what both have in common within `reach`, m.
-    pub fn touch(&self, patch: &mut Patch, reach: f64) -> bool {
+    fn touch(&self, patch: &mut Patch, reach: f64) -> bool {
         let [a, b] = [0, 1].map(|i| (self.solids[i], &self.poses[i]));
         patch.find(a, b, reach)
     }
 
     /// How fast any two of their points come nearer, at most, m/s.
-    pub fn speed(&self, kin: &Kinematics) -> f64 {
-        let [X, Y] = &self.poses;
-        let centers = [X.p, Y.p + self.from];
-        let parts = self.colliders.iter().zip(&centers);
-        let speeds = parts.map(|(c, center)| {
-            let V = &kin.V[c.body];
-            let spin = V[0].abs() + V[1].abs() + V[2].abs();
-            velocity_at(V, center).norm() + spin * c.radius
-        });
-        speeds.sum()
+    fn speed(&self, kin: &Kinematics) -> f64 {
+        self.colliders.iter().map(|c| kin.ball(c).1).sum()
     }
 
     /// Mass that takes part in an impact of both, kg: see [`super::Contact::mass`].
     pub fn mass(&self, tree: &Tree) -> f64 {
-        let [a, b] = self.colliders.map(|c| tree.trees[c.tree].moving_mass);
+        let [a, b] = self.colliders.map(|c| tree.mass_with(c.body));
         if self.colliders[1].moves {
             a * b / (a + b)
         } else {
@@ -200,10 +194,22 @@ impl<'a> Pair<'a> {
     }
 
     /// The one whose contact is made for the greater weight.
-    pub fn heavier(&self, tree: &Tree) -> &TreeCollider {
+    fn heavier(&self, tree: &Tree) -> &TreeCollider {
         let [a, b] = self.colliders;
-        let mass = |c: &TreeCollider| tree.trees[c.tree].moving_mass;
+        let mass = |c: &TreeCollider| tree.mass_with(c.body);
         if b.moves && mass(b) > mass(a) { b } else { a }
+    }
+
+    /// Spring of its contact; `fastest` as in [`super::detect`].
+    pub fn spring(&self, tree: &Tree, fastest: f64) -> Stiffening {
+        limited(&self.heavier(tree).spring, self.mass(tree), fastest)
+    }
+
+    /// Adds the points of a patch, from O of the first one's tree.
+    pub fn add_points(&self, tree: &Tree, patch: &Patch, points: &mut Vec<ContactPoint>) {
+        let landing = self.heavier(tree).spring.reference;
+        let found = patch.points().iter();
+        points.extend(found.map(|point| contact_point(point, &patch.normal, landing)));
     }
 }
 
@@ -212,10 +218,7 @@ impl<'a> Pair<'a> {
 pub(super) fn is_apart(tree: &Tree, kin: &Kinematics, h: f64) -> bool {
     let fall = 2.0 * h * h * tree.world.gravity.norm();
     let ball = |c: &TreeCollider| {
-        let (X_OB, V) = (&kin.X[c.body], &kin.V[c.body]);
-        let center = X_OB.p + X_OB.R * c.X.p;
-        let spin = V[0].abs() + V[1].abs() + V[2].abs();
-        let speed = velocity_at(V, &center).norm() + spin * c.radius;
+        let (center, speed) = kin.ball(c);
         let radius = c.radius + 2.0 * h * speed + fall + CONTACT_MARGIN;
         (center + kin.origins[c.tree], radius)
     };
@@ -223,15 +226,17 @@ pub(super) fn is_apart(tree: &Tree, kin: &Kinematics, h: f64) -> bool {
     colliders.iter().enumerate().all(|(first, c)| {
         let (center, radius) = ball(c);
         (first + 1..colliders.len()).all(|second| {
-            let (other, reach) = ball(&colliders[second]);
-            !tree.contact.may_touch([first, second]) || (other - center).norm() > radius + reach
+            !tree.contact.may_touch([first, second]) || {
+                let (other, reach) = ball(&colliders[second]);
+                (other - center).norm() > radius + reach
+            }
         })
     })
 }
 
 /// A point of a patch, from O of the first one's tree, as a contact has it; `landing` as in
 /// [`Rim::new`].
-pub(super) fn contact_point(point: &PatchPoint, normal: &Vec3, landing: f64) -> ContactPoint {
+fn contact_point(point: &PatchPoint, normal: &Vec3, landing: f64) -> ContactPoint {
     let PatchPoint {
         x, depth, share, ..
     } = *point;

@@ -139,8 +139,7 @@ impl Fixed {
             return None;
         }
         let lengths = [h, stages.work(ctx, h)];
-        let bad = guards::gains(ctx, &books, (here, there), &attempt.end, lengths)
-            || guards::has_missed(ctx, (here, there), h);
+        let bad = guards::spoils(ctx, &books, (here, there), &attempt.end, lengths);
         Some(if bad { Outcome::Bad } else { Outcome::Good })
     }
 
@@ -202,9 +201,7 @@ impl Fixed {
         }
         implicit.take_full(ctx, here, from, h, attempt);
         let work = guards::work(ctx, &here.kin, (&here.terms, &implicit.full), h);
-        if guards::gains(ctx, &books, (here, there), &attempt.end, [h, work])
-            || guards::has_missed(ctx, (here, there), h)
-        {
+        if guards::spoils(ctx, &books, (here, there), &attempt.end, [h, work]) {
             counters.rejected += 1;
             return Outcome::Bad;
         }

@@ -43,20 +43,21 @@ pub(super) fn open_books(ctx: &Context, here: &Point, from: &Physical, share: f6
     }
 }
 
-/// Whether the step to `end` has made more energy than allowed, see [`gain`].
-pub(super) fn gains(
+/// Whether the step to `end` has made more energy than allowed, see [`gain`], or has missed that
+/// shapes have met.
+pub(super) fn spoils(
     ctx: &Context,
     books: &Books,
-    places: (&Point, &mut Point),
+    (here, there): (&Point, &mut Point),
     end: &Physical,
-    lengths: [f64; 2],
+    [h, work]: [f64; 2],
 ) -> bool {
-    gain(ctx, books, places, end, lengths) > 1.0
+    gain(ctx, books, (here, there), end, [h, work]) > 1.0 || has_missed(ctx, (here, there), h)
 }
 
 /// Whether shapes have met in the step of `h` seconds from `here` that it knows nothing of. Poses
 /// and velocities of `there` stand at its end; they do after [`gain`].
-pub(super) fn has_missed(ctx: &Context, (here, there): (&Point, &mut Point), h: f64) -> bool {
+fn has_missed(ctx: &Context, (here, there): (&Point, &mut Point), h: f64) -> bool {
     let Point { kin, terms } = there;
     let known = &here.terms.contacts;
     terms.contacts.has_missed(ctx.tree, kin, h, known)
@@ -89,7 +90,7 @@ pub(super) fn error(
 ///
 /// - `h`: the step's length, s
 /// - `work`: of motors and external wrenches, J
-pub(super) fn gain(
+fn gain(
     ctx: &Context,
     books: &Books,
     (here, there): (&Point, &mut Point),

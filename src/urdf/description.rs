@@ -66,6 +66,46 @@ pub struct LinkDescription {
     pub line: usize,
 }
 
+impl Description {
+    /// A robot that is made in code: a root link alone, named after it.
+    pub fn of(root: LinkDescription) -> Self {
+        Self {
+            name: root.name.clone(),
+            links: vec![root],
+            joints: Vec::new(),
+            drawn_meshes: Vec::new(),
+            textures: Vec::new(),
+            sources: Vec::new(),
+            diagnostics: Vec::new(),
+            text: "".into(),
+        }
+    }
+}
+
+impl LinkDescription {
+    /// A frame without mass and shape.
+    ///
+    /// - `line`: 1-based, of the `<link>` element; 0 for none
+    pub fn frame(name: &str, line: usize) -> Self {
+        Self {
+            name: name.to_owned(),
+            inertial: None,
+            R_LI: Mat3::identity(),
+            collisions: Vec::new(),
+            visuals: Vec::new(),
+            friction: None,
+            static_friction: None,
+            rolling_friction: None,
+            torsional_friction: None,
+            restitution: None,
+            stiffness: None,
+            damping: None,
+            inertia_scaling: None,
+            line,
+        }
+    }
+}
+
 /// A collision shape as the file has it.
 #[derive(Clone, Debug)]
 pub struct CollisionDescription {
