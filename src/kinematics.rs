@@ -14,7 +14,7 @@ use crate::spatial::{Mat3, Pose, SpatialInertia, Vec3, Vec6, velocity_at};
 use crate::tree::{Tree, TreeCollider};
 
 /// What depends on `q` and `v` alone. Filled by the functions of this module and of
-/// [`crate::dynamics`].
+/// [`crate::dynamics`], for the bodies that a step works on, see [`Tree::select`].
 #[derive(Clone, Debug)]
 pub struct Kinematics {
     /// O of each tree in the world, m.
@@ -63,7 +63,7 @@ impl Kinematics {
 
     /// Poses, joint motions and inertias for `q`.
     pub fn update_poses(&mut self, tree: &Tree, q: &[f64]) {
-        for (b, body) in tree.bodies.iter().enumerate() {
+        for (b, body) in tree.worked_bodies() {
             let mount = Mount {
                 base: &tree.trees[body.tree].base,
                 parent: &self.X[body.parent],
@@ -114,9 +114,11 @@ impl Kinematics {
 /// `V_i = V_parent + Σ S v`, base to tip; the base starts from rest.
 #[inline]
 pub fn forward(tree: &Tree, S: &[Vec6], v: &[f64], V: &mut [Vec6]) {
-    for (b, body) in tree.bodies.iter().enumerate() {
-        let (S, v) = (&S[body.column..], &v[body.dof..]);
-        V[b] = body.kind.velocity(&V[body.parent], S, v);
+    for span in &tree.island.spans {
+        for (b, body) in tree.bodies_of(span) {
+            let (S, v) = (&S[body.column..], &v[body.dof..]);
+            V[b] = body.kind.velocity(&V[body.parent], S, v);
+        }
     }
 }
 
@@ -134,7 +136,7 @@ fn rotated(R: &Mat3, I: &[f64; 6]) -> [f64; 6] {
 /// `q ⊕ h v`: positions after moving with constant velocity `v` for `h` seconds. Reads `from`,
 /// writes `to`.
 pub fn advance(tree: &Tree, from: &[f64], v: &[f64], h: f64, to: &mut [f64]) {
-    for body in &tree.bodies {
+    for (_, body) in tree.worked_bodies() {
         let (from, to) = (&from[body.coordinate..], &mut to[body.coordinate..]);
         body.kind.advance(from, &v[body.dof..], h, to);
     }
@@ -142,7 +144,7 @@ pub fn advance(tree: &Tree, from: &[f64], v: &[f64], h: f64, to: &mut [f64]) {
 
 /// `b ⊖ a`: the velocity that leads from `a` to `b` in one second, see [`advance`].
 pub fn difference(tree: &Tree, b: &[f64], a: &[f64], out: &mut [f64]) {
-    for body in &tree.bodies {
+    for (_, body) in tree.worked_bodies() {
         let (b, a) = (&b[body.coordinate..], &a[body.coordinate..]);
         body.kind.difference(b, a, &mut out[body.dof..]);
     }
@@ -150,7 +152,7 @@ pub fn difference(tree: &Tree, b: &[f64], a: &[f64], out: &mut [f64]) {
 
 /// `q̇` for velocities `v`.
 pub(crate) fn position_rates(tree: &Tree, q: &[f64], v: &[f64], rate: &mut [f64]) {
-    for body in &tree.bodies {
+    for (_, body) in tree.worked_bodies() {
         let (q, rate) = (&q[body.coordinate..], &mut rate[body.coordinate..]);
         body.kind.position_rates(q, &v[body.dof..], rate);
     }

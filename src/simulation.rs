@@ -15,7 +15,7 @@ use crate::prepared::model_hash;
 use crate::range::{Range, SHORTEST_FIXED_STEP};
 use crate::readout::Readout;
 use crate::state::State;
-use crate::step::driver::{Stepper, Stop};
+use crate::step::driver::Stepper;
 use crate::step::point::Context;
 use crate::tree::Tree;
 use crate::tuning::{DEFAULT_TOLERANCE, Rules, TOLERANCES};
@@ -114,6 +114,8 @@ macro_rules! context {
     };
 }
 
+mod advance;
+
 impl Simulation {
     /// A robot with its default parameters and initial state; call [`Self::initialize`] before the
     /// first step.
@@ -160,7 +162,7 @@ impl Simulation {
     /// says.
     pub fn state_mut(&mut self) -> &mut State {
         self.readout.invalidate();
-        self.state.stepping.ahead.input_changed();
+        self.state.stepping.ahead.all_changed();
         &mut self.state
     }
 
@@ -224,8 +226,7 @@ impl Simulation {
         }
         self.inputs.gather(&self.model, &self.tree);
         self.applied.copy_from(&self.inputs);
-        let ctx = context!(self, inputs);
-        self.stepper.settle(&ctx, &mut self.state);
+        self.settle();
         self.stale = false;
         self.readout.invalidate();
     }
@@ -270,13 +271,19 @@ impl Simulation {
 
     /// What hangs on an input follows it. Outputs do not, once a simulation runs.
     fn input_changed(&mut self, slot: InputSlot) {
-        self.state.stepping.ahead.input_changed();
-        if matches!(
-            slot,
-            InputSlot::ExternalForce(..) | InputSlot::ExternalTorque(..)
-        ) {
-            self.inputs.gather(&self.model, &self.tree);
-        }
+        use InputSlot::{Effort, ExternalForce, ExternalTorque, MaxEffort, Position, Velocity};
+        let model = &self.model;
+        let body = match slot {
+            Velocity(a) | Position(a) | Effort(a) | MaxEffort(a) => {
+                model.dofs[model.actuators[a.index()].dof.index()].body
+            }
+            ExternalForce(link, _) | ExternalTorque(link, _) => {
+                self.inputs.gather(model, &self.tree);
+                model.links[link.index()].body
+            }
+        };
+        let tree = model.root_of(body).index();
+        self.state.stepping.ahead.input_changed(&self.tree, tree);
         if !self.initialized {
             self.applied.copy_from(&self.inputs);
             self.readout.invalidate();
@@ -304,7 +311,7 @@ impl Simulation {
             return;
         }
         self.parameters.set(slot, value);
-        self.state.stepping.ahead.input_changed();
+        self.state.stepping.ahead.all_changed();
         if self.initialized {
             self.tree.tune(&self.model, &self.parameters);
         } else {
@@ -347,56 +354,6 @@ impl Simulation {
             DEFAULT_TOLERANCE
         };
         tolerance.clamp(TOLERANCES.0, TOLERANCES.1)
-    }
-
-    /// Simulates up to exactly `end`, s; does nothing unless it lies after [`Self::time`].
-    ///
-    /// # Errors
-    /// [`SimulationError::NotFinite`], [`SimulationError::Work`]; the state is then that of
-    /// [`Self::time`].
-    pub fn advance_to(&mut self, end: f64) -> Result<(), SimulationError> {
-        if self.stale {
-            self.place();
-        }
-        if end.is_nan() || end <= self.state.time {
-            return Ok(());
-        }
-        let span = end - self.state.time;
-        let refused = |time| SimulationError::NotFinite {
-            time,
-            hint: "forces or commands are out of all proportion to the masses",
-        };
-        if !self.inputs.is_finite_at(span) {
-            return Err(refused(self.state.time));
-        }
-        let most = libm::floor(self.parameters.get(ParameterSlot::MaxSteps) * span.max(1.0));
-        #[expect(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "a whole number above 0; one beyond the type saturates"
-        )]
-        let ctx = Context {
-            budget: most as u64,
-            ..context!(self, inputs)
-        };
-        let result = self.stepper.advance(&ctx, &mut self.state, end);
-        self.readout.invalidate();
-        let time = self.state.time;
-        match result {
-            Ok(()) => {}
-            Err(Stop::NotFinite) => return Err(refused(time)),
-            Err(Stop::Budget) => return Err(SimulationError::Work { time, most }),
-        }
-        self.applied.copy_from(&self.inputs);
-        if self.inputs.varies() {
-            self.applied.shift(span);
-            self.applied.gather(&self.model, &self.tree);
-            self.inputs.copy_from(&self.applied);
-            self.inputs.hold();
-            self.inputs.gather(&self.model, &self.tree);
-            self.state.stepping.ahead.input_changed();
-        }
-        Ok(())
     }
 
     /// Current time, s.

@@ -26,7 +26,7 @@ pub struct SavedStateError {
 }
 
 const MAGIC: &[u8; 4] = b"U2FS";
-const VERSION: u32 = 7;
+const VERSION: u32 = 8;
 
 /// Bytes of a saved touch: slot and numbers.
 const TOUCH: usize = 64;
@@ -215,7 +215,8 @@ impl Snapshot {
             .resize(coefficients, 0.0);
         reader.numbers(&mut snapshot.state.stepping.ahead.coefficients);
         let ahead = &snapshot.state.stepping.ahead;
-        complete = complete && (ahead.is_empty() || ahead.length > 0.0);
+        let under_way = ahead.length.iter().any(|length| *length > 0.0);
+        complete = complete && under_way != ahead.coefficients.is_empty();
         [snapshot.importer_tolerance, snapshot.start] = tail;
         // Effort limits may be infinite.
         let sound = defaults.allow(&snapshot.parameters)

@@ -32,6 +32,8 @@ pub struct Sparsity {
     pub prefix: Vec<usize>,
     /// Rows that depend on no others.
     pub blocks: Vec<Block>,
+    /// The blocks that are worked on, by ascending index; of the others nothing is read or written.
+    pub worked: Vec<usize>,
 }
 
 /// Consecutive rows that depend on no others.
@@ -81,7 +83,10 @@ impl Sparsity {
                 }
             }
         }
-        let mut pattern = Self::default();
+        let mut pattern = Self {
+            worked: (0..blocks.len()).collect(),
+            ..Self::default()
+        };
         let mut first = 0;
         for length in blocks {
             pattern.add_block(first..first + length, &parent);
@@ -131,9 +136,15 @@ impl Sparsity {
         self.column.len()
     }
 
-    /// Multiplications of filling and factorising the matrix, nearly.
-    pub fn factor_cost(&self) -> usize {
-        self.depth.iter().map(|d| d * (d + 13) / 2).sum()
+    /// Multiplications of filling and factorising a block, nearly.
+    pub fn factor_cost(&self, block: usize) -> usize {
+        let rows = self.blocks[block].rows.clone();
+        self.depth[rows].iter().map(|d| d * (d + 13) / 2).sum()
+    }
+
+    /// The blocks that are worked on.
+    fn worked(&self) -> impl Iterator<Item = &Block> + '_ {
+        self.worked.iter().map(|block| &self.blocks[*block])
     }
 
     /// Place of entry (i, j); the pair must be in the pattern.
@@ -150,8 +161,8 @@ impl Sparsity {
 
     /// `y = A x`.
     pub fn multiply(&self, a: &[f64], x: &[f64], y: &mut [f64]) {
-        y.fill(0.0);
-        for block in &self.blocks {
+        for block in self.worked() {
+            y[block.rows.clone()].fill(0.0);
             self.multiply_block(block, a, x, y);
         }
     }
@@ -207,7 +218,7 @@ impl Sparsity {
     /// roots are taken, whose time is that of a whole row. A pivot that round-off has made smaller
     /// than the smallest positive number is replaced by that, so that the direction stays finite.
     pub fn factor(&self, a: &mut [f64]) {
-        for block in &self.blocks {
+        for block in self.worked() {
             self.factor_block(block, a);
         }
     }
@@ -252,7 +263,7 @@ impl Sparsity {
 
     /// `x = A⁻¹ x` with the factor of [`Self::factor`].
     pub fn solve(&self, factor: &[f64], x: &mut [f64]) {
-        for block in &self.blocks {
+        for block in self.worked() {
             self.solve_block(block, factor, x);
         }
     }

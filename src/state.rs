@@ -50,7 +50,7 @@ pub struct Stepping {
     pub impulse: Vec<[f64; 3]>,
     /// Length of the last communication step, s; 0 before the first.
     pub last_step: f64,
-    /// The smooth step under way.
+    /// The smooth steps under way.
     pub ahead: Ahead,
 }
 
@@ -72,12 +72,6 @@ impl Trend {
         }
     }
 
-    /// Forgets all.
-    pub fn clear(&mut self) {
-        self.first.fill(0.0);
-        self.whole.fill(0.0);
-    }
-
     /// Overwrites this with another of the same length, without allocating.
     pub fn copy_from(&mut self, other: &Self) {
         self.first.copy_from_slice(&other.first);
@@ -85,15 +79,16 @@ impl Trend {
     }
 }
 
-/// Step sizes of the error control, s.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// Step sizes of the error control, s, one for each tree. Trees that move together have the same;
+/// in a step those of the first one count, see [`crate::tree::Island::lead`].
+#[derive(Clone, Debug, PartialEq)]
 pub struct Sizes {
     /// Of the next step.
-    pub proposed: f64,
+    pub proposed: Vec<f64>,
     /// Of the next step just after inputs have jumped.
-    pub after_jump: f64,
+    pub after_jump: Vec<f64>,
     /// The shortest that the error control may ask for; 0 before the first step.
-    pub floor: f64,
+    pub floor: Vec<f64>,
 }
 
 /// What has been counted since the start.
@@ -139,16 +134,16 @@ macro_rules! fields {
             & $($mutable)? physical.memory.motor,
             & $($mutable)? physical.memory.dry,
             stepping.commands.$flat(),
-            $one(& $($mutable)? stepping.sizes.proposed),
-            $one(& $($mutable)? stepping.sizes.after_jump),
-            $one(& $($mutable)? stepping.sizes.floor),
+            & $($mutable)? stepping.sizes.proposed,
+            & $($mutable)? stepping.sizes.after_jump,
+            & $($mutable)? stepping.sizes.floor,
             & $($mutable)? stepping.trend.first,
             & $($mutable)? stepping.trend.whole,
             stepping.impulse.$flat(),
             $one(& $($mutable)? stepping.last_step),
-            $one(& $($mutable)? stepping.ahead.start),
-            $one(& $($mutable)? stepping.ahead.length),
-            $one(& $($mutable)? stepping.ahead.changed),
+            & $($mutable)? stepping.ahead.start,
+            & $($mutable)? stepping.ahead.length,
+            & $($mutable)? stepping.ahead.changed,
         ]
     }};
 }
@@ -192,9 +187,9 @@ impl State {
             stepping: Stepping {
                 commands: vec![[0.0; 4]; model.actuators.len()],
                 sizes: Sizes {
-                    proposed: INITIAL_STEP,
-                    after_jump: INITIAL_STEP,
-                    floor: 0.0,
+                    proposed: vec![INITIAL_STEP; model.roots.len()],
+                    after_jump: vec![INITIAL_STEP; model.roots.len()],
+                    floor: vec![0.0; model.roots.len()],
                 },
                 trend: Trend::new(model.nv()),
                 counters: Counters::default(),
@@ -236,9 +231,9 @@ impl State {
     /// the run would not end.
     pub fn lengths_are_positive(&self) -> bool {
         let Stepping { sizes, ahead, .. } = &self.stepping;
-        let sizes = [sizes.proposed, sizes.after_jump, sizes.floor];
-        let others = [self.stepping.last_step, ahead.length];
-        sizes.iter().chain(&others).all(|length| *length >= 0.0)
+        let sizes = [&sizes.proposed, &sizes.after_jump, &sizes.floor];
+        let mut lengths = sizes.into_iter().chain([&ahead.length]).flatten();
+        lengths.all(|length| *length >= 0.0) && self.stepping.last_step >= 0.0
     }
 
     /// Whether every number is finite; the effort limits among the commands may be infinite: no

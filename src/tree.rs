@@ -8,10 +8,12 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
+mod island;
 mod pairs;
 mod parts;
 mod scale;
 
+pub use island::{Island, Span};
 pub use parts::{
     Actuators, Contacts, Dofs, DryFriction, Extent, Surface, Tree, TreeBody, TreeCollider, Turning,
     World, harmonic_mean,
@@ -25,7 +27,7 @@ use crate::parameters::Parameters;
 use crate::slots::ParameterSlot as P;
 use crate::sparsity::Sparsity;
 use crate::spatial::{Mat3, Pose, RigidInertia, Vec3, rotation_from_rpy};
-use crate::tuning::{ARTICULATED_COST, FACE, WHEEL};
+use crate::tuning::{FACE, WHEEL};
 
 impl Tree {
     /// Derives the tree; masses, mounting and initial pose come from `parameters`.
@@ -36,6 +38,7 @@ impl Tree {
             trees: Vec::new(),
             dof: Vec::new(),
             sparsity: Sparsity::default(),
+            island: Island::default(),
             pure: true,
             long: false,
             link_pose: Vec::new(),
@@ -78,7 +81,7 @@ impl Tree {
         }
         tree.add_colliders(model, &turned);
         tree.sparsity = tree.pattern();
-        tree.long = tree.pure && tree.sparsity.factor_cost() > ARTICULATED_COST * tree.bodies.len();
+        tree.select_all();
         for joint in &model.joints {
             for body in &joint.bodies {
                 let body = &tree.bodies[body.index()];
@@ -111,10 +114,8 @@ impl Tree {
             let column = self.dof.len();
             let columns = body.motion.nv();
             self.dof.extend((0..columns).map(|i| body.dof.index() + i));
-            self.pure &= self.dof[column..]
-                .iter()
-                .enumerate()
-                .all(|(i, &d)| d == column + i);
+            let mut dofs = self.dof[column..].iter().zip(column..);
+            let pure = dofs.all(|(dof, column)| *dof == column);
             self.bodies.push(TreeBody {
                 parent,
                 tree: self.trees.len() - 1,
@@ -139,6 +140,8 @@ impl Tree {
                 tree.bodies.end = b + 1;
                 // A mimic body has the place of the joint that it follows.
                 tree.dofs.end = tree.dofs.end.max(body.dof.index() + columns);
+                tree.coordinates.end = tree.coordinates.end.max(body.coordinate + body.motion.nq());
+                tree.pure &= pure;
             }
         }
         turned
@@ -156,7 +159,9 @@ impl Tree {
             },
             bodies: b..b,
             dofs: dof..dof,
+            coordinates: base.coordinate..base.coordinate,
             free: base.motion.kind().is_free(),
+            pure: true,
             moving_mass: 0.0,
             reach: 0.0,
         });

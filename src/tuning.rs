@@ -32,6 +32,8 @@ pub struct Rules {
     pub energy: bool,
     /// Fixed steps are taken in parts where something turns far in one.
     pub parts: bool,
+    /// Trees that cannot meet within a communication step have steps of their own.
+    pub islands: bool,
 }
 
 impl Rules {
@@ -48,6 +50,7 @@ impl Rules {
         floor: true,
         energy: true,
         parts: true,
+        islands: true,
     };
 }
 
@@ -257,6 +260,13 @@ pub const LIMIT_DEFLECTION: f64 = 1e-4;
 pub const OVERSPEED: f64 = 0.01;
 /// Longest time that a joint takes to fall back to its enforced speed limit, s.
 pub const SPEED_RELAXATION: f64 = 1e-3;
+
+// Islands: `step/islands.rs`.
+
+/// Communication steps for which the velocity at their beginning is taken to last when trees are
+/// parted. One lasts a communication step only if nothing is accelerated; with two, trees are
+/// seldom parted again.
+pub const ISLAND_TIME: f64 = 2.0;
 
 // Contacts: `force/detect.rs`.
 

@@ -91,7 +91,7 @@ impl Articulated {
             "the articulated-body algorithm does not couple branches"
         );
         // Base to tip: rigid inertia, velocity-product acceleration, bias force.
-        for (b, body) in tree.bodies.iter().enumerate() {
+        for (b, body) in tree.worked_bodies() {
             let (V, I) = (&kin.V[b], &kin.I[b]);
             let S = &kin.S[body.column..];
             self.c[b] = body.kind.velocity_product(V, S, &v[body.dof..]);
@@ -100,7 +100,7 @@ impl Articulated {
         }
         add_drag(tree, kin, &mut self.pA);
         add_wrenches(kin, wrenches, t, &mut self.pA);
-        for (b, body) in tree.bodies.iter().enumerate().rev() {
+        for (b, body) in tree.worked_bodies().rev() {
             if body.kind.is_base() {
                 continue;
             }
@@ -228,7 +228,7 @@ impl Articulated {
         vdot: &mut [f64],
     ) {
         let g = tree.world.gravity;
-        for (b, body) in tree.bodies.iter().enumerate() {
+        for (b, body) in tree.worked_bodies() {
             if body.kind.is_base() {
                 let dofs = body.dof..body.dof + body.columns;
                 let (armature, tau) = (&armature[dofs.clone()], &tau[dofs.clone()]);

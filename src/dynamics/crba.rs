@@ -23,8 +23,7 @@ pub fn mass_matrix(tree: &Tree, kin: &mut Kinematics) {
     if !tree.pure {
         M.fill(0.0);
     }
-    for b in (0..tree.bodies.len()).rev() {
-        let body = &tree.bodies[b];
+    for (b, body) in tree.worked_bodies().rev() {
         if body.kind.is_free() {
             let lower = composite[b].lower();
             let first = pattern.start[body.dof];
@@ -65,9 +64,9 @@ pub fn mass_matrix(tree: &Tree, kin: &mut Kinematics) {
         let sub = composite[b];
         composite[body.parent].add(&sub);
     }
-    for (k, armature) in tree.dofs.armature.iter().enumerate() {
+    for k in tree.worked_dofs() {
         let diagonal = &mut M[pattern.diagonal(k)];
-        *diagonal += armature;
+        *diagonal += tree.dofs.armature[k];
         inverse_diagonal[k] = 1.0 / diagonal.max(f64::MIN_POSITIVE);
     }
 }
@@ -82,8 +81,7 @@ pub fn diagonal(tree: &Tree, kin: &mut Kinematics) {
         ..
     } = kin;
     composite.copy_from_slice(I);
-    for b in (0..tree.bodies.len()).rev() {
-        let body = &tree.bodies[b];
+    for (b, body) in tree.worked_bodies().rev() {
         for c in body.column..body.column + body.columns {
             let diagonal = dot6(&S[c], &composite[b].mul(&S[c])) + tree.dofs.armature[c];
             inverse_diagonal[c] = 1.0 / diagonal.max(f64::MIN_POSITIVE);

@@ -7,32 +7,27 @@ use crate::spatial::{Vec3, Vec6, add6, dot6};
 use crate::tree::Tree;
 use std::ops::Range;
 
-/// Kinetic energy, J, of the bodies and of the rotors (armature); reads `kin.V`, `kin.I`.
+/// Kinetic energy, J, of the bodies that a step works on and of the rotors (armature); reads `kin.V`, `kin.I`.
 pub fn kinetic(tree: &Tree, kin: &Kinematics, v: &[f64]) -> f64 {
-    let bodies: f64 = kin
-        .V
-        .iter()
-        .zip(&kin.I)
-        .map(|(V, I)| dot6(V, &I.mul(V)))
-        .sum();
-    let rotors: f64 = tree
-        .dofs
-        .armature
-        .iter()
-        .zip(v)
-        .map(|(a, v)| a * v * v)
-        .sum();
+    let bodies = tree.worked_bodies().map(|(b, _)| {
+        let V = &kin.V[b];
+        dot6(V, &kin.I[b].mul(V))
+    });
+    let bodies: f64 = bodies.sum();
+    let rotors = tree
+        .worked_dofs()
+        .map(|k| tree.dofs.armature[k] * v[k] * v[k]);
+    let rotors: f64 = rotors.sum();
     0.5 * (bodies + rotors)
 }
 
 /// Potential energy of gravity on the moving bodies, J, zero at the world's origin; reads `kin.I`,
 /// `kin.origins`.
 pub fn potential(tree: &Tree, kin: &Kinematics) -> f64 {
-    tree.bodies
-        .iter()
-        .zip(&kin.I)
-        .filter(|(body, _)| body.kind.moves())
-        .map(|(body, I)| {
+    tree.worked_bodies()
+        .filter(|(_, body)| body.kind.moves())
+        .map(|(b, body)| {
+            let I = &kin.I[b];
             let moment = Vec3::from(I.moment) + kin.origins[body.tree] * I.mass;
             -tree.world.gravity.dot(&moment)
         })

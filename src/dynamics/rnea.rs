@@ -24,8 +24,7 @@ pub fn bias(tree: &Tree, kin: &mut Kinematics, v: &[f64], wrenches: &[ExternalWr
     if !tree.pure {
         bias.fill(0.0);
     }
-    for b in (0..tree.bodies.len()).rev() {
-        let body = &tree.bodies[b];
+    for (b, body) in tree.worked_bodies().rev() {
         let F = force[b];
         if body.kind.is_free() {
             bias[body.dof..body.dof + 6].copy_from_slice(&F);
@@ -50,7 +49,7 @@ pub fn bias(tree: &Tree, kin: &mut Kinematics, v: &[f64], wrenches: &[ExternalWr
 fn body_forces(tree: &Tree, kin: &mut Kinematics, v: &[f64], force: &mut [Vec6]) {
     let Kinematics { S, V, I, C, .. } = kin;
     let g = tree.world.gravity;
-    for (b, body) in tree.bodies.iter().enumerate() {
+    for (b, body) in tree.worked_bodies() {
         let V_b = &V[b];
         let mut A = if body.kind.is_base() {
             [0.0, 0.0, 0.0, -g.x, -g.y, -g.z]
@@ -105,8 +104,9 @@ pub(super) fn add_drag(tree: &Tree, kin: &Kinematics, force: &mut [Vec6]) {
     if tree.world.drag == 0.0 {
         return;
     }
-    for (b, I) in kin.I.iter().enumerate() {
-        if I.mass <= 0.0 || !tree.bodies[b].kind.moves() {
+    for (b, body) in tree.worked_bodies() {
+        let I = &kin.I[b];
+        if I.mass <= 0.0 || !body.kind.moves() {
             continue;
         }
         // Momentum about O, split into that of the centre of mass and the spin about it.

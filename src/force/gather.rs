@@ -121,9 +121,26 @@ impl ContactSet {
     ///
     /// - `known`: contacts as they were found at the start
     pub fn has_missed(&mut self, tree: &Tree, kin: &Kinematics, h: f64, known: &Self) -> bool {
-        let is_known = |slot| known.list.binary_search_by_key(&slot, |c| c.slot).is_ok();
+        let is_known = |places| {
+            let slot = tree.contact.slot(places);
+            known.list.binary_search_by_key(&slot, |c| c.slot).is_ok()
+        };
         self.pairs
             .each((tree, kin), [h, 0.0], is_known, |_, _, _| true)
+    }
+
+    /// Joins the trees of which shapes may come near each other within `h` seconds, or are nearer
+    /// than `margin`, m. Only scratch of `self` changes.
+    ///
+    /// - `leader`: the first tree of the group of each tree
+    pub fn group(
+        &mut self,
+        tree: &Tree,
+        kin: &Kinematics,
+        [h, margin]: [f64; 2],
+        leader: &mut [usize],
+    ) {
+        self.pairs.group((tree, kin), [h, margin], leader);
     }
 
     /// Whether there are none.

@@ -64,13 +64,6 @@ impl Memory {
         self.motor.copy_from_slice(&other.motor);
         self.dry.copy_from_slice(&other.dry);
     }
-
-    /// Drops everything, where nothing touches and nothing is stretched.
-    pub fn clear(&mut self) {
-        self.touches.clear();
-        self.motor.fill(0.0);
-        self.dry.fill(0.0);
-    }
 }
 
 /// The item of `slot` in a list by ascending slots; those before it are left behind.

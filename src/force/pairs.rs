@@ -56,14 +56,14 @@ impl Pairs {
         }
     }
 
-    /// Calls `take` with each pair that is within the way that both go in `h` seconds, or nearer
+    /// Calls `take` with each pair of shapes that a step works on which is within the way that both go in `h` seconds, or nearer
     /// than `margin`, m, by ascending slots, until it says that it has enough; tells whether it
-    /// has. Pairs whose slot is to be passed over are not looked at closely.
+    /// has. Pairs whose places are to be passed over are not looked at closely.
     pub(super) fn each(
         &mut self,
         (tree, kin): (&Tree, &Kinematics),
         [h, margin]: [f64; 2],
-        pass_over: impl Fn(usize) -> bool,
+        pass_over: impl Fn([usize; 2]) -> bool,
         mut take: impl FnMut(usize, &Pair, &Patch) -> bool,
     ) -> bool {
         let Some(mut patch) = self.patch.take() else {
@@ -71,15 +71,43 @@ impl Pairs {
         };
         self.search(tree, kin, [h, margin]);
         let enough = self.near.iter().any(|&places| {
-            let slot = tree.contact.slot(places);
-            !pass_over(slot)
+            !pass_over(places)
                 && Pair::new(tree, kin, places).is_some_and(|pair| {
                     pair.touch(&mut patch, h * pair.speed(kin) + margin)
-                        && take(slot, &pair, &patch)
+                        && take(tree.contact.slot(places), &pair, &patch)
                 })
         });
         self.patch = Some(patch);
         enough
+    }
+
+    /// See [`super::ContactSet::group`].
+    pub(super) fn group(
+        &mut self,
+        (tree, kin): (&Tree, &Kinematics),
+        [h, margin]: [f64; 2],
+        leader: &mut [usize],
+    ) {
+        let Some(mut patch) = self.patch.take() else {
+            return;
+        };
+        self.search(tree, kin, [h, margin]);
+        for &places in &self.near {
+            let trees = places.map(|place| tree.contact.colliders[place].tree);
+            let [a, b] = trees.map(|index| leader[index]);
+            if a == b || trees.iter().any(|index| !tree.trees[*index].moves()) {
+                continue;
+            }
+            let near = Pair::new(tree, kin, places)
+                .is_some_and(|pair| pair.touch(&mut patch, h * pair.speed(kin) + margin));
+            if near {
+                let (low, high) = (a.min(b), a.max(b));
+                for leader in leader.iter_mut().filter(|leader| **leader == high) {
+                    *leader = low;
+                }
+            }
+        }
+        self.patch = Some(patch);
     }
 
     /// Lists the pairs that may come near within `h` seconds, by ascending slots; `margin`: gap
@@ -87,21 +115,20 @@ impl Pairs {
     fn search(&mut self, tree: &Tree, kin: &Kinematics, [h, margin]: [f64; 2]) {
         self.balls.clear();
         self.near.clear();
-        for collider in &tree.contact.colliders {
+        self.balls
+            .resize(tree.contact.colliders.len(), Ball::default());
+        // By insertion: neighbours in the model are often neighbours in space.
+        self.order.clear();
+        for (place, collider) in tree.worked_colliders() {
             let (center, speed) = kin.ball(collider);
             let radius = collider.radius + h * speed + 0.5 * margin;
             let center = center + kin.origins[collider.tree];
             let low = center.x - radius;
-            self.balls.push(Ball {
+            self.balls[place] = Ball {
                 center,
                 radius,
                 low,
-            });
-        }
-        // By insertion: neighbours in the model are often neighbours in space.
-        self.order.clear();
-        for place in 0..self.balls.len() {
-            let low = self.balls[place].low;
+            };
             let mut at = self.order.len();
             while at > 0 && self.balls[self.order[at - 1]].low > low {
                 at -= 1;
@@ -222,12 +249,12 @@ pub(super) fn is_apart(tree: &Tree, kin: &Kinematics, h: f64) -> bool {
         let radius = c.radius + 2.0 * h * speed + fall + CONTACT_MARGIN;
         (center + kin.origins[c.tree], radius)
     };
-    let colliders = &tree.contact.colliders;
-    colliders.iter().enumerate().all(|(first, c)| {
+    tree.worked_colliders().all(|(first, c)| {
         let (center, radius) = ball(c);
-        (first + 1..colliders.len()).all(|second| {
+        let mut others = tree.worked_colliders().skip_while(|(at, _)| *at <= first);
+        others.all(|(second, c)| {
             !tree.contact.may_touch([first, second]) || {
-                let (other, reach) = ball(&colliders[second]);
+                let (other, reach) = ball(c);
                 (other - center).norm() > radius + reach
             }
         })

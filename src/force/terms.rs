@@ -111,7 +111,8 @@ pub struct Terms {
     pub contacts: ContactSet,
     /// Friction of some of them against turning, in the same order.
     pub turns: Vec<Turn>,
-    /// What acts along each degree of freedom of a joint, in the order of these.
+    /// What acts along each degree of freedom of a joint that a step works on, in the order of
+    /// these; see [`Self::select`].
     pub joints: Vec<JointTerm>,
 }
 
@@ -125,6 +126,15 @@ impl Terms {
             turns: Vec::with_capacity(model.contact_room()[0]),
             joints: dofs.map(|dof| JointTerm::new(model, dof)).collect(),
         }
+    }
+
+    /// Takes the joints of the trees that a step works on, see [`Tree::select`].
+    pub fn select(&mut self, model: &Model, tree: &Tree) {
+        let of_joint = |dof: &usize| model.bodies[model.dofs[*dof].body.index()].joint.is_some();
+        self.joints.clear();
+        let dofs = tree.worked_dofs().filter(of_joint);
+        self.joints
+            .extend(dofs.map(|dof| JointTerm::new(model, dof)));
     }
 
     /// Finds contacts, and their friction against turning, for a step of at most `h` seconds from
@@ -265,7 +275,7 @@ impl Terms {
 
     /// What the terms remember after a step of `h` seconds that has been solved.
     pub fn remember(&self, solved: &Solved, h: f64, memory: &mut Memory) {
-        memory.clear();
+        memory.touches.clear();
         let mut turns = self.turns.iter().zip(&solved.at.turns).peekable();
         let contacts = solved.at.contacts.iter().zip(&solved.responses.contacts);
         for (contact, (v, response)) in self.contacts.iter().zip(contacts) {
@@ -292,6 +302,17 @@ impl Terms {
         }
     }
 
+    /// Makes a memory that of nothing that touches, and nothing that is stretched.
+    pub fn forget(&self, memory: &mut Memory) {
+        memory.touches.clear();
+        for term in &self.joints {
+            memory.dry[term.dof] = 0.0;
+            if let Some(index) = term.actuator {
+                memory.motor[index] = 0.0;
+            }
+        }
+    }
+
     /// Makes these the terms of a part of a step: those of `base`, moved on.
     ///
     /// - `way`: spatial displacement of each body; `moved`: of each degree of freedom, rad or m
@@ -313,7 +334,8 @@ impl Terms {
         }
         self.turns.clear();
         self.turns.extend_from_slice(&base.turns);
-        self.joints.copy_from_slice(&base.joints);
+        self.joints.clear();
+        self.joints.extend_from_slice(&base.joints);
         for term in &mut self.joints {
             term.shift(moved[term.dof]);
         }

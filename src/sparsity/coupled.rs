@@ -103,9 +103,9 @@ impl Coupled {
             pattern.factor(&mut self.packed);
             return;
         }
-        for (block, coupled) in pattern.blocks.iter().zip(&self.joined) {
-            if !coupled {
-                pattern.factor_block(block, &mut self.packed);
+        for &b in &pattern.worked {
+            if !self.joined[b] {
+                pattern.factor_block(&pattern.blocks[b], &mut self.packed);
             }
         }
         self.spread_out(pattern);
@@ -210,8 +210,10 @@ impl Coupled {
             return;
         }
         let blocks = || pattern.blocks.iter().zip(&self.joined);
-        for (block, _) in blocks().filter(|(_, coupled)| !**coupled) {
-            pattern.solve_block(block, &self.packed, x);
+        for &b in &pattern.worked {
+            if !self.joined[b] {
+                pattern.solve_block(&pattern.blocks[b], &self.packed, x);
+            }
         }
         let coupled = || blocks().filter(|(_, coupled)| **coupled);
         for (block, _) in coupled().rev() {

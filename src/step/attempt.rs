@@ -5,8 +5,11 @@ use crate::model::Model;
 use crate::state::{Physical, State, Trend};
 use crate::step::convex::Newton;
 use crate::step::point::Point;
+use crate::tree::Tree;
 
 /// A try of a step. [`Self::accept`] is the one place where steps write what a robot is in.
+///
+/// Of trees that a step does not work on, see [`Tree::select`], it holds what the state does.
 #[derive(Clone, Debug)]
 pub struct Attempt {
     /// Positions, velocities and memory at its end.
@@ -44,8 +47,8 @@ impl Attempt {
 
     /// Takes velocities and memory from a solve over `h` seconds from `point`; positions are the
     /// caller's.
-    pub(super) fn take_solved(&mut self, point: &Point, solved: &Newton, h: f64) {
-        self.end.v.copy_from_slice(&solved.v);
+    pub(super) fn take_solved(&mut self, tree: &Tree, point: &Point, solved: &Newton, h: f64) {
+        tree.copy_velocities(&solved.v, &mut self.end.v);
         let memory = &mut self.end.memory;
         point.terms.remember(&solved.solved(), h, memory);
     }
@@ -69,9 +72,21 @@ impl Attempt {
     /// Sets the accelerations of a step of `h` seconds that began with the velocities `v`.
     ///
     /// - `first`: velocities at the end of its first stage, which takes so many seconds
-    pub(super) fn end_trend(&mut self, v: &[f64], h: f64, (first, eta): (&[f64], f64)) {
-        mean_acceleration(v, (&self.end.v, h), &mut self.trend.whole);
-        mean_acceleration(v, (first, eta), &mut self.trend.first);
+    pub(super) fn end_trend(
+        &mut self,
+        tree: &Tree,
+        v: &[f64],
+        h: f64,
+        (first, eta): (&[f64], f64),
+    ) {
+        mean_acceleration(tree, v, (&self.end.v, h), &mut self.trend.whole);
+        mean_acceleration(tree, v, (first, eta), &mut self.trend.first);
+    }
+
+    /// No accelerations.
+    pub(super) fn clear_trend(&mut self, tree: &Tree) {
+        tree.clear_velocities(&mut self.trend.first);
+        tree.clear_velocities(&mut self.trend.whole);
     }
 
     /// Makes it the state. What is left here is where the step began.
@@ -83,8 +98,8 @@ impl Attempt {
 }
 
 /// Mean acceleration over `h` seconds from the velocities `v` to `end`.
-pub(super) fn mean_acceleration(v: &[f64], (end, h): (&[f64], f64), out: &mut [f64]) {
-    for ((out, end), start) in out.iter_mut().zip(end).zip(v) {
-        *out = (end - start) / h;
+pub(super) fn mean_acceleration(tree: &Tree, v: &[f64], (end, h): (&[f64], f64), out: &mut [f64]) {
+    for k in tree.worked_dofs() {
+        out[k] = (end[k] - v[k]) / h;
     }
 }

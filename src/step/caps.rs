@@ -83,7 +83,7 @@ pub(super) fn by_touchdown(ctx: &Context, here: &Point, from: &Physical, h: f64)
 /// too.
 pub(super) fn may_look_ahead(ctx: &Context, here: &Point, state: &State, h: f64) -> bool {
     ctx.rules.look_ahead
-        && state.stepping.ahead.changed == 0.0
+        && !state.stepping.ahead.has_changed(ctx.tree)
         && here.terms.contacts.is_empty()
         && here.terms.joints.iter().all(|term| {
             // An impact on a limit is no polynomial.

@@ -25,7 +25,7 @@ use crate::force::{ContactSet, Response, Responses, Solved, Terms, Velocities};
 use crate::kinematics::{Kinematics, forward};
 use crate::sparsity::coupled::Coupled;
 use crate::spatial::{Vec6, add6, dot6};
-use crate::tree::Tree;
+use crate::tree::{Span, Tree};
 use crate::tuning::{COARSEST, ITERATED, MAX_ITERATIONS, ROUND_OFF};
 
 /// How a solve ended.
@@ -235,9 +235,9 @@ impl Newton {
         // Impulses set the scale: else free fall would stop accelerating in small steps.
         let bias_scale = *run
             .bias_scale
-            .get_or_insert_with(|| h * h * scaled_square(p.bias, D2));
+            .get_or_insert_with(|| h * h * scaled_square(tree, p.bias, D2));
         let impulse_scale = self.collect(p);
-        let norm = scaled_square(&self.gradient, D2);
+        let norm = scaled_square(tree, &self.gradient, D2);
         let scale = bias_scale.max(impulse_scale);
         let accuracy = if run.iterations == 0 {
             p.accuracy
@@ -285,17 +285,16 @@ impl Newton {
     /// `v`.
     fn round_off(&self, p: &Problem) -> f64 {
         let pattern = &p.tree.sparsity;
-        let energies = self.v.iter().enumerate();
-        let sum: f64 = energies
-            .map(|(k, v)| p.kin.M[pattern.diagonal(k)] * v * v)
-            .sum();
+        let energy = |k: usize| p.kin.M[pattern.diagonal(k)] * self.v[k] * self.v[k];
+        let sum: f64 = p.tree.worked_dofs().map(energy).sum();
         ROUND_OFF * ROUND_OFF * sum
     }
 
     /// Squared scale of the round-off that contact impulses leave which cancel along every joint.
     fn cancelled(&self, p: &Problem) -> f64 {
         let D2 = &p.kin.inverse_diagonal;
-        let lightest = D2.iter().fold(0.0, |m: f64, d| m.max(*d));
+        let dofs = p.tree.worked_dofs();
+        let lightest = dofs.fold(0.0, |m: f64, k| m.max(D2[k]));
         let lever = 1.0 + p.tree.reach();
         let Responses {
             contacts, turns, ..
@@ -349,8 +348,8 @@ impl Newton {
         self.respond(p);
         let impulse_scale = self.collect(p);
         let D2 = &p.kin.inverse_diagonal;
-        let norm = scaled_square(&self.gradient, D2);
-        let scale = impulse_scale.max(p.h * p.h * scaled_square(p.bias, D2));
+        let norm = scaled_square(p.tree, &self.gradient, D2);
+        let scale = impulse_scale.max(p.h * p.h * scaled_square(p.tree, p.bias, D2));
         scale.is_finite() && norm <= p.accuracy * p.accuracy * scale
     }
 
@@ -364,7 +363,7 @@ impl Newton {
             }
         }
         self.loaded.clear();
-        for (b, body) in tree.bodies.iter().enumerate().rev() {
+        for (b, body) in tree.worked_bodies().rev() {
             if self.is_loaded[b] && !body.kind.is_base() {
                 self.is_loaded[body.parent] = true;
                 self.loaded.push(b);
@@ -410,7 +409,7 @@ impl Newton {
         for &b in &self.loaded {
             self.F[b] = [0.0; 6];
         }
-        for tree in &tree.trees {
+        for (_, tree) in tree.moved() {
             self.F[tree.bodies.start] = [0.0; 6];
         }
     }
@@ -460,16 +459,26 @@ fn project(
         }
         add6(&mut F[body.parent], &own);
     }
-    for tree in tree.trees.iter().filter(|tree| tree.free) {
+    for (_, tree) in tree.moved().filter(|(_, tree)| tree.free) {
         for (dof, F) in tree.dofs.clone().zip(&F[tree.bodies.start]) {
             take(dof, *F);
         }
     }
 }
 
+/// `Σ D² x²` over the degrees of freedom that a step works on.
+#[inline]
+fn scaled_square(tree: &Tree, x: &[f64], D2: &[f64]) -> f64 {
+    let of_span = |span: &Span| {
+        let places = span.dofs.clone();
+        scaled_square_of(&x[places.clone()], &D2[places])
+    };
+    tree.island.spans.iter().map(of_span).sum()
+}
+
 /// `Σ D² x²`; two running sums, so that two lanes suffice.
 #[inline]
-fn scaled_square(x: &[f64], D2: &[f64]) -> f64 {
+fn scaled_square_of(x: &[f64], D2: &[f64]) -> f64 {
     let (pairs, scales) = (x.chunks_exact(2), D2.chunks_exact(2));
     let last = match (pairs.remainder(), scales.remainder()) {
         ([x], [d]) => d * x * x,

@@ -14,6 +14,7 @@ use crate::step::fixed::{self, Fixed, Methods, Outcome, Part};
 use crate::step::flight::Flight;
 use crate::step::guards;
 use crate::step::implicit::Implicit;
+use crate::step::islands::Islands;
 use crate::step::point::{Context, Point};
 use crate::step::size::{Standing, Tried, Verdict, Way, grown, landing};
 use crate::step::stages::Stages;
@@ -30,6 +31,9 @@ pub enum Stop {
     NotFinite,
     /// More steps were tried than [`Context::budget`] allows.
     Budget,
+    /// A shape has gone farther than was guessed when the trees were parted, see
+    /// [`super::islands`].
+    Strayed,
 }
 
 /// All scratch of a communication step, sized once. Filling it with NaN between steps changes
@@ -47,18 +51,20 @@ pub struct Stepper {
     pub(super) attempt: Attempt,
     /// Trees that fly from the last communication point on.
     flights: Vec<Flight>,
+    /// Which trees go together.
+    pub islands: Islands,
     /// Memory and positions of a robot that is set down.
     pub(super) there_memory: Memory,
     pub(super) settled: Vec<f64>,
     /// The state at the last communication point.
-    backup: State,
+    pub(super) backup: State,
     /// Steps tried since then.
-    tried: u64,
+    pub(super) tried: u64,
 }
 
 #[cfg(test)]
-crate::spoil::spoil!(Stepper: here there implicit stages explicit fixed attempt flights there_memory
-    settled backup tried;);
+crate::spoil::spoil!(Stepper: here there implicit stages explicit fixed attempt flights islands
+    there_memory settled backup tried;);
 
 impl Stepper {
     /// Room for a robot.
@@ -72,6 +78,7 @@ impl Stepper {
             fixed: Fixed::new(model),
             attempt: Attempt::new(model),
             flights: Vec::with_capacity(tree.trees.len()),
+            islands: Islands::new(tree, model.contact_room()[0]),
             there_memory: Memory::new(model),
             settled: vec![0.0; model.nq],
             backup: State::new(model),
@@ -79,35 +86,22 @@ impl Stepper {
         }
     }
 
-    /// Simulates `state` up to exactly `end`.
+    /// Takes the trees that `ctx` works on up to exactly `end`.
     ///
     /// # Errors
-    /// [`Stop`]; `state` is then what it was.
+    /// [`Stop`]; `state` is then to be left by [`Self::end`] or [`Self::begin_again`].
     pub fn advance(&mut self, ctx: &Context, state: &mut State, end: f64) -> Result<(), Stop> {
-        self.backup.copy_from(state);
-        (self.tried, self.implicit.iterations, self.stages.iterations) = (0, 0, 0);
-        state.stepping.last_step = end - state.time;
-        state.stepping.impulse.fill([0.0; 3]);
-        let mut result = if ctx.fixed_step > 0.0 {
-            self.advance_fixed(ctx, state, end)
+        if ctx.fixed_step > 0.0 {
+            self.advance_fixed(ctx, state, end)?;
         } else {
-            self.advance_controlled(ctx, state, end)
-        };
+            self.advance_controlled(ctx, state, end)?;
+        }
         if !state.physical.is_finite() {
-            result = result.and(Err(Stop::NotFinite));
+            return Err(Stop::NotFinite);
         }
-        if result.is_err() {
-            state.copy_from(&self.backup);
-            return result;
-        }
-        state.time = end;
-        let stepping = &mut state.stepping;
-        stepping.ahead.changed = 0.0;
-        let newton_max = &mut stepping.counters.newton_max;
-        let iterations = self.implicit.iterations.max(self.stages.iterations);
-        *newton_max = (*newton_max).max(iterations as u64);
-        for (index, last) in stepping.commands.iter_mut().enumerate() {
-            *last = ctx.inputs.values(index, stepping.last_step);
+        if self.islands.are_limited() {
+            self.here.pose(ctx, &state.physical);
+            self.check_limits(ctx)?;
         }
         Ok(())
     }
@@ -130,12 +124,12 @@ impl Stepper {
     ) -> Result<(), Stop> {
         let flights = &mut self.flights;
         let flies = Flight::begin(ctx, state, &mut self.there.kin, flights);
-        let sizes = state.stepping.sizes;
-        let mut way = Way::new(state.time, end, sizes.proposed);
-        way.jumped = state.stepping.ahead.changed != 0.0;
+        let (sizes, lead) = (&state.stepping.sizes, ctx.tree.island.lead);
+        let mut way = Way::new(state.time, end, sizes.proposed[lead]);
+        way.jumped = state.stepping.ahead.has_changed(ctx.tree);
         if way.jumped {
             // Begin with what was good after the last jump.
-            way.proposed = way.proposed.min(sizes.after_jump);
+            way.proposed = way.proposed.min(sizes.after_jump[lead]);
         }
         way.done = self.follow(ctx, state, end);
         if flies && way.done == 0.0 {
@@ -152,10 +146,10 @@ impl Stepper {
     /// Goes along the smooth step under way, at most to `end`; returns how far.
     fn follow(&mut self, ctx: &Context, state: &mut State, end: f64) -> f64 {
         let ahead = &state.stepping.ahead;
-        if ahead.is_empty() {
+        if !ahead.is_under_way(ctx.tree) {
             return 0.0;
         }
-        let (last, begin) = (ahead.end(), state.time);
+        let (last, begin) = (ahead.end(ctx.tree), state.time);
         self.attempt.stay(state);
         let (q, v) = (&mut self.attempt.end.q, &mut self.attempt.end.v);
         ahead.evaluate(ctx.tree, end.min(last), q, v);
@@ -163,7 +157,7 @@ impl Stepper {
         if end < last {
             return end - begin;
         }
-        state.stepping.ahead.clear();
+        state.stepping.ahead.clear(ctx.tree);
         (last - begin).min(end - begin)
     }
 
@@ -180,10 +174,10 @@ impl Stepper {
             fixed_step: 0.0,
             ..*ctx
         };
-        let proposed = state.stepping.sizes.proposed;
+        let proposed = state.stepping.sizes.proposed[ctx.tree.island.lead];
         self.walk(ctx, state, Way::new(begin, end, proposed))?;
         // The fixed steps go on from here.
-        state.stepping.ahead.clear();
+        state.stepping.ahead.clear(ctx.tree);
         Ok(())
     }
 
@@ -192,6 +186,7 @@ impl Stepper {
         while way.remaining() > 0.0 {
             let ctx = &ctx.after(way.done);
             self.stand(ctx, state, &mut way);
+            self.check_limits(ctx)?;
             let lengths = [way.proposed, way.remaining()];
             if let Some(plan) = explicit::plan(ctx, &self.here, state, lengths) {
                 self.go_explicitly(ctx, state, &mut way, plan)?;
@@ -230,7 +225,8 @@ impl Stepper {
         let factor = EXPLICIT_SAFETY * libm::pow(error.max(LEAST_ERROR.1), power);
         let factor = factor.clamp(GROWTH.0, GROWTH.1);
         way.standing = Standing::Current;
-        if error > 1.0 && h <= state.stepping.sizes.floor.max(MIN_STEP) {
+        let floor = state.stepping.sizes.floor[ctx.tree.island.lead];
+        if error > 1.0 && h <= floor.max(MIN_STEP) {
             // What is taken although it errs must be stable.
             return self.go_implicitly(ctx, state, way);
         }
@@ -251,12 +247,13 @@ impl Stepper {
             let times = [way.begin + way.done, way.end];
             let found = (&mut state.stepping.ahead, &mut self.attempt);
             self.explicit
-                .finish_ahead(ctx.tree, plan, &state.physical, times, found);
+                .finish_ahead((ctx.tree, &self.here), plan, &state.physical, times, found);
             self.attempt.accept(state);
             way.arrive();
             return Ok(());
         }
-        self.explicit.finish(pair, &mut self.attempt);
+        self.explicit
+            .finish(ctx.tree, &self.here, pair, &mut self.attempt);
         self.attempt.accept(state);
         way.go(h);
         if pair.is_explicit() {
@@ -436,6 +433,7 @@ impl Stepper {
         while done < count {
             let ctx = &ctx.after(done * h);
             self.here.update(ctx, &state.physical, h);
+            self.check_limits(ctx)?;
             if self.rest(ctx, state, [h, span - done * h], balance) {
                 return Ok(());
             }

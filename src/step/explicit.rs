@@ -66,10 +66,10 @@ pub(super) fn plan(
     let v = &state.physical.v;
     let long = proposed.min(MAX_EXPLICIT_STEP).min(swing(here, v));
     // What swings faster than the shortest step that is worth while is taken implicitly.
-    if long < state.stepping.sizes.floor {
+    if long < state.stepping.sizes.floor[ctx.tree.island.lead] {
         return None;
     }
-    if ctx.rules.look_ahead && state.stepping.ahead.changed == 0.0 {
+    if ctx.rules.look_ahead && !state.stepping.ahead.has_changed(ctx.tree) {
         if is_free(ctx, here, v, long) {
             return Some(if resolves_damping(here, long) {
                 Plan {
@@ -199,8 +199,8 @@ impl Explicit {
         self.run_stages(ctx, pair, here, from, h, true);
         self.integrator.estimate(pair, ctx.tree, h);
         let [velocity, position] = &self.integrator.error;
-        let errors = position.iter().copied().zip(velocity.iter().copied());
-        let error = worst_error(errors, &ctx.tree.dofs.weight) / (pair.share * ctx.tolerance);
+        let worst = worst_error(ctx.tree, |k| (position[k], velocity[k]));
+        let error = worst / (pair.share * ctx.tolerance);
         if self.stays_free(ctx, here, from, h) {
             error
         } else {
@@ -255,7 +255,7 @@ impl Explicit {
         };
         self.run_stages(ctx, pair, here, from, h, false);
         attempt.begin(state);
-        self.finish(pair, attempt);
+        self.finish(ctx.tree, here, pair, attempt);
         let gains = |gain: f64| {
             let books = guards::open_books(ctx, here, from, gain);
             guards::gains_explicitly(ctx, &books, here, from, (&attempt.end, &self.end))
@@ -282,11 +282,11 @@ impl Explicit {
     }
 
     /// Puts the step just tried into `attempt`: nothing touches, so nothing is displaced.
-    pub fn finish(&mut self, pair: &Pair, attempt: &mut Attempt) {
-        attempt.end.q.copy_from_slice(&self.integrator.q);
-        attempt.end.v.copy_from_slice(&self.integrator.v);
-        attempt.end.memory.clear();
-        attempt.trend.clear();
+    pub fn finish(&mut self, tree: &Tree, here: &Point, pair: &Pair, attempt: &mut Attempt) {
+        tree.copy_positions(&self.integrator.q, &mut attempt.end.q);
+        tree.copy_velocities(&self.integrator.v, &mut attempt.end.v);
+        here.terms.forget(&mut attempt.end.memory);
+        attempt.clear_trend(tree);
         self.integrator.accept(pair);
     }
 
@@ -294,7 +294,7 @@ impl Explicit {
     /// communication point at `end`: what lies beyond it goes into `ahead`.
     pub fn finish_ahead(
         &mut self,
-        tree: &Tree,
+        (tree, here): (&Tree, &Point),
         plan: Plan,
         from: &Physical,
         [start, end]: [f64; 2],
@@ -302,10 +302,8 @@ impl Explicit {
     ) {
         let Plan { pair, h } = plan;
         self.integrator
-            .extension(pair, &from.q, &from.v, h, &mut ahead.coefficients);
-        ahead.start = start;
-        ahead.length = h;
-        self.finish(pair, attempt);
+            .extension((tree, pair), &from.q, &from.v, [start, h], ahead);
+        self.finish(tree, here, pair, attempt);
         ahead.evaluate(tree, end, &mut attempt.end.q, &mut attempt.end.v);
     }
 }

@@ -196,7 +196,7 @@ impl Fixed {
         let outcome = implicit.full.solve(&problem);
         implicit.iterations = implicit.iterations.max(outcome.iterations);
         counters.rejected += u64::from(!outcome.converged);
-        if !implicit.full.v.iter().all(|v| v.is_finite()) {
+        if !tree.worked_dofs().all(|k| implicit.full.v[k].is_finite()) {
             return Outcome::Bad;
         }
         implicit.take_full(ctx, here, from, h, attempt);

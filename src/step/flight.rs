@@ -54,12 +54,11 @@ impl Flight {
             return false;
         }
         let touches = &state.physical.memory.touches;
-        let flies = |index: &usize| {
-            let held = |touch: &Touch| ctx.model.touches_of(touch.slot).contains(&Some(*index));
-            tree.trees[*index].free && !touches.iter().any(held)
-        };
-        let flying = (0..tree.trees.len()).filter(flies);
-        for index in flying {
+        for (index, extent) in tree.moved() {
+            let held = |touch: &Touch| ctx.model.touches_of(touch.slot).contains(&Some(index));
+            if !extent.free || touches.iter().any(held) {
+                continue;
+            }
             if flights.is_empty() {
                 pose(kin, tree, &state.physical);
             }

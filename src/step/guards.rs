@@ -162,7 +162,8 @@ pub(super) fn work(
         let v = newton.v[term.dof];
         power += term.drive_force(v, h).0 * v;
     }
-    for wrench in &ctx.inputs.wrenches {
+    let takes = |body: usize| ctx.tree.takes(ctx.tree.bodies[body].tree);
+    for wrench in ctx.inputs.wrenches.iter().filter(|w| takes(w.body)) {
         power += dot6(&about_origin(kin, wrench, ctx.elapsed), &kin.V[wrench.body]);
     }
     h * power

@@ -68,12 +68,11 @@ impl Implicit {
     ///
     /// - `trend`: acceleration of the last step
     pub fn single_error(&self, ctx: &Context, from: &Physical, trend: &[f64], h: f64) -> f64 {
-        let changes = self.full.v.iter().zip(&from.v).zip(trend);
-        let errors = changes.map(|((v, v0), trend)| {
-            let change = v - v0;
-            (0.5 * h * change, 0.5 * (change - h * trend))
-        });
-        worst_error(errors, &ctx.tree.dofs.weight) / ctx.tolerance
+        let error = |k: usize| {
+            let change = self.full.v[k] - from.v[k];
+            (0.5 * h * change, 0.5 * (change - h * trend[k]))
+        };
+        worst_error(ctx.tree, error) / ctx.tolerance
     }
 
     /// Puts the solve over `h` seconds from where `here` stands into `attempt`.
@@ -85,10 +84,10 @@ impl Implicit {
         h: f64,
         attempt: &mut Attempt,
     ) {
-        attempt.take_solved(here, &self.full, h);
+        attempt.take_solved(ctx.tree, here, &self.full, h);
         advance(ctx.tree, &from.q, &self.full.v, h, &mut attempt.end.q);
         attempt.add_impulses(&here.terms, &self.full, [h, 1.0]);
-        attempt.end_trend(&from.v, h, (&self.full.v, h));
+        attempt.end_trend(ctx.tree, &from.v, h, (&self.full.v, h));
     }
 
     /// Puts the step of `h` seconds that began at time `start` and reaches beyond the communication
@@ -108,19 +107,21 @@ impl Implicit {
         position_rates(tree, q0, v0, rate0);
         position_rates(tree, q, v, rate1);
         difference(tree, q, q0, &mut self.way);
-        ahead.start = start;
-        ahead.length = h;
-        ahead.coefficients.clear();
-        for (i, (a, b)) in q0.iter().zip(q.iter()).enumerate() {
-            let change = b - a;
-            let bend = h * rate0[i] - change;
-            let row = [*a, change, bend, change - h * rate1[i] - bend, 0.0];
-            ahead.coefficients.extend(row);
-        }
-        for ((a, b), moved) in v0.iter().zip(v.iter()).zip(&self.way) {
-            let bend = 6.0 * moved / h - 3.0 * (a + b);
-            ahead.coefficients.extend([*a, b - a, bend, 0.0, 0.0]);
-        }
+        let way = &self.way;
+        ahead.begin(
+            tree,
+            [start, h],
+            |i| {
+                let change = q[i] - q0[i];
+                let bend = h * rate0[i] - change;
+                [q0[i], change, bend, change - h * rate1[i] - bend, 0.0]
+            },
+            |k| {
+                let (a, b) = (v0[k], v[k]);
+                let bend = 6.0 * way[k] / h - 3.0 * (a + b);
+                [a, b - a, bend, 0.0, 0.0]
+            },
+        );
         ahead.evaluate(tree, end, q, v);
     }
 }

@@ -23,6 +23,7 @@ mod fixed;
 mod flight;
 mod guards;
 mod implicit;
+pub mod islands;
 pub mod point;
 mod settle;
 mod size;

@@ -17,6 +17,7 @@ use crate::slots::ParameterSlot;
 use crate::state::State;
 use crate::step::driver::Stepper;
 use crate::step::point::Context;
+use crate::tree::Tree;
 use crate::tuning::{FIXED_ACCURACY, LOCKED, REST_SPEED, SET_DOWN, SETTLING, SETTLING_STEPS};
 
 impl Stepper {
@@ -27,9 +28,10 @@ impl Stepper {
     /// the pose, go on from one to the next. What its damper carries in one step is the spring's in
     /// those after it.
     pub fn settle(&mut self, ctx: &Context, state: &mut State) {
-        let mut trees = 0..ctx.model.roots.len();
-        let set_down = trees.any(|index| is_set_down(ctx, index));
-        if state.physical.v.iter().any(|v| *v != 0.0) {
+        let mut trees = ctx.tree.moved();
+        let set_down = trees.any(|(index, _)| is_set_down(ctx, index));
+        let v = &state.physical.v;
+        if ctx.tree.worked_dofs().any(|k| v[k] != 0.0) {
             return;
         }
         self.attempt.stay(state);
@@ -52,7 +54,7 @@ impl Stepper {
                 return true;
             }
             if sinks {
-                for tree in &tree.trees {
+                for (_, tree) in tree.moved() {
                     let base = if tree.free { 6 } else { 0 };
                     for dof in tree.dofs.clone().skip(base) {
                         self.here.kin.M[pattern.diagonal(dof)] *= LOCKED;
@@ -69,7 +71,7 @@ impl Stepper {
             self.here.terms.remember(&solved.solved(), SETTLING, memory);
             state.physical.memory.touches.clone_from(&memory.touches);
             if sinks {
-                for (index, tree) in tree.trees.iter().enumerate() {
+                for (index, tree) in tree.moved() {
                     let sinks = tree.free && is_set_down(ctx, index);
                     for (place, v) in solved.v[tree.dofs.clone()].iter_mut().enumerate() {
                         // It turns about x and y and moves along z.
@@ -78,7 +80,7 @@ impl Stepper {
                         }
                     }
                 }
-                speed = solved.v.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
+                speed = fastest(tree, &solved.v);
                 self.settled.copy_from_slice(&state.physical.q);
                 let q = &mut state.physical.q;
                 advance(tree, &self.settled, &solved.v, SETTLING, q);
@@ -99,11 +101,7 @@ impl Stepper {
         [h, remaining]: [f64; 2],
         accuracy: f64,
     ) -> bool {
-        let speed = state
-            .physical
-            .v
-            .iter()
-            .fold(0.0, |m: f64, v| m.max(v.abs()));
+        let speed = fastest(ctx.tree, &state.physical.v);
         // Forces that balance now need not balance later if a command changes.
         if !ctx.rules.rest || speed >= REST_SPEED || ctx.inputs.varies() {
             return false;
@@ -111,13 +109,13 @@ impl Stepper {
         let (here, attempt) = (&mut self.here, &mut self.attempt);
         attempt.stay(state);
         if speed > 0.0 {
-            attempt.end.v.fill(0.0);
+            ctx.tree.clear_velocities(&mut attempt.end.v);
             here.update_motion(ctx, &attempt.end, h);
         }
         let solved = &mut self.implicit.full;
         let balanced = solved.is_balanced(&here.problem(ctx.tree, h, accuracy));
         if balanced {
-            attempt.trend.clear();
+            attempt.clear_trend(ctx.tree);
             here.terms.drop_unloaded(&mut attempt.end.memory);
             attempt.add_impulses(&here.terms, solved, [h, remaining / h]);
             attempt.accept(state);
@@ -127,6 +125,12 @@ impl Stepper {
         }
         balanced
     }
+}
+
+/// The largest velocity of all degrees of freedom, rad/s or m/s.
+fn fastest(tree: &Tree, v: &[f64]) -> f64 {
+    tree.worked_dofs()
+        .fold(0.0, |most: f64, k| most.max(v[k].abs()))
 }
 
 /// Whether a tree is to be set down: its height is the one that follows from the ground.

@@ -104,7 +104,7 @@ impl Way {
         if error <= 1.0 || (h <= floor && finite) {
             stepping.counters.forced += u64::from(error > 1.0);
             self.proposed = tried.next.max(floor);
-            self.book(stepping, h);
+            self.book(ctx, stepping, h);
             Verdict::Accept
         } else if finite || h > MIN_STEP {
             stepping.counters.rejected += 1;
@@ -116,13 +116,18 @@ impl Way {
     }
 
     /// Enters an accepted step of `h` seconds, and what the controller proposes next.
-    fn book(&mut self, stepping: &mut Stepping, h: f64) {
-        let sizes = &mut stepping.sizes;
+    fn book(&mut self, ctx: &Context, stepping: &mut Stepping, h: f64) {
+        let lead = ctx.tree.island.lead;
+        let Sizes {
+            proposed,
+            after_jump,
+            ..
+        } = &mut stepping.sizes;
         stepping.counters.steps += 1;
-        sizes.proposed = self.proposed;
+        proposed[lead] = self.proposed;
         if self.jumped {
             let h = h.min(self.remaining()).min(self.proposed);
-            sizes.after_jump = self.proposed.min(2.0 * sizes.after_jump).max(h);
+            after_jump[lead] = self.proposed.min(2.0 * after_jump[lead]).max(h);
         }
         self.jumped = false;
     }
@@ -138,7 +143,7 @@ impl Way {
 ///
 /// - `ease`: length of the next step if this one went well, s
 fn patience(ctx: &Context, sizes: &mut Sizes, [h, remaining]: [f64; 2], ease: Option<f64>) -> f64 {
-    let floor = &mut sizes.floor;
+    let floor = &mut sizes.floor[ctx.tree.island.lead];
     *floor = floor.max(MIN_STEP);
     let cut = h >= remaining;
     let taken = ease.map_or(0.0, |next| if cut { next.max(h) } else { h });
@@ -172,25 +177,26 @@ pub(super) fn grown(proposed: f64, h: f64, factor: f64) -> f64 {
     }
 }
 
-/// The largest of the weighted errors of positions and velocities; infinite if one is not a number.
-pub(super) fn worst_error(errors: impl Iterator<Item = (f64, f64)>, weights: &[f64]) -> f64 {
-    errors
-        .zip(weights)
-        .fold(0.0, |worst: f64, ((position, velocity), weight)| {
-            let error = weight * position.abs().max(VELOCITY_WEIGHT * velocity.abs());
-            // `f64::max` would drop a NaN.
-            if error.is_nan() || position.is_nan() || velocity.is_nan() {
-                f64::INFINITY
-            } else {
-                worst.max(error)
-            }
-        })
+/// The largest of the weighted errors of positions and velocities, which `error` gives for each
+/// degree of freedom that a step works on; infinite if one is not a number.
+pub(super) fn worst_error(tree: &Tree, error: impl Fn(usize) -> (f64, f64)) -> f64 {
+    let mut worst: f64 = 0.0;
+    for k in tree.worked_dofs() {
+        let (position, velocity) = error(k);
+        let error = tree.dofs.weight[k] * position.abs().max(VELOCITY_WEIGHT * velocity.abs());
+        // `f64::max` would drop a NaN.
+        if error.is_nan() || position.is_nan() || velocity.is_nan() {
+            return f64::INFINITY;
+        }
+        worst = worst.max(error);
+    }
+    worst
 }
 
 /// How fast anything turns that is not a wheel, rad/s.
 pub(super) fn fastest(tree: &Tree, v: &[f64]) -> f64 {
     let mut fastest = 0.0;
-    for body in &tree.bodies {
+    for (_, body) in tree.worked_bodies() {
         let rate = body.kind.turn_rate(body.ratio, &v[body.dof..]);
         if rate > fastest && !body.wheel {
             fastest = rate;

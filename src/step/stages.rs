@@ -158,8 +158,9 @@ impl Stages {
         }
         // Once more from the middle that it has found.
         let first = &self.solved[0].v;
-        mean_acceleration(&from.v, (first, GAMMA * h), &mut self.trend.first);
-        mean_acceleration(&from.v, (end, h), &mut self.trend.whole);
+        let (tree, start) = (ctx.tree, &from.v);
+        mean_acceleration(tree, start, (first, GAMMA * h), &mut self.trend.first);
+        mean_acceleration(tree, start, (end, h), &mut self.trend.whole);
         self.run_stages(ctx, (here, from), [h, accuracy], alike)
     }
 
@@ -356,8 +357,7 @@ impl Stages {
         }
         self.add_turning(ctx, from, h);
         let [velocity, position] = &self.error;
-        let errors = position.iter().copied().zip(velocity.iter().copied());
-        let worst = worst_error(errors, &tree.dofs.weight) / ctx.tolerance;
+        let worst = worst_error(tree, |k| (position[k], velocity[k])) / ctx.tolerance;
         worst.max(self.lag())
     }
 
@@ -370,7 +370,7 @@ impl Stages {
         let end = &self.solved[1].v;
         let theta = h * fastest(tree, &from.v).max(fastest(tree, end));
         let [velocity, position] = &mut self.error;
-        for body in &tree.bodies {
+        for (_, body) in tree.worked_bodies() {
             for column in 0..body.columns {
                 let i = tree.dof[body.column + column];
                 let change = (end[i] - from.v[i]).abs();
@@ -455,7 +455,7 @@ impl Stages {
         let eta = GAMMA * h;
         let [first, second] = &self.solved;
         let [before, terms] = &self.terms;
-        attempt.end.v.copy_from_slice(&second.v);
+        ctx.tree.copy_velocities(&second.v, &mut attempt.end.v);
         terms.remember(&second.solved(), eta, &mut attempt.end.memory);
         for (moved, (v1, v2)) in self.moved.iter_mut().zip(first.v.iter().zip(&second.v)) {
             *moved = (1.0 - GAMMA) * v1 + GAMMA * v2;
@@ -463,6 +463,6 @@ impl Stages {
         advance(ctx.tree, &from.q, &self.moved, h, &mut attempt.end.q);
         attempt.add_impulses(before, first, [eta, 1.0 + SQRT_2]);
         attempt.add_impulses(terms, second, [eta, 1.0]);
-        attempt.end_trend(&from.v, h, (&first.v, eta));
+        attempt.end_trend(ctx.tree, &from.v, h, (&first.v, eta));
     }
 }

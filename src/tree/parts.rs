@@ -2,6 +2,7 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
+use super::island::Island;
 use crate::geometry::Faces;
 use crate::geometry::pair::Solid;
 use crate::joint::Kind;
@@ -22,10 +23,13 @@ pub struct Tree {
     pub dof: Vec<usize>,
     /// Pattern of the joint-space matrix; filled by [`Self::new`].
     pub sparsity: Sparsity,
-    /// Whether every column is its own degree of freedom: no joint mimics another.
+    /// The trees that a step moves; set by [`Self::select`].
+    pub island: Island,
+    /// Whether every column of these is its own degree of freedom: no joint mimics another; set by
+    /// [`Self::select`].
     pub pure: bool,
-    /// Whether the articulated-body algorithm is cheaper than mass matrix and factor: chains of
-    /// many joints.
+    /// Whether the articulated-body algorithm is cheaper there than mass matrix and factor: chains
+    /// of many joints; set by [`Self::select`].
     pub long: bool,
     /// Pose of each link in its body's solver frame; filled by [`Self::new`].
     pub link_pose: Vec<Pose>,
@@ -48,12 +52,24 @@ pub struct Extent {
     pub bodies: Range<usize>,
     /// Its places in `v`; filled by [`Tree::new`].
     pub dofs: Range<usize>,
+    /// Its places in `q`; filled by [`Tree::new`].
+    pub coordinates: Range<usize>,
     /// Whether its base floats; filled by [`Tree::new`].
     pub free: bool,
+    /// Whether every column is its own degree of freedom: no joint mimics another; filled by
+    /// [`Tree::new`].
+    pub pure: bool,
     /// Mass of all its moving bodies, kg; filled by [`Tree::new`].
     pub moving_mass: f64,
     /// Its largest extent from its base in the initial position, m; filled by [`Tree::scale`].
     pub reach: f64,
+}
+
+impl Extent {
+    /// Whether any of its bodies moves; else it is scenery.
+    pub fn moves(&self) -> bool {
+        !self.dofs.is_empty()
+    }
 }
 
 /// What the world does to all bodies.
@@ -326,9 +342,9 @@ impl Contacts {
 }
 
 impl Tree {
-    /// Mass of all moving bodies, kg.
+    /// Mass of all bodies that a step moves, kg.
     pub fn moving_mass(&self) -> f64 {
-        self.trees.iter().map(|tree| tree.moving_mass).sum()
+        self.moved().map(|(_, tree)| tree.moving_mass).sum()
     }
 
     /// Whether everything that moves has an inertia, and every spring is finite.
@@ -338,9 +354,9 @@ impl Tree {
             && springs.all(|spring| spring.stiffness.is_finite())
     }
 
-    /// Largest extent of a tree from its base, m.
+    /// Largest extent of a tree that a step moves from its base, m.
     pub fn reach(&self) -> f64 {
-        self.trees.iter().map(|tree| tree.reach).fold(0.0, f64::max)
+        self.moved().map(|(_, tree)| tree.reach).fold(0.0, f64::max)
     }
 
     /// Columns of `S` that move a body: its own, its parent's, and so on down to the base.
@@ -363,9 +379,9 @@ impl Tree {
         self.trees[self.bodies[body].tree].free
     }
 
-    /// Shapes that can touch the ground: those that move, if there is one.
+    /// Shapes that can touch the ground in a step: those that it moves, if there is one.
     pub fn on_ground(&self) -> impl Iterator<Item = &TreeCollider> + '_ {
-        let colliders = self.contact.colliders.iter();
+        let colliders = self.worked_colliders().map(|(_, collider)| collider);
         colliders.filter(|c| c.moves && self.contact.has_ground)
     }
 
@@ -375,9 +391,9 @@ impl Tree {
         self.trees[self.bodies[body].tree].moving_mass
     }
 
-    /// Brings the quaternions in `q` back to unit length.
+    /// Brings the quaternions in what a step works on of `q` back to unit length.
     pub fn normalize(&self, q: &mut [f64]) {
-        for body in &self.bodies {
+        for (_, body) in self.worked_bodies() {
             body.kind.normalize(&mut q[body.coordinate..]);
         }
     }

@@ -32,7 +32,7 @@ impl Newton {
         for &b in &self.loaded {
             self.G[b] = [0.0; 21];
         }
-        for tree in &tree.trees {
+        for (_, tree) in tree.moved() {
             self.G[tree.bodies.start] = [0.0; 21];
         }
         let mut any = false;
@@ -103,7 +103,7 @@ impl Newton {
                 *sum += g;
             }
         }
-        for tree in tree.trees.iter().filter(|tree| tree.free) {
+        for (_, tree) in tree.moved().filter(|(_, tree)| tree.free) {
             let rows = &mut self.H.packed[pattern.start[tree.dofs.start]..];
             for (m, g) in rows.iter_mut().zip(&self.G[tree.bodies.start]) {
                 *m += g;

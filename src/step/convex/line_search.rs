@@ -17,7 +17,7 @@ impl Newton {
         }
         self.along.set(p.terms, &self.V);
         let (mut linear, mut quadratic, mut initial) = (0.0, 0.0, 0.0_f64);
-        for i in 0..self.v.len() {
+        for i in tree.worked_dofs() {
             let w = self.direction[i];
             linear += (self.change[i] + p.h * p.bias[i]) * w;
             quadratic += self.direction_momentum[i] * w;

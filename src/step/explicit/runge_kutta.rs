@@ -24,7 +24,7 @@ use crate::dynamics::aba::Articulated;
 use crate::dynamics::{crba, rnea};
 use crate::force::{Drive, JointTerm, effort};
 use crate::kinematics::{Kinematics, position_rates};
-use crate::state::ahead::COEFFICIENTS;
+use crate::state::ahead::Ahead;
 use crate::step::point::Context;
 use crate::tree::Tree;
 
@@ -169,44 +169,45 @@ impl RungeKutta {
         }
     }
 
-    /// The polynomials of the step that was just taken by one of the pairs for long steps from
-    /// `(q, v)`, before it is accepted: cubics through values and rates at both ends, and what
+    /// The polynomials of the step of `h` seconds that was just taken at time `start` by one of the
+    /// pairs for long steps from `(q, v)`, before it is accepted, into `ahead`: cubics through values and rates at both ends, and what
     /// Dormand–Prince adds to them. The last stage of an implicit pair is at the end, too:
     /// positions change there with the new velocity, which is exact, and velocities with an
     /// acceleration that is third order in h.
     pub fn extension(
         &self,
-        pair: &Pair,
+        (tree, pair): (&Tree, &Pair),
         q: &[f64],
         v: &[f64],
-        h: f64,
-        coefficients: &mut Vec<f64>,
+        [start, h]: [f64; 2],
+        ahead: &mut Ahead,
     ) {
         let (weights, end_rate): (&[f64], _) = if pair.is_explicit() {
             (&EXTENSION, STAGES - 1)
         } else {
             (&[], pair.weights.len() - 1)
         };
-        coefficients.clear();
-        let parts = [(q, &self.q, &self.q_rate), (v, &self.v, &self.v_rate)];
-        for (from, to, rates) in parts {
-            for (i, (start, end)) in from.iter().zip(to).enumerate() {
-                let difference = end - start;
-                let bend = h * rates[0][i] - difference;
-                let mut last = 0.0;
-                for (rate, weight) in rates.iter().zip(weights) {
-                    last += weight * rate[i];
-                }
-                let row: [f64; COEFFICIENTS] = [
-                    *start,
-                    difference,
-                    bend,
-                    difference - h * rates[end_rate][i] - bend,
-                    h * last,
-                ];
-                coefficients.extend(row);
+        let row = |from: &[f64], to: &[f64], rates: &[Vec<f64>; STAGES], i: usize| {
+            let difference = to[i] - from[i];
+            let bend = h * rates[0][i] - difference;
+            let mut last = 0.0;
+            for (rate, weight) in rates.iter().zip(weights) {
+                last += weight * rate[i];
             }
-        }
+            [
+                from[i],
+                difference,
+                bend,
+                difference - h * rates[end_rate][i] - bend,
+                h * last,
+            ]
+        };
+        ahead.begin(
+            tree,
+            [start, h],
+            |i| row(q, &self.q, &self.q_rate, i),
+            |k| row(v, &self.v, &self.v_rate, k),
+        );
     }
 
     /// Errors of the step just taken, into `self.error`.
@@ -218,7 +219,7 @@ impl RungeKutta {
                 *velocity += h * weight * rate[i];
             }
         }
-        for body in &tree.bodies {
+        for (_, body) in tree.worked_bodies() {
             let c = body.coordinate;
             let error = |k: usize| -> f64 {
                 self.q_rate

@@ -19,6 +19,7 @@ mod fixed;
 mod free;
 mod impacts;
 mod inputs;
+mod islands;
 mod joints;
 mod motors;
 mod order;

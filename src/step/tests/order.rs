@@ -104,7 +104,8 @@ fn end_by(model: &Model, method: Method, count: u32, articulated: bool) -> Vec<f
                 let plan = Plan { pair, h };
                 stepper.explicit.integrator.restart();
                 stepper.explicit.attempt(&ctx, &stepper.here, from, plan);
-                stepper.explicit.finish(pair, &mut stepper.attempt);
+                let (here, attempt) = (&stepper.here, &mut stepper.attempt);
+                stepper.explicit.finish(ctx.tree, here, pair, attempt);
             }
             Method::Stages => {
                 // Sharper than any tolerance asks: the iterations' end must not blur the order.

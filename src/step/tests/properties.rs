@@ -418,7 +418,7 @@ fn a_restored_state_keeps_its_external_wrenches() {
 fn a_saved_state_whose_steps_go_back_is_refused() {
     let mut s = start(block(1.0, 0.5).model, 1e-3);
     let model = s.model().clone();
-    s.state_mut().stepping.sizes.proposed = -1e10;
+    s.state_mut().stepping.sizes.proposed[0] = -1e10;
     let bytes = s.save().to_bytes();
     assert!(crate::simulation::Snapshot::from_bytes(&model, &bytes).is_err());
 }

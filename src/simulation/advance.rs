@@ -1,0 +1,121 @@
+//! From one communication point to the next, island by island.
+
+use super::{Simulation, SimulationError};
+use crate::range::SHORTEST_FIXED_STEP;
+use crate::slots::ParameterSlot;
+use crate::step::driver::Stop;
+use crate::step::point::Context;
+
+/// By what the guess how far shapes may go grows where one has gone farther, and beyond what all
+/// trees go together.
+const WIDER: f64 = 4.0;
+const WIDEST: f64 = 1e6;
+
+impl Simulation {
+    /// Simulates up to exactly `end`, s; does nothing unless it lies after [`Self::time`].
+    ///
+    /// # Errors
+    /// [`SimulationError::NotFinite`], [`SimulationError::Work`]; the state is then that of
+    /// [`Self::time`].
+    pub fn advance_to(&mut self, end: f64) -> Result<(), SimulationError> {
+        if self.stale {
+            self.place();
+        }
+        if end.is_nan() || end <= self.state.time {
+            return Ok(());
+        }
+        let span = end - self.state.time;
+        let refused = |time| SimulationError::NotFinite {
+            time,
+            hint: "forces or commands are out of all proportion to the masses",
+        };
+        if !self.inputs.is_finite_at(span) {
+            return Err(refused(self.state.time));
+        }
+        let most = libm::floor(self.parameters.get(ParameterSlot::MaxSteps) * span.max(1.0));
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "a whole number above 0; one beyond the type saturates"
+        )]
+        let budget = most as u64;
+        let result = self.advance_islands(end, budget);
+        self.readout.invalidate();
+        let time = self.state.time;
+        match result {
+            Ok(()) => {}
+            Err(Stop::NotFinite) => return Err(refused(time)),
+            Err(Stop::Budget | Stop::Strayed) => return Err(SimulationError::Work { time, most }),
+        }
+        self.applied.copy_from(&self.inputs);
+        if self.inputs.varies() {
+            self.applied.shift(span);
+            self.applied.gather(&self.model, &self.tree);
+            self.inputs.copy_from(&self.applied);
+            self.inputs.hold();
+            self.inputs.gather(&self.model, &self.tree);
+            self.state.stepping.ahead.all_changed();
+        }
+        Ok(())
+    }
+
+    /// Takes all trees up to `end`, by at most `budget` tries of a step.
+    fn advance_islands(&mut self, end: f64, budget: u64) -> Result<(), Stop> {
+        let span = end - self.state.time;
+        self.stepper.begin(&mut self.state, end);
+        let mut share = 1.0;
+        let result = loop {
+            let result = self.each_island(span, share, |simulation| {
+                let ctx = Context {
+                    budget,
+                    ..context!(simulation, inputs)
+                };
+                simulation.stepper.advance(&ctx, &mut simulation.state, end)
+            });
+            if result != Err(Stop::Strayed) {
+                break result;
+            }
+            self.stepper.begin_again(&mut self.state, end);
+            share *= if share < WIDEST { WIDER } else { f64::INFINITY };
+        };
+        let ctx = context!(self, inputs);
+        self.stepper.end(&ctx, &mut self.state, end, result)
+    }
+
+    /// Stretches springs of friction in the initial state and sets down what is to be.
+    pub(super) fn settle(&mut self) {
+        let settled = self.each_island(0.0, 1.0, |simulation| {
+            let ctx = context!(simulation, inputs);
+            simulation.stepper.settle(&ctx, &mut simulation.state);
+            Ok(())
+        });
+        debug_assert!(settled.is_ok());
+    }
+
+    /// Does something with each island of the trees that may meet within `span` seconds, see
+    /// [`crate::step::driver::Stepper::part`]; the tree then works on it alone.
+    fn each_island(
+        &mut self,
+        span: f64,
+        share: f64,
+        mut act: impl FnMut(&mut Self) -> Result<(), Stop>,
+    ) -> Result<(), Stop> {
+        let ctx = context!(self, inputs);
+        if !self.stepper.part(&ctx, &self.state, span, share) {
+            return act(self);
+        }
+        let mut result = Ok(());
+        for lead in 0..self.tree.trees.len() {
+            let islands = &self.stepper.islands;
+            if result.is_err() || !islands.leads(lead) {
+                continue;
+            }
+            self.tree.select(|index| islands.takes(index, lead));
+            self.stepper.enter(&context!(self, inputs), &mut self.state);
+            result = act(self);
+            self.stepper.leave(&context!(self, inputs), &mut self.state);
+        }
+        self.tree.select_all();
+        result
+    }
+}

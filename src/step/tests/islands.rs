@@ -1,0 +1,189 @@
+//! Trees far from each other: what one does is nothing to the others.
+
+use super::worlds::{body, books, cube, world};
+use super::*;
+use crate::simulation::Snapshot;
+use crate::tuning::Rules;
+
+/// A floating tree that falls on the ground in motion, its motors at work, `x` metres from the
+/// origin.
+fn robot(seed: u64, x: f64) -> Model {
+    let mut random = Random(seed);
+    let mut model = random_tree(&mut random, 4, seed.is_multiple_of(2), false);
+    shape_all_links(&mut model);
+    model.world.ground = Some(crate::model::Ground {
+        friction: 0.8,
+        ..Default::default()
+    });
+    let root = &mut model.roots[0];
+    root.position = Vec3::new(x, 0.0, 0.6);
+    root.angular_velocity = random.vector(1.0);
+    root.linear_velocity = random.vector(0.5);
+    model
+}
+
+/// What bounces, rolls or rests at a place.
+fn things(x: f64) -> Vec<Model> {
+    let mut ball = body(2.0, Shape::Sphere { radius: 0.05 }, Vec3::new(x, 1.0, 0.8));
+    ball.links[0].restitution = 0.9;
+    let mut rolling = body(
+        1.0,
+        Shape::Cylinder {
+            radius: 0.1,
+            half_length: 0.2,
+        },
+        Vec3::new(x, -1.0, 0.1),
+    );
+    rolling.roots[0].rpy.x = std::f64::consts::FRAC_PI_2;
+    rolling.roots[0].linear_velocity.x = 0.3;
+    let lower = cube(1.0, Vec3::new(x + 1.0, 0.0, 0.05));
+    let upper = cube(1.0, Vec3::new(x + 1.0, 0.01, 0.15));
+    vec![ball, rolling, lower, upper]
+}
+
+fn with_step(mut model: Model, fixed: f64) -> Simulation {
+    model.solver.step_size = fixed;
+    start(model, 1e-3)
+}
+
+/// Positions and velocities of a tree, as bits.
+fn bits(s: &Simulation, tree: usize) -> Vec<u64> {
+    let extent = &s.tree().trees[tree];
+    let physical = &s.state().physical;
+    let positions = physical.q[extent.coordinates.clone()].iter();
+    let velocities = physical.v[extent.dofs.clone()].iter();
+    positions.chain(velocities).map(|x| x.to_bits()).collect()
+}
+
+/// Whatever goes on ten metres away, and wherever in the list it stands: the same bits, of robots
+/// that fall, of what they rest on, in both kinds of step.
+#[test]
+fn what_is_far_away_changes_no_bit() {
+    for seed in 0..8 {
+        for fixed in [0.0, 1.0 / 240.0] {
+            let mut alone = with_step(robot(seed, 0.0), fixed);
+            let others = || things(10.0).into_iter();
+            let mut first = with_step(world([robot(seed, 0.0)].into_iter().chain(others())), fixed);
+            let mut last = with_step(world(others().chain([robot(seed, 0.0)])), fixed);
+            let mut both = with_step(world([robot(seed, 0.0), robot(seed + 1, 30.0)]), fixed);
+            let at = things(10.0).len();
+            for i in 1..=240 {
+                let t = f64::from(i) / 240.0;
+                for s in [&mut alone, &mut first, &mut last, &mut both] {
+                    s.advance_to(t).expect("finite");
+                }
+                let expected = bits(&alone, 0);
+                let found = [bits(&first, 0), bits(&last, at), bits(&both, 0)];
+                for (world, found) in found.iter().enumerate() {
+                    assert_eq!(
+                        found, &expected,
+                        "seed {seed}, {fixed}, world {world}, {t} s"
+                    );
+                }
+            }
+        }
+    }
+}
+
+/// Commands of another robot change no bit either, and a robot that hangs still takes no step
+/// because of a ball that bounces.
+#[test]
+fn each_island_has_steps_of_its_own() {
+    let mut ball = body(
+        1.0,
+        Shape::Sphere { radius: 0.05 },
+        Vec3::new(5.0, 0.0, 1.0),
+    );
+    ball.links[0].restitution = 0.8;
+    let steps = |models: Vec<Model>| {
+        let mut s = start(world(models), 1e-3);
+        run(&mut s, 2.0, 1.0 / 240.0);
+        s.state().stepping.counters.steps
+    };
+    let (cubes, alone) = (
+        || {
+            vec![
+                cube(1.0, Vec3::new(0.0, 0.0, 0.05)),
+                cube(1.0, Vec3::new(0.0, 0.0, 0.15)),
+            ]
+        },
+        steps(vec![ball.clone()]),
+    );
+    let resting = steps(cubes());
+    let mut together = cubes();
+    together.push(ball);
+    assert_eq!(steps(together), alone + resting);
+    // What rests takes one step a communication step once it does.
+    assert!(resting < 600, "{resting}");
+}
+
+/// Bodies that a communication step as long as their flight brings together, thrown or pushed:
+/// they meet as if they had gone together all the time.
+#[test]
+fn what_comes_together_within_a_communication_step_meets() {
+    for (speed, push) in [(0.0, 400.0), (0.0, 4000.0), (3.0, 0.0), (30.0, 0.0)] {
+        for fixed in [0.0, 1.0 / 240.0] {
+            let ends = [true, false].map(|islands| {
+                let mut a = cube(1.0, Vec3::new(-0.8, 0.0, 0.0));
+                let mut b = cube(1.0, Vec3::new(0.8, 0.0, 0.0));
+                for model in [&mut a, &mut b] {
+                    model.world.gravity = Vec3::zeros();
+                    model.world.ground = None;
+                    model.outputs.external_wrenches = vec![LinkId(0)];
+                }
+                a.roots[0].linear_velocity.x = speed;
+                b.roots[0].linear_velocity.x = -speed;
+                let mut s = with_step(world([a, b]), fixed);
+                s.set_rules(Rules {
+                    islands,
+                    ..Rules::ALL
+                });
+                s.set_input(InputSlot::ExternalForce(LinkId(0), 0), push);
+                s.set_input(InputSlot::ExternalForce(LinkId(1), 0), -push);
+                run(&mut s, 1.0, 0.25);
+                let (_, linear, _) = books(&s);
+                assert!(linear.norm() < 1e-9 * (1.0 + speed + push), "{linear:?}");
+                let q = &s.state().physical.q;
+                (q[0], q[7])
+            });
+            let [(a, b), expected] = ends;
+
+            // Neither has passed through the other one; 4000 N press them 0.39 mm together.
+            assert!(b - a > 0.0996, "{speed} {push} {fixed}: {a} {b}");
+            assert_eq!((a, b), expected, "{speed} {push} {fixed}");
+        }
+    }
+}
+
+/// A ball that flies past a row of others, from one island to the next: neither what stands in
+/// the scratch nor a restored state changes a bit.
+#[test]
+fn islands_that_change_are_restored_and_hide_nothing() {
+    for fixed in [0.0, 1.0 / 240.0] {
+        let mut models = vec![robot(3, -4.0), robot(4, 6.0)];
+        models.extend(things(0.0));
+        let mut thrown = body(
+            0.5,
+            Shape::Sphere { radius: 0.04 },
+            Vec3::new(-1.0, 0.0, 0.3),
+        );
+        thrown.roots[0].linear_velocity = Vec3::new(3.0, 0.0, 1.0);
+        models.push(thrown);
+        let all = world(models);
+        let [mut a, mut b, mut c] = [(); 3].map(|()| with_step(all.clone(), fixed));
+        for i in 1..=360 {
+            let t = f64::from(i) / 240.0;
+            b.spoil();
+            let saved = a.save().to_bytes();
+            let saved = Snapshot::from_bytes(c.model(), &saved).expect("its own");
+            c.restore(&saved).expect("its own");
+            for s in [&mut a, &mut b, &mut c] {
+                s.advance_to(t).expect("finite");
+            }
+            assert!(
+                a.state() == b.state() && a.state() == c.state(),
+                "{fixed} {t}"
+            );
+        }
+    }
+}

@@ -1,0 +1,149 @@
+//! Which trees a step moves.
+//!
+//! Trees that cannot meet before the next communication point go there one after the other, each
+//! with steps of its own. What a step works on are the bodies of some of the trees: those that it
+//! moves, and the scenery, which never moves and may be met by all.
+
+use super::parts::{Extent, Tree, TreeBody, TreeCollider};
+use crate::tuning::ARTICULATED_COST;
+use std::ops::Range;
+
+/// The trees that a step moves, and the scenery.
+#[derive(Clone, Debug, Default)]
+pub struct Island {
+    /// By ascending index.
+    pub spans: Vec<Span>,
+    /// Whether each tree belongs to it.
+    takes: Vec<bool>,
+    /// The first of those that move: what the method remembers of an island stands there.
+    pub lead: usize,
+}
+
+/// Trees one after the other, and what belongs to them in the lists of all trees.
+#[derive(Clone, Debug)]
+pub struct Span {
+    /// Which.
+    pub trees: Range<usize>,
+    /// Their bodies.
+    pub bodies: Range<usize>,
+    /// Their places in `v`.
+    pub dofs: Range<usize>,
+    /// Their places in `q`.
+    pub coordinates: Range<usize>,
+}
+
+impl Tree {
+    /// Takes the trees that `takes` names and the scenery, until others are named. Allocates
+    /// nothing once all trees have been taken.
+    pub fn select(&mut self, takes: impl Fn(usize) -> bool) {
+        let Self {
+            trees,
+            island,
+            sparsity,
+            ..
+        } = self;
+        island.spans.clear();
+        island.takes.clear();
+        sparsity.worked.clear();
+        let (mut lead, mut pure, mut cost, mut bodies) = (None, true, 0, 0);
+        for (index, tree) in trees.iter().enumerate() {
+            let taken = !tree.moves() || takes(index);
+            island.takes.push(taken);
+            if !taken {
+                continue;
+            }
+            match island.spans.last_mut() {
+                Some(span) if span.trees.end == index => {
+                    span.trees.end = index + 1;
+                    span.bodies.end = tree.bodies.end;
+                    span.dofs.end = tree.dofs.end;
+                    span.coordinates.end = tree.coordinates.end;
+                }
+                _ => island.spans.push(Span {
+                    trees: index..index + 1,
+                    bodies: tree.bodies.clone(),
+                    dofs: tree.dofs.clone(),
+                    coordinates: tree.coordinates.clone(),
+                }),
+            }
+            if tree.moves() {
+                lead = lead.or(Some(index));
+                pure &= tree.pure;
+                cost += sparsity.factor_cost(index);
+                bodies += tree.bodies.len();
+                sparsity.worked.push(index);
+            }
+        }
+        island.lead = lead.unwrap_or_default();
+        self.pure = pure;
+        self.long = pure && cost > ARTICULATED_COST * bodies;
+    }
+
+    /// Takes all trees.
+    pub fn select_all(&mut self) {
+        self.select(|_| true);
+    }
+
+    /// Whether a step moves the tree, or it is scenery.
+    #[inline]
+    pub fn takes(&self, tree: usize) -> bool {
+        self.island.takes[tree]
+    }
+
+    /// The trees that a step moves, with their indices.
+    pub fn moved(&self) -> impl Iterator<Item = (usize, &Extent)> + '_ {
+        let trees = self.trees.iter().enumerate();
+        trees.filter(|(index, tree)| self.takes(*index) && tree.moves())
+    }
+
+    /// The bodies of a span, with their indices, parents before children.
+    #[inline]
+    pub fn bodies_of(
+        &self,
+        span: &Span,
+    ) -> impl DoubleEndedIterator<Item = (usize, &TreeBody)> + use<'_> {
+        span.bodies.clone().zip(&self.bodies[span.bodies.clone()])
+    }
+
+    /// All bodies that a step works on, with their indices, parents before children.
+    pub fn worked_bodies(&self) -> impl DoubleEndedIterator<Item = (usize, &TreeBody)> + '_ {
+        self.island
+            .spans
+            .iter()
+            .flat_map(|span| self.bodies_of(span))
+    }
+
+    /// Places in `v` that a step works on.
+    pub fn worked_dofs(&self) -> impl Iterator<Item = usize> + '_ {
+        self.island.spans.iter().flat_map(|span| span.dofs.clone())
+    }
+
+    /// Shapes of the trees that a step works on, with their places among all.
+    pub fn worked_colliders(&self) -> impl Iterator<Item = (usize, &TreeCollider)> + '_ {
+        let colliders = self.contact.colliders.iter().enumerate();
+        colliders.filter(|(_, collider)| self.takes(collider.tree))
+    }
+
+    /// Copies what a step works on of positions.
+    pub fn copy_positions(&self, from: &[f64], to: &mut [f64]) {
+        for span in &self.island.spans {
+            let places = span.coordinates.clone();
+            to[places.clone()].copy_from_slice(&from[places]);
+        }
+    }
+
+    /// The same of what has one number for each degree of freedom.
+    pub fn copy_velocities(&self, from: &[f64], to: &mut [f64]) {
+        for span in &self.island.spans {
+            let places = span.dofs.clone();
+            to[places.clone()].copy_from_slice(&from[places]);
+        }
+    }
+
+    /// Clears what a step works on of what has one number for each degree of freedom.
+    pub fn clear_velocities(&self, v: &mut [f64]) {
+        for span in &self.island.spans {
+            v[span.dofs.clone()].fill(0.0);
+        }
+    }
+}
