@@ -123,8 +123,9 @@ impl Simplex {
     }
 }
 
-/// The simplex of the nearest points; `None` if the cores are nearer than `touch`, m.
-pub(super) fn distance(a: &Placed, b: &Placed, touch: f64) -> Option<Simplex> {
+/// The simplex of the nearest points; `None` if the cores are nearer than `touch`, m. If they are
+/// farther apart than `far`, m, it is one whose direction shows it.
+pub(super) fn distance(a: &Placed, b: &Placed, [touch, far]: [f64; 2]) -> Option<Simplex> {
     let pair = |d: &Vec3| {
         let local = [a.support_local(&-d), b.support_local(d)];
         let (a, b) = (a.world(&local[0]), b.world(&local[1]));
@@ -157,6 +158,9 @@ pub(super) fn distance(a: &Placed, b: &Placed, touch: f64) -> Option<Simplex> {
             return None;
         }
         let next = pair(&v);
+        if v.dot(&next.w) > far * squared.sqrt() {
+            return Some(simplex);
+        }
         let size = simplex.pairs[..simplex.count]
             .iter()
             .map(|p| p.w.norm())

@@ -128,7 +128,7 @@ fn between(a: &Placed, b: &Placed, [touch, far]: [f64; 2]) -> Option<(Vec3, Vec3
             (-apart, b.p + u * s - apart)
         }
         _ => {
-            let simplex = gjk::distance(a, b, touch)?;
+            let simplex = gjk::distance(a, b, [touch, far])?;
             let (x, y) = simplex.nearest();
             if let Some(n) = (x - y).try_normalize(touch) {
                 let gap = separation(a, b, &n);
