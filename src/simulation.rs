@@ -218,7 +218,7 @@ impl Simulation {
 
     /// Derives everything from the parameters and puts the robot into its initial state.
     fn place(&mut self) {
-        self.tree = Tree::new(&self.model, &self.parameters);
+        self.tree.renew(&self.model, &self.parameters);
         self.state = initial_state(&self.model, &self.parameters, self.start);
         self.scale_tree(&self.state.physical.q.clone());
         for (index, last) in self.state.stepping.commands.iter_mut().enumerate() {

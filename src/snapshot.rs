@@ -3,10 +3,10 @@
 //!
 //! Bytes, little-endian: magic `U2FS`, format version (u32), hash of the model (u64), then lists,
 //! each with its length (u64): parameters, inputs, inputs as the last step ended with them, the
-//! state's fields, the run's settings; the counters; the number of touches and of coefficients of
-//! the smooth step under way; the touches (slot, displacement, angle and touch-down speed of each);
-//! the coefficients; last an FNV-1a checksum (u64) of all before it. Lengths must be those of the
-//! model, so that forged lengths allocate nothing.
+//! state's fields, the run's settings; the counters; the number of touches, of loads of what rests
+//! and of coefficients of smooth steps under way; the touches (slot, displacement, angle and touch-
+//! down speed of each); the loads (slot and force); the coefficients; last an FNV-1a checksum (u64)
+//! of all before it. Lengths must be those of the model, so that forged lengths allocate nothing.
 
 use crate::force::Touch;
 use crate::hash::fnv1a;
@@ -15,7 +15,7 @@ use crate::model::Model;
 use crate::parameters::Parameters;
 use crate::prepared::model_hash;
 use crate::state::ahead::COEFFICIENTS;
-use crate::state::{Counters, State};
+use crate::state::{Counters, Load, State};
 
 /// Why bytes are not a saved state of a model, or a saved state is not one of this model.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -30,6 +30,8 @@ const VERSION: u32 = 8;
 
 /// Bytes of a saved touch: slot and numbers.
 const TOUCH: usize = 64;
+/// Bytes of a saved load: slot and force.
+const LOAD: usize = 32;
 
 /// Everything that a later run needs to go on bit for bit.
 #[derive(Clone, Debug, PartialEq)]
@@ -75,10 +77,17 @@ impl Snapshot {
         bytes.extend(u64::from(self.initialized).to_le_bytes());
         let coefficients = &self.state.stepping.ahead.coefficients;
         bytes.extend((self.state.physical.memory.touches.len() as u64).to_le_bytes());
+        bytes.extend((self.state.stepping.loads.len() as u64).to_le_bytes());
         bytes.extend((coefficients.len() as u64).to_le_bytes());
         for touch in &self.state.physical.memory.touches {
             bytes.extend((touch.slot as u64).to_le_bytes());
             for value in touch.numbers() {
+                bytes.extend(value.to_le_bytes());
+            }
+        }
+        for load in &self.state.stepping.loads {
+            bytes.extend((load.slot as u64).to_le_bytes());
+            for value in load.force {
                 bytes.extend(value.to_le_bytes());
             }
         }
@@ -99,28 +108,31 @@ impl Snapshot {
             + 2;
         let lists = fields.len() + 4;
         let touches = TOUCH / 8 * self.state.physical.memory.touches.len();
+        let loads = LOAD / 8 * self.state.stepping.loads.len();
         let coefficients = self.state.stepping.ahead.coefficients.len();
         16 + 8
             * (numbers
                 + lists
                 + self.state.stepping.counters.numbers().len()
                 + touches
+                + loads
                 + coefficients
-                + 4)
+                + 5)
     }
 
-    /// Numbers of touches and of coefficients in `bytes`, if they are possible and fit their
-    /// length; `self` has neither.
-    fn counts(&self, model: &Model, bytes: &[u8]) -> Option<(usize, usize)> {
+    /// Numbers of touches, loads and coefficients in `bytes`, if they are possible and fit their
+    /// length; `self` has none of them.
+    fn counts(&self, model: &Model, bytes: &[u8]) -> Option<[usize; 3]> {
         let fixed = self.byte_len();
-        let counts = bytes.get(fixed.checked_sub(24)?..fixed - 8)?;
+        let counts = bytes.get(fixed.checked_sub(32)?..fixed - 8)?;
         let mut reader = Reader { bytes: counts };
         let touches = usize::try_from(reader.integer()).ok()?;
+        let loads = usize::try_from(reader.integer()).ok()?;
         let coefficients = usize::try_from(reader.integer()).ok()?;
-        let possible = touches <= model.contact_room()[0]
+        let possible = touches.max(loads) <= model.contact_room()[0]
             && (coefficients == 0 || coefficients == COEFFICIENTS * (model.nq + model.nv()));
-        (possible && bytes.len() == fixed + TOUCH * touches + 8 * coefficients)
-            .then_some((touches, coefficients))
+        let fits = || bytes.len() == fixed + TOUCH * touches + LOAD * loads + 8 * coefficients;
+        (possible && fits()).then_some([touches, loads, coefficients])
     }
 
     /// Reads what [`Self::to_bytes`] wrote for the same model.
@@ -161,7 +173,7 @@ impl Snapshot {
         if bytes.get(8..16) != Some(&hash.to_le_bytes()) {
             return Err(refused("it belongs to another model"));
         }
-        let (touches, coefficients) = snapshot
+        let [touches, loads, coefficients] = snapshot
             .counts(model, bytes)
             .ok_or_else(|| refused("its length is not that of this model's states"))?;
         let (body, checksum) = bytes.split_at(bytes.len() - 8);
@@ -190,8 +202,9 @@ impl Snapshot {
         complete = complete && initialized <= 1;
         snapshot.initialized = initialized == 1;
         // Known already: the counts.
-        reader.integer();
-        reader.integer();
+        for _ in 0..3 {
+            reader.integer();
+        }
         for _ in 0..touches {
             let slot = usize::try_from(reader.integer()).unwrap_or(usize::MAX);
             let mut numbers = [0.0; 7];
@@ -206,6 +219,15 @@ impl Snapshot {
             complete = complete && ascending && slot < model.slots();
             let touch = Touch::from_numbers(slot, numbers);
             snapshot.state.physical.memory.touches.push(touch);
+        }
+        for _ in 0..loads {
+            let slot = usize::try_from(reader.integer()).unwrap_or(usize::MAX);
+            let mut force = [0.0; 3];
+            reader.numbers(&mut force);
+            let list = &mut snapshot.state.stepping.loads;
+            let ascending = list.last().is_none_or(|last| last.slot < slot);
+            complete = complete && ascending && slot < model.slots();
+            list.push(Load { slot, force });
         }
         snapshot
             .state

@@ -50,8 +50,21 @@ pub struct Stepping {
     pub impulse: Vec<[f64; 3]>,
     /// Length of the last communication step, s; 0 before the first.
     pub last_step: f64,
+    /// 1 for each tree that has rested all through the last communication step, else 0.
+    pub rested: Vec<f64>,
+    /// Contact forces on what rests, by ascending slot.
+    pub loads: Vec<Load>,
     /// The smooth steps under way.
     pub ahead: Ahead,
+}
+
+/// Force of a contact while all that it belongs to rests.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Load {
+    /// Index of the shape, or that of a pair of shapes: see [`Model::slots`].
+    pub slot: usize,
+    /// On the shape of lower index, world axes, N.
+    pub force: [f64; 3],
 }
 
 /// Mean accelerations of a step, `nv`.
@@ -122,7 +135,7 @@ impl Counters {
 }
 
 /// Every stored list of real numbers of a fixed length, in saved order: a new field goes here and
-/// nowhere else. Touches, the coefficients of the step under way and the counters are the only
+/// nowhere else. Touches, loads, the coefficients of steps under way and the counters are the only
 /// other content.
 macro_rules! fields {
     ($state:ident, $one:path, $flat:ident $(, $mutable:tt)?) => {{
@@ -141,6 +154,7 @@ macro_rules! fields {
             & $($mutable)? stepping.trend.whole,
             stepping.impulse.$flat(),
             $one(& $($mutable)? stepping.last_step),
+            & $($mutable)? stepping.rested,
             & $($mutable)? stepping.ahead.start,
             & $($mutable)? stepping.ahead.length,
             & $($mutable)? stepping.ahead.changed,
@@ -149,7 +163,7 @@ macro_rules! fields {
 }
 
 /// Length of the list of fields.
-pub const FIELDS: usize = 16;
+pub const FIELDS: usize = 17;
 
 impl Physical {
     /// All zero, quaternions at identity.
@@ -195,6 +209,8 @@ impl State {
                 counters: Counters::default(),
                 impulse: vec![[0.0; 3]; model.links.len()],
                 last_step: 0.0,
+                rested: vec![0.0; model.roots.len()],
+                loads: Vec::with_capacity(model.contact_room()[0]),
                 ahead: Ahead::new(model),
             },
         }
@@ -222,6 +238,9 @@ impl State {
         );
         to.clear();
         to.extend_from_slice(from);
+        let (to, from) = (&mut self.stepping.loads, &other.stepping.loads);
+        to.clear();
+        to.extend_from_slice(from);
         let from = &other.stepping.ahead.coefficients;
         self.stepping.ahead.coefficients.clear();
         self.stepping.ahead.coefficients.extend_from_slice(from);
@@ -245,8 +264,9 @@ impl State {
             |field: &[f64]| std::ptr::eq(field, caps) || field.iter().all(|x| x.is_finite());
         let touches = self.physical.memory.touches.iter().flat_map(Touch::numbers);
         let coefficients = self.stepping.ahead.coefficients.iter().copied();
+        let loads = self.stepping.loads.iter().flat_map(|load| load.force);
         self.fields().into_iter().all(is_finite)
-            && touches.chain(coefficients).all(f64::is_finite)
+            && touches.chain(coefficients).chain(loads).all(f64::is_finite)
             && commands.iter().all(|[velocity, position, effort, cap]| {
                 [velocity, position, effort].iter().all(|x| x.is_finite()) && !cap.is_nan()
             })

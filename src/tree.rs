@@ -13,10 +13,9 @@ mod pairs;
 mod parts;
 mod scale;
 
-pub use island::{Island, Span};
 pub use parts::{
-    Actuators, Contacts, Dofs, DryFriction, Extent, Surface, Tree, TreeBody, TreeCollider, Turning,
-    World, harmonic_mean,
+    Actuators, Contacts, Dofs, DryFriction, Extent, Island, Span, Surface, Tree, TreeBody,
+    TreeCollider, Turning, World, harmonic_mean,
 };
 
 use crate::geometry::pair::Solid;
@@ -28,10 +27,24 @@ use crate::slots::ParameterSlot as P;
 use crate::sparsity::Sparsity;
 use crate::spatial::{Mat3, Pose, RigidInertia, Vec3, rotation_from_rpy};
 use crate::tuning::{FACE, WHEEL};
+use std::sync::Arc;
 
 impl Tree {
     /// Derives the tree; masses, mounting and initial pose come from `parameters`.
     pub fn new(model: &Model, parameters: &Parameters) -> Self {
+        Self::derive(model, parameters, &[])
+    }
+
+    /// Derives the tree of the same model anew, from other parameters.
+    pub fn renew(&mut self, model: &Model, parameters: &Parameters) {
+        let shapes = std::mem::take(&mut self.contact.colliders);
+        *self = Self::derive(model, parameters, &shapes);
+    }
+
+    /// The same.
+    ///
+    /// - `known`: colliders of the same model, whose shapes are prepared, or none
+    fn derive(model: &Model, parameters: &Parameters, known: &[TreeCollider]) -> Self {
         let nv = model.nv();
         let mut tree = Self {
             bodies: Vec::with_capacity(model.bodies.len()),
@@ -79,7 +92,7 @@ impl Tree {
         for b in 0..tree.bodies.len() {
             tree.bodies[b].wheel = tree.is_wheel(b);
         }
-        tree.add_colliders(model, &turned);
+        tree.add_colliders(model, &turned, known);
         tree.sparsity = tree.pattern();
         tree.select_all();
         for joint in &model.joints {
@@ -207,7 +220,7 @@ impl Tree {
         }
     }
 
-    fn add_colliders(&mut self, model: &Model, turned: &[Mat3]) {
+    fn add_colliders(&mut self, model: &Model, turned: &[Mat3], known: &[TreeCollider]) {
         let ground = model.world.ground.as_ref();
         let others = model.has_pairs();
         if ground.is_none() && !others {
@@ -221,6 +234,18 @@ impl Tree {
             }
             let R_SB = turned[b].transpose();
             let link = &model.links[collider.link.index()];
+            let (shape, face) = (&collider.shape, FACE * model.contact.penetration);
+            let place = self.contact.colliders.len();
+            let (faces, solid) = match known.get(place) {
+                Some(known) => (known.faces.clone(), known.solid.clone()),
+                None => (
+                    Arc::new(match shape {
+                        Shape::Hull { vertices } => Faces::new(vertices, face),
+                        _ => Faces::default(),
+                    }),
+                    others.then(|| Arc::new(Solid::new(shape, face))),
+                ),
+            };
             self.contact.colliders.push(TreeCollider {
                 index,
                 body: b,
@@ -236,14 +261,8 @@ impl Tree {
                 ground: Surface::default(),
                 dissipation: link.dissipation.unwrap_or(self.contact.dissipation),
                 spring: Stiffening::default(),
-                faces: match &collider.shape {
-                    Shape::Hull { vertices } => {
-                        Faces::new(vertices, FACE * model.contact.penetration)
-                    }
-                    _ => Faces::default(),
-                },
-                solid: others
-                    .then(|| Solid::new(&collider.shape, FACE * model.contact.penetration)),
+                faces,
+                solid,
             });
             let mass = self.mass_with(b);
             let turning = &mut self.contact.turning[collider.link.index()];

@@ -67,8 +67,8 @@ pub(super) fn select(model: &mut Model, settings: &Settings, findings: &mut Find
     model.apart.sort_unstable();
 }
 
-/// Links whose shapes may touch and overlap at the start by more than [`DRAWN_TOGETHER`], and by how
-/// much, m.
+/// Links whose shapes may touch and overlap at the start by more than [`DRAWN_TOGETHER`], and by
+/// how much, m.
 pub(super) fn overlaps(model: &Model) -> Vec<([LinkId; 2], f64)> {
     let Poses { tree, kin } = poses(model);
     let colliders = &tree.contact.colliders;

@@ -7,7 +7,8 @@ use crate::spatial::{Vec3, Vec6, add6, dot6};
 use crate::tree::Tree;
 use std::ops::Range;
 
-/// Kinetic energy, J, of the bodies that a step works on and of the rotors (armature); reads `kin.V`, `kin.I`.
+/// Kinetic energy, J, of the bodies that a step works on and of the rotors (armature); reads
+/// `kin.V`, `kin.I`.
 pub fn kinetic(tree: &Tree, kin: &Kinematics, v: &[f64]) -> f64 {
     let bodies = tree.worked_bodies().map(|(b, _)| {
         let V = &kin.V[b];

@@ -132,15 +132,16 @@ impl ContactSet {
     /// Joins the trees of which shapes may come near each other within `h` seconds, or are nearer
     /// than `margin`, m. Only scratch of `self` changes.
     ///
+    /// - `left_out`: trees that are not joined with each other; may be empty
     /// - `leader`: the first tree of the group of each tree
     pub fn group(
         &mut self,
-        tree: &Tree,
-        kin: &Kinematics,
+        (tree, kin): (&Tree, &Kinematics),
         [h, margin]: [f64; 2],
+        left_out: &[bool],
         leader: &mut [usize],
     ) {
-        self.pairs.group((tree, kin), [h, margin], leader);
+        self.pairs.group((tree, kin), [h, margin], left_out, leader);
     }
 
     /// Whether there are none.

@@ -56,9 +56,10 @@ impl Pairs {
         }
     }
 
-    /// Calls `take` with each pair of shapes that a step works on which is within the way that both go in `h` seconds, or nearer
-    /// than `margin`, m, by ascending slots, until it says that it has enough; tells whether it
-    /// has. Pairs whose places are to be passed over are not looked at closely.
+    /// Calls `take` with each pair of shapes that a step works on which is within the way that both
+    /// go in `h` seconds, or nearer than `margin`, m, by ascending slots, until it says that it has
+    /// enough; tells whether it has. Pairs whose places are to be passed over are not looked at
+    /// closely.
     pub(super) fn each(
         &mut self,
         (tree, kin): (&Tree, &Kinematics),
@@ -86,20 +87,23 @@ impl Pairs {
         &mut self,
         (tree, kin): (&Tree, &Kinematics),
         [h, margin]: [f64; 2],
+        left_out: &[bool],
         leader: &mut [usize],
     ) {
-        let Some(mut patch) = self.patch.take() else {
+        if self.patch.is_none() {
             return;
-        };
+        }
         self.search(tree, kin, [h, margin]);
         for &places in &self.near {
             let trees = places.map(|place| tree.contact.colliders[place].tree);
             let [a, b] = trees.map(|index| leader[index]);
-            if a == b || trees.iter().any(|index| !tree.trees[*index].moves()) {
+            let moves = |index: &usize| tree.trees[*index].moves();
+            let stays = |index: &usize| left_out.get(*index) == Some(&true);
+            if a == b || !trees.iter().all(moves) || trees.iter().all(stays) {
                 continue;
             }
             let near = Pair::new(tree, kin, places)
-                .is_some_and(|pair| pair.touch(&mut patch, h * pair.speed(kin) + margin));
+                .is_some_and(|pair| pair.is_near(h * pair.speed(kin) + margin));
             if near {
                 let (low, high) = (a.min(b), a.max(b));
                 for leader in leader.iter_mut().filter(|leader| **leader == high) {
@@ -107,7 +111,6 @@ impl Pairs {
                 }
             }
         }
-        self.patch = Some(patch);
     }
 
     /// Lists the pairs that may come near within `h` seconds, by ascending slots; `margin`: gap
@@ -173,7 +176,7 @@ impl<'a> Pair<'a> {
             [a, b]
         };
         let colliders = places.map(|place| &tree.contact.colliders[place]);
-        let [Some(first), Some(second)] = colliders.map(|c| c.solid.as_ref()) else {
+        let [Some(first), Some(second)] = colliders.map(|c| c.solid.as_deref()) else {
             return None;
         };
         let from = kin.origins[colliders[0].tree] - kin.origins[colliders[1].tree];
@@ -197,6 +200,12 @@ impl<'a> Pair<'a> {
     fn touch(&self, patch: &mut Patch, reach: f64) -> bool {
         let [a, b] = [0, 1].map(|i| (self.solids[i], &self.poses[i]));
         patch.find(a, b, reach)
+    }
+
+    /// Whether they are nearer than `reach`, m.
+    fn is_near(&self, reach: f64) -> bool {
+        let [a, b] = [0, 1].map(|i| (self.solids[i], &self.poses[i]));
+        Patch::are_near(a, b, reach)
     }
 
     /// How fast any two of their points come nearer, at most, m/s.

@@ -1,6 +1,6 @@
 //! How many contacts the shapes of a world have, and where these are remembered.
 
-use super::Model;
+use super::{LinkId, Model};
 use crate::geometry::PAIR_POINTS;
 
 impl Model {
@@ -33,16 +33,27 @@ impl Model {
         shapes * (1 + others)
     }
 
-    /// The trees of the shapes whose contact has a slot; one with the ground.
-    pub fn touches_of(&self, slot: usize) -> [Option<usize>; 2] {
-        let tree = |shape: usize| {
-            let collider = self.colliders.get(shape)?;
-            Some(self.root_of(collider.body).index())
-        };
+    /// The links of the shapes whose contact has a slot, that of the lower index first; none for
+    /// the ground.
+    pub fn links_of(&self, slot: usize) -> [Option<LinkId>; 2] {
+        self.shapes_of(slot)
+            .map(|shape| Some(self.colliders.get(shape?)?.link))
+    }
+
+    /// The shapes whose contact has a slot.
+    fn shapes_of(&self, slot: usize) -> [Option<usize>; 2] {
         match self.colliders.len() {
             0 => [None; 2],
-            shapes if slot < shapes => [tree(slot), None],
-            shapes => [tree(slot / shapes - 1), tree(slot % shapes)],
+            shapes if slot < shapes => [Some(slot), None],
+            shapes => [Some(slot / shapes - 1), Some(slot % shapes)],
         }
+    }
+
+    /// The trees of the shapes whose contact has a slot; one with the ground.
+    pub fn touches_of(&self, slot: usize) -> [Option<usize>; 2] {
+        self.shapes_of(slot).map(|shape| {
+            let collider = self.colliders.get(shape?)?;
+            Some(self.root_of(collider.body).index())
+        })
     }
 }

@@ -101,13 +101,14 @@ impl Simulation {
         mut act: impl FnMut(&mut Self) -> Result<(), Stop>,
     ) -> Result<(), Stop> {
         let ctx = context!(self, inputs);
-        if !self.stepper.part(&ctx, &self.state, span, share) {
+        let many = self.stepper.part(&ctx, &self.state, [span, share]);
+        if !many && !self.stepper.islands.rests(self.tree.island.lead) {
             return act(self);
         }
         let mut result = Ok(());
         for lead in 0..self.tree.trees.len() {
             let islands = &self.stepper.islands;
-            if result.is_err() || !islands.leads(lead) {
+            if result.is_err() || !islands.leads(lead) || islands.rests(lead) {
                 continue;
             }
             self.tree.select(|index| islands.takes(index, lead));

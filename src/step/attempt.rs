@@ -53,19 +53,29 @@ impl Attempt {
         point.terms.remember(&solved.solved(), h, memory);
     }
 
+    /// Makes its impulses those of the state.
+    pub(super) fn give_impulses(&mut self, state: &mut State) {
+        std::mem::swap(&mut self.impulse, &mut state.stepping.impulse);
+    }
+
+    /// Adds an impulse, N·s, on the link of index `link` to it, and its reaction to the other one.
+    pub(super) fn add_impulse(&mut self, [link, other]: [Option<usize>; 2], impulse: &[f64; 3]) {
+        for (link, sign) in [(link, 1.0), (other, -1.0)] {
+            if let Some(link) = link {
+                for (sum, x) in self.impulse[link].iter_mut().zip(impulse) {
+                    *sum += sign * x;
+                }
+            }
+        }
+    }
+
     /// Adds `share` times the contact impulses that a solve over `h` seconds has found to their
     /// links.
     pub(super) fn add_impulses(&mut self, terms: &Terms, solved: &Newton, [h, share]: [f64; 2]) {
         for (contact, response) in terms.contacts.iter().zip(&solved.responses.contacts) {
             let impulse = contact.impulse(response, h) * share;
-            for (sum, x) in self.impulse[contact.link].iter_mut().zip(impulse.iter()) {
-                *sum += x;
-            }
-            if let Some(other) = contact.other_link {
-                for (sum, x) in self.impulse[other].iter_mut().zip(impulse.iter()) {
-                    *sum -= x;
-                }
-            }
+            let links = [Some(contact.link), contact.other_link];
+            self.add_impulse(links, &impulse.into());
         }
     }
 
@@ -92,7 +102,7 @@ impl Attempt {
     /// Makes it the state. What is left here is where the step began.
     pub(super) fn accept(&mut self, state: &mut State) {
         std::mem::swap(&mut self.end, &mut state.physical);
-        std::mem::swap(&mut self.impulse, &mut state.stepping.impulse);
+        self.give_impulses(state);
         std::mem::swap(&mut self.trend, &mut state.stepping.trend);
     }
 }

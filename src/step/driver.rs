@@ -14,7 +14,7 @@ use crate::step::fixed::{self, Fixed, Methods, Outcome, Part};
 use crate::step::flight::Flight;
 use crate::step::guards;
 use crate::step::implicit::Implicit;
-use crate::step::islands::Islands;
+use crate::step::islands::{Islands, is_moved};
 use crate::step::point::{Context, Point};
 use crate::step::size::{Standing, Tried, Verdict, Way, grown, landing};
 use crate::step::stages::Stages;
@@ -91,6 +91,11 @@ impl Stepper {
     /// # Errors
     /// [`Stop`]; `state` is then to be left by [`Self::end`] or [`Self::begin_again`].
     pub fn advance(&mut self, ctx: &Context, state: &mut State, end: f64) -> Result<(), Stop> {
+        for (index, _) in ctx.tree.moved() {
+            state.stepping.rested[index] = 0.0;
+        }
+        let loads = &mut state.stepping.loads;
+        loads.retain(|load| !is_moved(ctx, load.slot));
         if ctx.fixed_step > 0.0 {
             self.advance_fixed(ctx, state, end)?;
         } else {

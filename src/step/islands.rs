@@ -9,15 +9,18 @@
 //! the time, and gravity takes it in twice the time, and some more. What goes farther, because a
 //! motor accelerates it or something has thrown it back, might have met another island. Then all
 //! islands begin again, with a guess for a longer time, until all have stayed within it.
+//!
+//! A tree that has rested all through a communication step, and of which nothing has changed since,
+//! rests through the next one, too, unless something that moves comes near it or near what it
+//! touches. Nothing is computed for it.
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
-use crate::force::Touch;
+use crate::force::{ContactSet, Touch};
 use crate::kinematics::Kinematics;
 use crate::spatial::Pose;
-use crate::state::State;
-use crate::step::driver::{Stepper, Stop};
-use crate::step::point::Context;
+use crate::state::{State, Stepping};
+use crate::step::point::{Context, Point};
 use crate::tree::{Extent, Tree, TreeCollider};
 use crate::tuning::{CONTACT_MARGIN, ISLAND_TIME};
 
@@ -29,14 +32,16 @@ pub struct Islands {
     /// Where each shape is at the communication point, in the world, and how far any of its points
     /// may go, m; empty where all trees go together.
     limits: Vec<(Pose, f64)>,
-    /// What trees remember that are not being moved, by ascending slots.
+    /// Which trees rest, and scenery.
+    rest: Vec<bool>,
+    /// Whether anything moves in the island that each tree leads.
+    awake: Vec<bool>,
+    /// What trees remember that are not being moved.
     others: Vec<Touch>,
-    /// Scratch of joining them.
-    joined: Vec<Touch>,
 }
 
 #[cfg(test)]
-crate::spoil::spoil!(Islands: leader limits others joined;);
+crate::spoil::spoil!(Islands: leader limits rest awake others;);
 
 impl Islands {
     /// Room for a tree with as many touches.
@@ -44,8 +49,9 @@ impl Islands {
         Self {
             leader: Vec::with_capacity(tree.trees.len()),
             limits: Vec::with_capacity(tree.contact.colliders.len()),
+            rest: Vec::with_capacity(tree.trees.len()),
+            awake: Vec::with_capacity(tree.trees.len()),
             others: Vec::with_capacity(touches),
-            joined: Vec::with_capacity(touches),
         }
     }
 
@@ -57,6 +63,110 @@ impl Islands {
     /// Whether a tree goes with the island of the tree `lead`.
     pub fn takes(&self, tree: usize, lead: usize) -> bool {
         self.leader[tree] == lead
+    }
+
+    /// Whether the island of the tree `lead` rests.
+    pub fn rests(&self, lead: usize) -> bool {
+        self.rest[lead]
+    }
+
+    /// Notes which trees would rest if nothing came near; tells whether all do.
+    fn find_rest(&mut self, ctx: &Context, stepping: &Stepping) -> bool {
+        let may_rest = ctx.rules.rest && !ctx.inputs.varies();
+        let rests = |index: usize| {
+            may_rest && stepping.rested[index] > 0.0 && stepping.ahead.changed[index] == 0.0
+        };
+        self.rest.clear();
+        let trees = ctx.tree.trees.iter().enumerate();
+        self.rest
+            .extend(trees.map(|(index, tree)| !tree.moves() || rests(index)));
+        self.rest.iter().all(|rests| *rests)
+    }
+
+    /// Joins the trees of which shapes may come near each other. What rests is left out, but for
+    /// what something that moves comes near to, and what that touches.
+    ///
+    /// - `times`: how long velocities last, s, and a gap that is near whatever they are, m
+    fn join_near(
+        &mut self,
+        tree: &Tree,
+        (contacts, kin): (&mut ContactSet, &Kinematics),
+        times: [f64; 2],
+    ) {
+        let none: &[bool] = &[];
+        let first = self.leader[0];
+        for resting in [true, false] {
+            for (index, tree) in tree.trees.iter().enumerate() {
+                // Scenery goes with all.
+                self.leader[index] = if tree.moves() { index } else { first };
+            }
+            let left_out = if resting { &self.rest } else { none };
+            contacts.group((tree, kin), times, left_out, &mut self.leader);
+            self.awake.clear();
+            self.awake.resize(tree.trees.len(), false);
+            for (leader, rests) in self.leader.iter().zip(&self.rest) {
+                self.awake[*leader] |= !rests;
+            }
+            let mut trees = tree.trees.iter().zip(&self.rest).zip(&self.leader);
+            let awake = &self.awake;
+            if !trees.any(|((tree, rests), leader)| tree.moves() && *rests && awake[*leader]) {
+                break;
+            }
+        }
+        for (rests, leader) in self.rest.iter_mut().zip(&self.leader) {
+            *rests &= !self.awake[*leader];
+        }
+    }
+
+    /// Parts the trees into islands that do not meet within `span` seconds of `state`; the guess
+    /// how far shapes may go is that for `share` times as long. Tells whether there are trees to
+    /// part; `ctx` works on all, and what stands at `point` is lost.
+    pub fn part(
+        &mut self,
+        ctx: &Context,
+        state: &State,
+        point: &mut Point,
+        [span, share]: [f64; 2],
+    ) -> bool {
+        let tree = ctx.tree;
+        let moving = tree.trees.iter().filter(|tree| tree.moves()).count();
+        self.join_all(tree);
+        let all_rest = self.find_rest(ctx, &state.stepping);
+        if all_rest || moving < 2 || !ctx.rules.islands || share.is_infinite() {
+            if !all_rest {
+                self.rest.fill(false);
+            }
+            return moving > 1;
+        }
+        point.pose(ctx, &state.physical);
+        let Point { kin, terms } = point;
+        let h = share * ISLAND_TIME * span;
+        let margin = 2.0 * (h * h * tree.world.gravity.norm() + CONTACT_MARGIN);
+        let first = self.leader[0];
+        self.join_near(tree, (&mut terms.contacts, kin), [h, margin]);
+        if self.leader.iter().any(|leader| *leader != first) {
+            for collider in &tree.contact.colliders {
+                let (_, speed) = kin.ball(collider);
+                let reach = h * speed + 0.5 * margin;
+                self.limits.push((pose_of(kin, collider), reach));
+            }
+        }
+        true
+    }
+
+    /// Sets aside what trees remember that are not being moved.
+    pub fn set_aside(&mut self, ctx: &Context, touches: &mut Vec<Touch>) {
+        let of_island = |touch: &Touch| is_moved(ctx, touch.slot);
+        self.others.clear();
+        let others = touches.iter().filter(|touch| !of_island(touch));
+        self.others.extend(others);
+        touches.retain(of_island);
+    }
+
+    /// Takes it back.
+    pub fn take_back(&mut self, touches: &mut Vec<Touch>) {
+        touches.extend_from_slice(&self.others);
+        touches.sort_unstable_by_key(|touch| touch.slot);
     }
 
     /// One island of all trees.
@@ -87,153 +197,17 @@ impl Islands {
     }
 }
 
+/// Whether a contact is one of what a step moves.
+pub(super) fn is_moved(ctx: &Context, slot: usize) -> bool {
+    let tree = ctx.tree;
+    let own = |index: usize| tree.takes(index) && tree.trees[index].moves();
+    let trees = ctx.model.touches_of(slot);
+    trees.iter().flatten().any(|index| own(*index))
+}
+
 /// Pose of a shape in the world.
 fn pose_of(kin: &Kinematics, collider: &TreeCollider) -> Pose {
     let mut X = kin.X[collider.body].compose(&collider.X);
     X.p += kin.origins[collider.tree];
     X
-}
-
-impl Stepper {
-    /// Begins a communication step from `state` to `end`.
-    pub fn begin(&mut self, state: &mut State, end: f64) {
-        self.backup.copy_from(state);
-        (self.tried, self.implicit.iterations, self.stages.iterations) = (0, 0, 0);
-        state.stepping.last_step = end - state.time;
-        state.stepping.impulse.fill([0.0; 3]);
-        // What no term writes is what the state has.
-        self.attempt.stay(state);
-    }
-
-    /// Begins it again.
-    pub fn begin_again(&mut self, state: &mut State, end: f64) {
-        let tried = self.tried;
-        state.copy_from(&self.backup);
-        self.begin(state, end);
-        self.tried = tried;
-    }
-
-    /// Parts the trees into islands that do not meet within `span` seconds of `state`; the guess
-    /// how far shapes may go is that for `share` times as long. Tells whether there are trees to
-    /// part; `ctx` works on all.
-    pub fn part(&mut self, ctx: &Context, state: &State, span: f64, share: f64) -> bool {
-        let tree = ctx.tree;
-        let moving = tree.trees.iter().filter(|tree| tree.moves()).count();
-        self.islands.join_all(tree);
-        if moving < 2 || !ctx.rules.islands || share.is_infinite() {
-            return moving > 1;
-        }
-        let (kin, islands) = (&mut self.there.kin, &mut self.islands);
-        kin.update_poses(tree, &state.physical.q);
-        kin.update_velocities(tree, &state.physical.v);
-        let h = share * ISLAND_TIME * span;
-        let margin = 2.0 * (h * h * tree.world.gravity.norm() + CONTACT_MARGIN);
-        let first = islands.leader[0];
-        for (index, tree) in tree.trees.iter().enumerate() {
-            // Scenery goes with all.
-            islands.leader[index] = if tree.moves() { index } else { first };
-        }
-        let contacts = &mut self.there.terms.contacts;
-        contacts.group(tree, kin, [h, margin], &mut islands.leader);
-        if islands.leader.iter().all(|leader| *leader == first) {
-            return true;
-        }
-        for collider in &tree.contact.colliders {
-            let (_, speed) = kin.ball(collider);
-            let reach = h * speed + 0.5 * margin;
-            islands.limits.push((pose_of(kin, collider), reach));
-        }
-        true
-    }
-
-    /// Begins with an island, whose trees `ctx` works on: what it remembers is that of all its
-    /// trees together.
-    pub fn enter(&mut self, ctx: &Context, state: &mut State) {
-        let (tree, stepping) = (ctx.tree, &mut state.stepping);
-        let lead = tree.island.lead;
-        let sizes = &mut stepping.sizes;
-        for (index, _) in tree.moved() {
-            sizes.proposed[lead] = sizes.proposed[lead].min(sizes.proposed[index]);
-            sizes.after_jump[lead] = sizes.after_jump[lead].min(sizes.after_jump[index]);
-            sizes.floor[lead] = sizes.floor[lead].max(sizes.floor[index]);
-        }
-        if !stepping.ahead.is_under_way(tree) {
-            stepping.ahead.clear(tree);
-        }
-        let touches = &mut state.physical.memory.touches;
-        let of_island = |touch: &Touch| {
-            let trees = ctx.model.touches_of(touch.slot);
-            let own = |index: usize| tree.takes(index) && tree.trees[index].moves();
-            trees.iter().flatten().any(|index| own(*index))
-        };
-        let others = touches.iter().filter(|touch| !of_island(touch));
-        self.islands.others.clear();
-        self.islands.others.extend(others);
-        touches.retain(of_island);
-        for point in [&mut self.here, &mut self.there, &mut self.stages.middle] {
-            point.terms.select(ctx.model, tree);
-        }
-        // Of other trees, a try holds what the state does.
-        self.attempt.stay(state);
-    }
-
-    /// Ends with an island: each of its trees remembers what the island does.
-    pub fn leave(&mut self, ctx: &Context, state: &mut State) {
-        let (tree, sizes) = (ctx.tree, &mut state.stepping.sizes);
-        let lead = tree.island.lead;
-        for (index, _) in tree.moved() {
-            sizes.proposed[index] = sizes.proposed[lead];
-            sizes.after_jump[index] = sizes.after_jump[lead];
-            sizes.floor[index] = sizes.floor[lead];
-        }
-        let (touches, Islands { others, joined, .. }) =
-            (&mut state.physical.memory.touches, &mut self.islands);
-        joined.clear();
-        let mut own = touches.iter().peekable();
-        for other in others.iter() {
-            while let Some(touch) = own.next_if(|touch| touch.slot < other.slot) {
-                joined.push(*touch);
-            }
-            joined.push(*other);
-        }
-        joined.extend(own);
-        touches.clear();
-        touches.extend_from_slice(joined);
-    }
-
-    /// Ends a communication step that has led to `result` at `end`.
-    ///
-    /// # Errors
-    /// [`Stop`] of `result`; `state` is then what it was.
-    pub fn end(
-        &mut self,
-        ctx: &Context,
-        state: &mut State,
-        end: f64,
-        result: Result<(), Stop>,
-    ) -> Result<(), Stop> {
-        if result.is_err() {
-            state.copy_from(&self.backup);
-            return result;
-        }
-        state.time = end;
-        let stepping = &mut state.stepping;
-        stepping.ahead.changed.fill(0.0);
-        let newton_max = &mut stepping.counters.newton_max;
-        let iterations = self.implicit.iterations.max(self.stages.iterations);
-        *newton_max = (*newton_max).max(iterations as u64);
-        for (index, last) in stepping.commands.iter_mut().enumerate() {
-            *last = ctx.inputs.values(index, stepping.last_step);
-        }
-        Ok(())
-    }
-
-    /// Whether what stands at `self.here` has stayed where its island may go.
-    pub(super) fn check_limits(&self, ctx: &Context) -> Result<(), Stop> {
-        if self.islands.hold(ctx.tree, &self.here.kin) {
-            Ok(())
-        } else {
-            Err(Stop::Strayed)
-        }
-    }
 }

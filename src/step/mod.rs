@@ -3,6 +3,8 @@
 //! | file | what |
 //! |---|---|
 //! | `driver` | from one communication point to the next: propose, cap, try, guard, accept |
+//! | `communication`, `islands` | begin and end of a communication step; which trees go together |
+//! | `settle` | rest, and what is set down |
 //! | `size` | lengths of steps; what becomes of a try |
 //! | `caps` | where a step must end |
 //! | `guards`, `flight` | what a try must not do: make energy, lose momentum |
@@ -16,6 +18,7 @@
 
 mod attempt;
 mod caps;
+pub mod communication;
 pub mod convex;
 pub mod driver;
 pub mod explicit;

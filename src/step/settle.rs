@@ -11,10 +11,12 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
+use crate::force::Terms;
 use crate::kinematics::advance;
-use crate::model::RootId;
+use crate::model::{LinkId, Model, RootId};
 use crate::slots::ParameterSlot;
-use crate::state::State;
+use crate::state::{Load, State, Stepping};
+use crate::step::convex::Newton;
 use crate::step::driver::Stepper;
 use crate::step::point::Context;
 use crate::tree::Tree;
@@ -117,13 +119,41 @@ impl Stepper {
         if balanced {
             attempt.clear_trend(ctx.tree);
             here.terms.drop_unloaded(&mut attempt.end.memory);
-            attempt.add_impulses(&here.terms, solved, [h, remaining / h]);
+            let stepping = &mut state.stepping;
+            stepping.counters.steps += 1;
+            if remaining < stepping.last_step {
+                attempt.add_impulses(&here.terms, solved, [h, remaining / h]);
+            } else {
+                for (index, _) in ctx.tree.moved() {
+                    stepping.rested[index] = 1.0;
+                }
+                stepping.note_loads(ctx.model, &here.terms, solved, h);
+            }
             attempt.accept(state);
-            state.stepping.counters.steps += 1;
         } else if speed > 0.0 {
             here.update_motion(ctx, &state.physical, h);
         }
         balanced
+    }
+}
+
+impl Stepping {
+    /// Notes the contact forces on what rests, as a solve over `h` seconds has found them.
+    fn note_loads(&mut self, model: &Model, terms: &Terms, solved: &Newton, h: f64) {
+        for (contact, response) in terms.contacts.iter().zip(&solved.responses.contacts) {
+            let force = contact.impulse(response, h) / h;
+            let lower = model.links_of(contact.slot)[0].map(LinkId::index);
+            let sign = if lower == Some(contact.link) {
+                1.0
+            } else {
+                -1.0
+            };
+            self.loads.push(Load {
+                slot: contact.slot,
+                force: (force * sign).into(),
+            });
+        }
+        self.loads.sort_unstable_by_key(|load| load.slot);
     }
 }
 

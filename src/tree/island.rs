@@ -4,33 +4,8 @@
 //! with steps of its own. What a step works on are the bodies of some of the trees: those that it
 //! moves, and the scenery, which never moves and may be met by all.
 
-use super::parts::{Extent, Tree, TreeBody, TreeCollider};
+use super::parts::{Extent, Span, Tree, TreeBody, TreeCollider};
 use crate::tuning::ARTICULATED_COST;
-use std::ops::Range;
-
-/// The trees that a step moves, and the scenery.
-#[derive(Clone, Debug, Default)]
-pub struct Island {
-    /// By ascending index.
-    pub spans: Vec<Span>,
-    /// Whether each tree belongs to it.
-    takes: Vec<bool>,
-    /// The first of those that move: what the method remembers of an island stands there.
-    pub lead: usize,
-}
-
-/// Trees one after the other, and what belongs to them in the lists of all trees.
-#[derive(Clone, Debug)]
-pub struct Span {
-    /// Which.
-    pub trees: Range<usize>,
-    /// Their bodies.
-    pub bodies: Range<usize>,
-    /// Their places in `v`.
-    pub dofs: Range<usize>,
-    /// Their places in `q`.
-    pub coordinates: Range<usize>,
-}
 
 impl Tree {
     /// Takes the trees that `takes` names and the scenery, until others are named. Allocates

@@ -2,7 +2,6 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
-use super::island::Island;
 use crate::geometry::Faces;
 use crate::geometry::pair::Solid;
 use crate::joint::Kind;
@@ -11,6 +10,7 @@ use crate::model::{Combination, Joint, Limits};
 use crate::sparsity::Sparsity;
 use crate::spatial::{Pose, Vec3};
 use std::ops::Range;
+use std::sync::Arc;
 
 /// Everything that follows from a model and its parameters and is constant in a step.
 #[derive(Clone, Debug)]
@@ -41,6 +41,30 @@ pub struct Tree {
     pub dofs: Dofs,
     /// What the actuators are made of.
     pub actuators: Actuators,
+}
+
+/// The trees that a step moves, and the scenery.
+#[derive(Clone, Debug, Default)]
+pub struct Island {
+    /// By ascending index.
+    pub spans: Vec<Span>,
+    /// Whether each tree belongs to it.
+    pub(super) takes: Vec<bool>,
+    /// The first of those that move: what the method remembers of an island stands there.
+    pub lead: usize,
+}
+
+/// Trees one after the other, and what belongs to them in the lists of all trees.
+#[derive(Clone, Debug)]
+pub struct Span {
+    /// Which.
+    pub trees: Range<usize>,
+    /// Their bodies.
+    pub bodies: Range<usize>,
+    /// Their places in `v`.
+    pub dofs: Range<usize>,
+    /// Their places in `q`.
+    pub coordinates: Range<usize>,
 }
 
 /// One tree: a base that hangs in the world, and all that hangs on it.
@@ -203,9 +227,9 @@ pub struct TreeCollider {
     /// Spring of its contact.
     pub spring: Stiffening,
     /// Faces of a hull; none of another shape.
-    pub faces: Faces,
+    pub faces: Arc<Faces>,
     /// What it is for other shapes; none where there are none.
-    pub solid: Option<Solid>,
+    pub solid: Option<Arc<Solid>>,
 }
 
 /// Coefficients of a surface, or of two that touch.

@@ -33,6 +33,17 @@ impl Default for Meeting {
 }
 
 impl Meeting {
+    /// Whether a pair, in the order of their rank, is nearer than `reach`, m; corners count as
+    /// sharp.
+    pub(super) fn are_near(a: &Placed, b: &Placed, reach: f64) -> bool {
+        let sharp = a.solid.rounding() + b.solid.rounding();
+        let radii = a.solid.radius + b.solid.radius;
+        if matches!(b.solid.core, Core::HalfSpace) {
+            return true;
+        }
+        nearest(a, b, reach + sharp + radii).distance - radii <= reach + sharp
+    }
+
     /// Adds the points of a pair, in the order of their rank; returns the normal, whether inner
     /// cores have a part in it, and whether these meet.
     pub(super) fn find(

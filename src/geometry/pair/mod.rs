@@ -78,6 +78,23 @@ impl Patch {
         self.points.list()
     }
 
+    /// Whether `a` at `X_WA` and `b` at `X_WB` are nearer than `reach`, m, by their rounded shapes;
+    /// see [`Self::find`].
+    pub fn are_near((a, X_WA): (&Solid, &Pose), (b, X_WB): (&Solid, &Pose), reach: f64) -> bool {
+        let origin = if matches!(a.core, Core::HalfSpace) {
+            X_WB.p
+        } else {
+            X_WA.p
+        };
+        let (first, second) = (Placed::new(a, X_WA, &origin), Placed::new(b, X_WB, &origin));
+        let (above, below) = if rank(a) > rank(b) {
+            (&second, &first)
+        } else {
+            (&first, &second)
+        };
+        Meeting::are_near(above, below, reach)
+    }
+
     /// Finds what `a` at `X_WA` and `b` at `X_WB` have in common, as far as it is nearer than
     /// `reach`, m; whether there is anything. Positions and vectors are those of the frame W.
     ///

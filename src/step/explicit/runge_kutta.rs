@@ -170,10 +170,10 @@ impl RungeKutta {
     }
 
     /// The polynomials of the step of `h` seconds that was just taken at time `start` by one of the
-    /// pairs for long steps from `(q, v)`, before it is accepted, into `ahead`: cubics through values and rates at both ends, and what
-    /// Dormand–Prince adds to them. The last stage of an implicit pair is at the end, too:
-    /// positions change there with the new velocity, which is exact, and velocities with an
-    /// acceleration that is third order in h.
+    /// pairs for long steps from `(q, v)`, before it is accepted, into `ahead`: cubics through
+    /// values and rates at both ends, and what Dormand–Prince adds to them. The last stage of an
+    /// implicit pair is at the end, too: positions change there with the new velocity, which is
+    /// exact, and velocities with an acceleration that is third order in h.
     pub fn extension(
         &self,
         (tree, pair): (&Tree, &Pair),

@@ -113,8 +113,62 @@ fn each_island_has_steps_of_its_own() {
     let mut together = cubes();
     together.push(ball);
     assert_eq!(steps(together), alone + resting);
-    // What rests takes one step a communication step once it does.
-    assert!(resting < 600, "{resting}");
+    // What rests takes none.
+    assert!(resting < 200, "{resting}");
+}
+
+/// Two cubes that rest on each other take no steps and are carried by the same forces, however long
+/// communication steps are, until a ball comes or somebody pushes.
+#[test]
+fn what_rests_is_carried_without_steps_and_wakes() {
+    let lower = cube(1.0, Vec3::new(0.0, 0.0, 0.05));
+    let mut upper = cube(1.0, Vec3::new(0.0, 0.0, 0.15));
+    upper.outputs.external_wrenches = vec![LinkId(0)];
+    let ball = body(
+        0.1,
+        Shape::Sphere { radius: 0.02 },
+        Vec3::new(0.0, 0.0, 12.0),
+    );
+    let mut model = world([lower, upper, ball]);
+    model.outputs.contacts = vec![LinkId(0), LinkId(1)];
+    let mut s = start(model, 1e-3);
+    let cubes = |s: &Simulation| (bits(s, 0), bits(s, 1));
+    let mut force =
+        |s: &mut Simulation, link: u32| s.output(OutputSlot::ContactForce(LinkId(link), 2));
+    run(&mut s, 0.5, 1.0 / 240.0);
+    let (rest, steps) = (cubes(&s), s.state().stepping.counters.steps);
+    let carried = [0, 1].map(|link| force(&mut s, link));
+    assert!(
+        (carried[0] - G).abs() < 1e-5 && (carried[1] - G).abs() < 1e-5,
+        "{carried:?}"
+    );
+    for span in [1e-3, 0.01, 0.1, 1.0 / 240.0] {
+        let end = s.time() + span;
+        s.advance_to(end).expect("finite");
+        let close =
+            |link: u32, s: &mut Simulation| (force(s, link) - carried[link as usize]).abs() < 1e-12;
+        assert!(close(0, &mut s) && close(1, &mut s), "{span}");
+        assert_eq!(cubes(&s), rest, "{span}");
+    }
+    // The ball alone has taken steps, long ones in flight.
+    assert!(s.state().stepping.counters.steps - steps < 20);
+    // It falls by ½ g t² on the upper cube, which presses on the lower one.
+    run(&mut s, 1.56, 0.01);
+    assert!(cubes(&s) != rest);
+    assert!(force(&mut s, 0) > G);
+    run(&mut s, 3.0, 1.0 / 240.0);
+    let woken = cubes(&s);
+    // A push of a newton is felt at once, and by both.
+    s.set_input(InputSlot::ExternalForce(LinkId(1), 0), 1.0);
+    run(&mut s, 3.1, 1.0 / 240.0);
+    let pushed = cubes(&s);
+    assert!(pushed.0 != woken.0 && pushed.1 != woken.1);
+    run(&mut s, 4.0, 1.0 / 240.0);
+    let side = s.output(OutputSlot::ContactForce(LinkId(0), 0));
+    assert!(
+        side.abs() < 1e-3,
+        "the ground holds what the upper cube drags: {side}"
+    );
 }
 
 /// Bodies that a communication step as long as their flight brings together, thrown or pushed:

@@ -1,0 +1,114 @@
+//! A communication step: its beginning and its end, and those of each island in it.
+
+#![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
+
+use crate::model::LinkId;
+use crate::state::State;
+use crate::step::driver::{Stepper, Stop};
+use crate::step::point::Context;
+
+impl Stepper {
+    /// Begins a communication step from `state` to `end`.
+    pub fn begin(&mut self, state: &mut State, end: f64) {
+        self.backup.copy_from(state);
+        (self.tried, self.implicit.iterations, self.stages.iterations) = (0, 0, 0);
+        state.stepping.last_step = end - state.time;
+        state.stepping.impulse.fill([0.0; 3]);
+        // What no term writes is what the state has.
+        self.attempt.stay(state);
+    }
+
+    /// Begins it again.
+    pub fn begin_again(&mut self, state: &mut State, end: f64) {
+        let tried = self.tried;
+        state.copy_from(&self.backup);
+        self.begin(state, end);
+        self.tried = tried;
+    }
+
+    /// See [`crate::step::islands::Islands::part`].
+    pub fn part(&mut self, ctx: &Context, state: &State, lengths: [f64; 2]) -> bool {
+        self.islands.part(ctx, state, &mut self.there, lengths)
+    }
+
+    /// Begins with an island, whose trees `ctx` works on: what it remembers is that of all its
+    /// trees together.
+    pub fn enter(&mut self, ctx: &Context, state: &mut State) {
+        let (tree, stepping) = (ctx.tree, &mut state.stepping);
+        let lead = tree.island.lead;
+        let sizes = &mut stepping.sizes;
+        for (index, _) in tree.moved() {
+            sizes.proposed[lead] = sizes.proposed[lead].min(sizes.proposed[index]);
+            sizes.after_jump[lead] = sizes.after_jump[lead].min(sizes.after_jump[index]);
+            sizes.floor[lead] = sizes.floor[lead].max(sizes.floor[index]);
+        }
+        if !stepping.ahead.is_under_way(tree) {
+            stepping.ahead.clear(tree);
+        }
+        let touches = &mut state.physical.memory.touches;
+        self.islands.set_aside(ctx, touches);
+        for point in [&mut self.here, &mut self.there, &mut self.stages.middle] {
+            point.terms.select(ctx.model, tree);
+        }
+        // Of other trees, a try holds what the state does.
+        self.attempt.stay(state);
+    }
+
+    /// Ends with an island: each of its trees remembers what the island does.
+    pub fn leave(&mut self, ctx: &Context, state: &mut State) {
+        let (tree, sizes) = (ctx.tree, &mut state.stepping.sizes);
+        let lead = tree.island.lead;
+        for (index, _) in tree.moved() {
+            sizes.proposed[index] = sizes.proposed[lead];
+            sizes.after_jump[index] = sizes.after_jump[lead];
+            sizes.floor[index] = sizes.floor[lead];
+        }
+        self.islands.take_back(&mut state.physical.memory.touches);
+    }
+
+    /// Ends a communication step that has led to `result` at `end`.
+    ///
+    /// # Errors
+    /// [`Stop`] of `result`; `state` is then what it was.
+    pub fn end(
+        &mut self,
+        ctx: &Context,
+        state: &mut State,
+        end: f64,
+        result: Result<(), Stop>,
+    ) -> Result<(), Stop> {
+        if result.is_err() {
+            state.copy_from(&self.backup);
+            return result;
+        }
+        state.time = end;
+        if !state.stepping.loads.is_empty() {
+            self.attempt.begin(state);
+            for load in &state.stepping.loads {
+                let links = ctx.model.links_of(load.slot);
+                let impulse = load.force.map(|x| x * state.stepping.last_step);
+                let links = links.map(|link| link.map(LinkId::index));
+                self.attempt.add_impulse(links, &impulse);
+            }
+            self.attempt.give_impulses(state);
+        }
+        let stepping = &mut state.stepping;
+        stepping.ahead.changed.fill(0.0);
+        let newton_max = &mut stepping.counters.newton_max;
+        let iterations = self.implicit.iterations.max(self.stages.iterations);
+        *newton_max = (*newton_max).max(iterations as u64);
+        for (index, last) in stepping.commands.iter_mut().enumerate() {
+            *last = ctx.inputs.values(index, stepping.last_step);
+        }
+        Ok(())
+    }
+
+    /// Whether what stands at `self.here` has stayed where its island may go.
+    pub(super) fn check_limits(&self, ctx: &Context) -> Result<(), Stop> {
+        if self.islands.hold(ctx.tree, &self.here.kin) {
+            Ok(())
+        } else {
+            Err(Stop::Strayed)
+        }
+    }
+}
