@@ -55,6 +55,7 @@
 //! | A134 | an object that is the ground |
 //! | A135 | shapes of different trees that overlap at the start |
 //! | A136 | links of one robot that overlap before anything moves |
+//! | A137 | pairs |
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
@@ -67,6 +68,7 @@ mod initial;
 mod masses;
 mod mimic;
 mod outputs;
+mod pairs;
 mod pybullet;
 mod robot;
 mod solids;

@@ -18,7 +18,7 @@ mod validate;
 use crate::geometry::Shape;
 pub use crate::joint::Motion;
 use crate::spatial::{Pose, RigidInertia, Vec3};
-pub use id::{ActuatorId, BodyId, DofId, JointId, LinkId, RootId, SensorId};
+pub use id::{ActuatorId, BodyId, DofId, JointId, LinkId, PairId, RootId, SensorId};
 pub use joint_kind::JointKind;
 pub use root::{Root, RootKind};
 use serde::{Deserialize, Serialize};
@@ -351,6 +351,9 @@ pub struct OutputSelection {
     /// Whether these outputs include where the forces act.
     #[serde(default)]
     pub contact_points: bool,
+    /// Two sides each with `pair.*` outputs.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub pairs: Vec<ContactPair>,
     /// Links with `link.*` outputs.
     pub links: Vec<LinkId>,
     /// Links with `ext.*` inputs.
@@ -359,6 +362,17 @@ pub struct OutputSelection {
     pub groups: Vec<Group>,
     /// Sensors with `sensor.*` outputs.
     pub sensors: Vec<Sensor>,
+}
+
+/// Two sides whose contacts with each other are outputs.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ContactPair {
+    /// In the names of its outputs.
+    pub name: String,
+    /// Links of the first side, whose force it is, and of the second one; none: the ground.
+    /// Ascending, at least one, and none on both sides.
+    pub sides: [Vec<Option<LinkId>>; 2],
 }
 
 /// Actuators that are told the same: they share the inputs, and the gains, of the first.

@@ -4,8 +4,10 @@
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
 mod derivative;
+mod pair;
 
 use crate::dynamics::energy;
+use crate::force::NamedPairs;
 use crate::kinematics::forward;
 use crate::model::{JointId, LinkId, Model, RootId};
 use crate::sensor::{self, Sensors};
@@ -52,10 +54,12 @@ pub struct Readout {
     energies: Option<[f64; 2]>,
     /// Wrenches in joints; filled when first read.
     sensors: Sensors,
+    /// Which contacts belong to which named pair; never changes.
+    named: NamedPairs,
 }
 
 #[cfg(test)]
-crate::spoil::spoil!(Readout: point vdot A factor sensors; known rpy energies);
+crate::spoil::spoil!(Readout: point vdot A factor sensors; known rpy energies named);
 
 impl Readout {
     /// Buffers for a robot.
@@ -69,6 +73,7 @@ impl Readout {
             rpy: vec![None; model.roots.len()],
             energies: None,
             sensors: Sensors::new(model),
+            named: NamedPairs::new(model),
         }
     }
 
@@ -120,7 +125,9 @@ impl Readout {
             {
                 Level::State
             }
-            O::ContactForce(..) if state.stepping.last_step > 0.0 => Level::State,
+            O::ContactForce(..) | O::PairForce(..) if state.stepping.last_step > 0.0 => {
+                Level::State
+            }
             O::BasePosition(..)
             | O::BaseOrientation(..)
             | O::BaseRpy(..)
@@ -135,9 +142,16 @@ impl Readout {
             | O::SensorOrientation(..)
             | O::SensorAngularVelocity(..)
             | O::SensorDistance(..) => Level::Kinematics,
-            O::ContactActive(_) | O::ContactForce(..) | O::ContactPoint(..) | O::JointEffort(_) => {
-                Level::Forces
-            }
+            O::ContactActive(_)
+            | O::ContactForce(..)
+            | O::ContactPoint(..)
+            | O::PairActive(_)
+            | O::PairForce(..)
+            | O::PairPoint(..)
+            | O::PairNormal(..)
+            | O::PairDepth(_)
+            | O::PairSlipSpeed(_)
+            | O::JointEffort(_) => Level::Forces,
             O::JointAcceleration(..) => Level::Accelerations,
             O::SensorAcceleration(..) | O::SensorForce(..) | O::SensorTorque(..) => {
                 Level::BodyAccelerations
@@ -210,6 +224,15 @@ impl Readout {
                     .map(|(c, share)| share * c.wrench(&contacts.points, &kin.V).0[axis as usize])
                     .sum()
             }
+            O::PairActive(pair) => f64::from(u8::from(self.pair_presses(pair))),
+            O::PairForce(pair, axis) if state.stepping.last_step > 0.0 => {
+                state.stepping.pair_impulse[pair.index()][axis as usize] / state.stepping.last_step
+            }
+            O::PairForce(pair, axis) => self.pair_force(pair)[axis as usize],
+            O::PairPoint(pair, axis) => self.pair_point(ctx, pair)[axis as usize],
+            O::PairNormal(pair, axis) => self.pair_normal(pair)[axis as usize],
+            O::PairDepth(pair) => self.pair_depth(pair),
+            O::PairSlipSpeed(pair) => self.pair_slip_speed(pair),
             O::EnergyKinetic => self.energies(ctx, state)[0],
             O::EnergyPotential => self.energies(ctx, state)[1],
             O::SensorOrientation(sensor, axis) => {

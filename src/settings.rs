@@ -27,8 +27,8 @@ mod world;
 pub use compat::Compat;
 pub use types::{
     ActuatorSettings, BaseChoice, ContactOutputs, GroupSettings, InertiaSource, InitialSettings,
-    JointSettings, LinkSettings, ModeChoice, ObjectSettings, ObjectSource, RobotSettings,
-    SensorSettings, SensorSettingsKind, Settings, WheelFit,
+    JointSettings, LinkSettings, ModeChoice, ObjectSettings, ObjectSource, PairSettings,
+    RobotSettings, SensorSettings, SensorSettingsKind, Settings, WheelFit,
 };
 
 pub(crate) use fill::{STATIC_FRICTION_HELP, static_excess};

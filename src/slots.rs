@@ -2,7 +2,7 @@
 //!
 //! Names and value references for the outside are given by [`crate::variables`].
 
-use crate::model::{ActuatorId, JointId, LinkId, RootId, SensorId};
+use crate::model::{ActuatorId, JointId, LinkId, PairId, RootId, SensorId};
 
 /// x, y, z or w of a vector or quaternion: 0, 1, 2, 3.
 pub type Axis = u8;
@@ -130,6 +130,20 @@ pub enum OutputSlot {
     ContactForce(LinkId, Axis),
     /// m, world: where the normal forces on the link act, or its origin where nothing touches.
     ContactPoint(LinkId, Axis),
+    /// 1 or 0: whether the two sides of a pair press on each other.
+    PairActive(PairId),
+    /// N, on the first side by the second one, world, mean over the last communication step.
+    PairForce(PairId, Axis),
+    /// m, world: where the normal forces between the sides act, or the origin of a link of the
+    /// first one where they do not touch.
+    PairPoint(PairId, Axis),
+    /// Mean direction of the normals from the second side into the first, weighted with the normal
+    /// forces, world; 0 where they do not touch.
+    PairNormal(PairId, Axis),
+    /// m, the deepest overlap of the sides; 0 where they do not touch.
+    PairDepth(PairId),
+    /// m/s, how fast the sides slide on each other, weighted likewise.
+    PairSlipSpeed(PairId),
     /// J
     EnergyKinetic,
     /// J, of gravity, zero at world height 0.

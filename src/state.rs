@@ -48,6 +48,8 @@ pub struct Stepping {
     pub counters: Counters,
     /// Contact impulse per link over the last communication step, world axes, N·s.
     pub impulse: Vec<[f64; 3]>,
+    /// The same per named pair, on its first side by the second one.
+    pub pair_impulse: Vec<[f64; 3]>,
     /// Length of the last communication step, s; 0 before the first.
     pub last_step: f64,
     /// 1 for each tree that has rested all through the last communication step, else 0.
@@ -153,6 +155,7 @@ macro_rules! fields {
             & $($mutable)? stepping.trend.first,
             & $($mutable)? stepping.trend.whole,
             stepping.impulse.$flat(),
+            stepping.pair_impulse.$flat(),
             $one(& $($mutable)? stepping.last_step),
             & $($mutable)? stepping.rested,
             & $($mutable)? stepping.ahead.start,
@@ -163,7 +166,7 @@ macro_rules! fields {
 }
 
 /// Length of the list of fields.
-pub const FIELDS: usize = 17;
+pub const FIELDS: usize = 18;
 
 impl Physical {
     /// All zero, quaternions at identity.
@@ -208,6 +211,7 @@ impl State {
                 trend: Trend::new(model.nv()),
                 counters: Counters::default(),
                 impulse: vec![[0.0; 3]; model.links.len()],
+                pair_impulse: vec![[0.0; 3]; model.outputs.pairs.len()],
                 last_step: 0.0,
                 rested: vec![0.0; model.roots.len()],
                 loads: Vec::with_capacity(model.contact_room()[0]),

@@ -359,6 +359,13 @@ pub const SET_DOWN: f64 = 1e-10;
 /// Number of these steps: each leaves less than a third of what is missing.
 pub const SETTLING_STEPS: usize = 24;
 
+// Outputs: `readout/pair.rs`.
+
+/// Length of the mean of a pair's unit normals, weighted with the normal forces, below which they
+/// cancel: fingers that press from two sides with forces that differ by round-off have no common
+/// normal (`fingers_on_two_sides_of_a_cube_have_no_common_normal`).
+pub const OPPOSED: f64 = 1e-6;
+
 // The convex solve: `step/convex`.
 
 /// Newton iterations after which a solve gives up; random contact problems need up to 26.

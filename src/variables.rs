@@ -23,6 +23,7 @@ pub fn table(model: &Model) -> Result<Vec<Variable>, TableError> {
     table.joint_outputs();
     table.link_outputs();
     table.contact_outputs();
+    table.pair_outputs();
     table.sensor_outputs();
     table.common_outputs();
     table.initial_parameters();

@@ -304,6 +304,8 @@ fn outputs(out: &mut String, model: &Model) {
     choice(out, "outputs", "links", "[]", false);
     let link = quoted(&model.links[0].name);
     out.push_str("\n# More inputs and outputs, as wanted:\n");
+    out.push_str("# [[outputs.pair]]\n");
+    legend(out, "outputs.pair[]");
     _ = writeln!(out, "# [[external_wrench]]\n# link = {link}");
     _ = writeln!(out, "# [[sensor]]\n# type = \"imu\"\n# link = {link}");
     if let Some(joint) = model.joints.last() {

@@ -2,7 +2,7 @@
 
 use super::findings::Findings;
 use super::robot::Robot;
-use super::{actuators, bodies, inertia, initial, mimic, outputs, touch, wheels};
+use super::{actuators, bodies, inertia, initial, mimic, outputs, pairs, touch, wheels};
 use crate::diagnostic::Diagnostic;
 use crate::model::{BodyId, Initial, Model, OutputSelection, Root};
 use crate::settings::Settings;
@@ -87,6 +87,7 @@ fn assemble(
     wheels::warn(&model, &poses, &polygons, findings);
     outputs::select(&mut model, settings, findings);
     touch::select(&mut model, settings, findings);
+    pairs::select(&mut model, &settings.pairs, findings);
     if !findings.has_errors()
         && let Err(error) = model.validate()
     {

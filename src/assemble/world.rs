@@ -6,8 +6,9 @@
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
 use super::alone::{Assembled, build};
-use super::outputs;
+use super::findings::Findings;
 use super::touch::overlaps;
+use super::{outputs, pairs};
 use crate::diagnostic::{Diagnostic, Place, Severity};
 use crate::geometry::Shape;
 use crate::model::{Ground, JointKind, Model, RootKind};
@@ -47,10 +48,15 @@ pub fn world(
     settings: &Settings,
     guests: &[Guest],
 ) -> Result<Assembled, Vec<Diagnostic>> {
-    let robot = build(description, settings);
     if guests.is_empty() {
-        return robot;
+        return build(description, settings);
     }
+    // Pairs name what is around the robot, too.
+    let alone = Settings {
+        pairs: Vec::new(),
+        ..settings.clone()
+    };
+    let robot = build(description, &alone);
     let mut findings = Vec::new();
     let mut models = Vec::new();
     let mut add = |built: Result<Assembled, Vec<Diagnostic>>, guest: Option<&Guest>| {
@@ -84,6 +90,13 @@ pub fn world(
     };
     for (other, guest) in models.zip(guests) {
         model.join(other, &guest.name, guest.kind);
+    }
+    let mut of_pairs = Findings::new(description);
+    pairs::select(&mut model, &settings.pairs, &mut of_pairs);
+    let wrong = of_pairs.has_errors();
+    findings.extend(of_pairs.list);
+    if wrong {
+        return Err(findings);
     }
     if let Err(error) = model.validate() {
         let message = format!("the robot and what is around it do not make a world: {error}");

@@ -39,6 +39,8 @@ id! {
     RootId,
     /// Index into [`super::OutputSelection::sensors`].
     SensorId,
+    /// Index into [`super::OutputSelection::pairs`].
+    PairId,
 }
 
 impl RootId {

@@ -1,14 +1,14 @@
 //! Worlds: several models in one.
 
 use super::{
-    ActuatorId, BodyId, DofId, Group, JointId, LinkId, Model, OutputSelection, Root, RootKind,
-    Sensor, SensorKind,
+    ActuatorId, BodyId, ContactPair, DofId, Group, JointId, LinkId, Model, OutputSelection, Root,
+    RootKind, Sensor, SensorKind,
 };
 
 impl Model {
     /// Adds all that another model has, as trees of their own. Its one robot gets the name `name`,
-    /// and the names of its links, joints, groups and sensors begin with that and a dot. World,
-    /// contact law and solver stay those of `self`.
+    /// and the names of its links, joints, groups, sensors and pairs begin with that and a dot.
+    /// World, contact law and solver stay those of `self`.
     pub fn join(&mut self, other: Self, name: &str, kind: RootKind) {
         let own = |part: &str| format!("{name}.{part}");
         let links = self.links.len();
@@ -76,6 +76,7 @@ impl Model {
             .extend(other.initial.joint_velocities);
         let OutputSelection {
             contacts,
+            pairs,
             links: shown,
             external_wrenches,
             groups,
@@ -84,6 +85,8 @@ impl Model {
         } = other.outputs;
         let outputs = &mut self.outputs;
         outputs.contacts.extend(contacts.into_iter().map(link));
+        let pairs = pairs.into_iter().map(|pair| pair.joined(own, link));
+        outputs.pairs.extend(pairs);
         outputs.links.extend(shown.into_iter().map(link));
         let wrenches = external_wrenches.into_iter().map(link);
         outputs.external_wrenches.extend(wrenches);
@@ -104,5 +107,16 @@ impl Model {
                 },
                 ..sensor
             }));
+    }
+}
+
+impl ContactPair {
+    /// The same in a world where names and links are others.
+    fn joined(mut self, name: impl Fn(&str) -> String, link: impl Fn(LinkId) -> LinkId) -> Self {
+        self.name = name(&self.name);
+        for id in self.sides.iter_mut().flatten().flatten() {
+            *id = link(*id);
+        }
+        self
     }
 }

@@ -92,6 +92,12 @@ impl Readout {
             | O::ContactActive(_)
             | O::ContactForce(..)
             | O::ContactPoint(..)
+            | O::PairActive(_)
+            | O::PairForce(..)
+            | O::PairPoint(..)
+            | O::PairNormal(..)
+            | O::PairDepth(_)
+            | O::PairSlipSpeed(_)
             | O::EnergyKinetic
             | O::EnergyPotential
             | O::Steps

@@ -18,8 +18,22 @@ pub(super) fn required(
     key: &str,
     table: &str,
 ) -> Option<Pattern> {
-    if let Some(Value::Texts(texts)) = section.value(key) {
-        patterns(reader, texts).into_iter().next()
+    some_required(reader, section, key, table)?
+        .into_iter()
+        .next()
+}
+
+/// One text or more that must be there; `table` is their array of tables.
+pub(super) fn some_required(
+    reader: &mut Reader,
+    section: &Section,
+    key: &str,
+    table: &str,
+) -> Option<Vec<Pattern>> {
+    if let Some(Value::Texts(texts)) = section.value(key)
+        && !texts.is_empty()
+    {
+        Some(patterns(reader, texts))
     } else {
         if !section.rejected.iter().any(|rejected| rejected == key) {
             let span = section.span.clone();

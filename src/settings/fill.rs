@@ -5,14 +5,14 @@
 //! [`Settings`]; findings S105 to S107 in the reader. This module uses neither the text nor a
 //! robot.
 
-use super::common::{pattern, patterns, required, unsupported, vector};
+use super::common::{pattern, patterns, required, some_required, unsupported, vector};
 use super::compat::Compat;
 use super::reader::Reader;
 use super::section::{Node, Section, Value};
 use super::types::{
     ActuatorSettings, BaseChoice, ContactOutputs, GroupSettings, InertiaSource, InitialSettings,
-    JointSettings, LinkSettings, ModeChoice, SensorSettings, SensorSettingsKind, Settings,
-    WheelFit,
+    JointSettings, LinkSettings, ModeChoice, PairSettings, SensorSettings, SensorSettingsKind,
+    Settings, WheelFit,
 };
 use super::world;
 use crate::model::{ActuatorMode, Combination, ContactDefaults, Ground, SolverDefaults, World};
@@ -94,6 +94,11 @@ pub(super) fn fill(reader: &mut Reader, root: &Section, compat: Option<Compat>) 
             _ => ContactOutputs::Auto,
         },
         contact_points: outputs.flag("contact_points"),
+        pairs: outputs
+            .tables("pair")
+            .iter()
+            .filter_map(|section| pair(reader, section))
+            .collect(),
         link_outputs: match outputs.value("links") {
             Some(Value::Texts(texts)) => patterns(reader, texts),
             _ => Vec::new(),
@@ -117,15 +122,22 @@ pub(super) fn fill(reader: &mut Reader, root: &Section, compat: Option<Compat>) 
 }
 
 fn group(reader: &mut Reader, section: &Section) -> Option<GroupSettings> {
-    let name = required(reader, section, "name", "group")?;
-    let joints = match section.value("joints") {
-        Some(Value::Texts(texts)) if !texts.is_empty() => patterns(reader, texts),
-        _ => {
-            required(reader, section, "joints", "group")?;
-            return None;
-        }
-    };
-    Some(GroupSettings { name, joints })
+    let name = required(reader, section, "name", "group");
+    let joints = some_required(reader, section, "joints", "group");
+    Some(GroupSettings {
+        name: name?,
+        joints: joints?,
+    })
+}
+
+fn pair(reader: &mut Reader, section: &Section) -> Option<PairSettings> {
+    let name = required(reader, section, "name", "outputs.pair");
+    let first = some_required(reader, section, "first", "outputs.pair");
+    let second = some_required(reader, section, "second", "outputs.pair");
+    Some(PairSettings {
+        name: name?,
+        sides: [first?, second?],
+    })
 }
 
 fn sensor(reader: &mut Reader, section: &Section) -> Option<SensorSettings> {

@@ -41,6 +41,8 @@ pub enum Takes {
     Count(u32),
     /// A list of names or globs.
     Patterns,
+    /// A name or glob, or a list of them.
+    PatternOrPatterns,
     /// One of some words, or a list of names or globs.
     WordOrPatterns(&'static [&'static str]),
     /// A list of numbers of a range, with its least and greatest length.
@@ -67,8 +69,8 @@ use Range::{
     Velocity, View, Work,
 };
 use Takes::{
-    Count, File, Flag, Later, Name, Number, NumberOrRatio, Numbers, Pattern, Patterns, Word,
-    WordOrPatterns,
+    Count, File, Flag, Later, Name, Number, NumberOrRatio, Numbers, Pattern, PatternOrPatterns,
+    Patterns, Word, WordOrPatterns,
 };
 
 const fn key(
@@ -496,6 +498,24 @@ pub const KEYS: &[Key] = &[
         Patterns,
         Some("[]"),
         "links with pose and velocity outputs",
+    ),
+    key(
+        "outputs.pair[].name",
+        Name,
+        None,
+        "in the names of its outputs: pair.<name>.…; what its two sides do to each other",
+    ),
+    key(
+        "outputs.pair[].first",
+        PatternOrPatterns,
+        None,
+        "the side whose force it is: links of the robot, others as cup.handle, all of one as cup, or ground",
+    ),
+    key(
+        "outputs.pair[].second",
+        PatternOrPatterns,
+        None,
+        "the other side, likewise",
     ),
     key(
         "sensor[].type",

@@ -312,7 +312,13 @@ impl<'a> Reader<'a> {
                 self.error("S104", &value.span(), message, "");
                 None
             }
-            Takes::Patterns | Takes::WordOrPatterns(_) => self.patterns(key, name, value),
+            Takes::PatternOrPatterns if value.get_ref().is_str() => {
+                let text = value.get_ref().as_str().unwrap_or_default();
+                Some(Value::Texts(vec![(text.to_owned(), value.span())]))
+            }
+            Takes::PatternOrPatterns | Takes::Patterns | Takes::WordOrPatterns(_) => {
+                self.patterns(key, name, value)
+            }
             Takes::Numbers(least, most, range) => self.numbers(name, (least, most), range, value),
             Takes::Later => None,
         }
@@ -340,7 +346,11 @@ impl<'a> Reader<'a> {
             Takes::WordOrPatterns(words) => words,
             _ => &[],
         };
-        let mut expected = "a list of names or globs".to_owned();
+        let mut expected = match key.takes {
+            Takes::PatternOrPatterns => "a name or glob, or a list of them",
+            _ => "a list of names or globs",
+        }
+        .to_owned();
         if !words.is_empty() {
             expected = format!("{} or {expected}", one_of(words));
         }
@@ -359,7 +369,7 @@ impl<'a> Reader<'a> {
                 self.wrong_type(name, &expected, element);
             }
         }
-        Some(Value::Texts(texts))
+        (texts.len() == array.len()).then_some(Value::Texts(texts))
     }
 
     fn numbers(

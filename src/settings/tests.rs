@@ -4,6 +4,7 @@ use crate::model::ActuatorMode;
 use crate::range::Range;
 use crate::spatial::Vec3;
 
+mod pairs;
 mod world;
 
 fn parse(text: &str) -> Settings {
@@ -314,6 +315,7 @@ fn keys_of_planned_features_are_errors_that_name_the_key() {
 fn groups_and_sensors_refuse_missing_and_unsuitable_keys() {
     for (text, code, part) in [
         ("[[group]]\nname = \"a\"", "S107", "joints"),
+        ("[[group]]\nname = \"a\"\njoints = []", "S107", "joints"),
         ("[[group]]\njoints = [\"a\"]", "S107", "name"),
         ("[[group]]\nname = \"\"\njoints = [\"a\"]", "S104", "empty"),
         ("[[group]]\nname = 1\njoints = [\"a\"]", "S103", "name"),

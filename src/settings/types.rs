@@ -52,6 +52,8 @@ pub struct Settings {
     pub contact_outputs: ContactOutputs,
     /// Whether these include where the forces act.
     pub contact_points: bool,
+    /// Sides whose contacts with each other are outputs.
+    pub pairs: Vec<PairSettings>,
     /// Links with pose and velocity outputs.
     pub link_outputs: Vec<Pattern>,
     /// Links with force and torque inputs.
@@ -114,6 +116,15 @@ pub struct RobotSettings {
     pub fixed_base: Option<bool>,
     /// Where it was asked for.
     pub place: Option<Place>,
+}
+
+/// Two sides whose contacts with each other are outputs.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PairSettings {
+    /// Its name, and where it was given.
+    pub name: Pattern,
+    /// What is on its first and on its second side.
+    pub sides: [Vec<Pattern>; 2],
 }
 
 /// Joints that share a command.

@@ -1,6 +1,6 @@
 //! A try of a step and its result. It is accepted whole or dropped.
 
-use crate::force::Terms;
+use crate::force::{NamedPairs, Terms};
 use crate::model::Model;
 use crate::state::{Physical, State, Trend};
 use crate::step::convex::Newton;
@@ -16,12 +16,16 @@ pub struct Attempt {
     pub end: Physical,
     /// Contact impulse per link from the last communication point to its end, world axes, N·s.
     pub impulse: Vec<[f64; 3]>,
+    /// The same per named pair, on its first side by the second one.
+    pub pair_impulse: Vec<[f64; 3]>,
+    /// Which contacts belong to which of these; never changes.
+    named: NamedPairs,
     /// Its accelerations; 0 after an explicit step.
     pub trend: Trend,
 }
 
 #[cfg(test)]
-crate::spoil::spoil!(Attempt: end impulse trend;);
+crate::spoil::spoil!(Attempt: end impulse pair_impulse trend; named);
 
 impl Attempt {
     /// Room for a robot.
@@ -29,6 +33,8 @@ impl Attempt {
         Self {
             end: Physical::new(model),
             impulse: vec![[0.0; 3]; model.links.len()],
+            pair_impulse: vec![[0.0; 3]; model.outputs.pairs.len()],
+            named: NamedPairs::new(model),
             trend: Trend::new(model.nv()),
         }
     }
@@ -36,6 +42,8 @@ impl Attempt {
     /// Begins a try from `state`: no impulse yet but those of the steps before.
     pub(super) fn begin(&mut self, state: &State) {
         self.impulse.copy_from_slice(&state.stepping.impulse);
+        self.pair_impulse
+            .copy_from_slice(&state.stepping.pair_impulse);
     }
 
     /// Begins a try that leaves everything as it is in `state`.
@@ -56,26 +64,36 @@ impl Attempt {
     /// Makes its impulses those of the state.
     pub(super) fn give_impulses(&mut self, state: &mut State) {
         std::mem::swap(&mut self.impulse, &mut state.stepping.impulse);
+        std::mem::swap(&mut self.pair_impulse, &mut state.stepping.pair_impulse);
     }
 
-    /// Adds an impulse, N·s, on the link of index `link` to it, and its reaction to the other one.
-    pub(super) fn add_impulse(&mut self, [link, other]: [Option<usize>; 2], impulse: &[f64; 3]) {
-        for (link, sign) in [(link, 1.0), (other, -1.0)] {
-            if let Some(link) = link {
-                for (sum, x) in self.impulse[link].iter_mut().zip(impulse) {
-                    *sum += sign * x;
-                }
+    /// Adds an impulse, N·s, on the first of two links, of which none is the ground, and its
+    /// reaction on the other one to what these and named pairs have.
+    pub(super) fn add_impulse(&mut self, links: [Option<usize>; 2], impulse: &[f64; 3]) {
+        let add = |sum: &mut [f64; 3], sign: f64| {
+            for (sum, x) in sum.iter_mut().zip(impulse) {
+                *sum += sign * x;
+            }
+        };
+        for (link, sign) in links.iter().zip([1.0, -1.0]) {
+            if let Some(link) = *link {
+                add(&mut self.impulse[link], sign);
+            }
+        }
+        for (pair, sum) in self.pair_impulse.iter_mut().enumerate() {
+            let sign = self.named.share(pair, links);
+            if sign != 0.0 {
+                add(sum, sign);
             }
         }
     }
 
     /// Adds `share` times the contact impulses that a solve over `h` seconds has found to their
-    /// links.
+    /// links and named pairs.
     pub(super) fn add_impulses(&mut self, terms: &Terms, solved: &Newton, [h, share]: [f64; 2]) {
         for (contact, response) in terms.contacts.iter().zip(&solved.responses.contacts) {
             let impulse = contact.impulse(response, h) * share;
-            let links = [Some(contact.link), contact.other_link];
-            self.add_impulse(links, &impulse.into());
+            self.add_impulse(contact.links(), &impulse.into());
         }
     }
 

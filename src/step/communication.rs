@@ -14,6 +14,7 @@ impl Stepper {
         (self.tried, self.implicit.iterations, self.stages.iterations) = (0, 0, 0);
         state.stepping.last_step = end - state.time;
         state.stepping.impulse.fill([0.0; 3]);
+        state.stepping.pair_impulse.fill([0.0; 3]);
         // What no term writes is what the state has.
         self.attempt.stay(state);
     }

@@ -2,13 +2,14 @@
 
 use super::build::{Group, RPY, Row, Table, XYZ, XYZW, axes, group, identifier, units};
 use super::row::{Kind, Unit};
-use crate::model::{JointId, JointKind, LinkId, RootId, RootKind, SensorId, SensorKind};
+use crate::model::{JointId, JointKind, LinkId, PairId, RootId, RootKind, SensorId, SensorKind};
 use crate::slots::{Axis, OutputSlot};
 
 /// Slots by axis.
 type OfBase = fn(RootId, Axis) -> OutputSlot;
 type OfJoint = fn(JointId, Axis) -> OutputSlot;
 type OfLink = fn(LinkId, Axis) -> OutputSlot;
+type OfPair = fn(PairId, Axis) -> OutputSlot;
 type OfSensor = fn(SensorId, Axis) -> OutputSlot;
 
 impl Table<'_> {
@@ -328,6 +329,48 @@ impl Table<'_> {
             if outputs.contact_points {
                 self.groups(points, |of, axis| of(id, axis), &owner, &prefix);
             }
+        }
+    }
+
+    pub(super) fn pair_outputs(&mut self) {
+        let groups: [Group<OfPair>; 3] = [
+            group(
+                "force",
+                &XYZ,
+                Unit::Newton,
+                OutputSlot::PairForce,
+                "Force on the first side by the second in world axes, mean over the communication step, of",
+            ),
+            group(
+                "point",
+                &XYZ,
+                Unit::Meter,
+                OutputSlot::PairPoint,
+                "Position in the world where the normal forces act, else the origin of the first link, of",
+            ),
+            group(
+                "normal",
+                &XYZ,
+                Unit::One,
+                OutputSlot::PairNormal,
+                "Mean unit normal from the second side into the first in world axes, else 0, of",
+            ),
+        ];
+        for (p, pair) in self.model.outputs.pairs.iter().enumerate() {
+            let id = PairId::from(p);
+            let owner = format!("pair '{}'", pair.name);
+            let prefix = format!("pair.{}", identifier(&pair.name));
+            let about = format!("Whether the sides touch of {owner}");
+            let row = Row::output(OutputSlot::PairActive(id), Unit::One, about);
+            self.add(format!("{prefix}.active"), &owner, row.kind(Kind::Boolean));
+            self.groups(&groups, |of, axis| of(id, axis), &owner, &prefix);
+            let about = format!("Deepest overlap, else 0, of {owner}");
+            let row = Row::output(OutputSlot::PairDepth(id), Unit::Meter, about);
+            self.add(format!("{prefix}.depth"), &owner, row);
+            let about = format!("Speed at which the sides slide on each other, else 0, of {owner}");
+            let slot = OutputSlot::PairSlipSpeed(id);
+            let row = Row::output(slot, Unit::MeterPerSecond, about);
+            self.add(format!("{prefix}.slip_speed"), &owner, row);
         }
     }
 

@@ -30,6 +30,10 @@ const EVERYTHING: &str = r#"
 contacts = ["*"]
 contact_points = true
 links = ["*"]
+[[outputs.pair]]
+name = "stand"
+first = "*_wheel"
+second = "ground"
 [[actuator]]
 joint = "left_*_wheel_joint"
 mode = "pd"

@@ -170,3 +170,123 @@ fn init_writes_the_objects_that_it_is_given() {
         export("b.fmu", &["-c", "init.toml"]).map(|bytes| String::from_utf8(bytes).unwrap())
     );
 }
+
+/// Two fingers that slide along x towards each other, 10 cm apart and half a metre up.
+fn gripper() -> String {
+    let finger = |name: &str, x: f64| {
+        format!(
+            r#"<link name="{name}_finger">
+<inertial><mass value="0.1"/>
+<inertia ixx="1e-4" iyy="1e-4" izz="1e-4" ixy="0" ixz="0" iyz="0"/></inertial>
+<collision><geometry><box size="0.02 0.06 0.06"/></geometry></collision></link>
+<joint name="{name}" type="prismatic"><parent link="world"/><child link="{name}_finger"/>
+<origin xyz="{x} 0 0.5"/><axis xyz="1 0 0"/>
+<limit lower="-0.1" upper="0.1" effort="20" velocity="1"/></joint>"#
+        )
+    };
+    let fingers = finger("left", -0.06) + &finger("right", 0.06);
+    format!(r#"<robot name="gripper"><link name="world"/>{fingers}</robot>"#)
+}
+
+#[test]
+fn an_fmu_shows_how_a_gripper_holds_a_cube() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("gripper.urdf"), gripper()).unwrap();
+    fs::write(
+        folder.path().join("grasp.toml"),
+        "solver.tolerance = 1e-4\n[[actuator]]\njoint = \"*\"\nmode = \"effort\"\n\
+         [[world.object]]\nname = \"cube\"\nshape = { box = [0.1, 0.1, 0.1] }\nmass = 0.5\n\
+         xyz = [0, 0, 0.5]\n\
+         [[outputs.pair]]\nname = \"left\"\nfirst = \"left_finger\"\nsecond = \"cube\"\n\
+         [[outputs.pair]]\nname = \"right\"\nfirst = \"cube\"\nsecond = \"right_finger\"\n\
+         [[outputs.pair]]\nname = \"stand\"\nfirst = \"cube\"\nsecond = \"ground\"\n",
+    )
+    .unwrap();
+    let args = [
+        "export",
+        "gripper.urdf",
+        "-c",
+        "grasp.toml",
+        "-o",
+        "grasp.fmu",
+    ];
+    let run = run_in(folder.path(), &args, &[]);
+    assert_eq!(run.code, 0, "{run:?}");
+
+    let fmu = folder.path().join("grasp.fmu");
+    let xml = description(&fmu);
+    assert_eq!(model_description::problems(&xml), Vec::<String>::new());
+    let told = info(&fmu, &[]);
+    let variables = told["variables"].as_array().unwrap();
+    let named = |name: &str| {
+        let found = variables.iter().find(|v| v["name"] == name);
+        found.unwrap_or_else(|| panic!("no {name}"))
+    };
+    for (quantity, unit) in [
+        ("force.x", "N"),
+        ("point.y", "m"),
+        ("normal.z", "1"),
+        ("depth", "m"),
+        ("slip_speed", "m/s"),
+    ] {
+        let name = format!("pair.left.{quantity}");
+        assert!(xml.contains(&format!("name=\"{name}\"")), "{name}");
+        assert_eq!(named(&name)["unit"], unit, "{name}");
+    }
+    assert!(xml.contains("name=\"pair.right.active\""));
+    let page = String::from_utf8(entries(&fmu).1.remove("documentation/index.html").unwrap());
+    assert!(page.unwrap().contains("of pair &#39;left&#39;"));
+
+    let end = last(
+        folder.path(),
+        &[
+            "grasp.fmu",
+            "--stop-time",
+            "2",
+            "--start-value",
+            "cmd.left.effort",
+            "10",
+            "--start-value",
+            "cmd.right.effort",
+            "-10",
+        ],
+    );
+    let near = |name: &str, expected: f64, tolerance: f64| {
+        let found = end[name];
+        assert!((found - expected).abs() <= tolerance, "{name} {found}");
+    };
+    // The fingers press with their motors' force and carry half of the weight each.
+    let half = 0.5 * 0.5 * 9.81;
+    near("pair.left.force.x", -10.0, 1e-6);
+    near("pair.left.force.z", -half, 1e-6);
+    near("pair.right.force.x", -10.0, 1e-6);
+    near("pair.right.force.z", half, 1e-6);
+    near("pair.left.active", 1.0, 0.0);
+    near("pair.left.normal.x", -1.0, 1e-6);
+    near("pair.right.normal.x", -1.0, 1e-6);
+    near("pair.left.point.x", -0.05, 1e-4);
+    near("pair.left.slip_speed", 0.0, 1e-6);
+    assert!((1e-6..1e-3).contains(&end["pair.left.depth"]));
+    // It hangs in the air.
+    near("pair.stand.active", 0.0, 0.0);
+    near("pair.stand.force.z", 0.0, 0.0);
+    near("pair.stand.point.z", end["object.cube.position.z"], 0.0);
+}
+
+#[test]
+fn a_pair_that_names_nothing_is_told_with_its_line() {
+    let folder = files();
+    let rover = std::path::absolute(example("rover.urdf")).unwrap();
+    let pair = "[[outputs.pair]]\nname = \"a\"\nfirst = \"cube.bodi\"\nsecond = \"ground\"\n";
+    fs::write(folder.path().join("world.toml"), pair).unwrap();
+    let objects = ["--object", "cube.urdf@2,0"];
+    let args = [&["check", text(&rover), "-c", "world.toml"][..], &objects].concat();
+    let run = run_in(folder.path(), &args, &[]);
+    assert_eq!(run.code, 1, "{run:?}");
+    assert!(run.err.contains("world.toml:3"), "{}", run.err);
+    assert!(
+        run.err.contains("the nearest is 'cube.body'"),
+        "{}",
+        run.err
+    );
+}

@@ -20,6 +20,7 @@ mod inertia;
 mod initial;
 mod mimic;
 mod outputs;
+mod pairs;
 mod robot;
 mod world;
 

@@ -8,7 +8,10 @@ use crate::settings::{ObjectSource, Settings};
 use crate::variables;
 
 /// The cart with the objects of a settings file, which are solids, or the file of a test's own.
-fn surrounded(text: &str, file: Option<&Description>) -> Result<Assembled, Vec<Diagnostic>> {
+pub(super) fn surrounded(
+    text: &str,
+    file: Option<&Description>,
+) -> Result<Assembled, Vec<Diagnostic>> {
     let settings = Settings::parse(text, "test.toml").expect("legal settings");
     let guests: Vec<Guest> = settings
         .objects
@@ -30,11 +33,11 @@ fn surrounded(text: &str, file: Option<&Description>) -> Result<Assembled, Vec<D
     world(&cart(), &settings, &guests)
 }
 
-fn built(text: &str, file: Option<&Description>) -> Assembled {
+pub(super) fn built(text: &str, file: Option<&Description>) -> Assembled {
     surrounded(text, file).unwrap_or_else(|findings| panic!("{}", texts(&findings).join("\n")))
 }
 
-fn names(model: &Model) -> Vec<String> {
+pub(super) fn names(model: &Model) -> Vec<String> {
     let table = variables::table(model).expect("a table");
     table.into_iter().map(|variable| variable.name).collect()
 }

@@ -1,11 +1,13 @@
-//! What is selected as output or input: links, groups, sensors.
+//! What is selected as output or input: links, pairs, groups, sensors.
 
 use super::check::{Check, pose, positive, require, unit};
-use crate::model::{ActuatorMode, JointId, JointKind, Model, SensorKind};
+use crate::model::{ActuatorMode, JointId, JointKind, LinkId, Model, SensorKind};
 use std::collections::BTreeSet;
 
 /// Most rays of one sensor.
 const MOST_RAYS: usize = 10_000;
+/// Most pairs with outputs: contacts are compared with each of them.
+const MOST_PAIRS: usize = 1_000;
 
 pub(super) fn validate(model: &Model) -> Check {
     let outputs = &model.outputs;
@@ -22,8 +24,39 @@ pub(super) fn validate(model: &Model) -> Check {
             "names a link twice or one that does not exist",
         )?;
     }
+    pairs(model)?;
     groups(model)?;
     sensors(model)
+}
+
+fn pairs(model: &Model) -> Check {
+    let pairs = &model.outputs.pairs;
+    require(
+        pairs.len() <= MOST_PAIRS,
+        || "the selection of outputs".to_owned(),
+        "has more than 1000 pairs",
+    )?;
+    let mut names = BTreeSet::new();
+    for pair in pairs {
+        let part = || format!("pair '{}'", pair.name);
+        let new = names.insert(pair.name.as_str());
+        require(new, part, "has the name of another pair")?;
+        let [first, second] = &pair.sides;
+        let exists = |link: &Option<LinkId>| link.is_none_or(|l| l.index() < model.links.len());
+        for side in [first, second] {
+            require(
+                !side.is_empty() && side.is_sorted_by(|a, b| a < b) && side.iter().all(exists),
+                part,
+                "has a side that is empty, or names a link twice, out of order or one that does not exist",
+            )?;
+        }
+        require(
+            !first.iter().any(|link| second.binary_search(link).is_ok()),
+            part,
+            "has a link on both sides",
+        )?;
+    }
+    Ok(())
 }
 
 fn groups(model: &Model) -> Check {

@@ -84,7 +84,9 @@ fn everything() -> Model {
     model(
         &description,
         "[[actuator]]\njoint = \"wheel\"\nmode = \"pd\"\nkp = 1\nkd = 1\n\
-         [outputs]\nlinks = [\"*\"]\n[[external_wrench]]\nlink = \"trunk\"\n",
+         [outputs]\nlinks = [\"*\"]\n[[outputs.pair]]\nname = \"stand\"\n\
+         first = [\"trunk\", \"rim\"]\nsecond = \"ground\"\n\
+         [[external_wrench]]\nlink = \"trunk\"\n",
     )
 }
 
@@ -219,4 +221,10 @@ fn a_model_with_wrong_rotations_axes_or_names_is_refused() {
     assert!(wrong(|m| m.roots[0].rpy.x = f64::NAN).contains("initial"));
     assert!(wrong(|m| m.colliders[2].body = 7_usize.into()).contains("collider 2"));
     assert!(wrong(|m| m.dofs.clear()).contains("coordinates"));
+    let pair = "pair 'stand'";
+    assert!(wrong(|m| m.outputs.pairs[0].sides[1].clear()).contains(pair));
+    assert!(wrong(|m| m.outputs.pairs[0].sides[0].reverse()).contains(pair));
+    assert!(wrong(|m| m.outputs.pairs[0].sides[0][1] = Some(99_usize.into())).contains(pair));
+    assert!(wrong(|m| m.outputs.pairs[0].sides[0].insert(0, None)).contains("both sides"));
+    assert!(wrong(|m| m.outputs.pairs.push(m.outputs.pairs[0].clone())).contains("another pair"));
 }

@@ -23,6 +23,7 @@ mod islands;
 mod joints;
 mod motors;
 mod order;
+mod pairs;
 mod properties;
 mod turning;
 mod worlds;

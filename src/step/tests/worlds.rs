@@ -38,7 +38,7 @@ pub(super) fn cube(mass: f64, at: Vec3) -> Model {
 }
 
 /// A box of 40 by 40 by 20 cm that does not move, its top at z = 1.
-fn table() -> Model {
+pub(super) fn table() -> Model {
     let mut b = Builder::new(false, RigidInertia::ZERO);
     let half = Vec3::new(0.2, 0.2, 0.1);
     b.shape(LinkId(0), Shape::Box { half }, Pose::IDENTITY);
@@ -76,7 +76,7 @@ pub(super) fn books(s: &Simulation) -> (Vec3, Vec3, f64) {
 
 /// Depth at which the law of contacts, `N = K δ (1 + (δ/δ₁)³)` with `K (δ₁/2)(1 + 1/8) = W`,
 /// carries so many weights `W`, in `δ₁` = 0.1 mm.
-fn depth(weights: f64) -> f64 {
+pub(super) fn depth(weights: f64) -> f64 {
     let (mut low, mut high) = (0.0, weights);
     for _ in 0..100 {
         let x: f64 = 0.5 * (low + high);
