@@ -7,7 +7,7 @@ use std::path::Path;
 use std::sync::Arc;
 use urdf2fmu_core::geometry::Shape;
 use urdf2fmu_core::geometry::pair::{Patch, Solid};
-use urdf2fmu_core::model::{ActuatorId, Model, RootId};
+use urdf2fmu_core::model::{ActuatorId, Model, PairId, RootId};
 use urdf2fmu_core::settings::Settings;
 use urdf2fmu_core::simulation::{InputSlot, OutputSlot, ParameterSlot, Simulation};
 use urdf2fmu_core::spatial::{Pose, Vec3};
@@ -113,8 +113,8 @@ fn a_contact_of_two_shapes_does_not_allocate() {
 }
 
 /// Everything that contacts can have.
-const ROUGH: &str =
-    "[world.ground]\nrolling_friction = 1e-3\ntorsional_friction = 1e-3\nstatic_friction = 1\n";
+const ROUGH: &str = "[world.ground]\nrolling_friction = 1e-3\ntorsional_friction = 1e-3\nstatic_friction = 1\n\
+     [[outputs.pair]]\nname = \"stand\"\nfirst = \"*_wheel\"\nsecond = \"ground\"\n";
 /// Contacts that bounce, in steps of their own.
 const BOUNCING: &str = "[world.ground]\nrestitution = 0.5\n";
 /// Every joint under a position servo, under a pd law, and pushed.
@@ -192,6 +192,7 @@ fn allocations(model: &Model, fixed: f64, slope: f64) -> usize {
     );
     simulation.initialize(0.0).expect("a sound model");
     let mut saved = simulation.save();
+    let pairs = model.outputs.pairs.len();
     counted(|| {
         for step in 1..=STEPS {
             for a in (0..actuators).map(ActuatorId::from) {
@@ -213,6 +214,18 @@ fn allocations(model: &Model, fixed: f64, slope: f64) -> usize {
                 .advance_to(f64::from(step) / 240.0)
                 .expect("finite");
             std::hint::black_box(simulation.output(OutputSlot::EnergyKinetic));
+            for pair in (0..pairs).map(PairId::from) {
+                for slot in [
+                    OutputSlot::PairActive(pair),
+                    OutputSlot::PairForce(pair, 2),
+                    OutputSlot::PairPoint(pair, 0),
+                    OutputSlot::PairNormal(pair, 2),
+                    OutputSlot::PairDepth(pair),
+                    OutputSlot::PairSlipSpeed(pair),
+                ] {
+                    std::hint::black_box(simulation.output(slot));
+                }
+            }
             if step % 100 == 0 {
                 simulation.restore(&saved).expect("its own state");
                 simulation.save_into(&mut saved);

@@ -287,6 +287,11 @@ fn a_restored_state_goes_on_with_the_same_bits_of_a_pairs_impulse() {
         run(&mut s, 0.05, 0.01);
         assert!(s.state().stepping.pair_impulse[0][0] < -0.05);
         let bytes = s.save().to_bytes();
+        // Those of the version before had no such sums.
+        let mut old = bytes.clone();
+        old[4] -= 1;
+        let refused = Snapshot::from_bytes(s.model(), &old).expect_err("an old state");
+        assert!(refused.reason.contains("another version"), "{refused}");
         let mut other = grasp(step);
         let saved = Snapshot::from_bytes(other.model(), &bytes).expect("own bytes");
         other.restore(&saved).expect("own state");
