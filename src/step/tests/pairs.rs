@@ -191,6 +191,32 @@ fn the_pairs_of_a_stack_carry_the_weights_above_at_the_depths_of_the_law() {
     near(force(&mut s, 4), Vec3::new(0.0, 0.0, -3.0 * G), 1e-6);
 }
 
+/// Trees far from each other take steps of their own; a pair sums up what each of them feels.
+#[test]
+fn a_side_of_bodies_far_apart_has_the_forces_of_all() {
+    let cubes = [(1.0, 0.0), (2.0, 10.0)].map(|(m, x)| cube(m, Vec3::new(x, 0.0, 0.05)));
+    let mut ball = body(
+        1.0,
+        Shape::Sphere { radius: 0.05 },
+        Vec3::new(20.0, 0.0, 1.0),
+    );
+    ball.links[0].restitution = 0.9;
+    let mut model = world(cubes.into_iter().chain([ball]));
+    model.outputs.pairs = vec![pair("both", &[Some(0), Some(1)], &[None])];
+    let mut s = start(model, 1e-4);
+    for end in [0.5, 3.0] {
+        run(&mut s, end, 0.05);
+        let of_links: Vec3 = [0, 1]
+            .map(|link| vector(&mut s, |axis| OutputSlot::ContactForce(LinkId(link), axis)))
+            .iter()
+            .sum();
+        near(force(&mut s, 0), of_links, 1e-12 * G);
+    }
+    near(force(&mut s, 0), Vec3::new(0.0, 0.0, 3.0 * G), 1e-5);
+    // The mean of the places, weighted with 1 kg and 2 kg.
+    near(point(&mut s, 0), Vec3::new(20.0 / 3.0, 0.0, 0.0), 2e-4);
+}
+
 /// The force before the first step is that of the moment: a cube that lies at the depth of its
 /// weight is carried.
 #[test]
