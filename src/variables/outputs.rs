@@ -339,35 +339,36 @@ impl Table<'_> {
                 &XYZ,
                 Unit::Newton,
                 OutputSlot::PairForce,
-                "Force on the first side by the second in world axes, mean over the communication step, of",
+                "Force of the second side on the first in world axes, mean over the communication step:",
             ),
             group(
                 "point",
                 &XYZ,
                 Unit::Meter,
                 OutputSlot::PairPoint,
-                "Position in the world where the normal forces act, else the origin of the first link, of",
+                "Position in the world where the normal forces act, else the origin of the first link:",
             ),
             group(
                 "normal",
                 &XYZ,
                 Unit::One,
                 OutputSlot::PairNormal,
-                "Mean unit normal from the second side into the first in world axes, else 0, of",
+                "Mean unit normal from the second side into the first in world axes, else 0:",
             ),
         ];
         for (p, pair) in self.model.outputs.pairs.iter().enumerate() {
             let id = PairId::from(p);
             let owner = format!("pair '{}'", pair.name);
             let prefix = format!("pair.{}", identifier(&pair.name));
-            let about = format!("Whether the sides touch of {owner}");
+            let about = format!("Whether the two sides press on each other: {owner}");
             let row = Row::output(OutputSlot::PairActive(id), Unit::One, about);
             self.add(format!("{prefix}.active"), &owner, row.kind(Kind::Boolean));
             self.groups(&groups, |of, axis| of(id, axis), &owner, &prefix);
-            let about = format!("Deepest overlap, else 0, of {owner}");
+            let about = format!("Deepest overlap of the two sides, else 0: {owner}");
             let row = Row::output(OutputSlot::PairDepth(id), Unit::Meter, about);
             self.add(format!("{prefix}.depth"), &owner, row);
-            let about = format!("Speed at which the sides slide on each other, else 0, of {owner}");
+            let about =
+                format!("Speed at which the two sides slide on each other, else 0: {owner}");
             let slot = OutputSlot::PairSlipSpeed(id);
             let row = Row::output(slot, Unit::MeterPerSecond, about);
             self.add(format!("{prefix}.slip_speed"), &owner, row);

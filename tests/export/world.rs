@@ -235,7 +235,7 @@ fn an_fmu_shows_how_a_gripper_holds_a_cube() {
     }
     assert!(xml.contains("name=\"pair.right.active\""));
     let page = String::from_utf8(entries(&fmu).1.remove("documentation/index.html").unwrap());
-    assert!(page.unwrap().contains("of pair 'left'"));
+    assert!(page.unwrap().contains("on each other: pair 'left'"));
 
     let end = last(
         folder.path(),
