@@ -67,6 +67,9 @@ pub struct Rim {
     q: f64,
     /// `a/q`
     e: Vec3,
+    /// `a/q` where the point is: the point keeps its place when the rim is turned, and with it the
+    /// part of the tilt that its own motion contains.
+    lever: Vec3,
     /// `χ`: 1 where the face is flat on the ground, 0 where it leans.
     pub flatness: f64,
     /// Share `½ χ²`, with `χ` of the landing, of the damping of rocking that acts against tilting.
@@ -96,6 +99,7 @@ impl Rim {
             ..Self::default()
         };
         rim.stand(a);
+        rim.lever = rim.e;
         rim
     }
 
@@ -116,9 +120,9 @@ impl Rim {
         self.q - self.crown
     }
 
-    /// `a/q`.
+    /// `a/q` where the point is.
     pub fn direction(&self) -> Vec3 {
-        self.e
+        self.lever
     }
 
     /// Where it goes if `a` moves by `tilt`.
@@ -132,7 +136,7 @@ impl Rim {
         Tilted {
             a,
             end: (a * inverse, inverse),
-            deeper: longer - self.e.dot(tilt),
+            deeper: longer - self.lever.dot(tilt),
         }
     }
 
@@ -229,4 +233,4 @@ pub(super) fn norm(points: &[ContactPoint]) -> (f64, f64) {
 }
 
 #[cfg(test)]
-crate::spoil::spoil!(Rim: axis radius a crown landing q e flatness tilt_damping;);
+crate::spoil::spoil!(Rim: axis radius a crown landing q e lever flatness tilt_damping;);

@@ -220,3 +220,32 @@ fn a_sliding_block_stops_after_the_distance_of_its_dynamic_friction() {
         assert!(s.state().physical.v[3].abs() < 1e-9, "{mode:?}");
     }
 }
+
+/// A can on its end that somebody has touched stands still again at once: its rim tilts about the
+/// place where its point is, wherever in a step that was found.
+#[test]
+fn a_can_that_was_nudged_comes_to_rest() {
+    let (radius, half_length) = (0.039, 0.045);
+    let (r, h) = (radius * radius, half_length * half_length);
+    let across = 0.3 * (0.25 * r + h / 3.0);
+    let i = [across, across, 0.15 * r];
+    let shape = Shape::Cylinder {
+        radius,
+        half_length,
+    };
+    for (tolerance, nudge) in [(1e-3, 1e-6), (1e-3, 1e-3), (1e-4, 1e-6), (1e-5, 1e-4)] {
+        let mut b = Builder::new(true, inertia(0.3, Vec3::zeros(), i));
+        b.shape(LinkId(0), shape.clone(), Pose::IDENTITY);
+        b.model.roots[0].position.z = half_length;
+        b.model.roots[0].angular_velocity.y = nudge;
+        let mut s = start(b.model, tolerance);
+        run(&mut s, 1.0, 1.0 / 240.0);
+        let moves = s.state().physical.v.iter().any(|v| *v != 0.0);
+        let steps = s.state().stepping.counters.steps;
+        assert!(
+            !moves && steps < 200,
+            "{tolerance} {nudge}: {steps} {:?}",
+            s.state().physical.v
+        );
+    }
+}
