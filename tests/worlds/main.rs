@@ -15,6 +15,8 @@ const G: f64 = 9.81;
 
 /// A table of results: a column for each name.
 struct Run {
+    /// The summary.
+    told: String,
     time: Vec<f64>,
     columns: BTreeMap<String, Vec<f64>>,
 }
@@ -44,11 +46,11 @@ fn run(robot: &str, world: &str, stop: f64) -> Run {
     let told = String::from_utf8_lossy(&done.stderr);
     assert!(done.status.success(), "{world}: {told}");
     assert!(!told.contains("warning"), "{world}: {told}");
-    Run::read(&table)
+    Run::read(told.into_owned(), &table)
 }
 
 impl Run {
-    fn read(table: &Path) -> Self {
+    fn read(told: String, table: &Path) -> Self {
         let mut reader = csv::Reader::from_path(table).unwrap();
         let names: Vec<String> = reader
             .headers()
@@ -64,6 +66,7 @@ impl Run {
         }
         let mut columns: BTreeMap<_, _> = names.into_iter().zip(values).collect();
         Self {
+            told,
             time: columns.remove("time").unwrap(),
             columns,
         }
@@ -210,6 +213,9 @@ fn a_rover_pushes_a_crate_up_a_ramp_as_far_as_its_wheels_turn() {
     }
     assert!((way("object.crate") - way("base")).abs() < 1e-5);
     assert!(way("base") > 0.499, "{}", way("base"));
+    // A ramp that stands in the ground is no event.
+    assert!(run.told.contains("Hardest contact"), "{}", run.told);
+    assert!(!run.told.contains("ramp"), "{}", run.told);
     // Stopped on the slope, everything rests.
     assert!(run.last_speed() < 1e-12, "{}", run.last_speed());
 }

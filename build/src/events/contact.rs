@@ -59,11 +59,11 @@ pub(super) fn hardest(run: &Run) -> Option<Event> {
 /// How deep the robot was in the ground, and when it was in the air.
 pub(super) fn ground(run: &Run, scene: &Scene) -> Vec<Event> {
     let head = run.head;
-    let known = known_links(run);
+    let (known, moving) = (known_links(run), moving_links(head));
     let solids: Vec<Solid> = head
         .collisions
         .iter()
-        .filter(|drawn| known[drawn.link])
+        .filter(|drawn| known[drawn.link] && moving[drawn.link])
         .filter_map(|drawn| Solid::new(scene, drawn))
         .collect();
     if !head.ground || solids.is_empty() {
@@ -204,6 +204,18 @@ fn known_links(run: &Run) -> Vec<bool> {
             known[joint.parent] && tracks.all(|track| run.all(&track.variables).is_some());
     }
     known
+}
+
+/// Whether each link can move. What cannot may be in the ground, as the foot of a ramp is.
+fn moving_links(head: &Head) -> Vec<bool> {
+    let mut moving = vec![false; head.links.len()];
+    for root in &head.roots {
+        moving[root.link] = !root.position.variables.is_empty();
+    }
+    for joint in &head.joints {
+        moving[joint.child] = moving[joint.parent] || !joint.motions.is_empty();
+    }
+    moving
 }
 
 /// A shape on a link.
