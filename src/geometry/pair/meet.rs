@@ -72,6 +72,7 @@ impl Meeting {
         let mut limits = Limits {
             level: gap + blend,
             reach,
+            points_alone: false,
         };
         let faces = |p: &Placed| p.solid.round.is_none() && !p.solid.mesh.normals.is_empty();
         let blended = apart.part < 1.0;
@@ -84,7 +85,7 @@ impl Meeting {
                 rise *= 8.0;
                 let all = Limits {
                     level: gap + rise,
-                    reach,
+                    ..limits
                 };
                 if let Some(round) = a.solid.round {
                     least = self.line((a, &round), b, (&n, all, Side::First), points).2;
@@ -105,6 +106,7 @@ impl Meeting {
                 self.round_on_faces((a, &round), b, (&n, limits), points);
             }
             (None, None) if faces(a) && faces(b) => {
+                limits.points_alone = true;
                 let all = self.cover((a, b), (&n, limits), points);
                 let by = if all.weight > 0.0 {
                     1.0 / all.weight

@@ -61,6 +61,13 @@ impl Front {
         (0..2).all(|i| self.low[i] <= other.high[i] && other.low[i] <= self.high[i])
     }
 
+    /// Area that both have in common at most, m².
+    pub(super) fn common_area(&self, other: &Self) -> f64 {
+        let side =
+            |i: usize| (self.high[i].min(other.high[i]) - self.low[i].max(other.low[i])).max(0.0);
+        side(0) * side(1)
+    }
+
     /// Height at a place.
     pub(super) fn height(&self, x: &Vec3) -> f64 {
         self.h0 + self.slope[0] * x.x + self.slope[1] * x.y
@@ -144,6 +151,9 @@ impl Seen {
             };
             self.front_count += 1;
         }
+        // Those that look at the other shape most come first: beside them others count for little.
+        let fronts = &mut self.fronts[..self.front_count];
+        fronts.sort_unstable_by(|a, b| a.tilt.total_cmp(&b.tilt).then(a.index.cmp(&b.index)));
     }
 
     pub(super) fn fronts(&self) -> &[Front] {
