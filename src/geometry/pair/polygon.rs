@@ -184,13 +184,15 @@ pub(super) fn cover(
             }
             let gap = |x: &Vec3| x.z - g.height(x);
             let Polygons { one, two } = work;
+            // Places to be swapped, not what stands there.
+            let (mut one, mut two) = (one, two);
             let face = upper.outline(upper_mesh, f.index).rev();
             one.take(face.clone());
             let outline = lower.outline(lower_mesh, g.index);
             let ends = outline.clone().cycle().skip(1);
             for (a, b) in outline.zip(ends) {
                 two.cut(one, |x| turn(&(b - a), &(x - a)));
-                std::mem::swap(one, two);
+                std::mem::swap(&mut one, &mut two);
                 if one.count == 0 {
                     break;
                 }
