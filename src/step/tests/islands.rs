@@ -133,8 +133,7 @@ fn what_rests_is_carried_without_steps_and_wakes() {
     model.outputs.contacts = vec![LinkId(0), LinkId(1)];
     let mut s = start(model, 1e-3);
     let cubes = |s: &Simulation| (bits(s, 0), bits(s, 1));
-    let mut force =
-        |s: &mut Simulation, link: u32| s.output(OutputSlot::ContactForce(LinkId(link), 2));
+    let force = |s: &mut Simulation, link: u32| s.output(OutputSlot::ContactForce(LinkId(link), 2));
     run(&mut s, 0.5, 1.0 / 240.0);
     let (rest, steps) = (cubes(&s), s.state().stepping.counters.steps);
     let carried = [0, 1].map(|link| force(&mut s, link));
