@@ -134,7 +134,7 @@ pub const COMMAND_STEP: f64 = 1e-6;
 
 /// Accuracy of the impulses of a guess that needs no iteration, relative to the tolerance: what it
 /// lacks stays, so that it is the error of a speed that a motor holds.
-pub const GUESS: f64 = 6e-5;
+pub const GUESS: f64 = 2e-4;
 /// Least and greatest accuracy that this leads to.
 pub const GUESSES: (f64, f64) = (1e-10, 1e-5);
 /// Accuracy of impulses after an iteration, relative to that of a guess that needs none: what an
@@ -162,7 +162,7 @@ pub const START: f64 = 1e-9;
 /// Imbalance of the forces on a robot at rest that does not set it going, relative to forces and
 /// to the tolerance. It is more than [`GUESS`], or what has nearly come to rest would be stirred
 /// for ever.
-pub const BALANCE: f64 = 1e-4;
+pub const BALANCE: f64 = 1.5 * GUESS;
 /// Least and greatest imbalance that this leads to.
 pub const BALANCES: (f64, f64) = (1e-11, 1e-6);
 /// Speed below which a robot may be at rest, rad/s or m/s.
