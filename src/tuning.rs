@@ -268,6 +268,10 @@ pub const SPEED_RELAXATION: f64 = 1e-3;
 /// parted. One lasts a communication step only if nothing is accelerated; with two, trees are
 /// seldom parted again.
 pub const ISLAND_TIME: f64 = 2.0;
+/// By what that time grows where a shape has gone farther: few tries lead to one island.
+pub const WIDER: f64 = 4.0;
+/// So many times as long, it is not tried again: all trees go together.
+pub const WIDEST: f64 = 1e6;
 
 // Contacts: `force/detect.rs`.
 

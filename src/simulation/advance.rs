@@ -5,11 +5,7 @@ use crate::range::SHORTEST_FIXED_STEP;
 use crate::slots::ParameterSlot;
 use crate::step::driver::Stop;
 use crate::step::point::Context;
-
-/// By what the guess how far shapes may go grows where one has gone farther, and beyond what all
-/// trees go together.
-const WIDER: f64 = 4.0;
-const WIDEST: f64 = 1e6;
+use crate::tuning::{WIDER, WIDEST};
 
 impl Simulation {
     /// Simulates up to exactly `end`, s; does nothing unless it lies after [`Self::time`].

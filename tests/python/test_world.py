@@ -20,7 +20,9 @@ def test_r2d2_pushes_a_cube_over_the_plane_with_no_settings(command, pybullet_da
     given = ("velocity", -10), ("max_effort", 10)
     commands = {f"cmd.{wheel}.{kind}": value for wheel in WHEELS for kind, value in given}
     inputs.write_text(",".join(["time", *commands]) + "\n" + ",".join(map(str, [0, *commands.values()])) + "\n")
-    done = command("simulate", fmu, "--input-file", inputs, "--stop-time", 4, "--output-file", out)
+    # At 1e-3 the cube that a wheel meets makes R2D2 rock for a second, which docs/design.md tells.
+    way = ["--input-file", inputs, "--stop-time", 4, "--tolerance", 1e-4, "--output-file", out]
+    done = command("simulate", fmu, *way)
     assert done.returncode == 0, done.stderr
     with open(out, newline="") as file:
         names, *rows = csv.reader(file)
