@@ -190,8 +190,18 @@ pub struct Start<'a> {
 }
 
 impl JointTerm {
-    /// What acts along a degree of freedom, as far as it is the same in every step.
-    pub(super) fn new(model: &Model, dof: usize) -> Self {
+    /// What acts along those of the degrees of freedom that are of a joint, as far as it is the
+    /// same in every step.
+    pub(super) fn of(
+        model: &Model,
+        dofs: impl Iterator<Item = usize>,
+    ) -> impl Iterator<Item = Self> {
+        let of_joint = |dof: &usize| model.bodies[model.dofs[*dof].body.index()].joint.is_some();
+        dofs.filter(of_joint).map(|dof| Self::new(model, dof))
+    }
+
+    /// The same along one.
+    fn new(model: &Model, dof: usize) -> Self {
         Self {
             dof,
             coordinate: model.bodies[model.dofs[dof].body.index()].coordinate,

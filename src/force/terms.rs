@@ -119,22 +119,17 @@ pub struct Terms {
 impl Terms {
     /// Those of a model, without contacts; room for all that it can have.
     pub fn new(model: &Model) -> Self {
-        let of_joint = |dof: &usize| model.bodies[model.dofs[*dof].body.index()].joint.is_some();
-        let dofs = (0..model.nv()).filter(of_joint);
         Self {
             contacts: ContactSet::of(model),
             turns: Vec::with_capacity(model.contact_room()[0]),
-            joints: dofs.map(|dof| JointTerm::new(model, dof)).collect(),
+            joints: JointTerm::of(model, 0..model.nv()).collect(),
         }
     }
 
     /// Takes the joints of the trees that a step works on, see [`Tree::select`].
     pub fn select(&mut self, model: &Model, tree: &Tree) {
-        let of_joint = |dof: &usize| model.bodies[model.dofs[*dof].body.index()].joint.is_some();
         self.joints.clear();
-        let dofs = tree.worked_dofs().filter(of_joint);
-        self.joints
-            .extend(dofs.map(|dof| JointTerm::new(model, dof)));
+        self.joints.extend(JointTerm::of(model, tree.worked_dofs()));
     }
 
     /// Finds contacts, and their friction against turning, for a step of at most `h` seconds from

@@ -15,8 +15,6 @@ impl Stepper {
         state.stepping.last_step = end - state.time;
         state.stepping.impulse.fill([0.0; 3]);
         state.stepping.pair_impulse.fill([0.0; 3]);
-        // What no term writes is what the state has.
-        self.attempt.stay(state);
     }
 
     /// Begins it again.
@@ -27,9 +25,15 @@ impl Stepper {
         self.tried = tried;
     }
 
-    /// See [`crate::step::islands::Islands::part`].
+    /// See [`crate::step::islands::Islands::part`]. Where there is nothing to part, no island is
+    /// entered or left.
     pub fn part(&mut self, ctx: &Context, state: &State, lengths: [f64; 2]) -> bool {
-        self.islands.part(ctx, state, &mut self.there, lengths)
+        let many = self.islands.part(ctx, state, &mut self.there, lengths);
+        if !many {
+            // Of what no term writes, a try holds what the state does, as in `enter`.
+            self.attempt.stay(state);
+        }
+        many
     }
 
     /// Begins with an island, whose trees `ctx` works on: what it remembers is that of all its

@@ -32,16 +32,24 @@ impl Default for Meeting {
     }
 }
 
+/// How two shapes lie to each other, the gap between their rounded surfaces, and by how much sharp
+/// corners may be nearer than these, m; only roughly where that is farther than `reach`.
+fn gap(a: &Placed, b: &Placed, reach: f64) -> (Apart, f64, f64) {
+    let sharp = a.solid.rounding() + b.solid.rounding();
+    let radii = a.solid.radius + b.solid.radius;
+    let apart = nearest(a, b, reach + sharp + radii);
+    (apart, apart.distance - radii, sharp)
+}
+
 impl Meeting {
     /// Whether a pair, in the order of their rank, is nearer than `reach`, m; corners count as
-    /// sharp.
+    /// sharp. A half-space is near everything.
     pub(super) fn are_near(a: &Placed, b: &Placed, reach: f64) -> bool {
-        let sharp = a.solid.rounding() + b.solid.rounding();
-        let radii = a.solid.radius + b.solid.radius;
         if matches!(b.solid.core, Core::HalfSpace) {
             return true;
         }
-        nearest(a, b, reach + sharp + radii).distance - radii <= reach + sharp
+        let (_, gap, sharp) = gap(a, b, reach);
+        gap <= reach + sharp
     }
 
     /// Adds the points of a pair, in the order of their rank; returns the normal, whether inner
@@ -59,12 +67,8 @@ impl Meeting {
             }
             return (n, false, false);
         }
-        // Sharp corners are nearer than rounded ones.
-        let sharp = a.solid.rounding() + b.solid.rounding();
-        let radii = a.solid.radius + b.solid.radius;
-        let apart = nearest(a, b, reach + sharp + radii);
+        let (apart, gap, sharp) = gap(a, b, reach);
         let n = apart.normal;
-        let gap = apart.distance - radii;
         if gap > reach + sharp {
             return (n, apart.part < 1.0, apart.deep);
         }

@@ -81,17 +81,8 @@ impl Patch {
     /// Whether `a` at `X_WA` and `b` at `X_WB` are nearer than `reach`, m, by their rounded shapes;
     /// see [`Self::find`].
     pub fn are_near((a, X_WA): (&Solid, &Pose), (b, X_WB): (&Solid, &Pose), reach: f64) -> bool {
-        let origin = if matches!(a.core, Core::HalfSpace) {
-            X_WB.p
-        } else {
-            X_WA.p
-        };
-        let (first, second) = (Placed::new(a, X_WA, &origin), Placed::new(b, X_WB, &origin));
-        let (above, below) = if rank(a) > rank(b) {
-            (&second, &first)
-        } else {
-            (&first, &second)
-        };
+        let couple = Couple::new((a, X_WA), (b, X_WB));
+        let (above, below) = couple.ranked();
         Meeting::are_near(above, below, reach)
     }
 
@@ -109,27 +100,48 @@ impl Patch {
         if (X_WA.p - X_WB.p).norm() > a.reach + b.reach + reach {
             return false;
         }
-        // Few digits are lost near one of the two.
+        let couple = Couple::new((a, X_WA), (b, X_WB));
+        let found = self.meeting.find(couple.ranked(), reach, &mut self.points);
+        (self.normal, self.blended, self.deep) = found;
+        if couple.swapped {
+            self.normal = -self.normal;
+        }
+        self.points.finish(&couple.origin, couple.swapped);
+        !self.points().is_empty()
+    }
+}
+
+/// Two shapes as they lie, seen from a place near one of them, where few digits are lost.
+struct Couple<'a> {
+    first: Placed<'a>,
+    second: Placed<'a>,
+    origin: Vec3,
+    /// Whether the second one comes first by its rank.
+    swapped: bool,
+}
+
+impl<'a> Couple<'a> {
+    fn new((a, X_WA): (&'a Solid, &Pose), (b, X_WB): (&'a Solid, &Pose)) -> Self {
         let origin = if matches!(a.core, Core::HalfSpace) {
             X_WB.p
         } else {
             X_WA.p
         };
-        let first = Placed::new(a, X_WA, &origin);
-        let second = Placed::new(b, X_WB, &origin);
-        let swapped = rank(a) > rank(b);
-        let (above, below) = if swapped {
-            (&second, &first)
-        } else {
-            (&first, &second)
-        };
-        let found = self.meeting.find((above, below), reach, &mut self.points);
-        (self.normal, self.blended, self.deep) = found;
-        if swapped {
-            self.normal = -self.normal;
+        Self {
+            first: Placed::new(a, X_WA, &origin),
+            second: Placed::new(b, X_WB, &origin),
+            origin,
+            swapped: rank(a) > rank(b),
         }
-        self.points.finish(&origin, swapped);
-        !self.points().is_empty()
+    }
+
+    /// Both in the order of their rank.
+    fn ranked(&self) -> (&Placed<'a>, &Placed<'a>) {
+        if self.swapped {
+            (&self.second, &self.first)
+        } else {
+            (&self.first, &self.second)
+        }
     }
 }
 
