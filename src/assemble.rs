@@ -56,6 +56,10 @@
 //! | A135 | shapes of different trees that overlap at the start |
 //! | A136 | links of one robot that overlap before anything moves |
 //! | A137 | pairs |
+//! | A138 | masses by a density |
+//! | A139 | names that clash |
+//! | A140 | loops and springs |
+//! | A141 | the initial pose that closes the loops |
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
@@ -65,14 +69,17 @@ mod bodies;
 mod findings;
 mod inertia;
 mod initial;
+mod loops;
 mod masses;
 mod mimic;
 mod outputs;
 mod pairs;
 mod pybullet;
 mod robot;
-mod solids;
+mod sensors;
+mod terrain;
 mod touch;
+mod ways;
 mod wheels;
 mod world;
 
@@ -89,6 +96,7 @@ pub fn read_options(settings: &Settings, options: ReadOptions) -> ReadOptions {
         ignore_inertia: settings.inertia != InertiaSource::Urdf,
         pybullet: settings.compat == Compat::PyBullet
             || settings.inertia == InertiaSource::PyBullet,
+        sensors: settings.described_sensors,
         decomposed: settings
             .links
             .iter()

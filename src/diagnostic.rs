@@ -12,6 +12,7 @@
 //! | U070–U079 | shapes and surfaces |
 //! | U100–U119 | meshes |
 
+pub mod codes;
 pub(crate) mod words;
 
 use std::fmt;

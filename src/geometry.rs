@@ -5,17 +5,25 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
+mod error;
 mod faces;
+pub mod field;
 mod hull;
 mod nearest;
 pub mod pair;
+pub mod ray;
 mod solid;
+pub mod surface;
 
+pub use self::error::GeometryError;
 pub use self::faces::Faces;
 
 use crate::spatial::{Pose, Vec3};
+use field::Field;
 use hull::Simplices;
 use serde::{Deserialize, Serialize};
+use std::sync::Arc;
+use surface::Surface;
 
 /// Points of a contact between two shapes that there is room for, on average.
 pub const PAIR_POINTS: usize = 24;
@@ -53,6 +61,18 @@ pub enum Shape {
         /// Corners, m; all of them extreme points.
         vertices: Vec<Vec3>,
     },
+    /// Everything below the plane z = 0, without an end; it never moves.
+    Plane,
+    /// Everything below a surface of given heights; it never moves.
+    Field {
+        /// The surface.
+        field: Arc<Field>,
+    },
+    /// What is behind the surface of a triangle mesh; it never moves.
+    Surface {
+        /// The surface.
+        surface: Arc<Surface>,
+    },
 }
 
 impl Shape {
@@ -70,6 +90,9 @@ impl Shape {
             } => libm::hypot(*radius, *half_length),
             Self::Box { half } => half.norm(),
             Self::Hull { vertices } => vertices.iter().map(Vec3::norm).fold(0.0, f64::max),
+            Self::Plane => f64::INFINITY,
+            Self::Field { field } => field.reach(),
+            Self::Surface { surface } => surface.reach(),
         }
     }
 
@@ -97,6 +120,9 @@ impl Shape {
                 .iter()
                 .map(|v| -v.dot(d))
                 .fold(f64::NEG_INFINITY, f64::max),
+            Self::Plane => f64::INFINITY,
+            Self::Field { field } => field.reach(),
+            Self::Surface { surface } => surface.reach(),
         }
     }
 
@@ -108,7 +134,16 @@ impl Shape {
             Self::Capsule { .. } | Self::Cylinder { .. } => 2,
             Self::Box { .. } => 8,
             Self::Hull { vertices } => vertices.len(),
+            Self::Plane | Self::Field { .. } | Self::Surface { .. } => 0,
         }
+    }
+
+    /// Whether it is terrain: a surface with everything below, which never moves.
+    pub fn is_terrain(&self) -> bool {
+        matches!(
+            self,
+            Self::Plane | Self::Field { .. } | Self::Surface { .. }
+        )
     }
 }
 
@@ -117,32 +152,6 @@ pub const MOST_CORNERS: usize = 64;
 
 /// Farthest that a mesh may reach, m: beyond, its unit is wrong.
 const FARTHEST: f64 = 1e6;
-
-/// Why points have no hull.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum GeometryError {
-    /// Nothing to enclose.
-    #[error("there are no points")]
-    NoPoints,
-    /// NaN or infinite.
-    #[error("point {index} is not finite")]
-    NotFinite {
-        /// Position in the list.
-        index: usize,
-    },
-    /// Not a robot part.
-    #[error("point {index} lies {distance:.3e} m from the origin, more than 1e6; check the unit")]
-    TooFar {
-        /// Position in the list.
-        index: usize,
-        /// m
-        distance: f64,
-    },
-    /// No extent.
-    #[error("all points are in one place")]
-    OnePlace,
-}
 
 /// A hull with few corners.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,10 +1,17 @@
 //! The state in which a simulation begins.
 
+pub(crate) mod closing;
+
+use crate::closure::Gap;
+use crate::kinematics::Kinematics;
 use crate::model::{JointId, Model, RootId};
 use crate::parameters::Parameters;
 use crate::slots::ParameterSlot as P;
+#[cfg(feature = "urdf")]
+use crate::spatial::{Vec3, rotation_from_quaternion, rpy_from_rotation};
 use crate::spatial::{quaternion_from_rotation, rotation_from_rpy};
-use crate::state::State;
+use crate::state::{Physical, State};
+use crate::tree::Tree;
 
 /// The state that the parameters ask for at `time`, s.
 pub(crate) fn initial_state(model: &Model, parameters: &Parameters, time: f64) -> State {
@@ -35,4 +42,102 @@ pub(crate) fn initial_state(model: &Model, parameters: &Parameters, time: f64) -
         }
     }
     state
+}
+
+/// Closes the loops of the initial state that the parameters ask for: what they say otherwise than
+/// the model does, and velocities that are not 0, stay if they can. Returns the widest loop that
+/// stays open.
+pub(crate) fn close(
+    model: &Model,
+    parameters: &Parameters,
+    tree: &Tree,
+    kin: &mut Kinematics,
+    state: &mut Physical,
+) -> Option<(usize, Gap)> {
+    let mut given = [vec![false; model.nv()], vec![false; model.nv()]];
+    for (id, joint) in (0..).map(JointId).zip(&model.joints) {
+        if let (Some(body), None) = (model.scalar_body(id), joint.mimic) {
+            let dof = model.bodies[body.index()].dof.index();
+            let position = parameters.get(P::InitialJointPosition(id));
+            let own = model.initial.joint_positions[id.index()];
+            given[0][dof] = position.to_bits() != own.to_bits();
+            given[1][dof] = parameters.get(P::InitialJointVelocity(id)) != 0.0;
+        }
+    }
+    let [positions, velocities] = &given;
+    closing::close(tree, kin, [&|k| positions[k], &|k| velocities[k]], state)
+}
+
+/// Closes the loops of a model's initial state, and makes the closed one the initial state; the
+/// same as [`close`] else.
+///
+/// - `held`: joints whose positions, or velocities, have been given
+#[cfg(feature = "urdf")]
+pub(crate) fn close_model(model: &mut Model, held: &[Vec<bool>; 2]) -> Option<(usize, Gap)> {
+    let parameters = Parameters::new(model);
+    let mut tree = Tree::new(model, &parameters);
+    let mut state = initial_state(model, &parameters, 0.0).physical;
+    let mut kin = Kinematics::new(&tree);
+    kin.update_poses(&tree, &state.q);
+    crate::dynamics::crba::mass_matrix(&tree, &mut kin);
+    let diagonal = |k| kin.M[tree.sparsity.diagonal(k)];
+    let inertia: Vec<f64> = (0..model.nv()).map(diagonal).collect();
+    tree.scale(model, &inertia, &kin.X);
+    tree.mesh(&state.q);
+    let mut given = [vec![false; model.nv()], vec![false; model.nv()]];
+    let scalar = |model: &Model, id: JointId| {
+        let body = model.scalar_body(id)?;
+        let independent = model.joints[id.index()].mimic.is_none();
+        independent.then(|| {
+            let body = &model.bodies[body.index()];
+            (body.coordinate, body.dof.index())
+        })
+    };
+    for id in (0..model.joints.len()).map(JointId::from) {
+        if let Some((_, dof)) = scalar(model, id) {
+            for (given, held) in given.iter_mut().zip(held) {
+                given[dof] = held.get(id.index()) == Some(&true);
+            }
+        }
+    }
+    let [positions, velocities] = &given;
+    let held: [&dyn Fn(usize) -> bool; 2] = [&|k| positions[k], &|k| velocities[k]];
+    let before = state.clone();
+    let open = closing::close(&tree, &mut kin, held, &mut state);
+    // What has hardly moved keeps its very numbers.
+    let moved = |from: f64, to: f64| (to - from).abs() > 1e-12;
+    for id in (0..model.joints.len()).map(JointId::from) {
+        if let Some((c, dof)) = scalar(model, id) {
+            if moved(before.q[c], state.q[c]) {
+                model.initial.joint_positions[id.index()] = state.q[c];
+            }
+            if moved(before.v[dof], state.v[dof]) {
+                model.initial.joint_velocities[id.index()] = state.v[dof];
+            }
+        }
+    }
+    for root in &mut model.roots {
+        let body = &model.bodies[root.body.index()];
+        if !body.motion.kind().is_free() {
+            continue;
+        }
+        let (c, k) = (body.coordinate, body.dof.index());
+        let changes = |from: &[f64], to: &[f64], at: usize, n: usize| {
+            let mut pairs = from[at..at + n].iter().zip(&to[at..at + n]);
+            pairs.any(|(from, to)| moved(*from, *to))
+        };
+        let vector = |x: &[f64], at: usize| Vec3::new(x[at], x[at + 1], x[at + 2]);
+        if changes(&before.q, &state.q, c, 3) {
+            root.position = vector(&state.q, c);
+        }
+        if changes(&before.q, &state.q, c + 3, 4) {
+            let turn = [3, 4, 5, 6].map(|i| state.q[c + i]);
+            root.rpy = rpy_from_rotation(&rotation_from_quaternion(&turn));
+        }
+        if changes(&before.v, &state.v, k, 6) {
+            root.angular_velocity = vector(&state.v, k);
+            root.linear_velocity = vector(&state.v, k + 3);
+        }
+    }
+    open
 }

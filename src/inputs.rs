@@ -4,7 +4,7 @@
 //! `u(t) = u + t u′ + t² u″/2 + t³ u‴/6`, so that a command which changes within a step changes
 //! within the solver's steps, too. Without derivatives it is a constant without additional cost.
 
-use crate::model::{ActuatorId, LinkId, Model};
+use crate::model::{ActuatorId, LinkId, Model, RootId};
 use crate::range::Range;
 use crate::slots::InputSlot;
 use crate::spatial::{Vec3, Vec6};
@@ -47,6 +47,7 @@ impl InputSlot {
             Self::Position(_) => Range::Position,
             Self::Effort(_) | Self::ExternalForce(..) | Self::ExternalTorque(..) => Range::Load,
             Self::MaxEffort(_) => Range::LimitSize,
+            Self::SurfaceVelocity(..) => Range::Flight,
         }
     }
 }
@@ -62,6 +63,8 @@ pub struct Inputs {
     count: usize,
     /// Per link, its place among those with an external wrench.
     wrench: Vec<Option<u32>>,
+    /// What has a surface that moves.
+    conveyors: Vec<RootId>,
     /// All values in the order that `Self::index` gives, then all first derivatives, and so on.
     pub numbers: Vec<f64>,
     /// Whether a derivative is not 0.
@@ -94,7 +97,7 @@ impl Inputs {
             wrench[link.index()] = Some(place);
         }
         let wrenches = model.outputs.external_wrenches.len();
-        let count = 4 * n + 6 * wrenches;
+        let count = 4 * n + 6 * wrenches + 3 * model.outputs.conveyors.len();
         let mut numbers = vec![0.0; count * (1 + INPUT_ORDERS)];
         for (a, actuator) in model.actuators.iter().enumerate() {
             numbers[n + a] = model.initial.joint_positions[actuator.joint.index()];
@@ -105,6 +108,7 @@ impl Inputs {
             leader: model.leaders(),
             count,
             wrench,
+            conveyors: model.outputs.conveyors.clone(),
             numbers,
             varies: false,
             wrenches: Vec::with_capacity(wrenches),
@@ -122,6 +126,10 @@ impl Inputs {
             InputSlot::MaxEffort(a) => Some(3 * n + leader(a)),
             InputSlot::ExternalTorque(link, axis) => wrench(link).map(|w| w + axis as usize),
             InputSlot::ExternalForce(link, axis) => wrench(link).map(|w| w + 3 + axis as usize),
+            InputSlot::SurfaceVelocity(root, axis) => {
+                let place = self.conveyors.iter().position(|known| *known == root)?;
+                Some(self.count - 3 * (self.conveyors.len() - place) + axis as usize)
+            }
         }
     }
 
@@ -270,6 +278,14 @@ impl Inputs {
     pub fn restore(&mut self, numbers: &[f64]) {
         self.numbers.copy_from_slice(numbers);
         self.varies = self.numbers[self.count..].iter().any(|d| *d != 0.0);
+    }
+
+    /// Velocity of the surface of what stands still, m/s, axes of its base; none of what has none.
+    pub fn surface_velocity(&self, root: RootId) -> Option<Vec3> {
+        self.conveyors.contains(&root).then(|| {
+            let along = |axis| self.get(InputSlot::SurfaceVelocity(root, axis));
+            Vec3::new(along(0), along(1), along(2))
+        })
     }
 
     /// Lists the external wrenches that are not 0, or will not be.

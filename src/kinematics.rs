@@ -9,6 +9,7 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
+use crate::closure::{Places, Rows};
 use crate::joint::Mount;
 use crate::spatial::{Mat3, Pose, SpatialInertia, Vec3, Vec6, velocity_at};
 use crate::tree::{Tree, TreeCollider};
@@ -40,6 +41,8 @@ pub struct Kinematics {
     pub force: Vec<Vec6>,
     /// Bias accelerations of the bodies; scratch of the bias.
     pub C: Vec<Vec6>,
+    /// Rows of closed loops: gaps and `J` with the mass matrix, `J̇v` with the bias.
+    pub loops: Rows,
 }
 
 impl Kinematics {
@@ -58,6 +61,37 @@ impl Kinematics {
             bias: vec![0.0; nv],
             force: vec![[0.0; 6]; nb],
             C: vec![[0.0; 6]; nb],
+            loops: Rows::new(tree),
+        }
+    }
+
+    /// Gaps and rows of closed loops for the poses.
+    pub fn update_loops(&mut self, tree: &Tree) {
+        if !tree.closures.is_empty() {
+            let Self {
+                origins,
+                X,
+                S,
+                loops,
+                ..
+            } = self;
+            loops.find(tree, Places { origins, X, S });
+        }
+    }
+
+    /// `J̇v` of closed loops for velocities and bias accelerations, after [`Self::update_loops`].
+    pub fn update_loop_bias(&mut self, tree: &Tree) {
+        if !tree.closures.is_empty() {
+            let Self {
+                origins,
+                X,
+                S,
+                V,
+                C,
+                loops,
+                ..
+            } = self;
+            loops.find_bias(tree, Places { origins, X, S }, (V, C));
         }
     }
 
@@ -99,10 +133,13 @@ impl Kinematics {
         let (X_OB, V) = (&self.X[collider.body], &self.V[collider.body]);
         let center = X_OB.p + X_OB.R * collider.X.p;
         let spin = V[0].abs() + V[1].abs() + V[2].abs();
-        (
-            center,
-            velocity_at(V, &center).norm() + spin * collider.radius,
-        )
+        // Terrain has no end and does not turn.
+        let turning = if spin > 0.0 {
+            spin * collider.radius
+        } else {
+            0.0
+        };
+        (center, velocity_at(V, &center).norm() + turning)
     }
 
     /// Velocities of all bodies for `v`, into `self.V`.

@@ -60,6 +60,7 @@
 
 #[cfg(feature = "urdf")]
 pub mod assemble;
+pub mod closure;
 #[cfg(feature = "urdf")]
 pub mod diagnostic;
 pub mod dynamics;

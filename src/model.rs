@@ -12,15 +12,21 @@ mod contacts;
 mod id;
 mod join;
 mod joint_kind;
+mod loops;
 mod root;
+mod sensor;
 mod validate;
 
 use crate::geometry::Shape;
 pub use crate::joint::Motion;
 use crate::spatial::{Pose, RigidInertia, Vec3};
-pub use id::{ActuatorId, BodyId, DofId, JointId, LinkId, PairId, RootId, SensorId};
+pub use id::{
+    ActuatorId, BodyId, DofId, JointId, LinkId, LoopId, PairId, RootId, SensorId, SpringId,
+};
 pub use joint_kind::JointKind;
+pub use loops::{Anchor, Loop, LoopKind, Share, Spring};
 pub use root::{Root, RootKind};
+pub use sensor::{Sampling, Sensor, SensorKind};
 use serde::{Deserialize, Serialize};
 
 /// A world of one robot or more, prepared for simulation.
@@ -49,6 +55,12 @@ pub struct Model {
     /// Pairs of links that do not touch, the lower one first.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub apart: Vec<[LinkId; 2]>,
+    /// What closes loops.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub loops: Vec<Loop>,
+    /// Springs between two points.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub springs: Vec<Spring>,
     /// Commanded joints.
     pub actuators: Vec<Actuator>,
     /// Initial state of the joints; that of the bases is in [`Root`].
@@ -358,6 +370,9 @@ pub struct OutputSelection {
     pub links: Vec<LinkId>,
     /// Links with `ext.*` inputs.
     pub external_wrenches: Vec<LinkId>,
+    /// What stands still and has a `surface.velocity` input.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub conveyors: Vec<RootId>,
     /// Actuators that share their inputs.
     pub groups: Vec<Group>,
     /// Sensors with `sensor.*` outputs.
@@ -383,40 +398,6 @@ pub struct Group {
     pub name: String,
     /// Ascending, at least one; of one mode, all turning or all sliding, with equal start values.
     pub actuators: Vec<ActuatorId>,
-}
-
-/// An ideal sensor.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Sensor {
-    /// In the names of its outputs.
-    pub name: String,
-    /// The link that it is fixed to; of a force–torque sensor the one whose axes it has.
-    pub link: LinkId,
-    /// Its frame in the link's.
-    pub X_LS: Pose,
-    /// What it measures.
-    pub kind: SensorKind,
-}
-
-/// What a sensor measures.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase", deny_unknown_fields)]
-pub enum SensorKind {
-    /// Orientation in the world, angular velocity and specific force in its own axes.
-    Imu,
-    /// Force and torque that a joint's parent exerts on its child, about the child's origin.
-    ForceTorque {
-        /// Any joint, fixed ones included.
-        joint: JointId,
-    },
-    /// Distances to the ground.
-    Ray {
-        /// Unit vectors in the sensor's frame.
-        directions: Vec<Vec3>,
-        /// Largest distance, m.
-        range: f64,
-    },
 }
 
 /// Why a model cannot be computed with.

@@ -24,6 +24,10 @@ pub struct PreparedModel {
     pub exporter: String,
     /// As in modelDescription.xml, braces included; fmi2Instantiate compares it.
     pub guid: String,
+    /// Of the robot, in hexadecimal; whoever changes a number by hand is told. None in files that
+    /// other programs wrote.
+    #[serde(default)]
+    pub checksum: Option<String>,
     /// The robot.
     pub model: Model,
 }
@@ -60,6 +64,9 @@ pub enum PreparedModelError {
     /// A model that cannot be computed with.
     #[error("the prepared model is damaged: {0}; export the FMU again")]
     Damaged(#[from] ModelError),
+    /// Numbers that are not those that were exported.
+    #[error("the prepared model was changed after it was exported; export the FMU again")]
+    Changed,
     /// A number that JSON cannot hold, or a model that contradicts itself.
     #[error("the model cannot be stored: {reason}")]
     Model {
@@ -75,6 +82,7 @@ impl PreparedModel {
             format: FORMAT,
             exporter: env!("CARGO_PKG_VERSION").to_owned(),
             guid,
+            checksum: Some(checksum(&model)),
             model,
         }
     }
@@ -108,6 +116,10 @@ impl PreparedModel {
         let unreadable = match serde_json::from_str::<Self>(text) {
             Ok(prepared) if prepared.format == FORMAT => {
                 prepared.model.validate()?;
+                let written = prepared.checksum.as_ref();
+                if written.is_some_and(|written| *written != checksum(&prepared.model)) {
+                    return Err(PreparedModelError::Changed);
+                }
                 return Ok(prepared);
             }
             Ok(prepared) => {
@@ -128,6 +140,10 @@ impl PreparedModel {
             }),
         }
     }
+}
+
+fn checksum(model: &Model) -> String {
+    format!("{:016x}", model_hash(model))
 }
 
 /// Hash of a model's text as it is stored: two models that differ in any number have different

@@ -34,6 +34,8 @@ pub enum Range {
     Slope,
     /// Mass, kg, of a link that has one.
     Mass,
+    /// Density of links that the file gives no mass, kg/m³: from aerogel to far above every metal.
+    Density,
     /// Coulomb coefficient; a lever of rolling or torsional friction, m. 1e5 stands for "does not
     /// slip" in many robots.
     Friction,
@@ -56,6 +58,16 @@ pub enum Range {
     ReferenceSpeed,
     /// Angle between the first and the last ray of a sensor, rad: up to a full turn.
     View,
+    /// Samples a second: from one in a quarter of an hour to those of a fast converter.
+    Rate,
+    /// Steps of an encoder in a turn or in a metre.
+    Steps,
+    /// Bias of a sensor, in its own unit.
+    Bias,
+    /// Standard deviation of a sensor, likewise.
+    Noise,
+    /// A distance that may be nothing, m.
+    Near,
     /// A fixed step, s, or 0 for error control. A shorter one would keep the host waiting for ever.
     Step,
     /// Error allowed per step.
@@ -64,6 +76,8 @@ pub enum Range {
     ToleranceOrNone,
     /// Tries of a solver step.
     Work,
+    /// Length of an experiment, s.
+    Duration,
     /// Time, s: beyond it steps of a microsecond are lost in round-off.
     Time,
     /// A number of parts.
@@ -125,6 +139,8 @@ ranges! {
     Scale 1e-6 to 1e6;
     MeshScale -1e9 to 1e9;
     Length 1e-9 to 1e6;
+    Density 1.0 to 1e5;
+    Duration 1e-6 to 1e9;
     Position -1e6 to 1e6;
     Velocity -1e5 to 1e5;
     Flight -1e4 to 1e4;
@@ -143,6 +159,11 @@ ranges! {
     Dissipation 0.0 to 1e6;
     ReferenceSpeed 1e-9 to 1e9;
     View 0.0 to 6.3;
+    Rate 1e-3 to 1e6;
+    Steps 1e-3 to 1e12;
+    Bias -1e12 to 1e12;
+    Noise 0.0 to 1e12;
+    Near 0.0 to 1e6;
     Step (0) or 1e-7 to 1.0;
     Tolerance 1e-12 to 1.0;
     ToleranceOrNone (0) or 1e-12 to 1.0;

@@ -3,14 +3,20 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
+mod channels;
+mod closures;
 mod derivative;
 mod pair;
+mod sample;
+mod sensed;
+mod touch;
 
+use crate::closure::{Rows, Schur};
 use crate::dynamics::energy;
 use crate::force::NamedPairs;
 use crate::kinematics::forward;
 use crate::model::{JointId, LinkId, Model, RootId};
-use crate::sensor::{self, Sensors};
+use crate::sensor::Sensors;
 use crate::slots::{Axis, OutputSlot};
 use crate::spatial::{
     Pose, Vec3, Vec6, add6, dot6, quaternion_from_rotation, rpy_from_rotation, velocity_at,
@@ -18,6 +24,7 @@ use crate::spatial::{
 use crate::state::State;
 use crate::step::point::{Context, Point};
 use crate::tree::Tree;
+use channels::Sampler;
 
 /// How much of a state has been computed; each level needs the ones before it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -46,20 +53,25 @@ pub struct Readout {
     A: Vec<Vec6>,
     /// Factor of the mass matrix; scratch of [`Self::accelerations`].
     factor: Vec<f64>,
+    /// Forces of closed loops, one a row; filled by [`Self::accelerations`], and its scratch.
+    loops: Vec<f64>,
+    closed: Schur,
     /// What of the fields above is that of the state.
     known: Level,
     /// Roll, pitch, yaw of the base, rad; filled when first read, because it is asked for in parts.
     rpy: Vec<Option<Vec3>>,
     /// Kinetic and potential energy, J; filled when first read, because it takes long.
     energies: Option<[f64; 2]>,
-    /// Wrenches in joints; filled when first read.
+    /// Wrenches in joints, distances along rays; filled when first read.
     sensors: Sensors,
+    /// Errors of sensors, and samples.
+    sampler: Sampler,
     /// Which contacts belong to which named pair; never changes.
     named: NamedPairs,
 }
 
 #[cfg(test)]
-crate::spoil::spoil!(Readout: point vdot A factor sensors; known rpy energies named);
+crate::spoil::spoil!(Readout: point vdot A factor loops closed sensors sampler; known rpy energies named);
 
 impl Readout {
     /// Buffers for a robot.
@@ -69,10 +81,13 @@ impl Readout {
             vdot: vec![0.0; model.nv()],
             A: vec![[0.0; 6]; tree.bodies.len()],
             factor: vec![0.0; tree.sparsity.entries()],
+            loops: Vec::with_capacity(Rows::most(tree)),
+            closed: Schur::new(tree),
             known: Level::State,
             rpy: vec![None; model.roots.len()],
             energies: None,
             sensors: Sensors::new(model),
+            sampler: Sampler::new(model),
             named: NamedPairs::new(model),
         }
     }
@@ -97,6 +112,14 @@ impl Readout {
                 .update_velocities(ctx.tree, &state.physical.v);
         } else if self.known < Level::Forces {
             self.point.update(ctx, &state.physical, 0.0);
+            if ctx.tree.is_closed() {
+                // All rows have their share of the forces.
+                let kin = &mut self.point.kin;
+                kin.loops.keep_all();
+                kin.update_loops(ctx.tree);
+                kin.update_loop_bias(ctx.tree);
+                kin.loops.find_sums(ctx.tree, &state.physical.q);
+            }
         }
         if level >= Level::Accelerations && self.known < Level::Accelerations {
             self.accelerations(ctx, state);
@@ -114,6 +137,8 @@ impl Readout {
             O::JointPosition(..)
             | O::JointOrientation(..)
             | O::JointVelocity(..)
+            | O::SensorPosition(_)
+            | O::SensorVelocity(_)
             | O::Steps
             | O::Rejected
             | O::NewtonMax => Level::State,
@@ -141,7 +166,8 @@ impl Readout {
             | O::EnergyPotential
             | O::SensorOrientation(..)
             | O::SensorAngularVelocity(..)
-            | O::SensorDistance(..) => Level::Kinematics,
+            | O::SensorDistance(..)
+            | O::SensorHit(..) => Level::Kinematics,
             O::ContactActive(_)
             | O::ContactForce(..)
             | O::ContactPoint(..)
@@ -151,8 +177,16 @@ impl Readout {
             | O::PairNormal(..)
             | O::PairDepth(_)
             | O::PairSlipSpeed(_)
+            | O::SensorNormalForce(_)
+            | O::SensorPoint(..)
+            | O::SensorDepth(_)
+            | O::LoopGap(_)
+            | O::SpringForce(..)
+            | O::SpringLength(_)
             | O::JointEffort(_) => Level::Forces,
-            O::JointAcceleration(..) => Level::Accelerations,
+            O::JointAcceleration(..) | O::LoopForce(..) | O::LoopTorque(..) | O::LoopEffort(_) => {
+                Level::Accelerations
+            }
             O::SensorAcceleration(..) | O::SensorForce(..) | O::SensorTorque(..) => {
                 Level::BodyAccelerations
             }
@@ -161,6 +195,12 @@ impl Readout {
 
     /// Value of an output.
     pub fn read(&mut self, ctx: &Context, state: &State, slot: OutputSlot) -> f64 {
+        let measured = self.measured(ctx, state, slot);
+        measured.unwrap_or_else(|| self.read_now(ctx, state, slot))
+    }
+
+    /// Value of an output as it is at this moment, whatever a sensor makes of it.
+    fn read_now(&mut self, ctx: &Context, state: &State, slot: OutputSlot) -> f64 {
         use OutputSlot as O;
         self.prepare(ctx, state, Self::needed(ctx, state, slot));
         let (model, point) = (ctx.model, &self.point);
@@ -233,29 +273,26 @@ impl Readout {
             O::PairNormal(pair, axis) => self.pair_normal(pair)[axis as usize],
             O::PairDepth(pair) => self.pair_depth(pair),
             O::PairSlipSpeed(pair) => self.pair_slip_speed(pair),
+            O::LoopForce(..)
+            | O::LoopTorque(..)
+            | O::LoopEffort(_)
+            | O::LoopGap(_)
+            | O::SpringForce(..)
+            | O::SpringLength(_) => self.closure_output(ctx, slot),
             O::EnergyKinetic => self.energies(ctx, state)[0],
             O::EnergyPotential => self.energies(ctx, state)[1],
-            O::SensorOrientation(sensor, axis) => {
-                let (_, X) = sensor::pose(ctx, point, sensor.index());
-                quaternion(&X)[axis as usize]
-            }
-            O::SensorAngularVelocity(sensor, axis) => {
-                sensor::angular_velocity(ctx, point, sensor.index())[axis as usize]
-            }
-            O::SensorAcceleration(sensor, axis) => {
-                sensor::specific_force(ctx, point, &self.A, sensor.index())[axis as usize]
-            }
-            O::SensorTorque(sensor, axis) => {
-                let [torque, _] = self.sensors.wrench(ctx, point, &self.A, sensor.index());
-                torque[axis as usize]
-            }
-            O::SensorForce(sensor, axis) => {
-                let [_, force] = self.sensors.wrench(ctx, point, &self.A, sensor.index());
-                force[axis as usize]
-            }
-            O::SensorDistance(sensor, ray) => {
-                sensor::distance(ctx, point, sensor.index(), ray as usize)
-            }
+            O::SensorOrientation(..)
+            | O::SensorAngularVelocity(..)
+            | O::SensorAcceleration(..)
+            | O::SensorForce(..)
+            | O::SensorTorque(..)
+            | O::SensorDistance(..)
+            | O::SensorHit(..)
+            | O::SensorPosition(_)
+            | O::SensorVelocity(_)
+            | O::SensorNormalForce(_)
+            | O::SensorPoint(..)
+            | O::SensorDepth(_) => self.sensed(ctx, state, slot),
             O::Steps => count(state.stepping.counters.steps),
             O::Rejected => count(state.stepping.counters.rejected),
             O::NewtonMax => count(state.stepping.counters.newton_max),
@@ -363,6 +400,9 @@ impl Readout {
         for turn in &terms.turns {
             turn.act(&turn.force(&turn.relative(&kin.V)), F);
         }
+        for spring in &terms.springs {
+            spring.act(&spring.force(&spring.relative(&kin.V)), F);
+        }
         for (b, body) in tree.bodies.iter().enumerate().rev() {
             let f = F[b];
             if body.kind.is_base() {
@@ -379,6 +419,13 @@ impl Readout {
         self.factor.copy_from_slice(&kin.M);
         tree.sparsity.factor(&mut self.factor);
         tree.sparsity.solve(&self.factor, &mut self.vdot);
+        let (rows, factor) = (&kin.loops, &self.factor);
+        if !rows.is_empty() {
+            let closed = &mut self.closed;
+            closed.factor(tree, rows, |x| tree.sparsity.solve(factor, x));
+            let asked = |row: usize| -rows.bias[row];
+            closed.close((tree, rows), asked, &mut self.vdot, &mut self.loops);
+        }
     }
 }
 

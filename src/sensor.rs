@@ -1,7 +1,8 @@
-//! Sensors: inertial units, force–torque sensors in joints, rays to the ground.
+//! Sensors: inertial units and force–torque sensors in joints; rays are in `scan`.
 //!
-//! In: kinematics, accelerations and contacts of a state. Out: numbers in the sensor's own axes;
-//! ideal, without noise, delay or filter, at the moment of the state.
+//! In: kinematics, accelerations and contacts of a state. Out: numbers in the sensor's own axes, as
+//! they are at the moment of the state. Bias, noise and samples are added in
+//! [`crate::readout`].
 //!
 //! The specific force of an inertial unit is acceleration minus gravity, so it is 0 in free fall.
 //! The wrench in a joint is the rate of momentum of all links beyond it minus weight, contacts and
@@ -9,10 +10,16 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
+pub mod frame;
+pub mod noise;
+pub mod scan;
+
 use crate::model::{LinkId, Model, Sensor, SensorKind};
 use crate::slots::{InputSlot, ParameterSlot};
-use crate::spatial::{Pose, Vec3, Vec6, angular, linear, velocity_at};
+use crate::spatial::{Vec3, Vec6, angular, linear, velocity_at};
 use crate::step::point::{Context, Point};
+use frame::{link_pose, pose};
+use scan::Scans;
 
 /// Accelerations of bodies and wrenches in joints, computed when first read.
 #[derive(Clone, Debug)]
@@ -23,17 +30,19 @@ pub struct Sensors {
     /// sensor.
     wrench: Vec<Vec6>,
     has_wrenches: bool,
+    /// Distances along rays.
+    pub scans: Scans,
 }
 
 #[cfg(test)]
-crate::spoil::spoil!(Sensors: wrench; beyond has_wrenches);
+crate::spoil::spoil!(Sensors: wrench scans; beyond has_wrenches);
 
 impl Sensors {
     /// Buffers for a robot.
     pub fn new(model: &Model) -> Self {
         let sensors = &model.outputs.sensors;
         let beyond = |sensor: &Sensor| -> Vec<usize> {
-            let SensorKind::ForceTorque { joint } = sensor.kind else {
+            let SensorKind::ForceTorque { joint, .. } = sensor.kind else {
                 return Vec::new();
             };
             let child = model.joints[joint.index()].child.index();
@@ -49,15 +58,18 @@ impl Sensors {
             beyond: sensors.iter().map(beyond).collect(),
             wrench: vec![[0.0; 6]; sensors.len()],
             has_wrenches: false,
+            scans: Scans::new(model),
         }
     }
 
     /// The state, a parameter or an input has changed.
     pub fn invalidate(&mut self) {
         self.has_wrenches = false;
+        self.scans.invalidate();
     }
 
-    /// Wrench `[τ; f]` in the joint, about the child link's origin, sensor axes.
+    /// Wrench `[τ; f]` in the joint, about the child link's origin, sensor axes; of the parent on
+    /// the child unless the sensor tells the other.
     ///
     /// `point` is up to date with the state, forces included; `A` are the bodies' spatial
     /// accelerations about O.
@@ -71,7 +83,12 @@ impl Sensors {
             self.has_wrenches = true;
         }
         let (_, X) = pose(ctx, point, sensor);
-        let R_SW = X.R.transpose();
+        let mut R_SW = X.R.transpose();
+        if let SensorKind::ForceTorque { reversed: true, .. } =
+            ctx.model.outputs.sensors[sensor].kind
+        {
+            R_SW = -R_SW;
+        }
         let W = &self.wrench[sensor];
         [R_SW * angular(W), R_SW * linear(W)]
     }
@@ -160,41 +177,6 @@ fn wrench_beyond(ctx: &Context, point: &Point, A: &[Vec6], links: &[usize]) -> V
 pub fn angular_velocity(ctx: &Context, point: &Point, sensor: usize) -> Vec3 {
     let (body, X) = pose(ctx, point, sensor);
     X.R.transpose() * angular(&point.kin.V[body])
-}
-
-/// Pose of the sensor's frame: axes in the world, position from O. Needs poses.
-pub fn pose(ctx: &Context, point: &Point, sensor: usize) -> (usize, Pose) {
-    let sensor = &ctx.model.outputs.sensors[sensor];
-    let body = ctx.model.links[sensor.link.index()].body.index();
-    let X = link_pose(ctx, point, sensor.link.index()).compose(&sensor.X_LS);
-    (body, X)
-}
-
-/// Distance to the ground along a ray, m; the sensor's range where there is nothing within it.
-/// Needs poses.
-pub fn distance(ctx: &Context, point: &Point, sensor: usize, ray: usize) -> f64 {
-    let SensorKind::Ray { directions, range } = &ctx.model.outputs.sensors[sensor].kind else {
-        return 0.0;
-    };
-    if ctx.model.world.ground.is_none() {
-        return *range;
-    }
-    let (body, X) = pose(ctx, point, sensor);
-    let height = X.p.z + point.kin.origin(ctx.tree, body).z;
-    if height <= 0.0 {
-        return 0.0;
-    }
-    let fall = -(X.R * directions[ray]).z;
-    if fall * *range > height {
-        height / fall
-    } else {
-        *range
-    }
-}
-
-fn link_pose(ctx: &Context, point: &Point, link: usize) -> Pose {
-    let body = ctx.model.links[link].body.index();
-    point.kin.X[body].compose(&ctx.tree.link_pose[link])
 }
 
 /// Acceleration less gravity of the point of a body that is at `x` from O.

@@ -10,25 +10,30 @@
 //! | S102 | unknown key |
 //! | S103 | wrong type |
 //! | S104 | value outside its range |
-//! | S105 | not supported yet |
 //! | S106 | keys that contradict each other |
 //! | S107 | a key that must be there is missing |
 //! | S108 | the file cannot be read |
 
+mod closures;
 mod common;
 mod compat;
 mod fill;
 pub mod keys;
 mod reader;
 mod section;
+mod sensor;
+mod terrain;
 mod types;
 mod world;
 
+pub use closures::{LoopChoice, LoopSettings, SpringSettings};
 pub use compat::Compat;
+pub use sensor::{Errors, Fan, SensorSettings, SensorSettingsKind};
 pub use types::{
-    ActuatorSettings, BaseChoice, ContactOutputs, GroupSettings, InertiaSource, InitialSettings,
-    JointSettings, LinkSettings, ModeChoice, ObjectSettings, ObjectSource, PairSettings,
-    RobotSettings, SensorSettings, SensorSettingsKind, Settings, WheelFit,
+    ActuatorSettings, BaseChoice, ContactOutputs, FmuSettings, GeneratedHeights, GroupSettings,
+    HeightForm, HeightSource, InertiaSource, InitialSettings, JointSettings, LinkSettings,
+    ModeChoice, ObjectSettings, ObjectSource, PairSettings, RobotSettings, Settings,
+    TerrainSettings, WheelFit,
 };
 
 pub(crate) use fill::{STATIC_FRICTION_HELP, static_excess};

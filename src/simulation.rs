@@ -6,8 +6,7 @@
 pub use crate::slots::{Axis, InputSlot, OutputSlot, ParameterSlot};
 pub use crate::snapshot::{SavedStateError, Snapshot};
 
-use crate::dynamics::crba;
-use crate::initial::initial_state;
+use crate::closure::Gap;
 use crate::inputs::Inputs;
 use crate::model::Model;
 use crate::parameters::Parameters;
@@ -51,6 +50,8 @@ pub struct Simulation {
     start: f64,
     /// Whether [`Self::initialize`] has succeeded: fixed parameters no longer change.
     initialized: bool,
+    /// The widest loop that the initial state leaves open.
+    open: Option<(usize, Gap)>,
     /// Parameters have changed and nothing has been derived from them since.
     stale: bool,
 }
@@ -89,6 +90,19 @@ pub enum SimulationError {
         /// Tries that were allowed.
         most: f64,
     },
+    /// Loops that do not close in the initial state.
+    #[error(
+        "loop '{name}' cannot be closed from the initial state: {distance:.3e} m and {angle:.3e} rad \
+         are left; change initial positions, or the loop's origins"
+    )]
+    Open {
+        /// The widest of them.
+        name: String,
+        /// m, or that of a coupler in its own unit.
+        distance: f64,
+        /// rad
+        angle: f64,
+    },
     /// Bytes that are not a saved state of this model.
     #[error(transparent)]
     State(#[from] SavedStateError),
@@ -115,6 +129,7 @@ macro_rules! context {
 }
 
 mod advance;
+mod begin;
 
 impl Simulation {
     /// A robot with its default parameters and initial state; call [`Self::initialize`] before the
@@ -137,6 +152,7 @@ impl Simulation {
             importer_tolerance: 0.0,
             start: 0.0,
             initialized: false,
+            open: None,
             stale: false,
         };
         simulation.place();
@@ -200,13 +216,22 @@ impl Simulation {
     /// parameters. Before it, outputs follow parameters and inputs as set so far.
     ///
     /// # Errors
-    /// [`SimulationError::NotFinite`] if parameters are out of all proportion.
+    /// [`SimulationError::NotFinite`] if parameters are out of all proportion;
+    /// [`SimulationError::Open`] if loops do not close.
     pub fn initialize(&mut self, start: f64) -> Result<(), SimulationError> {
         self.start = start;
         self.place();
         let finite = self.state.is_finite() && self.tree.is_sound();
-        self.initialized = finite;
+        self.initialized = finite && self.open.is_none();
+        if let (Some((closure, gap)), true) = (self.open, finite) {
+            return Err(SimulationError::Open {
+                name: self.model.loops[closure].name.clone(),
+                distance: gap.distance,
+                angle: gap.angle,
+            });
+        }
         if finite {
+            self.sample();
             Ok(())
         } else {
             Err(SimulationError::NotFinite {
@@ -216,29 +241,12 @@ impl Simulation {
         }
     }
 
-    /// Derives everything from the parameters and puts the robot into its initial state.
-    fn place(&mut self) {
-        self.tree.renew(&self.model, &self.parameters);
-        self.state = initial_state(&self.model, &self.parameters, self.start);
-        self.scale_tree(&self.state.physical.q.clone());
-        for (index, last) in self.state.stepping.commands.iter_mut().enumerate() {
-            *last = self.inputs.values(index, 0.0);
+    /// Takes the samples of sensors that are due now.
+    fn sample(&mut self) {
+        if !self.state.stepping.samples.is_empty() {
+            let ctx = context!(self, applied);
+            self.readout.sample(&ctx, &mut self.state, self.start);
         }
-        self.inputs.gather(&self.model, &self.tree);
-        self.applied.copy_from(&self.inputs);
-        self.settle();
-        self.stale = false;
-        self.readout.invalidate();
-    }
-
-    /// Stiffness and error weights, which follow from the initial position.
-    fn scale_tree(&mut self, q: &[f64]) {
-        let kin = &mut self.readout.point.kin;
-        kin.update_poses(&self.tree, q);
-        crba::mass_matrix(&self.tree, kin);
-        let diagonal = |k| kin.M[self.tree.sparsity.diagonal(k)];
-        let inertia: Vec<f64> = (0..self.model.nv()).map(diagonal).collect();
-        self.tree.scale(&self.model, &inertia, &kin.X);
     }
 
     /// Whether `value` may be set, without setting it.
@@ -269,9 +277,19 @@ impl Simulation {
         }
     }
 
+    /// What follows from the inputs as a whole.
+    fn gather(&mut self) {
+        let inputs = &mut self.inputs;
+        inputs.gather(&self.model, &self.tree);
+        self.tree
+            .run_conveyors(|root| inputs.surface_velocity(root));
+    }
+
     /// What hangs on an input follows it. Outputs do not, once a simulation runs.
     fn input_changed(&mut self, slot: InputSlot) {
-        use InputSlot::{Effort, ExternalForce, ExternalTorque, MaxEffort, Position, Velocity};
+        use InputSlot::{
+            Effort, ExternalForce, ExternalTorque, MaxEffort, Position, SurfaceVelocity, Velocity,
+        };
         let model = &self.model;
         let body = match slot {
             Velocity(a) | Position(a) | Effort(a) | MaxEffort(a) => {
@@ -280,6 +298,13 @@ impl Simulation {
             ExternalForce(link, _) | ExternalTorque(link, _) => {
                 self.inputs.gather(model, &self.tree);
                 model.links[link.index()].body
+            }
+            SurfaceVelocity(root, _) => {
+                let inputs = &self.inputs;
+                self.tree
+                    .run_conveyors(|root| inputs.surface_velocity(root));
+                self.state.stepping.ahead.all_changed();
+                model.roots[root.index()].body
             }
         };
         let tree = model.root_of(body).index();
@@ -420,7 +445,7 @@ impl Simulation {
         if !same {
             self.place();
         }
-        self.inputs.gather(&self.model, &self.tree);
+        self.gather();
         self.applied.restore(&snapshot.applied);
         self.applied.gather(&self.model, &self.tree);
         self.state.copy_from(&snapshot.state);

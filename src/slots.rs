@@ -2,7 +2,7 @@
 //!
 //! Names and value references for the outside are given by [`crate::variables`].
 
-use crate::model::{ActuatorId, JointId, LinkId, PairId, RootId, SensorId};
+use crate::model::{ActuatorId, JointId, LinkId, LoopId, PairId, RootId, SensorId, SpringId};
 
 /// x, y, z or w of a vector or quaternion: 0, 1, 2, 3.
 pub type Axis = u8;
@@ -22,6 +22,8 @@ pub enum InputSlot {
     ExternalForce(LinkId, Axis),
     /// N·m, world axes.
     ExternalTorque(LinkId, Axis),
+    /// m/s, axes of the base of something that stands still: how fast its surface moves.
+    SurfaceVelocity(RootId, Axis),
 }
 
 /// A quantity that a user may set.
@@ -144,6 +146,18 @@ pub enum OutputSlot {
     PairDepth(PairId),
     /// m/s, how fast the sides slide on each other, weighted likewise.
     PairSlipSpeed(PairId),
+    /// N, of a loop on its first link at this moment, world axes.
+    LoopForce(LoopId, Axis),
+    /// N·m, likewise, about the loop's end on that link.
+    LoopTorque(LoopId, Axis),
+    /// N·m or N, of a coupler along its sum.
+    LoopEffort(LoopId),
+    /// m, or rad of a coupler of turning joints: how far a loop is open.
+    LoopGap(LoopId),
+    /// N, of a spring on its first link at this moment, world axes.
+    SpringForce(SpringId, Axis),
+    /// m
+    SpringLength(SpringId),
     /// J
     EnergyKinetic,
     /// J, of gravity, zero at world height 0.
@@ -158,8 +172,20 @@ pub enum OutputSlot {
     SensorForce(SensorId, Axis),
     /// N·m, about the child's origin, likewise.
     SensorTorque(SensorId, Axis),
-    /// m, to the ground along a ray (0, 1, …), or the sensor's range.
+    /// m, to the first thing along a ray (0, 1, …), or the sensor's range.
     SensorDistance(SensorId, u32),
+    /// What that thing is: 0 nothing, −1 the ground, else one more than the index of its link.
+    SensorHit(SensorId, u32),
+    /// rad or m, of an encoder's joint, in whole steps.
+    SensorPosition(SensorId),
+    /// rad/s or m/s, of an encoder: by how much its last two samples differ, per time.
+    SensorVelocity(SensorId),
+    /// N, sum of the normal forces on a contact sensor.
+    SensorNormalForce(SensorId),
+    /// m, sensor frame: where they act; 0 where nothing presses.
+    SensorPoint(SensorId, Axis),
+    /// m, the deepest overlap there.
+    SensorDepth(SensorId),
     /// Steps taken since the start.
     Steps,
     /// Steps rejected since the start.

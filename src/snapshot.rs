@@ -26,7 +26,7 @@ pub struct SavedStateError {
 }
 
 const MAGIC: &[u8; 4] = b"U2FS";
-const VERSION: u32 = 9;
+const VERSION: u32 = 10;
 
 /// Bytes of a saved touch: slot and numbers.
 const TOUCH: usize = 64;
@@ -129,7 +129,7 @@ impl Snapshot {
         let touches = usize::try_from(reader.integer()).ok()?;
         let loads = usize::try_from(reader.integer()).ok()?;
         let coefficients = usize::try_from(reader.integer()).ok()?;
-        let possible = touches.max(loads) <= model.contact_room()[0]
+        let possible = touches.max(loads) <= model.slots()
             && (coefficients == 0 || coefficients == COEFFICIENTS * (model.nq + model.nv()));
         let fits = || bytes.len() == fixed + TOUCH * touches + LOAD * loads + 8 * coefficients;
         (possible && fits()).then_some([touches, loads, coefficients])

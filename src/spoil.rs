@@ -145,16 +145,16 @@ spoil!(JointResponse: impulse stiffness effort;);
 spoil!(Touch: slot displacement turn bounce;);
 spoil!(Memory: touches motor dry;);
 spoil!(Trend: first whole;);
-spoil!(Responses: contacts points turns joints;);
-spoil!(Velocities: contacts points turns;);
+spoil!(Responses: contacts points turns joints springs;);
+spoil!(Velocities: contacts points turns springs;);
 spoil!(Physical: q v memory;);
-spoil!(Terms: contacts turns joints;);
+spoil!(Terms: contacts turns joints springs;);
 spoil!(Other: body from axes;);
 spoil!(
-    Contact: body other link other_link slot thickness mass normal points depth spring dissipation load tilting bounce duration
-    center radius drift mu friction;
+    Contact: body other link other_link slot thickness mass normal uneven points depth spring dissipation load tilting bounce duration
+    center radius drift rise carried mu friction;
 );
-spoil!(ContactPoint: corner x arm depth share load rim;);
+spoil!(ContactPoint: corner x normal arm depth share load rim;);
 
 spoil!(ContactSet: list points; pairs);
 spoil!(Stiffening: stiffness reference;);
@@ -191,4 +191,4 @@ impl Spoil for JointTerm {
     }
 }
 
-spoil!(Kinematics: origins X S V I composite M inverse_diagonal bias force C;);
+spoil!(Kinematics: origins X S V I composite M inverse_diagonal bias force C loops;);

@@ -9,7 +9,7 @@ pub mod ahead;
 
 use self::ahead::Ahead;
 use crate::force::{Memory, Touch};
-use crate::model::Model;
+use crate::model::{Model, Sensor};
 use crate::tuning::INITIAL_STEP;
 
 /// State of a robot. All quantities in SI units.
@@ -54,6 +54,9 @@ pub struct Stepping {
     pub last_step: f64,
     /// 1 for each tree that has rested all through the last communication step, else 0.
     pub rested: Vec<f64>,
+    /// What sensors with a rate hold: of each how many samples it has taken, the time of the last
+    /// one, s, and the values of its channels.
+    pub samples: Vec<f64>,
     /// Contact forces on what rests, by ascending slot.
     pub loads: Vec<Load>,
     /// The smooth steps under way.
@@ -158,6 +161,7 @@ macro_rules! fields {
             stepping.pair_impulse.$flat(),
             $one(& $($mutable)? stepping.last_step),
             & $($mutable)? stepping.rested,
+            & $($mutable)? stepping.samples,
             & $($mutable)? stepping.ahead.start,
             & $($mutable)? stepping.ahead.length,
             & $($mutable)? stepping.ahead.changed,
@@ -166,7 +170,7 @@ macro_rules! fields {
 }
 
 /// Length of the list of fields.
-pub const FIELDS: usize = 18;
+pub const FIELDS: usize = 19;
 
 impl Physical {
     /// All zero, quaternions at identity.
@@ -198,6 +202,7 @@ impl Physical {
 impl State {
     /// All zero, quaternions at identity.
     pub fn new(model: &Model) -> Self {
+        let sensors = &model.outputs.sensors;
         Self {
             time: 0.0,
             physical: Physical::new(model),
@@ -214,6 +219,7 @@ impl State {
                 pair_impulse: vec![[0.0; 3]; model.outputs.pairs.len()],
                 last_step: 0.0,
                 rested: vec![0.0; model.roots.len()],
+                samples: vec![0.0; sensors.iter().map(Sensor::held).sum()],
                 loads: Vec::with_capacity(model.contact_room()[0]),
                 ahead: Ahead::new(model),
             },

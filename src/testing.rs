@@ -22,6 +22,7 @@ use std::sync::Arc;
 #[path = "testing/random.rs"]
 pub mod random;
 
+// Loops.
 pub use random::Random;
 
 impl Random {
@@ -68,6 +69,8 @@ impl Builder {
             nq: motion.nq(),
             colliders: Vec::new(),
             apart: Vec::new(),
+            loops: Vec::new(),
+            springs: Vec::new(),
             actuators: Vec::new(),
             initial: Initial {
                 joint_positions: Vec::new(),

@@ -8,11 +8,14 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
+mod closure;
+mod closures;
 mod island;
 mod pairs;
 mod parts;
 mod scale;
 
+pub use closure::{Closure, ClosureKind, End, TreeSpring};
 pub use parts::{
     Actuators, Contacts, Dofs, DryFriction, Extent, Island, Span, Surface, Tree, TreeBody,
     TreeCollider, Turning, World, harmonic_mean,
@@ -55,6 +58,8 @@ impl Tree {
             pure: true,
             long: false,
             link_pose: Vec::new(),
+            closures: Vec::new(),
+            springs: Vec::new(),
             world: World {
                 gravity: Vec3::zeros(),
                 drag: model.world.drag,
@@ -92,6 +97,7 @@ impl Tree {
         for b in 0..tree.bodies.len() {
             tree.bodies[b].wheel = tree.is_wheel(b);
         }
+        tree.add_closures(model, &turned);
         tree.add_colliders(model, &turned, known);
         tree.sparsity = tree.pattern();
         tree.select_all();
@@ -175,6 +181,8 @@ impl Tree {
             coordinates: base.coordinate..base.coordinate,
             free: base.motion.kind().is_free(),
             pure: true,
+            closed: false,
+            tied: false,
             moving_mass: 0.0,
             reach: 0.0,
         });
@@ -256,10 +264,15 @@ impl Tree {
                     R: R_SB * collider.X_BG.R,
                     p: R_SB * collider.X_BG.p,
                 },
-                radius: collider.shape.bounding_radius(),
+                radius: if shape.is_terrain() {
+                    f64::INFINITY
+                } else {
+                    shape.bounding_radius()
+                },
                 own: Surface::default(),
                 ground: Surface::default(),
                 dissipation: link.dissipation.unwrap_or(self.contact.dissipation),
+                belt: Vec3::zeros(),
                 spring: Stiffening::default(),
                 faces,
                 solid,
@@ -272,10 +285,12 @@ impl Tree {
                 link.rolling_friction
                     .max(ground.map_or(0.0, |g| g.rolling_friction)),
             ];
-            // Half the robot at the shape's radius: a ball alone, or one wheel of four.
-            let radius = collider.shape.bounding_radius();
-            let inertia = 0.5 * mass * radius * radius;
-            turning.inertia = turning.inertia.max(inertia);
+            if moves {
+                // Half the robot at the shape's radius: a ball alone, or one wheel of four.
+                let radius = collider.shape.bounding_radius();
+                let inertia = 0.5 * mass * radius * radius;
+                turning.inertia = turning.inertia.max(inertia);
+            }
             self.contact.resists_turning |= turning.acts();
         }
         if others {

@@ -311,6 +311,32 @@ pub const ROUNDING_SHARE: f64 = 0.02;
 /// with which its corners take the shares that they have in this face: at 10° a face counts by a
 /// fiftieth.
 pub const FACING: u32 = 8;
+/// Angle by which terrain turns down from one cell to the next at a sample that carries a shape as
+/// a point does, rad. What is rounder is felt by the points of the shape.
+pub const RIDGE: f64 = 0.5;
+/// The same at a sample that carries nothing, rad: samples of a smooth hill are not felt by a wheel
+/// that rolls over it.
+pub const RIDGE_LEAST: f64 = 0.02;
+/// Parts of the way of a ray over a cell of heights at whose ends it is asked whether it is below:
+/// a bicubic surface may be crossed up to six times.
+pub const RAY_PARTS: u32 = 12;
+/// Halvings by which a ray finds the surface: to round-off.
+pub const RAY_HALVINGS: u32 = 52;
+/// Sine of the angle between two triangles of terrain below which their edge is even: 0.1°.
+pub const EVEN_EDGE: f64 = 1.7e-3;
+/// Sine of the angle beyond the directions of a crest from which on it no longer carries a shape
+/// with flat faces: a face that lies on the next triangle has the normal of that triangle,
+/// give or take round-off.
+pub const CREST_SLACK: f64 = 0.02;
+/// Iterations by which the place of terrain nearest to a ball is found. Always so many, so that it
+/// moves continuously.
+pub const NEAREST_ON_FIELD: usize = 4;
+/// Cells along the longer side of heights that are generated.
+pub const TERRAIN_CELLS: f64 = 100.0;
+/// The same at most.
+pub const FINEST_TERRAIN: f64 = 1000.0;
+/// Samples of terrain that one shape may lie on at a time: the deepest.
+pub const MOST_PEAKS: usize = 16;
 /// Angle that a contact turns by, rolling or drilling, before it gives way, under the load that its
 /// stiffness is made for, rad. The patch of a tyre or a rubber ball turns by more, that of a steel
 /// ball by less.
@@ -364,12 +390,16 @@ pub const SET_DOWN: f64 = 1e-10;
 /// Number of these steps: each leaves less than a third of what is missing.
 pub const SETTLING_STEPS: usize = 24;
 
-// Outputs: `readout/pair.rs`.
+// Outputs: `readout/pair.rs`, `readout/sample.rs`.
 
 /// Length of the mean of a pair's unit normals, weighted with the normal forces, below which they
 /// cancel: fingers that press from two sides with forces that differ by round-off have no common
 /// normal (`fingers_on_two_sides_of_a_cube_have_no_common_normal`).
 pub const OPPOSED: f64 = 1e-6;
+/// By how much of the time between two samples a sensor's sample may be early: times of
+/// communication points are sums, whose round-off would put it off to the next one. Test:
+/// `a_sensor_takes_one_sample_at_each_of_its_times`.
+pub const SAMPLE_EARLY: f64 = 1e-6;
 
 // The convex solve: `step/convex`.
 
@@ -384,3 +414,40 @@ pub const LINE_SEARCH_TOLERANCE: f64 = 0.1;
 pub const LINE_SEARCH_TRIALS: usize = 60;
 /// Share of the bracket at either end in which Newton's proposal gives way to bisection.
 pub const LINE_SEARCH_EDGE: f64 = 1e-3;
+
+// Closed loops: `closure`, `step/closing.rs`, `initial/closing.rs`.
+
+/// What is added to the diagonal of the matrix of the loops' forces, as a share of its mean
+/// diagonal: a thousand times round-off, so that rows that say the same twice share their force,
+/// and a thousandth of what would be seen of it (`redundant_rows_share_their_force`).
+pub const LOOP_COMPLIANCE: f64 = 1e-13;
+/// Share of the largest pivot below which a row of a loop says nothing new: ten thousand times
+/// round-off (`bricards_mechanism_moves_and_keeps_its_energy`).
+pub const SPARE: f64 = 1e-12;
+/// Least reach with which angles of a loop count, m: that of a tree.
+pub const LEAST_LEVER: f64 = 0.01;
+/// Gap to which positions are projected, m: ten times the round-off of a metre.
+pub const CLOSED: f64 = 1e-14;
+/// Gap that a step may leave, m; one that leaves more is tried again at half its length.
+pub const OPEN: f64 = 1e-10;
+/// Most tries to project positions. Two or three are needed; at a singular place, where the gap
+/// falls by a quarter in each, twenty.
+pub const PROJECTIONS: usize = 30;
+/// Way of a projection, m, beyond which the rows of velocities are found anew.
+pub const MOVED_ROWS: f64 = 1e-9;
+/// Most tries to take the velocity out of the rows; each leaves a millionth and less.
+pub const STOPPED: usize = 4;
+/// Most tries to close the initial pose from one start.
+pub const CLOSING_TRIES: usize = 200;
+/// Longest way of a degree of freedom in one try to close the initial pose, weighted, m.
+pub const CLOSING_WAY: f64 = 0.3;
+/// Gap up to which an initial pose counts as closed, m.
+pub const CLOSED_START: f64 = 1e-9;
+/// How much heavier a floating base is when the initial pose is closed: it stays where it has been
+/// put as long as joints can close the loops.
+pub const BASE_WEIGHT: f64 = 1e3;
+/// Starts that are tried to close the initial pose: the given one, and others nearby, because a
+/// stretched-out mechanism does not know which way to bend.
+pub const CLOSING_STARTS: usize = 12;
+/// How far the last of these is off, weighted, m.
+pub const CLOSING_SPREAD: f64 = 1.5;

@@ -2,8 +2,10 @@
 //! documentation use this one table.
 
 mod build;
+mod closures;
 mod outputs;
 mod row;
+mod sensors;
 mod settable;
 
 use crate::model::Model;
@@ -19,11 +21,13 @@ pub use row::{Kind, Slot, TableError, Unit, Variable};
 pub fn table(model: &Model) -> Result<Vec<Variable>, TableError> {
     let mut table = Table::new(model);
     table.inputs();
+    table.conveyors();
     table.base_outputs();
     table.joint_outputs();
     table.link_outputs();
     table.contact_outputs();
     table.pair_outputs();
+    table.closure_outputs();
     table.sensor_outputs();
     table.common_outputs();
     table.initial_parameters();

@@ -6,12 +6,15 @@ use std::cell::Cell;
 use std::path::Path;
 use std::sync::Arc;
 use urdf2fmu_core::geometry::Shape;
+use urdf2fmu_core::geometry::field::{Field, Samples};
 use urdf2fmu_core::geometry::pair::{Patch, Solid};
-use urdf2fmu_core::model::{ActuatorId, Model, PairId, RootId};
+use urdf2fmu_core::geometry::surface::{Surface, Triangles};
+use urdf2fmu_core::model::{ActuatorId, LoopId, Model, PairId, RootId};
 use urdf2fmu_core::settings::Settings;
 use urdf2fmu_core::simulation::{InputSlot, OutputSlot, ParameterSlot, Simulation};
 use urdf2fmu_core::spatial::{Pose, Vec3};
 use urdf2fmu_core::urdf::ReadOptions;
+use urdf2fmu_core::variables::{Slot, table};
 use urdf2fmu_core::{assemble, urdf};
 
 #[path = "acceptance/claim.rs"]
@@ -55,6 +58,36 @@ fn the_counting_allocator_counts_allocations() {
     assert_eq!(counted(|| drop(std::hint::black_box(vec![1, 2, 3]))), 1);
 }
 
+/// Rough heights about z = 0.
+fn hills() -> Shape {
+    let heights = (0..400).map(|i| 0.01 * libm::sin(1.7 * f64::from(i)));
+    let samples = Samples {
+        size: [0.4, 0.4],
+        counts: [20, 20],
+        heights: heights.collect(),
+    };
+    Shape::Field {
+        field: Arc::new(Field::try_from(samples).expect("a grid")),
+    }
+}
+
+/// Many narrow triangles with a ridge each.
+fn roof() -> Shape {
+    let at = |i: i32, y: f64| {
+        let x = f64::from(i) * 0.01 - 0.2;
+        Vec3::new(x, y, if i % 2 == 0 { 0.0 } else { 0.003 })
+    };
+    let strips = (0..40).flat_map(|i| {
+        let [a, b] = [at(i, -0.2), at(i + 1, -0.2)];
+        let [c, d] = [at(i + 1, 0.2), at(i, 0.2)];
+        [[a, b, c], [a, c, d]]
+    });
+    let triangles: Vec<_> = strips.collect();
+    Shape::Surface {
+        surface: Arc::new(Surface::try_from(Triangles::new(&triangles)).expect("triangles")),
+    }
+}
+
 /// Every pairing of shapes, over each other in places from apart to deep.
 #[test]
 fn a_contact_of_two_shapes_does_not_allocate() {
@@ -91,6 +124,8 @@ fn a_contact_of_two_shapes_does_not_allocate() {
         ),
         Solid::new(&Shape::Hull { vertices }, 3e-4),
         Solid::half_space(),
+        Solid::new(&hills(), 3e-4),
+        Solid::new(&roof(), 3e-4),
     ];
     let mut patch = Patch::new();
     let mut found = 0;
@@ -120,6 +155,12 @@ const BOUNCING: &str = "[world.ground]\nrestitution = 0.5\n";
 /// Every joint under a position servo, under a pd law, and pushed.
 const SERVO: &str = "[[actuator]]\njoint = \"*\"\nmode = \"position\"\n";
 const PD: &str = "[[actuator]]\njoint = \"*\"\nmode = \"pd\"\nkp = 50\nkd = 2\n";
+/// Sensors of every type, some of which err and hold.
+const SENSED: &str = "[[sensor]]\ntype = \"imu\"\nlink = \"base_link\"\nrate = 100\n\
+     angular_velocity.noise = [1e-3, 1e-3, 1e-3]\n[[sensor]]\ntype = \"ft\"\njoint = \"head_joint\"\n\
+     [[sensor]]\ntype = \"ray\"\nname = \"lidar\"\nlink = \"head\"\nrays = 90\nfov = 6\nrows = 3\n\
+     vertical_fov = 1\nhits = true\n[[sensor]]\ntype = \"encoder\"\nname = \"turn\"\njoint = \"head_joint\"\n\
+     counts = 512\nrate = 50\n[[sensor]]\ntype = \"contact\"\nname = \"tyre\"\nlink = \"left_front_wheel\"\n";
 const PUSHED: &str = "[[actuator]]\njoint = \"*\"\nmode = \"effort\"\n";
 
 #[test]
@@ -130,6 +171,7 @@ fn do_step_save_and_read_do_not_allocate() {
         ("rover", Some("")),
         ("rover", Some(ROUGH)),
         ("rover", Some(BOUNCING)),
+        ("rover", Some(SENSED)),
         ("arm", Some("")),
         ("arm", Some(SERVO)),
         ("arm", Some(PD)),
@@ -172,6 +214,34 @@ fn do_step_save_and_read_do_not_allocate() {
     );
 }
 
+/// The machines of `examples/worlds`, one of them on a spring, in explicit and implicit steps.
+#[test]
+fn closed_loops_and_springs_do_not_allocate() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/worlds");
+    let spring = "\n[[spring]]\nlinks = [\"bucket\", \"world\"]\nstiffness = 500\ndamping = 20\n";
+    let free = "\n[[actuator]]\njoint = \"*\"\nmode = \"effort\"\n";
+    for (name, more) in [
+        ("delta", ""),
+        ("delta", free),
+        ("excavator", ""),
+        ("excavator", spring),
+    ] {
+        let text = std::fs::read_to_string(folder.join(format!("{name}.toml")));
+        let text = text.expect("an example") + more;
+        let settings = Settings::parse(&text, "settings").expect("legal settings");
+        let file = folder.join(format!("{name}.urdf"));
+        let options = assemble::read_options(&settings, ReadOptions::default());
+        let description = urdf::read(&file, &options).expect("an example");
+        let model = assemble::build(&description, &settings)
+            .expect("an example")
+            .model;
+        for fixed in [0.0, 1.0 / 240.0] {
+            let count = allocations(&model, fixed, 0.0);
+            assert_eq!(count, 0, "{name}{more}, step size {fixed}");
+        }
+    }
+}
+
 /// Communication steps of a run.
 const STEPS: u32 = 720;
 
@@ -193,6 +263,14 @@ fn allocations(model: &Model, fixed: f64, slope: f64) -> usize {
     simulation.initialize(0.0).expect("a sound model");
     let mut saved = simulation.save();
     let pairs = model.outputs.pairs.len();
+    let rows = table(model).expect("no clash").into_iter();
+    let sensed: Vec<OutputSlot> = rows
+        .filter(|row| row.name.starts_with("sensor."))
+        .filter_map(|row| match row.slot {
+            Slot::Output(slot) => Some(slot),
+            _ => None,
+        })
+        .collect();
     counted(|| {
         for step in 1..=STEPS {
             for a in (0..actuators).map(ActuatorId::from) {
@@ -214,6 +292,14 @@ fn allocations(model: &Model, fixed: f64, slope: f64) -> usize {
                 .advance_to(f64::from(step) / 240.0)
                 .expect("finite");
             std::hint::black_box(simulation.output(OutputSlot::EnergyKinetic));
+            for slot in &sensed {
+                std::hint::black_box(simulation.output(*slot));
+            }
+            if !model.loops.is_empty() {
+                let first = LoopId(0);
+                std::hint::black_box(simulation.output(OutputSlot::LoopForce(first, 2)));
+                std::hint::black_box(simulation.output(OutputSlot::LoopGap(first)));
+            }
             for pair in (0..pairs).map(PairId::from) {
                 for slot in [
                     OutputSlot::PairActive(pair),

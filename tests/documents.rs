@@ -166,3 +166,35 @@ fn documents_name_files_and_tests_that_exist() {
         "documents name what does not exist: {missing:#?}"
     );
 }
+
+/// Texts of the sources that look like a code of a finding, in quotes.
+fn codes_in(text: &str) -> impl Iterator<Item = &str> {
+    text.split('"').filter(|word| {
+        let mut letters = word.chars();
+        word.len() == 4
+            && letters
+                .next()
+                .is_some_and(|letter| "ARSTU".contains(letter))
+            && letters.all(|letter| letter.is_ascii_digit())
+    })
+}
+
+#[test]
+fn every_code_of_the_sources_is_in_the_table_and_the_other_way_round() {
+    let (mut used, mut listed) = (HashSet::new(), HashSet::new());
+    for (name, text) in texts(&["rs"]) {
+        let table = name.ends_with("diagnostic/codes.rs");
+        let own = (name.starts_with("src/") || name.starts_with("build/src/"))
+            && !name.contains("/tests");
+        for code in codes_in(&text).map(str::to_owned) {
+            if table {
+                listed.insert(code);
+            } else if own {
+                used.insert(code);
+            }
+        }
+    }
+    let mut missing: Vec<_> = used.symmetric_difference(&listed).collect();
+    missing.sort();
+    assert!(listed.len() > 100 && missing.is_empty(), "{missing:?}");
+}

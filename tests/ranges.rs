@@ -143,6 +143,10 @@ fn settings_with(key: &Key, value: f64) -> String {
     };
     let value = match key.takes {
         Takes::Numbers(count, ..) => format!("[{}]", vec![number; count].join(", ")),
+        Takes::Vectors(count, _) => {
+            let vector = format!("[{}]", vec![number; 3].join(", "));
+            format!("[{}]", vec![vector; count].join(", "))
+        }
         _ => number,
     };
     let path = key.path;
@@ -165,13 +169,55 @@ fn settings_with(key: &Key, value: f64) -> String {
         let mass = if name == "mass" { "" } else { "mass = 1\n" };
         return format!("[[world.object]]\nname = \"thing\"\n{shape}\n{mass}{name} = {value}\n");
     }
+    if let Some(key) = path.strip_prefix("loop[].") {
+        let (kind, of) = match key {
+            "ratio" => (
+                "gear",
+                "joints = [\"head_joint\", \"left_front_wheel_joint\"]",
+            ),
+            "factors" => ("coupler", "joints = [\"head_joint\"]"),
+            "sum" => ("coupler", "joints = [\"head_joint\"]\nfactors = [1]"),
+            "length" => ("distance", "links = [\"head\", \"left_front_wheel\"]"),
+            "axes" => ("hinge", "links = [\"head\", \"left_front_wheel\"]"),
+            _ => ("weld", "links = [\"head\", \"left_front_wheel\"]"),
+        };
+        return format!("[[loop]]\ntype = \"{kind}\"\n{of}\n{key} = {value}\n");
+    }
+    if path.starts_with("spring[]") {
+        let stiffness = if name == "stiffness" {
+            ""
+        } else {
+            "stiffness = 100\n"
+        };
+        return format!(
+            "[[spring]]\nlinks = [\"head\", \"left_front_wheel\"]\n{stiffness}{name} = {value}\n"
+        );
+    }
+    if let Some(key) = path.strip_prefix("world.terrain[].") {
+        let kind = match key {
+            "scale" => "type = \"mesh\"\nfile = \"a.stl\"",
+            "size" => "type = \"heightfield\"\ngenerate = \"noise\"",
+            _ => "type = \"heightfield\"\ngenerate = \"noise\"\nsize = [2, 2]",
+        };
+        return format!("[[world.terrain]]\nname = \"a\"\n{kind}\n{key} = {value}\n");
+    }
     if path.starts_with("world.robot[]") {
         return format!("[[world.robot]]\nname = \"a\"\nurdf = \"a\"\n{name} = {value}\n");
     }
-    if path.starts_with("sensor[]") {
-        return format!(
-            "[[sensor]]\ntype = \"ray\"\nlink = \"head\"\nrays = 3\n{name} = {value}\n"
-        );
+    if let Some(key) = path.strip_prefix("sensor[].") {
+        let (kind, on) = match key.split('.').next().unwrap() {
+            "angular_velocity" | "linear_acceleration" => ("imu", "link = \"head\""),
+            "force" | "torque" => ("ft", "joint = \"head_joint\""),
+            "counts" => ("encoder", "joint = \"head_joint\""),
+            "size" => ("contact", "link = \"head\""),
+            _ => ("ray", "link = \"head\"\nrays = 3\nrows = 3\nrange = 1e6"),
+        };
+        let on = match key {
+            "range" => on.replace("\nrange = 1e6", ""),
+            _ => on.to_owned(),
+        };
+        let rate = if key == "rate" { "" } else { "rate = 10\n" };
+        return format!("[[sensor]]\ntype = \"{kind}\"\n{on}\n{rate}{key} = {value}\n");
     }
     if path.starts_with("joint.*.limits") {
         return format!("[joint.head_joint]\nlimits = {{ {name} = {value} }}\n");

@@ -6,11 +6,16 @@
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
 use std::path::{Path, PathBuf};
-use urdf2fmu_core::diagnostic::Severity;
+use std::sync::Arc;
+use urdf2fmu_core::assemble;
+use urdf2fmu_core::diagnostic::{Diagnostic, Severity};
 use urdf2fmu_core::geometry::Shape;
 use urdf2fmu_core::model::{ActuatorMode, JointKind, Limits};
+use urdf2fmu_core::settings::Settings;
+use urdf2fmu_core::simulation::Simulation;
 use urdf2fmu_core::spatial::{Mat3, Vec3};
 use urdf2fmu_core::urdf::{Description, ReadOptions, read, read_str};
+use urdf2fmu_core::variables::{Slot, find, table};
 
 fn robots() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/robots")
@@ -420,4 +425,30 @@ fn names_of_any_characters_are_read_unchanged() {
             (name, 0)
         );
     }
+}
+
+/// `tests/robots/sensors.urdf`, up to the numbers that its sensors give.
+#[test]
+fn sensors_of_a_file_are_read_on_request_and_measure() {
+    let text = "robot.sensors = \"urdf\"\nrobot.base = \"fixed\"\ninitial.xyz = [0, 0, 1]\n";
+    let settings = Settings::parse(text, "s.toml").expect("legal settings");
+    let options = assemble::read_options(&settings, ReadOptions::default());
+    let description = read(&robots().join("sensors.urdf"), &options).expect("a robot");
+    let names: Vec<_> = description.sensors.iter().map(|s| &s.name.text).collect();
+    assert_eq!(names, ["lidar", "imu", "bumper", "load", "laser"]);
+    let left_out = |d: &&Diagnostic| d.code == "U022" && d.message.contains("'camera'");
+    assert_eq!(description.diagnostics.iter().filter(left_out).count(), 1);
+    let model = assemble::build(&description, &settings).expect("a model");
+    let rows = table(&model.model).expect("no clash");
+    let mut simulation = Simulation::new(Arc::new(model.model));
+    simulation.initialize(0.0).expect("a sound model");
+    let mut value = |name: &str| match find(&rows, name).expect(name).slot {
+        Slot::Output(slot) => simulation.output(slot),
+        _ => panic!("{name} is no output"),
+    };
+    // Bias upwards; the mast of 0.5 kg hangs on its weld.
+    assert!((value("sensor.imu.linear_acceleration.z") - 9.91).abs() < 1e-12);
+    assert!((value("sensor.load.force.z") - 0.5 * 9.81).abs() < 1e-12);
+    assert!(value("sensor.lidar.ray[2,9]") > 7.9);
+    assert!((value("sensor.laser.ray[3]") - 10.0).abs() < 1e-12);
 }

@@ -84,6 +84,18 @@ pub enum ArchiveError {
         /// Why.
         source: std::io::Error,
     },
+    /// What a file in it unpacks to.
+    #[error(
+        "'{}' is refused: '{name}' unpacks to more than any FMU holds ({} MB for modelDescription.xml, \
+         {} MB for another file, {} MB together)",
+        path.display(), LARGEST_DESCRIPTION >> 20, LARGEST_ENTRY >> 20, LARGEST_FMU >> 20
+    )]
+    Bomb {
+        /// The file.
+        path: PathBuf,
+        /// The entry that goes beyond it.
+        name: String,
+    },
     /// The file could not be read.
     #[error("cannot read '{}': {source}", path.display())]
     Read {
@@ -175,6 +187,15 @@ impl Archive {
     }
 }
 
+/// What a modelDescription.xml may unpack to, bytes: a million variables need a third of it.
+const LARGEST_DESCRIPTION: u64 = 512 << 20;
+
+/// What any other file may unpack to, bytes.
+const LARGEST_ENTRY: u64 = 1 << 30;
+
+/// What all files together may unpack to, bytes.
+const LARGEST_FMU: u64 = 4 << 30;
+
 /// One entry of a zip on disk; none where it has no such entry.
 ///
 /// # Errors
@@ -196,7 +217,14 @@ pub fn read_entry(path: &Path, name: &str) -> Result<Option<Vec<u8>>, ArchiveErr
         Err(source) => return Err(unpack(source)),
     };
     let mut bytes = Vec::new();
-    entry.read_to_end(&mut bytes).map_err(io)?;
+    let mut limited = (&mut entry).take(LARGEST_ENTRY + 1);
+    limited.read_to_end(&mut bytes).map_err(io)?;
+    if bytes.len() as u64 > LARGEST_ENTRY {
+        return Err(ArchiveError::Bomb {
+            path: path.to_owned(),
+            name: name.to_owned(),
+        });
+    }
     Ok(Some(bytes))
 }
 
@@ -234,7 +262,40 @@ pub fn unpack(path: &Path, folder: &Path) -> Result<(), ArchiveError> {
         path: path.to_owned(),
         source,
     })?;
-    let unpacked = zip::ZipArchive::new(file).and_then(|mut zip| zip.extract(folder));
+    let mut zip = zip::ZipArchive::new(file).map_err(|source| ArchiveError::Unpack {
+        path: path.to_owned(),
+        source,
+    })?;
+    // The sizes that the directory tells may be wrong: every byte is counted.
+    let mut left = LARGEST_FMU;
+    for i in 0..zip.len() {
+        let unpack = |source| ArchiveError::Unpack {
+            path: path.to_owned(),
+            source,
+        };
+        let mut entry = zip.by_index(i).map_err(unpack)?;
+        let name = entry.name().unwrap_or_default().into_owned();
+        let own = if name == "modelDescription.xml" {
+            LARGEST_DESCRIPTION
+        } else {
+            LARGEST_ENTRY
+        };
+        let most = left.min(own);
+        let mut limited = (&mut entry).take(most + 1);
+        let size = std::io::copy(&mut limited, &mut std::io::sink());
+        match size {
+            Ok(size) if size > most => {
+                return Err(ArchiveError::Bomb {
+                    path: path.to_owned(),
+                    name,
+                });
+            }
+            Ok(size) => left -= size,
+            // The reader says below what is wrong with it.
+            Err(_) => break,
+        }
+    }
+    let unpacked = zip.extract(folder);
     unpacked.map_err(|source| match source {
         zip::result::ZipError::Io(source) => ArchiveError::Extract {
             path: path.to_owned(),

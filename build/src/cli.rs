@@ -1,14 +1,16 @@
 //! The command line and its options. [`crate::commands`] executes it.
 
 mod object;
+mod values;
 
 use crate::picture::{self, Look, Toward};
 use crate::stage::Request;
+use crate::world::Packages;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::{Path, PathBuf};
 use urdf2fmu_core::model::ActuatorMode;
-use urdf2fmu_core::range::Range;
 use urdf2fmu_core::settings::{BaseChoice, Compat, InertiaSource, ObjectSettings};
+use values::{density, factor, package, place, rate, size, speed, tolerance, xacro_argument};
 
 /// Any URDF robot in, a self-contained FMI 2.0 co-simulation FMU out.
 #[derive(Debug, Parser)]
@@ -46,6 +48,12 @@ pub(crate) enum Command {
                       --stop-time 2 --output-file rover.csv"
     )]
     Simulate(Simulate),
+    /// Expand a file in xacro to a URDF, without Python
+    #[command(after_help = "Example: urdf2fmu expand arm.urdf.xacro name:=left > arm.urdf")]
+    Expand(Expand),
+    /// Explain a finding by its code
+    #[command(after_help = "Example: urdf2fmu explain U063")]
+    Explain(Explain),
     /// Show a robot live in a browser: drive it, push it, pause it
     #[command(after_help = "Example: urdf2fmu view rover.urdf")]
     View(View),
@@ -72,8 +80,14 @@ pub(crate) struct Source {
     /// Rotational inertia: from the file, or recomputed
     #[arg(long, value_name = "SOURCE")]
     pub(crate) inertia: Option<Inertia>,
+    /// Sensors that the file describes: left out, or read
+    #[arg(long, value_name = "SOURCE")]
+    pub(crate) sensors: Option<Sensors>,
+    /// kg/m³, of links that the file gives no mass: they weigh what their collision shapes weigh
+    #[arg(long, value_name = "DENSITY", value_parser = density, allow_negative_numbers = true)]
+    pub(crate) density: Option<f64>,
     /// Factor on every length; masses stay
-    #[arg(long, value_name = "FACTOR", value_parser = factor)]
+    #[arg(long, value_name = "FACTOR", value_parser = factor, allow_negative_numbers = true)]
     pub(crate) scale: Option<f64>,
     /// Names of variables: `joint.elbow.position` or `joint_elbow_position`
     #[arg(long, value_name = "STYLE")]
@@ -87,6 +101,9 @@ pub(crate) struct Source {
     /// Folder to look in for `package://`; may be repeated
     #[arg(long = "package-path", value_name = "DIR")]
     pub(crate) package_paths: Vec<PathBuf>,
+    /// Folder of one package, for `package://NAME/…`; may be repeated
+    #[arg(long = "package", value_name = "NAME=DIR", value_parser = package)]
+    pub(crate) packages: Vec<(String, PathBuf)>,
     /// Something else in the world: a URDF, and where its base is in m and rad; without z it stands
     /// on the ground; may be repeated
     #[arg(long = "object", value_name = "FILE[@X,Y[,Z[,ROLL,PITCH,YAW]]]", value_parser = object::parse)]
@@ -119,35 +136,19 @@ pub(crate) enum Inertia {
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
+pub(crate) enum Sensors {
+    /// Only those of the settings
+    None,
+    /// `<sensor>` and `<gazebo><sensor>`, too
+    Urdf,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
 pub(crate) enum Conventions {
     /// None but ours
     None,
     /// PyBullet's: inertia, masses, friction, motors, step, drag
     Pybullet,
-}
-
-/// `name:=value`.
-fn xacro_argument(text: &str) -> Result<String, String> {
-    match text.split_once(":=") {
-        Some((name, _)) if !name.is_empty() && !name.starts_with('-') => Ok(text.to_owned()),
-        _ => Err("arguments of xacro are written name:=value".to_owned()),
-    }
-}
-
-/// A number of a range.
-fn number(range: Range, text: &str) -> Result<f64, String> {
-    match text.parse() {
-        Ok(number) if range.contains(number) => Ok(number),
-        _ => Err(format!("must be {}", range.expected())),
-    }
-}
-
-fn factor(text: &str) -> Result<f64, String> {
-    number(Range::Scale, text)
-}
-
-fn tolerance(text: &str) -> Result<f64, String> {
-    number(Range::Tolerance, text)
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -214,6 +215,29 @@ pub(crate) struct Init {
 }
 
 #[derive(Debug, Args)]
+pub(crate) struct Expand {
+    /// The file in xacro
+    #[arg(value_name = "ROBOT.xacro")]
+    pub(crate) file: PathBuf,
+    /// Folder to look in for `$(find …)`; may be repeated
+    #[arg(long = "package-path", value_name = "DIR")]
+    pub(crate) package_paths: Vec<PathBuf>,
+    /// Folder of one package; may be repeated
+    #[arg(long = "package", value_name = "NAME=DIR", value_parser = package)]
+    pub(crate) packages: Vec<(String, PathBuf)>,
+    /// Its arguments
+    #[arg(value_name = "NAME:=VALUE", value_parser = xacro_argument)]
+    pub(crate) xacro_arguments: Vec<String>,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Explain {
+    /// Such as U063; without it all are listed
+    #[arg(value_name = "CODE")]
+    pub(crate) code: Option<String>,
+}
+
+#[derive(Debug, Args)]
 pub(crate) struct Picture {
     /// A URDF, or an FMU made by urdf2fmu
     #[arg(value_name = "ROBOT.urdf|ROBOT.fmu")]
@@ -225,7 +249,7 @@ pub(crate) struct Picture {
     #[arg(long, value_name = "FILE.csv")]
     pub(crate) run: Option<PathBuf>,
     /// Pictures of the run a second
-    #[arg(long, value_name = "HZ", value_parser = rate, default_value = "20")]
+    #[arg(long, value_name = "HZ", value_parser = rate, default_value = "20", allow_negative_numbers = true)]
     pub(crate) rate: f64,
     /// Width and height in pixels, or one number for both [default: 512, of a run 320x240]
     #[arg(long, value_name = "WxH", value_parser = size)]
@@ -255,66 +279,6 @@ pub(crate) enum Theme {
     Light,
     /// A dark floor with a grid
     Dark,
-}
-
-/// Longest side of a picture, pixels.
-const LONGEST_SIDE: usize = 4096;
-
-/// `640x480`, or `512` for a square.
-fn size(text: &str) -> Result<[usize; 2], String> {
-    let side = |text: &str| {
-        let side = text.trim().parse::<usize>().ok();
-        side.filter(|side| (16..=LONGEST_SIDE).contains(side))
-    };
-    let (width, height) = text.split_once(['x', 'X', '×']).unwrap_or((text, text));
-    side(width)
-        .and_then(|width| Some([width, side(height)?]))
-        .ok_or_else(|| {
-            format!(
-                "give width x height in pixels, or one number for both, each 16 to {LONGEST_SIDE}, \
-                 such as 640x480"
-            )
-        })
-}
-
-/// Pictures a second.
-fn rate(text: &str) -> Result<f64, String> {
-    match text.parse() {
-        Ok(rate) if (1.0..=60.0).contains(&rate) => Ok(rate),
-        _ => Err("must be 1 to 60".to_owned()),
-    }
-}
-
-/// A named place, or azimuth and elevation.
-fn place(text: &str) -> Result<Toward, String> {
-    let at = |azimuth, elevation| Toward { azimuth, elevation };
-    Ok(match text {
-        // Robots look along x.
-        "front" => at(0.0, 8.0),
-        "back" => at(180.0, 8.0),
-        "left" => at(90.0, 8.0),
-        "right" => at(-90.0, 8.0),
-        "top" => at(-90.0, 89.0),
-        "corner" => Look::default().from,
-        _ => {
-            let number = |text: &str| text.trim().parse::<f64>().ok().filter(|x| x.is_finite());
-            let numbers = text
-                .split_once(',')
-                .and_then(|(azimuth, elevation)| Some((number(azimuth)?, number(elevation)?)));
-            match numbers {
-                Some((azimuth, elevation)) if azimuth.abs() <= 360.0 && elevation.abs() <= 90.0 => {
-                    at(azimuth, elevation)
-                }
-                _ => {
-                    return Err(
-                        "give front, back, left, right, top, corner, or azimuth (-360 … 360) and \
-                         elevation (-90 … 90) in degrees, such as 120,15"
-                            .to_owned(),
-                    );
-                }
-            }
-        }
-    })
 }
 
 impl Picture {
@@ -380,10 +344,10 @@ pub(crate) struct Simulate {
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     pub(crate) stop_time: Option<f64>,
     /// Communication step, s [default: the FMU's]
-    #[arg(long, value_name = "S")]
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
     pub(crate) output_interval: Option<f64>,
     /// Relative tolerance [default: the FMU's]
-    #[arg(long, value_name = "TOL", value_parser = tolerance)]
+    #[arg(long, value_name = "TOL", value_parser = tolerance, allow_negative_numbers = true)]
     pub(crate) tolerance: Option<f64>,
     /// Tell the FMU the slopes of its inputs, too: they then change within the steps
     #[arg(long)]
@@ -422,7 +386,7 @@ pub(crate) struct View {
     #[arg(long)]
     pub(crate) no_open: bool,
     /// Simulated seconds for each second
-    #[arg(long, value_name = "FACTOR", value_parser = speed, default_value = "1")]
+    #[arg(long, value_name = "FACTOR", value_parser = speed, default_value = "1", allow_negative_numbers = true)]
     pub(crate) speed: f64,
     /// Inputs over time: CSV, `time` first, then inputs by name; straight lines between the rows
     #[arg(long, value_name = "FILE.csv")]
@@ -432,13 +396,6 @@ pub(crate) struct View {
     pub(crate) record: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) source: Source,
-}
-
-/// A speed of `view`.
-fn speed(text: &str) -> Result<f64, String> {
-    let number = text.parse::<f64>().ok();
-    let number = number.filter(|x| (0.01..=100.0).contains(x));
-    number.ok_or_else(|| "must be 0.01 … 100".to_owned())
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -473,14 +430,19 @@ impl Source {
                 Conventions::None => Compat::None,
                 Conventions::Pybullet => Compat::PyBullet,
             }),
+            sensors: self.sensors.map(|from| matches!(from, Sensors::Urdf)),
             pushable: false,
+            density: self.density,
             scale: self.scale,
             flat_names: self
                 .naming
                 .map(|naming| matches!(naming, NamingStyle::Flat)),
             srdf: self.srdf.clone(),
             initial_state: self.initial_state.clone(),
-            package_paths: self.package_paths.clone(),
+            packages: Packages {
+                paths: self.package_paths.clone(),
+                named: self.packages.clone(),
+            },
             xacro_arguments: self.xacro_arguments.clone(),
             objects: self.objects.clone(),
         }

@@ -7,19 +7,21 @@ mod see;
 mod shared;
 mod simulate;
 
-use shared::is_fmu;
 pub use shared::{CliError, print_findings};
+use shared::{is_fmu, refuse_other_kinds};
 
-use crate::cli::{Check, Cli, Command, Deny, Export, Info, Init, Picture};
+use crate::cli::{Check, Cli, Command, Deny, Expand, Explain, Export, Info, Init, Picture};
 use crate::diagnostics::{self, Style};
 use crate::output::{Target, print};
 use crate::scene::{self, Scene};
 use crate::stage::{self, Robot, StageError};
-use crate::{archive, info, init, library, picture, summary};
+use crate::{archive, info, init, library, picture, summary, xacro};
 use serde_json::json;
 use std::path::PathBuf;
 use urdf2fmu_core::diagnostic::Severity;
+use urdf2fmu_core::diagnostic::codes;
 use urdf2fmu_core::prepared::{FILE_NAME, PreparedModel};
+use urdf2fmu_core::urdf::ReadOptions;
 use urdf2fmu_core::variables;
 
 /// Does what was asked.
@@ -36,10 +38,18 @@ pub fn run(cli: &Cli) -> Result<(), CliError> {
         Command::Report(args) => see::report(args),
         Command::Simulate(args) => simulate::simulate(args),
         Command::View(args) => see::view(args),
+        Command::Expand(args) => expand(args),
+        Command::Explain(args) => explain(args),
     }
 }
 
 fn export(args: &Export) -> Result<(), CliError> {
+    refuse_other_kinds(&args.urdf)?;
+    if is_fmu(&args.urdf) {
+        let path = args.urdf.clone();
+        let kind = "an FMU already: export takes the URDF; urdf2fmu simulate runs an FMU";
+        return Err(CliError::Kind { path, kind });
+    }
     let robot = stage::robot(&args.source.request(&args.urdf))?;
     print_findings(&robot.diagnostics, Severity::Warning)?;
     let output = args.output.clone().unwrap_or_else(|| {
@@ -54,6 +64,7 @@ fn export(args: &Export) -> Result<(), CliError> {
 }
 
 fn show(args: &Info) -> Result<(), CliError> {
+    refuse_other_kinds(&args.file)?;
     let (model, table, platforms) = if is_fmu(&args.file) {
         let path = args.file.clone();
         let Some(bytes) = archive::read_entry(&path, &format!("resources/{FILE_NAME}"))? else {
@@ -103,7 +114,35 @@ fn init(args: &Init) -> Result<(), CliError> {
     Ok(())
 }
 
+fn expand(args: &Expand) -> Result<(), CliError> {
+    let mut options = ReadOptions::from_environment();
+    options
+        .package_paths
+        .splice(0..0, args.package_paths.iter().cloned());
+    options.packages.clone_from(&args.packages);
+    let expanded = xacro::expand(&args.file, &args.xacro_arguments, &options);
+    let expanded = expanded.map_err(|finding| StageError::Robot(vec![*finding]))?;
+    print(&expanded.text)?;
+    Ok(())
+}
+
+fn explain(args: &Explain) -> Result<(), CliError> {
+    let Some(code) = &args.code else {
+        print(&codes::list())?;
+        return Ok(());
+    };
+    let found = codes::text(code).ok_or_else(|| CliError::Code { code: code.clone() })?;
+    print(&found)?;
+    Ok(())
+}
+
 fn check(args: &Check) -> Result<(), CliError> {
+    refuse_other_kinds(&args.urdf)?;
+    if is_fmu(&args.urdf) {
+        let path = args.urdf.clone();
+        let kind = "an FMU: check takes the URDF; urdf2fmu info shows what is in an FMU";
+        return Err(CliError::Kind { path, kind });
+    }
     let findings = match stage::robot(&args.source.request(&args.urdf)) {
         Ok(Robot { diagnostics, .. }) => diagnostics,
         Err(StageError::Robot(findings)) => findings,

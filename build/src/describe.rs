@@ -15,6 +15,7 @@ use quick_xml::events::{BytesDecl, Event};
 use std::collections::BTreeSet;
 use std::io;
 use urdf2fmu_core::model::Model;
+use urdf2fmu_core::settings::FmuSettings;
 use urdf2fmu_core::variables::{Kind, Slot, Unit, Variable};
 
 /// Seconds of the default experiment.
@@ -58,6 +59,8 @@ pub struct Header<'a> {
     pub date: &'a str,
     /// One sentence.
     pub description: &'a str,
+    /// Who made it, and how long it runs by default.
+    pub about: &'a FmuSettings,
 }
 
 /// A table that FMI forbids; a defect of this program, not of the robot.
@@ -123,12 +126,26 @@ pub fn model_description(
     } else {
         "structured"
     };
-    xml.create_element("fmiModelDescription")
-        .with_attribute(("fmiVersion", "2.0"))
+    let mut root = xml.create_element("fmiModelDescription");
+    let about = header.about;
+    for (name, text) in [
+        ("author", &about.author),
+        ("version", &about.version),
+        ("copyright", &about.copyright),
+    ] {
+        if let Some(text) = text {
+            root = root.with_attribute((name, clean(text).as_str()));
+        }
+    }
+    let license = about
+        .license
+        .as_deref()
+        .unwrap_or("See documentation/licenses/license.txt");
+    root.with_attribute(("fmiVersion", "2.0"))
         .with_attribute(("modelName", clean(header.model_name).as_str()))
         .with_attribute(("guid", header.guid))
         .with_attribute(("description", clean(header.description).as_str()))
-        .with_attribute(("license", "See documentation/licenses/license.txt"))
+        .with_attribute(("license", clean(license).as_str()))
         .with_attribute(("generationTool", tool))
         .with_attribute(("generationDateAndTime", header.date))
         .with_attribute(("variableNamingConvention", naming))
@@ -150,7 +167,10 @@ pub fn model_description(
             )?;
             xml.create_element("DefaultExperiment")
                 .with_attribute(("startTime", "0"))
-                .with_attribute(("stopTime", number(STOP_TIME).as_str()))
+                .with_attribute((
+                    "stopTime",
+                    number(about.stop_time.unwrap_or(STOP_TIME)).as_str(),
+                ))
                 .with_attribute(("tolerance", number(TOLERANCE).as_str()))
                 .with_attribute(("stepSize", number(STEP_SIZE).as_str()))
                 .write_empty()?;
@@ -240,7 +260,7 @@ fn unit_definitions(xml: &mut Writer<Vec<u8>>, table: &[Variable]) -> io::Result
                         base = base.with_attribute((*symbol, exponent.to_string().as_str()));
                     }
                     base.write_empty()?;
-                    if let Some((name, factor)) = facts.display {
+                    for &(name, factor) in facts.display {
                         xml.create_element("DisplayUnit")
                             .with_attribute(("name", name))
                             .with_attribute(("factor", number(factor).as_str()))
@@ -267,7 +287,7 @@ fn type_definitions(xml: &mut Writer<Vec<u8>>, table: &[Variable]) -> io::Result
                         .create_element("Real")
                         .with_attribute(("quantity", facts.quantity))
                         .with_attribute(("unit", facts.name));
-                    if let Some((display, _)) = facts.display {
+                    if let Some(&(display, _)) = facts.display.first() {
                         real = real.with_attribute(("displayUnit", display));
                     }
                     real.write_empty()?;
@@ -303,7 +323,7 @@ fn scalar_variable(xml: &mut Writer<Vec<u8>>, v: &Variable) -> io::Result<()> {
             value = value
                 .with_attribute(("declaredType", facts.quantity))
                 .with_attribute(("unit", facts.name));
-            if let Some((display, _)) = facts.display {
+            if let Some(&(display, _)) = facts.display.first() {
                 value = value.with_attribute(("displayUnit", display));
             }
         }
@@ -343,8 +363,8 @@ pub fn variability(v: &Variable) -> &'static str {
     match (v.slot, v.kind) {
         (Slot::Parameter(slot), _) if slot.tunable() => "tunable",
         (Slot::Parameter(_), _) => "fixed",
-        (_, Kind::Real) => "continuous",
-        (_, Kind::Integer | Kind::Boolean) => "discrete",
+        (_, Kind::Real) if !v.stepped => "continuous",
+        _ => "discrete",
     }
 }
 

@@ -49,6 +49,8 @@ fn model() -> Model {
         dofs: Vec::new(),
         nq: 0,
         apart: Vec::new(),
+        loops: Vec::new(),
+        springs: Vec::new(),
         colliders: Vec::new(),
         actuators: Vec::new(),
         initial: Initial {
@@ -83,6 +85,7 @@ fn row(value_reference: u32, slot: Slot, kind: Kind, unit: Unit, start: Option<f
         description: "a <b> & \"c\"\u{7}\n'd'".to_owned(),
         slot,
         kind,
+        stepped: false,
         start,
         min: None,
         max: None,
@@ -147,6 +150,7 @@ fn xml(table: &[Variable]) -> Result<String, DescribeError> {
         guid: "{0}",
         date: "1980-01-01T00:00:00Z",
         description: "x",
+        about: &FmuSettings::default(),
     };
     model_description(&header, &model(), table).map(|bytes| String::from_utf8(bytes).unwrap())
 }

@@ -3,7 +3,9 @@
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 use std::io::IsTerminal;
-use urdf2fmu_core::diagnostic::{Diagnostic, Severity};
+use urdf2fmu_core::diagnostic::{Diagnostic, Place, Severity};
+use urdf2fmu_core::urdf::Description;
+use urdf2fmu_core::variables::TableError;
 
 /// Whether to colour.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -108,6 +110,42 @@ pub fn render(finding: &Diagnostic, style: Style) -> String {
         }
     }
     text
+}
+
+/// Names that become one, with the line of the second.
+pub fn clash(description: &Description, error: &TableError) -> Diagnostic {
+    let message = error.to_string();
+    let links = description.links.iter().map(|link| (&link.name, link.line));
+    let joints = description
+        .joints
+        .iter()
+        .map(|joint| (&joint.name, joint.line));
+    // The later of those that the message names.
+    let line = links
+        .chain(joints)
+        .filter(|(name, _)| message.contains(&format!("'{name}'")))
+        .map(|(_, line)| line)
+        .max();
+    let file = description.sources.first();
+    let place = line.zip(file).map(|(line, file)| {
+        let start = description
+            .text
+            .split_inclusive('\n')
+            .take(line.saturating_sub(1));
+        let start: usize = start.map(str::len).sum();
+        let text = &description.text[start..];
+        let indent = text.len() - text.trim_start().len();
+        let end = text.find('>').map_or(text.len(), |end| end + 1);
+        let range = start + indent..start + end.max(indent);
+        Place::in_text(&file.display().to_string(), &description.text, range)
+    });
+    Diagnostic {
+        severity: Severity::Error,
+        code: "A139",
+        message,
+        help: Some("names of variables keep letters, digits and _ of the URDF's names".to_owned()),
+        place,
+    }
 }
 
 /// Most characters of a source line that are shown.

@@ -9,7 +9,7 @@
 use crate::info::{around, count, role, short, total_mass, unit};
 use std::fmt::{Display, Write as _};
 use urdf2fmu_core::diagnostic::Severity;
-use urdf2fmu_core::model::Model;
+use urdf2fmu_core::model::{Model, SensorKind};
 use urdf2fmu_core::variables::{Slot, Variable};
 
 /// Something that was assumed or looks wrong.
@@ -64,6 +64,7 @@ pub fn html(page: &Page, model: &Model, table: &[Variable]) -> String {
     remarks(&mut out, page);
     out.push_str(CONVENTIONS);
     variables(&mut out, table);
+    links(&mut out, model);
     let sources: Vec<String> = page.sources.iter().map(code).collect();
     _ = write!(
         out,
@@ -73,6 +74,26 @@ pub fn html(page: &Page, model: &Model, table: &[Variable]) -> String {
         sources.join(", "),
     );
     out
+}
+
+/// The links by number, if a sensor tells which one it hits.
+fn links(out: &mut String, model: &Model) {
+    let tells = |kind: &SensorKind| matches!(kind, SensorKind::Ray { hits: true, .. });
+    if !model.outputs.sensors.iter().any(|s| tells(&s.kind)) {
+        return;
+    }
+    out.push_str(
+        "<h2>What rays hit</h2>\n<p>Outputs <code>sensor.….hit[…]</code> are 0 for nothing, -1 for the ground, and else \
+         the number of a link.</p>\n<table class=\"facts\">\n",
+    );
+    for (number, link) in (1..).zip(&model.links) {
+        _ = writeln!(
+            out,
+            "<tr><td>{number}</td><td>{}</td></tr>",
+            code(&link.name)
+        );
+    }
+    out.push_str("</table>\n");
 }
 
 fn facts(out: &mut String, page: &Page, model: &Model, table: &[Variable]) {

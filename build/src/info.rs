@@ -109,16 +109,26 @@ fn things(model: &Model) -> Columns {
 
 /// What is around the robot, in words; empty for nothing.
 pub fn around(model: &Model) -> String {
+    /// More than this hide the rest of the report.
+    const MOST: usize = 6;
     let others = named(model).skip(1).map(|(id, name, _)| {
         let (kind, base, mass) = facts(model, id);
         format!("{kind} {name} ({base}, {} kg)", short(mass))
     });
-    others.collect::<Vec<_>>().join(", ")
+    let mut others: Vec<String> = others.collect();
+    if others.len() > MOST {
+        let more = others.len() - (MOST - 1);
+        others.truncate(MOST - 1);
+        others.push(format!("and {more} more"));
+    }
+    others.join(", ")
 }
 
-/// kg, all links together.
+/// kg, all links of the robot together, without what is around it.
 pub fn total_mass(model: &Model) -> f64 {
-    model.links.iter().map(|l| l.inertia.mass).sum()
+    let own = model.links.iter();
+    let own = own.filter(|link| model.root_of(link.body) == RootId::ROBOT);
+    own.map(|link| link.inertia.mass).sum()
 }
 
 /// Six significant digits: for eyes, not for computing.
@@ -310,6 +320,9 @@ fn colliders(model: &Model, link: LinkId) -> Vec<&'static str> {
             Shape::Cylinder { .. } => "cylinder",
             Shape::Box { .. } => "box",
             Shape::Hull { .. } => "hull",
+            Shape::Plane => "plane",
+            Shape::Field { .. } => "heightfield",
+            Shape::Surface { .. } => "triangle mesh",
         })
         .collect()
 }

@@ -8,7 +8,7 @@ use crate::world::free_name;
 use std::fmt::Write as _;
 use urdf2fmu_core::diagnostic::Diagnostic;
 use urdf2fmu_core::model::{ActuatorMode, Joint, JointKind, LinkId, Model};
-use urdf2fmu_core::settings::keys::{KEYS, Key, Takes};
+use urdf2fmu_core::settings::keys::{KEYS, Key};
 use urdf2fmu_core::settings::{Compat, InertiaSource, ObjectSettings, ObjectSource, Settings};
 
 /// What is written about.
@@ -83,7 +83,6 @@ fn defaults(out: &mut String, table: &str, compat: Compat) {
     for (key, name) in keys_of(table) {
         match compat.default_of(key.path).or(key.default) {
             Some(default) => _ = writeln!(out, "#{name} = {default}  # {}", key.about),
-            None if matches!(key.takes, Takes::Later) => {}
             None => _ = writeln!(out, "# {name}: {}", key.about),
         }
     }
@@ -115,6 +114,8 @@ fn things(out: &mut String, objects: &[ObjectSettings]) {
         );
         names.push(name);
     }
+    out.push_str("# What they stand on besides the ground, each a [[world.terrain]] of its own.\n");
+    legend(out, "world.terrain[]");
     out.push_str("# Further robots, each a [[world.robot]] of its own.\n");
     legend(out, "world.robot[]");
 }
@@ -143,6 +144,13 @@ fn robot(out: &mut String, subject: &Subject) {
         &quoted(base),
         settings.base != default.base,
     );
+    let arm = subject
+        .diagnostics
+        .iter()
+        .find(|finding| finding.code == "A107" && finding.message.contains("bolted down"));
+    if arm.is_some() {
+        out.push_str("# it looks like an arm that is bolted down: base = \"fixed\" mounts it\n");
+    }
     #[expect(clippy::float_cmp, reason = "the default itself, or another number")]
     let scaled = settings.scale != default.scale;
     choice(out, "robot", "scale", &exact(settings.scale), scaled);
@@ -153,6 +161,16 @@ fn robot(out: &mut String, subject: &Subject) {
     };
     let active = settings.inertia != default.inertia;
     choice(out, "robot", "inertia", &quoted(inertia), active);
+    let sensors = if settings.described_sensors {
+        "urdf"
+    } else {
+        "none"
+    };
+    let active = settings.described_sensors;
+    choice(out, "robot", "sensors", &quoted(sensors), active);
+    if let Some(density) = settings.density {
+        choice(out, "robot", "density", &exact(density), true);
+    }
     let active = compat != Compat::None;
     choice(out, "robot", "compat", &quoted(compat.word()), active);
     out.push_str("\n[fmu]\n");
@@ -162,6 +180,21 @@ fn robot(out: &mut String, subject: &Subject) {
         "structured"
     };
     choice(out, "fmu", "naming", &quoted(naming), settings.flat_names);
+    let about = &settings.fmu;
+    for (key, text) in [
+        ("name", &about.name),
+        ("author", &about.author),
+        ("version", &about.version),
+        ("copyright", &about.copyright),
+        ("license", &about.license),
+    ] {
+        if let Some(text) = text {
+            choice(out, "fmu", key, &quoted(text), true);
+        }
+    }
+    if let Some(stop_time) = about.stop_time {
+        choice(out, "fmu", "stop_time", &exact(stop_time), true);
+    }
 }
 
 fn initial(out: &mut String, subject: &Subject) {

@@ -38,6 +38,7 @@ mod sources;
 mod stage;
 mod structure;
 mod summary;
+mod terrain;
 mod units;
 mod view;
 mod world;

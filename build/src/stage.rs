@@ -11,6 +11,7 @@ use crate::documentation::{self, Page, Remark};
 use crate::identifier::{guid, model_identifier};
 use crate::library::{self, Library};
 use crate::scene::{self, Scene, SceneError};
+use crate::world::Packages;
 use crate::{date, license, page, picture, sources, world, xacro};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -39,8 +40,12 @@ pub struct Request {
     pub mode: Option<ActuatorMode>,
     /// `--compat`.
     pub compat: Option<Compat>,
+    /// `--density`.
+    pub density: Option<f64>,
     /// `--inertia`.
     pub inertia: Option<InertiaSource>,
+    /// `--sensors`: whether the URDF's are read.
+    pub sensors: Option<bool>,
     /// Whether every link that can move gets inputs for forces from outside, and contact outputs
     /// say where forces act.
     pub pushable: bool,
@@ -52,8 +57,8 @@ pub struct Request {
     pub srdf: Option<PathBuf>,
     /// `--initial-state`: one of the SRDF's.
     pub initial_state: Option<String>,
-    /// Searched before those of the environment.
-    pub package_paths: Vec<PathBuf>,
+    /// `--package-path` and `--package`.
+    pub packages: Packages,
     /// `name:=value`, for xacro.
     pub xacro_arguments: Vec<String>,
     /// `--object`: beside those of the settings file.
@@ -159,6 +164,12 @@ pub fn robot(request: &Request) -> Result<Robot, StageError> {
     if let Some(inertia) = request.inertia {
         settings.inertia = inertia;
     }
+    if let Some(sensors) = request.sensors {
+        settings.described_sensors = sensors;
+    }
+    if request.density.is_some() {
+        settings.density = request.density;
+    }
     if let Some(scale) = request.scale {
         settings.scale = scale;
     }
@@ -177,7 +188,7 @@ pub fn robot(request: &Request) -> Result<Robot, StageError> {
         settings.default_mode = Some(ModeChoice::Commanded(mode));
     }
     settings.objects.extend(request.objects.iter().cloned());
-    let packages = &request.package_paths;
+    let packages = &request.packages;
     let options = world::options(&settings, packages);
     let read = world::read(&request.urdf, &request.xacro_arguments, &options);
     let (description, expanded) = read.map_err(StageError::Robot)?;
@@ -213,7 +224,13 @@ pub fn robot(request: &Request) -> Result<Robot, StageError> {
     let assembled = built.map_err(&mut failed)?;
     diagnostics.extend(around.diagnostics);
     diagnostics.extend(assembled.diagnostics);
-    let table = variables::table(&assembled.model)?;
+    let table = match variables::table(&assembled.model) {
+        Ok(table) => table,
+        Err(error) => {
+            diagnostics.push(crate::diagnostics::clash(&description, &error));
+            return Err(StageError::Robot(diagnostics));
+        }
+    };
     let mut sources = description.sources.clone();
     sources.extend(request.config.clone());
     sources.extend(request.srdf.clone());
@@ -258,7 +275,9 @@ pub fn fmu(
         .collect::<Result<_, _>>()
         .map_err(StageError::Library)?;
     let stem = urdf.file_stem().unwrap_or_default().to_string_lossy();
-    let model_identifier = model_identifier(&robot.model.name, &stem);
+    let about = &robot.settings.fmu;
+    let model_name = about.name.as_ref().unwrap_or(&robot.model.name);
+    let model_identifier = model_identifier(model_name, &stem);
     let guid = guid(&model_identifier, &robot.model, &robot.table, &libraries)?;
     let prepared = PreparedModel::new(guid.clone(), robot.model.clone()).to_json()?;
     trial(&prepared)?;
@@ -266,11 +285,12 @@ pub fn fmu(
     let mut archive = Archive::default();
     let xml = describe::model_description(
         &Header {
-            model_name: &robot.model.name,
+            model_name,
             model_identifier: &model_identifier,
             guid: &guid,
             date: &date::text(std::env::var("SOURCE_DATE_EPOCH").ok().as_deref()),
             description: &sentence(robot),
+            about,
         },
         &robot.model,
         &robot.table,

@@ -58,10 +58,22 @@ impl Joints {
     }
 }
 
+/// Whether it counts steps.
+fn is_counter(output: OutputSlot) -> bool {
+    matches!(
+        output,
+        OutputSlot::Steps | OutputSlot::Rejected | OutputSlot::NewtonMax
+    )
+}
+
 impl Follows {
-    /// None where the output comes out of the dynamics.
+    /// None where the output comes out of the dynamics, or of closed loops, which may move all.
+    #[expect(clippy::too_many_lines, reason = "an arm or two an output")]
     fn new(model: &Model, output: OutputSlot) -> Option<Self> {
         let none = Self::default();
+        if !model.loops.is_empty() && !is_counter(output) {
+            return None;
+        }
         let pose = Self {
             base_position: true,
             base_rpy: true,
@@ -118,7 +130,7 @@ impl Follows {
                 joint_velocities: leader(joint),
                 ..none
             },
-            OutputSlot::LinkPosition(..) | OutputSlot::SensorDistance(..) => pose,
+            OutputSlot::LinkPosition(..) => pose,
             OutputSlot::LinkOrientation(..) | OutputSlot::SensorOrientation(..) => Self {
                 base_position: false,
                 ..pose
@@ -151,7 +163,20 @@ impl Follows {
             | OutputSlot::PairNormal(..)
             | OutputSlot::PairDepth(_)
             | OutputSlot::PairSlipSpeed(_)
+            | OutputSlot::LoopForce(..)
+            | OutputSlot::LoopTorque(..)
+            | OutputSlot::LoopEffort(_)
+            | OutputSlot::LoopGap(_)
+            | OutputSlot::SpringForce(..)
+            | OutputSlot::SpringLength(_)
             | OutputSlot::SensorAcceleration(..)
+            | OutputSlot::SensorDistance(..)
+            | OutputSlot::SensorHit(..)
+            | OutputSlot::SensorPosition(_)
+            | OutputSlot::SensorVelocity(_)
+            | OutputSlot::SensorNormalForce(_)
+            | OutputSlot::SensorPoint(..)
+            | OutputSlot::SensorDepth(_)
             | OutputSlot::SensorForce(..)
             | OutputSlot::SensorTorque(..)
             | OutputSlot::EnergyKinetic

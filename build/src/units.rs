@@ -11,8 +11,9 @@ pub struct Facts {
     pub quantity: &'static str,
     /// Exponents of FMI's base units; absent ones are 0.
     pub exponents: [(&'static str, i8); 4],
-    /// Display unit and its factor: value in it = factor × value in the unit.
-    pub display: Option<(&'static str, f64)>,
+    /// Display units and their factors: value in it = factor × value in the unit. The first is what
+    /// variables ask for.
+    pub display: &'static [(&'static str, f64)],
 }
 
 /// The FMI facts of a unit.
@@ -23,19 +24,25 @@ pub fn facts(unit: Unit) -> Facts {
         name,
         quantity,
         exponents: [("kg", kg), ("m", m), ("s", s), ("rad", rad)],
-        display: None,
+        display: &[],
     };
     match unit {
         Unit::One => make("1", "Ratio", 0, 0, 0, 0),
         Unit::Meter => make("m", "Length", 0, 1, 0, 0),
         Unit::Radian => Facts {
-            display: Some(("deg", 180.0 / std::f64::consts::PI)),
+            display: &[("deg", 180.0 / std::f64::consts::PI)],
             ..make("rad", "Angle", 0, 0, 0, 1)
         },
         Unit::Second => make("s", "Time", 0, 0, 1, 0),
         Unit::Kilogram => make("kg", "Mass", 1, 0, 0, 0),
         Unit::MeterPerSecond => make("m/s", "Velocity", 0, 1, -1, 0),
-        Unit::RadianPerSecond => make("rad/s", "AngularVelocity", 0, 0, -1, 1),
+        Unit::RadianPerSecond => Facts {
+            display: &[
+                ("deg/s", 180.0 / std::f64::consts::PI),
+                ("rpm", 30.0 / std::f64::consts::PI),
+            ],
+            ..make("rad/s", "AngularVelocity", 0, 0, -1, 1)
+        },
         Unit::MeterPerSecondSquared => make("m/s2", "Acceleration", 0, 1, -2, 0),
         Unit::RadianPerSecondSquared => make("rad/s2", "AngularAcceleration", 0, 0, -2, 1),
         Unit::Newton => make("N", "Force", 1, 1, -2, 0),

@@ -1,6 +1,6 @@
 //! Files of the world: the robot's, and those of further robots and objects.
 
-use crate::xacro;
+use crate::{terrain, xacro};
 use std::path::{Path, PathBuf};
 use urdf2fmu_core::assemble::{self, Guest};
 use urdf2fmu_core::diagnostic::{Diagnostic, Severity};
@@ -23,13 +23,23 @@ pub struct Surroundings {
     pub expanded: Vec<(PathBuf, String)>,
 }
 
+/// Where packages are looked for before the places that the environment names.
+#[derive(Clone, Debug, Default)]
+pub struct Packages {
+    /// Folders of packages.
+    pub paths: Vec<PathBuf>,
+    /// Packages by their names.
+    pub named: Vec<(String, PathBuf)>,
+}
+
 /// What all files are read with: folders of packages, and that everything is drawn.
-pub fn options(settings: &Settings, package_paths: &[PathBuf]) -> ReadOptions {
+pub fn options(settings: &Settings, packages: &Packages) -> ReadOptions {
     let mut options = assemble::read_options(settings, ReadOptions::from_environment());
     options.drawn = true;
     options
         .package_paths
-        .splice(0..0, package_paths.iter().cloned());
+        .splice(0..0, packages.paths.iter().cloned());
+    options.packages.clone_from(&packages.named);
     options
 }
 
@@ -57,21 +67,26 @@ pub fn read(
         }
         return urdf::read(path, options).map(|description| (description, None));
     }
-    let (text, note) =
-        xacro::expand(path, arguments, &options.package_paths).map_err(|finding| vec![*finding])?;
+    let xacro::Expanded {
+        text,
+        notes,
+        packages,
+    } = xacro::expand(path, arguments, options).map_err(|finding| vec![*finding])?;
+    let mut options = options.clone();
+    options.packages.extend(packages);
     let folder = match path.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent,
         _ => Path::new("."),
     };
     let name = path.display().to_string();
-    match urdf::read_str(&text, &name, folder, options) {
+    match urdf::read_str(&text, &name, folder, &options) {
         Ok(mut description) => {
             description.sources.insert(0, path.to_owned());
-            description.diagnostics.insert(0, note);
+            description.diagnostics.splice(0..0, notes);
             Ok((description, Some(text)))
         }
         Err(mut findings) => {
-            findings.insert(0, note);
+            findings.splice(0..0, notes);
             Err(findings)
         }
     }
@@ -84,7 +99,7 @@ pub fn read(
 /// Everything that is wrong with any of it, and the findings before.
 pub fn surroundings(
     settings: &mut Settings,
-    package_paths: &[PathBuf],
+    packages: &Packages,
 ) -> Result<Surroundings, Vec<Diagnostic>> {
     let mut around = Surroundings::default();
     let mut names: Vec<String> = settings
@@ -99,7 +114,7 @@ pub fn surroundings(
     let mut objects = Vec::new();
     let mut failed = false;
     for object in settings.objects.clone() {
-        let Some(description) = around.object(&object, settings, package_paths) else {
+        let Some(description) = around.object(&object, settings, packages) else {
             failed = true;
             continue;
         };
@@ -116,7 +131,7 @@ pub fn surroundings(
         }
     }
     for robot in settings.robots.clone() {
-        match around.robot(&robot, settings, package_paths) {
+        match around.robot(&robot, settings, packages) {
             Some((own, description)) => around.guests.push(Guest {
                 name: robot.name.text,
                 kind: RootKind::Robot,
@@ -211,16 +226,30 @@ impl Surroundings {
         &mut self,
         object: &ObjectSettings,
         world: &Settings,
-        package_paths: &[PathBuf],
+        packages: &Packages,
     ) -> Option<Description> {
         match &object.source {
             ObjectSource::Urdf(path) => {
-                let options = options(&assemble::of_object(object, world), package_paths);
+                let options = options(&assemble::of_object(object, world), packages);
                 self.urdf(path, &options)
             }
             ObjectSource::Solid { shape, mass } => {
-                let name = object.name.as_ref().map_or("thing", |name| &name.text);
-                Some(assemble::solid(name, shape, *mass))
+                Some(assemble::solid(object.called(), shape, *mass))
+            }
+            ObjectSource::Terrain(settings) => {
+                let place = object.place.as_ref();
+                match terrain::shape(object.called(), settings, place) {
+                    Ok(shape) => {
+                        if let Some(file) = settings.file() {
+                            self.source(file);
+                        }
+                        Some(assemble::solid(object.called(), &shape, 0.0))
+                    }
+                    Err(finding) => {
+                        self.tell(vec![*finding]);
+                        None
+                    }
+                }
             }
         }
     }
@@ -229,7 +258,7 @@ impl Surroundings {
         &mut self,
         robot: &RobotSettings,
         world: &Settings,
-        package_paths: &[PathBuf],
+        packages: &Packages,
     ) -> Option<(Settings, Description)> {
         let own = match &robot.config {
             Some(path) => {
@@ -241,7 +270,7 @@ impl Surroundings {
         let own = own.and_then(|own| assemble::of_robot(robot, own, world));
         match own {
             Ok(own) => {
-                let description = self.urdf(&robot.urdf, &options(&own, package_paths))?;
+                let description = self.urdf(&robot.urdf, &options(&own, packages))?;
                 Some((own, description))
             }
             Err(findings) => {

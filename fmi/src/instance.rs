@@ -49,6 +49,11 @@ pub(crate) struct Instance {
     overshoot_logged: bool,
 }
 
+/// The finest tolerance that is taken from an importer. Importers announce one tolerance for all
+/// their units, 1e-6 and less, and each decade costs up to ten times the steps; below this one the
+/// contacts of the model itself are coarser.
+const FINEST_TOLERANCE: f64 = 1e-6;
+
 impl Instance {
     /// In phase [`Phase::Instantiated`].
     pub(crate) fn new(
@@ -146,12 +151,17 @@ impl Instance {
         if let Some(value) = tolerance.filter(|value| !(value.is_finite() && *value >= 0.0)) {
             return Err(illegal("tolerance", value, "0 or more"));
         }
-        let tolerance = tolerance.unwrap_or(0.0);
-        if !Range::ToleranceOrNone.contains(tolerance) {
-            let (least, greatest) = Range::Tolerance.bounds();
+        let asked = tolerance.unwrap_or(0.0);
+        let greatest = Range::Tolerance.bounds().1;
+        let tolerance = if asked > 0.0 {
+            asked.clamp(FINEST_TOLERANCE, greatest)
+        } else {
+            0.0
+        };
+        if tolerance.to_bits() != asked.to_bits() && asked > 0.0 {
             self.warn(&format!(
-                "fmi2SetupExperiment: the tolerance {tolerance} is taken as {}",
-                tolerance.clamp(least, greatest)
+                "fmi2SetupExperiment: the tolerance {asked:e} is taken as {tolerance:e}; the parameter \
+                 solver.tolerance takes any down to 1e-12"
             ));
         }
         self.experiment = Experiment {
@@ -172,6 +182,14 @@ impl Instance {
     pub(crate) fn exit_initialization_mode(&mut self) -> Result<(), FmiError> {
         self.simulation.initialize(self.experiment.start)?;
         self.phase = Phase::StepComplete;
+        if let Some((link, depth)) = self.simulation.deepest_in_ground() {
+            let message = format!(
+                "the start is {:.3} mm inside the ground, with link '{link}': contacts will push it \
+                 out; raise initial.base.position.z",
+                1e3 * depth
+            );
+            self.warn(&message);
+        }
         self.event(|| format!("initialised at {} s", self.experiment.start));
         Ok(())
     }

@@ -138,14 +138,30 @@ impl Logger {
     }
 }
 
-/// `message` as a printf format that prints it; a zero byte would end it and becomes a blank.
+/// Bytes of a message that are handed over: many importers print it into 1024 bytes together with
+/// the instance's name and the category, and not all of them look whether it fits.
+const LONGEST: usize = 900;
+
+/// `message` as a printf format that prints it; a zero byte would end it and becomes a blank. What
+/// is too long ends with `…`.
 fn escaped(message: &str) -> CString {
-    let mut format = Vec::with_capacity(message.len() + 9);
-    for byte in message.bytes() {
-        match byte {
-            b'%' | b'#' => format.extend([byte, byte]),
-            0 => format.push(b' '),
-            _ => format.push(byte),
+    const END: &str = "…";
+    let mut format: Vec<u8> = Vec::with_capacity(message.len().min(LONGEST) + 9);
+    // Where the text can be cut so that the end still fits.
+    let mut cut = 0;
+    for letter in message.chars() {
+        match letter {
+            '%' | '#' => format.extend([letter as u8; 2]),
+            '\0' => format.push(b' '),
+            _ => format.extend(letter.encode_utf8(&mut [0; 4]).bytes()),
+        }
+        if format.len() + END.len() <= LONGEST {
+            cut = format.len();
+        }
+        if format.len() > LONGEST {
+            format.truncate(cut);
+            format.extend(END.bytes());
+            break;
         }
     }
     CString::new(format).unwrap_or_default()
@@ -185,6 +201,17 @@ mod tests {
             escaped("100 %s #r1#\0end").as_bytes(),
             b"100 %%s ##r1## end"
         );
+    }
+
+    #[test]
+    fn a_long_message_is_cut_between_letters_and_says_so() {
+        assert_eq!(escaped(&"a".repeat(900)).as_bytes().len(), 900);
+        let cut = escaped(&"%".repeat(2000));
+        assert_eq!(cut.as_bytes().len(), 899);
+        assert!(cut.to_str().is_ok_and(|text| text.ends_with("%%…")));
+        let cut = escaped(&"ω".repeat(2000));
+        let text = cut.to_str().expect("whole letters");
+        assert!(text.len() <= 900 && text.ends_with("ω…"), "{}", text.len());
     }
 
     #[test]

@@ -30,7 +30,10 @@ pub fn urdf(data: &[u8]) {
     // No such folder: mesh names that the fuzzer makes up must not find files of this machine.
     let nowhere = Path::new("no-such-folder");
     let text = String::from_utf8_lossy(data);
-    let options = urdf::ReadOptions::default();
+    let options = urdf::ReadOptions {
+        sensors: true,
+        ..urdf::ReadOptions::default()
+    };
     let Ok(description) = urdf::read_str(&text, "fuzz.urdf", nowhere, &options) else {
         return;
     };

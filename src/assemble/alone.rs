@@ -2,7 +2,9 @@
 
 use super::findings::Findings;
 use super::robot::Robot;
-use super::{actuators, bodies, inertia, initial, mimic, outputs, pairs, touch, wheels};
+use super::{
+    actuators, bodies, inertia, initial, loops, mimic, outputs, pairs, sensors, touch, ways, wheels,
+};
 use crate::diagnostic::Diagnostic;
 use crate::model::{BodyId, Initial, Model, OutputSelection, Root};
 use crate::settings::Settings;
@@ -32,7 +34,10 @@ pub fn build(description: &Description, settings: &Settings) -> Result<Assembled
             model,
             diagnostics: findings.list,
         }),
-        _ => Err(findings.list),
+        _ => {
+            ways::offer(assemble, description, settings, &mut findings);
+            Err(findings.list)
+        }
     }
 }
 
@@ -58,6 +63,8 @@ fn assemble(
         nq: 0,
         colliders: Vec::new(),
         apart: Vec::new(),
+        loops: Vec::new(),
+        springs: Vec::new(),
         actuators: Vec::new(),
         initial: Initial::default(),
         solver: settings.solver.clone(),
@@ -79,13 +86,25 @@ fn assemble(
     if findings.has_errors() {
         return None;
     }
+    let mut places = loops::of_file(&mut model, description, findings);
+    loops::select(&mut model, settings, &mut places, findings);
+    let given = loops::given(&model, settings, "");
+    if !findings.has_errors() {
+        loops::close(&mut model, &given, (&places, true), findings);
+    }
+    if findings.has_errors() {
+        return None;
+    }
     let poses = initial::poses(&model);
     let poses = inertia::complete(&mut model, poses, &robot.shapes, &robot.lines, findings);
     initial::height(&mut model, &poses, settings, findings);
     actuators::add(&mut model, &poses, &robot.lines, settings, findings);
     actuators::report_velocity_limits(&model, findings);
     wheels::warn(&model, &poses, &polygons, findings);
+    loops::close(&mut model, &given, (&places, false), findings);
     outputs::select(&mut model, settings, findings);
+    let described = &description.sensors;
+    sensors::select(&mut model, described, &settings.sensors, findings);
     touch::select(&mut model, settings, findings);
     pairs::select(&mut model, &settings.pairs, findings);
     if !findings.has_errors()

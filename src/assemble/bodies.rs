@@ -30,6 +30,26 @@ fn base_links(robot: &Robot) -> Vec<bool> {
     on_base
 }
 
+/// The joint on which all that moves hangs, where that is a whole limb: an arm. Legs and wheels are
+/// several, and what has few joints is as likely a tool or a toy.
+fn only_limb<'r>(robot: &'r Robot, on_base: &[bool]) -> Option<&'r str> {
+    const LEAST_JOINTS: usize = 4;
+    let moves = |kind: JointKind| kind != JointKind::Fixed;
+    let mut first = robot
+        .joints
+        .iter()
+        .filter(|joint| moves(joint.kind) && on_base[joint.parent.index()]);
+    let (joint, None) = (first.next()?, first.next()) else {
+        return None;
+    };
+    let count = robot
+        .joints
+        .iter()
+        .filter(|joint| moves(joint.kind))
+        .count();
+    (count >= LEAST_JOINTS).then_some(joint.name.as_str())
+}
+
 /// Decides whether the base is fixed or floating; leaves out a root that only stands for the world.
 pub(super) fn choose_base(robot: &mut Robot, settings: &Settings, findings: &mut Findings) -> Base {
     let root_joints = || {
@@ -47,7 +67,8 @@ pub(super) fn choose_base(robot: &mut Robot, settings: &Settings, findings: &mut
     }
     let on_base = base_links(robot);
     let mass: f64 = (0..robot.links.len())
-        .filter(|&l| on_base[l])
+        // A density says how heavy it is, not that it can move.
+        .filter(|&l| on_base[l] && !robot.weighed[l])
         .map(|l| robot.links[l].inertia.mass)
         .sum();
     let has_moving_child = robot
@@ -88,6 +109,15 @@ pub(super) fn choose_base(robot: &mut Robot, settings: &Settings, findings: &mut
                     message,
                     "set [robot] base = \"floating\" if it can move",
                 );
+            } else if let Some(joint) = only_limb(robot, &on_base) {
+                let message = format!(
+                    "the base '{name}' is floating, but all that moves hangs on joint '{joint}', as with \
+                     an arm that is bolted down: it will fall over"
+                );
+                let help = "mount it: --fixed-base, or [robot] base = \"fixed\"; \
+                            --floating-base says that it is meant";
+                let place = findings.line(robot.lines.links[0]);
+                findings.warning("A107", place, message, help);
             } else {
                 let message = format!(
                     "the base is floating (--fixed-base mounts it), its frame is that of '{name}'"
@@ -112,6 +142,7 @@ fn leave_out_root(robot: &mut Robot, settings: &Settings, findings: &mut Finding
     let root = robot.links.remove(0);
     let joint = robot.joints.remove(0);
     robot.shapes.remove(0);
+    robot.weighed.remove(0);
     robot.wheels.remove(0);
     robot.mimics.remove(0);
     robot.lines.links.remove(0);

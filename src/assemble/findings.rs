@@ -14,6 +14,8 @@ pub(super) struct Findings {
     /// Where its lines start.
     starts: Vec<usize>,
     pub(super) list: Vec<Diagnostic>,
+    /// Joints along which nothing has inertia.
+    pub(super) unmoved: Vec<String>,
 }
 
 impl Findings {
@@ -28,6 +30,7 @@ impl Findings {
                 .collect(),
             text: Arc::clone(&description.text),
             list: Vec::new(),
+            unmoved: Vec::new(),
         }
     }
 
@@ -114,6 +117,11 @@ impl Findings {
                     format!("the nearest {kind} is '{name}'")
                 });
             let message = format!("no {kind} matches '{}'", pattern.text);
+            // Settings for all there are may be meant for other robots, too.
+            if pattern.text == "*" {
+                self.note("A101", message, "");
+                return Vec::new();
+            }
             self.error("A101", pattern.place.clone(), message, &help);
             return Vec::new();
         };
@@ -126,6 +134,10 @@ impl Findings {
             && let Some(reason) = unsuitable(first)
         {
             let message = format!("{kind} '{}' {reason}", names[first]);
+            if pattern.text == "*" {
+                self.note("A102", message, "");
+                return Vec::new();
+            }
             self.error("A102", pattern.place.clone(), message, "choose another one");
         }
         suitable

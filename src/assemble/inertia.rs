@@ -2,14 +2,14 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
-use super::findings::Findings;
+use super::findings::{Findings, counted};
 use super::initial::Poses;
 use super::robot::Lines;
-use super::solids::of_solids;
 use crate::dynamics::crba;
 use crate::model::{BodyId, LinkId, Model};
 use crate::spatial::{Mat3, RigidInertia};
 use crate::urdf::CollisionDescription;
+use crate::urdf::solids::of_solids;
 use std::fmt::Write;
 
 /// Density of a suggested inertia, kg/m³: most robot parts are between plastics and hollow metal.
@@ -37,10 +37,10 @@ pub(super) fn complete(
     findings: &mut Findings,
 ) -> Poses {
     loop {
-        let dof = match weakest(model, &poses) {
-            Weakest::None => return poses,
-            Weakest::Dof(dof) => dof,
-            Weakest::NotFinite => {
+        let weak = match weak(model, &poses) {
+            Weak::Dofs(dofs) if dofs.is_empty() => return poses,
+            Weak::Dofs(dofs) => dofs,
+            Weak::NotFinite => {
                 let message =
                     "the mass matrix is not finite: masses or lengths are out of all proportion";
                 findings.error(
@@ -52,30 +52,45 @@ pub(super) fn complete(
                 return poses;
             }
         };
-        let mut changed = false;
-        for l in singular_links_from(model, model.dofs[dof].body) {
-            let link = &mut model.links[l];
-            let Some(I_cm) = of_solids(link.inertia.mass, &shapes[l]) else {
-                continue;
-            };
-            link.inertia.I_cm = I_cm;
-            changed = true;
-            let message = format!(
-                "link '{}' has {} kg without rotational inertia about every axis, and cannot move so: it gets the inertia of its collision shapes as solids",
-                link.name, link.inertia.mass
-            );
-            let help = format!(
-                "write it into the file to be sure of it:\n{}",
-                element(&I_cm)
-            );
-            findings.warning("A123", findings.line(lines.links[l]), message, &help);
-        }
+        let changed = weak
+            .iter()
+            .any(|&dof| from_solids(model, dof, shapes, lines, findings));
         if !changed {
-            report(model, dof, lines, findings);
+            report(model, &weak, lines, findings);
             return poses;
         }
         poses = super::initial::poses(model);
     }
+}
+
+/// Gives the links that `dof` moves the inertia of their shapes where theirs is singular; whether
+/// there was one.
+fn from_solids(
+    model: &mut Model,
+    dof: usize,
+    shapes: &[Vec<CollisionDescription>],
+    lines: &Lines,
+    findings: &mut Findings,
+) -> bool {
+    let mut changed = false;
+    for l in singular_links_from(model, model.dofs[dof].body) {
+        let link = &mut model.links[l];
+        let Some(I_cm) = of_solids(link.inertia.mass, &shapes[l]) else {
+            continue;
+        };
+        link.inertia.I_cm = I_cm;
+        changed = true;
+        let message = format!(
+            "link '{}' has {} kg without rotational inertia about every axis, and cannot move so: it gets the inertia of its collision shapes as solids",
+            link.name, link.inertia.mass
+        );
+        let help = format!(
+            "write it into the file to be sure of it:\n{}",
+            element(&I_cm)
+        );
+        findings.warning("A123", findings.line(lines.links[l]), message, &help);
+    }
+    changed
 }
 
 /// Links with mass and no inertia about some axis, of `body` and of all that it carries.
@@ -93,10 +108,9 @@ fn singular_links_from(model: &Model, body: BodyId) -> Vec<usize> {
         .collect()
 }
 
-/// The degree of freedom with too little inertia that is nearest to the tips.
-enum Weakest {
-    None,
-    Dof(usize),
+/// Degrees of freedom with too little inertia, those nearest to the tips first.
+enum Weak {
+    Dofs(Vec<usize>),
     NotFinite,
 }
 
@@ -104,8 +118,9 @@ enum Weakest {
 ///
 /// The mass matrix is factored from the tips to the base; the pivot of a degree of freedom is the
 /// inertia that is left to it when all those behind it move freely, its articulated inertia. All
-/// must be positive.
-fn weakest(model: &Model, poses: &Poses) -> Weakest {
+/// must be positive. One that has none is taken as locked for those before it, so that all are
+/// found at once and no massless frame in between is told whose children have inertia.
+fn weak(model: &Model, poses: &Poses) -> Weak {
     let mut kin = poses.kin.clone();
     let tree = &poses.tree;
     crba::mass_matrix(tree, &mut kin);
@@ -121,13 +136,15 @@ fn weakest(model: &Model, poses: &Poses) -> Weakest {
         }
     }
     let diagonal = M.diagonal();
+    let mut weak = Vec::new();
     for i in (0..n).rev() {
         let pivot = M[(i, i)];
         if !pivot.is_finite() || !diagonal[i].is_finite() {
-            return Weakest::NotFinite;
+            return Weak::NotFinite;
         }
         if pivot <= SMALLEST_INERTIA.max(SMALLEST_SHARE * diagonal[i]) {
-            return Weakest::Dof(i);
+            weak.push(i);
+            continue;
         }
         // Rows that are coupled with this one; far fewer than all in a tree.
         let coupled: Vec<usize> = (0..i).filter(|&j| M[(i, j)] != 0.0).collect();
@@ -138,7 +155,7 @@ fn weakest(model: &Model, poses: &Poses) -> Weakest {
             }
         }
     }
-    Weakest::None
+    Weak::Dofs(weak)
 }
 
 /// Columns of row `i` of the packed mass matrix.
@@ -146,43 +163,86 @@ fn row(pattern: &crate::sparsity::Sparsity, i: usize) -> &[u32] {
     &pattern.column[pattern.start[i]..=pattern.start[i] + pattern.depth[i]]
 }
 
-fn report(model: &Model, dof: usize, lines: &Lines, findings: &mut Findings) {
-    let body = &model.bodies[model.dofs[dof].body.index()];
-    let link = &model.links[body.link.index()];
-    let place = findings.line(lines.links[body.link.index()]);
-    let name = &link.name;
-    let suggestion = suggestion(model, body.link);
-    let Some(joint) = body.joint else {
-        let total: f64 = model.links.iter().map(|link| link.inertia.mass).sum();
-        if total > 0.0 {
-            let message = format!("the floating base '{name}' has no inertia of its own");
-            let help = format!(
-                "give it one, for instance\n{suggestion}\n{}or fix it: [robot] base = \"fixed\"",
-                from_shapes(model, body.link)
-            );
-            findings.error("A104", place, message, &help);
-        } else {
-            let message = format!("the robot can move, but nothing has mass; its base is '{name}'");
-            let help = format!(
-                "give it one, for instance\n{suggestion}\nor fix it: [robot] base = \"fixed\""
-            );
-            findings.error("A105", place, message, &help);
-        }
+/// One error for all links that lack inertia.
+fn report(model: &Model, weak: &[usize], lines: &Lines, findings: &mut Findings) {
+    // From the base outwards, each once.
+    let mut bodies: Vec<BodyId> = weak.iter().map(|&dof| model.dofs[dof].body).collect();
+    bodies.sort_by_key(|body| body.index());
+    bodies.dedup();
+    let link_of = |body: &BodyId| model.bodies[body.index()].link;
+    let mut links: Vec<LinkId> = bodies.iter().map(link_of).collect();
+    links.dedup();
+    let joints = bodies.iter().filter_map(|b| model.bodies[b.index()].joint);
+    let mut joints: Vec<String> = joints
+        .map(|joint| model.joints[joint.index()].name.clone())
+        .collect();
+    joints.dedup();
+    let Some(&first) = links.last() else {
         return;
     };
-    let joint = &model.joints[joint.index()].name;
-    let what = if link.inertia.mass > 0.0 {
-        format!("link '{name}' and what hangs on it have no inertia along joint '{joint}'")
+    let total: f64 = model.links.iter().map(|link| link.inertia.mass).sum();
+    let base = model.bodies[bodies[0].index()].joint.is_none();
+    let name = &model.links[first.index()].name;
+    let message = if let [_] = links[..]
+        && base
+        && total > 0.0
+    {
+        format!("the floating base '{name}' has no inertia of its own")
+    } else if let [_] = links[..]
+        && let Some(joint) = joints.last()
+        && total > 0.0
+    {
+        if model.links[first.index()].inertia.mass > 0.0 {
+            format!("link '{name}' and what hangs on it have no inertia along joint '{joint}'")
+        } else {
+            format!(
+                "link '{name}' moves, but neither it nor what hangs on it has inertia along joint '{joint}'"
+            )
+        }
+    } else if total > 0.0 {
+        format!(
+            "{} move, but neither they nor what hangs on them has inertia",
+            counted(links.len(), "link")
+        )
     } else {
         format!(
-            "link '{name}' moves, but neither it nor what hangs on it has inertia along joint '{joint}'"
+            "the robot can move, but nothing has mass: {} without inertia",
+            counted(links.len(), "link")
         )
     };
-    let help = format!(
-        "give the link one, for instance\n{suggestion}\n{}or give the joint rotor inertia: [joint.\"{joint}\"] armature = 1e-4 in the settings",
-        from_shapes(model, body.link)
+    let mut help = String::new();
+    if links.len() > 1 {
+        const MOST: usize = 60;
+        let shown = links.iter().take(MOST).map(|link| {
+            let line = lines.links[link.index()];
+            format!("'{}' (line {line})", model.links[link.index()].name)
+        });
+        let _ = write!(help, "they are {}", shown.collect::<Vec<_>>().join(", "));
+        if links.len() > MOST {
+            let _ = write!(help, " and {} more", links.len() - MOST);
+        }
+        help.push('\n');
+    }
+    let each = if links.len() > 1 { "each" } else { "the link" };
+    let _ = write!(
+        help,
+        "give {each} one, for instance '{name}'\n{}\n{}",
+        suggestion(model, first),
+        from_shapes(model, first)
     );
-    findings.error("A104", place, what, &help);
+    if let [joint] = &joints[..] {
+        let _ = write!(
+            help,
+            "or give the joint rotor inertia: [joint.\"{joint}\"] armature = 1e-4 in the settings"
+        );
+    }
+    if base {
+        help.push_str("or fix the base: --fixed-base");
+    }
+    let code = if base && total <= 0.0 { "A105" } else { "A104" };
+    findings.unmoved = joints;
+    let place = findings.line(lines.links[first.index()]);
+    findings.error(code, place, message, help.trim_end());
 }
 
 /// Advice for a missing `<inertia>`, if the link has a mass and a shape.

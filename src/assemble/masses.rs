@@ -4,14 +4,23 @@
 
 use super::findings::{Findings, counted, listed};
 use super::pybullet;
-use super::solids::of_solids;
 use crate::settings::{Compat, InertiaSource, LinkSettings, Settings};
 use crate::spatial::{Mat3, Pose, RigidInertia, Vec3};
+use crate::urdf::solids::{of_density, of_solids};
 use crate::urdf::{Description, LinkDescription};
 
-/// The file's inertia, or the mass that the conventions give a link without one.
+/// What a link without mass weighs by the density that the settings give.
+pub(super) fn weighed(link: &LinkDescription, settings: &Settings) -> Option<RigidInertia> {
+    let density = settings.density?;
+    let massless = link.inertial.is_none_or(|own| own.mass <= 0.0);
+    massless
+        .then(|| of_density(density, &link.collisions))
+        .flatten()
+}
+
+/// The file's inertia, or the mass that the settings or the conventions give a link without one.
 pub(super) fn given_inertia(link: &LinkDescription, settings: &Settings) -> Option<RigidInertia> {
-    link.inertial.or_else(|| {
+    weighed(link, settings).or(link.inertial).or_else(|| {
         let mass = settings.compat.missing_mass(&link.name)?;
         // PyBullet's own inertia of such a link, where it is asked not to compute one.
         let I_cm = Mat3::identity();
@@ -26,10 +35,29 @@ pub(super) fn report_missing_masses(
     settings: &Settings,
     findings: &mut Findings,
 ) {
+    let dense: Vec<(&str, f64)> = description
+        .links
+        .iter()
+        .filter_map(|link| Some((link.name.as_str(), weighed(link, settings)?.mass)))
+        .collect();
+    if !dense.is_empty() {
+        let names: Vec<&str> = dense.iter().map(|&(name, _)| name).collect();
+        let total: f64 = dense.iter().map(|(_, mass)| mass).sum();
+        let message = format!(
+            "{} without mass in the file {} what the collision shapes weigh as solids of {} kg/m³, \
+             {total:.4} kg together: {}",
+            counted(names.len(), "link"),
+            if names.len() == 1 { "weighs" } else { "weigh" },
+            settings.density.unwrap_or_default(),
+            listed(&names)
+        );
+        findings.note("A138", message, "[link.\"…\"] mass sets the mass of one");
+    }
     let names: Vec<&str> = description
         .links
         .iter()
-        .filter(|link| link.inertial.is_none() && given_inertia(link, settings).is_some())
+        .filter(|link| link.inertial.is_none() && weighed(link, settings).is_none())
+        .filter(|link| given_inertia(link, settings).is_some())
         .map(|link| link.name.as_str())
         .collect();
     if !names.is_empty() {

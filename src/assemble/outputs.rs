@@ -1,14 +1,9 @@
 //! Which links have outputs and inputs of their own.
 
 use super::findings::Findings;
-use crate::model::{
-    ActuatorId, ActuatorMode, Group, JointId, JointKind, LinkId, Model, Sensor, SensorKind,
-};
+use crate::model::{ActuatorId, ActuatorMode, Group, JointKind, LinkId, Model, RootId};
 use crate::pattern::Pattern;
-use crate::settings::{
-    ContactOutputs, GroupSettings, SensorSettings, SensorSettingsKind, Settings,
-};
-use crate::spatial::{Pose, Vec3};
+use crate::settings::{ContactOutputs, GroupSettings, Settings};
 use crate::variables::identifier;
 
 /// Fills `model.outputs` from the settings.
@@ -35,14 +30,12 @@ pub(super) fn select(model: &mut Model, settings: &Settings, findings: &mut Find
     model.outputs.contact_points = settings.contact_points;
     model.outputs.links = shown;
     model.outputs.external_wrenches = wrenches;
+    if settings.conveyor {
+        model.outputs.conveyors = vec![RootId::from(0)];
+    }
     for group in &settings.groups {
         if let Some(group) = self::group(model, group, findings) {
             model.outputs.groups.push(group);
-        }
-    }
-    for sensor in &settings.sensors {
-        if let Some(sensor) = self::sensor(model, sensor, findings) {
-            model.outputs.sensors.push(sensor);
         }
     }
 }
@@ -164,76 +157,6 @@ fn share(model: &mut Model, name: &str, members: &[usize], findings: &mut Findin
         let actuator = &mut model.actuators[a];
         (actuator.max_effort, actuator.kp, actuator.kd) = (least, kp, kd);
     }
-}
-
-fn sensor(model: &Model, settings: &SensorSettings, findings: &mut Findings) -> Option<Sensor> {
-    let of_joint = matches!(settings.kind, SensorSettingsKind::ForceTorque { .. });
-    let (kind, names): (&str, Vec<&str>) = if of_joint {
-        (
-            "joint",
-            model.joints.iter().map(|j| j.name.as_str()).collect(),
-        )
-    } else {
-        (
-            "link",
-            model.links.iter().map(|l| l.name.as_str()).collect(),
-        )
-    };
-    let found = findings.select(&settings.on, kind, &names, |_| None);
-    let [index] = found[..] else {
-        if found.len() > 1 {
-            let message = format!(
-                "'{}' means {} {kind}s, a sensor has one",
-                settings.on.text,
-                found.len()
-            );
-            let help = "write a [[sensor]] for each";
-            findings.error("A131", settings.on.place.clone(), message, help);
-        }
-        return None;
-    };
-    let name = settings
-        .name
-        .as_ref()
-        .map_or(names[index], |name| name.text.as_str());
-    if let Some(other) = model
-        .outputs
-        .sensors
-        .iter()
-        .find(|other| identifier(&other.name) == identifier(name))
-    {
-        let message = format!("a second sensor is named '{}'", other.name);
-        let place = settings.name.as_ref().unwrap_or(&settings.on).place.clone();
-        findings.error("A131", place, message, "give one of them a name = \"…\"");
-        return None;
-    }
-    let (link, kind) = match settings.kind {
-        SensorSettingsKind::Imu => (LinkId::from(index), SensorKind::Imu),
-        SensorSettingsKind::ForceTorque { in_parent } => {
-            let joint = &model.joints[index];
-            let link = if in_parent { joint.parent } else { joint.child };
-            let joint = JointId::from(index);
-            (link, SensorKind::ForceTorque { joint })
-        }
-        SensorSettingsKind::Ray { rays, fov, range } => {
-            let angle = |ray: u32| match rays {
-                1 => 0.0,
-                _ => fov * (f64::from(ray) / f64::from(rays - 1) - 0.5),
-            };
-            let direction = |ray| {
-                let (s, c) = libm::sincos(angle(ray));
-                Vec3::new(c, s, 0.0)
-            };
-            let directions = (0..rays).map(direction).collect();
-            (LinkId::from(index), SensorKind::Ray { directions, range })
-        }
-    };
-    Some(Sensor {
-        name: name.to_owned(),
-        link,
-        X_LS: Pose::from_xyz_rpy(settings.xyz, settings.rpy),
-        kind,
-    })
 }
 
 /// Links that match any of the patterns, in the model's order, each once.

@@ -64,6 +64,7 @@ fn alone(mass: f64, collision: &CollisionDescription) -> Vec3 {
         // A capsule's margin is its radius, which is counted already.
         Shape::Box { .. } | Shape::Capsule { .. } => cuboid(mass, &half()),
         // A hull is weighed with three margins on each side.
+        Shape::Plane | Shape::Field { .. } | Shape::Surface { .. } => Vec3::zeros(),
         Shape::Cylinder { .. } | Shape::Hull { .. } => {
             cuboid(mass, &half().add_scalar(3.0 * MARGIN))
         }
@@ -94,7 +95,9 @@ fn bounds(X_IG: &Pose, collision: &CollisionDescription) -> (Vec3, Vec3) {
     let obj = collision.mesh.as_ref().and_then(|mesh| mesh.extension());
     let obj = obj.is_some_and(|ending| ending.eq_ignore_ascii_case("obj"));
     let (margin, R) = match collision.shape {
-        Shape::Sphere { .. } => (0.0, Mat3::identity()),
+        Shape::Sphere { .. } | Shape::Plane | Shape::Field { .. } | Shape::Surface { .. } => {
+            (0.0, Mat3::identity())
+        }
         Shape::Capsule { .. } | Shape::Box { .. } => (0.0, X_IG.R),
         Shape::Hull { .. } if obj => (3.0 * MARGIN, X_IG.R),
         Shape::Cylinder { .. } | Shape::Hull { .. } => (2.0 * MARGIN, X_IG.R),

@@ -4,7 +4,7 @@
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
 use super::findings::{Findings, counted, listed};
-use super::masses::{given_inertia, link_inertia, report_missing_masses};
+use super::masses::{given_inertia, link_inertia, report_missing_masses, weighed};
 use crate::diagnostic::Place;
 use crate::geometry::Shape;
 use crate::model::{ActuatorMode, Joint, JointKind, Limits, Link};
@@ -28,6 +28,8 @@ pub(super) struct Robot {
     pub(super) mimics: Vec<Option<(String, f64, f64)>>,
     /// Per link.
     pub(super) shapes: Vec<Vec<CollisionDescription>>,
+    /// Per link: whether its mass comes from a density, not from the file.
+    pub(super) weighed: Vec<bool>,
     /// Per link.
     pub(super) wheels: Vec<WheelChoice>,
     pub(super) lines: Lines,
@@ -86,6 +88,11 @@ impl Robot {
                 .links
                 .iter()
                 .map(|link| link.collisions.clone())
+                .collect(),
+            weighed: description
+                .links
+                .iter()
+                .map(|link| weighed(link, settings).is_some())
                 .collect(),
             wheels: link_overrides
                 .iter()
@@ -165,15 +172,7 @@ impl Robot {
             let help = "set [link.\"…\"] friction, or link.<name>.friction in the FMU";
             findings.note("A116", message, help);
         }
-        if settings.inertia == InertiaSource::PyBullet {
-            let message = "rotational inertia is computed as PyBullet does, of the box around each link's collision shapes; masses and centres of mass are the file's";
-            findings.note("A119", message.to_owned(), "");
-        }
-        report_missing_masses(description, settings, findings);
-        if settings.inertia == InertiaSource::Collision {
-            let message = "rotational inertia is computed from the collision shapes as solids; masses and centres of mass are the file's";
-            findings.note("A119", message.to_owned(), "");
-        }
+        report_sources(description, settings, findings);
         robot
     }
 }
@@ -200,7 +199,7 @@ impl Robot {
 /// With how many points a shape that lies on the ground touches it in `PyBullet`.
 fn contact_points(shape: &Shape) -> f64 {
     match shape {
-        Shape::Sphere { .. } => 1.0,
+        Shape::Sphere { .. } | Shape::Plane | Shape::Field { .. } | Shape::Surface { .. } => 1.0,
         Shape::Capsule { .. } => 2.0,
         Shape::Box { .. } | Shape::Cylinder { .. } | Shape::Hull { .. } => 4.0,
     }
@@ -288,6 +287,19 @@ fn link_overrides(
         }
     }
     merged
+}
+
+/// Where masses and inertias come from.
+fn report_sources(description: &Description, settings: &Settings, findings: &mut Findings) {
+    if settings.inertia == InertiaSource::PyBullet {
+        let message = "rotational inertia is computed as PyBullet does, of the box around each link's collision shapes; masses and centres of mass are the file's";
+        findings.note("A119", message.to_owned(), "");
+    }
+    report_missing_masses(description, settings, findings);
+    if settings.inertia == InertiaSource::Collision {
+        let message = "rotational inertia is computed from the collision shapes as solids; masses and centres of mass are the file's";
+        findings.note("A119", message.to_owned(), "");
+    }
 }
 
 fn report_unlimited(joints: &[String], findings: &mut Findings) {

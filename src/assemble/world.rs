@@ -7,8 +7,9 @@
 
 use super::alone::{Assembled, build};
 use super::findings::Findings;
+use super::terrain::{self, has_terrain};
 use super::touch::overlaps;
-use super::{outputs, pairs};
+use super::{loops, outputs, pairs};
 use crate::diagnostic::{Diagnostic, Place, Severity};
 use crate::geometry::Shape;
 use crate::model::{Ground, JointKind, Model, RootKind};
@@ -51,11 +52,20 @@ pub fn world(
     if guests.is_empty() {
         return build(description, settings);
     }
-    // Pairs name what is around the robot, too.
+    // Pairs, loops and springs name what is around the robot, too.
     let alone = Settings {
         pairs: Vec::new(),
+        loops: Vec::new(),
+        springs: Vec::new(),
+        closure_outputs: [Vec::new(), Vec::new()],
         ..settings.clone()
     };
+    let terrain = |c: &CollisionDescription| c.shape.is_terrain();
+    let uneven = settings.world.ground.is_none()
+        && guests.iter().any(|guest| {
+            let mut links = guest.description.links.iter();
+            links.any(|link| link.collisions.iter().any(terrain))
+        });
     let robot = build(description, &alone);
     let mut findings = Vec::new();
     let mut models = Vec::new();
@@ -64,9 +74,17 @@ pub fn world(
             Ok(Assembled { model, diagnostics }) => (Some(model), diagnostics),
             Err(list) => (None, list),
         };
+        // Where things start on terrain follows when all are there.
+        let list = list.into_iter().filter(|d| d.code != "A111" || !uneven);
         match guest {
-            Some(guest) => findings.extend(list.into_iter().filter_map(|d| told(d, guest))),
-            None => findings.extend(list),
+            Some(guest) => findings.extend(list.filter_map(|d| told(d, guest))),
+            None => findings.extend(list.map(|mut finding| {
+                // Scenery with something in it is meant.
+                if finding.code == "A107" && finding.message.starts_with("nothing in '") {
+                    finding.severity = Severity::Note;
+                }
+                finding
+            })),
         }
         let settings = guest.map_or(settings, |guest| &guest.settings);
         models.extend(model.map(|mut model| {
@@ -91,7 +109,9 @@ pub fn world(
     for (other, guest) in models.zip(guests) {
         model.join(other, &guest.name, guest.kind);
     }
+    findings.extend(set_down(&mut model, settings, guests));
     let mut of_pairs = Findings::new(description);
+    close(&mut model, settings, guests, &mut of_pairs);
     pairs::select(&mut model, &settings.pairs, &mut of_pairs);
     let wrong = of_pairs.has_errors();
     findings.extend(of_pairs.list);
@@ -109,6 +129,24 @@ pub fn world(
         model,
         diagnostics: findings,
     })
+}
+
+/// Adds the loops and springs of the world, and closes the loops.
+fn close(model: &mut Model, settings: &Settings, guests: &[Guest], findings: &mut Findings) {
+    let mut places = Vec::new();
+    loops::select(model, settings, &mut places, findings);
+    let mut given = loops::given(model, settings, "");
+    for guest in guests {
+        let own = loops::given(model, &guest.settings, &format!("{}.", guest.name));
+        for (given, own) in given.iter_mut().zip(own) {
+            for (given, own) in given.iter_mut().zip(own) {
+                *given |= own;
+            }
+        }
+    }
+    if !findings.has_errors() {
+        loops::close(model, &given, (&places, true), findings);
+    }
 }
 
 fn finding(
@@ -185,6 +223,7 @@ pub fn of_object(object: &ObjectSettings, world: &Settings) -> Settings {
     own.initial.stands = matches!(object.source, ObjectSource::Solid { .. });
     own.inertia = world.inertia;
     own.default_mode = Some(ModeChoice::Passive);
+    own.conveyor = object.conveyor;
     if object.friction.is_some() || object.restitution.is_some() {
         own.links.push(LinkSettings {
             friction: object.friction,
@@ -341,6 +380,43 @@ fn large_box(description: &Description) -> Option<&LinkDescription> {
     let top = X_WG.p.z + half.z;
     let large = half.x.min(half.y) >= 0.5 * GROUND_SIZE;
     (shapes.next().is_none() && level && large && top.abs() <= GROUND_SLACK).then_some(link)
+}
+
+/// Sets all that has no height of its own down on terrain; notes where that is.
+fn set_down(model: &mut Model, settings: &Settings, guests: &[Guest]) -> Vec<Diagnostic> {
+    if !has_terrain(model) {
+        return Vec::new();
+    }
+    let above = model.world.ground.is_some();
+    let all = std::iter::once(settings).chain(guests.iter().map(|guest| &guest.settings));
+    let mut notes = Vec::new();
+    for (index, own) in all.enumerate() {
+        let root = &model.roots[index];
+        let floats = model.bodies[root.body.index()].motion.kind().is_free();
+        if own.initial.z.is_some() || !(floats || own.initial.stands) {
+            continue;
+        }
+        let name = match guests.get(index.wrapping_sub(1)) {
+            Some(guest) => called(guest.kind, &guest.name),
+            None => "the robot".to_owned(),
+        };
+        let message = match terrain::set_down(model, index, above) {
+            Some((link, ground)) => {
+                let root = &mut model.roots[index];
+                root.set_down = false;
+                format!(
+                    "{name} starts with its base at z = {:.6} m, where its link '{}' touches '{ground}'",
+                    root.position.z,
+                    model.links[link.index()].name
+                )
+            }
+            None if above => continue,
+            None => format!("{name} starts with its base at z = 0: there is no terrain below it"),
+        };
+        let help = "give it a z to start elsewhere";
+        notes.push(finding(Severity::Note, "A111", None, message, help));
+    }
+    notes
 }
 
 /// Warnings of links that overlap at the start: of different trees, as those of one robot that do

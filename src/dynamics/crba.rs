@@ -8,7 +8,8 @@ use crate::kinematics::Kinematics;
 use crate::spatial::dot6;
 use crate::tree::Tree;
 
-/// Fills `kin.M` (with armature) and `kin.inverse_diagonal` from `kin.I` and `kin.S`.
+/// Fills `kin.M` (with armature) and `kin.inverse_diagonal` from `kin.I` and `kin.S`, and the rows
+/// of closed loops.
 pub fn mass_matrix(tree: &Tree, kin: &mut Kinematics) {
     let Kinematics {
         S,
@@ -69,6 +70,7 @@ pub fn mass_matrix(tree: &Tree, kin: &mut Kinematics) {
         *diagonal += tree.dofs.armature[k];
         inverse_diagonal[k] = 1.0 / diagonal.max(f64::MIN_POSITIVE);
     }
+    kin.update_loops(tree);
 }
 
 /// Fills `kin.inverse_diagonal` alone, for trees without mimic joints; `kin.M` stays as it is.

@@ -9,7 +9,8 @@ use crate::kinematics::Kinematics;
 use crate::spatial::{Vec3, Vec6, add6, angular, cross_force, dot6, linear};
 use crate::tree::Tree;
 
-/// Fills `kin.bias` with `k(q, v)`, so that `M vdot + k = tau`, from `kin.S`, `kin.V` and `kin.I`.
+/// Fills `kin.bias` with `k(q, v)`, so that `M vdot + k = tau`, from `kin.S`, `kin.V` and `kin.I`,
+/// and `J̇v` of closed loops.
 ///
 /// - `v`: `nv`, the velocities that `kin.V` was made from
 /// - `wrenches`: external wrenches on bodies, `t` seconds after the communication point; they are
@@ -43,6 +44,7 @@ pub fn bias(tree: &Tree, kin: &mut Kinematics, v: &[f64], wrenches: &[ExternalWr
         }
         add6(&mut force[body.parent], &F);
     }
+    kin.update_loop_bias(tree);
 }
 
 /// Force that each body needs for `vdot = 0`, with gravity as an upward acceleration of the base.

@@ -22,7 +22,7 @@ impl Contact {
             cap,
             ..self.friction
         };
-        let more = friction.respond(u + self.drift, h).force - force;
+        let more = friction.respond(self.slid(u), h).force - force;
         (more != Vec3::zeros()).then_some(more)
     }
 
@@ -53,15 +53,15 @@ impl Contact {
         F: &mut [Vec6],
     ) {
         self.drag(&(r.friction.force * -h), F);
-        let (mut push, mut moment) = (0.0, Vec3::zeros());
+        let (mut push, mut moment) = (Vec3::zeros(), Vec3::zeros());
         for (p, response) in points[self.points.clone()].iter().zip(of) {
-            push += response.impulse;
+            push += p.normal * response.impulse;
             moment += p.arm * response.impulse;
             if let Some(rim) = &p.rim {
                 moment += rim.moment(&response.tilting);
             }
         }
-        self.act(&(self.normal * push), &moment, F);
+        self.act(&push, &moment, F);
     }
 
     /// Adds a force on the body, N, and its moment about O, N·m, and their reaction on the other
@@ -82,30 +82,46 @@ impl Contact {
         }
     }
 
-    /// Impulse on the body of a response, N·s, world axes.
+    /// Impulse on the body of a response, N·s, world axes; `points` and `of` are those of all
+    /// contacts.
     #[inline]
-    pub fn impulse(&self, r: &Response, h: f64) -> Vec3 {
+    pub fn impulse(
+        &self,
+        points: &[ContactPoint],
+        (r, of): (&Response, &[PointResponse]),
+        h: f64,
+    ) -> Vec3 {
         let (_, along) = normal_part(&self.normal, &r.friction.force);
-        self.normal * r.load - along * h
+        let own = self.points.clone();
+        let push = if self.uneven {
+            let own = points[own.clone()].iter().zip(&of[own]);
+            own.map(|(p, r)| p.normal * r.impulse).sum()
+        } else {
+            self.normal * r.load
+        };
+        push - along * h
     }
 
     /// Force on the body at the start of the step, N, and its moment about O, N·m, for the
     /// velocities of all bodies.
     pub fn wrench(&self, points: &[ContactPoint], V: &[Vec6]) -> (Vec3, Vec3) {
         let load = self.normal_load(points, V);
-        let friction = self.friction.respond(self.sliding(V), 0.0).force;
+        let friction = self
+            .friction
+            .respond(self.sliding(V) + self.carried, 0.0)
+            .force;
         let (mut force, mut moment) = self.lever(&-friction);
         let velocity = self.normal_velocity(points, V);
         let W = self.relative(V);
         let own = &points[self.points.clone()];
-        let rock = |p: &ContactPoint| self.rocking(p.along(&self.normal, &W) - velocity).0 * p.load;
+        let rock = |p: &ContactPoint| self.rocking(p.along(&W) - velocity).0 * p.load;
         let total: f64 = own.iter().map(rock).sum();
         for p in own {
             let push = (load + total) * p.load - rock(p);
-            force += self.normal * push;
+            force += p.normal * push;
             moment += p.arm * push;
             if let Some(rim) = &p.rim {
-                let tilt = rim.rate(&self.normal, &angular(&W));
+                let tilt = rim.rate(&p.normal, &angular(&W));
                 moment -= rim.moment(&(tilt * (self.tilting * p.load * rim.tilt_damping)));
             }
         }

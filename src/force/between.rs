@@ -2,14 +2,15 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
-use super::contact::{Contact, Other};
+use super::contact::{Contact, Other, normal_part};
 use super::gather::ContactSet;
 use super::meeting::Meeting;
 use super::memory::{Touch, seek};
 use super::pairs::Pair;
 use super::point::norm;
-use crate::geometry::pair::Patch;
+use crate::geometry::pair::{Part, Patch};
 use crate::kinematics::Kinematics;
+use crate::spatial::Vec3;
 use crate::tree::{Surface, Tree};
 
 /// Adds the contacts between shapes that can act within `h` seconds, after those with the ground;
@@ -28,13 +29,9 @@ pub(super) fn find_pairs(
         pairs,
     } = contacts;
     let mut touches = touches.iter().peekable();
-    let add = |slot: usize, pair: &Pair, patch: &Patch| {
+    let add = |slot: usize, pair: &Pair, (patch, part): (&Patch, &Part)| {
         let first = points.len();
-        let room = first + patch.points().len() <= points.capacity();
-        if list.len() == list.capacity() || !room {
-            return false;
-        }
-        pair.add_points(tree, patch, points);
+        pair.add_points(tree, (patch, part), points);
         let [a, b] = pair.colliders;
         let stored = seek(&mut touches, slot, |t| t.slot);
         let stored = stored.copied().unwrap_or_default();
@@ -51,12 +48,17 @@ pub(super) fn find_pairs(
             slot,
             thickness: pair.thickness(),
             mass: pair.mass(tree),
-            normal: patch.normal,
+            normal: part.normal,
+            uneven: part.uneven,
             points: first..points.len(),
             spring: pair.spring(tree, fastest),
             ..Contact::default()
         };
         contact.gather(points);
+        if b.belt != Vec3::zeros() {
+            let (_, along) = normal_part(&contact.normal, &b.belt);
+            contact.carried = -along;
+        }
         let mut surface = Surface::default();
         surface.combine([&a.own, &b.own], tree.contact.combination);
         let meeting = Meeting {
@@ -86,9 +88,9 @@ pub(super) fn held_between(
 ) -> f64 {
     let ContactSet { points, pairs, .. } = contacts;
     let mut sum = 0.0;
-    let add = |_: usize, pair: &Pair, patch: &Patch| {
+    let add = |_: usize, pair: &Pair, found: (&Patch, &Part)| {
         points.clear();
-        pair.add_points(tree, patch, points);
+        pair.add_points(tree, found, points);
         let (depth, _) = norm(points);
         sum += pair.spring(tree, fastest).stored(depth);
         false

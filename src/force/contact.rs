@@ -47,7 +47,7 @@
 use super::point::{ContactPoint, PointResponse, PointVelocity, norm};
 use crate::law::normal::Stiffening;
 use crate::law::{ElastoPlastic, Resistance};
-use crate::spatial::{Mat3, Vec3, Vec6, angular, linear, velocity_at};
+use crate::spatial::{Mat3, Vec3, Vec6, angular, velocity_at};
 use crate::tuning::ADVANCE;
 use std::ops::Range;
 
@@ -120,6 +120,8 @@ pub struct Contact {
     pub mass: f64,
     /// Unit vector from the ground or the other body into the body.
     pub normal: Vec3,
+    /// Whether its points have normals of their own: then `normal` is their mean.
+    pub uneven: bool,
     /// Its points in [`super::ContactSet::points`].
     pub points: Range<usize>,
     /// Depth `δ₀`, m.
@@ -143,6 +145,10 @@ pub struct Contact {
     /// What `u` is more than the step's lever arms say, because the contact has turned since they
     /// were found, m/s.
     pub drift: Vec3,
+    /// The same for the velocities of its points along their normals, m/s.
+    pub rise: f64,
+    /// What the sliding velocity is more because a surface moves, m/s: tangential.
+    pub carried: Vec3,
     /// Coulomb coefficient at the sliding speed at the start of the step.
     pub mu: f64,
     /// Friction in the tangent plane, and along the normal against drilling; world axes. It slips
@@ -162,25 +168,6 @@ impl Contact {
         })
     }
 
-    /// What a link gets of its force: all, all reversed, or nothing.
-    pub fn share_of(&self, link: usize) -> f64 {
-        if self.link == link {
-            1.0
-        } else if self.other_link == Some(link) {
-            -1.0
-        } else {
-            0.0
-        }
-    }
-
-    /// O of the tree of its first body, seen from O of the tree of `link`, one of its two, m.
-    pub fn seen_from(&self, link: usize) -> Vec3 {
-        match self.other {
-            Some(other) if self.link != link => other.from,
-            _ => Vec3::zeros(),
-        }
-    }
-
     /// Velocity `u` that friction acts against, m/s, world axes.
     #[inline]
     pub fn sliding(&self, V: &[Vec6]) -> Vec3 {
@@ -197,14 +184,14 @@ impl Contact {
         V: &[Vec6],
     ) -> impl Iterator<Item = PointVelocity> + 'a {
         let W = self.relative(V);
-        let (w, lift) = (angular(&W), self.normal.dot(&linear(&W)));
+        let w = angular(&W);
         points[self.points.clone()]
             .iter()
             .map(move |p| PointVelocity {
-                along: lift + p.arm.dot(&w),
+                along: p.along(&W),
                 tilt: p
                     .rim
-                    .map_or_else(Vec3::zeros, |rim| rim.rate(&self.normal, &w)),
+                    .map_or_else(Vec3::zeros, |rim| rim.rate(&p.normal, &w)),
             })
     }
 
@@ -212,7 +199,7 @@ impl Contact {
     /// where none is inside.
     pub fn normal_velocity(&self, points: &[ContactPoint], V: &[Vec6]) -> f64 {
         let W = self.relative(V);
-        let along = |p: &ContactPoint| p.along(&self.normal, &W);
+        let along = |p: &ContactPoint| p.along(&W);
         let own = &points[self.points.clone()];
         if self.depth > 0.0 {
             own.iter().map(|p| p.load * along(p)).sum()
@@ -237,7 +224,7 @@ impl Contact {
         let W = self.relative(V);
         let own = points[self.points.clone()].iter();
         own.fold(f64::INFINITY, |least, p| {
-            let approach = -p.along(&self.normal, &W);
+            let approach = -p.along(&W);
             if approach > 0.0 && p.depth + h * approach > 0.0 {
                 least.min(ADVANCE * self.thickness / approach)
             } else {
@@ -253,7 +240,7 @@ impl Contact {
         points[self.points.clone()]
             .iter()
             .fold(f64::INFINITY, |soonest, p| {
-                let approach = -p.along(&self.normal, &W);
+                let approach = -p.along(&W);
                 if approach > 0.0 {
                     soonest.min(-p.depth / approach)
                 } else {
@@ -330,7 +317,7 @@ impl Contact {
         for (i, p) in own.iter().enumerate() {
             let v = at(i);
             let mut r = PointResponse::default();
-            let mut change = -h * v.along;
+            let mut change = -h * (v.along + self.rise);
             if let Some(rim) = &p.rim {
                 let tilted = rim.tilted(&(v.tilt * h));
                 change += tilted.deeper;
@@ -396,7 +383,7 @@ impl Contact {
     /// Friction over `h` seconds at the velocity `u`.
     #[inline]
     pub(super) fn rub(&self, u: &Vec3, h: f64) -> Resistance<Vec3> {
-        self.friction.respond(u + self.drift, h)
+        self.friction.respond(self.slid(u), h)
     }
 
     /// Adds the damping of rocking to the response of a point over `h` seconds; `mean` is the mean

@@ -226,6 +226,8 @@ impl Finder<'_> {
                     self.add_rim(end, (c, axis), [*radius, collider.spring.reference]);
                 }
             }
+            // Terrain never moves.
+            Shape::Plane | Shape::Field { .. } | Shape::Surface { .. } => {}
         }
     }
 

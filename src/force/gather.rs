@@ -5,6 +5,7 @@
 use super::contact::{Contact, normal_part};
 use super::pairs::Pairs;
 use super::point::{ContactPoint, norm};
+use crate::geometry::pair::MOST_PARTS;
 use crate::kinematics::Kinematics;
 use crate::model::Model;
 use crate::spatial::{Vec3, Vec6, angular};
@@ -18,9 +19,9 @@ impl Contact {
         let W = self.relative(way);
         let w = angular(&W);
         for p in &mut points[self.points.clone()] {
-            p.depth -= p.along(&self.normal, &W);
+            p.depth -= p.along(&W);
             if let Some(rim) = &mut p.rim {
-                p.depth += rim.shift(&self.normal, &w);
+                p.depth += rim.shift(&p.normal, &w);
             }
         }
         let (loaded, center, radius) = (self.depth > 0.0, self.center, self.radius);
@@ -67,9 +68,25 @@ impl Contact {
         }
     }
 
-    /// Finds the centre of the load and its mean distance from it.
+    /// Whether it has points of rims.
+    pub fn has_rims(&self, points: &[ContactPoint]) -> bool {
+        points[self.points.clone()].iter().any(|p| p.rim.is_some())
+    }
+
+    /// What friction acts against at the velocity `u` of the bodies.
+    #[inline]
+    pub(super) fn slid(&self, u: &Vec3) -> Vec3 {
+        u + self.drift + self.carried
+    }
+
+    /// Finds the centre of the load and its mean distance from it; on uneven ground also the mean
+    /// of the normals, along which friction does not act.
     fn center_on_load(&mut self, points: &[ContactPoint]) {
         let own = &points[self.points.clone()];
+        if self.uneven {
+            let mean: Vec3 = own.iter().map(|p| p.normal * p.load).sum();
+            self.normal = mean.try_normalize(0.0).unwrap_or(self.normal);
+        }
         let mut center = Vec3::zeros();
         for p in own {
             center += p.x * p.load;
@@ -123,7 +140,9 @@ impl ContactSet {
     pub fn has_missed(&mut self, tree: &Tree, kin: &Kinematics, h: f64, known: &Self) -> bool {
         let is_known = |places| {
             let slot = tree.contact.slot(places);
-            known.list.binary_search_by_key(&slot, |c| c.slot).is_ok()
+            let at = known.list.partition_point(|c| c.slot < slot);
+            let next = known.list.get(at);
+            next.is_some_and(|c| c.slot < slot + MOST_PARTS)
         };
         self.pairs
             .each((tree, kin), [h, 0.0], is_known, |_, _, _| true)

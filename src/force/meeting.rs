@@ -77,7 +77,7 @@ impl Meeting<'_> {
             [self.dissipation, leaving]
         };
         let slope = TANGENTIAL_RATIO * contact.spring.slope(contact.depth);
-        let (_, tangential) = normal_part(&contact.normal, &u);
+        let (_, tangential) = normal_part(&contact.normal, &(u + contact.carried));
         contact.mu = friction(tree, surface, &tangential);
         contact.friction = ElastoPlastic {
             stiffness: slope,

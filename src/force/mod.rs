@@ -20,6 +20,7 @@ mod memory;
 mod named;
 mod pairs;
 mod point;
+mod spring;
 mod terms;
 mod turn;
 
@@ -32,6 +33,7 @@ pub(crate) use memory::seek;
 pub use memory::{Memory, Touch};
 pub use named::NamedPairs;
 pub use point::{ContactPoint, PointResponse, PointVelocity, Rim};
+pub use spring::{SpringTerm, held_by_springs, push_springs};
 pub use terms::{Responses, Solved, Terms, Velocities};
 pub use turn::{Turn, TurnResponse, find_turns};
 

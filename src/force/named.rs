@@ -5,7 +5,7 @@
 
 use super::contact::{Contact, normal_part};
 use crate::model::{LinkId, Model};
-use crate::spatial::{Vec6, velocity_at};
+use crate::spatial::{Vec3, Vec6, velocity_at};
 
 /// The side of each named pair that a link is on. It follows from the model and never changes.
 #[derive(Clone, Debug)]
@@ -64,10 +64,29 @@ impl Contact {
         [Some(self.link), self.other_link]
     }
 
+    /// What a link gets of its force: all, all reversed, or nothing.
+    pub fn share_of(&self, link: usize) -> f64 {
+        if self.link == link {
+            1.0
+        } else if self.other_link == Some(link) {
+            -1.0
+        } else {
+            0.0
+        }
+    }
+
+    /// O of the tree of its first body, seen from O of the tree of `link`, one of its two, m.
+    pub fn seen_from(&self, link: usize) -> Vec3 {
+        match self.other {
+            Some(other) if self.link != link => other.from,
+            _ => Vec3::zeros(),
+        }
+    }
+
     /// How fast its two shapes slide on each other at the centre of its load, m/s, for the
     /// velocities of all bodies.
     pub fn slip_speed(&self, V: &[Vec6]) -> f64 {
         let (_, along) = normal_part(&self.normal, &velocity_at(&self.relative(V), &self.center));
-        along.norm()
+        (along + self.carried).norm()
     }
 }

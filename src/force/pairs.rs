@@ -8,7 +8,7 @@
 
 use super::meeting::limited;
 use super::point::{ContactPoint, Rim};
-use crate::geometry::pair::{Patch, PatchPoint, Side, Solid};
+use crate::geometry::pair::{Part, Patch, PatchPoint, Side, Solid};
 use crate::kinematics::Kinematics;
 use crate::law::normal::Stiffening;
 use crate::model::Model;
@@ -65,7 +65,7 @@ impl Pairs {
         (tree, kin): (&Tree, &Kinematics),
         [h, margin]: [f64; 2],
         pass_over: impl Fn([usize; 2]) -> bool,
-        mut take: impl FnMut(usize, &Pair, &Patch) -> bool,
+        mut take: impl FnMut(usize, &Pair, (&Patch, &Part)) -> bool,
     ) -> bool {
         let Some(mut patch) = self.patch.take() else {
             return false;
@@ -75,7 +75,10 @@ impl Pairs {
             !pass_over(places)
                 && Pair::new(tree, kin, places).is_some_and(|pair| {
                     pair.touch(&mut patch, h * pair.speed(kin) + margin)
-                        && take(tree.contact.slot(places), &pair, &patch)
+                        && patch.parts().iter().any(|part| {
+                            let slot = tree.contact.slot(places) + part.index;
+                            take(slot, &pair, (&patch, part))
+                        })
                 })
         });
         self.patch = Some(patch);
@@ -225,8 +228,13 @@ impl<'a> Pair<'a> {
 
     /// See [`super::Contact::thickness`].
     pub fn thickness(&self) -> f64 {
-        let [a, b] = self.solids.map(Solid::thickness);
-        a.min(b)
+        let [a, b] = self.solids;
+        if b.is_endless() {
+            // There is no other side.
+            f64::INFINITY
+        } else {
+            a.thickness().min(b.thickness())
+        }
     }
 
     /// The one whose contact is made for the greater weight.
@@ -241,11 +249,16 @@ impl<'a> Pair<'a> {
         limited(&self.heavier(tree).spring, self.mass(tree), fastest)
     }
 
-    /// Adds the points of a patch, from O of the first one's tree.
-    pub fn add_points(&self, tree: &Tree, patch: &Patch, points: &mut Vec<ContactPoint>) {
+    /// Adds the points of a part of a patch, from O of the first one's tree.
+    pub fn add_points(
+        &self,
+        tree: &Tree,
+        (patch, part): (&Patch, &Part),
+        points: &mut Vec<ContactPoint>,
+    ) {
         let landing = self.heavier(tree).spring.reference;
-        let found = patch.points().iter();
-        points.extend(found.map(|point| contact_point(point, &patch.normal, landing)));
+        let found = patch.points()[part.points.clone()].iter();
+        points.extend(found.map(|point| contact_point(point, landing)));
     }
 }
 
@@ -258,13 +271,22 @@ pub(super) fn is_apart(tree: &Tree, kin: &Kinematics, h: f64) -> bool {
         let radius = c.radius + 2.0 * h * speed + fall + CONTACT_MARGIN;
         (center + kin.origins[c.tree], radius)
     };
-    tree.worked_colliders().all(|(first, c)| {
-        let (center, radius) = ball(c);
+    tree.worked_colliders().all(|(first, collider)| {
+        let (center, radius) = ball(collider);
         let mut others = tree.worked_colliders().skip_while(|(at, _)| *at <= first);
         others.all(|(second, c)| {
             !tree.contact.may_touch([first, second]) || {
                 let (other, reach) = ball(c);
-                (other - center).norm() > radius + reach
+                let over = |ground: &TreeCollider, center: &Vec3, radius: f64| {
+                    let mut X = kin.X[ground.body].compose(&ground.X);
+                    X.p += kin.origins[ground.tree];
+                    ground.solid.as_ref()?.clearance(&X, center, radius)
+                };
+                let clear = over(c, &center, radius).or_else(|| over(collider, &other, reach));
+                clear.map_or_else(
+                    || (other - center).norm() > radius + reach,
+                    |clear| clear > 0.0,
+                )
             }
         })
     })
@@ -272,9 +294,13 @@ pub(super) fn is_apart(tree: &Tree, kin: &Kinematics, h: f64) -> bool {
 
 /// A point of a patch, from O of the first one's tree, as a contact has it; `landing` as in
 /// [`Rim::new`].
-fn contact_point(point: &PatchPoint, normal: &Vec3, landing: f64) -> ContactPoint {
+fn contact_point(point: &PatchPoint, landing: f64) -> ContactPoint {
     let PatchPoint {
-        x, depth, share, ..
+        x,
+        normal,
+        depth,
+        share,
+        ..
     } = *point;
     ContactPoint {
         rim: point.rim.map(|rim| {
@@ -286,6 +312,6 @@ fn contact_point(point: &PatchPoint, normal: &Vec3, landing: f64) -> ContactPoin
             };
             Rim::new(axis, rim.a, [rim.radius, rim.crown, landing])
         }),
-        ..ContactPoint::new(None, x, normal, [depth, share])
+        ..ContactPoint::new(None, x, &normal, [depth, share])
     }
 }

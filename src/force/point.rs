@@ -12,6 +12,9 @@ pub struct ContactPoint {
     pub corner: Option<usize>,
     /// Position from O, m, world axes.
     pub x: Vec3,
+    /// The unit vector `n` along which it is pushed: that of the contact, but on uneven ground,
+    /// where each point has its own.
+    pub normal: Vec3,
     /// `x × n`: by which a rotation of its body moves it along the normal, m.
     pub arm: Vec3,
     /// Depth along the normal, negative apart, m.
@@ -30,6 +33,7 @@ impl ContactPoint {
         Self {
             corner,
             x,
+            normal: *normal,
             arm: x.cross(normal),
             depth,
             share,
@@ -42,10 +46,10 @@ impl ContactPoint {
         self.corner.is_some() && self.corner == other.corner
     }
 
-    /// Velocity along `normal` with the spatial velocity `W`, positive apart, m/s.
+    /// Velocity along its normal with the spatial velocity `W`, positive apart, m/s.
     #[inline]
-    pub fn along(&self, normal: &Vec3, W: &Vec6) -> f64 {
-        normal.dot(&linear(W)) + self.arm.dot(&angular(W))
+    pub fn along(&self, W: &Vec6) -> f64 {
+        self.normal.dot(&linear(W)) + self.arm.dot(&angular(W))
     }
 }
 

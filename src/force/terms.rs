@@ -9,6 +9,7 @@ use super::gather::ContactSet;
 use super::joint::{JointResponse, JointTerm, Start};
 use super::memory::{Memory, Touch, seek};
 use super::point::{PointResponse, PointVelocity};
+use super::spring::SpringTerm;
 use super::turn::{Turn, TurnResponse, find_turns};
 use crate::kinematics::Kinematics;
 use crate::model::Model;
@@ -24,6 +25,8 @@ pub struct Velocities {
     pub points: Vec<PointVelocity>,
     /// Angular velocity of each contact that resists turning, rad/s.
     pub turns: Vec<Vec3>,
+    /// Of the points of each spring, m/s.
+    pub springs: Vec<Vec3>,
 }
 
 impl Velocities {
@@ -33,10 +36,18 @@ impl Velocities {
             contacts: Vec::with_capacity(contacts),
             points: Vec::with_capacity(points),
             turns: Vec::with_capacity(contacts),
+            springs: Vec::new(),
         }
     }
 
-    /// Those of the contacts of `terms` where the bodies have the velocities `V`.
+    /// With room for so many springs.
+    #[must_use]
+    pub fn with(mut self, springs: usize) -> Self {
+        self.springs.reserve(springs);
+        self
+    }
+
+    /// Those of the contacts and springs of `terms` where the bodies have the velocities `V`.
     #[inline]
     pub fn set(&mut self, terms: &Terms, V: &[Vec6]) {
         self.contacts.clear();
@@ -49,6 +60,9 @@ impl Velocities {
         self.turns.clear();
         let turns = terms.turns.iter().map(|t| t.relative(V));
         self.turns.extend(turns);
+        self.springs.clear();
+        let springs = terms.springs.iter().map(|s| s.relative(V));
+        self.springs.extend(springs);
     }
 
     /// Replaces each by `share` of itself plus `other_share` of its counterpart.
@@ -65,6 +79,9 @@ impl Velocities {
         for (v, other) in self.turns.iter_mut().zip(&other.turns) {
             change(v, other);
         }
+        for (v, other) in self.springs.iter_mut().zip(&other.springs) {
+            change(v, other);
+        }
     }
 }
 
@@ -79,6 +96,8 @@ pub struct Responses {
     pub turns: Vec<TurnResponse>,
     /// Of each joint term.
     pub joints: Vec<JointResponse>,
+    /// Impulse of each spring on its first point, N·s.
+    pub springs: Vec<Vec3>,
 }
 
 impl Responses {
@@ -89,7 +108,15 @@ impl Responses {
             points: Vec::with_capacity(points),
             turns: Vec::with_capacity(contacts),
             joints: Vec::with_capacity(joints),
+            springs: Vec::new(),
         }
+    }
+
+    /// With room for so many springs.
+    #[must_use]
+    pub fn with(mut self, springs: usize) -> Self {
+        self.springs.reserve(springs);
+        self
     }
 }
 
@@ -114,6 +141,8 @@ pub struct Terms {
     /// What acts along each degree of freedom of a joint that a step works on, in the order of
     /// these; see [`Self::select`].
     pub joints: Vec<JointTerm>,
+    /// Springs between two points.
+    pub springs: Vec<SpringTerm>,
 }
 
 impl Terms {
@@ -123,6 +152,7 @@ impl Terms {
             contacts: ContactSet::of(model),
             turns: Vec::with_capacity(model.contact_room()[0]),
             joints: JointTerm::of(model, 0..model.nv()).collect(),
+            springs: Vec::with_capacity(model.springs.len()),
         }
     }
 
@@ -132,7 +162,14 @@ impl Terms {
         self.joints.extend(JointTerm::of(model, tree.worked_dofs()));
     }
 
-    /// Finds contacts, and their friction against turning, for a step of at most `h` seconds from
+    /// Whether nothing acts between bodies, or on one from outside.
+    #[inline]
+    pub fn is_free(&self) -> bool {
+        self.contacts.is_empty() && self.springs.is_empty()
+    }
+
+    /// Finds contacts, their friction against turning, and springs, for a step of at most `h`
+    /// seconds from
     /// the poses and velocities of `kin`.
     ///
     /// - `fastest`: see [`detect`]
@@ -148,6 +185,10 @@ impl Terms {
         let (touches, contacts) = (&memory.touches, &mut self.contacts);
         detect(model, tree, touches, kin, h, fastest, contacts);
         find_turns(tree, touches, kin, contacts, &mut self.turns);
+        self.springs.clear();
+        let springs = tree.worked_springs();
+        self.springs
+            .extend(springs.map(|(index, s)| SpringTerm::new(tree, kin, index, s)));
     }
 
     /// Sets the joint terms up for a step.
@@ -175,6 +216,9 @@ impl Terms {
         out.turns.clear();
         let turns = self.turns.iter().zip(&at.turns);
         out.turns.extend(turns.map(|(t, w)| t.response(w, h)));
+        out.springs.clear();
+        let springs = self.springs.iter().zip(&at.springs);
+        out.springs.extend(springs.map(|(s, u)| s.impulse(u, h)));
     }
 
     /// Responses `alpha` along a direction from velocities; returns what they add to the slope of
@@ -211,6 +255,13 @@ impl Terms {
             slope -= response.impulse.dot(w);
             out.turns.push(response);
         }
+        out.springs.clear();
+        let springs = from.1.springs.iter().zip(&along.1.springs);
+        for (spring, (v, w)) in self.springs.iter().zip(springs) {
+            let impulse = spring.impulse(&(v + w * alpha), h);
+            slope -= impulse.dot(w);
+            out.springs.push(impulse);
+        }
         out.joints.clear();
         for term in &self.joints {
             let w = along.0[term.dof];
@@ -238,6 +289,9 @@ impl Terms {
         for (turn, (r, w)) in self.turns.iter().zip(turns) {
             curvature += r.curvature(&turn.normal, w);
         }
+        for (spring, w) in self.springs.iter().zip(&along.1.springs) {
+            curvature += h * w.dot(&(spring.resistance(h) * w));
+        }
         for (term, r) in self.joints.iter().zip(&responses.joints) {
             let w = along.0[term.dof];
             curvature += r.stiffness * w * w;
@@ -245,9 +299,11 @@ impl Terms {
         curvature
     }
 
-    /// Energy that the springs of contacts hold, J.
+    /// Energy that the springs of contacts, and those between two points, hold, J.
     pub fn springs(&self) -> f64 {
-        self.contacts.iter().map(Contact::stored).sum()
+        let contacts: f64 = self.contacts.iter().map(Contact::stored).sum();
+        let springs: f64 = self.springs.iter().map(SpringTerm::stored).sum();
+        contacts + springs
     }
 
     /// At most what friction elements and velocity motors hold and may give back, J.
@@ -282,7 +338,7 @@ impl Terms {
                 let angle = turn.map(|(turn, w)| turn.next_displacement(w, h));
                 memory.touches.push(Touch {
                     slot: contact.slot,
-                    displacement: contact.keep(&contact.friction.next(v + contact.drift, h)),
+                    displacement: contact.keep(&contact.friction.next(contact.slid(v), h)),
                     turn: contact.keep(&angle.unwrap_or_default()),
                     bounce,
                 });
@@ -329,6 +385,11 @@ impl Terms {
         }
         self.turns.clear();
         self.turns.extend_from_slice(&base.turns);
+        self.springs.clear();
+        self.springs.extend_from_slice(&base.springs);
+        for spring in &mut self.springs {
+            spring.shift(way);
+        }
         self.joints.clear();
         self.joints.extend_from_slice(&base.joints);
         for term in &mut self.joints {
@@ -364,6 +425,7 @@ impl Terms {
     pub fn scale_drift(&mut self, share: f64) {
         for contact in &mut self.contacts.list {
             contact.drift *= share;
+            contact.rise *= share;
         }
     }
 

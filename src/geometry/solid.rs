@@ -7,6 +7,9 @@ use super::hull::{self, Hull, Simplices};
 use crate::spatial::{Mat3, RigidInertia, Vec3, point_inertia};
 use std::f64::consts::PI;
 
+/// Width of the square that is drawn of a plane, which has no end, m.
+const PLANE_DRAWN: f64 = 20.0;
+
 impl Shape {
     /// Mass properties of a uniform solid of this shape, about its centre of mass, in the shape's
     /// frame.
@@ -50,6 +53,7 @@ impl Shape {
                 about_origin(s.y + s.z, s.z + s.x, s.x + s.y)
             }
             Self::Hull { vertices } => hull_inertia(vertices, mass),
+            Self::Plane | Self::Field { .. } | Self::Surface { .. } => about_origin(0.0, 0.0, 0.0),
         }
     }
 
@@ -72,16 +76,28 @@ impl Shape {
                 }
                 _ => 0.0,
             },
+            Self::Plane | Self::Field { .. } | Self::Surface { .. } => 0.0,
         }
     }
 }
 
 impl Shape {
-    /// Triangles of a hull's surface, seen counter-clockwise from outside; a plate has one side, a
-    /// rod none. Empty for other shapes.
-    pub fn hull_triangles(&self) -> Vec<[Vec3; 3]> {
-        let Self::Hull { vertices } = self else {
-            return Vec::new();
+    /// Triangles to draw of a hull's surface or of terrain, seen counter-clockwise from outside; a
+    /// plate has one side, a rod none, of a plane there is a square. Empty for other shapes.
+    pub fn triangles(&self) -> Vec<[Vec3; 3]> {
+        let vertices = match self {
+            Self::Hull { vertices } => vertices,
+            Self::Field { field } => return field.triangles(),
+            Self::Surface { surface } => {
+                return surface.facets().iter().map(|f| f.corners).collect();
+            }
+            Self::Plane => {
+                let corner = |x: f64, y: f64| Vec3::new(x, y, 0.0) * (0.5 * PLANE_DRAWN);
+                let [a, b] = [corner(-1.0, -1.0), corner(1.0, -1.0)];
+                let [c, d] = [corner(1.0, 1.0), corner(-1.0, 1.0)];
+                return vec![[a, b, c], [a, c, d]];
+            }
+            _ => return Vec::new(),
         };
         let Some(hull) = hull::hull(vertices, usize::MAX) else {
             return Vec::new();
@@ -216,7 +232,7 @@ mod tests {
                 (p - Vec3::new(0.0, 0.0, z)).norm() <= *radius
             }
             Shape::Box { half } => p.abs() <= *half,
-            Shape::Hull { .. } => false,
+            _ => false,
         };
         for shape in [
             Shape::Sphere { radius },

@@ -2,6 +2,7 @@
 
 use super::{LinkId, Model};
 use crate::geometry::PAIR_POINTS;
+use crate::geometry::pair::MOST_PARTS;
 
 impl Model {
     /// Most contacts at a time, and most contact points of all together.
@@ -25,12 +26,13 @@ impl Model {
         (4 * shapes + 64).min(shapes * shapes.saturating_sub(1) / 2)
     }
 
-    /// How many slots the memory of contacts has: one for each shape with the ground, then one for
-    /// each pair of shapes `(a, b)` with `a < b`, at `shapes · (1 + a) + b`.
+    /// How many slots the memory of contacts has: one for each shape with the ground, then
+    /// [`MOST_PARTS`] for each pair of shapes `(a, b)` with `a < b`, from
+    /// `shapes + (shapes · a + b) · MOST_PARTS` on.
     pub fn slots(&self) -> usize {
         let shapes = self.colliders.len();
         let others = if self.has_pairs() { shapes } else { 0 };
-        shapes * (1 + others)
+        shapes * (1 + others * MOST_PARTS)
     }
 
     /// The links of the shapes whose contact has a slot, that of the lower index first; none for
@@ -45,7 +47,10 @@ impl Model {
         match self.colliders.len() {
             0 => [None; 2],
             shapes if slot < shapes => [Some(slot), None],
-            shapes => [Some(slot / shapes - 1), Some(slot % shapes)],
+            shapes => {
+                let pair = (slot - shapes) / MOST_PARTS;
+                [Some(pair / shapes), Some(pair % shapes)]
+            }
         }
     }
 

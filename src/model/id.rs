@@ -41,6 +41,10 @@ id! {
     SensorId,
     /// Index into [`super::OutputSelection::pairs`].
     PairId,
+    /// Index into [`super::Model::loops`].
+    LoopId,
+    /// Index into [`super::Model::springs`].
+    SpringId,
 }
 
 impl RootId {

@@ -1,8 +1,8 @@
 //! Worlds: several models in one.
 
 use super::{
-    ActuatorId, BodyId, ContactPair, DofId, Group, JointId, LinkId, Model, OutputSelection, Root,
-    RootKind, Sensor, SensorKind,
+    ActuatorId, Anchor, BodyId, ContactPair, DofId, Group, JointId, LinkId, Loop, LoopKind, Model,
+    OutputSelection, Root, RootId, RootKind, Sensor, SensorKind, Spring,
 };
 
 impl Model {
@@ -12,6 +12,7 @@ impl Model {
     pub fn join(&mut self, other: Self, name: &str, kind: RootKind) {
         let own = |part: &str| format!("{name}.{part}");
         let links = self.links.len();
+        let roots = self.roots.len();
         let joints = self.joints.len();
         let bodies = self.bodies.len();
         let dofs = self.dofs.len();
@@ -67,6 +68,7 @@ impl Model {
         }
         let apart = other.apart.into_iter().map(|pair| pair.map(link));
         self.apart.extend(apart);
+        self.join_closures((other.loops, other.springs), own, (link, joint));
         let initial = &mut self.initial;
         initial
             .joint_positions
@@ -79,6 +81,7 @@ impl Model {
             pairs,
             links: shown,
             external_wrenches,
+            conveyors,
             groups,
             sensors,
             ..
@@ -90,23 +93,44 @@ impl Model {
         outputs.links.extend(shown.into_iter().map(link));
         let wrenches = external_wrenches.into_iter().map(link);
         outputs.external_wrenches.extend(wrenches);
+        let conveyors = conveyors.into_iter();
+        let conveyors = conveyors.map(|id| RootId::from(roots + id.index()));
+        outputs.conveyors.extend(conveyors);
         outputs.groups.extend(groups.into_iter().map(|group| Group {
             name: own(&group.name),
             actuators: group.actuators.into_iter().map(actuator).collect(),
         }));
-        outputs
-            .sensors
-            .extend(sensors.into_iter().map(|sensor| Sensor {
-                name: own(&sensor.name),
-                link: link(sensor.link),
-                kind: match sensor.kind {
-                    SensorKind::ForceTorque { joint: id } => {
-                        SensorKind::ForceTorque { joint: joint(id) }
-                    }
-                    kind => kind,
-                },
-                ..sensor
-            }));
+        let sensors = sensors.into_iter().map(|s| s.joined(own, link, joint));
+        outputs.sensors.extend(sensors);
+    }
+
+    /// The same of loops and springs, where names, links and joints are others.
+    fn join_closures(
+        &mut self,
+        (loops, springs): (Vec<Loop>, Vec<Spring>),
+        name: impl Fn(&str) -> String,
+        (link, joint): (impl Fn(LinkId) -> LinkId, impl Fn(JointId) -> JointId),
+    ) {
+        let hang = |ends: &mut [Anchor; 2]| {
+            for anchor in ends {
+                anchor.link = anchor.link.map(&link);
+            }
+        };
+        for mut part in loops {
+            part.name = name(&part.name);
+            if let LoopKind::Coupler { terms, .. } = &mut part.kind {
+                for term in terms {
+                    term.joint = joint(term.joint);
+                }
+            }
+            part.kind.ends_mut().into_iter().for_each(hang);
+            self.loops.push(part);
+        }
+        for mut part in springs {
+            part.name = name(&part.name);
+            hang(&mut part.ends);
+            self.springs.push(part);
+        }
     }
 }
 
@@ -116,6 +140,31 @@ impl ContactPair {
         self.name = name(&self.name);
         for id in self.sides.iter_mut().flatten().flatten() {
             *id = link(*id);
+        }
+        self
+    }
+}
+
+impl Sensor {
+    /// The same in a world where names, links and joints are others.
+    fn joined(
+        mut self,
+        name: impl Fn(&str) -> String,
+        link: impl Fn(LinkId) -> LinkId,
+        joint: impl Fn(JointId) -> JointId,
+    ) -> Self {
+        self.name = name(&self.name);
+        self.link = link(self.link);
+        match &mut self.kind {
+            SensorKind::ForceTorque { joint: id, .. } | SensorKind::Encoder { joint: id, .. } => {
+                *id = joint(*id);
+            }
+            SensorKind::Ray { ignored, .. } => {
+                for id in ignored {
+                    *id = link(*id);
+                }
+            }
+            SensorKind::Imu | SensorKind::Contact { .. } => {}
         }
         self
     }

@@ -7,6 +7,7 @@
 
 mod bodies;
 mod check;
+mod loops;
 mod outputs;
 
 use super::{Joint, JointId, JointKind, Model, ModelError};
@@ -39,6 +40,7 @@ impl Model {
         actuators(self)?;
         initial(self)?;
         settings(self)?;
+        loops::validate(self)?;
         outputs::validate(self)
     }
 }
@@ -265,7 +267,18 @@ fn colliders(model: &Model) -> Check {
             } => positive(*radius) && positive(*half_length),
             Shape::Box { half } => half.iter().all(|&h| positive(h)),
             Shape::Hull { vertices } => !vertices.is_empty() && vertices.iter().all(vector),
+            // Heights were checked when they were read.
+            Shape::Plane | Shape::Field { .. } | Shape::Surface { .. } => true,
         };
+        let moves = model
+            .bodies
+            .get(collider.body.index())
+            .is_some_and(|body| body.motion.kind().moves());
+        require(
+            !(moves && collider.shape.is_terrain()),
+            part,
+            "is terrain, and moves",
+        )?;
         require(fits, part, "has a shape without size")?;
         corners = corners.saturating_add(match &collider.shape {
             Shape::Hull { vertices } => vertices.len(),

@@ -3,7 +3,7 @@
 
 use super::{Level, Readout, joint_orientation, quaternion};
 use crate::model::{BodyId, JointId, Model, RootId};
-use crate::sensor;
+use crate::sensor::frame::pose;
 use crate::slots::{Axis, OutputSlot};
 use crate::spatial::{Vec3, angular, linear, quaternion_product};
 use crate::state::State;
@@ -12,9 +12,13 @@ use crate::step::point::Context;
 impl Readout {
     /// Time derivative of an output at the state's time, from the right where forces jump; None if
     /// it has none.
+    #[expect(clippy::too_many_lines, reason = "an arm or two an output")]
     pub fn derivative(&mut self, ctx: &Context, state: &State, slot: OutputSlot) -> Option<f64> {
         use OutputSlot as O;
         let model = ctx.model;
+        if Self::is_held(ctx, slot) {
+            return None;
+        }
         let derivative = match slot {
             O::BasePosition(root, axis) => self.read(ctx, state, O::BaseLinearVelocity(root, axis)),
             O::BaseOrientation(root, axis) => {
@@ -74,12 +78,12 @@ impl Readout {
                 let q = std::array::from_fn(|i| {
                     self.read(ctx, state, O::SensorOrientation(sensor, LETTERS[i]))
                 });
-                let (body, _) = sensor::pose(ctx, &self.point, sensor.index());
+                let (body, _) = pose(ctx, &self.point, sensor.index());
                 world_quaternion_rate(q, &angular(&self.point.kin.V[body]), axis)
             }
             O::SensorAngularVelocity(sensor, axis) => {
                 self.prepare(ctx, state, Level::BodyAccelerations);
-                let (body, X) = sensor::pose(ctx, &self.point, sensor.index());
+                let (body, X) = pose(ctx, &self.point, sensor.index());
                 // In moving axes: `d(Rᵀω)/dt = Rᵀ α`, because ω does not turn in its own axes.
                 (X.R.transpose() * angular(&self.A[body]))[axis as usize]
             }
@@ -88,6 +92,12 @@ impl Readout {
             | O::SensorForce(..)
             | O::SensorTorque(..)
             | O::SensorDistance(..)
+            | O::SensorHit(..)
+            | O::SensorPosition(_)
+            | O::SensorVelocity(_)
+            | O::SensorNormalForce(_)
+            | O::SensorPoint(..)
+            | O::SensorDepth(_)
             | O::JointEffort(_)
             | O::ContactActive(_)
             | O::ContactForce(..)
@@ -98,6 +108,12 @@ impl Readout {
             | O::PairNormal(..)
             | O::PairDepth(_)
             | O::PairSlipSpeed(_)
+            | O::LoopForce(..)
+            | O::LoopTorque(..)
+            | O::LoopEffort(_)
+            | O::LoopGap(_)
+            | O::SpringForce(..)
+            | O::SpringLength(_)
             | O::EnergyKinetic
             | O::EnergyPotential
             | O::Steps
@@ -167,7 +183,7 @@ fn joint_orientation_rate(
 
 #[cfg(test)]
 mod tests {
-    use crate::model::{LinkId, Model, Sensor, SensorKind};
+    use crate::model::{LinkId, Model, Sampling, Sensor, SensorKind};
     use crate::simulation::{OutputSlot, Simulation};
     use crate::spatial::{Pose, Vec3};
     use crate::testing::{Random, random_tree};
@@ -184,6 +200,7 @@ mod tests {
                 link: LinkId::from(l),
                 X_LS: Pose::from_xyz_rpy(random.vector(0.5), random.vector(1.0)),
                 kind: SensorKind::Imu,
+                sampling: Sampling::default(),
             })
             .collect();
         model.roots[0].position = Vec3::new(1.0, -2.0, 3.0);

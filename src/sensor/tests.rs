@@ -12,6 +12,8 @@ use crate::urdf::Description;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_3};
 use std::sync::Arc;
 
+mod balance;
+
 const G: f64 = 9.81;
 
 fn start(description: &Description, settings: &str) -> Simulation {
@@ -90,6 +92,34 @@ fn an_imu_in_free_flight_measures_only_its_rotation() {
     }
 }
 
+/// A table that turns about z with ω: `ω² r` towards the middle, and g upwards.
+#[test]
+fn an_imu_on_a_turntable_measures_the_centripetal_acceleration() {
+    let (omega, r) = (3.0, 0.4);
+    let table = robot(frame("world")).with(
+        "world",
+        "axle",
+        Continuous,
+        at(0.0, 0.0, 1.0),
+        mass("table", 2.0),
+    );
+    let settings = format!(
+        "initial.joint_velocities = {{ axle = {omega} }}\n[[actuator]]\njoint = \"axle\"\nmode = \"none\"\n\
+         [[sensor]]\ntype = \"imu\"\nlink = \"table\"\nxyz = [{r}, 0, 0.1]\n"
+    );
+    let mut s = start(&table, &settings);
+    for _ in 0..5 {
+        near(
+            acceleration(&mut s),
+            Vec3::new(-omega * omega * r, 0.0, G),
+            1e-12,
+        );
+        let spin = read(&mut s, OutputSlot::SensorAngularVelocity, 0);
+        near(spin, Vec3::new(0.0, 0.0, omega), 1e-12);
+        s.advance_to(s.time() + 0.37).expect("finite");
+    }
+}
+
 /// A point mass `m` on a rod of length `l` about y; at angle θ from hanging, with rate ω.
 fn pendulum(m: f64, l: f64) -> Description {
     robot(frame("world"))
@@ -139,11 +169,15 @@ fn a_weld_carries_the_weight_and_the_moment_of_what_hangs_on_it() {
     // ẑ) = −0.5·3·g ŷ.
     let tool = point("tool", 3.0, Vec3::new(0.5, 0.0, 0.0));
     let arm = robot(mass("column", 5.0)).with("column", "flange", Fixed, at(0.0, 0.0, 1.0), tool);
-    let settings = "robot.base = \"fixed\"\n[[sensor]]\ntype = \"ft\"\njoint = \"flange\"\n";
-    let mut s = start(&arm, settings);
-    let [force, torque] = wrench(&mut s);
-    near(force, Vec3::new(0.0, 0.0, 3.0 * G), 1e-13);
-    near(torque, Vec3::new(0.0, -1.5 * G, 0.0), 1e-13);
+    for (direction, sign) in [("parent_to_child", 1.0), ("child_to_parent", -1.0)] {
+        let settings = format!(
+            "robot.base = \"fixed\"\n[[sensor]]\ntype = \"ft\"\njoint = \"flange\"\ndirection = \"{direction}\"\n"
+        );
+        let mut s = start(&arm, &settings);
+        let [force, torque] = wrench(&mut s);
+        near(force, Vec3::new(0.0, 0.0, 3.0 * G) * sign, 1e-13);
+        near(torque, Vec3::new(0.0, -1.5 * G, 0.0) * sign, 1e-13);
+    }
 }
 
 #[test]

@@ -4,12 +4,7 @@ use super::reader::Reader;
 use super::section::{Section, Span, Value};
 use crate::pattern::Pattern;
 use crate::spatial::Vec3;
-
-pub(super) fn unsupported(reader: &mut Reader, section: &Section, key: &str, what: &str) {
-    let span = section.entry(key).map_or(0..0, |entry| entry.span.clone());
-    let message = format!("{what} is not supported yet");
-    reader.error("S105", &span, message, "leave it out");
-}
+use std::path::PathBuf;
 
 /// A text that must be there; `table` is its array of tables.
 pub(super) fn required(
@@ -69,4 +64,35 @@ pub(super) fn vector(section: &Section, key: &str) -> Vec3 {
         Some([x, y, z]) => Vec3::new(*x, *y, *z),
         _ => Vec3::zeros(),
     }
+}
+
+/// The file that a key names.
+pub(super) fn file(reader: &Reader, section: &Section, key: &str) -> Option<PathBuf> {
+    match section.value(key) {
+        Some(Value::Texts(texts)) => Some(reader.beside(&texts.first()?.0)),
+        _ => None,
+    }
+}
+
+/// x and y, and z where it is given.
+pub(super) fn place(section: &Section) -> (Option<[f64; 2]>, Option<f64>) {
+    match section.numbers("xyz").as_deref() {
+        Some([x, y, rest @ ..]) => (Some([*x, *y]), rest.first().copied()),
+        _ => (None, None),
+    }
+}
+
+/// Whether a key was there, but wrong: that has been told.
+pub(super) fn is_rejected(section: &Section, key: &str) -> bool {
+    section.rejected.iter().any(|rejected| rejected == key)
+}
+
+/// A whole number.
+pub(super) fn whole(section: &Section, key: &str) -> Option<u32> {
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "checked: a whole number of the range of the key"
+    )]
+    section.number(key).map(|number| number as u32)
 }

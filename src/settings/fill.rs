@@ -2,19 +2,19 @@
 //! other.
 //!
 //! In: a [`Section`] from the [`Reader`], with types and ranges checked and defaults at hand. Out:
-//! [`Settings`]; findings S105 to S107 in the reader. This module uses neither the text nor a
+//! [`Settings`]; findings S106 and S107 in the reader. This module uses neither the text nor a
 //! robot.
 
-use super::common::{pattern, patterns, required, some_required, unsupported, vector};
+use super::closures;
+use super::common::{pattern, patterns, required, some_required, vector};
 use super::compat::Compat;
 use super::reader::Reader;
 use super::section::{Node, Section, Value};
 use super::types::{
-    ActuatorSettings, BaseChoice, ContactOutputs, GroupSettings, InertiaSource, InitialSettings,
-    JointSettings, LinkSettings, ModeChoice, PairSettings, SensorSettings, SensorSettingsKind,
-    Settings, WheelFit,
+    ActuatorSettings, BaseChoice, ContactOutputs, FmuSettings, GroupSettings, InertiaSource,
+    InitialSettings, JointSettings, LinkSettings, ModeChoice, PairSettings, Settings, WheelFit,
 };
-use super::world;
+use super::{sensor, world};
 use crate::model::{ActuatorMode, Combination, ContactDefaults, Ground, SolverDefaults, World};
 use crate::pattern::Pattern;
 use crate::range::MOST_STEPS;
@@ -23,6 +23,7 @@ use crate::range::MOST_STEPS;
 ///
 /// Whatever is missing or was rejected has its default, so that everything else is checked, too;
 /// findings go to `reader`.
+#[expect(clippy::too_many_lines, reason = "a line or two a key")]
 pub(super) fn fill(reader: &mut Reader, root: &Section, compat: Option<Compat>) -> Settings {
     let robot = root.table("robot");
     let compat = compat
@@ -43,6 +44,7 @@ pub(super) fn fill(reader: &mut Reader, root: &Section, compat: Option<Compat>) 
             Some(Value::Word(word)) if word == "pybullet" => InertiaSource::PyBullet,
             _ => InertiaSource::Urdf,
         },
+        density: robot.number("density"),
         self_collision: robot.flag("self_collision"),
         ignored_contacts: root
             .tables("ignore_contact")
@@ -53,6 +55,7 @@ pub(super) fn fill(reader: &mut Reader, root: &Section, compat: Option<Compat>) 
             })
             .collect(),
         disabled_contacts: Vec::new(),
+        fmu: fmu(&root.table("fmu")),
         flat_names: root.table("fmu").word("naming").as_deref() == Some("flat"),
         solver: solver(&root.table("solver"), compat),
         contact: contact(reader, &root.table("contact")),
@@ -103,6 +106,7 @@ pub(super) fn fill(reader: &mut Reader, root: &Section, compat: Option<Compat>) 
             Some(Value::Texts(texts)) => patterns(reader, texts),
             _ => Vec::new(),
         },
+        conveyor: false,
         external_wrenches: root
             .tables("external_wrench")
             .iter()
@@ -113,10 +117,14 @@ pub(super) fn fill(reader: &mut Reader, root: &Section, compat: Option<Compat>) 
             .iter()
             .filter_map(|section| group(reader, section))
             .collect(),
+        described_sensors: robot.word("sensors").as_deref() == Some("urdf"),
+        loops: closures::loops(reader, root),
+        springs: closures::springs(reader, root),
+        closure_outputs: closures::outputs(reader, &outputs),
         sensors: root
             .tables("sensor")
             .iter()
-            .filter_map(|section| sensor(reader, section))
+            .filter_map(|section| sensor::sensor(reader, section))
             .collect(),
     }
 }
@@ -137,58 +145,6 @@ fn pair(reader: &mut Reader, section: &Section) -> Option<PairSettings> {
     Some(PairSettings {
         name: name?,
         sides: [first?, second?],
-    })
-}
-
-fn sensor(reader: &mut Reader, section: &Section) -> Option<SensorSettings> {
-    let Some(word) = section.word("type") else {
-        if !section.rejected.iter().any(|rejected| rejected == "type") {
-            let message = "[[sensor]] needs 'type'";
-            let help = "type = \"imu\", \"ft\" or \"ray\"";
-            reader.error("S107", &section.span.clone(), message, help);
-        }
-        return None;
-    };
-    let (on, foreign): (&str, &[&str]) = match word.as_str() {
-        "imu" => ("link", &["joint", "frame", "rays", "fov", "range"]),
-        "ft" => ("joint", &["link", "xyz", "rpy", "rays", "fov", "range"]),
-        _ => ("link", &["joint", "frame"]),
-    };
-    for key in foreign {
-        if let Some(entry) = section.entry(key) {
-            let message = format!("'{key}' has no meaning for a sensor of type \"{word}\"");
-            reader.error("S106", &entry.span.clone(), message, "leave it out");
-        }
-    }
-    let (rays, fov) = (section.number("rays"), section.number("fov"));
-    if let (None | Some(1.0), Some(entry)) = (rays, section.entry("fov")) {
-        let message = "'fov' has no meaning for one ray";
-        reader.error("S106", &entry.span.clone(), message, "set rays, too");
-    }
-    Some(SensorSettings {
-        on: required(reader, section, on, "sensor")?,
-        name: match section.value("name") {
-            Some(Value::Texts(texts)) => patterns(reader, texts).into_iter().next(),
-            _ => None,
-        },
-        xyz: vector(section, "xyz"),
-        rpy: vector(section, "rpy"),
-        kind: match word.as_str() {
-            "imu" => SensorSettingsKind::Imu,
-            "ft" => SensorSettingsKind::ForceTorque {
-                in_parent: section.word("frame").as_deref() == Some("parent"),
-            },
-            _ => SensorSettingsKind::Ray {
-                #[expect(
-                    clippy::cast_possible_truncation,
-                    clippy::cast_sign_loss,
-                    reason = "checked: a whole number from 1 to ten thousand"
-                )]
-                rays: rays.unwrap_or(1.0) as u32,
-                fov: fov.unwrap_or(0.0),
-                range: section.number("range").unwrap_or(10.0),
-            },
-        },
     })
 }
 
@@ -218,9 +174,8 @@ fn contact(reader: &mut Reader, section: &Section) -> ContactDefaults {
 fn surroundings(reader: &mut Reader, section: &Section, compat: Compat) -> World {
     let ground = section.table("ground");
     let kind = ground.word("type");
-    if kind.as_deref() == Some("heightfield") {
-        unsupported(reader, &ground, "type", "a heightfield");
-    }
+    // Terrain takes the place of a ground that nobody asked for.
+    let replaced = section.entry("ground").is_none() && section.entry("terrain").is_some();
     let friction = ground.number_as("friction", compat).unwrap_or(0.0);
     let static_friction = ground.number("static_friction").unwrap_or(friction);
     let static_excess = static_excess(friction, static_friction).unwrap_or_else(|| {
@@ -240,7 +195,7 @@ fn surroundings(reader: &mut Reader, section: &Section, compat: Compat) -> World
             Compat::PyBullet => Combination::Product,
         },
         drag: compat.drag(),
-        ground: (kind.as_deref() != Some("none")).then(|| Ground {
+        ground: (kind.as_deref() != Some("none") && !replaced).then(|| Ground {
             friction,
             restitution: ground.number("restitution").unwrap_or(0.0),
             static_excess,
@@ -380,4 +335,19 @@ fn named_tables(reader: &Reader, section: &Section) -> std::vec::IntoIter<(Patte
         })
         .collect();
     tables.into_iter()
+}
+
+fn fmu(section: &Section) -> FmuSettings {
+    let text = |name: &str| match section.value(name) {
+        Some(Value::Texts(texts)) => texts.first().map(|(text, _)| text.clone()),
+        _ => None,
+    };
+    FmuSettings {
+        name: text("name"),
+        author: text("author"),
+        version: text("version"),
+        copyright: text("copyright"),
+        license: text("license"),
+        stop_time: section.number("stop_time"),
+    }
 }

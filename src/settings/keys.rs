@@ -47,30 +47,31 @@ pub enum Takes {
     WordOrPatterns(&'static [&'static str]),
     /// A list of numbers of a range, with its least and greatest length.
     Numbers(usize, usize, Range),
-    /// Planned, not there yet.
-    Later,
+    /// So many lists of three numbers of a range.
+    Vectors(usize, Range),
 }
 
 impl Takes {
     /// The range of each number.
     pub fn range(self) -> Option<Range> {
         match self {
-            Self::Number(range) | Self::NumberOrRatio(range) | Self::Numbers(_, _, range) => {
-                Some(range)
-            }
+            Self::Number(range)
+            | Self::NumberOrRatio(range)
+            | Self::Numbers(_, _, range)
+            | Self::Vectors(_, range) => Some(range),
             _ => None,
         }
     }
 }
 
 use Range::{
-    Coefficient, Dissipation, Flight, Friction, Gravity, Length, Limit, LimitSize, Mass,
-    Penetration, Position, ReferenceSpeed, Restitution, Scale, Spin, Step, Stiffness, Tolerance,
-    Velocity, View, Work,
+    Bias, Coefficient, Density, Dissipation, Duration, Flight, Friction, Gravity, Length, Limit,
+    LimitSize, Mass, Near, Noise, Penetration, Position, Rate, Ratio, ReferenceSpeed, Restitution,
+    Scale, Spin, Step, Steps, Stiffness, Tolerance, Velocity, View, Work,
 };
 use Takes::{
-    Count, File, Flag, Later, Name, Number, NumberOrRatio, Numbers, Pattern, PatternOrPatterns,
-    Patterns, Word, WordOrPatterns,
+    Count, File, Flag, Name, Number, NumberOrRatio, Numbers, Pattern, PatternOrPatterns, Patterns,
+    Vectors, Word, WordOrPatterns,
 };
 
 const fn key(
@@ -108,10 +109,22 @@ pub const KEYS: &[Key] = &[
         "rotational inertia from the file, or recomputed: of the collision shapes as solids, or of the box around them as PyBullet does",
     ),
     key(
+        "robot.density",
+        Number(Density),
+        None,
+        "kg/m³, of links that the file gives no mass: they weigh what their collision shapes weigh as solids; without it they have none",
+    ),
+    key(
         "robot.self_collision",
         Flag,
         Some("false"),
         "whether links touch each other; not those of one body, nor neighbours at a joint",
+    ),
+    key(
+        "robot.sensors",
+        Word(&["none", "urdf"]),
+        Some("\"none\""),
+        "whether <sensor> and <gazebo><sensor> of the URDF become sensors, besides those of [[sensor]]",
     ),
     key(
         "robot.compat",
@@ -124,6 +137,42 @@ pub const KEYS: &[Key] = &[
         Word(&["structured", "flat"]),
         Some("\"structured\""),
         "variable names with dots, or with underscores instead",
+    ),
+    key(
+        "fmu.name",
+        Name,
+        None,
+        "modelName and, as far as C allows its letters, modelIdentifier; without it the robot's name",
+    ),
+    key(
+        "fmu.author",
+        Name,
+        None,
+        "whom modelDescription.xml names as author",
+    ),
+    key(
+        "fmu.version",
+        Name,
+        None,
+        "version of the model, in modelDescription.xml",
+    ),
+    key(
+        "fmu.copyright",
+        Name,
+        None,
+        "copyright of the model, in modelDescription.xml",
+    ),
+    key(
+        "fmu.license",
+        Name,
+        None,
+        "licence of the model, in modelDescription.xml; without it the one in documentation/licenses is named",
+    ),
+    key(
+        "fmu.stop_time",
+        Number(Duration),
+        Some("10"),
+        "s, end of the default experiment",
     ),
     key(
         "solver.step_size",
@@ -175,9 +224,9 @@ pub const KEYS: &[Key] = &[
     ),
     key(
         "world.ground.type",
-        Word(&["plane", "none", "heightfield"]),
+        Word(&["plane", "none"]),
         Some("\"plane\""),
-        "what there is to stand on: the plane z = 0, or nothing",
+        "what there is to stand on: the plane z = 0, or nothing; other ground is [[world.terrain]]",
     ),
     key(
         "world.ground.friction",
@@ -282,6 +331,12 @@ pub const KEYS: &[Key] = &[
         "whether it stands still whatever pushes it; without it false, but what has no mass stands still",
     ),
     key(
+        "world.object[].conveyor",
+        Flag,
+        None,
+        "whether its surface moves: inputs object.<name>.surface.velocity.{x,y,z} in m/s, along its own axes, held over each communication step; without it false",
+    ),
+    key(
         "world.object[].friction",
         Number(Friction),
         None,
@@ -292,6 +347,102 @@ pub const KEYS: &[Key] = &[
         Number(Restitution),
         None,
         "Newton's coefficient of all its links; without it the file's, else 0",
+    ),
+    key(
+        "world.terrain[].name",
+        Name,
+        None,
+        "a name of its own, as of an object",
+    ),
+    key(
+        "world.terrain[].type",
+        Word(&["plane", "heightfield", "mesh"]),
+        None,
+        "a plane without an end, heights over a rectangle about its origin, or a triangle mesh; it never moves, and below its surface all is solid. With terrain there is no ground but that of a [world.ground]",
+    ),
+    key(
+        "world.terrain[].file",
+        File,
+        None,
+        "from the folder of the settings. Heights: a grey PNG of 8 or 16 bits, seen from above with y upwards; or a table of heights in m, as CSV or NPY, the first row at the lowest y. Mesh: STL, OBJ or COLLADA in m, with its outside upwards",
+    ),
+    key(
+        "world.terrain[].generate",
+        Word(&["ramp", "steps", "waves", "noise"]),
+        None,
+        "heights without a file, from 0 up to height: up along x over the middle third; up along x in steps; ½ height · (1 − cos(2π x/wavelength)); smooth noise",
+    ),
+    key(
+        "world.terrain[].size",
+        Numbers(2, 2, Length),
+        None,
+        "m, of heights: extent along x and y; the origin is in the middle",
+    ),
+    key(
+        "world.terrain[].height",
+        Number(Length),
+        None,
+        "m, of an image: of white over black; of what is generated: from the lowest to the highest; a factor on the heights of a table; without it 1",
+    ),
+    key(
+        "world.terrain[].resolution",
+        Number(Length),
+        None,
+        "m, of what is generated: distance between samples; without it a hundredth of the longer side",
+    ),
+    key(
+        "world.terrain[].wavelength",
+        Number(Length),
+        None,
+        "m, of waves and noise; without it a tenth of the longer side",
+    ),
+    key(
+        "world.terrain[].seed",
+        Count(1_000_000),
+        None,
+        "of noise; without it 1",
+    ),
+    key(
+        "world.terrain[].steps",
+        Count(10_000),
+        None,
+        "how many steps; without it 5",
+    ),
+    key(
+        "world.terrain[].scale",
+        Number(Scale),
+        None,
+        "of a mesh: factor on its lengths; without it 1",
+    ),
+    key(
+        "world.terrain[].xyz",
+        Numbers(2, 3, Position),
+        None,
+        "m, its origin; without it 0",
+    ),
+    key(
+        "world.terrain[].rpy",
+        Numbers(3, 3, Position),
+        None,
+        "rad, roll, pitch, yaw; without it 0",
+    ),
+    key(
+        "world.terrain[].conveyor",
+        Flag,
+        None,
+        "whether its surface moves: inputs object.<name>.surface.velocity.{x,y,z} in m/s, along its own axes, held over each communication step; without it false",
+    ),
+    key(
+        "world.terrain[].friction",
+        Number(Friction),
+        None,
+        "Coulomb coefficient; without it 0.8",
+    ),
+    key(
+        "world.terrain[].restitution",
+        Number(Restitution),
+        None,
+        "Newton's coefficient; without it 0",
     ),
     key(
         "world.robot[].name",
@@ -461,7 +612,6 @@ pub const KEYS: &[Key] = &[
         None,
         "whether a damper holds the joint at its velocity limit: 1 % above it under the effort limit; without it false, but position servos keep to the limit anyway",
     ),
-    key("loop", Later, None, "kinematic loops"),
     key(
         "ignore_contact[].links",
         Patterns,
@@ -500,6 +650,18 @@ pub const KEYS: &[Key] = &[
         "links with pose and velocity outputs",
     ),
     key(
+        "outputs.loops",
+        Patterns,
+        Some("[]"),
+        "loops with outputs of their force, torque and gap",
+    ),
+    key(
+        "outputs.springs",
+        Patterns,
+        Some("[]"),
+        "springs with outputs of their force and length",
+    ),
+    key(
         "outputs.pair[].name",
         Name,
         None,
@@ -518,10 +680,112 @@ pub const KEYS: &[Key] = &[
         "the other side, likewise",
     ),
     key(
-        "sensor[].type",
-        Word(&["imu", "ft", "ray"]),
+        "loop[].type",
+        Word(&["weld", "ball", "hinge", "distance", "gear", "coupler"]),
         None,
-        "inertial unit on a link, force and torque in a joint, distances to the ground from a link",
+        "what closes the loop: two frames as one, two points as one, the same and two axes as one, the distance of two points; the speeds of two joints, a sum of positions of joints",
+    ),
+    key(
+        "loop[].name",
+        Name,
+        None,
+        "in messages and outputs: loop.<name>.…; without it loop1, loop2, …",
+    ),
+    key(
+        "loop[].links",
+        Patterns,
+        None,
+        "weld, ball, hinge, distance: the two links, with the name of their robot or object in front where it is another one; 'world' for the world",
+    ),
+    key(
+        "loop[].origins",
+        Vectors(2, Position),
+        None,
+        "m: where it holds each of the links, from the link's origin; without it 0",
+    ),
+    key(
+        "loop[].rpy",
+        Vectors(2, Position),
+        None,
+        "rad, weld: axes in each of the links; without it 0",
+    ),
+    key(
+        "loop[].axes",
+        Vectors(2, Position),
+        None,
+        "hinge: its axis in each of the links, of any length; without it z",
+    ),
+    key(
+        "loop[].length",
+        Number(Length),
+        None,
+        "m, distance: how far the points are apart; without it as far as they are at the start",
+    ),
+    key(
+        "loop[].joints",
+        Patterns,
+        None,
+        "gear: two joints, coupler: one or more, that turn or slide",
+    ),
+    key(
+        "loop[].ratio",
+        Number(Ratio),
+        None,
+        "gear: speed of the first joint over that of the second; they mesh as they are at the start",
+    ),
+    key(
+        "loop[].factors",
+        Numbers(1, 64, Ratio),
+        None,
+        "coupler: what each joint's position is multiplied by",
+    ),
+    key(
+        "loop[].sum",
+        Number(Position),
+        None,
+        "coupler: what the sum of these products is; without it 0",
+    ),
+    key(
+        "spring[].name",
+        Name,
+        None,
+        "in messages and outputs: spring.<name>.…; without it spring1, spring2, …",
+    ),
+    key(
+        "spring[].links",
+        Patterns,
+        None,
+        "the two links, as of a loop",
+    ),
+    key(
+        "spring[].origins",
+        Vectors(2, Position),
+        None,
+        "m: where it hangs on each of the links; without it 0",
+    ),
+    key(
+        "spring[].stiffness",
+        Number(Coefficient),
+        None,
+        "N/m; without it 0",
+    ),
+    key(
+        "spring[].damping",
+        Number(Coefficient),
+        None,
+        "N.s/m along the line between the points; without it 0",
+    ),
+    key(
+        "spring[].length",
+        Number(Coefficient),
+        None,
+        "m without force; without it 0",
+    ),
+    key(
+        "sensor[].type",
+        Word(&["imu", "ft", "ray", "encoder", "contact"]),
+        None,
+        "inertial unit on a link, force and torque in a joint, distances from a link to what is in the way, position of a joint in whole steps, what presses on a link",
     ),
     key(
         "sensor[].name",
@@ -533,25 +797,25 @@ pub const KEYS: &[Key] = &[
         "sensor[].link",
         Pattern,
         None,
-        "imu and ray: where it is fixed",
+        "imu, ray and contact: where it is fixed",
     ),
     key(
         "sensor[].joint",
         Pattern,
         None,
-        "ft: the joint, fixed or moving",
+        "ft: the joint, fixed or moving; encoder: a joint that turns or slides",
     ),
     key(
         "sensor[].xyz",
         Numbers(3, 3, Position),
         None,
-        "m, imu and ray: origin in the link; without it 0",
+        "m, imu, ray and contact: origin in the link; without it 0",
     ),
     key(
         "sensor[].rpy",
         Numbers(3, 3, Position),
         None,
-        "rad, imu and ray: axes in the link; without it 0. Rays lie in the plane x y, the middle one along x",
+        "rad, imu, ray and contact: axes in the link; without it 0. A row of rays lies in the plane x y, the middle one along x",
     ),
     key(
         "sensor[].frame",
@@ -560,22 +824,154 @@ pub const KEYS: &[Key] = &[
         "ft: whose axes; without it the child's",
     ),
     key(
+        "sensor[].direction",
+        Word(&["parent_to_child", "child_to_parent"]),
+        None,
+        "ft: whose force on whom; without it parent_to_child",
+    ),
+    key(
+        "sensor[].rate",
+        Number(Rate),
+        None,
+        "samples a second, each held until the next; taken at the first communication point at or after its time. Without it the sensor follows the state",
+    ),
+    key(
+        "sensor[].seed",
+        Count(1_000_000_000),
+        None,
+        "of the noise, which is the same in every run; without it 1",
+    ),
+    key(
+        "sensor[].angular_velocity.bias",
+        Numbers(3, 3, Bias),
+        None,
+        "rad/s, imu: added per axis; without it 0",
+    ),
+    key(
+        "sensor[].angular_velocity.noise",
+        Numbers(3, 3, Noise),
+        None,
+        "rad/s, imu: standard deviation of each sample, per axis; needs rate; without it 0",
+    ),
+    key(
+        "sensor[].angular_velocity.noise_density",
+        Numbers(3, 3, Noise),
+        None,
+        "rad/s √s, imu, instead of noise: that over the root of the rate, as data sheets have it",
+    ),
+    key(
+        "sensor[].linear_acceleration.bias",
+        Numbers(3, 3, Bias),
+        None,
+        "m/s², imu: added per axis; without it 0",
+    ),
+    key(
+        "sensor[].linear_acceleration.noise",
+        Numbers(3, 3, Noise),
+        None,
+        "m/s², imu: standard deviation of each sample, per axis; needs rate; without it 0",
+    ),
+    key(
+        "sensor[].linear_acceleration.noise_density",
+        Numbers(3, 3, Noise),
+        None,
+        "m/s² √s, imu, instead of noise: that over the root of the rate, as data sheets have it",
+    ),
+    key(
+        "sensor[].force.bias",
+        Numbers(3, 3, Bias),
+        None,
+        "N, ft: added per axis; without it 0",
+    ),
+    key(
+        "sensor[].force.noise",
+        Numbers(3, 3, Noise),
+        None,
+        "N, ft: standard deviation of each sample, per axis; needs rate; without it 0",
+    ),
+    key(
+        "sensor[].torque.bias",
+        Numbers(3, 3, Bias),
+        None,
+        "N·m, ft: added per axis; without it 0",
+    ),
+    key(
+        "sensor[].torque.noise",
+        Numbers(3, 3, Noise),
+        None,
+        "N·m, ft: standard deviation of each sample, per axis; needs rate; without it 0",
+    ),
+    key(
+        "sensor[].distance.bias",
+        Number(Bias),
+        None,
+        "m, ray: added where something is hit; without it 0",
+    ),
+    key(
+        "sensor[].distance.noise",
+        Number(Noise),
+        None,
+        "m, ray: standard deviation of each sample where something is hit; needs rate; without it 0",
+    ),
+    key(
         "sensor[].rays",
         Count(10_000),
         None,
-        "ray: their number; without it 1",
+        "ray: their number in a row; without it 1",
     ),
     key(
         "sensor[].fov",
         Number(View),
         None,
-        "rad, ray: angle from the first to the last; without it 0",
+        "rad, ray: angle from the first to the last of a row, from right to left; without it 0",
+    ),
+    key(
+        "sensor[].rows",
+        Count(10_000),
+        None,
+        "ray: number of rows, with at most 10000 rays in all; without it 1",
+    ),
+    key(
+        "sensor[].vertical_fov",
+        Number(View),
+        None,
+        "rad, ray: angle from the lowest to the highest row; without it 0",
     ),
     key(
         "sensor[].range",
         Number(Length),
         None,
         "m, ray: largest distance, given where there is nothing; without it 10",
+    ),
+    key(
+        "sensor[].min_range",
+        Number(Near),
+        None,
+        "m, ray: where rays begin, less than range; what lies wholly before it is not seen; without it 0",
+    ),
+    key(
+        "sensor[].hits",
+        Flag,
+        None,
+        "ray: whether there are outputs that tell what is hit; without it false",
+    ),
+    key(
+        "sensor[].ignore",
+        Patterns,
+        None,
+        "ray: links that its rays go through; those of its own body they do anyway",
+    ),
+    key(
+        "sensor[].counts",
+        Number(Steps),
+        None,
+        "encoder: steps in a turn, or in a metre",
+    ),
+    key(
+        "sensor[].size",
+        Numbers(3, 3, Length),
+        None,
+        "m, contact: sides of the box about its frame in which contacts count; without it all of the link's",
     ),
     key(
         "external_wrench[].link",

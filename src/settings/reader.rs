@@ -219,11 +219,6 @@ impl<'a> Reader<'a> {
         name_span: &Span,
     ) -> Option<Node> {
         if let Some(key) = keys::find(path) {
-            if matches!(key.takes, Takes::Later) {
-                let message = format!("'{name}' ({}) is not supported yet", key.about);
-                self.error("S105", name_span, message, "leave it out");
-                return None;
-            }
             return self.value(key, name, value).map(Node::Value);
         }
         let element = format!("{path}[]");
@@ -320,8 +315,32 @@ impl<'a> Reader<'a> {
                 self.patterns(key, name, value)
             }
             Takes::Numbers(least, most, range) => self.numbers(name, (least, most), range, value),
-            Takes::Later => None,
+            Takes::Vectors(count, range) => self.vectors(name, count, range, value),
         }
+    }
+
+    /// Lists of three numbers each, one after the other.
+    fn vectors(
+        &mut self,
+        name: &str,
+        count: usize,
+        range: Range,
+        value: &Spanned<DeValue>,
+    ) -> Option<Value> {
+        let rows = value.get_ref().as_array();
+        let Some(rows) = rows.filter(|rows| rows.len() == count) else {
+            let expected = format!("a list of {count} lists of three numbers");
+            self.wrong_type(name, &expected, value);
+            return None;
+        };
+        let rows = rows.iter().map(|row| {
+            let Some(Value::Numbers(numbers)) = self.numbers(name, (3, 3), range, row) else {
+                return None;
+            };
+            Some(numbers)
+        });
+        let rows: Option<Vec<Vec<f64>>> = rows.collect();
+        Some(Value::Numbers(rows?.concat()))
     }
 
     fn word(

@@ -5,6 +5,8 @@ use crate::range::Range;
 use crate::spatial::Vec3;
 
 mod pairs;
+mod sensors;
+mod terrain;
 mod world;
 
 fn parse(text: &str) -> Settings {
@@ -291,23 +293,6 @@ fn numbers_outside_their_range_are_refused() {
         "solver.max_steps = 0",
     ] {
         assert_eq!(finding(text).code, "S104", "{text}");
-    }
-}
-
-#[test]
-fn keys_of_planned_features_are_errors_that_name_the_key() {
-    for (text, key) in [
-        ("world.ground = { type = \"heightfield\" }", "heightfield"),
-        ("[[loop]]\ntype = \"ball\"", "loop"),
-    ] {
-        let found = finding(text);
-        assert_eq!(found.code, "S105", "{text}");
-        assert!(found.message.contains(key), "{text}: {}", found.message);
-        assert!(
-            found.message.contains("not supported yet"),
-            "{}",
-            found.message
-        );
     }
 }
 

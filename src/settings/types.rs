@@ -1,15 +1,35 @@
 //! What a settings file says, checked.
 
+use super::closures::{LoopSettings, SpringSettings};
 use super::compat::Compat;
+use super::sensor::SensorSettings;
 use crate::diagnostic::Place;
 use crate::geometry::Shape;
 use crate::model::{ActuatorMode, ContactDefaults, SolverDefaults, World};
 use crate::pattern::Pattern;
 use crate::spatial::Vec3;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+
+/// What an FMU says of itself in modelDescription.xml.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct FmuSettings {
+    /// `modelName`; without it the robot's.
+    pub name: Option<String>,
+    /// `author`
+    pub author: Option<String>,
+    /// `version`
+    pub version: Option<String>,
+    /// `copyright`
+    pub copyright: Option<String>,
+    /// `license`
+    pub license: Option<String>,
+    /// End of the default experiment, s.
+    pub stop_time: Option<f64>,
+}
 
 /// A settings file, checked.
 #[derive(Clone, Debug, PartialEq)]
+#[expect(clippy::struct_excessive_bools, reason = "each is a key of its own")]
 pub struct Settings {
     /// Whose conventions hold where nothing says otherwise.
     pub compat: Compat,
@@ -19,12 +39,17 @@ pub struct Settings {
     pub scale: f64,
     /// Where rotational inertia comes from.
     pub inertia: InertiaSource,
+    /// Density, kg/m³, of links that the file gives no mass: they weigh what their collision shapes
+    /// weigh as solids.
+    pub density: Option<f64>,
     /// Whether links touch each other.
     pub self_collision: bool,
     /// Lists of links that do not touch each other.
     pub ignored_contacts: Vec<Vec<Pattern>>,
     /// Pairs of names of links that do not touch each other, of an SRDF.
     pub disabled_contacts: Vec<[String; 2]>,
+    /// What the FMU says of itself.
+    pub fmu: FmuSettings,
     /// Variable names with `_` instead of `.`.
     pub flat_names: bool,
     /// Step and tolerance.
@@ -58,10 +83,20 @@ pub struct Settings {
     pub link_outputs: Vec<Pattern>,
     /// Links with force and torque inputs.
     pub external_wrenches: Vec<Pattern>,
+    /// Whether its surface moves, by an input; of what stands still.
+    pub conveyor: bool,
     /// Joints that share a command.
     pub groups: Vec<GroupSettings>,
+    /// Whether the URDF's sensors are read.
+    pub described_sensors: bool,
     /// Sensors.
     pub sensors: Vec<SensorSettings>,
+    /// What closes loops.
+    pub loops: Vec<LoopSettings>,
+    /// Springs between two points.
+    pub springs: Vec<SpringSettings>,
+    /// Loops and springs with outputs.
+    pub closure_outputs: [Vec<Pattern>; 2],
 }
 
 /// A thing in the world.
@@ -75,12 +110,21 @@ pub struct ObjectSettings {
     pub initial: InitialSettings,
     /// Whether it stands still whatever pushes it.
     pub fixed: bool,
+    /// Whether its surface moves, by an input.
+    pub conveyor: bool,
     /// Coulomb coefficient of all its links; none: its file's.
     pub friction: Option<f64>,
     /// Newton's coefficient of all its links; none: its file's.
     pub restitution: Option<f64>,
     /// Where it was asked for; none for one from the command line.
     pub place: Option<Place>,
+}
+
+impl ObjectSettings {
+    /// What it is called in the settings.
+    pub fn called(&self) -> &str {
+        self.name.as_ref().map_or("thing", |name| &name.text)
+    }
 }
 
 /// What an object is.
@@ -95,6 +139,96 @@ pub enum ObjectSource {
         /// kg; 0 for one that stands still.
         mass: f64,
     },
+    /// A surface with everything below.
+    Terrain(TerrainSettings),
+}
+
+/// A surface with everything below.
+#[derive(Clone, Debug, PartialEq)]
+pub enum TerrainSettings {
+    /// z = 0 of its own axes, without an end.
+    Plane,
+    /// Heights over a rectangle about its origin.
+    Heights {
+        /// Where they come from.
+        source: HeightSource,
+        /// Extent along x and y, m.
+        size: [f64; 2],
+        /// Height of the brightest value of an image over the darkest, or of what is generated, m;
+        /// a factor on the heights of a table. None: 1.
+        height: Option<f64>,
+    },
+    /// The surface of a triangle mesh.
+    Mesh {
+        /// STL, OBJ or COLLADA.
+        file: PathBuf,
+        /// Factor on all lengths.
+        scale: f64,
+    },
+}
+
+impl TerrainSettings {
+    /// The file that it is read from.
+    pub fn file(&self) -> Option<&Path> {
+        match self {
+            Self::Heights {
+                source: HeightSource::File(file),
+                ..
+            }
+            | Self::Mesh { file, .. } => Some(file),
+            _ => None,
+        }
+    }
+}
+
+/// Where heights come from.
+#[derive(Clone, Debug, PartialEq)]
+pub enum HeightSource {
+    /// An image, or a table of numbers.
+    File(PathBuf),
+    /// They are computed.
+    Generated(GeneratedHeights),
+}
+
+/// Heights that are computed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GeneratedHeights {
+    /// What they look like.
+    pub form: HeightForm,
+    /// Distance between samples, m.
+    pub resolution: f64,
+    /// Length of a wave, or of the largest bumps of the noise, m.
+    pub wavelength: f64,
+    /// Of the noise.
+    pub seed: u32,
+    /// How many steps.
+    pub steps: u32,
+}
+
+/// What heights that are computed look like.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum HeightForm {
+    /// Even, up along x over the middle third, even.
+    Ramp,
+    /// Up along x in steps.
+    Steps,
+    /// Waves along x.
+    Waves,
+    /// Smooth noise.
+    Noise,
+}
+
+impl HeightForm {
+    /// The one of a word of the settings.
+    pub fn from_word(word: &str) -> Option<Self> {
+        Some(match word {
+            "ramp" => Self::Ramp,
+            "steps" => Self::Steps,
+            "waves" => Self::Waves,
+            "noise" => Self::Noise,
+            _ => return None,
+        })
+    }
 }
 
 /// A further robot.
@@ -134,42 +268,6 @@ pub struct GroupSettings {
     pub name: Pattern,
     /// Which joints.
     pub joints: Vec<Pattern>,
-}
-
-/// A sensor.
-#[derive(Clone, Debug, PartialEq)]
-pub struct SensorSettings {
-    /// Its name; none: that of its link or joint.
-    pub name: Option<Pattern>,
-    /// The link, or the joint of a force–torque sensor.
-    pub on: Pattern,
-    /// Origin in the link, m.
-    pub xyz: Vec3,
-    /// Roll, pitch, yaw in the link, rad.
-    pub rpy: Vec3,
-    /// What it measures.
-    pub kind: SensorSettingsKind,
-}
-
-/// What a sensor measures.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum SensorSettingsKind {
-    /// Orientation, angular velocity and specific force.
-    Imu,
-    /// Force and torque in a joint, in the axes of its parent or its child.
-    ForceTorque {
-        /// Whether in those of its parent.
-        in_parent: bool,
-    },
-    /// Distances to the ground.
-    Ray {
-        /// How many.
-        rays: u32,
-        /// Angle from the first to the last, rad.
-        fov: f64,
-        /// Largest distance, m.
-        range: f64,
-    },
 }
 
 /// Whether the base can move.

@@ -2,19 +2,19 @@
 //!
 //! Files are named here and read by whoever builds the world.
 
-use super::common::{required, vector};
+use super::common::{file, place, required, vector};
 use super::reader::Reader;
-use super::section::{Section, Value};
+use super::section::Section;
+use super::terrain;
 use super::types::{InitialSettings, ObjectSettings, ObjectSource, RobotSettings};
 use crate::geometry::Shape;
 use crate::pattern::Pattern;
 use crate::spatial::Vec3;
-use std::path::PathBuf;
 
 /// What no robot and no object may be named: these words begin the names of other variables.
-const GROUPS: [&str; 15] = [
+const GROUPS: [&str; 16] = [
     "base", "cmd", "contact", "energy", "ext", "initial", "joint", "link", "loop", "object",
-    "pair", "robot", "sensor", "solver", "world",
+    "pair", "robot", "sensor", "solver", "spring", "world",
 ];
 
 /// What tells two names apart in the names of variables.
@@ -39,10 +39,12 @@ pub(super) fn things(
         .iter()
         .filter_map(|section| robot(reader, section))
         .collect();
+    let terrain = terrain::terrain(reader, section);
     let objects: Vec<_> = section
         .tables("object")
         .iter()
         .filter_map(|section| object(reader, section))
+        .chain(terrain)
         .collect();
     let names = robots.iter().map(|robot| &robot.name);
     check_names(
@@ -65,22 +67,6 @@ fn check_names<'n>(reader: &mut Reader, names: impl Iterator<Item = &'n Pattern>
             reader.error_at("S106", name.place.clone(), message, "give it another name");
         }
         before.push(text);
-    }
-}
-
-/// The file that a key names.
-fn file(reader: &Reader, section: &Section, key: &str) -> Option<PathBuf> {
-    match section.value(key) {
-        Some(Value::Texts(texts)) => Some(reader.beside(&texts.first()?.0)),
-        _ => None,
-    }
-}
-
-/// x and y, and z where it is given.
-fn place(section: &Section) -> (Option<[f64; 2]>, Option<f64>) {
-    match section.numbers("xyz").as_deref() {
-        Some([x, y, rest @ ..]) => (Some([*x, *y]), rest.first().copied()),
-        _ => (None, None),
     }
 }
 
@@ -128,10 +114,22 @@ fn object(reader: &mut Reader, section: &Section) -> Option<ObjectSettings> {
             ..InitialSettings::default()
         },
         fixed,
+        conveyor: conveyor(reader, section, fixed),
         friction: section.number("friction"),
         restitution: section.number("restitution"),
         place: Some(reader.place(&section.span)),
     })
+}
+
+/// Whether the surface of an object moves.
+fn conveyor(reader: &mut Reader, section: &Section, fixed: bool) -> bool {
+    let conveyor = section.flag("conveyor");
+    if let (true, false, Some(entry)) = (conveyor, fixed, section.entry("conveyor")) {
+        let message = "what moves has no conveyor";
+        let span = entry.span.clone();
+        reader.error("S106", &span, message, "set static = true");
+    }
+    conveyor
 }
 
 /// What an object is; none after an error.

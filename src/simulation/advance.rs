@@ -52,6 +52,7 @@ impl Simulation {
             self.inputs.gather(&self.model, &self.tree);
             self.state.stepping.ahead.all_changed();
         }
+        self.sample();
         Ok(())
     }
 

@@ -91,8 +91,9 @@ impl Attempt {
     /// Adds `share` times the contact impulses that a solve over `h` seconds has found to their
     /// links and named pairs.
     pub(super) fn add_impulses(&mut self, terms: &Terms, solved: &Newton, [h, share]: [f64; 2]) {
+        let (points, of) = (&terms.contacts.points, &solved.responses.points);
         for (contact, response) in terms.contacts.iter().zip(&solved.responses.contacts) {
-            let impulse = contact.impulse(response, h) * share;
+            let impulse = contact.impulse(points, (response, of), h) * share;
             self.add_impulse(contact.links(), &impulse.into());
         }
     }

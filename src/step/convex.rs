@@ -18,15 +18,20 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
+mod balance;
+mod factor;
 mod hessian;
+mod lag;
 mod line_search;
 
+use crate::closure::Rows;
 use crate::force::{ContactSet, Response, Responses, Solved, Terms, Velocities};
 use crate::kinematics::{Kinematics, forward};
-use crate::sparsity::coupled::Coupled;
 use crate::spatial::{Vec6, add6, dot6};
 use crate::tree::{Span, Tree};
 use crate::tuning::{COARSEST, ITERATED, MAX_ITERATIONS, ROUND_OFF};
+
+pub use factor::Factor;
 
 /// How a solve ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -62,8 +67,8 @@ pub struct Newton {
     gradient: Vec<f64>,
     direction: Vec<f64>,
     direction_momentum: Vec<f64>,
-    H: Coupled,
-    /// Whether `H` holds the factor of the last solve's last Hessian.
+    factor: Factor,
+    /// Whether it holds the factor of the last solve's last Hessian.
     factored: bool,
     V: Vec<Vec6>,
     /// Velocities of contacts along `direction`.
@@ -73,13 +78,17 @@ pub struct Newton {
     /// Bodies with contacts in their subtree, tips first.
     loaded: Vec<usize>,
     is_loaded: Vec<bool>,
+    /// Impulses of closed loops, one a row, N·s; those against what friction lags behind.
+    forces: Vec<f64>,
+    lagging: Vec<f64>,
+    /// What the forces of loops leave of the gradient.
+    left: Vec<f64>,
 }
 
 #[cfg(test)]
 crate::spoil::spoil!(
-    Newton: v at responses change gradient direction direction_momentum H
-    factored V
-    along F G loaded is_loaded;
+    Newton: v at responses change gradient direction direction_momentum factor factored V
+    along F G loaded is_loaded forces left lagging;
 );
 
 /// What a solve is about.
@@ -95,6 +104,8 @@ pub struct Problem<'a> {
     pub terms: &'a Terms,
     /// s
     pub h: f64,
+    /// Time from where `kin` stands to the end of the step, s.
+    pub ahead: f64,
     /// Relative accuracy of the impulses that a guess must have.
     pub accuracy: f64,
     /// The same after an iteration. A guess that is taken as it is repeats its error in every step,
@@ -117,6 +128,7 @@ impl<'a> Problem<'a> {
             bias: &kin.bias,
             terms,
             h,
+            ahead: h,
             accuracy,
             iterated: accuracy.max((ITERATED * accuracy).min(COARSEST)),
         }
@@ -129,20 +141,23 @@ impl Newton {
         let (nb, nv) = (tree.bodies.len(), tree.sparsity.len());
         Self {
             v: vec![0.0; nv],
-            at: Velocities::new(contacts),
-            responses: Responses::new(contacts, nv),
+            at: Velocities::new(contacts).with(tree.springs.len()),
+            responses: Responses::new(contacts, nv).with(tree.springs.len()),
             change: vec![0.0; nv],
             gradient: vec![0.0; nv],
             direction: vec![0.0; nv],
             direction_momentum: vec![0.0; nv],
-            H: Coupled::new(&tree.sparsity, !tree.contact.pairs.is_empty()),
+            factor: Factor::new(tree),
             factored: false,
             V: vec![[0.0; 6]; nb],
-            along: Velocities::new(contacts),
+            along: Velocities::new(contacts).with(tree.springs.len()),
             F: vec![[0.0; 6]; nb],
             G: vec![[0.0; 21]; nb],
             loaded: Vec::with_capacity(nb),
             is_loaded: vec![false; nb],
+            forces: Vec::with_capacity(Rows::most(tree)),
+            left: vec![0.0; nv],
+            lagging: Vec::with_capacity(Rows::most(tree)),
         }
     }
 
@@ -167,7 +182,7 @@ impl Newton {
 
     /// Finds the responses at `v`.
     fn stand(&mut self, p: &Problem) {
-        if !p.terms.contacts.is_empty() {
+        if !p.terms.is_free() {
             forward(p.tree, &p.kin.S, &self.v, &mut self.V);
         }
         self.at.set(p.terms, &self.V);
@@ -176,7 +191,7 @@ impl Newton {
 
     fn respond(&mut self, p: &Problem) {
         self.factored = false;
-        self.mark_loaded(p.tree, &p.terms.contacts);
+        self.mark_loaded(p.tree, p.terms);
         p.terms.respond(&self.v, &self.at, p.h, &mut self.responses);
     }
 
@@ -201,7 +216,7 @@ impl Newton {
     /// `p`, at its guess `next`. None unless the same points touch, press, stick and slip.
     ///
     /// - `contacts`: those of this solve
-    pub fn factor_for(&self, contacts: &ContactSet, next: &Self, p: &Problem) -> Option<&Coupled> {
+    pub fn factor_for(&self, contacts: &ContactSet, next: &Self, p: &Problem) -> Option<&Factor> {
         let regime = |r: &Response| (r.presses(), r.friction.slope > 0.0, r.slips());
         let now = p.terms.contacts.iter().zip(&next.responses.contacts);
         let then = contacts.iter().zip(&self.responses.contacts);
@@ -210,7 +225,7 @@ impl Newton {
             && now
                 .zip(then)
                 .all(|((c, r), (d, s))| c.slot == d.slot && regime(r) == regime(s));
-        alike.then_some(&self.H)
+        alike.then_some(&self.factor)
     }
 
     /// Forces and bias times the length of the step at the solution, N·m·s.
@@ -228,7 +243,7 @@ impl Newton {
         &mut self,
         p: &Problem,
         run: &mut Run,
-        factor: Option<&Coupled>,
+        factor: Option<&Factor>,
     ) -> Option<Outcome> {
         let Problem { tree, kin, h, .. } = *p;
         let D2 = &kin.inverse_diagonal;
@@ -237,8 +252,14 @@ impl Newton {
             .bias_scale
             .get_or_insert_with(|| h * h * scaled_square(tree, p.bias, D2));
         let impulse_scale = self.collect(p);
-        let norm = scaled_square(tree, &self.gradient, D2);
-        let scale = bias_scale.max(impulse_scale);
+        let closed = !kin.loops.is_empty();
+        let first = run.iterations == 0;
+        let [norm, loop_scale] = if closed && !first {
+            self.closed_norm(p)
+        } else {
+            [scaled_square(tree, &self.gradient, D2), 0.0]
+        };
+        let scale = bias_scale.max(impulse_scale).max(loop_scale);
         let accuracy = if run.iterations == 0 {
             p.accuracy
         } else {
@@ -251,7 +272,8 @@ impl Newton {
             let floor = velocities + self.cancelled(p);
             norm <= floor && floor.is_finite()
         };
-        let converged = finite && good;
+        // Of a guess, the forces of loops are not known.
+        let converged = finite && good && !(closed && first);
         if converged || run.iterations >= MAX_ITERATIONS || !finite {
             return Some(Outcome {
                 iterations: run.iterations,
@@ -259,17 +281,20 @@ impl Newton {
             });
         }
         run.iterations += 1;
+        if factor.is_none() {
+            self.assemble(p);
+            self.factor.factor(tree, &kin.loops);
+            self.factored = true;
+        }
+        if closed && first {
+            self.close(p, factor);
+            self.collect(p);
+        }
         for (x, g) in self.direction.iter_mut().zip(&self.gradient) {
             *x = -g;
         }
-        if let Some(factor) = factor {
-            factor.solve(&tree.sparsity, &mut self.direction);
-        } else {
-            self.assemble(p);
-            self.H.factor(&tree.sparsity);
-            self.factored = true;
-            self.H.solve(&tree.sparsity, &mut self.direction);
-        }
+        let factor = factor.unwrap_or(&self.factor);
+        factor.solve((tree, &kin.loops), &mut self.direction, &mut self.forces);
         let alpha = self.line_search(p);
         for (v, w) in self.v.iter_mut().zip(&self.direction) {
             *v += alpha * w;
@@ -320,14 +345,14 @@ impl Newton {
     }
 
     /// The factor of the Hessian at the solution, or of one near it.
-    pub(super) fn factor(&mut self, p: &Problem) -> &Coupled {
+    pub(super) fn factor(&mut self, p: &Problem) -> &Factor {
         if !self.factored {
-            self.mark_loaded(p.tree, &p.terms.contacts);
+            self.mark_loaded(p.tree, p.terms);
             self.assemble(p);
-            self.H.factor(&p.tree.sparsity);
+            self.factor.factor(p.tree, &p.kin.loops);
             self.factored = true;
         }
-        &self.H
+        &self.factor
     }
 
     /// Velocities and responses at the solution.
@@ -339,26 +364,14 @@ impl Newton {
         }
     }
 
-    /// Whether a robot that stands still stays: all impulses balance at `v = 0`.
-    pub fn is_balanced(&mut self, p: &Problem) -> bool {
-        self.v.fill(0.0);
-        self.change.fill(0.0);
-        self.V.fill([0.0; 6]);
-        self.at.set(p.terms, &self.V);
-        self.respond(p);
-        let impulse_scale = self.collect(p);
-        let D2 = &p.kin.inverse_diagonal;
-        let norm = scaled_square(p.tree, &self.gradient, D2);
-        let scale = impulse_scale.max(p.h * p.h * scaled_square(p.tree, p.bias, D2));
-        scale.is_finite() && norm <= p.accuracy * p.accuracy * scale
-    }
-
-    /// Lists the bodies between the base and any contact, tips first.
-    fn mark_loaded(&mut self, tree: &Tree, contacts: &ContactSet) {
+    /// Lists the bodies between the base and any contact or spring, tips first.
+    fn mark_loaded(&mut self, tree: &Tree, terms: &Terms) {
         self.is_loaded.fill(false);
-        for contact in contacts.iter() {
-            self.is_loaded[contact.body] = true;
-            if let Some(other) = contact.other {
+        let contacts = terms.contacts.iter().map(|c| (c.body, &c.other));
+        let springs = terms.springs.iter().map(|s| (s.body, &s.other));
+        for (body, other) in contacts.chain(springs) {
+            self.is_loaded[body] = true;
+            if let Some(other) = other {
                 self.is_loaded[other.body] = true;
             }
         }
@@ -383,7 +396,7 @@ impl Newton {
             self.gradient[term.dof] -= r.impulse;
             scale += D2[term.dof] * r.effort * r.effort;
         }
-        if p.terms.contacts.is_empty() {
+        if p.terms.is_free() {
             return scale;
         }
         self.clear_forces(p.tree);
@@ -394,6 +407,9 @@ impl Newton {
         }
         for (turn, response) in p.terms.turns.iter().zip(&self.responses.turns) {
             turn.act(&response.impulse, &mut self.F);
+        }
+        for (spring, impulse) in p.terms.springs.iter().zip(&self.responses.springs) {
+            spring.act(impulse, &mut self.F);
         }
         let mut contact_scale = 0.0;
         let gradient = &mut self.gradient;
@@ -412,33 +428,6 @@ impl Newton {
         for (_, tree) in tree.moved() {
             self.F[tree.bodies.start] = [0.0; 6];
         }
-    }
-
-    /// What velocities lack because friction slips at other normal forces than those at the
-    /// solution: the largest, weighted, to first order, rad/s.
-    ///
-    /// - `factor`: that of the Hessian, where the solve has not needed one of its own
-    pub(super) fn lag(&mut self, p: &Problem, factor: Option<&Coupled>) -> f64 {
-        if p.terms.contacts.is_empty() {
-            return 0.0;
-        }
-        self.clear_forces(p.tree);
-        if !p.terms.add_lag(&self.at, &self.responses, p.h, &mut self.F) {
-            return 0.0;
-        }
-        let mut missing = std::mem::take(&mut self.direction);
-        missing.fill(0.0);
-        project((p.tree, p.kin), &self.loaded, &mut self.F, |dof, lag| {
-            missing[dof] += lag;
-        });
-        let factor = match factor {
-            Some(factor) if !self.factored => factor,
-            _ => self.factor(p),
-        };
-        factor.solve(&p.tree.sparsity, &mut missing);
-        self.direction = missing;
-        let weighted = self.direction.iter().zip(&p.tree.dofs.weight);
-        weighted.fold(0.0, |most: f64, (v, w)| most.max(w * v.abs()))
     }
 }
 

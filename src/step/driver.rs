@@ -9,6 +9,7 @@ use crate::model::Model;
 use crate::state::State;
 use crate::step::attempt::Attempt;
 use crate::step::caps;
+use crate::step::closing::Closing;
 use crate::step::explicit::{self, Explicit, Plan};
 use crate::step::fixed::{self, Fixed, Methods, Outcome, Part};
 use crate::step::flight::Flight;
@@ -49,6 +50,7 @@ pub struct Stepper {
     pub(super) explicit: Explicit,
     pub(super) fixed: Fixed,
     pub(super) attempt: Attempt,
+    pub(super) closing: Closing,
     /// Trees that fly from the last communication point on.
     flights: Vec<Flight>,
     /// Which trees go together.
@@ -63,7 +65,7 @@ pub struct Stepper {
 }
 
 #[cfg(test)]
-crate::spoil::spoil!(Stepper: here there implicit stages explicit fixed attempt flights islands
+crate::spoil::spoil!(Stepper: here there implicit stages explicit fixed attempt closing flights islands
     there_memory settled backup tried;);
 
 impl Stepper {
@@ -77,6 +79,7 @@ impl Stepper {
             explicit: Explicit::new(model, tree),
             fixed: Fixed::new(model),
             attempt: Attempt::new(model),
+            closing: Closing::new(model, tree),
             flights: Vec::with_capacity(tree.trees.len()),
             islands: Islands::new(tree, model.contact_room()[0]),
             there_memory: Memory::new(model),
@@ -109,16 +112,6 @@ impl Stepper {
             self.check_limits(ctx)?;
         }
         Ok(())
-    }
-
-    /// Enters a try, and refuses it where there have been too many.
-    pub(super) fn begin_try(&mut self, ctx: &Context) -> Result<(), Stop> {
-        self.tried += 1;
-        if self.tried > ctx.budget {
-            Err(Stop::Budget)
-        } else {
-            Ok(())
-        }
     }
 
     fn advance_controlled(
@@ -158,6 +151,7 @@ impl Stepper {
         self.attempt.stay(state);
         let (q, v) = (&mut self.attempt.end.q, &mut self.attempt.end.v);
         ahead.evaluate(ctx.tree, end.min(last), q, v);
+        self.close(ctx, 0.0);
         self.attempt.accept(state);
         if end < last {
             return end - begin;
@@ -225,7 +219,11 @@ impl Stepper {
     ) -> Result<(), Stop> {
         self.begin_try(ctx)?;
         let (Plan { pair, h }, from) = (plan, &state.physical);
-        let error = self.explicit.attempt(ctx, &self.here, from, plan);
+        let mut error = self.explicit.attempt(ctx, &self.here, from, plan);
+        let closed = ctx.tree.is_closed();
+        if closed {
+            error = error.max(self.close_explicitly(ctx, state, h));
+        }
         let power = -1.0 / f64::from(pair.order);
         let factor = EXPLICIT_SAFETY * libm::pow(error.max(LEAST_ERROR.1), power);
         let factor = factor.clamp(GROWTH.0, GROWTH.1);
@@ -253,15 +251,20 @@ impl Stepper {
             let found = (&mut state.stepping.ahead, &mut self.attempt);
             self.explicit
                 .finish_ahead((ctx.tree, &self.here), plan, &state.physical, times, found);
+            self.close(ctx, 0.0);
             self.attempt.accept(state);
             way.arrive();
             return Ok(());
         }
-        self.explicit
-            .finish(ctx.tree, &self.here, pair, &mut self.attempt);
+        if closed {
+            self.close_explicitly(ctx, state, h);
+        } else {
+            self.explicit
+                .finish(ctx.tree, &self.here, pair, &mut self.attempt);
+        }
         self.attempt.accept(state);
         way.go(h);
-        if pair.is_explicit() {
+        if pair.is_explicit() && !closed {
             // The last stage stands at the new state: it tells whether the next step may be
             // explicit, too.
             std::mem::swap(&mut self.here.kin, &mut self.explicit.end);
@@ -312,18 +315,6 @@ impl Stepper {
         self.go_in_stages(ctx, state, way, [h, accuracy])
     }
 
-    /// Puts the step of `h` seconds that has been solved, in two stages or alone, into
-    /// `self.attempt`.
-    fn finish(&mut self, ctx: &Context, state: &State, staged: bool, h: f64) {
-        self.attempt.begin(state);
-        let (from, attempt) = (&state.physical, &mut self.attempt);
-        if staged {
-            self.stages.finish(ctx, from, h, attempt);
-        } else {
-            self.implicit.take_full(ctx, &self.here, from, h, attempt);
-        }
-    }
-
     /// Takes an implicit step of at most `h` seconds in two stages, or by one solve where two
     /// stages have no solution within the digits, or would throw a load to and fro.
     fn go_in_stages(
@@ -347,7 +338,7 @@ impl Stepper {
                     .solve_alone(ctx, &problem, from, (&trend.whole, h))
             };
             if error <= 1.0 {
-                self.finish(ctx, state, staged, h);
+                error = error.max(self.finish(ctx, state, staged, h));
                 // Energy out of nothing is an error of the step like others.
                 let from = &state.physical;
                 let allowed = CONTROLLED_GAIN * ctx.tolerance;
@@ -417,6 +408,7 @@ impl Stepper {
                 let (times, end) = ([way.begin + way.done, h, way.end], &mut self.attempt.end);
                 let ahead = &mut state.stepping.ahead;
                 self.implicit.look_ahead(ctx.tree, from, times, ahead, end);
+                self.close(ctx, 0.0);
                 way.arrive();
             } else {
                 way.go(h);
@@ -473,6 +465,7 @@ impl Stepper {
                 implicit: &mut self.implicit,
                 stages: &mut self.stages,
                 explicit: &mut self.explicit,
+                closing: &mut self.closing,
             };
             let mut counters = state.stepping.counters;
             let lengths = Part { h: part, whole: h };

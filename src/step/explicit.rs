@@ -65,6 +65,7 @@ pub(super) fn plan(
     }
     let v = &state.physical.v;
     let long = proposed.min(MAX_EXPLICIT_STEP).min(swing(here, v));
+    let long = long.min(spring_swing(ctx, here));
     // What swings faster than the shortest step that is worth while is taken implicitly.
     if long < state.stepping.sizes.floor[ctx.tree.island.lead] {
         return None;
@@ -155,6 +156,23 @@ fn swing(here: &Point, v: &[f64]) -> f64 {
     })
 }
 
+/// Longest step that resolves every spring between two points, s.
+fn spring_swing(ctx: &Context, here: &Point) -> f64 {
+    let springs = here.terms.springs.iter();
+    springs.fold(f64::INFINITY, |least, spring| {
+        let [squared, _] = spring.rates(ctx.tree, &here.kin);
+        least.min((SHARP * RESOLVED / squared).sqrt())
+    })
+}
+
+/// Whether a step of `h` seconds resolves every spring between two points, and its damper.
+fn resolves_springs(ctx: &Context, here: &Point, h: f64) -> bool {
+    here.terms.springs.iter().all(|spring| {
+        let [squared, rate] = spring.rates(ctx.tree, &here.kin);
+        h * h * squared < RESOLVED && h * rate < 1.0
+    })
+}
+
 /// Whether nothing comes near within `h` seconds, and pd laws and a motor's torque–speed line are
 /// resolved.
 fn is_free(ctx: &Context, here: &Point, v: &[f64], h: f64) -> bool {
@@ -167,7 +185,8 @@ fn is_free(ctx: &Context, here: &Point, v: &[f64], h: f64) -> bool {
         !term.near_limit(v[term.dof], h)
             && h * h * kp * kin.inverse_diagonal[term.dof] < RESOLVED
             && h * term.line.slope() * kin.inverse_diagonal[term.dof] < 1.0
-    }) && is_clear(ctx.tree, kin, h)
+    }) && resolves_springs(ctx, here, h)
+        && is_clear(ctx.tree, kin, h)
 }
 
 /// Whether damping is slower than a step of `h` seconds.
@@ -222,6 +241,7 @@ impl Explicit {
             joints: &here.terms.joints,
         };
         let (start, end) = (&here.kin, &mut self.end);
+        end.loops.follow(&start.loops);
         self.integrator
             .step(pair, &system, start, end, &from.q, &from.v, h, finish);
     }
@@ -281,13 +301,18 @@ impl Explicit {
             && !self.contacts.has_missed(ctx.tree, &self.end, h, known)
     }
 
-    /// Puts the step just tried into `attempt`: nothing touches, so nothing is displaced.
+    /// Puts the step just tried into `attempt`, and takes its rates as those of the next one.
     pub fn finish(&mut self, tree: &Tree, here: &Point, pair: &Pair, attempt: &mut Attempt) {
+        self.put(tree, here, attempt);
+        self.integrator.accept(pair);
+    }
+
+    /// Puts the step just tried into `attempt`: nothing touches, so nothing is displaced.
+    pub fn put(&mut self, tree: &Tree, here: &Point, attempt: &mut Attempt) {
         tree.copy_positions(&self.integrator.q, &mut attempt.end.q);
         tree.copy_velocities(&self.integrator.v, &mut attempt.end.v);
         here.terms.forget(&mut attempt.end.memory);
         attempt.clear_trend(tree);
-        self.integrator.accept(pair);
     }
 
     /// The same for a step of `plan` that began at time `start` and reaches beyond the

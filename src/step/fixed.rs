@@ -15,6 +15,7 @@ use crate::model::Model;
 use crate::range::SHORTEST_FIXED_STEP;
 use crate::state::{Counters, Physical, State};
 use crate::step::attempt::Attempt;
+use crate::step::closing::Closing;
 use crate::step::convex::Problem;
 use crate::step::explicit::Explicit;
 use crate::step::guards;
@@ -81,11 +82,36 @@ pub(super) struct Methods<'a> {
     pub implicit: &'a mut Implicit,
     pub stages: &'a mut Stages,
     pub explicit: &'a mut Explicit,
+    pub closing: &'a mut Closing,
 }
 
 impl Fixed {
-    /// Tries a step into `attempt`, explicit where nothing stiff acts, else implicit.
+    /// Tries a step into `attempt`, explicit where nothing stiff acts, else implicit, and closes
+    /// its loops.
     pub fn attempt(
+        &mut self,
+        ctx: &Context,
+        methods: &mut Methods,
+        state: &State,
+        part: Part,
+        (attempt, counters): (&mut Attempt, &mut Counters),
+    ) -> Outcome {
+        let outcome = self.attempt_open(ctx, methods, state, part, (attempt, counters));
+        if outcome == Outcome::Bad || !ctx.tree.is_closed() {
+            return outcome;
+        }
+        let (kin, end) = (&mut methods.there.kin, &mut attempt.end);
+        methods.explicit.integrator.restart();
+        if methods.closing.close(ctx.tree, kin, end, 0.0).is_finite() {
+            Outcome::Good
+        } else {
+            counters.rejected += 1;
+            Outcome::Bad
+        }
+    }
+
+    /// The same without closing them.
+    fn attempt_open(
         &mut self,
         ctx: &Context,
         methods: &mut Methods,
@@ -189,7 +215,10 @@ impl Fixed {
         forward(tree, &here.kin.S, &self.mean, &mut here.kin.V);
         let (wrenches, middle) = (&ctx.inputs.wrenches, ctx.elapsed + 0.5 * h);
         rnea::bias(tree, &mut here.kin, &self.mean, wrenches, middle);
-        let problem = fixed_problem(here, tree, h);
+        let problem = Problem {
+            ahead: if turning { 0.5 * h } else { h },
+            ..fixed_problem(here, tree, h)
+        };
         if turning {
             implicit.full.guess(&problem, &from.v, &self.first);
         }
@@ -231,6 +260,7 @@ impl Fixed {
                 let own = &mut points[contact.points.clone()];
                 if let Some(point) = own.iter_mut().find(|p| p.is(place)) {
                     (point.x, point.arm) = (place.x, place.arm);
+                    point.normal = place.normal;
                     point.rim = place.rim;
                     point.depth = place.depth + 0.5 * h * v.along;
                 }

@@ -56,7 +56,7 @@ impl Flight {
         let touches = &state.physical.memory.touches;
         for (index, extent) in tree.moved() {
             let held = |touch: &Touch| ctx.model.touches_of(touch.slot).contains(&Some(index));
-            if !extent.free || touches.iter().any(held) {
+            if !extent.free || extent.tied || touches.iter().any(held) {
                 continue;
             }
             if flights.is_empty() {
@@ -76,8 +76,12 @@ impl Flight {
         h: f64,
         (kin, attempt): (&mut Kinematics, &mut Attempt),
     ) -> bool {
-        let impulse = &state.stepping.impulse;
+        let (impulse, rested) = (&state.stepping.impulse, &state.stepping.rested);
         let touched = |flight: &Self| {
+            // Something carries what has come to rest, with or without friction.
+            if rested[flight.tree] > 0.0 {
+                return true;
+            }
             let bodies = &ctx.tree.trees[flight.tree].bodies;
             let mut links = ctx.model.links.iter().zip(impulse);
             links

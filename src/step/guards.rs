@@ -105,6 +105,7 @@ fn gain(
     let held = kinetic(tree, kin, &end.v)
         + potential(tree, kin)
         + force::held(ctx.model, tree, kin, limit, points)
+        + force::held_by_springs(tree, kin)
         + limits(tree, here, &end.q);
     if ctx.rules.energy {
         (held - books.held - work) / books.allowed
@@ -133,7 +134,9 @@ pub(super) fn gains_explicitly(
         }
         work += 0.5 * (term.drive_force(from.v[dof], 0.0).0 + last) * way;
     }
-    let held = kinetic(ctx.tree, kin, &end.v) + potential(ctx.tree, kin);
+    let held = kinetic(ctx.tree, kin, &end.v)
+        + potential(ctx.tree, kin)
+        + force::held_by_springs(ctx.tree, kin);
     ctx.rules.energy && held - books.held - work > books.allowed
 }
 
@@ -150,7 +153,7 @@ fn limits(tree: &Tree, here: &Point, q: &[f64]) -> f64 {
     sum
 }
 
-/// Work of motors and external wrenches over a solved step of `h` seconds, J.
+/// Work of motors, external wrenches and surfaces that move over a solved step of `h` seconds, J.
 pub(super) fn work(
     ctx: &Context,
     kin: &Kinematics,
@@ -165,6 +168,9 @@ pub(super) fn work(
     let takes = |body: usize| ctx.tree.takes(ctx.tree.bodies[body].tree);
     for wrench in ctx.inputs.wrenches.iter().filter(|w| takes(w.body)) {
         power += dot6(&about_origin(kin, wrench, ctx.elapsed), &kin.V[wrench.body]);
+    }
+    for (contact, r) in terms.contacts.iter().zip(&newton.responses.contacts) {
+        power += r.friction.force.dot(&contact.carried);
     }
     h * power
 }

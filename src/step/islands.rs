@@ -101,6 +101,7 @@ impl Islands {
                 self.leader[index] = if tree.moves() { index } else { first };
             }
             let left_out = if resting { &self.rest } else { none };
+            tree.join_closed(&mut self.leader);
             contacts.group((tree, kin), times, left_out, &mut self.leader);
             self.awake.clear();
             self.awake.resize(tree.trees.len(), false);

@@ -8,6 +8,7 @@
 //! | `size` | lengths of steps; what becomes of a try |
 //! | `caps` | where a step must end |
 //! | `guards`, `flight` | what a try must not do: make energy, lose momentum |
+//! | `ends`, `closing` | loops are closed at the end of a step |
 //! | `attempt` | a try of a step, accepted whole or dropped |
 //! | `implicit`, `convex` | convex solves, their error, extrapolation |
 //! | `explicit` | Runge–Kutta pairs |
@@ -18,9 +19,11 @@
 
 mod attempt;
 mod caps;
+mod closing;
 pub mod communication;
 pub mod convex;
 pub mod driver;
+mod ends;
 pub mod explicit;
 mod fixed;
 mod flight;

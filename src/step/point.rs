@@ -104,7 +104,16 @@ impl Point {
     }
 
     fn update_dynamics(&mut self, ctx: &Context, from: &Physical, h: f64) {
+        self.kin.loops.keep_all();
         crba::mass_matrix(ctx.tree, &mut self.kin);
+        if ctx.tree.is_closed() {
+            let Kinematics {
+                loops,
+                inverse_diagonal,
+                ..
+            } = &mut self.kin;
+            loops.select(ctx.tree, inverse_diagonal);
+        }
         self.update_forces(ctx, from, h);
     }
 

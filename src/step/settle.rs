@@ -140,8 +140,9 @@ impl Stepper {
 impl Stepping {
     /// Notes the contact forces on what rests, as a solve over `h` seconds has found them.
     fn note_loads(&mut self, model: &Model, terms: &Terms, solved: &Newton, h: f64) {
+        let (points, of) = (&terms.contacts.points, &solved.responses.points);
         for (contact, response) in terms.contacts.iter().zip(&solved.responses.contacts) {
-            let force = contact.impulse(response, h) / h;
+            let force = contact.impulse(points, (response, of), h) / h;
             let lower = model.links_of(contact.slot)[0].map(LinkId::index);
             let sign = if lower == Some(contact.link) {
                 1.0
@@ -168,5 +169,5 @@ fn fastest(tree: &Tree, v: &[f64]) -> f64 {
 fn is_set_down(ctx: &Context, tree: usize) -> bool {
     let root = &ctx.model.roots[tree];
     let height = ParameterSlot::InitialBasePosition(RootId::from(tree), 2);
-    root.set_down && ctx.parameters.get(height) == root.position.z
+    root.set_down && !ctx.tree.trees[tree].tied && ctx.parameters.get(height) == root.position.z
 }

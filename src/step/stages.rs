@@ -23,7 +23,8 @@
 //! What rolls or sticks has a velocity of zero at the place of contact at each time, and that place
 //! turns within the step. So the sliding velocities of the stages have a drift beside the lever
 //! arms of the middle: what the expected velocity makes of the way of the lever arms from the start
-//! to the middle, in proportion to the time from there.
+//! to the middle, in proportion to the time from there. The same holds along the normal: what rolls
+//! over a crest moves along the surface at each time, and the surface turns.
 //!
 //! A contact slips at `μ` times a normal force that is known before a Newton iteration: at first
 //! that of the guess. Where the normal forces that an iteration has found would change velocities,
@@ -43,6 +44,7 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
+use crate::closure::Rows;
 use crate::dynamics::{crba, rnea};
 use crate::force::{ContactSet, JointTerm, Memory, Terms, seek};
 use crate::joint::Sweep;
@@ -96,6 +98,8 @@ pub(super) struct Stages {
     forces: Vec<f64>,
     error: [Vec<f64>; 2],
     probe: Newton,
+    /// Forces of loops against errors.
+    loops: Vec<f64>,
     /// What the friction cones of each stage lag behind, as an error relative to the tolerance.
     lag: [f64; 2],
     /// Most Newton iterations in a solve since the communication step has begun.
@@ -104,7 +108,7 @@ pub(super) struct Stages {
 
 #[cfg(test)]
 crate::spoil::spoil!(
-    Stages: middle terms aside solved trend q v moved way from guess memory forces error probe lag iterations;
+    Stages: middle terms aside solved trend q v moved way from guess memory forces error probe loops lag iterations;
 );
 
 impl Stages {
@@ -129,6 +133,7 @@ impl Stages {
             forces: vec![0.0; nv],
             error: [vec![0.0; nv], vec![0.0; nv]],
             probe: newton(),
+            loops: Vec::with_capacity(Rows::most(tree)),
             lag: [0.0; 2],
             iterations: 0,
         }
@@ -172,6 +177,7 @@ impl Stages {
         [h, accuracy]: [f64; 2],
         alike: bool,
     ) -> bool {
+        self.middle.kin.loops.follow(&here.kin.loops);
         self.stand(ctx, from, h);
         self.find_drift(ctx, here);
         let eta = GAMMA * h;
@@ -243,9 +249,15 @@ impl Stages {
         for contact in list {
             let start = seek(&mut starts, contact.slot, |c| c.slot);
             if let Some(start) = start.filter(|c| c.depth > 0.0 && contact.depth > 0.0) {
-                contact.take_loads(points, &here.terms.contacts.points[start.points.clone()]);
+                let before = &here.terms.contacts.points;
+                contact.take_loads(points, &before[start.points.clone()]);
                 let moved = contact.sliding(&kin.V) - start.sliding(&self.way);
                 contact.drift = moved * DRIFTING;
+                // On even ground the law of rims says itself how their points move.
+                if contact.uneven || !contact.has_rims(points) {
+                    let climbing = contact.normal_velocity(points, &kin.V);
+                    contact.rise = climbing - start.normal_velocity(before, &self.way);
+                }
             }
         }
     }
@@ -283,7 +295,10 @@ impl Stages {
         };
         macro_rules! problem {
             () => {
-                Problem::new((tree, kin), terms, eta, accuracy)
+                Problem {
+                    ahead: 0.5 * DRIFT[stage] * (eta / GAMMA),
+                    ..Problem::new((tree, kin), terms, eta, accuracy)
+                }
             };
         }
         solved.guess(&problem!(), &self.from, &self.guess);
@@ -347,11 +362,12 @@ impl Stages {
             *velocity += moved - here;
         }
         let factor = self.solved[1].factor(&problem(&self.terms[1], eta));
-        factor.solve(pattern, velocity);
+        let rows = (tree, &kin.loops);
+        factor.solve(rows, velocity, &mut self.loops);
         // Once more: what dies within the step is no error of it.
         pattern.multiply(&kin.M, velocity, &mut self.guess);
         velocity.copy_from_slice(&self.guess);
-        factor.solve(pattern, velocity);
+        factor.solve(rows, velocity, &mut self.loops);
         for (position, velocity) in position.iter_mut().zip(&*velocity) {
             *position += eta * velocity;
         }

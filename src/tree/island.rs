@@ -21,6 +21,7 @@ impl Tree {
         island.takes.clear();
         sparsity.worked.clear();
         let (mut lead, mut pure, mut cost, mut bodies) = (None, true, 0, 0);
+        let mut open = true;
         for (index, tree) in trees.iter().enumerate() {
             let taken = !tree.moves() || takes(index);
             island.takes.push(taken);
@@ -44,6 +45,7 @@ impl Tree {
             if tree.moves() {
                 lead = lead.or(Some(index));
                 pure &= tree.pure;
+                open &= !tree.closed;
                 cost += sparsity.factor_cost(index);
                 bodies += tree.bodies.len();
                 sparsity.worked.push(index);
@@ -51,12 +53,19 @@ impl Tree {
         }
         island.lead = lead.unwrap_or_default();
         self.pure = pure;
-        self.long = pure && cost > ARTICULATED_COST * bodies;
+        island.closed = !open;
+        self.long = pure && open && cost > ARTICULATED_COST * bodies;
     }
 
     /// Takes all trees.
     pub fn select_all(&mut self) {
         self.select(|_| true);
+    }
+
+    /// Whether a step works on closed loops.
+    #[inline]
+    pub fn is_closed(&self) -> bool {
+        self.island.closed
     }
 
     /// Whether a step moves the tree, or it is scenery.

@@ -24,7 +24,8 @@ impl Tree {
                 } else {
                     a.moves || b.moves
                 };
-                pairs[i * n + j] = meet && !apart.contains(&links);
+                let joined = self.is_closed_between([a.body, b.body]);
+                pairs[i * n + j] = meet && !joined && !apart.contains(&links);
             }
         }
         pairs

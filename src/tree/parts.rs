@@ -2,11 +2,12 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
+use super::closure::{Closure, TreeSpring};
 use crate::geometry::Faces;
-use crate::geometry::pair::Solid;
+use crate::geometry::pair::{MOST_PARTS, Solid};
 use crate::joint::Kind;
 use crate::law::normal::Stiffening;
-use crate::model::{Combination, Joint, Limits};
+use crate::model::{Combination, Joint, Limits, RootId};
 use crate::sparsity::Sparsity;
 use crate::spatial::{Pose, Vec3};
 use std::ops::Range;
@@ -33,6 +34,10 @@ pub struct Tree {
     pub long: bool,
     /// Pose of each link in its body's solver frame; filled by [`Self::new`].
     pub link_pose: Vec<Pose>,
+    /// What closes loops; filled by [`Self::new`].
+    pub closures: Vec<Closure>,
+    /// Springs between two points; filled by [`Self::new`].
+    pub springs: Vec<TreeSpring>,
     /// What the world does to all bodies.
     pub world: World,
     /// What touches, and how stiffly.
@@ -52,6 +57,8 @@ pub struct Island {
     pub(super) takes: Vec<bool>,
     /// The first of those that move: what the method remembers of an island stands there.
     pub lead: usize,
+    /// Whether loops close in it.
+    pub closed: bool,
 }
 
 /// Trees one after the other, and what belongs to them in the lists of all trees.
@@ -69,6 +76,7 @@ pub struct Span {
 
 /// One tree: a base that hangs in the world, and all that hangs on it.
 #[derive(Clone, Debug)]
+#[expect(clippy::struct_excessive_bools, reason = "each says something else")]
 pub struct Extent {
     /// Pose of a fixed base in the world; filled by [`Tree::new`].
     pub base: Pose,
@@ -83,6 +91,11 @@ pub struct Extent {
     /// Whether every column is its own degree of freedom: no joint mimics another; filled by
     /// [`Tree::new`].
     pub pure: bool,
+    /// Whether a loop closes in it, or joins it to something; filled by [`Tree::new`].
+    pub closed: bool,
+    /// Whether a loop or a spring holds it to another tree or to the world; filled by
+    /// [`Tree::new`].
+    pub tied: bool,
     /// Mass of all its moving bodies, kg; filled by [`Tree::new`].
     pub moving_mass: f64,
     /// Its largest extent from its base in the initial position, m; filled by [`Tree::scale`].
@@ -224,6 +237,9 @@ pub struct TreeCollider {
     pub ground: Surface,
     /// Hunt–Crossley dissipation without restitution, s/m.
     pub dissipation: f64,
+    /// Velocity of its surface against its body, m/s, world axes; filled by
+    /// [`Tree::run_conveyors`].
+    pub belt: Vec3,
     /// Spring of its contact.
     pub spring: Stiffening,
     /// Faces of a hull; none of another shape.
@@ -348,12 +364,12 @@ impl Turning {
 }
 
 impl Contacts {
-    /// The slot of the contact of the shapes at two places, the lower one first; see
-    /// [`crate::model::Model::slots`].
+    /// The slot of the first part of the contact of the shapes at two places, the lower one first;
+    /// see [`crate::model::Model::slots`].
     #[inline]
     pub fn slot(&self, places: [usize; 2]) -> usize {
         let [a, b] = places.map(|place| self.colliders[place].index);
-        self.shapes * (1 + a) + b
+        self.shapes + (self.shapes * a + b) * MOST_PARTS
     }
 
     /// Whether the shapes at two places, the lower one first, may touch.
@@ -407,6 +423,15 @@ impl Tree {
     pub fn on_ground(&self) -> impl Iterator<Item = &TreeCollider> + '_ {
         let colliders = self.worked_colliders().map(|(_, collider)| collider);
         colliders.filter(|c| c.moves && self.contact.has_ground)
+    }
+
+    /// Sets how fast surfaces move, by the inputs.
+    pub fn run_conveyors(&mut self, velocity: impl Fn(RootId) -> Option<Vec3>) {
+        for collider in &mut self.contact.colliders {
+            if let Some(velocity) = velocity(RootId::from(collider.tree)) {
+                collider.belt = self.trees[collider.tree].base.R * velocity;
+            }
+        }
     }
 
     /// Mass of all moving bodies of a body's tree, kg.

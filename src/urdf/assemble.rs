@@ -6,16 +6,20 @@ use super::checked::{
     CheckedCollision, CheckedInertial, CheckedRobot, CheckedVisual, Geometry, LinkReference, Order,
 };
 use super::description::{
-    CollisionDescription, Description, JointDescription, LinkDescription, VisualDescription,
-    VisualShape,
+    ClosureDescription, CollisionDescription, Description, JointDescription, LinkDescription,
+    VisualDescription, VisualShape,
 };
 use super::hulls::{Meshes, ReadMesh};
 use super::inertia;
+use super::solids::of_solids;
 use super::visuals::Drawn;
 use crate::geometry::Shape;
 use crate::model::{JointKind, Limits};
 use crate::spatial::{Mat3, Pose, RigidInertia, Vec3, rotation_from_rpy};
 use std::collections::HashMap;
+
+/// Thickness of what has no size, m: less than any contact resolves.
+const SMALLEST_SIZE: f64 = 1e-9;
 
 /// What a `<collision>` touches with: its shape, the hull of its mesh, or the convex parts that the
 /// mesh has been cut into; `None` for a mesh that was not read.
@@ -66,7 +70,10 @@ pub(super) fn description(
             .concat();
         links.push(LinkDescription {
             name: checked.name.to_owned(),
-            inertial: checked.inertial.as_ref().map(|own| inertial(own, scale)),
+            inertial: checked
+                .inertial
+                .as_ref()
+                .map(|own| inertial(own, &collisions, scale)),
             R_LI: checked
                 .inertial
                 .as_ref()
@@ -135,10 +142,17 @@ pub(super) fn description(
             line: checked.line,
         });
     }
+    let closures = robot.closures.iter().cloned();
+    let closures = closures.map(|part| ClosureDescription {
+        kind: part.kind.scaled(scale),
+        ..part
+    });
     Some(Description {
+        closures: closures.collect(),
         name: robot.name.clone(),
         links,
         joints,
+        sensors: Vec::new(),
         drawn_meshes: drawn.meshes,
         textures: drawn.textures,
         sources: meshes.sources.clone(),
@@ -177,7 +191,18 @@ fn pose(xyz: &Vec3, rpy: &Vec3, scale: f64) -> Pose {
 }
 
 /// Turned into the link's axes.
-fn inertial(inertial: &CheckedInertial, scale: f64) -> RigidInertia {
+fn inertial(
+    inertial: &CheckedInertial,
+    collisions: &[CollisionDescription],
+    scale: f64,
+) -> RigidInertia {
+    if inertial.of_shapes {
+        return RigidInertia {
+            mass: inertial.mass,
+            com: inertial.xyz * scale,
+            I_cm: of_solids(inertial.mass, collisions).unwrap_or_default(),
+        };
+    }
     let I = inertia::matrix(&inertial.inertia) * (scale * scale);
     let R = rotation_from_rpy(&inertial.rpy);
     RigidInertia {
@@ -189,20 +214,22 @@ fn inertial(inertial: &CheckedInertial, scale: f64) -> RigidInertia {
 
 /// `None` for a mesh that was not read.
 fn shape(geometry: &Geometry, mesh: Option<&ReadMesh>, scale: f64) -> Option<Shape> {
+    // A size of 0 leaves a point, a line or a face, which is this thick.
+    let size = |size: f64| (size * scale).max(SMALLEST_SIZE);
     Some(match *geometry {
-        Geometry::Box { size } => Shape::Box {
-            half: Vec3::from(size) * (0.5 * scale),
+        Geometry::Box { size: sides } => Shape::Box {
+            half: Vec3::from(sides.map(|side| 0.5 * size(side))),
         },
         Geometry::Cylinder { radius, length } => Shape::Cylinder {
-            radius: radius * scale,
-            half_length: 0.5 * length * scale,
+            radius: size(radius),
+            half_length: 0.5 * size(length),
         },
         Geometry::Capsule { radius, length } => Shape::Capsule {
-            radius: radius * scale,
+            radius: size(radius),
             half_length: 0.5 * length * scale,
         },
         Geometry::Sphere { radius } => Shape::Sphere {
-            radius: radius * scale,
+            radius: size(radius),
         },
         Geometry::Mesh { .. } => Shape::Hull {
             vertices: mesh?.vertices.clone(),

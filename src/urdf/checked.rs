@@ -1,6 +1,7 @@
 //! A robot whose tags have been checked: every number is finite and in its range, every name is
 //! there.
 
+use super::description::ClosureDescription;
 use super::xml::{Attribute, Node};
 use crate::model::{ActuatorMode, JointKind};
 use crate::spatial::Vec3;
@@ -13,6 +14,8 @@ pub(super) struct CheckedRobot<'d> {
     pub(super) links: Vec<CheckedLink<'d>>,
     /// File order.
     pub(super) joints: Vec<CheckedJoint<'d>>,
+    /// Loops and springs, in file order; lengths as in the file.
+    pub(super) closures: Vec<ClosureDescription>,
     /// Whether every link and joint has a name of its own: else the tree cannot be told.
     pub(super) named: bool,
 }
@@ -48,6 +51,8 @@ pub(super) struct CheckedInertial {
     pub(super) mass: f64,
     /// ixx, ixy, ixz, iyy, iyz, izz about the centre of mass, kg m²
     pub(super) inertia: [f64; 6],
+    /// Whether it is that of the collision shapes, because the file has none.
+    pub(super) of_shapes: bool,
     /// Where `<inertia>` stands.
     pub(super) at: Range<usize>,
     /// What is wrong with the inertia, if it is wrong for a body on its own.

@@ -2,6 +2,7 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
+use super::sensed::SensorDescription;
 use crate::diagnostic::Diagnostic;
 use crate::geometry::Shape;
 use crate::model::{ActuatorMode, JointKind, Limits};
@@ -19,6 +20,10 @@ pub struct Description {
     pub links: Vec<LinkDescription>,
     /// The joints, ordered like their child links: joint `i` has child link `i + 1`.
     pub joints: Vec<JointDescription>,
+    /// Sensors in file order; none unless [`super::ReadOptions::sensors`] is on.
+    pub sensors: Vec<SensorDescription>,
+    /// Loops and springs of its notes for other programs.
+    pub closures: Vec<ClosureDescription>,
     /// Meshes of the visuals, each file once.
     pub drawn_meshes: Vec<DrawnMesh>,
     /// Textures of the visuals, each file once.
@@ -29,6 +34,84 @@ pub struct Description {
     pub diagnostics: Vec<Diagnostic>,
     /// The URDF's text, for marks in later findings; empty for a robot that was made in code.
     pub text: Arc<str>,
+}
+
+/// A loop or a spring as a note for another program has it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ClosureDescription {
+    /// Name, or what kind of note it is.
+    pub name: String,
+    /// What it does.
+    pub kind: ClosureDescriptionKind,
+    /// 1-based line of the element.
+    pub line: usize,
+}
+
+/// What a note for another program closes.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ClosureDescriptionKind {
+    /// Two frames, as one.
+    Weld {
+        /// Names of the links; `world` is the world, if no link has the name.
+        links: [String; 2],
+        /// The frames in these.
+        X: [Pose; 2],
+    },
+    /// Two points, as one.
+    Ball {
+        /// As above.
+        links: [String; 2],
+        /// As above.
+        X: [Pose; 2],
+    },
+    /// Two points and the z axes there, as one.
+    Hinge {
+        /// As above.
+        links: [String; 2],
+        /// As above.
+        X: [Pose; 2],
+    },
+    /// A sum of positions of joints.
+    Coupler {
+        /// Names, and what each is multiplied by.
+        joints: Vec<(String, f64)>,
+        /// The sum; none: that at the start.
+        sum: Option<f64>,
+    },
+    /// A spring between two points.
+    Spring {
+        /// As above.
+        links: [String; 2],
+        /// As above.
+        X: [Pose; 2],
+        /// m
+        length: f64,
+        /// N/m
+        stiffness: f64,
+        /// N·s/m
+        damping: f64,
+    },
+}
+
+impl ClosureDescriptionKind {
+    /// The same in a robot whose lengths are multiplied.
+    pub(super) fn scaled(mut self, scale: f64) -> Self {
+        match &mut self {
+            Self::Weld { X, .. } | Self::Ball { X, .. } | Self::Hinge { X, .. } => {
+                for X in X {
+                    X.p *= scale;
+                }
+            }
+            Self::Spring { X, length, .. } => {
+                for X in X {
+                    X.p *= scale;
+                }
+                *length *= scale;
+            }
+            Self::Coupler { .. } => {}
+        }
+        self
+    }
 }
 
 /// A link as the file has it.
@@ -73,6 +156,8 @@ impl Description {
             name: root.name.clone(),
             links: vec![root],
             joints: Vec::new(),
+            sensors: Vec::new(),
+            closures: Vec::new(),
             drawn_meshes: Vec::new(),
             textures: Vec::new(),
             sources: Vec::new(),

@@ -13,6 +13,8 @@ pub(super) enum MeshError {
     Io(String),
     #[error("the file has {0} bytes, more than the {LARGEST_FILE} that are read")]
     TooLarge(u64),
+    #[error("it is a pointer of Git LFS, not the mesh itself")]
+    Pointer,
     #[error("the file is empty")]
     Empty,
     #[error("'{0}' files are not read; STL, OBJ and COLLADA are")]

@@ -1,12 +1,15 @@
 //! Tags of other programs that affect the motion: PyBullet's `<contact>`, Gazebo's `<gazebo>`,
 //! ROS's `<transmission>` and `<ros2_control>`, Drake's `<drake:…>`, MuJoCo's `<mujoco>`.
 //!
+//! Loops and springs are read in `closures`.
+//!
 //! Read: friction (sliding, at rest, rolling, about the normal), restitution, rotor inertia with
 //! its gear ratio, and which quantity a joint's hardware takes. A tag that would change the motion
 //! in its own program and is not used here causes a warning (U022). Tags that are read (U023) or
 //! ignored (U020) are counted.
 
 use super::checked::{CheckedRobot, Surface};
+use super::closures;
 use super::scope::Scope;
 use super::xml::Node;
 use crate::diagnostic::words::did_you_mean;
@@ -131,12 +134,26 @@ pub(super) fn read(scope: &mut Scope, root: Node, robot: &mut CheckedRobot) {
         .zip(&robot.joints)
         .map(|(i, joint)| (joint.name.to_owned(), i))
         .collect();
+    let names = closures::Names::new(robot);
     for node in root.children() {
         match node.name() {
-            "gazebo" => gazebo(scope, node, robot, &links, &joints),
+            "gazebo" => {
+                for joint in node.children_named("joint") {
+                    closures::read(scope, &names, joint, robot);
+                }
+                gazebo(scope, node, robot, &links, &joints);
+            }
             "transmission" => transmission(scope, node, robot, &joints),
             "ros2_control" => ros2_control(scope, node, robot, &joints),
-            "mujoco" => mujoco(scope, node),
+            "mujoco" => {
+                mujoco(scope, node);
+                for equality in node.children_named("equality") {
+                    closures::equality(scope, &names, equality, robot);
+                }
+            }
+            "loop_joint" | "drake:ball_constraint" | "drake:linear_spring_damper" => {
+                closures::read(scope, &names, node, robot);
+            }
             "drake:joint" => {
                 let name = node.value("name").unwrap_or_default();
                 let kind = node.value("type").unwrap_or_default();
@@ -148,7 +165,7 @@ pub(super) fn read(scope: &mut Scope, root: Node, robot: &mut CheckedRobot) {
             // The others tie links together or pull at them.
             name if TOP_LEVEL.contains(&name) => {
                 let message = format!("<{name}> is not used: the robot moves without it");
-                let help = "links are held by the tree of joints alone";
+                let help = "close the loop with [[loop]], or pull with [[spring]], in the settings";
                 scope.report.warning("U022", node.tag_at(), message, help);
             }
             _ => {}
@@ -165,7 +182,9 @@ fn gazebo(
     joints: &HashMap<String, usize>,
 ) {
     let Some(attribute) = node.attribute("reference") else {
-        scope.ignore(node);
+        if node.child("joint").is_none() {
+            scope.ignore(node);
+        }
         return;
     };
     let name = attribute.value.as_str();
@@ -193,6 +212,8 @@ fn gazebo(
                 }
             }
             "turnGravityOff" if is_on(child) => weightless(scope, child),
+            // Closes a loop: read before.
+            "joint" => {}
             "gravity" if matches!(child.content().trim(), "0" | "false") => {
                 weightless(scope, child);
             }
@@ -201,6 +222,8 @@ fn gazebo(
                 let help = "command the joint in pd mode with the spring's kp";
                 scope.warning("U022", child.tag_at(), &message, help);
             }
+            // Read by themselves.
+            "sensor" if scope.sensors => {}
             _ => scope.ignore(child),
         }
     }
@@ -343,7 +366,9 @@ fn unknown_joint(
 fn mujoco(scope: &mut Scope, node: Node) {
     for child in node.children() {
         if child.name() != "compiler" {
-            scope.ignore(child);
+            if child.name() != "equality" {
+                scope.ignore(child);
+            }
             continue;
         }
         scope.used(child);

@@ -6,8 +6,9 @@ use super::checked::{CheckedRobot, Geometry};
 use super::decompose;
 use super::faces::MeshError;
 use super::mesh::MeshFile;
+use super::missing::{self, Lost};
 use super::options::ReadOptions;
-use super::resolve::{Found, Missing, Resolver};
+use super::resolve::{Found, Resolver};
 use super::scope::Scope;
 use crate::geometry::{GeometryError, MOST_CORNERS, bounded_hull};
 use crate::hash::Quick;
@@ -64,6 +65,7 @@ pub(super) fn read_meshes(
     let mut known: HashMap<(PathBuf, [u64; 3], bool), Option<ReadMesh>> = HashMap::new();
     let wheels = wheel_meshes(robot);
     let mut found = HashMap::new();
+    let mut lost = Vec::new();
     let mut first_mesh: Option<Range<usize>> = None;
     let mut count = 0;
     for (i, link) in robot.links.iter().enumerate() {
@@ -86,16 +88,18 @@ pub(super) fn read_meshes(
                 first_mesh.get_or_insert_with(|| at.clone());
             }
             count += usize::from(!decompose);
-            let file = match found
+            let place = found
                 .entry(*filename)
-                .or_insert_with(|| resolver.find(filename))
-            {
-                Ok(file) => file.clone(),
-                Err(missing) => {
-                    report_missing(scope, filename, at, missing);
-                    continue;
-                }
+                .or_insert_with(|| resolver.find(filename));
+            let Ok(file) = place else {
+                lost.push(Lost {
+                    owner: scope.owner.clone(),
+                    filename,
+                    at: at.clone(),
+                });
+                continue;
             };
+            let file = file.clone();
             let factors = factors.map(|f| f * options.scale);
             let read = known
                 .entry((file.path.clone(), factors.map(f64::to_bits), decompose))
@@ -117,6 +121,7 @@ pub(super) fn read_meshes(
             }
         }
     }
+    missing::report(scope, resolver, lost);
     report_rough_hulls(scope, robot, &meshes);
     if let Some(at) = first_mesh {
         let message =
@@ -167,26 +172,6 @@ fn report_rough_hulls(scope: &mut Scope, robot: &CheckedRobot, meshes: &Meshes) 
     }
 }
 
-fn report_missing(scope: &mut Scope, filename: &str, at: &Range<usize>, missing: &Missing) {
-    match missing {
-        Missing::NotFound(missing) => {
-            let message = format!("mesh not found: {filename}");
-            scope.problem("U104", at.clone(), &message, missing.help());
-        }
-        Missing::Outside(path) => {
-            let message = format!("mesh outside of the robot's folders: {filename}");
-            scope.problem("U112", at.clone(), &message, outside_help(path));
-        }
-    }
-}
-
-pub(super) fn outside_help(path: &Path) -> String {
-    let folder = path.parent().unwrap_or(path).display();
-    format!(
-        "an FMU takes no other files of this machine; if it belongs to the robot, pass --package-path {folder}"
-    )
-}
-
 fn read_mesh(
     scope: &mut Scope,
     file: Found,
@@ -212,6 +197,10 @@ fn read_mesh(
         Ok(read) => read,
         Err(error) => {
             let (code, help) = match error {
+                MeshError::Pointer => (
+                    "U105",
+                    "fetch the files where the robot was cloned: git lfs install && git lfs pull",
+                ),
                 MeshError::Format(_) => ("U106", "convert the mesh to STL or OBJ"),
                 _ => (
                     "U105",

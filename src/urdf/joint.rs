@@ -122,7 +122,8 @@ fn axis(scope: &mut Scope, node: Node, kind: JointKind) -> Vec3 {
     };
     scope.known_attributes(child, &["xyz", "rpy"]);
     let Some(attribute) = child.attribute("xyz") else {
-        scope.missing_attribute(child, "xyz", "write xyz=\"0 0 1\"");
+        let message = "<axis> has no attribute 'xyz': \"1 0 0\" is used, as without <axis>";
+        scope.warning("U015", child.tag_at(), message, "write xyz=\"0 0 1\"");
         return Vec3::x();
     };
     let Some(axis) = scope.vector::<3>(child, "xyz") else {
@@ -154,13 +155,14 @@ fn limit(scope: &mut Scope, node: Node, kind: JointKind) -> Limit {
             } else {
                 "revolute"
             };
-            let message = format!("a {word} joint needs a <limit>");
+            let message =
+                format!("a {word} joint needs a <limit>: without it the joint counts as unlimited");
             let mut help =
                 "add <limit lower=\"…\" upper=\"…\" effort=\"…\" velocity=\"…\"/>".to_owned();
             if kind == JointKind::Revolute {
                 help += ", or use type=\"continuous\"";
             }
-            scope.problem("U044", node.tag_at(), &message, help);
+            scope.warning("U044", node.tag_at(), &message, help);
         }
         return (None, None, None);
     };
@@ -177,8 +179,8 @@ fn limit(scope: &mut Scope, node: Node, kind: JointKind) -> Limit {
     }
     let lower = scope.number(child, "lower");
     let upper = scope.number(child, "upper");
-    let effort = not_negative(scope, child, "effort");
-    let velocity = not_negative(scope, child, "velocity");
+    let effort = limit_size(scope, child, "effort");
+    let velocity = limit_size(scope, child, "velocity");
     if turns_or_slides(kind) && scope.version < Version(1, 2) {
         for name in ["effort", "velocity"] {
             if child.attribute(name).is_none() {
@@ -243,15 +245,26 @@ fn range(
     Some((lower, upper))
 }
 
-fn not_negative(scope: &mut Scope, node: Node, name: &str) -> Option<f64> {
+/// The effort or the velocity of a `<limit>`; many files write -1 for "none", and other programs
+/// take it so or do not look at it.
+fn limit_size(scope: &mut Scope, node: Node, name: &str) -> Option<f64> {
     let value = scope.number(node, name)?;
     if value >= 0.0 {
         // Limits of any size stand for "none".
-        let range = match name {
-            "effort" | "velocity" => Physical::LimitSize,
-            _ => Physical::Coefficient,
-        };
-        return scope.within(node, name, value, range);
+        return scope.within(node, name, value, Physical::LimitSize);
+    }
+    let at = node
+        .attribute(name)
+        .map_or_else(|| node.tag_at(), |a| a.at.clone());
+    let message = format!("<limit> {name} {value} is negative: it counts as unlimited");
+    scope.warning("U033", at, &message, "write its size, or leave it out");
+    None
+}
+
+fn not_negative(scope: &mut Scope, node: Node, name: &str) -> Option<f64> {
+    let value = scope.number(node, name)?;
+    if value >= 0.0 {
+        return scope.within(node, name, value, Physical::Coefficient);
     }
     let at = node
         .attribute(name)

@@ -4,6 +4,7 @@ use super::checked::{CheckedCollision, CheckedInertial, CheckedLink, Geometry};
 use super::scope::Scope;
 use super::xml::Node;
 use super::{foreign, inertia};
+use crate::diagnostic::Severity;
 use crate::diagnostic::words::did_you_mean;
 use crate::range::Range as Physical;
 
@@ -42,7 +43,7 @@ pub(super) fn check<'d>(scope: &mut Scope, node: Node<'d>, name: &'d str) -> Che
         );
         foreign::proximity(scope, collision, &mut surface);
         let (xyz, rpy) = scope.origin(collision);
-        if let Some(geometry) = geometry(scope, collision) {
+        for geometry in geometries(scope, collision) {
             collisions.push(CheckedCollision { xyz, rpy, geometry });
         }
     }
@@ -66,18 +67,25 @@ fn check_inertial(scope: &mut Scope, node: Node) -> Option<CheckedInertial> {
         scope.known_attributes(m, &["value"]);
         let mass = scope.required_number(m, "value")?;
         // What is negative or 0 is told with the inertia.
-        if mass > 0.0 {
+        if mass > 0.0 && mass < Physical::Mass.bounds().0 {
+            let at = m
+                .attribute("value")
+                .map_or_else(|| m.tag_at(), |a| a.at.clone());
+            let message = format!("<mass> {mass:e} kg counts as none");
+            scope.warning(
+                "U064",
+                at,
+                &message,
+                "give the mass in kg, or leave <inertial> out",
+            );
+            Some(0.0)
+        } else if mass > 0.0 {
             scope.within(m, "value", mass, Physical::Mass)
         } else {
             Some(mass)
         }
     });
-    let inertia_node = required(
-        scope,
-        node,
-        "inertia",
-        "<inertia ixx=\"…\" ixy=\"0\" ixz=\"0\" iyy=\"…\" iyz=\"0\" izz=\"…\"/>, in kg m²",
-    );
+    let inertia_node = scope.single(node, "inertia");
     let inertia = inertia_node.map(|i| {
         scope.known_attributes(i, &inertia::NAMES);
         inertia::NAMES.map(|name| {
@@ -94,7 +102,32 @@ fn check_inertial(scope: &mut Scope, node: Node) -> Option<CheckedInertial> {
             scope.within(i, name, product, Physical::Inertia)
         })
     });
-    let (mass_node, mass, inertia_node) = (mass_node?, mass?, inertia_node?);
+    let (mass_node, mass) = (mass_node?, mass?);
+    let Some(inertia_node) = inertia_node else {
+        let help =
+            "add <inertia ixx=\"…\" ixy=\"0\" ixz=\"0\" iyy=\"…\" iyz=\"0\" izz=\"…\"/>, in kg m²";
+        if mass > 0.0 {
+            let message = "<inertial> has no <inertia>: that of the collision shapes as solids is \
+                           used, without any shape that of a point";
+            scope.warning("U063", node.tag_at(), message, help);
+        } else {
+            let message = "<inertial> has no <inertia>: none is used";
+            scope.warning("U063", node.tag_at(), message, help);
+        }
+        let mut inertial = CheckedInertial {
+            xyz,
+            rpy,
+            mass,
+            inertia: [0.0; 6],
+            of_shapes: mass > 0.0,
+            at: node.tag_at(),
+            suspect: None,
+        };
+        if mass < 0.0 {
+            inertia::check(scope, &mut inertial, mass_node, node);
+        }
+        return Some(inertial);
+    };
     let mut values = [0.0; 6];
     for (value, read) in values.iter_mut().zip(inertia?) {
         *value = read?;
@@ -104,6 +137,7 @@ fn check_inertial(scope: &mut Scope, node: Node) -> Option<CheckedInertial> {
         rpy,
         mass,
         inertia: values,
+        of_shapes: false,
         at: inertia_node.tag_at(),
         suspect: None,
     };
@@ -128,38 +162,55 @@ fn required<'d>(
 
 const SHAPES: [&str; 5] = ["box", "cylinder", "capsule", "sphere", "mesh"];
 
-/// The one shape of a `<collision>` or `<visual>`.
-pub(super) fn geometry<'d>(scope: &mut Scope, node: Node<'d>) -> Option<Geometry<'d>> {
-    let geometry = required(scope, node, "geometry", "<geometry> with one shape")?;
-    let mut shapes = geometry.children().filter(|c| {
+/// The shapes of a `<collision>` or `<visual>`: one, by the letter of URDF.
+pub(super) fn geometries<'d>(scope: &mut Scope, node: Node<'d>) -> Vec<Geometry<'d>> {
+    let Some(geometry) = required(scope, node, "geometry", "<geometry> with one shape") else {
+        return Vec::new();
+    };
+    let mut shapes: Vec<Node> = Vec::new();
+    for child in geometry.children() {
+        if child.name() == "origin" {
+            let message = "<origin> inside <geometry> is not used";
+            let help = format!("move it beside <geometry>, directly into <{}>", node.name());
+            scope.warning("U074", child.tag_at(), message, help);
+            continue;
+        }
         // Some exporters write materials here.
-        c.name() != "material" && !c.name().contains(':')
-    });
-    let Some(shape) = shapes.next() else {
+        if child.name() != "material" && !child.name().contains(':') {
+            shapes.push(child);
+        }
+    }
+    if shapes.is_empty() {
         let help = format!(
             "put one of {} into it",
             SHAPES.map(|s| format!("<{s}>")).join(", ")
         );
         scope.problem("U017", geometry.tag_at(), "<geometry> is empty", help);
-        return None;
-    };
-    if let Some(second) = shapes.next() {
-        let help = format!("write one <{}> for each shape", node.name());
-        scope.problem(
-            "U018",
-            second.tag_at(),
-            "a second shape in one <geometry>",
-            help,
-        );
     }
+    if let Some(second) = shapes.get(1) {
+        let message = "a second shape in one <geometry>: all of them are used";
+        let help = format!(
+            "others take the first alone; write one <{}> for each shape",
+            node.name()
+        );
+        scope.warning("U018", second.tag_at(), message, help);
+    }
+    let shapes = shapes.into_iter();
+    shapes
+        .filter_map(|shape| self::shape(scope, shape))
+        .collect()
+}
+
+/// One shape.
+fn shape<'d>(scope: &mut Scope, shape: Node<'d>) -> Option<Geometry<'d>> {
     match shape.name() {
         "box" => {
             scope.known_attributes(shape, &["size"]);
             require_attribute(scope, shape, "size", "size=\"x y z\", in m");
             let size = scope.vector::<3>(shape, "size")?;
-            let positive = size.iter().all(|&s| s > 0.0);
-            positive_or_problem(scope, shape, "size", positive)?;
-            for side in size {
+            let least = size.iter().copied().fold(f64::INFINITY, f64::min);
+            not_negative_or_problem(scope, shape, "size", least)?;
+            for side in size.into_iter().filter(|&side| side > 0.0) {
                 scope.within(shape, "size", side, Physical::Length)?;
             }
             Some(Geometry::Box { size })
@@ -228,26 +279,45 @@ fn require_attribute(scope: &mut Scope, node: Node, name: &str, help: &str) {
     }
 }
 
-/// A length above zero, m.
+/// A length, m.
 fn length(scope: &mut Scope, node: Node, name: &str) -> Option<f64> {
     let value = scope.required_number(node, name)?;
-    positive_or_problem(scope, node, name, value > 0.0)?;
-    scope.within(node, name, value, Physical::Length)
+    not_negative_or_problem(scope, node, name, value)?;
+    if value > 0.0 {
+        return scope.within(node, name, value, Physical::Length);
+    }
+    Some(value)
 }
 
-fn positive_or_problem(scope: &mut Scope, node: Node, name: &str, positive: bool) -> Option<()> {
-    if positive {
+/// Shapes without size are told: of a sphere a point is left, which touches as one. Many files mark
+/// contact points and frames so, and other programs take them.
+fn not_negative_or_problem(scope: &mut Scope, node: Node, name: &str, least: f64) -> Option<()> {
+    if least > 0.0 {
         return Some(());
     }
     let at = node
         .attribute(name)
         .map_or_else(|| node.tag_at(), |a| a.at.clone());
-    let message = format!("<{}> {name} must be above zero", node.name());
-    scope.problem(
+    let drawn = scope.severity < Severity::Error;
+    if least < 0.0 || drawn {
+        let message = format!("<{}> {name} must be above zero", node.name());
+        scope.problem(
+            "U033",
+            at,
+            &message,
+            "give the size in m, or remove the shape",
+        );
+        return None;
+    }
+    let message = format!(
+        "<{}> {name} is 0: the shape touches as the point, line or face that is left of it",
+        node.name()
+    );
+    scope.warning(
         "U033",
         at,
         &message,
         "give the size in m, or remove the shape",
     );
-    None
+    Some(())
 }

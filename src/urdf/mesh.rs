@@ -11,6 +11,9 @@ use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
+/// What a file starts with that Git LFS keeps elsewhere.
+pub const LFS_POINTER: &[u8] = b"version https://git-lfs.github.com/";
+
 /// A mesh file's bytes, read once for all that is asked of them.
 pub(super) struct MeshFile {
     /// The name's ending in small letters: a format that is read.
@@ -30,6 +33,9 @@ impl MeshFile {
         let bytes = bytes(path)?;
         if bytes.is_empty() {
             return Err(MeshError::Empty);
+        }
+        if bytes.starts_with(LFS_POINTER) {
+            return Err(MeshError::Pointer);
         }
         Ok(Self { kind, bytes })
     }

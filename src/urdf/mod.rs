@@ -11,6 +11,7 @@
 
 mod assemble;
 mod checked;
+mod closures;
 mod collada;
 mod decompose;
 mod description;
@@ -23,20 +24,28 @@ mod inertia;
 mod joint;
 mod link;
 mod mesh;
+mod missing;
+mod nearby;
 mod options;
 mod painted;
 mod resolve;
 mod scope;
+mod sensed;
+mod sensors;
+pub(crate) mod solids;
 mod srdf;
 mod tree;
 mod visuals;
 mod xml;
 
 pub use description::{
-    CollisionDescription, Description, DrawnMesh, ImageFormat, JointDescription, LinkDescription,
-    MeshPart, Texture, VisualDescription, VisualShape,
+    ClosureDescription, ClosureDescriptionKind, CollisionDescription, Description, DrawnMesh,
+    ImageFormat, JointDescription, LinkDescription, MeshPart, Texture, VisualDescription,
+    VisualShape,
 };
+pub use mesh::LFS_POINTER;
 pub use options::ReadOptions;
+pub use sensed::{SensedKind, SensorDescription};
 pub use srdf::{Semantics, read_srdf, read_srdf_str};
 
 use crate::diagnostic::{Diagnostic, Report};
@@ -44,8 +53,19 @@ use crate::spatial::Vec3;
 use mesh::MeshFile;
 use resolve::Resolver;
 use scope::Scope;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use xml::Document;
+
+/// Triangles of a mesh file, STL, OBJ or COLLADA, in m.
+///
+/// # Errors
+/// What is wrong with the file, as the end of a sentence.
+pub fn read_triangles(path: &Path) -> Result<Vec<[Vec3; 3]>, String> {
+    let mesh = MeshFile::open(path).map_err(|error| error.to_string())?;
+    // Whatever is wrong with its numbers is found with the corners.
+    mesh.corners().map_err(|error| error.to_string())?;
+    mesh.triangles().map_err(|error| error.to_string())
+}
 
 /// Reads a URDF file and the meshes of its collision shapes.
 ///
@@ -61,6 +81,12 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Description, Vec<Diagn
     let mut description = read_str(&text, &file, base_dir, options)?;
     description.sources.insert(0, path.to_owned());
     Ok(description)
+}
+
+/// The folder of a package, looked for as for `package://`, and in the folders beside those above
+/// `base_dir`.
+pub fn find_package(name: &str, base_dir: &Path, options: &ReadOptions) -> Option<PathBuf> {
+    Resolver::new(base_dir, options, None).package(name)
 }
 
 /// Corners of the faces of a mesh file (STL, OBJ, COLLADA) in m, as a URDF without `scale` takes
@@ -146,6 +172,7 @@ fn describe(
     let mut scope = Scope::new(report);
     scope.ignore_inertia = options.ignore_inertia;
     scope.pybullet = options.pybullet;
+    scope.sensors = options.sensors;
     let mut robot = tree::check(&mut scope, &document, file_name)?;
     let order = tree::order(&mut scope, &robot);
     inertia::judge(&mut scope, &robot, order.as_ref());
@@ -158,12 +185,19 @@ fn describe(
     let meshes = hulls::read_meshes(&mut scope, &robot, &resolver, options);
     visuals::check(&mut scope, document.root(), &mut robot);
     let drawn = visuals::read(&mut scope, &robot, &resolver, options.drawn);
+    missing::report_moved(&mut scope, &robot, &resolver);
+    let sensors = if options.sensors {
+        sensors::read(&mut scope, document.root(), &robot, options.scale)
+    } else {
+        Vec::new()
+    };
     scope.report_tags();
     if scope.report.has_errors() {
         return None;
     }
     let order = order?;
-    let description = assemble::description(&robot, &order, &meshes, drawn, options.scale)?;
+    let mut description = assemble::description(&robot, &order, &meshes, drawn, options.scale)?;
+    description.sensors = sensors;
     inertia::compare_with_shapes(&mut scope, &robot, &order, &description);
     Some(description)
 }

@@ -5,10 +5,13 @@ use std::path::PathBuf;
 
 /// How to read a URDF.
 #[derive(Clone, Debug, PartialEq)]
+#[expect(clippy::struct_excessive_bools, reason = "each is switched by itself")]
 pub struct ReadOptions {
     /// Folders in which packages are looked for: a package, a folder of packages, or an install
     /// prefix.
     pub package_paths: Vec<PathBuf>,
+    /// Folders that are packages, by their names; they come before all others.
+    pub packages: Vec<(String, PathBuf)>,
     /// Factor on all lengths, meshes included. Masses stay, inertia takes its square.
     pub scale: f64,
     /// The inertia matrices are not used, because they will be computed from the shapes, so faults
@@ -17,6 +20,8 @@ pub struct ReadOptions {
     /// The numbers of `<contact>` are used that only `PyBullet` has a use for: inertia scaling,
     /// stiffness, damping.
     pub pybullet: bool,
+    /// Sensors are read.
+    pub sensors: bool,
     /// The meshes and textures of visuals are read; else only that they are there is checked.
     pub drawn: bool,
     /// Links whose collision meshes become several convex parts each (true) or their hulls (false);
@@ -28,9 +33,11 @@ impl Default for ReadOptions {
     fn default() -> Self {
         Self {
             package_paths: Vec::new(),
+            packages: Vec::new(),
             scale: 1.0,
             ignore_inertia: false,
             pybullet: false,
+            sensors: false,
             drawn: false,
             decomposed: Vec::new(),
         }

@@ -1,14 +1,16 @@
 //! Mesh file names → files: `package://`, `model://`, `file://`, relative and absolute paths.
 //!
-//! A package is looked for in the package paths, then up from the URDF's folder. ROS itself is not
-//! needed.
+//! A package is looked for in the package paths, then up from the URDF's folder, without ROS.
 //!
 //! A URDF may come from anybody. The files that it names are read only if they lie in the robot's
 //! own folders or in a package path, so that no other file of the machine gets into an FMU. The
 //! robot's own folders are the URDF's, the one of the `package.xml` above it, and its parent where
 //! its name says that it is one part of a robot's (`urdf`, `robots` …).
 
+use super::nearby::Files;
 use super::options::ReadOptions;
+use std::cell::{OnceCell, RefCell};
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Component, Path, PathBuf};
 
@@ -22,10 +24,15 @@ const MOST_ENTRIES: usize = 2000;
 pub(super) struct Resolver<'o> {
     base_dir: &'o Path,
     package_paths: &'o [PathBuf],
+    packages: &'o [(String, PathBuf)],
     /// `<mujoco><compiler meshdir>`, counted from the URDF's folder.
     mesh_dir: Option<&'o str>,
     /// Where files may lie, absolute.
     roots: Vec<PathBuf>,
+    /// The files of the robot's own folders, once a name has been missing.
+    own_files: OnceCell<Files>,
+    /// Names that mean a file at another place in the robot's folders.
+    moved: RefCell<BTreeMap<String, PathBuf>>,
 }
 
 /// Names of a folder that holds a robot's URDF beside others that hold its meshes.
@@ -58,6 +65,8 @@ pub(super) enum Missing {
     NotFound(NotFound),
     /// It is there, but outside of the robot's folders.
     Outside(PathBuf),
+    /// What is there is a folder or a pipe.
+    NoFile(PathBuf, &'static str),
 }
 
 /// A mesh file that was not found.
@@ -73,15 +82,21 @@ impl NotFound {
     pub(super) fn help(&self) -> String {
         use std::fmt::Write as _;
         /// More lines than this hide the advice.
-        const MOST_SHOWN: usize = 30;
+        const MOST_SHOWN: usize = 5;
         let mut text = String::new();
-        for (i, path) in self.tried.iter().take(MOST_SHOWN).enumerate() {
+        // Where there is a folder, somebody may have meant it.
+        let near = |path: &&PathBuf| path.parent().is_some_and(Path::is_dir);
+        let others = self.tried.iter().filter(|path| !near(path));
+        let shown = self.tried.iter().filter(near).chain(others);
+        for (i, path) in shown.take(MOST_SHOWN).enumerate() {
             let lead = if i == 0 { "tried " } else { "      " };
             // Writing to a string cannot fail.
             let _ = writeln!(text, "{lead}{}", path.display());
         }
         if self.tried.len() > MOST_SHOWN {
-            let _ = writeln!(text, "      and {} more", self.tried.len() - MOST_SHOWN);
+            let more = self.tried.len() - MOST_SHOWN;
+            let s = if more == 1 { "" } else { "s" };
+            let _ = writeln!(text, "      and {more} more place{s}");
         }
         text + &self.advice
     }
@@ -96,8 +111,11 @@ impl<'o> Resolver<'o> {
         Self {
             base_dir,
             package_paths: &options.package_paths,
+            packages: &options.packages,
             mesh_dir,
-            roots: roots(base_dir, &options.package_paths),
+            roots: roots(base_dir, options),
+            own_files: OnceCell::new(),
+            moved: RefCell::default(),
         }
     }
 
@@ -121,8 +139,26 @@ impl<'o> Resolver<'o> {
             }
             outside.get_or_insert(path);
         }
+        if let Some(path) = self.moved(&name, &candidates) {
+            return Ok(Found {
+                path,
+                linked: false,
+            });
+        }
         if let Some(path) = outside {
             return Err(Missing::Outside(path));
+        }
+        let there = candidates.iter().find_map(|candidate| {
+            let kind = fs::metadata(&candidate.path).ok()?;
+            let what = if kind.is_dir() {
+                "a folder"
+            } else {
+                "no regular file"
+            };
+            Some(Missing::NoFile(tidy(&candidate.path), what))
+        });
+        if let Some(there) = there {
+            return Err(there);
         }
         let tried = distinct(candidates.iter().map(|c| tidy(&c.path)));
         let hint =
@@ -180,7 +216,7 @@ impl<'o> Resolver<'o> {
         }
         if name.contains("$(") || name.contains("${") {
             let advice =
-                "the name contains xacro code: expand the file with the xacro command first";
+                "the name contains xacro code: give the .xacro file itself, it is expanded here";
             return (Vec::new(), advice.to_owned());
         }
         let (scheme, rest) = match name.split_once("://") {
@@ -201,7 +237,7 @@ impl<'o> Resolver<'o> {
                 let rest = rest.trim_start_matches('/');
                 let (package, file) = rest.split_once('/').unwrap_or((rest, ""));
                 let advice = format!(
-                    "pass --package-path DIR, where DIR is the folder '{package}' or the one that holds it"
+                    "pass --package {package}=DIR, or --package-path DIR where DIR holds the folder '{package}'"
                 );
                 (self.in_package(package, file), advice)
             }
@@ -244,6 +280,13 @@ impl<'o> Resolver<'o> {
             return Vec::new();
         }
         let spellings = spellings(package);
+        for (_, dir) in self
+            .packages
+            .iter()
+            .filter(|(name, _)| spellings.contains(name))
+        {
+            add(dir.clone());
+        }
         for dir in self.package_paths {
             if is_package(dir, package) {
                 add(dir.clone());
@@ -284,7 +327,7 @@ struct Candidate {
 }
 
 /// Folders that a robot's files may lie in, absolute.
-fn roots(base_dir: &Path, package_paths: &[PathBuf]) -> Vec<PathBuf> {
+fn roots(base_dir: &Path, options: &ReadOptions) -> Vec<PathBuf> {
     let mut list = vec![normal(base_dir)];
     let real = fs::canonicalize(base_dir).unwrap_or_else(|_| normal(base_dir));
     let package = real
@@ -304,7 +347,8 @@ fn roots(base_dir: &Path, package_paths: &[PathBuf]) -> Vec<PathBuf> {
         }
         list.push(dir);
     }
-    for path in package_paths {
+    let packages = options.packages.iter().map(|(_, dir)| dir);
+    for path in options.package_paths.iter().chain(packages) {
         list.push(normal(path));
         list.extend(fs::canonicalize(path).ok());
     }
@@ -451,5 +495,6 @@ fn percent_decoded(text: &str) -> String {
     String::from_utf8(out).unwrap_or_else(|_| text.to_owned())
 }
 
+mod elsewhere;
 #[cfg(test)]
 mod tests;

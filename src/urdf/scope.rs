@@ -36,6 +36,8 @@ pub(super) struct Scope<'r, 'a> {
     pub(super) ignore_inertia: bool,
     /// As [`super::ReadOptions::pybullet`].
     pub(super) pybullet: bool,
+    /// As [`super::ReadOptions::sensors`].
+    pub(super) sensors: bool,
 }
 
 impl<'r, 'a> Scope<'r, 'a> {
@@ -49,6 +51,7 @@ impl<'r, 'a> Scope<'r, 'a> {
             severity: Severity::Error,
             ignore_inertia: false,
             pybullet: false,
+            sensors: false,
         }
     }
 

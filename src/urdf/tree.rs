@@ -1,6 +1,6 @@
 //! Checks of the robot as a whole: names, parents, one root, no cycles; and the order of its parts.
 
-use super::checked::{CheckedRobot, LinkReference, Order};
+use super::checked::{CheckedLink, CheckedRobot, LinkReference, Order, Surface};
 use super::foreign;
 use super::scope::{Scope, Version};
 use super::xml::{Document, Node, is_unprintable};
@@ -44,6 +44,7 @@ pub(super) fn check<'d>(
     let known: Vec<&str> = ["link", "joint", "material"]
         .into_iter()
         .chain(foreign::TOP_LEVEL)
+        .chain(scope.sensors.then_some("sensor"))
         .collect();
     scope.known_children(root, &known, &FOREIGN);
     scope.version = version(scope, root);
@@ -63,6 +64,7 @@ pub(super) fn check<'d>(
     }
     let mut robot = CheckedRobot {
         name,
+        closures: Vec::new(),
         named: links.len() == root.children_named("link").count()
             && joints.len() == root.children_named("joint").count(),
         links: links
@@ -74,13 +76,48 @@ pub(super) fn check<'d>(
             .map(|&(node, name)| joint::check(scope, node, name))
             .collect(),
     };
+    declare_world(scope, &mut robot);
     joint::check_mimics(scope, &robot.joints);
     foreign::read(scope, root, &mut robot);
     Some(robot)
 }
 
+/// Adds the link `world` where joints hang on it and the file does not declare it: Drake knows it
+/// by itself, and files written for Drake count on that.
+fn declare_world(scope: &mut Scope, robot: &mut CheckedRobot) {
+    const WORLD: &str = "world";
+    if robot.links.iter().any(|link| link.name == WORLD) {
+        return;
+    }
+    let on_world = |reference: &Option<LinkReference>| {
+        let reference = reference.as_ref().filter(|parent| parent.name == WORLD);
+        reference.map(|parent| parent.at.clone())
+    };
+    let first = robot.joints.iter().find_map(|joint| {
+        let at = on_world(&joint.parent)?;
+        Some((joint.node, joint.line, joint.name, at))
+    });
+    let Some((node, line, name, at)) = first else {
+        return;
+    };
+    scope.owner = format!("joint '{name}'");
+    let message = "parent link 'world' does not exist: it is taken as the world itself";
+    scope.warning("U016", at, message, "write <link name=\"world\"/>");
+    robot.links.push(CheckedLink {
+        node,
+        line,
+        name: WORLD,
+        inertial: None,
+        collisions: Vec::new(),
+        visuals: Vec::new(),
+        surface: Surface::default(),
+    });
+}
+
 /// A file with xacro code in it is not yet a URDF.
 fn refuse_xacro(scope: &mut Scope, root: Node, file: &str) -> Option<()> {
+    /// Tags that can be expanded by themselves.
+    const DEFINES: [&str; 6] = ["include", "macro", "property", "arg", "if", "unless"];
     // The prefix is xacro by custom; the root may bind another.
     let mut prefixes = vec!["xacro"];
     for (name, _) in root.attribute_names() {
@@ -99,6 +136,24 @@ fn refuse_xacro(scope: &mut Scope, root: Node, file: &str) -> Option<()> {
     let Some(code) = root.descendants().find(prefixed) else {
         return Some(());
     };
+    // What other programs do with a call whose macro is nowhere: nobody can expand it.
+    let local = |node: &Node| {
+        node.name()
+            .rsplit(':')
+            .next()
+            .unwrap_or_default()
+            .to_owned()
+    };
+    let defines = |node: Node| DEFINES.contains(&local(&node).as_str());
+    if !root.descendants().filter(prefixed).any(defines) && root.child("link").is_some() {
+        let message = format!(
+            "<{}> calls a macro that the file does not have: it is left out",
+            code.name()
+        );
+        let help = "give the .xacro file that this file was made of, if the robot lacks something";
+        scope.report.warning("U006", code.tag_at(), message, help);
+        return Some(());
+    }
     // a.urdf.xacro and a.xacro become a.urdf, a.urdf becomes a.expanded.urdf.
     let stem = file.strip_suffix(".xacro").unwrap_or(file);
     let is_urdf = Path::new(stem).extension().is_some_and(|e| e == "urdf");

@@ -6,8 +6,8 @@
 use super::checked::{CheckedRobot, CheckedVisual, Geometry, Paint};
 use super::description::{DrawnMesh, MeshPart, Texture};
 use super::faces::MeshError;
-use super::hulls::outside_help;
 use super::mesh::MeshFile;
+use super::missing::outside_help;
 use super::resolve::{Missing, Resolver};
 use super::scope::Scope;
 use super::xml::Node;
@@ -47,7 +47,7 @@ pub(super) fn check<'d>(scope: &mut Scope, root: Node<'d>, robot: &mut CheckedRo
                 own.or_else(|| palette.get(&Name::Given(material.value("name")?)))
             });
             let paint = paint.copied().unwrap_or_default();
-            if let Some(geometry) = link::geometry(scope, visual) {
+            for geometry in link::geometries(scope, visual) {
                 link.visuals.push(CheckedVisual {
                     xyz,
                     rpy,
@@ -239,6 +239,7 @@ fn help_for(missing: &Missing) -> String {
     match missing {
         Missing::NotFound(missing) => missing.help(),
         Missing::Outside(path) => outside_help(path),
+        Missing::NoFile(path, what) => format!("{} is {what}", path.display()),
     }
 }
 

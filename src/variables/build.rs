@@ -109,7 +109,7 @@ pub(super) struct Group<F> {
     pub(super) about: &'static str,
 }
 
-pub(super) fn group<F>(
+pub(super) const fn group<F: Copy>(
     name: &'static str,
     axes: &'static [&'static str],
     unit: Unit,
@@ -197,7 +197,7 @@ impl<'m> Table<'m> {
     /// Adds a row; `owner` says whose it is in the URDF's own names.
     pub(super) fn add(&mut self, name: String, owner: &str, row: Row) {
         let name = if self.model.outputs.flat_names {
-            name.replace(['.', '['], "_").replace(']', "")
+            name.replace(['.', '[', ','], "_").replace(']', "")
         } else {
             name
         };
@@ -211,11 +211,24 @@ impl<'m> Table<'m> {
             description: row.description,
             slot: row.slot,
             kind: row.kind,
+            stepped: false,
             start: row.start,
             min,
             max,
             unit: row.unit,
         });
+    }
+
+    /// How many rows there are.
+    pub(super) fn len(&self) -> usize {
+        self.rows.len()
+    }
+
+    /// The rows from `first` on change in steps.
+    pub(super) fn stepped_from(&mut self, first: usize) {
+        for row in &mut self.rows[first..] {
+            row.stepped = true;
+        }
     }
 
     pub(super) fn finish(self) -> Result<Vec<Variable>, TableError> {

@@ -2,7 +2,7 @@
 
 use super::build::{Group, RPY, Row, Table, XYZ, XYZW, axes, group, identifier, units};
 use super::row::{Kind, Unit};
-use crate::model::{JointId, JointKind, LinkId, PairId, RootId, RootKind, SensorId, SensorKind};
+use crate::model::{JointId, JointKind, LinkId, PairId, RootId, RootKind};
 use crate::slots::{Axis, OutputSlot};
 
 /// Slots by axis.
@@ -10,7 +10,6 @@ type OfBase = fn(RootId, Axis) -> OutputSlot;
 type OfJoint = fn(JointId, Axis) -> OutputSlot;
 type OfLink = fn(LinkId, Axis) -> OutputSlot;
 type OfPair = fn(PairId, Axis) -> OutputSlot;
-type OfSensor = fn(SensorId, Axis) -> OutputSlot;
 
 impl Table<'_> {
     pub(super) fn base_outputs(&mut self) {
@@ -71,7 +70,7 @@ impl Table<'_> {
 
     /// Rows of a base, link or sensor, one for each axis of each group; `slot` says which slot a
     /// group's entry means.
-    fn groups<S: Copy>(
+    pub(super) fn groups<S: Copy>(
         &mut self,
         groups: &[Group<S>],
         slot: impl Fn(S, Axis) -> OutputSlot,
@@ -372,67 +371,6 @@ impl Table<'_> {
             let slot = OutputSlot::PairSlipSpeed(id);
             let row = Row::output(slot, Unit::MeterPerSecond, about);
             self.add(format!("{prefix}.slip_speed"), &owner, row);
-        }
-    }
-
-    pub(super) fn sensor_outputs(&mut self) {
-        for (s, sensor) in self.model.outputs.sensors.iter().enumerate() {
-            let id = SensorId::from(s);
-            let owner = format!("sensor '{}'", sensor.name);
-            let prefix = format!("sensor.{}", identifier(&sensor.name));
-            let groups: &[Group<OfSensor>] = match &sensor.kind {
-                SensorKind::Imu => &[
-                    group(
-                        "orientation",
-                        &XYZW,
-                        Unit::One,
-                        OutputSlot::SensorOrientation,
-                        "Orientation quaternion in the world of",
-                    ),
-                    group(
-                        "angular_velocity",
-                        &XYZ,
-                        Unit::RadianPerSecond,
-                        OutputSlot::SensorAngularVelocity,
-                        "Angular velocity in its own axes of",
-                    ),
-                    group(
-                        "linear_acceleration",
-                        &XYZ,
-                        Unit::MeterPerSecondSquared,
-                        OutputSlot::SensorAcceleration,
-                        "Specific force (acceleration less gravity) in its own axes at",
-                    ),
-                ],
-                SensorKind::ForceTorque { .. } => &[
-                    group(
-                        "force",
-                        &XYZ,
-                        Unit::Newton,
-                        OutputSlot::SensorForce,
-                        "Force of the parent link on the child link, at",
-                    ),
-                    group(
-                        "torque",
-                        &XYZ,
-                        Unit::NewtonMeter,
-                        OutputSlot::SensorTorque,
-                        "Torque of the parent link on the child link about its origin, at",
-                    ),
-                ],
-                SensorKind::Ray { .. } => &[],
-            };
-            self.groups(groups, |of, axis| of(id, axis), &owner, &prefix);
-            if let SensorKind::Ray { directions, range } = &sensor.kind {
-                for ray in (0..).take(directions.len()) {
-                    let number = ray + 1;
-                    let about = format!(
-                        "Distance to the ground along ray {number} of {owner}, at most {range} m"
-                    );
-                    let row = Row::output(OutputSlot::SensorDistance(id, ray), Unit::Meter, about);
-                    self.add(format!("{prefix}.ray[{number}]"), &owner, row);
-                }
-            }
         }
     }
 

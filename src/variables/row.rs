@@ -15,6 +15,8 @@ pub struct Variable {
     pub slot: Slot,
     /// FMI type.
     pub kind: Kind,
+    /// Whether it changes in steps; integers and flags do anyway.
+    pub stepped: bool,
     /// Value at the start for inputs and parameters.
     pub start: Option<f64>,
     /// Allowed range for inputs and parameters, where there is one.

@@ -43,6 +43,20 @@ impl Table<'_> {
         }
     }
 
+    /// Inputs of surfaces that move.
+    pub(super) fn conveyors(&mut self) {
+        for &id in &self.model.outputs.conveyors {
+            let owner = format!("'{}'", self.model.roots[id.index()].name);
+            let scope = self.scope(id);
+            for (axis, letter) in axes(&XYZ) {
+                let about = format!("Velocity of the surface of {owner} along its own {letter}");
+                let slot = InputSlot::SurfaceVelocity(id, axis);
+                let row = Row::input(slot, Unit::MeterPerSecond, 0.0, about);
+                self.add(format!("{scope}surface.velocity.{letter}"), &owner, row);
+            }
+        }
+    }
+
     /// What an actuator's inputs drive: its joint, or its group if it is the first of it, else
     /// none.
     fn driven(&self, actuator: usize) -> Option<Driven> {

@@ -148,6 +148,8 @@ fn resize(shape: &mut Shape, scale: f64) {
                 *vertex *= scale;
             }
         }
+        // No robot has terrain.
+        Shape::Plane | Shape::Field { .. } | Shape::Surface { .. } => {}
     }
 }
 

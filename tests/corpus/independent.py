@@ -85,8 +85,9 @@ def counts(urdf) -> dict:
     return {
         "links": [link.get("name") for link in links],
         "joints": {joint.get("name"): joint.get("type") for joint in joints},
-        "colliders": {link.get("name"): len(link.findall("collision/geometry/*")) for link in links
-                      if link.find("collision/geometry/*") is not None},
+        # Tags of other programs are no shapes.
+        "colliders": {link.get("name"): len(shapes) for link in links
+                      if (shapes := [shape for shape in link.findall("collision/geometry/*") if "}" not in shape.tag])},
         "masses": {name: found[0] for name, found in inertials.items() if found[0] > 0},
         "inertials": inertials,
         "tree": {joint.get("name"): (joint.find("parent").get("link"), joint.find("child").get("link"), *pose(joint))

@@ -58,6 +58,27 @@ type = "ray"
 link = "head"
 rays = 12
 fov = 1
+[[sensor]]
+type = "ray"
+name = "fan"
+link = "base_link"
+rays = 4
+fov = 1
+rows = 2
+vertical_fov = 0.5
+hits = true
+rate = 20
+distance = { noise = 0.01 }
+[[sensor]]
+type = "encoder"
+name = "turn"
+joint = "head_joint"
+counts = 512
+rate = 100
+[[sensor]]
+type = "contact"
+name = "tyre"
+link = "left_front_wheel"
 "#;
 
 #[test]
@@ -70,6 +91,12 @@ fn a_description_with_every_kind_of_variable_keeps_the_rules_of_fmi() {
         let (_folder, fmu) = export(&example("rover.urdf"), &options);
         let problems = model_description::problems(&description(&fmu));
         assert!(problems.is_empty(), "{naming}: {problems:#?}");
+        let page =
+            String::from_utf8_lossy(&entries(&fmu).1["documentation/index.html"]).into_owned();
+        assert!(
+            page.contains("<tr><td>6</td><td><code>head</code></td></tr>"),
+            "{page}"
+        );
     }
 }
 

@@ -11,6 +11,7 @@ mod init;
 mod model_description;
 #[cfg(unix)]
 mod output;
+mod people;
 mod ranges;
 mod world;
 #[cfg(unix)]

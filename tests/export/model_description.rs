@@ -102,29 +102,32 @@ pub fn problems(text: &str) -> Vec<String> {
     found
 }
 
-/// Elements of an array, `name[1]`, `name[2]` …, stand one after the other and count up.
+/// Elements of an array, `name[1]`, `name[2]` … or `name[1,1]`, `name[1,2]` …, stand one after the
+/// other, the last index runs first, and none is missing.
 fn arrays(variables: &[Element], found: &mut Vec<String>) {
-    let mut before: Option<(&str, usize)> = None;
-    let mut ended = BTreeSet::new();
-    for v in variables {
+    let element = |v: &Element| -> Option<(String, Vec<usize>)> {
         let name = v.get("name").unwrap_or_default();
-        let element = name.strip_suffix(']').and_then(|n| n.rsplit_once('['));
-        let element = element.map(|(array, index)| (array, index.parse().unwrap_or(0)));
-        if let Some((array, index)) = element {
-            let expected = match before {
-                Some((last, place)) if last == array => place + 1,
-                _ => 1,
-            };
-            if index != expected || ended.contains(array) {
-                found.push(format!("{name}: elements of an array are not consecutive"));
-            }
+        let (array, indices) = name.strip_suffix(']')?.rsplit_once('[')?;
+        let indices = indices.split(',').map(|index| index.parse().unwrap_or(0));
+        Some((array.to_owned(), indices.collect()))
+    };
+    let elements: Vec<_> = variables.iter().map(element).collect();
+    let mut ended = BTreeSet::new();
+    for run in elements.chunk_by(|a, b| a.as_ref().map(|a| &a.0) == b.as_ref().map(|b| &b.0)) {
+        let run: Vec<_> = run.iter().flatten().collect();
+        let Some((array, last)) = run.last() else {
+            continue;
+        };
+        let all: Vec<Vec<usize>> = match last[..] {
+            [count] => (1..=count).map(|i| vec![i]).collect(),
+            [rows, columns] => (1..=rows)
+                .flat_map(|row| (1..=columns).map(move |column| vec![row, column]))
+                .collect(),
+            _ => Vec::new(),
+        };
+        if !run.iter().map(|(_, indices)| indices).eq(&all) || !ended.insert(array.clone()) {
+            found.push(format!("{array}: elements of an array are not consecutive"));
         }
-        if let Some((array, _)) = before
-            && element.is_none_or(|(now, _)| now != array)
-        {
-            ended.insert(array);
-        }
-        before = element;
     }
 }
 

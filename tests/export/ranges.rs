@@ -39,7 +39,7 @@ fn a_number_of_the_robot_out_of_range_is_told_at_its_line() {
     let rover = fs::read_to_string(example("rover.urdf")).unwrap();
     for (from, to) in [
         ("<mass value=\"10\"/>", "<mass value=\"1e100\"/>"),
-        ("<mass value=\"10\"/>", "<mass value=\"1e-300\"/>"),
+        ("<mass value=\"10\"/>", "<mass value=\"1e300\"/>"),
     ] {
         assert!(rover.contains(from));
         let line = rover[..rover.find(from).unwrap()].matches('\n').count() + 1;

@@ -265,7 +265,7 @@ def test_a_robot_of_a_hundred_links_with_textures_is_drawn(take, tmp_path):
         if i:
             parts.append(f'<joint name="j{i}" type="continuous"><parent link="l{i - 1}"/><child link="l{i}"/>'
                          f'<origin xyz="{0.1 if i % 10 else -0.9} 0 {0 if i % 10 else 0.1}"/><axis xyz="0 1 0"/></joint>')
-    pixels, done = take("".join(parts), "--from", "-90,0", "--theme", "cutout", "--size", "200x200")
+    pixels, done = take("".join(parts), "--floating-base", "--from", "-90,0", "--theme", "cutout", "--size", "200x200")
     assert done.stderr == ""
     solid = pixels[pixels[:, :, 3] == 255]
     assert len(solid) > 0.85 * 200 * 200

@@ -6,6 +6,9 @@
 #![allow(missing_docs, reason = "tests say it in their names")]
 
 mod dominoes;
+mod lidar;
+mod loops;
+mod rough;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};

@@ -106,6 +106,20 @@ pub enum CliError {
         /// Why.
         source: std::io::Error,
     },
+    /// Neither a robot nor an FMU.
+    #[error("'{}' is {kind}", path.display())]
+    Kind {
+        /// The file.
+        path: PathBuf,
+        /// What it is.
+        kind: &'static str,
+    },
+    /// `explain` of what is no code.
+    #[error("there is no finding '{code}'; urdf2fmu explain lists all")]
+    Code {
+        /// As asked for.
+        code: String,
+    },
     /// An FMU that another program made.
     #[error("'{}' was not made by urdf2fmu: it has no resources/{FILE_NAME}", path.display())]
     ForeignFmu {
@@ -118,9 +132,10 @@ impl CliError {
     /// The program's exit code.
     pub fn exit_code(&self) -> u8 {
         match self {
-            Self::Stage(StageError::Platform { .. }) | Self::InitFromSettings | Self::FilmTheme => {
-                2
-            }
+            Self::Stage(StageError::Platform { .. })
+            | Self::InitFromSettings
+            | Self::FilmTheme
+            | Self::Code { .. } => 2,
             Self::Stage(StageError::Trial(_)) => 3,
             Self::Run(error) | Self::View(ViewError::Run(error)) if error.is_simulation() => 3,
             Self::Run(error) if error.is_usage() => 2,
@@ -160,6 +175,7 @@ pub(super) fn as_fmu(
     request: &Request,
     folder: &Path,
 ) -> Result<(PathBuf, Vec<PathBuf>), CliError> {
+    refuse_other_kinds(file)?;
     let mut inputs = vec![file.to_owned()];
     if is_fmu(file) {
         return Ok((file.to_owned(), inputs));
@@ -171,6 +187,50 @@ pub(super) fn as_fmu(
     Target::new(&path, [])?.write(&fmu.bytes)?;
     inputs.extend(robot.sources);
     Ok((path, inputs))
+}
+
+/// What a file is that is neither a robot nor an FMU, if its first bytes say so.
+///
+/// # Errors
+/// [`CliError::Kind`].
+pub(super) fn refuse_other_kinds(path: &Path) -> Result<(), CliError> {
+    use std::io::Read as _;
+    if !path.is_file() {
+        return Ok(());
+    }
+    let mut bytes = Vec::new();
+    let read = std::fs::File::open(path).and_then(|file| file.take(512).read_to_end(&mut bytes));
+    if read.is_err() {
+        return Ok(());
+    }
+    let ending = path
+        .extension()
+        .map(|ending| ending.to_string_lossy().to_lowercase());
+    let ending = ending.unwrap_or_default();
+    let zip = bytes.starts_with(b"PK\x03\x04");
+    let kind = match ending.as_str() {
+        "fmu" if zip || bytes.is_empty() => return Ok(()),
+        "fmu" => "no FMU: an FMU is a zip archive, and this is none",
+        _ if zip => {
+            "a zip archive: an FMU has the ending .fmu, other archives are to be unpacked first"
+        }
+        _ if bytes.starts_with(b"\x89PNG") || bytes.starts_with(b"\xff\xd8\xff") => "a picture",
+        "stl" | "obj" | "dae" | "ply" | "gltf" | "glb" => "a mesh: give the URDF that uses it",
+        "toml" => "a settings file: give the URDF, and this one with -c",
+        "csv" => "a table: give the robot or the FMU, and this one with --input-file or --run",
+        "srdf" => "an SRDF: give the URDF, and this one with --srdf",
+        "yaml" | "yml" => "a YAML file: give the URDF or the .xacro file",
+        "py" => "a Python program",
+        _ if bytes.starts_with(b"\x7fELF") || bytes.starts_with(b"MZ") => "a program",
+        _ if bytes.starts_with(urdf2fmu_core::urdf::LFS_POINTER) => {
+            "a pointer of Git LFS, not the file itself: git lfs pull fetches it"
+        }
+        _ => return Ok(()),
+    };
+    Err(CliError::Kind {
+        path: path.to_owned(),
+        kind,
+    })
 }
 
 /// Whether a file is named as an FMU.

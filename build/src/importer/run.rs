@@ -80,7 +80,9 @@ pub fn simulate(
     Ok(Outcome {
         messages: messages.map(|m| (m.status, m.text)).collect(),
         units: of_each(&description, &run.table.names, |v| v.unit.clone()),
-        discrete: of_each(&description, &run.table.names, |v| v.kind != Kind::Real),
+        discrete: of_each(&description, &run.table.names, |v| {
+            v.kind != Kind::Real || v.variability == "discrete"
+        }),
         table: run.table,
         written,
         times,

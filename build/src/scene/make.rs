@@ -398,7 +398,10 @@ impl Body {
                 radius,
                 half_length,
             } => Shape::Capsule([short(*radius), short(2.0 * half_length)]),
-            geometry::Shape::Hull { .. } => Shape::Mesh(self.mesh(&shape.hull_triangles(), &[])?),
+            geometry::Shape::Hull { .. }
+            | geometry::Shape::Plane
+            | geometry::Shape::Field { .. }
+            | geometry::Shape::Surface { .. } => Shape::Mesh(self.mesh(&shape.triangles(), &[])?),
         })
     }
 

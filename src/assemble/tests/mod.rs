@@ -18,6 +18,7 @@ mod actuators;
 mod bodies;
 mod inertia;
 mod initial;
+mod loops;
 mod mimic;
 mod outputs;
 mod pairs;

@@ -21,6 +21,7 @@ pub(super) fn surrounded(
             let description = match &object.source {
                 ObjectSource::Solid { shape, mass } => solid(&name, shape, *mass),
                 ObjectSource::Urdf(_) => file.expect("a file").clone(),
+                ObjectSource::Terrain(_) => solid(&name, &Shape::Plane, 0.0),
             };
             Guest {
                 name,

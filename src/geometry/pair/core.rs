@@ -11,8 +11,11 @@
 use super::super::faces::{Faces, outline};
 use super::super::hull::{Simplices, hull};
 use super::super::{MOST_CORNERS, Shape, bounded_hull};
+use crate::geometry::field::Field;
+use crate::geometry::surface::Surface;
 use crate::spatial::{Mat3, Pose, Vec3, across};
 use crate::tuning::{ROUNDING, ROUNDING_SHARE};
+use std::sync::Arc;
 
 /// Corners of the polygon that stands for the flat end of a cylinder where something cuts it.
 pub(super) const END_CORNERS: usize = 16;
@@ -34,6 +37,10 @@ const IN_PLANE: f64 = 1e-7;
 pub(super) enum Core {
     /// Everything below the plane z = 0.
     HalfSpace,
+    /// Everything below a surface of heights.
+    Field(Arc<Field>),
+    /// Everything behind the surface of a mesh.
+    Surface(Arc<Surface>),
     /// The origin.
     Point,
     /// From `−half` to `half` on the z axis.
@@ -203,7 +210,47 @@ impl Solid {
                     ..of(Core::Corners(core), r, smallest)
                 }
             }
+            Shape::Plane => Self::half_space(),
+            Shape::Field { field } => Self {
+                core: Core::Field(field.clone()),
+                ..Self::half_space()
+            },
+            Shape::Surface { surface } => Self {
+                core: Core::Surface(surface.clone()),
+                ..Self::half_space()
+            },
         }
+    }
+
+    /// How far a ball about `center` is from terrain that stands at `X`, at least, m; none for what
+    /// is no terrain.
+    pub fn clearance(&self, X: &Pose, center: &Vec3, radius: f64) -> Option<f64> {
+        let p = X.R.tr_mul(&(center - X.p));
+        match &self.core {
+            Core::HalfSpace => Some(p.z - radius),
+            Core::Field(field) => Some(p.z - radius - field.highest(p.x, p.y, radius)),
+            Core::Surface(surface) => {
+                // Positive where no triangle is near.
+                let mut near = false;
+                surface.each_near(&p, radius, |_, _| near = true);
+                Some(if near { -radius } else { f64::MIN_POSITIVE })
+            }
+            _ => None,
+        }
+    }
+
+    /// Whether it goes on below its surface without an end: what is deep in it is still pushed out.
+    /// Of a mesh, what is behind a triangle is not known.
+    pub fn is_endless(&self) -> bool {
+        matches!(self.core, Core::HalfSpace | Core::Field(_))
+    }
+
+    /// Whether it is a surface with everything below.
+    pub(super) fn is_terrain(&self) -> bool {
+        matches!(
+            self.core,
+            Core::HalfSpace | Core::Field(_) | Core::Surface(_)
+        )
     }
 
     /// The half-space below the plane z = 0 of its own axes.
@@ -237,7 +284,7 @@ impl Solid {
             Core::Cylinder { .. } | Core::Box { .. } | Core::Corners(_) => {
                 self.radius / ROUNDING_SHARE
             }
-            Core::HalfSpace => f64::INFINITY,
+            Core::HalfSpace | Core::Field(_) | Core::Surface(_) => f64::INFINITY,
         }
     }
 }
@@ -406,80 +453,4 @@ fn moved_in(mesh: &Mesh, r: f64) -> Option<Vec<Vec3>> {
         }
     }
     (corners.len() >= 4).then_some(corners)
-}
-
-/// A solid in a place.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Placed<'a> {
-    pub(super) solid: &'a Solid,
-    pub(super) core: &'a Core,
-    pub(super) R: Mat3,
-    pub(super) p: Vec3,
-}
-
-impl<'a> Placed<'a> {
-    /// The solid at `X`, with positions from `origin`.
-    pub(super) fn new(solid: &'a Solid, X: &Pose, origin: &Vec3) -> Self {
-        Self {
-            solid,
-            core: &solid.core,
-            R: X.R,
-            p: X.p - origin,
-        }
-    }
-
-    /// The same with its inner core.
-    pub(super) fn inner(&self) -> Self {
-        Self {
-            core: &self.solid.inner,
-            ..*self
-        }
-    }
-
-    /// The z axis of the solid.
-    pub(super) fn axis(&self) -> Vec3 {
-        self.R.column(2).into()
-    }
-
-    /// A point of its own axes in those of the poses.
-    pub(super) fn world(&self, local: &Vec3) -> Vec3 {
-        self.p + self.R * local
-    }
-
-    /// The point of the core that is farthest along `d`.
-    pub(super) fn support(&self, d: &Vec3) -> Vec3 {
-        self.world(&self.support_local(d))
-    }
-
-    /// The same in its own axes.
-    pub(super) fn support_local(&self, d: &Vec3) -> Vec3 {
-        let signed = |x: f64, by: f64| if by < 0.0 { -x } else { x };
-        let local = self.R.tr_mul(d);
-        match self.core {
-            Core::HalfSpace | Core::Point => Vec3::zeros(),
-            Core::Segment { half } => Vec3::new(0.0, 0.0, signed(*half, local.z)),
-            Core::Cylinder { radius, half } => {
-                // Round-off of a direction along the axis stays across it.
-                let off = (local.x * local.x + local.y * local.y).sqrt();
-                let out = if off > 0.0 { radius / off } else { 0.0 };
-                Vec3::new(local.x * out, local.y * out, signed(*half, local.z))
-            }
-            Core::Box { half } => half.zip_map(&local, signed),
-            Core::Corners(list) => {
-                let mut best = (f64::NEG_INFINITY, Vec3::zeros());
-                for corner in list {
-                    let height = local.dot(corner);
-                    if height > best.0 {
-                        best = (height, *corner);
-                    }
-                }
-                best.1
-            }
-        }
-    }
-}
-
-/// The gap of the cores of `a` and `b` along `n`: `min n·x` of A minus `max n·y` of B.
-pub(super) fn separation(a: &Placed, b: &Placed, n: &Vec3) -> f64 {
-    n.dot(&(a.support(&-n) - b.support(n)))
 }

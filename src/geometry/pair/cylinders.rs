@@ -5,7 +5,8 @@
 //! others are a minimum over two places, found by Newton's method from the direction that
 //! `gjk.rs` has found.
 
-use super::core::{Core, Placed, separation};
+use super::core::Core;
+use super::placed::{Placed, separation};
 use super::segments::segments;
 use crate::spatial::Vec3;
 

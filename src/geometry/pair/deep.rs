@@ -5,7 +5,7 @@
 //! direction jumps where two axes overlap alike; only cores that meet come here, and these overlap
 //! by more than their rounding.
 
-use super::core::{Placed, separation};
+use super::placed::{Placed, separation};
 use super::segments::segments;
 use crate::spatial::Vec3;
 

@@ -14,7 +14,8 @@
 //!
 //! Source: Gilbert, Johnson and Keerthi 1988; van den Bergen 1999.
 
-use super::core::{Core, Placed};
+use super::core::Core;
+use super::placed::Placed;
 use crate::spatial::Vec3;
 
 /// Iterations, at most: three to eight are usual, a round core takes up to thirty.

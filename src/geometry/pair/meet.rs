@@ -1,7 +1,8 @@
 //! Which rules a pair of shapes follows, and how they take over from each other.
 
-use super::core::{Core, Placed, Round};
+use super::core::{Core, Round};
 use super::nearest::{Apart, nearest};
+use super::placed::Placed;
 use super::points::{Points, Side, point};
 use super::polygon::{Cover, Limits, Polygons, cover};
 use super::trace::{Trace, along_axes};
@@ -43,9 +44,9 @@ fn gap(a: &Placed, b: &Placed, reach: f64) -> (Apart, f64, f64) {
 
 impl Meeting {
     /// Whether a pair, in the order of their rank, is nearer than `reach`, m; corners count as
-    /// sharp. A half-space is near everything.
+    /// sharp. Terrain is near everything.
     pub(super) fn are_near(a: &Placed, b: &Placed, reach: f64) -> bool {
-        if matches!(b.solid.core, Core::HalfSpace) {
+        if b.solid.is_terrain() {
             return true;
         }
         let (_, gap, sharp) = gap(a, b, reach);
@@ -60,9 +61,9 @@ impl Meeting {
         reach: f64,
         points: &mut Points,
     ) -> (Vec3, bool, bool) {
-        if matches!(b.solid.core, Core::HalfSpace) {
+        if b.solid.is_terrain() {
             let n = b.axis();
-            if !matches!(a.solid.core, Core::HalfSpace) {
+            if !a.solid.is_terrain() {
                 on_plane(a, &n, n.dot(&b.p), reach, points);
             }
             return (n, false, false);

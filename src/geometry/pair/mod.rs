@@ -24,6 +24,8 @@
 //! | box, hull on box, hull | corners of the polygon that both cover, exterior angle / 2π |
 //! | cylinder on plane or face | two circles, ½ each; standing one of them is high above |
 //! | cylinder on cylinder | as on a face where an end takes part, as two capsules otherwise |
+//! | all on heights | those on a plane, and sharp samples of the heights, see `field.rs` |
+//! | all on a mesh | those on each plane, and on each crest of the mesh, see `surface.rs` |
 //!
 //! Nothing is allocated in a query. Exchanging the shapes gives the same points to round-off and
 //! the opposite normal.
@@ -33,12 +35,17 @@
 mod core;
 mod cylinders;
 mod deep;
+mod field;
 mod gjk;
 mod meet;
 mod nearest;
+mod placed;
 mod points;
 mod polygon;
 mod segments;
+mod sink;
+mod surface;
+mod terrain;
 #[cfg(test)]
 mod tests;
 mod trace;
@@ -46,9 +53,11 @@ mod view;
 
 pub use self::core::Solid;
 pub use self::points::{MOST_POINTS, PatchPoint, Rim, Side};
+pub use self::terrain::{MOST_PARTS, Part};
 
-use self::core::{Core, Placed};
+use self::core::Core;
 use self::meet::Meeting;
+use self::placed::{Placed, rank};
 use self::points::Points;
 use crate::spatial::{Pose, Vec3};
 
@@ -65,12 +74,19 @@ pub struct Patch {
     pub deep: bool,
     points: Points,
     meeting: Meeting,
+    parts: [Part; MOST_PARTS],
+    count: usize,
 }
 
 impl Patch {
     /// An empty one.
     pub fn new() -> Self {
         Self::default()
+    }
+
+    /// What belongs together: all, but several parts on terrain that is uneven.
+    pub fn parts(&self) -> &[Part] {
+        &self.parts[..self.count]
     }
 
     /// Its points.
@@ -97,17 +113,37 @@ impl Patch {
         reach: f64,
     ) -> bool {
         self.points.clear();
+        self.count = 0;
         if (X_WA.p - X_WB.p).norm() > a.reach + b.reach + reach {
             return false;
         }
         let couple = Couple::new((a, X_WA), (b, X_WB));
-        let found = self.meeting.find(couple.ranked(), reach, &mut self.points);
+        let (above, below) = couple.ranked();
+        if matches!(below.core, Core::Field(_) | Core::Surface(_)) {
+            if !above.solid.is_terrain() {
+                let scratch = (&mut self.meeting, &mut self.points);
+                terrain::on_terrain(above, below, reach, scratch);
+            }
+            self.points.finish(&couple.origin, None, couple.swapped);
+            self.count = terrain::parts(&mut self.points, &mut self.parts);
+            (self.blended, self.deep) = (false, false);
+            self.normal = self.parts[0].normal;
+            return self.count > 0;
+        }
+        let found = self.meeting.find((above, below), reach, &mut self.points);
         (self.normal, self.blended, self.deep) = found;
         if couple.swapped {
             self.normal = -self.normal;
         }
-        self.points.finish(&couple.origin, couple.swapped);
-        !self.points().is_empty()
+        let normal = Some(&self.normal);
+        self.points.finish(&couple.origin, normal, couple.swapped);
+        self.parts[0] = Part {
+            normal: self.normal,
+            points: 0..self.points().len(),
+            ..Part::default()
+        };
+        self.count = usize::from(!self.points().is_empty());
+        self.count > 0
     }
 }
 
@@ -122,11 +158,7 @@ struct Couple<'a> {
 
 impl<'a> Couple<'a> {
     fn new((a, X_WA): (&'a Solid, &Pose), (b, X_WB): (&'a Solid, &Pose)) -> Self {
-        let origin = if matches!(a.core, Core::HalfSpace) {
-            X_WB.p
-        } else {
-            X_WA.p
-        };
+        let origin = if a.is_terrain() { X_WB.p } else { X_WA.p };
         Self {
             first: Placed::new(a, X_WA, &origin),
             second: Placed::new(b, X_WB, &origin),
@@ -142,15 +174,5 @@ impl<'a> Couple<'a> {
         } else {
             (&self.first, &self.second)
         }
-    }
-}
-
-/// Pairs are treated in this order: balls, round shapes, polyhedra, the half-space.
-fn rank(s: &Solid) -> usize {
-    match s.core {
-        Core::Point => 0,
-        Core::Segment { .. } | Core::Cylinder { .. } => 1,
-        Core::Box { .. } | Core::Corners(_) => 2,
-        Core::HalfSpace => 3,
     }
 }

@@ -11,8 +11,9 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
-use super::core::{Core, Placed, separation};
+use super::core::Core;
 use super::gjk::{self, Pair, Simplex};
+use super::placed::{Placed, separation};
 use super::segments::segments;
 use super::{cylinders, deep};
 use crate::spatial::{Mat3, Vec3};

@@ -55,6 +55,10 @@ pub struct Rim {
 pub struct PatchPoint {
     /// Position half way between the two surfaces along the normal, m, in the frame of the poses.
     pub x: Vec3,
+    /// The patch's normal, but on uneven ground.
+    pub normal: Vec3,
+    /// Which part of the patch it belongs to, see [`super::Part`].
+    pub part: usize,
     /// How much they overlap there along the normal, m; negative apart.
     pub depth: f64,
     /// Share `m_i` in a face: those of a whole face sum up to one.
@@ -63,13 +67,13 @@ pub struct PatchPoint {
     pub rim: Option<Rim>,
 }
 
-/// A point without a rim.
+/// A point without a rim, with the patch's normal to come.
 pub(super) fn point(x: Vec3, depth: f64, share: f64) -> PatchPoint {
     PatchPoint {
         x,
         depth,
         share,
-        rim: None,
+        ..PatchPoint::default()
     }
 }
 
@@ -100,6 +104,10 @@ impl Points {
 
     pub(super) fn list(&self) -> &[PatchPoint] {
         &self.at[..self.count]
+    }
+
+    pub(super) fn all(&mut self) -> &mut [PatchPoint] {
+        &mut self.at[..self.count]
     }
 
     /// Adds a point; `from`: first of the points among which one in the same place may be.
@@ -148,10 +156,16 @@ impl Points {
         self.count = kept;
     }
 
-    /// Moves all to the frame of the poses, with the shapes in their order.
-    pub(super) fn finish(&mut self, origin: &Vec3, swapped: bool) {
+    /// Moves all to the frame of the poses, with the shapes in their order; gives all the normal
+    /// of the patch, if it has one.
+    pub(super) fn finish(&mut self, origin: &Vec3, normal: Option<&Vec3>, swapped: bool) {
         for p in &mut self.at[..self.count] {
             p.x += origin;
+            match normal {
+                Some(normal) => p.normal = *normal,
+                None if swapped => p.normal = -p.normal,
+                None => {}
+            }
             if let Some(rim) = &mut p.rim {
                 rim.center += origin;
                 if swapped {

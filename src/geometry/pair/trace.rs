@@ -11,8 +11,9 @@
 //! `R`, `a = R (k − (k·n) n)` and the crown `s` it is `q − s` below the circle's centre, with
 //! `q = √(|a|² + s²)`, and lies at `c + R (n·k) a/q` over it.
 
-use super::core::{Mesh, Placed, Round};
+use super::core::{Mesh, Round};
 use super::nearest::Apart;
+use super::placed::Placed;
 use super::points::{PatchPoint, Points, Rim, Side, point};
 use super::polygon::Limits;
 use super::view::{Frame, Seen};
@@ -81,6 +82,11 @@ impl Trace {
         })
     }
 
+    /// The end at `s`, −1 or 1, and its circle.
+    pub(super) fn end(&self, s: f64) -> (Vec3, Option<Rim>) {
+        (self.at(s), self.rim(s))
+    }
+
     /// Least height of its ends.
     pub(super) fn lowest(&self, n: &Vec3) -> f64 {
         n.dot(&self.at(1.0)).min(n.dot(&self.at(-1.0)))
@@ -89,13 +95,13 @@ impl Trace {
     /// Adds both ends against the plane `n·x = offset`.
     pub(super) fn on_plane(&self, n: &Vec3, offset: f64, reach: f64, points: &mut Points) {
         for s in [1.0, -1.0] {
-            let x = self.at(s);
+            let (x, rim) = self.end(s);
             let depth = offset - n.dot(&x);
             if depth > -reach {
                 points.add(
                     0,
                     PatchPoint {
-                        rim: self.rim(s),
+                        rim,
                         ..point(x + n * (0.5 * depth), depth, 0.5)
                     },
                 );

@@ -3,7 +3,8 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
-use super::core::{Mesh, Placed};
+use super::core::Mesh;
+use super::placed::Placed;
 use crate::geometry::MOST_CORNERS;
 use crate::spatial::{Vec3, across};
 

@@ -1,7 +1,7 @@
 //! What is selected as output or input: links, pairs, groups, sensors.
 
 use super::check::{Check, pose, positive, require, unit};
-use crate::model::{ActuatorMode, JointId, JointKind, LinkId, Model, SensorKind};
+use crate::model::{ActuatorMode, JointId, JointKind, LinkId, Model, RootId, SensorKind};
 use std::collections::BTreeSet;
 
 /// Most rays of one sensor.
@@ -24,6 +24,16 @@ pub(super) fn validate(model: &Model) -> Check {
             "names a link twice or one that does not exist",
         )?;
     }
+    let stands = |id: &RootId| {
+        let root = model.roots.get(id.index());
+        let body = root.and_then(|root| model.bodies.get(root.body.index()));
+        body.is_some_and(|body| !body.motion.kind().moves())
+    };
+    require(
+        outputs.conveyors.iter().all(stands),
+        || "the selection of inputs".to_owned(),
+        "gives something that moves a surface that moves",
+    )?;
     pairs(model)?;
     groups(model)?;
     sensors(model)
@@ -97,25 +107,72 @@ fn groups(model: &Model) -> Check {
 fn sensors(model: &Model) -> Check {
     for sensor in &model.outputs.sensors {
         let part = || format!("sensor '{}'", sensor.name);
+        let exists = |link: &LinkId| link.index() < model.links.len();
         require(
-            sensor.link.index() < model.links.len(),
+            exists(&sensor.link),
             part,
             "is on a link that does not exist",
         )?;
         pose(&sensor.X_LS, part)?;
         match &sensor.kind {
             SensorKind::Imu => {}
-            SensorKind::ForceTorque { joint } => require(
+            SensorKind::ForceTorque { joint, .. } => require(
                 joint.index() < model.joints.len(),
                 part,
                 "is in a joint that does not exist",
             )?,
-            SensorKind::Ray { directions, range } => require(
-                directions.len() <= MOST_RAYS && directions.iter().all(unit) && positive(*range),
+            SensorKind::Ray {
+                directions,
+                columns,
+                near,
+                range,
+                hits: _,
+                ignored,
+            } => {
+                require(
+                    directions.len() <= MOST_RAYS
+                        && directions.iter().all(unit)
+                        && *columns > 0
+                        && directions.len().is_multiple_of(*columns as usize),
+                    part,
+                    "has a ray that is none, or too many",
+                )?;
+                require(
+                    positive(*range) && *near >= 0.0 && near < range,
+                    part,
+                    "has a range that is none",
+                )?;
+                require(
+                    ignored.is_sorted_by(|a, b| a < b) && ignored.iter().all(exists),
+                    part,
+                    "ignores a link that does not exist, or links out of order",
+                )?;
+            }
+            SensorKind::Encoder { joint, step } => require(
+                joint.index() < model.joints.len()
+                    && model.scalar_body(*joint).is_some()
+                    && positive(*step),
                 part,
-                "has a ray or range that is none",
+                "is in a joint that it cannot be in, or has a step that is none",
+            )?,
+            SensorKind::Contact { half } => require(
+                half.is_none_or(|half| half.iter().all(|&x| positive(x))),
+                part,
+                "has a size that is none",
             )?,
         }
+        let (sampling, (_, erring)) = (&sensor.sampling, sensor.erring());
+        let fits = |list: &[f64]| list.is_empty() || list.len() == erring;
+        require(
+            sampling.rate.is_none_or(positive)
+                && fits(&sampling.bias)
+                && sampling.bias.iter().all(|x| x.is_finite())
+                && fits(&sampling.noise)
+                && sampling.noise.iter().all(|x| x.is_finite() && *x >= 0.0)
+                && (sampling.rate.is_some() || !sampling.is_noisy()),
+            part,
+            "has a rate, a bias or a noise out of range",
+        )?;
     }
     Ok(())
 }

@@ -8,10 +8,14 @@
 
 use super::{Newton, Problem};
 use crate::dynamics::crba::add_row;
-use crate::force::{Contact, ContactPoint, Other, PointResponse, Response, TurnResponse};
+use crate::force::{
+    Contact, ContactPoint, Other, PointResponse, Response, SpringTerm, TurnResponse,
+};
 use crate::kinematics::Kinematics;
 use crate::sparsity::coupled::Coupled;
-use crate::spatial::{Vec3, Vec6, across, angular, dot6, join, linear, multiply_lower};
+use crate::spatial::{
+    Vec3, Vec6, across, add_force_at, angular, dot6, join, linear, multiply_lower, velocity_at,
+};
 use crate::tree::Tree;
 
 impl Newton {
@@ -20,13 +24,13 @@ impl Newton {
     pub(super) fn assemble(&mut self, p: &Problem) {
         let Problem { tree, kin, .. } = *p;
         let pattern = &tree.sparsity;
-        self.H.part();
-        self.H.packed.copy_from_slice(&kin.M);
+        self.factor.H.part();
+        self.factor.H.packed.copy_from_slice(&kin.M);
         for (term, r) in p.terms.joints.iter().zip(&self.responses.joints) {
             let stiffness = r.stiffness;
-            self.H.packed[pattern.diagonal(term.dof)] += stiffness;
+            self.factor.H.packed[pattern.diagonal(term.dof)] += stiffness;
         }
-        if p.terms.contacts.is_empty() {
+        if p.terms.is_free() {
             return;
         }
         for &b in &self.loaded {
@@ -35,7 +39,7 @@ impl Newton {
         for (_, tree) in tree.moved() {
             self.G[tree.bodies.start] = [0.0; 21];
         }
-        let mut any = false;
+        let mut any = !p.terms.springs.is_empty();
         for (contact, response) in p.terms.contacts.iter().zip(&self.responses.contacts) {
             if response.presses() || response.friction.slope > 0.0 {
                 any = true;
@@ -49,7 +53,7 @@ impl Newton {
                 };
                 let mut G = [0.0; 21];
                 add_contact(&mut G, contact, points, response, p.h);
-                let sums = (&mut self.G[..], &mut self.H);
+                let sums = (&mut self.G[..], &mut self.factor.H);
                 link((tree, kin), sums, contact.body, &other, &G);
             }
         }
@@ -61,7 +65,7 @@ impl Newton {
                 if let Some(other) = contact.other {
                     let mut G = [0.0; 21];
                     G[..6].copy_from_slice(&stiffness);
-                    let sums = (&mut self.G[..], &mut self.H);
+                    let sums = (&mut self.G[..], &mut self.factor.H);
                     link((tree, kin), sums, turn.body, &other, &G);
                     continue;
                 }
@@ -69,6 +73,10 @@ impl Newton {
                     *sum += g;
                 }
             }
+        }
+        for spring in &p.terms.springs {
+            let sums = (&mut self.G[..], &mut self.factor.H);
+            add_spring((tree, kin), sums, spring, p.h);
         }
         if !any {
             return;
@@ -85,18 +93,18 @@ impl Newton {
                     let (start, depth) = (pattern.start[c], pattern.depth[c]);
                     let mut from = 0;
                     if floating {
-                        for (m, f) in self.H.packed[start..start + 6].iter_mut().zip(&F) {
+                        for (m, f) in self.factor.H.packed[start..start + 6].iter_mut().zip(&F) {
                             *m += f;
                         }
                         from = 6;
                     }
-                    let places = &mut self.H.packed[start + from..=start + depth];
+                    let places = &mut self.factor.H.packed[start + from..=start + depth];
                     let columns = &pattern.column[start + from..=start + depth];
                     for (m, &a) in places.iter_mut().zip(columns) {
                         *m += dot6(&kin.S[a as usize], &F);
                     }
                 } else {
-                    add_row(tree, &kin.S, b, c, &F, &mut self.H.packed);
+                    add_row(tree, &kin.S, b, c, &F, &mut self.factor.H.packed);
                 }
             }
             for (sum, g) in self.G[body.parent].iter_mut().zip(&G) {
@@ -104,10 +112,49 @@ impl Newton {
             }
         }
         for (_, tree) in tree.moved().filter(|(_, tree)| tree.free) {
-            let rows = &mut self.H.packed[pattern.start[tree.dofs.start]..];
+            let rows = &mut self.factor.H.packed[pattern.start[tree.dofs.start]..];
             for (m, g) in rows.iter_mut().zip(&self.G[tree.bodies.start]) {
                 *m += g;
             }
+        }
+    }
+}
+
+/// Adds the stiffness of a spring over `h` seconds to what acts on its bodies and to what couples
+/// them.
+fn add_spring(
+    (tree, kin): (&Tree, &Kinematics),
+    (sums, H): (&mut [[f64; 21]], &mut Coupled),
+    spring: &SpringTerm,
+    h: f64,
+) {
+    let D = spring.resistance(h) * h;
+    let places = spring.places();
+    let bodies = [Some(spring.body), spring.other.map(|other| other.body)];
+    for (body, x) in bodies.into_iter().zip(&places) {
+        let Some(body) = body else { continue };
+        let mut place = 0;
+        for i in 0..6 {
+            let mut unit = [0.0; 6];
+            unit[i] = 1.0;
+            let mut row = [0.0; 6];
+            add_force_at(&mut row, x, &(D * velocity_at(&unit, x)));
+            for g in &row[..=i] {
+                sums[body][place] += g;
+                place += 1;
+            }
+        }
+    }
+    let [Some(body), Some(other)] = bodies else {
+        return;
+    };
+    let dofs = [body, other].map(|b| &tree.trees[tree.bodies[b].tree].dofs);
+    H.couple(&tree.sparsity, dofs.map(|dofs| dofs.start));
+    for i in tree.columns_to(body) {
+        let f = D * velocity_at(&kin.S[i], &places[0]);
+        for j in tree.columns_to(other) {
+            let v = velocity_at(&kin.S[j], &places[1]);
+            H.add(tree.dof[i], tree.dof[j], -f.dot(&v));
         }
     }
 }
@@ -190,11 +237,15 @@ fn add_contact(
     response: (&Response, &[PointResponse]),
     h: f64,
 ) {
-    add_along(
-        G,
-        &contact.normal,
-        &along_normal(contact, points, response, h),
-    );
+    if contact.uneven {
+        let row = |p: &ContactPoint, m: &Vec3| join(m, &p.normal);
+        along_normals(contact, points, response, (h, row), G);
+    } else {
+        let row = |_: &ContactPoint, m: &Vec3| [m.x, m.y, m.z, 1.0];
+        let mut S = [0.0; 10];
+        along_normals(contact, points, response, (h, row), &mut S);
+        add_along(G, &contact.normal, &S);
+    }
     let friction = &response.0.friction;
     let slope = h * friction.slope;
     if slope > 0.0 {
@@ -219,30 +270,32 @@ fn add_contact(
     }
 }
 
-/// The stiffness of what acts along the normal, as that of a velocity `ṁ·ω + c n·v`: lower triangle
-/// over `[m c]`.
+/// Adds the stiffness of what acts along the normals to `S`, lower triangle. The `row` of a point
+/// with a lever `m` is the one by which velocities move it along its normal: of a velocity `m·ω +
+/// c n·v`, `[m c]` where all have the normal `n`; else one for the six parts of a spatial velocity.
 #[inline]
-fn along_normal(
+fn along_normals<const N: usize>(
     contact: &Contact,
     points: &[ContactPoint],
     (r, of): (&Response, &[PointResponse]),
-    h: f64,
-) -> [f64; 10] {
-    let n = &contact.normal;
-    let mut S = [0.0; 10];
-    let (mut mean, mut load_mean) = ([0.0; 4], Vec3::zeros());
+    (h, row): (f64, impl Fn(&ContactPoint, &Vec3) -> [f64; N]),
+    S: &mut [f64],
+) {
+    let (mut mean, mut load_mean) = ([0.0; N], [0.0; N]);
     let strain = h * h * r.force;
     for (p, response) in points.iter().zip(of) {
         let mut arm = p.arm;
-        load_mean += p.arm * p.load;
+        for (sum, x) in load_mean.iter_mut().zip(row(p, &p.arm)) {
+            *sum += x * p.load;
+        }
         if let Some(rim) = &p.rim {
             arm += rim.moment(&response.lean);
             // Two tangents, the first along which the rim leans at the end.
             let (e, inverse) = response.end;
             let first = e
                 .try_normalize(1e-12)
-                .unwrap_or_else(|| n.cross(&rim.axis_across()));
-            let second = n.cross(&first);
+                .unwrap_or_else(|| p.normal.cross(&rim.axis_across()));
+            let second = p.normal.cross(&first);
             let damping = h * contact.tilting * p.load * rim.tilt_damping;
             let weight = strain * response.weight * inverse;
             for (tangent, bend) in [(first, 1.0 - e.norm_squared()), (second, 1.0)] {
@@ -251,27 +304,33 @@ fn along_normal(
                 add_square(&mut S[..6], &tilt, weight * bend + damping);
             }
         }
-        let own = [arm.x, arm.y, arm.z, 1.0];
-        add_square(&mut S, &own, strain * response.bend);
+        let own = row(p, &arm);
+        add_square(S, &own, strain * response.bend);
         for (sum, x) in mean.iter_mut().zip(own) {
             *sum += response.weight * x;
         }
     }
     if r.presses() {
-        add_square(&mut S, &mean, h * h * r.slope - 3.0 * strain / r.depth);
+        add_square(S, &mean, h * h * r.slope - 3.0 * strain / r.depth);
     }
     for (p, response) in points.iter().zip(of) {
         if response.rocking > 0.0 {
-            // The shares of the load sum up to one: the linear velocity is the same for all.
-            let apart = p.arm - load_mean;
-            let apart = [apart.x, apart.y, apart.z];
-            add_square(&mut S[..6], &apart, h * response.rocking);
+            let mut apart = row(p, &p.arm);
+            for (x, mean) in apart.iter_mut().zip(&load_mean) {
+                *x -= mean;
+            }
+            let slope = h * response.rocking;
+            if contact.uneven {
+                add_square(S, &apart, slope);
+            } else {
+                // The shares sum up to one: along one normal all have the same linear velocity.
+                add_square(S, &[apart[0], apart[1], apart[2]], slope);
+            }
         }
     }
-    S
 }
 
-/// Adds what [`along_normal`] gives for the normal `n`.
+/// Adds what [`along_normals`] gives for the normal `n` of all.
 #[inline]
 fn add_along(G: &mut [f64; 21], n: &Vec3, S: &[f64; 10]) {
     for (sum, x) in G.iter_mut().zip(&S[..6]) {

@@ -12,7 +12,7 @@ impl Newton {
         let Problem { tree, kin, .. } = *p;
         tree.sparsity
             .multiply(&kin.M, &self.direction, &mut self.direction_momentum);
-        if !p.terms.contacts.is_empty() {
+        if !p.terms.is_free() {
             forward(tree, &kin.S, &self.direction, &mut self.V);
         }
         self.along.set(p.terms, &self.V);

@@ -124,6 +124,7 @@ impl Case {
                 contacts,
                 turns,
                 joints,
+                springs: Vec::new(),
             },
             v0: v,
             h: 5e-3,
@@ -142,6 +143,7 @@ impl Case {
             bias: &self.kin.bias,
             terms: &self.terms,
             h: self.h,
+            ahead: self.h,
             accuracy: 1e-10,
             iterated: 1e-8,
         }
@@ -151,7 +153,7 @@ impl Case {
     fn gradient(&self, newton: &mut Newton, v: &[f64]) -> Vec<f64> {
         let problem = self.problem();
         newton.guess(&problem, &self.v0, v);
-        newton.mark_loaded(&self.tree, &self.terms.contacts);
+        newton.mark_loaded(&self.tree, &self.terms);
         let out = &mut newton.responses;
         problem.terms.respond(&newton.v, &newton.at, problem.h, out);
         newton.collect(&problem);
@@ -178,7 +180,10 @@ fn the_hessian_is_the_derivative_of_the_gradient() {
         let middle = case.gradient(&mut newton, &v);
         newton.assemble(&case.problem());
         let mut product = vec![0.0; n];
-        newton.H.multiply(&case.tree.sparsity, &w, &mut product);
+        newton
+            .factor
+            .H
+            .multiply(&case.tree.sparsity, &w, &mut product);
         let size = product.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
         for i in 0..n {
             let difference = (ahead[i] - behind[i]) / (2.0 * d);

@@ -19,11 +19,15 @@
 //! Source: Hairer, Nørsett & Wanner 1993, sections II.4 to II.6; Boscarino, Filbet & Russo 2016
 //! (one function of an explicit and an implicit argument).
 
+#![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
+
 use super::tableau::{EXTENSION, Pair, STAGES};
+use crate::closure::{Rows, Schur};
 use crate::dynamics::aba::Articulated;
 use crate::dynamics::{crba, rnea};
-use crate::force::{Drive, JointTerm, effort};
+use crate::force::{Drive, JointTerm, effort, push_springs};
 use crate::kinematics::{Kinematics, position_rates};
+use crate::spatial::Vec6;
 use crate::state::ahead::Ahead;
 use crate::step::point::Context;
 use crate::tree::Tree;
@@ -55,13 +59,18 @@ pub struct RungeKutta {
     /// What implicit damping adds to the inertia, and rotor inertia if the tree is long.
     armature: Vec<f64>,
     articulated: Articulated,
+    /// Forces of closed loops.
+    closed: Schur,
+    loops: Vec<f64>,
+    /// Forces of springs on bodies.
+    F: Vec<Vec6>,
     /// Whether stage 0 holds the rates at the current state.
     fresh: bool,
 }
 
 #[cfg(test)]
 crate::spoil::spoil!(
-    RungeKutta: q v error q_rate v_rate factor effort damped armature articulated fresh;
+    RungeKutta: q v error q_rate v_rate factor effort damped armature articulated closed loops F fresh;
 );
 
 impl RungeKutta {
@@ -79,6 +88,9 @@ impl RungeKutta {
             damped: vec![0.0; nv],
             armature: vec![0.0; nv],
             articulated: Articulated::new(tree),
+            closed: Schur::new(tree),
+            loops: Vec::with_capacity(Rows::most(tree)),
+            F: vec![[0.0; 6]; tree.bodies.len()],
             fresh: false,
         }
     }
@@ -274,6 +286,7 @@ impl RungeKutta {
             self.effort[term.dof] += term.line.cut((effort, 0.0), v).0 - resistance;
             self.armature[term.dof] += own * damping;
         }
+        push_springs(tree, kin, &mut self.F, &mut self.effort);
         if tree.long {
             self.articulated.accelerations_with(
                 tree,
@@ -297,6 +310,13 @@ impl RungeKutta {
         }
         tree.sparsity.factor(&mut self.factor);
         tree.sparsity.solve(&self.factor, acceleration);
+        let rows = &kin.loops;
+        if !rows.is_empty() {
+            let (closed, factor) = (&mut self.closed, &self.factor);
+            closed.factor(tree, rows, |x| tree.sparsity.solve(factor, x));
+            let asked = |row: usize| -rows.bias[row];
+            closed.close((tree, rows), asked, acceleration, &mut self.loops);
+        }
     }
 }
 

@@ -21,10 +21,14 @@ mod impacts;
 mod inputs;
 mod islands;
 mod joints;
+mod loops;
+mod machines;
+mod mechanisms;
 mod motors;
 mod order;
 mod pairs;
 mod properties;
+mod terrain;
 mod turning;
 mod worlds;
 

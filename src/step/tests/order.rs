@@ -120,6 +120,7 @@ fn end_by(model: &Model, method: Method, count: u32, articulated: bool) -> Vec<f
                     stages: &mut stepper.stages,
                     implicit: &mut stepper.implicit,
                     explicit: &mut stepper.explicit,
+                    closing: &mut stepper.closing,
                 };
                 let part = Part { h, whole: 1.0 };
                 let mut counters = Counters::default();

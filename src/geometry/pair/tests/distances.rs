@@ -2,8 +2,9 @@
 //! is independent of ours as long as the cores are apart. Parry's tolerances are absolute: it is
 //! given all in units of the size of the parts.
 
-use super::super::core::{Core, Placed};
+use super::super::core::Core;
 use super::super::nearest::nearest;
+use super::super::placed::Placed;
 use super::*;
 use crate::geometry::hull::{Simplices, hull};
 use parry3d_f64::math::{Pose as Place, Vector};
@@ -73,7 +74,7 @@ fn their_core(solid: &Solid, unit: f64) -> Theirs {
             let hull = theirs::ConvexPolyhedron::from_convex_hull(&points).expect("a hull");
             (std::boxed::Box::new(hull), Mat3::identity())
         }
-        Core::HalfSpace => panic!("a half-space has no core"),
+        Core::HalfSpace | Core::Field(_) | Core::Surface(_) => panic!("terrain has no core"),
     }
 }
 

@@ -97,8 +97,8 @@ impl Path {
 
 /// Moves `a` along `direction` until the rounded shapes overlap by `overlap`.
 fn settle((a, mut pose): (&Solid, Pose), b: &Solid, direction: &Vec3, overlap: f64) -> Pose {
-    use super::super::core::Placed;
     use super::super::nearest::nearest;
+    use super::super::placed::Placed;
     let (mut low, mut high) = (0.0, 2.0 * (a.reach + b.reach));
     let start = pose.p;
     for _ in 0..50 {

@@ -1,0 +1,76 @@
+//! Terrain: surfaces from images, tables and formulas.
+
+mod generate;
+mod npy;
+mod read;
+
+use std::sync::Arc;
+use urdf2fmu_core::diagnostic::{Diagnostic, Place, Severity};
+use urdf2fmu_core::geometry::Shape;
+use urdf2fmu_core::geometry::field::{Field, Samples};
+use urdf2fmu_core::geometry::surface::{Surface, Triangles};
+use urdf2fmu_core::settings::{HeightSource, TerrainSettings};
+use urdf2fmu_core::urdf;
+
+/// The shape that settings describe.
+///
+/// - `place`: where they stand
+///
+/// # Errors
+/// `T001` where a file cannot be read, `T002` where it holds no terrain.
+pub fn shape(
+    name: &str,
+    settings: &TerrainSettings,
+    place: Option<&Place>,
+) -> Result<Shape, Box<Diagnostic>> {
+    let error = |code, message: String, help: &str| {
+        Box::new(Diagnostic {
+            severity: Severity::Error,
+            code,
+            message: format!("terrain '{name}': {message}"),
+            help: Some(help.to_owned()),
+            place: place.cloned(),
+        })
+    };
+    let samples = match settings {
+        TerrainSettings::Plane => return Ok(Shape::Plane),
+        TerrainSettings::Mesh { file, scale } => {
+            let help = "give an STL, OBJ or COLLADA file of triangles with an area";
+            let wrong =
+                |message: String| error("T002", format!("'{}': {message}", file.display()), help);
+            let triangles = urdf::read_triangles(file).map_err(wrong)?;
+            let scaled: Vec<_> = triangles.iter().map(|t| t.map(|c| c * *scale)).collect();
+            let surface = Surface::try_from(Triangles::new(&scaled));
+            return Ok(Shape::Surface {
+                surface: Arc::new(surface.map_err(|found| wrong(found.to_string()))?),
+            });
+        }
+        TerrainSettings::Heights {
+            source,
+            size,
+            height,
+        } => match source {
+            HeightSource::File(path) => {
+                let table = read::heights(path).map_err(|found| {
+                    let message = format!("'{}': {}", path.display(), found.message);
+                    error(found.code, message, found.help)
+                })?;
+                let by = height.unwrap_or(1.0);
+                Samples {
+                    size: *size,
+                    counts: table.counts,
+                    heights: table.values.into_iter().map(|h| h * by).collect(),
+                }
+            }
+            HeightSource::Generated(made) => generate::heights(made, *size, height.unwrap_or(1.0)),
+        },
+    };
+    let help = "give at least 2 x 2 finite heights, and at most 4,000,000";
+    let field = Field::try_from(samples).map_err(|found| error("T002", found.to_string(), help))?;
+    Ok(Shape::Field {
+        field: Arc::new(field),
+    })
+}
+
+#[cfg(test)]
+mod tests;

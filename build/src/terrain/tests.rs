@@ -1,0 +1,268 @@
+//! Tests of terrain from files and formulas.
+
+#![allow(clippy::unwrap_used, reason = "a test may fail")]
+
+use super::*;
+use std::path::{Path, PathBuf};
+use urdf2fmu_core::geometry::field::Samples;
+use urdf2fmu_core::settings::{GeneratedHeights, HeightForm};
+
+/// A grey PNG, row by row from the top.
+fn png(width: u32, rows: &[u8], depth: png::BitDepth) -> Vec<u8> {
+    let each = if depth == png::BitDepth::Sixteen {
+        2
+    } else {
+        1
+    };
+    let height = u32::try_from(rows.len()).unwrap() / each / width;
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, width, height);
+    encoder.set_color(png::ColorType::Grayscale);
+    encoder.set_depth(depth);
+    let mut writer = encoder.write_header().unwrap();
+    writer.write_image_data(rows).unwrap();
+    writer.finish().unwrap();
+    bytes
+}
+
+/// An NPY file as `numpy.save` writes it, version 1.0.
+fn npy(kind: &str, columns_first: bool, shape: &str, data: &[u8]) -> Vec<u8> {
+    let order = if columns_first { "True" } else { "False" };
+    let header = format!("{{'descr': '{kind}', 'fortran_order': {order}, 'shape': {shape}, }}\n");
+    let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
+    bytes.extend(u16::try_from(header.len()).unwrap().to_le_bytes());
+    bytes.extend(header.as_bytes());
+    bytes.extend(data);
+    bytes
+}
+
+fn heights_of(path: PathBuf, height: Option<f64>) -> Result<Samples, Box<Diagnostic>> {
+    let settings = TerrainSettings::Heights {
+        source: HeightSource::File(path),
+        size: [2.0, 4.0],
+        height,
+    };
+    match shape("hills", &settings, None)? {
+        Shape::Field { field } => Ok(field.samples().clone()),
+        other => panic!("{other:?}"),
+    }
+}
+
+fn write(folder: &Path, name: &str, bytes: &[u8]) -> PathBuf {
+    let path = folder.join(name);
+    std::fs::write(&path, bytes).unwrap();
+    path
+}
+
+#[test]
+fn heights_are_read_from_images_tables_and_arrays() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str, bytes: &[u8]| write(folder.path(), name, bytes);
+    // 3 x 2: the upper row of an image is at the larger y.
+    let image = png(3, &[0, 51, 255, 102, 153, 204], png::BitDepth::Eight);
+    let samples = heights_of(at("a.png", &image), Some(5.0)).unwrap();
+    assert_eq!((samples.counts, samples.size), ([3, 2], [2.0, 4.0]));
+    let expected = [2.0, 3.0, 4.0, 0.0, 1.0, 5.0];
+    for (found, expected) in samples.heights.iter().zip(expected) {
+        assert!((found - expected).abs() < 1e-12, "{:?}", samples.heights);
+    }
+    let wide: Vec<u8> = [0_u16, 1, 65535, 32768]
+        .iter()
+        .flat_map(|x| x.to_be_bytes())
+        .collect();
+    let image = png(2, &wide, png::BitDepth::Sixteen);
+    let samples = heights_of(at("b.PNG", &image), None).unwrap();
+    assert_eq!(
+        samples.heights,
+        [1.0, 32768.0 / 65535.0, 0.0, 1.0 / 65535.0]
+    );
+
+    let table = "# heights in m\n0.5, 1, 1.5\n-2, 2.5e-1, 3,\n\n";
+    let samples = heights_of(at("c.csv", table.as_bytes()), Some(2.0)).unwrap();
+    assert_eq!(samples.heights, [1.0, 2.0, 3.0, -4.0, 0.5, 6.0]);
+    let samples = heights_of(at("d.txt", b"1 2\n3\t4\n"), None).unwrap();
+    assert_eq!(samples.heights, [1.0, 2.0, 3.0, 4.0]);
+
+    let data: Vec<u8> = [1.5_f64, 2.0, 3.0, 4.0, 5.0, 6.0]
+        .iter()
+        .flat_map(|x| x.to_le_bytes())
+        .collect();
+    let array = npy("<f8", false, "(2, 3)", &data);
+    let samples = heights_of(at("e.npy", &array), None).unwrap();
+    assert_eq!(
+        (samples.counts, &samples.heights[..2]),
+        ([3, 2], &[1.5, 2.0][..])
+    );
+    let array = npy("<f8", true, "(2, 3)", &data);
+    let samples = heights_of(at("f.npy", &array), None).unwrap();
+    assert_eq!(samples.heights, [1.5, 3.0, 5.0, 2.0, 4.0, 6.0]);
+    let data: Vec<u8> = [1_i16, -2, 3, 4]
+        .iter()
+        .flat_map(|x| x.to_be_bytes())
+        .collect();
+    let array = npy(">i2", false, "(2, 2)", &data);
+    let samples = heights_of(at("g.npy", &array), None).unwrap();
+    assert_eq!(samples.heights, [1.0, -2.0, 3.0, 4.0]);
+}
+
+#[test]
+fn files_without_usable_heights_are_errors_that_say_why() {
+    let folder = tempfile::tempdir().unwrap();
+    let one = npy("<f8", false, "(4,)", &[0; 32]);
+    let short = npy("<f8", false, "(2, 3)", &[0; 32]);
+    let text = npy("<U4", false, "(2, 2)", &[0; 64]);
+    let colour = {
+        let mut bytes = Vec::new();
+        let mut encoder = png::Encoder::new(&mut bytes, 2, 2);
+        encoder.set_color(png::ColorType::Rgb);
+        let mut writer = encoder.write_header().unwrap();
+        writer
+            .write_image_data(&[1, 2, 3, 4, 5, 6, 7, 8, 9, 1, 1, 1])
+            .unwrap();
+        writer.finish().unwrap();
+        bytes
+    };
+    let broken = &png(2, &[0, 1, 2, 3], png::BitDepth::Eight)[..40];
+    let row = png(4, &[0, 1, 2, 3], png::BitDepth::Eight);
+    let cases: [(&str, &[u8], &str, &str); 14] = [
+        (
+            "a.csv",
+            b"1, 2\n3, x\n",
+            "T002",
+            "line 2, column 2: 'x' is no number",
+        ),
+        (
+            "b.csv",
+            b"1, 2\n3, 4, 5\n",
+            "T002",
+            "line 2 has 3 heights, the lines before have 2",
+        ),
+        (
+            "c.csv",
+            b"1, 2\n3, nan\n",
+            "T002",
+            "height 2 of row 2 is not a finite number",
+        ),
+        ("d.csv", b"1\n", "T002", "1 x 1 heights"),
+        ("e.csv", b"", "T002", "0 x 0 heights"),
+        ("f.csv", b"\xff\xfe1,2", "T002", "no text"),
+        ("g.npy", &one, "T002", "two dimensions"),
+        ("h.npy", &short, "T002", "ends early"),
+        ("i.npy", &text, "T002", "neither integers nor"),
+        ("j.npy", b"PK\x03\x04", "T002", "no NPY file"),
+        ("k.png", &colour, "T002", "pixel 1 of row 2 has a colour"),
+        ("l.png", broken, "T002", "cannot be read"),
+        ("m.png", &row, "T002", "4 x 1 heights"),
+        ("n.tif", b"II*\0", "T002", "'tif' is no kind of file"),
+    ];
+    for (name, bytes, code, part) in cases {
+        let path = write(folder.path(), name, bytes);
+        let error = heights_of(path, None).unwrap_err();
+        assert!(
+            error.code == code && error.message.contains(part),
+            "{name}: {error:?}"
+        );
+        assert!(
+            error.message.contains(name) && error.help.is_some(),
+            "{error:?}"
+        );
+    }
+    for path in [folder.path().join("none.csv"), folder.path().to_owned()] {
+        let error = heights_of(path, None).unwrap_err();
+        assert_eq!(error.code, "T001", "{error:?}");
+    }
+    let pointer = b"version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 1\n";
+    let error = heights_of(write(folder.path(), "lfs.png", pointer), None).unwrap_err();
+    assert!(error.message.contains("Git LFS"), "{error:?}");
+}
+
+#[test]
+fn heights_that_are_generated_are_what_their_words_say() {
+    let heights = |form, seed| {
+        let settings = TerrainSettings::Heights {
+            source: HeightSource::Generated(GeneratedHeights {
+                form,
+                resolution: 0.25,
+                wavelength: 2.0,
+                seed,
+                steps: 3,
+            }),
+            size: [6.0, 2.0],
+            height: Some(0.9),
+        };
+        match shape("made", &settings, None).unwrap() {
+            Shape::Field { field } => field.samples().clone(),
+            other => panic!("{other:?}"),
+        }
+    };
+    let ramp = heights(HeightForm::Ramp, 1);
+    assert_eq!(ramp.counts, [25, 9]);
+    // Even, up over the middle two metres, even.
+    for (i, expected) in [(0, 0.0), (8, 0.0), (12, 0.45), (16, 0.9), (24, 0.9)] {
+        assert!(
+            (ramp.heights[i] - expected).abs() < 1e-12,
+            "{i} {}",
+            ramp.heights[i]
+        );
+    }
+    let steps = heights(HeightForm::Steps, 1);
+    for (i, expected) in [
+        (0, 0.0),
+        (5, 0.0),
+        (6, 0.3),
+        (12, 0.6),
+        (18, 0.9),
+        (24, 0.9),
+    ] {
+        assert!(
+            (steps.heights[i] - expected).abs() < 1e-12,
+            "{i} {}",
+            steps.heights[i]
+        );
+    }
+    let waves = heights(HeightForm::Waves, 1);
+    for (i, x) in [(12, 0.0_f64), (14, 0.5), (16, 1.0)] {
+        let expected = 0.45 * (1.0 - (std::f64::consts::PI * x).cos());
+        assert!((waves.heights[i] - expected).abs() < 1e-12);
+    }
+    let noise = heights(HeightForm::Noise, 1);
+    let low = noise.heights.iter().copied().fold(f64::INFINITY, f64::min);
+    let high = noise
+        .heights
+        .iter()
+        .copied()
+        .fold(f64::NEG_INFINITY, f64::max);
+    assert!(low.abs() < 1e-15 && (high - 0.9).abs() < 1e-15);
+    assert_eq!(noise, heights(HeightForm::Noise, 1));
+    assert_ne!(noise, heights(HeightForm::Noise, 2));
+}
+
+#[test]
+fn meshes_are_read_and_those_without_an_area_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let mesh = |name: &str, text: &str| {
+        let file = write(folder.path(), name, text.as_bytes());
+        shape("hall", &TerrainSettings::Mesh { file, scale: 2.0 }, None)
+    };
+    let square = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n";
+    let Shape::Surface { surface } = mesh("a.obj", square).unwrap() else {
+        panic!("a mesh");
+    };
+    assert_eq!(surface.facets().len(), 2);
+    assert!((surface.reach() - 8.0_f64.sqrt()).abs() < 1e-12);
+    for (name, text, part) in [
+        (
+            "b.obj",
+            "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n",
+            "0 triangles with an area",
+        ),
+        ("c.stl", "", "c.stl"),
+        ("d.fbx", "x", "d.fbx"),
+    ] {
+        let error = mesh(name, text).unwrap_err();
+        assert!(
+            error.code == "T002" && error.message.contains(part),
+            "{error:?}"
+        );
+    }
+}

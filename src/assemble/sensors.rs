@@ -1,0 +1,226 @@
+//! Sensors of the settings → sensors of the model.
+
+use super::findings::Findings;
+use crate::model::{JointId, LinkId, Model, Sampling, Sensor, SensorKind};
+use crate::settings::{Errors, Fan, SensorSettings, SensorSettingsKind};
+use crate::spatial::{Pose, Vec3};
+use crate::urdf::{SensedKind, SensorDescription};
+use crate::variables::identifier;
+use std::collections::BTreeSet;
+use std::f64::consts::TAU;
+
+/// Adds sensors to the outputs of a model.
+pub(super) fn select(
+    model: &mut Model,
+    described: &[SensorDescription],
+    sensors: &[SensorSettings],
+    findings: &mut Findings,
+) {
+    let described: Vec<_> = described.iter().map(of_description).collect();
+    for settings in described.iter().chain(sensors) {
+        if let Some(sensor) = sensor(model, settings, findings) {
+            model.outputs.sensors.push(sensor);
+        }
+    }
+}
+
+/// A sensor of a URDF as the settings would say it.
+fn of_description(sensor: &SensorDescription) -> SensorSettings {
+    let fan = |&(count, angles): &(u32, [f64; 2])| Fan { count, angles };
+    SensorSettings {
+        name: Some(sensor.name.clone()),
+        on: sensor.on.clone(),
+        xyz: sensor.xyz,
+        rpy: sensor.rpy,
+        kind: match &sensor.kind {
+            SensedKind::Imu => SensorSettingsKind::Imu,
+            SensedKind::ForceTorque {
+                in_parent,
+                reversed,
+            } => SensorSettingsKind::ForceTorque {
+                in_parent: *in_parent,
+                reversed: *reversed,
+            },
+            SensedKind::Ray {
+                columns,
+                rows,
+                range: [near, range],
+            } => SensorSettingsKind::Ray {
+                columns: fan(columns),
+                rows: fan(rows),
+                near: *near,
+                range: *range,
+                hits: false,
+                ignored: Vec::new(),
+            },
+            SensedKind::Contact => SensorSettingsKind::Contact { size: None },
+        },
+        rate: sensor.rate,
+        seed: 1,
+        errors: sensor
+            .errors
+            .iter()
+            .map(|&[bias, noise]| Errors { bias, noise })
+            .collect(),
+    }
+}
+
+fn sensor(model: &Model, settings: &SensorSettings, findings: &mut Findings) -> Option<Sensor> {
+    let index = part(model, settings, findings)?;
+    let name = name(model, settings, index, findings)?;
+    let mut link = LinkId::from(index);
+    let kind = match &settings.kind {
+        SensorSettingsKind::Imu => SensorKind::Imu,
+        SensorSettingsKind::ForceTorque {
+            in_parent,
+            reversed,
+        } => {
+            let joint = &model.joints[index];
+            link = if *in_parent {
+                joint.parent
+            } else {
+                joint.child
+            };
+            let joint = JointId::from(index);
+            SensorKind::ForceTorque {
+                joint,
+                reversed: *reversed,
+            }
+        }
+        SensorSettingsKind::Ray {
+            columns,
+            rows,
+            near,
+            range,
+            hits,
+            ignored,
+        } => {
+            let names: Vec<&str> = model.links.iter().map(|l| l.name.as_str()).collect();
+            let ignored: BTreeSet<usize> = ignored
+                .iter()
+                .flat_map(|pattern| findings.select(pattern, "link", &names, |_| None))
+                .collect();
+            SensorKind::Ray {
+                directions: directions(columns, rows),
+                columns: columns.count,
+                near: *near,
+                range: *range,
+                hits: *hits,
+                ignored: ignored.into_iter().map(LinkId::from).collect(),
+            }
+        }
+        SensorSettingsKind::Encoder { counts } => {
+            link = model.joints[index].child;
+            let joint = JointId::from(index);
+            let turns = model.joints[index].kind != crate::model::JointKind::Prismatic;
+            let step = if turns { TAU } else { 1.0 } / counts;
+            SensorKind::Encoder { joint, step }
+        }
+        SensorSettingsKind::Contact { size } => SensorKind::Contact {
+            half: size.map(|size| size * 0.5),
+        },
+    };
+    let mut sensor = Sensor {
+        name,
+        link,
+        X_LS: Pose::from_xyz_rpy(settings.xyz, settings.rpy),
+        kind,
+        sampling: Sampling {
+            rate: settings.rate,
+            ..Sampling::default()
+        },
+    };
+    let (_, count) = sensor.erring();
+    let list = |of: fn(&Errors) -> [f64; 3]| -> Vec<f64> {
+        let all: Vec<f64> = settings.errors.iter().flat_map(of).take(count).collect();
+        if all.iter().all(|x| *x == 0.0) {
+            Vec::new()
+        } else {
+            all
+        }
+    };
+    sensor.sampling.bias = list(|errors| errors.bias);
+    sensor.sampling.noise = list(|errors| errors.noise);
+    if sensor.sampling.is_noisy() {
+        sensor.sampling.seed = settings.seed;
+    }
+    Some(sensor)
+}
+
+/// The link or joint of a sensor.
+fn part(model: &Model, settings: &SensorSettings, findings: &mut Findings) -> Option<usize> {
+    let joints = || model.joints.iter().map(|j| j.name.as_str()).collect();
+    let links = || model.links.iter().map(|l| l.name.as_str()).collect();
+    let (kind, names): (&str, Vec<&str>) = match &settings.kind {
+        SensorSettingsKind::ForceTorque { .. } | SensorSettingsKind::Encoder { .. } => {
+            ("joint", joints())
+        }
+        _ => ("link", links()),
+    };
+    let touches: BTreeSet<usize> = model.colliders.iter().map(|c| c.link.index()).collect();
+    let unsuitable = |index: usize| match &settings.kind {
+        SensorSettingsKind::Encoder { .. } => {
+            let joint = JointId::from(index);
+            let scalar = model.scalar_body(joint).is_some();
+            (!scalar).then(|| "neither turns nor slides: it has no one position".to_owned())
+        }
+        SensorSettingsKind::Contact { .. } => {
+            let touches = touches.contains(&index);
+            (!touches).then(|| "has no collision shape that can touch anything".to_owned())
+        }
+        _ => None,
+    };
+    let found = findings.select(&settings.on, kind, &names, unsuitable);
+    if let [index] = found[..] {
+        return Some(index);
+    }
+    if found.len() > 1 {
+        let message = format!(
+            "'{}' means {} {kind}s, a sensor has one",
+            settings.on.text,
+            found.len()
+        );
+        let help = "write a [[sensor]] for each";
+        findings.error("A131", settings.on.place.clone(), message, help);
+    }
+    None
+}
+
+/// The name of a sensor, which no other one has.
+fn name(
+    model: &Model,
+    settings: &SensorSettings,
+    index: usize,
+    findings: &mut Findings,
+) -> Option<String> {
+    let own = match &settings.kind {
+        SensorSettingsKind::ForceTorque { .. } | SensorSettingsKind::Encoder { .. } => {
+            &model.joints[index].name
+        }
+        _ => &model.links[index].name,
+    };
+    let name = settings.name.as_ref().map_or(own, |name| &name.text);
+    let others = &model.outputs.sensors;
+    let same = |other: &&Sensor| identifier(&other.name) == identifier(name);
+    if let Some(other) = others.iter().find(same) {
+        let message = format!("a second sensor is named '{}'", other.name);
+        let place = settings.name.as_ref().unwrap_or(&settings.on).place.clone();
+        findings.error("A131", place, message, "give one of them a name = \"…\"");
+        return None;
+    }
+    Some(name.clone())
+}
+
+/// Unit vectors row by row, from the lowest row and the right to the left: azimuth about z from x
+/// towards y, elevation from the plane x y towards z.
+fn directions(columns: &Fan, rows: &Fan) -> Vec<Vec3> {
+    let mut directions = Vec::new();
+    for elevation in rows.directions() {
+        let (up, level) = libm::sincos(elevation);
+        for azimuth in columns.directions() {
+            let (s, c) = libm::sincos(azimuth);
+            directions.push(Vec3::new(level * c, level * s, up));
+        }
+    }
+    directions
+}

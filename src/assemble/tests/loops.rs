@@ -1,0 +1,323 @@
+//! Loops and springs of settings and of notes in a URDF.
+
+use super::*;
+use crate::model::{LoopKind, Model};
+use crate::settings::Settings;
+use crate::urdf::{ReadOptions, read_str};
+use std::path::Path;
+
+/// Crank, coupler and rocker, drawn along x, with further tags.
+fn four_bar(notes: &str) -> String {
+    let link = |name: &str| {
+        format!(
+            "<link name=\"{name}\"><inertial><origin xyz=\"0.5 0 0\"/><mass value=\"1\"/>\
+             <inertia ixx=\"0.001\" ixy=\"0\" ixz=\"0\" iyy=\"0.08\" iyz=\"0\" izz=\"0.08\"/>\
+             </inertial></link>\n"
+        )
+    };
+    let joint = |name: &str, parent: &str, child: &str, x: f64| {
+        format!(
+            "<joint name=\"{name}\" type=\"continuous\"><parent link=\"{parent}\"/>\
+             <child link=\"{child}\"/><origin xyz=\"{x} 0 0\"/><axis xyz=\"0 -1 0\"/></joint>\n"
+        )
+    };
+    format!(
+        "<robot name=\"four_bar\">\n<link name=\"base\"/>\n{}{}{}{}{}{}{notes}</robot>",
+        link("crank"),
+        link("coupler"),
+        link("rocker"),
+        joint("a", "base", "crank", 0.0),
+        joint("b", "crank", "coupler", 1.0),
+        joint("c", "base", "rocker", 1.2),
+    )
+}
+
+fn read(notes: &str) -> crate::urdf::Description {
+    let text = four_bar(notes);
+    read_str(&text, "test.urdf", Path::new("."), &ReadOptions::default()).expect("a sound file")
+}
+
+fn built(
+    notes: &str,
+    settings: &str,
+) -> Result<super::super::Assembled, Vec<crate::diagnostic::Diagnostic>> {
+    let settings =
+        format!("robot.base = \"fixed\"\nworld.ground = {{ type = \"none\" }}\n{settings}");
+    let settings = Settings::parse(&settings, "test.toml")?;
+    super::super::build(&read(notes), &settings)
+}
+
+const OPEN: &str = "[initial]\njoints = { a = 1.5 }\n";
+const BALL: &str = "[[loop]]\ntype = \"ball\"\nlinks = [\"coupler\", \"rocker\"]\n\
+    origins = [[1, 0, 0], [1, 0, 0]]\n";
+
+/// Distance of the tips of coupler and rocker at the start.
+fn apart(model: &Model) -> f64 {
+    let q = &model.initial.joint_positions;
+    let tip = |x: f64, a: f64| [x + libm::cos(a), libm::sin(a)];
+    let elbow = tip(0.0, q[0]);
+    let one = [
+        elbow[0] + libm::cos(q[0] + q[1]),
+        elbow[1] + libm::sin(q[0] + q[1]),
+    ];
+    let two = tip(1.2, q[2]);
+    libm::hypot(one[0] - two[0], one[1] - two[1])
+}
+
+#[test]
+fn the_initial_pose_closes_a_loop_and_what_was_given_stays() {
+    let built = built("", &format!("{OPEN}{BALL}")).expect("it closes");
+    let model = &built.model;
+    assert!(apart(model) < 1e-9, "{}", apart(model));
+    let given = model.initial.joint_positions[0];
+    assert_eq!(given.to_bits(), 1.5_f64.to_bits());
+    let note = note(&built, "A141");
+    assert!(
+        note.message
+            .contains("closing the loops has moved b from 0"),
+        "{}",
+        note.message
+    );
+}
+
+#[test]
+fn a_loop_that_cannot_close_is_an_error_with_its_gap_and_its_place() {
+    let far = BALL.replace("[1, 0, 0]]", "[9, 0, 0]]");
+    let errors = built("", &far).expect_err("9 m");
+    let error = errors.iter().find(|e| e.code == "A141").expect("it tells");
+    // Crank and coupler reach 2 m from the base, the rocker's point is 9 m from 1.2 m.
+    assert!(
+        error.message.contains("5.8") && error.message.contains("rad are left"),
+        "{}",
+        error.message
+    );
+    assert_eq!(error.place.as_ref().map(|place| place.line), Some(3));
+}
+
+#[test]
+fn broken_loops_are_errors_with_their_place() {
+    for (text, code, words) in [
+        (
+            "[[loop]]\ntype = \"ball\"\nlinks = [\"coupler\", \"rockr\"]",
+            "A101",
+            "rockr",
+        ),
+        (
+            "[[loop]]\ntype = \"ball\"\nlinks = [\"rocker\", \"rocker\"]",
+            "S106",
+            "both ends",
+        ),
+        (
+            "[[loop]]\ntype = \"ball\"\nlinks = [\"base\", \"world\"]",
+            "A140",
+            "do not move",
+        ),
+        (
+            "[[loop]]\ntype = \"ball\"\nlinks = [\"base\"]",
+            "S104",
+            "two links",
+        ),
+        ("[[loop]]\nlinks = [\"base\", \"crank\"]", "S107", "type"),
+        ("[[loop]]\ntype = \"bal\"", "S104", "bal"),
+        (
+            "[[loop]]\ntype = \"ball\"\nlinks = [\"coupler\", \"rocker\"]\norigins = [[nan, 0, 0], [0, 0, 0]]",
+            "S104",
+            "origins",
+        ),
+        (
+            "[[loop]]\ntype = \"ball\"\nlinks = [\"coupler\", \"rocker\"]\norigins = [[0, 0, 0]]",
+            "S103",
+            "origins",
+        ),
+        (
+            "[[loop]]\ntype = \"ball\"\nlinks = [\"coupler\", \"rocker\"]\nlength = 1",
+            "S106",
+            "length",
+        ),
+        (
+            "[[loop]]\ntype = \"distance\"\nlinks = [\"coupler\", \"rocker\"]\nlength = -1",
+            "S104",
+            "length",
+        ),
+        (
+            "[[loop]]\ntype = \"hinge\"\nlinks = [\"coupler\", \"rocker\"]\naxes = [[0, 0, 0], [0, 0, 1]]",
+            "S104",
+            "axes",
+        ),
+        (
+            "[[loop]]\ntype = \"gear\"\njoints = [\"a\", \"c\"]",
+            "S107",
+            "ratio",
+        ),
+        (
+            "[[loop]]\ntype = \"coupler\"\njoints = [\"a\", \"c\"]\nfactors = [1]",
+            "S107",
+            "factors",
+        ),
+        (
+            "[[loop]]\ntype = \"coupler\"\njoints = [\"a\", \"x\"]\nfactors = [1, 1]",
+            "A101",
+            "'x'",
+        ),
+        (
+            "[[spring]]\nlinks = [\"coupler\", \"rocker\"]",
+            "S107",
+            "stiffness",
+        ),
+        (
+            "[[spring]]\nlinks = [\"coupler\", \"rocker\"]\nstiffness = -3",
+            "S104",
+            "stiffness",
+        ),
+        ("outputs.loops = [\"x\"]", "A101", "'x'"),
+    ] {
+        let errors = built("", text).expect_err(text);
+        let found = errors.iter().find(|e| e.code == code);
+        let found = found.unwrap_or_else(|| panic!("{text}: {:?}", texts(&errors)));
+        assert!(found.message.contains(words), "{text}: {}", found.message);
+        assert!(found.place.is_some(), "{text}");
+    }
+}
+
+/// Each note closes the loop of the tips; ours is the one that its program makes of it.
+#[test]
+fn notes_for_other_programs_close_loops() {
+    let notes = [
+        "<loop_joint name=\"tip\" type=\"spherical\"><link1 link=\"coupler\" rpy=\"0 0 0\" xyz=\"1 0 0\"/>\
+         <link2 link=\"rocker\" rpy=\"0 0 0\" xyz=\"1 0 0\"/></loop_joint>",
+        "<loop_joint name=\"tip\" type=\"revolute\"><link1 link=\"coupler\" xyz=\"1 0 0\"/>\
+         <link2 link=\"rocker\" xyz=\"1 0 0\"/><axis xyz=\"0 1 0\"/></loop_joint>",
+        "<drake:ball_constraint><drake:ball_constraint_body_A name=\"coupler\"/>\
+         <drake:ball_constraint_body_B name=\"rocker\"/><drake:ball_constraint_p_AP value=\"1 0 0\"/>\
+         <drake:ball_constraint_p_BQ value=\"1 0 0\"/></drake:ball_constraint>",
+    ];
+    for note in notes {
+        let built = built(note, OPEN).unwrap_or_else(|e| panic!("{note}: {:?}", texts(&e)));
+        assert_eq!(built.model.loops.len(), 1, "{note}");
+        assert!(apart(&built.model) < 1e-9, "{note}");
+        assert!(!has(&built, "U022"), "{note}");
+    }
+    // These say where the first point is, and the other one from the pose at joint zero: the tip
+    // of the coupler is at 2 m, 0.8 m along the rocker.
+    for (note, kind) in [
+        (
+            "<gazebo><joint name=\"tip\" type=\"revolute\"><parent>rocker</parent><child>coupler</child>\
+          <pose>1 0 0 0 0 0</pose><axis><xyz>0 1 0</xyz></axis></joint></gazebo>",
+            "hinge",
+        ),
+        (
+            "<gazebo><joint name=\"tip\" type=\"ball\"><parent>rocker</parent><child>coupler</child>\
+          <pose>1 0 0 0 0 0</pose></joint></gazebo>",
+            "ball",
+        ),
+        (
+            "<mujoco><equality><connect body1=\"coupler\" body2=\"rocker\" anchor=\"1 0 0\"/></equality></mujoco>",
+            "ball",
+        ),
+    ] {
+        let built = built(note, "").unwrap_or_else(|e| panic!("{note}: {:?}", texts(&e)));
+        let [closure] = &built.model.loops[..] else {
+            panic!("{note}");
+        };
+        let ends = closure.kind.ends().expect("two ends");
+        let on = |link: &str| {
+            let mut ends = ends.iter();
+            let end = ends.find(|end| {
+                end.link
+                    .is_some_and(|l| built.model.links[l.index()].name == link)
+            });
+            end.expect("a link").X_LA.p
+        };
+        assert!(
+            (on("coupler") - Vec3::new(1.0, 0.0, 0.0)).norm() < 1e-12,
+            "{note}"
+        );
+        assert!(
+            (on("rocker") - Vec3::new(0.8, 0.0, 0.0)).norm() < 1e-12,
+            "{note}"
+        );
+        match (&closure.kind, kind) {
+            (LoopKind::Ball(_), "ball") => {}
+            (LoopKind::Hinge(ends), "hinge") => {
+                let axis = ends[0].X_LA.R.column(2).into_owned();
+                assert!((axis - Vec3::new(0.0, 1.0, 0.0)).norm() < 1e-12, "{note}");
+            }
+            other => panic!("{note}: {other:?}"),
+        }
+    }
+}
+
+#[test]
+fn notes_couple_joints_weld_links_and_hang_springs() {
+    let coupled = "<mujoco><equality><joint joint1=\"a\" joint2=\"c\" polycoef=\"0.1 2 0 0 0\"/>\
+        <weld body1=\"rocker\" body2=\"coupler\" active=\"false\"/></equality></mujoco>";
+    let built_one = built(coupled, "").expect("it closes");
+    let LoopKind::Coupler { terms, sum } = &built_one.model.loops[0].kind else {
+        panic!("a coupler");
+    };
+    assert_eq!(
+        terms.iter().map(|t| t.factor).collect::<Vec<_>>(),
+        [1.0, -2.0]
+    );
+    assert_eq!(*sum, Some(0.1));
+    let q = &built_one.model.initial.joint_positions;
+    assert!((q[0] - 2.0 * q[2] - 0.1).abs() < 1e-9, "{q:?}");
+    let welded = "<mujoco><equality><weld body1=\"base\" body2=\"crank\" \
+        relpose=\"0 0 0 0.7071067811865476 0 -0.7071067811865476 0\"/></equality></mujoco>";
+    let built_one = built(welded, "").expect("it closes");
+    let a = built_one.model.initial.joint_positions[0];
+    assert!((a - std::f64::consts::FRAC_PI_2).abs() < 1e-9, "{a}");
+    let spring = "<drake:linear_spring_damper><drake:linear_spring_damper_body_A name=\"coupler\"/>\
+        <drake:linear_spring_damper_p_AP value=\"1 0 0\"/>\
+        <drake:linear_spring_damper_body_B name=\"world\"/>\
+        <drake:linear_spring_damper_p_BQ value=\"4 5 6\"/>\
+        <drake:linear_spring_damper_free_length value=\"7.0\"/>\
+        <drake:linear_spring_damper_stiffness value=\"8.0\"/>\
+        <drake:linear_spring_damper_damping value=\"9.0\"/></drake:linear_spring_damper>";
+    let built_one = built(spring, "").expect("a spring");
+    let [spring] = &built_one.model.springs[..] else {
+        panic!("one spring");
+    };
+    let numbers = [spring.length, spring.stiffness, spring.damping];
+    assert_eq!(format!("{numbers:?}"), "[7.0, 8.0, 9.0]");
+    assert_eq!(spring.ends[1].link, None);
+}
+
+#[test]
+fn notes_that_are_not_used_are_warned_of_by_name() {
+    for (note, words) in [
+        ("<drake:linear_bushing_rpy/>", "drake:linear_bushing_rpy"),
+        ("<drake:tendon_constraint/>", "drake:tendon_constraint"),
+        ("<loop name=\"x\" type=\"revolute\"/>", "<loop>"),
+        (
+            "<loop_joint name=\"x\" type=\"prismatic\"><link1 link=\"coupler\"/><link2 link=\"rocker\"/></loop_joint>",
+            "prismatic",
+        ),
+        (
+            "<loop_joint name=\"x\" type=\"spherical\"><link1 link=\"coupler\"/><link2 link=\"rockr\"/></loop_joint>",
+            "rockr",
+        ),
+        (
+            "<gazebo><joint name=\"x\" type=\"gearbox\"><parent>crank</parent><child>rocker</child></joint></gazebo>",
+            "gearbox",
+        ),
+        (
+            "<mujoco><equality><joint joint1=\"a\" joint2=\"c\" polycoef=\"0 1 3 0 0\"/></equality></mujoco>",
+            "not linear",
+        ),
+        (
+            "<mujoco><equality><tendon tendon1=\"x\"/></equality></mujoco>",
+            "<tendon>",
+        ),
+        (
+            "<drake:ball_constraint><drake:ball_constraint_body_A name=\"coupler\"/></drake:ball_constraint>",
+            "body_B",
+        ),
+    ] {
+        let found = read(note).diagnostics;
+        let found = found.iter().find(|d| d.code == "U022");
+        let found = found.unwrap_or_else(|| panic!("{note}"));
+        assert!(found.message.contains(words), "{note}: {}", found.message);
+        assert!(found.place.is_some(), "{note}");
+    }
+}

@@ -1,0 +1,153 @@
+//! What a user can do at once about links without inertia: each way is tried before it is offered.
+//!
+//! A file of a robot that was only ever drawn has no masses at all. Whoever follows the advice on
+//! it must not be told of the next link without inertia.
+
+use super::findings::{Findings, listed};
+use crate::model::Model;
+use crate::settings::{Compat, InertiaSource, JointSettings, Settings};
+use crate::urdf::solids::of_density;
+use crate::urdf::{Description, LinkDescription};
+
+/// Density that is offered, kg/m³: most robot parts are between plastics and hollow metal.
+const DENSITY: f64 = 1000.0;
+
+/// Rotor inertia that is offered for joints that move nothing but frames, kg·m² or kg.
+const ARMATURE: f64 = 1e-4;
+
+/// Makes a model, or says what is wrong.
+pub(super) type Assemble = fn(&Description, &Settings, &mut Findings) -> Option<Model>;
+
+/// Adds the ways that work to the finding on links without inertia.
+pub(super) fn offer(
+    assemble: Assemble,
+    description: &Description,
+    settings: &Settings,
+    findings: &mut Findings,
+) {
+    let other_errors = findings.list.iter().any(|finding| {
+        finding.severity == crate::diagnostic::Severity::Error
+            && !["A104", "A105"].contains(&finding.code)
+    });
+    let about = |code: &str| ["A104", "A105"].contains(&code);
+    let Some(at) = findings.list.iter().position(|f| about(f.code)) else {
+        return;
+    };
+    let mut ways: Vec<String> = Vec::new();
+    if !other_errors {
+        let density = by_density(assemble, description, settings);
+        let pybullet = by_pybullet(assemble, description, settings);
+        // What needs no settings file comes first.
+        let partial = density.as_ref().is_some_and(|way| way.contains("armature"));
+        ways.extend(
+            if partial {
+                [pybullet, density]
+            } else {
+                [density, pybullet]
+            }
+            .into_iter()
+            .flatten(),
+        );
+    }
+    if let Some(help) = &mut findings.list[at].help
+        && !ways.is_empty()
+    {
+        *help = format!(
+            "without a change of the file there {}\n{}\n{help}",
+            if ways.len() > 1 {
+                "are two ways:"
+            } else {
+                "is one way:"
+            },
+            ways.join("\n")
+        );
+    }
+}
+
+/// None where it helps; else the joints along which nothing has inertia even so.
+fn left(assemble: Assemble, description: &Description, settings: &Settings) -> Option<Vec<String>> {
+    let mut findings = Findings::new(description);
+    _ = assemble(description, settings, &mut findings);
+    findings
+        .has_errors()
+        .then(|| std::mem::take(&mut findings.unmoved))
+}
+
+fn by_density(
+    assemble: Assemble,
+    description: &Description,
+    settings: &Settings,
+) -> Option<String> {
+    let weighs = |link: &LinkDescription| {
+        link.inertial.is_none_or(|own| own.mass <= 0.0)
+            && of_density(DENSITY, &link.collisions).is_some()
+    };
+    if settings.density.is_some() || !description.links.iter().any(weighs) {
+        return None;
+    }
+    let mut tried = Settings {
+        density: Some(DENSITY),
+        ..settings.clone()
+    };
+    // Where some links have masses, their inertias are the file's.
+    let massless = description
+        .links
+        .iter()
+        .all(|link| link.inertial.is_none_or(|own| own.mass <= 0.0));
+    let options = if massless && settings.inertia == InertiaSource::Urdf {
+        tried.inertia = InertiaSource::Collision;
+        format!("--inertia collision --density {DENSITY}")
+    } else {
+        format!("--density {DENSITY}")
+    };
+    let keys = if tried.inertia == settings.inertia {
+        format!("density = {DENSITY}")
+    } else {
+        format!("inertia = \"collision\" and density = {DENSITY}")
+    };
+    let way = format!(
+        "  masses from the collision shapes and a density: {options} (in the settings [robot] {keys})"
+    );
+    let joints = match left(assemble, description, &tried) {
+        None => return Some(way),
+        Some(joints) if joints.is_empty() => return None,
+        Some(joints) => joints,
+    };
+    for joint in &joints {
+        tried.joints.push(JointSettings {
+            armature: Some(ARMATURE),
+            ..JointSettings::new(joint)
+        });
+    }
+    let all = joints
+        .iter()
+        .map(|joint| format!("[joint.\"{joint}\"] armature = {ARMATURE:e}"));
+    let all: Vec<String> = all.collect();
+    left(assemble, description, &tried).is_none().then(|| {
+        format!(
+            "{way},\n  and rotor inertia for what has no volume ({}), in the settings: {}",
+            listed(&joints),
+            all.join(", ")
+        )
+    })
+}
+
+fn by_pybullet(
+    assemble: Assemble,
+    description: &Description,
+    settings: &Settings,
+) -> Option<String> {
+    if settings.compat == Compat::PyBullet {
+        return None;
+    }
+    let defaults = Settings::of(Compat::PyBullet);
+    let tried = Settings {
+        compat: Compat::PyBullet,
+        inertia: defaults.inertia,
+        ..settings.clone()
+    };
+    left(assemble, description, &tried).is_none().then(|| {
+        "  1 kg for each link without <inertial>, and all else as PyBullet does: --compat pybullet"
+            .to_owned()
+    })
+}

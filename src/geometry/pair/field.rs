@@ -1,0 +1,256 @@
+//! A shape on uneven terrain.
+//!
+//! Points of the shape against the surface, and points of the surface against the shape, each with
+//! the normal of the surface that it meets:
+//!
+//! 1. What carries the shape on a plane, see `on_plane` in `meet.rs`: corners, the lowest point of
+//!    each rim, the ends of a capsule, the lowest point of a ball. A corner is deep by its distance
+//!    from the tangent plane below it; what is round meets the surface where both have the same
+//!    normal. With the shares that they have on a plane, so that even terrain is a plane.
+//! 2. Sharp samples of the surface (spikes, crests, its rim) against the surface of the shape, with
+//!    the share [`crate::geometry::field::Field::sample`] gives them. Where the terrain is smooth
+//!    they have none.
+//!
+//! All belong to one patch: it is as stiff as one on a plane.
+
+#![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
+
+use super::core::{Core, Round};
+use super::placed::Placed;
+use super::points::{PatchPoint, Side, point};
+use super::sink::Sink;
+use super::trace::Trace;
+use crate::geometry::field::Field;
+use crate::spatial::Vec3;
+use crate::tuning::{MOST_PEAKS, NEAREST_ON_FIELD};
+
+/// Adds the points of a shape, given in the axes of the terrain.
+pub(super) fn on_field(shape: &Placed, field: &Field, sink: &mut Sink) {
+    let around = shape.solid.reach + sink.reach;
+    if shape.p.z - around > field.highest(shape.p.x, shape.p.y, around) {
+        return;
+    }
+    let mut on = OnField { shape, field, sink };
+    on.own_points();
+    on.peaks(around);
+}
+
+/// What is being found.
+struct OnField<'a, 's> {
+    shape: &'a Placed<'a>,
+    field: &'a Field,
+    sink: &'a mut Sink<'s>,
+}
+
+impl OnField<'_, '_> {
+    /// What carries the shape on a plane.
+    fn own_points(&mut self) {
+        let shape = self.shape;
+        if let Some(round) = &shape.solid.round {
+            for s in [1.0, -1.0] {
+                if round.flat {
+                    self.rim(round, s);
+                } else {
+                    self.ball(
+                        &(shape.p + shape.axis() * (s * round.half)),
+                        round.radius,
+                        0.5,
+                    );
+                }
+            }
+            return;
+        }
+        match shape.core {
+            Core::Point => self.ball(&shape.p, shape.solid.radius, 1.0),
+            Core::Box { .. } => {
+                for corner in &shape.solid.mesh.corners {
+                    self.corner(&shape.world(corner), |_| 0.25);
+                }
+            }
+            _ => {
+                let shares = &shape.solid.shares;
+                for (i, corner) in shape.solid.mesh.corners.iter().enumerate() {
+                    let share = |n: &Vec3| shares.share(i, &shape.R.tr_mul(&-n));
+                    self.corner(&shape.world(corner), share);
+                }
+            }
+        }
+    }
+
+    /// The tangent plane below a place: its normal, and how deep the place is in it.
+    fn below(&self, x: &Vec3) -> Option<(Vec3, f64)> {
+        let local = self.field.at(x.x, x.y)?;
+        let n = local.normal();
+        Some((n, (local.height - x.z) * n.z))
+    }
+
+    fn corner(&mut self, x: &Vec3, share: impl Fn(&Vec3) -> f64) {
+        if let Some((n, depth)) = self.below(x) {
+            let share = share(&n);
+            self.sink
+                .add(&n, point(x + n * (0.5 * depth), depth, share));
+        }
+    }
+
+    /// A ball about `c`: the place of the surface nearest to `c` is found from the one below by
+    /// Newton's method on `x − c + (H − c_z) ∇H = 0`, and the depth is that in its tangent plane.
+    /// In a hollow that bends more than the ball the second derivatives count less, so that the
+    /// matrix stays definite.
+    fn ball(&mut self, c: &Vec3, radius: f64, share: f64) {
+        let half = self.field.samples().size.map(|s| 0.5 * s);
+        let mut x = [c.x, c.y];
+        let Some(mut local) = self.field.at(c.x, c.y) else {
+            return;
+        };
+        for _ in 0..NEAREST_ON_FIELD {
+            let ([gx, gy], over) = (local.slope, local.height - c.z);
+            let [bxx, bxy, byy] = local.bend.map(|b| b * over);
+            // Least eigenvalue of the second derivatives' part.
+            let (mean, apart) = (0.5 * (bxx + byy), 0.5 * (bxx - byy));
+            let least = mean - (apart * apart + bxy * bxy).sqrt();
+            let part = if least < -0.75 { -0.75 / least } else { 1.0 };
+            let (jxx, jyy) = (1.0 + gx * gx + part * bxx, 1.0 + gy * gy + part * byy);
+            let jxy = gx * gy + part * bxy;
+            let (fx, fy) = (x[0] - c.x + over * gx, x[1] - c.y + over * gy);
+            let det = jxx * jyy - jxy * jxy;
+            x[0] = (x[0] - (jyy * fx - jxy * fy) / det).clamp(-half[0], half[0]);
+            x[1] = (x[1] - (jxx * fy - jxy * fx) / det).clamp(-half[1], half[1]);
+            let Some(next) = self.field.at(x[0], x[1]) else {
+                return;
+            };
+            local = next;
+        }
+        let n = local.normal();
+        let at = Vec3::new(x[0], x[1], local.height);
+        let depth = radius - n.dot(&(c - at));
+        self.sink
+            .add(&n, point(c - n * (radius - 0.5 * depth), depth, share));
+    }
+
+    /// The end `s` of a cylinder: the lowest point of its rim along the normal of the surface below
+    /// that point.
+    fn rim(&mut self, round: &Round, s: f64) {
+        let shape = self.shape;
+        let center = shape.p + shape.axis() * (s * round.half);
+        let Some((mut n, _)) = self.below(&center) else {
+            return;
+        };
+        let mut found = None;
+        for _ in 0..NEAREST_ON_FIELD {
+            let trace = Trace::new(shape, round, &n, Side::First);
+            let (x, rim) = trace.end(s);
+            let Some((next, depth)) = self.below(&x) else {
+                return;
+            };
+            found = Some((n, depth, x, rim));
+            n = next;
+        }
+        if let Some((n, depth, x, rim)) = found {
+            let halfway = point(x + n * (0.5 * depth), depth, 0.5);
+            self.sink.add(&n, PatchPoint { rim, ..halfway });
+        }
+    }
+
+    /// Sharp samples of the surface.
+    fn peaks(&mut self, around: f64) {
+        let (shape, field, reach) = (self.shape, self.field, self.sink.reach);
+        // The lowest point of the shape, but for the rounding of its edges.
+        let low = shape.support(&-Vec3::z()).z - shape.solid.radius;
+        let mut best = [(f64::NEG_INFINITY, Vec3::zeros(), PatchPoint::default()); MOST_PEAKS];
+        let mut count = 0;
+        field.each_peak((shape.p.x, shape.p.y, around), low - reach, |i, j| {
+            let (x, n, share) = field.sample(i, j);
+            if let Some((normal, depth)) = against(shape, &x, &n)
+                && depth > -reach
+                && (count < MOST_PEAKS || depth > best[MOST_PEAKS - 1].0)
+            {
+                let at = best[..count].partition_point(|b| b.0 >= depth);
+                count = (count + 1).min(MOST_PEAKS);
+                best[at..count].rotate_right(1);
+                let found = point(x - normal * (0.5 * depth), depth, share);
+                best[at] = (depth, normal, found);
+            }
+            f64::NEG_INFINITY
+        });
+        for (_, normal, found) in &best[..count] {
+            self.sink.add(normal, *found);
+        }
+    }
+}
+
+/// How a point `x` of the surface, which has the normal `n` there, lies to the surface of a shape:
+/// the direction into the shape, and how deep in it the point is. None where the shape is not over
+/// the point.
+fn against(shape: &Placed, x: &Vec3, n: &Vec3) -> Option<(Vec3, f64)> {
+    let solid = shape.solid;
+    if let Core::Point | Core::Segment { .. } = shape.core {
+        let half = match shape.core {
+            Core::Segment { half } => *half,
+            _ => 0.0,
+        };
+        let axis = shape.axis();
+        let along = axis.dot(&(x - shape.p)).clamp(-half, half);
+        let apart = shape.p + axis * along - x;
+        let distance = apart.norm();
+        let normal = if distance > 0.0 { apart / distance } else { *n };
+        return Some((normal, solid.radius - distance));
+    }
+    // Where the line along `n` through the point enters the shape, and where it leaves.
+    let (x, d) = (shape.R.tr_mul(&(x - shape.p)), shape.R.tr_mul(n));
+    let mut enter = (f64::NEG_INFINITY, Vec3::zeros());
+    let mut leave = f64::INFINITY;
+    let mut cut = |normal: Vec3, height: f64| {
+        let (rate, over) = (normal.dot(&d), height - normal.dot(&x));
+        if rate == 0.0 {
+            return over >= 0.0;
+        }
+        let t = over / rate;
+        if rate > 0.0 {
+            leave = leave.min(t);
+        } else if t > enter.0 {
+            enter = (t, normal);
+        }
+        true
+    };
+    if let Some(round) = &solid.round {
+        let flat = [Vec3::z(), -Vec3::z()];
+        if !flat.into_iter().all(|z| cut(z, round.half)) {
+            return None;
+        }
+        let (a, b) = (d.x * d.x + d.y * d.y, d.x * x.x + d.y * x.y);
+        let c = x.x * x.x + x.y * x.y - round.radius * round.radius;
+        if a <= 0.0 {
+            if c > 0.0 {
+                return None;
+            }
+        } else {
+            let root = b * b - a * c;
+            if root < 0.0 {
+                return None;
+            }
+            let root = root.sqrt();
+            leave = leave.min((root - b) / a);
+            let t = (-b - root) / a;
+            if t > enter.0 {
+                let side = Vec3::new(x.x + t * d.x, x.y + t * d.y, 0.0);
+                enter = (t, side / round.radius);
+            }
+        }
+    } else {
+        let mesh = &solid.mesh;
+        for (face, normal) in mesh.normals.iter().enumerate() {
+            let height = normal.dot(&mesh.corners[mesh.face(face)[0]]);
+            if !cut(*normal, height) {
+                return None;
+            }
+        }
+        if mesh.normals.is_empty() {
+            return None;
+        }
+    }
+    let (t, normal) = enter;
+    if t > leave || !t.is_finite() {
+        return None;
+    }
+    Some((-(shape.R * normal), t * normal.dot(&d)))
+}

@@ -1,0 +1,59 @@
+//! Where points of a shape on terrain go.
+
+#![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
+
+use super::placed::Placed;
+use super::points::{PatchPoint, Points};
+use crate::spatial::Vec3;
+
+/// Where points go, given in the axes of the terrain.
+pub(super) struct Sink<'a> {
+    ground: &'a Placed<'a>,
+    /// Gap from which on a point is left out, m.
+    pub(super) reach: f64,
+    points: &'a mut Points,
+}
+
+impl<'a> Sink<'a> {
+    /// Into `points`, those on the terrain `ground` that are nearer than `reach`, m.
+    pub(super) fn new(ground: &'a Placed<'a>, reach: f64, points: &'a mut Points) -> Self {
+        Self {
+            ground,
+            reach,
+            points,
+        }
+    }
+
+    /// Adds a point with the normal `n`.
+    pub(super) fn add(&mut self, n: &Vec3, found: PatchPoint) {
+        if found.depth <= -self.reach {
+            return;
+        }
+        let R = &self.ground.R;
+        let mut placed = PatchPoint {
+            x: self.ground.world(&found.x),
+            normal: R * n,
+            part: part_of(n),
+            ..found
+        };
+        if let Some(rim) = &mut placed.rim {
+            rim.center = self.ground.world(&rim.center);
+            (rim.axis, rim.a) = (R * rim.axis, R * rim.a);
+        }
+        self.points.add(0, placed);
+    }
+}
+
+/// Which patch a normal belongs to.
+fn part_of(n: &Vec3) -> usize {
+    let side = n.x.abs().max(n.y.abs());
+    if n.z.abs() >= side {
+        if n.z >= 0.0 { 0 } else { 5 }
+    } else if n.x.abs() >= n.y.abs() {
+        if n.x > 0.0 { 1 } else { 2 }
+    } else if n.y > 0.0 {
+        3
+    } else {
+        4
+    }
+}

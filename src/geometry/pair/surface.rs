@@ -1,0 +1,207 @@
+//! A shape on a triangle mesh.
+//!
+//! 1. What carries the shape on a plane, see `on_plane` in `meet.rs`, on each triangle that is
+//!    below it. Of triangles that are even with each other one is below a point, so that even
+//!    ground is a plane however it is divided. Beyond a hollow edge a triangle goes on. A point
+//!    that is behind two triangles of which the second lies behind the first, as at a crest, is as
+//!    deep as behind the nearer one.
+//! 2. Crests: edges where the surface falls away or ends. An edge meets a shape as a capsule
+//!    without a radius does, where the direction between them lies between the normals of its two
+//!    triangles; outside these the triangles carry the shape.
+//!
+//! A triangle carries a shape whose middle is in front of it.
+
+#![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
+
+use super::core::{Core, Round, Solid};
+use super::meet::Meeting;
+use super::placed::{Placed, rank};
+use super::points::{PatchPoint, Points, Side, point};
+use super::sink::Sink;
+use super::trace::Trace;
+use crate::geometry::Shape;
+use crate::geometry::surface::{Crest, Facet, Surface};
+use crate::spatial::{Mat3, Vec3, across};
+use crate::tuning::CREST_SLACK;
+
+/// Most points on triangles that are looked at: the first found.
+const MOST_FOUND: usize = 64;
+
+/// A point of the shape on a triangle.
+#[derive(Clone, Copy)]
+struct OnFacet<'a> {
+    /// Which point of the shape.
+    own: usize,
+    facet: &'a Facet,
+    point: PatchPoint,
+}
+
+/// Adds the points of a shape, given in the axes of the mesh.
+pub(super) fn on_surface(
+    shape: &Placed,
+    surface: &Surface,
+    meeting: &mut Meeting,
+    sink: &mut Sink,
+) {
+    let around = shape.solid.reach + sink.reach;
+    let mut found: [Option<OnFacet>; MOST_FOUND] = [None; MOST_FOUND];
+    let mut count = 0;
+    surface.each_near(&shape.p, around, |_, facet| {
+        let height = facet.height(&shape.p);
+        if height <= 0.0 || height > around {
+            return;
+        }
+        own_points(shape, facet, sink.reach, |own, point| {
+            if count < MOST_FOUND {
+                found[count] = Some(OnFacet { own, facet, point });
+                count += 1;
+            }
+        });
+    });
+    let found = &mut found[..count];
+    let key = |f: &Option<OnFacet>| f.map_or((0, 0.0), |f| (f.own, f.point.depth));
+    found.sort_unstable_by(|a, b| {
+        let (a, b) = (key(a), key(b));
+        a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
+    });
+    for i in 0..found.len() {
+        let Some(this) = found[i] else {
+            continue;
+        };
+        let hidden = found[..i].iter().flatten().any(|nearer| {
+            nearer.own == this.own
+                && nearer.point.depth > 0.0
+                && nearer.facet.height(&this.facet.middle()) < 0.0
+        });
+        if hidden {
+            found[i] = None;
+        } else {
+            sink.add(&this.facet.normal, this.point);
+        }
+    }
+    surface.each_near(&shape.p, around, |_, facet| {
+        for crest in facet.crests.iter().flatten() {
+            on_crest(shape, surface.crest(*crest), meeting, sink);
+        }
+    });
+}
+
+/// Finds the points of a shape that are over a triangle, nearer than `reach`, m.
+fn own_points(shape: &Placed, facet: &Facet, reach: f64, mut take: impl FnMut(usize, PatchPoint)) {
+    let n = &facet.normal;
+    let mut add = |own: usize, x: Vec3, share: f64, over: &Vec3, rim| {
+        let depth = -facet.height(&x);
+        if depth > -reach && facet.is_below(over, depth.max(0.0) + shape.solid.rounding()) {
+            let halfway = point(x + n * (0.5 * depth), depth, share);
+            take(own, PatchPoint { rim, ..halfway });
+        }
+    };
+    if let Some(round) = &shape.solid.round {
+        for (own, s) in [1.0, -1.0].into_iter().enumerate() {
+            if round.flat {
+                let (x, rim) = Trace::new(shape, round, n, Side::First).end(s);
+                add(own, x, 0.5, &x, rim);
+            } else {
+                let c = shape.p + shape.axis() * (s * round.half);
+                add(own, c - n * round.radius, 0.5, &c, None);
+            }
+        }
+        return;
+    }
+    match shape.core {
+        Core::Point => add(0, shape.p - n * shape.solid.radius, 1.0, &shape.p, None),
+        Core::Box { .. } => {
+            for (own, corner) in shape.solid.mesh.corners.iter().enumerate() {
+                let x = shape.world(corner);
+                add(own, x, 0.25, &x, None);
+            }
+        }
+        _ => {
+            let down = shape.R.tr_mul(&-n);
+            for (own, corner) in shape.solid.mesh.corners.iter().enumerate() {
+                let x = shape.world(corner);
+                add(own, x, shape.solid.shares.share(own, &down), &x, None);
+            }
+        }
+    }
+}
+
+/// Adds the points of a shape on an edge.
+fn on_crest(shape: &Placed, crest: &Crest, meeting: &mut Meeting, sink: &mut Sink) {
+    let [a, b] = crest.ends;
+    let (middle, half) = ((a + b) * 0.5, (b - a) * 0.5);
+    let length = half.norm();
+    let along = half / length;
+    // The nearest place of the edge to the middle of the shape.
+    let from = shape.p - middle;
+    let apart = from - along * along.dot(&from).clamp(-length, length);
+    if apart.norm() > shape.solid.reach + sink.reach {
+        return;
+    }
+    let edge = Solid::new(
+        &Shape::Capsule {
+            radius: 0.0,
+            half_length: length,
+        },
+        0.0,
+    );
+    let side = across(&along);
+    let R = Mat3::from_columns(&[side, along.cross(&side), along]);
+    let placed = Placed {
+        solid: &edge,
+        core: &edge.core,
+        R,
+        p: middle,
+    };
+    let mut points = Points::default();
+    let swapped = rank(shape.solid) > rank(&edge);
+    let pair = if swapped {
+        (&placed, shape)
+    } else {
+        (shape, &placed)
+    };
+    let (normal, ..) = meeting.find(pair, sink.reach, &mut points);
+    let n = if swapped { -normal } else { normal };
+    let share = part_between(&n, crest, shape);
+    if share <= 0.0 {
+        return;
+    }
+    for found in points.list() {
+        let mut rim = found.rim;
+        if let (true, Some(rim)) = (swapped, &mut rim) {
+            rim.side = rim.side.other();
+        }
+        let share = found.share * share;
+        sink.add(
+            &n,
+            PatchPoint {
+                share,
+                rim,
+                ..*found
+            },
+        );
+    }
+}
+
+/// How much of a direction is between the sides of a crest: 1 there, 0 beyond. What is round has
+/// left the crest where the triangle begins.
+fn part_between(n: &Vec3, crest: &Crest, shape: &Placed) -> f64 {
+    let [a, b] = &crest.sides;
+    // Along the edge, so that turning from one side to the other is positive.
+    let axis = a.cross(b);
+    let length = axis.norm();
+    if length <= 0.0 {
+        return 0.0;
+    }
+    let beyond = [a.cross(n).dot(&axis), n.cross(b).dot(&axis)].map(|x| -x / length);
+    let excess = beyond[0].max(beyond[1]);
+    if n.dot(&(a + b)) <= 0.0 {
+        return 0.0;
+    }
+    let round = matches!(shape.solid.round, None | Some(Round { flat: false, .. }))
+        && matches!(shape.core, Core::Point | Core::Segment { .. });
+    if round {
+        return f64::from(u8::from(excess < 0.0));
+    }
+    (1.0 - excess.max(0.0) / CREST_SLACK).max(0.0)
+}

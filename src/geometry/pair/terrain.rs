@@ -1,0 +1,77 @@
+//! Points of a shape on terrain, and into which patches they fall.
+//!
+//! Terrain has many normals. Those about the same direction belong together: one patch each for
+//! what lies on the ground, leans against one of four walls, or touches a ceiling, each with a
+//! friction of its own. Seen from the axes of the terrain, the largest component of the normal
+//! decides; of a slope of 45° the vertical one.
+
+#![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
+
+use super::core::Core;
+use super::meet::Meeting;
+use super::placed::Placed;
+use super::points::Points;
+use super::sink::Sink;
+use super::{field, surface};
+use crate::spatial::Vec3;
+use std::ops::Range;
+
+/// Most patches of a shape with terrain.
+pub const MOST_PARTS: usize = 6;
+
+/// Points that belong together.
+#[derive(Clone, Debug, Default)]
+pub struct Part {
+    /// Which of the directions, 0 for upwards.
+    pub index: usize,
+    /// Unit vector into the first shape; of points with normals of their own that of the deepest.
+    pub normal: Vec3,
+    /// Whether its points have normals of their own.
+    pub uneven: bool,
+    /// Its points in those of the patch.
+    pub points: Range<usize>,
+}
+
+/// Adds the points of `a` on the terrain `b`, if it is uneven.
+pub(super) fn on_terrain(
+    a: &Placed,
+    b: &Placed,
+    reach: f64,
+    (meeting, points): (&mut Meeting, &mut Points),
+) {
+    let own = Placed {
+        R: b.R.transpose() * a.R,
+        p: b.R.tr_mul(&(a.p - b.p)),
+        ..*a
+    };
+    let mut sink = Sink::new(b, reach, points);
+    match b.core {
+        Core::Field(field) => field::on_field(&own, field, &mut sink),
+        Core::Surface(surface) => surface::on_surface(&own, surface, meeting, &mut sink),
+        _ => {}
+    }
+}
+
+/// Puts points of one patch after each other, and lists the patches.
+pub(super) fn parts(points: &mut Points, parts: &mut [Part; MOST_PARTS]) -> usize {
+    let list = points.all();
+    list.sort_unstable_by_key(|p| p.part);
+    let mut count = 0;
+    let mut first = 0;
+    while first < list.len() {
+        let index = list[first].part;
+        let own = list[first..].iter().take_while(|p| p.part == index).count();
+        let all = &list[first..first + own];
+        let deepest = all.iter().max_by(|a, b| a.depth.total_cmp(&b.depth));
+        let normal = deepest.map_or_else(Vec3::z, |p| p.normal);
+        parts[count] = Part {
+            index,
+            normal,
+            uneven: all.iter().any(|p| p.normal != normal),
+            points: first..first + own,
+        };
+        count += 1;
+        first += own;
+    }
+    count
+}

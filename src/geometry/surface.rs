@@ -1,0 +1,400 @@
+//! The surface of a triangle mesh that never moves.
+//!
+//! Corners in one place are one. Where two triangles meet the surface is even, hollow or a crest;
+//! a crest, or an edge that belongs to one triangle alone, is something that a shape can lie on.
+//!
+//! Triangles are found by a tree of boxes.
+
+use super::error::GeometryError;
+use crate::spatial::Vec3;
+use crate::tuning::EVEN_EDGE;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// Most triangles of a surface.
+pub const MOST_TRIANGLES: usize = 1_000_000;
+
+/// Corners closer than this part of the extent are one.
+const SAME: f64 = 1e-9;
+
+/// Triangles in a leaf of the tree of boxes.
+const LEAF: usize = 4;
+
+/// Room for the way down the tree: its depth is the logarithm of the number of triangles.
+const STACK: usize = 64;
+
+/// Triangles, seen counter-clockwise from outside.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "Triangles", into = "Triangles")]
+pub struct Surface {
+    given: Triangles,
+    facets: Vec<Facet>,
+    crests: Vec<Crest>,
+    boxes: Vec<Node>,
+    /// Facets in the order of the leaves.
+    order: Vec<usize>,
+    reach: f64,
+}
+
+/// Corners, m, and triangles by their indices.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Triangles {
+    /// m
+    pub corners: Vec<Vec3>,
+    /// Counter-clockwise from outside.
+    pub triangles: Vec<[u32; 3]>,
+}
+
+/// How the surface goes on beyond an edge.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Beyond {
+    /// In the same plane.
+    Even,
+    /// Upwards.
+    Hollow,
+    /// Downwards, or not at all.
+    Crest,
+}
+
+/// A triangle.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Facet {
+    /// m
+    pub corners: [Vec3; 3],
+    /// Unit vector outwards.
+    pub normal: Vec3,
+    /// Beyond the edge from each corner to the next.
+    pub beyond: [Beyond; 3],
+    /// The crests that belong to it: each belongs to one of its triangles.
+    pub crests: [Option<usize>; 3],
+}
+
+/// An edge that a shape can lie on.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Crest {
+    /// m
+    pub ends: [Vec3; 2],
+    /// Between these, unit vectors, lie the directions in which it pushes.
+    pub sides: [Vec3; 2],
+}
+
+/// A box about some triangles.
+#[derive(Clone, Debug, PartialEq)]
+struct Node {
+    low: Vec3,
+    high: Vec3,
+    /// Children, or the first place in `order` and one past the last one.
+    next: [usize; 2],
+    leaf: bool,
+}
+
+impl Facet {
+    /// How far a point is inside of each edge, m; negative beyond it.
+    fn inside(&self, x: &Vec3, edge: usize) -> f64 {
+        let (a, b) = (self.corners[edge], self.corners[(edge + 1) % 3]);
+        // From the lower corner to the higher one: both triangles of an edge find the same number.
+        let (from, to, sign) = if lower(&a, &b) {
+            (a, b, 1.0)
+        } else {
+            (b, a, -1.0)
+        };
+        let along = to - from;
+        sign * self.normal.dot(&along.cross(&(x - from))) / along.norm()
+    }
+
+    /// Whether a point is over the triangle; beyond hollow edges by up to `slack`, m. Of two even
+    /// triangles a point on their edge is over one.
+    pub fn is_below(&self, x: &Vec3, slack: f64) -> bool {
+        (0..3).all(|edge| {
+            let inside = self.inside(x, edge);
+            match self.beyond[edge] {
+                Beyond::Hollow => inside >= -slack,
+                _ if inside == 0.0 => lower(&self.corners[edge], &self.corners[(edge + 1) % 3]),
+                _ => inside > 0.0,
+            }
+        })
+    }
+
+    /// Height of a point over its plane, m.
+    pub fn height(&self, x: &Vec3) -> f64 {
+        self.normal.dot(&(x - self.corners[0]))
+    }
+
+    /// Both ends of an edge.
+    fn ends(&self, edge: usize) -> [Vec3; 2] {
+        [self.corners[edge], self.corners[(edge + 1) % 3]]
+    }
+
+    /// Out of the triangle, across an edge and in its plane.
+    fn away(&self, edge: usize) -> Vec3 {
+        let [a, b] = self.ends(edge);
+        let out = (b - a).cross(&self.normal);
+        out.try_normalize(0.0).unwrap_or_else(Vec3::z)
+    }
+
+    /// Its middle.
+    pub fn middle(&self) -> Vec3 {
+        let [a, b, c] = self.corners;
+        (a + b + c) / 3.0
+    }
+}
+
+/// An order of points.
+fn lower(a: &Vec3, b: &Vec3) -> bool {
+    (a.x, a.y, a.z) < (b.x, b.y, b.z)
+}
+
+impl TryFrom<Triangles> for Surface {
+    type Error = GeometryError;
+
+    fn try_from(given: Triangles) -> Result<Self, GeometryError> {
+        let count = given.triangles.len();
+        if count == 0 || count > MOST_TRIANGLES {
+            return Err(GeometryError::Triangles { count });
+        }
+        for (index, corner) in given.corners.iter().enumerate() {
+            if !corner.iter().all(|x| x.is_finite()) {
+                return Err(GeometryError::NotFinite { index });
+            }
+            let distance = corner.norm();
+            if distance > 1e6 {
+                return Err(GeometryError::TooFar { index, distance });
+            }
+        }
+        let exists = |i: &u32| (*i as usize) < given.corners.len();
+        if !given.triangles.iter().flatten().all(exists) {
+            return Err(GeometryError::NoPoints);
+        }
+        Ok(Self::of(given))
+    }
+}
+
+impl From<Surface> for Triangles {
+    fn from(surface: Surface) -> Self {
+        surface.given
+    }
+}
+
+impl Triangles {
+    /// Triangles with their corners, those in one place as one; those without an area are left
+    /// out.
+    pub fn new(list: &[[Vec3; 3]]) -> Self {
+        let extent = list.iter().flatten().map(Vec3::amax).fold(0.0, f64::max);
+        let grain = (SAME * extent).max(f64::MIN_POSITIVE);
+        #[expect(clippy::cast_possible_truncation, reason = "at most 1e9 grains")]
+        let key = |c: &Vec3| [c.x, c.y, c.z].map(|x| (x / grain).round() as i64);
+        let mut known: BTreeMap<[i64; 3], u32> = BTreeMap::new();
+        let mut given = Self {
+            corners: Vec::new(),
+            triangles: Vec::new(),
+        };
+        for triangle in list {
+            let indices = triangle.map(|c| {
+                *known.entry(key(&c)).or_insert_with(|| {
+                    given.corners.push(c);
+                    #[expect(clippy::cast_possible_truncation, reason = "counted before")]
+                    let index = (given.corners.len() - 1) as u32;
+                    index
+                })
+            });
+            let [a, b, c] = indices.map(|i| given.corners[i as usize]);
+            let area = (b - a).cross(&(c - a));
+            if area.try_normalize(grain * grain).is_some() {
+                given.triangles.push(indices);
+            }
+        }
+        given
+    }
+}
+
+impl Surface {
+    fn of(given: Triangles) -> Self {
+        let corner = |i: u32| given.corners[i as usize];
+        let mut facets: Vec<Facet> = Vec::with_capacity(given.triangles.len());
+        let mut edges: BTreeMap<[u32; 2], Vec<[usize; 2]>> = BTreeMap::new();
+        for triangle in &given.triangles {
+            let corners = triangle.map(corner);
+            let area = (corners[1] - corners[0]).cross(&(corners[2] - corners[0]));
+            for edge in 0..3 {
+                let (a, b) = (triangle[edge], triangle[(edge + 1) % 3]);
+                let places = edges.entry([a.min(b), a.max(b)]).or_default();
+                places.push([facets.len(), edge]);
+            }
+            facets.push(Facet {
+                corners,
+                normal: area.try_normalize(0.0).unwrap_or_else(Vec3::z),
+                beyond: [Beyond::Crest; 3],
+                crests: [None; 3],
+            });
+        }
+        let mut crests = Vec::new();
+        for places in edges.values() {
+            join(&mut facets, places, &mut crests);
+        }
+        let reach = given.corners.iter().map(Vec3::norm).fold(0.0, f64::max);
+        let mut surface = Self {
+            order: (0..facets.len()).collect(),
+            given,
+            facets,
+            crests,
+            boxes: Vec::new(),
+            reach,
+        };
+        surface.divide(0, surface.order.len());
+        surface
+    }
+
+    /// Puts the facets of places of the order under a node of their own; returns it.
+    fn divide(&mut self, first: usize, last: usize) -> usize {
+        let (mut low, mut high) = (Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY));
+        for &facet in &self.order[first..last] {
+            for corner in &self.facets[facet].corners {
+                (low, high) = (low.inf(corner), high.sup(corner));
+            }
+        }
+        let index = self.boxes.len();
+        self.boxes.push(Node {
+            low,
+            high,
+            next: [first, last],
+            leaf: true,
+        });
+        if last - first > LEAF {
+            let axis = (high - low).imax();
+            let facets = &self.facets;
+            let middle = |i: &usize| facets[*i].middle()[axis];
+            let half = (last - first) / 2;
+            let by = |a: &usize, b: &usize| middle(a).total_cmp(&middle(b)).then(a.cmp(b));
+            self.order[first..last].select_nth_unstable_by(half, by);
+            let left = self.divide(first, first + half);
+            let right = self.divide(first + half, last);
+            (self.boxes[index].next, self.boxes[index].leaf) = ([left, right], false);
+        }
+        index
+    }
+
+    /// Its triangles.
+    pub fn facets(&self) -> &[Facet] {
+        &self.facets
+    }
+
+    /// An edge.
+    pub fn crest(&self, index: usize) -> &Crest {
+        &self.crests[index]
+    }
+
+    /// Largest distance of one of its points from its origin, m.
+    pub fn reach(&self) -> f64 {
+        self.reach
+    }
+
+    /// Calls `take` with the triangles whose boxes come nearer to a point than `radius`, m.
+    pub fn each_near<'a>(&'a self, p: &Vec3, radius: f64, mut take: impl FnMut(usize, &'a Facet)) {
+        let mut stack = [0_usize; STACK];
+        let mut count = 1;
+        while count > 0 {
+            count -= 1;
+            let node = &self.boxes[stack[count]];
+            let apart = p - p.sup(&node.low).inf(&node.high);
+            if apart.norm_squared() > radius * radius {
+                continue;
+            }
+            if node.leaf {
+                for &facet in &self.order[node.next[0]..node.next[1]] {
+                    take(facet, &self.facets[facet]);
+                }
+            } else {
+                (stack[count], stack[count + 1]) = (node.next[1], node.next[0]);
+                count += 2;
+            }
+        }
+    }
+}
+
+impl Surface {
+    /// Calls `take` with the triangles whose boxes a line meets between its beginning and a limit,
+    /// m along it, which `take` may lower.
+    pub fn each_along<'a>(
+        &'a self,
+        origin: &Vec3,
+        along: &Vec3,
+        mut take: impl FnMut(&'a Facet, &mut f64),
+    ) {
+        let mut limit = f64::INFINITY;
+        let mut stack = [0_usize; STACK];
+        let mut count = 1;
+        while count > 0 {
+            count -= 1;
+            let node = &self.boxes[stack[count]];
+            if !node.is_met(origin, along, limit) {
+                continue;
+            }
+            if node.leaf {
+                for &facet in &self.order[node.next[0]..node.next[1]] {
+                    take(&self.facets[facet], &mut limit);
+                }
+            } else {
+                (stack[count], stack[count + 1]) = (node.next[1], node.next[0]);
+                count += 2;
+            }
+        }
+    }
+}
+
+impl Node {
+    /// Whether a line meets the box before `limit`; a little wider than it is, for round-off.
+    fn is_met(&self, origin: &Vec3, along: &Vec3, limit: f64) -> bool {
+        let (mut enter, mut exit) = (0.0_f64, limit);
+        for axis in 0..3 {
+            let slack = SAME * (1.0 + origin[axis].abs());
+            let (low, high) = (self.low[axis] - slack, self.high[axis] + slack);
+            let (x, d) = (origin[axis], along[axis]);
+            if d == 0.0 {
+                if x < low || x > high {
+                    return false;
+                }
+                continue;
+            }
+            let (a, b) = ((low - x) / d, (high - x) / d);
+            (enter, exit) = (enter.max(a.min(b)), exit.min(a.max(b)));
+        }
+        enter <= exit
+    }
+}
+
+/// Finds what an edge of some facets is.
+fn join(facets: &mut [Facet], places: &[[usize; 2]], crests: &mut Vec<Crest>) {
+    if let [first, second] = places
+        && facets[first[0]].ends(first[1])[0] != facets[second[0]].ends(second[1])[0]
+    {
+        let normals = [first, second].map(|place| facets[place[0]].normal);
+        // The sine of the angle by which the second one falls beyond the first one's edge.
+        let falls = facets[second[0]].away(second[1]).dot(&normals[0]);
+        let beyond = if normals[0].dot(&normals[1]) > 0.0 && falls.abs() < EVEN_EDGE {
+            Beyond::Even
+        } else if falls > 0.0 {
+            Beyond::Crest
+        } else {
+            Beyond::Hollow
+        };
+        if beyond == Beyond::Crest {
+            facets[first[0]].crests[first[1]] = Some(crests.len());
+            crests.push(Crest {
+                ends: facets[first[0]].ends(first[1]),
+                sides: normals,
+            });
+        }
+        for place in [first, second] {
+            facets[place[0]].beyond[place[1]] = beyond;
+        }
+        return;
+    }
+    for &place in places {
+        facets[place[0]].crests[place[1]] = Some(crests.len());
+        let crest = Crest {
+            ends: facets[place[0]].ends(place[1]),
+            sides: [facets[place[0]].normal, facets[place[0]].away(place[1])],
+        };
+        crests.push(crest);
+    }
+}

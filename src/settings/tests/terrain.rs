@@ -1,0 +1,118 @@
+//! `[[world.terrain]]`.
+
+use super::*;
+use crate::settings::{GeneratedHeights, HeightForm, HeightSource, ObjectSource, TerrainSettings};
+
+fn terrain(text: &str) -> TerrainSettings {
+    let text = format!("[[world.terrain]]\nname = \"hills\"\n{text}");
+    let settings = Settings::parse(&text, "f").expect("valid");
+    let [object] = &settings.objects[..] else {
+        panic!("one thing");
+    };
+    assert!(object.fixed && object.called() == "hills");
+    // Terrain takes the place of a ground that nobody asked for.
+    assert!(settings.world.ground.is_none());
+    match &object.source {
+        ObjectSource::Terrain(terrain) => terrain.clone(),
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn terrain_is_a_plane_heights_or_a_mesh() {
+    assert_eq!(terrain("type = \"plane\""), TerrainSettings::Plane);
+    let found = terrain("type = \"mesh\"\nfile = \"a.stl\"\nscale = 0.001");
+    let file = found.file().expect("a file").to_owned();
+    assert_eq!(found, TerrainSettings::Mesh { file, scale: 0.001 });
+    let found = terrain("type = \"heightfield\"\nfile = \"a.png\"\nsize = [2, 3]\nheight = 4");
+    let TerrainSettings::Heights {
+        source: HeightSource::File(file),
+        size,
+        height,
+    } = found
+    else {
+        panic!("{found:?}");
+    };
+    assert_eq!((size, height), ([2.0, 3.0], Some(4.0)));
+    assert!(file.ends_with("a.png"));
+    // Without them a hundredth and a tenth of the longer side.
+    let found = terrain("type = \"heightfield\"\ngenerate = \"noise\"\nsize = [2, 3]\nseed = 7");
+    let expected = TerrainSettings::Heights {
+        source: HeightSource::Generated(GeneratedHeights {
+            form: HeightForm::Noise,
+            resolution: 0.03,
+            wavelength: 0.3,
+            seed: 7,
+            steps: 5,
+        }),
+        size: [2.0, 3.0],
+        height: None,
+    };
+    assert_eq!(found, expected);
+}
+
+#[test]
+fn a_ground_that_is_asked_for_stays_beside_terrain() {
+    let text = "[[world.terrain]]\nname = \"a\"\ntype = \"plane\"\n[world.ground]\nfriction = 0.5";
+    let settings = Settings::parse(text, "f").expect("valid");
+    let ground = settings.world.ground.expect("a ground");
+    assert!((ground.friction - 0.5).abs() < 1e-15);
+}
+
+#[test]
+fn terrain_refuses_what_means_nothing() {
+    let field = "type = \"heightfield\"\nsize = [1, 1]\n";
+    for (text, code, part) in [
+        ("", "S107", "type"),
+        ("type = \"hills\"", "S104", "hills"),
+        ("type = \"mesh\"", "S107", "file"),
+        ("type = \"plane\"\nfile = \"a.stl\"", "S106", "file"),
+        ("type = \"plane\"\nsize = [1, 1]", "S106", "size"),
+        (
+            "type = \"mesh\"\nfile = \"a.stl\"\nseed = 1",
+            "S106",
+            "seed",
+        ),
+        ("type = \"heightfield\"\nfile = \"a.png\"", "S107", "size"),
+        (
+            "type = \"heightfield\"\nsize = [0, 1]\nfile = \"a.png\"",
+            "S104",
+            "size",
+        ),
+        (field, "S107", "generate"),
+        (
+            &format!("{field}file = \"a.png\"\ngenerate = \"noise\"") as &str,
+            "S106",
+            "twice",
+        ),
+        (
+            &format!("{field}file = \"a.png\"\nsteps = 2"),
+            "S106",
+            "steps",
+        ),
+        (
+            &format!("{field}generate = \"noise\"\nresolution = 1e-6"),
+            "S106",
+            "too fine",
+        ),
+        (
+            &format!("{field}generate = \"noise\"\nheight = nan"),
+            "S104",
+            "height",
+        ),
+        (
+            &format!("{field}generate = \"noise\"\nfoo = 1"),
+            "S102",
+            "foo",
+        ),
+    ] {
+        let found = finding(&format!("[[world.terrain]]\nname = \"hills\"\n{text}"));
+        assert!(
+            found.code == code && found.message.contains(part),
+            "{text}: {found:?}"
+        );
+        assert!(found.place.is_some());
+    }
+    let text = "[[world.object]]\nname = \"a\"\nshape = { sphere = 1 }\nmass = 1\nconveyor = true";
+    assert_eq!(finding(text).code, "S106");
+}

@@ -1,0 +1,73 @@
+//! The initial state, and what follows from it.
+
+use super::Simulation;
+use crate::dynamics::crba;
+use crate::initial::{self, initial_state};
+use crate::kinematics::Kinematics;
+use crate::spatial::Vec3;
+
+impl Simulation {
+    /// The link of the robot that is deepest in the ground, and how deep, m; none where nothing is
+    /// deeper than what carries its weight.
+    pub fn deepest_in_ground(&self) -> Option<(&str, f64)> {
+        self.model.world.ground.as_ref()?;
+        let mut kin = Kinematics::new(&self.tree);
+        kin.update_poses(&self.tree, &self.state.physical.q);
+        let depths = self.model.colliders.iter().filter(|collider| {
+            let motion = self.model.bodies[collider.body.index()].motion;
+            motion.kind().moves()
+        });
+        let depths = depths.map(|collider| {
+            // From the tree's frame of the body to that of the model.
+            let link = &self.model.links[collider.link.index()];
+            let pose = kin.X[collider.body.index()]
+                .compose(&self.tree.link_pose[collider.link.index()])
+                .compose(&link.X_BL.inverse())
+                .compose(&collider.X_BG);
+            let height = kin.origin(&self.tree, collider.body.index()).z;
+            let depth = -(height + collider.shape.lowest(&pose, &Vec3::z()));
+            (collider.link, depth)
+        });
+        let (link, depth) = depths.max_by(|a, b| a.1.total_cmp(&b.1))?;
+        let name = self.model.links[link.index()].name.as_str();
+        (depth > self.model.contact.penetration).then_some((name, depth))
+    }
+
+    /// Derives everything from the parameters and puts the robot into its initial state.
+    pub(super) fn place(&mut self) {
+        self.tree.renew(&self.model, &self.parameters);
+        self.state = initial_state(&self.model, &self.parameters, self.start);
+        self.scale_tree(&self.state.physical.q.clone());
+        self.close();
+        for (index, last) in self.state.stepping.commands.iter_mut().enumerate() {
+            *last = self.inputs.values(index, 0.0);
+        }
+        self.gather();
+        self.applied.copy_from(&self.inputs);
+        self.settle();
+        self.stale = false;
+        self.readout.invalidate();
+    }
+
+    /// Closes the loops of the initial state; what follows from it is that of the closed one.
+    pub(super) fn close(&mut self) {
+        if self.model.loops.is_empty() {
+            return;
+        }
+        self.tree.mesh(&self.state.physical.q);
+        let kin = &mut self.readout.point.kin;
+        let (model, state) = (&self.model, &mut self.state.physical);
+        self.open = initial::close(model, &self.parameters, &self.tree, kin, state);
+        self.scale_tree(&self.state.physical.q.clone());
+    }
+
+    /// Stiffness and error weights, which follow from the initial position.
+    pub(super) fn scale_tree(&mut self, q: &[f64]) {
+        let kin = &mut self.readout.point.kin;
+        kin.update_poses(&self.tree, q);
+        crba::mass_matrix(&self.tree, kin);
+        let diagonal = |k| kin.M[self.tree.sparsity.diagonal(k)];
+        let inertia: Vec<f64> = (0..self.model.nv()).map(diagonal).collect();
+        self.tree.scale(&self.model, &inertia, &kin.X);
+    }
+}

@@ -1,0 +1,88 @@
+//! Closed loops in a solve: where it begins, what their forces leave, and whether all balances.
+
+#![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
+
+use super::{Factor, Newton, Problem, scaled_square};
+
+impl Newton {
+    /// Whether a robot that stands still stays: all impulses balance at `v = 0`.
+    pub fn is_balanced(&mut self, p: &Problem) -> bool {
+        self.v.fill(0.0);
+        self.change.fill(0.0);
+        self.V.fill([0.0; 6]);
+        self.at.set(p.terms, &self.V);
+        self.respond(p);
+        let impulse_scale = self.collect(p);
+        let D2 = &p.kin.inverse_diagonal;
+        let [norm, loop_scale] = if p.kin.loops.is_empty() {
+            [scaled_square(p.tree, &self.gradient, D2), 0.0]
+        } else {
+            self.balance_loops(p);
+            self.closed_norm(p)
+        };
+        let scale = impulse_scale.max(p.h * p.h * scaled_square(p.tree, p.bias, D2));
+        let scale = scale.max(loop_scale);
+        scale.is_finite() && norm <= p.accuracy * p.accuracy * scale
+    }
+
+    /// Squared scales of what the forces of loops leave of the gradient, and of these forces, in
+    /// the scale of degrees of freedom.
+    pub(super) fn closed_norm(&mut self, p: &Problem) -> [f64; 2] {
+        let Problem { tree, kin, .. } = *p;
+        self.left.copy_from_slice(&self.gradient);
+        kin.loops.subtract(tree, &self.forces, &mut self.left);
+        let D2 = &kin.inverse_diagonal;
+        let norm = scaled_square(tree, &self.left, D2);
+        for (left, gradient) in self.left.iter_mut().zip(&self.gradient) {
+            *left = gradient - *left;
+        }
+        [norm, scaled_square(tree, &self.left, D2)]
+    }
+
+    /// Finds the forces of loops that leave the least of the gradient, in the scale of degrees of
+    /// freedom.
+    pub(super) fn balance_loops(&mut self, p: &Problem) {
+        let Problem { tree, kin, .. } = *p;
+        let (rows, D2) = (&kin.loops, &kin.inverse_diagonal);
+        self.factor.closed.factor(tree, rows, |x| {
+            for k in tree.worked_dofs() {
+                x[k] *= D2[k];
+            }
+        });
+        self.factored = false;
+        self.forces.clear();
+        for (left, (g, d)) in self.left.iter_mut().zip(self.gradient.iter().zip(D2)) {
+            *left = g * d;
+        }
+        let along = (0..rows.len()).map(|row| rows.along(tree, row, &self.left));
+        self.forces.extend(along);
+        self.factor.closed.solve(&mut self.forces);
+    }
+
+    /// Puts the velocity where the rows of loops want it at the end of the step, by forces of
+    /// loops alone; all that is done after it leaves it there.
+    ///
+    /// - `factor`: does for that of the Hessian, if there is one
+    pub(super) fn close(&mut self, p: &Problem, factor: Option<&Factor>) {
+        let Problem { tree, kin, .. } = *p;
+        let rows = &kin.loops;
+        let schur = factor.map_or(&self.factor.closed, |factor| &factor.closed);
+        self.forces.clear();
+        let missing = |row| -p.ahead * rows.bias[row] - rows.along(tree, row, &self.v);
+        self.forces.extend((0..rows.len()).map(missing));
+        schur.solve(&mut self.forces);
+        tree.clear_velocities(&mut self.direction);
+        schur.push(&self.forces, &mut self.direction);
+        for k in tree.worked_dofs() {
+            self.v[k] += self.direction[k];
+        }
+        tree.sparsity
+            .multiply(&kin.M, &self.direction, &mut self.direction_momentum);
+        for k in tree.worked_dofs() {
+            self.change[k] += self.direction_momentum[k];
+        }
+        let factored = self.factored;
+        self.stand(p);
+        self.factored = factored;
+    }
+}

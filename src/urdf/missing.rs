@@ -1,0 +1,168 @@
+//! What is told of mesh files that are missing: once for each package.
+
+use super::checked::{CheckedRobot, Geometry};
+use super::resolve::{Missing, Resolver};
+use super::scope::Scope;
+use std::collections::BTreeMap;
+use std::ops::Range;
+use std::path::Path;
+
+/// A collision mesh that is missing.
+pub(super) struct Lost<'d> {
+    /// `link 'arm'`.
+    pub(super) owner: String,
+    pub(super) filename: &'d str,
+    pub(super) at: Range<usize>,
+}
+
+/// The package that a file name asks for, or nothing.
+fn package(filename: &str) -> &str {
+    let rest = ["package://", "model://"]
+        .iter()
+        .find_map(|scheme| filename.trim().strip_prefix(scheme));
+    rest.and_then(|rest| rest.split('/').next())
+        .unwrap_or_default()
+}
+
+/// One error for each package whose meshes are missing, and for all paths together.
+pub(super) fn report(scope: &mut Scope, resolver: &Resolver, lost: Vec<Lost>) {
+    let mut groups: Vec<(&str, Vec<(Lost, Missing)>)> = Vec::new();
+    for lost in lost {
+        let Err(missing) = resolver.find(lost.filename) else {
+            continue;
+        };
+        let package = package(lost.filename);
+        // What is no missing file stands alone.
+        let grouped = matches!(missing, Missing::NotFound(_));
+        let group = groups.iter_mut().find(|(name, list)| {
+            grouped
+                && *name == package
+                && list.iter().all(|(_, m)| matches!(m, Missing::NotFound(_)))
+        });
+        match group {
+            Some((_, list)) => list.push((lost, missing)),
+            None => groups.push((package, vec![(lost, missing)])),
+        }
+    }
+    for (package, list) in groups {
+        let Some((first, missing)) = list.first() else {
+            continue;
+        };
+        scope.owner.clone_from(&first.owner);
+        let filename = first.filename;
+        let missing = match missing {
+            Missing::NotFound(missing) => missing,
+            Missing::Outside(path) => {
+                let message = format!("mesh outside of the robot's folders: {filename}");
+                scope.problem("U112", first.at.clone(), &message, outside_help(path));
+                continue;
+            }
+            Missing::NoFile(path, what) => {
+                let message = format!("mesh {filename} is {what}, not a file");
+                let help = format!("{} is {what}: name the mesh file", path.display());
+                scope.problem("U104", first.at.clone(), &message, help);
+                continue;
+            }
+        };
+        let mut names: Vec<&str> = Vec::new();
+        for (lost, _) in &list {
+            if !names.contains(&lost.filename) {
+                names.push(lost.filename);
+            }
+        }
+        let mut message = format!("mesh not found: {filename}");
+        let mut help = missing.help();
+        if names.len() > 1 {
+            let of = if package.is_empty() {
+                String::new()
+            } else {
+                format!(" of package '{package}'")
+            };
+            message = format!("{message}, and {} more{of}", names.len() - 1);
+            let lines: Vec<String> = list[1..]
+                .iter()
+                .map(|(lost, _)| scope.report.line(lost.at.start).to_string())
+                .take(20)
+                .collect();
+            let more = if list.len() - 1 > lines.len() {
+                " …"
+            } else {
+                ""
+            };
+            let s = if list.len() == 2 { "" } else { "s" };
+            help = format!(
+                "{help}\nthe others are in line{s} {}{more}",
+                lines.join(", ")
+            );
+        }
+        if let Some((option, count)) = resolver.advice(&names) {
+            let all = if count == names.len() && count == 1 {
+                "it".to_owned()
+            } else if count == names.len() {
+                "all of them".to_owned()
+            } else {
+                format!("{count} of {}", names.len())
+            };
+            help = format!("{option} finds {all}\n{help}");
+        }
+        scope.problem("U104", first.at.clone(), &message, help);
+    }
+}
+
+/// A file name, where it stands, and the file that is used.
+type Moved<'d> = (&'d str, &'d Range<usize>, &'d Path);
+
+/// Warns of meshes that were found at another place of the robot's folders than their names say,
+/// once for each package.
+pub(super) fn report_moved(scope: &mut Scope, robot: &CheckedRobot, resolver: &Resolver) {
+    let moved = resolver.moved_files();
+    if moved.is_empty() {
+        return;
+    }
+    let mut places: Vec<Moved> = Vec::new();
+    for link in &robot.links {
+        let collisions = link.collisions.iter().map(|collision| &collision.geometry);
+        let visuals = link.visuals.iter().map(|visual| &visual.geometry);
+        for geometry in collisions.chain(visuals) {
+            let Geometry::Mesh { filename, at, .. } = geometry else {
+                continue;
+            };
+            let known = places.iter().any(|(name, ..)| name == filename);
+            if let (false, Some(path)) = (known, moved.get(&filename.trim().replace('\\', "/"))) {
+                places.push((*filename, at, path.as_path()));
+            }
+        }
+    }
+    let mut groups: BTreeMap<&str, Vec<Moved>> = BTreeMap::new();
+    for place in places {
+        groups.entry(package(place.0)).or_default().push(place);
+    }
+    for (package, list) in groups {
+        let Some((name, at, path)) = list.first() else {
+            continue;
+        };
+        let others = match list.len() {
+            1 => String::new(),
+            n => format!(", and {} more likewise", n - 1),
+        };
+        let message = format!(
+            "there is no {name}; {} is used, whose name ends alike{others}",
+            path.display()
+        );
+        let help = if package.is_empty() {
+            "correct the path in the file, or pass --package-path DIR for where it counts from"
+                .to_owned()
+        } else {
+            format!("pass --package {package}=DIR to say where the package is")
+        };
+        scope.report.warning("U118", (*at).clone(), message, help);
+    }
+}
+
+/// What to do about a file outside of the robot's folders.
+pub(super) fn outside_help(path: &Path) -> String {
+    let folder = path.parent().unwrap_or(path).display();
+    format!(
+        "an FMU takes no other files of this machine; if it belongs to the robot, pass --package-path {folder}"
+    )
+}

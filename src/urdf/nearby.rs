@@ -1,0 +1,114 @@
+//! Mesh files that lie elsewhere in the robot's folders than their names say, and folders around it
+//! that would be the right package path.
+//!
+//! Packages are renamed, taken out of their repositories and moved from other machines, and the
+//! names in the URDF stay: `package://old_name/meshes/arm.stl`, `file:///home/someone/…/arm.stl`,
+//! paths that count from a folder of assets. The end of such a name still fits one file.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Component, Path, PathBuf};
+
+/// Entries of folders that are looked at in one search.
+const MOST_ENTRIES: usize = 20_000;
+
+/// Folders below each other that are looked into.
+const DEEPEST: usize = 8;
+
+/// How far above the robot's folders advice looks.
+const HIGHEST: usize = 3;
+
+/// Parts at the end of a name that a file must have: its own name and that of its folder.
+const LEAST_PARTS: usize = 2;
+
+/// The files of some folders, by their own names.
+#[derive(Debug, Default)]
+pub(super) struct Files {
+    by_name: BTreeMap<String, Vec<PathBuf>>,
+}
+
+impl Files {
+    /// Those below `roots`; links are not followed.
+    pub(super) fn below(roots: &[PathBuf]) -> Self {
+        let mut files = Self::default();
+        let mut left = MOST_ENTRIES;
+        let mut open: Vec<(PathBuf, usize)> = roots.iter().map(|root| (root.clone(), 0)).collect();
+        open.reverse();
+        let mut seen: Vec<PathBuf> = Vec::new();
+        while let Some((folder, depth)) = open.pop() {
+            if seen.contains(&folder) {
+                continue;
+            }
+            let Ok(entries) = fs::read_dir(&folder) else {
+                continue;
+            };
+            seen.push(folder);
+            let mut entries: Vec<fs::DirEntry> = entries.take(left).flatten().collect();
+            left -= entries.len().min(left);
+            entries.sort_by_key(fs::DirEntry::file_name);
+            for entry in entries {
+                let Ok(kind) = entry.file_type() else {
+                    continue;
+                };
+                let name = entry.file_name().to_string_lossy().into_owned();
+                if kind.is_dir() && depth < DEEPEST && !name.starts_with('.') {
+                    open.push((entry.path(), depth + 1));
+                } else if kind.is_file() {
+                    let list = files.by_name.entry(name.to_lowercase()).or_default();
+                    if !list.contains(&entry.path()) {
+                        list.push(entry.path());
+                    }
+                }
+            }
+        }
+        files
+    }
+
+    /// The one file that ends with more parts of `name` than every other, at least its own name and
+    /// that of its folder.
+    pub(super) fn like(&self, name: &str) -> Option<&Path> {
+        let wanted = parts(Path::new(name));
+        let list = self.by_name.get(&wanted.last()?.to_lowercase())?;
+        let common = |file: &PathBuf| {
+            let have = parts(file);
+            let pairs = wanted.iter().rev().zip(have.iter().rev());
+            pairs.take_while(|(a, b)| a == b).count()
+        };
+        let most = list.iter().map(common).max()?;
+        let mut best = list.iter().filter(|file| common(file) == most);
+        let found = best.next()?;
+        // A bare name has no folder to compare.
+        let enough = most >= LEAST_PARTS.min(wanted.len());
+        (enough && best.next().is_none()).then_some(found.as_path())
+    }
+}
+
+/// Folders from where advice looks: those above the robot's, as far as they belong to somebody.
+pub(super) fn around(base: &Path) -> Vec<PathBuf> {
+    let above = base.ancestors().skip(1).take(HIGHEST);
+    // Not the folders of all users, nor the system's.
+    let own = above.filter(|folder| folder.components().count() > 3);
+    own.last().map(Path::to_owned).into_iter().collect()
+}
+
+/// The folder that the package `name` is, if `file` is its `rest`.
+pub(super) fn package_of(file: &Path, rest: &str) -> Option<PathBuf> {
+    let rest = parts(Path::new(rest));
+    let mut folder = file;
+    for part in rest.iter().rev() {
+        if folder.file_name()?.to_str()? != part {
+            return None;
+        }
+        folder = folder.parent()?;
+    }
+    Some(folder.to_owned())
+}
+
+/// Names of folders and files, without `.`, `..` and roots.
+fn parts(path: &Path) -> Vec<String> {
+    let parts = path.components().filter_map(|part| match part {
+        Component::Normal(name) => Some(name.to_string_lossy().into_owned()),
+        _ => None,
+    });
+    parts.collect()
+}

@@ -1,0 +1,107 @@
+//! Files at other places than their names say: in the robot's folders, around them, in packages
+//! beside the robot's.
+
+use super::super::nearby::{self, Files};
+use super::{Candidate, Resolver, folders, is_package, normal, percent_decoded, spellings, tidy};
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::PathBuf;
+
+impl Resolver<'_> {
+    /// The file at another place of the robot's folders that `name` must mean.
+    pub(super) fn moved(&self, name: &str, candidates: &[Candidate]) -> Option<PathBuf> {
+        // Nothing is looked for where the name itself is wrong.
+        if candidates.is_empty() {
+            return None;
+        }
+        let files = self.own_files.get_or_init(|| Files::below(&self.roots));
+        let name_of = name.split_once("://").map_or(name, |(_, rest)| rest);
+        let path = files.like(&percent_decoded(name_of))?;
+        // What the name says is there in other case, or a link that leads nowhere.
+        if candidates.iter().any(|c| {
+            let same =
+                c.path.to_string_lossy().to_lowercase() == path.to_string_lossy().to_lowercase();
+            same || fs::symlink_metadata(&c.path).is_ok()
+        }) {
+            return None;
+        }
+        let base = fs::canonicalize(self.base_dir).unwrap_or_else(|_| normal(self.base_dir));
+        // As the URDF itself was named, where it is below its folder.
+        let shown = path
+            .strip_prefix(&base)
+            .map_or(path.to_owned(), |below| self.base_dir.join(below));
+        self.moved
+            .borrow_mut()
+            .insert(name.to_owned(), shown.clone());
+        Some(shown)
+    }
+
+    /// Names that mean a file at another place in the robot's folders, and that file.
+    pub(in crate::urdf) fn moved_files(&self) -> BTreeMap<String, PathBuf> {
+        self.moved.borrow().clone()
+    }
+
+    /// The option that makes most of `names` be found, and how many; they are names of one package,
+    /// or paths.
+    pub(in crate::urdf) fn advice(&self, names: &[&str]) -> Option<(String, usize)> {
+        let base = fs::canonicalize(self.base_dir).unwrap_or_else(|_| normal(self.base_dir));
+        let files = Files::below(&nearby::around(&base));
+        let mut folders: BTreeMap<String, usize> = BTreeMap::new();
+        for name in names {
+            let name = name.trim().replace('\\', "/");
+            let package = ["package://", "model://"].iter().find_map(|scheme| {
+                let rest = name.strip_prefix(scheme)?.trim_start_matches('/');
+                rest.split_once('/')
+            });
+            let rest = package.map_or(name.as_str(), |(_, rest)| rest);
+            let Some(folder) = files
+                .like(rest)
+                .and_then(|file| nearby::package_of(file, rest))
+            else {
+                continue;
+            };
+            let option = match package {
+                Some((package, _)) => format!("--package {package}={}", folder.display()),
+                None => format!("--package-path {}", folder.display()),
+            };
+            *folders.entry(option).or_default() += 1;
+        }
+        folders.into_iter().max_by_key(|&(_, count)| count)
+    }
+
+    /// The folder of a package. A source tree holds several repositories side by side, so those
+    /// beside the robot's are looked into, too.
+    pub(in crate::urdf) fn package(&self, name: &str) -> Option<PathBuf> {
+        /// Folders above the robot's whose neighbours are looked into.
+        const HIGHEST: usize = 5;
+        let candidates = self.in_package(name, "");
+        let found = candidates
+            .into_iter()
+            .find(|candidate| candidate.path.is_dir());
+        if let Some(found) = found {
+            return Some(tidy(&found.path));
+        }
+        let start = fs::canonicalize(self.base_dir).unwrap_or_else(|_| self.base_dir.to_owned());
+        let above = start.ancestors().take(HIGHEST);
+        let beside = above.flat_map(|dir| {
+            let near = folders(dir);
+            let below: Vec<PathBuf> = near.iter().flat_map(|dir| folders(dir)).collect();
+            near.into_iter().chain(below)
+        });
+        // Folders of that name first; then those whose package.xml says so.
+        let all: Vec<PathBuf> = beside
+            .filter(|dir| dir.join("package.xml").is_file())
+            .collect();
+        let spellings = spellings(name);
+        let named = |dir: &&PathBuf| {
+            let own = dir
+                .file_name()
+                .map(|name| name.to_string_lossy().into_owned());
+            own.is_some_and(|own| spellings.contains(&own))
+        };
+        let found = all.iter().find(named);
+        found
+            .or_else(|| all.iter().find(|dir| is_package(dir, name)))
+            .cloned()
+    }
+}

@@ -1,0 +1,147 @@
+//! Outputs of sensors.
+
+use super::build::{Group, Row, Table, XYZ, XYZW, group, identifier, units};
+use super::row::{Kind, Unit};
+use crate::model::{JointId, Sensor, SensorId, SensorKind};
+use crate::slots::{Axis, OutputSlot};
+
+type OfSensor = fn(SensorId, Axis) -> OutputSlot;
+
+const IMU: [Group<OfSensor>; 3] = [
+    group(
+        "orientation",
+        &XYZW,
+        Unit::One,
+        OutputSlot::SensorOrientation,
+        "Orientation quaternion in the world of",
+    ),
+    group(
+        "angular_velocity",
+        &XYZ,
+        Unit::RadianPerSecond,
+        OutputSlot::SensorAngularVelocity,
+        "Angular velocity in its own axes of",
+    ),
+    group(
+        "linear_acceleration",
+        &XYZ,
+        Unit::MeterPerSecondSquared,
+        OutputSlot::SensorAcceleration,
+        "Specific force (acceleration less gravity) in its own axes at",
+    ),
+];
+
+const FORCE_TORQUE: [Group<OfSensor>; 2] = [
+    group(
+        "force",
+        &XYZ,
+        Unit::Newton,
+        OutputSlot::SensorForce,
+        "Force of the parent link on the child link, at",
+    ),
+    group(
+        "torque",
+        &XYZ,
+        Unit::NewtonMeter,
+        OutputSlot::SensorTorque,
+        "Torque of the parent link on the child link about its origin, at",
+    ),
+];
+
+const CONTACT: [Group<OfSensor>; 1] = [group(
+    "point",
+    &XYZ,
+    Unit::Meter,
+    OutputSlot::SensorPoint,
+    "Where the normal forces act, in its own frame, else 0, of",
+)];
+
+impl Table<'_> {
+    pub(super) fn sensor_outputs(&mut self) {
+        for (s, sensor) in self.model.outputs.sensors.iter().enumerate() {
+            let (id, first) = (SensorId::from(s), self.len());
+            let owner = format!("sensor '{}'", sensor.name);
+            let prefix = format!("sensor.{}", identifier(&sensor.name));
+            let groups: &[Group<OfSensor>] = match &sensor.kind {
+                SensorKind::Imu => &IMU,
+                SensorKind::ForceTorque { .. } => &FORCE_TORQUE,
+                SensorKind::Ray { .. } => {
+                    self.ray_outputs(id, sensor, &owner, &prefix);
+                    &[]
+                }
+                SensorKind::Encoder { joint, .. } => {
+                    self.encoder_outputs(id, *joint, &owner, &prefix);
+                    &[]
+                }
+                SensorKind::Contact { .. } => {
+                    let about = format!("Sum of the normal forces on {owner}");
+                    let slot = OutputSlot::SensorNormalForce(id);
+                    let row = Row::output(slot, Unit::Newton, about);
+                    self.add(format!("{prefix}.force"), &owner, row);
+                    let about = format!("Deepest overlap, else 0, at {owner}");
+                    let row = Row::output(OutputSlot::SensorDepth(id), Unit::Meter, about);
+                    self.add(format!("{prefix}.depth"), &owner, row);
+                    &CONTACT
+                }
+            };
+            self.groups(groups, |of, axis| of(id, axis), &owner, &prefix);
+            let counts = matches!(sensor.kind, SensorKind::Encoder { .. });
+            if counts || sensor.sampling.rate.is_some() {
+                self.stepped_from(first);
+            }
+        }
+    }
+
+    fn ray_outputs(&mut self, id: SensorId, sensor: &Sensor, owner: &str, prefix: &str) {
+        let SensorKind::Ray {
+            directions,
+            columns,
+            range,
+            hits,
+            ..
+        } = &sensor.kind
+        else {
+            return;
+        };
+        let rows = directions.len() / (*columns).max(1) as usize;
+        // One row is a list, several are a matrix.
+        let number = |ray: u32| match rows {
+            0 | 1 => format!("{}", ray + 1),
+            _ => format!("{},{}", ray / columns + 1, ray % columns + 1),
+        };
+        for ray in (0..).take(directions.len()) {
+            let number = number(ray);
+            let about = format!(
+                "Distance to the first thing along ray {number} of {owner}, {range} m where there is none"
+            );
+            let row = Row::output(OutputSlot::SensorDistance(id, ray), Unit::Meter, about);
+            self.add(format!("{prefix}.ray[{number}]"), owner, row);
+        }
+        for ray in (0..).take(if *hits { directions.len() } else { 0 }) {
+            let number = number(ray);
+            let about = format!(
+                "What ray {number} of {owner} hits: 0 nothing, -1 the ground, n the n-th link of the model"
+            );
+            let row = Row::output(OutputSlot::SensorHit(id, ray), Unit::One, about);
+            let row = row.kind(Kind::Integer);
+            self.add(format!("{prefix}.hit[{number}]"), owner, row);
+        }
+    }
+
+    fn encoder_outputs(&mut self, id: SensorId, joint: JointId, owner: &str, prefix: &str) {
+        let joint = &self.model.joints[joint.index()];
+        let units = units(joint.kind);
+        let about = format!("Position of joint '{}' in steps of {owner}", joint.name);
+        let row = Row::output(OutputSlot::SensorPosition(id), units.position, about);
+        self.add(format!("{prefix}.position"), owner, row);
+        let sampling = &self.model.outputs.sensors[id.index()].sampling;
+        if sampling.rate.is_some() {
+            let about = format!(
+                "Velocity of joint '{}' from the last two samples of {owner}",
+                joint.name
+            );
+            let row = Row::output(OutputSlot::SensorVelocity(id), units.velocity, about);
+            self.add(format!("{prefix}.velocity"), owner, row);
+        }
+    }
+}
