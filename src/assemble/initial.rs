@@ -14,7 +14,7 @@ use crate::parameters::Parameters;
 use crate::pattern::Pattern;
 use crate::settings::Settings;
 use crate::spatial::{Pose, Vec3, rpy_from_rotation};
-use crate::tree::Tree;
+use crate::tree::{Tree, TreeCollider};
 
 /// How far outside its limits an initial position may be and is moved onto them: files round their
 /// numbers.
@@ -36,6 +36,13 @@ pub(super) fn poses(model: &Model) -> Poses {
 }
 
 impl Poses {
+    /// Poses of two of the tree's colliders, in world axes about one origin.
+    pub(super) fn pair(&self, [a, b]: [&TreeCollider; 2]) -> [Pose; 2] {
+        let mut X = [a, b].map(|c| self.kin.X[c.body].compose(&c.X));
+        X[1].p += self.kin.origins[b.tree] - self.kin.origins[a.tree];
+        X
+    }
+
     /// Pose of a collider.
     pub(super) fn collider(&self, model: &Model, collider: &Collider) -> Pose {
         let link = &model.links[collider.link.index()];

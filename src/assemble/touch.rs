@@ -3,7 +3,7 @@
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
 use super::findings::Findings;
-use super::initial::{Poses, poses};
+use super::initial::poses;
 use crate::geometry::pair::Patch;
 use crate::model::{LinkId, Model};
 use crate::settings::Settings;
@@ -70,8 +70,9 @@ pub(super) fn select(model: &mut Model, settings: &Settings, findings: &mut Find
 /// Links whose shapes may touch and overlap at the start by more than [`DRAWN_TOGETHER`], and by
 /// how much, m.
 pub(super) fn overlaps(model: &Model) -> Vec<([LinkId; 2], f64)> {
-    let Poses { tree, kin } = poses(model);
-    let colliders = &tree.contact.colliders;
+    let poses = poses(model);
+    let contacts = &poses.tree.contact;
+    let colliders = &contacts.colliders;
     let mut patch = Patch::new();
     let mut found: Vec<([LinkId; 2], f64)> = Vec::new();
     for (i, a) in colliders.iter().enumerate() {
@@ -79,11 +80,10 @@ pub(super) fn overlaps(model: &Model) -> Vec<([LinkId; 2], f64)> {
             let (Some(first), Some(second)) = (&a.solid, &b.solid) else {
                 continue;
             };
-            if !tree.contact.may_touch([i, j]) {
+            if !contacts.may_touch([i, j]) {
                 continue;
             }
-            let mut X = [a, b].map(|c| kin.X[c.body].compose(&c.X));
-            X[1].p += kin.origins[b.tree] - kin.origins[a.tree];
+            let X = poses.pair([a, b]);
             patch.find((first, &X[0]), (second, &X[1]), 0.0);
             let deepest = patch.points().iter().map(|p| p.depth).fold(0.0, f64::max);
             let pair = [a.link.min(b.link), a.link.max(b.link)].map(LinkId::from);

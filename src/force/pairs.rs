@@ -21,8 +21,10 @@ use crate::tuning::CONTACT_MARGIN;
 pub struct Pairs {
     /// A ball about each shape.
     balls: Vec<Ball>,
-    /// Places in `balls`, by ascending `Ball::low`.
+    /// Places in `balls` of what is no terrain, by ascending `Ball::low`.
     order: Vec<usize>,
+    /// Places of terrain, and where it stands.
+    grounds: Vec<(usize, Pose)>,
     /// Pairs of places that come near, the lower one first.
     near: Vec<[usize; 2]>,
     /// None where no shapes touch each other.
@@ -51,6 +53,7 @@ impl Pairs {
         Self {
             balls: Vec::with_capacity(shapes),
             order: Vec::with_capacity(shapes),
+            grounds: Vec::with_capacity(shapes),
             near: Vec::with_capacity(shapes * shapes.saturating_sub(1) / 2),
             patch: (shapes > 0).then(Box::default),
         }
@@ -121,11 +124,16 @@ impl Pairs {
     fn search(&mut self, tree: &Tree, kin: &Kinematics, [h, margin]: [f64; 2]) {
         self.balls.clear();
         self.near.clear();
+        self.grounds.clear();
         self.balls
             .resize(tree.contact.colliders.len(), Ball::default());
         // By insertion: neighbours in the model are often neighbours in space.
         self.order.clear();
         for (place, collider) in tree.worked_colliders() {
+            if let Some(X) = terrain_at(collider, kin) {
+                self.grounds.push((place, X));
+                continue;
+            }
             let (center, speed) = kin.ball(collider);
             let radius = collider.radius + h * speed + 0.5 * margin;
             let center = center + kin.origins[collider.tree];
@@ -141,6 +149,13 @@ impl Pairs {
             }
             self.order.insert(at, place);
         }
+        let near = &mut self.near;
+        let mut add = |first: usize, second: usize| {
+            let pair = [first.min(second), first.max(second)];
+            if tree.contact.may_touch(pair) {
+                near.push(pair);
+            }
+        };
         for (rank, &first) in self.order.iter().enumerate() {
             let a = &self.balls[first];
             for &second in &self.order[rank + 1..] {
@@ -149,16 +164,36 @@ impl Pairs {
                     break;
                 }
                 let reach = a.radius + b.radius;
-                let pair = [first.min(second), first.max(second)];
-                if (a.center - b.center).norm_squared() < reach * reach
-                    && tree.contact.may_touch(pair)
-                {
-                    self.near.push(pair);
+                if (a.center - b.center).norm_squared() < reach * reach {
+                    add(first, second);
+                }
+            }
+            for (ground, X) in &self.grounds {
+                let clear = clearance(&tree.contact.colliders[*ground], X, a, 0.5 * margin);
+                if clear <= 0.0 {
+                    add(first, *ground);
                 }
             }
         }
         self.near.sort_unstable();
     }
+}
+
+/// Where terrain stands in the world; none for what is no terrain.
+fn terrain_at(collider: &TreeCollider, kin: &Kinematics) -> Option<Pose> {
+    let is_terrain = collider.solid.as_ref().is_some_and(|s| s.is_terrain());
+    is_terrain.then(|| {
+        let mut X = kin.X[collider.body].compose(&collider.X);
+        X.p += kin.origins[collider.tree];
+        X
+    })
+}
+
+/// How far terrain that stands at `X` is from a ball, less a margin, at least, m.
+fn clearance(ground: &TreeCollider, X: &Pose, ball: &Ball, margin: f64) -> f64 {
+    let solid = ground.solid.as_ref();
+    let clear = solid.and_then(|s| s.clearance(X, &ball.center, ball.radius + margin));
+    clear.unwrap_or(f64::NEG_INFINITY)
 }
 
 /// Two shapes as they meet: the first one moves, and is pushed along the normal.
@@ -268,26 +303,29 @@ pub(super) fn is_apart(tree: &Tree, kin: &Kinematics, h: f64) -> bool {
     let fall = 2.0 * h * h * tree.world.gravity.norm();
     let ball = |c: &TreeCollider| {
         let (center, speed) = kin.ball(c);
+        let center = center + kin.origins[c.tree];
         let radius = c.radius + 2.0 * h * speed + fall + CONTACT_MARGIN;
-        (center + kin.origins[c.tree], radius)
+        let low = center.x - radius;
+        Ball {
+            center,
+            radius,
+            low,
+        }
     };
     tree.worked_colliders().all(|(first, collider)| {
-        let (center, radius) = ball(collider);
+        let own = ball(collider);
+        let ground = terrain_at(collider, kin);
         let mut others = tree.worked_colliders().skip_while(|(at, _)| *at <= first);
         others.all(|(second, c)| {
-            !tree.contact.may_touch([first, second]) || {
-                let (other, reach) = ball(c);
-                let over = |ground: &TreeCollider, center: &Vec3, radius: f64| {
-                    let mut X = kin.X[ground.body].compose(&ground.X);
-                    X.p += kin.origins[ground.tree];
-                    ground.solid.as_ref()?.clearance(&X, center, radius)
-                };
-                let clear = over(c, &center, radius).or_else(|| over(collider, &other, reach));
-                clear.map_or_else(
-                    || (other - center).norm() > radius + reach,
-                    |clear| clear > 0.0,
-                )
-            }
+            !tree.contact.may_touch([first, second])
+                || match (&ground, terrain_at(c, kin)) {
+                    (Some(X), _) => clearance(collider, X, &ball(c), 0.0) > 0.0,
+                    (None, Some(X)) => clearance(c, &X, &own, 0.0) > 0.0,
+                    (None, None) => {
+                        let other = ball(c);
+                        (other.center - own.center).norm() > own.radius + other.radius
+                    }
+                }
         })
     })
 }

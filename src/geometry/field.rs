@@ -7,6 +7,11 @@
 //!
 //! Source of the slopes: Catmull & Rom 1974, with the limit of Fritsch & Carlson 1980.
 
+mod cubic;
+mod pyramid;
+
+use self::cubic::Cell;
+use self::pyramid::Pyramid;
 use super::error::GeometryError;
 use crate::spatial::Vec3;
 use crate::tuning::{RIDGE, RIDGE_LEAST};
@@ -25,14 +30,46 @@ const STEEPEST: f64 = 3.0;
 #[serde(try_from = "Samples", into = "Samples")]
 pub struct Field {
     samples: Samples,
-    /// Height of the surface's derivatives at each sample: along x and y, and of both; per cell.
-    slopes: Vec<[f64; 3]>,
+    grid: Grid,
+    /// At each sample the height, m, and the slopes of the surface in m per cell: along x, along y,
+    /// and of both.
+    nodes: Vec<[f64; 4]>,
     /// How sharp the surface is at each sample, 0 … 1, see [`Field::ridge`].
     ridges: Vec<f64>,
     /// No point of the surface over a cell is higher.
     cells: Pyramid,
+    /// The lowest sample, m.
+    lowest: f64,
     /// Heights of the samples that are sharp.
     peaks: Pyramid,
+}
+
+/// Along x and y.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Grid {
+    /// Half of the extent, m.
+    half: [f64; 2],
+    /// Cells, and the index of the last one.
+    cells: [f64; 2],
+    last: [usize; 2],
+    /// Extent of a cell, m, and cells a metre.
+    cell: [f64; 2],
+    per_metre: [f64; 2],
+}
+
+impl Grid {
+    fn new(samples: &Samples) -> Self {
+        let last = samples.counts.map(|n| n - 2);
+        let cells = last.map(|n| count(n + 1));
+        let size = samples.size;
+        Self {
+            half: size.map(|s| 0.5 * s),
+            cells,
+            last,
+            cell: [0, 1].map(|k| size[k] / cells[k]),
+            per_metre: [0, 1].map(|k| cells[k] / size[k]),
+        }
+    }
 }
 
 /// Heights over a grid.
@@ -120,28 +157,33 @@ fn row_slopes(value: impl Fn(usize) -> f64, count: usize, mut take: impl FnMut(u
 impl Field {
     fn of(samples: Samples) -> Self {
         let [nx, ny] = samples.counts;
-        let mut slopes = vec![[0.0; 3]; nx * ny];
+        let mut nodes: Vec<[f64; 4]> = samples
+            .heights
+            .iter()
+            .map(|h| [*h, 0.0, 0.0, 0.0])
+            .collect();
         for j in 0..ny {
             let row = j * nx;
-            row_slopes(
-                |i| samples.heights[row + i],
-                nx,
-                |i, s| slopes[row + i][0] = s,
-            );
+            let height = |i: usize| samples.heights[row + i];
+            row_slopes(height, nx, |i, slope| nodes[row + i][1] = slope);
         }
         for i in 0..nx {
             let place = |j: usize| j * nx + i;
-            row_slopes(
-                |j| samples.heights[place(j)],
-                ny,
-                |j, s| slopes[place(j)][1] = s,
-            );
-            let along: Vec<f64> = (0..ny).map(|j| slopes[place(j)][0]).collect();
-            row_slopes(|j| along[j], ny, |j, s| slopes[place(j)][2] = s);
+            let height = |j: usize| samples.heights[place(j)];
+            row_slopes(height, ny, |j, slope| nodes[place(j)][2] = slope);
+            let along: Vec<f64> = (0..ny).map(|j| nodes[place(j)][1]).collect();
+            row_slopes(|j| along[j], ny, |j, slope| nodes[place(j)][3] = slope);
         }
+        let lowest = samples
+            .heights
+            .iter()
+            .copied()
+            .fold(f64::INFINITY, f64::min);
         let mut field = Self {
+            grid: Grid::new(&samples),
             samples,
-            slopes,
+            lowest,
+            nodes,
             ridges: Vec::new(),
             cells: Pyramid::default(),
             peaks: Pyramid::default(),
@@ -168,16 +210,19 @@ impl Field {
 
     /// Extent of a cell, m.
     pub fn cell(&self) -> [f64; 2] {
-        let Samples { size, counts, .. } = &self.samples;
-        [0, 1].map(|k| size[k] / count(counts[k] - 1))
+        self.grid.cell
     }
 
     /// Largest distance of one of its points from its origin, m.
     pub fn reach(&self) -> f64 {
-        let [x, y] = self.samples.size.map(|s| 0.5 * s);
-        let low = self.samples.heights.iter().fold(0.0_f64, |a, &h| a.min(h));
-        let z = self.cells.top().max(-low);
+        let [x, y] = self.grid.half;
+        let z = self.top().max(-self.lowest);
         (x * x + y * y + z * z).sqrt()
+    }
+
+    /// A height that no point of the surface exceeds, m.
+    pub fn top(&self) -> f64 {
+        self.cells.top()
     }
 
     /// How much of the sharpness of a point a sample has: the share with which it carries a shape
@@ -205,10 +250,9 @@ impl Field {
         let mut top = f64::NEG_INFINITY;
         for (di, dj) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
             let k = (j + dj) * nx + i + di;
-            let [sx, sy, sxy] = self.slopes[k];
+            let [h, sx, sy, sxy] = self.nodes[k];
             let inward = |d: usize| if d == 0 { 1.0 / 3.0 } else { -1.0 / 3.0 };
             let (u, v) = (inward(di), inward(dj));
-            let h = self.samples.heights[k];
             for x in [h, h + u * sx, h + v * sy, h + u * sx + v * sy + u * v * sxy] {
                 top = top.max(x);
             }
@@ -218,61 +262,72 @@ impl Field {
 
     /// Where a place lies: cell, and how far in it, 0 … 1.
     fn cell_at(&self, x: f64, along: usize) -> Option<(usize, f64)> {
-        let Samples { size, counts, .. } = &self.samples;
-        let cells = counts[along] - 1;
-        let place = (x / size[along] + 0.5) * count(cells);
-        if !(0.0..=count(cells)).contains(&place) {
+        let Grid {
+            half,
+            per_metre,
+            last,
+            ..
+        } = &self.grid;
+        if x.is_nan() || x.abs() > half[along] {
             return None;
         }
+        let place = (x + half[along]) * per_metre[along];
         #[expect(
             clippy::cast_possible_truncation,
             clippy::cast_sign_loss,
             reason = "within the grid"
         )]
-        let cell = (place as usize).min(cells - 1);
+        let cell = (place as usize).min(last[along]);
         Some((cell, place - count(cell)))
+    }
+
+    /// The cubics of both rows of samples about a place and across them, and what is in the cell:
+    /// the height of its first corner, m, and on each row the samples' heights over it with their
+    /// slopes along x, and their slopes along y with those of both.
+    fn cell_about(&self, x: f64, y: f64) -> Option<Cell> {
+        let ((i, u), (j, v)) = (self.cell_at(x, 0)?, self.cell_at(y, 1)?);
+        let nx = self.samples.counts[0];
+        let first = j * nx + i;
+        // Differences from one corner keep an even surface even.
+        let base = self.nodes[first][0];
+        let rows = [first, first + nx].map(|k| {
+            let [a, b] = [&self.nodes[k], &self.nodes[k + 1]];
+            let heights = [a[0] - base, b[0] - base, a[1], b[1]];
+            [heights, [a[2], b[2], a[3], b[3]]]
+        });
+        Some(Cell { u, v, base, rows })
     }
 
     /// The surface over a place; none beyond the rectangle.
     pub fn at(&self, x: f64, y: f64) -> Option<Local> {
-        let ((i, u), (j, v)) = (self.cell_at(x, 0)?, self.cell_at(y, 1)?);
-        let (bx, by) = (Basis::new(u), Basis::new(v));
-        let nx = self.samples.counts[0];
-        let [dx, dy] = self.cell();
-        // Differences from one corner keep an even surface even.
-        let base = self.samples.heights[j * nx + i];
-        let mut sum = [0.0; 6];
-        for (di, dj) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
-            let k = (j + dj) * nx + i + di;
-            let [sx, sy, sxy] = self.slopes[k];
-            let h = self.samples.heights[k] - base;
-            let mut add = |place: usize, x: &[[f64; 2]; 2], y: &[[f64; 2]; 2]| {
-                sum[place] += h * x[0][di] * y[0][dj]
-                    + sx * x[1][di] * y[0][dj]
-                    + sy * x[0][di] * y[1][dj]
-                    + sxy * x[1][di] * y[1][dj];
-            };
-            add(0, &bx.value, &by.value);
-            add(1, &bx.slope, &by.value);
-            add(2, &bx.value, &by.slope);
-            add(3, &bx.bend, &by.value);
-            add(4, &bx.slope, &by.slope);
-            add(5, &bx.value, &by.bend);
-        }
+        let cell = self.cell_about(x, y)?;
+        let [dx, dy] = self.grid.cell;
+        let (height, [sx, sy]) = cell.tangent();
+        let [bxx, bxy, byy] = cell.bend();
         Some(Local {
-            height: base + sum[0],
-            slope: [sum[1] / dx, sum[2] / dy],
-            bend: [sum[3] / (dx * dx), sum[4] / (dx * dy), sum[5] / (dy * dy)],
+            height,
+            slope: [sx / dx, sy / dy],
+            bend: [bxx / (dx * dx), bxy / (dx * dy), byy / (dy * dy)],
         })
+    }
+
+    /// The tangent plane of the surface over a place: height, m, and unit vector out of the ground.
+    pub fn tangent(&self, x: f64, y: f64) -> Option<(f64, Vec3)> {
+        let cell = self.cell_about(x, y)?;
+        let [px, py] = self.grid.per_metre;
+        let (height, [sx, sy]) = cell.tangent();
+        let (x, y) = (sx * px, sy * py);
+        let up = 1.0 / (1.0 + x * x + y * y).sqrt();
+        Some((height, Vec3::new(-x * up, -y * up, up)))
     }
 
     /// The sample `(i, j)`: its place, the surface's normal there, how sharp it is.
     pub fn sample(&self, i: usize, j: usize) -> (Vec3, Vec3, f64) {
         let [nx, _] = self.samples.counts;
         let ([dx, dy], k) = (self.cell(), j * nx + i);
-        let [sx, sy, _] = self.slopes[k];
+        let [height, sx, sy, _] = self.nodes[k];
         let local = Local {
-            height: self.samples.heights[k],
+            height,
             slope: [sx / dx, sy / dy],
             bend: [0.0; 3],
         };
@@ -294,9 +349,8 @@ impl Field {
     /// Samples from the last one at or before `low` to the first one at or after `high`, both
     /// included, as far as there are any; along x or y.
     fn around(&self, low: f64, high: f64, along: usize, count_of: usize) -> [usize; 2] {
-        let size = self.samples.size[along];
-        let cells = count(self.samples.counts[along] - 1);
-        let place = |x: f64| ((x / size + 0.5) * cells).clamp(0.0, cells);
+        let (half, cells) = (self.grid.half[along], self.grid.cells[along]);
+        let place = |x: f64| ((x + half) * self.grid.per_metre[along]).clamp(0.0, cells);
         #[expect(
             clippy::cast_possible_truncation,
             clippy::cast_sign_loss,
@@ -310,17 +364,15 @@ impl Field {
     }
 
     /// A height that the surface does not exceed within a square of half the width `around` about a
-    /// place, m.
+    /// place, m; of blocks of cells that are up to twice as wide as the square.
     pub fn highest(&self, x: f64, y: f64, around: f64) -> f64 {
         let [nx, ny] = self.samples.counts;
         let columns = self.around(x - around, x + around, 0, nx - 1);
         let rows = self.around(y - around, y + around, 1, ny - 1);
         let mut top = f64::NEG_INFINITY;
-        self.cells.each([columns, rows], &mut |height, at| {
-            if at.is_some() {
-                top = top.max(height);
-            }
-            height > top
+        self.cells.each([columns, rows], &mut |height, _| {
+            top = top.max(height);
+            false
         });
         top
     }
@@ -365,98 +417,6 @@ impl Field {
 #[expect(clippy::cast_precision_loss, reason = "counts of samples are small")]
 fn count(n: usize) -> f64 {
     n as f64
-}
-
-/// Cubic Hermite polynomials at a place in a cell: of the values at both ends, and of the slopes
-/// there.
-struct Basis {
-    value: [[f64; 2]; 2],
-    slope: [[f64; 2]; 2],
-    bend: [[f64; 2]; 2],
-}
-
-impl Basis {
-    fn new(u: f64) -> Self {
-        let (s, t) = (u * u, u * u * u);
-        Self {
-            value: [
-                [1.0 - 3.0 * s + 2.0 * t, 3.0 * s - 2.0 * t],
-                [u - 2.0 * s + t, t - s],
-            ],
-            slope: [
-                [6.0 * (s - u), 6.0 * (u - s)],
-                [1.0 - 4.0 * u + 3.0 * s, 3.0 * s - 2.0 * u],
-            ],
-            bend: [
-                [12.0 * u - 6.0, 6.0 - 12.0 * u],
-                [6.0 * u - 4.0, 6.0 * u - 2.0],
-            ],
-        }
-    }
-}
-
-/// The largest value in each block of a grid: of 2 × 2 values, of 4 × 4, and so on.
-#[derive(Clone, Debug, Default, PartialEq)]
-struct Pyramid {
-    levels: Vec<([usize; 2], Vec<f64>)>,
-}
-
-impl Pyramid {
-    fn new(counts: [usize; 2], values: Vec<f64>) -> Self {
-        let mut levels = vec![(counts, values)];
-        while let Some(([nx, ny], below)) = levels.last()
-            && nx * ny > 1
-        {
-            let [mx, my] = [nx.div_ceil(2), ny.div_ceil(2)];
-            let mut values = vec![f64::NEG_INFINITY; mx * my];
-            for (k, value) in below.iter().enumerate() {
-                let at = (k / nx / 2) * mx + (k % nx) / 2;
-                values[at] = values[at].max(*value);
-            }
-            levels.push(([mx, my], values));
-        }
-        Self { levels }
-    }
-
-    /// The largest of all.
-    fn top(&self) -> f64 {
-        self.levels.last().map_or(f64::NEG_INFINITY, |(_, v)| v[0])
-    }
-
-    /// Calls `open` with the largest value of each block that has a part in the columns and rows,
-    /// both included; opens it where that says so. With a single value comes its place.
-    fn each(
-        &self,
-        within: [[usize; 2]; 2],
-        open: &mut impl FnMut(f64, Option<[usize; 2]>) -> bool,
-    ) {
-        self.visit(self.levels.len() - 1, [0, 0], within, open);
-    }
-
-    fn visit(
-        &self,
-        level: usize,
-        [bi, bj]: [usize; 2],
-        within: [[usize; 2]; 2],
-        open: &mut impl FnMut(f64, Option<[usize; 2]>) -> bool,
-    ) {
-        let ([nx, ny], values) = &self.levels[level];
-        let [columns, rows] = within;
-        let outside = |b: usize, [first, last]: [usize; 2]| {
-            ((b + 1) << level) <= first || (b << level) > last
-        };
-        if bi >= *nx || bj >= *ny || outside(bi, columns) || outside(bj, rows) {
-            return;
-        }
-        let value = values[bj * nx + bi];
-        if level == 0 {
-            open(value, Some([bi, bj]));
-        } else if open(value, None) {
-            for (di, dj) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
-                self.visit(level - 1, [2 * bi + di, 2 * bj + dj], within, open);
-            }
-        }
-    }
 }
 
 #[cfg(test)]

@@ -63,6 +63,8 @@ pub struct Facet {
     pub corners: [Vec3; 3],
     /// Unit vector outwards.
     pub normal: Vec3,
+    /// Unit vectors from each edge, that from a corner to the next, into the triangle.
+    pub inward: [Vec3; 3],
     /// Beyond the edge from each corner to the next.
     pub beyond: [Beyond; 3],
     /// The crests that belong to it: each belongs to one of its triangles.
@@ -92,14 +94,16 @@ impl Facet {
     /// How far a point is inside of each edge, m; negative beyond it.
     fn inside(&self, x: &Vec3, edge: usize) -> f64 {
         let (a, b) = (self.corners[edge], self.corners[(edge + 1) % 3]);
-        // From the lower corner to the higher one: both triangles of an edge find the same number.
-        let (from, to, sign) = if lower(&a, &b) {
-            (a, b, 1.0)
-        } else {
-            (b, a, -1.0)
-        };
-        let along = to - from;
-        sign * self.normal.dot(&along.cross(&(x - from))) / along.norm()
+        // From the lower corner: both triangles of an edge find the same number.
+        let from = if lower(&a, &b) { a } else { b };
+        self.inward[edge].dot(&(x - from))
+    }
+
+    /// Whether no point of a ball is over the triangle and its plane, but for what lies beyond
+    /// hollow edges.
+    pub fn is_beside(&self, center: &Vec3, radius: f64) -> bool {
+        (0..3)
+            .any(|edge| self.beyond[edge] != Beyond::Hollow && self.inside(center, edge) < -radius)
     }
 
     /// Whether a point is over the triangle; beyond hollow edges by up to `slack`, m. Of two even
@@ -127,9 +131,7 @@ impl Facet {
 
     /// Out of the triangle, across an edge and in its plane.
     fn away(&self, edge: usize) -> Vec3 {
-        let [a, b] = self.ends(edge);
-        let out = (b - a).cross(&self.normal);
-        out.try_normalize(0.0).unwrap_or_else(Vec3::z)
+        -self.inward[edge]
     }
 
     /// Its middle.
@@ -220,9 +222,16 @@ impl Surface {
                 let places = edges.entry([a.min(b), a.max(b)]).or_default();
                 places.push([facets.len(), edge]);
             }
+            let normal = area.try_normalize(0.0).unwrap_or_else(Vec3::z);
+            let inward = [0, 1, 2].map(|edge: usize| {
+                let along = corners[(edge + 1) % 3] - corners[edge];
+                let across = normal.cross(&along);
+                across.try_normalize(0.0).unwrap_or_else(Vec3::zeros)
+            });
             facets.push(Facet {
                 corners,
-                normal: area.try_normalize(0.0).unwrap_or_else(Vec3::z),
+                normal,
+                inward,
                 beyond: [Beyond::Crest; 3],
                 crests: [None; 3],
             });
@@ -290,6 +299,25 @@ impl Surface {
 
     /// Calls `take` with the triangles whose boxes come nearer to a point than `radius`, m.
     pub fn each_near<'a>(&'a self, p: &Vec3, radius: f64, mut take: impl FnMut(usize, &'a Facet)) {
+        self.any_near(p, radius, |index, facet| {
+            take(index, facet);
+            false
+        });
+    }
+
+    /// Whether the box about some triangles is nearer to a place than `radius`, m.
+    pub fn is_near(&self, p: &Vec3, radius: f64) -> bool {
+        self.any_near(p, radius, |_, _| true)
+    }
+
+    /// Calls `take` with the triangles near a place until it says that it has enough; tells whether
+    /// it has.
+    fn any_near<'a>(
+        &'a self,
+        p: &Vec3,
+        radius: f64,
+        mut take: impl FnMut(usize, &'a Facet) -> bool,
+    ) -> bool {
         let mut stack = [0_usize; STACK];
         let mut count = 1;
         while count > 0 {
@@ -300,14 +328,16 @@ impl Surface {
                 continue;
             }
             if node.leaf {
-                for &facet in &self.order[node.next[0]..node.next[1]] {
-                    take(facet, &self.facets[facet]);
+                let mut facets = self.order[node.next[0]..node.next[1]].iter();
+                if facets.any(|&facet| take(facet, &self.facets[facet])) {
+                    return true;
                 }
             } else {
                 (stack[count], stack[count + 1]) = (node.next[1], node.next[0]);
                 count += 2;
             }
         }
+        false
     }
 }
 

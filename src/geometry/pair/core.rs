@@ -228,11 +228,18 @@ impl Solid {
         let p = X.R.tr_mul(&(center - X.p));
         match &self.core {
             Core::HalfSpace => Some(p.z - radius),
-            Core::Field(field) => Some(p.z - radius - field.highest(p.x, p.y, radius)),
+            Core::Field(field) => {
+                let clear = p.z - radius - field.top();
+                let near = clear <= 0.0;
+                Some(if near {
+                    p.z - radius - field.highest(p.x, p.y, radius)
+                } else {
+                    clear
+                })
+            }
             Core::Surface(surface) => {
                 // Positive where no triangle is near.
-                let mut near = false;
-                surface.each_near(&p, radius, |_, _| near = true);
+                let near = surface.is_near(&p, radius);
                 Some(if near { -radius } else { f64::MIN_POSITIVE })
             }
             _ => None,
@@ -246,7 +253,7 @@ impl Solid {
     }
 
     /// Whether it is a surface with everything below.
-    pub(super) fn is_terrain(&self) -> bool {
+    pub fn is_terrain(&self) -> bool {
         matches!(
             self.core,
             Core::HalfSpace | Core::Field(_) | Core::Surface(_)

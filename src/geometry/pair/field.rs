@@ -79,9 +79,8 @@ impl OnField<'_, '_> {
 
     /// The tangent plane below a place: its normal, and how deep the place is in it.
     fn below(&self, x: &Vec3) -> Option<(Vec3, f64)> {
-        let local = self.field.at(x.x, x.y)?;
-        let n = local.normal();
-        Some((n, (local.height - x.z) * n.z))
+        let (height, n) = self.field.tangent(x.x, x.y)?;
+        Some((n, (height - x.z) * n.z))
     }
 
     fn corner(&mut self, x: &Vec3, share: impl Fn(&Vec3) -> f64) {
@@ -113,12 +112,18 @@ impl OnField<'_, '_> {
             let jxy = gx * gy + part * bxy;
             let (fx, fy) = (x[0] - c.x + over * gx, x[1] - c.y + over * gy);
             let det = jxx * jyy - jxy * jxy;
-            x[0] = (x[0] - (jyy * fx - jxy * fy) / det).clamp(-half[0], half[0]);
-            x[1] = (x[1] - (jxx * fy - jxy * fx) / det).clamp(-half[1], half[1]);
-            let Some(next) = self.field.at(x[0], x[1]) else {
+            let next = [
+                (x[0] - (jyy * fx - jxy * fy) / det).clamp(-half[0], half[0]),
+                (x[1] - (jxx * fy - jxy * fx) / det).clamp(-half[1], half[1]),
+            ];
+            if next == x {
+                break;
+            }
+            x = next;
+            let Some(there) = self.field.at(x[0], x[1]) else {
                 return;
             };
-            local = next;
+            local = there;
         }
         let n = local.normal();
         let at = Vec3::new(x[0], x[1], local.height);
@@ -143,6 +148,9 @@ impl OnField<'_, '_> {
                 return;
             };
             found = Some((n, depth, x, rim));
+            if n == next {
+                break;
+            }
             n = next;
         }
         if let Some((n, depth, x, rim)) = found {
@@ -156,26 +164,42 @@ impl OnField<'_, '_> {
         let (shape, field, reach) = (self.shape, self.field, self.sink.reach);
         // The lowest point of the shape, but for the rounding of its edges.
         let low = shape.support(&-Vec3::z()).z - shape.solid.radius;
-        let mut best = [(f64::NEG_INFINITY, Vec3::zeros(), PatchPoint::default()); MOST_PEAKS];
+        let mut best = [Peak::default(); MOST_PEAKS];
         let mut count = 0;
         field.each_peak((shape.p.x, shape.p.y, around), low - reach, |i, j| {
             let (x, n, share) = field.sample(i, j);
             if let Some((normal, depth)) = against(shape, &x, &n)
                 && depth > -reach
-                && (count < MOST_PEAKS || depth > best[MOST_PEAKS - 1].0)
+                && (count < MOST_PEAKS || depth > best[MOST_PEAKS - 1].depth)
             {
-                let at = best[..count].partition_point(|b| b.0 >= depth);
+                let at = best[..count].partition_point(|b| b.depth >= depth);
                 count = (count + 1).min(MOST_PEAKS);
                 best[at..count].rotate_right(1);
-                let found = point(x - normal * (0.5 * depth), depth, share);
-                best[at] = (depth, normal, found);
+                best[at] = Peak {
+                    x,
+                    normal,
+                    depth,
+                    share,
+                };
             }
             f64::NEG_INFINITY
         });
-        for (_, normal, found) in &best[..count] {
-            self.sink.add(normal, *found);
+        for peak in &best[..count] {
+            let halfway = peak.x - peak.normal * (0.5 * peak.depth);
+            let found = point(halfway, peak.depth, peak.share);
+            self.sink.add(&peak.normal, found);
         }
     }
+}
+
+/// A sharp sample in a shape.
+#[derive(Clone, Copy, Default)]
+struct Peak {
+    x: Vec3,
+    /// Into the shape.
+    normal: Vec3,
+    depth: f64,
+    share: f64,
 }
 
 /// How a point `x` of the surface, which has the normal `n` there, lies to the surface of a shape:

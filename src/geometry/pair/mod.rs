@@ -74,6 +74,7 @@ pub struct Patch {
     pub deep: bool,
     points: Points,
     meeting: Meeting,
+    on_surface: surface::Scratch,
     parts: [Part; MOST_PARTS],
     count: usize,
 }
@@ -121,8 +122,8 @@ impl Patch {
         let (above, below) = couple.ranked();
         if matches!(below.core, Core::Field(_) | Core::Surface(_)) {
             if !above.solid.is_terrain() {
-                let scratch = (&mut self.meeting, &mut self.points);
-                terrain::on_terrain(above, below, reach, scratch);
+                let scratch = (&mut self.meeting, &mut self.on_surface);
+                terrain::on_terrain(above, below, reach, scratch, &mut self.points);
             }
             self.points.finish(&couple.origin, None, couple.swapped);
             self.count = terrain::parts(&mut self.points, &mut self.parts);

@@ -28,62 +28,84 @@ use crate::tuning::CREST_SLACK;
 const MOST_FOUND: usize = 64;
 
 /// A point of the shape on a triangle.
-#[derive(Clone, Copy)]
-struct OnFacet<'a> {
+#[derive(Clone, Copy, Debug, Default)]
+struct OnFacet {
     /// Which point of the shape.
     own: usize,
-    facet: &'a Facet,
+    /// Index of the triangle.
+    facet: usize,
+    /// Whether it is behind a nearer one.
+    hidden: bool,
     point: PatchPoint,
+}
+
+/// Memory of a query.
+#[derive(Clone, Debug)]
+pub(super) struct Scratch {
+    found: [OnFacet; MOST_FOUND],
+    /// Those on a crest.
+    points: Points,
+}
+
+impl Default for Scratch {
+    fn default() -> Self {
+        Self {
+            found: [OnFacet::default(); MOST_FOUND],
+            points: Points::default(),
+        }
+    }
 }
 
 /// Adds the points of a shape, given in the axes of the mesh.
 pub(super) fn on_surface(
     shape: &Placed,
     surface: &Surface,
-    meeting: &mut Meeting,
+    (meeting, scratch): (&mut Meeting, &mut Scratch),
     sink: &mut Sink,
 ) {
     let around = shape.solid.reach + sink.reach;
-    let mut found: [Option<OnFacet>; MOST_FOUND] = [None; MOST_FOUND];
+    let Scratch { found, points } = scratch;
     let mut count = 0;
-    surface.each_near(&shape.p, around, |_, facet| {
+    surface.each_near(&shape.p, around, |index, facet| {
+        for crest in facet.crests.iter().flatten() {
+            on_crest(shape, surface.crest(*crest), (meeting, points), sink);
+        }
         let height = facet.height(&shape.p);
-        if height <= 0.0 || height > around {
+        let beside = facet.is_beside(&shape.p, shape.solid.reach);
+        if height <= 0.0 || height > around || beside {
             return;
         }
         own_points(shape, facet, sink.reach, |own, point| {
             if count < MOST_FOUND {
-                found[count] = Some(OnFacet { own, facet, point });
+                found[count] = OnFacet {
+                    own,
+                    facet: index,
+                    hidden: false,
+                    point,
+                };
                 count += 1;
             }
         });
     });
     let found = &mut found[..count];
-    let key = |f: &Option<OnFacet>| f.map_or((0, 0.0), |f| (f.own, f.point.depth));
     found.sort_unstable_by(|a, b| {
-        let (a, b) = (key(a), key(b));
-        a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
+        let by_depth = a.point.depth.total_cmp(&b.point.depth);
+        a.own.cmp(&b.own).then(by_depth).then(a.facet.cmp(&b.facet))
     });
+    let facet = |this: &OnFacet| &surface.facets()[this.facet];
     for i in 0..found.len() {
-        let Some(this) = found[i] else {
-            continue;
-        };
-        let hidden = found[..i].iter().flatten().any(|nearer| {
-            nearer.own == this.own
+        let this = &found[i];
+        let hidden = found[..i].iter().any(|nearer| {
+            !nearer.hidden
+                && nearer.own == this.own
                 && nearer.point.depth > 0.0
-                && nearer.facet.height(&this.facet.middle()) < 0.0
+                && facet(nearer).height(&facet(this).middle()) < 0.0
         });
-        if hidden {
-            found[i] = None;
-        } else {
-            sink.add(&this.facet.normal, this.point);
+        if !hidden {
+            sink.add(&facet(this).normal, this.point);
         }
+        found[i].hidden = hidden;
     }
-    surface.each_near(&shape.p, around, |_, facet| {
-        for crest in facet.crests.iter().flatten() {
-            on_crest(shape, surface.crest(*crest), meeting, sink);
-        }
-    });
 }
 
 /// Finds the points of a shape that are over a triangle, nearer than `reach`, m.
@@ -97,9 +119,10 @@ fn own_points(shape: &Placed, facet: &Facet, reach: f64, mut take: impl FnMut(us
         }
     };
     if let Some(round) = &shape.solid.round {
+        let trace = Trace::new(shape, round, n, Side::First);
         for (own, s) in [1.0, -1.0].into_iter().enumerate() {
             if round.flat {
-                let (x, rim) = Trace::new(shape, round, n, Side::First).end(s);
+                let (x, rim) = trace.end(s);
                 add(own, x, 0.5, &x, rim);
             } else {
                 let c = shape.p + shape.axis() * (s * round.half);
@@ -126,16 +149,35 @@ fn own_points(shape: &Placed, facet: &Facet, reach: f64, mut take: impl FnMut(us
     }
 }
 
+/// Whether a shape is certainly farther than `reach`, m, from an edge: its distance is at least the
+/// gap along any direction. Asked are that from the nearest place of the edge to the middle of the
+/// shape, `apart`, and that in which the edge pushes.
+fn is_far(shape: &Placed, crest: &Crest, apart: &Vec3, reach: f64) -> bool {
+    let [a, b] = &crest.ends;
+    let gap = |d: &Vec3| {
+        let low = d.dot(&shape.support(&-d)) - d.dot(a).max(d.dot(b));
+        low - (shape.solid.radius + reach) * d.norm()
+    };
+    let distance = apart.norm();
+    distance > shape.solid.reach + reach
+        || gap(&(crest.sides[0] + crest.sides[1])) > 0.0
+        || gap(apart) > 0.0
+}
+
 /// Adds the points of a shape on an edge.
-fn on_crest(shape: &Placed, crest: &Crest, meeting: &mut Meeting, sink: &mut Sink) {
+fn on_crest(
+    shape: &Placed,
+    crest: &Crest,
+    (meeting, points): (&mut Meeting, &mut Points),
+    sink: &mut Sink,
+) {
     let [a, b] = crest.ends;
     let (middle, half) = ((a + b) * 0.5, (b - a) * 0.5);
     let length = half.norm();
     let along = half / length;
-    // The nearest place of the edge to the middle of the shape.
     let from = shape.p - middle;
     let apart = from - along * along.dot(&from).clamp(-length, length);
-    if apart.norm() > shape.solid.reach + sink.reach {
+    if is_far(shape, crest, &apart, sink.reach) {
         return;
     }
     let edge = Solid::new(
@@ -153,14 +195,14 @@ fn on_crest(shape: &Placed, crest: &Crest, meeting: &mut Meeting, sink: &mut Sin
         R,
         p: middle,
     };
-    let mut points = Points::default();
+    points.clear();
     let swapped = rank(shape.solid) > rank(&edge);
     let pair = if swapped {
         (&placed, shape)
     } else {
         (shape, &placed)
     };
-    let (normal, ..) = meeting.find(pair, sink.reach, &mut points);
+    let (normal, ..) = meeting.find(pair, sink.reach, points);
     let n = if swapped { -normal } else { normal };
     let share = part_between(&n, crest, shape);
     if share <= 0.0 {

@@ -37,7 +37,8 @@ pub(super) fn on_terrain(
     a: &Placed,
     b: &Placed,
     reach: f64,
-    (meeting, points): (&mut Meeting, &mut Points),
+    (meeting, scratch): (&mut Meeting, &mut surface::Scratch),
+    points: &mut Points,
 ) {
     let own = Placed {
         R: b.R.transpose() * a.R,
@@ -47,7 +48,7 @@ pub(super) fn on_terrain(
     let mut sink = Sink::new(b, reach, points);
     match b.core {
         Core::Field(field) => field::on_field(&own, field, &mut sink),
-        Core::Surface(surface) => surface::on_surface(&own, surface, meeting, &mut sink),
+        Core::Surface(surface) => surface::on_surface(&own, surface, (meeting, scratch), &mut sink),
         _ => {}
     }
 }

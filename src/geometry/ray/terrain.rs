@@ -34,7 +34,7 @@ pub(super) fn heights(field: &Field, ray: &Ray, near: f64) -> Option<f64> {
         let (a, b) = ((-side - x) / d, (side - x) / d);
         (enter, exit) = (enter.max(a.min(b)), exit.min(a.max(b)));
     }
-    let top = field.highest(0.0, 0.0, half[0].max(half[1]));
+    let top = field.top();
     if ray.along.z == 0.0 && ray.origin.z > top {
         return None;
     }
