@@ -2,7 +2,8 @@
 //!
 //! `cargo bench -p urdf2fmu-core --bench lidar` prints a Markdown table: microseconds of all rays
 //! of one read-out, poses included, the fastest of some rounds. A fifth of the shapes are balls,
-//! capsules, cylinders, boxes and hulls of 32 corners each, 0.1 m to 0.6 m large, within 10 m.
+//! capsules, cylinders, boxes and hulls of 32 corners each, 0.1 m to 0.6 m large, within 10 m. The
+//! last lines are with hills of 100,352 triangles, which two thirds of the rays meet.
 //!
 //! With `-- --dump=FILE` it writes the world of 100 shapes with the rays and what they measure, as
 //! JSON: `benches/peers/lidar.py` compares other programs with it.
@@ -20,6 +21,7 @@ use std::fmt::Write as _;
 use std::hint::black_box;
 use std::sync::Arc;
 use urdf2fmu_core::assemble::{self, Guest};
+use urdf2fmu_core::geometry::surface::{Surface, Triangles};
 use urdf2fmu_core::geometry::{Shape, bounded_hull};
 use urdf2fmu_core::model::{Model, RootKind, SensorId, SensorKind};
 use urdf2fmu_core::settings::{ObjectSettings, ObjectSource, Settings};
@@ -117,6 +119,34 @@ fn world(shapes: &[Placed], [columns, rows]: [u32; 2]) -> Model {
     assembled.expect("a world").model
 }
 
+/// Hills of 2 m that rise from the lidar on, over 20 m.
+fn hills() -> Placed {
+    const CELLS: u32 = 224;
+    let corner = |i: u32, j: u32| {
+        let [x, y] = [i, j].map(|k| (f64::from(k) / f64::from(CELLS) - 0.5) * 20.0);
+        let rise = 1.0 - libm::cos(0.3 * libm::hypot(x, y));
+        Vec3::new(
+            x,
+            y,
+            rise * (0.7 + 0.3 * libm::sin(2.0 * x) * libm::cos(3.0 * y)),
+        )
+    };
+    let cells = (0..CELLS).flat_map(|j| (0..CELLS).map(move |i| (i, j)));
+    let list: Vec<[Vec3; 3]> = cells
+        .flat_map(|(i, j)| {
+            let [a, b] = [corner(i, j), corner(i + 1, j)];
+            let [c, d] = [corner(i + 1, j + 1), corner(i, j + 1)];
+            [[a, b, c], [a, c, d]]
+        })
+        .collect();
+    let surface = Arc::new(Surface::try_from(Triangles::new(&list)).expect("triangles"));
+    Placed {
+        shape: Shape::Surface { surface },
+        xyz: Vec3::zeros(),
+        rpy: Vec3::zeros(),
+    }
+}
+
 fn rays(model: &Model) -> &[Vec3] {
     match &model.outputs.sensors[0].kind {
         SensorKind::Ray { directions, .. } => directions,
@@ -208,14 +238,17 @@ fn main() {
     }
     println!("| shapes | rays | µs | ns a ray |");
     println!("|---|---|---|---|");
-    for count in [10, 100, 1000] {
-        let shapes = shapes(count);
-        for fan in [[360, 1], [360, 16]] {
-            let model = world(&shapes, fan);
-            let [columns, rows] = fan;
-            let us = time(&model);
+    let line = |name: &str, shapes: &[Placed]| {
+        for [columns, rows] in [[360, 1], [360, 16]] {
+            let us = time(&world(shapes, [columns, rows]));
             let each = us * 1e3 / f64::from(columns * rows);
-            println!("| {count} | {columns} × {rows} | {us:.1} | {each:.0} |");
+            println!("| {name} | {columns} × {rows} | {us:.1} | {each:.0} |");
         }
+    };
+    for count in [10, 100, 1000] {
+        line(&count.to_string(), &shapes(count));
     }
+    let mut all = shapes(100);
+    all.push(hills());
+    line("100 and hills", &all);
 }

@@ -351,44 +351,64 @@ impl Surface {
         mut take: impl FnMut(&'a Facet, &mut f64),
     ) {
         let mut limit = f64::INFINITY;
-        let mut stack = [0_usize; STACK];
+        let line = Line::new(origin, along);
+        // The nearer one of two boxes first: what is behind a triangle is then never opened.
+        let mut stack = [(0_usize, 0.0_f64); STACK];
         let mut count = 1;
         while count > 0 {
             count -= 1;
-            let node = &self.boxes[stack[count]];
-            if !node.is_met(origin, along, limit) {
+            let (index, enter) = stack[count];
+            if enter > limit {
                 continue;
             }
+            let node = &self.boxes[index];
             if node.leaf {
                 for &facet in &self.order[node.next[0]..node.next[1]] {
                     take(&self.facets[facet], &mut limit);
                 }
-            } else {
-                (stack[count], stack[count + 1]) = (node.next[1], node.next[0]);
-                count += 2;
+                continue;
+            }
+            let enters = node.next.map(|next| line.enter(&self.boxes[next]));
+            let nearer = usize::from(enters[1] < enters[0]);
+            for child in [1 - nearer, nearer] {
+                if enters[child].is_finite() && enters[child] <= limit {
+                    stack[count] = (node.next[child], enters[child]);
+                    count += 1;
+                }
             }
         }
     }
 }
 
-impl Node {
-    /// Whether a line meets the box before `limit`; a little wider than it is, for round-off.
-    fn is_met(&self, origin: &Vec3, along: &Vec3, limit: f64) -> bool {
-        let (mut enter, mut exit) = (0.0_f64, limit);
+/// A line from its beginning on, ready for many boxes.
+struct Line<'a> {
+    origin: &'a Vec3,
+    /// One over its direction.
+    inverse: Vec3,
+    /// By how much boxes are wider than they are, for round-off, m.
+    slack: Vec3,
+}
+
+impl<'a> Line<'a> {
+    fn new(origin: &'a Vec3, along: &Vec3) -> Self {
+        Self {
+            origin,
+            inverse: along.map(|d| 1.0 / d),
+            slack: origin.map(|x| SAME * (1.0 + x.abs())),
+        }
+    }
+
+    /// Where it enters a box, m along it; infinity if it does not. Along an axis in which it does
+    /// not go, the quotients are infinite, and not a number, which bounds nothing, on the side.
+    fn enter(&self, node: &Node) -> f64 {
+        let low = (node.low - self.slack - self.origin).component_mul(&self.inverse);
+        let high = (node.high + self.slack - self.origin).component_mul(&self.inverse);
+        let (mut enter, mut exit) = (0.0_f64, f64::INFINITY);
         for axis in 0..3 {
-            let slack = SAME * (1.0 + origin[axis].abs());
-            let (low, high) = (self.low[axis] - slack, self.high[axis] + slack);
-            let (x, d) = (origin[axis], along[axis]);
-            if d == 0.0 {
-                if x < low || x > high {
-                    return false;
-                }
-                continue;
-            }
-            let (a, b) = ((low - x) / d, (high - x) / d);
+            let (a, b) = (low[axis], high[axis]);
             (enter, exit) = (enter.max(a.min(b)), exit.min(a.max(b)));
         }
-        enter <= exit
+        if enter <= exit { enter } else { f64::INFINITY }
     }
 }
 

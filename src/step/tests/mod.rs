@@ -25,6 +25,7 @@ mod loops;
 mod machines;
 mod mechanisms;
 mod motors;
+mod moving_ground;
 mod order;
 mod pairs;
 mod properties;
