@@ -262,7 +262,7 @@ fn a_row_that_says_nothing_new_changes_nothing() {
     run(&mut all, 1.0, 0.01);
     run(&mut fewer, 1.0, 0.01);
     for (a, b) in all.state().physical.q.iter().zip(&fewer.state().physical.q) {
-        assert!((a - b).abs() < 1e-7, "{a} {b}");
+        assert!((a - b).abs() < 1e-8, "{a} {b}");
     }
 }
 
