@@ -1,8 +1,11 @@
 #!/usr/bin/env bash
-# Builds the FMU's library for Linux and for Windows, on one Debian machine: build/platforms.sh [FOLDER]
+# Builds the FMU's library for several systems, on one Debian machine.
 #
-# Writes FOLDER/linux64/liburdf2fmu_fmi.so and FOLDER/win64/urdf2fmu_fmi.dll (FOLDER: target/libraries). A command
-# that packs both into every FMU is then built by
+#     build/platforms.sh [--all | --only LIST] [FOLDER]
+#
+# Without options for Linux and Windows on x86-64; with --all for 64-bit ARM Linux and both Macs, too; --only takes
+# names such as x86_64-linux,aarch64-darwin, or FMI 2's: linux64, win64, darwin64. Writes FOLDER/<platform>/<library>
+# (FOLDER: target/libraries). A command that packs them into FMUs is then built by
 #
 #     URDF2FMU_LIBRARY_DIR=$PWD/target/libraries cargo build --release
 #
@@ -12,14 +15,60 @@ set -euo pipefail
 
 root=$(cd "$(dirname "$0")/.." && pwd)
 target=${CARGO_TARGET_DIR:-$root/target}
-folder=${1:-$target/libraries}
 work=$target/platforms
-linux=x86_64-unknown-linux-gnu
-windows=x86_64-pc-windows-gnu
 glibc=2.17
+# The first macOS for Apple's own processors.
+macos=11.0
 pinned=(ziglang==0.17.0 cargo-zigbuild==0.24.0)
+all=(x86_64-linux x86_64-windows aarch64-linux x86_64-darwin aarch64-darwin)
+wanted=(x86_64-linux x86_64-windows)
+folder=
 
 say() { printf 'platforms: %s\n' "$*" >&2; }
+
+wrong() {
+  say "$*"
+  exit 2
+}
+
+while [ $# -gt 0 ]; do
+  case $1 in
+    --all) wanted=("${all[@]}") ;;
+    --only)
+      wanted=()
+      for name in $(tr ',' ' ' <<<"${2:-}"); do
+        case $name in
+          linux64) wanted+=(x86_64-linux) ;;
+          win64) wanted+=(x86_64-windows) ;;
+          darwin64) wanted+=(x86_64-darwin aarch64-darwin) ;;
+          *)
+            [[ " ${all[*]} " = *" $name "* ]] || wrong "'$name' is none of: ${all[*]}, linux64, win64, darwin64"
+            wanted+=("$name")
+            ;;
+        esac
+      done
+      [ ${#wanted[@]} -gt 0 ] || wrong "--only needs a list such as x86_64-linux,aarch64-darwin"
+      shift
+      ;;
+    -*) wrong "there is no option '$1'; there are --all and --only LIST" ;;
+    *) folder=$1 ;;
+  esac
+  shift
+done
+folder=${folder:-$target/libraries}
+
+wants() { [[ " ${wanted[*]} " = *" $1 "* ]]; }
+
+# The compiler's name of a platform.
+triple() {
+  case $1 in
+    x86_64-linux) echo x86_64-unknown-linux-gnu ;;
+    x86_64-windows) echo x86_64-pc-windows-gnu ;;
+    aarch64-linux) echo aarch64-unknown-linux-gnu ;;
+    x86_64-darwin) echo x86_64-apple-darwin ;;
+    aarch64-darwin) echo aarch64-apple-darwin ;;
+  esac
+}
 
 # --- tools ---------------------------------------------------------------------------------------------------------
 
@@ -46,25 +95,12 @@ packages=()
 command -v cc >/dev/null || packages+=(gcc libc6-dev)
 command -v python3 >/dev/null || packages+=(python3)
 python3 -c 'import venv, ensurepip' 2>/dev/null || packages+=(python3-venv)
-command -v x86_64-w64-mingw32-gcc >/dev/null || packages+=(gcc-mingw-w64-x86-64)
+if wants x86_64-windows && ! command -v x86_64-w64-mingw32-gcc >/dev/null; then
+  packages+=(gcc-mingw-w64-x86-64)
+fi
 # Debian's newest Rust; its plain rustc is the one of the day when that Debian came out.
 command -v cargo >/dev/null || packages+=(rustc-web cargo-web)
 need "${packages[@]}"
-
-# Rust for Windows: rustup knows how; where it cannot reach its server, or there is none, Debian has the sources of the
-# standard library. `windows_rust` is the folder of the cargo to use, `build_std` what it is told.
-windows_rust=$(dirname "$(command -v cargo)")
-build_std=()
-if ! has_std rustc "$windows" && command -v rustup >/dev/null; then
-  timeout 300 rustup target add "$windows" >&2 || say "rustup cannot fetch $windows"
-fi
-if ! has_std rustc "$windows"; then
-  if ! has_source rustc; then
-    has_source /usr/bin/rustc 2>/dev/null || need rustc-web cargo-web rust-web-src
-    windows_rust=/usr/bin
-  fi
-  build_std=(-Zbuild-std=std,panic_unwind)
-fi
 
 if [ "$(cat "$work/tools/pinned" 2>/dev/null)" != "${pinned[*]}" ]; then
   rm -rf "$work/tools"
@@ -75,6 +111,23 @@ if [ "$(cat "$work/tools/pinned" 2>/dev/null)" != "${pinned[*]}" ]; then
   fi
   echo "${pinned[*]}" >"$work/tools/pinned"
 fi
+own=$(dirname "$(command -v cargo)")
+
+# Rust for a target: rustup knows how; where it cannot reach its server, or there is none, Debian has the sources of the
+# standard library. Sets `rust`, the folder of the cargo to use, and `build_std`, what that is told.
+rust_for() {
+  rust=$own
+  build_std=()
+  if ! has_std rustc "$1" && command -v rustup >/dev/null && [ -z "${deaf:-}" ]; then
+    timeout 300 rustup target add "$1" >&2 || { deaf=yes && say "rustup cannot fetch $1"; }
+  fi
+  has_std rustc "$1" && return
+  if ! has_source rustc; then
+    has_source /usr/bin/rustc 2>/dev/null || need rustc-web cargo-web rust-web-src
+    rust=/usr/bin
+  fi
+  build_std=(-Zbuild-std=std,panic_unwind)
+}
 
 # --- builds --------------------------------------------------------------------------------------------------------
 
@@ -85,25 +138,51 @@ done
 flags=("--remap-path-prefix=$root=urdf2fmu" "--remap-path-prefix=${CARGO_HOME:-$HOME/.cargo}=cargo")
 CARGO_ENCODED_RUSTFLAGS=$(IFS=$'\x1f' && echo "${flags[*]}")
 export CARGO_ENCODED_RUSTFLAGS
+export MACOSX_DEPLOYMENT_TARGET=$macos
 
-common=(rustc --locked --release --lib --crate-type cdylib --manifest-path "$root/fmi/Cargo.toml" --target-dir "$work")
-
-say "linux64, for glibc $glibc"
-"$work/tools/bin/python" -m ziglang cc -target x86_64-linux-gnu.$glibc -O2 -fPIC -Wall -Wextra -Werror \
-  -c "$root/build/platforms/unwinder.c" -o "$work/unwinder.o"
-PATH=$work/tools/bin:$PATH cargo-zigbuild "${common[@]}" --target $linux.$glibc -- \
-  -Clink-arg="$work/unwinder.o" -Clink-arg=-Wl,-Bsymbolic -Clink-arg=-Wl,-z,relro,-z,now
-
-say "win64, by $("$windows_rust/rustc" --version) ${build_std[*]}"
-PATH=$windows_rust:$PATH RUSTC_BOOTSTRAP=${build_std[*]:+1} "$windows_rust/cargo" "${common[@]}" \
-  "${build_std[@]}" --target $windows -- -Clink-arg=-Wl,--no-insert-timestamp
-
-# One file a platform, and no other.
-put() {
-  rm -rf "${folder:?}/$1"
-  mkdir -p "$folder/$1"
-  cp "$2" "$folder/$1/"
-  say "$folder/$1/$(basename "$2"), $(stat -c %s "$2") bytes"
+# build PLATFORM COMMAND TARGET LINK_ARGS…: builds by `cargo` itself or by cargo-zigbuild, and keeps the one file.
+build() {
+  local platform=$1 command=$2 name=$3 made
+  shift 3
+  say "$platform, by $("$rust/rustc" --version) ${build_std[*]}"
+  PATH=$work/tools/bin:$rust:$PATH RUSTC_BOOTSTRAP=${build_std[*]:+1} "$command" rustc --locked --release --lib \
+    --crate-type cdylib --manifest-path "$root/fmi/Cargo.toml" --target-dir "$work" "${build_std[@]}" \
+    --target "$name" -- "${@/#/-Clink-arg=}"
+  case $platform in
+    *-linux) made=liburdf2fmu_fmi.so ;;
+    *-windows) made=urdf2fmu_fmi.dll ;;
+    *-darwin) made=liburdf2fmu_fmi.dylib ;;
+  esac
+  made=$work/$(triple "$platform")/release/$made
+  rm -rf "${folder:?}/$platform"
+  mkdir -p "$folder/$platform"
+  cp "$made" "$folder/$platform/"
+  say "$folder/$platform/$(basename "$made"), $(stat -c %s "$made") bytes"
 }
-put linux64 "$work/$linux/release/liburdf2fmu_fmi.so"
-put win64 "$work/$windows/release/urdf2fmu_fmi.dll"
+
+# Under FMI 2's names, of an earlier version of this script.
+rm -rf "${folder:?}"/{linux64,win64}
+
+for platform in "${wanted[@]}"; do
+  triple=$(triple "$platform")
+  rust_for "$triple"
+  case $platform in
+    *-linux)
+      unwinder=$work/unwinder-$platform.o
+      "$work/tools/bin/python" -m ziglang cc -target "${platform}-gnu.$glibc" -O2 -fPIC -Wall -Wextra -Werror \
+        -c "$root/build/platforms/unwinder.c" -o "$unwinder"
+      build "$platform" cargo-zigbuild "$triple.$glibc" "$unwinder" -Wl,-Bsymbolic -Wl,-z,relro,-z,now
+      ;;
+    *-windows)
+      build "$platform" "$rust/cargo" "$triple" -Wl,--no-insert-timestamp
+      ;;
+    *-darwin)
+      # rustc strips by it; rustup's toolchains bring it along. What links signs anew, and so does what strips.
+      if ! [ -x "$("$rust/rustc" --print sysroot)/lib/rustlib/$("$rust/rustc" -vV | sed -n 's/^host: //p')/bin/rust-objcopy" ]; then
+        [ -x /usr/lib/llvm-19/bin/llvm-objcopy ] || need llvm-19
+        ln -sf /usr/lib/llvm-19/bin/llvm-objcopy "$work/tools/bin/rust-objcopy"
+      fi
+      build "$platform" cargo-zigbuild "$triple" -Wl,-install_name,@rpath/liburdf2fmu_fmi.dylib
+      ;;
+  esac
+done

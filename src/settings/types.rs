@@ -25,6 +25,8 @@ pub struct FmuSettings {
     pub license: Option<String>,
     /// End of the default experiment, s.
     pub stop_time: Option<f64>,
+    /// Names of the systems that the FMU has libraries for; without any, of all that there are.
+    pub platforms: Vec<Pattern>,
 }
 
 /// A settings file, checked.

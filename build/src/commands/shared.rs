@@ -132,10 +132,8 @@ impl CliError {
     /// The program's exit code.
     pub fn exit_code(&self) -> u8 {
         match self {
-            Self::Stage(StageError::Platform { .. })
-            | Self::InitFromSettings
-            | Self::FilmTheme
-            | Self::Code { .. } => 2,
+            Self::Stage(StageError::Library(error)) if error.is_usage() => 2,
+            Self::InitFromSettings | Self::FilmTheme | Self::Code { .. } => 2,
             Self::Stage(StageError::Trial(_)) => 3,
             Self::Run(error) | Self::View(ViewError::Run(error)) if error.is_simulation() => 3,
             Self::Run(error) if error.is_usage() => 2,
