@@ -84,11 +84,12 @@ fn the_libraries_for_macs_need_macos_11_and_nothing_else() {
             .map(|name| name.trim_start_matches('_'))
             .partition(|name| name.starts_with("fmi"));
         assert_all_of_fmi(fmi.into_iter());
-        // A library's names are its own on this system, so what the linker adds disturbs nobody.
+        // A library's names are its own on this system, so what the linker adds disturbs nobody:
+        // these two and symbols of Rust's standard library, mangled (RFC 2603) or not.
         for name in others {
+            let of_linker = ["mh_dylib_header", "dso_handle"].contains(&name);
             assert!(
-                ["mh_dylib_header", "dso_handle", "rust_eh_personality"].contains(&name)
-                    || name.contains("rust"),
+                of_linker || name.contains("rust") || name.starts_with("RN"),
                 "{name}"
             );
         }
@@ -136,5 +137,6 @@ fn an_fmu_for_all_platforms_is_small() {
     }
     let fmu = Fmu::of(&example("rover.urdf"), &[]);
     let size = fs::metadata(fmu.folder.join("robot.fmu")).unwrap().len();
-    assert!(size <= 3_500_000, "{size} bytes");
+    // docs/platforms.md says what of it is what; pictures and documents take 0.4 MB.
+    assert!(size <= 4_200_000, "{size} bytes");
 }
