@@ -59,11 +59,10 @@ fn linux_on_arm_calculates_the_same_bits() {
 /// One file for both Macs, of which each part must be loadable by itself.
 #[test]
 fn the_libraries_for_macs_need_macos_11_and_nothing_else() {
-    if option_env!("URDF2FMU_READY_X86_64_DARWIN").is_none()
-        || option_env!("URDF2FMU_READY_AARCH64_DARWIN").is_none()
-    {
+    let intel = option_env!("URDF2FMU_READY_X86_64_DARWIN");
+    let Some((intel, arm)) = intel.zip(option_env!("URDF2FMU_READY_AARCH64_DARWIN")) else {
         return;
-    }
+    };
     let fmu = Fmu::of(&example("rover.urdf"), &["--platform", "darwin64"]);
     let Some(library) = fmu.library("aarch64-darwin") else {
         return;
@@ -122,10 +121,7 @@ fn the_libraries_for_macs_need_macos_11_and_nothing_else() {
     };
     let other = fmu.folder.join("other.dylib");
     let mut command = Command::new(lipo);
-    let command = command.arg("-create").args([
-        option_env!("URDF2FMU_READY_X86_64_DARWIN").unwrap(),
-        option_env!("URDF2FMU_READY_AARCH64_DARWIN").unwrap(),
-    ]);
+    let command = command.arg("-create").args([intel, arm]);
     output(command.arg("-output").arg(&other));
     assert!(fs::read(other).unwrap() == file, "as lipo makes it");
 }
