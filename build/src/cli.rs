@@ -167,8 +167,8 @@ pub(crate) struct Export {
     /// The FMU to write [default: the URDF's name with .fmu, in this folder]
     #[arg(short, long, value_name = "FILE.fmu")]
     pub(crate) output: Option<PathBuf>,
-    /// Platforms that the FMU runs on, such as `linux64,win64` or `aarch64-linux` [default: all that
-    /// this program carries]
+    /// Platforms that the FMU runs on, such as `linux64,win64` or `aarch64-linux` [default: all
+    /// that this program carries]
     #[arg(long = "platform", value_name = "NAMES", value_delimiter = ',')]
     pub(crate) platforms: Vec<String>,
     #[command(flatten)]

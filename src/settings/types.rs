@@ -1,4 +1,6 @@
 //! What a settings file says, checked.
+//!
+//! Over 500 lines because it lists all settings, each with its unit.
 
 use super::closures::{LoopSettings, SpringSettings};
 use super::compat::Compat;
