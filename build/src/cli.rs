@@ -210,6 +210,9 @@ pub(crate) struct Init {
     /// The robot
     #[arg(value_name = "ROBOT.urdf")]
     pub(crate) urdf: PathBuf,
+    /// Write the FMU's parameters with their values as an SSV file instead, for tools of SSP 1.0
+    #[arg(long)]
+    pub(crate) ssv: bool,
     #[command(flatten)]
     pub(crate) source: Source,
 }

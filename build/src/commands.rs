@@ -15,7 +15,7 @@ use crate::diagnostics::{self, Style};
 use crate::output::{Target, print};
 use crate::scene::{self, Scene};
 use crate::stage::{self, Robot, StageError};
-use crate::{archive, info, init, library, picture, summary, xacro};
+use crate::{archive, info, init, library, picture, ssv, summary, xacro};
 use serde_json::json;
 use std::path::PathBuf;
 use urdf2fmu_core::diagnostic::Severity;
@@ -106,6 +106,12 @@ fn show(args: &Info) -> Result<(), CliError> {
 }
 
 fn init(args: &Init) -> Result<(), CliError> {
+    if args.ssv {
+        let robot = stage::robot(&args.source.request(&args.urdf))?;
+        print_findings(&robot.diagnostics, Severity::Warning)?;
+        print(&ssv::text(&robot.model, &robot.table).map_err(CliError::Ssv)?)?;
+        return Ok(());
+    }
     if args.source.config.is_some() {
         return Err(CliError::InitFromSettings);
     }

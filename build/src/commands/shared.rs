@@ -120,6 +120,9 @@ pub enum CliError {
         /// As asked for.
         code: String,
     },
+    /// `init --ssv`
+    #[error("the parameters cannot be written: {0}")]
+    Ssv(std::io::Error),
     /// An FMU that another program made.
     #[error("'{}' was not made by urdf2fmu: it has no resources/{FILE_NAME}", path.display())]
     ForeignFmu {
