@@ -45,7 +45,10 @@ def simulate(robot: PathLike, *, input: Table | None = None, start_values: Mappi
             write_table(Path(folder, "in.csv"), input)
             more += ["--input-file", str(Path(folder, "in.csv"))]
         for name, value in (start_values or {}).items():
-            more += ["--start-value", name, repr(float(value))]
+            try:
+                more += ["--start-value", name, repr(float(value))]
+            except (TypeError, ValueError):
+                raise Error(f"the start value of '{name}' must be a number, not {value!r}") from None
         for name in output:
             more += ["--output-variable", name]
         out = Path(folder, "out.csv")
@@ -78,11 +81,19 @@ def write_table(place: PathLike, table: Table) -> None:
     if hasattr(table, "to_records"):
         table = table.to_records(index=False)
     if isinstance(table, Mapping):
-        columns = {str(name): np.asarray(values, dtype=float) for name, values in table.items()}
+        given = {str(name): values for name, values in table.items()}
     elif isinstance(table, np.ndarray) and table.dtype.names:
-        columns = {name: np.asarray(table[name], dtype=float) for name in table.dtype.names}
+        given = {name: table[name] for name in table.dtype.names}
     else:
         raise Error("a table has columns with names: a structured array, a dict of arrays, or a DataFrame")
+    columns = {}
+    for name, values in given.items():
+        try:
+            columns[name] = np.asarray(values, dtype=float)
+        except (TypeError, ValueError):
+            raise Error(f"the column '{name}' of a table must hold numbers") from None
+    if not columns:
+        raise Error("a table needs the column 'time' and one for each input that it gives")
     if len({values.shape for values in columns.values()}) != 1 or next(iter(columns.values())).ndim != 1:
         shapes = ", ".join(f"{name} {values.shape}" for name, values in columns.items())
         raise Error(f"the columns of a table have one length; these have the shapes: {shapes}")

@@ -238,9 +238,10 @@ class Simulation:
             raise Error(f"'{name}' takes {many}; the given value has the shape {given.shape}")
         given = np.broadcast_to(given, len(place.names))
         for part in place.parts:
-            if part.kind != "Real" and not np.all(given[part.where] == np.round(given[part.where])):
-                raise Error(f"'{name}' takes whole numbers, not {value!r}")
-            numbers = given[part.where].tolist()
+            some_given = given[part.where]
+            if part.kind != "Real" and not np.all((some_given == np.round(some_given)) & (abs(some_given) < 2**31)):
+                raise Error(f"'{name}' takes whole numbers of 32 bits, not {value!r}")
+            numbers = some_given.tolist()
             numbers = numbers if part.kind == "Real" else [int(number) for number in numbers]
             some = (_NUMBERS[part.kind] * len(numbers))(*numbers)
             self._call("Set" + part.kind, part.references, ctypes.c_size_t(len(numbers)), some)

@@ -261,6 +261,14 @@ def test_what_a_simulation_refuses_is_an_error_and_changes_nothing(rover, call, 
         robot.step(0.01)
 
 
+@pytest.mark.parametrize("value", [0.5, 2**31, -(2**40), float("inf"), float("nan")])
+def test_whole_numbers_are_whole_and_fit(rover, value):
+    with Simulation(rover) as robot:
+        assert isinstance(robot["solver.steps"], int)
+        with pytest.raises(Error, match="whole numbers"):
+            robot["solver.steps"] = value
+
+
 def test_a_closed_simulation_says_so(rover):
     robot = Simulation(rover)
     robot.close()
@@ -302,6 +310,12 @@ def test_bad_files_are_errors(rover, examples, tmp_path):
         urdf2fmu.simulate(rover, start_values={"x": 1.0})
     with pytest.raises(Error, match="one length"):
         urdf2fmu.simulate(rover, input={"time": [0, 1], "cmd.head_joint.velocity": [1]})
+    with pytest.raises(Error, match="must be a number"):
+        urdf2fmu.simulate(rover, start_values={"initial.base.position.x": [1, 2]})
+    with pytest.raises(Error, match="must hold numbers"):
+        urdf2fmu.simulate(rover, input={"time": ["now"]})
+    with pytest.raises(Error, match="needs the column 'time'"):
+        urdf2fmu.simulate(rover, input={})
     with pytest.raises(Error, match="columns with names"):
         urdf2fmu.simulate(rover, input=[[0, 1]])
     with pytest.raises(Error, match="settings inside"):
