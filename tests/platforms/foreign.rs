@@ -3,14 +3,14 @@
 use super::mach::{Mach, SIGNED_PAGE};
 use super::{
     Fmu, assert_all_of_fmi, assert_glibc_2_17_and_nothing_else, assert_same_bits, compile_trace,
-    example, folder, output, skipped, wine,
+    example, folder, made, output, skipped, wine,
 };
 use std::fs;
 use std::process::Command;
 
 #[test]
 fn the_library_for_linux_on_arm_needs_glibc_2_17_and_nothing_else() {
-    if option_env!("URDF2FMU_READY_AARCH64_LINUX").is_none() {
+    if made("aarch64-linux").is_none() {
         return;
     }
     let fmu = Fmu::of(&example("rover.urdf"), &["--platform", "aarch64-linux"]);
@@ -23,7 +23,7 @@ fn the_library_for_linux_on_arm_needs_glibc_2_17_and_nothing_else() {
 fn linux_on_arm_calculates_the_same_bits() {
     const COMPILER: &str = "aarch64-linux-gnu-gcc";
     const EMULATOR: &str = "qemu-aarch64";
-    if option_env!("URDF2FMU_READY_AARCH64_LINUX").is_none() {
+    if made("aarch64-linux").is_none() {
         return;
     }
     for (program, package) in [
@@ -59,8 +59,7 @@ fn linux_on_arm_calculates_the_same_bits() {
 /// One file for both Macs, of which each part must be loadable by itself.
 #[test]
 fn the_libraries_for_macs_need_macos_11_and_nothing_else() {
-    let intel = option_env!("URDF2FMU_READY_X86_64_DARWIN");
-    let Some((intel, arm)) = intel.zip(option_env!("URDF2FMU_READY_AARCH64_DARWIN")) else {
+    let Some((intel, arm)) = made("x86_64-darwin").zip(made("aarch64-darwin")) else {
         return;
     };
     let fmu = Fmu::of(&example("rover.urdf"), &["--platform", "darwin64"]);
@@ -128,7 +127,7 @@ fn the_libraries_for_macs_need_macos_11_and_nothing_else() {
 
 #[test]
 fn an_fmu_for_all_platforms_is_small() {
-    if option_env!("URDF2FMU_READY_AARCH64_DARWIN").is_none() {
+    if made("aarch64-darwin").is_none() {
         return;
     }
     let fmu = Fmu::of(&example("rover.urdf"), &[]);
