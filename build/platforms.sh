@@ -60,5 +60,8 @@ for platform in "${wanted[@]}"; do
   rm -rf "${folder:?}/$platform"
   mkdir -p "$folder/$platform"
   cp "$work/$triple/release/$made" "$folder/$platform/"
+  if [[ $platform = *-darwin ]]; then
+    "$work/tools/bin/python" "$root/build/platforms/uuid.py" "$folder/$platform/$made"
+  fi
   say "$folder/$platform/$made, $(stat -c %s "$folder/$platform/$made") bytes"
 done
