@@ -8,7 +8,14 @@
 //! | variable | effect |
 //! |---|---|
 //! | `URDF2FMU_LIBRARY` | a ready library for the target platform; `none`: this platform is left out |
-//! | `URDF2FMU_LIBRARY_DIR` | a folder with `<platform>/` folders, each with one library, such as `platforms.sh` makes; all are embedded |
+//! | `URDF2FMU_LIBRARY_DIR` | a folder with `<platform>/` folders, named as FMI 3.0 or 2.0 does, each with one library, such as `platforms.sh` makes; all are embedded |
+
+#[path = "src/library/header.rs"]
+#[allow(dead_code, reason = "the command uses the rest")]
+mod header;
+#[path = "src/library/target.rs"]
+#[allow(dead_code, reason = "the command uses the rest")]
+mod target;
 
 use flate2::Compression;
 use flate2::write::DeflateEncoder;
@@ -22,8 +29,7 @@ use std::process::{Command, ExitCode};
 
 /// A library to embed.
 struct Library {
-    /// FMI 2.0's name of the platform.
-    platform: String,
+    platform: &'static target::Target,
     file: PathBuf,
     /// From the folder of libraries.
     ready: bool,
@@ -60,15 +66,16 @@ fn run() -> Result<(), Box<dyn Error>> {
     if let Some(file) = own {
         libraries.retain(|library| library.platform != target.platform);
         libraries.push(Library {
-            platform: target.platform.to_owned(),
+            platform: target.platform,
             file,
             ready: false,
         });
     }
-    libraries.sort_by(|a, b| a.platform.cmp(&b.platform));
+    libraries.sort_by_key(|library| target::TARGETS.iter().position(|t| t == library.platform));
     for library in libraries.iter().filter(|library| library.ready) {
         // For the tests of what `platforms.sh` makes.
-        let (platform, file) = (library.platform.to_uppercase(), library.file.display());
+        let platform = library.platform.platform.replace('-', "_").to_uppercase();
+        let file = library.file.display();
         println!("cargo::rustc-env=URDF2FMU_READY_{platform}={file}");
         warn_if_old(&library.file)?;
     }
@@ -133,18 +140,44 @@ fn ready_libraries(folder: &Path) -> Result<Vec<Library>, Box<dyn Error>> {
                 format!("'{folder}' holds {count} shared libraries; it must hold one").into(),
             );
         };
-        let name = platform
-            .file_name()
-            .unwrap_or_default()
-            .to_string_lossy()
-            .into_owned();
+        let name = platform.file_name().unwrap_or_default();
         libraries.push(Library {
-            platform: name,
+            platform: platform_of(&name.to_string_lossy(), file)?,
             file: existing(file)?,
             ready: true,
         });
+        let platform = libraries.last().map(|library| library.platform);
+        if libraries
+            .iter()
+            .filter(|library| Some(library.platform) == platform)
+            .count()
+            > 1
+        {
+            let name = platform.map_or("", |platform| platform.platform);
+            return Err(format!("'{}' holds two libraries for {name}", folder.display()).into());
+        }
     }
     Ok(libraries)
+}
+
+/// The system that a folder's library is for: the folder's name and the file must agree.
+fn platform_of(name: &str, file: &Path) -> Result<&'static target::Target, Box<dyn Error>> {
+    let names: Vec<&str> = target::TARGETS.iter().map(|t| t.platform).collect();
+    if target::named(name).next().is_none() {
+        let (file, names) = (file.display(), names.join(", "));
+        return Err(format!("'{file}': '{name}' is no platform; names are {names}").into());
+    }
+    let found = header::platforms(&fs::read(file)?);
+    let [one] = found.as_slice() else {
+        let (file, count) = (file.display(), found.len());
+        return Err(format!(
+            "'{file}' holds libraries for {count} platforms; it must be one library for {name}"
+        )
+        .into());
+    };
+    target::named(name)
+        .find(|target| target.platform == *one)
+        .ok_or_else(|| format!("'{}' is for {one} and not for {name}", file.display()).into())
 }
 
 /// Tells that a ready library is older than the sources that lie here.
@@ -177,10 +210,9 @@ fn warn_if_old(library: &Path) -> Result<(), Box<dyn Error>> {
 /// What the command is built for; its library is for the same.
 struct Target {
     triple: String,
-    /// FMI 2.0's name.
-    platform: &'static str,
+    platform: &'static target::Target,
     /// File of the library as cargo names it.
-    file: &'static str,
+    file: String,
     /// What only the linker of this system understands.
     link_args: &'static [&'static str],
 }
@@ -189,14 +221,12 @@ impl Target {
     fn from_environment() -> Result<Self, Box<dyn Error>> {
         let triple = env::var("TARGET")?;
         let system = env::var("CARGO_CFG_TARGET_OS")?;
-        let wide = env::var("CARGO_CFG_TARGET_POINTER_WIDTH")? == "64";
-        let pick = |narrow, broad| if wide { broad } else { narrow };
-        // FMI 2.0 names no processors: 64-bit ARM shares the folder.
-        let (platform, file) = match system.as_str() {
-            "windows" => (pick("win32", "win64"), "urdf2fmu_fmi.dll"),
-            "macos" => (pick("darwin32", "darwin64"), "liburdf2fmu_fmi.dylib"),
-            _ => (pick("linux32", "linux64"), "liburdf2fmu_fmi.so"),
-        };
+        let processor = env::var("CARGO_CFG_TARGET_ARCH")?;
+        let platform = target::of(&system, &processor).ok_or_else(|| {
+            format!("FMI has no name for {system} on {processor}; URDF2FMU_LIBRARY=none builds a command without a library")
+        })?;
+        let prefix = if system == "windows" { "" } else { "lib" };
+        let file = format!("{prefix}urdf2fmu_fmi.{}", platform.extension);
         // A host that defines a function of the same name must not get its own in our calls, and
         // must not see what the static parts of the library bring along.
         let gnu = env::var("CARGO_CFG_TARGET_ENV")? == "gnu";
@@ -269,10 +299,10 @@ fn nested_build(target: &Target) -> Result<PathBuf, Box<dyn Error>> {
         .into());
     }
     let built = folder.join(&target.triple).join("release");
-    watch(&built.join(target.file).with_extension("d"), &package)?;
+    watch(&built.join(&target.file).with_extension("d"), &package)?;
     // A copy of its own, which stays as it is when another outer profile builds the library anew.
-    let copy = out.join(target.file);
-    let made = built.join(target.file);
+    let copy = out.join(&target.file);
+    let made = built.join(&target.file);
     fs::copy(&made, &copy)
         .map_err(|error| format!("cargo has not made '{}': {error}", made.display()))?;
     Ok(copy)
@@ -435,11 +465,11 @@ fn watch(list: &Path, package: &Path) -> Result<(), Box<dyn Error>> {
 fn source(libraries: &[Library], out: &Path) -> Result<String, Box<dyn Error>> {
     let mut code = String::from("&[\n");
     for Library { platform, file, .. } in libraries {
-        let extension = file
-            .extension()
-            .unwrap_or_default()
-            .to_string_lossy()
-            .into_owned();
+        let target::Target {
+            platform,
+            extension,
+            ..
+        } = platform;
         let packed = out.join(format!("{platform}.deflate"));
         fs::write(&packed, deflated(file)?)?;
         let path = packed

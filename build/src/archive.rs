@@ -228,29 +228,39 @@ pub fn read_entry(path: &Path, name: &str) -> Result<Option<Vec<u8>>, ArchiveErr
     Ok(Some(bytes))
 }
 
-/// Names of the folders of a zip on disk that lie directly in `parent` (with a slash at its end)
-/// and are not empty, sorted.
+/// The folders below `parent`, sorted, each with the first bytes of a file in it.
 ///
 /// # Errors
 /// [`ArchiveError::Read`], [`ArchiveError::Unpack`].
-pub fn folders(path: &Path, parent: &str) -> Result<Vec<String>, ArchiveError> {
-    let file = std::fs::File::open(path).map_err(|source| ArchiveError::Read {
-        path: path.to_owned(),
+pub fn heads(path: &Path, parent: &str) -> Result<Vec<(String, Vec<u8>)>, ArchiveError> {
+    /// Enough for the headers of libraries.
+    const FIRST: u64 = 4096;
+    let path = path.to_owned();
+    let file = match std::fs::File::open(&path) {
+        Ok(file) => file,
+        Err(source) => return Err(ArchiveError::Read { path, source }),
+    };
+    let unpack = |source| ArchiveError::Unpack {
+        path: path.clone(),
         source,
-    })?;
-    let zip = zip::ZipArchive::new(file).map_err(|source| ArchiveError::Unpack {
-        path: path.to_owned(),
-        source,
-    })?;
-    let folders: BTreeSet<String> = zip
-        .file_names()
-        .filter_map(|name| {
-            let name = name.ok()?;
-            let (folder, file) = name.strip_prefix(parent)?.split_once('/')?;
-            (!file.is_empty()).then(|| folder.to_owned())
-        })
-        .collect();
-    Ok(folders.into_iter().collect())
+    };
+    let mut zip = zip::ZipArchive::new(file).map_err(unpack)?;
+    let mut found = BTreeMap::new();
+    for i in 0..zip.len() {
+        let entry = zip.by_index(i).map_err(unpack)?;
+        let name = entry.name().map_err(unpack)?.into_owned();
+        let place = name.strip_prefix(parent).and_then(|n| n.split_once('/'));
+        let Some((folder, _)) = place.filter(|(_, file)| !file.is_empty()) else {
+            continue;
+        };
+        let mut head = Vec::new();
+        if let Err(source) = entry.take(FIRST).read_to_end(&mut head) {
+            let path = path.clone();
+            return Err(ArchiveError::Read { path, source });
+        }
+        found.insert(folder.to_owned(), head);
+    }
+    Ok(found.into_iter().collect())
 }
 
 /// Unpacks a zip into `folder`. Names that lead out of it are errors.

@@ -167,8 +167,8 @@ pub(crate) struct Export {
     /// The FMU to write [default: the URDF's name with .fmu, in this folder]
     #[arg(short, long, value_name = "FILE.fmu")]
     pub(crate) output: Option<PathBuf>,
-    /// Platforms that the FMU runs on, such as `linux64,win64` [default: all that this program
-    /// carries]
+    /// Platforms that the FMU runs on, such as `linux64,win64` or `aarch64-linux` [default: all
+    /// that this program carries]
     #[arg(long = "platform", value_name = "NAMES", value_delimiter = ',')]
     pub(crate) platforms: Vec<String>,
     #[command(flatten)]
@@ -210,6 +210,9 @@ pub(crate) struct Init {
     /// The robot
     #[arg(value_name = "ROBOT.urdf")]
     pub(crate) urdf: PathBuf,
+    /// Write the FMU's parameters with their values as an SSV file instead, for tools of SSP 1.0
+    #[arg(long)]
+    pub(crate) ssv: bool,
     #[command(flatten)]
     pub(crate) source: Source,
 }

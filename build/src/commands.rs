@@ -15,7 +15,7 @@ use crate::diagnostics::{self, Style};
 use crate::output::{Target, print};
 use crate::scene::{self, Scene};
 use crate::stage::{self, Robot, StageError};
-use crate::{archive, info, init, library, picture, summary, xacro};
+use crate::{archive, info, init, library, picture, ssv, summary, xacro};
 use serde_json::json;
 use std::path::PathBuf;
 use urdf2fmu_core::diagnostic::Severity;
@@ -70,7 +70,11 @@ fn show(args: &Info) -> Result<(), CliError> {
         let Some(bytes) = archive::read_entry(&path, &format!("resources/{FILE_NAME}"))? else {
             return Err(CliError::ForeignFmu { path });
         };
-        let platforms = archive::folders(&path, "binaries/")?;
+        let platforms = archive::heads(&path, "binaries/")?;
+        let platforms: Vec<_> = platforms
+            .into_iter()
+            .map(|(folder, head)| (folder, library::header::platforms(&head)))
+            .collect();
         let prepared = PreparedModel::from_json(&String::from_utf8_lossy(&bytes))
             .map_err(|source| CliError::Prepared { path, source })?;
         let table = variables::table(&prepared.model)?;
@@ -79,22 +83,35 @@ fn show(args: &Info) -> Result<(), CliError> {
         let robot = stage::robot(&args.source.request(&args.file))?;
         print_findings(&robot.diagnostics, Severity::Warning)?;
         // Those that its FMU would get.
-        let platforms = library::embedded().iter();
-        let platforms = platforms.map(|l| l.platform.to_owned()).collect();
+        let platforms = stage::libraries(&robot, &[])?.into_iter();
+        let platforms = platforms.map(|l| (l.folder.to_owned(), l.platforms));
+        let platforms = platforms.collect();
         (robot.model, robot.table, platforms)
     };
     if args.json {
         let mut value = info::json(&model, &table, args.variables);
-        value["platforms"] = json!(platforms);
+        let folders: Vec<_> = platforms.iter().map(|(folder, _)| folder).collect();
+        let systems: Vec<_> = platforms.iter().flat_map(|(_, systems)| systems).collect();
+        value["platforms"] = json!(folders);
+        value["systems"] = json!(systems);
         print(&format!("{value:#}\n"))?;
     } else {
         let text = info::text(&model, &table, args.variables);
-        print(&format!("{text}\nPlatforms\n  {}\n", platforms.join(" ")))?;
+        let inside = platforms.iter();
+        let inside = inside.map(|(folder, systems)| library::describe(folder, systems));
+        let inside = inside.collect::<Vec<_>>().join(" ");
+        print(&format!("{text}\nPlatforms\n  {inside}\n"))?;
     }
     Ok(())
 }
 
 fn init(args: &Init) -> Result<(), CliError> {
+    if args.ssv {
+        let robot = stage::robot(&args.source.request(&args.urdf))?;
+        print_findings(&robot.diagnostics, Severity::Warning)?;
+        print(&ssv::text(&robot.model, &robot.table).map_err(CliError::Ssv)?)?;
+        return Ok(());
+    }
     if args.source.config.is_some() {
         return Err(CliError::InitFromSettings);
     }

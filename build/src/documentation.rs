@@ -35,7 +35,7 @@ pub struct Page<'a> {
     /// See modelDescription.xml.
     pub guid: &'a str,
     /// `linux64` …
-    pub platforms: &'a [&'a str],
+    pub platforms: &'a [String],
     /// In order of appearance.
     pub remarks: &'a [Remark],
     /// Names below `resources/source/`.

@@ -2,7 +2,7 @@
 //! system, and its guid.
 
 use crate::archive::is_device;
-use crate::library::Library;
+use crate::library::Binary;
 use sha2::{Digest, Sha256};
 use std::fmt::Write as _;
 use urdf2fmu_core::model::Model;
@@ -52,15 +52,13 @@ fn identifier(name: &str) -> Option<String> {
 /// Identifies what the FMU is: model, table and library. Written as FMI 2 likes it, a UUID
 /// (version 8) in braces.
 ///
-/// - `libraries`: with their files
-///
 /// # Errors
 /// [`PreparedModelError`] if the model cannot be written.
 pub fn guid(
     model_identifier: &str,
     model: &Model,
     table: &[Variable],
-    libraries: &[(Library, Vec<u8>)],
+    libraries: &[Binary],
 ) -> Result<String, PreparedModelError> {
     let mut hash = Sha256::new();
     // Lengths keep neighbouring parts apart.
@@ -78,9 +76,9 @@ pub fn guid(
     for v in table {
         part(format!("{v:?}").as_bytes());
     }
-    for (library, file) in libraries {
-        part(library.platform.as_bytes());
-        part(file);
+    for library in libraries {
+        part(library.folder.as_bytes());
+        part(&library.file);
     }
     let mut bytes = [0_u8; 16];
     bytes.copy_from_slice(&hash.finalize()[..16]);

@@ -35,8 +35,8 @@ libm: Copyright (c) 2018 Jorge Aparicio. Portions derived from musl libc, Copyri
 its math library is Copyright (c) 1993, 2004 Sun Microsystems, 2003-2011 David Schultz, 2003-2009 Steven G. Kargl,
 2003-2009 Bruce D. Evans, 2008 Stephen L. Moshier and 2017-2018 Arm Limited. Portions from the CORE-MATH project (MIT).
 
-Compilers add parts of their own. linux64, built by build/platforms.sh: LLVM's libunwind (Apache-2.0 WITH LLVM-exception)
-and zig's compiler runtime (MIT, Copyright (c) Zig contributors). win64: the runtime of mingw-w64 (public domain and
+Compilers add parts of their own. Linux, built by build/platforms.sh: LLVM's libunwind (Apache-2.0 WITH LLVM-exception)
+and zig's compiler runtime (MIT, Copyright (c) Zig contributors). macOS: zig's compiler runtime. Windows: the runtime of mingw-w64 (public domain and
 ZPL-2.1, Copyright (c) 2009-2022 by the mingw-w64 project) and libgcc (GPL-3.0-or-later WITH GCC-exception-3.1).
 ";
 

@@ -35,6 +35,7 @@ mod results;
 mod run_summary;
 mod scene;
 mod sources;
+mod ssv;
 mod stage;
 mod structure;
 mod summary;

@@ -9,7 +9,7 @@ use crate::archive::{Archive, ArchiveError};
 use crate::describe::{self, DescribeError, Header};
 use crate::documentation::{self, Page, Remark};
 use crate::identifier::{guid, model_identifier};
-use crate::library::{self, Library};
+use crate::library::{self, Binary, LibraryError};
 use crate::scene::{self, Scene, SceneError};
 use crate::world::Packages;
 use crate::{date, license, page, picture, sources, world, xacro};
@@ -26,6 +26,9 @@ use urdf2fmu_core::settings::{
 use urdf2fmu_core::simulation::{Simulation, SimulationError};
 use urdf2fmu_core::urdf::{self, Description};
 use urdf2fmu_core::variables::{self, TableError, Variable};
+
+/// The major version of the FMUs.
+const FMI: u8 = 2;
 
 /// What a person asked for. What stands here wins over the settings file.
 #[derive(Clone, Debug, Default)]
@@ -92,8 +95,8 @@ pub struct Robot {
 pub struct Fmu {
     /// The zip.
     pub bytes: Vec<u8>,
-    /// `linux64` …
-    pub platforms: Vec<&'static str>,
+    /// `linux64`, `darwin64 (x86_64 and aarch64)` …
+    pub platforms: Vec<String>,
 }
 
 /// Why no FMU could be made.
@@ -106,9 +109,9 @@ pub enum StageError {
     /// Names clash.
     #[error(transparent)]
     Table(#[from] TableError),
-    /// A library of this program.
-    #[error("this program is damaged: its library cannot be unpacked ({0})")]
-    Library(std::io::Error),
+    /// The platforms.
+    #[error(transparent)]
+    Library(#[from] LibraryError),
     /// The prepared model.
     #[error(transparent)]
     Prepared(#[from] PreparedModelError),
@@ -132,21 +135,6 @@ pub enum StageError {
         /// Why.
         source: std::io::Error,
     },
-    /// `--platform`.
-    #[error(
-        "this urdf2fmu carries no library for the platform '{asked}', only for {}; one that carries several is built \
-         as docs/platforms.md says",
-        known.join(", ")
-    )]
-    Platform {
-        /// As asked for.
-        asked: String,
-        /// What there is.
-        known: Vec<&'static str>,
-    },
-    /// This program was built without a library for any platform.
-    #[error("this urdf2fmu carries no FMU library; build it again without URDF2FMU_LIBRARY=none")]
-    NoLibrary,
 }
 
 /// Reads a robot and its settings.
@@ -222,6 +210,10 @@ pub fn robot(request: &Request) -> Result<Robot, StageError> {
     }
     let built = assemble::world(&description, &settings, &around.guests);
     let assembled = built.map_err(&mut failed)?;
+    let unknown = library::unknown(&settings.fmu.platforms);
+    if !unknown.is_empty() {
+        return Err(failed(unknown));
+    }
     diagnostics.extend(around.diagnostics);
     diagnostics.extend(assembled.diagnostics);
     let table = match variables::table(&assembled.model) {
@@ -267,13 +259,7 @@ pub fn fmu(
     platforms: &[String],
     whole: bool,
 ) -> Result<Fmu, StageError> {
-    let libraries = select(library::embedded(), platforms)?;
-    let files = libraries
-        .iter()
-        .map(|library| Ok((*library, library.file()?)));
-    let libraries: Vec<(Library, Vec<u8>)> = files
-        .collect::<Result<_, _>>()
-        .map_err(StageError::Library)?;
+    let libraries = libraries(robot, platforms)?;
     let stem = urdf.file_stem().unwrap_or_default().to_string_lossy();
     let about = &robot.settings.fmu;
     let model_name = about.name.as_ref().unwrap_or(&robot.model.name);
@@ -296,12 +282,12 @@ pub fn fmu(
         &robot.table,
     )?;
     archive.add("modelDescription.xml", xml)?;
-    for (library, file) in &libraries {
+    for library in &libraries {
         let name = format!(
             "binaries/{}/{model_identifier}.{}",
-            library.platform, library.extension
+            library.folder, library.extension
         );
-        archive.add_executable(name, file.clone())?;
+        archive.add_executable(name, library.file.clone())?;
     }
     archive.add(format!("resources/{FILE_NAME}"), prepared)?;
     let names = add_sources(&mut archive, robot)?;
@@ -309,7 +295,10 @@ pub fn fmu(
     let scene = make_scene(robot, &remarks, &guid)?.to_bytes()?;
     let scene_name = format!("resources/{}", scene::FILE_NAME);
     archive.add(scene_name, scene.clone())?;
-    let platforms: Vec<&str> = libraries.iter().map(|(l, _)| l.platform).collect();
+    let inside = libraries.iter();
+    let platforms: Vec<String> = inside
+        .map(|l| library::describe(l.folder, &l.platforms))
+        .collect();
     if whole {
         let page = Page {
             model_identifier: &model_identifier,
@@ -372,23 +361,21 @@ fn make_scene(robot: &Robot, remarks: &[Remark], guid: &str) -> Result<Scene, St
     Ok(scene::make(&parts, model, table, notes, guid)?)
 }
 
-/// The libraries of `platforms`, or all where none is named.
-fn select(all: &'static [Library], platforms: &[String]) -> Result<Vec<Library>, StageError> {
-    if all.is_empty() {
-        return Err(StageError::NoLibrary);
+/// The libraries of `platforms`, else of those that the settings name, else of all.
+///
+/// # Errors
+/// [`StageError::Library`], or [`StageError::Robot`] where the settings name them.
+pub fn libraries(robot: &Robot, platforms: &[String]) -> Result<Vec<Binary>, StageError> {
+    let all = library::embedded();
+    let set = &robot.settings.fmu.platforms;
+    if !platforms.is_empty() || set.is_empty() {
+        return Ok(library::pack(all, platforms, FMI)?);
     }
-    for asked in platforms {
-        if !all.iter().any(|library| library.platform == *asked) {
-            return Err(StageError::Platform {
-                asked: asked.clone(),
-                known: all.iter().map(|library| library.platform).collect(),
-            });
-        }
-    }
-    let wanted = |library: &&Library| {
-        platforms.is_empty() || platforms.iter().any(|asked| library.platform == *asked)
-    };
-    Ok(all.iter().filter(wanted).copied().collect())
+    let names: Vec<&str> = set.iter().map(|name| name.text.as_str()).collect();
+    library::pack(all, &names, FMI).map_err(|error| {
+        let told = set.iter().find(|n| error.to_string().contains(&n.text));
+        StageError::Robot(vec![library::finding(told.unwrap_or(&set[0]), &error)])
+    })
 }
 
 /// Loads what the FMU will load and takes one step of the default experiment.

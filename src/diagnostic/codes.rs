@@ -63,6 +63,7 @@ pub const CODES: &[Row] = &[
     ("S106", "Keys that contradict each other.", "Keep one of them."),
     ("S107", "A key that must be there is missing.", "Add it."),
     ("S108", "The settings cannot be read.", "Check the path."),
+    ("S109", "`[fmu] platforms` names what is no platform, or one that the command has no library for.", "docs/platforms.md lists the names, and how to build the libraries."),
     ("T001", "A file of `[[world.terrain]]` cannot be read.", "Check its name: a relative one counts from the folder of the settings."),
     ("T002", "A file of `[[world.terrain]]` holds no heights or no triangles that could be used.", "Correct what the finding names."),
     ("U001", "The file cannot be read, is a folder, or is too large.", "Name the URDF file."),

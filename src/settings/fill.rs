@@ -55,7 +55,7 @@ pub(super) fn fill(reader: &mut Reader, root: &Section, compat: Option<Compat>) 
             })
             .collect(),
         disabled_contacts: Vec::new(),
-        fmu: fmu(&root.table("fmu")),
+        fmu: fmu(reader, &root.table("fmu")),
         flat_names: root.table("fmu").word("naming").as_deref() == Some("flat"),
         solver: solver(&root.table("solver"), compat),
         contact: contact(reader, &root.table("contact")),
@@ -337,7 +337,7 @@ fn named_tables(reader: &Reader, section: &Section) -> std::vec::IntoIter<(Patte
     tables.into_iter()
 }
 
-fn fmu(section: &Section) -> FmuSettings {
+fn fmu(reader: &Reader, section: &Section) -> FmuSettings {
     let text = |name: &str| match section.value(name) {
         Some(Value::Texts(texts)) => texts.first().map(|(text, _)| text.clone()),
         _ => None,
@@ -349,5 +349,9 @@ fn fmu(section: &Section) -> FmuSettings {
         copyright: text("copyright"),
         license: text("license"),
         stop_time: section.number("stop_time"),
+        platforms: match section.value("platforms") {
+            Some(Value::Texts(texts)) => patterns(reader, texts),
+            _ => Vec::new(),
+        },
     }
 }

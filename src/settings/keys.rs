@@ -175,6 +175,12 @@ pub const KEYS: &[Key] = &[
         "s, end of the default experiment",
     ),
     key(
+        "fmu.platforms",
+        Patterns,
+        Some("[]"),
+        "systems that the FMU runs on, such as linux64 and win64, see platforms.md; none: all that the command has libraries for",
+    ),
+    key(
         "solver.step_size",
         NumberOrRatio(Step),
         Some("0"),

@@ -1,4 +1,5 @@
 //! What a settings file says, checked.
+//!
 
 mod terrain;
 
@@ -29,6 +30,8 @@ pub struct FmuSettings {
     pub license: Option<String>,
     /// End of the default experiment, s.
     pub stop_time: Option<f64>,
+    /// Names of the systems that the FMU has libraries for; without any, of all that there are.
+    pub platforms: Vec<Pattern>,
 }
 
 /// A settings file, checked.

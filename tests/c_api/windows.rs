@@ -12,7 +12,7 @@ use wine::Wine;
 
 #[test]
 fn the_windows_library_passes_the_same_tests_under_wine() {
-    let Some(library) = option_env!("URDF2FMU_READY_WIN64") else {
+    let Some(library) = option_env!("URDF2FMU_READY_X86_64_WINDOWS") else {
         return skipped(
             "this urdf2fmu was built without a library for win64 in URDF2FMU_LIBRARY_DIR; build/platforms.sh makes it",
         );

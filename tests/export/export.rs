@@ -262,26 +262,91 @@ fn an_fmu_contains_every_platform_of_the_command_unless_some_are_selected() {
         let (_folder, fmu) = export(&example("rover.urdf"), &["--platform", platform]);
         assert_eq!(platforms(&fmu), std::slice::from_ref(platform));
         let run = urdf2fmu(["info", text(&fmu)]);
-        assert!(run.out.contains(&format!("\nPlatforms\n  {platform}\n")));
+        // FMI 2.0's name of both Macs does not say which it is for.
+        assert!(run.out.contains(&format!("\nPlatforms\n  {platform}")));
     }
     let (_folder, both) = export(&example("rover.urdf"), &["--platform", &carried.join(",")]);
     assert_eq!(platforms(&both), carried);
 
+    // By FMI 3.0's names, which also name processors, and in the settings.
+    let run = urdf2fmu(["info", text(&all), "--json"]);
+    let info: Value = serde_json::from_str(&run.out).unwrap();
+    let systems: Vec<String> = serde_json::from_value(info["systems"].clone()).unwrap();
+    assert!(systems.len() >= carried.len());
+    for system in &systems {
+        let (_folder, fmu) = export(&example("rover.urdf"), &["--platform", system]);
+        let run = urdf2fmu(["info", text(&fmu), "--json"]);
+        let info: Value = serde_json::from_str(&run.out).unwrap();
+        assert_eq!(info["systems"], serde_json::json!([system]));
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let settings = folder.path().join("robot.toml");
+    let first = &carried[0];
+    fs::write(&settings, format!("[fmu]\nplatforms = ['{first}']\n")).unwrap();
+    let (_folder, thin) = export(&example("rover.urdf"), &["-c", text(&settings)]);
+    assert_eq!(platforms(&thin), std::slice::from_ref(first));
+    let last = carried.last().unwrap();
+    let options = ["-c", text(&settings), "--platform", last];
+    let (_folder, other) = export(&example("rover.urdf"), &options);
+    assert_eq!(platforms(&other), std::slice::from_ref(last), "options win");
+}
+
+#[test]
+fn platforms_that_an_fmu_cannot_have_are_errors_that_say_what_there_is() {
     let folder = tempfile::tempdir().unwrap();
     let fmu = folder.path().join("robot.fmu");
     let urdf = example("rover.urdf");
-    let run = urdf2fmu([
-        "export",
-        text(&urdf),
-        "-o",
-        text(&fmu),
-        "--platform",
-        "amiga",
-    ]);
-    assert_eq!(run.code, 2, "{}", run.err);
-    assert!(run.err.contains("'amiga'"), "{}", run.err);
-    assert!(run.err.contains(&carried.join(", ")), "{}", run.err);
-    assert!(!fmu.exists());
+    for (asked, words) in [
+        (
+            "amiga",
+            &["'amiga' is no platform", "x86_64-linux", "win64"][..],
+        ),
+        ("x86_64-linx", &["did you mean 'x86_64-linux'?"]),
+        ("linux64,win46", &["did you mean 'win64'?"]),
+        ("", &["'' is no platform"]),
+        (
+            "win32",
+            &[
+                "carries no library for the platform 'win32', only for",
+                "docs/platforms.md",
+            ],
+        ),
+    ] {
+        let arguments = ["export", text(&urdf), "-o", text(&fmu), "--platform", asked];
+        let run = urdf2fmu(arguments);
+        assert_eq!(run.code, 2, "{}", run.err);
+        for word in words {
+            assert!(run.err.contains(word), "{asked}: {}", run.err);
+        }
+        assert!(!fmu.exists());
+    }
+    let settings = folder.path().join("robot.toml");
+    for (asked, word) in [
+        ("win46", "did you mean 'win64'?"),
+        ("win32", "carries no library"),
+    ] {
+        fs::write(&settings, format!("[fmu]\nplatforms = [\n  '{asked}']\n")).unwrap();
+        let run = urdf2fmu([
+            "export",
+            text(&urdf),
+            "-o",
+            text(&fmu),
+            "-c",
+            text(&settings),
+        ]);
+        assert_eq!(run.code, 1, "{}", run.err);
+        assert!(
+            run.err.contains("error[S109]") && run.err.contains(word),
+            "{}",
+            run.err
+        );
+        assert!(run.err.contains("robot.toml:3:3"), "{}", run.err);
+        assert!(!fmu.exists());
+    }
+    // What no command could carry is told by `check`, too.
+    fs::write(&settings, "[fmu]\nplatforms = ['win46']\n").unwrap();
+    let run = urdf2fmu(["check", text(&urdf), "-c", text(&settings)]);
+    assert_eq!(run.code, 1, "{}", run.err);
 }
 
 #[test]

@@ -46,3 +46,50 @@ fn init_writes_settings_that_change_nothing() {
     let run = urdf2fmu(["init", text(&example("arm.urdf")), "-c", text(&path)]);
     assert_eq!(run.code, 2, "{run:?}");
 }
+
+#[test]
+fn the_parameters_are_written_for_tools_of_ssp_with_values_and_units() {
+    let urdf = example("rover.urdf");
+    let run = urdf2fmu(["init", text(&urdf), "--ssv", "--scale", "2"]);
+    assert_eq!(run.code, 0, "{}", run.err);
+    let listing = urdf2fmu(["info", text(&urdf), "--scale", "2", "--json", "--variables"]);
+    let info: Value = serde_json::from_str(&listing.out).unwrap();
+    let variables = info["variables"].as_array().unwrap().iter();
+    let parameters: Vec<&Value> = variables
+        .filter(|v| v["causality"] == "parameter")
+        .collect();
+    assert!(parameters.len() > 40);
+
+    // An independent reader of attributes: each tag with its name and what stands in it.
+    let attribute = |tag: &str, name: &str| -> Option<String> {
+        let (_, rest) = tag.split_once(&format!(" {name}=\""))?;
+        Some(rest.split('"').next()?.to_owned())
+    };
+    let tags: Vec<&str> = run.out.split('<').collect();
+    let written: Vec<(String, String, Option<String>)> = tags
+        .windows(2)
+        .filter(|pair| pair[0].starts_with("ssv:Parameter "))
+        .map(|pair| {
+            let name = attribute(pair[0], "name").unwrap();
+            let value = attribute(pair[1], "value").unwrap();
+            (name, value, attribute(pair[1], "unit"))
+        })
+        .collect();
+    let units: Vec<String> = tags
+        .iter()
+        .filter(|tag| tag.starts_with("ssc:Unit "))
+        .map(|tag| attribute(tag, "name").unwrap())
+        .collect();
+    assert_eq!(written.len(), parameters.len());
+    for ((name, value, unit), expected) in written.iter().zip(parameters) {
+        assert_eq!(name, expected["name"].as_str().unwrap());
+        let start = expected["start"].as_f64();
+        let start = start.or(expected["start"].as_bool().map(f64::from));
+        let value = value.parse().ok().or(Some(f64::from(value == "true")));
+        assert_eq!(value, start, "{name}");
+        if let Some(unit) = unit {
+            assert_eq!(unit, expected["unit"].as_str().unwrap(), "{name}");
+            assert!(units.contains(unit), "{unit} is defined");
+        }
+    }
+}

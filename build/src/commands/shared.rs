@@ -120,6 +120,9 @@ pub enum CliError {
         /// As asked for.
         code: String,
     },
+    /// `init --ssv`
+    #[error("the parameters cannot be written: {0}")]
+    Ssv(std::io::Error),
     /// An FMU that another program made.
     #[error("'{}' was not made by urdf2fmu: it has no resources/{FILE_NAME}", path.display())]
     ForeignFmu {
@@ -132,10 +135,8 @@ impl CliError {
     /// The program's exit code.
     pub fn exit_code(&self) -> u8 {
         match self {
-            Self::Stage(StageError::Platform { .. })
-            | Self::InitFromSettings
-            | Self::FilmTheme
-            | Self::Code { .. } => 2,
+            Self::Stage(StageError::Library(error)) if error.is_usage() => 2,
+            Self::InitFromSettings | Self::FilmTheme | Self::Code { .. } => 2,
             Self::Stage(StageError::Trial(_)) => 3,
             Self::Run(error) | Self::View(ViewError::Run(error)) if error.is_simulation() => 3,
             Self::Run(error) if error.is_usage() => 2,

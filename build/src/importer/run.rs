@@ -7,6 +7,7 @@ use super::experiment::{Experiment, Times, read, signals, starts};
 use super::library::{LibraryError, Slave, Stepped};
 use super::select::selection;
 use super::signals::{Signals, is_close};
+use crate::library::target;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -93,19 +94,10 @@ pub fn simulate(
 }
 
 /// This system's folder under `binaries/`.
-const PLATFORM: &str = if cfg!(target_os = "windows") {
-    if cfg!(target_pointer_width = "64") {
-        "win64"
-    } else {
-        "win32"
-    }
-} else if cfg!(target_os = "macos") {
-    "darwin64"
-} else if cfg!(target_pointer_width = "64") {
-    "linux64"
-} else {
-    "linux32"
-};
+fn platform() -> &'static str {
+    use std::env::consts::{ARCH, OS};
+    target::of(OS, ARCH).map_or(OS, |target| target::folder(target.platform, 2))
+}
 
 fn library(folder: &Path, identifier: &str) -> Result<PathBuf, RunError> {
     let file = format!("{identifier}{}", std::env::consts::DLL_SUFFIX);
@@ -115,7 +107,7 @@ fn library(folder: &Path, identifier: &str) -> Result<PathBuf, RunError> {
         file
     };
     let binaries = folder.join("binaries");
-    let path = binaries.join(PLATFORM).join(&file);
+    let path = binaries.join(platform()).join(&file);
     if path.is_file() {
         return Ok(path);
     }
@@ -127,7 +119,7 @@ fn library(folder: &Path, identifier: &str) -> Result<PathBuf, RunError> {
         .collect();
     found.sort();
     Err(RunError::Platform {
-        platform: PLATFORM,
+        platform: platform(),
         file,
         found: if found.is_empty() {
             "none".to_owned()

@@ -1,0 +1,207 @@
+"""Runs the `urdf2fmu` command that the wheel carries."""
+
+from __future__ import annotations
+
+import importlib.metadata
+import json
+import os
+import shutil
+import subprocess
+import sys
+import sysconfig
+import tempfile
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, Union
+
+from ._settings import to_toml
+
+PathLike = Union[str, "os.PathLike[str]"]
+"""A file's name."""
+Option = Union[None, bool, float, str, "os.PathLike[str]", Sequence[Any]]
+"""A value of an option of the command."""
+Settings = Union[str, "os.PathLike[str]", Mapping[str, Any]]
+"""A settings file, or what would stand in it."""
+
+
+class Error(RuntimeError):
+    """Whatever goes wrong: its text is what the command or the FMU says.
+
+    Attributes:
+        findings: what is wrong with a robot or its settings, each a dict with `severity`, `code`, `message`, `help`,
+            `file`, `line` and `column`, as `urdf2fmu check --json` gives them.
+        exit_code: of the command; 1 a problem in a file, 2 wrong usage, 3 a simulation failed; 0 if there was none.
+    """
+
+    def __init__(self, message: str, findings: Iterable[Mapping[str, Any]] = (), exit_code: int = 0) -> None:
+        super().__init__(message)
+        self.findings = [dict(finding) for finding in findings]
+        self.exit_code = exit_code
+
+
+def command() -> str:
+    """The `urdf2fmu` program: URDF2FMU in the environment, else that of this wheel, else one on the path."""
+    name = "urdf2fmu.exe" if sys.platform == "win32" else "urdf2fmu"
+    named = os.environ.get("URDF2FMU")
+    if named:
+        if not os.path.isfile(named):
+            raise Error(f"URDF2FMU names the program '{named}', which is no file")
+        return named
+    for place in _installed(name):
+        if place.is_file():
+            return os.path.normpath(place)
+    found = shutil.which(name)
+    if found is None:
+        raise Error(f"the program '{name}' of the package urdf2fmu is missing; install the package again")
+    return found
+
+
+def _installed(name: str) -> Iterator[Path]:
+    try:
+        for file in importlib.metadata.files("urdf2fmu") or ():
+            if file.name == name:
+                yield Path(str(file.locate()))
+    except importlib.metadata.PackageNotFoundError:
+        pass
+    yield Path(sysconfig.get_path("scripts"), name)
+
+
+def run(*arguments: str | os.PathLike[str], accept: Sequence[int] = (0,)) -> str:
+    """Runs the command and gives its standard output.
+
+    Raises:
+        Error: with what it said, if it ends with another code than those accepted.
+    """
+    # Colours and the progress of a terminal are not for programs.
+    environment = {**os.environ, "NO_COLOR": "1"}
+    done = subprocess.run([command(), *(os.fspath(a) for a in arguments)], capture_output=True, text=True, encoding="utf-8",
+                          errors="replace", stdin=subprocess.DEVNULL, env=environment, check=False)
+    if done.returncode not in accept:
+        text = done.stderr.strip() or f"urdf2fmu ended with exit code {done.returncode}"
+        raise Error(text, exit_code=done.returncode)
+    return done.stdout
+
+
+def arguments(options: Mapping[str, Option]) -> list[str]:
+    """Options as the command takes them.
+
+    `fixed_base=True` becomes `--fixed-base`, a list repeats its option, and None and False are left out.
+    `xacro_arguments` is a mapping or a list of `name:=value`.
+    """
+    out: list[str] = []
+    for name, value in options.items():
+        if name == "xacro_arguments":
+            out += [f"{k}:={v}" for k, v in value.items()] if isinstance(value, Mapping) else list(_list(value))
+            continue
+        flag = "--" + name.strip("_").replace("_", "-")
+        if value is True:
+            out.append(flag)
+        elif value is not None and value is not False:
+            for item in _list(value):
+                out += [flag, item]
+    return out
+
+
+def _list(value: Option) -> Iterator[str]:
+    several = isinstance(value, (list, tuple))
+    for item in value if several else [value]:  # type: ignore[union-attr]
+        yield os.fspath(item) if isinstance(item, os.PathLike) else str(item)
+
+
+@contextmanager
+def settings(config: Settings | None) -> Iterator[list[str]]:
+    """The option that names a settings file; a mapping is written to one for the time being."""
+    if config is None:
+        yield []
+    elif isinstance(config, Mapping):
+        with tempfile.TemporaryDirectory(prefix="urdf2fmu-") as folder:
+            place = Path(folder, "settings.toml")
+            place.write_text(to_toml(config), encoding="utf-8")
+            yield ["-c", str(place)]
+    else:
+        yield ["-c", os.fspath(config)]
+
+
+def export(robot: PathLike, output: PathLike | None = None, *, config: Settings | None = None,
+           **options: Option) -> Path:
+    """Makes an FMU of a robot.
+
+    Args:
+        robot: a URDF, also one in xacro.
+        output: the FMU to write; without it the robot's name with `.fmu`, beside it.
+        config: a settings file (TOML), or the same as nested dicts: `{"robot": {"base": "fixed"}}`. Relative names of
+            files in a dict count from the folder for temporary files, so give whole ones.
+        options: those of `urdf2fmu export`, with `_` for `-`: `fixed_base=True`, `mode="velocity"`,
+            `platform="linux64,win64"`, `package_path=[a, b]`, `object=["crate.urdf@1,0"]`.
+
+    Returns:
+        Where the FMU is.
+
+    Raises:
+        Error: if the robot or an option is refused; `findings` has the reasons one by one.
+    """
+    target = Path(output) if output is not None else Path(_without_ends(Path(robot))).with_suffix(".fmu")
+    with settings(config) as file:
+        try:
+            run("export", robot, "-o", target, *file, *arguments(options))
+        except Error as error:
+            raise _with_findings(error, robot, file, options) from None
+    return target
+
+
+def _without_ends(robot: Path) -> Path:
+    """`robot.urdf.xacro` is a robot, too."""
+    return robot.with_suffix("") if robot.suffix == ".xacro" else robot
+
+
+def _with_findings(error: Error, robot: PathLike, file: list[str], options: Mapping[str, Option]) -> Error:
+    """The same error with what `check` finds, for programs."""
+    read = {name: value for name, value in options.items() if name != "platform"}
+    try:
+        found = json.loads(run("check", robot, "--json", *file, *arguments(read), accept=(0, 1)))["findings"]
+    except (Error, ValueError, KeyError):
+        return error
+    serious = [finding for finding in found if finding["severity"] == "error"]
+    return Error(str(error), serious, error.exit_code)
+
+
+def check(robot: PathLike, *, config: Settings | None = None, **options: Option) -> list[dict[str, Any]]:
+    """All that looks wrong in a robot, or is assumed.
+
+    Args: as of `export`.
+
+    Returns:
+        Findings as dicts with `severity` ("error", "warning", "note"), `code`, `message`, `help`, `file`, `line`,
+        `column`. Errors are among them and are not raised.
+
+    Raises:
+        Error: if there is no such file, or for wrong options.
+    """
+    with settings(config) as file:
+        text = run("check", robot, "--json", *file, *arguments(options), accept=(0, 1))
+    if not text:
+        # What is not about a robot: it cannot be read, or is another kind of file.
+        with settings(config) as file:
+            run("check", robot, *file, *arguments(options))
+    found: list[dict[str, Any]] = json.loads(text)["findings"]
+    return found
+
+
+def info(robot: PathLike, *, variables: bool = True, config: Settings | None = None,
+         **options: Option) -> dict[str, Any]:
+    """What is in a robot or an FMU: links, joints, world, platforms, and variables.
+
+    Args:
+        robot: a URDF, or an FMU that urdf2fmu made.
+        variables: whether the list of the FMU's variables is wanted, too.
+        config, options: as of `export`.
+
+    Raises:
+        Error: if the file cannot be read.
+    """
+    with settings(config) as file:
+        more = ["--variables"] if variables else []
+        text = run("info", robot, "--json", *more, *file, *arguments(options))
+    found: dict[str, Any] = json.loads(text)
+    return found

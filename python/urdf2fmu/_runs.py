@@ -1,0 +1,161 @@
+"""Whole runs: a table of results, or a page that plays them."""
+
+from __future__ import annotations
+
+import html
+import os
+import tempfile
+from collections.abc import Mapping, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, Iterator, Union
+
+import numpy as np
+import numpy.typing as npt
+
+from ._command import Error, Option, PathLike, Settings, arguments, export, run, settings
+from ._fmu import is_fmu, read_description, read_variables
+
+Table = Union[npt.NDArray[Any], Mapping[str, npt.ArrayLike]]
+"""Columns by their names, `time` first: a structured array, a dict of arrays, or a pandas DataFrame."""
+
+
+def simulate(robot: PathLike, *, input: Table | None = None, start_values: Mapping[str, float] | None = None,
+             output: Sequence[str] = (), config: Settings | None = None, **options: Option) -> npt.NDArray[Any]:
+    """Simulates from start to stop.
+
+    Args:
+        robot: an FMU, or a robot.
+        input: inputs over time, `time` first; straight lines between the rows, two rows of one time are a jump.
+        start_values: parameters and inputs by name.
+        output: variables that are wanted, as names or globs; without them all outputs.
+        config: as of `export`.
+        options: those of `urdf2fmu simulate`, such as `stop_time=2.0`, `output_interval=0.01`, `tolerance=1e-5`.
+
+    Returns:
+        A structured array with one row for each communication point, `time` first, equal to the bit to that of
+        `fmpy.simulate_fmu`; `pandas.DataFrame(result)` makes a DataFrame of it.
+
+    Raises:
+        Error: if the robot, an option or a step is refused.
+    """
+    with _fmu(robot, config, options) as (fmu, rest), tempfile.TemporaryDirectory(prefix="urdf2fmu-") as folder:
+        more = ["--quiet"]
+        if input is not None:
+            write_table(Path(folder, "in.csv"), input)
+            more += ["--input-file", str(Path(folder, "in.csv"))]
+        for name, value in (start_values or {}).items():
+            try:
+                more += ["--start-value", name, repr(float(value))]
+            except (TypeError, ValueError):
+                raise Error(f"the start value of '{name}' must be a number, not {value!r}") from None
+        for name in output:
+            more += ["--output-variable", name]
+        out = Path(folder, "out.csv")
+        run("simulate", fmu, "--output-file", out, *more, *arguments(rest))
+        kinds = {v.name: v.kind for v in read_variables(read_description(fmu)).values()}
+        return _read_table(out, kinds)
+
+
+_OF_SIMULATE = ("start_time", "stop_time", "output_interval", "tolerance", "set_input_derivatives", "debug_logging")
+
+
+@contextmanager
+def _fmu(robot: PathLike, config: Settings | None, options: Mapping[str, Option]
+         ) -> Iterator[tuple[Path, dict[str, Option]]]:
+    """The FMU of a robot, and the options that are not of its export."""
+    rest = {name: value for name, value in options.items() if name in _OF_SIMULATE or is_fmu(robot)}
+    if is_fmu(robot):
+        with settings(config) as file:
+            if file:
+                raise Error("an FMU has its settings inside; config is for a URDF")
+        yield Path(robot), rest
+        return
+    with tempfile.TemporaryDirectory(prefix="urdf2fmu-") as folder:
+        of_export = {name: value for name, value in options.items() if name not in rest}
+        yield export(robot, Path(folder, "robot.fmu"), config=config, **of_export), rest
+
+
+def write_table(place: PathLike, table: Table) -> None:
+    """Writes a table as CSV, each number with the digits that read back to it."""
+    if hasattr(table, "to_records"):
+        table = table.to_records(index=False)
+    if isinstance(table, Mapping):
+        given = {str(name): values for name, values in table.items()}
+    elif isinstance(table, np.ndarray) and table.dtype.names:
+        given = {name: table[name] for name in table.dtype.names}
+    else:
+        raise Error("a table has columns with names: a structured array, a dict of arrays, or a DataFrame")
+    columns = {}
+    for name, values in given.items():
+        try:
+            columns[name] = np.asarray(values, dtype=float)
+        except (TypeError, ValueError):
+            raise Error(f"the column '{name}' of a table must hold numbers") from None
+    if not columns:
+        raise Error("a table needs the column 'time' and one for each input that it gives")
+    if len({values.shape for values in columns.values()}) != 1 or next(iter(columns.values())).ndim != 1:
+        shapes = ", ".join(f"{name} {values.shape}" for name, values in columns.items())
+        raise Error(f"the columns of a table have one length; these have the shapes: {shapes}")
+    with open(place, "w", encoding="utf-8", newline="\n") as file:
+        file.write(",".join('"' + name.replace('"', '""') + '"' for name in columns) + "\n")
+        for row in zip(*(values.tolist() for values in columns.values())):
+            file.write(",".join(map(repr, row)) + "\n")
+
+
+def _read_table(place: Path, kinds: Mapping[str, str]) -> npt.NDArray[Any]:
+    with open(place, encoding="utf-8") as file:
+        names = [name.strip().strip('"') for name in file.readline().split(",")]
+        values = np.loadtxt(file, delimiter=",", ndmin=2)
+    types = {"Boolean": np.bool_, "Integer": np.int32}
+    result = np.empty(len(values), [(name, types.get(kinds.get(name, "Real"), np.float64)) for name in names])
+    for name, column in zip(names, values.T):
+        result[name] = column
+    return result
+
+
+class Page:
+    """A page that plays a run in 3-D and plots it; notebooks show it."""
+
+    def __init__(self, text: str, height: int = 640) -> None:
+        self.html = text
+        """The whole page; it needs no network."""
+        self.height = height
+        """pixels, in a notebook"""
+
+    def save(self, place: PathLike) -> Path:
+        """Writes it to a file."""
+        Path(place).write_text(self.html, encoding="utf-8")
+        return Path(place)
+
+    def _repr_html_(self) -> str:
+        """What notebooks show: the page in a frame of its own."""
+        return (f'<iframe srcdoc="{html.escape(self.html)}" width="100%" height="{self.height}" '
+                'style="border: 0" allow="fullscreen"></iframe>')
+
+    def __repr__(self) -> str:
+        return f"<urdf2fmu page, {len(self.html) // 1000} kB>"
+
+
+def show(robot: PathLike, result: Table | None = None, *, height: int = 640, config: Settings | None = None,
+         **options: Option) -> Page:
+    """A page that plays a run, for notebooks and files.
+
+    Args:
+        robot: an FMU, or a robot.
+        result: what `simulate` gave, or another table with `time` and outputs; without it the robot is simulated, by
+            options as of `simulate`.
+        height: pixels, in a notebook.
+        config, options: as of `simulate`.
+
+    Raises:
+        Error: if the robot, an option or the table is refused.
+    """
+    with _fmu(robot, config, options) as (fmu, rest), tempfile.TemporaryDirectory(prefix="urdf2fmu-") as folder:
+        page = Path(folder, "run.html")
+        if result is None:
+            run("simulate", fmu, "--quiet", "--report", page, *arguments(rest))
+        else:
+            write_table(Path(folder, "run.csv"), result)
+            run("report", Path(folder, "run.csv"), "--model", os.fspath(fmu), "-o", page, *arguments(rest))
+        return Page(page.read_text(encoding="utf-8"), height)

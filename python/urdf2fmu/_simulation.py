@@ -1,0 +1,314 @@
+"""An FMU that is stepped from Python, through the C functions of its own library."""
+
+from __future__ import annotations
+
+import ctypes
+import difflib
+import math
+import tempfile
+import threading
+import warnings
+import weakref
+from collections.abc import Mapping
+from fnmatch import fnmatchcase
+from pathlib import Path
+from types import TracebackType
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from ._command import Error, Option, PathLike, Settings, export
+from ._fmu import Fmu, Variable, is_fmu, load
+
+_NUMBERS: dict[str, Any] = {"Real": ctypes.c_double, "Integer": ctypes.c_int, "Boolean": ctypes.c_int}
+_ENDS = ("x", "y", "z", "w"), ("x", "y", "z"), ("roll", "pitch", "yaw"), ("x", "y")
+_WARNING = 1
+
+
+class State(NamedTuple):
+    """A saved state: it can be restored any number of times, and pickled."""
+
+    time: float
+    """s"""
+    data: bytes
+    """What the FMU wrote."""
+
+
+class _Part(NamedTuple):
+    """Variables of one type behind a name."""
+
+    kind: str
+    references: Any
+    where: npt.NDArray[np.intp]
+    """Their places among all variables behind the name."""
+
+
+class _Place(NamedTuple):
+    """What a name means."""
+
+    names: list[str]
+    parts: list[_Part]
+    single: bool
+    """Whether it is the name of one variable."""
+
+
+class Simulation:
+    """A robot that is simulated step by step.
+
+    A name is that of a variable, the stem of a vector (`base.position` is x, y, z; `base.orientation` x, y, z, w;
+    `base.rpy` roll, pitch, yaw; `sensor.lidar.ray` all rays), or a glob (`joint.*.position`) for all that match, in
+    the order of `names()`. Reading gives a number for the first and arrays for the others; setting takes a number for
+    all, or one for each.
+
+    ```python
+    with urdf2fmu.Simulation("rover.urdf") as robot:
+        robot["cmd.*_wheel_joint.velocity"] = 5.0
+        robot.step(1 / 240)
+        print(robot["base.position"])
+    ```
+
+    Simulations of one FMU share its library. Each may run in a thread of its own: the library works without Python's
+    lock.
+    """
+
+    def __init__(self, robot: PathLike, *, start_values: Mapping[str, npt.ArrayLike] | None = None,
+                 start_time: float = 0.0, tolerance: float | None = None, config: Settings | None = None,
+                 **options: Option) -> None:
+        """Loads and initialises.
+
+        Args:
+            robot: an FMU, or a robot that is exported for the time being.
+            start_values: parameters and inputs by name, stem or glob; they hold again after `reset`.
+            start_time: s.
+            tolerance: relative; without it the FMU's.
+            config, options: as of `export`, if `robot` is no FMU.
+
+        Raises:
+            Error: if the robot is refused, or a start value.
+        """
+        self._instance: ctypes.c_void_p | None = None
+        # Two threads at one simulation wait for each other, and none finds it closed in the middle of a call.
+        self._lock = threading.RLock()
+        self._messages: list[tuple[int, str]] = []
+        self._places: dict[str, _Place] = {}
+        if is_fmu(robot):
+            if config is not None or options:
+                raise Error("an FMU has its settings inside; options are for a URDF")
+            self._fmu: Fmu = load(robot)
+        else:
+            with tempfile.TemporaryDirectory(prefix="urdf2fmu-") as folder:
+                self._fmu = load(export(robot, Path(folder, "robot.fmu"), config=config, **options))
+        self._start_values = dict(start_values or {})
+        self._start_time = float(start_time)
+        self._tolerance = tolerance
+        self.time = self._start_time
+        """s; the time that the simulation has come to"""
+        self._begin()
+
+    def _begin(self) -> None:
+        log = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_char_p, ctypes.c_int, ctypes.c_char_p, ctypes.c_char_p)
+        messages = self._messages
+
+        def note(_environment: object, _instance: object, status: int, _category: object, text: bytes | None) -> None:
+            # A format for printf, in which FMI doubles # and %.
+            message = (text or b"").decode("utf-8", "replace").replace("%%", "%").replace("##", "#")
+            messages.append((status, message))
+
+        self._log = log(note)
+        self._callbacks = (ctypes.c_void_p * 5)(ctypes.cast(self._log, ctypes.c_void_p).value)
+        made = self._fmu.functions.fmi2Instantiate(b"robot", 1, self._fmu.guid.encode(), self._fmu.resources.encode(),
+                                                   self._callbacks, 0, 0)
+        if not made:
+            raise Error(self._told("fmi2Instantiate"))
+        self._instance = ctypes.c_void_p(made)
+        # Holds the library until the instance is freed, also at the end of Python.
+        self._free = weakref.finalize(self, _free, self._fmu, self._instance, self._callbacks, self._log)
+        try:
+            self._initialize()
+        except BaseException:
+            self.close()
+            raise
+
+    def _initialize(self) -> None:
+        tolerance = self._tolerance
+        self._call("SetupExperiment", int(tolerance is not None), ctypes.c_double(tolerance or 0.0),
+                   ctypes.c_double(self._start_time), 0, ctypes.c_double(0.0))
+        for name, value in self._start_values.items():
+            self[name] = value
+        self._call("EnterInitializationMode")
+        self._call("ExitInitializationMode")
+        self.time = self._start_time
+
+    def _told(self, function: str) -> str:
+        """What the FMU has said, as one text."""
+        return "; ".join(text for _, text in self._messages) or f"{function} failed"
+
+    def _call(self, function: str, *arguments: Any) -> None:
+        name = "fmi2" + function
+        with self._lock:
+            if self._instance is None:
+                raise Error("the simulation is closed")
+            self._messages.clear()
+            status = getattr(self._fmu.functions, name)(self._instance, *arguments)
+            told = self._told(name) if status else ""
+        if status > _WARNING:
+            raise Error(told)
+        if status == _WARNING:
+            warnings.warn(told, RuntimeWarning, stacklevel=3)
+
+    @property
+    def variables(self) -> Mapping[str, Variable]:
+        """All variables by their names."""
+        return self._fmu.variables
+
+    def names(self, pattern: str = "*", *, causality: str | None = None) -> list[str]:
+        """Names of variables, in the order of the FMU.
+
+        Args:
+            pattern: a glob: `*` any characters, `?` one.
+            causality: "input", "output" or "parameter"; without it all.
+        """
+        return [v.name for v in self._fmu.variables.values()
+                if fnmatchcase(v.name, pattern) and causality in (None, v.causality)]
+
+    def __contains__(self, name: object) -> bool:
+        """Whether a name, stem or glob means something."""
+        try:
+            return isinstance(name, str) and bool(self._place(name).names)
+        except Error:
+            return False
+
+    def _place(self, name: str) -> _Place:
+        known = self._places.get(name)
+        if known is not None:
+            return known
+        names = self._meant(name)
+        variables = [self._fmu.variables[n] for n in names]
+        parts = []
+        for kind in _NUMBERS:
+            where = [i for i, v in enumerate(variables) if v.kind == kind]
+            if where:
+                references = (ctypes.c_uint * len(where))(*(variables[i].reference for i in where))
+                parts.append(_Part(kind, references, np.array(where)))
+        self._places[name] = place = _Place(names, parts, names == [name])
+        return place
+
+    def _meant(self, name: str) -> list[str]:
+        variables = self._fmu.variables
+        if name in variables:
+            return [name]
+        for ends in _ENDS:
+            vector = [f"{name}.{end}" for end in ends]
+            if all(n in variables for n in vector):
+                return vector
+        numbered: list[str] = []
+        while f"{name}[{len(numbered) + 1}]" in variables:
+            numbered.append(f"{name}[{len(numbered) + 1}]")
+        found = numbered or [n for n in variables if fnmatchcase(n, name)]
+        if not found:
+            near = difflib.get_close_matches(name, variables, 3, 0.5)
+            advice = " (did you mean " + " or ".join(f"'{n}'" for n in near) + "?)" if near else ""
+            raise Error(f"there is no variable '{name}'{advice}")
+        return found
+
+    def __getitem__(self, name: str) -> Any:
+        """The value of one variable, or an array of those behind a stem or glob."""
+        place = self._place(name)
+        values: npt.NDArray[Any] = np.empty(len(place.names))
+        for part in place.parts:
+            some = (_NUMBERS[part.kind] * len(part.where))()
+            self._call("Get" + part.kind, part.references, ctypes.c_size_t(len(part.where)), some)
+            if place.single:
+                return bool(some[0]) if part.kind == "Boolean" else some[0]
+            values[part.where] = some
+        if len(place.parts) == 1 and place.parts[0].kind == "Boolean":
+            return values.astype(bool)
+        return values
+
+    def __setitem__(self, name: str, value: npt.ArrayLike) -> None:
+        """Sets one variable, or all behind a stem or glob: to one number, or to one each."""
+        place = self._place(name)
+        try:
+            given = np.asarray(value, dtype=float)
+        except (TypeError, ValueError):
+            raise Error(f"'{name}' takes numbers, not {value!r}") from None
+        if given.shape not in ((), (len(place.names),)):
+            many = "one number" if place.single else f"one number or {len(place.names)}"
+            raise Error(f"'{name}' takes {many}; the given value has the shape {given.shape}")
+        given = np.broadcast_to(given, len(place.names))
+        for part in place.parts:
+            some_given = given[part.where]
+            if part.kind != "Real" and not np.all((some_given == np.round(some_given)) & (abs(some_given) < 2**31)):
+                raise Error(f"'{name}' takes whole numbers of 32 bits, not {value!r}")
+            numbers = some_given.tolist()
+            numbers = numbers if part.kind == "Real" else [int(number) for number in numbers]
+            some = (_NUMBERS[part.kind] * len(numbers))(*numbers)
+            self._call("Set" + part.kind, part.references, ctypes.c_size_t(len(numbers)), some)
+
+    def step(self, duration: float) -> None:
+        """Simulates so many seconds; inputs keep their values meanwhile.
+
+        Raises:
+            Error: if the FMU refuses the step; after a failure only `reset`, `restore` and `close` help.
+        """
+        if not (math.isfinite(duration) and duration > 0):
+            raise Error(f"a step takes a positive time, not {duration!r} s")
+        self._call("DoStep", ctypes.c_double(self.time), ctypes.c_double(duration), 1)
+        self.time += duration
+
+    def reset(self, start_values: Mapping[str, npt.ArrayLike] | None = None) -> None:
+        """Back to the start.
+
+        Args:
+            start_values: in place of those of the constructor; they hold from now on.
+        """
+        if start_values is not None:
+            self._start_values = dict(start_values)
+        self._call("Reset")
+        self._initialize()
+
+    def save(self) -> State:
+        """The present state, of which `restore` continues with the same bits."""
+        pointer = ctypes.c_void_p()
+        self._call("GetFMUstate", ctypes.byref(pointer))
+        try:
+            size = ctypes.c_size_t()
+            self._call("SerializedFMUstateSize", pointer, ctypes.byref(size))
+            data = ctypes.create_string_buffer(size.value)
+            self._call("SerializeFMUstate", pointer, data, size)
+        finally:
+            self._call("FreeFMUstate", ctypes.byref(pointer))
+        return State(self.time, data.raw)
+
+    def restore(self, state: State) -> None:
+        """Back to a saved state, also of another simulation of the same FMU.
+
+        Raises:
+            Error: if it is of another FMU, or damaged.
+        """
+        pointer = ctypes.c_void_p()
+        self._call("DeSerializeFMUstate", state.data, ctypes.c_size_t(len(state.data)), ctypes.byref(pointer))
+        try:
+            self._call("SetFMUstate", pointer)
+        finally:
+            self._call("FreeFMUstate", ctypes.byref(pointer))
+        self.time = state.time
+
+    def close(self) -> None:
+        """Ends the simulation; a second time it does nothing."""
+        with self._lock:
+            if self._instance is not None:
+                self._instance = None
+                self._free()
+
+    def __enter__(self) -> Simulation:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None,
+                 trace: TracebackType | None) -> None:
+        self.close()
+
+
+def _free(fmu: Fmu, instance: ctypes.c_void_p, *_used_until_then: object) -> None:
+    fmu.functions.fmi2FreeInstance(instance)
