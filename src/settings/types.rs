@@ -1,5 +1,4 @@
 //! What a settings file says, checked.
-//!
 
 mod terrain;
 
