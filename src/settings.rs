@@ -30,9 +30,9 @@ pub use closures::{LoopChoice, LoopSettings, SpringSettings};
 pub use compat::Compat;
 pub use sensor::{Errors, Fan, SensorSettings, SensorSettingsKind};
 pub use types::{
-    ActuatorSettings, BaseChoice, ContactOutputs, FmuSettings, GeneratedHeights, GroupSettings,
-    HeightForm, HeightSource, InertiaSource, InitialSettings, JointSettings, LinkSettings,
-    ModeChoice, ObjectSettings, ObjectSource, PairSettings, RobotSettings, Settings,
+    ActuatorSettings, BaseChoice, ContactOutputs, FmiVersion, FmuSettings, GeneratedHeights,
+    GroupSettings, HeightForm, HeightSource, InertiaSource, InitialSettings, JointSettings,
+    LinkSettings, ModeChoice, ObjectSettings, ObjectSource, PairSettings, RobotSettings, Settings,
     TerrainSettings, WheelFit,
 };
 

@@ -17,11 +17,12 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use urdf2fmu_core::assemble::{self, Guest};
 use urdf2fmu_core::diagnostic::Diagnostic;
-use urdf2fmu_core::model::{ActuatorMode, Model};
+use urdf2fmu_core::model::{ActuatorMode, Arrays, Model};
 use urdf2fmu_core::pattern::Pattern;
 use urdf2fmu_core::prepared::{FILE_NAME, PreparedModel, PreparedModelError};
 use urdf2fmu_core::settings::{
-    ActuatorSettings, BaseChoice, Compat, InertiaSource, ModeChoice, ObjectSettings, Settings,
+    ActuatorSettings, BaseChoice, Compat, FmiVersion, InertiaSource, ModeChoice, ObjectSettings,
+    Settings,
 };
 use urdf2fmu_core::simulation::{Simulation, SimulationError};
 use urdf2fmu_core::urdf::{self, Description};
@@ -53,6 +54,10 @@ pub struct Request {
     pub scale: Option<f64>,
     /// `--naming`.
     pub flat_names: Option<bool>,
+    /// `--fmi`.
+    pub fmi: Option<FmiVersion>,
+    /// `--arrays`.
+    pub arrays: Option<Arrays>,
     /// `--srdf`.
     pub srdf: Option<PathBuf>,
     /// `--initial-state`: one of the SRDF's.
@@ -184,6 +189,12 @@ pub fn robot(request: &Request) -> Result<Robot, StageError> {
     if let Some(flat_names) = request.flat_names {
         settings.flat_names = flat_names;
     }
+    if let Some(fmi) = request.fmi {
+        settings.fmu.fmi = fmi;
+    }
+    if let Some(arrays) = request.arrays {
+        settings.fmu.arrays = arrays;
+    }
     if let Some(mode) = request.mode {
         settings.default_mode = Some(ModeChoice::Commanded(mode));
     }
@@ -278,7 +289,13 @@ pub fn fmu(
     let about = &robot.settings.fmu;
     let model_name = about.name.as_ref().unwrap_or(&robot.model.name);
     let model_identifier = model_identifier(model_name, &stem);
-    let guid = guid(&model_identifier, &robot.model, &robot.table, &libraries)?;
+    let guid = guid(
+        about.fmi,
+        &model_identifier,
+        &robot.model,
+        &robot.table,
+        &libraries,
+    )?;
     let prepared = PreparedModel::new(guid.clone(), robot.model.clone()).to_json()?;
     trial(&prepared)?;
 
@@ -296,10 +313,15 @@ pub fn fmu(
         &robot.table,
     )?;
     archive.add("modelDescription.xml", xml)?;
+    if about.fmi == FmiVersion::V3 {
+        let terminals = describe::terminals(&robot.model, &robot.table)?;
+        archive.add(describe::TERMINALS, terminals)?;
+    }
     for (library, file) in &libraries {
         let name = format!(
             "binaries/{}/{model_identifier}.{}",
-            library.platform, library.extension
+            folder(library.platform, about.fmi),
+            library.extension
         );
         archive.add_executable(name, file.clone())?;
     }
@@ -309,7 +331,8 @@ pub fn fmu(
     let scene = make_scene(robot, &remarks, &guid)?.to_bytes()?;
     let scene_name = format!("resources/{}", scene::FILE_NAME);
     archive.add(scene_name, scene.clone())?;
-    let platforms: Vec<&str> = libraries.iter().map(|(l, _)| l.platform).collect();
+    let folder_of = |(library, _): &(Library, Vec<u8>)| folder(library.platform, about.fmi);
+    let platforms: Vec<&str> = libraries.iter().map(folder_of).collect();
     if whole {
         let page = Page {
             model_identifier: &model_identifier,
@@ -317,6 +340,7 @@ pub fn fmu(
             platforms: &platforms,
             remarks: &remarks,
             sources: &names,
+            fmi: about.fmi,
         };
         document(&mut archive, robot, &page, &scene)?;
     }
@@ -324,6 +348,17 @@ pub fn fmu(
         bytes: archive.to_bytes()?,
         platforms,
     })
+}
+
+/// Folder of a platform's library under `binaries/`.
+fn folder(platform: &'static str, fmi: FmiVersion) -> &'static str {
+    match (fmi, platform) {
+        (FmiVersion::V2, _) => platform,
+        (FmiVersion::V3, "linux64") => "x86_64-linux",
+        (FmiVersion::V3, "win64") => "x86_64-windows",
+        (FmiVersion::V3, "darwin64") => "x86_64-darwin",
+        (FmiVersion::V3, other) => other,
+    }
 }
 
 /// Adds what people look at.
@@ -338,6 +373,10 @@ fn document(
     // Whoever draws the FMU must be able to read it: the pictures are of what was written.
     let scene = Scene::from_bytes(scene)?;
     for (name, picture) in picture::all(&scene) {
+        let name = match (page.fmi, name) {
+            (FmiVersion::V3, documentation::ICON) => documentation::ICON_OF_FMI_3,
+            _ => name,
+        };
         archive.add(name, picture)?;
     }
     let html = documentation::html(page, &robot.model, &robot.table);

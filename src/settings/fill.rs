@@ -11,11 +11,14 @@ use super::compat::Compat;
 use super::reader::Reader;
 use super::section::{Node, Section, Value};
 use super::types::{
-    ActuatorSettings, BaseChoice, ContactOutputs, FmuSettings, GroupSettings, InertiaSource,
-    InitialSettings, JointSettings, LinkSettings, ModeChoice, PairSettings, Settings, WheelFit,
+    ActuatorSettings, BaseChoice, ContactOutputs, FmiVersion, FmuSettings, GroupSettings,
+    InertiaSource, InitialSettings, JointSettings, LinkSettings, ModeChoice, PairSettings,
+    Settings, WheelFit,
 };
 use super::{sensor, world};
-use crate::model::{ActuatorMode, Combination, ContactDefaults, Ground, SolverDefaults, World};
+use crate::model::{
+    ActuatorMode, Arrays, Combination, ContactDefaults, Ground, SolverDefaults, World,
+};
 use crate::pattern::Pattern;
 use crate::range::MOST_STEPS;
 
@@ -349,5 +352,14 @@ fn fmu(section: &Section) -> FmuSettings {
         copyright: text("copyright"),
         license: text("license"),
         stop_time: section.number("stop_time"),
+        fmi: match section.number("fmi") {
+            Some(3.0) => FmiVersion::V3,
+            _ => FmiVersion::V2,
+        },
+        arrays: match section.word("arrays").as_deref() {
+            Some("none") => Arrays::None,
+            Some("all") => Arrays::All,
+            _ => Arrays::Vectors,
+        },
     }
 }

@@ -307,6 +307,18 @@ impl<'a> Reader<'a> {
                 self.error("S104", &value.span(), message, "");
                 None
             }
+            Takes::Version(versions) => {
+                let number = value.get_ref().as_integer();
+                let number = number.and_then(|n| u32::from_str_radix(n.as_str(), n.radix()).ok());
+                let known = versions.iter().find(|version| number == Some(**version));
+                if let Some(version) = known {
+                    return Some(Value::Number(f64::from(*version)));
+                }
+                let list: Vec<String> = versions.iter().map(ToString::to_string).collect();
+                let message = format!("'{name}' must be {}", list.join(" or "));
+                self.error("S104", &value.span(), message, "");
+                None
+            }
             Takes::PatternOrPatterns if value.get_ref().is_str() => {
                 let text = value.get_ref().as_str().unwrap_or_default();
                 Some(Value::Texts(vec![(text.to_owned(), value.span())]))

@@ -2,7 +2,7 @@
 //! writer.
 #![allow(clippy::unwrap_used, reason = "a test may fail")]
 
-#[path = "../../tests/export/model_description.rs"]
+#[path = "../../../tests/export/model_description.rs"]
 mod model_description;
 
 use super::*;
@@ -90,6 +90,7 @@ fn row(value_reference: u32, slot: Slot, kind: Kind, unit: Unit, start: Option<f
         min: None,
         max: None,
         unit,
+        part: None,
     }
 }
 
