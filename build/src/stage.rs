@@ -373,11 +373,14 @@ fn document(
     // Whoever draws the FMU must be able to read it: the pictures are of what was written.
     let scene = Scene::from_bytes(scene)?;
     for (name, picture) in picture::all(&scene) {
-        let name = match (page.fmi, name) {
-            (FmiVersion::V3, documentation::ICON) => documentation::ICON_OF_FMI_3,
-            _ => name,
-        };
-        archive.add(name, picture)?;
+        // FMI 3 knows but one icon, and the larger one is as good.
+        match (page.fmi, name) {
+            (FmiVersion::V3, documentation::ICON) => {
+                archive.add(documentation::ICON_OF_FMI_3, picture)?;
+            }
+            (FmiVersion::V3, documentation::ICON_OF_FMI_3) => {}
+            _ => archive.add(name, picture)?,
+        }
     }
     let html = documentation::html(page, &robot.model, &robot.table);
     archive.add("documentation/index.html", html)?;

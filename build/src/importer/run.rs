@@ -1,15 +1,17 @@
 //! From start to stop: sets inputs, takes steps, records outputs.
 
 use super::csv::Table;
-use super::description::{Description, Kind, Variable};
+use super::description::Description;
 use super::error::RunError;
 use super::experiment::{Experiment, Times, read, signals, starts};
 use super::library::{LibraryError, Slave, Stepped};
 use super::select::selection;
 use super::signals::{Signals, is_close};
+use super::variable::{Kind, Variable};
 use std::fmt::Write as _;
-use std::path::{Path, PathBuf};
+use std::path::{MAIN_SEPARATOR, Path, PathBuf};
 use std::time::{Duration, Instant};
+use urdf2fmu_core::settings::FmiVersion;
 
 /// What came out of a simulation.
 #[derive(Debug)]
@@ -92,7 +94,16 @@ pub fn simulate(
     })
 }
 
-/// This system's folder under `binaries/`.
+/// This system's folder under `binaries/`, in FMI 3.
+fn platform_of_fmi_3() -> String {
+    let system = match std::env::consts::OS {
+        "macos" => "darwin",
+        other => other,
+    };
+    format!("{}-{system}", std::env::consts::ARCH)
+}
+
+/// This system's folder under `binaries/`, in FMI 2.
 const PLATFORM: &str = if cfg!(target_os = "windows") {
     if cfg!(target_pointer_width = "64") {
         "win64"
@@ -107,7 +118,12 @@ const PLATFORM: &str = if cfg!(target_os = "windows") {
     "linux32"
 };
 
-fn library(folder: &Path, identifier: &str) -> Result<PathBuf, RunError> {
+fn library(folder: &Path, description: &Description) -> Result<PathBuf, RunError> {
+    let identifier = &description.model_identifier;
+    let platform = match description.fmi {
+        FmiVersion::V2 => PLATFORM.to_owned(),
+        FmiVersion::V3 => platform_of_fmi_3(),
+    };
     let file = format!("{identifier}{}", std::env::consts::DLL_SUFFIX);
     let file = if cfg!(target_os = "macos") {
         format!("{identifier}.dylib")
@@ -115,7 +131,7 @@ fn library(folder: &Path, identifier: &str) -> Result<PathBuf, RunError> {
         file
     };
     let binaries = folder.join("binaries");
-    let path = binaries.join(PLATFORM).join(&file);
+    let path = binaries.join(&platform).join(&file);
     if path.is_file() {
         return Ok(path);
     }
@@ -127,7 +143,7 @@ fn library(folder: &Path, identifier: &str) -> Result<PathBuf, RunError> {
         .collect();
     found.sort();
     Err(RunError::Platform {
-        platform: PLATFORM,
+        platform,
         file,
         found: if found.is_empty() {
             "none".to_owned()
@@ -215,10 +231,18 @@ impl Run {
         recorded: Recorded,
         debug_logging: bool,
     ) -> Result<Self, RunError> {
-        let library = library(folder, &description.model_identifier)?;
-        let resources = uri(&folder.join("resources"));
+        let library = library(folder, description)?;
+        let (resources, guid) = (folder.join("resources"), &description.guid);
+        let slave = match description.fmi {
+            FmiVersion::V2 => Slave::of_fmi_2(&library, guid, &uri(&resources), debug_logging),
+            FmiVersion::V3 => {
+                let path = format!("{}{MAIN_SEPARATOR}", resources.display());
+                let elements = description.elements.clone();
+                Slave::of_fmi_3(&library, guid, &path, elements, debug_logging)
+            }
+        };
         Ok(Self {
-            slave: Slave::new(&library, &description.guid, &resources, debug_logging)?,
+            slave: slave?,
             slopes: false,
             signals,
             table: Table {
@@ -359,7 +383,10 @@ impl Run {
                 Stepped::Discarded(reached) => {
                     let messages = self.slave.messages();
                     let last = messages.last().map(|m| m.text.clone());
-                    return Err(stopped(reached, last.unwrap_or("fmi2Discard".to_owned())));
+                    return Err(stopped(
+                        reached,
+                        last.unwrap_or("the FMU discarded the step".to_owned()),
+                    ));
                 }
             }
             self.sample(time)?;
