@@ -396,6 +396,7 @@ pub enum Arrays {
 }
 
 impl Arrays {
+    #[expect(clippy::trivially_copy_pass_by_ref, reason = "as serde asks")]
     fn is_default(&self) -> bool {
         *self == Self::default()
     }

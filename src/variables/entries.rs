@@ -24,7 +24,8 @@ pub struct Entry {
 
 /// Value reference of the independent variable.
 pub fn time_reference(table: &[Variable]) -> u32 {
-    u32::try_from(table.len()).expect("a robot has fewer than 2^32 variables")
+    // Rows are numbered so, and all of them have a number.
+    u32::try_from(table.len()).unwrap_or(u32::MAX)
 }
 
 /// The entries of a table, in its order; what gathers joints comes first. `model.outputs.arrays`
@@ -37,16 +38,15 @@ pub fn entries(model: &Model, table: &[Variable]) -> Result<Vec<Entry>, TableErr
     let mut entries = Vec::with_capacity(table.len());
     let mut taken = vec![false; table.len()];
     if arrays == Arrays::All {
-        let mut reference = time_reference(table);
-        for gathered in gathered(model, table) {
-            reference += 1;
+        let references = time_reference(table) + 1..;
+        for (value_reference, gathered) in references.zip(gathered(model, table)) {
             if matches!(table[gathered.rows[0] as usize].slot, Slot::Input(_)) {
                 for row in &gathered.rows {
                     taken[*row as usize] = true;
                 }
             }
             entries.push(Entry {
-                value_reference: reference,
+                value_reference,
                 ..gathered
             });
         }
@@ -172,11 +172,8 @@ fn whose(model: &Model, table: &[Variable], row: u32) -> String {
         _ => return String::new(),
     };
     let mut groups = model.outputs.groups.iter();
-    match groups.find(|group| group.actuators.contains(&actuator)) {
-        Some(group) => identifier(&group.name),
-        None => {
-            let joint = model.actuators[actuator.index()].joint;
-            identifier(&model.joints[joint.index()].name)
-        }
-    }
+    let joint = model.actuators[actuator.index()].joint;
+    let group = groups.find(|group| group.actuators.contains(&actuator));
+    let name = group.map_or(&model.joints[joint.index()].name, |group| &group.name);
+    identifier(name)
 }

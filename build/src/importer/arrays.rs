@@ -67,11 +67,11 @@ impl Arrays {
         }
     }
 
-    /// Each element as a variable, and which one it is. A scalar of the name of an element stands
-    /// for it.
+    /// Each element as a variable, and which one it is. A name is listed once: that of a scalar,
+    /// else that of the first array.
     pub fn elements(self) -> (Vec<Element>, Vec<Variable>) {
         let scalars = self.list.iter().filter(|array| array.shape.is_empty());
-        let scalars: BTreeSet<String> = scalars.map(|a| a.variable.name.clone()).collect();
+        let mut names: BTreeSet<String> = scalars.map(|a| a.variable.name.clone()).collect();
         let (mut elements, mut variables) = (Vec::new(), Vec::new());
         for array in self.list {
             let mut sizes = array.shape.iter();
@@ -86,7 +86,7 @@ impl Arrays {
                 } else {
                     array.name(index)
                 };
-                if !array.shape.is_empty() && scalars.contains(&name) {
+                if !array.shape.is_empty() && !names.insert(name.clone()) {
                     continue;
                 }
                 variables.push(Variable {

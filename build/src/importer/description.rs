@@ -300,4 +300,58 @@ mod tests {
         assert!(message("valueReference=\"7\"", "valueReference=\"x\"").contains("valueReference"));
         assert!(message("</ModelVariables>", "</Model>").contains("cannot be read"));
     }
+
+    const TEXT_OF_FMI_3: &str = r#"<?xml version="1.0"?>
+<fmiModelDescription fmiVersion="3.0" modelName="m" instantiationToken="t">
+  <CoSimulation modelIdentifier="m" canHandleVariableCommunicationStepSize="true"/>
+  <TypeDefinitions><Float64Type name="T" unit="m"/></TypeDefinitions>
+  <ModelVariables>
+    <Float64 name="time" valueReference="9" causality="independent" variability="continuous"/>
+    <Float64 name="p" valueReference="7" causality="output" unit="m"><Annotations><Annotation
+      type="io.github.urdf2fmu.elements">p.x p.y</Annotation></Annotations><Dimension start="2"/></Float64>
+    <Float64 name="m" valueReference="3" causality="input" start="0 0 0 0">
+      <Dimension start="2"/><Dimension start="2"/></Float64>
+    <Float64 name="both" valueReference="5" causality="output"><Annotations><Annotation
+      type="io.github.urdf2fmu.elements">on p.x</Annotation></Annotations><Dimension start="2"/></Float64>
+    <Boolean name="on" valueReference="8" causality="output"/>
+    <Float64 name="unknown" valueReference="4" causality="output"><Dimension valueReference="1"/></Float64>
+    <String name="s" valueReference="2" causality="output"/>
+  </ModelVariables>
+  <ModelStructure><Output valueReference="7"/></ModelStructure>
+</fmiModelDescription>"#;
+
+    #[test]
+    fn arrays_of_fmi_3_are_listed_element_by_element() {
+        let description = Description::parse(TEXT_OF_FMI_3).expect("FMI 3.0");
+        let listed: Vec<_> = description
+            .variables
+            .iter()
+            .map(|v| {
+                let element = description.elements[v.value_reference as usize];
+                (
+                    v.name.as_str(),
+                    v.kind,
+                    element.value_reference,
+                    element.index,
+                )
+            })
+            .collect();
+        assert_eq!(
+            listed,
+            [
+                ("time", Kind::Real, 9, 0),
+                ("p.x", Kind::Real, 7, 0),
+                ("p.y", Kind::Real, 7, 1),
+                ("m[1,1]", Kind::Real, 3, 0),
+                ("m[1,2]", Kind::Real, 3, 1),
+                ("m[2,1]", Kind::Real, 3, 2),
+                ("m[2,2]", Kind::Real, 3, 3),
+                // Names of "both" stand for others.
+                ("on", Kind::Boolean, 8, 0),
+                ("unknown", Kind::Text, 4, 0),
+                ("s", Kind::Text, 2, 0),
+            ]
+        );
+        assert_eq!(description.guid, "t");
+    }
 }

@@ -207,7 +207,11 @@ impl Instance {
         let now = self.simulation.time();
         if let (Some(updates), Some(end)) = (&mut self.updates, end) {
             // One that is not a number counts as now.
-            updates.way.end = end.min(updates.way.end).max(now);
+            updates.way.end = if end > now {
+                end.min(updates.way.end)
+            } else {
+                now
+            };
         }
     }
 
