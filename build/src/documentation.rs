@@ -46,9 +46,19 @@ pub struct Page<'a> {
 }
 
 /// The picture that importers of FMI 2 show.
-pub const ICON: &str = "model.png";
+const ICON: &str = "model.png";
 /// The same for FMI 3.
-pub const ICON_OF_FMI_3: &str = "terminalsAndIcons/icon.png";
+const ICON_OF_FMI_3: &str = "terminalsAndIcons/icon.png";
+
+/// Where one of an FMU's pictures stands; none for one that it does not have. FMI 3 knows but one
+/// icon, and the larger one is as good.
+pub fn picture(fmi: FmiVersion, name: &'static str) -> Option<&'static str> {
+    match (fmi, name) {
+        (FmiVersion::V3, ICON) => Some(ICON_OF_FMI_3),
+        (FmiVersion::V3, ICON_OF_FMI_3) => None,
+        _ => Some(name),
+    }
+}
 
 /// The page.
 pub fn html(page: &Page, model: &Model, table: &[Variable]) -> String {

@@ -2,6 +2,7 @@
 
 use flate2::read::DeflateDecoder;
 use std::io::{self, Read};
+use urdf2fmu_core::settings::FmiVersion;
 
 /// A shared library with the FMI functions.
 #[derive(Clone, Copy)]
@@ -15,6 +16,16 @@ pub struct Library {
 }
 
 impl Library {
+    /// Its folder under `binaries/`, by the names of a version of FMI.
+    pub fn folder(&self, fmi: FmiVersion) -> &'static str {
+        match (fmi, self.platform) {
+            (FmiVersion::V3, "linux64") => "x86_64-linux",
+            (FmiVersion::V3, "win64") => "x86_64-windows",
+            (FmiVersion::V3, "darwin64") => "x86_64-darwin",
+            (_, platform) => platform,
+        }
+    }
+
     /// The file.
     ///
     /// # Errors

@@ -320,7 +320,7 @@ pub fn fmu(
     for (library, file) in &libraries {
         let name = format!(
             "binaries/{}/{model_identifier}.{}",
-            folder(library.platform, about.fmi),
+            library.folder(about.fmi),
             library.extension
         );
         archive.add_executable(name, file.clone())?;
@@ -331,8 +331,8 @@ pub fn fmu(
     let scene = make_scene(robot, &remarks, &guid)?.to_bytes()?;
     let scene_name = format!("resources/{}", scene::FILE_NAME);
     archive.add(scene_name, scene.clone())?;
-    let folder_of = |(library, _): &(Library, Vec<u8>)| folder(library.platform, about.fmi);
-    let platforms: Vec<&str> = libraries.iter().map(folder_of).collect();
+    let folders = libraries.iter().map(|(l, _)| l.folder(about.fmi));
+    let platforms: Vec<&str> = folders.collect();
     if whole {
         let page = Page {
             model_identifier: &model_identifier,
@@ -350,17 +350,6 @@ pub fn fmu(
     })
 }
 
-/// Folder of a platform's library under `binaries/`.
-fn folder(platform: &'static str, fmi: FmiVersion) -> &'static str {
-    match (fmi, platform) {
-        (FmiVersion::V2, _) => platform,
-        (FmiVersion::V3, "linux64") => "x86_64-linux",
-        (FmiVersion::V3, "win64") => "x86_64-windows",
-        (FmiVersion::V3, "darwin64") => "x86_64-darwin",
-        (FmiVersion::V3, other) => other,
-    }
-}
-
 /// Adds what people look at.
 fn document(
     archive: &mut Archive,
@@ -373,13 +362,8 @@ fn document(
     // Whoever draws the FMU must be able to read it: the pictures are of what was written.
     let scene = Scene::from_bytes(scene)?;
     for (name, picture) in picture::all(&scene) {
-        // FMI 3 knows but one icon, and the larger one is as good.
-        match (page.fmi, name) {
-            (FmiVersion::V3, documentation::ICON) => {
-                archive.add(documentation::ICON_OF_FMI_3, picture)?;
-            }
-            (FmiVersion::V3, documentation::ICON_OF_FMI_3) => {}
-            _ => archive.add(name, picture)?,
+        if let Some(name) = documentation::picture(page.fmi, name) {
+            archive.add(name, picture)?;
         }
     }
     let html = documentation::html(page, &robot.model, &robot.table);

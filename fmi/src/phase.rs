@@ -122,6 +122,7 @@ macro_rules! table {
         impl Function {
             /// All of them.
             #[cfg(test)]
+            #[allow(dead_code, reason = "a test of all rows asks for it")]
             pub(crate) const ALL: &[Self] = &[$(Self::$name),*];
         }
 

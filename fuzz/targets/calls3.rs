@@ -118,7 +118,7 @@ unsafe extern "C" fn update(
     for _ in 0..2 {
         call(c, &mut bytes, &mut [null_mut(); 2], &mut 0.0);
     }
-    if bytes.byte() % 4 == 0 {
+    if bytes.byte().is_multiple_of(4) {
         unsafe {
             *end = 1;
             *when = match bytes.byte() % 3 {
@@ -239,7 +239,7 @@ fn call(c: *mut c_void, bytes: &mut Bytes, saved: &mut [*mut c_void; 2], time: &
                 } else {
                     step.min(0.02)
                 };
-                let begin = if bytes.byte() % 8 == 0 {
+                let begin = if bytes.byte().is_multiple_of(8) {
                     bytes.number()
                 } else {
                     *time

@@ -8,12 +8,12 @@
 use super::closures;
 use super::common::{pattern, patterns, required, some_required, vector};
 use super::compat::Compat;
+use super::fmu::{FmiVersion, FmuSettings};
 use super::reader::Reader;
 use super::section::{Node, Section, Value};
 use super::types::{
-    ActuatorSettings, BaseChoice, ContactOutputs, FmiVersion, FmuSettings, GroupSettings,
-    InertiaSource, InitialSettings, JointSettings, LinkSettings, ModeChoice, PairSettings,
-    Settings, WheelFit,
+    ActuatorSettings, BaseChoice, ContactOutputs, GroupSettings, InertiaSource, InitialSettings,
+    JointSettings, LinkSettings, ModeChoice, PairSettings, Settings, WheelFit,
 };
 use super::{sensor, world};
 use crate::model::{

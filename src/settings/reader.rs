@@ -4,7 +4,7 @@
 
 use super::compat::Compat;
 use super::keys::{self, Key, Takes};
-use super::section::{Entry, Node, Section, Span, Value};
+use super::section::{Entry, Node, Section, Span, Value, whole};
 use crate::diagnostic::words::likeliest;
 use crate::diagnostic::{Diagnostic, Place, Severity};
 use crate::range::Range;
@@ -308,16 +308,13 @@ impl<'a> Reader<'a> {
                 None
             }
             Takes::Version(versions) => {
-                let number = value.get_ref().as_integer();
-                let number = number.and_then(|n| u32::from_str_radix(n.as_str(), n.radix()).ok());
-                let known = versions.iter().find(|version| number == Some(**version));
-                if let Some(version) = known {
-                    return Some(Value::Number(f64::from(*version)));
+                let number = whole(value.get_ref()).filter(|number| versions.contains(number));
+                if number.is_none() {
+                    let list: Vec<String> = versions.iter().map(ToString::to_string).collect();
+                    let message = format!("'{name}' must be {}", list.join(" or "));
+                    self.error("S104", &value.span(), message, "");
                 }
-                let list: Vec<String> = versions.iter().map(ToString::to_string).collect();
-                let message = format!("'{name}' must be {}", list.join(" or "));
-                self.error("S104", &value.span(), message, "");
-                None
+                number.map(|number| Value::Number(f64::from(number)))
             }
             Takes::PatternOrPatterns if value.get_ref().is_str() => {
                 let text = value.get_ref().as_str().unwrap_or_default();

@@ -2,54 +2,14 @@
 
 use super::closures::{LoopSettings, SpringSettings};
 use super::compat::Compat;
+use super::fmu::FmuSettings;
 use super::sensor::SensorSettings;
 use crate::diagnostic::Place;
 use crate::geometry::Shape;
-use crate::model::{ActuatorMode, Arrays, ContactDefaults, SolverDefaults, World};
+use crate::model::{ActuatorMode, ContactDefaults, SolverDefaults, World};
 use crate::pattern::Pattern;
 use crate::spatial::Vec3;
-use std::fmt;
 use std::path::{Path, PathBuf};
-
-/// What an FMU says of itself in modelDescription.xml.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct FmuSettings {
-    /// `modelName`; without it the robot's.
-    pub name: Option<String>,
-    /// `author`
-    pub author: Option<String>,
-    /// `version`
-    pub version: Option<String>,
-    /// `copyright`
-    pub copyright: Option<String>,
-    /// `license`
-    pub license: Option<String>,
-    /// End of the default experiment, s.
-    pub stop_time: Option<f64>,
-    /// Version of the standard.
-    pub fmi: FmiVersion,
-    /// What is an array in FMI 3.
-    pub arrays: Arrays,
-}
-
-/// Version of the Functional Mock-up Interface.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum FmiVersion {
-    /// 2.0
-    #[default]
-    V2,
-    /// 3.0
-    V3,
-}
-
-impl fmt::Display for FmiVersion {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::V2 => "2.0",
-            Self::V3 => "3.0",
-        })
-    }
-}
 
 /// A settings file, checked.
 #[derive(Clone, Debug, PartialEq)]

@@ -84,7 +84,7 @@ def test_a_world_with_sensors_is_valid_and_every_layout_gives_the_same_bits(exam
         if layout != "fmi2":
             valid(fmu)
         done = command("simulate", fmu, "--stop-time", 0.3, "--output-file", out, "--start-value",
-                       "cmd.left_front_wheel_joint.velocity", 3)
+                       "cmd.left.velocity", 3)
         assert done.returncode == 0, done.stderr
         told[layout] = out.read_text()
     assert len(told["fmi2"]) > 10000

@@ -219,12 +219,12 @@ impl Instance {
     pub(crate) fn go_on(&mut self) -> Next {
         let now = self.simulation.time();
         let Some(updates) = &self.updates else {
-            return self.arrived(now, false);
+            return Self::arrived(now, false);
         };
         let (way, callback) = (updates.way, updates.callback);
         if now >= way.end {
             self.tell_solver();
-            return self.arrived(now, way.end < way.asked);
+            return Self::arrived(now, way.end < way.asked);
         }
         let most = self.simulation.parameter(ParameterSlot::MaxSteps);
         let most = (most * (way.asked - way.begin).max(1.0)).floor();
@@ -251,7 +251,8 @@ impl Instance {
         Next::Update { callback, time }
     }
 
-    fn arrived(&self, time: f64, early: bool) -> Next {
+    /// The end of a step that is done.
+    fn arrived(time: f64, early: bool) -> Next {
         Next::End {
             status: Status::OK,
             early,
