@@ -189,12 +189,8 @@ pub fn robot(request: &Request) -> Result<Robot, StageError> {
     if let Some(flat_names) = request.flat_names {
         settings.flat_names = flat_names;
     }
-    if let Some(fmi) = request.fmi {
-        settings.fmu.fmi = fmi;
-    }
-    if let Some(arrays) = request.arrays {
-        settings.fmu.arrays = arrays;
-    }
+    settings.fmu.fmi = request.fmi.unwrap_or(settings.fmu.fmi);
+    settings.fmu.arrays = request.arrays.unwrap_or(settings.fmu.arrays);
     if let Some(mode) = request.mode {
         settings.default_mode = Some(ModeChoice::Commanded(mode));
     }

@@ -5,32 +5,52 @@
 
 use crate::common::Version;
 use crate::error::FmiError;
+use std::ops::Range;
 use urdf2fmu_core::model::Model;
 use urdf2fmu_core::variables::{Kind, TableError, Variable, entries, time_reference};
 
 /// A variable as the importer sees it.
-#[derive(Debug)]
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct Place {
-    /// As in modelDescription.xml.
-    pub(crate) name: String,
+    /// Its number among all variables.
+    pub(crate) number: u32,
     /// Its type, which all its elements have.
     pub(crate) kind: Kind,
-    first: usize,
-    end: usize,
+    first: u32,
+    /// Number of elements; 0 for a value reference that is no variable.
+    len: u32,
+}
+
+impl Place {
+    /// Where its elements are in the list of all variables' elements.
+    pub(crate) fn elements(self) -> Range<usize> {
+        self.first as usize..(self.first + self.len) as usize
+    }
+
+    /// Number of its elements.
+    pub(crate) fn len(self) -> usize {
+        self.len as usize
+    }
 }
 
 /// All variables by value reference.
 #[derive(Debug)]
 pub(crate) struct Layout {
     version: Version,
-    /// Per value reference the index of its variable, or [`NONE`].
-    index: Vec<u32>,
+    /// By value reference.
     places: Vec<Place>,
-    /// Rows of all variables, one after the other; the number of rows stands for time.
+    /// As in modelDescription.xml, by number.
+    names: Vec<String>,
+    /// Rows of all variables' elements; the number of rows stands for time.
     rows: Vec<u32>,
 }
 
-const NONE: u32 = u32::MAX;
+const NOWHERE: Place = Place {
+    number: 0,
+    kind: Kind::Real,
+    first: 0,
+    len: 0,
+};
 
 impl Layout {
     /// That of one version.
@@ -44,8 +64,8 @@ impl Layout {
     ) -> Result<Self, TableError> {
         let mut layout = Self {
             version,
-            index: Vec::with_capacity(table.len() + 1),
             places: Vec::with_capacity(table.len() + 1),
+            names: Vec::with_capacity(table.len() + 1),
             rows: Vec::with_capacity(table.len() + 1),
         };
         if version == Version::V2 {
@@ -65,70 +85,81 @@ impl Layout {
     }
 
     fn add(&mut self, name: &str, kind: Kind, reference: u32, rows: &[u32]) {
+        let number = |n: usize| u32::try_from(n).expect("a robot has fewer than 2^32 variables");
         let reference = reference as usize;
-        if self.index.len() <= reference {
-            self.index.resize(reference + 1, NONE);
+        if self.places.len() <= reference {
+            self.places.resize(reference + 1, NOWHERE);
         }
-        self.index[reference] = u32::try_from(self.places.len()).unwrap_or(NONE);
-        let first = self.rows.len();
-        self.rows.extend(rows);
-        self.places.push(Place {
-            name: name.to_owned(),
+        self.places[reference] = Place {
+            number: number(self.names.len()),
             kind,
-            first,
-            end: self.rows.len(),
-        });
+            first: number(self.rows.len()),
+            len: number(rows.len()),
+        };
+        self.rows.extend(rows);
+        self.names.push(name.to_owned());
     }
 
     /// Number of variables.
     pub(crate) fn len(&self) -> usize {
-        self.places.len()
+        self.names.len()
     }
 
-    /// Index of the variable behind a value reference, if there is one.
-    pub(crate) fn find(&self, reference: u32) -> Option<usize> {
-        let index = *self.index.get(reference as usize)?;
-        (index != NONE).then_some(index as usize)
+    /// The variable behind a value reference; without elements if there is none.
+    #[inline]
+    pub(crate) fn find(&self, reference: u32) -> Place {
+        let place = self.places.get(reference as usize);
+        place.copied().unwrap_or(NOWHERE)
     }
 
-    /// The variable of an index from [`Self::find`].
-    pub(crate) fn place(&self, index: usize) -> &Place {
-        &self.places[index]
+    /// Name of a variable.
+    pub(crate) fn name(&self, place: Place) -> &str {
+        &self.names[place.number as usize]
     }
 
-    /// Its rows.
-    pub(crate) fn rows(&self, place: &Place) -> &[u32] {
-        &self.rows[place.first..place.end]
+    /// Rows of all elements, one variable after the other.
+    pub(crate) fn all_rows(&self) -> &[u32] {
+        &self.rows
     }
 
-    /// The variable behind a value reference, if it has the type asked for, with its index.
-    pub(crate) fn of_kind(&self, reference: u32, kind: Kind) -> Result<(usize, &Place), FmiError> {
-        match self.find(reference) {
-            Some(index) if self.places[index].kind == kind => Ok((index, &self.places[index])),
-            _ => Err(self.wrong(reference, self.version.name_of(kind))),
+    /// Rows of a variable.
+    #[inline]
+    pub(crate) fn rows(&self, place: Place) -> &[u32] {
+        &self.rows[place.elements()]
+    }
+
+    /// The variable behind a value reference, if it has the type asked for.
+    #[inline]
+    pub(crate) fn of_kind(&self, reference: u32, kind: Kind) -> Result<Place, FmiError> {
+        let place = self.find(reference);
+        if place.len > 0 && place.kind == kind {
+            Ok(place)
+        } else {
+            Err(self.wrong(reference, self.version.name_of(kind)))
         }
     }
 
     /// Why a value reference is no variable of the type asked for.
+    #[cold]
     pub(crate) fn wrong(&self, value_reference: u32, asked: &'static str) -> FmiError {
-        if let Some(index) = self.find(value_reference) {
-            let place = &self.places[index];
+        let place = self.find(value_reference);
+        if place.len > 0 {
             return FmiError::Kind {
-                name: place.name.clone(),
+                name: self.name(place).to_owned(),
                 value_reference,
                 is: self.version.name_of(place.kind),
                 asked,
             };
         }
-        let mut wholes = self.places.iter();
-        match wholes.find(|place| self.rows(place).contains(&value_reference)) {
+        let mut wholes = self.places.iter().filter(|place| place.len > 0);
+        match wholes.find(|place| self.rows(**place).contains(&value_reference)) {
             Some(whole) => FmiError::Element {
                 value_reference,
-                name: whole.name.clone(),
+                name: self.name(*whole).to_owned(),
             },
             None => FmiError::ValueReference {
                 value_reference,
-                count: self.index.len(),
+                count: self.places.len(),
             },
         }
     }

@@ -123,49 +123,10 @@ impl Description {
                     arrays.named = attributes.text("type").as_deref() == Some(ELEMENTS);
                 }
                 name if arrays.inside && is_type(name) => {
-                    let value_reference = attributes.required("valueReference")?;
-                    let value_reference = value_reference
-                        .parse()
-                        .map_err(|_| attributes.bad("valueReference"))?;
-                    let kind = match name {
-                        "Float64" => Kind::Real,
-                        "Int32" => Kind::Integer,
-                        "Boolean" => Kind::Boolean,
-                        _ => Kind::Text,
-                    };
-                    let continuous = kind == Kind::Real || name == "Float32";
-                    let usual = if continuous { "continuous" } else { "discrete" };
-                    let or = |text: Option<String>, other: &str| text.unwrap_or(other.to_owned());
-                    let causality = or(attributes.text("causality"), "local");
-                    let initial = attributes.text("initial").unwrap_or_default();
-                    arrays.list.push(Array {
-                        variable: Variable {
-                            name: attributes.required("name")?,
-                            value_reference,
-                            kind,
-                            causality,
-                            variability: or(attributes.text("variability"), usual),
-                            initial,
-                            unit: attributes.text("unit").unwrap_or_default(),
-                        },
-                        shape: Vec::new(),
-                        names: Vec::new(),
-                    });
+                    arrays.list.push(array(name, &attributes)?);
                 }
                 "ScalarVariable" => {
-                    let value_reference = attributes.required("valueReference")?;
-                    let or = |text: Option<String>, other: &str| text.unwrap_or(other.to_owned());
-                    pending = Some(Variable {
-                        name: attributes.required("name")?,
-                        value_reference: value_reference
-                            .parse()
-                            .map_err(|_| attributes.bad("valueReference"))?,
-                        kind: Kind::Real,
-                        causality: or(attributes.text("causality"), "local"),
-                        variability: or(attributes.text("variability"), "continuous"),
-                        initial: attributes.text("initial").unwrap_or_default(),
-                        unit: String::new(),
-                    });
+                    pending = Some(variable(&attributes)?);
                 }
                 "Real" | "Integer" | "Enumeration" | "Boolean" | "String" => {
                     // Outside of a variable it is a type definition.
@@ -201,6 +162,48 @@ impl Description {
     pub fn find(&self, name: &str) -> Option<&Variable> {
         self.variables.iter().find(|v| v.name == name)
     }
+}
+
+/// A variable of FMI 2, whose type is still to come.
+fn variable(attributes: &Attributes) -> Result<Variable, DescriptionError> {
+    let or = |key: &str, other: &str| attributes.text(key).unwrap_or(other.to_owned());
+    Ok(Variable {
+        name: attributes.required("name")?,
+        value_reference: attributes.reference()?,
+        kind: Kind::Real,
+        causality: or("causality", "local"),
+        variability: or("variability", "continuous"),
+        initial: or("initial", ""),
+        unit: String::new(),
+    })
+}
+
+/// A variable of FMI 3 of the type `name`, whose dimensions are still to come.
+fn array(name: &str, attributes: &Attributes) -> Result<Array, DescriptionError> {
+    let or = |key: &str, other: &str| attributes.text(key).unwrap_or(other.to_owned());
+    let usual = match name {
+        "Float32" | "Float64" => "continuous",
+        _ => "discrete",
+    };
+    let kind = match name {
+        "Float64" => Kind::Real,
+        "Int32" => Kind::Integer,
+        "Boolean" => Kind::Boolean,
+        _ => Kind::Text,
+    };
+    Ok(Array {
+        variable: Variable {
+            name: attributes.required("name")?,
+            value_reference: attributes.reference()?,
+            kind,
+            causality: or("causality", "local"),
+            variability: or("variability", usual),
+            initial: or("initial", ""),
+            unit: or("unit", ""),
+        },
+        shape: Vec::new(),
+        names: Vec::new(),
+    })
 }
 
 /// Attributes of one element.
@@ -241,6 +244,11 @@ impl Attributes {
 
     fn required(&self, key: &'static str) -> Result<String, DescriptionError> {
         self.text(key).ok_or_else(|| self.bad(key))
+    }
+
+    fn reference(&self) -> Result<u32, DescriptionError> {
+        let text = self.required("valueReference")?;
+        text.parse().map_err(|_| self.bad("valueReference"))
     }
 
     fn flag(&self, key: &str) -> bool {

@@ -30,9 +30,9 @@ pub(crate) struct Instance {
     model: Arc<Model>,
     /// Rows of the table.
     variables: Vec<Variable>,
-    /// Where each row's value lives, and after the last one time: what reading looks at.
+    /// Where the value of each element of the layout lives: what reading looks at.
     sources: Vec<Source>,
-    /// Rows by value reference.
+    /// Elements by value reference.
     layout: Layout,
     simulation: Simulation,
     phase: Phase,
@@ -67,11 +67,14 @@ impl Instance {
         variables: Vec<Variable>,
         layout: Layout,
     ) -> Self {
-        let slots = variables.iter().map(|v| Source::Slot(v.slot));
+        let source = |row: &u32| {
+            let row = variables.get(*row as usize);
+            row.map_or(Source::Time, |row| Source::Slot(row.slot))
+        };
         Self {
             simulation: Simulation::new(Arc::clone(&model)),
             range_logged: vec![false; variables.len()],
-            sources: slots.chain([Source::Time]).collect(),
+            sources: layout.all_rows().iter().map(source).collect(),
             logger,
             version,
             guid,

@@ -92,22 +92,20 @@ impl Instance {
                 let text = format!("requiredIntermediateVariables: {why}");
                 InstantiateError::Arguments(text)
             };
-            let (index, place) = self
-                .layout
-                .of_kind(value_reference, Kind::Real)
-                .map_err(|error| refused(error.to_string()))?;
+            let place = self.layout.of_kind(value_reference, Kind::Real);
+            let place = place.map_err(|error| refused(error.to_string()))?;
             let rows = self.layout.rows(place);
             let continuous = |row: &u32| {
                 let row = self.variables.get(*row as usize);
                 row.is_some_and(|row| !row.stepped && !matches!(row.slot, Slot::Parameter(_)))
             };
             if !rows.iter().all(continuous) {
-                let name = &place.name;
+                let name = self.layout.name(place);
                 return Err(refused(format!(
                     "'{name}' has no intermediateUpdate=\"true\" in modelDescription.xml"
                 )));
             }
-            required[index] = true;
+            required[place.number as usize] = true;
         }
         self.updates = Some(Updates {
             callback,

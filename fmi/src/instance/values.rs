@@ -2,6 +2,7 @@
 
 use super::{Instance, Source};
 use crate::error::FmiError;
+use crate::layout::Place;
 use crate::phase::Phase;
 use crate::pointers::{In, Out};
 use urdf2fmu_core::inputs::INPUT_ORDERS;
@@ -24,46 +25,49 @@ impl Instance {
     ) -> Result<(), FmiError> {
         let mut expected = 0;
         for value_reference in value_references.iter() {
-            let (index, place) = self.layout.of_kind(value_reference, kind)?;
-            self.check_required(index)?;
-            expected += self.layout.rows(place).len();
+            expected += self.readable(value_reference, kind)?.len();
         }
         check_count(values.len(), expected)?;
-        let mut element = 0;
+        let mut written = 0;
         for value_reference in value_references.iter() {
             // Read again: the importer's array may overlap with `values`, so nothing is taken for
             // granted.
-            let Some(index) = self.layout.find(value_reference) else {
-                break;
-            };
-            for row in self.layout.rows(self.layout.place(index)) {
-                let number = match self.sources[*row as usize] {
+            for element in self.layout.find(value_reference).elements() {
+                let number = match self.sources[element] {
                     Source::Slot(Slot::Input(slot)) => self.simulation.input(slot),
                     Source::Slot(Slot::Parameter(slot)) => self.simulation.parameter(slot),
                     Source::Slot(Slot::Output(slot)) => self.simulation.output(slot),
                     Source::Time => self.simulation.time(),
                 };
                 if !number.is_finite() {
-                    return Err(self.not_finite(*row));
+                    return Err(self.not_finite(self.layout.all_rows()[element]));
                 }
-                values.set(element, from_number(number));
-                element += 1;
+                values.set(written, from_number(number));
+                written += 1;
             }
         }
         Ok(())
     }
 
-    /// Within the importer's callback, only variables that it has asked for.
-    fn check_required(&self, index: usize) -> Result<(), FmiError> {
+    /// The variable behind a value reference, if it has the type asked for. Within the importer's
+    /// callback, only one that it has asked for.
+    #[inline]
+    fn readable(&self, value_reference: u32, kind: Kind) -> Result<Place, FmiError> {
+        let place = self.layout.of_kind(value_reference, kind)?;
+        if self.phase == Phase::IntermediateUpdate {
+            self.check_required(place)?;
+        }
+        Ok(place)
+    }
+
+    #[cold]
+    fn check_required(&self, place: Place) -> Result<(), FmiError> {
         let updates = self.updates.as_ref();
-        let updates = updates.filter(|_| self.phase == Phase::IntermediateUpdate);
-        if updates.is_none_or(|updates| updates.has(index)) {
+        let name = self.layout.name(place);
+        if name == "time" || updates.is_some_and(|updates| updates.has(place.number as usize)) {
             return Ok(());
         }
-        let name = self.layout.place(index).name.clone();
-        if name == "time" {
-            return Ok(());
-        }
+        let name = name.to_owned();
         Err(FmiError::NotRequired { name })
     }
 
@@ -84,35 +88,28 @@ impl Instance {
         values: &In<T>,
         to_number: impl Fn(T) -> f64,
     ) -> Result<(), FmiError> {
-        let mut expected = 0;
-        for value_reference in value_references.iter() {
-            let (index, place) = self.layout.of_kind(value_reference, kind)?;
-            self.check_required(index)?;
-            expected += self.layout.rows(place).len();
-        }
-        check_count(values.len(), expected)?;
+        let references = || value_references.iter();
+        let expected = references().map(|reference| self.layout.find(reference).len());
+        let expected: usize = expected.sum();
         let mut given = values.iter();
-        for value_reference in value_references.iter() {
-            let (_, place) = self.layout.of_kind(value_reference, kind)?;
+        for value_reference in references() {
+            let place = self.readable(value_reference, kind)?;
+            check_count(values.len(), expected)?;
             for (row, value) in self.layout.rows(place).iter().zip(&mut given) {
                 self.check(*row, to_number(value))?;
             }
         }
+        check_count(values.len(), expected)?;
         let mut given = values.iter();
-        for value_reference in value_references.iter() {
+        for value_reference in references() {
             // Read again: the importer may write to its array meanwhile, so nothing is taken for
             // granted.
-            let Some(index) = self.layout.find(value_reference) else {
-                break;
-            };
-            for element in 0..self.layout.rows(self.layout.place(index)).len() {
-                let row = self.layout.rows(self.layout.place(index))[element] as usize;
-                let Some(number) = given.next().map(&to_number) else {
+            for element in self.layout.find(value_reference).elements() {
+                let row = self.layout.all_rows()[element] as usize;
+                let (Some(variable), Some(value)) = (self.variables.get(row), given.next()) else {
                     break;
                 };
-                let Some(variable) = self.variables.get(row) else {
-                    break;
-                };
+                let number = to_number(value);
                 match variable.slot {
                     Slot::Input(slot) => self.simulation.set_input(slot, number),
                     Slot::Parameter(slot) => {
@@ -235,9 +232,8 @@ impl Instance {
             let mut element = 0;
             let places = value_references.iter().zip(orders.iter());
             for (value_reference, order) in places {
-                let (index, place) = self.layout.of_kind(value_reference, Kind::Real)?;
-                self.check_required(index)?;
-                let name = || place.name.clone();
+                let place = self.readable(value_reference, Kind::Real)?;
+                let name = || self.layout.name(place).to_owned();
                 for row in self.layout.rows(place) {
                     let variable = self.variables.get(*row as usize);
                     let Some(Slot::Output(slot)) = variable.map(|v| v.slot) else {
