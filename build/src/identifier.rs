@@ -50,8 +50,8 @@ fn identifier(name: &str) -> Option<String> {
     Some(text)
 }
 
-/// Identifies what the FMU is: version of FMI, model, table and library. Written as FMI 2 likes it, a UUID
-/// (version 8) in braces.
+/// Identifies what the FMU is: version of FMI, model, table and library. Written as FMI 2 likes it,
+/// a UUID (version 8) in braces.
 ///
 /// - `libraries`: with their files
 ///

@@ -1,8 +1,8 @@
 //! An importer: loads an FMU as any other program does and simulates it.
 //!
-//! In: an FMU (ours or another FMI 2.0 or 3.0 co-simulation FMU), inputs and start values. Out: a table of
-//! results. This module does not use the simulator directly, so `urdf2fmu simulate` gives the
-//! results that every importer gets.
+//! In: an FMU (ours or another FMI 2.0 or 3.0 co-simulation FMU), inputs and start values. Out: a
+//! table of results. This module does not use the simulator directly, so `urdf2fmu simulate` gives
+//! the results that every importer gets.
 //!
 //! | module | holds |
 //! |---|---|

@@ -79,8 +79,8 @@ impl Instance {
         }
     }
 
-    /// Sets variables: nothing is set unless all of it is legal and `values` has as many elements as
-    /// they have together.
+    /// Sets variables: nothing is set unless all of it is legal and `values` has as many elements
+    /// as they have together.
     pub(crate) fn set<T: Copy>(
         &mut self,
         kind: Kind,

@@ -92,7 +92,7 @@ macro_rules! of_no_variable {
             nValueReferences: usize,
             $($argument: $of),*
         ) -> fmi3Status {
-            // SAFETY: FMI's contract for the instance and the references; no other argument is used.
+            // SAFETY: FMI's contract for the instance and the references; nothing else is used.
             unsafe {
                 call(instance, Function::$function, |instance| {
                     let references = In::new("valueReferences", valueReferences, nValueReferences)?;
