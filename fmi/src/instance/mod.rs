@@ -2,9 +2,11 @@
 //!
 //! This module does not use pointers. Each function of the interface is one method here; the guard
 //! ([`crate::call`]) has checked the phase. Here is its life, from its making to its end; `values`
-//! gets and sets variables, `step` simulates.
+//! gets and sets variables, `step` simulates, and `updates` is for calls of the
+//! importer within steps.
 
 mod step;
+mod updates;
 mod values;
 
 use crate::common::{Status, Version};
@@ -15,7 +17,7 @@ use crate::logger::{Category, Logger};
 use crate::phase::Phase;
 use crate::snapshot::{GuidHash, SavedState};
 use std::sync::Arc;
-pub(crate) use step::{Callback, Next, Updates};
+pub(crate) use updates::{Callback, Next, Updates};
 use urdf2fmu_core::model::Model;
 use urdf2fmu_core::range::Range;
 use urdf2fmu_core::simulation::Simulation;

@@ -1,12 +1,12 @@
 //! From one communication point to the next.
 
 use super::Instance;
-use crate::common::{IntermediateUpdate, Status};
+use super::updates::{Callback, Next, Updates, Way};
+use crate::common::Status;
 use crate::error::{FmiError, InstantiateError};
 use crate::logger::Category;
 use crate::phase::Phase;
-use std::ffi::c_void;
-use urdf2fmu_core::simulation::{ParameterSlot, SimulationError, Snapshot};
+use urdf2fmu_core::simulation::{ParameterSlot, SimulationError};
 use urdf2fmu_core::variables::{Kind, Slot};
 
 /// How far the beginning of a step may lie from the instance's time, relative to max(1, |t|), and
@@ -19,62 +19,6 @@ const STEP_TOLERANCE: f64 = 1e-3;
 const LONGEST_STEP: f64 = 1e6;
 /// What FMI 3 promises of a step that is discarded.
 const UNCHANGED: &str = "the state is that before the call";
-
-/// The importer's function that is called within steps, and what it is told.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Callback {
-    pub(crate) function: IntermediateUpdate,
-    /// Passed back as it came.
-    pub(crate) environment: *mut c_void,
-    /// Whether the importer takes steps that end early.
-    pub(crate) may_end_early: bool,
-}
-
-/// How an importer is called within steps.
-#[derive(Debug)]
-pub(crate) struct Updates {
-    callback: Callback,
-    /// Per variable of the layout, whether the callback may get or set it.
-    required: Vec<bool>,
-    /// Where the step under way began: a step that fails leaves nothing of it.
-    before: Snapshot,
-    way: Way,
-}
-
-impl Updates {
-    /// Whether the callback may get or set a variable.
-    pub(super) fn has(&self, index: usize) -> bool {
-        self.required[index]
-    }
-}
-
-/// A step under way.
-#[derive(Clone, Copy, Debug, Default)]
-struct Way {
-    /// s
-    begin: f64,
-    /// Where it will end, s.
-    end: f64,
-    /// Where it was to end, s.
-    asked: f64,
-    /// Tries of a solver step before it.
-    tries: u64,
-}
-
-/// What comes next in a step.
-#[derive(Clone, Copy, Debug)]
-pub(crate) enum Next {
-    /// Nothing: it is done, or was discarded.
-    End {
-        status: Status,
-        /// Whether it ended before it was to.
-        early: bool,
-        /// Where the simulation stands, s.
-        time: f64,
-    },
-    /// The callback is to be called, outside of the guard.
-    Update { callback: Callback, time: f64 },
-}
 
 impl Instance {
     /// The importer wants to be called within steps, to get and set these variables there.

@@ -88,20 +88,23 @@ impl Instance {
         values: &In<T>,
         to_number: impl Fn(T) -> f64,
     ) -> Result<(), FmiError> {
-        let references = || value_references.iter();
-        let expected = references().map(|reference| self.layout.find(reference).len());
-        let expected: usize = expected.sum();
+        let mut expected = 0;
         let mut given = values.iter();
-        for value_reference in references() {
+        for value_reference in value_references.iter() {
             let place = self.readable(value_reference, kind)?;
-            check_count(values.len(), expected)?;
+            expected += place.len();
+            if expected > values.len() {
+                let all = value_references.iter();
+                let all = all.map(|reference| self.layout.find(reference).len());
+                return check_count(values.len(), all.sum());
+            }
             for (row, value) in self.layout.rows(place).iter().zip(&mut given) {
                 self.check(*row, to_number(value))?;
             }
         }
         check_count(values.len(), expected)?;
         let mut given = values.iter();
-        for value_reference in references() {
+        for value_reference in value_references.iter() {
             // Read again: the importer may write to its array meanwhile, so nothing is taken for
             // granted.
             for element in self.layout.find(value_reference).elements() {
