@@ -32,6 +32,11 @@ fn the_corpus_of_calls_does_no_harm() {
 }
 
 #[test]
+fn the_corpus_of_calls_of_fmi_3_does_no_harm() {
+    replay("calls3", targets::calls3);
+}
+
+#[test]
 fn the_corpus_of_viewers_does_no_harm() {
     replay("viewer", targets::viewer);
 }

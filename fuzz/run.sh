@@ -21,7 +21,7 @@ while getopts n:m option; do
 done
 shift $((OPTIND - 1))
 if [ $# -eq 0 ]; then
-  set -- stl obj collada urdf settings model states calls viewer scene decomposition
+  set -- stl obj collada urdf settings model states calls calls3 viewer scene decomposition
 fi
 work=$PWD/target/fuzz
 host=$(rustc -vV | sed -n 's/^host: //p')
@@ -41,7 +41,7 @@ for target in "$@"; do
     settings) length=200 words=fuzz/settings.dict ;;
     model) length=64 ;;
     states) length=96 ;;
-    calls) length=400 ;;
+    calls|calls3) length=400 ;;
     viewer) length=600 words=fuzz/viewer.dict ;;
     *) echo "there is no target '$target'" >&2 && exit 2 ;;
   esac

@@ -6,7 +6,8 @@
 //! | `states` | a serialised state, or changes to a good one whose checksums are then put right |
 //! | `model` | a prepared model as text, or changes to the numbers of a good one |
 //! | `settings` | a settings file |
-//! | `calls` | a sequence of FMI calls with their arguments |
+//! | `calls` | a sequence of FMI 2 calls with their arguments |
+//! | `calls3` | the same of FMI 3, with calls from within steps |
 //! | `viewer` | a request or the frames of a socket, as a live view gets them |
 #![allow(
     unsafe_code,
@@ -22,10 +23,13 @@
 
 #[path = "targets/calls.rs"]
 mod calls;
+#[path = "targets/calls3.rs"]
+mod calls3;
 #[path = "targets/viewer.rs"]
 mod viewer;
 
 pub use calls::calls;
+pub use calls3::calls3;
 pub use viewer::viewer;
 
 use std::ffi::{CString, c_char, c_void};
@@ -37,7 +41,7 @@ use urdf2fmu_core::settings::Settings;
 use urdf2fmu_core::simulation::Simulation;
 use urdf2fmu_core::variables::{Kind, Slot, Variable, table};
 use urdf2fmu_core::{assemble, urdf};
-use urdf2fmu_fmi::types::fmi2CallbackFunctions;
+use urdf2fmu_fmi::v2::types::fmi2CallbackFunctions;
 use urdf2fmu_fmi::*;
 
 const GUID: &str = "{fuzz}";

@@ -358,6 +358,9 @@ pub struct Ground {
 pub struct OutputSelection {
     /// Flat variable names (`_` instead of `.`).
     pub flat_names: bool,
+    /// What is an array in FMI 3.
+    #[serde(default, skip_serializing_if = "Arrays::is_default")]
+    pub arrays: Arrays,
     /// Links with a `contact.*` output.
     pub contacts: Vec<LinkId>,
     /// Whether these outputs include where the forces act.
@@ -377,6 +380,26 @@ pub struct OutputSelection {
     pub groups: Vec<Group>,
     /// Sensors with `sensor.*` outputs.
     pub sensors: Vec<Sensor>,
+}
+
+/// What FMI 3 lists as arrays; FMI 2 has none.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Arrays {
+    /// Vectors of outputs and parameters, and rays.
+    #[default]
+    Vectors,
+    /// Nothing: every element is a variable, as in FMI 2.
+    None,
+    /// Vectors of inputs, too, and vectors over all joints.
+    All,
+}
+
+impl Arrays {
+    #[expect(clippy::trivially_copy_pass_by_ref, reason = "as serde asks")]
+    fn is_default(&self) -> bool {
+        *self == Self::default()
+    }
 }
 
 /// Two sides whose contacts with each other are outputs.

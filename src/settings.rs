@@ -18,6 +18,7 @@ mod closures;
 mod common;
 mod compat;
 mod fill;
+mod fmu;
 pub mod keys;
 mod reader;
 mod section;
@@ -28,12 +29,12 @@ mod world;
 
 pub use closures::{LoopChoice, LoopSettings, SpringSettings};
 pub use compat::Compat;
+pub use fmu::{FmiVersion, FmuSettings};
 pub use sensor::{Errors, Fan, SensorSettings, SensorSettingsKind};
 pub use types::{
-    ActuatorSettings, BaseChoice, ContactOutputs, FmuSettings, GeneratedHeights, GroupSettings,
-    HeightForm, HeightSource, InertiaSource, InitialSettings, JointSettings, LinkSettings,
-    ModeChoice, ObjectSettings, ObjectSource, PairSettings, RobotSettings, Settings,
-    TerrainSettings, WheelFit,
+    ActuatorSettings, BaseChoice, ContactOutputs, GeneratedHeights, GroupSettings, HeightForm,
+    HeightSource, InertiaSource, InitialSettings, JointSettings, LinkSettings, ModeChoice,
+    ObjectSettings, ObjectSource, PairSettings, RobotSettings, Settings, TerrainSettings, WheelFit,
 };
 
 pub(crate) use fill::{STATIC_FRICTION_HELP, static_excess};

@@ -3,6 +3,7 @@
 
 mod build;
 mod closures;
+mod entries;
 mod outputs;
 mod row;
 mod sensors;
@@ -12,7 +13,8 @@ use crate::model::Model;
 use build::Table;
 #[cfg(feature = "urdf")]
 pub(crate) use build::identifier;
-pub use row::{Kind, Slot, TableError, Unit, Variable};
+pub use entries::{Entry, entries, time_reference};
+pub use row::{Kind, Part, Slot, TableError, Unit, Variable};
 
 /// The table of a model, in a fixed order: inputs, outputs, parameters.
 ///

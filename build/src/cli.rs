@@ -8,11 +8,11 @@ use crate::stage::Request;
 use crate::world::Packages;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::{Path, PathBuf};
-use urdf2fmu_core::model::ActuatorMode;
-use urdf2fmu_core::settings::{BaseChoice, Compat, InertiaSource, ObjectSettings};
+use urdf2fmu_core::model::{ActuatorMode, Arrays};
+use urdf2fmu_core::settings::{BaseChoice, Compat, FmiVersion, InertiaSource, ObjectSettings};
 use values::{density, factor, package, place, rate, size, speed, tolerance, xacro_argument};
 
-/// Any URDF robot in, a self-contained FMI 2.0 co-simulation FMU out.
+/// Any URDF robot in, a self-contained FMI co-simulation FMU out.
 #[derive(Debug, Parser)]
 #[command(version, about, long_about = None, max_term_width = 100)]
 #[command(
@@ -92,6 +92,13 @@ pub(crate) struct Source {
     /// Names of variables: `joint.elbow.position` or `joint_elbow_position`
     #[arg(long, value_name = "STYLE")]
     pub(crate) naming: Option<NamingStyle>,
+    /// Version of the Functional Mock-up Interface
+    #[arg(long, value_name = "VERSION")]
+    pub(crate) fmi: Option<Fmi>,
+    /// What FMI 3 lists as arrays: vectors of outputs and parameters, nothing, or vectors of inputs
+    /// and of all joints, too
+    #[arg(long, value_name = "WHAT")]
+    pub(crate) arrays: Option<ArrayStyle>,
     /// SRDF of the robot: its passive joints, and its states for --initial-state
     #[arg(long, value_name = "FILE.srdf")]
     pub(crate) srdf: Option<PathBuf>,
@@ -157,6 +164,26 @@ pub(crate) enum NamingStyle {
     Structured,
     /// With underscores, for tools that make trees or buses of dots
     Flat,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(crate) enum Fmi {
+    /// FMI 2.0
+    #[value(name = "2")]
+    V2,
+    /// FMI 3.0
+    #[value(name = "3")]
+    V3,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(crate) enum ArrayStyle {
+    /// Vectors of outputs and parameters
+    Vectors,
+    /// Nothing: the variables of FMI 2
+    None,
+    /// Vectors of inputs, too, and vectors over all joints
+    All,
 }
 
 #[derive(Debug, Args)]
@@ -440,6 +467,15 @@ impl Source {
             flat_names: self
                 .naming
                 .map(|naming| matches!(naming, NamingStyle::Flat)),
+            fmi: self.fmi.map(|fmi| match fmi {
+                Fmi::V2 => FmiVersion::V2,
+                Fmi::V3 => FmiVersion::V3,
+            }),
+            arrays: self.arrays.map(|arrays| match arrays {
+                ArrayStyle::Vectors => Arrays::Vectors,
+                ArrayStyle::None => Arrays::None,
+                ArrayStyle::All => Arrays::All,
+            }),
             srdf: self.srdf.clone(),
             initial_state: self.initial_state.clone(),
             packages: Packages {

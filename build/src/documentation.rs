@@ -10,6 +10,7 @@ use crate::info::{around, count, role, short, total_mass, unit};
 use std::fmt::{Display, Write as _};
 use urdf2fmu_core::diagnostic::Severity;
 use urdf2fmu_core::model::{Model, SensorKind};
+use urdf2fmu_core::settings::FmiVersion;
 use urdf2fmu_core::variables::{Slot, Variable};
 
 /// Something that was assumed or looks wrong.
@@ -40,23 +41,45 @@ pub struct Page<'a> {
     pub remarks: &'a [Remark],
     /// Names below `resources/source/`.
     pub sources: &'a [String],
+    /// Version of the standard.
+    pub fmi: FmiVersion,
+}
+
+/// The picture that importers of FMI 2 show.
+const ICON: &str = "model.png";
+/// The same for FMI 3.
+const ICON_OF_FMI_3: &str = "terminalsAndIcons/icon.png";
+
+/// Where one of an FMU's pictures stands; none for one that it does not have. FMI 3 knows but one
+/// icon, and the larger one is as good.
+pub fn picture(fmi: FmiVersion, name: &'static str) -> Option<&'static str> {
+    match (fmi, name) {
+        (FmiVersion::V3, ICON) => Some(ICON_OF_FMI_3),
+        (FmiVersion::V3, ICON_OF_FMI_3) => None,
+        _ => Some(name),
+    }
 }
 
 /// The page.
 pub fn html(page: &Page, model: &Model, table: &[Variable]) -> String {
     let mut out = String::new();
     let name = escape(&model.name);
+    let icon = match page.fmi {
+        FmiVersion::V2 => ICON,
+        FmiVersion::V3 => ICON_OF_FMI_3,
+    };
     _ = write!(
         out,
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
          <meta name=\"viewport\" content=\"width=device-width\">\n<title>{name}</title>\n<style>\n{}</style>\n</head>\n\
-         <body>\n<h1>{name}</h1>\n<p class=\"quiet\">FMI 2.0 co-simulation FMU of a URDF robot, made by urdf2fmu {}</p>\n",
+         <body>\n<h1>{name}</h1>\n<p class=\"quiet\">FMI {} co-simulation FMU of a URDF robot, made by urdf2fmu {}</p>\n",
         include_str!("documentation.css"),
+        page.fmi,
         env!("CARGO_PKG_VERSION"),
     );
     _ = write!(
         out,
-        "<figure id=\"robot\"><img src=\"../model.png\" alt=\"{name} at the start\" width=\"400\" height=\"400\"></figure>\n\
+        "<figure id=\"robot\"><img src=\"../{icon}\" alt=\"{name} at the start\" width=\"400\" height=\"400\"></figure>\n\
          <script>{}</script>\n",
         include_str!("documentation.js"),
     );

@@ -7,6 +7,7 @@ use sha2::{Digest, Sha256};
 use std::fmt::Write as _;
 use urdf2fmu_core::model::Model;
 use urdf2fmu_core::prepared::{PreparedModel, PreparedModelError};
+use urdf2fmu_core::settings::FmiVersion;
 use urdf2fmu_core::variables::Variable;
 
 /// Longest identifier; paths inside an unpacked FMU stay short enough for Windows.
@@ -49,12 +50,13 @@ fn identifier(name: &str) -> Option<String> {
     Some(text)
 }
 
-/// Identifies what the FMU is: model, table and library. Written as FMI 2 likes it, a UUID
-/// (version 8) in braces.
+/// Identifies what the FMU is: version of FMI, model, table and library. Written as FMI 2 likes it,
+/// a UUID (version 8) in braces.
 ///
 /// # Errors
 /// [`PreparedModelError`] if the model cannot be written.
 pub fn guid(
+    fmi: FmiVersion,
     model_identifier: &str,
     model: &Model,
     table: &[Variable],
@@ -67,6 +69,9 @@ pub fn guid(
         hash.update(bytes);
     };
     part(model_identifier.as_bytes());
+    if fmi == FmiVersion::V3 {
+        part(b"FMI 3.0");
+    }
     // The guid stands in the prepared model, so an empty one is hashed.
     part(
         PreparedModel::new(String::new(), model.clone())

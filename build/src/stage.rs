@@ -17,18 +17,16 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use urdf2fmu_core::assemble::{self, Guest};
 use urdf2fmu_core::diagnostic::Diagnostic;
-use urdf2fmu_core::model::{ActuatorMode, Model};
+use urdf2fmu_core::model::{ActuatorMode, Arrays, Model};
 use urdf2fmu_core::pattern::Pattern;
 use urdf2fmu_core::prepared::{FILE_NAME, PreparedModel, PreparedModelError};
 use urdf2fmu_core::settings::{
-    ActuatorSettings, BaseChoice, Compat, InertiaSource, ModeChoice, ObjectSettings, Settings,
+    ActuatorSettings, BaseChoice, Compat, FmiVersion, InertiaSource, ModeChoice, ObjectSettings,
+    Settings,
 };
 use urdf2fmu_core::simulation::{Simulation, SimulationError};
 use urdf2fmu_core::urdf::{self, Description};
 use urdf2fmu_core::variables::{self, TableError, Variable};
-
-/// The major version of the FMUs.
-const FMI: u8 = 2;
 
 /// What a person asked for. What stands here wins over the settings file.
 #[derive(Clone, Debug, Default)]
@@ -56,6 +54,10 @@ pub struct Request {
     pub scale: Option<f64>,
     /// `--naming`.
     pub flat_names: Option<bool>,
+    /// `--fmi`.
+    pub fmi: Option<FmiVersion>,
+    /// `--arrays`.
+    pub arrays: Option<Arrays>,
     /// `--srdf`.
     pub srdf: Option<PathBuf>,
     /// `--initial-state`: one of the SRDF's.
@@ -172,6 +174,8 @@ pub fn robot(request: &Request) -> Result<Robot, StageError> {
     if let Some(flat_names) = request.flat_names {
         settings.flat_names = flat_names;
     }
+    settings.fmu.fmi = request.fmi.unwrap_or(settings.fmu.fmi);
+    settings.fmu.arrays = request.arrays.unwrap_or(settings.fmu.arrays);
     if let Some(mode) = request.mode {
         settings.default_mode = Some(ModeChoice::Commanded(mode));
     }
@@ -264,7 +268,13 @@ pub fn fmu(
     let about = &robot.settings.fmu;
     let model_name = about.name.as_ref().unwrap_or(&robot.model.name);
     let model_identifier = model_identifier(model_name, &stem);
-    let guid = guid(&model_identifier, &robot.model, &robot.table, &libraries)?;
+    let guid = guid(
+        about.fmi,
+        &model_identifier,
+        &robot.model,
+        &robot.table,
+        &libraries,
+    )?;
     let prepared = PreparedModel::new(guid.clone(), robot.model.clone()).to_json()?;
     trial(&prepared)?;
 
@@ -282,6 +292,10 @@ pub fn fmu(
         &robot.table,
     )?;
     archive.add("modelDescription.xml", xml)?;
+    if about.fmi == FmiVersion::V3 {
+        let terminals = describe::terminals(&robot.model, &robot.table)?;
+        archive.add(describe::TERMINALS, terminals)?;
+    }
     for library in &libraries {
         let name = format!(
             "binaries/{}/{model_identifier}.{}",
@@ -306,6 +320,7 @@ pub fn fmu(
             platforms: &platforms,
             remarks: &remarks,
             sources: &names,
+            fmi: about.fmi,
         };
         document(&mut archive, robot, &page, &scene)?;
     }
@@ -327,7 +342,9 @@ fn document(
     // Whoever draws the FMU must be able to read it: the pictures are of what was written.
     let scene = Scene::from_bytes(scene)?;
     for (name, picture) in picture::all(&scene) {
-        archive.add(name, picture)?;
+        if let Some(name) = documentation::picture(page.fmi, name) {
+            archive.add(name, picture)?;
+        }
     }
     let html = documentation::html(page, &robot.model, &robot.table);
     archive.add("documentation/index.html", html)?;
@@ -367,12 +384,13 @@ fn make_scene(robot: &Robot, remarks: &[Remark], guid: &str) -> Result<Scene, St
 /// [`StageError::Library`], or [`StageError::Robot`] where the settings name them.
 pub fn libraries(robot: &Robot, platforms: &[String]) -> Result<Vec<Binary>, StageError> {
     let all = library::embedded();
+    let fmi = robot.settings.fmu.fmi.major();
     let set = &robot.settings.fmu.platforms;
     if !platforms.is_empty() || set.is_empty() {
-        return Ok(library::pack(all, platforms, FMI)?);
+        return Ok(library::pack(all, platforms, fmi)?);
     }
     let names: Vec<&str> = set.iter().map(|name| name.text.as_str()).collect();
-    library::pack(all, &names, FMI).map_err(|error| {
+    library::pack(all, &names, fmi).map_err(|error| {
         let told = set.iter().find(|n| error.to_string().contains(&n.text));
         StageError::Robot(vec![library::finding(told.unwrap_or(&set[0]), &error)])
     })

@@ -41,9 +41,10 @@ pub fn text(output: &Path, fmu: &Fmu, robot: &Robot) -> String {
     let model = &robot.model;
     let number_of = |f: fn(&Slot) -> bool| robot.table.iter().filter(|v| f(&v.slot)).count();
     let mut out = format!(
-        "{}  {}, FMI 2.0 co-simulation, {}\n",
+        "{}  {}, FMI {} co-simulation, {}\n",
         output.display(),
         size(fmu.bytes.len()),
+        robot.settings.fmu.fmi,
         fmu.platforms.join(" "),
     );
     _ = writeln!(

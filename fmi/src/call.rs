@@ -1,19 +1,23 @@
 //! The guard of every exported function. Its steps, in fixed order:
 //!
-//! 1. the component: not null, one of ours, not in use by another call
+//! 1. the pointer: not null, one of ours, not in use by another call, of the function's version
 //! 2. the phase table
 //! 3. the default floating-point control word
 //! 4. the body, with panics caught
 //! 5. the log, and the status
-#![allow(unsafe_code, reason = "dereferences the importer's component pointer")]
+#![allow(
+    unsafe_code,
+    reason = "dereferences the importer's pointer to an instance"
+)]
 
+use crate::common::Status;
 use crate::control_word;
 use crate::error::FmiError;
 use crate::instance::Instance;
 use crate::panics;
-use crate::phase::Function;
-use crate::types::{fmi2Component, fmi2Status};
+use crate::phase::{Function, Phase};
 use std::cell::UnsafeCell;
+use std::ffi::c_void;
 use std::ops::{Deref, DerefMut};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -21,7 +25,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 /// Marks a living instance, so that most wrong pointers are refused instead of followed.
 const TAG: u64 = 0x7564_6632_666d_7532;
 
-/// What a component points to.
+/// What the importer's pointer leads to.
 struct Handle {
     /// [`TAG`]; 0 once freed.
     tag: AtomicU64,
@@ -68,12 +72,12 @@ impl Handle {
     }
 }
 
-/// The handle behind a component, if it is one.
+/// The handle behind a pointer, if it is one of ours.
 ///
 /// # Safety
-/// `c` is null or points to readable memory of the size of a handle, such as fmi2Instantiate
-/// returned.
-unsafe fn handle<'a>(c: fmi2Component) -> Option<&'a Handle> {
+/// `c` is null or points to readable memory of the size of a handle, such as the functions that
+/// make an instance return.
+unsafe fn handle<'a>(c: *mut c_void) -> Option<&'a Handle> {
     let pointer = c.cast::<Handle>();
     if pointer.is_null() || !pointer.is_aligned() {
         return None;
@@ -81,12 +85,12 @@ unsafe fn handle<'a>(c: fmi2Component) -> Option<&'a Handle> {
     // SAFETY: not null, aligned, readable by the caller's promise. Only the tag is read before it
     // is known.
     let tag = unsafe { &(*pointer).tag };
-    // SAFETY: the tag says that `into_component` made it and `free` has not yet dropped it.
+    // SAFETY: the tag says that `into_pointer` made it and `free` has not yet dropped it.
     (tag.load(Ordering::Acquire) == TAG).then(|| unsafe { &*pointer })
 }
 
 /// Hands an instance to the importer.
-pub(crate) fn into_component(instance: Instance) -> fmi2Component {
+pub(crate) fn into_pointer(instance: Instance) -> *mut c_void {
     let handle = Handle {
         tag: AtomicU64::new(TAG),
         busy: AtomicBool::new(false),
@@ -95,11 +99,11 @@ pub(crate) fn into_component(instance: Instance) -> fmi2Component {
     Box::into_raw(Box::new(handle)).cast()
 }
 
-/// fmi2FreeInstance; nothing happens if `c` is null, no component or in use.
+/// Frees an instance; nothing happens if `c` is null, no instance of this version, or in use.
 ///
 /// # Safety
 /// As [`call`]; afterwards `c` is dangling.
-pub(crate) unsafe fn free(c: fmi2Component) {
+pub(crate) unsafe fn free<F: Function>(c: *mut c_void) {
     // SAFETY: the caller's promise.
     let Some(handle) = (unsafe { handle(c) }) else {
         return;
@@ -107,13 +111,13 @@ pub(crate) unsafe fn free(c: fmi2Component) {
     let Some(taken) = handle.take() else {
         return;
     };
-    if !Function::FreeInstance.allowed_in(taken.phase()) {
+    if taken.version() != F::VERSION || !F::FREE.allowed_in(taken.phase()) {
         return;
     }
     handle.tag.store(0, Ordering::Release);
     std::mem::forget(taken);
     let _word = control_word::Guard::new();
-    // SAFETY: made by `into_component`; the tag is gone, so it is not followed again.
+    // SAFETY: made by `into_pointer`; the tag is gone, so it is not followed again.
     let instance = unsafe { Box::from_raw(c.cast::<Handle>()) };
     // A panic while dropping is a bug that must not reach the host; there is no logger left to
     // report it to.
@@ -123,48 +127,94 @@ pub(crate) unsafe fn free(c: fmi2Component) {
 /// Runs `body` on the instance behind `c`, if `function` may be called now.
 ///
 /// # Safety
-/// `c` is null or was returned by fmi2Instantiate and not yet freed.
-pub(crate) unsafe fn call(
-    c: fmi2Component,
-    function: Function,
-    body: impl FnOnce(&mut Instance) -> Result<fmi2Status, FmiError>,
-) -> fmi2Status {
+/// `c` is null or was returned by a function that makes instances and is not yet freed.
+pub(crate) unsafe fn call<F: Function>(
+    c: *mut c_void,
+    function: F,
+    body: impl FnOnce(&mut Instance) -> Result<Status, FmiError>,
+) -> Status {
+    // SAFETY: the caller's promise.
+    unsafe { call_if(c, function, |phase| function.allowed_in(phase), body) }
+}
+
+/// Runs `body` on the instance behind `c` after the importer's callback within a call of
+/// `function`, whatever the table says.
+///
+/// # Safety
+/// As [`call`].
+pub(crate) unsafe fn resume<F: Function>(
+    c: *mut c_void,
+    function: F,
+    body: impl FnOnce(&mut Instance) -> Result<Status, FmiError>,
+) -> Status {
+    // SAFETY: the caller's promise.
+    unsafe {
+        call_if(
+            c,
+            function,
+            |phase| phase == Phase::IntermediateUpdate,
+            body,
+        )
+    }
+}
+
+unsafe fn call_if<F: Function>(
+    c: *mut c_void,
+    function: F,
+    allowed: impl FnOnce(Phase) -> bool,
+    body: impl FnOnce(&mut Instance) -> Result<Status, FmiError>,
+) -> Status {
     // SAFETY: the caller's promise.
     let Some(mut instance) = (unsafe { handle(c) }).and_then(Handle::take) else {
-        return fmi2Status::Error;
+        return Status::Error;
     };
     let _word = control_word::Guard::new();
-    guarded(&mut instance, function, body)
+    guarded(&mut instance, function, allowed, body)
 }
 
 /// [`call`] behind the pointer. Not inlined, so that no arithmetic moves before the control word is
 /// set.
 #[inline(never)]
-fn guarded(
+fn guarded<F: Function>(
     instance: &mut Instance,
-    function: Function,
-    body: impl FnOnce(&mut Instance) -> Result<fmi2Status, FmiError>,
-) -> fmi2Status {
-    if !function.allowed_in(instance.phase()) {
-        let phase = instance.phase();
-        return instance.report(function, &FmiError::Phase { function, phase });
+    function: F,
+    allowed: impl FnOnce(Phase) -> bool,
+    body: impl FnOnce(&mut Instance) -> Result<Status, FmiError>,
+) -> Status {
+    let (name, made) = (function.name(), instance.version());
+    if made != F::VERSION {
+        return instance.report(name, &FmiError::Version { made });
+    }
+    let phase = instance.phase();
+    if !allowed(phase) {
+        let advice = function.advice(phase);
+        let phase = F::name_of(phase);
+        return instance.report(name, &FmiError::Phase { phase, advice });
     }
     match catch_unwind(AssertUnwindSafe(|| body(instance))) {
         Ok(Ok(status)) => status,
-        Ok(Err(error)) => instance.report(function, &error),
+        Ok(Err(error)) => instance.report(name, &error),
         Err(payload) => {
             instance.poison();
             let message = panics::message(payload.as_ref());
-            instance.report(function, &FmiError::Panic { message })
+            instance.report(name, &FmiError::Panic { message })
         }
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use super::{Status, call, free, guarded, into_pointer};
     use crate::instance::tests::instance;
-    use crate::phase::Phase;
+    use crate::phase::{Function as _, Phase, table};
+
+    table! {
+        V2 "fmi2", [Instantiated "instantiated", Error "error"], |_| "";
+        FreeInstance x x;
+        Reset        x x;
+        GetReal      x o;
+    }
+    use self::Function as Row;
 
     #[test]
     fn null_and_foreign_component_pointers_are_refused() {
@@ -172,49 +222,48 @@ mod tests {
         // SAFETY: null, or readable memory.
         unsafe {
             for c in [std::ptr::null_mut(), strange.as_mut_ptr().cast()] {
-                assert_eq!(
-                    call(c, Function::Reset, |_| Ok(fmi2Status::OK)),
-                    fmi2Status::Error
-                );
-                free(c);
+                assert_eq!(call(c, Row::Reset, |_| Ok(Status::OK)), Status::Error);
+                free::<Row>(c);
             }
         }
     }
 
     #[test]
     fn a_call_from_inside_a_call_is_refused() {
-        let c = into_component(instance());
+        let c = into_pointer(instance());
         // SAFETY: `c` lives until it is freed here.
         unsafe {
-            let status = call(c, Function::Reset, |_| {
-                free(c);
-                Ok(call(c, Function::Reset, |_| Ok(fmi2Status::OK)))
+            let status = call(c, Row::Reset, |_| {
+                free::<Row>(c);
+                Ok(call(c, Row::Reset, |_| Ok(Status::OK)))
             });
-            assert_eq!(status, fmi2Status::Error);
-            assert_eq!(
-                call(c, Function::Reset, |_| Ok(fmi2Status::OK)),
-                fmi2Status::OK
-            );
-            free(c);
+            assert_eq!(status, Status::Error);
+            assert_eq!(call(c, Row::Reset, |_| Ok(Status::OK)), Status::OK);
+            free::<Row>(c);
         }
     }
 
     #[test]
     fn after_a_panic_only_reset_helps() {
         let mut instance = instance();
-        let mut run = |function, panic: bool| {
-            guarded(&mut instance, function, |instance| {
-                assert!(!panic, "bug");
-                if function == Function::Reset {
-                    instance.reset();
-                }
-                Ok(fmi2Status::OK)
-            })
+        let mut run = |function: Row, panic: bool| {
+            guarded(
+                &mut instance,
+                function,
+                |phase| function.allowed_in(phase),
+                |instance| {
+                    assert!(!panic, "bug");
+                    if function == Row::Reset {
+                        instance.reset();
+                    }
+                    Ok(Status::OK)
+                },
+            )
         };
-        assert_eq!(run(Function::GetReal, true), fmi2Status::Error);
-        assert_eq!(run(Function::GetReal, false), fmi2Status::Error);
-        assert_eq!(run(Function::Reset, false), fmi2Status::OK);
-        assert_eq!(run(Function::GetReal, false), fmi2Status::OK);
+        assert_eq!(run(Row::GetReal, true), Status::Error);
+        assert_eq!(run(Row::GetReal, false), Status::Error);
+        assert_eq!(run(Row::Reset, false), Status::OK);
+        assert_eq!(run(Row::GetReal, false), Status::OK);
         assert_eq!(instance.phase(), Phase::Instantiated);
     }
 }

@@ -1,7 +1,6 @@
 //! Every error of a call, as data; its text goes to the importer's logger.
 
-use crate::phase::{Function, Phase};
-use crate::types::fmi2Status;
+use crate::common::{Status, Version};
 use crate::uri::UriError;
 use urdf2fmu_core::prepared::PreparedModelError;
 use urdf2fmu_core::simulation::SimulationError;
@@ -10,8 +9,10 @@ use urdf2fmu_core::variables::TableError;
 /// Why a call on an instance fails.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub(crate) enum FmiError {
-    #[error("called in phase '{phase}'; {}", function.advice(*phase))]
-    Phase { function: Function, phase: Phase },
+    #[error("called in phase '{phase}'; {advice}")]
+    Phase { phase: &'static str, advice: String },
+    #[error("the instance was made by {made}…, and {made} functions alone may be called with it")]
+    Version { made: Version },
     #[error("'{argument}' is NULL")]
     NullPointer { argument: &'static str },
     #[error("'{argument}' is NULL, but {len} elements are announced")]
@@ -27,13 +28,26 @@ pub(crate) enum FmiError {
         is: &'static str,
         asked: &'static str,
     },
+    #[error(
+        "value reference {value_reference} is an element of '{name}', which is got and set as a whole"
+    )]
+    Element { value_reference: u32, name: String },
+    #[error("{given} values are announced, but the variables have {expected}")]
+    Count { given: usize, expected: usize },
+    #[error("the independent variable 'time' cannot be set")]
+    Time,
+    #[error(
+        "variable '{name}' is not among the requiredIntermediateVariables of \
+         fmi3InstantiateCoSimulation"
+    )]
+    NotRequired { name: String },
     #[error("output '{name}' cannot be set")]
     Output { name: String },
     #[error(
-        "fixed parameter '{name}' cannot be set after fmi2ExitInitializationMode; call fmi2Reset and set it \
+        "fixed parameter '{name}' cannot be set after {fmi}ExitInitializationMode; call {fmi}Reset and set it \
          before the next initialisation"
     )]
-    Fixed { name: String },
+    Fixed { name: String, fmi: Version },
     #[error("variable '{name}' must be {expected}, not {value}")]
     Value {
         name: String,
@@ -58,9 +72,9 @@ pub(crate) enum FmiError {
     #[error("the step would begin at {given} s, but the instance is at {expected} s")]
     CommunicationPoint { given: f64, expected: f64 },
     #[error(
-        "the step would begin at {begin} s, at or after the stop time {stop} s of fmi2SetupExperiment"
+        "the step would begin at {begin} s, at or after the stop time {stop} s of {}", fmi.setup()
     )]
-    StopTime { begin: f64, stop: f64 },
+    StopTime { begin: f64, stop: f64, fmi: Version },
     #[error("{0}")]
     Simulation(#[from] SimulationError),
     #[error("saved state refused: {reason}")]
@@ -98,13 +112,13 @@ pub(crate) enum FmiError {
 impl FmiError {
     /// What the function returns. `fmi2Discard` where FMI 2.0.4 foresees that the FMU has no answer
     /// and the importer can go on without it (sections 2.1.3 and 4.2.3).
-    pub(crate) fn status(&self) -> fmi2Status {
+    pub(crate) fn status(&self) -> Status {
         match self {
             Self::StatusKind { .. }
             | Self::HighOrder { .. }
             | Self::NoDerivative { .. }
-            | Self::NotFinite { .. } => fmi2Status::Discard,
-            _ => fmi2Status::Error,
+            | Self::NotFinite { .. } => Status::Discard,
+            _ => Status::Error,
         }
     }
 }
@@ -114,12 +128,20 @@ impl FmiError {
 pub(crate) enum InstantiateError {
     #[error("fmuType is {found}; this FMU is for co-simulation (1) only")]
     Type { found: i32 },
-    #[error(transparent)]
-    Uri(#[from] UriError),
-    #[error(
-        "cannot read '{path}': {error}; unzip the whole FMU and pass the URI of its folder 'resources'"
-    )]
-    Read { path: String, error: std::io::Error },
+    #[error("{0}")]
+    Arguments(String),
+    #[error("{argument} {error}; {advice}")]
+    Uri {
+        argument: &'static str,
+        error: UriError,
+        advice: &'static str,
+    },
+    #[error("cannot read '{path}': {error}; unzip the whole FMU and {advice}")]
+    Read {
+        path: String,
+        error: std::io::Error,
+        advice: &'static str,
+    },
     #[error("'{path}': {error}")]
     Prepared {
         path: String,
@@ -128,10 +150,14 @@ pub(crate) enum InstantiateError {
     #[error("'{path}': {error}")]
     Table { path: String, error: TableError },
     #[error(
-        "fmuGUID is '{given}', but this FMU's is '{expected}': modelDescription.xml and resources belong to \
+        "{argument} is '{given}', but this FMU's is '{expected}': modelDescription.xml and resources belong to \
          different exports; unzip the FMU again"
     )]
-    Guid { given: String, expected: String },
+    Guid {
+        argument: &'static str,
+        given: String,
+        expected: String,
+    },
     #[error(
         "internal error while loading: {message}; export the FMU again, and report it if that does not help"
     )]

@@ -1,17 +1,19 @@
-//! The FMI 2.0 co-simulation C functions of an urdf2fmu robot.
+//! The co-simulation C functions of an urdf2fmu robot, of FMI 2.0 and of FMI 3.0.
 //!
-//! This is the one package with `unsafe` code. Every function that takes a component does nothing
-//! but call the guard in `call`, which checks pointer and phase, sets the floating-point control
-//! word, catches panics, logs and answers. What the functions do is in `instance`; which may be
-//! called when, in `phase`.
+//! This is the one package with `unsafe` code. Every function that takes an instance does nothing
+//! but call the guard in `call`, which checks pointer, version and phase, sets the floating-point
+//! control word, catches panics, logs and answers. What the functions do is in `instance`, for both
+//! versions; which may be called when, in the tables of `v2` and `v3`.
 //!
 //! | module | holds |
 //! |---|---|
-//! | `types` | the types of the FMI headers |
+//! | `v2`, `v3` | types, functions and tables of phases of one version |
+//! | `common` | what the versions share, and how each spells things |
 //! | `call`, `control_word`, `panics` | the guard |
-//! | `phase` | which function may be called when |
+//! | `phase` | where an instance stands, and the form of the tables |
 //! | `load`, `uri` | from the resource location to an instance |
-//! | `instance` | the life of an instance, without pointers |
+//! | `instance` | an instance, without pointers |
+//! | `layout` | value references |
 //! | `snapshot` | saved states and their bytes |
 //! | `pointers`, `logger` | what goes in and out as C memory |
 //!
@@ -24,20 +26,25 @@
 compile_error!("the C boundary turns panics into FMI errors: build with panic = \"unwind\"");
 
 mod call;
+mod common;
 mod control_word;
 mod error;
 mod experiment;
-mod exports;
 mod instance;
+mod layout;
 mod load;
 mod logger;
-mod model_exchange;
 mod panics;
 mod phase;
 mod pointers;
 mod snapshot;
-pub mod types;
 mod uri;
+pub mod v2;
+pub mod v3;
 
-pub use exports::*;
-pub use model_exchange::*;
+pub use common::{IntermediateUpdate, LoggerOfFmi2, LoggerOfFmi3, Status};
+pub use v2::exports::*;
+pub use v2::model_exchange::*;
+pub use v3::exports::*;
+pub use v3::refused::*;
+pub use v3::values::*;

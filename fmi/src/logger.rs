@@ -1,12 +1,12 @@
 //! Messages to the importer, through its logger callback and nowhere else.
 //!
-//! The callback takes a printf format in which `#` is special too (`#r12#` names a variable), so
-//! both signs are doubled and no arguments follow. Only categories that modelDescription.xml
-//! declares are used.
+//! In a message `#` is special (`#r12#` names a variable) and is doubled. The callback of FMI 2
+//! takes a printf format: `%` is doubled, too, and no arguments follow. Only categories that
+//! modelDescription.xml declares are used.
 #![allow(unsafe_code, reason = "calls the importer's function")]
 
-use crate::types::{fmi2CallbackLogger, fmi2ComponentEnvironment, fmi2Status};
-use std::ffi::{CStr, CString};
+use crate::common::{LoggerOfFmi2, LoggerOfFmi3, Status, Version};
+use std::ffi::{CStr, CString, c_void};
 
 /// A log category, as declared in modelDescription.xml.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -60,28 +60,36 @@ const STATUS: u8 = Category::StatusWarning.bit()
     | Category::StatusError.bit()
     | Category::StatusFatal.bit();
 
+/// What FMI 3 does not allow to be switched off.
+const ALWAYS: u8 = Category::StatusError.bit() | Category::StatusFatal.bit();
+
+/// The importer's function.
+#[derive(Clone, Debug)]
+pub(crate) enum Sink {
+    /// Null: nothing is heard.
+    None,
+    /// With the instance's name, which it is told each time.
+    Fmi2(LoggerOfFmi2, CString),
+    /// Its errors are heard whatever categories are selected.
+    Fmi3(LoggerOfFmi3),
+}
+
 /// The importer's logger and what it wants to hear.
 #[derive(Clone, Debug)]
 pub(crate) struct Logger {
-    callback: Option<fmi2CallbackLogger>,
-    environment: fmi2ComponentEnvironment,
-    instance_name: CString,
+    sink: Sink,
+    /// Passed back as it came.
+    environment: *mut c_void,
     /// Bits of the enabled categories.
     enabled: u8,
 }
 
 impl Logger {
     /// Debug categories are on if `logging_on`; the status categories are on either way.
-    pub(crate) fn new(
-        callback: Option<fmi2CallbackLogger>,
-        environment: fmi2ComponentEnvironment,
-        instance_name: CString,
-        logging_on: bool,
-    ) -> Self {
+    pub(crate) fn new(sink: Sink, environment: *mut c_void, logging_on: bool) -> Self {
         Self {
-            callback,
+            sink,
             environment,
-            instance_name,
             enabled: if logging_on { ALL } else { STATUS },
         }
     }
@@ -115,25 +123,35 @@ impl Logger {
 
     /// Whether a message of this category would be heard; spares making it up.
     pub(crate) fn wants(&self, category: Category) -> bool {
-        self.callback.is_some() && self.enabled & category.bit() != 0
+        let enabled = match self.sink {
+            Sink::None => 0,
+            Sink::Fmi2(..) => self.enabled,
+            Sink::Fmi3(_) => self.enabled | ALWAYS,
+        };
+        enabled & category.bit() != 0
     }
 
     /// Hands over `message` if its category is enabled.
-    pub(crate) fn log(&self, status: fmi2Status, category: Category, message: &str) {
-        let Some(callback) = self.callback.filter(|_| self.wants(category)) else {
+    pub(crate) fn log(&self, status: Status, category: Category, message: &str) {
+        if !self.wants(category) {
             return;
-        };
-        let message = escaped(message);
-        // SAFETY: the importer's function, with the arguments that FMI 2.0 prescribes; all strings
-        // end with a zero and live until it returns, the message refers to no variadic argument.
-        unsafe {
-            callback(
-                self.environment,
-                self.instance_name.as_ptr(),
-                status,
-                category.name().as_ptr(),
-                message.as_ptr(),
-            );
+        }
+        let category = category.name().as_ptr();
+        match &self.sink {
+            Sink::None => {}
+            Sink::Fmi2(callback, name) => {
+                let message = escaped(message, Version::V2);
+                let (name, message) = (name.as_ptr(), message.as_ptr());
+                // SAFETY: the importer's function, with the arguments that FMI 2.0 prescribes; all
+                // strings end with a zero and live until it returns, the message refers to no
+                // variadic argument.
+                unsafe { callback(self.environment, name, status, category, message) }
+            }
+            Sink::Fmi3(callback) => {
+                let message = escaped(message, Version::V3);
+                // SAFETY: as above, for FMI 3.0.
+                unsafe { callback(self.environment, status, category, message.as_ptr()) }
+            }
         }
     }
 }
@@ -142,16 +160,17 @@ impl Logger {
 /// the instance's name and the category, and not all of them look whether it fits.
 const LONGEST: usize = 900;
 
-/// `message` as a printf format that prints it; a zero byte would end it and becomes a blank. What
-/// is too long ends with `…`.
-fn escaped(message: &str) -> CString {
+/// `message` with its special signs doubled: for FMI 2 as a printf format that prints it. A zero
+/// byte would end it and becomes a blank. What is too long ends with `…`.
+fn escaped(message: &str, version: Version) -> CString {
     const END: &str = "…";
     let mut format: Vec<u8> = Vec::with_capacity(message.len().min(LONGEST) + 9);
     // Where the text can be cut so that the end still fits.
     let mut cut = 0;
     for letter in message.chars() {
         match letter {
-            '%' | '#' => format.extend([letter as u8; 2]),
+            '#' => format.extend(b"##"),
+            '%' if version == Version::V2 => format.extend(b"%%"),
             '\0' => format.push(b' '),
             _ => format.extend(letter.encode_utf8(&mut [0; 4]).bytes()),
         }
@@ -173,9 +192,9 @@ mod tests {
 
     fn logger(on: bool) -> Logger {
         unsafe extern "C" fn ignore(
-            _: fmi2ComponentEnvironment,
+            _: *mut c_void,
             _: *const std::ffi::c_char,
-            _: fmi2Status,
+            _: Status,
             _: *const std::ffi::c_char,
             _: *const std::ffi::c_char,
         ) {
@@ -183,8 +202,12 @@ mod tests {
         // SAFETY: a callee that reads no variadic argument has the same calling convention on every
         // platform that this test runs on; it is never called here.
         let callback =
-            unsafe { std::mem::transmute::<*const (), fmi2CallbackLogger>(ignore as *const ()) };
-        Logger::new(Some(callback), std::ptr::null_mut(), c"robot".into(), on)
+            unsafe { std::mem::transmute::<*const (), LoggerOfFmi2>(ignore as *const ()) };
+        Logger::new(
+            Sink::Fmi2(callback, c"robot".into()),
+            std::ptr::null_mut(),
+            on,
+        )
     }
 
     fn heard(logger: &Logger) -> Vec<&str> {
@@ -198,18 +221,22 @@ mod tests {
     #[test]
     fn percent_and_hash_are_doubled_and_a_nul_does_not_cut_the_message() {
         assert_eq!(
-            escaped("100 %s #r1#\0end").as_bytes(),
+            escaped("100 %s #r1#\0end", Version::V2).as_bytes(),
             b"100 %%s ##r1## end"
+        );
+        assert_eq!(
+            escaped("100 %s #r1#\0end", Version::V3).as_bytes(),
+            b"100 %s ##r1## end"
         );
     }
 
     #[test]
     fn a_long_message_is_cut_between_letters_and_says_so() {
-        assert_eq!(escaped(&"a".repeat(900)).as_bytes().len(), 900);
-        let cut = escaped(&"%".repeat(2000));
+        assert_eq!(escaped(&"a".repeat(900), Version::V2).as_bytes().len(), 900);
+        let cut = escaped(&"%".repeat(2000), Version::V2);
         assert_eq!(cut.as_bytes().len(), 899);
         assert!(cut.to_str().is_ok_and(|text| text.ends_with("%%…")));
-        let cut = escaped(&"ω".repeat(2000));
+        let cut = escaped(&"ω".repeat(2000), Version::V2);
         let text = cut.to_str().expect("whole letters");
         assert!(text.len() <= 900 && text.ends_with("ω…"), "{}", text.len());
     }
@@ -241,6 +268,23 @@ mod tests {
     }
 
     #[test]
+    fn errors_of_fmi_3_cannot_be_switched_off() {
+        unsafe extern "C" fn ignore(
+            _: *mut c_void,
+            _: Status,
+            _: *const std::ffi::c_char,
+            _: *const std::ffi::c_char,
+        ) {
+        }
+        let mut logger = Logger::new(Sink::Fmi3(ignore), std::ptr::null_mut(), false);
+        assert!(logger.select(true, &["logEvents".into()]).is_empty());
+        assert_eq!(
+            heard(&logger),
+            ["logEvents", "logStatusError", "logStatusFatal"]
+        );
+    }
+
+    #[test]
     fn an_unknown_category_is_returned_and_nothing_changes() {
         let mut logger = logger(false);
         let before = logger.enabled;
@@ -251,8 +295,8 @@ mod tests {
 
     #[test]
     fn without_a_logger_no_message_is_made() {
-        let logger = Logger::new(None, std::ptr::null_mut(), c"robot".into(), true);
+        let logger = Logger::new(Sink::None, std::ptr::null_mut(), true);
         assert!(!logger.wants(Category::StatusError));
-        logger.log(fmi2Status::Error, Category::StatusError, "unheard");
+        logger.log(Status::Error, Category::StatusError, "unheard");
     }
 }

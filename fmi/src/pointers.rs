@@ -64,6 +64,11 @@ impl<T: Copy> In<'_, T> {
         })
     }
 
+    /// Number of elements.
+    pub(crate) fn len(&self) -> usize {
+        self.len
+    }
+
     /// Elements from first to last.
     pub(crate) fn iter(&self) -> impl Iterator<Item = T> {
         (0..self.len).map(|index| {

@@ -1,4 +1,4 @@
-//! Saved states of fmi2GetFMUstate, and their bytes.
+//! Saved states, and their bytes.
 //!
 //! Bytes, little-endian:
 //!
@@ -6,7 +6,8 @@
 //! |---|---|---|
 //! | 0 | 8 | `urdf2fmu` |
 //! | 8 | 4 | [`VERSION`] |
-//! | 12 | 4 | phase |
+//! | 12 | 2 | phase |
+//! | 14 | 2 | version of FMI, 2 or 3 |
 //! | 16 | 8 | FNV-1a of the guid |
 //! | 24 | 8 | start time, s |
 //! | 32 | 8 | stop time, s; infinite if undefined |
@@ -15,19 +16,21 @@
 //! | 56 | n | the simulation's bytes, see the core |
 //! | 56 + n | 8 | FNV-1a of all before |
 //!
-//! A saved state holds no pointer, so it serves any instance of the same FMU, in any process. Log
-//! settings belong to the importer and are not saved.
+//! A saved state holds no pointer, so it serves any instance of the same FMU, in any process, that
+//! speaks the same version of FMI. Log settings belong to the importer and are not saved.
 #![allow(unsafe_code, reason = "hands states to the importer as pointers")]
 
+use crate::common::Version;
 use crate::error::FmiError;
 use crate::experiment::Experiment;
 use crate::phase::Phase;
-use crate::types::fmi2FMUstate;
+use crate::pointers::Out;
+use std::ffi::c_void;
 use urdf2fmu_core::hash::fnv1a;
 use urdf2fmu_core::simulation::{Simulation, Snapshot};
 
 const MAGIC: &[u8; 8] = b"urdf2fmu";
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 const HEADER: usize = 56;
 const CHECKSUM: usize = 8;
 
@@ -41,6 +44,7 @@ pub(crate) struct SavedState {
     /// [`TAG`]; 0 once freed.
     tag: u64,
     pub(crate) guid: GuidHash,
+    pub(crate) version: Version,
     pub(crate) phase: Phase,
     pub(crate) experiment: Experiment,
     pub(crate) simulation: Snapshot,
@@ -60,6 +64,7 @@ impl GuidHash {
 impl SavedState {
     pub(crate) fn new(
         guid: GuidHash,
+        version: Version,
         phase: Phase,
         experiment: Experiment,
         simulation: Snapshot,
@@ -67,6 +72,7 @@ impl SavedState {
         Self {
             tag: TAG,
             guid,
+            version,
             phase,
             experiment,
             simulation,
@@ -84,7 +90,8 @@ impl SavedState {
         let mut bytes = Vec::with_capacity(HEADER + simulation.len() + CHECKSUM);
         bytes.extend(MAGIC);
         bytes.extend(VERSION.to_le_bytes());
-        bytes.extend((self.phase as u32).to_le_bytes());
+        bytes.extend((self.phase as u16).to_le_bytes());
+        bytes.extend((self.version as u16).to_le_bytes());
         bytes.extend(self.guid.0.to_le_bytes());
         bytes.extend(self.experiment.start.to_le_bytes());
         bytes.extend(self.experiment.stop.to_le_bytes());
@@ -95,12 +102,38 @@ impl SavedState {
         bytes
     }
 
+    /// Writes [`Self::to_bytes`] into an array of the importer, which must have their length.
+    ///
+    /// # Errors
+    /// [`FmiError::State`]
+    pub(crate) fn write_to(&self, place: &mut Out<u8>) -> Result<(), FmiError> {
+        let bytes = self.to_bytes();
+        if place.len() != bytes.len() {
+            return Err(FmiError::State {
+                reason: format!("it needs {} bytes, not {}", bytes.len(), place.len()),
+            });
+        }
+        for (index, byte) in bytes.into_iter().enumerate() {
+            place.set(index, byte);
+        }
+        Ok(())
+    }
+
+    /// Whether an instance of this FMU and version can continue from it.
+    ///
+    /// # Errors
+    /// [`FmiError::State`] if it cannot.
+    pub(crate) fn check(&self, guid: GuidHash, version: Version) -> Result<(), FmiError> {
+        check(self.guid, self.version, guid, version)
+    }
+
     /// Reads what [`Self::to_bytes`] wrote for the same FMU.
     ///
     /// # Errors
     /// [`FmiError::State`] for anything else.
     pub(crate) fn from_bytes(
         guid: GuidHash,
+        fmi: Version,
         simulation: &Simulation,
         bytes: &[u8],
     ) -> Result<Self, FmiError> {
@@ -118,7 +151,8 @@ impl SavedState {
                 reason: format!("it has version {version}; this library reads version {VERSION}"),
             });
         }
-        let phase = reader.u32().ok_or_else(short)?;
+        let phase = reader.u16().ok_or_else(short)?;
+        let spoken = reader.u16().ok_or_else(short)?;
         let found = GuidHash(reader.u64().ok_or_else(short)?);
         let experiment = Experiment {
             start: reader.f64().ok_or_else(short)?,
@@ -137,12 +171,10 @@ impl SavedState {
         if fnv1a(&bytes[..bytes.len() - CHECKSUM]) != u64::from_le_bytes(*checksum) {
             return Err(refused("its checksum is wrong: it has been damaged"));
         }
-        if found != guid {
-            return Err(refused("it belongs to another FMU"));
-        }
-        let phase = Phase::from_number(phase)
-            .filter(|phase| *phase != Phase::Error)
-            .ok_or_else(|| refused("its phase does not exist"))?;
+        let spoken = Version::from_number(spoken)
+            .ok_or_else(|| refused("its version of FMI does not exist"))?;
+        check(found, spoken, guid, fmi)?;
+        let phase = Phase::saved(phase, fmi).ok_or_else(|| refused("its phase does not exist"))?;
         if !experiment.is_legal() {
             return Err(refused("its experiment is not legal"));
         }
@@ -150,13 +182,25 @@ impl SavedState {
         if simulation.is_initialized() != phase.is_initialized() {
             return Err(refused("its phase does not fit the simulation"));
         }
-        Ok(Self::new(guid, phase, experiment, simulation))
+        Ok(Self::new(guid, fmi, phase, experiment, simulation))
     }
 
     /// Hands it to the importer.
-    pub(crate) fn into_pointer(self) -> fmi2FMUstate {
+    pub(crate) fn into_pointer(self) -> *mut c_void {
         Box::into_raw(Box::new(self)).cast()
     }
+}
+
+/// Whether a state of the FMU `found` and the version `spoken` serves `guid` and `fmi`.
+fn check(found: GuidHash, spoken: Version, guid: GuidHash, fmi: Version) -> Result<(), FmiError> {
+    let reason = if spoken != fmi {
+        format!("it was saved by {spoken} functions; {fmi} functions read their own only")
+    } else if found != guid {
+        "it belongs to another FMU".to_owned()
+    } else {
+        return Ok(());
+    };
+    Err(FmiError::State { reason })
 }
 
 /// The saved state behind a pointer from [`SavedState::into_pointer`].
@@ -167,7 +211,7 @@ impl SavedState {
 /// # Safety
 /// `state` is null or points to readable memory of the size of a saved state, such as this library
 /// returned; no other call uses it meanwhile.
-pub(crate) unsafe fn saved<'a>(state: fmi2FMUstate) -> Result<&'a mut SavedState, FmiError> {
+pub(crate) unsafe fn saved<'a>(state: *mut c_void) -> Result<&'a mut SavedState, FmiError> {
     let pointer = state.cast::<SavedState>();
     if pointer.is_null() {
         return Err(FmiError::NullPointer {
@@ -192,7 +236,7 @@ pub(crate) unsafe fn saved<'a>(state: fmi2FMUstate) -> Result<&'a mut SavedState
 ///
 /// # Safety
 /// As [`saved`]; afterwards `state` is dangling.
-pub(crate) unsafe fn free(state: fmi2FMUstate) -> Result<(), FmiError> {
+pub(crate) unsafe fn free(state: *mut c_void) -> Result<(), FmiError> {
     if state.is_null() {
         return Ok(());
     }
@@ -215,6 +259,10 @@ impl Reader<'_> {
         let (first, rest) = self.rest.split_first_chunk::<N>()?;
         self.rest = rest;
         Some(*first)
+    }
+
+    fn u16(&mut self) -> Option<u16> {
+        self.take().map(u16::from_le_bytes)
     }
 
     fn u32(&mut self) -> Option<u32> {
@@ -241,8 +289,8 @@ mod tests {
         let state = instance.save();
         let bytes = state.to_bytes();
         assert_eq!(bytes.len(), state.byte_len());
-        let read =
-            SavedState::from_bytes(state.guid, instance.simulation(), &bytes).expect("own bytes");
+        let read = SavedState::from_bytes(state.guid, Version::V2, instance.simulation(), &bytes)
+            .expect("own bytes");
         assert_eq!(read.to_bytes(), bytes);
     }
 
@@ -251,7 +299,9 @@ mod tests {
         let instance = instance();
         let state = instance.save();
         let mut bytes = state.to_bytes();
-        let read = |bytes: &[u8]| SavedState::from_bytes(state.guid, instance.simulation(), bytes);
+        let read = |bytes: &[u8]| {
+            SavedState::from_bytes(state.guid, Version::V2, instance.simulation(), bytes)
+        };
         for len in 0..bytes.len() {
             assert!(read(&bytes[..len]).is_err(), "cut to {len} bytes");
         }
@@ -268,9 +318,24 @@ mod tests {
     fn a_state_of_another_fmu_is_refused_with_the_reason() {
         let instance = instance();
         let bytes = instance.save().to_bytes();
-        let error = SavedState::from_bytes(GuidHash::new("{other}"), instance.simulation(), &bytes)
-            .expect_err("another guid");
+        let error = SavedState::from_bytes(
+            GuidHash::new("{other}"),
+            Version::V2,
+            instance.simulation(),
+            &bytes,
+        )
+        .expect_err("another guid");
         assert!(error.to_string().contains("another FMU"), "{error}");
+    }
+
+    #[test]
+    fn a_state_of_the_other_version_of_fmi_is_refused_with_the_reason() {
+        let instance = instance();
+        let state = instance.save();
+        let bytes = state.to_bytes();
+        let error = SavedState::from_bytes(state.guid, Version::V3, instance.simulation(), &bytes)
+            .expect_err("the other version");
+        assert!(error.to_string().contains("fmi2 functions"), "{error}");
     }
 
     #[test]
@@ -282,7 +347,9 @@ mod tests {
         let end = bytes.len() - CHECKSUM;
         let checksum = fnv1a(&bytes[..end]).to_le_bytes();
         bytes[end..].copy_from_slice(&checksum);
-        assert!(SavedState::from_bytes(state.guid, instance.simulation(), &bytes).is_err());
+        assert!(
+            SavedState::from_bytes(state.guid, Version::V2, instance.simulation(), &bytes).is_err()
+        );
     }
 
     /// Found by fuzzing: a step from 0.3 s began with a simulation that stood at its beginning, and
@@ -292,13 +359,15 @@ mod tests {
         let instance = instance();
         let state = instance.save();
         let mut accepted = Vec::new();
-        for phase in Phase::ALL {
+        for phase in Phase::SAVED {
             let mut bytes = state.to_bytes();
             bytes[12] = phase as u8;
             let end = bytes.len() - CHECKSUM;
             let checksum = fnv1a(&bytes[..end]).to_le_bytes();
             bytes[end..].copy_from_slice(&checksum);
-            if SavedState::from_bytes(state.guid, instance.simulation(), &bytes).is_ok() {
+            if SavedState::from_bytes(state.guid, Version::V2, instance.simulation(), &bytes)
+                .is_ok()
+            {
                 accepted.push(phase);
             }
         }

@@ -12,13 +12,10 @@ use std::path::PathBuf;
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub(crate) enum UriError {
     /// NULL or "".
-    #[error(
-        "fmuResourceLocation is empty; pass the URI of the unzipped FMU's folder 'resources', such as \
-         file:///C:/fmu/resources"
-    )]
+    #[error("is empty")]
     Empty,
     /// `http:` and the like.
-    #[error("fmuResourceLocation '{uri}' has the scheme '{scheme}'; only 'file' can be read")]
+    #[error("is '{uri}' with the scheme '{scheme}', but only 'file' can be read")]
     Scheme {
         /// As passed.
         uri: String,
@@ -26,9 +23,7 @@ pub(crate) enum UriError {
         scheme: String,
     },
     /// `file://host/…` on a system without network paths.
-    #[error(
-        "fmuResourceLocation '{uri}' names the host '{host}'; only files of this machine can be read"
-    )]
+    #[error("is '{uri}' with the host '{host}', but only files of this machine can be read")]
     Host {
         /// As passed.
         uri: String,

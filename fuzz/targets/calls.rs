@@ -144,7 +144,7 @@ pub fn calls(data: &[u8]) {
                     );
                 }
                 26 => {
-                    let mut status = urdf2fmu_fmi::types::fmi2Status::OK;
+                    let mut status = urdf2fmu_fmi::v2::types::fmi2Status::OK;
                     fmi2GetStatus(c, kind, if absent { null_mut() } else { &raw mut status });
                 }
                 27 => drop(fmi2GetRealStatus(

@@ -72,6 +72,7 @@ fn assemble(
         world: settings.world.clone(),
         outputs: OutputSelection {
             flat_names: settings.flat_names,
+            arrays: settings.fmu.arrays,
             ..OutputSelection::default()
         },
     };

@@ -246,7 +246,12 @@ pub fn of_robot(
     let plain = Settings::of(own.compat);
     let decided = [
         ("compat", own.compat != world.compat),
-        ("[fmu]", own.flat_names && !world.flat_names),
+        (
+            "[fmu]",
+            own.flat_names && !world.flat_names
+                || own.fmu.arrays != plain.fmu.arrays
+                || own.fmu.fmi != plain.fmu.fmi,
+        ),
         ("[solver]", own.solver != plain.solver),
         ("[contact]", own.contact != plain.contact),
         (

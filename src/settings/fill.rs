@@ -8,14 +8,17 @@
 use super::closures;
 use super::common::{pattern, patterns, required, some_required, vector};
 use super::compat::Compat;
+use super::fmu::{FmiVersion, FmuSettings};
 use super::reader::Reader;
 use super::section::{Node, Section, Value};
 use super::types::{
-    ActuatorSettings, BaseChoice, ContactOutputs, FmuSettings, GroupSettings, InertiaSource,
-    InitialSettings, JointSettings, LinkSettings, ModeChoice, PairSettings, Settings, WheelFit,
+    ActuatorSettings, BaseChoice, ContactOutputs, GroupSettings, InertiaSource, InitialSettings,
+    JointSettings, LinkSettings, ModeChoice, PairSettings, Settings, WheelFit,
 };
 use super::{sensor, world};
-use crate::model::{ActuatorMode, Combination, ContactDefaults, Ground, SolverDefaults, World};
+use crate::model::{
+    ActuatorMode, Arrays, Combination, ContactDefaults, Ground, SolverDefaults, World,
+};
 use crate::pattern::Pattern;
 use crate::range::MOST_STEPS;
 
@@ -352,6 +355,15 @@ fn fmu(reader: &Reader, section: &Section) -> FmuSettings {
         platforms: match section.value("platforms") {
             Some(Value::Texts(texts)) => patterns(reader, texts),
             _ => Vec::new(),
+        },
+        fmi: match section.number("fmi") {
+            Some(3.0) => FmiVersion::V3,
+            _ => FmiVersion::V2,
+        },
+        arrays: match section.word("arrays").as_deref() {
+            Some("none") => Arrays::None,
+            Some("all") => Arrays::All,
+            _ => Arrays::Vectors,
         },
     }
 }

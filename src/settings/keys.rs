@@ -39,6 +39,8 @@ pub enum Takes {
     File,
     /// A whole number from 1 on, with its greatest.
     Count(u32),
+    /// One of some whole numbers.
+    Version(&'static [u32]),
     /// A list of names or globs.
     Patterns,
     /// A name or glob, or a list of them.
@@ -71,7 +73,7 @@ use Range::{
 };
 use Takes::{
     Count, File, Flag, Name, Number, NumberOrRatio, Numbers, Pattern, PatternOrPatterns, Patterns,
-    Vectors, Word, WordOrPatterns,
+    Vectors, Version, Word, WordOrPatterns,
 };
 
 const fn key(
@@ -137,6 +139,18 @@ pub const KEYS: &[Key] = &[
         Word(&["structured", "flat"]),
         Some("\"structured\""),
         "variable names with dots, or with underscores instead",
+    ),
+    key(
+        "fmu.fmi",
+        Version(&[2, 3]),
+        Some("2"),
+        "version of the Functional Mock-up Interface: 2 for FMI 2.0, 3 for FMI 3.0",
+    ),
+    key(
+        "fmu.arrays",
+        Word(&["vectors", "none", "all"]),
+        Some("\"vectors\""),
+        "what FMI 3 lists as arrays: vectors of outputs and parameters; nothing; or vectors of inputs and of all joints, too",
     ),
     key(
         "fmu.name",

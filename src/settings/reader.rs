@@ -4,7 +4,7 @@
 
 use super::compat::Compat;
 use super::keys::{self, Key, Takes};
-use super::section::{Entry, Node, Section, Span, Value};
+use super::section::{Entry, Node, Section, Span, Value, whole};
 use crate::diagnostic::words::likeliest;
 use crate::diagnostic::{Diagnostic, Place, Severity};
 use crate::range::Range;
@@ -306,6 +306,15 @@ impl<'a> Reader<'a> {
                 let message = format!("'{name}' must be a whole number from 1 to {most}");
                 self.error("S104", &value.span(), message, "");
                 None
+            }
+            Takes::Version(versions) => {
+                let number = whole(value.get_ref()).filter(|number| versions.contains(number));
+                if number.is_none() {
+                    let list: Vec<String> = versions.iter().map(ToString::to_string).collect();
+                    let message = format!("'{name}' must be {}", list.join(" or "));
+                    self.error("S104", &value.span(), message, "");
+                }
+                number.map(|number| Value::Number(f64::from(number)))
             }
             Takes::PatternOrPatterns if value.get_ref().is_str() => {
                 let text = value.get_ref().as_str().unwrap_or_default();

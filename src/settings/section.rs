@@ -1,6 +1,7 @@
 //! Tables of a settings file, read and checked.
 
 use std::ops;
+use toml::de::DeValue;
 
 /// Bytes of the text.
 pub(super) type Span = ops::Range<usize>;
@@ -73,4 +74,10 @@ impl Section {
             _ => Vec::new(),
         }
     }
+}
+
+/// A whole number that is not negative.
+pub(super) fn whole(value: &DeValue) -> Option<u32> {
+    let number = value.as_integer()?;
+    u32::from_str_radix(number.as_str(), number.radix()).ok()
 }

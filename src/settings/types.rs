@@ -6,6 +6,7 @@ pub use terrain::{GeneratedHeights, HeightForm, HeightSource, TerrainSettings};
 
 use super::closures::{LoopSettings, SpringSettings};
 use super::compat::Compat;
+use super::fmu::FmuSettings;
 use super::sensor::SensorSettings;
 use crate::diagnostic::Place;
 use crate::geometry::Shape;
@@ -13,25 +14,6 @@ use crate::model::{ActuatorMode, ContactDefaults, SolverDefaults, World};
 use crate::pattern::Pattern;
 use crate::spatial::Vec3;
 use std::path::PathBuf;
-
-/// What an FMU says of itself in modelDescription.xml.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct FmuSettings {
-    /// `modelName`; without it the robot's.
-    pub name: Option<String>,
-    /// `author`
-    pub author: Option<String>,
-    /// `version`
-    pub version: Option<String>,
-    /// `copyright`
-    pub copyright: Option<String>,
-    /// `license`
-    pub license: Option<String>,
-    /// End of the default experiment, s.
-    pub stop_time: Option<f64>,
-    /// Names of the systems that the FMU has libraries for; without any, of all that there are.
-    pub platforms: Vec<Pattern>,
-}
 
 /// A settings file, checked.
 #[derive(Clone, Debug, PartialEq)]

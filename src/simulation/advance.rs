@@ -3,7 +3,7 @@
 use super::{Simulation, SimulationError};
 use crate::range::SHORTEST_FIXED_STEP;
 use crate::slots::ParameterSlot;
-use crate::step::driver::Stop;
+use crate::step::driver::{Stepper, Stop};
 use crate::step::point::Context;
 use crate::tuning::{WIDER, WIDEST};
 
@@ -54,6 +54,14 @@ impl Simulation {
         }
         self.sample();
         Ok(())
+    }
+
+    /// Where a step that all trees take together would end on the way to `end`, s: as long as the
+    /// solver thinks fit now, and never after `end`.
+    pub fn common_step_to(&self, end: f64) -> f64 {
+        let (now, ctx) = (self.state.time, context!(self, inputs));
+        let next = now + Stepper::common_step(&ctx, &self.state, end - now);
+        if next > now && next < end { next } else { end }
     }
 
     /// Takes all trees up to `end`, by at most `budget` tries of a step.

@@ -5,7 +5,10 @@
 use crate::model::LinkId;
 use crate::state::State;
 use crate::step::driver::{Stepper, Stop};
+use crate::step::fixed::fixed_count;
 use crate::step::point::Context;
+use crate::step::size::landing;
+use crate::tuning::{MAX_STEP, MIN_STEP};
 
 impl Stepper {
     /// Begins a communication step from `state` to `end`.
@@ -106,6 +109,17 @@ impl Stepper {
             *last = ctx.inputs.values(index, stepping.last_step);
         }
         Ok(())
+    }
+
+    /// Length of a step that all trees take together on the way to a communication point, s: what
+    /// the error control proposes for the one that needs the shortest, or the fixed step.
+    pub fn common_step(ctx: &Context, state: &State, remaining: f64) -> f64 {
+        if ctx.fixed_step > 0.0 {
+            return remaining / fixed_count(ctx, remaining);
+        }
+        let proposed = state.stepping.sizes.proposed.iter();
+        let shortest = proposed.fold(MAX_STEP, |shortest, h| shortest.min(*h));
+        landing(shortest.max(MIN_STEP), remaining)
     }
 
     /// Whether what stands at `self.here` has stayed where its island may go.

@@ -22,7 +22,7 @@ use crate::step::stages::Stages;
 use crate::tree::Tree;
 use crate::tuning::{
     BALANCE, BALANCES, CONTROLLED_GAIN, EXPLICIT_SAFETY, FIXED_ACCURACY, FIXED_BALANCE, GROWTH,
-    GUESS, GUESSES, IMPLICIT_SAFETY, LEAST_ERROR, MAX_STEP, MIN_STEP, STEP_ROUND_OFF,
+    GUESS, GUESSES, IMPLICIT_SAFETY, LEAST_ERROR, MAX_STEP, MIN_STEP,
 };
 
 /// Why a communication step was not taken.
@@ -421,9 +421,7 @@ impl Stepper {
     /// Takes steps of the length that the user has fixed, or hardly shorter, up to `end`.
     fn advance_fixed(&mut self, ctx: &Context, state: &mut State, end: f64) -> Result<(), Stop> {
         let span = end - state.time;
-        // Importers' steps carry round-off: a millionth more than a whole number of steps is that
-        // number.
-        let count = libm::ceil(span / ctx.fixed_step - STEP_ROUND_OFF).max(1.0);
+        let count = fixed::fixed_count(ctx, span);
         let h = span / count;
         let balance = FIXED_BALANCE * FIXED_ACCURACY[0];
         let mut done = 0.0;

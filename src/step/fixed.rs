@@ -24,7 +24,7 @@ use crate::step::point::{Context, Point};
 use crate::step::size::fastest;
 use crate::step::stages::Stages;
 use crate::tree::Tree;
-use crate::tuning::{AHEAD, CALM, FIXED_ACCURACY, GAIN, MAX_PARTS, TURN, WHIRL};
+use crate::tuning::{AHEAD, CALM, FIXED_ACCURACY, GAIN, MAX_PARTS, STEP_ROUND_OFF, TURN, WHIRL};
 
 /// Scratch of fixed steps.
 #[derive(Clone, Debug)]
@@ -280,6 +280,12 @@ pub(super) fn bounces(here: &Point, h: f64) -> bool {
             contact.bounce > 0.0 && (contact.depth > 0.0 || contact.time_to_touch(points, V) < h);
         bounces || contact.longest_step(points, V, h) < h
     })
+}
+
+/// How many fixed steps lead over `span` seconds. Importers' steps carry round-off: a millionth
+/// more than a whole number of steps is that number.
+pub(super) fn fixed_count(ctx: &Context, span: f64) -> f64 {
+    libm::ceil(span / ctx.fixed_step - STEP_ROUND_OFF).max(1.0)
 }
 
 /// In how many parts a step of `h` seconds is to be taken: so many that nothing turns too far in

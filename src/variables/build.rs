@@ -1,6 +1,6 @@
 //! Parts of the rows of [`super::table`].
 
-use super::row::{Kind, Slot, TableError, Unit, Variable};
+use super::row::{Kind, Part, Slot, TableError, Unit, Variable};
 use crate::model::{BodyId, Joint, JointId, JointKind, Limits, Link, Model, RootId, RootKind};
 use crate::slots::{Axis, InputSlot, OutputSlot, ParameterSlot};
 use std::collections::BTreeMap;
@@ -185,6 +185,15 @@ pub(crate) fn identifier(name: &str) -> String {
     identifier
 }
 
+/// A name in the style that the model asks for.
+pub(super) fn styled(model: &Model, name: String) -> String {
+    if model.outputs.flat_names {
+        name.replace(['.', '[', ','], "_").replace(']', "")
+    } else {
+        name
+    }
+}
+
 impl<'m> Table<'m> {
     pub(super) fn new(model: &'m Model) -> Self {
         Self {
@@ -196,11 +205,7 @@ impl<'m> Table<'m> {
 
     /// Adds a row; `owner` says whose it is in the URDF's own names.
     pub(super) fn add(&mut self, name: String, owner: &str, row: Row) {
-        let name = if self.model.outputs.flat_names {
-            name.replace(['.', '[', ','], "_").replace(']', "")
-        } else {
-            name
-        };
+        let name = styled(self.model, name);
         let value_reference =
             u32::try_from(self.rows.len()).expect("a robot has fewer than 2^32 variables");
         let (min, max) = row.range;
@@ -216,7 +221,27 @@ impl<'m> Table<'m> {
             min,
             max,
             unit: row.unit,
+            part: None,
         });
+    }
+
+    /// The rows from `first` on are the elements of a whole of this name and shape.
+    pub(super) fn whole(&mut self, first: usize, name: &str, shape: &[u32], description: &str) {
+        let name = styled(self.model, name.to_owned());
+        for (index, row) in (0..).zip(&mut self.rows[first..]) {
+            row.part = Some(Part {
+                whole: name.clone(),
+                description: description.to_owned(),
+                index,
+                shape: shape.to_vec(),
+            });
+        }
+    }
+
+    /// As [`Self::whole`], for a vector of all rows from `first` on.
+    pub(super) fn vector(&mut self, first: usize, name: &str, description: &str) {
+        let len = u32::try_from(self.rows.len() - first).expect("a part of the table");
+        self.whole(first, name, &[len], description);
     }
 
     /// How many rows there are.

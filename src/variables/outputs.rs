@@ -78,11 +78,14 @@ impl Table<'_> {
         prefix: &str,
     ) {
         for group in groups {
+            let first = self.len();
             for (axis, letter) in axes(group.axes) {
                 let about = format!("{} {owner}, {letter}", group.about);
                 let row = Row::output(slot(group.slot, axis), group.unit, about);
                 self.add(format!("{prefix}.{}.{letter}", group.name), owner, row);
             }
+            let about = format!("{} {owner}", group.about);
+            self.vector(first, &format!("{prefix}.{}", group.name), &about);
         }
     }
 
@@ -254,12 +257,13 @@ impl Table<'_> {
             about,
         } in groups
         {
+            let first = self.len();
+            let about = format!("{kind} {} of {owner}, {about}", group.replace('_', " "));
             for (axis, name) in axes(names) {
-                let quantity = group.replace('_', " ");
-                let about = format!("{kind} {quantity} of {owner}, {about}, {name}");
-                let row = Row::output(slot(id, axis), *unit, about);
+                let row = Row::output(slot(id, axis), *unit, format!("{about}, {name}"));
                 self.add(format!("{prefix}.{group}.{name}"), owner, row);
             }
+            self.vector(first, &format!("{prefix}.{group}"), &about);
         }
     }
 
@@ -311,13 +315,16 @@ impl Table<'_> {
             let about = format!("Whether {owner} touches something");
             let row = Row::output(OutputSlot::ContactActive(id), Unit::One, about);
             self.add(format!("{prefix}.active"), &owner, row.kind(Kind::Boolean));
+            let first = self.len();
+            let about = format!(
+                "Net contact force on {owner} in world axes, mean over the communication step"
+            );
             for (axis, letter) in axes(&XYZ) {
-                let about = format!(
-                    "Net contact force on {owner} in world axes, mean over the communication step, {letter}"
-                );
-                let row = Row::output(OutputSlot::ContactForce(id, axis), Unit::Newton, about);
+                let slot = OutputSlot::ContactForce(id, axis);
+                let row = Row::output(slot, Unit::Newton, format!("{about}, {letter}"));
                 self.add(format!("{prefix}.force.{letter}"), &owner, row);
             }
+            self.vector(first, &format!("{prefix}.force"), &about);
             let points: &[Group<OfLink>] = &[group(
                 "point",
                 &XYZ,

@@ -25,6 +25,21 @@ pub struct Variable {
     pub max: Option<f64>,
     /// Unit.
     pub unit: Unit,
+    /// The vector or matrix that it is an element of, if any.
+    pub part: Option<Part>,
+}
+
+/// Place of a variable in a vector or matrix, whose elements follow each other in the table.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Part {
+    /// Name of the whole.
+    pub whole: String,
+    /// What the whole is, without the element.
+    pub description: String,
+    /// Place among the elements, rows before columns.
+    pub index: u32,
+    /// Number of elements, or of rows and columns.
+    pub shape: Vec<u32>,
 }
 
 /// Where a variable's value lives; gives its causality.

@@ -109,6 +109,11 @@ impl Table<'_> {
             0 | 1 => format!("{}", ray + 1),
             _ => format!("{},{}", ray / columns + 1, ray % columns + 1),
         };
+        let shape: Vec<u32> = match rows {
+            0 | 1 => vec![u32::try_from(directions.len()).unwrap_or(u32::MAX)],
+            rows => vec![u32::try_from(rows).unwrap_or(u32::MAX), *columns],
+        };
+        let first = self.len();
         for ray in (0..).take(directions.len()) {
             let number = number(ray);
             let about = format!(
@@ -117,6 +122,11 @@ impl Table<'_> {
             let row = Row::output(OutputSlot::SensorDistance(id, ray), Unit::Meter, about);
             self.add(format!("{prefix}.ray[{number}]"), owner, row);
         }
+        let about = format!(
+            "Distances to the first thing along each ray of {owner}, {range} m where there is none"
+        );
+        self.whole(first, &format!("{prefix}.ray"), &shape, &about);
+        let first = self.len();
         for ray in (0..).take(if *hits { directions.len() } else { 0 }) {
             let number = number(ray);
             let about = format!(
@@ -126,6 +136,10 @@ impl Table<'_> {
             let row = row.kind(Kind::Integer);
             self.add(format!("{prefix}.hit[{number}]"), owner, row);
         }
+        let about = format!(
+            "What each ray of {owner} hits: 0 nothing, -1 the ground, n the n-th link of the model"
+        );
+        self.whole(first, &format!("{prefix}.hit"), &shape, &about);
     }
 
     fn encoder_outputs(&mut self, id: SensorId, joint: JointId, owner: &str, prefix: &str) {

@@ -28,18 +28,22 @@ impl Table<'_> {
             let link = &self.model.links[id.index()];
             let owner = format!("link '{}'", link.name);
             let prefix = self.of_link("ext", link);
+            let first = self.len();
+            let whole = format!("Force on {owner} at its centre of mass, world");
             for (axis, letter) in axes(&XYZ) {
-                let about = format!("Force on {owner} at its centre of mass, world {letter}");
                 let slot = InputSlot::ExternalForce(id, axis);
-                let row = Row::input(slot, Unit::Newton, 0.0, about);
+                let row = Row::input(slot, Unit::Newton, 0.0, format!("{whole} {letter}"));
                 self.add(format!("{prefix}.force.{letter}"), &owner, row);
             }
+            self.vector(first, &format!("{prefix}.force"), &format!("{whole} axes"));
+            let first = self.len();
+            let whole = format!("Torque on {owner}, world");
             for (axis, letter) in axes(&XYZ) {
-                let about = format!("Torque on {owner}, world {letter}");
                 let slot = InputSlot::ExternalTorque(id, axis);
-                let row = Row::input(slot, Unit::NewtonMeter, 0.0, about);
+                let row = Row::input(slot, Unit::NewtonMeter, 0.0, format!("{whole} {letter}"));
                 self.add(format!("{prefix}.torque.{letter}"), &owner, row);
             }
+            self.vector(first, &format!("{prefix}.torque"), &format!("{whole} axes"));
         }
     }
 
@@ -48,12 +52,16 @@ impl Table<'_> {
         for &id in &self.model.outputs.conveyors {
             let owner = format!("'{}'", self.model.roots[id.index()].name);
             let scope = self.scope(id);
+            let first = self.len();
+            let whole = format!("Velocity of the surface of {owner} along its own");
             for (axis, letter) in axes(&XYZ) {
-                let about = format!("Velocity of the surface of {owner} along its own {letter}");
                 let slot = InputSlot::SurfaceVelocity(id, axis);
+                let about = format!("{whole} {letter}");
                 let row = Row::input(slot, Unit::MeterPerSecond, 0.0, about);
                 self.add(format!("{scope}surface.velocity.{letter}"), &owner, row);
             }
+            let name = format!("{scope}surface.velocity");
+            self.vector(first, &name, &format!("{whole} axes"));
         }
     }
 
@@ -203,15 +211,14 @@ impl Table<'_> {
             starts,
         ) in groups.into_iter().take(count)
         {
+            let first = self.len();
+            let about = format!("{about} {owner}");
             for ((axis, axis_name), start) in axes(names).zip(starts) {
-                let row = Row::parameter(
-                    slot(id, axis),
-                    unit,
-                    start,
-                    format!("{about} {owner}, {axis_name}"),
-                );
+                let row =
+                    Row::parameter(slot(id, axis), unit, start, format!("{about}, {axis_name}"));
                 self.add(format!("{name}.{group}.{axis_name}"), &owner, row);
             }
+            self.vector(first, &format!("{name}.{group}"), &about);
         }
     }
 
@@ -301,12 +308,14 @@ impl Table<'_> {
             }
         }
         self.link_parameters();
+        let first = self.len();
         for ((axis, letter), start) in axes(&XYZ).zip(model.world.gravity.iter().copied()) {
             let slot = ParameterSlot::Gravity(axis);
             let about = format!("Gravity, world {letter}");
             let row = Row::parameter(slot, Unit::MeterPerSecondSquared, start, about);
             self.add(format!("world.gravity.{letter}"), "the world", row);
         }
+        self.vector(first, "world.gravity", "Gravity, world axes");
         if let Some(ground) = &model.world.ground {
             let about = "Coulomb coefficient of the ground".to_owned();
             let slot = ParameterSlot::GroundFriction;

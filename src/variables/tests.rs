@@ -1,5 +1,7 @@
 #![cfg(feature = "urdf")]
 
+mod arrays;
+
 use super::*;
 use crate::assemble::testing::{at, body, frame, mass, model, robot};
 use crate::model::JointKind::{

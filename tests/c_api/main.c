@@ -1,5 +1,6 @@
 /* importer LIBRARY RESOURCES GUID TEST [ARGUMENT…]: runs one test; exit code 0 if every check holds. */
 #include "importer.h"
+#include "v3/importer3.h"
 #include "system.h"
 #include <stdlib.h>
 #include <string.h>
@@ -32,6 +33,15 @@ void test_unload(const char *path);
 void test_control_word(void);
 void test_signals(void);
 void test_threads(void);
+void test_v3_phases(void);
+void test_v3_values(void);
+void test_v3_derivatives(void);
+void test_v3_states(void);
+void test_v3_bits(void);
+void test_v3_discard(void);
+void test_v3_updates(void);
+void test_v3_instantiate(void);
+void test_v3_logging(void);
 
 static const struct {
     const char *name;
@@ -62,6 +72,15 @@ static const struct {
     {"signals", test_signals},
 #endif
     {"threads", test_threads},
+    {"v3_phases", test_v3_phases},
+    {"v3_values", test_v3_values},
+    {"v3_derivatives", test_v3_derivatives},
+    {"v3_states", test_v3_states},
+    {"v3_bits", test_v3_bits},
+    {"v3_discard", test_v3_discard},
+    {"v3_updates", test_v3_updates},
+    {"v3_instantiate", test_v3_instantiate},
+    {"v3_logging", test_v3_logging},
 };
 
 int main(int argc, char **argv)
@@ -73,8 +92,10 @@ int main(int argc, char **argv)
     resources = argv[2];
     guid = argv[3];
     load(argv[1]);
+    load3();
     CHECK(strcmp(fmu.GetTypesPlatform(), "default") == 0, "platform");
     CHECK(strcmp(fmu.GetVersion(), "2.0") == 0, "version");
+    CHECK(strcmp(fmu3.GetVersion(), "3.0") == 0, "version");
     for (size_t i = 0; i < sizeof tests / sizeof *tests; i++) {
         if (strcmp(argv[4], tests[i].name) == 0) {
             tests[i].run();

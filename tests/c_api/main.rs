@@ -22,7 +22,7 @@ use urdf2fmu_core::model::Model;
 use urdf2fmu_core::prepared::PreparedModel;
 use urdf2fmu_core::settings::Settings;
 use urdf2fmu_core::urdf::{self, ReadOptions};
-use urdf2fmu_core::variables::{Kind, find, table};
+use urdf2fmu_core::variables::{Kind, entries, find, table, time_reference};
 
 const GUID: &str = "{5d7a42b4-9b64-8f5c-8f0e-0a86de6d1c11}";
 
@@ -147,6 +147,12 @@ fn address_sanitizer_finds_nothing() {
         "discard",
         "input_derivatives",
         "output_derivatives",
+        "v3_phases",
+        "v3_values",
+        "v3_states",
+        "v3_updates",
+        "v3_instantiate",
+        "v3_logging",
     ] {
         sanitized.run(&[test]);
     }
@@ -262,6 +268,12 @@ fn sources() -> Vec<PathBuf> {
         "values.c",
         "long.c",
         "host.c",
+        "v3/importer3.c",
+        "v3/phases.c",
+        "v3/values.c",
+        "v3/states.c",
+        "v3/steps.c",
+        "v3/misuse.c",
     ];
     names.iter().map(|name| folder.join(name)).collect()
 }
@@ -295,6 +307,10 @@ fn header(model: &Model) -> String {
         ("BASE_VX", "base.linear_velocity.x"),
         ("BASE_VZ", "base.linear_velocity.z"),
         ("BASE_QW", "base.orientation.w"),
+        ("BASE_QW_VECTOR", "base.orientation.x"),
+        ("INITIAL_X", "initial.base.position.x"),
+        ("CONTACT_ACTIVE", "contact.left_front_wheel.active"),
+        ("STEP_SIZE", "solver.step_size"),
         ("LEFT_SPEED", "joint.left_front_wheel_joint.velocity"),
         (
             "LEFT_ACCELERATION",
@@ -320,6 +336,14 @@ fn header(model: &Model) -> String {
         .filter(|variable| variable.kind == Kind::Real)
         .map(|variable| format!("{}u", variable.value_reference))
         .collect();
+    let entries = entries(model, &table).expect("no clash");
+    let floats = entries
+        .iter()
+        .filter(|entry| table[entry.rows[0] as usize].kind == Kind::Real);
+    let floats: Vec<String> = floats.map(|e| format!("{}u", e.value_reference)).collect();
+    writeln!(text, "#define TIME {}u", time_reference(&table)).expect("a string");
+    writeln!(text, "#define FLOAT64_COUNT {}", reals.len()).expect("a string");
+    writeln!(text, "#define FLOAT64_REFERENCES {}", floats.join(", ")).expect("a string");
     text + &format!("#define REAL_REFERENCES {}\n", reals.join(", "))
 }
 
@@ -409,6 +433,15 @@ runs! {
     the_hosts_control_word_is_kept_and_changes_nothing: "control_word";
     signal_handlers_stay: "signals";
     sixty_four_instances_on_eight_threads_give_the_bits_of_one: "threads";
+    every_function_of_fmi_3_in_every_phase_answers_as_the_table_says: "v3_phases";
+    arrays_are_got_and_set_whole_and_wrong_lengths_have_no_effect: "v3_values";
+    output_derivatives_of_arrays_have_all_elements: "v3_derivatives";
+    saved_states_of_fmi_3_go_on_and_those_of_fmi_2_are_refused: "v3_states";
+    fmi_3_gives_the_bits_of_fmi_2: "v3_bits";
+    a_discarded_step_of_fmi_3_leaves_the_state_before_the_call: "v3_discard";
+    the_importer_is_called_within_steps_and_can_end_them: "v3_updates";
+    an_instance_of_fmi_3_that_cannot_be_made_says_why: "v3_instantiate";
+    errors_of_fmi_3_are_always_heard_and_wrong_pointers_refused: "v3_logging";
 }
 
 #[test]
@@ -544,7 +577,18 @@ fn valgrind_finds_nothing() {
         "--leak-check=full",
         "--show-leak-kinds=definite,indirect",
     ];
-    for test in ["null", "values", "logging", "instantiate", "states"] {
+    for test in [
+        "null",
+        "values",
+        "logging",
+        "instantiate",
+        "states",
+        "v3_values",
+        "v3_states",
+        "v3_updates",
+        "v3_instantiate",
+        "v3_logging",
+    ] {
         let output = bench
             .command(&valgrind, GUID, &[test])
             .output()
@@ -575,10 +619,10 @@ fn only_fmi_functions_are_visible() {
         .lines()
         .filter_map(|line| line.split(' ').nth(2))
         .collect();
-    // FMI 2.0.4: 25 common functions, 10 of Model Exchange, 9 of co-simulation.
-    assert_eq!(names.len(), 44, "{names:?}");
-    assert!(
-        names.iter().all(|name| name.starts_with("fmi2")),
-        "{names:?}"
-    );
+    // FMI 2.0.4: 25 common functions, 10 of Model Exchange, 9 of co-simulation. FMI 3.0: 75.
+    for (prefix, count) in [("fmi2", 44), ("fmi3", 75)] {
+        let of_version = names.iter().filter(|name| name.starts_with(prefix));
+        assert_eq!(of_version.count(), count, "{names:?}");
+    }
+    assert_eq!(names.len(), 44 + 75, "{names:?}");
 }

@@ -1,12 +1,19 @@
 //! What an importer needs of modelDescription.xml.
 
+use super::arrays::{Array, Arrays, is_type};
+use super::library::Element;
+use super::variable::{Kind, Variable};
+use crate::describe::ELEMENTS;
 use quick_xml::events::{BytesStart, Event};
 use quick_xml::{Reader, XmlVersion};
+use urdf2fmu_core::settings::FmiVersion;
 
 /// What an importer needs to know of an FMU.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Description {
-    /// Identifies the FMU.
+    /// Version of the standard.
+    pub fmi: FmiVersion,
+    /// Identifies the FMU: `guid`, `instantiationToken`.
     pub guid: String,
     /// File name of the library.
     pub model_identifier: String,
@@ -22,54 +29,10 @@ pub struct Description {
     pub tolerance: Option<f64>,
     /// s
     pub step_size: Option<f64>,
-    /// In the order of the file.
+    /// In the order of the file; of arrays each element.
     pub variables: Vec<Variable>,
-}
-
-/// A variable.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Variable {
-    /// As written.
-    pub name: String,
-    /// Handle.
-    pub value_reference: u32,
-    /// Type.
-    pub kind: Kind,
-    /// Causality, as written; `local` where nothing is.
-    pub causality: String,
-    /// Variability, as written; `continuous` where nothing is.
-    pub variability: String,
-    /// `initial`, as written.
-    pub initial: String,
-    /// FMI's name of the unit; empty where none is written at the variable.
-    pub unit: String,
-}
-
-/// Type of a variable.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
-    /// `Real`
-    Real,
-    /// `Integer` and `Enumeration`
-    Integer,
-    /// `Boolean`
-    Boolean,
-    /// `String`: not simulated.
-    Text,
-}
-
-impl Variable {
-    /// Whether it is an input.
-    pub fn is_input(&self) -> bool {
-        self.causality == "input"
-    }
-
-    /// Whether it may be set before or during initialisation.
-    pub fn can_start(&self) -> bool {
-        self.is_input()
-            || self.variability != "constant" && matches!(self.initial.as_str(), "exact" | "approx")
-            || self.causality == "parameter"
-    }
+    /// FMI 3: what the variables' handles mean.
+    pub elements: Vec<Element>,
 }
 
 /// Why a description cannot be used.
@@ -80,7 +43,7 @@ pub enum DescriptionError {
     #[error("modelDescription.xml cannot be read: {0}")]
     Xml(String),
     /// Another version of the standard.
-    #[error("the FMU is for FMI {found}; only FMI 2.0 can be simulated here")]
+    #[error("the FMU is for FMI {found}; only FMI 2.0 and 3.0 can be simulated here")]
     Version {
         /// As written.
         found: String,
@@ -102,13 +65,15 @@ impl Description {
     /// Reads modelDescription.xml.
     ///
     /// # Errors
-    /// [`DescriptionError`] if it is not that of an FMI 2.0 co-simulation FMU.
+    /// [`DescriptionError`] if it is not that of an FMI 2.0 or 3.0 co-simulation FMU.
     pub fn parse(text: &str) -> Result<Self, DescriptionError> {
         let mut reader = Reader::from_str(text);
         let mut description = Self::default();
         let mut co_simulation = false;
         // The variable whose type is still to come.
         let mut pending: Option<Variable> = None;
+        // FMI 3: the variable whose dimensions are still to come.
+        let mut arrays = Arrays::default();
         loop {
             let event = reader.read_event().map_err(|error| {
                 DescriptionError::Xml(format!("{error}, at byte {}", reader.error_position()))
@@ -116,6 +81,10 @@ impl Description {
             let element = match event {
                 Event::Eof => break,
                 Event::Start(element) | Event::Empty(element) => element,
+                Event::Text(text) => {
+                    arrays.text(&text);
+                    continue;
+                }
                 _ => continue,
             };
             let name = element.name().as_ref().to_owned();
@@ -123,10 +92,15 @@ impl Description {
             match name.as_str() {
                 "fmiModelDescription" => {
                     let found = attributes.text("fmiVersion").unwrap_or_default();
-                    if found != "2.0" {
-                        return Err(DescriptionError::Version { found });
-                    }
-                    description.guid = attributes.required("guid")?;
+                    description.fmi = match found.as_str() {
+                        "2.0" => FmiVersion::V2,
+                        version if version.starts_with("3.") => FmiVersion::V3,
+                        _ => return Err(DescriptionError::Version { found }),
+                    };
+                    description.guid = attributes.required(match description.fmi {
+                        FmiVersion::V2 => "guid",
+                        FmiVersion::V3 => "instantiationToken",
+                    })?;
                 }
                 "CoSimulation" => {
                     co_simulation = true;
@@ -141,20 +115,18 @@ impl Description {
                     description.tolerance = attributes.number("tolerance")?;
                     description.step_size = attributes.number("stepSize")?;
                 }
+                "ModelVariables" | "ModelStructure" => {
+                    arrays.inside = name == "ModelVariables" && description.fmi == FmiVersion::V3;
+                }
+                "Dimension" => arrays.dimension(attributes.text("start")),
+                "Annotation" => {
+                    arrays.named = attributes.text("type").as_deref() == Some(ELEMENTS);
+                }
+                name if arrays.inside && is_type(name) => {
+                    arrays.list.push(array(name, &attributes)?);
+                }
                 "ScalarVariable" => {
-                    let value_reference = attributes.required("valueReference")?;
-                    let or = |text: Option<String>, other: &str| text.unwrap_or(other.to_owned());
-                    pending = Some(Variable {
-                        name: attributes.required("name")?,
-                        value_reference: value_reference
-                            .parse()
-                            .map_err(|_| attributes.bad("valueReference"))?,
-                        kind: Kind::Real,
-                        causality: or(attributes.text("causality"), "local"),
-                        variability: or(attributes.text("variability"), "continuous"),
-                        initial: attributes.text("initial").unwrap_or_default(),
-                        unit: String::new(),
-                    });
+                    pending = Some(variable(&attributes)?);
                 }
                 "Real" | "Integer" | "Enumeration" | "Boolean" | "String" => {
                     // Outside of a variable it is a type definition.
@@ -172,6 +144,10 @@ impl Description {
                 _ => {}
             }
         }
+        (description.elements, description.variables) = match description.fmi {
+            FmiVersion::V2 => (Vec::new(), description.variables),
+            FmiVersion::V3 => arrays.elements(),
+        };
         if description.guid.is_empty() {
             let message = "it has no <fmiModelDescription>".to_owned();
             return Err(DescriptionError::Xml(message));
@@ -186,6 +162,48 @@ impl Description {
     pub fn find(&self, name: &str) -> Option<&Variable> {
         self.variables.iter().find(|v| v.name == name)
     }
+}
+
+/// A variable of FMI 2, whose type is still to come.
+fn variable(attributes: &Attributes) -> Result<Variable, DescriptionError> {
+    let or = |key: &str, other: &str| attributes.text(key).unwrap_or(other.to_owned());
+    Ok(Variable {
+        name: attributes.required("name")?,
+        value_reference: attributes.reference()?,
+        kind: Kind::Real,
+        causality: or("causality", "local"),
+        variability: or("variability", "continuous"),
+        initial: or("initial", ""),
+        unit: String::new(),
+    })
+}
+
+/// A variable of FMI 3 of the type `name`, whose dimensions are still to come.
+fn array(name: &str, attributes: &Attributes) -> Result<Array, DescriptionError> {
+    let or = |key: &str, other: &str| attributes.text(key).unwrap_or(other.to_owned());
+    let usual = match name {
+        "Float32" | "Float64" => "continuous",
+        _ => "discrete",
+    };
+    let kind = match name {
+        "Float64" => Kind::Real,
+        "Int32" => Kind::Integer,
+        "Boolean" => Kind::Boolean,
+        _ => Kind::Text,
+    };
+    Ok(Array {
+        variable: Variable {
+            name: attributes.required("name")?,
+            value_reference: attributes.reference()?,
+            kind,
+            causality: or("causality", "local"),
+            variability: or("variability", usual),
+            initial: or("initial", ""),
+            unit: or("unit", ""),
+        },
+        shape: Vec::new(),
+        names: Vec::new(),
+    })
 }
 
 /// Attributes of one element.
@@ -226,6 +244,11 @@ impl Attributes {
 
     fn required(&self, key: &'static str) -> Result<String, DescriptionError> {
         self.text(key).ok_or_else(|| self.bad(key))
+    }
+
+    fn reference(&self) -> Result<u32, DescriptionError> {
+        let text = self.required("valueReference")?;
+        text.parse().map_err(|_| self.bad("valueReference"))
     }
 
     fn flag(&self, key: &str) -> bool {
@@ -280,9 +303,63 @@ mod tests {
                 .expect_err("not simulated")
                 .to_string()
         };
-        assert!(message("fmiVersion=\"2.0\"", "fmiVersion=\"3.0\"").contains("FMI 3.0"));
+        assert!(message("fmiVersion=\"2.0\"", "fmiVersion=\"1.0\"").contains("FMI 1.0"));
         assert!(message("CoSimulation", "ModelExchange").contains("co-simulation"));
         assert!(message("valueReference=\"7\"", "valueReference=\"x\"").contains("valueReference"));
         assert!(message("</ModelVariables>", "</Model>").contains("cannot be read"));
+    }
+
+    const TEXT_OF_FMI_3: &str = r#"<?xml version="1.0"?>
+<fmiModelDescription fmiVersion="3.0" modelName="m" instantiationToken="t">
+  <CoSimulation modelIdentifier="m" canHandleVariableCommunicationStepSize="true"/>
+  <TypeDefinitions><Float64Type name="T" unit="m"/></TypeDefinitions>
+  <ModelVariables>
+    <Float64 name="time" valueReference="9" causality="independent" variability="continuous"/>
+    <Float64 name="p" valueReference="7" causality="output" unit="m"><Annotations><Annotation
+      type="io.github.urdf2fmu.elements">p.x p.y</Annotation></Annotations><Dimension start="2"/></Float64>
+    <Float64 name="m" valueReference="3" causality="input" start="0 0 0 0">
+      <Dimension start="2"/><Dimension start="2"/></Float64>
+    <Float64 name="both" valueReference="5" causality="output"><Annotations><Annotation
+      type="io.github.urdf2fmu.elements">on p.x</Annotation></Annotations><Dimension start="2"/></Float64>
+    <Boolean name="on" valueReference="8" causality="output"/>
+    <Float64 name="unknown" valueReference="4" causality="output"><Dimension valueReference="1"/></Float64>
+    <String name="s" valueReference="2" causality="output"/>
+  </ModelVariables>
+  <ModelStructure><Output valueReference="7"/></ModelStructure>
+</fmiModelDescription>"#;
+
+    #[test]
+    fn arrays_of_fmi_3_are_listed_element_by_element() {
+        let description = Description::parse(TEXT_OF_FMI_3).expect("FMI 3.0");
+        let listed: Vec<_> = description
+            .variables
+            .iter()
+            .map(|v| {
+                let element = description.elements[v.value_reference as usize];
+                (
+                    v.name.as_str(),
+                    v.kind,
+                    element.value_reference,
+                    element.index,
+                )
+            })
+            .collect();
+        assert_eq!(
+            listed,
+            [
+                ("time", Kind::Real, 9, 0),
+                ("p.x", Kind::Real, 7, 0),
+                ("p.y", Kind::Real, 7, 1),
+                ("m[1,1]", Kind::Real, 3, 0),
+                ("m[1,2]", Kind::Real, 3, 1),
+                ("m[2,1]", Kind::Real, 3, 2),
+                ("m[2,2]", Kind::Real, 3, 3),
+                // Names of "both" stand for others.
+                ("on", Kind::Boolean, 8, 0),
+                ("unknown", Kind::Text, 4, 0),
+                ("s", Kind::Text, 2, 0),
+            ]
+        );
+        assert_eq!(description.guid, "t");
     }
 }

@@ -61,7 +61,7 @@ pub enum RunError {
     )]
     Platform {
         /// This system's folder.
-        platform: &'static str,
+        platform: String,
         /// File name.
         file: String,
         /// Folders that there are.

@@ -1,9 +1,10 @@
 //! What to simulate: times, start values and inputs, checked against the FMU's description.
 
 use super::csv::Table;
-use super::description::{Description, Kind, Variable};
+use super::description::Description;
 use super::error::{RunError, START_VALUE};
 use super::signals::{Signal, Signals};
+use super::variable::{Kind, Variable};
 use std::path::{Path, PathBuf};
 
 /// Longest table of results, in rows: a longer one is probably a typing error in an interval.

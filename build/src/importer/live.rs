@@ -5,11 +5,15 @@ use super::error::RunError;
 use super::experiment;
 use super::library::Stepped;
 use super::run::{Recorded, Run};
+use super::variable::Kind;
+use std::collections::BTreeMap;
 use std::path::Path;
 
 /// A running FMU.
 pub struct Live {
     run: Run,
+    /// Handles of inputs that are numbers, by name.
+    inputs: BTreeMap<String, u32>,
     tolerance: Option<f64>,
     start: f64,
     time: f64,
@@ -30,8 +34,13 @@ impl Live {
         let recorded = Recorded::new(&description, |v| v.causality == "output");
         let run = Run::new(folder, &description, signals.transpose()?, recorded, false)?;
         let start = description.start_time.unwrap_or(0.0);
+        let inputs = description.variables.iter();
+        let inputs = inputs.filter(|v| v.is_input() && v.kind == Kind::Real);
         Ok(Self {
             run,
+            inputs: inputs
+                .map(|v| (v.name.clone(), v.value_reference))
+                .collect(),
             tolerance: description.tolerance,
             start,
             time: start,
@@ -71,12 +80,15 @@ impl Live {
         Ok(())
     }
 
-    /// Sets inputs by value reference.
+    /// Sets inputs by name; a name that is none is left out.
     ///
     /// # Errors
     /// [`RunError::Library`]
-    pub fn set(&mut self, references: &[u32], values: &[f64]) -> Result<(), RunError> {
-        Ok(self.run.slave.set_real(references, values)?)
+    pub fn set(&mut self, inputs: &[(&str, f64)]) -> Result<(), RunError> {
+        let known = inputs.iter();
+        let known = known.filter_map(|(name, value)| Some((*self.inputs.get(*name)?, *value)));
+        let (references, values): (Vec<u32>, Vec<f64>) = known.unzip();
+        Ok(self.run.slave.set_real(&references, &values)?)
     }
 
     /// Sets the inputs of the table to what they are now.
@@ -105,7 +117,9 @@ impl Live {
             }
             Stepped::Discarded(reached) => {
                 let said = self.run.slave.messages().pop();
-                let why = said.map_or("fmi2Discard".to_owned(), |message| message.text);
+                let why = said.map_or("the FMU discarded the step".to_owned(), |message| {
+                    message.text
+                });
                 Err(stopped(reached, why))
             }
         }

@@ -1,16 +1,18 @@
 //! From start to stop: sets inputs, takes steps, records outputs.
 
 use super::csv::Table;
-use super::description::{Description, Kind, Variable};
+use super::description::Description;
 use super::error::RunError;
 use super::experiment::{Experiment, Times, read, signals, starts};
 use super::library::{LibraryError, Slave, Stepped};
 use super::select::selection;
 use super::signals::{Signals, is_close};
+use super::variable::{Kind, Variable};
 use crate::library::target;
 use std::fmt::Write as _;
-use std::path::{Path, PathBuf};
+use std::path::{MAIN_SEPARATOR, Path, PathBuf};
 use std::time::{Duration, Instant};
+use urdf2fmu_core::settings::FmiVersion;
 
 /// What came out of a simulation.
 #[derive(Debug)]
@@ -94,12 +96,14 @@ pub fn simulate(
 }
 
 /// This system's folder under `binaries/`.
-fn platform() -> &'static str {
+fn platform(fmi: FmiVersion) -> &'static str {
     use std::env::consts::{ARCH, OS};
-    target::of(OS, ARCH).map_or(OS, |target| target::folder(target.platform, 2))
+    target::of(OS, ARCH).map_or(OS, |target| target::folder(target.platform, fmi.major()))
 }
 
-fn library(folder: &Path, identifier: &str) -> Result<PathBuf, RunError> {
+fn library(folder: &Path, description: &Description) -> Result<PathBuf, RunError> {
+    let identifier = &description.model_identifier;
+    let platform = platform(description.fmi);
     let file = format!("{identifier}{}", std::env::consts::DLL_SUFFIX);
     let file = if cfg!(target_os = "macos") {
         format!("{identifier}.dylib")
@@ -107,7 +111,7 @@ fn library(folder: &Path, identifier: &str) -> Result<PathBuf, RunError> {
         file
     };
     let binaries = folder.join("binaries");
-    let path = binaries.join(platform()).join(&file);
+    let path = binaries.join(platform).join(&file);
     if path.is_file() {
         return Ok(path);
     }
@@ -119,7 +123,7 @@ fn library(folder: &Path, identifier: &str) -> Result<PathBuf, RunError> {
         .collect();
     found.sort();
     Err(RunError::Platform {
-        platform: platform(),
+        platform: platform.to_owned(),
         file,
         found: if found.is_empty() {
             "none".to_owned()
@@ -207,10 +211,18 @@ impl Run {
         recorded: Recorded,
         debug_logging: bool,
     ) -> Result<Self, RunError> {
-        let library = library(folder, &description.model_identifier)?;
-        let resources = uri(&folder.join("resources"));
+        let library = library(folder, description)?;
+        let (resources, guid) = (folder.join("resources"), &description.guid);
+        let slave = match description.fmi {
+            FmiVersion::V2 => Slave::of_fmi_2(&library, guid, &uri(&resources), debug_logging),
+            FmiVersion::V3 => {
+                let path = format!("{}{MAIN_SEPARATOR}", resources.display());
+                let elements = description.elements.clone();
+                Slave::of_fmi_3(&library, guid, &path, elements, debug_logging)
+            }
+        };
         Ok(Self {
-            slave: Slave::new(&library, &description.guid, &resources, debug_logging)?,
+            slave: slave?,
             slopes: false,
             signals,
             table: Table {
@@ -351,7 +363,10 @@ impl Run {
                 Stepped::Discarded(reached) => {
                     let messages = self.slave.messages();
                     let last = messages.last().map(|m| m.text.clone());
-                    return Err(stopped(reached, last.unwrap_or("fmi2Discard".to_owned())));
+                    return Err(stopped(
+                        reached,
+                        last.unwrap_or("the FMU discarded the step".to_owned()),
+                    ));
                 }
             }
             self.sample(time)?;

@@ -4,7 +4,7 @@
 //! jump: a step of the simulation ends there, and the second row applies.
 
 use super::csv::Table;
-use super::description::{Kind, Variable};
+use super::variable::{Kind, Variable};
 
 /// A column of the table and the variable that it is for.
 #[derive(Clone, Debug)]

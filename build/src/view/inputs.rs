@@ -15,7 +15,6 @@ const SILENCE: Duration = Duration::from_secs(2);
 #[derive(Debug)]
 struct Input {
     name: String,
-    reference: u32,
     start: f64,
     range: [f64; 2],
     /// Whether the table of inputs gives it.
@@ -55,7 +54,6 @@ impl Inputs {
         let list: Vec<Input> = inputs
             .map(|v| Input {
                 name: v.name.clone(),
-                reference: v.reference,
                 start: v.start.unwrap_or_default(),
                 range: [v.min.unwrap_or(f64::MIN), v.max.unwrap_or(f64::MAX)],
                 in_table: in_table(&v.name),
@@ -150,15 +148,15 @@ impl Inputs {
         }
     }
 
-    /// Value references and values of what people decide about; the table decides about the rest.
-    pub fn decided(&self) -> (Vec<u32>, Vec<f64>) {
+    /// Names and values of what people decide about; the table decides about the rest.
+    pub fn decided(&self) -> Vec<(&str, f64)> {
         let decided = self
             .list
             .iter()
             .filter(|input| input.set.is_some() || !input.holds.is_empty() || !input.in_table);
         decided
-            .filter_map(|input| Some((input.reference, input.value()?)))
-            .unzip()
+            .filter_map(|input| Some((input.name.as_str(), input.value()?)))
+            .collect()
     }
 
     /// Names and values that have changed since the last time.
@@ -212,9 +210,10 @@ mod tests {
     }
 
     fn value(inputs: &Inputs, reference: u32) -> Option<f64> {
-        let (references, values) = inputs.decided();
-        let at = references.iter().position(|r| *r == reference)?;
-        Some(values[at])
+        let name = ["a", "b", "table"][reference as usize];
+        let decided = inputs.decided();
+        let mut decided = decided.iter();
+        decided.find(|(n, _)| *n == name).map(|(_, value)| *value)
     }
 
     #[test]

@@ -307,13 +307,13 @@ impl Ready<'_> {
         if !self.failed.is_empty() {
             return Ok(());
         }
-        let (references, values) = self.inputs.decided();
+        let decided = self.inputs.decided();
         #[expect(clippy::cast_precision_loss, reason = "a number of steps")]
         let end = self.live.start() + (self.done + 1) as f64 * STEP;
         let live = &mut self.live;
         let stepped = live
             .follow_table()
-            .and_then(|()| live.set(&references, &values))
+            .and_then(|()| live.set(&decided))
             .and_then(|()| live.step_to(end));
         match stepped {
             Ok(()) => {

@@ -11,6 +11,8 @@
 mod limits;
 
 use super::*;
+use crate::common::Status;
+use crate::logger::Sink;
 use crate::pointers::{In, Out};
 use urdf2fmu_core::geometry::Shape;
 use urdf2fmu_core::model::{
@@ -20,7 +22,7 @@ use urdf2fmu_core::model::{
 };
 use urdf2fmu_core::simulation::{InputSlot, OutputSlot, ParameterSlot};
 use urdf2fmu_core::spatial::{Mat3, Pose, RigidInertia, Vec3};
-use urdf2fmu_core::variables::Unit;
+use urdf2fmu_core::variables::{Kind, Unit};
 
 const WHEEL_VELOCITY: u32 = 0;
 const MAX_EFFORT: u32 = 1;
@@ -34,8 +36,16 @@ const KINETIC_ENERGY: u32 = 8;
 
 /// A freshly instantiated one that logs nowhere.
 pub(crate) fn instance() -> Instance {
-    let logger = Logger::new(None, std::ptr::null_mut(), c"test".into(), false);
-    Instance::new(logger, GuidHash::new("{test}"), Arc::new(rover()), rows())
+    instance_of(Version::V2)
+}
+
+/// One that speaks a version of FMI. All rows are scalars.
+pub(crate) fn instance_of(version: Version) -> Instance {
+    let logger = Logger::new(Sink::None, std::ptr::null_mut(), false);
+    let (model, rows) = (rover(), rows());
+    let layout = Layout::new(version, &model, &rows).expect("no clash");
+    let guid = GuidHash::new("{test}");
+    Instance::new(logger, version, guid, Arc::new(model), rows, layout)
 }
 
 /// Initialised at 0 s.
@@ -230,6 +240,7 @@ fn rows() -> Vec<Variable> {
         min: None,
         max: (name == "cmd.axle.velocity").then_some(100.0),
         unit: Unit::One,
+        part: None,
     };
     slots.into_iter().enumerate().map(row).collect()
 }
@@ -336,7 +347,8 @@ fn fixed_parameters_can_be_set_until_initialisation_ends() {
     assert_eq!(
         set(&mut instance, &[START_HEIGHT], &[1.0]),
         Err(FmiError::Fixed {
-            name: "initial.base.position.z".into()
+            name: "initial.base.position.z".into(),
+            fmi: Version::V2,
         })
     );
     set(&mut instance, &[GRAVITY], &[-1.62]).expect("tunable");
@@ -358,7 +370,7 @@ fn steps_land_exactly_whatever_their_size() {
     let mut instance = running();
     for step in [1e-3, 1e-12, 1.0 / 3.0, 1e-9, 0.1] {
         let point = instance.last_successful_time();
-        assert_eq!(instance.do_step(point, step), Ok(fmi2Status::OK));
+        assert_eq!(instance.do_step(point, step), Ok(Status::OK));
         assert_eq!(instance.last_successful_time(), point + step);
     }
 }
@@ -370,7 +382,7 @@ fn a_step_below_the_resolution_of_time_succeeds_without_work() {
     instance.enter_initialization_mode();
     instance.exit_initialization_mode().expect("legal");
     // Doubles near 1e6 are 1.2e-10 apart.
-    assert_eq!(instance.do_step(1e6, 1e-12), Ok(fmi2Status::OK));
+    assert_eq!(instance.do_step(1e6, 1e-12), Ok(Status::OK));
     assert_eq!(instance.last_successful_time(), 1e6);
 }
 
@@ -405,8 +417,8 @@ fn the_last_step_may_end_past_the_stop_time_but_none_begins_there() {
         .expect("legal");
     instance.enter_initialization_mode();
     instance.exit_initialization_mode().expect("legal");
-    assert_eq!(instance.do_step(0.0, 0.7), Ok(fmi2Status::OK));
-    assert_eq!(instance.do_step(0.7, 0.7), Ok(fmi2Status::OK));
+    assert_eq!(instance.do_step(0.0, 0.7), Ok(Status::OK));
+    assert_eq!(instance.do_step(0.7, 0.7), Ok(Status::OK));
     assert!(instance.overshoot_logged);
     assert!(matches!(
         instance.do_step(1.4, 0.7),
@@ -511,8 +523,8 @@ fn a_saved_state_continues_bit_for_bit_in_another_instance() {
     first.do_step(0.25, 0.25).expect("legal");
 
     let mut second = instance();
-    let state =
-        SavedState::from_bytes(second.guid(), second.simulation(), &bytes).expect("same FMU");
+    let state = SavedState::from_bytes(second.guid(), Version::V2, second.simulation(), &bytes)
+        .expect("same FMU");
     second.restore(&state).expect("same FMU");
     second.do_step(0.25, 0.25).expect("legal");
     assert_eq!(bits(&mut second), bits(&mut first));

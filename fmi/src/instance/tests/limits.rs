@@ -11,14 +11,14 @@ fn a_step_that_takes_too_much_work_is_discarded_and_changes_nothing() {
         let before = (instance.save(), bits(&mut instance));
         if first_try {
             set(&mut instance, &[MAX_STEPS], &[3.0]).expect("tunable");
-            assert_eq!(instance.do_step(0.0, 0.5), Ok(fmi2Status::Discard));
-            assert_eq!(instance.do_step_status(), fmi2Status::Discard);
+            assert_eq!(instance.do_step(0.0, 0.5), Ok(Status::Discard));
+            assert_eq!(instance.do_step_status(), Status::Discard);
             assert_eq!(instance.last_successful_time(), 0.0);
             assert_eq!(bits(&mut instance), before.1);
             instance.restore(&before.0).expect("own state");
             assert_eq!(get(&mut instance, &[MAX_STEPS]), Ok(vec![MOST_STEPS]));
         }
-        assert_eq!(instance.do_step(0.0, 0.5), Ok(fmi2Status::OK));
+        assert_eq!(instance.do_step(0.0, 0.5), Ok(Status::OK));
         bits(&mut instance)
     };
     assert_eq!(run(true), run(false));
@@ -43,7 +43,7 @@ fn an_output_that_is_not_finite_is_never_ok() {
     let result = get(&mut instance, &[KINETIC_ENERGY]);
     let name = "energy.kinetic".into();
     assert_eq!(result, Err(FmiError::NotFinite { name }));
-    assert_eq!(result.expect_err("above").status(), fmi2Status::Discard);
+    assert_eq!(result.expect_err("above").status(), Status::Discard);
 }
 
 #[test]

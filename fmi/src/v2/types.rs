@@ -1,7 +1,7 @@
 //! The types of fmi2TypesPlatform.h and fmi2FunctionTypes.h, spelled as there.
 //!
 //! What comes from C stays an integer until it has been checked: an incoming value outside a Rust
-//! enum would be undefined behaviour. Only [`fmi2Status`], which this library alone produces, is an
+//! enum would be undefined behaviour. Only the status, which this library alone produces, is an
 //! enum.
 
 #![allow(
@@ -10,6 +10,8 @@
     reason = "the names of the FMI 2.0 headers are kept"
 )]
 
+use crate::common::LoggerOfFmi2;
+pub use crate::common::Status as fmi2Status;
 use std::ffi::{c_char, c_int, c_uint, c_void};
 
 /// Opaque pointer to an instance.
@@ -50,30 +52,8 @@ pub const FMI2_LAST_SUCCESSFUL_TIME: fmi2StatusKind = 2;
 /// `fmi2Terminated`
 pub const FMI2_TERMINATED: fmi2StatusKind = 3;
 
-/// What a function returns. `fmi2Fatal` and `fmi2Pending` are never returned: one instance cannot
-/// spoil another, and every step is finished when fmi2DoStep returns.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum fmi2Status {
-    /// `fmi2OK`
-    OK = 0,
-    /// `fmi2Warning`
-    Warning = 1,
-    /// `fmi2Discard`
-    Discard = 2,
-    /// `fmi2Error`
-    Error = 3,
-}
-
 /// `fmi2CallbackLogger`; variadic, the message is a printf format.
-pub type fmi2CallbackLogger = unsafe extern "C" fn(
-    fmi2ComponentEnvironment,
-    fmi2String,
-    fmi2Status,
-    fmi2String,
-    fmi2String,
-    ...
-);
+pub type fmi2CallbackLogger = LoggerOfFmi2;
 /// `fmi2CallbackAllocateMemory`; never called.
 pub type fmi2CallbackAllocateMemory = unsafe extern "C" fn(usize, usize) -> *mut c_void;
 /// `fmi2CallbackFreeMemory`; never called.

@@ -2,17 +2,20 @@
 //! writer.
 #![allow(clippy::unwrap_used, reason = "a test may fail")]
 
-#[path = "../../tests/export/model_description.rs"]
+#[path = "../../../tests/export/model_description.rs"]
 mod model_description;
 
 use super::*;
+use crate::units;
 use model_description::{Element, problems};
 use urdf2fmu_core::model::{
     ActuatorId, Combination, ContactDefaults, Initial, Joint, JointId, JointKind, LinkId, Mimic,
     OutputSelection, SolverDefaults, World,
 };
+use urdf2fmu_core::settings::FmuSettings;
 use urdf2fmu_core::simulation::{InputSlot, OutputSlot, ParameterSlot};
 use urdf2fmu_core::spatial::{Pose, Vec3};
+use urdf2fmu_core::variables::{Kind, Part, Slot, Unit};
 
 /// Two joints, the second mimics the first; nothing here looks at links or bodies.
 fn model() -> Model {
@@ -90,6 +93,7 @@ fn row(value_reference: u32, slot: Slot, kind: Kind, unit: Unit, start: Option<f
         min: None,
         max: None,
         unit,
+        part: None,
     }
 }
 
@@ -317,4 +321,68 @@ fn a_table_of_variables_that_fmi_forbids_is_refused() {
         broken(|t| t[6].start = None),
         Err(DescribeError::NoStart { .. })
     ));
+}
+
+/// The table with rows 2 and 3 as a vector, in FMI 3.
+fn xml_of_fmi_3() -> Element {
+    let mut table = table();
+    for (index, row) in (0..).zip(&mut table[1..3]) {
+        row.part = Some(Part {
+            whole: "v".to_owned(),
+            description: "both".to_owned(),
+            index,
+            shape: vec![2],
+        });
+    }
+    let about = FmuSettings {
+        fmi: FmiVersion::V3,
+        ..FmuSettings::default()
+    };
+    let header = Header {
+        model_name: "two & more",
+        model_identifier: "two",
+        guid: "{0}",
+        date: "1980-01-01T00:00:00Z",
+        description: "x",
+        about: &about,
+    };
+    let text = model_description(&header, &model(), &table).unwrap();
+    Element::read(&String::from_utf8(text).unwrap())
+}
+
+#[test]
+fn a_vector_of_fmi_3_has_dimension_elements_and_the_dependencies_of_all() {
+    let root = xml_of_fmi_3();
+    assert_eq!(root.get("fmiVersion"), Some("3.0"));
+    assert_eq!(root.get("instantiationToken"), Some("{0}"));
+    let variables = root.list("ModelVariables");
+    let names: Vec<_> = variables.iter().map(|v| v.get("name").unwrap()).collect();
+    assert_eq!(names, ["time", "v0", "v", "v3", "v4", "v5", "v6", "v7"]);
+    let vector = &variables[2];
+    assert_eq!(
+        (vector.name.as_str(), vector.get("valueReference")),
+        ("Float64", Some("1"))
+    );
+    assert_eq!(vector.child("Dimension").unwrap().get("start"), Some("2"));
+    assert_eq!(vector.get("intermediateUpdate"), Some("true"));
+    assert_eq!(variables[4].get("intermediateUpdate"), None);
+    let structure = &root.child("ModelStructure").unwrap().children;
+    let unknowns: Vec<_> = structure
+        .iter()
+        .map(|u| {
+            let reference = u.get("valueReference").unwrap();
+            (u.name.as_str(), reference, u.get("dependencies"))
+        })
+        .collect();
+    let expected = [
+        ("Output", "1", Some("")),
+        ("Output", "3", Some("")),
+        ("Output", "4", Some("")),
+        ("Output", "7", Some("")),
+        ("InitialUnknown", "1", Some("5")),
+        ("InitialUnknown", "3", None),
+        ("InitialUnknown", "4", None),
+        ("InitialUnknown", "7", Some("")),
+    ];
+    assert_eq!(unknowns, expected);
 }

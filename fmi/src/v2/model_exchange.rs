@@ -7,9 +7,9 @@
     reason = "names and contracts are FMI 2.0's"
 )]
 
+use super::phase::Function;
+use super::types::{fmi2Boolean, fmi2Component, fmi2Real, fmi2Status};
 use crate::call::call;
-use crate::phase::Function;
-use crate::types::{fmi2Boolean, fmi2Component, fmi2Real, fmi2Status};
 use std::ffi::c_void;
 
 macro_rules! refused {

@@ -1,9 +1,7 @@
-//! The C functions of an FMU's library: the only unsafe code of this package.
-//!
-//! [`Slave`] is the safe interface: it owns the library and one instance, passes each function its
-//! arrays, and frees both in the right order.
+//! An instance of an FMI 2.0 FMU.
 #![allow(unsafe_code, reason = "loads a library and calls its C functions")]
 
+use super::shared::{LAST_GOOD, LibraryError, Message, Stepped, check, functions, open, said};
 use libloading::Library;
 use std::cell::RefCell;
 use std::ffi::{CStr, CString, c_char, c_int, c_uint, c_void};
@@ -21,71 +19,6 @@ struct Callbacks {
     free: unsafe extern "C" fn(*mut c_void),
     step_finished: *const c_void,
     environment: *mut c_void,
-}
-
-/// What an FMU has said.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Message {
-    /// `fmi2Status`
-    pub status: i32,
-    /// As the FMU calls it.
-    pub category: String,
-    /// printf's `%%` and FMI's `##` resolved; arguments that were to be put in are not known here.
-    pub text: String,
-}
-
-/// Why an FMU's functions cannot be used.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum LibraryError {
-    /// No library that this system loads.
-    #[error("cannot load '{path}': {source}")]
-    Load {
-        /// The file.
-        path: String,
-        /// Why.
-        source: libloading::Error,
-    },
-    /// A function is missing.
-    #[error("the library does not export {name}")]
-    Missing {
-        /// As in the standard.
-        name: &'static str,
-    },
-    /// No instance.
-    #[error("fmi2Instantiate failed{said}")]
-    Instantiate {
-        /// What it logged, if anything.
-        said: String,
-    },
-    /// A function failed.
-    #[error("{function} returned {status}{said}")]
-    Status {
-        /// As in the standard.
-        function: &'static str,
-        /// `fmi2Error` …
-        status: &'static str,
-        /// What it logged, if anything.
-        said: String,
-    },
-}
-
-macro_rules! functions {
-    ($($name:ident: $symbol:literal, fn($($argument:ty),*) -> $result:ty;)*) => {
-        struct Functions { $($name: unsafe extern "C" fn($($argument),*) -> $result,)* }
-
-        impl Functions {
-            /// # Safety
-            /// The library's functions are those of FMI 2.0.
-            unsafe fn find(library: &Library) -> Result<Self, LibraryError> {
-                Ok(Self { $($name: {
-                    // SAFETY: the caller's promise gives the function its type.
-                    let symbol = unsafe { library.get(concat!($symbol, "\0").as_bytes()) };
-                    *symbol.map_err(|_| LibraryError::Missing { name: $symbol })?
-                },)* })
-            }
-        }
-    };
 }
 
 functions! {
@@ -109,8 +42,6 @@ functions! {
     real_status: "fmi2GetRealStatus", fn(Component, c_int, *mut f64) -> c_int;
 }
 
-/// `fmi2OK`, `fmi2Warning`
-const LAST_GOOD: c_int = 1;
 /// `fmi2Discard`
 const DISCARD: c_int = 2;
 /// `fmi2LastSuccessfulTime`
@@ -128,15 +59,6 @@ pub struct Slave {
     _library: Library,
 }
 
-/// What a step came to.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Stepped {
-    /// It is done.
-    Done,
-    /// It was discarded; the simulation stands at this time, s.
-    Discarded(f64),
-}
-
 impl Slave {
     /// Loads a library and makes an instance.
     ///
@@ -148,13 +70,7 @@ impl Slave {
         resources: &str,
         debug_logging: bool,
     ) -> Result<Self, LibraryError> {
-        // SAFETY: a person asked to run this FMU; its initialisers may do what they like, as in any
-        // importer.
-        let loaded = unsafe { Library::new(library) };
-        let library = loaded.map_err(|source| LibraryError::Load {
-            path: library.display().to_string(),
-            source,
-        })?;
+        let library = open(library)?;
         // SAFETY: modelDescription.xml says that it is an FMI 2.0 co-simulation FMU.
         let functions = unsafe { Functions::find(&library) }?;
         let heard = Box::new(RefCell::new(Vec::new()));
@@ -182,7 +98,8 @@ impl Slave {
         };
         if component.is_null() {
             let said = said(&heard.borrow());
-            return Err(LibraryError::Instantiate { said });
+            let function = "fmi2Instantiate";
+            return Err(LibraryError::Instantiate { function, said });
         }
         Ok(Self {
             component,
@@ -343,21 +260,7 @@ impl Slave {
     }
 
     fn check(&self, function: &'static str, status: c_int) -> Result<(), LibraryError> {
-        if (0..=LAST_GOOD).contains(&status) {
-            return Ok(());
-        }
-        let status = match status {
-            2 => "fmi2Discard",
-            3 => "fmi2Error",
-            4 => "fmi2Fatal",
-            5 => "fmi2Pending",
-            _ => "an unknown status",
-        };
-        Err(LibraryError::Status {
-            function,
-            status,
-            said: said(&self.heard.borrow()),
-        })
+        check("fmi2", function, status, &self.heard.borrow())
     }
 }
 
@@ -370,12 +273,6 @@ impl Drop for Slave {
 
 /// `fmi2CoSimulation`
 const CO_SIMULATION: c_int = 1;
-
-/// The last complaint, for the end of an error's text.
-fn said(messages: &[Message]) -> String {
-    let complaint = messages.iter().rev().find(|m| m.status > LAST_GOOD);
-    complaint.map_or(String::new(), |m| format!(": {}", m.text))
-}
 
 /// The importer's logger.
 ///

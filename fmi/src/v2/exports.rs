@@ -14,23 +14,23 @@
     reason = "names and contracts are FMI 2.0's"
 )]
 
-use crate::call::{call, free, into_component};
+use super::phase::Function;
+use super::types::{
+    FMI2_CO_SIMULATION, FMI2_DO_STEP_STATUS, FMI2_FALSE, FMI2_LAST_SUCCESSFUL_TIME,
+    FMI2_PENDING_STATUS, FMI2_TERMINATED, FMI2_TRUE, fmi2Boolean, fmi2Byte, fmi2CallbackFunctions,
+    fmi2Component, fmi2FMUstate, fmi2Integer, fmi2Real, fmi2Status, fmi2StatusKind, fmi2String,
+    fmi2Type, fmi2ValueReference,
+};
+use crate::call::{call, free, into_pointer};
+use crate::common::Version;
 use crate::control_word;
 use crate::error::{FmiError, InstantiateError};
-use crate::load::load;
-use crate::logger::{Category, Logger};
+use crate::load::{load, made};
+use crate::logger::{Logger, Sink};
 use crate::panics;
-use crate::phase::Function;
 use crate::pointers::{self, In, Out};
 use crate::snapshot::{self, SavedState};
-use crate::types::{
-    FMI2_DO_STEP_STATUS, FMI2_FALSE, FMI2_LAST_SUCCESSFUL_TIME, FMI2_PENDING_STATUS,
-    FMI2_TERMINATED, FMI2_TRUE, fmi2Boolean, fmi2Byte, fmi2CallbackFunctions, fmi2Component,
-    fmi2FMUstate, fmi2Integer, fmi2Real, fmi2Status, fmi2StatusKind, fmi2String, fmi2Type,
-    fmi2ValueReference,
-};
 use std::ffi::CString;
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use urdf2fmu_core::variables::Kind;
 
 const OK: Result<fmi2Status, FmiError> = Ok(fmi2Status::OK);
@@ -95,29 +95,22 @@ pub unsafe extern "C" fn fmi2Instantiate(
         (functions.logger, functions.componentEnvironment)
     });
     let name = CString::new(name).unwrap_or_default();
-    let logger = Logger::new(callback, environment, name, loggingOn != FMI2_FALSE);
-    let loaded = catch_unwind(AssertUnwindSafe(|| {
-        load(fmuType, &guid, &location, logger.clone())
-    }))
-    .unwrap_or_else(|payload| {
-        let message = panics::message(payload.as_ref());
-        Err(InstantiateError::Panic { message })
-    });
-    match loaded {
-        Ok(instance) => into_component(instance),
-        Err(error) => {
-            let message = format!("fmi2Instantiate: {error}");
-            logger.log(fmi2Status::Error, Category::StatusError, &message);
-            std::ptr::null_mut()
+    let sink = callback.map_or(Sink::None, |callback| Sink::Fmi2(callback, name));
+    let logger = Logger::new(sink, environment, loggingOn != FMI2_FALSE);
+    let instance = made("fmi2Instantiate", &logger, || {
+        if fmuType != FMI2_CO_SIMULATION {
+            return Err(InstantiateError::Type { found: fmuType });
         }
-    }
+        load(Version::V2, &guid, &location, logger.clone())
+    });
+    instance.map_or(std::ptr::null_mut(), into_pointer)
 }
 
 /// Frees an instance; null is legal.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2FreeInstance(c: fmi2Component) {
     // SAFETY: FMI's contract.
-    unsafe { free(c) }
+    unsafe { free::<Function>(c) }
 }
 
 /// Start, stop and tolerance.
@@ -262,7 +255,7 @@ pub unsafe extern "C" fn fmi2GetString(
     unsafe {
         call(c, Function::GetString, |instance| {
             Out::new("value", value, nvr)?;
-            instance.refuse_strings(&In::new("vr", vr, nvr)?)?;
+            instance.refuse("String", &In::new("vr", vr, nvr)?)?;
             OK
         })
     }
@@ -280,7 +273,7 @@ pub unsafe extern "C" fn fmi2SetString(
     unsafe {
         call(c, Function::SetString, |instance| {
             In::new("value", value, nvr)?;
-            instance.refuse_strings(&In::new("vr", vr, nvr)?)?;
+            instance.refuse("String", &In::new("vr", vr, nvr)?)?;
             OK
         })
     }
@@ -363,16 +356,12 @@ pub unsafe extern "C" fn fmi2SerializeFMUstate(
     // SAFETY: FMI's contract.
     unsafe {
         call(c, Function::SerializeFMUstate, |_| {
-            let bytes = snapshot::saved(FMUstate)?.to_bytes();
-            let mut place = Out::new("serializedState", serializedState.cast::<u8>(), size)?;
-            if place.len() != bytes.len() {
-                return Err(FmiError::State {
-                    reason: format!("it needs {} bytes, not {size}", bytes.len()),
-                });
-            }
-            for (index, byte) in bytes.into_iter().enumerate() {
-                place.set(index, byte);
-            }
+            let state = snapshot::saved(FMUstate)?;
+            state.write_to(&mut Out::new(
+                "serializedState",
+                serializedState.cast::<u8>(),
+                size,
+            )?)?;
             OK
         })
     }
@@ -397,7 +386,12 @@ pub unsafe extern "C" fn fmi2DeSerializeFMUstate(
                     argument: "FMUstate",
                 });
             }
-            let state = SavedState::from_bytes(instance.guid(), instance.simulation(), &bytes)?;
+            let state = SavedState::from_bytes(
+                instance.guid(),
+                instance.version(),
+                instance.simulation(),
+                &bytes,
+            )?;
             pointers::write("FMUstate", FMUstate, state.into_pointer())?;
             OK
         })

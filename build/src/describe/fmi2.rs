@@ -1,0 +1,205 @@
+//! modelDescription.xml of FMI 2.0 co-simulation: a variable for each row of the table.
+//!
+//! Source: FMI 2.0.4 specification, sections 2.2 and 4.3.
+
+use super::shared::{
+    DescribeError, Header, TOOL, check, clean, default_experiment, list, log_categories, naming,
+    number, unit_definitions, used_units,
+};
+use super::words::{causality, variability};
+use crate::structure;
+use crate::units;
+use quick_xml::Writer;
+use quick_xml::events::{BytesDecl, Event};
+use std::collections::BTreeSet;
+use std::io;
+use urdf2fmu_core::model::Model;
+use urdf2fmu_core::variables::{Kind, Slot, Unit, Variable};
+
+/// The XML text.
+///
+/// # Errors
+/// [`DescribeError`] where the table breaks a rule of FMI.
+pub fn model_description(
+    header: &Header,
+    model: &Model,
+    table: &[Variable],
+) -> Result<Vec<u8>, DescribeError> {
+    check(table)?;
+    let mut xml = Writer::new_with_indent(Vec::new(), b' ', 2);
+    xml.write_event(Event::Decl(BytesDecl::new("1.0", Some("UTF-8"), None)))?;
+    let mut root = xml.create_element("fmiModelDescription");
+    let about = header.about;
+    for (name, text) in [
+        ("author", &about.author),
+        ("version", &about.version),
+        ("copyright", &about.copyright),
+    ] {
+        if let Some(text) = text {
+            root = root.with_attribute((name, clean(text).as_str()));
+        }
+    }
+    let license = about
+        .license
+        .as_deref()
+        .unwrap_or("See documentation/licenses/license.txt");
+    root.with_attribute(("fmiVersion", "2.0"))
+        .with_attribute(("modelName", clean(header.model_name).as_str()))
+        .with_attribute(("guid", header.guid))
+        .with_attribute(("description", clean(header.description).as_str()))
+        .with_attribute(("license", clean(license).as_str()))
+        .with_attribute(("generationTool", TOOL))
+        .with_attribute(("generationDateAndTime", header.date))
+        .with_attribute(("variableNamingConvention", naming(model)))
+        .with_attribute(("numberOfEventIndicators", "0"))
+        .write_inner_content(|xml| {
+            co_simulation(xml, header.model_identifier)?;
+            let units = used_units(table);
+            unit_definitions(xml, &units)?;
+            type_definitions(xml, &units)?;
+            log_categories(xml)?;
+            default_experiment(xml, about)?;
+            list(xml, "ModelVariables", table.iter(), scalar_variable)?;
+            model_structure(xml, model, table)
+        })?;
+    let mut text = xml.into_inner();
+    text.push(b'\n');
+    Ok(text)
+}
+
+fn co_simulation(xml: &mut Writer<Vec<u8>>, model_identifier: &str) -> io::Result<()> {
+    xml.create_element("CoSimulation")
+        .with_attribute(("modelIdentifier", model_identifier))
+        .with_attributes([
+            ("needsExecutionTool", "false"),
+            ("canHandleVariableCommunicationStepSize", "true"),
+            ("canInterpolateInputs", "true"),
+            ("maxOutputDerivativeOrder", "1"),
+            ("canRunAsynchronuously", "false"),
+            ("canBeInstantiatedOnlyOncePerProcess", "false"),
+            // The callbacks' allocator is never used: every instance owns its memory.
+            ("canNotUseMemoryManagementFunctions", "true"),
+            ("canGetAndSetFMUstate", "true"),
+            ("canSerializeFMUstate", "true"),
+            ("providesDirectionalDerivative", "false"),
+        ])
+        .write_empty()?;
+    Ok(())
+}
+
+fn type_definitions(xml: &mut Writer<Vec<u8>>, units: &BTreeSet<Unit>) -> io::Result<()> {
+    list(xml, "TypeDefinitions", units.iter(), |xml, unit| {
+        let facts = units::facts(*unit);
+        xml.create_element("SimpleType")
+            .with_attribute(("name", facts.quantity))
+            .write_inner_content(|xml| {
+                let mut real = xml
+                    .create_element("Real")
+                    .with_attribute(("quantity", facts.quantity))
+                    .with_attribute(("unit", facts.name));
+                if let Some(&(display, _)) = facts.display.first() {
+                    real = real.with_attribute(("displayUnit", display));
+                }
+                real.write_empty()?;
+                Ok(())
+            })?;
+        Ok(())
+    })
+}
+
+fn scalar_variable(xml: &mut Writer<Vec<u8>>, v: &Variable) -> io::Result<()> {
+    let mut element = xml
+        .create_element("ScalarVariable")
+        .with_attribute(("name", clean(&v.name).as_str()))
+        .with_attribute(("valueReference", v.value_reference.to_string().as_str()))
+        .with_attribute(("description", clean(&v.description).as_str()))
+        .with_attribute(("causality", causality(v)))
+        .with_attribute(("variability", variability(v)));
+    // FMI forbids `initial` on inputs.
+    match v.slot {
+        Slot::Input(_) => {}
+        Slot::Parameter(_) => element = element.with_attribute(("initial", "exact")),
+        Slot::Output(_) => element = element.with_attribute(("initial", "calculated")),
+    }
+    element.write_inner_content(|xml| {
+        let mut value = xml.create_element(match v.kind {
+            Kind::Real => "Real",
+            Kind::Integer => "Integer",
+            Kind::Boolean => "Boolean",
+        });
+        if v.kind == Kind::Real {
+            let facts = units::facts(v.unit);
+            value = value
+                .with_attribute(("declaredType", facts.quantity))
+                .with_attribute(("unit", facts.name));
+            if let Some(&(display, _)) = facts.display.first() {
+                value = value.with_attribute(("displayUnit", display));
+            }
+        }
+        // An output has neither start nor range: it is what the physics says.
+        if !matches!(v.slot, Slot::Output(_)) {
+            for (name, bound) in [("min", v.min), ("max", v.max)] {
+                if let Some(bound) = bound.filter(|_| v.kind != Kind::Boolean) {
+                    value = value.with_attribute((name, number(bound).as_str()));
+                }
+            }
+            if let Some(start) = v.start {
+                let text = if v.kind == Kind::Boolean {
+                    (start != 0.0).to_string()
+                } else {
+                    number(start)
+                };
+                value = value.with_attribute(("start", text.as_str()));
+            }
+        }
+        value.write_empty()?;
+        Ok(())
+    })?;
+    Ok(())
+}
+
+fn model_structure(xml: &mut Writer<Vec<u8>>, model: &Model, table: &[Variable]) -> io::Result<()> {
+    // FMI counts variables from 1, in the order of the file.
+    let outputs: Vec<_> = (1..)
+        .zip(table)
+        .filter_map(|(index, v)| match v.slot {
+            Slot::Output(slot) => Some((index, slot)),
+            Slot::Input(_) | Slot::Parameter(_) => None,
+        })
+        .collect();
+    xml.create_element("ModelStructure")
+        .write_inner_content(|xml| {
+            // Values at the end of the step: what an importer sets afterwards does not show in
+            // them.
+            list(xml, "Outputs", outputs.iter(), |xml, (index, _)| {
+                unknown(xml, *index, Some(&[]))
+            })?;
+            list(
+                xml,
+                "InitialUnknowns",
+                outputs.iter(),
+                |xml, (index, slot)| {
+                    let dependencies = structure::initial_dependencies(model, table, *slot);
+                    unknown(xml, *index, dependencies.as_deref())
+                },
+            )
+        })?;
+    Ok(())
+}
+
+/// `dependencies`: indexes from 1, ascending; none means that it may depend on everything.
+fn unknown(
+    xml: &mut Writer<Vec<u8>>,
+    index: usize,
+    dependencies: Option<&[usize]>,
+) -> io::Result<()> {
+    let mut element = xml
+        .create_element("Unknown")
+        .with_attribute(("index", index.to_string().as_str()));
+    if let Some(dependencies) = dependencies {
+        let text: Vec<_> = dependencies.iter().map(ToString::to_string).collect();
+        element = element.with_attribute(("dependencies", text.join(" ").as_str()));
+    }
+    element.write_empty()?;
+    Ok(())
+}

@@ -1,0 +1,37 @@
+//! FMI's words for a variable, its numbers as text, and the default experiment.
+
+use urdf2fmu_core::variables::{Kind, Slot, Variable};
+
+/// Seconds of the default experiment.
+pub const STOP_TIME: f64 = 10.0;
+/// Communication step of the default experiment, s: what users of 240 Hz simulators are used to.
+pub const STEP_SIZE: f64 = 1.0 / 240.0;
+/// Tolerance of the default experiment; also the solver's tolerance if neither settings nor
+/// importer give one.
+pub const TOLERANCE: f64 = 1e-3;
+
+/// FMI's word for whose the value is.
+pub fn causality(v: &Variable) -> &'static str {
+    match v.slot {
+        Slot::Input(_) => "input",
+        Slot::Parameter(_) => "parameter",
+        Slot::Output(_) => "output",
+    }
+}
+
+/// FMI's word for when the value may change.
+pub fn variability(v: &Variable) -> &'static str {
+    match (v.slot, v.kind) {
+        (Slot::Parameter(slot), _) if slot.tunable() => "tunable",
+        (Slot::Parameter(_), _) => "fixed",
+        (_, Kind::Real) if !v.stepped => "continuous",
+        _ => "discrete",
+    }
+}
+
+/// Shortest text that reads back as the same double.
+pub fn number(x: f64) -> String {
+    // A negative zero would only puzzle readers.
+    let text = format!("{:?}", if x == 0.0 { 0.0 } else { x });
+    text.strip_suffix(".0").map_or(text.clone(), str::to_owned)
+}

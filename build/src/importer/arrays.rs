@@ -1,0 +1,127 @@
+//! FMI 3's arrays as lists of their elements.
+//!
+//! An FMU of this program names the elements in an annotation: they have the names of FMI 2's
+//! variables. Those of other FMUs are numbered from 1, `name[2]` or `name[1,2]`.
+
+use super::library::Element;
+use super::variable::{Kind, Variable};
+use std::collections::BTreeSet;
+
+/// Elements that are listed, of all variables.
+const MOST: u32 = 1_000_000;
+
+/// A variable of FMI 3.
+pub(super) struct Array {
+    pub variable: Variable,
+    /// Empty for a scalar.
+    pub shape: Vec<u32>,
+    /// Of the elements, if they have any.
+    pub names: Vec<String>,
+}
+
+/// All of them, while they are read.
+#[derive(Default)]
+pub(super) struct Arrays {
+    pub list: Vec<Array>,
+    /// Whether what comes is a variable.
+    pub inside: bool,
+    /// Whether the next text names elements.
+    pub named: bool,
+}
+
+/// Whether an element of the XML is a variable of FMI 3.
+pub(super) fn is_type(name: &str) -> bool {
+    let numbers = [
+        "Float32", "Float64", "Int8", "UInt8", "Int16", "UInt16", "Int32", "UInt32",
+    ];
+    let others = [
+        "Int64",
+        "UInt64",
+        "Boolean",
+        "String",
+        "Binary",
+        "Enumeration",
+        "Clock",
+    ];
+    numbers.contains(&name) || others.contains(&name)
+}
+
+impl Arrays {
+    /// Text between tags.
+    pub fn text(&mut self, text: &str) {
+        if let Some(array) = self.list.last_mut().filter(|_| self.named && self.inside) {
+            array.names = text.split_whitespace().map(str::to_owned).collect();
+        }
+        self.named = false;
+    }
+
+    /// A dimension of the last variable; one that a structural parameter gives is not known here,
+    /// and the variable is not simulated.
+    pub fn dimension(&mut self, start: Option<String>) {
+        let Some(array) = self.list.last_mut().filter(|_| self.inside) else {
+            return;
+        };
+        match start.and_then(|start| start.trim().parse().ok()) {
+            Some(size) => array.shape.push(size),
+            None => array.variable.kind = Kind::Text,
+        }
+    }
+
+    /// Each element as a variable, and which one it is. A name is listed once: that of a scalar,
+    /// else that of the first array.
+    pub fn elements(self) -> (Vec<Element>, Vec<Variable>) {
+        let scalars = self.list.iter().filter(|array| array.shape.is_empty());
+        let mut names: BTreeSet<String> = scalars.map(|a| a.variable.name.clone()).collect();
+        let (mut elements, mut variables) = (Vec::new(), Vec::new());
+        for array in self.list {
+            let mut sizes = array.shape.iter();
+            let count = sizes.try_fold(1_u32, |count, size| count.checked_mul(*size));
+            let count = count.unwrap_or(u32::MAX);
+            let listed = u32::try_from(elements.len()).unwrap_or(u32::MAX);
+            let simulated =
+                array.variable.kind != Kind::Text && count <= MOST.saturating_sub(listed);
+            for index in 0..if simulated { count } else { 1 } {
+                let name = if array.shape.is_empty() || !simulated {
+                    array.variable.name.clone()
+                } else {
+                    array.name(index)
+                };
+                if !array.shape.is_empty() && !names.insert(name.clone()) {
+                    continue;
+                }
+                variables.push(Variable {
+                    name,
+                    value_reference: u32::try_from(elements.len()).unwrap_or(u32::MAX),
+                    kind: if simulated {
+                        array.variable.kind
+                    } else {
+                        Kind::Text
+                    },
+                    ..array.variable.clone()
+                });
+                elements.push(Element {
+                    value_reference: array.variable.value_reference,
+                    index,
+                    count,
+                });
+            }
+        }
+        (elements, variables)
+    }
+}
+
+impl Array {
+    fn name(&self, index: u32) -> String {
+        if let Some(name) = self.names.get(index as usize) {
+            return name.clone();
+        }
+        let mut rest = index;
+        let mut numbers = Vec::new();
+        for size in self.shape.iter().rev() {
+            numbers.push((rest % size + 1).to_string());
+            rest /= size;
+        }
+        numbers.reverse();
+        format!("{}[{}]", self.variable.name, numbers.join(","))
+    }
+}

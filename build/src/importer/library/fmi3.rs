@@ -1,0 +1,315 @@
+//! An instance of an FMI 3.0 FMU.
+#![allow(unsafe_code, reason = "loads a library and calls its C functions")]
+
+use super::elements::{Element, Wholes};
+use super::shared::{LibraryError, Message, Stepped, check, functions, open, said};
+use libloading::Library;
+use std::cell::RefCell;
+use std::ffi::{CStr, CString, c_char, c_int, c_uint, c_void};
+use std::path::Path;
+
+type Instance = *mut c_void;
+type Log = unsafe extern "C" fn(*mut c_void, c_int, *const c_char, *const c_char);
+/// A get function: references and their number, values and theirs.
+type Get<T> = unsafe extern "C" fn(Instance, *const c_uint, usize, *mut T, usize) -> c_int;
+/// A set function.
+type Set<T> = unsafe extern "C" fn(Instance, *const c_uint, usize, *const T, usize) -> c_int;
+
+functions! {
+    instantiate: "fmi3InstantiateCoSimulation",
+        fn(*const c_char, *const c_char, *const c_char, bool, bool, bool, bool, *const c_uint, usize,
+           *mut c_void, Log, *const c_void) -> Instance;
+    free: "fmi3FreeInstance", fn(Instance) -> ();
+    enter: "fmi3EnterInitializationMode", fn(Instance, bool, f64, f64, bool, f64) -> c_int;
+    exit: "fmi3ExitInitializationMode", fn(Instance) -> c_int;
+    terminate: "fmi3Terminate", fn(Instance) -> c_int;
+    reset: "fmi3Reset", fn(Instance) -> c_int;
+    get_float64: "fmi3GetFloat64", fn(Instance, *const c_uint, usize, *mut f64, usize) -> c_int;
+    get_int32: "fmi3GetInt32", fn(Instance, *const c_uint, usize, *mut i32, usize) -> c_int;
+    get_boolean: "fmi3GetBoolean", fn(Instance, *const c_uint, usize, *mut u8, usize) -> c_int;
+    set_float64: "fmi3SetFloat64", fn(Instance, *const c_uint, usize, *const f64, usize) -> c_int;
+    set_int32: "fmi3SetInt32", fn(Instance, *const c_uint, usize, *const i32, usize) -> c_int;
+    set_boolean: "fmi3SetBoolean", fn(Instance, *const c_uint, usize, *const u8, usize) -> c_int;
+    do_step: "fmi3DoStep",
+        fn(Instance, f64, f64, bool, *mut u8, *mut u8, *mut u8, *mut f64) -> c_int;
+}
+
+/// `fmi3Discard`
+const DISCARD: c_int = 2;
+
+/// An instance of an FMU, with its library.
+pub struct Slave {
+    instance: Instance,
+    functions: Functions,
+    elements: Vec<Element>,
+    /// Tolerance, start and stop, s, for the beginning of initialisation.
+    experiment: (Option<f64>, f64, Option<f64>),
+    /// Where the logger puts its messages; in a box of its own, because the FMU keeps the address.
+    heard: Box<RefCell<Vec<Message>>>,
+    /// Last: nothing of it may be used once it is gone.
+    _library: Library,
+}
+
+impl Slave {
+    /// Loads a library and makes an instance.
+    ///
+    /// # Errors
+    /// [`LibraryError`]
+    pub fn new(
+        library: &Path,
+        token: &str,
+        resources: &str,
+        elements: Vec<Element>,
+        debug_logging: bool,
+    ) -> Result<Self, LibraryError> {
+        let library = open(library)?;
+        // SAFETY: modelDescription.xml says that it is an FMI 3.0 co-simulation FMU.
+        let functions = unsafe { Functions::find(&library) }?;
+        let heard = Box::new(RefCell::new(Vec::new()));
+        let text = |text: &str| CString::new(text.replace('\0', "")).unwrap_or_default();
+        let (name, token, resources) = (text("urdf2fmu"), text(token), text(resources));
+        // SAFETY: strings end with a zero and live during the call, the environment as long as the
+        // instance; there are no intermediate variables.
+        let instance = unsafe {
+            (functions.instantiate)(
+                name.as_ptr(),
+                token.as_ptr(),
+                resources.as_ptr(),
+                false,
+                debug_logging,
+                false,
+                false,
+                std::ptr::null(),
+                0,
+                (&raw const *heard).cast_mut().cast(),
+                log,
+                std::ptr::null(),
+            )
+        };
+        if instance.is_null() {
+            let said = said(&heard.borrow());
+            let function = "fmi3InstantiateCoSimulation";
+            return Err(LibraryError::Instantiate { function, said });
+        }
+        Ok(Self {
+            instance,
+            functions,
+            elements,
+            experiment: (None, 0.0, None),
+            heard,
+            _library: library,
+        })
+    }
+
+    /// What has been said since the last time.
+    pub fn messages(&self) -> Vec<Message> {
+        self.heard.take()
+    }
+
+    /// For fmi3EnterInitializationMode
+    ///
+    /// # Errors
+    /// [`LibraryError::Status`], as for all below.
+    #[expect(clippy::unnecessary_wraps, reason = "as for FMI 2.0")]
+    pub fn setup(
+        &mut self,
+        tolerance: Option<f64>,
+        start: f64,
+        stop: Option<f64>,
+    ) -> Result<(), LibraryError> {
+        self.experiment = (tolerance, start, stop);
+        Ok(())
+    }
+
+    /// fmi3EnterInitializationMode
+    pub fn enter_initialization(&mut self) -> Result<(), LibraryError> {
+        let (tolerance, start, stop) = self.experiment;
+        // SAFETY: the instance lives as long as `self`; numbers only. So below.
+        let status = unsafe {
+            (self.functions.enter)(
+                self.instance,
+                tolerance.is_some(),
+                tolerance.unwrap_or(0.0),
+                start,
+                stop.is_some(),
+                stop.unwrap_or(0.0),
+            )
+        };
+        self.check("fmi3EnterInitializationMode", status)
+    }
+
+    /// fmi3ExitInitializationMode
+    pub fn exit_initialization(&mut self) -> Result<(), LibraryError> {
+        // SAFETY: see `enter_initialization`.
+        let status = unsafe { (self.functions.exit)(self.instance) };
+        self.check("fmi3ExitInitializationMode", status)
+    }
+
+    /// fmi3Terminate
+    pub fn terminate(&mut self) -> Result<(), LibraryError> {
+        // SAFETY: see `enter_initialization`.
+        let status = unsafe { (self.functions.terminate)(self.instance) };
+        self.check("fmi3Terminate", status)
+    }
+
+    /// fmi3Reset
+    pub fn reset(&mut self) -> Result<(), LibraryError> {
+        // SAFETY: see `enter_initialization`.
+        let status = unsafe { (self.functions.reset)(self.instance) };
+        self.check("fmi3Reset", status)
+    }
+
+    /// fmi3DoStep
+    pub fn do_step(&mut self, time: f64, step: f64) -> Result<Stepped, LibraryError> {
+        let (mut event, mut end, mut early, mut reached) = (0, 0, 0, time);
+        // SAFETY: see `enter_initialization`; the places live during the call.
+        let status = unsafe {
+            (self.functions.do_step)(
+                self.instance,
+                time,
+                step,
+                true,
+                &raw mut event,
+                &raw mut end,
+                &raw mut early,
+                &raw mut reached,
+            )
+        };
+        if status == DISCARD {
+            return Ok(Stepped::Discarded(reached));
+        }
+        self.check("fmi3DoStep", status).map(|()| Stepped::Done)
+    }
+
+    /// fmi3GetFloat64
+    pub fn get_real(&mut self, numbers: &[u32], values: &mut [f64]) -> Result<(), LibraryError> {
+        let get = self.functions.get_float64;
+        self.get("fmi3GetFloat64", get, numbers, values)
+    }
+
+    /// fmi3GetInt32
+    pub fn get_integer(&mut self, numbers: &[u32], values: &mut [i32]) -> Result<(), LibraryError> {
+        let get = self.functions.get_int32;
+        self.get("fmi3GetInt32", get, numbers, values)
+    }
+
+    /// fmi3GetBoolean
+    pub fn get_boolean(&mut self, numbers: &[u32], values: &mut [i32]) -> Result<(), LibraryError> {
+        let mut bytes = vec![0_u8; values.len()];
+        let get = self.functions.get_boolean;
+        self.get("fmi3GetBoolean", get, numbers, &mut bytes)?;
+        for (value, byte) in values.iter_mut().zip(bytes) {
+            *value = i32::from(byte);
+        }
+        Ok(())
+    }
+
+    /// fmi3SetFloat64
+    pub fn set_real(&mut self, numbers: &[u32], values: &[f64]) -> Result<(), LibraryError> {
+        let (get, set) = (self.functions.get_float64, self.functions.set_float64);
+        self.set("fmi3SetFloat64", (get, set), numbers, values)
+    }
+
+    /// fmi3SetInt32
+    pub fn set_integer(&mut self, number: u32, value: i32) -> Result<(), LibraryError> {
+        let (get, set) = (self.functions.get_int32, self.functions.set_int32);
+        self.set("fmi3SetInt32", (get, set), &[number], &[value])
+    }
+
+    /// fmi3SetBoolean
+    pub fn set_boolean(&mut self, number: u32, value: bool) -> Result<(), LibraryError> {
+        let (get, set) = (self.functions.get_boolean, self.functions.set_boolean);
+        self.set("fmi3SetBoolean", (get, set), &[number], &[u8::from(value)])
+    }
+
+    /// Reads the arrays whole and picks what was asked for.
+    fn get<T: Copy + Default>(
+        &self,
+        function: &'static str,
+        get: Get<T>,
+        numbers: &[u32],
+        values: &mut [T],
+    ) -> Result<(), LibraryError> {
+        let wholes = Wholes::of(&self.elements, numbers);
+        let mut all = vec![T::default(); wholes.len];
+        let references = &wholes.references;
+        // SAFETY: both arrays have the lengths that are passed with them. So below.
+        let status = unsafe {
+            let (n, len) = (references.len(), all.len());
+            get(self.instance, references.as_ptr(), n, all.as_mut_ptr(), len)
+        };
+        self.check(function, status)?;
+        for (value, place) in values.iter_mut().zip(wholes.places) {
+            *value = all[place];
+        }
+        Ok(())
+    }
+
+    /// Sets arrays whole; elements that were not given stay.
+    fn set<T: Copy + Default>(
+        &self,
+        function: &'static str,
+        (get, set): (Get<T>, Set<T>),
+        numbers: &[u32],
+        values: &[T],
+    ) -> Result<(), LibraryError> {
+        let wholes = Wholes::of(&self.elements, numbers);
+        let mut all = vec![T::default(); wholes.len];
+        let (references, n) = (wholes.references.as_ptr(), wholes.references.len());
+        if !wholes.is_whole() {
+            // SAFETY: see `get`.
+            let status = unsafe { get(self.instance, references, n, all.as_mut_ptr(), all.len()) };
+            self.check(function, status)?;
+        }
+        for (value, place) in values.iter().zip(&wholes.places) {
+            all[*place] = *value;
+        }
+        // SAFETY: see `get`.
+        let status = unsafe { set(self.instance, references, n, all.as_ptr(), all.len()) };
+        self.check(function, status)
+    }
+
+    fn check(&self, function: &'static str, status: c_int) -> Result<(), LibraryError> {
+        check("fmi3", function, status, &self.heard.borrow())
+    }
+}
+
+impl Drop for Slave {
+    fn drop(&mut self) {
+        // SAFETY: made by fmi3InstantiateCoSimulation, freed once; the library is still there.
+        unsafe { (self.functions.free)(self.instance) };
+    }
+}
+
+/// The importer's logger.
+///
+/// # Safety
+/// Called by an FMU with the environment that it was given; strings are null or end with a zero.
+unsafe extern "C" fn log(
+    environment: *mut c_void,
+    status: c_int,
+    category: *const c_char,
+    message: *const c_char,
+) {
+    let text = |pointer: *const c_char| {
+        if pointer.is_null() {
+            return String::new();
+        }
+        // SAFETY: not null; the rest is the FMU's promise.
+        unsafe { CStr::from_ptr(pointer) }
+            .to_string_lossy()
+            .into_owned()
+    };
+    // SAFETY: the environment is the box of the `Slave` that gave it, which outlives the instance.
+    let Some(heard) = (unsafe { environment.cast::<RefCell<Vec<Message>>>().as_ref() }) else {
+        return;
+    };
+    // Never a panic into C: a message that comes while another is looked at is lost.
+    if let Ok(mut heard) = heard.try_borrow_mut() {
+        heard.push(Message {
+            status,
+            category: text(category),
+            text: text(message).replace("##", "#"),
+        });
+    }
+}

@@ -1,0 +1,148 @@
+//! The C functions of an FMU's library: the only unsafe code of this package but that before
+//! `main`.
+//!
+//! [`Slave`] is the safe interface for both versions of FMI: it owns the library and one instance,
+//! passes each function its arrays, and frees both in the right order.
+
+mod elements;
+mod fmi2;
+mod fmi3;
+mod shared;
+
+pub use elements::Element;
+pub use shared::{LibraryError, Message, Stepped};
+use std::path::Path;
+
+/// An instance of an FMU, with its library.
+pub enum Slave {
+    /// Of FMI 2.0; variables are known by their value references.
+    Fmi2(fmi2::Slave),
+    /// Of FMI 3.0; variables, and elements of arrays, by their place in a list.
+    Fmi3(fmi3::Slave),
+}
+
+macro_rules! each {
+    ($self:ident, $slave:ident => $call:expr) => {
+        match $self {
+            Self::Fmi2($slave) => $call,
+            Self::Fmi3($slave) => $call,
+        }
+    };
+}
+
+impl Slave {
+    /// Loads a library and makes an instance of FMI 2.0.
+    ///
+    /// - `resources`: a URI
+    ///
+    /// # Errors
+    /// [`LibraryError`], as for all below.
+    pub fn of_fmi_2(
+        library: &Path,
+        guid: &str,
+        resources: &str,
+        debug_logging: bool,
+    ) -> Result<Self, LibraryError> {
+        fmi2::Slave::new(library, guid, resources, debug_logging).map(Self::Fmi2)
+    }
+
+    /// Loads a library and makes an instance of FMI 3.0.
+    ///
+    /// - `resources`: a path
+    /// - `elements`: what the numbers of variables mean
+    pub fn of_fmi_3(
+        library: &Path,
+        token: &str,
+        resources: &str,
+        elements: Vec<Element>,
+        debug_logging: bool,
+    ) -> Result<Self, LibraryError> {
+        fmi3::Slave::new(library, token, resources, elements, debug_logging).map(Self::Fmi3)
+    }
+
+    /// What has been said since the last time.
+    pub fn messages(&self) -> Vec<Message> {
+        each!(self, slave => slave.messages())
+    }
+
+    /// Times and tolerance of the experiment.
+    pub fn setup(
+        &mut self,
+        tolerance: Option<f64>,
+        start: f64,
+        stop: Option<f64>,
+    ) -> Result<(), LibraryError> {
+        each!(self, slave => slave.setup(tolerance, start, stop))
+    }
+
+    /// Enters initialization mode.
+    pub fn enter_initialization(&mut self) -> Result<(), LibraryError> {
+        each!(self, slave => slave.enter_initialization())
+    }
+
+    /// Exits initialization mode.
+    pub fn exit_initialization(&mut self) -> Result<(), LibraryError> {
+        each!(self, slave => slave.exit_initialization())
+    }
+
+    /// Ends the simulation.
+    pub fn terminate(&mut self) -> Result<(), LibraryError> {
+        each!(self, slave => slave.terminate())
+    }
+
+    /// Back to as after its making.
+    pub fn reset(&mut self) -> Result<(), LibraryError> {
+        each!(self, slave => slave.reset())
+    }
+
+    /// Takes a step.
+    pub fn do_step(&mut self, time: f64, step: f64) -> Result<Stepped, LibraryError> {
+        each!(self, slave => slave.do_step(time, step))
+    }
+
+    /// Reads numbers; `values` is as long as `references`.
+    pub fn get_real(&mut self, references: &[u32], values: &mut [f64]) -> Result<(), LibraryError> {
+        each!(self, slave => slave.get_real(references, values))
+    }
+
+    /// Reads whole numbers.
+    pub fn get_integer(
+        &mut self,
+        references: &[u32],
+        values: &mut [i32],
+    ) -> Result<(), LibraryError> {
+        each!(self, slave => slave.get_integer(references, values))
+    }
+
+    /// Reads flags: 0 is false.
+    pub fn get_boolean(
+        &mut self,
+        references: &[u32],
+        values: &mut [i32],
+    ) -> Result<(), LibraryError> {
+        each!(self, slave => slave.get_boolean(references, values))
+    }
+
+    /// Sets numbers.
+    pub fn set_real(&mut self, references: &[u32], values: &[f64]) -> Result<(), LibraryError> {
+        each!(self, slave => slave.set_real(references, values))
+    }
+
+    /// Sets a whole number.
+    pub fn set_integer(&mut self, reference: u32, value: i32) -> Result<(), LibraryError> {
+        each!(self, slave => slave.set_integer(reference, value))
+    }
+
+    /// Sets a flag.
+    pub fn set_boolean(&mut self, reference: u32, value: bool) -> Result<(), LibraryError> {
+        each!(self, slave => slave.set_boolean(reference, value))
+    }
+
+    /// Sets first derivatives of inputs; FMI 3 has none.
+    pub fn set_slopes(&mut self, references: &[u32], slopes: &[f64]) -> Result<(), LibraryError> {
+        match self {
+            Self::Fmi2(slave) => slave.set_slopes(references, slopes),
+            Self::Fmi3(_) => Ok(()),
+        }
+    }
+}

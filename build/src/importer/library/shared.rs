@@ -1,0 +1,141 @@
+//! What instances of both versions of FMI share: errors, messages, the loading of a library.
+#![allow(unsafe_code, reason = "loads a library")]
+
+use libloading::Library;
+use std::ffi::c_int;
+use std::path::Path;
+
+/// What an FMU has said.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Message {
+    /// `fmi2Status`, `fmi3Status`
+    pub status: i32,
+    /// As the FMU calls it.
+    pub category: String,
+    /// printf's `%%` and FMI's `##` resolved; arguments that were to be put in are not known here.
+    pub text: String,
+}
+
+/// Why an FMU's functions cannot be used.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum LibraryError {
+    /// No library that this system loads.
+    #[error("cannot load '{path}': {source}")]
+    Load {
+        /// The file.
+        path: String,
+        /// Why.
+        source: libloading::Error,
+    },
+    /// A function is missing.
+    #[error("the library does not export {name}")]
+    Missing {
+        /// As in the standard.
+        name: &'static str,
+    },
+    /// No instance.
+    #[error("{function} failed{said}")]
+    Instantiate {
+        /// As in the standard.
+        function: &'static str,
+        /// What it logged, if anything.
+        said: String,
+    },
+    /// A function failed.
+    #[error("{function} returned {status}{said}")]
+    Status {
+        /// As in the standard.
+        function: &'static str,
+        /// `fmi2Error` …
+        status: String,
+        /// What it logged, if anything.
+        said: String,
+    },
+}
+
+/// What a step came to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Stepped {
+    /// It is done.
+    Done,
+    /// It was discarded; the simulation stands at this time, s.
+    Discarded(f64),
+}
+
+/// The last status of a call that went well: `fmi2OK`, `fmi2Warning`, and those of FMI 3.
+pub(super) const LAST_GOOD: c_int = 1;
+
+/// The functions that an importer uses, by their names in the standard.
+macro_rules! functions {
+    ($($name:ident: $symbol:literal, fn($($argument:ty),*) -> $result:ty;)*) => {
+        struct Functions { $($name: unsafe extern "C" fn($($argument),*) -> $result,)* }
+
+        impl Functions {
+            /// # Safety
+            /// The library's functions are those of the standard.
+            unsafe fn find(library: &Library) -> Result<Self, LibraryError> {
+                Ok(Self { $($name: {
+                    // SAFETY: the caller's promise gives the function its type.
+                    let symbol = unsafe { library.get(concat!($symbol, "\0").as_bytes()) };
+                    *symbol.map_err(|_| LibraryError::Missing { name: $symbol })?
+                },)* })
+            }
+        }
+    };
+}
+pub(super) use functions;
+
+/// Loads a library.
+///
+/// # Errors
+/// [`LibraryError::Load`]
+pub(super) fn open(path: &Path) -> Result<Library, LibraryError> {
+    // SAFETY: a person asked to run this FMU; its initialisers may do what they like, as in any
+    // importer.
+    let loaded = unsafe { Library::new(path) };
+    loaded.map_err(|source| LibraryError::Load {
+        path: path.display().to_string(),
+        source,
+    })
+}
+
+/// Whether a call went well.
+///
+/// - `fmi`: prefix of the version
+///
+/// # Errors
+/// [`LibraryError::Status`] with the last complaint in `heard`.
+pub(super) fn check(
+    fmi: &str,
+    function: &'static str,
+    status: c_int,
+    heard: &[Message],
+) -> Result<(), LibraryError> {
+    if (0..=LAST_GOOD).contains(&status) {
+        return Ok(());
+    }
+    let name = match status {
+        2 => "Discard",
+        3 => "Error",
+        4 => "Fatal",
+        5 => "Pending",
+        _ => "an unknown status",
+    };
+    let status = if (2..=5).contains(&status) {
+        format!("{fmi}{name}")
+    } else {
+        name.to_owned()
+    };
+    Err(LibraryError::Status {
+        function,
+        status,
+        said: said(heard),
+    })
+}
+
+/// The last complaint, for the end of an error's text.
+pub(super) fn said(messages: &[Message]) -> String {
+    let complaint = messages.iter().rev().find(|m| m.status > LAST_GOOD);
+    complaint.map_or(String::new(), |m| format!(": {}", m.text))
+}

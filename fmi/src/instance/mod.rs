@@ -1,0 +1,284 @@
+//! An instance: a simulation, its phase, and the log categories that the importer asked for.
+//!
+//! This module does not use pointers. Each function of the interface is one method here; the guard
+//! ([`crate::call`]) has checked the phase. Here is its life, from its making to its end; `values`
+//! gets and sets variables, `step` simulates, and `updates` is for calls of the
+//! importer within steps.
+
+mod step;
+mod updates;
+mod values;
+
+use crate::common::{Status, Version};
+use crate::error::FmiError;
+use crate::experiment::Experiment;
+use crate::layout::Layout;
+use crate::logger::{Category, Logger};
+use crate::phase::Phase;
+use crate::snapshot::{GuidHash, SavedState};
+use std::sync::Arc;
+pub(crate) use updates::{Callback, Next, Updates};
+use urdf2fmu_core::model::Model;
+use urdf2fmu_core::range::Range;
+use urdf2fmu_core::simulation::Simulation;
+use urdf2fmu_core::variables::{Slot, Variable};
+
+/// An instance of the FMU.
+#[derive(Debug)]
+pub(crate) struct Instance {
+    logger: Logger,
+    version: Version,
+    guid: GuidHash,
+    model: Arc<Model>,
+    /// Rows of the table.
+    variables: Vec<Variable>,
+    /// Where the value of each element of the layout lives: what reading looks at.
+    sources: Vec<Source>,
+    /// Elements by value reference.
+    layout: Layout,
+    simulation: Simulation,
+    phase: Phase,
+    experiment: Experiment,
+    /// Per variable: that it left its range has been logged.
+    range_logged: Vec<bool>,
+    /// That a step ended past the stop time has been logged.
+    overshoot_logged: bool,
+    /// FMI 3: the importer wants to be called within steps.
+    updates: Option<Updates>,
+}
+
+/// Where a value lives.
+#[derive(Clone, Copy, Debug)]
+enum Source {
+    Slot(Slot),
+    Time,
+}
+
+/// The finest tolerance that is taken from an importer. Importers announce one tolerance for all
+/// their units, 1e-6 and less, and each decade costs up to ten times the steps; below this one the
+/// contacts of the model itself are coarser.
+const FINEST_TOLERANCE: f64 = 1e-6;
+
+impl Instance {
+    /// In phase [`Phase::Instantiated`].
+    pub(crate) fn new(
+        logger: Logger,
+        version: Version,
+        guid: GuidHash,
+        model: Arc<Model>,
+        variables: Vec<Variable>,
+        layout: Layout,
+    ) -> Self {
+        let source = |row: &u32| {
+            let row = variables.get(*row as usize);
+            row.map_or(Source::Time, |row| Source::Slot(row.slot))
+        };
+        Self {
+            simulation: Simulation::new(Arc::clone(&model)),
+            range_logged: vec![false; variables.len()],
+            sources: layout.all_rows().iter().map(source).collect(),
+            logger,
+            version,
+            guid,
+            model,
+            variables,
+            layout,
+            phase: Phase::Instantiated,
+            experiment: Experiment::DEFAULT,
+            overshoot_logged: false,
+            updates: None,
+        }
+    }
+
+    /// Version of FMI that it speaks.
+    pub(crate) fn version(&self) -> Version {
+        self.version
+    }
+
+    /// Where it stands.
+    pub(crate) fn phase(&self) -> Phase {
+        self.phase
+    }
+
+    /// The simulation.
+    pub(crate) fn simulation(&self) -> &Simulation {
+        &self.simulation
+    }
+
+    /// Identifies the FMU.
+    pub(crate) fn guid(&self) -> GuidHash {
+        self.guid
+    }
+
+    /// Logs why `function` fails.
+    pub(crate) fn report(&self, function: &str, error: &FmiError) -> Status {
+        let status = error.status();
+        let category = match status {
+            Status::Discard => Category::StatusDiscard,
+            _ => Category::StatusError,
+        };
+        if self.logger.wants(category) {
+            let message = format!("{function}: {error}");
+            self.logger.log(status, category, &message);
+        }
+        status
+    }
+
+    fn warn(&self, message: &str) {
+        self.logger
+            .log(Status::Warning, Category::StatusWarning, message);
+    }
+
+    fn event(&self, message: impl FnOnce() -> String) {
+        if self.logger.wants(Category::Events) {
+            self.logger.log(Status::OK, Category::Events, &message());
+        }
+    }
+
+    /// After a panic: the simulation may be inconsistent.
+    pub(crate) fn poison(&mut self) {
+        self.phase = Phase::Error;
+    }
+
+    pub(crate) fn set_debug_logging(&mut self, on: bool, names: &[String]) -> Result<(), FmiError> {
+        match self.logger.select(on, names).into_iter().next() {
+            None => Ok(()),
+            Some(name) => Err(FmiError::Category { name }),
+        }
+    }
+
+    pub(crate) fn setup_experiment(
+        &mut self,
+        tolerance: Option<f64>,
+        start: f64,
+        stop: Option<f64>,
+    ) -> Result<(), FmiError> {
+        let illegal = |argument, value, expected| FmiError::Argument {
+            argument,
+            value,
+            expected,
+        };
+        if !Range::Time.contains(start) {
+            return Err(illegal("startTime", start, Range::Time.expected()));
+        }
+        let stop = stop.unwrap_or(f64::INFINITY);
+        // An infinite stop time means no stop time.
+        if stop.is_nan() || stop < start {
+            return Err(illegal("stopTime", stop, "at or after startTime"));
+        }
+        if let Some(value) = tolerance.filter(|value| !(value.is_finite() && *value >= 0.0)) {
+            return Err(illegal("tolerance", value, "0 or more"));
+        }
+        let asked = tolerance.unwrap_or(0.0);
+        let greatest = Range::Tolerance.bounds().1;
+        let tolerance = if asked > 0.0 {
+            asked.clamp(FINEST_TOLERANCE, greatest)
+        } else {
+            0.0
+        };
+        if tolerance.to_bits() != asked.to_bits() && asked > 0.0 {
+            self.warn(&format!(
+                "{}: the tolerance {asked:e} is taken as {tolerance:e}; the parameter \
+                 solver.tolerance takes any down to 1e-12",
+                self.version.setup()
+            ));
+        }
+        self.experiment = Experiment {
+            start,
+            stop,
+            tolerance,
+        };
+        self.simulation.set_importer_tolerance(tolerance);
+        Ok(())
+    }
+
+    pub(crate) fn enter_initialization_mode(&mut self) {
+        self.phase = Phase::Initialization;
+    }
+
+    /// On an error the instance stays in initialization mode, where the parameters can be
+    /// corrected.
+    pub(crate) fn exit_initialization_mode(&mut self) -> Result<(), FmiError> {
+        self.simulation.initialize(self.experiment.start)?;
+        self.phase = Phase::StepComplete;
+        if let Some((link, depth)) = self.simulation.deepest_in_ground() {
+            let message = format!(
+                "the start is {:.3} mm inside the ground, with link '{link}': contacts will push it \
+                 out; raise initial.base.position.z",
+                1e3 * depth
+            );
+            self.warn(&message);
+        }
+        self.event(|| format!("initialised at {} s", self.experiment.start));
+        Ok(())
+    }
+
+    pub(crate) fn terminate(&mut self) {
+        self.phase = Phase::Terminated;
+        self.event(|| format!("terminated at {} s", self.simulation.time()));
+    }
+
+    /// As it was made, but for the log settings.
+    pub(crate) fn reset(&mut self) {
+        self.renew();
+        self.simulation.reset();
+        self.phase = Phase::Instantiated;
+        self.experiment = Experiment::DEFAULT;
+        self.range_logged.fill(false);
+        self.overshoot_logged = false;
+        self.event(|| "reset".into());
+    }
+
+    /// A simulation in which nothing of an interrupted call is left.
+    fn renew(&mut self) {
+        if self.phase == Phase::Error {
+            self.simulation = Simulation::new(Arc::clone(&self.model));
+        }
+    }
+
+    pub(crate) fn save(&self) -> SavedState {
+        SavedState::new(
+            self.guid,
+            self.version,
+            self.phase,
+            self.experiment,
+            self.simulation.save(),
+        )
+    }
+
+    pub(crate) fn save_into(&self, state: &mut SavedState) {
+        if state.check(self.guid, self.version).is_ok() {
+            self.simulation.save_into(&mut state.simulation);
+            state.phase = self.phase;
+            state.experiment = self.experiment;
+        } else {
+            *state = self.save();
+        }
+    }
+
+    pub(crate) fn restore(&mut self, state: &SavedState) -> Result<(), FmiError> {
+        state.check(self.guid, self.version)?;
+        self.renew();
+        self.simulation.restore(&state.simulation)?;
+        self.phase = state.phase;
+        self.experiment = state.experiment;
+        self.event(|| format!("restored a state of {} s", self.simulation.time()));
+        Ok(())
+    }
+
+    /// fmi2LastSuccessfulTime, s.
+    pub(crate) fn last_successful_time(&self) -> f64 {
+        self.simulation.time()
+    }
+
+    /// fmi2DoStepStatus: what the last step returned.
+    pub(crate) fn do_step_status(&self) -> Status {
+        match self.phase {
+            Phase::StepFailed => Status::Discard,
+            _ => Status::OK,
+        }
+    }
+}
+
+#[cfg(test)]
+pub(crate) mod tests;

@@ -1,0 +1,248 @@
+//! From one communication point to the next.
+
+use super::Instance;
+use super::updates::{Callback, Next, Updates, Way};
+use crate::common::Status;
+use crate::error::{FmiError, InstantiateError};
+use crate::logger::Category;
+use crate::phase::Phase;
+use urdf2fmu_core::simulation::{ParameterSlot, SimulationError};
+use urdf2fmu_core::variables::{Kind, Slot};
+
+/// How far the beginning of a step may lie from the instance's time, relative to max(1, |t|), and
+/// as a part of the step. Masters add up their times in their own way (1e-16 relative per step) and
+/// some round them.
+const TIME_TOLERANCE: f64 = 1e-9;
+/// See [`TIME_TOLERANCE`].
+const STEP_TOLERANCE: f64 = 1e-3;
+/// Longest step, s. A longer one is a mistake, and would keep the host waiting for hours.
+const LONGEST_STEP: f64 = 1e6;
+/// What FMI 3 promises of a step that is discarded.
+const UNCHANGED: &str = "the state is that before the call";
+
+impl Instance {
+    /// The importer wants to be called within steps, to get and set these variables there.
+    ///
+    /// # Errors
+    /// [`InstantiateError`] for one that is no continuous input or output.
+    pub(crate) fn call_within_steps(
+        &mut self,
+        callback: Callback,
+        value_references: impl Iterator<Item = u32>,
+    ) -> Result<(), InstantiateError> {
+        let mut required = vec![false; self.layout.len()];
+        for value_reference in value_references {
+            let refused = |why: String| {
+                let text = format!("requiredIntermediateVariables: {why}");
+                InstantiateError::Arguments(text)
+            };
+            let place = self.layout.of_kind(value_reference, Kind::Real);
+            let place = place.map_err(|error| refused(error.to_string()))?;
+            let rows = self.layout.rows(place);
+            let continuous = |row: &u32| {
+                let row = self.variables.get(*row as usize);
+                row.is_some_and(|row| !row.stepped && !matches!(row.slot, Slot::Parameter(_)))
+            };
+            if !rows.iter().all(continuous) {
+                let name = self.layout.name(place);
+                return Err(refused(format!(
+                    "'{name}' has no intermediateUpdate=\"true\" in modelDescription.xml"
+                )));
+            }
+            required[place.number as usize] = true;
+        }
+        self.updates = Some(Updates {
+            callback,
+            required,
+            before: self.simulation.save(),
+            way: Way::default(),
+        });
+        Ok(())
+    }
+
+    /// Where a step from `point` ends; at or before the present where there is nothing to do.
+    fn end_of_step(&mut self, point: f64, step: f64) -> Result<f64, FmiError> {
+        if !(step > 0.0 && step <= LONGEST_STEP) {
+            return Err(FmiError::Argument {
+                argument: "communicationStepSize",
+                value: step,
+                expected: "above 0 s and at most 1e6 s",
+            });
+        }
+        let now = self.simulation.time();
+        let slack = TIME_TOLERANCE * now.abs().max(1.0);
+        let distance = (point - now).abs();
+        if distance.is_nan() || distance > slack + STEP_TOLERANCE * step {
+            return Err(FmiError::CommunicationPoint {
+                given: point,
+                expected: now,
+            });
+        }
+        let (end, stop) = (point + step, self.experiment.stop);
+        if point >= stop - TIME_TOLERANCE * stop.abs().max(1.0) {
+            let (begin, fmi) = (point, self.version);
+            return Err(FmiError::StopTime { begin, stop, fmi });
+        }
+        // A fixed step that does not divide the experiment ends past its end: so do many masters.
+        if end > stop + 1e-6 * stop.abs().max(1.0) && !self.overshoot_logged {
+            self.overshoot_logged = true;
+            self.warn(&format!(
+                "{}DoStep: the step ends at {end} s, past the stop time {stop} s",
+                self.version
+            ));
+        }
+        Ok(end)
+    }
+
+    /// fmi2DoStep
+    pub(crate) fn do_step(&mut self, point: f64, step: f64) -> Result<Status, FmiError> {
+        let end = self.end_of_step(point, step)?;
+        // A step so small that jitter or rounding puts its end at or before the present is done
+        // already.
+        if end <= self.simulation.time() {
+            return Ok(Status::OK);
+        }
+        match self.simulation.advance_to(end) {
+            Ok(()) => {
+                self.tell_solver();
+                Ok(Status::OK)
+            }
+            Err(error) => {
+                self.phase = Phase::StepFailed;
+                Ok(self.discard(&error, end, "restore a saved state before the next step"))
+            }
+        }
+    }
+
+    /// fmi3DoStep up to its end, or to the first call of the callback.
+    pub(crate) fn begin_step(&mut self, point: f64, step: f64) -> Result<Next, FmiError> {
+        let end = self.end_of_step(point, step)?;
+        let begin = self.simulation.time();
+        let tries = self.tries();
+        if let Some(updates) = &mut self.updates {
+            self.simulation.save_into(&mut updates.before);
+            updates.way = Way {
+                begin,
+                end,
+                asked: end,
+                tries,
+            };
+            return Ok(self.go_on());
+        }
+        let mut status = Status::OK;
+        if end > begin {
+            match self.simulation.advance_to(end) {
+                Ok(()) => self.tell_solver(),
+                Err(error) => status = self.discard(&error, end, UNCHANGED),
+            }
+        }
+        Ok(Next::End {
+            status,
+            early: false,
+            time: self.simulation.time(),
+        })
+    }
+
+    /// What the callback has answered: when the step shall end, s, if it shall end early.
+    pub(crate) fn answer(&mut self, end: Option<f64>) {
+        self.phase = Phase::StepComplete;
+        let now = self.simulation.time();
+        if let (Some(updates), Some(end)) = (&mut self.updates, end) {
+            // One that is not a number counts as now.
+            updates.way.end = if end > now {
+                end.min(updates.way.end)
+            } else {
+                now
+            };
+        }
+    }
+
+    /// Goes on to where all trees stand at the same time, which is where the callback is called.
+    pub(crate) fn go_on(&mut self) -> Next {
+        let now = self.simulation.time();
+        let Some(updates) = &self.updates else {
+            return Self::arrived(now, false);
+        };
+        let (way, callback) = (updates.way, updates.callback);
+        if now >= way.end {
+            self.tell_solver();
+            return Self::arrived(now, way.end < way.asked);
+        }
+        let most = self.simulation.parameter(ParameterSlot::MaxSteps);
+        let most = (most * (way.asked - way.begin).max(1.0)).floor();
+        #[expect(clippy::cast_precision_loss, reason = "no step takes 2^52 tries")]
+        let tried = (self.tries() - way.tries) as f64;
+        let advanced = if tried > most {
+            let time = way.begin;
+            Err(SimulationError::Work { time, most })
+        } else {
+            let next = self.simulation.common_step_to(way.end);
+            self.simulation.advance_to(next)
+        };
+        if let Err(error) = advanced {
+            let status = self.give_up(&error, way.asked);
+            let time = self.simulation.time();
+            return Next::End {
+                status,
+                early: false,
+                time,
+            };
+        }
+        self.phase = Phase::IntermediateUpdate;
+        let time = self.simulation.time();
+        Next::Update { callback, time }
+    }
+
+    /// The end of a step that is done.
+    fn arrived(time: f64, early: bool) -> Next {
+        Next::End {
+            status: Status::OK,
+            early,
+            time,
+        }
+    }
+
+    /// Takes back all of a step that failed after the callback has been called.
+    fn give_up(&mut self, error: &SimulationError, end: f64) -> Status {
+        if let Some(updates) = &self.updates {
+            // A state of the same instance is never refused.
+            let restored = self.simulation.restore(&updates.before);
+            debug_assert!(restored.is_ok());
+        }
+        self.discard(error, end, UNCHANGED)
+    }
+
+    /// Says that a step is discarded, and what to do.
+    fn discard(&self, error: &SimulationError, end: f64, advice: &str) -> Status {
+        let message = format!(
+            "{}DoStep: {error}; the step to {end} s is discarded, the last successful time is {} s; \
+             {advice}",
+            self.version,
+            self.simulation.time()
+        );
+        self.logger
+            .log(Status::Discard, Category::StatusDiscard, &message);
+        Status::Discard
+    }
+
+    /// Tries of a solver step so far.
+    fn tries(&self) -> u64 {
+        let [steps, rejected, ..] = self.simulation.state().stepping.counters.numbers();
+        steps + rejected
+    }
+
+    /// Debug logging of what the solver has done so far.
+    fn tell_solver(&self) {
+        if self.logger.wants(Category::NonlinearSystems) {
+            let counters = self.simulation.state().stepping.counters;
+            let [steps, rejected, newton, forced] = counters.numbers();
+            let message = format!(
+                "at {} s: {steps} solver steps since the start, {rejected} rejected, {forced} at the smallest \
+                 size; at most {newton} Newton iterations in one solve",
+                self.simulation.time()
+            );
+            self.logger
+                .log(Status::OK, Category::NonlinearSystems, &message);
+        }
+    }
+}

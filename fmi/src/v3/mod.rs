@@ -1,0 +1,17 @@
+//! FMI 3.0: the functions of its headers.
+//!
+//! | module | holds |
+//! |---|---|
+//! | `types` | the types of the headers |
+//! | `phase` | which function may be called when |
+//! | `exports` | the functions of an instance's life, its states and its steps |
+//! | `values` | get and set functions |
+//! | `step` | steps in which the importer is called |
+//! | `refused` | what this FMU does not offer |
+
+pub(crate) mod exports;
+mod phase;
+pub(crate) mod refused;
+mod step;
+pub mod types;
+pub(crate) mod values;
