@@ -12,7 +12,7 @@ use crate::model::Model;
 use build::Table;
 #[cfg(feature = "urdf")]
 pub(crate) use build::identifier;
-pub use row::{Kind, Slot, TableError, Unit, Variable};
+pub use row::{Causality, Display, Kind, Slot, TableError, Unit, Variable};
 
 /// The table of a model, in a fixed order: inputs, outputs, parameters.
 ///

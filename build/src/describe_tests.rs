@@ -90,6 +90,8 @@ fn row(value_reference: u32, slot: Slot, kind: Kind, unit: Unit, start: Option<f
         min: None,
         max: None,
         unit,
+        display: unit.display(),
+        nominal: None,
     }
 }
 

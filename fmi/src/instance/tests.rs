@@ -230,6 +230,8 @@ fn rows() -> Vec<Variable> {
         min: None,
         max: (name == "cmd.axle.velocity").then_some(100.0),
         unit: Unit::One,
+        display: None,
+        nominal: None,
     };
     slots.into_iter().enumerate().map(row).collect()
 }
