@@ -194,6 +194,11 @@ fn own(
     named: Vec<(String, Value)>,
 ) -> Result<Value, String> {
     let wrong = || format!("{name}() does not take these arguments");
+    if let ("tokenize", [text], [(key, signs)]) = (name, values, &named[..])
+        && key == "sep"
+    {
+        return own(names, name, &[text.clone(), signs.clone()], Vec::new());
+    }
     if !named.is_empty() && name != "dict" {
         return Err(wrong());
     }

@@ -243,9 +243,18 @@ fn finding(path: &Path, arguments: &[String], texts: &Texts, problem: &Problem) 
             ),
         )
     } else {
+        let help = match problem.lacking {
+            // No other program finds it either.
+            Some(Lacking::File) => {
+                "put the file there, or correct the path; a relative one counts from the folder \
+                 of the file that is read"
+                    .to_owned()
+            }
+            _ => command::advice(path, arguments),
+        };
         (
             format!("{name} cannot be expanded: {}", problem.message),
-            command::advice(path, arguments),
+            help,
         )
     };
     let text = texts.sources.read.get(&problem.file);

@@ -40,6 +40,7 @@ fn sets_are_subtracted_joined_and_cut_as_in_python() {
         ("python.set([1, 2]) == python.set([2, 1])", "True"),
         ("python.len(python.set('aab'))", "2"),
         ("'x' in python.set('xy')", "True"),
+        ("xacro.tokenize('a=b;c', sep='=')", "['a', 'b;c']"),
     ] {
         assert_eq!(value_of(text).as_deref(), Ok(expected), "{text}");
     }

@@ -175,7 +175,7 @@ impl Value {
     }
 
     /// Whether its literal stays below `left` bytes or so, and no deeper than `depth` levels:
-    /// values share their parts, so that a few of them can stand for a text that fills every memory.
+    /// values share their parts, so that a few can stand for a text that fills every memory.
     pub fn fits(&self, left: &mut usize, depth: usize) -> bool {
         let own = match self {
             Self::Str(text) => text.len() + 2,
