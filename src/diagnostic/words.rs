@@ -48,10 +48,10 @@ pub(crate) fn nearest<'k>(word: &str, known: impl IntoIterator<Item = &'k str>) 
             .copied()
             .find(|k| k.eq_ignore_ascii_case(other))
     };
-    let called = SYNONYMS
+    let mut called = SYNONYMS
         .iter()
         .filter(|(own, _)| own.eq_ignore_ascii_case(word));
-    if let Some(found) = same(word).or_else(|| called.filter_map(|(_, other)| same(other)).next()) {
+    if let Some(found) = same(word).or_else(|| called.find_map(|(_, other)| same(other))) {
         return Some(found);
     }
     let slips = length.div_ceil(3).max(1);
