@@ -1,7 +1,7 @@
 //! What a message offers helps: each broken robot is changed, or read again, as its findings say.
 //!
-//! Nothing here is compared with recorded text: places are found again in the file, and remedies are
-//! carried out.
+//! Nothing here is compared with recorded text: places are found again in the file, and remedies
+//! are carried out.
 
 use super::*;
 
