@@ -21,7 +21,7 @@ while getopts n:m option; do
 done
 shift $((OPTIND - 1))
 if [ $# -eq 0 ]; then
-  set -- stl obj collada urdf settings model states calls calls3 viewer scene decomposition
+  set -- stl obj collada urdf settings model states calls calls3 viewer scene xacro heights surface image decomposition
 fi
 work=$PWD/target/fuzz
 host=$(rustc -vV | sed -n 's/^host: //p')
@@ -38,6 +38,10 @@ for target in "$@"; do
     urdf) folder=fuzz/readers length=500 words=fuzz/readers/urdf.dict ;;
     decomposition) folder=fuzz/readers length=73 count=$((executions < 10000 ? executions : 10000)) ;;
     scene) folder=fuzz/readers length=900 words=fuzz/readers/scene.dict ;;
+    xacro) folder=fuzz/readers length=500 words=fuzz/readers/xacro.dict ;;
+    heights) folder=fuzz/readers length=400 words=fuzz/readers/heights.dict ;;
+    surface) folder=fuzz/readers length=500 ;;
+    image) folder=fuzz/readers length=600 ;;
     settings) length=200 words=fuzz/settings.dict ;;
     model) length=64 ;;
     states) length=96 ;;

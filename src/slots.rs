@@ -193,3 +193,10 @@ pub enum OutputSlot {
     /// Most Newton iterations in one solve since the start.
     NewtonMax,
 }
+
+impl OutputSlot {
+    /// Whether it says how the solver fares: nothing that another model is connected to.
+    pub fn local(self) -> bool {
+        matches!(self, Self::Steps | Self::Rejected | Self::NewtonMax)
+    }
+}

@@ -14,7 +14,7 @@ use build::Table;
 #[cfg(feature = "urdf")]
 pub(crate) use build::identifier;
 pub use entries::{Entry, entries, time_reference};
-pub use row::{Kind, Part, Slot, TableError, Unit, Variable};
+pub use row::{Causality, Display, Kind, Part, Slot, TableError, Unit, Variable};
 
 /// The table of a model, in a fixed order: inputs, outputs, parameters.
 ///

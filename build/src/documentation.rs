@@ -11,7 +11,7 @@ use std::fmt::{Display, Write as _};
 use urdf2fmu_core::diagnostic::Severity;
 use urdf2fmu_core::model::{Model, SensorKind};
 use urdf2fmu_core::settings::FmiVersion;
-use urdf2fmu_core::variables::{Slot, Variable};
+use urdf2fmu_core::variables::{Causality, Variable};
 
 /// Something that was assumed or looks wrong.
 #[derive(Clone, Debug)]
@@ -120,7 +120,10 @@ fn links(out: &mut String, model: &Model) {
 }
 
 fn facts(out: &mut String, page: &Page, model: &Model, table: &[Variable]) {
-    let number_of = |f: fn(&Slot) -> bool| table.iter().filter(|v| f(&v.slot)).count();
+    let number_of = |causality| {
+        let all = table.iter().map(Variable::causality);
+        all.filter(|own| *own == causality).count()
+    };
     let gravity = model.world.gravity;
     let ground = model.world.ground.as_ref().map_or_else(
         || "none".to_owned(),
@@ -167,10 +170,11 @@ fn facts(out: &mut String, page: &Page, model: &Model, table: &[Variable]) {
         (
             "Variables",
             format!(
-                "{}, {}, {}",
-                count(number_of(|s| matches!(s, Slot::Input(_))), "input"),
-                count(number_of(|s| matches!(s, Slot::Output(_))), "output"),
-                count(number_of(|s| matches!(s, Slot::Parameter(_))), "parameter"),
+                "{}, {}, {}, {}",
+                count(number_of(Causality::Input), "input"),
+                count(number_of(Causality::Output), "output"),
+                count(number_of(Causality::Parameter), "parameter"),
+                count(number_of(Causality::Local), "local variable"),
             ),
         ),
         ("Platforms", page.platforms.join(", ")),
@@ -230,22 +234,28 @@ there means the importer's tolerance, or 0.001.</p>
 ";
 
 /// A heading and what stands under it.
-type Group = (&'static str, fn(&Slot) -> bool);
+type Group = (&'static str, Causality);
 
 fn variables(out: &mut String, table: &[Variable]) {
     out.push_str("<h2>Variables</h2>\n");
-    let groups: [Group; 3] = [
-        ("Inputs", |s| matches!(s, Slot::Input(_))),
-        ("Outputs", |s| matches!(s, Slot::Output(_))),
-        ("Parameters", |s| matches!(s, Slot::Parameter(_))),
+    let groups: [Group; 4] = [
+        ("Inputs", Causality::Input),
+        ("Outputs", Causality::Output),
+        ("Parameters", Causality::Parameter),
+        (
+            "Local variables, which importers record on request",
+            Causality::Local,
+        ),
     ];
-    for (title, belongs) in groups {
-        let rows: Vec<&Variable> = table.iter().filter(|v| belongs(&v.slot)).collect();
+    for (title, causality) in groups {
+        let all = table.iter();
+        let rows: Vec<&Variable> = all.filter(|v| v.causality() == causality).collect();
         if rows.is_empty() {
             continue;
         }
-        // Outputs have no start and no range; all inputs and all outputs are of one kind.
-        let (starts, kinds) = (title != "Outputs", title == "Parameters");
+        // What is computed has no start and no range; all inputs and all outputs are of one kind.
+        let settable = matches!(causality, Causality::Input | Causality::Parameter);
+        let (starts, kinds) = (settable, causality == Causality::Parameter);
         let heads = [
             (true, "Name"),
             (true, "Unit"),

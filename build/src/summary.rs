@@ -69,7 +69,10 @@ pub fn text(output: &Path, fmu: &Fmu, robot: &Robot) -> String {
         out,
         "  variables  {}, {}, {}",
         count(number_of(|s| matches!(s, Slot::Input(_))), "input"),
-        count(number_of(|s| matches!(s, Slot::Output(_))), "output"),
+        count(
+            number_of(|s| matches!(s, Slot::Output(slot) if !slot.local())),
+            "output"
+        ),
         count(number_of(|s| matches!(s, Slot::Parameter(_))), "parameter"),
     );
     let assumptions: Vec<_> = robot

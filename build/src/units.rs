@@ -1,6 +1,6 @@
 //! Names of units in FMI, and their base units.
 
-use urdf2fmu_core::variables::Unit;
+use urdf2fmu_core::variables::{Display, Unit};
 
 /// A unit in FMI's terms.
 #[derive(Clone, Copy, Debug)]
@@ -11,9 +11,18 @@ pub struct Facts {
     pub quantity: &'static str,
     /// Exponents of FMI's base units; absent ones are 0.
     pub exponents: [(&'static str, i8); 4],
-    /// Display units and their factors: value in it = factor × value in the unit. The first is what
-    /// variables ask for.
+    /// Display units and their factors: value in it = factor × value in the unit. The first is that
+    /// of the type.
     pub display: &'static [(&'static str, f64)],
+}
+
+/// The name of a unit that people read; [`facts`] has its factor.
+pub fn display(display: Display) -> &'static str {
+    match display {
+        Display::Degree => "deg",
+        Display::DegreePerSecond => "deg/s",
+        Display::TurnPerMinute => "rpm",
+    }
 }
 
 /// The FMI facts of a unit.

@@ -82,6 +82,22 @@ fn the_corpus_of_scenes_does_no_harm() {
 }
 
 #[test]
+fn the_corpus_of_xacro_does_no_harm() {
+    replay_corpus("xacro", targets::xacro);
+}
+
+#[test]
+fn the_corpus_of_terrain_does_no_harm() {
+    replay_corpus("heights", targets::heights);
+    replay_corpus("surface", targets::surface);
+}
+
+#[test]
+fn the_corpus_of_textures_does_no_harm() {
+    replay_corpus("image", targets::image);
+}
+
+#[test]
 fn the_corpus_of_small_meshes_is_decomposed_without_harm() {
     replay_corpus("decomposition", targets::decomposition);
 }

@@ -7,6 +7,10 @@
 //! | `stl`, `obj`, `collada` | a mesh, read as corners and as triangles; some of the accepted are enclosed in their hull |
 //! | `decomposition` | the corners of a small mesh, which is cut into convex parts |
 //! | `scene` | what a robot looks like, as an FMU holds it |
+//! | `xacro` | a document in xacro, a file that it can include, and a YAML file |
+//! | `heights` | heights of terrain as PNG, NPY or CSV |
+//! | `surface` | triangles of terrain |
+//! | `image` | a texture in PNG or JPEG |
 #![allow(
     dead_code,
     missing_docs,
@@ -14,10 +18,19 @@
     reason = "each target is a program of its own that uses a part"
 )]
 
+#[path = "targets/image.rs"]
+mod image;
 #[path = "targets/scene.rs"]
 mod scene;
+#[path = "targets/terrain.rs"]
+mod terrain;
+#[path = "targets/xacro.rs"]
+mod xacro;
 
+pub use image::image;
 pub use scene::scene;
+pub use terrain::{heights, surface};
+pub use xacro::xacro;
 
 use std::path::Path;
 use urdf2fmu_core::geometry::{MOST_CORNERS, Shape, bounded_hull};

@@ -4,16 +4,60 @@
 /// product.
 const MOST_COMPARED: (usize, usize) = (100, 5000);
 
-/// The word of `known` that is nearest to `word`, if it differs by few letters only.
+/// What other programs, formats and trades call a thing, and URDF's word for it.
+const SYNONYMS: [(&str, &str); 26] = [
+    ("ball", "spherical"),
+    ("damp", "damping"),
+    ("file", "filename"),
+    ("fix", "fixed"),
+    ("force", "effort"),
+    ("free", "floating"),
+    ("height", "length"),
+    ("hinge", "revolute"),
+    ("kind", "type"),
+    ("linear", "prismatic"),
+    ("max", "upper"),
+    ("max_effort", "effort"),
+    ("min", "lower"),
+    ("name", "link"),
+    ("path", "filename"),
+    ("pos", "xyz"),
+    ("position", "xyz"),
+    ("rotary", "revolute"),
+    ("rotation", "rpy"),
+    ("rotational", "revolute"),
+    ("slide", "prismatic"),
+    ("slider", "prismatic"),
+    ("speed", "velocity"),
+    ("torque", "effort"),
+    ("val", "value"),
+    ("weld", "fixed"),
+];
+
+/// The word of `known` that is nearest to `word`: the same in other capitals, what others call it,
+/// or one that differs by few letters only.
 pub(crate) fn nearest<'k>(word: &str, known: impl IntoIterator<Item = &'k str>) -> Option<&'k str> {
     let length = word.chars().count();
     if length > MOST_COMPARED.0 {
         return None;
     }
+    let known: Vec<&str> = known.into_iter().take(MOST_COMPARED.1).collect();
+    let same = |other: &str| {
+        known
+            .iter()
+            .copied()
+            .find(|k| k.eq_ignore_ascii_case(other))
+    };
+    let mut called = SYNONYMS
+        .iter()
+        .filter(|(own, _)| own.eq_ignore_ascii_case(word));
+    if let Some(found) = same(word).or_else(|| called.find_map(|(_, other)| same(other))) {
+        return Some(found);
+    }
     let slips = length.div_ceil(3).max(1);
     known
-        .into_iter()
-        .take(MOST_COMPARED.1)
+        .iter()
+        .copied()
         .filter(|k| k.len().abs_diff(word.len()) <= 4 * slips)
         .map(|k| (strsim::damerau_levenshtein(word, k), k))
         .filter(|&(distance, _)| distance <= slips)
@@ -53,5 +97,9 @@ mod tests {
         assert_eq!(nearest("colision", known), Some("collision"));
         assert_eq!(nearest("intertial", known), Some("inertial"));
         assert_eq!(nearest("sensor", known), None);
+        // The same in other capitals comes before another word of the same length.
+        assert_eq!(nearest("B", ["a", "b"]), Some("b"));
+        assert_eq!(nearest("Hinge", ["fixed", "revolute"]), Some("revolute"));
+        assert_eq!(nearest("hinge", known), None);
     }
 }

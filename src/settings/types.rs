@@ -1,4 +1,6 @@
 //! What a settings file says, checked.
+//!
+//! Over 500 lines because it is a list of types, each with what its fields mean.
 
 mod terrain;
 

@@ -14,6 +14,16 @@ use std::path::Path;
 /// What a file starts with that Git LFS keeps elsewhere.
 pub const LFS_POINTER: &[u8] = b"version https://git-lfs.github.com/";
 
+/// Endings of the formats that are read.
+const KINDS: [&str; 3] = ["stl", "obj", "dae"];
+
+/// The ending of a mesh's name in small letters, where it is none of a format that is read.
+pub(super) fn unread_kind(name: &str) -> Option<String> {
+    let kind = Path::new(name).extension()?.to_string_lossy();
+    let kind = kind.to_ascii_lowercase();
+    (!KINDS.contains(&kind.as_str())).then_some(kind)
+}
+
 /// A mesh file's bytes, read once for all that is asked of them.
 pub(super) struct MeshFile {
     /// The name's ending in small letters: a format that is read.
@@ -27,7 +37,7 @@ impl MeshFile {
             .extension()
             .map(|e| e.to_string_lossy().to_ascii_lowercase())
             .unwrap_or_default();
-        if !["stl", "obj", "dae"].contains(&kind.as_str()) {
+        if !KINDS.contains(&kind.as_str()) {
             return Err(MeshError::Format(format!(".{kind}")));
         }
         let bytes = bytes(path)?;

@@ -1,6 +1,7 @@
 //! What is told of mesh files that are missing: once for each package.
 
 use super::checked::{CheckedRobot, Geometry};
+use super::mesh;
 use super::resolve::{Missing, Resolver};
 use super::scope::Scope;
 use std::collections::BTreeMap;
@@ -94,6 +95,11 @@ pub(super) fn report(scope: &mut Scope, resolver: &Resolver, lost: Vec<Lost>) {
                 "{help}\nthe others are in line{s} {}{more}",
                 lines.join(", ")
             );
+        }
+        // Who finds the file would be told next that it cannot be read.
+        let unread = names.iter().find_map(|name| mesh::unread_kind(name));
+        if let Some(kind) = unread {
+            help = format!("{help}\n.{kind} files are not read: convert them to STL or OBJ");
         }
         if let Some((option, count)) = resolver.advice(&names) {
             let all = if count == names.len() && count == 1 {

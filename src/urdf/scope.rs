@@ -176,13 +176,8 @@ impl<'r, 'a> Scope<'r, 'a> {
         for word in value.split_whitespace() {
             match parse(word) {
                 Ok(number) => list.push(number),
-                Err((code, help)) => {
-                    let message = format!("<{}> {name}: '{word}' is not a number", node.name());
-                    let message = if code == "U032" {
-                        format!("<{}> {name}: '{word}' is not a finite number", node.name())
-                    } else {
-                        message
-                    };
+                Err(Unread { code, what, help }) => {
+                    let message = format!("<{}> {name}: '{word}' is {what}", node.name());
                     self.problem(code, attribute.at.clone(), &message, help);
                     return None;
                 }
@@ -330,29 +325,49 @@ fn without_optenv(value: &str) -> (Cow<'_, str>, bool) {
     }
 }
 
-/// A finite decimal number, or a code and what to do.
-fn parse(word: &str) -> Result<f64, (&'static str, &'static str)> {
+/// Why a word is not taken as a number.
+#[derive(Debug, PartialEq)]
+struct Unread {
+    code: &'static str,
+    /// "… is …"
+    what: &'static str,
+    help: &'static str,
+}
+
+/// A finite decimal number.
+fn parse(word: &str) -> Result<f64, Unread> {
+    let unread = |code, what, help| Err(Unread { code, what, help });
+    let no_number = |help| unread("U030", "not a number", help);
+    let digits = word.contains(|c: char| c.is_ascii_digit());
     // Rust also reads "inf" and "NaN"; URDF does not.
     match word.parse::<f64>() {
-        Ok(number) if number.is_nan() => Err(("U032", "write a number")),
-        Ok(number) if number.is_infinite() => {
-            Err(("U032", "leave the attribute out, or write a large number"))
+        Ok(number) if number.abs() > LARGEST && digits => {
+            unread("U032", "beyond 1e30", "check its digits and its unit")
         }
-        Ok(number) if number.abs() > LARGEST => {
-            Err(("U032", "numbers beyond 1e30 are not accepted"))
+        Ok(number) if !number.is_finite() => {
+            let help = "write a number; what has no limit gets a large one, up to 1e30";
+            unread("U032", "not a finite number", help)
         }
         Ok(number) => Ok(number),
-        Err(_) if word.contains(',') => Err((
-            "U030",
-            "the decimal sign is a point, and numbers are separated by spaces",
-        )),
-        Err(_) if word.to_ascii_lowercase().contains("0x") => Err(("U030", "write it in decimal")),
-        Err(_) if word.contains("${") || word.contains("$(") => Err((
-            "U030",
-            "this is xacro code: expand the file with the xacro command first",
-        )),
-        Err(_) => Err(("U030", "write a decimal number such as 0.5 or 1e-3")),
+        Err(_) if word.contains(',') => {
+            no_number("the decimal sign is a point, and numbers are separated by spaces")
+        }
+        Err(_) if word.contains(';') => no_number("numbers are separated by spaces"),
+        Err(_) if word.to_ascii_lowercase().contains("0x") => no_number("write it in decimal"),
+        Err(_) if word.contains("${") || word.contains("$(") => {
+            no_number("this is xacro code: expand the file with the xacro command first")
+        }
+        Err(_) if number_with_letters(word) => {
+            no_number("write the number alone: lengths are in m, angles in rad, masses in kg")
+        }
+        Err(_) => no_number("write a decimal number such as 0.5 or 1e-3"),
     }
+}
+
+/// Whether letters follow a number, as in `2kg` and `30°`.
+fn number_with_letters(word: &str) -> bool {
+    let number = word.trim_end_matches(|c: char| c.is_alphabetic() || "°%²³/".contains(c));
+    number.len() < word.len() && number.parse::<f64>().is_ok()
 }
 
 #[cfg(test)]
@@ -378,10 +393,13 @@ mod tests {
             assert_eq!(parse(text), Ok(value), "{text}");
         }
         for text in ["", "1,0", "0x10", "1.0f", "one", "--1", "1e", "${r}"] {
-            assert_eq!(parse(text).map_err(|e| e.0), Err("U030"), "{text}");
+            assert_eq!(parse(text).map_err(|e| e.code), Err("U030"), "{text}");
         }
         for text in ["nan", "NaN", "inf", "-INF", "infinity", "1e999", "1e31"] {
-            assert_eq!(parse(text).map_err(|e| e.0), Err("U032"), "{text}");
+            assert_eq!(parse(text).map_err(|e| e.code), Err("U032"), "{text}");
+        }
+        for (text, fits) in [("2kg", true), ("30°", true), ("0.1m", true), ("kg", false)] {
+            assert_eq!(number_with_letters(text), fits, "{text}");
         }
     }
 }

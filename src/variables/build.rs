@@ -1,6 +1,6 @@
 //! Parts of the rows of [`super::table`].
 
-use super::row::{Kind, Part, Slot, TableError, Unit, Variable};
+use super::row::{Display, Kind, Part, Slot, TableError, Unit, Variable};
 use crate::model::{BodyId, Joint, JointId, JointKind, Limits, Link, Model, RootId, RootKind};
 use crate::slots::{Axis, InputSlot, OutputSlot, ParameterSlot};
 use std::collections::BTreeMap;
@@ -18,6 +18,9 @@ pub(super) fn axes<'n>(names: &'n [&'n str]) -> impl Iterator<Item = (Axis, &'n 
 pub(super) struct Table<'m> {
     pub(super) model: &'m Model,
     rows: Vec<Variable>,
+    /// Weight of everything, N, one digit of it: forces are of this size, torques and energies are
+    /// it times a metre.
+    weight: Option<f64>,
     /// Whose row it is, for [`TableError::Clash`].
     owners: Vec<String>,
 }
@@ -27,6 +30,7 @@ pub(super) struct Row {
     slot: Slot,
     kind: Kind,
     unit: Unit,
+    display: Option<Display>,
     start: Option<f64>,
     range: (Option<f64>, Option<f64>),
     description: String,
@@ -38,6 +42,7 @@ impl Row {
             slot: Slot::Input(slot),
             kind: Kind::Real,
             unit,
+            display: unit.display(),
             start: Some(start),
             range: (None, None),
             description,
@@ -49,6 +54,7 @@ impl Row {
             slot: Slot::Output(slot),
             kind: Kind::Real,
             unit,
+            display: unit.display(),
             start: None,
             range: (None, None),
             description,
@@ -65,6 +71,7 @@ impl Row {
             slot: Slot::Parameter(slot),
             kind: Kind::Real,
             unit,
+            display: unit.display(),
             start: Some(start),
             range: (None, None),
             description,
@@ -73,6 +80,19 @@ impl Row {
 
     pub(super) fn kind(self, kind: Kind) -> Self {
         Self { kind, ..self }
+    }
+
+    /// Velocities of joints that turn without end are read in turns a minute.
+    pub(super) fn of_joint(self, kind: JointKind) -> Self {
+        let turns = kind == JointKind::Continuous && self.unit == Unit::RadianPerSecond;
+        Self {
+            display: if turns {
+                Some(Display::TurnPerMinute)
+            } else {
+                self.display
+            },
+            ..self
+        }
     }
 
     /// Bounds, moved to the start value where they exclude it: FMI wants the start inside.
@@ -194,11 +214,20 @@ pub(super) fn styled(model: &Model, name: String) -> String {
     }
 }
 
+/// The weight of all links, N, rounded to one digit.
+fn weight(model: &Model) -> Option<f64> {
+    let mass: f64 = model.links.iter().map(|link| link.inertia.mass).sum();
+    let weight = mass * model.world.gravity.norm();
+    let digit = format!("{weight:.0e}").parse().ok();
+    digit.filter(|&weight: &f64| weight > 0.0 && weight.is_finite())
+}
+
 impl<'m> Table<'m> {
     pub(super) fn new(model: &'m Model) -> Self {
         Self {
             model,
             rows: Vec::new(),
+            weight: weight(model),
             owners: Vec::new(),
         }
     }
@@ -209,6 +238,8 @@ impl<'m> Table<'m> {
         let value_reference =
             u32::try_from(self.rows.len()).expect("a robot has fewer than 2^32 variables");
         let (min, max) = row.range;
+        let sized = matches!(row.slot, Slot::Output(_))
+            && matches!(row.unit, Unit::Newton | Unit::NewtonMeter | Unit::Joule);
         self.owners.push(owner.to_owned());
         self.rows.push(Variable {
             name,
@@ -222,6 +253,8 @@ impl<'m> Table<'m> {
             max,
             unit: row.unit,
             part: None,
+            display: row.display,
+            nominal: self.weight.filter(|_| sized),
         });
     }
 

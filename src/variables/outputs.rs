@@ -125,6 +125,7 @@ impl Table<'_> {
                     ];
                     for (quantity, slot, unit, about) in rows {
                         let row = Row::output(slot, unit, format!("{about} {owner}"));
+                        let row = row.of_joint(joint.kind);
                         self.add(format!("{prefix}.{quantity}"), &owner, row);
                     }
                 }

@@ -27,6 +27,35 @@ pub struct Variable {
     pub unit: Unit,
     /// The vector or matrix that it is an element of, if any.
     pub part: Option<Part>,
+    /// The unit that people read it in, where it is another one.
+    pub display: Option<Display>,
+    /// Size of the values to expect, in the unit, where it is known and not 1.
+    pub nominal: Option<f64>,
+}
+
+impl Variable {
+    /// Whose the value is, in FMI's terms.
+    pub fn causality(&self) -> Causality {
+        match self.slot {
+            Slot::Input(_) => Causality::Input,
+            Slot::Parameter(_) => Causality::Parameter,
+            Slot::Output(slot) if slot.local() => Causality::Local,
+            Slot::Output(_) => Causality::Output,
+        }
+    }
+}
+
+/// Whose a value is, in FMI's terms.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Causality {
+    /// Of whoever drives the robot.
+    Input,
+    /// Of the user, before the start or now and then.
+    Parameter,
+    /// Of the robot.
+    Output,
+    /// Of the robot, and nothing that another model is connected to.
+    Local,
 }
 
 /// Place of a variable in a vector or matrix, whose elements follow each other in the table.
@@ -49,7 +78,7 @@ pub enum Slot {
     Input(InputSlot),
     /// `causality="parameter"`; tunable or fixed by [`ParameterSlot::tunable`].
     Parameter(ParameterSlot),
-    /// `causality="output"`
+    /// `causality="output"`, or `"local"` by [`OutputSlot::local`].
     Output(OutputSlot),
 }
 
@@ -84,6 +113,28 @@ pub enum Unit {
     NewtonSecondPerMeter,
     NewtonMeterSecondPerRadian,
     Joule,
+}
+
+/// Units that people read. Their names and factors are FMI's business, see the packager.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Display {
+    /// Of angles.
+    Degree,
+    /// Of angular velocities.
+    DegreePerSecond,
+    /// Of what turns without end: wheels, propellers.
+    TurnPerMinute,
+}
+
+impl Unit {
+    /// What people read quantities of this unit in.
+    pub fn display(self) -> Option<Display> {
+        match self {
+            Self::Radian => Some(Display::Degree),
+            Self::RadianPerSecond => Some(Display::DegreePerSecond),
+            _ => None,
+        }
+    }
 }
 
 /// Why a table cannot be made.

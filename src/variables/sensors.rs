@@ -155,6 +155,7 @@ impl Table<'_> {
                 joint.name
             );
             let row = Row::output(OutputSlot::SensorVelocity(id), units.velocity, about);
+            let row = row.of_joint(joint.kind);
             self.add(format!("{prefix}.velocity"), owner, row);
         }
     }

@@ -123,6 +123,7 @@ impl Table<'_> {
         if pd || mode == ActuatorMode::Velocity {
             let about = format!("Commanded velocity of {owner}");
             let row = Row::input(InputSlot::Velocity(id), units.velocity, 0.0, about);
+            let row = row.of_joint(joint.kind);
             self.add(
                 format!("{prefix}.velocity"),
                 owner,
@@ -240,7 +241,7 @@ impl Table<'_> {
             let start = initial.joint_velocities[id.index()];
             let slot = ParameterSlot::InitialJointVelocity(id);
             let about = format!("Initial velocity of {owner}");
-            let row = Row::parameter(slot, units.velocity, start, about);
+            let row = Row::parameter(slot, units.velocity, start, about).of_joint(joint.kind);
             self.add(
                 format!("{prefix}.velocity"),
                 &owner,

@@ -455,6 +455,22 @@ fn a_group_has_the_inputs_of_its_joints_once() {
     assert_eq!(gains, ["cmd.left.kp", "cmd.fr_wheel.kp", "cmd.rr_wheel.kp"]);
 }
 
+/// The cart has 7.1 kg, which weigh 69.6 N.
+#[test]
+fn variables_say_whose_they_are_how_large_and_what_people_read_them_in() {
+    let table = table_of(&cart(), "");
+    let of = |name: &str| {
+        let v = get(&table, name);
+        (v.causality(), v.display, v.nominal)
+    };
+    let (output, turns) = (Causality::Output, Some(Display::TurnPerMinute));
+    assert_eq!(of("solver.steps"), (Causality::Local, None, None));
+    assert_eq!(of("energy.kinetic"), (output, None, Some(70.0)));
+    assert_eq!(of("joint.lift.effort"), (output, None, Some(70.0)));
+    assert_eq!(of("joint.left_wheel.velocity"), (output, turns, None));
+    assert_eq!(of("joint.grip.velocity").1, Some(Display::DegreePerSecond));
+}
+
 #[test]
 fn sensors_have_outputs_in_their_own_names() {
     let settings = "[[sensor]]\ntype = \"imu\"\nlink = \"chassis\"\n\

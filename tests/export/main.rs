@@ -9,6 +9,7 @@ mod export;
 mod info;
 mod init;
 mod model_description;
+mod offers;
 #[cfg(unix)]
 mod output;
 mod people;

@@ -224,7 +224,7 @@ fn variable(v: &Element, units: &BTreeSet<&str>, types: &BTreeSet<&str>, found: 
             matches!(variability, Some("fixed" | "tunable")) && v.get("initial") == Some("exact")
         }
         Some("input") => v.get("initial").is_none(),
-        Some("output") => v.get("initial") == Some("calculated"),
+        Some("output" | "local") => v.get("initial") == Some("calculated"),
         _ => false,
     };
     if !legal {
@@ -236,7 +236,7 @@ fn variable(v: &Element, units: &BTreeSet<&str>, types: &BTreeSet<&str>, found: 
     if !real && !matches!(variability, Some("discrete" | "fixed" | "tunable")) {
         wrong("only a Real can be continuous");
     }
-    let output = causality == Some("output");
+    let output = matches!(causality, Some("output" | "local"));
     if output == value.get("start").is_some() {
         wrong("start");
     }

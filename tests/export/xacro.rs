@@ -300,3 +300,43 @@ fn expressions_that_are_not_known_are_left_to_the_command() {
         done.err
     );
 }
+
+/// Each would fill every memory or every stack, and the last one would wait for ever.
+#[test]
+fn a_xacro_file_that_grows_without_bound_is_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let property =
+        |name: &str, value: &str| format!("<xacro:property name=\"{name}\" value=\"{value}\"/>\n");
+    let doubled = |first: &str, sum: fn(usize) -> String| -> String {
+        let rows = (1..64).map(|i| property(&format!("p{i}"), &sum(i - 1)));
+        property("p0", first) + &rows.collect::<String>()
+    };
+    let texts = doubled("0123456789abcdef", |i| format!("${{p{i} + p{i}}}"));
+    let joined = doubled("0123456789abcdef", |i| format!("${{p{i}}}${{p{i}}}"));
+    let lists = doubled("${[1]}", |i| format!("${{[p{i}, p{i}]}}"));
+    let chain: String = (0..100_000)
+        .map(|i| property(&format!("p{i}"), &format!("${{p{} + 1}}", i + 1)))
+        .collect();
+    let end = "<link name=\"${p63}\"/>";
+    let mut cases = vec![
+        (texts + end, "a value has more than"),
+        (joined + end, "a value has more than"),
+        (lists + end, "a value has more than"),
+        (chain + "<link name=\"${p0}\"/>", "need each other"),
+    ];
+    if cfg!(unix) {
+        let pipe = folder.path().join("pipe");
+        let made = Command::new("mkfifo").arg(&pipe).status().unwrap();
+        assert!(made.success());
+        let include = "<xacro:include filename=\"pipe\"/>".to_owned();
+        cases.push((include, "it is not a file"));
+    }
+    for (body, expected) in cases {
+        let path = folder.path().join("r.xacro");
+        let text = format!("<robot xmlns:xacro='x' name='r'>\n{body}</robot>");
+        fs::write(&path, text).unwrap();
+        let done = urdf2fmu(["expand", path.to_str().unwrap()]);
+        assert_eq!(done.code, 1, "{expected}");
+        assert!(done.err.contains(expected), "{expected}: {}", done.err);
+    }
+}

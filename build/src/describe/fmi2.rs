@@ -14,7 +14,7 @@ use quick_xml::events::{BytesDecl, Event};
 use std::collections::BTreeSet;
 use std::io;
 use urdf2fmu_core::model::Model;
-use urdf2fmu_core::variables::{Kind, Slot, Unit, Variable};
+use urdf2fmu_core::variables::{Causality, Kind, Slot, Unit, Variable};
 
 /// The XML text.
 ///
@@ -132,8 +132,11 @@ fn scalar_variable(xml: &mut Writer<Vec<u8>>, v: &Variable) -> io::Result<()> {
             value = value
                 .with_attribute(("declaredType", facts.quantity))
                 .with_attribute(("unit", facts.name));
-            if let Some(&(display, _)) = facts.display.first() {
-                value = value.with_attribute(("displayUnit", display));
+            if let Some(display) = v.display {
+                value = value.with_attribute(("displayUnit", units::display(display)));
+            }
+            if let Some(nominal) = v.nominal {
+                value = value.with_attribute(("nominal", number(nominal).as_str()));
             }
         }
         // An output has neither start nor range: it is what the physics says.
@@ -163,8 +166,8 @@ fn model_structure(xml: &mut Writer<Vec<u8>>, model: &Model, table: &[Variable])
     let outputs: Vec<_> = (1..)
         .zip(table)
         .filter_map(|(index, v)| match v.slot {
-            Slot::Output(slot) => Some((index, slot)),
-            Slot::Input(_) | Slot::Parameter(_) => None,
+            Slot::Output(slot) if v.causality() == Causality::Output => Some((index, slot)),
+            _ => None,
         })
         .collect();
     xml.create_element("ModelStructure")

@@ -17,7 +17,9 @@ use quick_xml::events::{BytesDecl, BytesText, Event};
 use std::collections::{BTreeMap, BTreeSet};
 use std::io;
 use urdf2fmu_core::model::Model;
-use urdf2fmu_core::variables::{Entry, Kind, Slot, Unit, Variable, entries, time_reference};
+use urdf2fmu_core::variables::{
+    Causality, Entry, Kind, Slot, Unit, Variable, entries, time_reference,
+};
 
 /// Type of the annotation that names the elements of an array.
 pub const ELEMENTS: &str = "io.github.urdf2fmu.elements";
@@ -158,8 +160,12 @@ fn variable(xml: &mut Writer<Vec<u8>>, table: &[Variable], entry: &Entry) -> io:
         element = element
             .with_attribute(("declaredType", facts.quantity))
             .with_attribute(("unit", facts.name));
-        if let Some(&(display, _)) = facts.display.first() {
-            element = element.with_attribute(("displayUnit", display));
+        let all = |same: fn(&Variable, &Variable) -> bool| rows.iter().all(|row| same(row, first));
+        if let Some(display) = first.display.filter(|_| all(|a, b| a.display == b.display)) {
+            element = element.with_attribute(("displayUnit", units::display(display)));
+        }
+        if let Some(nominal) = first.nominal.filter(|_| all(|a, b| a.nominal == b.nominal)) {
+            element = element.with_attribute(("nominal", number(nominal).as_str()));
         }
     }
     // An output has neither start nor range: it is what the physics says.
@@ -226,7 +232,7 @@ fn model_structure(
     }
     let outputs: Vec<&Entry> = entries
         .iter()
-        .filter(|entry| matches!(table[entry.rows[0] as usize].slot, Slot::Output(_)))
+        .filter(|entry| table[entry.rows[0] as usize].causality() == Causality::Output)
         .collect();
     xml.create_element("ModelStructure")
         .write_inner_content(|xml| {

@@ -1,6 +1,6 @@
 //! FMI's words for a variable, its numbers as text, and the default experiment.
 
-use urdf2fmu_core::variables::{Kind, Slot, Variable};
+use urdf2fmu_core::variables::{Causality, Kind, Slot, Variable};
 
 /// Seconds of the default experiment.
 pub const STOP_TIME: f64 = 10.0;
@@ -12,10 +12,11 @@ pub const TOLERANCE: f64 = 1e-3;
 
 /// FMI's word for whose the value is.
 pub fn causality(v: &Variable) -> &'static str {
-    match v.slot {
-        Slot::Input(_) => "input",
-        Slot::Parameter(_) => "parameter",
-        Slot::Output(_) => "output",
+    match v.causality() {
+        Causality::Input => "input",
+        Causality::Parameter => "parameter",
+        Causality::Output => "output",
+        Causality::Local => "local",
     }
 }
 

@@ -172,8 +172,8 @@ impl Header {
 
 #[cfg(test)]
 mod tests {
+    use super::super::png;
     use super::*;
-    use crate::image::png;
 
     /// Red, green, blue and alpha of five by four pixels.
     fn picture() -> Vec<u8> {

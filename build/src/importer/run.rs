@@ -57,7 +57,9 @@ pub fn simulate(
         None => None,
     };
     let starts = starts(&description, &experiment.start_values)?;
-    let recorded = Recorded::new(&description, |v| v.causality == "output" || v.is_input());
+    // Local variables are written only where they are asked for.
+    let seen = ["output", "input", "local"];
+    let recorded = Recorded::new(&description, |v| seen.contains(&v.causality.as_str()));
     let written = selection(&description, &recorded.names, &experiment.written)?;
     let mut run = Run::new(
         folder,

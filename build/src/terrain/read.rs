@@ -65,10 +65,15 @@ pub(super) fn heights(path: &Path) -> Result<Table, Wrong> {
         ));
     }
     let ending = path.extension().and_then(|e| e.to_str()).unwrap_or("");
+    heights_of(ending, &bytes)
+}
+
+/// Heights of a file's bytes, by the ending of its name.
+pub(super) fn heights_of(ending: &str, bytes: &[u8]) -> Result<Table, Wrong> {
     let table = match ending.to_ascii_lowercase().as_str() {
-        "png" => image(&bytes),
-        "npy" => array(&bytes),
-        "csv" | "txt" => table(&bytes),
+        "png" => image(bytes),
+        "npy" => array(bytes),
+        "csv" | "txt" => table(bytes),
         _ => {
             let message = format!("'{ending}' is no kind of file that heights are read from");
             return Err(wrong(message, "give a .png, .npy or .csv"));

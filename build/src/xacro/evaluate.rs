@@ -2,7 +2,7 @@
 
 use super::functions::Names;
 use super::parse::{Each, Expression};
-use super::value::{Value, insert, items};
+use super::value::{Value, insert, items, without};
 use super::{format, functions};
 use std::rc::Rc;
 
@@ -185,7 +185,10 @@ fn unary(sign: &str, of: &Value) -> Result<Value, String> {
         ("not", of) => Value::Bool(!of.truth()),
         ("-", Value::Float(value)) => Value::Float(-value),
         ("+", Value::Float(value)) => Value::Float(*value),
-        ("-", of) if of.whole().is_some() => Value::Int(-of.whole().unwrap_or(0)),
+        ("-", of) if of.whole().is_some() => {
+            let turned = of.whole().and_then(i64::checked_neg);
+            Value::Int(turned.ok_or_else(|| "the number is too large".to_owned())?)
+        }
         ("+", of) if of.whole().is_some() => Value::Int(of.whole().unwrap_or(0)),
         ("~", of) if of.whole().is_some() => Value::Int(!of.whole().unwrap_or(0)),
         _ => return Err(format!("bad operand for {sign}: '{}'", of.kind())),
@@ -215,6 +218,16 @@ fn binary(sign: &str, left: &Value, right: &Value) -> Result<Value, String> {
         }
         ("*", count, Value::Str(_) | Value::List(_)) if count.whole().is_some() => {
             return repeated(right, count.whole().unwrap_or(0));
+        }
+        (sign, Value::Set(a), Value::Set(b)) => {
+            let (left, right) = (without(a, b), without(b, a));
+            return Ok(Value::Set(Rc::new(match sign {
+                "-" => left,
+                "&" => without(a, &left),
+                "|" => [&a[..], &right].concat(),
+                "^" => [left, right].concat(),
+                _ => return Err(bad()),
+            })));
         }
         ("%", Value::Str(format), values) => return format::percent(format, values),
         _ => {}
@@ -386,7 +399,7 @@ fn slice(of: &Value, [from, to, step]: [Option<i64>; 3]) -> Result<Value, String
     let mut found = Vec::new();
     while if step > 0 { at < to } else { at > to } {
         found.push(list[usize::try_from(at).unwrap_or(0)].clone());
-        at += step;
+        at = at.saturating_add(step);
     }
     Ok(match of {
         Value::Str(_) => Value::text(found.iter().map(Value::shown).collect::<String>()),

@@ -144,18 +144,28 @@ pub fn of_module(module: &str, name: &str) -> Option<Value> {
     }
 }
 
-/// Where names are looked up, and files read.
+/// Where names are looked up, and files read; without more there are none.
 pub trait Names {
     /// The value of a name; `Ok(None)` where there is none.
-    fn name(&mut self, name: &str) -> Result<Option<Value>, String>;
+    fn name(&mut self, _name: &str) -> Result<Option<Value>, String> {
+        Ok(None)
+    }
     /// A name of an included file's scope.
-    fn in_scope(&mut self, scope: usize, name: &str) -> Result<Option<Value>, String>;
+    fn in_scope(&mut self, _scope: usize, _name: &str) -> Result<Option<Value>, String> {
+        Ok(None)
+    }
     /// `xacro.load_yaml(name)`
-    fn yaml(&mut self, name: &str) -> Result<Value, String>;
+    fn yaml(&mut self, _name: &str) -> Result<Value, String> {
+        Err("files cannot be read here".to_owned())
+    }
     /// The path of a file that the current one names.
-    fn path(&mut self, name: &str) -> String;
+    fn path(&mut self, name: &str) -> String {
+        name.to_owned()
+    }
     /// `xacro.arg(name)`, and names of `$(eval …)`.
-    fn argument(&mut self, name: &str) -> Option<String>;
+    fn argument(&mut self, _name: &str) -> Option<String> {
+        None
+    }
 }
 
 /// Calls a function.
@@ -184,6 +194,11 @@ fn own(
     named: Vec<(String, Value)>,
 ) -> Result<Value, String> {
     let wrong = || format!("{name}() does not take these arguments");
+    if let ("tokenize", [text], [(key, signs)]) = (name, values, &named[..])
+        && key == "sep"
+    {
+        return own(names, name, &[text.clone(), signs.clone()], Vec::new());
+    }
     if !named.is_empty() && name != "dict" {
         return Err(wrong());
     }
@@ -215,7 +230,9 @@ fn own(
             }
             Value::Dict(Rc::new(pairs))
         }
-        ("list" | "tuple" | "set", []) => Value::list(Vec::new()),
+        ("list", []) => Value::list(Vec::new()),
+        ("tuple", []) => Value::Tuple(Rc::default()),
+        ("set", []) => Value::Set(Rc::default()),
         ("list", [of]) => Value::list(items(of)?),
         ("tuple", [of]) => Value::Tuple(Rc::new(items(of)?)),
         ("set", [of]) => {
@@ -225,7 +242,7 @@ fn own(
                     found.push(value);
                 }
             }
-            Value::list(found)
+            Value::Set(Rc::new(found))
         }
         ("map", [function, list]) => {
             let mut found = Vec::new();

@@ -12,19 +12,25 @@ mod expand;
 mod files;
 mod format;
 mod functions;
+mod macros;
 mod numbers;
 mod parameter;
 mod parse;
+mod problem;
+mod sources;
 mod symbols;
+mod texts;
 mod tree;
 mod value;
 mod yaml;
 
 pub use command::urdf_name;
 
-use expand::{Expansion, Problem};
-use std::collections::{BTreeMap, BTreeSet};
+use expand::Expansion;
+use problem::{Lacking, Problem};
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
+use texts::Texts;
 use urdf2fmu_core::diagnostic::{Diagnostic, Place, Severity};
 use urdf2fmu_core::urdf::{self, ReadOptions};
 
@@ -113,7 +119,8 @@ pub fn expand(
         place: None,
     };
     let done = expansion.document(path);
-    let packages: BTreeMap<String, PathBuf> = expansion.packages.borrow().clone();
+    let sources = &expansion.texts.sources;
+    let packages = sources.packages.clone();
     match done {
         Ok(root) => {
             let mut notes = vec![note(format!(
@@ -141,7 +148,7 @@ pub fn expand(
         }
         Err(problem) => {
             let mut known = packages;
-            for name in expansion
+            for name in sources
                 .read
                 .values()
                 .flat_map(|text| named(text, "$(find "))
@@ -151,7 +158,7 @@ pub fn expand(
                     known.entry(name).or_insert(folder);
                 }
             }
-            if !problem.argument
+            if !matches!(problem.lacking, Some(Lacking::Argument))
                 && let Some(text) = command::expand(path, arguments, &known)
             {
                 return Ok(Expanded {
@@ -162,7 +169,12 @@ pub fn expand(
                     packages: known.into_iter().collect(),
                 });
             }
-            Err(Box::new(finding(path, arguments, &expansion, &problem)))
+            Err(Box::new(finding(
+                path,
+                arguments,
+                &expansion.texts,
+                &problem,
+            )))
         }
     }
 }
@@ -180,20 +192,17 @@ fn named(text: &str, start: &str) -> BTreeSet<String> {
         .collect()
 }
 
-fn finding(
-    path: &Path,
-    arguments: &[String],
-    expansion: &Expansion,
-    problem: &Problem,
-) -> Diagnostic {
+fn finding(path: &Path, arguments: &[String], texts: &Texts, problem: &Problem) -> Diagnostic {
     let name = path.display();
-    let (message, help) = if problem.argument {
+    let (message, help) = if let Some(Lacking::Argument) = problem.lacking {
         // All that the files use and nobody gives.
-        let used = expansion
+        let used = texts
+            .sources
             .read
             .values()
             .flat_map(|text| named(text, "$(arg "));
-        let declared: BTreeSet<String> = expansion
+        let declared: BTreeSet<String> = texts
+            .sources
             .read
             .values()
             .flat_map(|text| declared_arguments(text))
@@ -204,7 +213,7 @@ fn finding(
             .filter(|name| {
                 // A default that stands after the first use comes too late.
                 let first = problem.message.contains(&format!("'{name}'"));
-                first || !declared.contains(name) && !expansion.arguments.contains_key(name)
+                first || !declared.contains(name) && !texts.arguments.contains_key(name)
             })
             .collect();
         let listed: Vec<String> = lacking.iter().map(|name| format!("'{name}'")).collect();
@@ -226,8 +235,7 @@ fn finding(
             call.join(" ")
         );
         (message, help)
-    } else if problem.message.starts_with("the package '") {
-        let package = problem.message.split('\'').nth(1).unwrap_or_default();
+    } else if let Some(Lacking::Package(package)) = &problem.lacking {
         (
             format!("{name} cannot be expanded: {}", problem.message),
             format!(
@@ -235,12 +243,21 @@ fn finding(
             ),
         )
     } else {
+        let help = match problem.lacking {
+            // No other program finds it either.
+            Some(Lacking::File) => {
+                "put the file there, or correct the path; a relative one counts from the folder \
+                 of the file that is read"
+                    .to_owned()
+            }
+            _ => command::advice(path, arguments),
+        };
         (
             format!("{name} cannot be expanded: {}", problem.message),
-            command::advice(path, arguments),
+            help,
         )
     };
-    let text = expansion.read.get(&problem.file);
+    let text = texts.sources.read.get(&problem.file);
     Diagnostic {
         severity: Severity::Error,
         code: "U006",

@@ -157,8 +157,10 @@ fn number(text: &str) -> Result<(Token, usize), String> {
         }
     }
     let digits = text[..end].replace('_', "");
-    if text[end..].starts_with(|c: char| c.is_alphabetic() || c == '_') {
-        return Err(format!("'{}' is no number", &text[..=end]));
+    if let Some(c) = text[end..].chars().next()
+        && (c.is_alphabetic() || c == '_')
+    {
+        return Err(format!("'{}{c}' is no number", &text[..end]));
     }
     let bad = || format!("'{digits}' is no number");
     if whole && let Ok(value) = digits.parse() {

@@ -16,3 +16,43 @@ fn only_what_defines_something_is_taken_for_xacro() {
     assert!(!defines("<robot><!-- <xacro:macro name='a'/> --></robot>"));
     assert!(!defines("<robot xmlns:xacro='x'/>"));
 }
+
+struct Nothing;
+
+impl functions::Names for Nothing {}
+
+/// What an expression gives, as Python writes it, or what is wrong with it.
+fn value_of(text: &str) -> Result<String, String> {
+    let parsed = parse::expression(text)?;
+    let value = evaluate::Evaluation::new(&mut Nothing).value(&parsed)?;
+    Ok(value.literal())
+}
+
+/// Expected: what Python 3.11 prints; sets of one value, whose order is no question.
+#[test]
+fn sets_are_subtracted_joined_and_cut_as_in_python() {
+    for (text, expected) in [
+        ("python.set([1, 2, 2]) - python.set([2, 3])", "{1}"),
+        ("python.set('ab') & python.set('bc')", "{'b'}"),
+        ("python.set([]) | python.set([4])", "{4}"),
+        ("python.set([1, 2]) ^ python.set([2])", "{1}"),
+        ("python.set(['a']) - python.set(['a'])", "set()"),
+        ("python.set([1, 2]) == python.set([2, 1])", "True"),
+        ("python.len(python.set('aab'))", "2"),
+        ("'x' in python.set('xy')", "True"),
+        ("xacro.tokenize('a=b;c', sep='=')", "['a', 'b;c']"),
+    ] {
+        assert_eq!(value_of(text).as_deref(), Ok(expected), "{text}");
+    }
+}
+
+#[test]
+fn numbers_at_the_ends_of_their_range_are_told_or_taken() {
+    let lowest = "(-9223372036854775807 - 1)";
+    assert!(value_of(&format!("-{lowest}")).is_err());
+    assert!(value_of(&format!("{lowest} // -1")).is_err());
+    // Found by fuzzing: the letter after the number has several bytes.
+    assert_eq!(value_of("8Ⱦ"), Err("'8Ⱦ' is no number".to_owned()));
+    let slice = value_of("[1, 2, 3][1:3:9223372036854775807]");
+    assert_eq!(slice.as_deref(), Ok("[2]"));
+}

@@ -23,6 +23,8 @@ pub enum Value {
     Tuple(Rc<Vec<Value>>),
     /// `{…}`, in the order of insertion.
     Dict(Rc<Vec<(Value, Value)>>),
+    /// `set(…)`, each value once, in the order of insertion.
+    Set(Rc<Vec<Value>>),
     /// Properties of an included file with a name of its own.
     Scope(usize),
     /// A function by its name.
@@ -57,6 +59,7 @@ impl Value {
             Self::List(_) => "list",
             Self::Tuple(_) => "tuple",
             Self::Dict(_) => "dict",
+            Self::Set(_) => "set",
             Self::Scope(_) | Self::Module(_) => "namespace",
             Self::Function(_) | Self::Method(_) => "function",
             Self::Block(_) => "block",
@@ -71,7 +74,7 @@ impl Value {
             Self::Int(value) => *value != 0,
             Self::Float(value) => *value != 0.0,
             Self::Str(value) => !value.is_empty(),
-            Self::List(values) | Self::Tuple(values) => !values.is_empty(),
+            Self::List(values) | Self::Tuple(values) | Self::Set(values) => !values.is_empty(),
             Self::Dict(values) => !values.is_empty(),
             _ => true,
         }
@@ -105,6 +108,7 @@ impl Value {
             (Self::List(a), Self::List(b)) | (Self::Tuple(a), Self::Tuple(b)) => {
                 a.len() == b.len() && a.iter().zip(b.iter()).all(|(a, b)| a.same(b))
             }
+            (Self::Set(a), Self::Set(b)) => a.len() == b.len() && without(a, b).is_empty(),
             (Self::Dict(a), Self::Dict(b)) => {
                 let has =
                     |key: &Self, value: &Self| b.iter().any(|(k, v)| k.same(key) && v.same(value));
@@ -154,6 +158,8 @@ impl Value {
             Self::List(values) => format!("[{}]", all(values)),
             Self::Tuple(values) if values.len() == 1 => format!("({},)", all(values)),
             Self::Tuple(values) => format!("({})", all(values)),
+            Self::Set(values) if values.is_empty() => "set()".to_owned(),
+            Self::Set(values) => format!("{{{}}}", all(values)),
             Self::Dict(pairs) => {
                 let pairs = pairs.iter();
                 let parts: Vec<String> = pairs
@@ -165,6 +171,33 @@ impl Value {
             Self::Function(name) => format!("<function {name}>"),
             Self::Method(of) => format!("<method {}>", of.1),
             Self::Block(element) => format!("<block {}>", element.name),
+        }
+    }
+
+    /// Whether its literal stays below `left` bytes or so, and no deeper than `depth` levels:
+    /// values share their parts, so that a few can stand for a text that fills every memory.
+    pub fn fits(&self, left: &mut usize, depth: usize) -> bool {
+        let own = match self {
+            Self::Str(text) => text.len() + 2,
+            _ => 2,
+        };
+        let Some(rest) = left.checked_sub(own) else {
+            return false;
+        };
+        *left = rest;
+        let Some(depth) = depth.checked_sub(1) else {
+            return false;
+        };
+        match self {
+            Self::List(values) | Self::Tuple(values) | Self::Set(values) => {
+                values.iter().all(|v| v.fits(left, depth))
+            }
+            Self::Dict(pairs) => {
+                let mut pairs = pairs.iter();
+                pairs.all(|(key, value)| key.fits(left, depth) && value.fits(left, depth))
+            }
+            Self::Method(of) => of.0.fits(left, depth),
+            _ => true,
         }
     }
 
@@ -193,11 +226,17 @@ impl Value {
 /// What `for` goes through.
 pub fn items(of: &Value) -> Result<Vec<Value>, String> {
     Ok(match of {
-        Value::List(list) | Value::Tuple(list) => list.to_vec(),
+        Value::List(list) | Value::Tuple(list) | Value::Set(list) => list.to_vec(),
         Value::Dict(pairs) => pairs.iter().map(|(key, _)| key.clone()).collect(),
         Value::Str(text) => text.chars().map(|c| Value::text(c.to_string())).collect(),
         _ => return Err(format!("'{}' is no list", of.kind())),
     })
+}
+
+/// Values of a list that another one does not have.
+pub fn without(list: &[Value], others: &[Value]) -> Vec<Value> {
+    let other = |value: &&Value| !others.iter().any(|other| other.same(value));
+    list.iter().filter(other).cloned().collect()
 }
 
 /// Adds an entry, or replaces it.

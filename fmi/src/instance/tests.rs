@@ -241,6 +241,8 @@ fn rows() -> Vec<Variable> {
         max: (name == "cmd.axle.velocity").then_some(100.0),
         unit: Unit::One,
         part: None,
+        display: None,
+        nominal: None,
     };
     slots.into_iter().enumerate().map(row).collect()
 }

@@ -5,8 +5,8 @@
 use super::{Attribute, Document, Element};
 use crate::diagnostic::Report;
 use quick_xml::Reader;
-use quick_xml::errors::{Error, IllFormedError};
-use quick_xml::escape;
+use quick_xml::errors::{Error, IllFormedError, SyntaxError};
+use quick_xml::escape::{self, EscapeError};
 use quick_xml::events::attributes::AttrError;
 use quick_xml::events::{BytesStart, Event};
 use std::ops::Range;
@@ -242,12 +242,14 @@ impl<'t> Builder<'t> {
                     value: resolved.into_owned(),
                 }),
                 Err(error) => {
-                    report.error(
-                        "U003",
-                        value,
-                        format!("not XML: {error}"),
-                        "write '&' as &amp; and '<' as &lt;",
-                    );
+                    let message = match error {
+                        EscapeError::UnterminatedEntity(_) => {
+                            "not XML: '&' begins an entity, and no ';' ends it".to_owned()
+                        }
+                        other => format!("not XML: {other}"),
+                    };
+                    let help = "write '&' as &amp; and '<' as &lt;";
+                    report.error("U003", value, message, help);
                     return None;
                 }
             }
@@ -280,6 +282,10 @@ impl<'t> Builder<'t> {
                     None => String::new(),
                 }
             }
+            Error::Syntax(
+                SyntaxError::UnclosedSingleQuotedAttributeValue
+                | SyntaxError::UnclosedDoubleQuotedAttributeValue,
+            ) => "a quotation mark is missing here or before; or is the file cut off?".to_owned(),
             Error::Syntax(_) => "is the file complete?".to_owned(),
             _ => String::new(),
         };

@@ -1,0 +1,139 @@
+//! Files that an expansion reads, and the place in them where it is.
+
+use super::problem::{Done, Lacking, Problem};
+use super::tree::{self, Element};
+use std::collections::BTreeMap;
+use std::io::Read as _;
+use std::path::{Path, PathBuf};
+use std::rc::Rc;
+
+/// Files within each other.
+const DEEPEST: usize = 100;
+
+/// Files larger than this, in bytes, are not read.
+const LARGEST_FILE: u64 = 64 << 20;
+
+/// Where packages are.
+pub type Find<'f> = dyn Fn(&str) -> Option<PathBuf> + 'f;
+
+/// All files of an expansion.
+pub struct Sources<'f> {
+    find: &'f Find<'f>,
+    /// The file that is read, and those that include it.
+    open: Vec<PathBuf>,
+    /// Where the element starts that is expanded, bytes.
+    pub at: usize,
+    /// Every file read, with its text.
+    pub read: BTreeMap<PathBuf, Rc<str>>,
+    /// Packages that were found.
+    pub packages: BTreeMap<String, PathBuf>,
+}
+
+impl<'f> Sources<'f> {
+    pub fn new(find: &'f Find<'f>) -> Self {
+        Self {
+            find,
+            open: Vec::new(),
+            at: 0,
+            read: BTreeMap::new(),
+            packages: BTreeMap::new(),
+        }
+    }
+
+    /// The file that is read.
+    pub fn file(&self) -> PathBuf {
+        self.open.last().cloned().unwrap_or_default()
+    }
+
+    /// A problem at the present place.
+    pub fn problem(&self, message: impl Into<String>) -> Problem {
+        Problem {
+            message: message.into(),
+            file: self.file(),
+            at: self.at,
+            lacking: None,
+        }
+    }
+
+    /// The root element of a file.
+    pub fn root(&mut self, path: &Path) -> Done<Element> {
+        let text = self.text(path)?;
+        tree::parse(&text).map_err(|(message, at)| Problem {
+            file: path.to_owned(),
+            at,
+            ..self.problem(message)
+        })
+    }
+
+    /// Begins with a file.
+    pub fn enter(&mut self, path: PathBuf) -> Done<()> {
+        self.open.push(path);
+        if self.open.len() > DEEPEST {
+            return Err(self.problem("files include each other in a circle"));
+        }
+        Ok(())
+    }
+
+    /// Goes on with the file around it.
+    pub fn leave(&mut self) {
+        self.open.pop();
+    }
+
+    /// The text of a file.
+    pub fn text(&mut self, path: &Path) -> Done<Rc<str>> {
+        if let Some(known) = self.read.get(path) {
+            return Ok(Rc::clone(known));
+        }
+        let absent = |error: String| Problem {
+            lacking: Some(Lacking::File),
+            ..self.problem(format!("{} cannot be read: {error}", path.display()))
+        };
+        // Who opens a pipe waits for someone to write to it.
+        if std::fs::metadata(path).is_ok_and(|data| !data.is_file()) {
+            return Err(absent("it is not a file".to_owned()));
+        }
+        let read = || {
+            let mut bytes = Vec::new();
+            let file = std::fs::File::open(path)?;
+            file.take(LARGEST_FILE + 1).read_to_end(&mut bytes)?;
+            Ok::<_, std::io::Error>(bytes)
+        };
+        let bytes = read().map_err(|error| absent(error.to_string()))?;
+        if bytes.len() as u64 > LARGEST_FILE {
+            return Err(self.problem(format!("{} is too large", path.display())));
+        }
+        let text = String::from_utf8(bytes)
+            .map_err(|_| self.problem(format!("{} is not UTF-8", path.display())))?;
+        let text: Rc<str> = text.strip_prefix('\u{feff}').unwrap_or(&text).into();
+        self.read.insert(path.to_owned(), Rc::clone(&text));
+        Ok(text)
+    }
+
+    /// A path that counts from the folder of the file that is read.
+    pub fn beside(&self, name: &str) -> PathBuf {
+        let folder = self.open.last().and_then(|file| file.parent());
+        folder.map_or_else(|| PathBuf::from(name), |folder| folder.join(name))
+    }
+
+    /// The folder of the file that is read.
+    pub fn folder(&self) -> String {
+        let folder = self.beside("");
+        let folder = std::path::absolute(&folder).unwrap_or(folder);
+        let shown = folder.display().to_string();
+        shown.trim_end_matches('/').to_owned()
+    }
+
+    /// The folder of a package.
+    pub fn package(&mut self, name: &str) -> Done<String> {
+        let Some(folder) = (self.find)(name) else {
+            return Err(Problem {
+                lacking: Some(Lacking::Package(name.to_owned())),
+                ..self.problem(format!("the package '{name}' is not found"))
+            });
+        };
+        let folder = std::path::absolute(&folder).unwrap_or(folder);
+        let shown = folder.display().to_string();
+        self.packages.insert(name.to_owned(), folder);
+        Ok(shown)
+    }
+}

@@ -1,0 +1,263 @@
+//! Texts with `${…}` and `$(…)` in them → their values.
+
+use super::evaluate::Evaluation;
+use super::functions::Names;
+use super::parse;
+use super::problem::{Done, Lacking, Problem};
+use super::sources::Sources;
+use super::symbols::{Entry, Symbols};
+use super::value::{Value, number_of};
+use super::yaml;
+use std::collections::BTreeMap;
+
+/// Texts longer than this, in bytes, are not made: a few properties that double each other fill
+/// every memory.
+const LONGEST: usize = 16 << 20;
+
+/// Properties that need each other, and levels of a value.
+const DEEPEST: usize = 100;
+
+/// What texts refer to.
+pub struct Texts<'f> {
+    pub arguments: BTreeMap<String, String>,
+    pub symbols: Symbols,
+    pub sources: Sources<'f>,
+    /// Properties that are being evaluated.
+    open: usize,
+}
+
+/// What a name in an expression means.
+#[derive(Clone, Copy)]
+enum Meaning {
+    /// `${name}`: a property.
+    Property,
+    /// `$(eval name)`: an argument.
+    Argument,
+}
+
+impl<'f> Texts<'f> {
+    pub fn new(arguments: BTreeMap<String, String>, sources: Sources<'f>) -> Self {
+        Self {
+            arguments,
+            symbols: Symbols::new(),
+            sources,
+            open: 0,
+        }
+    }
+
+    /// The value of a name, evaluated where it must be.
+    pub fn entry(&mut self, scope: usize, name: &str) -> Done<Option<Value>> {
+        let Some((owner, entry)) = self.symbols.find(scope, name) else {
+            return Ok(None);
+        };
+        match entry.clone() {
+            Entry::Value(value) => Ok(Some(value)),
+            Entry::Open => Err(self
+                .sources
+                .problem(format!("the property '{name}' needs itself"))),
+            Entry::Text(text) => {
+                self.open += 1;
+                if self.open > DEEPEST {
+                    let message = format!("more than {DEEPEST} properties need each other");
+                    return Err(self.sources.problem(message));
+                }
+                self.symbols.set(owner, name, Entry::Open);
+                let value = self.value(&text, owner)?.of_literal();
+                self.open -= 1;
+                self.symbols.set(owner, name, Entry::Value(value.clone()));
+                Ok(Some(value))
+            }
+        }
+    }
+
+    /// A text with its expressions evaluated, as it is written.
+    pub fn shown(&mut self, text: &str, scope: usize) -> Done<String> {
+        Ok(self.value(text, scope)?.shown())
+    }
+
+    fn too_large(&self) -> Problem {
+        let message = format!("a value has more than {LONGEST} bytes or {DEEPEST} levels");
+        self.sources.problem(message)
+    }
+
+    /// A text with its expressions evaluated: their own value where there is nothing else.
+    pub fn value(&mut self, text: &str, scope: usize) -> Done<Value> {
+        if !text.contains('$') {
+            return Ok(Value::text(text));
+        }
+        let mut parts: Vec<Value> = Vec::new();
+        let mut rest = text;
+        while !rest.is_empty() {
+            let dollars = rest.len() - rest.trim_start_matches('$').len();
+            let after = &rest[dollars..];
+            if dollars >= 2 && after.starts_with(['{', '(']) {
+                parts.push(Value::text(&rest[1..=dollars]));
+                rest = &after[1..];
+            } else if let Some(inner) = rest.strip_prefix("${") {
+                let (inner, after) = inner
+                    .split_once('}')
+                    .ok_or_else(|| self.sources.problem(format!("'}}' is missing in '{text}'")))?;
+                let inner = self.shown(inner, scope)?;
+                parts.push(self.expression(&inner, scope, Meaning::Property)?);
+                rest = after;
+            } else if let Some(inner) = rest.strip_prefix("$(") {
+                let (inner, after) = inner
+                    .split_once(')')
+                    .ok_or_else(|| self.sources.problem(format!("')' is missing in '{text}'")))?;
+                let inner = self.shown(inner, scope)?;
+                parts.push(Value::text(self.substitution(&inner, scope)?));
+                rest = after;
+            } else {
+                let skip = dollars.min(1);
+                let end = rest[skip..].find('$').map_or(rest.len(), |end| end + skip);
+                parts.push(Value::text(&rest[..end]));
+                rest = &rest[end..];
+            }
+        }
+        if parts.len() == 1 {
+            return Ok(parts.swap_remove(0));
+        }
+        let mut joined = String::new();
+        for part in parts {
+            joined.push_str(&part.shown());
+            if joined.len() > LONGEST {
+                return Err(self.too_large());
+            }
+        }
+        Ok(Value::text(joined))
+    }
+
+    fn expression(&mut self, text: &str, scope: usize, meaning: Meaning) -> Done<Value> {
+        let mut failed = None;
+        let value = parse::expression(text).and_then(|parsed| {
+            let mut names = Scoped {
+                texts: &mut *self,
+                scope,
+                meaning,
+                failed: &mut failed,
+            };
+            Evaluation::new(&mut names).value(&parsed)
+        });
+        if let Some(problem) = failed {
+            return Err(problem);
+        }
+        let value = value.map_err(|error| {
+            let shown = match meaning {
+                Meaning::Property => format!("${{{text}}}"),
+                Meaning::Argument => format!("$(eval {text})"),
+            };
+            self.sources.problem(format!("{error}, in {shown}"))
+        })?;
+        if !value.fits(&mut LONGEST.clone(), DEEPEST) {
+            return Err(self.too_large());
+        }
+        Ok(value)
+    }
+
+    /// What stands in `$(…)`.
+    fn substitution(&mut self, text: &str, scope: usize) -> Done<String> {
+        if let Some(expression) = text.strip_prefix("eval ") {
+            let value = self.expression(expression, scope, Meaning::Argument)?;
+            return Ok(value.shown());
+        }
+        let words: Vec<&str> = text.split(' ').filter(|word| !word.is_empty()).collect();
+        match words[..] {
+            ["arg", name] => {
+                let known = self.arguments.get(name).cloned();
+                known.ok_or_else(|| Problem {
+                    lacking: Some(Lacking::Argument),
+                    ..self
+                        .sources
+                        .problem(format!("the argument '{name}' has no value"))
+                })
+            }
+            ["find", package] => self.sources.package(package),
+            ["env", name] => std::env::var(name).map_err(|_| {
+                self.sources
+                    .problem(format!("the environment variable {name} is not set"))
+            }),
+            ["optenv", name, ref default @ ..] => {
+                Ok(std::env::var(name).unwrap_or_else(|_| default.join(" ")))
+            }
+            ["dirname"] => Ok(self.sources.folder()),
+            ["cwd"] => Ok(std::env::current_dir()
+                .unwrap_or_default()
+                .display()
+                .to_string()),
+            _ => Err(self.sources.problem(format!(
+                "$({text}) is not known: there are find, arg, env, optenv, eval, dirname, cwd"
+            ))),
+        }
+    }
+}
+
+/// Names in a scope.
+struct Scoped<'a, 'f> {
+    texts: &'a mut Texts<'f>,
+    scope: usize,
+    meaning: Meaning,
+    /// The problem behind an error, which knows its place.
+    failed: &'a mut Option<Problem>,
+}
+
+impl Scoped<'_, '_> {
+    fn told<T>(&mut self, done: Done<T>) -> Result<T, String> {
+        done.map_err(|problem| {
+            let message = problem.message.clone();
+            self.failed.get_or_insert(problem);
+            message
+        })
+    }
+}
+
+impl Names for Scoped<'_, '_> {
+    fn name(&mut self, name: &str) -> Result<Option<Value>, String> {
+        match self.meaning {
+            Meaning::Property => self.in_scope(self.scope, name),
+            Meaning::Argument => Ok(match name {
+                "true" => Some(Value::Bool(true)),
+                "false" => Some(Value::Bool(false)),
+                "arg" => Some(Value::Function("arg")),
+                _ => self.argument(name).map(word),
+            }),
+        }
+    }
+
+    fn in_scope(&mut self, scope: usize, name: &str) -> Result<Option<Value>, String> {
+        let found = self.texts.entry(scope, name);
+        self.told(found)
+    }
+
+    fn yaml(&mut self, name: &str) -> Result<Value, String> {
+        let path = self.texts.sources.beside(name);
+        let text = self.texts.sources.text(&path);
+        let text = self.told(text)?;
+        let mut evaluate = |text: &str| {
+            let parsed = parse::expression(text).ok()?;
+            Evaluation::new(&mut Nothing).value(&parsed).ok()?.number()
+        };
+        yaml::read(&text, &mut evaluate).map_err(|error| format!("{}: {error}", path.display()))
+    }
+
+    fn path(&mut self, name: &str) -> String {
+        self.texts.sources.beside(name).display().to_string()
+    }
+
+    fn argument(&mut self, name: &str) -> Option<String> {
+        self.texts.arguments.get(name).cloned()
+    }
+}
+
+/// The value of an argument in `$(eval …)`.
+fn word(text: String) -> Value {
+    match text.to_lowercase().as_str() {
+        "true" => Value::Bool(true),
+        "false" => Value::Bool(false),
+        _ => number_of(&text).unwrap_or_else(|| Value::text(text)),
+    }
+}
+
+/// No names but Python's own.
+struct Nothing;
+
+impl Names for Nothing {}
