@@ -139,11 +139,8 @@ pub enum StageError {
     },
 }
 
-/// Reads a robot and its settings.
-///
-/// # Errors
-/// [`StageError::Robot`] with everything found so far, [`StageError::Table`].
-pub fn robot(request: &Request) -> Result<Robot, StageError> {
+/// The settings file with what the request says over it.
+fn settings_of(request: &Request) -> Result<Settings, StageError> {
     let mut settings = match &request.config {
         Some(path) => Settings::read_as(path, request.compat).map_err(StageError::Robot)?,
         None => Settings::of(request.compat.unwrap_or_default()),
@@ -180,6 +177,15 @@ pub fn robot(request: &Request) -> Result<Robot, StageError> {
         settings.default_mode = Some(ModeChoice::Commanded(mode));
     }
     settings.objects.extend(request.objects.iter().cloned());
+    Ok(settings)
+}
+
+/// Reads a robot and its settings.
+///
+/// # Errors
+/// [`StageError::Robot`] with everything found so far, [`StageError::Table`].
+pub fn robot(request: &Request) -> Result<Robot, StageError> {
+    let mut settings = settings_of(request)?;
     let packages = &request.packages;
     let options = world::options(&settings, packages);
     let read = world::read(&request.urdf, &request.xacro_arguments, &options);

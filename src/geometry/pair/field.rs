@@ -116,7 +116,7 @@ impl OnField<'_, '_> {
                 (x[0] - (jyy * fx - jxy * fy) / det).clamp(-half[0], half[0]),
                 (x[1] - (jxx * fy - jxy * fx) / det).clamp(-half[1], half[1]),
             ];
-            if next == x {
+            if next.map(f64::to_bits) == x.map(f64::to_bits) {
                 break;
             }
             x = next;
