@@ -25,7 +25,9 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 /// Marks a living instance, so that most wrong pointers are refused instead of followed.
 const TAG: u64 = 0x7564_6632_666d_7532;
 
-/// What the importer's pointer leads to.
+/// What the importer's pointer leads to. In C's order: of a pointer that is none of ours only the
+/// tag's eight bytes are read.
+#[repr(C)]
 struct Handle {
     /// [`TAG`]; 0 once freed.
     tag: AtomicU64,
@@ -75,8 +77,8 @@ impl Handle {
 /// The handle behind a pointer, if it is one of ours.
 ///
 /// # Safety
-/// `c` is null or points to readable memory of the size of a handle, such as the functions that
-/// make an instance return.
+/// `c` is null, or points to eight readable bytes that are not by chance those of [`TAG`], or was
+/// returned by a function that makes instances.
 unsafe fn handle<'a>(c: *mut c_void) -> Option<&'a Handle> {
     let pointer = c.cast::<Handle>();
     if pointer.is_null() || !pointer.is_aligned() {

@@ -1,6 +1,7 @@
 #![cfg(feature = "urdf")]
 
 mod arrays;
+mod words;
 
 use super::*;
 use crate::assemble::testing::{at, body, frame, mass, model, robot};
@@ -453,22 +454,6 @@ fn a_group_has_the_inputs_of_its_joints_once() {
         .filter(|name| name.contains(".kp"))
         .collect();
     assert_eq!(gains, ["cmd.left.kp", "cmd.fr_wheel.kp", "cmd.rr_wheel.kp"]);
-}
-
-/// The cart has 7.1 kg, which weigh 69.6 N.
-#[test]
-fn variables_say_whose_they_are_how_large_and_what_people_read_them_in() {
-    let table = table_of(&cart(), "");
-    let of = |name: &str| {
-        let v = get(&table, name);
-        (v.causality(), v.display, v.nominal)
-    };
-    let (output, turns) = (Causality::Output, Some(Display::TurnPerMinute));
-    assert_eq!(of("solver.steps"), (Causality::Local, None, None));
-    assert_eq!(of("energy.kinetic"), (output, None, Some(70.0)));
-    assert_eq!(of("joint.lift.effort"), (output, None, Some(70.0)));
-    assert_eq!(of("joint.left_wheel.velocity"), (output, turns, None));
-    assert_eq!(of("joint.grip.velocity").1, Some(Display::DegreePerSecond));
 }
 
 #[test]

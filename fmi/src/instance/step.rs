@@ -169,7 +169,7 @@ impl Instance {
             return Self::arrived(now, way.end < way.asked);
         }
         let most = self.simulation.parameter(ParameterSlot::MaxSteps);
-        let most = (most * (way.asked - way.begin).max(1.0)).floor();
+        let most = most * (way.asked - way.begin).max(1.0);
         #[expect(clippy::cast_precision_loss, reason = "no step takes 2^52 tries")]
         let tried = (self.tries() - way.tries) as f64;
         let advanced = if tried > most {
