@@ -13,6 +13,8 @@
 
 #[path = "support/clock.rs"]
 mod clock;
+#[path = "support/ground.rs"]
+mod ground;
 #[path = "../src/testing/random.rs"]
 mod random;
 
@@ -20,12 +22,11 @@ use random::Random;
 use std::fmt::Write as _;
 use std::hint::black_box;
 use std::sync::Arc;
-use urdf2fmu_core::assemble::{self, Guest};
-use urdf2fmu_core::geometry::surface::{Surface, Triangles};
+use urdf2fmu_core::assemble;
 use urdf2fmu_core::geometry::{Shape, bounded_hull};
-use urdf2fmu_core::model::{Model, RootKind, SensorId, SensorKind};
-use urdf2fmu_core::settings::{ObjectSettings, ObjectSource, Settings};
-use urdf2fmu_core::simulation::{OutputSlot, Simulation};
+use urdf2fmu_core::model::{Model, SensorId, SensorKind};
+use urdf2fmu_core::settings::Settings;
+use urdf2fmu_core::simulation::{OutputSlot, Sensed, Simulation};
 use urdf2fmu_core::spatial::{Pose, Vec3};
 
 const ROUNDS: usize = 200;
@@ -90,29 +91,8 @@ fn world(shapes: &[Placed], [columns, rows]: [u32; 2]) -> Model {
     let settings = Settings::parse(&text, "lidar.toml").expect("legal settings");
     let eye = assemble::solid("eye", &Shape::Sphere { radius: 0.05 }, 1.0);
     let guest = |(i, placed): (usize, &Placed)| {
-        let name = format!("s{i}");
-        let mut object = ObjectSettings {
-            name: Some(name.as_str().into()),
-            source: ObjectSource::Solid {
-                shape: placed.shape.clone(),
-                mass: 0.0,
-            },
-            initial: settings.initial.clone(),
-            fixed: true,
-            conveyor: false,
-            friction: None,
-            restitution: None,
-            place: None,
-        };
-        object.initial.xy = [placed.xyz.x, placed.xyz.y];
-        object.initial.z = Some(placed.xyz.z);
-        object.initial.rpy = placed.rpy;
-        Guest {
-            kind: RootKind::Object,
-            description: assemble::solid(&name, &placed.shape, 0.0),
-            settings: assemble::of_object(&object, &settings),
-            name,
-        }
+        let Placed { shape, xyz, rpy } = placed;
+        ground::still(&format!("s{i}"), shape, [*xyz, *rpy], &settings)
     };
     let guests: Vec<_> = shapes.iter().enumerate().map(guest).collect();
     let assembled = assemble::world(&eye, &settings, &guests);
@@ -121,27 +101,12 @@ fn world(shapes: &[Placed], [columns, rows]: [u32; 2]) -> Model {
 
 /// Hills of 2 m that rise from the lidar on, over 20 m.
 fn hills() -> Placed {
-    const CELLS: u32 = 224;
-    let corner = |i: u32, j: u32| {
-        let [x, y] = [i, j].map(|k| (f64::from(k) / f64::from(CELLS) - 0.5) * 20.0);
+    let height = |x: f64, y: f64| {
         let rise = 1.0 - libm::cos(0.3 * libm::hypot(x, y));
-        Vec3::new(
-            x,
-            y,
-            rise * (0.7 + 0.3 * libm::sin(2.0 * x) * libm::cos(3.0 * y)),
-        )
+        rise * (0.7 + 0.3 * libm::sin(2.0 * x) * libm::cos(3.0 * y))
     };
-    let cells = (0..CELLS).flat_map(|j| (0..CELLS).map(move |i| (i, j)));
-    let list: Vec<[Vec3; 3]> = cells
-        .flat_map(|(i, j)| {
-            let [a, b] = [corner(i, j), corner(i + 1, j)];
-            let [c, d] = [corner(i + 1, j + 1), corner(i, j + 1)];
-            [[a, b, c], [a, c, d]]
-        })
-        .collect();
-    let surface = Arc::new(Surface::try_from(Triangles::new(&list)).expect("triangles"));
     Placed {
-        shape: Shape::Surface { surface },
+        shape: ground::triangles(20.0, 224, height),
         xyz: Vec3::zeros(),
         rpy: Vec3::zeros(),
     }
@@ -157,7 +122,7 @@ fn rays(model: &Model) -> &[Vec3] {
 fn read(simulation: &mut Simulation, rays: usize) -> Vec<f64> {
     (0..)
         .take(rays)
-        .map(|ray| simulation.output(OutputSlot::SensorDistance(SensorId(0), ray)))
+        .map(|ray| simulation.output(OutputSlot::Sensor(SensorId(0), Sensed::Distance(ray))))
         .collect()
 }
 
@@ -173,7 +138,7 @@ fn time(model: &Model) -> f64 {
         simulation.restore(&snapshot).expect("its own state");
         let start = clock::now();
         for ray in (0..).take(rays) {
-            black_box(simulation.output(OutputSlot::SensorDistance(SensorId(0), ray)));
+            black_box(simulation.output(OutputSlot::Sensor(SensorId(0), Sensed::Distance(ray))));
         }
         best = best.min(clock::now() - start);
     }

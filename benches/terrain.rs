@@ -13,17 +13,19 @@
 
 #[path = "support/clock.rs"]
 mod clock;
+#[path = "support/ground.rs"]
+mod ground;
 
+use ground::triangles;
 use std::hint::black_box;
 use std::path::Path;
 use std::sync::Arc;
-use urdf2fmu_core::assemble::{self, Guest};
+use urdf2fmu_core::assemble;
 use urdf2fmu_core::geometry::Shape;
 use urdf2fmu_core::geometry::field::{Field, Samples};
 use urdf2fmu_core::geometry::pair::{Patch, Solid};
-use urdf2fmu_core::geometry::surface::{Surface, Triangles};
-use urdf2fmu_core::model::{ActuatorId, ActuatorMode, Model, RootKind};
-use urdf2fmu_core::settings::{ObjectSettings, ObjectSource, Settings};
+use urdf2fmu_core::model::{ActuatorId, ActuatorMode, Model};
+use urdf2fmu_core::settings::Settings;
 use urdf2fmu_core::simulation::{InputSlot, Simulation};
 use urdf2fmu_core::spatial::{Pose, Vec3};
 use urdf2fmu_core::urdf;
@@ -44,21 +46,6 @@ fn heights(extent: f64, cells: usize, height: impl Fn(f64, f64) -> f64) -> Shape
     Shape::Field { field }
 }
 
-fn triangles(extent: f64, cells: usize, height: impl Fn(f64, f64) -> f64) -> Shape {
-    let place = |i: usize| (i as f64 / cells as f64 - 0.5) * extent;
-    let corner = |i, j| Vec3::new(place(i), place(j), height(place(i), place(j)));
-    let places = (0..cells).flat_map(|j| (0..cells).map(move |i| (i, j)));
-    let list: Vec<[Vec3; 3]> = places
-        .flat_map(|(i, j)| {
-            let [a, b] = [corner(i, j), corner(i + 1, j)];
-            let [c, d] = [corner(i + 1, j + 1), corner(i, j + 1)];
-            [[a, b, c], [a, c, d]]
-        })
-        .collect();
-    let surface = Arc::new(Surface::try_from(Triangles::new(&list)).expect("triangles"));
-    Shape::Surface { surface }
-}
-
 fn hills(x: f64, y: f64) -> f64 {
     0.03 * (libm::sin(3.0 * x) * libm::cos(2.0 * y) - 1.0)
 }
@@ -73,31 +60,7 @@ fn model(robot: &str, more: &str, terrain: Option<&Shape>) -> Model {
         .join(robot);
     let options = assemble::read_options(&settings, urdf::ReadOptions::from_environment());
     let robot = urdf::read(&file, &options).expect("an example");
-    let guest = |shape: &Shape| {
-        let object = ObjectSettings {
-            name: Some("terrain".into()),
-            source: ObjectSource::Solid {
-                shape: shape.clone(),
-                mass: 0.0,
-            },
-            initial: settings.initial.clone(),
-            fixed: true,
-            conveyor: false,
-            friction: None,
-            restitution: None,
-            place: None,
-        };
-        let mut object = object;
-        object.initial.xy = [0.0; 2];
-        object.initial.z = Some(0.0);
-        object.initial.joints.clear();
-        Guest {
-            kind: RootKind::Object,
-            description: assemble::solid("terrain", shape, 0.0),
-            settings: assemble::of_object(&object, &settings),
-            name: "terrain".into(),
-        }
-    };
+    let guest = |shape| ground::still("terrain", shape, [Vec3::zeros(); 2], &settings);
     let guests: Vec<_> = terrain.map(guest).into_iter().collect();
     let world = assemble::world(&robot, &settings, &guests).expect("a world");
     world.model

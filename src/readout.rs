@@ -17,7 +17,7 @@ use crate::force::NamedPairs;
 use crate::kinematics::forward;
 use crate::model::{JointId, LinkId, Model, RootId};
 use crate::sensor::Sensors;
-use crate::slots::{Axis, OutputSlot};
+use crate::slots::{Axis, OutputSlot, Sensed};
 use crate::spatial::{
     Pose, Vec3, Vec6, add6, dot6, quaternion_from_rotation, rpy_from_rotation, velocity_at,
 };
@@ -137,8 +137,7 @@ impl Readout {
             O::JointPosition(..)
             | O::JointOrientation(..)
             | O::JointVelocity(..)
-            | O::SensorPosition(_)
-            | O::SensorVelocity(_)
+            | O::Sensor(_, Sensed::Position | Sensed::Velocity)
             | O::Steps
             | O::Rejected
             | O::NewtonMax => Level::State,
@@ -164,10 +163,13 @@ impl Readout {
             | O::LinkAngularVelocity(..)
             | O::EnergyKinetic
             | O::EnergyPotential
-            | O::SensorOrientation(..)
-            | O::SensorAngularVelocity(..)
-            | O::SensorDistance(..)
-            | O::SensorHit(..) => Level::Kinematics,
+            | O::Sensor(
+                _,
+                Sensed::Orientation(_)
+                | Sensed::AngularVelocity(_)
+                | Sensed::Distance(_)
+                | Sensed::Hit(_),
+            ) => Level::Kinematics,
             O::ContactActive(_)
             | O::ContactForce(..)
             | O::ContactPoint(..)
@@ -177,9 +179,7 @@ impl Readout {
             | O::PairNormal(..)
             | O::PairDepth(_)
             | O::PairSlipSpeed(_)
-            | O::SensorNormalForce(_)
-            | O::SensorPoint(..)
-            | O::SensorDepth(_)
+            | O::Sensor(_, Sensed::NormalForce | Sensed::Point(_) | Sensed::Depth)
             | O::LoopGap(_)
             | O::SpringForce(..)
             | O::SpringLength(_)
@@ -187,7 +187,7 @@ impl Readout {
             O::JointAcceleration(..) | O::LoopForce(..) | O::LoopTorque(..) | O::LoopEffort(_) => {
                 Level::Accelerations
             }
-            O::SensorAcceleration(..) | O::SensorForce(..) | O::SensorTorque(..) => {
+            O::Sensor(_, Sensed::Acceleration(_) | Sensed::Force(_) | Sensed::Torque(_)) => {
                 Level::BodyAccelerations
             }
         }
@@ -195,7 +195,10 @@ impl Readout {
 
     /// Value of an output.
     pub fn read(&mut self, ctx: &Context, state: &State, slot: OutputSlot) -> f64 {
-        let measured = self.measured(ctx, state, slot);
+        let measured = match slot {
+            OutputSlot::Sensor(id, what) => self.measured(ctx, state, id, what),
+            _ => None,
+        };
         measured.unwrap_or_else(|| self.read_now(ctx, state, slot))
     }
 
@@ -281,18 +284,7 @@ impl Readout {
             | O::SpringLength(_) => self.closure_output(ctx, slot),
             O::EnergyKinetic => self.energies(ctx, state)[0],
             O::EnergyPotential => self.energies(ctx, state)[1],
-            O::SensorOrientation(..)
-            | O::SensorAngularVelocity(..)
-            | O::SensorAcceleration(..)
-            | O::SensorForce(..)
-            | O::SensorTorque(..)
-            | O::SensorDistance(..)
-            | O::SensorHit(..)
-            | O::SensorPosition(_)
-            | O::SensorVelocity(_)
-            | O::SensorNormalForce(_)
-            | O::SensorPoint(..)
-            | O::SensorDepth(_) => self.sensed(ctx, state, slot),
+            O::Sensor(id, what) => self.sensed(ctx, state, id, what),
             O::Steps => count(state.stepping.counters.steps),
             O::Rejected => count(state.stepping.counters.rejected),
             O::NewtonMax => count(state.stepping.counters.newton_max),

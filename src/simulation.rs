@@ -3,7 +3,7 @@
 //! Life of a simulation: [`Simulation::new`], set fixed parameters and inputs,
 //! [`Simulation::initialize`], then inputs, [`Simulation::advance_to`], outputs, and again.
 
-pub use crate::slots::{Axis, InputSlot, OutputSlot, ParameterSlot};
+pub use crate::slots::{Axis, InputSlot, OutputSlot, ParameterSlot, Sensed};
 pub use crate::snapshot::{SavedStateError, Snapshot};
 
 use crate::closure::Gap;

@@ -162,36 +162,43 @@ pub enum OutputSlot {
     EnergyKinetic,
     /// J, of gravity, zero at world height 0.
     EnergyPotential,
-    /// x, y, z, w: orientation of the sensor's frame in the world.
-    SensorOrientation(SensorId, Axis),
-    /// rad/s, sensor axes.
-    SensorAngularVelocity(SensorId, Axis),
-    /// m/s², acceleration less gravity of the sensor's origin, sensor axes.
-    SensorAcceleration(SensorId, Axis),
-    /// N, that a joint's parent exerts on its child, sensor axes.
-    SensorForce(SensorId, Axis),
-    /// N·m, about the child's origin, likewise.
-    SensorTorque(SensorId, Axis),
-    /// m, to the first thing along a ray (0, 1, …), or the sensor's range.
-    SensorDistance(SensorId, u32),
-    /// What that thing is: 0 nothing, −1 the ground, else one more than the index of its link.
-    SensorHit(SensorId, u32),
-    /// rad or m, of an encoder's joint, in whole steps.
-    SensorPosition(SensorId),
-    /// rad/s or m/s, of an encoder: by how much its last two samples differ, per time.
-    SensorVelocity(SensorId),
-    /// N, sum of the normal forces on a contact sensor.
-    SensorNormalForce(SensorId),
-    /// m, sensor frame: where they act; 0 where nothing presses.
-    SensorPoint(SensorId, Axis),
-    /// m, the deepest overlap there.
-    SensorDepth(SensorId),
+    /// What a sensor measures.
+    Sensor(SensorId, Sensed),
     /// Steps taken since the start.
     Steps,
     /// Steps rejected since the start.
     Rejected,
     /// Most Newton iterations in one solve since the start.
     NewtonMax,
+}
+
+/// A quantity that a sensor measures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sensed {
+    /// x, y, z, w: orientation of the sensor's frame in the world.
+    Orientation(Axis),
+    /// rad/s, sensor axes.
+    AngularVelocity(Axis),
+    /// m/s², acceleration less gravity of the sensor's origin, sensor axes.
+    Acceleration(Axis),
+    /// N, that a joint's parent exerts on its child, sensor axes.
+    Force(Axis),
+    /// N·m, about the child's origin, likewise.
+    Torque(Axis),
+    /// m, to the first thing along a ray (0, 1, …), or the sensor's range.
+    Distance(u32),
+    /// What that thing is: 0 nothing, −1 the ground, else one more than the index of its link.
+    Hit(u32),
+    /// rad or m, of an encoder's joint, in whole steps.
+    Position,
+    /// rad/s or m/s, of an encoder: by how much its last two samples differ, per time.
+    Velocity,
+    /// N, sum of the normal forces on a contact sensor.
+    NormalForce,
+    /// m, sensor frame: where they act; 0 where nothing presses.
+    Point(Axis),
+    /// m, the deepest overlap there.
+    Depth,
 }
 
 impl OutputSlot {

@@ -329,7 +329,7 @@ pub const EVEN_EDGE: f64 = 1.7e-3;
 /// give or take round-off.
 pub const CREST_SLACK: f64 = 0.02;
 /// Iterations by which the place of terrain nearest to a ball is found. Always so many, so that it
-/// moves continuously.
+/// moves continuously; fewer only where another one would change nothing.
 pub const NEAREST_ON_FIELD: usize = 4;
 /// Cells along the longer side of heights that are generated.
 pub const TERRAIN_CELLS: f64 = 100.0;

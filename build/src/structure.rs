@@ -5,7 +5,7 @@
 //! depend on nothing that an importer sets at that time (see [`crate::describe`]).
 
 use urdf2fmu_core::model::{BodyId, JointId, JointKind, Model};
-use urdf2fmu_core::simulation::{OutputSlot, ParameterSlot};
+use urdf2fmu_core::simulation::{OutputSlot, ParameterSlot, Sensed};
 use urdf2fmu_core::variables::{Slot, Variable};
 
 /// Indexes (from 1, ascending) of the table's inputs and parameters that `output` follows in
@@ -68,7 +68,6 @@ fn is_counter(output: OutputSlot) -> bool {
 
 impl Follows {
     /// None where the output comes out of the dynamics, or of closed loops, which may move all.
-    #[expect(clippy::too_many_lines, reason = "an arm or two an output")]
     fn new(model: &Model, output: OutputSlot) -> Option<Self> {
         let none = Self::default();
         if !model.loops.is_empty() && !is_counter(output) {
@@ -131,10 +130,12 @@ impl Follows {
                 ..none
             },
             OutputSlot::LinkPosition(..) => pose,
-            OutputSlot::LinkOrientation(..) | OutputSlot::SensorOrientation(..) => Self {
-                base_position: false,
-                ..pose
-            },
+            OutputSlot::LinkOrientation(..) | OutputSlot::Sensor(_, Sensed::Orientation(_)) => {
+                Self {
+                    base_position: false,
+                    ..pose
+                }
+            }
             // The velocity of a point turns with the robot and grows with its distance from the
             // axes.
             OutputSlot::LinkLinearVelocity(..) => Self {
@@ -144,7 +145,8 @@ impl Follows {
                 joint_velocities: Joints::All,
                 ..pose
             },
-            OutputSlot::LinkAngularVelocity(..) | OutputSlot::SensorAngularVelocity(..) => Self {
+            OutputSlot::LinkAngularVelocity(..)
+            | OutputSlot::Sensor(_, Sensed::AngularVelocity(_)) => Self {
                 base_position: false,
                 base_angular_velocity: true,
                 joint_velocities: Joints::All,
@@ -169,16 +171,7 @@ impl Follows {
             | OutputSlot::LoopGap(_)
             | OutputSlot::SpringForce(..)
             | OutputSlot::SpringLength(_)
-            | OutputSlot::SensorAcceleration(..)
-            | OutputSlot::SensorDistance(..)
-            | OutputSlot::SensorHit(..)
-            | OutputSlot::SensorPosition(_)
-            | OutputSlot::SensorVelocity(_)
-            | OutputSlot::SensorNormalForce(_)
-            | OutputSlot::SensorPoint(..)
-            | OutputSlot::SensorDepth(_)
-            | OutputSlot::SensorForce(..)
-            | OutputSlot::SensorTorque(..)
+            | OutputSlot::Sensor(..)
             | OutputSlot::EnergyKinetic
             | OutputSlot::EnergyPotential => return None,
         })

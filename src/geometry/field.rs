@@ -316,9 +316,12 @@ impl Field {
         let cell = self.cell_about(x, y)?;
         let [px, py] = self.grid.per_metre;
         let (height, [sx, sy]) = cell.tangent();
-        let (x, y) = (sx * px, sy * py);
-        let up = 1.0 / (1.0 + x * x + y * y).sqrt();
-        Some((height, Vec3::new(-x * up, -y * up, up)))
+        let local = Local {
+            height,
+            slope: [sx * px, sy * py],
+            bend: [0.0; 3],
+        };
+        Some((height, local.normal()))
     }
 
     /// The sample `(i, j)`: its place, the surface's normal there, how sharp it is.

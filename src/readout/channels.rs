@@ -1,8 +1,8 @@
-//! Which number of a sensor an output is, and where its samples are held.
+//! Which number of a sensor a quantity is, and where its samples are held.
 
-use crate::model::{Model, Sensor, SensorId, SensorKind};
+use crate::model::{Model, Sensor, SensorKind};
 use crate::sensor::noise::Stream;
-use crate::slots::{Axis, OutputSlot};
+use crate::slots::{Axis, Sensed};
 
 /// Where the sensors' samples are held, and scratch for one of them.
 #[derive(Clone, Debug)]
@@ -36,22 +36,20 @@ impl Sampler {
     }
 }
 
-/// The sensor of an output, and its channel.
-pub(super) fn channel(model: &Model, slot: OutputSlot) -> Option<(SensorId, usize)> {
-    use OutputSlot as O;
-    Some(match slot {
-        O::SensorOrientation(id, axis) | O::SensorForce(id, axis) => (id, usize::from(axis)),
-        O::SensorAngularVelocity(id, axis) => (id, 4 + usize::from(axis)),
-        O::SensorAcceleration(id, axis) => (id, 7 + usize::from(axis)),
-        O::SensorTorque(id, axis) => (id, 3 + usize::from(axis)),
-        O::SensorDistance(id, ray) => (id, ray as usize),
-        O::SensorHit(id, ray) => (id, rays(&model.outputs.sensors[id.index()]) + ray as usize),
-        O::SensorPosition(id) | O::SensorNormalForce(id) => (id, 0),
-        O::SensorVelocity(id) => (id, 1),
-        O::SensorPoint(id, axis) => (id, 1 + usize::from(axis)),
-        O::SensorDepth(id) => (id, 4),
-        _ => return None,
-    })
+/// Which number of a sensor a quantity is.
+pub(super) fn channel(sensor: &Sensor, what: Sensed) -> usize {
+    match what {
+        Sensed::Orientation(axis) | Sensed::Force(axis) => usize::from(axis),
+        Sensed::AngularVelocity(axis) => 4 + usize::from(axis),
+        Sensed::Acceleration(axis) => 7 + usize::from(axis),
+        Sensed::Torque(axis) => 3 + usize::from(axis),
+        Sensed::Distance(ray) => ray as usize,
+        Sensed::Hit(ray) => rays(sensor) + ray as usize,
+        Sensed::Position | Sensed::NormalForce => 0,
+        Sensed::Velocity => 1,
+        Sensed::Point(axis) => 1 + usize::from(axis),
+        Sensed::Depth => 4,
+    }
 }
 
 /// The inverse.
@@ -59,26 +57,23 @@ pub(super) fn channel(model: &Model, slot: OutputSlot) -> Option<(SensorId, usiz
     clippy::cast_possible_truncation,
     reason = "a model has fewer channels"
 )]
-pub(super) fn slot(sensor: &Sensor, id: SensorId, channel: usize) -> OutputSlot {
-    use OutputSlot as O;
+pub(super) fn quantity(sensor: &Sensor, channel: usize) -> Sensed {
     let axis = |first: usize| (channel - first) as Axis;
     match (&sensor.kind, channel) {
-        (SensorKind::Imu, 0..=3) => O::SensorOrientation(id, axis(0)),
-        (SensorKind::Imu, 4..=6) => O::SensorAngularVelocity(id, axis(4)),
-        (SensorKind::Imu, _) => O::SensorAcceleration(id, axis(7)),
-        (SensorKind::ForceTorque { .. }, 0..=2) => O::SensorForce(id, axis(0)),
-        (SensorKind::ForceTorque { .. }, _) => O::SensorTorque(id, axis(3)),
+        (SensorKind::Imu, 0..=3) => Sensed::Orientation(axis(0)),
+        (SensorKind::Imu, 4..=6) => Sensed::AngularVelocity(axis(4)),
+        (SensorKind::Imu, _) => Sensed::Acceleration(axis(7)),
+        (SensorKind::ForceTorque { .. }, 0..=2) => Sensed::Force(axis(0)),
+        (SensorKind::ForceTorque { .. }, _) => Sensed::Torque(axis(3)),
         (SensorKind::Ray { directions, .. }, ray) if ray < directions.len() => {
-            O::SensorDistance(id, ray as u32)
+            Sensed::Distance(ray as u32)
         }
-        (SensorKind::Ray { directions, .. }, ray) => {
-            O::SensorHit(id, (ray - directions.len()) as u32)
-        }
-        (SensorKind::Encoder { .. }, 0) => O::SensorPosition(id),
-        (SensorKind::Encoder { .. }, _) => O::SensorVelocity(id),
-        (SensorKind::Contact { .. }, 0) => O::SensorNormalForce(id),
-        (SensorKind::Contact { .. }, 1..=3) => O::SensorPoint(id, axis(1)),
-        (SensorKind::Contact { .. }, _) => O::SensorDepth(id),
+        (SensorKind::Ray { directions, .. }, ray) => Sensed::Hit((ray - directions.len()) as u32),
+        (SensorKind::Encoder { .. }, 0) => Sensed::Position,
+        (SensorKind::Encoder { .. }, _) => Sensed::Velocity,
+        (SensorKind::Contact { .. }, 0) => Sensed::NormalForce,
+        (SensorKind::Contact { .. }, 1..=3) => Sensed::Point(axis(1)),
+        (SensorKind::Contact { .. }, _) => Sensed::Depth,
     }
 }
 

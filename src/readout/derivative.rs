@@ -4,7 +4,7 @@
 use super::{Level, Readout, joint_orientation, quaternion};
 use crate::model::{BodyId, JointId, Model, RootId};
 use crate::sensor::frame::pose;
-use crate::slots::{Axis, OutputSlot};
+use crate::slots::{Axis, OutputSlot, Sensed};
 use crate::spatial::{Vec3, angular, linear, quaternion_product};
 use crate::state::State;
 use crate::step::point::Context;
@@ -12,7 +12,6 @@ use crate::step::point::Context;
 impl Readout {
     /// Time derivative of an output at the state's time, from the right where forces jump; None if
     /// it has none.
-    #[expect(clippy::too_many_lines, reason = "an arm or two an output")]
     pub fn derivative(&mut self, ctx: &Context, state: &State, slot: OutputSlot) -> Option<f64> {
         use OutputSlot as O;
         let model = ctx.model;
@@ -74,30 +73,25 @@ impl Readout {
                 let a = linear(A) + angular(A).cross(&r) + omega.cross(&velocity);
                 a[axis as usize]
             }
-            O::SensorOrientation(sensor, axis) => {
+            O::Sensor(sensor, Sensed::Orientation(axis)) => {
                 let q = std::array::from_fn(|i| {
-                    self.read(ctx, state, O::SensorOrientation(sensor, LETTERS[i]))
+                    self.read(
+                        ctx,
+                        state,
+                        O::Sensor(sensor, Sensed::Orientation(LETTERS[i])),
+                    )
                 });
                 let (body, _) = pose(ctx, &self.point, sensor.index());
                 world_quaternion_rate(q, &angular(&self.point.kin.V[body]), axis)
             }
-            O::SensorAngularVelocity(sensor, axis) => {
+            O::Sensor(sensor, Sensed::AngularVelocity(axis)) => {
                 self.prepare(ctx, state, Level::BodyAccelerations);
                 let (body, X) = pose(ctx, &self.point, sensor.index());
                 // In moving axes: `d(Rᵀω)/dt = Rᵀ α`, because ω does not turn in its own axes.
                 (X.R.transpose() * angular(&self.A[body]))[axis as usize]
             }
             O::JointAcceleration(..)
-            | O::SensorAcceleration(..)
-            | O::SensorForce(..)
-            | O::SensorTorque(..)
-            | O::SensorDistance(..)
-            | O::SensorHit(..)
-            | O::SensorPosition(_)
-            | O::SensorVelocity(_)
-            | O::SensorNormalForce(_)
-            | O::SensorPoint(..)
-            | O::SensorDepth(_)
+            | O::Sensor(..)
             | O::JointEffort(_)
             | O::ContactActive(_)
             | O::ContactForce(..)

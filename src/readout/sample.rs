@@ -5,9 +5,9 @@
 //! of seed, name, channel and `k`, so that the state holds nothing but the samples.
 
 use super::Readout;
-use super::channels::{channel, slot};
+use super::channels::{channel, quantity};
 use crate::model::{Sensor, SensorId, SensorKind};
-use crate::slots::OutputSlot;
+use crate::slots::{OutputSlot, Sensed};
 use crate::state::State;
 use crate::step::point::Context;
 use crate::tuning::SAMPLE_EARLY;
@@ -15,24 +15,28 @@ use crate::tuning::SAMPLE_EARLY;
 impl Readout {
     /// Whether an output is held between samples.
     pub(super) fn is_held(ctx: &Context, slot: OutputSlot) -> bool {
-        channel(ctx.model, slot).is_some_and(|(id, _)| {
-            let sensor = &ctx.model.outputs.sensors[id.index()];
-            sensor.sampling.rate.is_some()
-        })
+        match slot {
+            OutputSlot::Sensor(id, _) => {
+                let sensor = &ctx.model.outputs.sensors[id.index()];
+                sensor.sampling.rate.is_some()
+            }
+            _ => false,
+        }
     }
 
-    /// What a sensor that is not ideal says; None of anything else.
+    /// What a sensor that is not ideal says; None of one that is.
     pub(super) fn measured(
         &mut self,
         ctx: &Context,
         state: &State,
-        slot: OutputSlot,
+        id: SensorId,
+        what: Sensed,
     ) -> Option<f64> {
-        let (id, channel) = channel(ctx.model, slot)?;
         let sensor = &ctx.model.outputs.sensors[id.index()];
         if sensor.sampling.is_ideal() {
             return None;
         }
+        let channel = channel(sensor, what);
         if sensor.sampling.rate.is_some() {
             let held = &state.stepping.samples[self.sampler.places[id.index()]..];
             if held[0] > 0.0 {
@@ -40,7 +44,7 @@ impl Readout {
             }
         }
         // Before the start, or without a rate: as things are at this moment.
-        let value = self.read_now(ctx, state, slot);
+        let value = self.read_now(ctx, state, OutputSlot::Sensor(id, what));
         Some(self.wrong(sensor, id, (channel, 0), value))
     }
 
@@ -97,7 +101,8 @@ impl Readout {
             )]
             let index = number as u64;
             for channel in 0..sensor.channels() {
-                let value = self.read_now(ctx, state, slot(sensor, id, channel));
+                let slot = OutputSlot::Sensor(id, quantity(sensor, channel));
+                let value = self.read_now(ctx, state, slot);
                 self.sampler.fresh[channel] = self.wrong(sensor, id, (channel, index), value);
             }
             let held = &mut state.stepping.samples[place..place + sensor.held()];

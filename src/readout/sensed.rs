@@ -5,45 +5,50 @@
 use super::{Readout, joint_position, quaternion};
 use crate::model::{Model, SensorId, SensorKind};
 use crate::sensor::{self, frame::pose};
-use crate::slots::OutputSlot;
+use crate::slots::Sensed;
 use crate::state::State;
 use crate::step::point::Context;
 
 impl Readout {
-    /// Value of an output of a sensor; all that it needs has been prepared.
-    pub(super) fn sensed(&mut self, ctx: &Context, state: &State, slot: OutputSlot) -> f64 {
-        use OutputSlot as O;
+    /// Value of a quantity of a sensor; all that it needs has been prepared.
+    pub(super) fn sensed(
+        &mut self,
+        ctx: &Context,
+        state: &State,
+        id: SensorId,
+        what: Sensed,
+    ) -> f64 {
         let (sensors, point, A) = (&mut self.sensors, &self.point, &self.A);
-        match slot {
-            O::SensorOrientation(id, axis) => {
+        match what {
+            Sensed::Orientation(axis) => {
                 let (_, X) = pose(ctx, point, id.index());
                 quaternion(&X)[axis as usize]
             }
-            O::SensorAngularVelocity(id, axis) => {
+            Sensed::AngularVelocity(axis) => {
                 sensor::angular_velocity(ctx, point, id.index())[axis as usize]
             }
-            O::SensorAcceleration(id, axis) => {
+            Sensed::Acceleration(axis) => {
                 sensor::specific_force(ctx, point, A, id.index())[axis as usize]
             }
-            O::SensorTorque(id, axis) => {
+            Sensed::Torque(axis) => {
                 let [torque, _] = sensors.wrench(ctx, point, A, id.index());
                 torque[axis as usize]
             }
-            O::SensorForce(id, axis) => {
+            Sensed::Force(axis) => {
                 let [_, force] = sensors.wrench(ctx, point, A, id.index());
                 force[axis as usize]
             }
-            O::SensorDistance(id, ray) => {
+            Sensed::Distance(ray) => {
                 let scans = &mut sensors.scans;
                 scans.distance(ctx, point, id.index(), ray as usize)
             }
-            O::SensorHit(id, ray) => sensors.scans.hit(ctx, point, id.index(), ray as usize),
-            O::SensorPosition(id) => encoder_position(ctx.model, state, id),
-            O::SensorNormalForce(id) => self.touched(ctx, id).force,
-            O::SensorPoint(id, axis) => self.touched(ctx, id).point[axis as usize],
-            O::SensorDepth(id) => self.touched(ctx, id).depth,
-            // The velocity of an encoder, which has none before its second sample.
-            _ => 0.0,
+            Sensed::Hit(ray) => sensors.scans.hit(ctx, point, id.index(), ray as usize),
+            Sensed::Position => encoder_position(ctx.model, state, id),
+            Sensed::NormalForce => self.touched(ctx, id).force,
+            Sensed::Point(axis) => self.touched(ctx, id).point[axis as usize],
+            Sensed::Depth => self.touched(ctx, id).depth,
+            // Of an encoder, which has none before its second sample.
+            Sensed::Velocity => 0.0,
         }
     }
 }

@@ -6,7 +6,7 @@ use crate::assemble::testing::{
 };
 use crate::model::JointKind::{Continuous, Fixed, Prismatic, Revolute};
 use crate::model::{JointId, LinkId, SensorId};
-use crate::simulation::{InputSlot, OutputSlot, Simulation};
+use crate::simulation::{InputSlot, OutputSlot, Sensed, Simulation};
 use crate::spatial::{Mat3, Pose, Vec3};
 use crate::urdf::Description;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_3};
@@ -22,24 +22,18 @@ fn start(description: &Description, settings: &str) -> Simulation {
     simulation
 }
 
-fn read(s: &mut Simulation, slot: fn(SensorId, u8) -> OutputSlot, sensor: u32) -> Vec3 {
-    Vec3::new(
-        s.output(slot(SensorId(sensor), 0)),
-        s.output(slot(SensorId(sensor), 1)),
-        s.output(slot(SensorId(sensor), 2)),
-    )
+fn read(s: &mut Simulation, what: fn(u8) -> Sensed, sensor: u32) -> Vec3 {
+    let slot = |axis| OutputSlot::Sensor(SensorId(sensor), what(axis));
+    Vec3::new(s.output(slot(0)), s.output(slot(1)), s.output(slot(2)))
 }
 
 fn acceleration(s: &mut Simulation) -> Vec3 {
-    read(s, OutputSlot::SensorAcceleration, 0)
+    read(s, Sensed::Acceleration, 0)
 }
 
 /// Force and torque of sensor 0.
 fn wrench(s: &mut Simulation) -> [Vec3; 2] {
-    [
-        read(s, OutputSlot::SensorForce, 0),
-        read(s, OutputSlot::SensorTorque, 0),
-    ]
+    [read(s, Sensed::Force, 0), read(s, Sensed::Torque, 0)]
 }
 
 fn near(found: Vec3, expected: Vec3, tolerance: f64) {
@@ -61,12 +55,12 @@ fn an_imu_at_rest_measures_gravity_in_its_own_axes() {
     // z of the world is the link's y after a roll of +90°.
     near(acceleration(&mut s), Vec3::new(0.0, G, 0.0), 1e-14);
     near(
-        read(&mut s, OutputSlot::SensorAcceleration, 1),
+        read(&mut s, Sensed::Acceleration, 1),
         Vec3::new(G, 0.0, 0.0),
         1e-14,
     );
     let q: Vec<f64> = (0..4)
-        .map(|i| s.output(OutputSlot::SensorOrientation(SensorId(0), i)))
+        .map(|i| s.output(OutputSlot::Sensor(SensorId(0), Sensed::Orientation(i))))
         .collect();
     let half = std::f64::consts::FRAC_1_SQRT_2;
     assert!(
@@ -84,9 +78,9 @@ fn an_imu_in_free_flight_measures_only_its_rotation() {
     let mut s = start(&robot(mass("box", 2.0)), settings);
     for _ in 0..3 {
         near(acceleration(&mut s), Vec3::zeros(), 1e-12);
-        let arm = read(&mut s, OutputSlot::SensorAcceleration, 1);
+        let arm = read(&mut s, Sensed::Acceleration, 1);
         near(arm, Vec3::new(-9.0 * 0.5, 0.0, 0.0), 1e-9);
-        let spin = read(&mut s, OutputSlot::SensorAngularVelocity, 1);
+        let spin = read(&mut s, Sensed::AngularVelocity, 1);
         near(spin, Vec3::new(0.0, 0.0, 3.0), 1e-9);
         s.advance_to(s.time() + 0.3).expect("finite");
     }
@@ -114,7 +108,7 @@ fn an_imu_on_a_turntable_measures_the_centripetal_acceleration() {
             Vec3::new(-omega * omega * r, 0.0, G),
             1e-12,
         );
-        let spin = read(&mut s, OutputSlot::SensorAngularVelocity, 0);
+        let spin = read(&mut s, Sensed::AngularVelocity, 0);
         near(spin, Vec3::new(0.0, 0.0, omega), 1e-12);
         s.advance_to(s.time() + 0.37).expect("finite");
     }
@@ -154,12 +148,12 @@ fn a_pendulum_pulls_at_its_hinge_with_weight_and_centrifugal_force() {
     // In the world's axes the rod points from the bob to the hinge: (sin θ, 0, cos θ).
     let rod = Vec3::new(theta.sin(), 0.0, theta.cos());
     near(
-        read(&mut s, OutputSlot::SensorForce, 1),
+        read(&mut s, Sensed::Force, 1),
         rod * tension,
         1e-12 * tension,
     );
     // What the bob feels is what the rod does to it, per mass.
-    let felt = read(&mut s, OutputSlot::SensorAcceleration, 2);
+    let felt = read(&mut s, Sensed::Acceleration, 2);
     near(felt, Vec3::new(0.0, 0.0, tension / m), 1e-12 * tension);
 }
 
@@ -253,9 +247,9 @@ fn the_load_along_a_joint_axis_is_the_sum_of_motor_and_friction() {
     {
         let sensor = u32::try_from(j).expect("few");
         let slot = if j == 1 {
-            OutputSlot::SensorForce
+            Sensed::Force
         } else {
-            OutputSlot::SensorTorque
+            Sensed::Torque
         };
         let carried = axis.dot(&read(&mut s, slot, sensor));
         let rate = s.output(OutputSlot::JointVelocity(JointId::from(j), 0));
@@ -325,7 +319,7 @@ fn rays_measure_the_distance_to_the_ground() {
     let rays = |more: &str, n: u32| -> Vec<f64> {
         let mut s = start(&robot(body("box", 1.0)), &sensor(more));
         (0..n)
-            .map(|ray| s.output(OutputSlot::SensorDistance(SensorId(0), ray)))
+            .map(|ray| s.output(OutputSlot::Sensor(SensorId(0), Sensed::Distance(ray))))
             .collect()
     };
     // Straight down from 2 m, and from 0.5 m above the link.

@@ -3,30 +3,30 @@
 use super::build::{Group, Row, Table, XYZ, XYZW, group, identifier, units};
 use super::row::{Kind, Unit};
 use crate::model::{JointId, Sensor, SensorId, SensorKind};
-use crate::slots::{Axis, OutputSlot};
+use crate::slots::{Axis, OutputSlot, Sensed};
 
-type OfSensor = fn(SensorId, Axis) -> OutputSlot;
+type OfSensor = fn(Axis) -> Sensed;
 
 const IMU: [Group<OfSensor>; 3] = [
     group(
         "orientation",
         &XYZW,
         Unit::One,
-        OutputSlot::SensorOrientation,
+        Sensed::Orientation,
         "Orientation quaternion in the world of",
     ),
     group(
         "angular_velocity",
         &XYZ,
         Unit::RadianPerSecond,
-        OutputSlot::SensorAngularVelocity,
+        Sensed::AngularVelocity,
         "Angular velocity in its own axes of",
     ),
     group(
         "linear_acceleration",
         &XYZ,
         Unit::MeterPerSecondSquared,
-        OutputSlot::SensorAcceleration,
+        Sensed::Acceleration,
         "Specific force (acceleration less gravity) in its own axes at",
     ),
 ];
@@ -36,14 +36,14 @@ const FORCE_TORQUE: [Group<OfSensor>; 2] = [
         "force",
         &XYZ,
         Unit::Newton,
-        OutputSlot::SensorForce,
+        Sensed::Force,
         "Force of the parent link on the child link, at",
     ),
     group(
         "torque",
         &XYZ,
         Unit::NewtonMeter,
-        OutputSlot::SensorTorque,
+        Sensed::Torque,
         "Torque of the parent link on the child link about its origin, at",
     ),
 ];
@@ -52,7 +52,7 @@ const CONTACT: [Group<OfSensor>; 1] = [group(
     "point",
     &XYZ,
     Unit::Meter,
-    OutputSlot::SensorPoint,
+    Sensed::Point,
     "Where the normal forces act, in its own frame, else 0, of",
 )];
 
@@ -75,16 +75,18 @@ impl Table<'_> {
                 }
                 SensorKind::Contact { .. } => {
                     let about = format!("Sum of the normal forces on {owner}");
-                    let slot = OutputSlot::SensorNormalForce(id);
+                    let slot = OutputSlot::Sensor(id, Sensed::NormalForce);
                     let row = Row::output(slot, Unit::Newton, about);
                     self.add(format!("{prefix}.force"), &owner, row);
                     let about = format!("Deepest overlap, else 0, at {owner}");
-                    let row = Row::output(OutputSlot::SensorDepth(id), Unit::Meter, about);
+                    let row =
+                        Row::output(OutputSlot::Sensor(id, Sensed::Depth), Unit::Meter, about);
                     self.add(format!("{prefix}.depth"), &owner, row);
                     &CONTACT
                 }
             };
-            self.groups(groups, |of, axis| of(id, axis), &owner, &prefix);
+            let slot = |of: OfSensor, axis| OutputSlot::Sensor(id, of(axis));
+            self.groups(groups, slot, &owner, &prefix);
             let counts = matches!(sensor.kind, SensorKind::Encoder { .. });
             if counts || sensor.sampling.rate.is_some() {
                 self.stepped_from(first);
@@ -119,7 +121,11 @@ impl Table<'_> {
             let about = format!(
                 "Distance to the first thing along ray {number} of {owner}, {range} m where there is none"
             );
-            let row = Row::output(OutputSlot::SensorDistance(id, ray), Unit::Meter, about);
+            let row = Row::output(
+                OutputSlot::Sensor(id, Sensed::Distance(ray)),
+                Unit::Meter,
+                about,
+            );
             self.add(format!("{prefix}.ray[{number}]"), owner, row);
         }
         let about = format!(
@@ -132,7 +138,7 @@ impl Table<'_> {
             let about = format!(
                 "What ray {number} of {owner} hits: 0 nothing, -1 the ground, n the n-th link of the model"
             );
-            let row = Row::output(OutputSlot::SensorHit(id, ray), Unit::One, about);
+            let row = Row::output(OutputSlot::Sensor(id, Sensed::Hit(ray)), Unit::One, about);
             let row = row.kind(Kind::Integer);
             self.add(format!("{prefix}.hit[{number}]"), owner, row);
         }
@@ -146,7 +152,11 @@ impl Table<'_> {
         let joint = &self.model.joints[joint.index()];
         let units = units(joint.kind);
         let about = format!("Position of joint '{}' in steps of {owner}", joint.name);
-        let row = Row::output(OutputSlot::SensorPosition(id), units.position, about);
+        let row = Row::output(
+            OutputSlot::Sensor(id, Sensed::Position),
+            units.position,
+            about,
+        );
         self.add(format!("{prefix}.position"), owner, row);
         let sampling = &self.model.outputs.sensors[id.index()].sampling;
         if sampling.rate.is_some() {
@@ -154,7 +164,11 @@ impl Table<'_> {
                 "Velocity of joint '{}' from the last two samples of {owner}",
                 joint.name
             );
-            let row = Row::output(OutputSlot::SensorVelocity(id), units.velocity, about);
+            let row = Row::output(
+                OutputSlot::Sensor(id, Sensed::Velocity),
+                units.velocity,
+                about,
+            );
             let row = row.of_joint(joint.kind);
             self.add(format!("{prefix}.velocity"), owner, row);
         }

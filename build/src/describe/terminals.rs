@@ -108,18 +108,7 @@ fn member(model: &Model, table: &[Variable], entry: &Entry) -> Option<(String, S
             | OutputSlot::JointVelocity(..)
             | OutputSlot::JointAcceleration(..)
             | OutputSlot::JointEffort(_)
-            | OutputSlot::SensorOrientation(..)
-            | OutputSlot::SensorAngularVelocity(..)
-            | OutputSlot::SensorAcceleration(..)
-            | OutputSlot::SensorDistance(..)
-            | OutputSlot::SensorHit(..)
-            | OutputSlot::SensorPosition(_)
-            | OutputSlot::SensorVelocity(_)
-            | OutputSlot::SensorNormalForce(_)
-            | OutputSlot::SensorPoint(..)
-            | OutputSlot::SensorDepth(_)
-            | OutputSlot::SensorForce(..)
-            | OutputSlot::SensorTorque(..),
+            | OutputSlot::Sensor(..),
         ) => Some((group, member)),
         Slot::Input(
             InputSlot::Velocity(a)

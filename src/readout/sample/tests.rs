@@ -5,7 +5,7 @@
 use crate::assemble::testing::{at, body, error, frame, mass, model, robot};
 use crate::model::JointKind::{Continuous, Fixed, Prismatic};
 use crate::model::{JointId, Model, SensorId};
-use crate::simulation::{OutputSlot, Simulation};
+use crate::simulation::{OutputSlot, Sensed, Simulation};
 use crate::spatial::Pose;
 use std::sync::Arc;
 
@@ -28,7 +28,7 @@ fn falling(sensor: &str) -> Model {
 }
 
 fn height(s: &mut Simulation) -> f64 {
-    s.output(OutputSlot::SensorDistance(SensorId(0), 0))
+    s.output(OutputSlot::Sensor(SensorId(0), Sensed::Distance(0)))
 }
 
 /// 50 samples a second at communication points of 1/240 s, 1/50 s and 1/7 s: what is held is the
@@ -78,9 +78,9 @@ fn read(s: &mut Simulation) -> [f64; 6] {
     std::array::from_fn(|i| {
         let axis = u8::try_from(i % 3).expect("three");
         s.output(if i < 3 {
-            OutputSlot::SensorAngularVelocity(SensorId(0), axis)
+            OutputSlot::Sensor(SensorId(0), Sensed::AngularVelocity(axis))
         } else {
-            OutputSlot::SensorAcceleration(SensorId(0), axis)
+            OutputSlot::Sensor(SensorId(0), Sensed::Acceleration(axis))
         })
     })
 }
@@ -151,7 +151,10 @@ fn noise_differs_between_seeds_and_between_sensors_but_not_between_runs() {
     let of = |settings: &str, sensor: u32| {
         let mut s = start(model(&robot(mass("box", 1.0)), settings));
         s.advance_to(0.1).expect("finite");
-        s.output(OutputSlot::SensorAcceleration(SensorId(sensor), 0))
+        s.output(OutputSlot::Sensor(
+            SensorId(sensor),
+            Sensed::Acceleration(0),
+        ))
     };
     let plain = of(&settings("", "seed = 3\n"), 0);
     assert_eq!(
@@ -183,7 +186,7 @@ fn rays_err_only_where_something_is_hit_and_stay_in_their_range() {
     let turned = "rpy = [-1.5707963267948966, 0, 0]\n";
     let of = |more: &str| {
         let mut s = start(looking(&format!("{turned}{more}")));
-        [0, 1].map(|ray| s.output(OutputSlot::SensorDistance(SensorId(0), ray)))
+        [0, 1].map(|ray| s.output(OutputSlot::Sensor(SensorId(0), Sensed::Distance(ray))))
     };
     let [up, down] = of("distance = { bias = 0.25 }\n");
     assert!(up == 10.0 && (down - 2.25).abs() < 1e-12, "{up} {down}");
@@ -229,7 +232,7 @@ fn an_encoder_counts_in_steps_of_a_turn_or_a_metre() {
         for (sensor, step) in [(0, std::f64::consts::TAU / 100.0), (1, 1e-3)] {
             let joint = JointId::from(usize::try_from(sensor).expect("few"));
             let exact = s.output(OutputSlot::JointPosition(joint, 0));
-            let found = s.output(OutputSlot::SensorPosition(SensorId(sensor)));
+            let found = s.output(OutputSlot::Sensor(SensorId(sensor), Sensed::Position));
             assert!(
                 (found - exact).abs() <= 0.5 * step + 1e-12,
                 "{found} {exact}"
@@ -246,7 +249,7 @@ fn an_encoder_counts_in_steps_of_a_turn_or_a_metre() {
 fn the_velocity_of_an_encoder_comes_from_its_last_two_samples() {
     let mut s =
         moving("[[sensor]]\ntype = \"encoder\"\njoint = \"wheel\"\ncounts = 1000\nrate = 100\n");
-    let velocity = |s: &mut Simulation| s.output(OutputSlot::SensorVelocity(SensorId(0)));
+    let velocity = |s: &mut Simulation| s.output(OutputSlot::Sensor(SensorId(0), Sensed::Velocity));
     assert_eq!(velocity(&mut s), 0.0);
     let unit = std::f64::consts::TAU / 1000.0 * 100.0;
     let mut sum = 0.0;

@@ -4,7 +4,7 @@ use crate::assemble::testing::{at, collision, frame, mass, model, robot};
 use crate::geometry::Shape;
 use crate::model::JointKind::Fixed;
 use crate::model::SensorId;
-use crate::simulation::{OutputSlot, Simulation};
+use crate::simulation::{OutputSlot, Sensed, Simulation};
 use crate::spatial::Vec3;
 use crate::urdf::{Description, LinkDescription};
 use std::sync::Arc;
@@ -29,9 +29,9 @@ fn loaded() -> Description {
 fn rest(s: &mut Simulation, sensor: u32) -> (f64, Vec3, f64) {
     let id = SensorId(sensor);
     (
-        s.output(OutputSlot::SensorNormalForce(id)),
-        Vec3::from([0, 1, 2].map(|axis| s.output(OutputSlot::SensorPoint(id, axis)))),
-        s.output(OutputSlot::SensorDepth(id)),
+        s.output(OutputSlot::Sensor(id, Sensed::NormalForce)),
+        Vec3::from([0, 1, 2].map(|axis| s.output(OutputSlot::Sensor(id, Sensed::Point(axis))))),
+        s.output(OutputSlot::Sensor(id, Sensed::Depth)),
     )
 }
 

@@ -7,7 +7,7 @@ use crate::geometry::Shape;
 use crate::geometry::ray::{Ray, Target};
 use crate::model::JointKind::{Continuous, Fixed};
 use crate::model::{Ground, LinkId, Model, RootKind, Sampling, Sensor, SensorId, SensorKind};
-use crate::simulation::{OutputSlot, Simulation};
+use crate::simulation::{OutputSlot, Sensed, Simulation};
 use crate::spatial::{Pose, Vec3, rotation_from_quaternion};
 use crate::testing::{Random, random_tree, shape_all_links};
 use crate::urdf::LinkDescription;
@@ -22,8 +22,8 @@ fn start(model: Model) -> Simulation {
 /// Distance and hit of a ray of sensor 0.
 fn reading(s: &mut Simulation, ray: u32) -> (f64, f64) {
     (
-        s.output(OutputSlot::SensorDistance(SensorId(0), ray)),
-        s.output(OutputSlot::SensorHit(SensorId(0), ray)),
+        s.output(OutputSlot::Sensor(SensorId(0), Sensed::Distance(ray))),
+        s.output(OutputSlot::Sensor(SensorId(0), Sensed::Hit(ray))),
     )
 }
 

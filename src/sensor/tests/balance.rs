@@ -2,7 +2,7 @@
 //! it is what its own inertial unit says.
 
 use crate::model::{JointId, JointKind, LinkId, Model, Sampling, Sensor, SensorId, SensorKind};
-use crate::simulation::{OutputSlot, Simulation};
+use crate::simulation::{OutputSlot, Sensed, Simulation};
 use crate::spatial::{Mat3, Pose, Vec3, rotation_from_quaternion};
 use crate::testing::{Random, random_tree, shape_all_links};
 use std::sync::Arc;
@@ -64,11 +64,13 @@ fn imbalance(model: &Model, s: &mut Simulation) -> [f64; 2] {
     for l in 0..links {
         let (X, inertia) = (&frames[l], &model.links[l].inertia);
         let id = SensorId::from(l);
-        let felt = vector(s, |axis| OutputSlot::SensorAcceleration(id, axis));
-        let omega = vector(s, |axis| OutputSlot::SensorAngularVelocity(id, axis));
+        let felt = vector(s, |axis| OutputSlot::Sensor(id, Sensed::Acceleration(axis)));
+        let omega = vector(s, |axis| {
+            OutputSlot::Sensor(id, Sensed::AngularVelocity(axis))
+        });
         let alpha = Vec3::from(std::array::from_fn(|i| {
             let axis = u8::try_from(i).expect("three");
-            s.output_derivative(OutputSlot::SensorAngularVelocity(id, axis))
+            s.output_derivative(OutputSlot::Sensor(id, Sensed::AngularVelocity(axis)))
                 .expect("it has one")
         }));
         let spin = inertia.I_cm * alpha + omega.cross(&(inertia.I_cm * omega));
@@ -81,8 +83,8 @@ fn imbalance(model: &Model, s: &mut Simulation) -> [f64; 2] {
         let id = SensorId::from(links + j);
         let (child, parent) = (joint.child.index(), joint.parent.index());
         let X = &frames[child];
-        let force = X.R * vector(s, |axis| OutputSlot::SensorForce(id, axis));
-        let torque = X.R * vector(s, |axis| OutputSlot::SensorTorque(id, axis));
+        let force = X.R * vector(s, |axis| OutputSlot::Sensor(id, Sensed::Force(axis)));
+        let torque = X.R * vector(s, |axis| OutputSlot::Sensor(id, Sensed::Torque(axis)));
         for (l, sign) in [(child, 1.0), (parent, -1.0)] {
             forces[l] += force * sign;
             torques[l] += (torque + (X.p - coms[l]).cross(&force)) * sign;
@@ -134,8 +136,8 @@ fn free_load(model: &Model, s: &mut Simulation) -> f64 {
     let (mut free, mut largest) = (0.0_f64, 0.0_f64);
     for (j, joint) in model.joints.iter().enumerate() {
         let id = SensorId::from(model.links.len() + j);
-        let force = vector(s, |axis| OutputSlot::SensorForce(id, axis));
-        let torque = vector(s, |axis| OutputSlot::SensorTorque(id, axis));
+        let force = vector(s, |axis| OutputSlot::Sensor(id, Sensed::Force(axis)));
+        let torque = vector(s, |axis| OutputSlot::Sensor(id, Sensed::Torque(axis)));
         largest = largest.max(force.norm()).max(torque.norm());
         free = free.max(match joint.kind {
             JointKind::Continuous => joint.axis.dot(&torque).abs(),

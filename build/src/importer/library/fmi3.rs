@@ -2,10 +2,10 @@
 #![allow(unsafe_code, reason = "loads a library and calls its C functions")]
 
 use super::elements::{Element, Wholes};
-use super::shared::{LibraryError, Message, Stepped, check, functions, open, said};
+use super::shared::{LibraryError, Message, Stepped, c_text, check, functions, hear, open, said};
 use libloading::Library;
 use std::cell::RefCell;
-use std::ffi::{CStr, CString, c_char, c_int, c_uint, c_void};
+use std::ffi::{c_char, c_int, c_uint, c_void};
 use std::path::Path;
 
 type Instance = *mut c_void;
@@ -66,8 +66,7 @@ impl Slave {
         // SAFETY: modelDescription.xml says that it is an FMI 3.0 co-simulation FMU.
         let functions = unsafe { Functions::find(&library) }?;
         let heard = Box::new(RefCell::new(Vec::new()));
-        let text = |text: &str| CString::new(text.replace('\0', "")).unwrap_or_default();
-        let (name, token, resources) = (text("urdf2fmu"), text(token), text(resources));
+        let [name, token, resources] = ["urdf2fmu", token, resources].map(c_text);
         // SAFETY: strings end with a zero and live during the call, the environment as long as the
         // instance; there are no intermediate variables.
         let instance = unsafe {
@@ -291,25 +290,10 @@ unsafe extern "C" fn log(
     category: *const c_char,
     message: *const c_char,
 ) {
-    let text = |pointer: *const c_char| {
-        if pointer.is_null() {
-            return String::new();
-        }
-        // SAFETY: not null; the rest is the FMU's promise.
-        unsafe { CStr::from_ptr(pointer) }
-            .to_string_lossy()
-            .into_owned()
-    };
-    // SAFETY: the environment is the box of the `Slave` that gave it, which outlives the instance.
-    let Some(heard) = (unsafe { environment.cast::<RefCell<Vec<Message>>>().as_ref() }) else {
-        return;
-    };
-    // Never a panic into C: a message that comes while another is looked at is lost.
-    if let Ok(mut heard) = heard.try_borrow_mut() {
-        heard.push(Message {
-            status,
-            category: text(category),
-            text: text(message).replace("##", "#"),
+    // SAFETY: the caller's promise.
+    unsafe {
+        hear(environment, status, [category, message], |text| {
+            text.replace("##", "#")
         });
     }
 }

@@ -1,8 +1,9 @@
 //! What instances of both versions of FMI share: errors, messages, the loading of a library.
-#![allow(unsafe_code, reason = "loads a library")]
+#![allow(unsafe_code, reason = "loads a library and reads C strings")]
 
 use libloading::Library;
-use std::ffi::c_int;
+use std::cell::RefCell;
+use std::ffi::{CStr, CString, c_char, c_int, c_void};
 use std::path::Path;
 
 /// What an FMU has said.
@@ -85,6 +86,47 @@ macro_rules! functions {
     };
 }
 pub(super) use functions;
+
+/// Puts what an FMU says where its instance listens.
+///
+/// - `resolved`: the text without what the version of FMI doubles
+///
+/// # Safety
+/// `environment` is null or the box of the `Slave` that gave it, which outlives the instance;
+/// strings are null or end with a zero.
+pub(super) unsafe fn hear(
+    environment: *mut c_void,
+    status: c_int,
+    [category, message]: [*const c_char; 2],
+    resolved: impl Fn(String) -> String,
+) {
+    let text = |pointer: *const c_char| {
+        if pointer.is_null() {
+            return String::new();
+        }
+        // SAFETY: not null; the rest is the caller's promise.
+        unsafe { CStr::from_ptr(pointer) }
+            .to_string_lossy()
+            .into_owned()
+    };
+    // SAFETY: the caller's promise.
+    let Some(heard) = (unsafe { environment.cast::<RefCell<Vec<Message>>>().as_ref() }) else {
+        return;
+    };
+    // Never a panic into C: a message that comes while another is looked at is lost.
+    if let Ok(mut heard) = heard.try_borrow_mut() {
+        heard.push(Message {
+            status,
+            category: text(category),
+            text: resolved(text(message)),
+        });
+    }
+}
+
+/// Text for a C function.
+pub(super) fn c_text(text: &str) -> CString {
+    CString::new(text.replace('\0', "")).unwrap_or_default()
+}
 
 /// Loads a library.
 ///
