@@ -60,12 +60,14 @@
 //! | A139 | names that clash |
 //! | A140 | loops and springs |
 //! | A141 | the initial pose that closes the loops |
+//! | A142 | what Model Exchange has no equations for |
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
 mod actuators;
 mod alone;
 mod bodies;
+mod exchange;
 mod findings;
 mod inertia;
 mod initial;

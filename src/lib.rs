@@ -61,6 +61,7 @@
 #[cfg(feature = "urdf")]
 pub mod assemble;
 pub mod closure;
+pub mod continuous;
 #[cfg(feature = "urdf")]
 pub mod diagnostic;
 pub mod dynamics;

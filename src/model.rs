@@ -13,6 +13,7 @@ mod id;
 mod join;
 mod joint_kind;
 mod loops;
+mod outputs;
 mod root;
 mod sensor;
 mod validate;
@@ -21,10 +22,11 @@ use crate::geometry::Shape;
 pub use crate::joint::Motion;
 use crate::spatial::{Pose, RigidInertia, Vec3};
 pub use id::{
-    ActuatorId, BodyId, DofId, JointId, LinkId, LoopId, PairId, RootId, SensorId, SpringId,
+    ActuatorId, BodyId, DofId, JointId, LinkId, LoopId, PairId, RootId, SensorId, SpringId, StateId,
 };
 pub use joint_kind::JointKind;
 pub use loops::{Anchor, Loop, LoopKind, Share, Spring};
+pub use outputs::{Arrays, ContactPair, Group, Interface, OutputSelection};
 pub use root::{Root, RootKind};
 pub use sensor::{Sampling, Sensor, SensorKind};
 use serde::{Deserialize, Serialize};
@@ -350,77 +352,6 @@ pub struct Ground {
     pub rolling_friction: f64,
     /// As [`Link::torsional_friction`].
     pub torsional_friction: f64,
-}
-
-/// What the FMU shows beyond what it always shows.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct OutputSelection {
-    /// Flat variable names (`_` instead of `.`).
-    pub flat_names: bool,
-    /// What is an array in FMI 3.
-    #[serde(default, skip_serializing_if = "Arrays::is_default")]
-    pub arrays: Arrays,
-    /// Links with a `contact.*` output.
-    pub contacts: Vec<LinkId>,
-    /// Whether these outputs include where the forces act.
-    #[serde(default)]
-    pub contact_points: bool,
-    /// Two sides each with `pair.*` outputs.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub pairs: Vec<ContactPair>,
-    /// Links with `link.*` outputs.
-    pub links: Vec<LinkId>,
-    /// Links with `ext.*` inputs.
-    pub external_wrenches: Vec<LinkId>,
-    /// What stands still and has a `surface.velocity` input.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub conveyors: Vec<RootId>,
-    /// Actuators that share their inputs.
-    pub groups: Vec<Group>,
-    /// Sensors with `sensor.*` outputs.
-    pub sensors: Vec<Sensor>,
-}
-
-/// What FMI 3 lists as arrays; FMI 2 has none.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Arrays {
-    /// Vectors of outputs and parameters, and rays.
-    #[default]
-    Vectors,
-    /// Nothing: every element is a variable, as in FMI 2.
-    None,
-    /// Vectors of inputs, too, and vectors over all joints.
-    All,
-}
-
-impl Arrays {
-    #[expect(clippy::trivially_copy_pass_by_ref, reason = "as serde asks")]
-    fn is_default(&self) -> bool {
-        *self == Self::default()
-    }
-}
-
-/// Two sides whose contacts with each other are outputs.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct ContactPair {
-    /// In the names of its outputs.
-    pub name: String,
-    /// Links of the first side, whose force it is, and of the second one; none: the ground.
-    /// Ascending, at least one, and none on both sides.
-    pub sides: [Vec<Option<LinkId>>; 2],
-}
-
-/// Actuators that are told the same: they share the inputs, and the gains, of the first.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Group {
-    /// Takes the joint's place in the names of the inputs.
-    pub name: String,
-    /// Ascending, at least one; of one mode, all turning or all sliding, with equal start values.
-    pub actuators: Vec<ActuatorId>,
 }
 
 /// Why a model cannot be computed with.

@@ -9,9 +9,11 @@ mod derivative;
 mod pair;
 mod sample;
 mod sensed;
+mod states;
 mod touch;
 
 use crate::closure::{Rows, Schur};
+use crate::continuous::{Derivatives, States};
 use crate::dynamics::energy;
 use crate::force::NamedPairs;
 use crate::kinematics::forward;
@@ -68,14 +70,21 @@ pub struct Readout {
     sampler: Sampler,
     /// Which contacts belong to which named pair; never changes.
     named: NamedPairs,
+    /// The continuous states of Model Exchange; never changes.
+    pub states: States,
+    /// Their derivatives, and whether they are those of the state.
+    derivatives: (Derivatives, bool),
 }
 
 #[cfg(test)]
-crate::spoil::spoil!(Readout: point vdot A factor loops closed sensors sampler; known rpy energies named);
+crate::spoil::spoil!(Readout: point vdot A factor loops closed sensors sampler; known rpy energies named states derivatives);
 
 impl Readout {
     /// Buffers for a robot.
+    ///
+    /// - `tree`: that of the model's own parameters
     pub fn new(model: &Model, tree: &Tree) -> Self {
+        let states = States::of(model, tree);
         Self {
             point: Point::new(model, tree),
             vdot: vec![0.0; model.nv()],
@@ -89,6 +98,8 @@ impl Readout {
             sensors: Sensors::new(model),
             sampler: Sampler::new(model),
             named: NamedPairs::new(model),
+            derivatives: (Derivatives::new(states.len(), model.nq), false),
+            states,
         }
     }
 
@@ -97,6 +108,7 @@ impl Readout {
         self.known = Level::State;
         self.rpy.fill(None);
         self.energies = None;
+        self.derivatives.1 = false;
         self.sensors.invalidate();
     }
 
@@ -138,6 +150,7 @@ impl Readout {
             | O::JointOrientation(..)
             | O::JointVelocity(..)
             | O::Sensor(_, Sensed::Position | Sensed::Velocity)
+            | O::State(_)
             | O::Steps
             | O::Rejected
             | O::NewtonMax => Level::State,
@@ -184,9 +197,11 @@ impl Readout {
             | O::SpringForce(..)
             | O::SpringLength(_)
             | O::JointEffort(_) => Level::Forces,
-            O::JointAcceleration(..) | O::LoopForce(..) | O::LoopTorque(..) | O::LoopEffort(_) => {
-                Level::Accelerations
-            }
+            O::JointAcceleration(..)
+            | O::LoopForce(..)
+            | O::LoopTorque(..)
+            | O::LoopEffort(_)
+            | O::Rate(_) => Level::Accelerations,
             O::Sensor(_, Sensed::Acceleration(_) | Sensed::Force(_) | Sensed::Torque(_)) => {
                 Level::BodyAccelerations
             }
@@ -285,6 +300,8 @@ impl Readout {
             O::EnergyKinetic => self.energies(ctx, state)[0],
             O::EnergyPotential => self.energies(ctx, state)[1],
             O::Sensor(id, what) => self.sensed(ctx, state, id, what),
+            O::State(id) => self.states.value(id.index(), &state.physical),
+            O::Rate(id) => self.rates(ctx, state)[id.index()],
             O::Steps => count(state.stepping.counters.steps),
             O::Rejected => count(state.stepping.counters.rejected),
             O::NewtonMax => count(state.stepping.counters.newton_max),

@@ -42,6 +42,8 @@ pub struct Simulation {
     stepper: Stepper,
     /// What has been computed of the state for outputs; forgotten when anything changes.
     readout: Readout,
+    /// Model Exchange: the state with quaternions of unit length, which outputs show.
+    posed: Option<Box<Posed>>,
     rules: Rules,
     /// Tolerance where the parameter is 0, see [`Self::tolerance`]; 0 where the importer gives
     /// none.
@@ -130,6 +132,9 @@ macro_rules! context {
 
 mod advance;
 mod begin;
+mod exchange;
+
+use exchange::Posed;
 
 impl Simulation {
     /// A robot with its default parameters and initial state; call [`Self::initialize`] before the
@@ -143,6 +148,7 @@ impl Simulation {
             state: State::new(&model),
             stepper: Stepper::new(&model, &tree),
             readout: Readout::new(&model, &tree),
+            posed: None,
             model,
             parameters,
             applied: inputs.clone(),
@@ -177,7 +183,7 @@ impl Simulation {
     /// The state, to be set from outside; positions and velocities as [`crate::model::Motion`]
     /// says.
     pub fn state_mut(&mut self) -> &mut State {
-        self.readout.invalidate();
+        self.forget();
         self.state.stepping.ahead.all_changed();
         &mut self.state
     }
@@ -202,7 +208,7 @@ impl Simulation {
     pub(crate) fn spoil(&mut self) {
         use crate::spoil::Spoil as _;
         self.stepper.spoil();
-        self.readout.invalidate();
+        self.forget();
         self.readout.spoil();
     }
 
@@ -309,9 +315,17 @@ impl Simulation {
         };
         let tree = model.root_of(body).index();
         self.state.stepping.ahead.input_changed(&self.tree, tree);
-        if !self.initialized {
+        if !self.initialized || self.posed.is_some() {
             self.applied.copy_from(&self.inputs);
-            self.readout.invalidate();
+            self.forget();
+        }
+    }
+
+    /// What is known of the state is no longer so.
+    fn forget(&mut self) {
+        self.readout.invalidate();
+        if let Some(posed) = &mut self.posed {
+            posed.known = false;
         }
     }
 
@@ -326,7 +340,8 @@ impl Simulation {
     /// [`SimulationError::Value`].
     pub fn check_parameter(&self, slot: ParameterSlot, value: f64) -> Result<(), SimulationError> {
         let set = self.parameters.get(slot);
-        check(slot.range(), set, value, || format!("parameter {slot:?}"))
+        check(slot.range(), set, value, || format!("parameter {slot:?}"))?;
+        self.check_exchanged(slot, value)
     }
 
     /// Sets a parameter; `value` has passed [`Self::check_parameter`]. Fixed ones only before
@@ -342,7 +357,7 @@ impl Simulation {
         } else {
             self.stale = true;
         }
-        self.readout.invalidate();
+        self.forget();
     }
 
     /// Reads a parameter back.
@@ -356,7 +371,8 @@ impl Simulation {
             self.place();
         }
         let ctx = context!(self, applied);
-        self.readout.read(&ctx, &self.state, slot)
+        let state = exchange::seen(&mut self.posed, &ctx, &self.state);
+        self.readout.read(&ctx, state, slot)
     }
 
     /// First time derivative of an output; None where it has none, see `readout`.
@@ -365,7 +381,8 @@ impl Simulation {
             self.place();
         }
         let ctx = context!(self, applied);
-        self.readout.derivative(&ctx, &self.state, slot)
+        let state = exchange::seen(&mut self.posed, &ctx, &self.state);
+        self.readout.derivative(&ctx, state, slot)
     }
 
     /// Error allowed per step, as parameter, importer and default say.
@@ -451,7 +468,7 @@ impl Simulation {
         self.state.copy_from(&snapshot.state);
         // Before initialisation the state follows from the parameters.
         self.stale = !self.initialized;
-        self.readout.invalidate();
+        self.forget();
         Ok(())
     }
 }

@@ -2,7 +2,9 @@
 //!
 //! Names and value references for the outside are given by [`crate::variables`].
 
-use crate::model::{ActuatorId, JointId, LinkId, LoopId, PairId, RootId, SensorId, SpringId};
+use crate::model::{
+    ActuatorId, JointId, LinkId, LoopId, PairId, RootId, SensorId, SpringId, StateId,
+};
 
 /// x, y, z or w of a vector or quaternion: 0, 1, 2, 3.
 pub type Axis = u8;
@@ -164,6 +166,10 @@ pub enum OutputSlot {
     EnergyPotential,
     /// What a sensor measures.
     Sensor(SensorId, Sensed),
+    /// A continuous state that is no other output.
+    State(StateId),
+    /// Derivative of a continuous state.
+    Rate(StateId),
     /// Steps taken since the start.
     Steps,
     /// Steps rejected since the start.
@@ -202,8 +208,14 @@ pub enum Sensed {
 }
 
 impl OutputSlot {
-    /// Whether it says how the solver fares: nothing that another model is connected to.
+    /// Whether it says how the solver fares, or what it integrates: nothing that another model is
+    /// connected to.
     pub fn local(self) -> bool {
+        self.counts() || matches!(self, Self::State(_) | Self::Rate(_))
+    }
+
+    /// Whether it says how the solver fares.
+    pub fn counts(self) -> bool {
         matches!(self, Self::Steps | Self::Rejected | Self::NewtonMax)
     }
 }

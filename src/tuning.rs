@@ -451,3 +451,14 @@ pub const BASE_WEIGHT: f64 = 1e3;
 pub const CLOSING_STARTS: usize = 12;
 /// How far the last of these is off, weighted, m.
 pub const CLOSING_SPREAD: f64 = 1.5;
+
+// Differential equations: `continuous.rs`.
+
+/// How fast a quaternion among continuous states comes back to unit length, 1/s: slower than
+/// anything that an importer resolves, and faster than its errors add up.
+pub const QUATERNION_RATE: f64 = 1.0;
+/// Most continuous states: importers factor a matrix with a row and a column for each.
+pub const MOST_STATES: usize = 500;
+/// Increments of the differences that stand for a partial derivative, in parts of the nominal
+/// value: two of them, of which one is half of the other, leave an error of fourth order.
+pub const DIFFERENCE: f64 = 1e-6;

@@ -8,6 +8,7 @@ mod outputs;
 mod row;
 mod sensors;
 mod settable;
+mod states;
 
 use crate::model::Model;
 use build::Table;
@@ -32,6 +33,7 @@ pub fn table(model: &Model) -> Result<Vec<Variable>, TableError> {
     table.closure_outputs();
     table.sensor_outputs();
     table.common_outputs();
+    table.state_outputs();
     table.initial_parameters();
     table.tunable_parameters();
     table.solver_parameters();

@@ -8,9 +8,12 @@ use crate::stage::Request;
 use crate::world::Packages;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::{Path, PathBuf};
-use urdf2fmu_core::model::{ActuatorMode, Arrays};
+use urdf2fmu_core::model::{ActuatorMode, Arrays, Interface};
 use urdf2fmu_core::settings::{BaseChoice, Compat, FmiVersion, InertiaSource, ObjectSettings};
-use values::{density, factor, package, place, rate, size, speed, tolerance, xacro_argument};
+use values::{
+    ArrayStyle, InterfaceChoice, density, factor, package, place, rate, size, speed, tolerance,
+    xacro_argument,
+};
 
 /// Any URDF robot in, a self-contained FMI co-simulation FMU out.
 #[derive(Debug, Parser)]
@@ -95,6 +98,9 @@ pub(crate) struct Source {
     /// Version of the Functional Mock-up Interface
     #[arg(long, value_name = "VERSION")]
     pub(crate) fmi: Option<Fmi>,
+    /// Who integrates: the FMU (cs, co-simulation), the importer (me, Model Exchange), or either
+    #[arg(long, value_name = "INTERFACE")]
+    pub(crate) interface: Option<InterfaceChoice>,
     /// What FMI 3 lists as arrays: vectors of outputs and parameters, nothing, or vectors of inputs
     /// and of all joints, too
     #[arg(long, value_name = "WHAT")]
@@ -174,16 +180,6 @@ pub(crate) enum Fmi {
     /// FMI 3.0
     #[value(name = "3")]
     V3,
-}
-
-#[derive(Clone, Copy, Debug, ValueEnum)]
-pub(crate) enum ArrayStyle {
-    /// Vectors of outputs and parameters
-    Vectors,
-    /// Nothing: the variables of FMI 2
-    None,
-    /// Vectors of inputs, too, and vectors over all joints
-    All,
 }
 
 #[derive(Debug, Args)]
@@ -470,6 +466,11 @@ impl Source {
             fmi: self.fmi.map(|fmi| match fmi {
                 Fmi::V2 => FmiVersion::V2,
                 Fmi::V3 => FmiVersion::V3,
+            }),
+            interface: self.interface.map(|interface| match interface {
+                InterfaceChoice::Cs => Interface::Cs,
+                InterfaceChoice::Me => Interface::Me,
+                InterfaceChoice::Both => Interface::Both,
             }),
             arrays: self.arrays.map(|arrays| match arrays {
                 ArrayStyle::Vectors => Arrays::Vectors,

@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use urdf2fmu_core::assemble::{self, Guest};
 use urdf2fmu_core::diagnostic::Diagnostic;
-use urdf2fmu_core::model::{ActuatorMode, Arrays, Model};
+use urdf2fmu_core::model::{ActuatorMode, Arrays, Interface, Model};
 use urdf2fmu_core::pattern::Pattern;
 use urdf2fmu_core::prepared::{FILE_NAME, PreparedModel, PreparedModelError};
 use urdf2fmu_core::settings::{
@@ -56,6 +56,8 @@ pub struct Request {
     pub flat_names: Option<bool>,
     /// `--fmi`.
     pub fmi: Option<FmiVersion>,
+    /// `--interface`.
+    pub interface: Option<Interface>,
     /// `--arrays`.
     pub arrays: Option<Arrays>,
     /// `--srdf`.
@@ -172,6 +174,7 @@ fn settings_of(request: &Request) -> Result<Settings, StageError> {
         settings.flat_names = flat_names;
     }
     settings.fmu.fmi = request.fmi.unwrap_or(settings.fmu.fmi);
+    settings.fmu.interface = request.interface.unwrap_or(settings.fmu.interface);
     settings.fmu.arrays = request.arrays.unwrap_or(settings.fmu.arrays);
     if let Some(mode) = request.mode {
         settings.default_mode = Some(ModeChoice::Commanded(mode));

@@ -25,6 +25,69 @@ pub fn initial_dependencies(
     )
 }
 
+/// Indexes (from 1, ascending) of the rows that an unknown of Model Exchange is a function of:
+/// continuous states alone; none where inputs matter, or all states do.
+pub fn dependencies(table: &[Variable], row: &Variable) -> Option<Vec<usize>> {
+    use OutputSlot as O;
+    let Slot::Output(slot) = row.slot else {
+        return None;
+    };
+    let states = || (1..).zip(table).filter(|(_, v)| v.state.is_some());
+    let those = |wanted: &dyn Fn(O) -> bool| -> Option<Vec<usize>> {
+        let of = states().filter(|(_, v)| matches!(v.slot, Slot::Output(slot) if wanted(slot)));
+        Some(of.map(|(index, _)| index).collect())
+    };
+    if row.state.is_some() {
+        return those(&|other| other == slot);
+    }
+    match slot {
+        O::Rate(id) => {
+            let state = table.iter().find(|v| v.state == Some(id))?;
+            let Slot::Output(state) = state.slot else {
+                return None;
+            };
+            match state {
+                O::BasePosition(root, axis) => those(&|o| o == O::BaseLinearVelocity(root, axis)),
+                O::JointPosition(joint, axis) => those(&|o| o == O::JointVelocity(joint, axis)),
+                O::BaseOrientation(root, _) => those(
+                    &|o| matches!(o, O::BaseOrientation(r, _) | O::BaseAngularVelocity(r, _) if r == root),
+                ),
+                O::JointOrientation(joint, _) => those(
+                    &|o| matches!(o, O::JointOrientation(j, _) | O::JointVelocity(j, _) if j == joint),
+                ),
+                _ => None,
+            }
+        }
+        // What follows from positions and velocities.
+        O::BasePosition(..)
+        | O::BaseOrientation(..)
+        | O::BaseRpy(..)
+        | O::BaseLinearVelocity(..)
+        | O::BaseAngularVelocity(..)
+        | O::JointPosition(..)
+        | O::JointOrientation(..)
+        | O::JointVelocity(..)
+        | O::LinkPosition(..)
+        | O::LinkOrientation(..)
+        | O::LinkLinearVelocity(..)
+        | O::LinkAngularVelocity(..)
+        | O::EnergyKinetic
+        | O::EnergyPotential
+        | O::SpringLength(_)
+        | O::SpringForce(..)
+        | O::Sensor(
+            _,
+            Sensed::Orientation(_)
+            | Sensed::AngularVelocity(_)
+            | Sensed::Distance(_)
+            | Sensed::Hit(_)
+            | Sensed::Position
+            | Sensed::Velocity,
+        ) => those(&|o| !matches!(o, O::State(_))),
+        _ => None,
+    }
+}
+
 /// Which initial values matter to one output.
 #[expect(
     clippy::struct_excessive_bools,
@@ -58,19 +121,11 @@ impl Joints {
     }
 }
 
-/// Whether it counts steps.
-fn is_counter(output: OutputSlot) -> bool {
-    matches!(
-        output,
-        OutputSlot::Steps | OutputSlot::Rejected | OutputSlot::NewtonMax
-    )
-}
-
 impl Follows {
     /// None where the output comes out of the dynamics, or of closed loops, which may move all.
     fn new(model: &Model, output: OutputSlot) -> Option<Self> {
         let none = Self::default();
-        if !model.loops.is_empty() && !is_counter(output) {
+        if !model.loops.is_empty() && !output.counts() {
             return None;
         }
         let pose = Self {
@@ -173,7 +228,9 @@ impl Follows {
             | OutputSlot::SpringLength(_)
             | OutputSlot::Sensor(..)
             | OutputSlot::EnergyKinetic
-            | OutputSlot::EnergyPotential => return None,
+            | OutputSlot::EnergyPotential
+            | OutputSlot::State(_)
+            | OutputSlot::Rate(_) => return None,
         })
     }
 

@@ -61,5 +61,6 @@ pub fn facts(unit: Unit) -> Facts {
         Unit::NewtonSecondPerMeter => make("N.s/m", "TranslationalDamping", 1, 0, -1, 0),
         Unit::NewtonMeterSecondPerRadian => make("N.m.s/rad", "RotationalDamping", 1, 2, -1, -1),
         Unit::Joule => make("J", "Energy", 1, 2, -2, 0),
+        Unit::PerSecond => make("1/s", "Rate", 0, 0, -1, 0),
     }
 }

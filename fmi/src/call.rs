@@ -188,6 +188,13 @@ fn guarded<F: Function>(
         return instance.report(name, &FmiError::Version { made });
     }
     let phase = instance.phase();
+    if let Some(only) = function
+        .only()
+        .filter(|only| *only != instance.integrated_by())
+    {
+        let made = instance.integrated_by();
+        return instance.report(name, &FmiError::Interface { only, made });
+    }
     if !allowed(phase) {
         let advice = function.advice(phase);
         let phase = F::name_of(phase);
@@ -211,7 +218,7 @@ mod tests {
     use crate::phase::{Function as _, Phase, table};
 
     table! {
-        V2 "fmi2", [Instantiated "instantiated", Error "error"], |_| "";
+        V2 "fmi2", [Instantiated "instantiated", Error "error"], |_| "", |_| None;
         FreeInstance x x;
         Reset        x x;
         GetReal      x o;

@@ -43,6 +43,24 @@ pub(crate) enum Version {
     V3 = 3,
 }
 
+/// Who integrates.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Interface {
+    /// The FMU takes the steps.
+    CoSimulation,
+    /// The importer takes the steps.
+    ModelExchange,
+}
+
+impl fmt::Display for Interface {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::CoSimulation => "co-simulation",
+            Self::ModelExchange => "Model Exchange",
+        })
+    }
+}
+
 impl Version {
     /// The version with this number, as saved states hold it.
     pub(crate) fn from_number(number: u16) -> Option<Self> {

@@ -1,6 +1,6 @@
 //! Every error of a call, as data; its text goes to the importer's logger.
 
-use crate::common::{Status, Version};
+use crate::common::{Interface, Status, Version};
 use crate::uri::UriError;
 use urdf2fmu_core::prepared::PreparedModelError;
 use urdf2fmu_core::simulation::SimulationError;
@@ -13,6 +13,8 @@ pub(crate) enum FmiError {
     Phase { phase: &'static str, advice: String },
     #[error("the instance was made by {made}…, and {made} functions alone may be called with it")]
     Version { made: Version },
+    #[error("it belongs to {only}, but the instance was made for {made}")]
+    Interface { only: Interface, made: Interface },
     #[error("'{argument}' is NULL")]
     NullPointer { argument: &'static str },
     #[error("'{argument}' is NULL, but {len} elements are announced")]
@@ -48,6 +50,22 @@ pub(crate) enum FmiError {
          before the next initialisation"
     )]
     Fixed { name: String, fmi: Version },
+    #[error("parameter '{name}' can be set in event mode, not in continuous-time mode")]
+    Continuous { name: String },
+    #[error("{argument} has {given} elements, but there are {expected} continuous states")]
+    StateCount {
+        argument: &'static str,
+        given: usize,
+        expected: usize,
+    },
+    #[error("continuous state {index} must be a finite number, not {value}")]
+    StateValue { index: usize, value: f64 },
+    #[error(
+        "partial derivatives by '{name}' are not offered: they are by continuous states and inputs"
+    )]
+    NotKnown { name: String },
+    #[error("partial derivatives of '{name}' are not offered: they are of outputs and derivatives")]
+    NotUnknown { name: String },
     #[error("variable '{name}' must be {expected}, not {value}")]
     Value {
         name: String,
@@ -126,8 +144,15 @@ impl FmiError {
 /// Why there is no instance.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum InstantiateError {
-    #[error("fmuType is {found}; this FMU is for co-simulation (1) only")]
+    #[error("fmuType is {found}; it is 0 for Model Exchange and 1 for co-simulation")]
     Type { found: i32 },
+    #[error(
+        "this FMU was exported for {has} only; export it with --interface {option} or --interface both"
+    )]
+    Interface {
+        has: Interface,
+        option: &'static str,
+    },
     #[error("{0}")]
     Arguments(String),
     #[error("{argument} {error}; {advice}")]

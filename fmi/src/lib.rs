@@ -46,5 +46,6 @@ pub use common::{IntermediateUpdate, LoggerOfFmi2, LoggerOfFmi3, Status};
 pub use v2::exports::*;
 pub use v2::model_exchange::*;
 pub use v3::exports::*;
+pub use v3::model_exchange::*;
 pub use v3::refused::*;
 pub use v3::values::*;

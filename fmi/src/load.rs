@@ -1,6 +1,6 @@
 //! From a resource location to an instance, after the pointers are checked.
 
-use crate::common::{Status, Version};
+use crate::common::{Interface, Status, Version};
 use crate::error::InstantiateError;
 use crate::instance::Instance;
 use crate::layout::Layout;
@@ -40,6 +40,7 @@ pub(crate) fn made(
 /// [`InstantiateError`] if there is no robot, or not the one that `guid` names.
 pub(crate) fn load(
     version: Version,
+    integrated_by: Interface,
     guid: &str,
     location: &[u8],
     logger: Logger,
@@ -57,6 +58,22 @@ pub(crate) fn load(
             expected: prepared.guid,
         });
     }
+    let interface = prepared.model.outputs.interface;
+    match integrated_by {
+        Interface::CoSimulation if !interface.steps() => {
+            return Err(InstantiateError::Interface {
+                has: Interface::ModelExchange,
+                option: "cs",
+            });
+        }
+        Interface::ModelExchange if !interface.exchanges() => {
+            return Err(InstantiateError::Interface {
+                has: Interface::CoSimulation,
+                option: "me",
+            });
+        }
+        _ => {}
+    }
     let clash = |error| InstantiateError::Table {
         path: path.clone(),
         error,
@@ -65,7 +82,7 @@ pub(crate) fn load(
     let layout = Layout::new(version, &prepared.model, &variables).map_err(clash)?;
     Ok(Instance::new(
         logger,
-        version,
+        (version, integrated_by),
         GuidHash::new(guid),
         Arc::new(prepared.model),
         variables,

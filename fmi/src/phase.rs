@@ -1,7 +1,7 @@
 //! Where an instance stands in its life, and the form of the tables that say which function may be
 //! called when. The tables are in `v2` and `v3`.
 
-use crate::common::Version;
+use crate::common::{Interface, Version};
 
 /// Where an instance stands in its life. Each version of FMI has its own subset.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -21,17 +21,34 @@ pub(crate) enum Phase {
     Error = 5,
     /// FMI 3: the importer's callback runs within a step. Never saved.
     IntermediateUpdate = 6,
+    /// Model Exchange: initialised, inputs and parameters may jump.
+    EventMode = 7,
+    /// Model Exchange: the importer integrates.
+    ContinuousTime = 8,
 }
 
 impl Phase {
     /// Those that a saved state may have.
-    pub(crate) const SAVED: [Self; 5] = [
+    pub(crate) const SAVED: [Self; 7] = [
         Self::Instantiated,
         Self::Initialization,
         Self::StepComplete,
         Self::StepFailed,
         Self::Terminated,
+        Self::EventMode,
+        Self::ContinuousTime,
     ];
+
+    /// Who integrates in it, where it says so.
+    pub(crate) fn of(self) -> Option<Interface> {
+        match self {
+            Self::StepComplete | Self::StepFailed | Self::IntermediateUpdate => {
+                Some(Interface::CoSimulation)
+            }
+            Self::EventMode | Self::ContinuousTime => Some(Interface::ModelExchange),
+            Self::Instantiated | Self::Initialization | Self::Terminated | Self::Error => None,
+        }
+    }
 
     /// Whether the simulation has begun.
     pub(crate) fn is_initialized(self) -> bool {
@@ -64,6 +81,9 @@ pub(crate) trait Function: Copy + 'static {
 
     /// What to say of a function that may never be called.
     fn never(self) -> &'static str;
+
+    /// The interface that it belongs to; none for functions of both.
+    fn only(self) -> Option<Interface>;
 
     /// Whether it may be called in `phase`.
     fn allowed_in(self, phase: Phase) -> bool {
@@ -112,7 +132,7 @@ macro_rules! mark {
 /// A table of phases: version and prefix, columns with their names, then a row for each function.
 macro_rules! table {
     (
-        $version:ident $prefix:literal, [$($column:ident $title:literal),* $(,)?], $never:expr;
+        $version:ident $prefix:literal, [$($column:ident $title:literal),* $(,)?], $never:expr, $only:expr;
         $($name:ident $($mark:ident)*;)*
     ) => {
         /// A function that needs an instance.
@@ -143,6 +163,11 @@ macro_rules! table {
             fn never(self) -> &'static str {
                 let never: fn(Self) -> &'static str = $never;
                 never(self)
+            }
+
+            fn only(self) -> Option<$crate::common::Interface> {
+                let only: fn(Self) -> Option<$crate::common::Interface> = $only;
+                only(self)
             }
         }
     };

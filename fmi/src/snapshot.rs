@@ -30,7 +30,7 @@ use urdf2fmu_core::hash::fnv1a;
 use urdf2fmu_core::simulation::{Simulation, Snapshot};
 
 const MAGIC: &[u8; 8] = b"urdf2fmu";
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 const HEADER: usize = 56;
 const CHECKSUM: usize = 8;
 

@@ -3,7 +3,8 @@
 use super::findings::Findings;
 use super::robot::Robot;
 use super::{
-    actuators, bodies, inertia, initial, loops, mimic, outputs, pairs, sensors, touch, ways, wheels,
+    actuators, bodies, exchange, inertia, initial, loops, mimic, outputs, pairs, sensors, touch,
+    ways, wheels,
 };
 use crate::diagnostic::Diagnostic;
 use crate::model::{BodyId, Initial, Model, OutputSelection, Root};
@@ -73,6 +74,7 @@ fn assemble(
         outputs: OutputSelection {
             flat_names: settings.flat_names,
             arrays: settings.fmu.arrays,
+            interface: settings.fmu.interface,
             ..OutputSelection::default()
         },
     };
@@ -113,6 +115,9 @@ fn assemble(
     {
         let help = "make what is named smaller or simpler, or correct its numbers";
         findings.error("A121", None, error.to_string(), help);
+    }
+    if !findings.has_errors() {
+        exchange::check(&model, findings);
     }
     Some(model)
 }

@@ -9,10 +9,10 @@ use super::alone::{Assembled, build};
 use super::findings::Findings;
 use super::terrain::{self, has_terrain};
 use super::touch::overlaps;
-use super::{loops, outputs, pairs};
+use super::{exchange, loops, outputs, pairs};
 use crate::diagnostic::{Diagnostic, Place, Severity};
 use crate::geometry::Shape;
-use crate::model::{Ground, JointKind, Model, RootKind};
+use crate::model::{Ground, Interface, JointKind, Model, RootKind};
 use crate::settings::{
     BaseChoice, ContactOutputs, LinkSettings, ModeChoice, ObjectSettings, ObjectSource,
     RobotSettings, Settings, static_excess,
@@ -53,13 +53,15 @@ pub fn world(
         return build(description, settings);
     }
     // Pairs, loops and springs name what is around the robot, too.
-    let alone = Settings {
+    let mut alone = Settings {
         pairs: Vec::new(),
         loops: Vec::new(),
         springs: Vec::new(),
         closure_outputs: [Vec::new(), Vec::new()],
         ..settings.clone()
     };
+    // So is what can be exchanged.
+    alone.fmu.interface = Interface::Cs;
     let terrain = |c: &CollisionDescription| c.shape.is_terrain();
     let uneven = settings.world.ground.is_none()
         && guests.iter().any(|guest| {
@@ -113,6 +115,10 @@ pub fn world(
     let mut of_pairs = Findings::new(description);
     close(&mut model, settings, guests, &mut of_pairs);
     pairs::select(&mut model, &settings.pairs, &mut of_pairs);
+    model.outputs.interface = settings.fmu.interface;
+    if !of_pairs.has_errors() {
+        exchange::check(&model, &mut of_pairs);
+    }
     let wrong = of_pairs.has_errors();
     findings.extend(of_pairs.list);
     if wrong {
@@ -250,6 +256,7 @@ pub fn of_robot(
             "[fmu]",
             own.flat_names && !world.flat_names
                 || own.fmu.arrays != plain.fmu.arrays
+                || own.fmu.interface != plain.fmu.interface
                 || own.fmu.fmi != plain.fmu.fmi,
         ),
         ("[solver]", own.solver != plain.solver),

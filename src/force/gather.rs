@@ -79,6 +79,12 @@ impl Contact {
         u + self.drift + self.carried
     }
 
+    /// How fast what its friction remembers changes where no steps are taken, m/s, in the axes in
+    /// which it is kept, for the velocities of all bodies.
+    pub fn memory_rate(&self, V: &[Vec6]) -> [f64; 3] {
+        self.keep(&self.friction.rate(self.slid(&self.sliding(V))))
+    }
+
     /// Finds the centre of the load and its mean distance from it; on uneven ground also the mean
     /// of the normals, along which friction does not act.
     fn center_on_load(&mut self, points: &[ContactPoint]) {

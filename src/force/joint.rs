@@ -81,6 +81,17 @@ impl JointTerm {
         }
     }
 
+    /// How fast the elastic displacement of a velocity motor changes where no steps are taken, at
+    /// the velocity `v`; a released one forgets.
+    ///
+    /// - `motor`: stiffness and damping
+    /// - `stored`: its displacement
+    pub fn motor_rate(&self, motor: (f64, f64), stored: f64, v: f64) -> f64 {
+        let (stiffness, damping) = motor;
+        let (force, _) = self.drive_force(v, 0.0);
+        (-force - stiffness * stored) / damping
+    }
+
     /// The same of a velocity motor that need not be the term's own.
     fn settled(&self, target: f64, element: ElastoPlastic<f64>, v: f64, h: f64) -> f64 {
         let drive = Drive::Velocity { target, element };

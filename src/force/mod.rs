@@ -32,6 +32,7 @@ pub use joint::{JointResponse, JointTerm, Start, effort};
 pub(crate) use memory::seek;
 pub use memory::{Memory, Touch};
 pub use named::NamedPairs;
+pub use pairs::light_touch;
 pub use point::{ContactPoint, PointResponse, PointVelocity, Rim};
 pub use spring::{SpringTerm, held_by_springs, push_springs};
 pub use terms::{Responses, Solved, Terms, Velocities};

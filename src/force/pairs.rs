@@ -14,7 +14,7 @@ use crate::law::normal::Stiffening;
 use crate::model::Model;
 use crate::spatial::{Pose, Vec3};
 use crate::tree::{Tree, TreeCollider};
-use crate::tuning::CONTACT_MARGIN;
+use crate::tuning::{CONTACT_MARGIN, TANGENTIAL_RATIO};
 
 /// Scratch of the search for pairs.
 #[derive(Clone, Debug, Default)]
@@ -208,12 +208,7 @@ pub(super) struct Pair<'a> {
 
 impl<'a> Pair<'a> {
     fn new(tree: &'a Tree, kin: &Kinematics, [a, b]: [usize; 2]) -> Option<Self> {
-        let places = if tree.contact.colliders[b].moves {
-            [b, a]
-        } else {
-            [a, b]
-        };
-        let colliders = places.map(|place| &tree.contact.colliders[place]);
+        let colliders = in_order(tree, [a, b]);
         let [Some(first), Some(second)] = colliders.map(|c| c.solid.as_deref()) else {
             return None;
         };
@@ -253,12 +248,7 @@ impl<'a> Pair<'a> {
 
     /// Mass that takes part in an impact of both, kg: see [`super::Contact::mass`].
     pub fn mass(&self, tree: &Tree) -> f64 {
-        let [a, b] = self.colliders.map(|c| tree.mass_with(c.body));
-        if self.colliders[1].moves {
-            a * b / (a + b)
-        } else {
-            a
-        }
+        mass_of(tree, self.colliders)
     }
 
     /// See [`super::Contact::thickness`].
@@ -274,9 +264,7 @@ impl<'a> Pair<'a> {
 
     /// The one whose contact is made for the greater weight.
     fn heavier(&self, tree: &Tree) -> &TreeCollider {
-        let [a, b] = self.colliders;
-        let mass = |c: &TreeCollider| tree.mass_with(c.body);
-        if b.moves && mass(b) > mass(a) { b } else { a }
+        heavier_of(tree, self.colliders)
     }
 
     /// Spring of its contact; `fastest` as in [`super::detect`].
@@ -295,6 +283,49 @@ impl<'a> Pair<'a> {
         let found = patch.points()[part.points.clone()].iter();
         points.extend(found.map(|point| contact_point(point, landing)));
     }
+}
+
+/// The shapes at two places as they meet: the first one moves.
+fn in_order(tree: &Tree, [a, b]: [usize; 2]) -> [&TreeCollider; 2] {
+    let places = if tree.contact.colliders[b].moves {
+        [b, a]
+    } else {
+        [a, b]
+    };
+    places.map(|place| &tree.contact.colliders[place])
+}
+
+/// See [`Pair::mass`].
+fn mass_of(tree: &Tree, colliders: [&TreeCollider; 2]) -> f64 {
+    let [a, b] = colliders.map(|c| tree.mass_with(c.body));
+    if colliders[1].moves {
+        a * b / (a + b)
+    } else {
+        a
+    }
+}
+
+/// See [`Pair::heavier`].
+fn heavier_of<'a>(tree: &Tree, [a, b]: [&'a TreeCollider; 2]) -> &'a TreeCollider {
+    let mass = |c: &TreeCollider| tree.mass_with(c.body);
+    if b.moves && mass(b) > mass(a) { b } else { a }
+}
+
+/// How fast the friction of a contact forgets while nothing presses, 1/s: one over its own time
+/// `d/k` at the depth 0. `places`: of its shapes, the lower one first; twice the same with the
+/// ground.
+pub fn light_touch(tree: &Tree, places: [usize; 2]) -> f64 {
+    let colliders = in_order(tree, places);
+    let (spring, mass) = if places[0] == places[1] {
+        (&colliders[0].spring, tree.mass_with(colliders[0].body))
+    } else {
+        (
+            &heavier_of(tree, colliders).spring,
+            mass_of(tree, colliders),
+        )
+    };
+    // `d = 2 √(k m)`
+    0.5 * (TANGENTIAL_RATIO * spring.slope(0.0) / mass).sqrt()
 }
 
 /// Whether no two shapes come near within `h` seconds, by twice the way that velocities and gravity

@@ -176,6 +176,13 @@ impl Turn {
         -(self.normal * about_normal + self.rolling.respond(w_tangent, 0.0).force)
     }
 
+    /// How fast the elastic angle changes where no steps are taken, rad/s, world axes, for the
+    /// velocities of all bodies.
+    pub fn memory_rate(&self, V: &[Vec6]) -> Vec3 {
+        let (w_normal, w_tangent) = normal_part(&self.normal, &self.relative(V));
+        self.normal * self.torsional.rate(w_normal) + self.rolling.rate(w_tangent)
+    }
+
     /// Elastic angle after the step, world axes, rad, for the angular velocity that solved it:
     /// along the normal torsional, across it rolling.
     pub fn next_displacement(&self, w: &Vec3, h: f64) -> Vec3 {

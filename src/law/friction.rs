@@ -168,6 +168,17 @@ impl<X: Vector> ElastoPlastic<X> {
         settled.max(stored + share * (settled.max(0.0) - stored))
     }
 
+    /// How fast the displacement changes at the relative velocity `u`, where no steps are taken:
+    /// `ς̇ = (F − k ς)/d`, see [`crate::continuous`].
+    #[inline]
+    pub fn rate(&self, u: X) -> X {
+        if self.damping <= 0.0 {
+            return X::default();
+        }
+        let force = self.respond(u, 0.0).force;
+        (force - self.displacement * self.stiffness) / self.damping
+    }
+
     /// A displacement, cut down to what the cap can hold.
     #[inline]
     pub fn clipped(&self, displacement: X) -> X {

@@ -45,6 +45,8 @@ id! {
     LoopId,
     /// Index into [`super::Model::springs`].
     SpringId,
+    /// Index into [`crate::continuous::States`].
+    StateId,
 }
 
 impl RootId {

@@ -110,6 +110,8 @@ impl Readout {
             | O::SpringLength(_)
             | O::EnergyKinetic
             | O::EnergyPotential
+            | O::State(_)
+            | O::Rate(_)
             | O::Steps
             | O::Rejected
             | O::NewtonMax => return None,

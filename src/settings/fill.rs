@@ -17,7 +17,7 @@ use super::types::{
 };
 use super::{sensor, world};
 use crate::model::{
-    ActuatorMode, Arrays, Combination, ContactDefaults, Ground, SolverDefaults, World,
+    ActuatorMode, Arrays, Combination, ContactDefaults, Ground, Interface, SolverDefaults, World,
 };
 use crate::pattern::Pattern;
 use crate::range::MOST_STEPS;
@@ -359,6 +359,11 @@ fn fmu(reader: &Reader, section: &Section) -> FmuSettings {
         fmi: match section.number("fmi") {
             Some(3.0) => FmiVersion::V3,
             _ => FmiVersion::V2,
+        },
+        interface: match section.word("interface").as_deref() {
+            Some("me") => Interface::Me,
+            Some("both") => Interface::Both,
+            _ => Interface::Cs,
         },
         arrays: match section.word("arrays").as_deref() {
             Some("none") => Arrays::None,

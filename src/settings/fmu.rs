@@ -1,6 +1,6 @@
 //! What the settings say of the FMU itself.
 
-use crate::model::Arrays;
+use crate::model::{Arrays, Interface};
 use crate::pattern::Pattern;
 use std::fmt;
 
@@ -21,6 +21,8 @@ pub struct FmuSettings {
     pub stop_time: Option<f64>,
     /// Version of the standard.
     pub fmi: FmiVersion,
+    /// Who integrates.
+    pub interface: Interface,
     /// What is an array in FMI 3.
     pub arrays: Arrays,
     /// Names of the systems that the FMU has libraries for; without any, of all that there are.

@@ -147,6 +147,12 @@ pub const KEYS: &[Key] = &[
         "version of the Functional Mock-up Interface: 2 for FMI 2.0, 3 for FMI 3.0",
     ),
     key(
+        "fmu.interface",
+        Word(&["cs", "me", "both"]),
+        Some("\"cs\""),
+        "who integrates: the FMU (co-simulation), the importer (Model Exchange), or either",
+    ),
+    key(
         "fmu.arrays",
         Word(&["vectors", "none", "all"]),
         Some("\"vectors\""),

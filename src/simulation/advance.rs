@@ -36,7 +36,7 @@ impl Simulation {
         )]
         let budget = most as u64;
         let result = self.advance_islands(end, budget);
-        self.readout.invalidate();
+        self.forget();
         let time = self.state.time;
         match result {
             Ok(()) => {}

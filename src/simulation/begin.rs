@@ -46,7 +46,7 @@ impl Simulation {
         self.applied.copy_from(&self.inputs);
         self.settle();
         self.stale = false;
-        self.readout.invalidate();
+        self.forget();
     }
 
     /// Closes the loops of the initial state; what follows from it is that of the closed one.

@@ -10,6 +10,7 @@ use crate::law::normal::Stiffening;
 use crate::model::{Combination, Joint, Limits, RootId};
 use crate::sparsity::Sparsity;
 use crate::spatial::{Pose, Vec3};
+use crate::tuning::TURN_DEFLECTION;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -360,6 +361,18 @@ impl Turning {
     /// Whether there is any.
     pub fn acts(&self) -> bool {
         self.coefficient[0] > 0.0 || self.coefficient[1] > 0.0
+    }
+
+    /// One over the longer of its own times `d/k`, 1/s: how fast it forgets while nothing presses.
+    pub fn forgets(&self) -> f64 {
+        // `d = 2 √(k I)`
+        let [torsional, rolling] = self.coefficient;
+        let least = if torsional > 0.0 && rolling > 0.0 {
+            torsional.min(rolling)
+        } else {
+            torsional.max(rolling)
+        };
+        0.5 * (least * self.load / (TURN_DEFLECTION * self.inertia)).sqrt()
     }
 }
 

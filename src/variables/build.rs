@@ -1,7 +1,9 @@
 //! Parts of the rows of [`super::table`].
 
 use super::row::{Display, Kind, Part, Slot, TableError, Unit, Variable};
-use crate::model::{BodyId, Joint, JointId, JointKind, Limits, Link, Model, RootId, RootKind};
+use crate::model::{
+    BodyId, Joint, JointId, JointKind, Limits, Link, Model, RootId, RootKind, StateId,
+};
 use crate::slots::{Axis, InputSlot, OutputSlot, ParameterSlot};
 use std::collections::BTreeMap;
 
@@ -253,6 +255,7 @@ impl<'m> Table<'m> {
             max,
             unit: row.unit,
             part: None,
+            state: None,
             display: row.display,
             nominal: self.weight.filter(|_| sized),
         });
@@ -275,6 +278,37 @@ impl<'m> Table<'m> {
     pub(super) fn vector(&mut self, first: usize, name: &str, description: &str) {
         let len = u32::try_from(self.rows.len() - first).expect("a part of the table");
         self.whole(first, name, &[len], description);
+    }
+
+    /// The row with a slot.
+    pub(super) fn find(&self, slot: Slot) -> Option<usize> {
+        self.rows.iter().position(|row| row.slot == slot)
+    }
+
+    /// A row is a continuous state.
+    pub(super) fn is_state(&mut self, row: usize, id: StateId, nominal: f64) {
+        let row = &mut self.rows[row];
+        row.state = Some(id);
+        row.nominal = Some(nominal).filter(|nominal| *nominal < 1.0);
+    }
+
+    /// Adds the derivative of the state of a row; after those of all elements before it, where it
+    /// is the last element of a whole, they are a whole, too.
+    pub(super) fn derivative_of(&mut self, row: usize, id: StateId) {
+        let (state, owner) = (self.rows[row].clone(), self.owners[row].clone());
+        let about = format!("Derivative of {}", state.name);
+        let slot = OutputSlot::Rate(id);
+        let unit = state.unit.rate();
+        let first = self.rows.len();
+        // The name has its style already.
+        self.add(String::new(), &owner, Row::output(slot, unit, about));
+        self.rows[first].name = format!("der({})", state.name);
+        self.rows[first].nominal = None;
+        self.rows[first].part = state.part.map(|part| Part {
+            description: format!("Derivative of {}", part.whole),
+            whole: format!("der({})", part.whole),
+            ..part
+        });
     }
 
     /// How many rows there are.

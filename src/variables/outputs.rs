@@ -400,6 +400,9 @@ impl Table<'_> {
             let row = Row::output(slot, Unit::Joule, about.to_owned());
             self.add(format!("energy.{name}"), owner, row);
         }
+        if !self.model.outputs.interface.steps() {
+            return;
+        }
         let counters = [
             (
                 "steps",

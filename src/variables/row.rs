@@ -1,5 +1,6 @@
 //! A row of the table of variables.
 
+use crate::model::StateId;
 use crate::slots::{InputSlot, OutputSlot, ParameterSlot};
 
 /// One row.
@@ -27,6 +28,8 @@ pub struct Variable {
     pub unit: Unit,
     /// The vector or matrix that it is an element of, if any.
     pub part: Option<Part>,
+    /// The continuous state that it is, if any.
+    pub state: Option<StateId>,
     /// The unit that people read it in, where it is another one.
     pub display: Option<Display>,
     /// Size of the values to expect, in the unit, where it is known and not 1.
@@ -113,6 +116,7 @@ pub enum Unit {
     NewtonSecondPerMeter,
     NewtonMeterSecondPerRadian,
     Joule,
+    PerSecond,
 }
 
 /// Units that people read. Their names and factors are FMI's business, see the packager.
@@ -127,6 +131,17 @@ pub enum Display {
 }
 
 impl Unit {
+    /// That of the derivative of a continuous state in this unit.
+    pub fn rate(self) -> Self {
+        match self {
+            Self::Meter => Self::MeterPerSecond,
+            Self::Radian => Self::RadianPerSecond,
+            Self::MeterPerSecond => Self::MeterPerSecondSquared,
+            Self::RadianPerSecond => Self::RadianPerSecondSquared,
+            _ => Self::PerSecond,
+        }
+    }
+
     /// What people read quantities of this unit in.
     pub fn display(self) -> Option<Display> {
         match self {

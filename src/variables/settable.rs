@@ -352,6 +352,9 @@ impl Table<'_> {
     }
 
     pub(super) fn solver_parameters(&mut self) {
+        if !self.model.outputs.interface.steps() {
+            return;
+        }
         let solver = &self.model.solver;
         let about = "Fixed solver step; 0: error controlled".to_owned();
         let row = Row::parameter(

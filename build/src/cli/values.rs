@@ -1,6 +1,7 @@
 //! Values of options, from their texts.
 
 use crate::picture::{Look, Toward};
+use clap::ValueEnum;
 use std::path::PathBuf;
 use urdf2fmu_core::range::Range;
 
@@ -107,4 +108,24 @@ pub(super) fn speed(text: &str) -> Result<f64, String> {
     let number = text.parse::<f64>().ok();
     let number = number.filter(|x| (0.01..=100.0).contains(x));
     number.ok_or_else(|| "must be 0.01 … 100".to_owned())
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(crate) enum InterfaceChoice {
+    /// Co-simulation
+    Cs,
+    /// Model Exchange
+    Me,
+    /// Both in one FMU
+    Both,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(crate) enum ArrayStyle {
+    /// Vectors of outputs and parameters
+    Vectors,
+    /// Nothing: the variables of FMI 2
+    None,
+    /// Vectors of inputs, too, and vectors over all joints
+    All,
 }

@@ -1,6 +1,6 @@
-//! modelDescription.xml of FMI 2.0 co-simulation: a variable for each row of the table.
+//! modelDescription.xml of FMI 2.0: a variable for each row of the table.
 //!
-//! Source: FMI 2.0.4 specification, sections 2.2 and 4.3.
+//! Source: FMI 2.0.4 specification, sections 2.2, 3.3 and 4.3.
 
 use super::shared::{
     DescribeError, Header, TOOL, check, clean, default_experiment, list, log_categories, naming,
@@ -14,6 +14,7 @@ use quick_xml::events::{BytesDecl, Event};
 use std::collections::BTreeSet;
 use std::io;
 use urdf2fmu_core::model::Model;
+use urdf2fmu_core::simulation::OutputSlot;
 use urdf2fmu_core::variables::{Causality, Kind, Slot, Unit, Variable};
 
 /// The XML text.
@@ -53,18 +54,42 @@ pub fn model_description(
         .with_attribute(("variableNamingConvention", naming(model)))
         .with_attribute(("numberOfEventIndicators", "0"))
         .write_inner_content(|xml| {
-            co_simulation(xml, header.model_identifier)?;
+            let interface = model.outputs.interface;
+            if interface.exchanges() {
+                model_exchange(xml, header.model_identifier)?;
+            }
+            if interface.steps() {
+                co_simulation(xml, header.model_identifier)?;
+            }
             let units = used_units(table);
             unit_definitions(xml, &units)?;
             type_definitions(xml, &units)?;
             log_categories(xml)?;
             default_experiment(xml, about)?;
-            list(xml, "ModelVariables", table.iter(), scalar_variable)?;
+            list(xml, "ModelVariables", table.iter(), |xml, v| {
+                scalar_variable(xml, table, v)
+            })?;
             model_structure(xml, model, table)
         })?;
     let mut text = xml.into_inner();
     text.push(b'\n');
     Ok(text)
+}
+
+fn model_exchange(xml: &mut Writer<Vec<u8>>, model_identifier: &str) -> io::Result<()> {
+    xml.create_element("ModelExchange")
+        .with_attribute(("modelIdentifier", model_identifier))
+        .with_attributes([
+            ("needsExecutionTool", "false"),
+            ("completedIntegratorStepNotNeeded", "true"),
+            ("canBeInstantiatedOnlyOncePerProcess", "false"),
+            ("canNotUseMemoryManagementFunctions", "true"),
+            ("canGetAndSetFMUstate", "true"),
+            ("canSerializeFMUstate", "true"),
+            ("providesDirectionalDerivative", "true"),
+        ])
+        .write_empty()?;
+    Ok(())
 }
 
 fn co_simulation(xml: &mut Writer<Vec<u8>>, model_identifier: &str) -> io::Result<()> {
@@ -107,7 +132,12 @@ fn type_definitions(xml: &mut Writer<Vec<u8>>, units: &BTreeSet<Unit>) -> io::Re
     })
 }
 
-fn scalar_variable(xml: &mut Writer<Vec<u8>>, v: &Variable) -> io::Result<()> {
+/// FMI counts variables from 1, in the order of the file.
+fn index_of(table: &[Variable], which: impl Fn(&Variable) -> bool) -> Option<usize> {
+    table.iter().position(which).map(|place| place + 1)
+}
+
+fn scalar_variable(xml: &mut Writer<Vec<u8>>, table: &[Variable], v: &Variable) -> io::Result<()> {
     let mut element = xml
         .create_element("ScalarVariable")
         .with_attribute(("name", clean(&v.name).as_str()))
@@ -138,6 +168,11 @@ fn scalar_variable(xml: &mut Writer<Vec<u8>>, v: &Variable) -> io::Result<()> {
             if let Some(nominal) = v.nominal {
                 value = value.with_attribute(("nominal", number(nominal).as_str()));
             }
+            if let Slot::Output(OutputSlot::Rate(id)) = v.slot
+                && let Some(state) = index_of(table, |v| v.state == Some(id))
+            {
+                value = value.with_attribute(("derivative", state.to_string().as_str()));
+            }
         }
         // An output has neither start nor range: it is what the physics says.
         if !matches!(v.slot, Slot::Output(_)) {
@@ -162,26 +197,39 @@ fn scalar_variable(xml: &mut Writer<Vec<u8>>, v: &Variable) -> io::Result<()> {
 }
 
 fn model_structure(xml: &mut Writer<Vec<u8>>, model: &Model, table: &[Variable]) -> io::Result<()> {
-    // FMI counts variables from 1, in the order of the file.
-    let outputs: Vec<_> = (1..)
-        .zip(table)
-        .filter_map(|(index, v)| match v.slot {
-            Slot::Output(slot) if v.causality() == Causality::Output => Some((index, slot)),
+    let exchanges = model.outputs.interface.exchanges();
+    let listed = |wanted: fn(&Variable, OutputSlot) -> bool| -> Vec<_> {
+        let rows = (1..).zip(table).filter_map(|(index, v)| match v.slot {
+            Slot::Output(slot) if wanted(v, slot) => Some((index, v, slot)),
             _ => None,
-        })
-        .collect();
-    xml.create_element("ModelStructure")
-        .write_inner_content(|xml| {
+        });
+        rows.collect()
+    };
+    let outputs = listed(|v, _| v.causality() == Causality::Output);
+    let rates = listed(|_, slot| matches!(slot, OutputSlot::Rate(_)));
+    let initial = listed(|_, slot| !slot.counts());
+    let own = |v: &Variable| {
+        if exchanges {
+            structure::dependencies(table, v)
+        } else {
             // Values at the end of the step: what an importer sets afterwards does not show in
             // them.
-            list(xml, "Outputs", outputs.iter(), |xml, (index, _)| {
-                unknown(xml, *index, Some(&[]))
+            Some(Vec::new())
+        }
+    };
+    xml.create_element("ModelStructure")
+        .write_inner_content(|xml| {
+            list(xml, "Outputs", outputs.iter(), |xml, (index, v, _)| {
+                unknown(xml, *index, own(v).as_deref())
+            })?;
+            list(xml, "Derivatives", rates.iter(), |xml, (index, v, _)| {
+                unknown(xml, *index, own(v).as_deref())
             })?;
             list(
                 xml,
                 "InitialUnknowns",
-                outputs.iter(),
-                |xml, (index, slot)| {
+                initial.iter(),
+                |xml, (index, _, slot)| {
                     let dependencies = structure::initial_dependencies(model, table, *slot);
                     unknown(xml, *index, dependencies.as_deref())
                 },

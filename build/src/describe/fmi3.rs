@@ -1,9 +1,9 @@
-//! modelDescription.xml of FMI 3.0 co-simulation: a variable for each entry of the table.
+//! modelDescription.xml of FMI 3.0: a variable for each entry of the table.
 //!
 //! A vector's elements stand in an annotation by their own names, so that a reader can tell which
 //! is which; this program's importer shows them under these names.
 //!
-//! Source: FMI 3.0 specification, sections 2.4 and 4.4.
+//! Source: FMI 3.0 specification, sections 2.4, 3.3 and 4.4.
 
 use super::shared::{
     DescribeError, Header, TOOL, check, clean, default_experiment, list, log_categories, naming,
@@ -17,6 +17,7 @@ use quick_xml::events::{BytesDecl, BytesText, Event};
 use std::collections::{BTreeMap, BTreeSet};
 use std::io;
 use urdf2fmu_core::model::Model;
+use urdf2fmu_core::simulation::OutputSlot;
 use urdf2fmu_core::variables::{
     Causality, Entry, Kind, Slot, Unit, Variable, entries, time_reference,
 };
@@ -57,7 +58,13 @@ pub fn model_description(
         .with_attribute(("generationDateAndTime", header.date))
         .with_attribute(("variableNamingConvention", naming(model)))
         .write_inner_content(|xml| {
-            co_simulation(xml, header.model_identifier)?;
+            let interface = model.outputs.interface;
+            if interface.exchanges() {
+                model_exchange(xml, header.model_identifier)?;
+            }
+            if interface.steps() {
+                co_simulation(xml, header.model_identifier)?;
+            }
             let mut units = used_units(table);
             units.insert(Unit::Second);
             unit_definitions(xml, &units)?;
@@ -69,13 +76,31 @@ pub fn model_description(
                     time(xml, table)?;
                     entries
                         .iter()
-                        .try_for_each(|entry| variable(xml, table, entry))
+                        .try_for_each(|entry| variable(xml, model, (table, &entries), entry))
                 })?;
             model_structure(xml, model, table, &entries)
         })?;
     let mut text = xml.into_inner();
     text.push(b'\n');
     Ok(text)
+}
+
+fn model_exchange(xml: &mut Writer<Vec<u8>>, model_identifier: &str) -> io::Result<()> {
+    xml.create_element("ModelExchange")
+        .with_attribute(("modelIdentifier", model_identifier))
+        .with_attributes([
+            ("needsExecutionTool", "false"),
+            ("canBeInstantiatedOnlyOncePerProcess", "false"),
+            ("canGetAndSetFMUState", "true"),
+            ("canSerializeFMUState", "true"),
+            ("providesDirectionalDerivatives", "true"),
+            ("providesAdjointDerivatives", "false"),
+            ("providesPerElementDependencies", "false"),
+            ("needsCompletedIntegratorStep", "false"),
+            ("providesEvaluateDiscreteStates", "false"),
+        ])
+        .write_empty()?;
+    Ok(())
 }
 
 fn co_simulation(xml: &mut Writer<Vec<u8>>, model_identifier: &str) -> io::Result<()> {
@@ -132,7 +157,12 @@ fn time(xml: &mut Writer<Vec<u8>>, table: &[Variable]) -> io::Result<()> {
     Ok(())
 }
 
-fn variable(xml: &mut Writer<Vec<u8>>, table: &[Variable], entry: &Entry) -> io::Result<()> {
+fn variable(
+    xml: &mut Writer<Vec<u8>>,
+    model: &Model,
+    (table, entries): (&[Variable], &[Entry]),
+    entry: &Entry,
+) -> io::Result<()> {
     let rows: Vec<&Variable> = entry.rows.iter().map(|row| &table[*row as usize]).collect();
     // All rows of an entry have one type, causality and variability.
     let first = rows[0];
@@ -152,7 +182,7 @@ fn variable(xml: &mut Writer<Vec<u8>>, table: &[Variable], entry: &Entry) -> io:
         Slot::Parameter(_) => element = element.with_attribute(("initial", "exact")),
         Slot::Output(_) => element = element.with_attribute(("initial", "calculated")),
     }
-    if variability(first) == "continuous" {
+    if variability(first) == "continuous" && model.outputs.interface.steps() {
         element = element.with_attribute(("intermediateUpdate", "true"));
     }
     if first.kind == Kind::Real && rows.iter().all(|row| row.unit == first.unit) {
@@ -166,6 +196,15 @@ fn variable(xml: &mut Writer<Vec<u8>>, table: &[Variable], entry: &Entry) -> io:
         }
         if let Some(nominal) = first.nominal.filter(|_| all(|a, b| a.nominal == b.nominal)) {
             element = element.with_attribute(("nominal", number(nominal).as_str()));
+        }
+    }
+    if let Slot::Output(OutputSlot::Rate(id)) = first.slot {
+        let is_state = |entry: &&Entry| table[entry.rows[0] as usize].state == Some(id);
+        // What gathers rows of others is none.
+        let own = |entry: &&Entry| entry.rows[0] == entry.value_reference;
+        if let Some(state) = entries.iter().filter(own).find(is_state) {
+            let reference = state.value_reference.to_string();
+            element = element.with_attribute(("derivative", reference.as_str()));
         }
     }
     // An output has neither start nor range: it is what the physics says.
@@ -230,29 +269,57 @@ fn model_structure(
             owner.insert(*row, entry.value_reference);
         }
     }
-    let outputs: Vec<&Entry> = entries
+    let exchanges = model.outputs.interface.exchanges();
+    let listed = |wanted: fn(&Variable) -> bool| -> Vec<&Entry> {
+        let all = entries.iter();
+        all.filter(|entry| wanted(&table[entry.rows[0] as usize]))
+            .collect()
+    };
+    let is_rate = |slot: Slot| matches!(slot, Slot::Output(OutputSlot::Rate(_)));
+    let outputs = listed(|row| row.causality() == Causality::Output);
+    let rates: Vec<&Entry> = entries
         .iter()
-        .filter(|entry| table[entry.rows[0] as usize].causality() == Causality::Output)
+        .filter(|entry| is_rate(table[entry.rows[0] as usize].slot))
         .collect();
-    xml.create_element("ModelStructure")
-        .write_inner_content(|xml| {
+    let initial = listed(|row| matches!(row.slot, Slot::Output(slot) if !slot.counts()));
+    // Rows are counted from 1.
+    let references = |rows: Option<Vec<Vec<usize>>>| {
+        rows.map(|rows| {
+            let rows = rows.iter().flatten();
+            rows.filter_map(|row| owner.get(&u32::try_from(row - 1).ok()?).copied())
+                .collect::<BTreeSet<u32>>()
+        })
+    };
+    let own = |entry: &Entry| {
+        if exchanges {
+            let of_row = |row: &u32| structure::dependencies(table, &table[*row as usize]);
+            references(entry.rows.iter().map(of_row).collect())
+        } else {
             // Values at the end of the step: what an importer sets afterwards does not show in
             // them.
+            Some(BTreeSet::new())
+        }
+    };
+    xml.create_element("ModelStructure")
+        .write_inner_content(|xml| {
             for entry in &outputs {
-                unknown(xml, "Output", entry.value_reference, Some(&BTreeSet::new()))?;
+                unknown(xml, "Output", entry.value_reference, own(entry).as_ref())?;
             }
-            for entry in &outputs {
+            for entry in &rates {
+                let reference = entry.value_reference;
+                unknown(
+                    xml,
+                    "ContinuousStateDerivative",
+                    reference,
+                    own(entry).as_ref(),
+                )?;
+            }
+            for entry in &initial {
                 let of_row = |row: &u32| match table[*row as usize].slot {
                     Slot::Output(slot) => structure::initial_dependencies(model, table, slot),
                     Slot::Input(_) | Slot::Parameter(_) => None,
                 };
-                let rows: Option<Vec<Vec<usize>>> = entry.rows.iter().map(of_row).collect();
-                let dependencies = rows.map(|rows| {
-                    // They are counted from 1.
-                    let rows = rows.iter().flatten();
-                    rows.filter_map(|row| owner.get(&u32::try_from(row - 1).ok()?).copied())
-                        .collect::<BTreeSet<u32>>()
-                });
+                let dependencies = references(entry.rows.iter().map(of_row).collect());
                 let reference = entry.value_reference;
                 unknown(xml, "InitialUnknown", reference, dependencies.as_ref())?;
             }

@@ -3,13 +3,16 @@
 //! This module does not use pointers. Each function of the interface is one method here; the guard
 //! ([`crate::call`]) has checked the phase. Here is its life, from its making to its end; `values`
 //! gets and sets variables, `step` simulates, and `updates` is for calls of the
-//! importer within steps.
+//! importer within steps; `exchange` is for importers that integrate, and `partial` finds
+//! partial derivatives.
 
+mod exchange;
+mod partial;
 mod step;
 mod updates;
 mod values;
 
-use crate::common::{Status, Version};
+use crate::common::{Interface, Status, Version};
 use crate::error::FmiError;
 use crate::experiment::Experiment;
 use crate::layout::Layout;
@@ -18,9 +21,9 @@ use crate::phase::Phase;
 use crate::snapshot::{GuidHash, SavedState};
 use std::sync::Arc;
 pub(crate) use updates::{Callback, Next, Updates};
-use urdf2fmu_core::model::Model;
+use urdf2fmu_core::model::{Model, StateId};
 use urdf2fmu_core::range::Range;
-use urdf2fmu_core::simulation::Simulation;
+use urdf2fmu_core::simulation::{OutputSlot, Simulation};
 use urdf2fmu_core::variables::{Slot, Variable};
 
 /// An instance of the FMU.
@@ -28,6 +31,7 @@ use urdf2fmu_core::variables::{Slot, Variable};
 pub(crate) struct Instance {
     logger: Logger,
     version: Version,
+    integrated_by: Interface,
     guid: GuidHash,
     model: Arc<Model>,
     /// Rows of the table.
@@ -45,12 +49,17 @@ pub(crate) struct Instance {
     overshoot_logged: bool,
     /// FMI 3: the importer wants to be called within steps.
     updates: Option<Updates>,
+    /// Room for a list of states.
+    scratch: Vec<f64>,
 }
 
 /// Where a value lives.
 #[derive(Clone, Copy, Debug)]
 enum Source {
     Slot(Slot),
+    /// Model Exchange: a continuous state as the importer has set it, and its derivative.
+    State(StateId),
+    Rate(StateId),
     Time,
 }
 
@@ -63,22 +72,28 @@ impl Instance {
     /// In phase [`Phase::Instantiated`].
     pub(crate) fn new(
         logger: Logger,
-        version: Version,
+        (version, integrated_by): (Version, Interface),
         guid: GuidHash,
         model: Arc<Model>,
         variables: Vec<Variable>,
         layout: Layout,
     ) -> Self {
-        let source = |row: &u32| {
-            let row = variables.get(*row as usize);
-            row.map_or(Source::Time, |row| Source::Slot(row.slot))
+        let exchanges = integrated_by == Interface::ModelExchange;
+        let source = |row: &u32| match variables.get(*row as usize) {
+            None => Source::Time,
+            Some(row) => match (row.state, row.slot) {
+                (Some(id), _) if exchanges => Source::State(id),
+                (_, Slot::Output(OutputSlot::Rate(id))) if exchanges => Source::Rate(id),
+                _ => Source::Slot(row.slot),
+            },
         };
         Self {
-            simulation: Simulation::new(Arc::clone(&model)),
+            simulation: simulation(&model, integrated_by),
             range_logged: vec![false; variables.len()],
             sources: layout.all_rows().iter().map(source).collect(),
             logger,
             version,
+            integrated_by,
             guid,
             model,
             variables,
@@ -87,12 +102,18 @@ impl Instance {
             experiment: Experiment::DEFAULT,
             overshoot_logged: false,
             updates: None,
+            scratch: Vec::new(),
         }
     }
 
     /// Version of FMI that it speaks.
     pub(crate) fn version(&self) -> Version {
         self.version
+    }
+
+    /// Who integrates.
+    pub(crate) fn integrated_by(&self) -> Interface {
+        self.integrated_by
     }
 
     /// Where it stands.
@@ -200,7 +221,10 @@ impl Instance {
     /// corrected.
     pub(crate) fn exit_initialization_mode(&mut self) -> Result<(), FmiError> {
         self.simulation.initialize(self.experiment.start)?;
-        self.phase = Phase::StepComplete;
+        self.phase = match self.integrated_by {
+            Interface::CoSimulation => Phase::StepComplete,
+            Interface::ModelExchange => Phase::EventMode,
+        };
         if let Some((link, depth)) = self.simulation.deepest_in_ground() {
             let message = format!(
                 "the start is {:.3} mm inside the ground, with link '{link}': contacts will push it \
@@ -232,7 +256,7 @@ impl Instance {
     /// A simulation in which nothing of an interrupted call is left.
     fn renew(&mut self) {
         if self.phase == Phase::Error {
-            self.simulation = Simulation::new(Arc::clone(&self.model));
+            self.simulation = simulation(&self.model, self.integrated_by);
         }
     }
 
@@ -258,6 +282,17 @@ impl Instance {
 
     pub(crate) fn restore(&mut self, state: &SavedState) -> Result<(), FmiError> {
         state.check(self.guid, self.version)?;
+        if let Some(other) = state
+            .phase
+            .of()
+            .filter(|other| *other != self.integrated_by)
+        {
+            let reason = format!(
+                "it was saved in {other}, and the instance was made for {}",
+                self.integrated_by
+            );
+            return Err(FmiError::State { reason });
+        }
         self.renew();
         self.simulation.restore(&state.simulation)?;
         self.phase = state.phase;
@@ -278,6 +313,15 @@ impl Instance {
             _ => Status::OK,
         }
     }
+}
+
+/// A simulation of the model, for who integrates.
+fn simulation(model: &Arc<Model>, integrated_by: Interface) -> Simulation {
+    let mut simulation = Simulation::new(Arc::clone(model));
+    if integrated_by == Interface::ModelExchange {
+        simulation.exchange();
+    }
+    simulation
 }
 
 #[cfg(test)]

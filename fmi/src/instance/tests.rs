@@ -11,7 +11,7 @@
 mod limits;
 
 use super::*;
-use crate::common::Status;
+use crate::common::{Interface, Status};
 use crate::logger::Sink;
 use crate::pointers::{In, Out};
 use urdf2fmu_core::geometry::Shape;
@@ -45,7 +45,14 @@ pub(crate) fn instance_of(version: Version) -> Instance {
     let (model, rows) = (rover(), rows());
     let layout = Layout::new(version, &model, &rows).expect("no clash");
     let guid = GuidHash::new("{test}");
-    Instance::new(logger, version, guid, Arc::new(model), rows, layout)
+    Instance::new(
+        logger,
+        (version, Interface::CoSimulation),
+        guid,
+        Arc::new(model),
+        rows,
+        layout,
+    )
 }
 
 /// Initialised at 0 s.

@@ -33,12 +33,7 @@ impl Instance {
             // Read again: the importer's array may overlap with `values`, so nothing is taken for
             // granted.
             for element in self.layout.find(value_reference).elements() {
-                let number = match self.sources[element] {
-                    Source::Slot(Slot::Input(slot)) => self.simulation.input(slot),
-                    Source::Slot(Slot::Parameter(slot)) => self.simulation.parameter(slot),
-                    Source::Slot(Slot::Output(slot)) => self.simulation.output(slot),
-                    Source::Time => self.simulation.time(),
-                };
+                let number = self.number(element);
                 if !number.is_finite() {
                     return Err(self.not_finite(self.layout.all_rows()[element]));
                 }
@@ -47,6 +42,19 @@ impl Instance {
             }
         }
         Ok(())
+    }
+
+    /// Value of an element.
+    #[inline]
+    pub(super) fn number(&mut self, element: usize) -> f64 {
+        match self.sources[element] {
+            Source::Slot(Slot::Input(slot)) => self.simulation.input(slot),
+            Source::Slot(Slot::Parameter(slot)) => self.simulation.parameter(slot),
+            Source::Slot(Slot::Output(slot)) => self.simulation.output(slot),
+            Source::State(id) => self.simulation.state_value(id),
+            Source::Rate(id) => self.simulation.rates()[id.index()],
+            Source::Time => self.simulation.time(),
+        }
     }
 
     /// The variable behind a value reference, if it has the type asked for. Within the importer's
@@ -72,7 +80,7 @@ impl Instance {
     }
 
     /// An output that is no number.
-    fn not_finite(&self, row: u32) -> FmiError {
+    pub(super) fn not_finite(&self, row: u32) -> FmiError {
         let variable = self.variables.get(row as usize);
         FmiError::NotFinite {
             name: variable.map(|v| v.name.clone()).unwrap_or_default(),
@@ -141,7 +149,10 @@ impl Instance {
         let checked = match variable.slot {
             Slot::Input(slot) => self.simulation.check_input(slot, value),
             Slot::Parameter(slot) => {
-                if self.phase == Phase::StepComplete && !slot.tunable() {
+                if self.phase == Phase::ContinuousTime {
+                    return Err(FmiError::Continuous { name: name() });
+                }
+                if self.phase.is_initialized() && !slot.tunable() {
                     let (name, fmi) = (name(), self.version);
                     return Err(FmiError::Fixed { name, fmi });
                 }
@@ -274,7 +285,7 @@ impl Instance {
 }
 
 /// Whether an importer's array of values is as long as the variables that it is for.
-fn check_count(given: usize, expected: usize) -> Result<(), FmiError> {
+pub(super) fn check_count(given: usize, expected: usize) -> Result<(), FmiError> {
     if given == expected {
         Ok(())
     } else {

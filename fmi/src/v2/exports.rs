@@ -17,12 +17,12 @@
 use super::phase::Function;
 use super::types::{
     FMI2_CO_SIMULATION, FMI2_DO_STEP_STATUS, FMI2_FALSE, FMI2_LAST_SUCCESSFUL_TIME,
-    FMI2_PENDING_STATUS, FMI2_TERMINATED, FMI2_TRUE, fmi2Boolean, fmi2Byte, fmi2CallbackFunctions,
-    fmi2Component, fmi2FMUstate, fmi2Integer, fmi2Real, fmi2Status, fmi2StatusKind, fmi2String,
-    fmi2Type, fmi2ValueReference,
+    FMI2_MODEL_EXCHANGE, FMI2_PENDING_STATUS, FMI2_TERMINATED, FMI2_TRUE, fmi2Boolean, fmi2Byte,
+    fmi2CallbackFunctions, fmi2Component, fmi2FMUstate, fmi2Integer, fmi2Real, fmi2Status,
+    fmi2StatusKind, fmi2String, fmi2Type, fmi2ValueReference,
 };
 use crate::call::{call, free, into_pointer};
-use crate::common::Version;
+use crate::common::{Interface, Version};
 use crate::control_word;
 use crate::error::{FmiError, InstantiateError};
 use crate::load::{load, made};
@@ -98,10 +98,12 @@ pub unsafe extern "C" fn fmi2Instantiate(
     let sink = callback.map_or(Sink::None, |callback| Sink::Fmi2(callback, name));
     let logger = Logger::new(sink, environment, loggingOn != FMI2_FALSE);
     let instance = made("fmi2Instantiate", &logger, || {
-        if fmuType != FMI2_CO_SIMULATION {
-            return Err(InstantiateError::Type { found: fmuType });
-        }
-        load(Version::V2, &guid, &location, logger.clone())
+        let integrated_by = match fmuType {
+            FMI2_MODEL_EXCHANGE => Interface::ModelExchange,
+            FMI2_CO_SIMULATION => Interface::CoSimulation,
+            found => return Err(InstantiateError::Type { found }),
+        };
+        load(Version::V2, integrated_by, &guid, &location, logger.clone())
     });
     instance.map_or(std::ptr::null_mut(), into_pointer)
 }
@@ -398,7 +400,8 @@ pub unsafe extern "C" fn fmi2DeSerializeFMUstate(
     }
 }
 
-/// Not offered: legal without elements.
+/// Partial derivatives of outputs and derivatives by states and inputs, along a direction; in
+/// co-simulation not offered, and legal without elements.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2GetDirectionalDerivative(
     c: fmi2Component,
@@ -411,12 +414,16 @@ pub unsafe extern "C" fn fmi2GetDirectionalDerivative(
 ) -> fmi2Status {
     // SAFETY: FMI's contract.
     unsafe {
-        call(c, Function::GetDirectionalDerivative, |_| {
-            In::new("vUnknown_ref", vUnknown_ref, nUnknown)?;
-            In::new("vKnown_ref", vKnown_ref, nKnown)?;
-            In::new("dvKnown", dvKnown, nKnown)?;
-            let asked = Out::new("dvUnknown", dvUnknown, nUnknown)?.len();
-            if asked == 0 {
+        call(c, Function::GetDirectionalDerivative, |instance| {
+            let unknowns = In::new("vUnknown_ref", vUnknown_ref, nUnknown)?;
+            let knowns = In::new("vKnown_ref", vKnown_ref, nKnown)?;
+            let seeds = In::new("dvKnown", dvKnown, nKnown)?;
+            let mut found = Out::new("dvUnknown", dvUnknown, nUnknown)?;
+            if instance.integrated_by() == Interface::ModelExchange {
+                instance.directional_derivative(&unknowns, &knowns, &seeds, &mut found)?;
+                return OK;
+            }
+            if found.len() == 0 {
                 return OK;
             }
             Err(FmiError::NotOffered {

@@ -5,7 +5,7 @@
 //! | `types` | the types of the headers |
 //! | `phase` | which function may be called when |
 //! | `exports` | the functions, common and co-simulation |
-//! | `model_exchange` | those of Model Exchange, which are refused |
+//! | `model_exchange` | those of Model Exchange |
 
 pub(crate) mod exports;
 pub(crate) mod model_exchange;

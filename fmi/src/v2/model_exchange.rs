@@ -1,5 +1,5 @@
-//! The functions of Model Exchange. They are exported, because importers look up all names, and
-//! refused in every phase.
+//! The functions of Model Exchange, in the order of the FMI headers. The safety contract is that of
+//! the other exports.
 #![allow(unsafe_code, reason = "C functions")]
 #![allow(
     non_snake_case,
@@ -8,34 +8,130 @@
 )]
 
 use super::phase::Function;
-use super::types::{fmi2Boolean, fmi2Component, fmi2Real, fmi2Status};
+use super::types::{FMI2_FALSE, fmi2Boolean, fmi2Component, fmi2EventInfo, fmi2Real, fmi2Status};
 use crate::call::call;
-use std::ffi::c_void;
+use crate::error::FmiError;
+use crate::instance::Instance;
+use crate::pointers::{self, In, Out};
 
-macro_rules! refused {
-    ($($function:ident $export:ident ($($argument:ident: $type:ty),*);)*) => {$(
-        /// Belongs to Model Exchange: logs that, and returns `fmi2Error`.
+const OK: Result<fmi2Status, FmiError> = Ok(fmi2Status::OK);
+
+/// Inputs and parameters may jump.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2EnterEventMode(c: fmi2Component) -> fmi2Status {
+    // SAFETY: FMI's contract.
+    unsafe {
+        call(c, Function::EnterEventMode, |instance| {
+            instance.enter_event_mode();
+            OK
+        })
+    }
+}
+
+/// There are no discrete states: nothing is to be done again, and no event is to come.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2NewDiscreteStates(
+    c: fmi2Component,
+    fmi2eventInfo: *mut fmi2EventInfo,
+) -> fmi2Status {
+    // SAFETY: FMI's contract.
+    unsafe {
+        call(c, Function::NewDiscreteStates, |_| {
+            pointers::write("fmi2eventInfo", fmi2eventInfo, fmi2EventInfo::default())?;
+            OK
+        })
+    }
+}
+
+/// The importer integrates.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2EnterContinuousTimeMode(c: fmi2Component) -> fmi2Status {
+    // SAFETY: FMI's contract.
+    unsafe {
+        call(c, Function::EnterContinuousTimeMode, |instance| {
+            instance.enter_continuous_time_mode();
+            OK
+        })
+    }
+}
+
+/// Nothing is to be done after a step of the importer.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2CompletedIntegratorStep(
+    c: fmi2Component,
+    _noSetFMUStatePriorToCurrentPoint: fmi2Boolean,
+    enterEventMode: *mut fmi2Boolean,
+    terminateSimulation: *mut fmi2Boolean,
+) -> fmi2Status {
+    // SAFETY: FMI's contract.
+    unsafe {
+        call(c, Function::CompletedIntegratorStep, |_| {
+            pointers::write("enterEventMode", enterEventMode, FMI2_FALSE)?;
+            pointers::write("terminateSimulation", terminateSimulation, FMI2_FALSE)?;
+            OK
+        })
+    }
+}
+
+/// Sets the time, s.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2SetTime(c: fmi2Component, time: fmi2Real) -> fmi2Status {
+    // SAFETY: FMI's contract.
+    unsafe {
+        call(c, Function::SetTime, |instance| {
+            instance.set_time(time)?;
+            OK
+        })
+    }
+}
+
+/// Sets all states, in the order of the derivatives in modelDescription.xml.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2SetContinuousStates(
+    c: fmi2Component,
+    x: *const fmi2Real,
+    nx: usize,
+) -> fmi2Status {
+    // SAFETY: FMI's contract.
+    unsafe {
+        call(c, Function::SetContinuousStates, |instance| {
+            instance.set_continuous_states(&In::new("x", x, nx)?)?;
+            OK
+        })
+    }
+}
+
+/// A function that fills an array of the importer.
+macro_rules! filling {
+    ($($(#[$doc:meta])* $function:ident $export:ident ($array:ident, $n:ident) $body:expr;)*) => {$(
+        $(#[$doc])*
         #[unsafe(no_mangle)]
-        pub unsafe extern "C" fn $export(c: fmi2Component, $($argument: $type),*) -> fmi2Status {
-            // SAFETY: FMI's contract for `c`; the other arguments are not used.
-            unsafe { call(c, Function::$function, |_| Ok(fmi2Status::Error)) }
+        pub unsafe extern "C" fn $export(
+            c: fmi2Component,
+            $array: *mut fmi2Real,
+            $n: usize,
+        ) -> fmi2Status {
+            // SAFETY: FMI's contract.
+            unsafe {
+                call(c, Function::$function, |instance| {
+                    let body: fn(&mut Instance, &mut Out<f64>) -> Result<(), FmiError> = $body;
+                    body(instance, &mut Out::new(stringify!($array), $array, $n)?)?;
+                    OK
+                })
+            }
         }
     )*};
 }
 
-refused! {
-    EnterEventMode fmi2EnterEventMode();
-    NewDiscreteStates fmi2NewDiscreteStates(_event_info: *mut c_void);
-    EnterContinuousTimeMode fmi2EnterContinuousTimeMode();
-    CompletedIntegratorStep fmi2CompletedIntegratorStep(
-        _no_set_fmu_state_prior_to_current_point: fmi2Boolean,
-        _enter_event_mode: *mut fmi2Boolean,
-        _terminate_simulation: *mut fmi2Boolean
-    );
-    SetTime fmi2SetTime(_time: fmi2Real);
-    SetContinuousStates fmi2SetContinuousStates(_x: *const fmi2Real, _nx: usize);
-    GetDerivatives fmi2GetDerivatives(_derivatives: *mut fmi2Real, _nx: usize);
-    GetEventIndicators fmi2GetEventIndicators(_indicators: *mut fmi2Real, _ni: usize);
-    GetContinuousStates fmi2GetContinuousStates(_x: *mut fmi2Real, _nx: usize);
-    GetNominalsOfContinuousStates fmi2GetNominalsOfContinuousStates(_nominal: *mut fmi2Real, _nx: usize);
+filling! {
+    /// Derivatives of all states.
+    GetDerivatives fmi2GetDerivatives(derivatives, nx) Instance::derivatives;
+    /// There are none.
+    GetEventIndicators fmi2GetEventIndicators(eventIndicators, ni)
+        |_, indicators| Instance::event_indicators(indicators);
+    /// All states.
+    GetContinuousStates fmi2GetContinuousStates(x, nx) Instance::continuous_states;
+    /// Sizes of the states to expect.
+    GetNominalsOfContinuousStates fmi2GetNominalsOfContinuousStates(x_nominal, nx)
+        |instance, nominals| instance.nominals(nominals);
 }

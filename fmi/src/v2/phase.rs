@@ -1,8 +1,9 @@
-//! Calling sequence: the state machine of FMI 2.0 for co-simulation as one table.
+//! Calling sequence: the state machines of FMI 2.0 as one table.
 //!
-//! Source: FMI 2.0.4, section 4.2.4, with two deliberate leniencies: fmi2GetXXX is answered before
+//! Source: FMI 2.0.4, sections 3.2.3 and 4.2.4, with two deliberate leniencies: fmi2GetXXX is answered before
 //! initialisation too (importers read start values there), and fmi2SetupExperiment may be left out.
 
+use crate::common::Interface;
 use crate::phase::table;
 
 table! {
@@ -14,12 +15,31 @@ table! {
         StepFailed "step failed",
         Terminated "terminated",
         Error "error",
+        EventMode "event mode",
+        ContinuousTime "continuous-time mode",
     ],
+    |_| "no step is ever under way: every step is finished when fmi2DoStep returns",
     |function| match function {
-        Function::CancelStep => {
-            "no step is ever under way: every step is finished when fmi2DoStep returns"
-        }
-        _ => "it belongs to Model Exchange; this FMU is for co-simulation only",
+        Function::SetRealInputDerivatives
+        | Function::GetRealOutputDerivatives
+        | Function::DoStep
+        | Function::CancelStep
+        | Function::GetStatus
+        | Function::GetRealStatus
+        | Function::GetIntegerStatus
+        | Function::GetBooleanStatus
+        | Function::GetStringStatus => Some(Interface::CoSimulation),
+        Function::EnterEventMode
+        | Function::NewDiscreteStates
+        | Function::EnterContinuousTimeMode
+        | Function::CompletedIntegratorStep
+        | Function::SetTime
+        | Function::SetContinuousStates
+        | Function::GetDerivatives
+        | Function::GetEventIndicators
+        | Function::GetContinuousStates
+        | Function::GetNominalsOfContinuousStates => Some(Interface::ModelExchange),
+        _ => None,
     };
     //                              Instantiated
     //                              | Initialization
@@ -27,47 +47,49 @@ table! {
     //                              | | | StepFailed
     //                              | | | | Terminated
     //                              | | | | | Error
-    SetDebugLogging                 x x x x x x;
-    FreeInstance                    x x x x x x;
-    SetupExperiment                 x o o o o o;
-    EnterInitializationMode         x o o o o o;
-    ExitInitializationMode          o x o o o o;
-    Terminate                       o o x x o o;
-    Reset                           x x x x x x;
-    GetReal                         x x x x x o;
-    GetInteger                      x x x x x o;
-    GetBoolean                      x x x x x o;
-    GetString                       x x x x x o;
-    SetReal                         x x x o o o;
-    SetInteger                      x x x o o o;
-    SetBoolean                      x x x o o o;
-    SetString                       x x x o o o;
-    GetFMUstate                     x x x x x o;
-    SetFMUstate                     x x x x x x;
-    FreeFMUstate                    x x x x x x;
-    SerializedFMUstateSize          x x x x x x;
-    SerializeFMUstate               x x x x x x;
-    DeSerializeFMUstate             x x x x x x;
-    GetDirectionalDerivative        o x x x x o;
-    SetRealInputDerivatives         x x x o o o;
-    GetRealOutputDerivatives        o o x x x o;
-    DoStep                          o o x o o o;
-    CancelStep                      o o o o o o;
-    GetStatus                       o o x x x o;
-    GetRealStatus                   o o x x x o;
-    GetIntegerStatus                o o x x x o;
-    GetBooleanStatus                o o x x x o;
-    GetStringStatus                 o o x x x o;
-    EnterEventMode                  o o o o o o;
-    NewDiscreteStates               o o o o o o;
-    EnterContinuousTimeMode         o o o o o o;
-    CompletedIntegratorStep         o o o o o o;
-    SetTime                         o o o o o o;
-    SetContinuousStates             o o o o o o;
-    GetDerivatives                  o o o o o o;
-    GetEventIndicators              o o o o o o;
-    GetContinuousStates             o o o o o o;
-    GetNominalsOfContinuousStates   o o o o o o;
+    //                              | | | | | | EventMode
+    //                              | | | | | | | ContinuousTime
+    SetDebugLogging                 x x x x x x x x;
+    FreeInstance                    x x x x x x x x;
+    SetupExperiment                 x o o o o o o o;
+    EnterInitializationMode         x o o o o o o o;
+    ExitInitializationMode          o x o o o o o o;
+    Terminate                       o o x x o o x x;
+    Reset                           x x x x x x x x;
+    GetReal                         x x x x x o x x;
+    GetInteger                      x x x x x o x x;
+    GetBoolean                      x x x x x o x x;
+    GetString                       x x x x x o x x;
+    SetReal                         x x x o o o x x;
+    SetInteger                      x x x o o o x x;
+    SetBoolean                      x x x o o o x x;
+    SetString                       x x x o o o x x;
+    GetFMUstate                     x x x x x o x x;
+    SetFMUstate                     x x x x x x x x;
+    FreeFMUstate                    x x x x x x x x;
+    SerializedFMUstateSize          x x x x x x x x;
+    SerializeFMUstate               x x x x x x x x;
+    DeSerializeFMUstate             x x x x x x x x;
+    GetDirectionalDerivative        o x x x x o x x;
+    SetRealInputDerivatives         x x x o o o o o;
+    GetRealOutputDerivatives        o o x x x o o o;
+    DoStep                          o o x o o o o o;
+    CancelStep                      o o o o o o o o;
+    GetStatus                       o o x x x o o o;
+    GetRealStatus                   o o x x x o o o;
+    GetIntegerStatus                o o x x x o o o;
+    GetBooleanStatus                o o x x x o o o;
+    GetStringStatus                 o o x x x o o o;
+    EnterEventMode                  o o o o o o o x;
+    NewDiscreteStates               o o o o o o x o;
+    EnterContinuousTimeMode         o o o o o o x o;
+    CompletedIntegratorStep         o o o o o o o x;
+    SetTime                         o o o o o o x x;
+    SetContinuousStates             o o o o o o o x;
+    GetDerivatives                  o x o o x o x x;
+    GetEventIndicators              o x o o x o x x;
+    GetContinuousStates             o x o o x o x x;
+    GetNominalsOfContinuousStates   x x o o x o x x;
 }
 
 #[cfg(test)]

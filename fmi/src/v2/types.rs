@@ -32,7 +32,7 @@ pub type fmi2Boolean = c_int;
 pub type fmi2String = *const c_char;
 /// Smallest addressable unit.
 pub type fmi2Byte = c_char;
-/// `fmi2Type`: [`FMI2_CO_SIMULATION`] or Model Exchange.
+/// `fmi2Type`: [`FMI2_MODEL_EXCHANGE`] or [`FMI2_CO_SIMULATION`].
 pub type fmi2Type = c_int;
 /// `fmi2StatusKind`: one of [`FMI2_DO_STEP_STATUS`] and those below it.
 pub type fmi2StatusKind = c_int;
@@ -41,6 +41,8 @@ pub type fmi2StatusKind = c_int;
 pub const FMI2_TRUE: fmi2Boolean = 1;
 /// `fmi2False`
 pub const FMI2_FALSE: fmi2Boolean = 0;
+/// `fmi2ModelExchange`
+pub const FMI2_MODEL_EXCHANGE: fmi2Type = 0;
 /// `fmi2CoSimulation`
 pub const FMI2_CO_SIMULATION: fmi2Type = 1;
 /// `fmi2DoStepStatus`
@@ -75,4 +77,22 @@ pub struct fmi2CallbackFunctions {
     pub stepFinished: Option<fmi2StepFinished>,
     /// Passed back as it came; may be null.
     pub componentEnvironment: fmi2ComponentEnvironment,
+}
+
+/// `fmi2EventInfo`; the default one says that nothing happens.
+#[derive(Clone, Copy, Debug, Default)]
+#[repr(C)]
+pub struct fmi2EventInfo {
+    /// Whether discrete states are to be computed again.
+    pub newDiscreteStatesNeeded: fmi2Boolean,
+    /// Whether the simulation is to end.
+    pub terminateSimulation: fmi2Boolean,
+    /// Whether nominal values have changed.
+    pub nominalsOfContinuousStatesChanged: fmi2Boolean,
+    /// Whether states have been set by the FMU.
+    pub valuesOfContinuousStatesChanged: fmi2Boolean,
+    /// Whether `nextEventTime` holds.
+    pub nextEventTimeDefined: fmi2Boolean,
+    /// s
+    pub nextEventTime: fmi2Real,
 }

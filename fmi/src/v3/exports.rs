@@ -20,7 +20,7 @@ use super::types::{
     fmi3LogMessageCallback, fmi3PreemptionCallback, fmi3Status, fmi3String, fmi3ValueReference,
 };
 use crate::call::{call, free, into_pointer};
-use crate::common::Version;
+use crate::common::{Interface, Version};
 use crate::control_word;
 use crate::error::{FmiError, InstantiateError};
 use crate::instance::Callback;
@@ -103,7 +103,13 @@ pub unsafe extern "C" fn fmi3InstantiateCoSimulation(
         // SAFETY: FMI's contract.
         let required = unsafe { In::new("requiredIntermediateVariables", list, n) }
             .map_err(|error| InstantiateError::Arguments(error.to_string()))?;
-        let mut instance = load(Version::V3, &token, &path, logger.clone())?;
+        let mut instance = load(
+            Version::V3,
+            Interface::CoSimulation,
+            &token,
+            &path,
+            logger.clone(),
+        )?;
         match intermediateUpdate {
             None if n > 0 => {
                 return wrong(
@@ -134,36 +140,40 @@ fn logger(
     Logger::new(sink, environment, on != FMI3_FALSE)
 }
 
-/// No instance: logs that this FMU is for co-simulation.
-fn no_instance(
-    function: &str,
-    callback: Option<fmi3LogMessageCallback>,
-    environment: fmi3InstanceEnvironment,
-) -> fmi3Instance {
-    let why = "this FMU is for co-simulation only: modelDescription.xml has <CoSimulation> alone";
-    let none = made(function, &logger(callback, environment, FMI3_FALSE), || {
-        Err(InstantiateError::Arguments(why.to_owned()))
-    });
-    debug_assert!(none.is_none());
-    null_mut()
-}
-
-/// Null: this FMU is for co-simulation.
+/// A new instance whose states the importer integrates, or null with the reason logged.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3InstantiateModelExchange(
     _instanceName: fmi3String,
-    _instantiationToken: fmi3String,
-    _resourcePath: fmi3String,
+    instantiationToken: fmi3String,
+    resourcePath: fmi3String,
     _visible: fmi3Boolean,
-    _loggingOn: fmi3Boolean,
+    loggingOn: fmi3Boolean,
     instanceEnvironment: fmi3InstanceEnvironment,
     logMessage: Option<fmi3LogMessageCallback>,
 ) -> fmi3Instance {
-    let function = "fmi3InstantiateModelExchange";
-    no_instance(function, logMessage, instanceEnvironment)
+    let _word = control_word::Guard::new();
+    panics::silence();
+    let logger = logger(logMessage, instanceEnvironment, loggingOn);
+    // SAFETY: FMI's contract; null strings are survived.
+    let (token, path) = unsafe {
+        (
+            pointers::text(instantiationToken).unwrap_or_default(),
+            pointers::bytes(resourcePath).unwrap_or_default(),
+        )
+    };
+    let instance = made("fmi3InstantiateModelExchange", &logger, || {
+        load(
+            Version::V3,
+            Interface::ModelExchange,
+            &token,
+            &path,
+            logger.clone(),
+        )
+    });
+    instance.map_or(null_mut(), into_pointer)
 }
 
-/// Null: this FMU is for co-simulation.
+/// Null: this FMU offers no Scheduled Execution.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3InstantiateScheduledExecution(
     _instanceName: fmi3String,
@@ -177,8 +187,13 @@ pub unsafe extern "C" fn fmi3InstantiateScheduledExecution(
     _lockPreemption: Option<fmi3PreemptionCallback>,
     _unlockPreemption: Option<fmi3PreemptionCallback>,
 ) -> fmi3Instance {
-    let function = "fmi3InstantiateScheduledExecution";
-    no_instance(function, logMessage, instanceEnvironment)
+    let why = "this FMU offers no Scheduled Execution: modelDescription.xml does not list it";
+    let logger = logger(logMessage, instanceEnvironment, FMI3_FALSE);
+    let none = made("fmi3InstantiateScheduledExecution", &logger, || {
+        Err(InstantiateError::Arguments(why.to_owned()))
+    });
+    debug_assert!(none.is_none());
+    null_mut()
 }
 
 /// Frees an instance; null is legal.

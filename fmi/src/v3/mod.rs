@@ -7,9 +7,11 @@
 //! | `exports` | the functions of an instance's life, its states and its steps |
 //! | `values` | get and set functions |
 //! | `step` | steps in which the importer is called |
+//! | `model_exchange` | those of Model Exchange |
 //! | `refused` | what this FMU does not offer |
 
 pub(crate) mod exports;
+pub(crate) mod model_exchange;
 mod phase;
 pub(crate) mod refused;
 mod step;

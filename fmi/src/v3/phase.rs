@@ -1,9 +1,10 @@
-//! Calling sequence: the state machine of FMI 3.0 for co-simulation as one table.
+//! Calling sequence: the state machines of FMI 3.0 as one table.
 //!
-//! Source: FMI 3.0, sections 2.3 and 4.2, with these deliberate leniencies: variables can be got in
+//! Source: FMI 3.0, sections 2.3, 3.2 and 4.2, with these deliberate leniencies: variables can be got in
 //! every phase (importers read start values after instantiation, and outputs after setting inputs),
 //! and a call that is refused leaves the phase as it is.
 
+use crate::common::Interface;
 use crate::phase::table;
 
 table! {
@@ -15,19 +16,19 @@ table! {
         IntermediateUpdate "intermediate update mode",
         Terminated "terminated",
         Error "error",
+        EventMode "event mode",
+        ContinuousTime "continuous-time mode",
     ],
     |function| match function {
-        Function::EnterEventMode
-        | Function::EnterStepMode
-        | Function::UpdateDiscreteStates
-        | Function::EvaluateDiscreteStates => {
+        Function::EnterStepMode => {
             "modelDescription.xml says hasEventMode=\"false\": inputs may jump between two steps"
+        }
+        Function::EvaluateDiscreteStates => {
+            "modelDescription.xml does not say providesEvaluateDiscreteStates: there are no discrete \
+             states"
         }
         Function::EnterConfigurationMode | Function::ExitConfigurationMode => {
             "there are no structural parameters"
-        }
-        Function::GetDirectionalDerivative => {
-            "modelDescription.xml says providesDirectionalDerivatives=\"false\""
         }
         Function::GetAdjointDerivative => {
             "modelDescription.xml says providesAdjointDerivatives=\"false\""
@@ -37,7 +38,7 @@ table! {
              lists dependencies"
         }
         Function::ActivateModelPartition => {
-            "it belongs to Scheduled Execution; this FMU is for co-simulation only"
+            "it belongs to Scheduled Execution, which this FMU does not offer"
         }
         Function::GetIntervalDecimal
         | Function::GetIntervalFraction
@@ -47,7 +48,26 @@ table! {
         | Function::SetIntervalFraction
         | Function::SetShiftDecimal
         | Function::SetShiftFraction => "there are no clocks",
-        _ => "it belongs to Model Exchange; this FMU is for co-simulation only",
+        _ => "this FMU does not offer it",
+    },
+    |function| match function {
+        Function::GetOutputDerivatives | Function::DoStep | Function::EnterStepMode => {
+            Some(Interface::CoSimulation)
+        }
+        Function::GetDirectionalDerivative
+        | Function::EnterEventMode
+        | Function::UpdateDiscreteStates
+        | Function::EnterContinuousTimeMode
+        | Function::CompletedIntegratorStep
+        | Function::SetTime
+        | Function::SetContinuousStates
+        | Function::GetContinuousStateDerivatives
+        | Function::GetEventIndicators
+        | Function::GetContinuousStates
+        | Function::GetNominalsOfContinuousStates
+        | Function::GetNumberOfEventIndicators
+        | Function::GetNumberOfContinuousStates => Some(Interface::ModelExchange),
+        _ => None,
     };
     //                              Instantiated
     //                              | Initialization
@@ -55,77 +75,79 @@ table! {
     //                              | | | IntermediateUpdate
     //                              | | | | Terminated
     //                              | | | | | Error
-    SetDebugLogging                 x x x x x x;
-    FreeInstance                    x x x o x x;
-    EnterInitializationMode         x o o o o o;
-    ExitInitializationMode          o x o o o o;
-    Terminate                       o o x o o o;
-    Reset                           x x x o x x;
-    GetFloat32                      x x x x x o;
-    GetFloat64                      x x x x x o;
-    GetInt8                         x x x x x o;
-    GetUInt8                        x x x x x o;
-    GetInt16                        x x x x x o;
-    GetUInt16                       x x x x x o;
-    GetInt32                        x x x x x o;
-    GetUInt32                       x x x x x o;
-    GetInt64                        x x x x x o;
-    GetUInt64                       x x x x x o;
-    GetBoolean                      x x x x x o;
-    GetString                       x x x x x o;
-    GetBinary                       x x x x x o;
-    GetClock                        x x x x x o;
-    SetFloat32                      x x x x o o;
-    SetFloat64                      x x x x o o;
-    SetInt8                         x x x x o o;
-    SetUInt8                        x x x x o o;
-    SetInt16                        x x x x o o;
-    SetUInt16                       x x x x o o;
-    SetInt32                        x x x x o o;
-    SetUInt32                       x x x x o o;
-    SetInt64                        x x x x o o;
-    SetUInt64                       x x x x o o;
-    SetBoolean                      x x x x o o;
-    SetString                       x x x x o o;
-    SetBinary                       x x x x o o;
-    SetClock                        x x x x o o;
-    GetFMUState                     x x x o x o;
-    SetFMUState                     x x x o x x;
-    FreeFMUState                    x x x x x x;
-    SerializedFMUStateSize          x x x x x x;
-    SerializeFMUState               x x x x x x;
-    DeserializeFMUState             x x x x x x;
-    GetOutputDerivatives            o o x x x o;
-    DoStep                          o o x o o o;
-    GetNumberOfVariableDependencies o o o o o o;
-    GetVariableDependencies         o o o o o o;
-    GetDirectionalDerivative        o o o o o o;
-    GetAdjointDerivative            o o o o o o;
-    EnterConfigurationMode          o o o o o o;
-    ExitConfigurationMode           o o o o o o;
-    GetIntervalDecimal              o o o o o o;
-    GetIntervalFraction             o o o o o o;
-    GetShiftDecimal                 o o o o o o;
-    GetShiftFraction                o o o o o o;
-    SetIntervalDecimal              o o o o o o;
-    SetIntervalFraction             o o o o o o;
-    SetShiftDecimal                 o o o o o o;
-    SetShiftFraction                o o o o o o;
-    EnterEventMode                  o o o o o o;
-    EnterStepMode                   o o o o o o;
-    EvaluateDiscreteStates          o o o o o o;
-    UpdateDiscreteStates            o o o o o o;
-    EnterContinuousTimeMode         o o o o o o;
-    CompletedIntegratorStep         o o o o o o;
-    SetTime                         o o o o o o;
-    SetContinuousStates             o o o o o o;
-    GetContinuousStateDerivatives   o o o o o o;
-    GetEventIndicators              o o o o o o;
-    GetContinuousStates             o o o o o o;
-    GetNominalsOfContinuousStates   o o o o o o;
-    GetNumberOfEventIndicators      o o o o o o;
-    GetNumberOfContinuousStates     o o o o o o;
-    ActivateModelPartition          o o o o o o;
+    //                              | | | | | | EventMode
+    //                              | | | | | | | ContinuousTime
+    SetDebugLogging                 x x x x x x x x;
+    FreeInstance                    x x x o x x x x;
+    EnterInitializationMode         x o o o o o o o;
+    ExitInitializationMode          o x o o o o o o;
+    Terminate                       o o x o o o x x;
+    Reset                           x x x o x x x x;
+    GetFloat32                      x x x x x o x x;
+    GetFloat64                      x x x x x o x x;
+    GetInt8                         x x x x x o x x;
+    GetUInt8                        x x x x x o x x;
+    GetInt16                        x x x x x o x x;
+    GetUInt16                       x x x x x o x x;
+    GetInt32                        x x x x x o x x;
+    GetUInt32                       x x x x x o x x;
+    GetInt64                        x x x x x o x x;
+    GetUInt64                       x x x x x o x x;
+    GetBoolean                      x x x x x o x x;
+    GetString                       x x x x x o x x;
+    GetBinary                       x x x x x o x x;
+    GetClock                        x x x x x o x x;
+    SetFloat32                      x x x x o o x x;
+    SetFloat64                      x x x x o o x x;
+    SetInt8                         x x x x o o x x;
+    SetUInt8                        x x x x o o x x;
+    SetInt16                        x x x x o o x x;
+    SetUInt16                       x x x x o o x x;
+    SetInt32                        x x x x o o x x;
+    SetUInt32                       x x x x o o x x;
+    SetInt64                        x x x x o o x x;
+    SetUInt64                       x x x x o o x x;
+    SetBoolean                      x x x x o o x x;
+    SetString                       x x x x o o x x;
+    SetBinary                       x x x x o o x x;
+    SetClock                        x x x x o o x x;
+    GetFMUState                     x x x o x o x x;
+    SetFMUState                     x x x o x x x x;
+    FreeFMUState                    x x x x x x x x;
+    SerializedFMUStateSize          x x x x x x x x;
+    SerializeFMUState               x x x x x x x x;
+    DeserializeFMUState             x x x x x x x x;
+    GetOutputDerivatives            o o x x x o o o;
+    DoStep                          o o x o o o o o;
+    GetNumberOfVariableDependencies o o o o o o o o;
+    GetVariableDependencies         o o o o o o o o;
+    GetDirectionalDerivative        o x o o x o x x;
+    GetAdjointDerivative            o o o o o o o o;
+    EnterConfigurationMode          o o o o o o o o;
+    ExitConfigurationMode           o o o o o o o o;
+    GetIntervalDecimal              o o o o o o o o;
+    GetIntervalFraction             o o o o o o o o;
+    GetShiftDecimal                 o o o o o o o o;
+    GetShiftFraction                o o o o o o o o;
+    SetIntervalDecimal              o o o o o o o o;
+    SetIntervalFraction             o o o o o o o o;
+    SetShiftDecimal                 o o o o o o o o;
+    SetShiftFraction                o o o o o o o o;
+    EnterEventMode                  o o o o o o o x;
+    EnterStepMode                   o o o o o o o o;
+    EvaluateDiscreteStates          o o o o o o o o;
+    UpdateDiscreteStates            o o o o o o x o;
+    EnterContinuousTimeMode         o o o o o o x o;
+    CompletedIntegratorStep         o o o o o o o x;
+    SetTime                         o o o o o o o x;
+    SetContinuousStates             o o o o o o o x;
+    GetContinuousStateDerivatives   o x o o x o x x;
+    GetEventIndicators              o x o o x o x x;
+    GetContinuousStates             o x o o x o x x;
+    GetNominalsOfContinuousStates   o x o o x o x x;
+    GetNumberOfEventIndicators      x x o o x o x x;
+    GetNumberOfContinuousStates     x x o o x o x x;
+    ActivateModelPartition          o o o o o o o o;
 }
 
 #[cfg(test)]

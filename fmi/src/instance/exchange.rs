@@ -1,0 +1,104 @@
+//! Model Exchange: the importer integrates.
+
+use super::Instance;
+use crate::error::FmiError;
+use crate::phase::Phase;
+use crate::pointers::{In, Out};
+use urdf2fmu_core::range::Range;
+
+impl Instance {
+    /// Number of continuous states.
+    pub(crate) fn state_count(&self) -> usize {
+        self.simulation.states().len()
+    }
+
+    /// Whether an importer's array has an element for each state.
+    fn check_states(&self, argument: &'static str, given: usize) -> Result<(), FmiError> {
+        let expected = self.state_count();
+        if given == expected {
+            Ok(())
+        } else {
+            Err(FmiError::StateCount {
+                argument,
+                given,
+                expected,
+            })
+        }
+    }
+
+    /// Inputs and parameters may jump from now on.
+    pub(crate) fn enter_event_mode(&mut self) {
+        self.phase = Phase::EventMode;
+    }
+
+    /// Time, states and continuous inputs follow the importer from now on.
+    pub(crate) fn enter_continuous_time_mode(&mut self) {
+        self.phase = Phase::ContinuousTime;
+    }
+
+    /// Sets the time, s.
+    pub(crate) fn set_time(&mut self, time: f64) -> Result<(), FmiError> {
+        if !Range::Time.contains(time) {
+            return Err(FmiError::Argument {
+                argument: "time",
+                value: time,
+                expected: Range::Time.expected(),
+            });
+        }
+        self.simulation.set_time(time);
+        Ok(())
+    }
+
+    /// Sets all continuous states, or none.
+    pub(crate) fn set_continuous_states(&mut self, states: &In<f64>) -> Result<(), FmiError> {
+        self.check_states("the list of states", states.len())?;
+        self.scratch.clear();
+        for (index, value) in states.iter().enumerate() {
+            if !value.is_finite() {
+                return Err(FmiError::StateValue { index, value });
+            }
+            self.scratch.push(value);
+        }
+        self.simulation.set_states(&self.scratch);
+        Ok(())
+    }
+
+    /// Reads all continuous states.
+    pub(crate) fn continuous_states(&mut self, states: &mut Out<f64>) -> Result<(), FmiError> {
+        self.check_states("the list of states", states.len())?;
+        self.scratch.resize(states.len(), 0.0);
+        self.simulation.read_states(&mut self.scratch);
+        write(&self.scratch, states);
+        Ok(())
+    }
+
+    /// Reads the derivatives of all continuous states; nothing is written if one is not finite.
+    pub(crate) fn derivatives(&mut self, rates: &mut Out<f64>) -> Result<(), FmiError> {
+        self.check_states("the list of derivatives", rates.len())?;
+        write(self.simulation.derivatives()?, rates);
+        Ok(())
+    }
+
+    /// Reads the nominal values of all continuous states.
+    pub(crate) fn nominals(&self, nominals: &mut Out<f64>) -> Result<(), FmiError> {
+        self.check_states("the list of nominal values", nominals.len())?;
+        for (index, state) in self.simulation.states().iter().enumerate() {
+            nominals.set(index, state.nominal);
+        }
+        Ok(())
+    }
+
+    /// There are no event indicators, whatever the importer's array holds.
+    pub(crate) fn event_indicators(indicators: &Out<f64>) -> Result<(), FmiError> {
+        match indicators.len() {
+            0 => Ok(()),
+            given => Err(FmiError::Count { given, expected: 0 }),
+        }
+    }
+}
+
+fn write(values: &[f64], out: &mut Out<f64>) {
+    for (index, value) in values.iter().enumerate() {
+        out.set(index, *value);
+    }
+}

@@ -1,0 +1,92 @@
+//! The robot as a system of ordinary differential equations `ẋ = f(x, u)`: what Model Exchange
+//! integrates.
+//!
+//! The states are positions, velocities, and what friction elements and velocity motors remember.
+//! All laws are those of the steps in the limit of a step of no length; forces and accelerations
+//! are what [`crate::readout`] shows. Only the memory needs a law of its own here, the last one.
+//!
+//! 1. Positions: `q̇` for the velocities `v`. A quaternion counts as what it is over its length,
+//!    and comes back to unit length by `γ (1 − q·q) q` with `γ = 1/s`.
+//! 2. Velocities: `v̇ = M⁻¹ (τ − k + Jᵀ f)`.
+//! 3. An elasto-plastic element gives `F = clip(k ς + d u, F̄)` and remembers
+//!    `ς̇ = (F − k ς)/d`: while it sticks that is `u`; while it slips, its displacement goes to
+//!    what the spring alone would give the cap with, within its own time `d/k`; in the air to 0.
+//!
+//! A step takes a faster way where an element slips at a speed that leaves its spring nothing
+//! (`law/friction.rs`). As a differential equation that way would jump at the onset of slip. With
+//! the law above `f` is continuous and has bounded slopes in `x` and `u`, so that no events are
+//! needed.
+
+#![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
+
+mod memory;
+mod states;
+
+pub use memory::{Element, Relaxing};
+pub use states::{Place, State, States};
+
+use crate::kinematics::position_rates;
+use crate::state::Physical;
+use crate::step::point::{Context, Point};
+use crate::tuning::QUATERNION_RATE;
+
+/// What is computed of the derivatives of the states.
+#[derive(Clone, Debug)]
+pub struct Derivatives {
+    /// `ẋ`, one a state.
+    pub rates: Vec<f64>,
+    /// `q̇`.
+    positions: Vec<f64>,
+}
+
+#[cfg(test)]
+crate::spoil::spoil!(Derivatives: rates positions;);
+
+impl Derivatives {
+    /// Room for so many states and positions.
+    pub fn new(states: usize, positions: usize) -> Self {
+        Self {
+            rates: vec![0.0; states],
+            positions: vec![0.0; positions],
+        }
+    }
+
+    /// Finds all derivatives where `point` stands at `at`, and `vdot` are the accelerations.
+    ///
+    /// - `at`: with quaternions of unit length
+    pub fn find(
+        &mut self,
+        states: &States,
+        ctx: &Context,
+        (point, vdot): (&Point, &[f64]),
+        at: &Physical,
+    ) {
+        position_rates(ctx.tree, &at.q, &at.v, &mut self.positions);
+        for (rate, state) in self.rates.iter_mut().zip(states.iter()) {
+            *rate = match state.place {
+                Place::Position(coordinate) => self.positions[coordinate],
+                Place::Velocity(dof) => vdot[dof],
+                Place::Memory => 0.0,
+            };
+        }
+        states.memory.rates(ctx, point, at, &mut self.rates);
+    }
+}
+
+/// Turns the derivatives at unit quaternions into those at the quaternions of `q`, as they are.
+pub fn stretch(states: &States, q: &[f64], rates: &mut [f64]) {
+    for quaternion in states.quaternions() {
+        let squared: f64 = quaternion
+            .places
+            .iter()
+            .map(|place| q[*place].powi(2))
+            .sum();
+        let length = squared.sqrt();
+        for (rate, place) in rates[quaternion.first..].iter_mut().zip(quaternion.places) {
+            *rate = *rate * length + QUATERNION_RATE * (1.0 - squared) * q[place];
+        }
+    }
+}
+
+#[cfg(all(test, feature = "urdf"))]
+mod tests;

@@ -1,0 +1,268 @@
+//! The differential equations beside the steps, which have tests of their own.
+
+use super::*;
+use crate::model::{ActuatorMode, Ground, Interface, Limits, Model};
+use crate::simulation::Simulation;
+use crate::slots::OutputSlot;
+use crate::testing::{Random, random_tree, shape_all_links};
+use crate::variables::{Slot, table};
+use std::sync::Arc;
+
+/// A random tree with shapes above the ground, motors of all kinds, dry friction, limits.
+fn robot(random: &mut Random, n: usize, floating: bool) -> Model {
+    let mut model = random_tree(random, n, floating, false);
+    shape_all_links(&mut model);
+    model.world.ground = Some(Ground {
+        friction: 0.7,
+        ..Ground::default()
+    });
+    let modes = [
+        ActuatorMode::Velocity,
+        ActuatorMode::Pd,
+        ActuatorMode::Position,
+    ];
+    for j in 0..model.joints.len() {
+        let joint = &mut model.joints[j];
+        let body = joint.bodies[0];
+        if model.bodies[body.index()].motion.axis().is_none() {
+            continue;
+        }
+        joint.damping = random.uniform(0.0, 0.1);
+        joint.friction = if j % 2 == 0 {
+            random.uniform(0.05, 0.2)
+        } else {
+            0.0
+        };
+        let dof = model.bodies[body.index()].dof;
+        if j % 3 == 0 {
+            model.dofs[dof.index()].limits = Some(Limits {
+                lower: -2.0,
+                upper: 2.0,
+            });
+        }
+        let mode = modes[j % 3];
+        model.actuators.push(crate::model::Actuator {
+            joint: j.into(),
+            dof,
+            mode,
+            max_effort: 3.0,
+            reference_effort: 3.0,
+            kp: 20.0,
+            kd: 0.5,
+            no_load_speed: None,
+        });
+    }
+    model.outputs.interface = Interface::Both;
+    model
+}
+
+fn exchanged(model: Model) -> Simulation {
+    let mut simulation = Simulation::new(Arc::new(model));
+    simulation.exchange();
+    simulation.initialize(0.0).expect("a sound model");
+    simulation
+}
+
+fn derivatives(simulation: &mut Simulation, x: &[f64]) -> Vec<f64> {
+    simulation.set_states(x);
+    simulation.derivatives().expect("finite").to_vec()
+}
+
+fn states(simulation: &mut Simulation) -> Vec<f64> {
+    let mut x = vec![0.0; simulation.states().len()];
+    simulation.read_states(&mut x);
+    x
+}
+
+/// A place at random near the initial one, with velocities up to `speed` and displacements that no
+/// friction is too weak for, up to `memory`.
+fn shaken(simulation: &mut Simulation, random: &mut Random, [speed, memory]: [f64; 2]) -> Vec<f64> {
+    let mut x = states(simulation);
+    let all: Vec<State> = simulation.states().iter().copied().collect();
+    for (x, state) in x.iter_mut().zip(&all) {
+        match state.place {
+            Place::Position(_) => *x += random.uniform(-0.3, 0.3),
+            Place::Velocity(_) => *x = speed * random.uniform(-1.0, 1.0),
+            Place::Memory => *x = memory * random.uniform(-1.0, 1.0),
+        }
+    }
+    let quaternions: Vec<usize> = simulation.states().quaternions().map(|q| q.first).collect();
+    for first in quaternions {
+        let length: f64 = x[first..first + 4]
+            .iter()
+            .map(|x| x * x)
+            .sum::<f64>()
+            .sqrt();
+        x[first..first + 4].iter_mut().for_each(|x| *x /= length);
+    }
+    x
+}
+
+/// A robot at a random place where its lowest point is a twentieth of a millimetre in the ground.
+fn touching(
+    random: &mut Random,
+    mut model: Model,
+    speed: [f64; 2],
+) -> (Model, Simulation, Vec<f64>) {
+    model.roots[0].position.z = -5.0;
+    let mut simulation = exchanged(model.clone());
+    let mut x = shaken(&mut simulation, random, speed);
+    simulation.set_states(&x);
+    let (_, depth) = simulation.deepest_in_ground().expect("five metres deep");
+    let rise = depth - 5e-5;
+    model.roots[0].position.z += rise;
+    let mut simulation = exchanged(model.clone());
+    if model.floats(crate::model::RootId::ROBOT) {
+        x[2] += rise;
+    }
+    simulation.set_states(&x);
+    (model, simulation, x)
+}
+
+/// A co-simulation of the same model that stands at `x` takes a step of a nanosecond: its mean rate is
+/// the derivative. Friction that is about to slip or motors at their limit take a faster way in a
+/// step, so memory is compared while it sticks only, see the tests of the laws.
+#[test]
+fn derivatives_are_what_a_step_without_length_does() {
+    let mut random = Random(5);
+    for case in 0..40 {
+        let n = 2 + case % 7;
+        let h = 1e-9;
+        let model = robot(&mut random, n, case % 3 != 0);
+        let (model, mut field, x) = touching(&mut random, model, [0.5, 1e-7]);
+        let mut steps = Simulation::new(Arc::new(model));
+        // Else it would take a longer one, and show a part of it.
+        steps.set_rules(crate::tuning::Rules {
+            look_ahead: false,
+            ..crate::tuning::Rules::ALL
+        });
+        steps.initialize(0.0).expect("a sound model");
+        let rates = derivatives(&mut field, &x);
+        let mut physical = steps.state().physical.clone();
+        steps.states().clone().write(&x, &mut physical);
+        steps.state_mut().physical = physical;
+        steps.advance_to(h).expect("finite");
+        let after = states(&mut steps);
+        let worst = |place: fn(&Place) -> bool| {
+            let all = steps
+                .states()
+                .iter()
+                .zip(rates.iter().zip(x.iter().zip(&after)));
+            let of = all.filter(|(state, _)| place(&state.place));
+            let mut largest = 0.0_f64;
+            let mut off = 0.0_f64;
+            for (_, (rate, (before, after))) in of {
+                largest = largest.max(rate.abs());
+                off = off.max(((after - before) / h - rate).abs());
+            }
+            (off, largest)
+        };
+        let (off, largest) = worst(|place| matches!(place, Place::Position(_)));
+        assert!(
+            off <= 1e-4 * (1.0 + largest),
+            "case {case}: position {off} of {largest}"
+        );
+        let (off, largest) = worst(|place| matches!(place, Place::Velocity(_)));
+        assert!(
+            off <= 1e-3 * (1.0 + largest),
+            "case {case}: velocity {off} of {largest}"
+        );
+    }
+}
+
+/// Classical Runge–Kutta, to have something independent of the steps.
+fn integrate(simulation: &mut Simulation, x: &mut [f64], h: f64, steps: usize) {
+    let add = |x: &[f64], k: &[f64], h: f64| -> Vec<f64> {
+        x.iter().zip(k).map(|(x, k)| x + h * k).collect()
+    };
+    for _ in 0..steps {
+        let k1 = derivatives(simulation, x);
+        let k2 = derivatives(simulation, &add(x, &k1, 0.5 * h));
+        let k3 = derivatives(simulation, &add(x, &k2, 0.5 * h));
+        let k4 = derivatives(simulation, &add(x, &k3, h));
+        for (i, x) in x.iter_mut().enumerate() {
+            *x += h / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]);
+        }
+    }
+    simulation.set_states(x);
+}
+
+/// Without ground, motors and damping nothing is lost: energy and, without gravity, momentum.
+#[test]
+fn free_trees_keep_energy() {
+    let mut random = Random(7);
+    for case in 0..100 {
+        let floating = case % 2 == 0;
+        let mut model = random_tree(&mut random, 1 + case % 9, floating, case % 5 == 4);
+        model.outputs.interface = Interface::Me;
+        let mut simulation = exchanged(model);
+        let mut x = shaken(&mut simulation, &mut random, [1.0, 0.0]);
+        simulation.set_states(&x);
+        let energy = |simulation: &mut Simulation| {
+            simulation.output(OutputSlot::EnergyKinetic)
+                + simulation.output(OutputSlot::EnergyPotential)
+        };
+        let (before, kinetic) = (
+            energy(&mut simulation),
+            simulation.output(OutputSlot::EnergyKinetic),
+        );
+        integrate(&mut simulation, &mut x, 1e-3, 200);
+        let change = energy(&mut simulation) - before;
+        assert!(
+            change.abs() < 1e-8 * (1.0 + kinetic),
+            "case {case}: {change} of {kinetic}"
+        );
+    }
+}
+
+/// A passive robot on the ground loses energy and never gains any. With friction it may gain what
+/// the stiffness of friction, which grows with the load, adds to a displacement that is there: at
+/// most a thousandth.
+#[test]
+fn passive_trees_on_the_ground_only_lose_energy() {
+    let mut random = Random(11);
+    for case in 0..20 {
+        let mut model = robot(&mut random, 1 + case % 4, true);
+        model.actuators.clear();
+        let rough = case % 2 == 0;
+        if !rough {
+            model.world.ground = Some(Ground::default());
+        }
+        let (_, mut simulation, mut x) = touching(&mut random, model, [0.3, 0.0]);
+        // Springs of contacts hold nothing yet.
+        x[2] += 5e-5;
+        simulation.set_states(&x);
+        let energy = |simulation: &mut Simulation| {
+            simulation.output(OutputSlot::EnergyKinetic)
+                + simulation.output(OutputSlot::EnergyPotential)
+        };
+        let begin = energy(&mut simulation);
+        for _ in 0..20 {
+            integrate(&mut simulation, &mut x, 2e-6, 500);
+            let now = energy(&mut simulation);
+            let share = if rough { 1e-3 } else { 1e-9 };
+            assert!(
+                now <= begin * (1.0 + share),
+                "case {case}: {begin} J, then {now} J"
+            );
+        }
+    }
+}
+
+/// Every state has a row, and every row of a derivative its state.
+#[test]
+fn the_table_lists_states_and_their_derivatives() {
+    let mut random = Random(3);
+    for case in 0..10 {
+        let model = robot(&mut random, 1 + case % 6, case % 2 == 0);
+        let rows = table(&model).expect("no clash");
+        let simulation = exchanged(model);
+        let count = simulation.states().len();
+        let states: Vec<_> = rows.iter().filter_map(|row| row.state).collect();
+        assert_eq!(states.len(), count);
+        let rates = rows
+            .iter()
+            .filter(|row| matches!(row.slot, Slot::Output(OutputSlot::Rate(_))));
+        assert_eq!(rates.count(), count);
+    }
+}

@@ -1,0 +1,171 @@
+//! Model Exchange: the importer integrates, the simulation computes derivatives.
+
+use super::{Simulation, SimulationError};
+use crate::continuous::{States, stretch};
+use crate::model::StateId;
+use crate::range::SHORTEST_FIXED_STEP;
+use crate::slots::ParameterSlot;
+use crate::state::State;
+use crate::step::point::Context;
+
+/// The state as outputs show it: an integrator's quaternions are not of unit length.
+#[derive(Clone, Debug)]
+pub(super) struct Posed {
+    state: State,
+    /// Whether it is that of the simulation.
+    pub known: bool,
+    /// Derivatives of all continuous states, and whether they are those of the state.
+    rates: Vec<f64>,
+    derived: bool,
+}
+
+/// The state that outputs show.
+pub(super) fn seen<'a>(
+    posed: &'a mut Option<Box<Posed>>,
+    ctx: &Context,
+    state: &'a State,
+) -> &'a State {
+    match posed {
+        Some(posed) => {
+            if !posed.known {
+                posed.state.copy_from(state);
+                ctx.tree.normalize(&mut posed.state.physical.q);
+                posed.known = true;
+                posed.derived = false;
+            }
+            &posed.state
+        }
+        None => state,
+    }
+}
+
+impl Simulation {
+    /// From now on the outside integrates: inputs act at once, and outputs follow states, time and
+    /// inputs as they are set. There is no way back.
+    pub fn exchange(&mut self) {
+        self.posed = Some(Box::new(Posed {
+            state: State::new(&self.model),
+            known: false,
+            rates: vec![0.0; self.readout.states.len()],
+            derived: false,
+        }));
+        self.applied.copy_from(&self.inputs);
+    }
+
+    /// The continuous states; none of a model that is for co-simulation alone.
+    pub fn states(&self) -> &States {
+        &self.readout.states
+    }
+
+    /// The value of a continuous state, in its unit.
+    pub fn state_value(&mut self, id: StateId) -> f64 {
+        if self.stale {
+            self.place();
+        }
+        let states = &self.readout.states;
+        states.value(id.index(), &self.state.physical)
+    }
+
+    /// Reads the values of all continuous states.
+    pub fn read_states(&mut self, x: &mut [f64]) {
+        if self.stale {
+            self.place();
+        }
+        self.readout.states.read(&self.state.physical, x);
+    }
+
+    /// Sets the values of all continuous states, which are finite.
+    pub fn set_states(&mut self, x: &[f64]) {
+        self.readout.states.write(x, &mut self.state.physical);
+        self.forget();
+    }
+
+    /// Sets the time, s.
+    pub fn set_time(&mut self, time: f64) {
+        self.state.time = time;
+    }
+
+    /// Derivatives of all continuous states at the present time, states and inputs; none unless the
+    /// outside integrates.
+    pub fn rates(&mut self) -> &[f64] {
+        if self.stale {
+            self.place();
+        }
+        let ctx = context!(self, applied);
+        seen(&mut self.posed, &ctx, &self.state);
+        let Some(posed) = &mut self.posed else {
+            return &[];
+        };
+        if !posed.derived {
+            posed
+                .rates
+                .copy_from_slice(self.readout.rates(&ctx, &posed.state));
+            stretch(
+                &self.readout.states,
+                &self.state.physical.q,
+                &mut posed.rates,
+            );
+            posed.derived = true;
+        }
+        &posed.rates
+    }
+
+    /// The same, if they are finite.
+    ///
+    /// # Errors
+    /// [`SimulationError::NotFinite`].
+    pub fn derivatives(&mut self) -> Result<&[f64], SimulationError> {
+        let time = self.state.time;
+        let rates = self.rates();
+        if rates.iter().all(|rate| rate.is_finite()) {
+            Ok(rates)
+        } else {
+            Err(SimulationError::NotFinite {
+                time,
+                hint: "states, forces or commands are out of all proportion to the masses",
+            })
+        }
+    }
+
+    /// Whether a parameter may have this value where the outside integrates: what would need an
+    /// event, or a state that is not there, may not be switched on.
+    pub(super) fn check_exchanged(
+        &self,
+        slot: ParameterSlot,
+        value: f64,
+    ) -> Result<(), SimulationError> {
+        if self.posed.is_none() || value <= 0.0 {
+            return Ok(());
+        }
+        let refused = |expected| {
+            Err(SimulationError::Value {
+                what: format!("parameter {slot:?}"),
+                expected,
+                value,
+            })
+        };
+        match slot {
+            ParameterSlot::GroundRestitution => {
+                refused("0 in Model Exchange, because a rebound is an event; use co-simulation")
+            }
+            ParameterSlot::JointFriction(joint) => {
+                let joint = &self.model.joints[joint.index()];
+                let memory = &self.states().memory;
+                let mut bodies = joint.bodies.iter();
+                let known = bodies.all(|body| {
+                    let body = &self.model.bodies[body.index()];
+                    body.motion.nv() != 1 || memory.has_dry(body.dof.index())
+                });
+                if known {
+                    Ok(())
+                } else {
+                    refused(
+                        "0 in Model Exchange, because the joint has no state for it; export the \
+                         robot with friction of this joint above 0",
+                    )
+                }
+            }
+            _ => Ok(()),
+        }
+    }
+}
