@@ -94,6 +94,7 @@ fn row(value_reference: u32, slot: Slot, kind: Kind, unit: Unit, start: Option<f
         max: None,
         unit,
         part: None,
+        state: None,
         display: unit.display(),
         nominal: None,
     }

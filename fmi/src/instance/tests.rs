@@ -248,6 +248,7 @@ fn rows() -> Vec<Variable> {
         max: (name == "cmd.axle.velocity").then_some(100.0),
         unit: Unit::One,
         part: None,
+        state: None,
         display: None,
         nominal: None,
     };

@@ -127,9 +127,12 @@ mod tests {
             "allowed in 'step complete'"
         );
         assert!(
-            Function::SetTime
+            Function::CancelStep
                 .advice(Phase::StepComplete)
-                .contains("Model Exchange")
+                .contains("finished when fmi2DoStep returns")
         );
+        assert_eq!(Function::SetTime.only(), Some(Interface::ModelExchange));
+        assert_eq!(Function::DoStep.only(), Some(Interface::CoSimulation));
+        assert_eq!(Function::GetReal.only(), None);
     }
 }
