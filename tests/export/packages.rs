@@ -82,7 +82,7 @@ fn an_inertial_without_mass_counts_as_none_and_the_way_offered_works() {
     assert!(findings(&robot, &options).0);
 }
 
-/// The fingers of the TriFinger, the gripper WSG 50: every reader of URDF takes the first.
+/// The fingers of the `TriFinger`, the gripper WSG 50: every reader of URDF takes the first.
 #[test]
 fn of_two_elements_the_first_is_used() {
     let folder = tempfile::tempdir().unwrap();
