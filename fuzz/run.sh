@@ -21,7 +21,7 @@ while getopts n:m option; do
 done
 shift $((OPTIND - 1))
 if [ $# -eq 0 ]; then
-  set -- stl obj collada urdf settings model states calls calls3 viewer scene xacro heights surface image decomposition
+  set -- stl obj ply collada gltf urdf settings model states calls calls3 viewer scene xacro heights surface image decomposition
 fi
 work=$PWD/target/fuzz
 host=$(rustc -vV | sed -n 's/^host: //p')
@@ -34,6 +34,8 @@ for target in "$@"; do
     # Length: what the format needs to show all it has.
     stl) folder=fuzz/readers length=512 ;;
     obj) folder=fuzz/readers length=200 ;;
+    ply) folder=fuzz/readers length=400 words=fuzz/readers/ply.dict ;;
+    gltf) folder=fuzz/readers length=1500 words=fuzz/readers/gltf.dict ;;
     collada) folder=fuzz/readers length=900 words=fuzz/readers/collada.dict ;;
     urdf) folder=fuzz/readers length=500 words=fuzz/readers/urdf.dict ;;
     decomposition) folder=fuzz/readers length=73 count=$((executions < 10000 ? executions : 10000)) ;;

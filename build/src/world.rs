@@ -69,9 +69,14 @@ pub fn read(
     }
     let xacro::Expanded {
         text,
-        notes,
+        mut notes,
         packages,
+        lone,
     } = xacro::expand(path, arguments, options).map_err(|finding| vec![*finding])?;
+    if let Some(lone) = lone {
+        notes.push(*lone);
+        return Err(notes);
+    }
     let mut options = options.clone();
     options.packages.extend(packages);
     let folder = match path.parent() {

@@ -68,7 +68,9 @@ fn replay_corpus(name: &str, target: fn(&[u8])) {
 fn the_corpus_of_meshes_does_no_harm() {
     replay_corpus("stl", targets::stl);
     replay_corpus("obj", targets::obj);
+    replay_corpus("ply", targets::ply);
     replay_corpus("collada", targets::collada);
+    replay_corpus("gltf", targets::gltf);
 }
 
 #[test]

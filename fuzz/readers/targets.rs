@@ -4,7 +4,7 @@
 //! | target | bytes are |
 //! |---|---|
 //! | `urdf` | a URDF; what is accepted is made a model of, with the settings' defaults |
-//! | `stl`, `obj`, `collada` | a mesh, read as corners and as triangles; some of the accepted are enclosed in their hull |
+//! | `stl`, `obj`, `ply`, `collada`, `gltf` | a mesh, read as corners and as triangles; some of the accepted are enclosed in their hull |
 //! | `decomposition` | the corners of a small mesh, which is cut into convex parts |
 //! | `scene` | what a robot looks like, as an FMU holds it |
 //! | `xacro` | a document in xacro, a file that it can include, and a YAML file |
@@ -68,8 +68,33 @@ pub fn obj(data: &[u8]) {
     mesh("obj", data);
 }
 
+pub fn ply(data: &[u8]) {
+    mesh("ply", data);
+}
+
 pub fn collada(data: &[u8]) {
     mesh("dae", data);
+}
+
+/// The JSON, a line end, and the numbers: lengths of chunks would be wrong after every change.
+pub fn gltf(data: &[u8]) {
+    if data.starts_with(b"glTF") {
+        mesh("glb", data);
+        return;
+    }
+    let end = data.iter().position(|&byte| byte == b'\n');
+    let (json, numbers) = data.split_at(end.unwrap_or(data.len()));
+    let mut bytes = b"glTF\x02\0\0\0\0\0\0\0".to_vec();
+    let mut chunk = |kind: &[u8; 4], content: &[u8], filler: u8| {
+        let length = content.len().next_multiple_of(4);
+        bytes.extend(u32::try_from(length).unwrap_or(0).to_le_bytes());
+        bytes.extend(kind);
+        bytes.extend(content);
+        bytes.resize(bytes.len() + length - content.len(), filler);
+    };
+    chunk(b"JSON", json, b' ');
+    chunk(b"BIN\0", numbers.get(1..).unwrap_or_default(), 0);
+    mesh("glb", &bytes);
 }
 
 /// Most triangles of a mesh that is decomposed here.
@@ -136,7 +161,7 @@ fn mesh(kind: &str, data: &[u8]) {
     if let Ok(triangles) = triangles {
         assert!(triangles.iter().flatten().flatten().all(|x| x.is_finite()));
         // A scene may place a mesh many times.
-        assert!(kind == "dae" || triangles.len() <= data.len());
+        assert!(matches!(kind, "dae" | "glb") || triangles.len() <= data.len());
     }
     // Reading is what the bytes decide about: the hull is made for one file in eight.
     if points.len() > SMALL_MESH || !chosen(data) {

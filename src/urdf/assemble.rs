@@ -11,7 +11,7 @@ use super::description::{
 };
 use super::hulls::{Meshes, ReadMesh};
 use super::inertia;
-use super::solids::of_solids;
+use super::solids::{of_density, of_solids};
 use super::visuals::Drawn;
 use crate::geometry::Shape;
 use crate::model::{JointKind, Limits};
@@ -73,7 +73,7 @@ pub(super) fn description(
             inertial: checked
                 .inertial
                 .as_ref()
-                .map(|own| inertial(own, &collisions, scale)),
+                .and_then(|own| inertial(own, &collisions, scale)),
             R_LI: checked
                 .inertial
                 .as_ref()
@@ -190,26 +190,29 @@ fn pose(xyz: &Vec3, rpy: &Vec3, scale: f64) -> Pose {
     Pose::from_xyz_rpy(xyz * scale, *rpy)
 }
 
-/// Turned into the link's axes.
+/// Turned into the link's axes; none by a density of shapes without volume.
 fn inertial(
     inertial: &CheckedInertial,
     collisions: &[CollisionDescription],
     scale: f64,
-) -> RigidInertia {
+) -> Option<RigidInertia> {
+    if let Some(density) = inertial.density {
+        return of_density(density, collisions);
+    }
     if inertial.of_shapes {
-        return RigidInertia {
+        return Some(RigidInertia {
             mass: inertial.mass,
             com: inertial.xyz * scale,
             I_cm: of_solids(inertial.mass, collisions).unwrap_or_default(),
-        };
+        });
     }
     let I = inertia::matrix(&inertial.inertia) * (scale * scale);
     let R = rotation_from_rpy(&inertial.rpy);
-    RigidInertia {
+    Some(RigidInertia {
         mass: inertial.mass,
         com: inertial.xyz * scale,
         I_cm: R * I * R.transpose(),
-    }
+    })
 }
 
 /// `None` for a mesh that was not read.

@@ -53,6 +53,8 @@ pub(super) struct CheckedInertial {
     pub(super) inertia: [f64; 6],
     /// Whether it is that of the collision shapes, because the file has none.
     pub(super) of_shapes: bool,
+    /// Density of the collision shapes, kg/m³, where it gives mass, centre and inertia.
+    pub(super) density: Option<f64>,
     /// Where `<inertia>` stands.
     pub(super) at: Range<usize>,
     /// What is wrong with the inertia, if it is wrong for a body on its own.

@@ -6,6 +6,9 @@ use crate::spatial::Vec3;
 /// Mesh files larger than this, in bytes, are refused. Five million triangles.
 pub(super) const LARGEST_FILE: u64 = 256 << 20;
 
+/// The formats that are read, for people.
+pub(super) const FORMATS: &str = "STL, OBJ, PLY, COLLADA and binary glTF (.glb)";
+
 /// Why a mesh cannot be read.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub(super) enum MeshError {
@@ -17,7 +20,7 @@ pub(super) enum MeshError {
     Pointer,
     #[error("the file is empty")]
     Empty,
-    #[error("'{0}' files are not read; STL, OBJ and COLLADA are")]
+    #[error("'{0}' files are not read; {FORMATS} are")]
     Format(String),
     #[error(
         "the file is cut short: {expected} bytes for {triangles} triangles, but it has {found}"
@@ -35,6 +38,8 @@ pub(super) enum MeshError {
     NotStl,
     #[error("{0}")]
     Collada(String),
+    #[error("{0}")]
+    Content(String),
     #[error("there is no face in it")]
     NoFaces,
     #[error("a coordinate is not finite")]

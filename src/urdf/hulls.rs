@@ -4,7 +4,7 @@
 
 use super::checked::{CheckedRobot, Geometry};
 use super::decompose;
-use super::faces::MeshError;
+use super::faces::{FORMATS, MeshError};
 use super::mesh::MeshFile;
 use super::missing::{self, Lost};
 use super::options::ReadOptions;
@@ -121,7 +121,7 @@ pub(super) fn read_meshes(
             }
         }
     }
-    missing::report(scope, resolver, lost);
+    missing::report(scope, robot, resolver, lost);
     report_rough_hulls(scope, robot, &meshes);
     if let Some(at) = first_mesh {
         let message =
@@ -199,13 +199,11 @@ fn read_mesh(
             let (code, help) = match error {
                 MeshError::Pointer => (
                     "U105",
-                    "fetch the files where the robot was cloned: git lfs install && git lfs pull",
+                    "fetch the files where the robot was cloned: git lfs install && git lfs pull"
+                        .to_owned(),
                 ),
-                MeshError::Format(_) => ("U106", "convert the mesh to STL or OBJ"),
-                _ => (
-                    "U105",
-                    "export the mesh again; STL, OBJ and COLLADA are read",
-                ),
+                MeshError::Format(_) => ("U106", "convert the mesh to STL or OBJ".to_owned()),
+                _ => ("U105", format!("export the mesh again; {FORMATS} are read")),
             };
             let message = format!("mesh {} cannot be read: {error}", path.display());
             scope.problem(code, at.clone(), &message, help);

@@ -6,7 +6,7 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
-use super::checked::{CheckedInertial, CheckedRobot, Order, Suspect};
+use super::checked::{CheckedInertial, CheckedRobot, LinkReference, Order, Suspect};
 use super::description::Description;
 use super::scope::Scope;
 use super::xml::Node;
@@ -17,6 +17,30 @@ use std::ops::Range;
 
 /// URDF's order.
 pub(super) const NAMES: [&str; 6] = ["ixx", "ixy", "ixz", "iyy", "iyz", "izz"];
+
+/// The other half of the matrix, which is symmetric; some exporters write it, too.
+const MIRRORED: [(&str, &str); 3] = [("iyx", "ixy"), ("izx", "ixz"), ("izy", "iyz")];
+
+/// Warns about attributes of `<inertia>` that are not known, and about a second half of the matrix
+/// that contradicts the first.
+pub(super) fn known_attributes(scope: &mut Scope, node: Node) {
+    let known: Vec<&str> = NAMES
+        .into_iter()
+        .chain(MIRRORED.map(|pair| pair.0))
+        .collect();
+    scope.known_attributes(node, &known);
+    for (second, first) in MIRRORED {
+        let number = |name: &str| node.value(name)?.trim().parse::<f64>().ok();
+        if let (Some(a), Some(b)) = (number(first), number(second))
+            && (a - b).abs() > 0.0
+            && let Some(attribute) = node.attribute(second)
+        {
+            let message = format!("<inertia> {second} is not {first}, which is used");
+            let help = "the matrix of inertia is symmetric: correct one of them";
+            scope.warning("U019", attribute.at.clone(), &message, help);
+        }
+    }
+}
 
 /// Part of the largest principal moment below which a negative moment is round-off: files are
 /// printed with six digits.
@@ -148,6 +172,8 @@ pub(super) fn judge(scope: &mut Scope, robot: &CheckedRobot, order: Option<&Orde
         return;
     }
     let bodies = order.map(|order| rigid_bodies(robot, order));
+    let shaped = |i: usize| !robot.links[i].collisions.is_empty();
+    let computable = (0..robot.links.len()).all(|i| suspects(i).is_none() || shaped(i));
     for (i, link) in robot.links.iter().enumerate() {
         let Some(suspect) = suspects(i) else {
             continue;
@@ -168,14 +194,76 @@ pub(super) fn judge(scope: &mut Scope, robot: &CheckedRobot, order: Option<&Orde
             };
             scope.warning("U061", suspect.at.clone(), &message, suspect.help.clone());
         } else {
-            scope.problem(
-                "U061",
-                suspect.at.clone(),
-                &suspect.message,
-                suspect.help.clone(),
-            );
+            let mut help = suspect.help.clone();
+            if computable {
+                help.push_str("\nor compute all from the collision shapes: --inertia collision");
+            }
+            scope.problem("U061", suspect.at.clone(), &suspect.message, help);
         }
     }
+}
+
+/// Warns of what moves without mass in a file that is refused for something else: that would be
+/// told only once the rest is mended.
+pub(super) fn foretell(scope: &mut Scope, robot: &CheckedRobot, order: Option<&Order>) {
+    if scope.ignore_inertia || scope.pybullet {
+        return;
+    }
+    let Some(order) = order else { return };
+    let links = || robot.links.iter().enumerate();
+    let index: HashMap<&str, usize> = links().map(|(i, link)| (link.name, i)).collect();
+    // What each link and all below it has; children come after their parents.
+    let weighs = |inertial: &CheckedInertial| inertial.mass > 0.0 || inertial.density.is_some();
+    let mut heavy: Vec<bool> = links()
+        .map(|(_, link)| link.inertial.as_ref().is_some_and(weighs))
+        .collect();
+    let mut shaped: Vec<bool> = links()
+        .map(|(_, link)| !link.collisions.is_empty())
+        .collect();
+    let mut light = Vec::new();
+    for &j in order.joints.iter().rev() {
+        let joint = &robot.joints[j];
+        let of = |end: &Option<LinkReference>| index.get(end.as_ref()?.name).copied();
+        let (Some(parent), Some(child)) = (of(&joint.parent), of(&joint.child)) else {
+            continue;
+        };
+        if joint.kind != JointKind::Fixed && !heavy[child] {
+            light.push((joint, shaped[child]));
+        }
+        heavy[parent] |= heavy[child];
+        shaped[parent] |= shaped[child];
+    }
+    let Some((first, _)) = light.last() else {
+        return;
+    };
+    let massless = !heavy.contains(&true);
+    let message = format!(
+        "joint '{}' moves nothing that has mass{}: this comes next",
+        first.name,
+        match light.len() - 1 {
+            0 => String::new(),
+            1 => ", and another joint likewise".to_owned(),
+            n => format!(", and {n} other joints likewise"),
+        }
+    );
+    let density = if massless {
+        "--inertia collision --density 1000"
+    } else {
+        "--density 1000"
+    };
+    let of_shapes = format!("{density} for masses from the collision shapes and a density");
+    let each = "--compat pybullet for 1 kg in each link without <inertial>";
+    let ways = if light.iter().all(|&(_, shaped)| shaped) {
+        [of_shapes.as_str(), each]
+    } else {
+        [each, of_shapes.as_str()]
+    };
+    let help = format!(
+        "pass {}, or {}, together with what mends the rest",
+        ways[0], ways[1]
+    );
+    let at = first.node.tag_at();
+    scope.report.warning("U066", at, message, help);
 }
 
 /// Per link the inertia of all that is rigidly connected with it.

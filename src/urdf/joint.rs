@@ -1,7 +1,7 @@
 //! Checks of `<joint>`: type, axis, limits, dynamics, mimic.
 
 use super::checked::{CheckedJoint, CheckedMimic, LinkReference};
-use super::scope::{Scope, Version};
+use super::scope::{LARGEST, Scope, Version};
 use super::xml::Node;
 use crate::diagnostic::words::did_you_mean;
 use crate::model::JointKind;
@@ -177,8 +177,8 @@ fn limit(scope: &mut Scope, node: Node, kind: JointKind) -> Limit {
             scope.warning("U019", at, &message, help);
         }
     }
-    let lower = scope.number(child, "lower");
-    let upper = scope.number(child, "upper");
+    let lower = limit_number(scope, child, "lower");
+    let upper = limit_number(scope, child, "upper");
     let effort = limit_size(scope, child, "effort");
     let velocity = limit_size(scope, child, "velocity");
     if turns_or_slides(kind) && scope.version < Version(1, 2) {
@@ -245,10 +245,24 @@ fn range(
     Some((lower, upper))
 }
 
+/// A number of a `<limit>`. Programs write the largest number that they know, or infinity, where
+/// there is no limit.
+fn limit_number(scope: &mut Scope, node: Node, name: &str) -> Option<f64> {
+    let attribute = node.attribute(name)?;
+    let beyond = |number: &f64| number.abs() > LARGEST;
+    let Some(number) = attribute.value.trim().parse().ok().filter(beyond) else {
+        return scope.number(node, name);
+    };
+    let message = format!("<limit> {name} {number:e} counts as unlimited");
+    let help = "write a number of up to 1e30, or leave it out";
+    scope.warning("U032", attribute.at.clone(), &message, help);
+    Some(number.clamp(-LARGEST, LARGEST))
+}
+
 /// The effort or the velocity of a `<limit>`; many files write -1 for "none", and other programs
 /// take it so or do not look at it.
 fn limit_size(scope: &mut Scope, node: Node, name: &str) -> Option<f64> {
-    let value = scope.number(node, name)?;
+    let value = limit_number(scope, node, name)?;
     if value >= 0.0 {
         // Limits of any size stand for "none".
         return scope.within(node, name, value, Physical::LimitSize);

@@ -7,6 +7,7 @@ use super::{foreign, inertia};
 use crate::diagnostic::Severity;
 use crate::diagnostic::words::did_you_mean;
 use crate::range::Range as Physical;
+use crate::spatial::Vec3;
 
 const CHILDREN: [&str; 4] = ["inertial", "visual", "collision", "contact"];
 
@@ -60,34 +61,19 @@ pub(super) fn check<'d>(scope: &mut Scope, node: Node<'d>, name: &'d str) -> Che
 
 fn check_inertial(scope: &mut Scope, node: Node) -> Option<CheckedInertial> {
     scope.known_attributes(node, &[]);
-    scope.known_children(node, &["origin", "mass", "inertia"], &[]);
+    scope.known_children(node, &["origin", "mass", "inertia", "density"], &[]);
     let (xyz, rpy) = scope.origin(node);
-    let mass_node = required(scope, node, "mass", "<mass value=\"…\"/>, in kg");
-    let mass = mass_node.and_then(|m| {
-        scope.known_attributes(m, &["value"]);
-        let mass = scope.required_number(m, "value")?;
-        // What is negative or 0 is told with the inertia.
-        if mass > 0.0 && mass < Physical::Mass.bounds().0 {
-            let at = m
-                .attribute("value")
-                .map_or_else(|| m.tag_at(), |a| a.at.clone());
-            let message = format!("<mass> {mass:e} kg counts as none");
-            scope.warning(
-                "U064",
-                at,
-                &message,
-                "give the mass in kg, or leave <inertial> out",
-            );
-            Some(0.0)
-        } else if mass > 0.0 {
-            scope.within(m, "value", mass, Physical::Mass)
-        } else {
-            Some(mass)
-        }
-    });
+    let density = scope.single(node, "density");
+    let Some(mass_node) = scope.single(node, "mass") else {
+        return without_mass(scope, node, density);
+    };
+    if let Some(density) = density {
+        scope.ignore(density);
+    }
+    let mass = mass(scope, mass_node);
     let inertia_node = scope.single(node, "inertia");
     let inertia = inertia_node.map(|i| {
-        scope.known_attributes(i, &inertia::NAMES);
+        inertia::known_attributes(scope, i);
         inertia::NAMES.map(|name| {
             if name == "ixx" || name == "iyy" || name == "izz" {
                 let moment = scope.required_number(i, name)?;
@@ -102,7 +88,7 @@ fn check_inertial(scope: &mut Scope, node: Node) -> Option<CheckedInertial> {
             scope.within(i, name, product, Physical::Inertia)
         })
     });
-    let (mass_node, mass) = (mass_node?, mass?);
+    let mass = mass?;
     let Some(inertia_node) = inertia_node else {
         let help =
             "add <inertia ixx=\"…\" ixy=\"0\" ixz=\"0\" iyy=\"…\" iyz=\"0\" izz=\"…\"/>, in kg m²";
@@ -120,6 +106,7 @@ fn check_inertial(scope: &mut Scope, node: Node) -> Option<CheckedInertial> {
             mass,
             inertia: [0.0; 6],
             of_shapes: mass > 0.0,
+            density: None,
             at: node.tag_at(),
             suspect: None,
         };
@@ -138,11 +125,76 @@ fn check_inertial(scope: &mut Scope, node: Node) -> Option<CheckedInertial> {
         mass,
         inertia: values,
         of_shapes: false,
+        density: None,
         at: inertia_node.tag_at(),
         suspect: None,
     };
     inertia::check(scope, &mut inertial, mass_node, inertia_node);
     Some(inertial)
+}
+
+/// The value of `<mass>`, kg.
+fn mass(scope: &mut Scope, node: Node) -> Option<f64> {
+    scope.known_attributes(node, &["value"]);
+    let mass = scope.required_number(node, "value")?;
+    // What is negative or 0 is told with the inertia.
+    if mass > 0.0 && mass < Physical::Mass.bounds().0 {
+        let at = node
+            .attribute("value")
+            .map_or_else(|| node.tag_at(), |a| a.at.clone());
+        let message = format!("<mass> {mass:e} kg counts as none");
+        let help = "give the mass in kg, or leave <inertial> out";
+        scope.warning("U064", at, &message, help);
+        Some(0.0)
+    } else if mass > 0.0 {
+        scope.within(node, "value", mass, Physical::Mass)
+    } else {
+        Some(mass)
+    }
+}
+
+/// An `<inertial>` without `<mass>`: by the density that Isaac Gym and others write into it, or
+/// none at all.
+fn without_mass(
+    scope: &mut Scope,
+    node: Node,
+    density_node: Option<Node>,
+) -> Option<CheckedInertial> {
+    if let Some(own) = density_node {
+        scope.used(own);
+        scope.known_attributes(own, &["value"]);
+        let density = scope.required_number(own, "value")?;
+        let density = scope.within(own, "value", density, Physical::Density)?;
+        return Some(CheckedInertial {
+            xyz: Vec3::zeros(),
+            rpy: Vec3::zeros(),
+            mass: 0.0,
+            inertia: [0.0; 6],
+            of_shapes: false,
+            density: Some(density),
+            at: own.tag_at(),
+            suspect: None,
+        });
+    }
+    let inertia = node.child("inertia");
+    let zero = |name: &str| {
+        let number = |node: Node| node.value(name)?.trim().parse::<f64>().ok();
+        inertia.is_none_or(|node| node.value(name).is_none() || number(node) == Some(0.0))
+    };
+    let help = "add <mass value=\"…\"/>, in kg, or let the collision shapes weigh: --density 1000";
+    if inertia::NAMES.iter().all(|name| zero(name)) {
+        let message = "<inertial> has no <mass>: it counts as none";
+        scope.warning("U017", node.tag_at(), message, help);
+    } else {
+        let message = "<inertial> has no <mass>";
+        scope.problem(
+            "U017",
+            node.tag_at(),
+            message,
+            "add <mass value=\"…\"/>, in kg",
+        );
+    }
+    None
 }
 
 /// The only child of that name; a problem if there is none.

@@ -1,11 +1,11 @@
-//! Mesh files → points: STL, OBJ, COLLADA.
+//! Mesh files → points: STL, OBJ, PLY, COLLADA, binary glTF.
 //!
 //! Only the corners of faces are kept: the collision shape is their convex hull. Own readers for
 //! the two plain formats, a page each: `stl_io` takes binary files that start with `solid` for text
 //! and refuses text that is not laid out line by line as it expects; both happen.
 
-use super::collada;
 use super::faces::{LARGEST_FILE, MeshError, fan};
+use super::{collada, gltf, ply};
 use crate::spatial::Vec3;
 use std::fs::File;
 use std::io::Read;
@@ -15,7 +15,7 @@ use std::path::Path;
 pub const LFS_POINTER: &[u8] = b"version https://git-lfs.github.com/";
 
 /// Endings of the formats that are read.
-const KINDS: [&str; 3] = ["stl", "obj", "dae"];
+const KINDS: [&str; 5] = ["stl", "obj", "ply", "dae", "glb"];
 
 /// The ending of a mesh's name in small letters, where it is none of a format that is read.
 pub(super) fn unread_kind(name: &str) -> Option<String> {
@@ -78,6 +78,8 @@ pub(super) fn triangles_of(kind: &str, bytes: &[u8]) -> Result<Vec<[Vec3; 3]>, M
             .map(|t| [t[0], t[1], t[2]])
             .collect()),
         "obj" => obj_triangles(&String::from_utf8_lossy(bytes)),
+        "ply" => ply::triangles(bytes),
+        "glb" => gltf::triangles(bytes),
         _ => collada::triangles(bytes),
     }
 }
@@ -87,6 +89,8 @@ pub(super) fn parse(kind: &str, bytes: &[u8]) -> Result<Vec<Vec3>, MeshError> {
     let points = match kind {
         "stl" => stl(bytes)?,
         "obj" => obj(&String::from_utf8_lossy(bytes))?,
+        "ply" => ply::read(bytes)?,
+        "glb" => gltf::read(bytes)?,
         _ => collada::read(bytes)?,
     };
     if points.is_empty() {

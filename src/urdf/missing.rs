@@ -6,7 +6,7 @@ use super::resolve::{Missing, Resolver};
 use super::scope::Scope;
 use std::collections::BTreeMap;
 use std::ops::Range;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// A collision mesh that is missing.
 pub(super) struct Lost<'d> {
@@ -26,19 +26,27 @@ fn package(filename: &str) -> &str {
 }
 
 /// One error for each package whose meshes are missing, and for all paths together.
-pub(super) fn report(scope: &mut Scope, resolver: &Resolver, lost: Vec<Lost>) {
+pub(super) fn report(
+    scope: &mut Scope,
+    robot: &CheckedRobot,
+    resolver: &Resolver,
+    lost: Vec<Lost>,
+) {
     let mut groups: Vec<(&str, Vec<(Lost, Missing)>)> = Vec::new();
     for lost in lost {
         let Err(missing) = resolver.find(lost.filename) else {
             continue;
         };
-        let package = package(lost.filename);
-        // What is no missing file stands alone.
-        let grouped = matches!(missing, Missing::NotFound(_));
+        // What is no file stands alone; what lies outside is one thing to do.
+        let package = match missing {
+            Missing::Outside(_) => "",
+            _ => package(lost.filename),
+        };
+        let grouped = !matches!(missing, Missing::NoFile(..));
+        let kind = std::mem::discriminant(&missing);
         let group = groups.iter_mut().find(|(name, list)| {
-            grouped
-                && *name == package
-                && list.iter().all(|(_, m)| matches!(m, Missing::NotFound(_)))
+            let alike = |(_, other): &(Lost, Missing)| std::mem::discriminant(other) == kind;
+            grouped && *name == package && list.iter().all(alike)
         });
         match group {
             Some((_, list)) => list.push((lost, missing)),
@@ -54,8 +62,13 @@ pub(super) fn report(scope: &mut Scope, resolver: &Resolver, lost: Vec<Lost>) {
         let missing = match missing {
             Missing::NotFound(missing) => missing,
             Missing::Outside(path) => {
-                let message = format!("mesh outside of the robot's folders: {filename}");
-                scope.problem("U112", first.at.clone(), &message, outside_help(path));
+                let more = match list.len() {
+                    1 => String::new(),
+                    n => format!(", and {} more", n - 1),
+                };
+                let message = format!("mesh outside of the robot's folders: {filename}{more}");
+                let help = outside_help(path, robot, resolver);
+                scope.problem("U112", first.at.clone(), &message, help);
                 continue;
             }
             Missing::NoFile(path, what) => {
@@ -165,10 +178,32 @@ pub(super) fn report_moved(scope: &mut Scope, robot: &CheckedRobot, resolver: &R
     }
 }
 
-/// What to do about a file outside of the robot's folders.
-pub(super) fn outside_help(path: &Path) -> String {
-    let folder = path.parent().unwrap_or(path).display();
+/// What to do about a file outside of the robot's folders: one folder for all meshes that are.
+pub(super) fn outside_help(path: &Path, robot: &CheckedRobot, resolver: &Resolver) -> String {
+    /// Not the folders of all users, nor the system's.
+    const LEAST_DEPTH: usize = 3;
+    let nodes = robot.links.iter().map(|link| link.node);
+    let shapes = nodes.flat_map(|link| {
+        let collisions = link.children_named("collision");
+        collisions.chain(link.children_named("visual"))
+    });
+    let names =
+        shapes.filter_map(|shape| shape.child("geometry")?.child("mesh")?.value("filename"));
+    let folders = names.filter_map(|name| match resolver.find(name) {
+        Err(Missing::Outside(path)) => Some(path.parent()?.to_owned()),
+        _ => None,
+    });
+    let common = |a: PathBuf, b: PathBuf| {
+        let above = a.ancestors().find(|above| b.starts_with(above));
+        above.unwrap_or(Path::new("")).to_owned()
+    };
+    let folder = folders.reduce(common).filter(|folder| {
+        let absolute = std::path::absolute(folder).unwrap_or_default();
+        folder.is_dir() && absolute.components().count() > LEAST_DEPTH
+    });
+    let leaf = || path.parent().unwrap_or(path).to_owned();
     format!(
-        "an FMU takes no other files of this machine; if it belongs to the robot, pass --package-path {folder}"
+        "an FMU takes no other files of this machine; if it belongs to the robot, pass --package-path {}",
+        folder.unwrap_or_else(leaf).display()
     )
 }

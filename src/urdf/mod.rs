@@ -2,9 +2,9 @@
 //!
 //! Way of a file: XML with places (`xml`), checks of links (`link`, `inertia`), joints (`joint`)
 //! and the whole (`tree`), which give a `checked` robot; meshes found (`resolve`), read (`mesh`,
-//! `collada`) and enclosed in hulls (`hulls`) or cut into parts (`decompose`); visuals with their
-//! colours and textures (`visuals`, `painted`); all put together (`assemble`). All problems of a
-//! file are found in one run.
+//! `ply`, `collada`, `gltf`) and enclosed in hulls (`hulls`) or cut into parts (`decompose`);
+//! visuals with their colours and textures (`visuals`, `painted`); all put together (`assemble`).
+//! All problems of a file are found in one run.
 //!
 //! Not here: merging massless links, initial pose, defaults for what the file leaves out. xacro is
 //! not expanded.
@@ -18,6 +18,7 @@ mod description;
 mod faces;
 mod file;
 mod foreign;
+mod gltf;
 mod hulls;
 mod image;
 mod inertia;
@@ -28,6 +29,7 @@ mod missing;
 mod nearby;
 mod options;
 mod painted;
+mod ply;
 mod resolve;
 mod scope;
 mod sensed;
@@ -56,7 +58,7 @@ use scope::Scope;
 use std::path::{Path, PathBuf};
 use xml::Document;
 
-/// Triangles of a mesh file, STL, OBJ or COLLADA, in m.
+/// Triangles of a mesh file, STL, OBJ, PLY, COLLADA or binary glTF, in m.
 ///
 /// # Errors
 /// What is wrong with the file, as the end of a sentence.
@@ -89,8 +91,8 @@ pub fn find_package(name: &str, base_dir: &Path, options: &ReadOptions) -> Optio
     Resolver::new(base_dir, options, None).package(name)
 }
 
-/// Corners of the faces of a mesh file (STL, OBJ, COLLADA) in m, as a URDF without `scale` takes
-/// them.
+/// Corners of the faces of a mesh file (STL, OBJ, PLY, COLLADA, binary glTF) in m, as a URDF
+/// without `scale` takes them.
 ///
 /// # Errors
 /// What is wrong with the file.
@@ -129,7 +131,7 @@ pub fn read_str(
 
 /// Corners of the faces of a mesh file, m as the file has them.
 ///
-/// - `kind`: how the file's name ends, `stl`, `obj` or `dae`
+/// - `kind`: how the file's name ends, `stl`, `obj`, `ply`, `dae` or `glb`
 ///
 /// # Errors
 /// What is wrong with the file, for people.
@@ -193,6 +195,7 @@ fn describe(
     };
     scope.report_tags();
     if scope.report.has_errors() {
+        inertia::foretell(&mut scope, &robot, order.as_ref());
         return None;
     }
     let order = order?;

@@ -81,6 +81,15 @@ impl Files {
         let enough = most >= LEAST_PARTS.min(wanted.len());
         (enough && best.next().is_none()).then_some(found.as_path())
     }
+
+    /// The one file with the last part of `name`.
+    pub(super) fn alone(&self, name: &str) -> Option<&Path> {
+        let wanted = parts(Path::new(name));
+        match &self.by_name.get(&wanted.last()?.to_lowercase())?[..] {
+            [file] => Some(file),
+            _ => None,
+        }
+    }
 }
 
 /// Folders from where advice looks: those above the robot's, as far as they belong to somebody.

@@ -1,13 +1,14 @@
-//! Mesh files → triangles by colour and texture, for drawing: STL, OBJ with MTL, COLLADA.
+//! Mesh files → triangles by colour and texture, for drawing: STL, PLY, OBJ with MTL,
+//! COLLADA, binary glTF.
 //!
 //! Where a triangle has no material, or one that is not understood, it has no colour: whoever draws
 //! it takes the visual's. Texture coordinates that are not there are no fault either.
 
 mod obj;
 
-use super::collada;
 use super::faces::{MeshError, Paint, Part, Parts};
 use super::mesh::MeshFile;
+use super::{collada, gltf};
 
 /// The painted triangles of a mesh file.
 ///
@@ -19,6 +20,7 @@ pub(super) fn parts(
     match file.kind() {
         "obj" => obj::parts(&String::from_utf8_lossy(file.bytes()), beside),
         "dae" => collada::parts(file.bytes()),
+        "glb" => gltf::parts(file.bytes()),
         _ => {
             let mut parts = Parts::default();
             let part = parts.of(&Paint::default(), false);

@@ -7,6 +7,10 @@
 //! robot's own folders are the URDF's, the one of the `package.xml` above it, and its parent where
 //! its name says that it is one part of a robot's (`urdf`, `robots` …).
 
+use not_found::same_name;
+
+pub(super) use not_found::NotFound;
+
 use super::nearby::Files;
 use super::options::ReadOptions;
 use std::cell::{OnceCell, RefCell};
@@ -67,39 +71,6 @@ pub(super) enum Missing {
     Outside(PathBuf),
     /// What is there is a folder or a pipe.
     NoFile(PathBuf, &'static str),
-}
-
-/// A mesh file that was not found.
-#[derive(Debug, PartialEq, Eq)]
-pub(super) struct NotFound {
-    /// Every place that was looked at, in order.
-    pub(super) tried: Vec<PathBuf>,
-    /// What to do.
-    pub(super) advice: String,
-}
-
-impl NotFound {
-    pub(super) fn help(&self) -> String {
-        use std::fmt::Write as _;
-        /// More lines than this hide the advice.
-        const MOST_SHOWN: usize = 5;
-        let mut text = String::new();
-        // Where there is a folder, somebody may have meant it.
-        let near = |path: &&PathBuf| path.parent().is_some_and(Path::is_dir);
-        let others = self.tried.iter().filter(|path| !near(path));
-        let shown = self.tried.iter().filter(near).chain(others);
-        for (i, path) in shown.take(MOST_SHOWN).enumerate() {
-            let lead = if i == 0 { "tried " } else { "      " };
-            // Writing to a string cannot fail.
-            let _ = writeln!(text, "{lead}{}", path.display());
-        }
-        if self.tried.len() > MOST_SHOWN {
-            let more = self.tried.len() - MOST_SHOWN;
-            let s = if more == 1 { "" } else { "s" };
-            let _ = writeln!(text, "      and {more} more place{s}");
-        }
-        text + &self.advice
-    }
 }
 
 impl<'o> Resolver<'o> {
@@ -168,7 +139,12 @@ impl<'o> Resolver<'o> {
             .find(|path| fs::symlink_metadata(path).is_ok_and(|m| m.is_symlink()));
         let advice = match looped {
             Some(path) => format!("{} is a symbolic link that leads nowhere", path.display()),
-            None => other_case(&tried).map_or(advice, hint),
+            None => match other_case(&tried) {
+                Some(path) => hint(path),
+                None => self
+                    .same_name(&name)
+                    .map_or(advice, |path| same_name(&path)),
+            },
         };
         Err(Missing::NotFound(NotFound { tried, advice }))
     }
@@ -496,5 +472,6 @@ fn percent_decoded(text: &str) -> String {
 }
 
 mod elsewhere;
+mod not_found;
 #[cfg(test)]
 mod tests;

@@ -14,7 +14,7 @@ use std::ops::Range;
 
 /// Numbers beyond this are refused: squares and products of smaller ones stay finite. Limits of
 /// 1e16 for "none" are in use.
-const LARGEST: f64 = 1e30;
+pub(super) const LARGEST: f64 = 1e30;
 
 /// URDF versions that change how a file is read.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
@@ -186,7 +186,8 @@ impl<'r, 'a> Scope<'r, 'a> {
         Some(list)
     }
 
-    /// The only child of that name; a second one is a problem.
+    /// The only child of that name. A second one is told: it is left out, as other readers of URDF
+    /// do, except where nobody could know what is meant.
     pub(super) fn single<'d>(&mut self, node: Node<'d>, name: &'static str) -> Option<Node<'d>> {
         let mut all = node.children_named(name);
         let first = all.next()?;
@@ -195,9 +196,12 @@ impl<'r, 'a> Scope<'r, 'a> {
             if first.same_as(second) {
                 let message = format!("<{name}> is written twice");
                 self.warning("U018", second.tag_at(), &message, help);
-            } else {
+            } else if ["parent", "child", "geometry"].contains(&name) {
                 let message = format!("a second <{name}>, different from the first");
                 self.problem("U018", second.tag_at(), &message, help);
+            } else {
+                let message = format!("a second <{name}>, different from the first, which is used");
+                self.warning("U018", second.tag_at(), &message, help);
             }
         }
         Some(first)

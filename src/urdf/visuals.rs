@@ -5,7 +5,7 @@
 
 use super::checked::{CheckedRobot, CheckedVisual, Geometry, Paint};
 use super::description::{DrawnMesh, MeshPart, Texture};
-use super::faces::MeshError;
+use super::faces::{FORMATS, MeshError};
 use super::mesh::MeshFile;
 use super::missing::outside_help;
 use super::resolve::{Missing, Resolver};
@@ -208,7 +208,7 @@ pub(super) fn read(
                 }),
                 Err(missing) => {
                     let message = format!("visual mesh not found: {filename}");
-                    troubles.add("U111", at, message, help_for(&missing));
+                    troubles.add("U111", at, message, help_for(&missing, robot, resolver));
                     None
                 }
             };
@@ -223,7 +223,12 @@ pub(super) fn read(
                 Ok(found) => textures.read(&found.path, &attribute.at, &mut troubles),
                 Err(missing) => {
                     let message = format!("texture not found: {name}");
-                    troubles.add("U117", &attribute.at, message, help_for(&missing));
+                    troubles.add(
+                        "U117",
+                        &attribute.at,
+                        message,
+                        help_for(&missing, robot, resolver),
+                    );
                     None
                 }
             };
@@ -235,10 +240,10 @@ pub(super) fn read(
     drawn
 }
 
-fn help_for(missing: &Missing) -> String {
+fn help_for(missing: &Missing, robot: &CheckedRobot, resolver: &Resolver) -> String {
     match missing {
         Missing::NotFound(missing) => missing.help(),
-        Missing::Outside(path) => outside_help(path),
+        Missing::Outside(path) => outside_help(path, robot, resolver),
         Missing::NoFile(path, what) => format!("{} is {what}", path.display()),
     }
 }
@@ -304,11 +309,11 @@ fn parts_of(
         Ok(parts) => parts,
         Err(error) => {
             let help = match error {
-                MeshError::Format(_) => "convert the mesh to STL, OBJ or COLLADA",
-                _ => "export the mesh again; STL, OBJ and COLLADA are read",
+                MeshError::Format(_) => "convert the mesh to one of these formats".to_owned(),
+                _ => format!("export the mesh again; {FORMATS} are read"),
             };
             let message = format!("visual mesh {} cannot be read: {error}", path.display());
-            troubles.add("U116", at, message, help.to_owned());
+            troubles.add("U116", at, message, help);
             return None;
         }
     };

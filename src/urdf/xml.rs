@@ -40,6 +40,11 @@ pub(super) struct Node<'d> {
 }
 
 impl Document<'_> {
+    /// All of it, with comments.
+    pub(super) fn text(&self) -> &str {
+        self.text
+    }
+
     pub(super) fn root(&self) -> Node<'_> {
         Node {
             document: self,

@@ -28,7 +28,8 @@ def judge(command, urdf):
     errors = [finding for finding in first["findings"] if finding["severity"] == "error"]
     options, runs = [], 1
     if errors:
-        for finding in errors:
+        # U066 tells what would come next.
+        for finding in errors + [f for f in first["findings"] if f["code"] == "U066"]:
             found = OFFERED.search(finding["help"] or "")
             if found and found.group(1) not in options:
                 options.append(found.group(1))
@@ -57,7 +58,8 @@ def judge(command, urdf):
 
 def main():
     command, *folders = sys.argv[1:]
-    files = [file for folder in folders for file in sorted(Path(folder).resolve().rglob("*.urdf")) if file.is_file()]
+    files = [file for folder in folders for file in sorted(Path(folder).resolve().rglob("*.[uU][rR][dD][fF]"))
+             if file.is_file()]
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         told = dict(zip(files, pool.map(lambda file: judge(command, file), files), strict=True))
     for fate, number in Counter(answer["fate"] for answer in told.values()).items():

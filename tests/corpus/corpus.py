@@ -187,7 +187,8 @@ def main():
         text.append(row(kind, have, gone))
     text += ["", f"{sum(replaced.values())} of the inertias, in {sum(1 for n in replaced.values() if n)} files, are replaced, because they",
              "are zero, or zero about an axis, and the mass matrix would be singular. Each is reported with its",
-             "line (A123, U063, U064). Nearly all belong to the `random_urdfs`: 0.1 kg with `ixx=\"1\" iyy=\"1\" izz=\"0\"`.",
+             "line (A123, U063, U064). Nearly all belong to the `random_urdfs`: 0.1 kg with",
+             "`ixx=\"1\" iyy=\"1\" izz=\"0\"`.",
              "", "The refused files, with the first error of each:", "", row("file", "line", "errors", "what"),
              row("---", "---", "---", "---")]
     for name, line, errors, message in refused:

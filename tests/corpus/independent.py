@@ -70,7 +70,13 @@ def root(urdf):
     """
     text = Path(urdf).read_bytes().strip()
     end = text.rfind(b"</robot>")
-    return xml.fromstring(text[:end + len(b"</robot>")] if end >= 0 else text)
+    robot = xml.fromstring(text[:end + len(b"</robot>")] if end >= 0 else text)
+    # Some files name a namespace for all of their tags (xmlns="…"): it says nothing.
+    own = robot.tag[:robot.tag.find("}") + 1]
+    for element in robot.iter():
+        if own and isinstance(element.tag, str) and element.tag.startswith(own):
+            element.tag = element.tag[len(own):]
+    return robot
 
 
 def counts(urdf) -> dict:
@@ -81,7 +87,11 @@ def counts(urdf) -> dict:
     except (xml.ParseError, UnicodeDecodeError, ValueError) as error:
         return {"fault": str(error)}
     links, joints = robot.findall("link"), robot.findall("joint")
-    inertials = {link.get("name"): found for link in links if (found := inertial(link)) is not None}
+    # What a density weighs is no number of the file.
+    dense = {link.get("name") for link in links
+             if link.find("inertial/density") is not None and link.find("inertial/mass") is None}
+    inertials = {link.get("name"): found for link in links
+                 if link.get("name") not in dense and (found := inertial(link)) is not None}
     return {
         "links": [link.get("name") for link in links],
         "joints": {joint.get("name"): joint.get("type") for joint in joints},
@@ -90,6 +100,7 @@ def counts(urdf) -> dict:
                       if (shapes := [shape for shape in link.findall("collision/geometry/*") if "}" not in shape.tag])},
         "masses": {name: found[0] for name, found in inertials.items() if found[0] > 0},
         "inertials": inertials,
+        "dense": sorted(dense),
         "tree": {joint.get("name"): (joint.find("parent").get("link"), joint.find("child").get("link"), *pose(joint))
                  for joint in joints if joint.find("parent") is not None and joint.find("child") is not None},
     }

@@ -3,15 +3,17 @@
 Usage: python meshes.py DRIVER FOLDER...
        python meshes.py --reference COUNT MADE FOLDER...
 
-DRIVER is `target/debug/examples/mesh_corners`. Every STL, OBJ and COLLADA file below the folders, and COLLADA scenes made
-here (units, up-axis, nested and repeated nodes, mirrored ones), is read by our reader and by trimesh (COLLADA through
-pycollada); both must agree to 1e-6 of the size. Ends with exit code 1 if they do not. Needs trimesh, pycollada.
+DRIVER is `target/debug/examples/mesh_corners`. Every STL, OBJ, PLY, COLLADA and binary glTF file below the folders, and
+scenes made here (COLLADA and, written by trimesh, PLY and glTF: units, up-axis, nested and repeated nodes, mirrored
+ones), is read by our reader and by trimesh (COLLADA through pycollada); both must agree to 1e-6 of the size. Ends with
+exit code 1 if they do not. Needs trimesh, pycollada.
 
 With `--reference` the other reader's numbers are printed for COUNT files of each kind and the scenes, which are
 written to the folder MADE: `meshes.rs` compares them in the test run. First a line with the directions, then one per
 file.
 
-`<up_axis>` turns nothing in either: pycollada gives the file's axes, as RViz, Gazebo and Pinocchio take them.
+`<up_axis>` turns nothing in either: pycollada gives the file's axes, as RViz, Gazebo and Pinocchio take them. Nor does
+glTF's y axis upwards.
 """
 
 import json
@@ -25,7 +27,7 @@ import numpy as np
 import trimesh
 
 TOLERANCE = 1e-6
-KINDS = (".stl", ".obj", ".dae")
+KINDS = (".stl", ".obj", ".dae", ".ply", ".glb")
 # Files of the sample are smaller than this, in bytes: larger ones take the other reader seconds.
 LARGEST = 2_000_000
 
@@ -70,6 +72,8 @@ def independent(path):
         points = np.concatenate([np.asarray(c) for c in corners])
         return points * (mesh.assetInfo.unitmeter or 1.0)
     loaded = trimesh.load(path, process=False, skip_materials=True)
+    if path.suffix.lower() == ".glb":
+        loaded = loaded.to_geometry()
     # Groups of an OBJ file lie in its own frame.
     meshes = loaded.geometry.values() if isinstance(loaded, trimesh.Scene) else [loaded]
     return np.concatenate([np.asarray(mesh.vertices)[np.unique(mesh.faces)] for mesh in meshes])
@@ -86,7 +90,7 @@ def found(folders):
 
 
 def scenes(folder):
-    """Writes the COLLADA scenes."""
+    """Writes the scenes."""
     files = []
     for unit in ("1", "0.01", "0.0254"):
         for up in ("X_UP", "Y_UP", "Z_UP"):
@@ -94,6 +98,38 @@ def scenes(folder):
                 file = Path(folder) / f"{name}_{unit}_{up}.dae"
                 file.write_text(SCENE.format(unit=unit, up=up, nodes=nodes))
                 files.append(file)
+    return files + of_trimesh(Path(folder))
+
+
+def of_trimesh(folder):
+    """Writes the tetrahedron as PLY, and as glTF with the nodes of the scenes."""
+    corners = [[0, 0, 0], [1, 0, 0], [0, 2, 0], [0.25, 0.5, 3]]
+    body = trimesh.Trimesh(corners, [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]], process=False)
+    files = []
+    for encoding in ("ascii", "binary"):
+        files.append(folder / f"{encoding}.ply")
+        files[-1].write_bytes(body.export(file_type="ply", encoding=encoding))
+    turned = trimesh.transformations.rotation_matrix
+    moved = trimesh.transformations.translation_matrix
+    stretched = np.diag([2, 1, 0.5, 1])
+    nodes = {
+        "plain": [(None, np.eye(4))],
+        "nested": [("above", moved([1, 2, 3]) @ turned(0.5, [0, 0, 1])), (None, stretched @ turned(1.3, [1, 0, 0]))],
+        "mirrored": [(None, np.diag([-1, 1, 2, 1]) @ moved([3, 0, 0]))],
+    }
+    for name, chain in nodes.items():
+        scene = trimesh.Scene()
+        parent = None
+        for node, matrix in chain:
+            if node is None:
+                scene.add_geometry(body, parent_node_name=parent, transform=matrix)
+            else:
+                scene.graph.update(frame_to=node, frame_from=scene.graph.base_frame, matrix=matrix)
+                parent = node
+        for k in range(3 if name == "plain" else 0):
+            scene.add_geometry(body, transform=moved([k, k * k, 0]) @ turned(0.7 * k, [0, 1, 0]))
+        files.append(folder / f"{name}.glb")
+        files[-1].write_bytes(scene.export(file_type="glb"))
     return files
 
 
@@ -103,7 +139,7 @@ def reference(count, made, folders):
     sample = []
     for kind in KINDS:
         same = [file for file in files if file.suffix.lower() == kind]
-        sample += [same[k * len(same) // count] for k in range(count)]
+        sample += [same[k * len(same) // count] for k in range(count if same else 0)]
     print(json.dumps({"directions": DIRECTIONS.tolist()}))
     for file in [*sample, *scenes(made)]:
         points = independent(file)

@@ -86,6 +86,6 @@ def lost(said, told):
         else:
             wrong.append(f"inertias of {link}: {ours_inertia}, not {inertia}")
     for link, (mass, *_) in told["inertials"].items():
-        if mass > 0 and link not in said["inertials"]:
+        if mass > 0 and link not in said["inertials"] and link not in said["dense"]:
             wrong.append(f"masses of {link}: {mass}, but the file has none")
     return wrong, replaced

@@ -12,6 +12,7 @@ mod model_description;
 mod offers;
 #[cfg(unix)]
 mod output;
+mod packages;
 mod people;
 mod ranges;
 mod world;

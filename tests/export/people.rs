@@ -5,7 +5,7 @@
 
 use super::*;
 
-fn write(folder: &Path, name: &str, content: impl AsRef<[u8]>) -> PathBuf {
+pub(super) fn write(folder: &Path, name: &str, content: impl AsRef<[u8]>) -> PathBuf {
     let path = folder.join(name);
     fs::create_dir_all(path.parent().unwrap()).unwrap();
     fs::write(&path, content).unwrap();
@@ -13,7 +13,7 @@ fn write(folder: &Path, name: &str, content: impl AsRef<[u8]>) -> PathBuf {
 }
 
 /// A binary STL of a tetrahedron with corners at 0 and 0.1 m.
-fn tetrahedron() -> Vec<u8> {
+pub(super) fn tetrahedron() -> Vec<u8> {
     let corners = [
         [0.0_f32; 3],
         [0.1, 0.0, 0.0],
@@ -33,7 +33,7 @@ fn tetrahedron() -> Vec<u8> {
 }
 
 #[allow(clippy::format_collect, reason = "a few links")]
-fn mesh_robot(names: &[&str]) -> String {
+pub(super) fn mesh_robot(names: &[&str]) -> String {
     let links: String = names
         .iter()
         .enumerate()
@@ -57,7 +57,7 @@ fn mesh_robot(names: &[&str]) -> String {
     format!("<robot name='r'>\n{links}</robot>\n")
 }
 
-fn findings(path: &Path, args: &[&str]) -> (bool, Vec<Value>) {
+pub(super) fn findings(path: &Path, args: &[&str]) -> (bool, Vec<Value>) {
     let mut all = vec!["check", text(path), "--json"];
     all.extend(args);
     let done = run_in(Path::new("."), &all, &[]);
@@ -66,7 +66,7 @@ fn findings(path: &Path, args: &[&str]) -> (bool, Vec<Value>) {
     (value["ok"] == true, list)
 }
 
-fn of_severity<'f>(findings: &'f [Value], severity: &str) -> Vec<&'f Value> {
+pub(super) fn of_severity<'f>(findings: &'f [Value], severity: &str) -> Vec<&'f Value> {
     findings
         .iter()
         .filter(|f| f["severity"] == severity)

@@ -233,7 +233,10 @@ fn what_a_xacro_file_lacks_is_told_with_the_call_that_gives_it() {
         (
             "<xacro:macro name='arm' params='x'/>",
             &[],
-            &["only defines macros: arm", "the robot has no links"],
+            &[
+                "only defines macros for other files, arm",
+                "the robot has no links",
+            ],
         ),
     ] {
         let err = told(xml, args);

@@ -12,6 +12,7 @@ mod expand;
 mod files;
 mod format;
 mod functions;
+mod includers;
 mod macros;
 mod numbers;
 mod parameter;
@@ -46,6 +47,8 @@ pub struct Expanded {
     pub notes: Vec<Diagnostic>,
     /// Packages that the files name.
     pub packages: Vec<(String, PathBuf)>,
+    /// Why it is no robot, where the file only defines macros for others.
+    pub lone: Option<Box<Diagnostic>>,
 }
 
 /// Whether a file is to be expanded: by its name, or because it defines something in xacro.
@@ -123,27 +126,16 @@ pub fn expand(
     let packages = sources.packages.clone();
     match done {
         Ok(root) => {
-            let mut notes = vec![note(format!(
+            let notes = vec![note(format!(
                 "expanded from xacro: lines are those of the expanded text, as of {shown}"
             ))];
-            if root.elements().all(|element| element.name != "link") {
-                let names = expansion.macro_names();
-                if !names.is_empty() {
-                    notes.push(Diagnostic {
-                        help: Some(
-                            "give the file that includes this one and calls them".to_owned(),
-                        ),
-                        ..note(format!(
-                            "the file only defines macros: {}",
-                            names.iter().take(8).cloned().collect::<Vec<_>>().join(", ")
-                        ))
-                    });
-                }
-            }
+            let names = expansion.macro_names();
+            let lone = root.elements().all(|element| element.name != "link") && !names.is_empty();
             Ok(Expanded {
                 text: tree::write(&root),
                 notes,
                 packages: packages.into_iter().collect(),
+                lone: lone.then(|| Box::new(only_macros(path, &names))),
             })
         }
         Err(problem) => {
@@ -167,6 +159,7 @@ pub fn expand(
                         "expanded by the xacro command: lines are those of the expanded text, see {shown}"
                     ))],
                     packages: known.into_iter().collect(),
+                    lone: None,
                 });
             }
             Err(Box::new(finding(
@@ -176,6 +169,47 @@ pub fn expand(
                 &problem,
             )))
         }
+    }
+}
+
+/// A file of macros is no robot: which files call them.
+fn only_macros(path: &Path, names: &[String]) -> Diagnostic {
+    /// More names or files than these are not shown.
+    const MOST: usize = 8;
+    const MOST_FILES: usize = 4;
+    let defined = names.iter().take(MOST).cloned().collect::<Vec<_>>();
+    let more = if names.len() > MOST { ", …" } else { "" };
+    let files = includers::of(path);
+    let help = if files.is_empty() {
+        format!(
+            "give the file that includes this one and calls them, as <xacro:{} …/> does",
+            names[0]
+        )
+    } else {
+        let shown: Vec<String> = files
+            .iter()
+            .take(MOST_FILES)
+            .map(|file| file.display().to_string())
+            .collect();
+        let more = match files.len().saturating_sub(MOST_FILES) {
+            0 => String::new(),
+            n => format!("\nand {n} more"),
+        };
+        format!(
+            "give a file that includes this one:\n{}{more}",
+            shown.join("\n")
+        )
+    };
+    Diagnostic {
+        severity: Severity::Error,
+        code: "U010",
+        message: format!(
+            "the robot has no links: {} only defines macros for other files, {}{more}",
+            path.display(),
+            defined.join(", ")
+        ),
+        help: Some(help),
+        place: None,
     }
 }
 

@@ -19,7 +19,7 @@ pub enum TerrainSettings {
     },
     /// The surface of a triangle mesh.
     Mesh {
-        /// STL, OBJ or COLLADA.
+        /// STL, OBJ, PLY, COLLADA or binary glTF.
         file: PathBuf,
         /// Factor on all lengths.
         scale: f64,

@@ -5,7 +5,7 @@ use super::super::nearby::{self, Files};
 use super::{Candidate, Resolver, folders, is_package, normal, percent_decoded, spellings, tidy};
 use std::collections::BTreeMap;
 use std::fs;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 impl Resolver<'_> {
     /// The file at another place of the robot's folders that `name` must mean.
@@ -34,6 +34,13 @@ impl Resolver<'_> {
             .borrow_mut()
             .insert(name.to_owned(), shown.clone());
         Some(shown)
+    }
+
+    /// The one file of the robot's folders that has the last part of `name`, wherever it lies: too
+    /// little to use it, since many robots have one name for what is seen and what collides.
+    pub(super) fn same_name(&self, name: &str) -> Option<PathBuf> {
+        let files = self.own_files.get_or_init(|| Files::below(&self.roots));
+        files.alone(name).map(Path::to_owned)
     }
 
     /// Names that mean a file at another place in the robot's folders, and that file.

@@ -1,0 +1,143 @@
+use super::*;
+
+/// A file of JSON and numbers: floats, then indices.
+fn glb(json: &str, floats: &[f32], indices: &[u16]) -> Vec<u8> {
+    let mut json = json.as_bytes().to_vec();
+    json.resize(json.len().next_multiple_of(4), b' ');
+    let mut binary: Vec<u8> = floats.iter().flat_map(|x| x.to_le_bytes()).collect();
+    binary.extend(indices.iter().flat_map(|x| x.to_le_bytes()));
+    let mut bytes = b"glTF\x02\0\0\0\0\0\0\0".to_vec();
+    for (kind, chunk) in [(b"JSON", json), (b"BIN\0", binary)] {
+        bytes.extend(u32::try_from(chunk.len()).expect("short").to_le_bytes());
+        bytes.extend(kind);
+        bytes.extend(chunk);
+    }
+    bytes
+}
+
+const CORNERS: [f32; 12] = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 2.0, 0.0, 0.0, 2.0, 3.0];
+const INDICES: [u16; 4] = [0, 1, 2, 3];
+
+/// Two nodes, one in the other, that show a mesh of one primitive.
+fn scene(primitive: &str) -> String {
+    format!(
+        r#"{{"scene": 0, "scenes": [{{"nodes": [1]}}],
+        "nodes": [{{"mesh": 0, "scale": [2, 2, 2]}},
+            {{"children": [0], "translation": [0, 0, 10],
+              "rotation": [0, 0, 0.7071067811865476, 0.7071067811865476]}}],
+        "meshes": [{{"primitives": [{primitive}]}}],
+        "materials": [{{"pbrMetallicRoughness": {{"baseColorFactor": [1, 0.5, 0, 1]}}}}],
+        "accessors": [
+            {{"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3"}},
+            {{"bufferView": 1, "componentType": 5123, "count": 4, "type": "SCALAR"}}],
+        "bufferViews": [{{"buffer": 0, "byteLength": 48}},
+            {{"buffer": 0, "byteOffset": 48, "byteLength": 8}}],
+        "buffers": [{{"byteLength": 56}}]}}"#
+    )
+}
+
+const PRIMITIVE: &str =
+    r#"{"attributes": {"POSITION": 0}, "indices": 1, "material": 0, "mode": 5}"#;
+
+#[test]
+fn a_strip_is_placed_by_the_nodes_above_it() {
+    let bytes = glb(&scene(PRIMITIVE), &CORNERS, &INDICES);
+    // Twice as large, a quarter turn about z, ten up.
+    let [a, b, c, d] = [
+        [0.0, 0.0, 10.0],
+        [0.0, 2.0, 10.0],
+        [-4.0, 2.0, 10.0],
+        [-4.0, 0.0, 16.0],
+    ]
+    .map(Vec3::from);
+    let found = triangles(&bytes).expect("two triangles");
+    for (found, expected) in found.iter().flatten().zip([a, b, c, b, d, c]) {
+        assert!((found - expected).norm() < 1e-12, "{found} {expected}");
+    }
+    assert_eq!(found.len(), 2);
+    assert_eq!(read(&bytes).expect("corners"), found.concat());
+    let parts = parts(&bytes).expect("two triangles");
+    assert_eq!(parts.len(), 1);
+    assert_eq!(parts[0].triangles, found);
+    // Of half the light a screen shows 0.7354 (IEC 61966-2-1).
+    let [red, green, blue] = parts[0].paint.color.expect("a colour");
+    assert!((red - 1.0).abs() < 1e-15 && blue.abs() < 1e-15);
+    assert!((green - 0.735_357).abs() < 1e-6, "{green}");
+}
+
+#[test]
+fn triangles_without_indices_and_fans_are_read() {
+    let list = glb(
+        &scene(r#"{"attributes": {"POSITION": 0}}"#),
+        &CORNERS,
+        &INDICES,
+    );
+    assert_eq!(triangles(&list).map(|found| found.len()), Ok(1));
+    let fan = glb(
+        &scene(r#"{"attributes": {"POSITION": 0}, "mode": 6}"#),
+        &CORNERS,
+        &[],
+    );
+    assert_eq!(triangles(&fan).map(|found| found.len()), Ok(2));
+    let lines = glb(
+        &scene(r#"{"attributes": {"POSITION": 0}, "mode": 1}"#),
+        &CORNERS,
+        &[],
+    );
+    assert_eq!(triangles(&lines).map(|found| found.len()), Ok(0));
+}
+
+#[test]
+fn what_cannot_be_read_is_told() {
+    for (from, to, what) in [
+        (
+            "\"scene\": 0",
+            "\"extensionsRequired\": [\"KHR_draco_mesh_compression\"]",
+            "draco",
+        ),
+        ("[{\"nodes\": [1]}]", "[{\"nodes\": [1, 0]}]", "twice"),
+        ("\"children\": [0]", "\"children\": [1]", "twice"),
+        ("\"children\": [0]", "\"children\": [7]", "no node 7"),
+        ("\"mesh\": 0", "\"mesh\": 3", "shows no mesh"),
+        ("5126", "5122", "not read"),
+        ("5123", "5126", "not read"),
+        (
+            "\"count\": 4, \"type\": \"VEC3\"",
+            "\"count\": 5, \"type\": \"VEC3\"",
+            "cut short",
+        ),
+        ("\"byteLength\": 48", "\"byteLength\": 12", "cut short"),
+        (
+            "{\"byteLength\": 56}",
+            "{\"uri\": \"a.bin\"}",
+            "one .glb file",
+        ),
+        ("{\"bufferView\": 0, ", "{", "sparse"),
+        (
+            "\"rotation\": [0, 0, 0.7071067811865476,",
+            "\"rotation\": [0, 0, 0,",
+            "",
+        ),
+        ("\"meshes\"", "meshes", "its JSON"),
+    ] {
+        let whole = scene(PRIMITIVE);
+        let broken = whole.replacen(from, to, 1);
+        assert_ne!(broken, whole, "{from}");
+        let told = read(&glb(&broken, &CORNERS, &INDICES));
+        if what.is_empty() {
+            // A quaternion of another length is made one of length 1.
+            assert!(told.is_ok(), "{told:?}");
+            continue;
+        }
+        let told = told.expect_err(from).to_string();
+        assert!(told.contains(what), "{told}");
+    }
+    let bytes = glb(&scene(PRIMITIVE), &CORNERS, &[0, 1, 2, 9]);
+    assert!(read(&bytes).is_err_and(|error| error.to_string().contains("not there")));
+    let bytes = glb(&scene(PRIMITIVE), &CORNERS, &INDICES);
+    for end in 0..bytes.len() {
+        assert!(read(&bytes[..end]).is_err(), "{end}");
+    }
+    let old = [&bytes[..4], &[1], &bytes[5..]].concat();
+    assert!(read(&old).is_err_and(|error| error.to_string().contains("glTF 1")));
+}

@@ -1,0 +1,44 @@
+//! What is told of a file that was looked for.
+
+use std::path::{Path, PathBuf};
+
+/// A mesh file that was not found.
+#[derive(Debug, PartialEq, Eq)]
+pub struct NotFound {
+    /// Every place that was looked at, in order.
+    pub tried: Vec<PathBuf>,
+    /// What to do.
+    pub advice: String,
+}
+
+impl NotFound {
+    pub fn help(&self) -> String {
+        use std::fmt::Write as _;
+        /// More lines than this hide the advice.
+        const MOST_SHOWN: usize = 5;
+        let mut text = String::new();
+        // Where there is a folder, somebody may have meant it.
+        let near = |path: &&PathBuf| path.parent().is_some_and(Path::is_dir);
+        let others = self.tried.iter().filter(|path| !near(path));
+        let shown = self.tried.iter().filter(near).chain(others);
+        for (i, path) in shown.take(MOST_SHOWN).enumerate() {
+            let lead = if i == 0 { "tried " } else { "      " };
+            // Writing to a string cannot fail.
+            let _ = writeln!(text, "{lead}{}", path.display());
+        }
+        if self.tried.len() > MOST_SHOWN {
+            let more = self.tried.len() - MOST_SHOWN;
+            let s = if more == 1 { "" } else { "s" };
+            let _ = writeln!(text, "      and {more} more place{s}");
+        }
+        text + &self.advice
+    }
+}
+
+/// Advice on a name whose last part alone is that of one of the robot's files.
+pub(super) fn same_name(path: &Path) -> String {
+    format!(
+        "the robot's folders have one file of that name, {}: if it is meant, correct the path in the URDF",
+        path.display()
+    )
+}
