@@ -12,6 +12,9 @@
 //! With `--drawn=SEED` it runs eight members of each class that chance has chosen, and shows their
 //! largest error in units of its target.
 //!
+//! With `--ablation=FILE` it switches off one rule of the method after the other, and writes a table
+//! of what each costs and saves into FILE, `docs/design.md`, between its marks.
+//!
 //! With `--order` the table shows, from 1e-3 to 1e-7, how far each is from our own solution at
 //! 1e-9 (`--order=1e-8`: at that), and the factor by which the error falls from each tolerance to
 //! the next: 10 where it is proportional.
@@ -33,7 +36,9 @@ mod scenes;
 mod testing;
 
 use scenes::{Scene, Solver};
+use std::fmt::Write as _;
 // Where the models of the unit tests look for them.
+use urdf2fmu_core::tuning::Rules;
 use urdf2fmu_core::{geometry, model, range, simulation, spatial};
 
 const SOLVERS: [Solver; 5] = [
@@ -183,15 +188,119 @@ fn sweep() -> String {
     format!("{head}\n{}", rows.join("\n"))
 }
 
+/// A rule of the method, and what switches it off.
+type Rule = (&'static str, fn(&mut Rules));
+
+const RULES: [Rule; 12] = [
+    ("rest", |rules| rules.rest = false),
+    ("momentum", |rules| rules.momentum = false),
+    ("explicit", |rules| rules.explicit = false),
+    ("look_ahead", |rules| rules.look_ahead = false),
+    ("cones", |rules| rules.cones = false),
+    ("touchdown", |rules| rules.touchdown = false),
+    ("command", |rules| rules.command = false),
+    ("bounce", |rules| rules.bounce = false),
+    ("floor", |rules| rules.floor = false),
+    ("energy", |rules| rules.energy = false),
+    ("parts", |rules| rules.parts = false),
+    ("islands", |rules| rules.islands = false),
+];
+
+/// One scene under one solver: its steps, and its figures in units of their targets.
+struct Shares {
+    steps: f64,
+    figures: Vec<(String, f64)>,
+}
+
+/// All scenes under some solvers with the rules that act now.
+///
+/// - `references`: our own solutions with all rules, where nothing better exists
+fn shares(chosen: &[Scene], references: &[Option<scenes::Run>], solvers: &[Solver]) -> Vec<Shares> {
+    let scenes = chosen.iter().zip(references);
+    let runs = scenes.flat_map(|(scene, reference)| {
+        solvers.iter().map(move |&solver| {
+            let run = (scene.simulate)(solver);
+            let mut figures = (scene.judge)(solver, &run);
+            if let Some(reference) = reference {
+                let apart = run.apart(reference);
+                let name = "from our own solution";
+                figures.push(scenes::figure(name, apart, solver.tolerances(2.0)));
+            }
+            let figures = figures.into_iter().filter_map(|figure| {
+                let share = figure.error / figure.target?;
+                let name = format!("{}: {}, {}", scene.name, figure.name, solver.name());
+                // A run that failed is as far off as can be.
+                Some((name, if share.is_nan() { f64::INFINITY } else { share }))
+            });
+            Shares {
+                steps: (run.steps + run.rejected).max(1.0),
+                figures: figures.collect(),
+            }
+        })
+    });
+    runs.collect()
+}
+
+/// What each rule of the method does for the scenes, as rows of a table.
+fn ablation() -> String {
+    /// Below this share of its target no error counts.
+    const SEEN: f64 = 0.1;
+    let solvers = [
+        Solver::FIXED,
+        Solver::Tolerance(1e-3),
+        Solver::Tolerance(1e-5),
+    ];
+    let chosen = scenes::all();
+    let references: Vec<_> = chosen.iter().map(Scene::solution).collect();
+    let before = shares(&chosen, &references, &solvers);
+    let mut table =
+        "| rule | errors twice as large | of these now missed | the most, in targets | \
+                     steps, mean | steps, most |\n|---|---|---|---|---|---|"
+            .to_owned();
+    for (name, switch) in RULES {
+        let mut rules = Rules::ALL;
+        switch(&mut rules);
+        scenes::set_rules(rules);
+        let after = shares(&chosen, &references, &solvers);
+        scenes::set_rules(Rules::ALL);
+        let (mut worse, mut missed, mut most) = (0, 0, (0.0, String::new()));
+        let figures = |all: &[Shares]| -> Vec<(String, f64)> {
+            all.iter().flat_map(|run| run.figures.clone()).collect()
+        };
+        for ((figure, with), (_, without)) in figures(&before).into_iter().zip(figures(&after)) {
+            if without > SEEN && without > 2.0 * with {
+                worse += 1;
+                missed += usize::from(without > 1.0 && with <= 1.0);
+                if without / with > most.0 {
+                    most = (
+                        without / with,
+                        format!("{figure}: {with:.1e} → {without:.1e}"),
+                    );
+                }
+            }
+        }
+        let steps = before.iter().zip(&after).map(|(b, a)| a.steps / b.steps);
+        let steps: Vec<f64> = steps.collect();
+        let mean = (steps.iter().map(|x| x.ln()).sum::<f64>() / steps.len() as f64).exp();
+        let largest = steps.iter().copied().fold(0.0, f64::max);
+        let _ = write!(
+            table,
+            "\n| `{name}` | {worse} | {missed} | {} | × {mean:.2} | × {largest:.1} |",
+            most.1
+        );
+    }
+    table
+}
+
 /// Replaces what stands between the marks of a document.
-fn write_between_marks(path: &str, table: &str) {
+fn write_between_marks(path: &str, mark: &str, table: &str) {
     let text = std::fs::read_to_string(path).expect("the document can be read");
     let begin = text
-        .find("<!-- sweep begin")
+        .find(&format!("<!-- {mark} begin"))
         .expect("a mark where the table begins");
     let begin = begin + text[begin..].find('\n').expect("a line below the mark") + 1;
     let end = text
-        .find("<!-- sweep end")
+        .find(&format!("<!-- {mark} end"))
         .expect("a mark where the table ends");
     let text = format!("{}\n{table}\n\n{}", &text[..begin], &text[end..]);
     std::fs::write(path, text).expect("the document can be written");
@@ -206,7 +315,11 @@ fn main() {
             return;
         }
         if let Some(path) = argument.strip_prefix("--sweep=") {
-            write_between_marks(path, &sweep());
+            write_between_marks(path, "sweep", &sweep());
+            return;
+        }
+        if let Some(path) = argument.strip_prefix("--ablation=") {
+            write_between_marks(path, "ablation", &ablation());
             return;
         }
         match argument.strip_prefix("--order") {

@@ -74,6 +74,8 @@ pub mod joint;
 pub mod kinematics;
 pub mod law;
 pub mod model;
+#[cfg(feature = "urdf")]
+pub mod parallel;
 pub mod parameters;
 #[cfg(feature = "urdf")]
 pub mod pattern;

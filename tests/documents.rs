@@ -167,6 +167,63 @@ fn documents_name_files_and_tests_that_exist() {
     );
 }
 
+/// Names and the file that a document places them in: `name` in `file`, and `file`: a variant of
+/// `Name`.
+fn placed(text: &str) -> Vec<(String, String)> {
+    let words = text.split_whitespace().collect::<Vec<_>>().join(" ");
+    let parts: Vec<&str> = words.split('`').collect();
+    let is_file = |word: &str| has_extension(word, "rs") && word.contains('/');
+    let mut found = Vec::new();
+    for (i, word) in parts.iter().enumerate().skip(1).step_by(2) {
+        if !is_file(word) {
+            continue;
+        }
+        let mut add = |name: &str| {
+            let name = name.rsplit("::").next().unwrap_or(name);
+            if name.bytes().all(|b| b.is_ascii_alphanumeric() || b == b'_') {
+                found.push((name.to_string(), (*word).to_string()));
+            }
+        };
+        let (mut at, mut joints) = (i, [" in ", " in "]);
+        while at >= 2 && joints.contains(&parts[at - 1]) {
+            at -= 2;
+            add(parts[at]);
+            joints = [", ", " and "];
+        }
+        if parts.get(i + 1) == Some(&": a variant of ") {
+            add(parts.get(i + 2).unwrap_or(&""));
+        }
+    }
+    found
+}
+
+#[test]
+fn what_documents_place_in_a_file_is_in_it() {
+    let text = "`a` and `b::C` in `src/x.rs`, `d` elsewhere; `src/y.rs`: a variant of `Z`.";
+    let pair = |name: &str, file: &str| (name.to_string(), file.to_string());
+    let expected = [
+        pair("C", "src/x.rs"),
+        pair("a", "src/x.rs"),
+        pair("Z", "src/y.rs"),
+    ];
+    assert_eq!(placed(text), expected);
+    let (mut count, mut missing) = (0, Vec::new());
+    for (document, text) in texts(&["md"]) {
+        for (name, file) in placed(&text) {
+            let Ok(source) = fs::read_to_string(root().join(&file)) else {
+                continue;
+            };
+            count += 1;
+            let letter = |c: char| c.is_alphanumeric() || c == '_';
+            if !source.split(|c| !letter(c)).any(|word| word == name) {
+                missing.push(format!("{document}: {name} in {file}"));
+            }
+        }
+    }
+    assert!(count > 10, "{count} names are placed in files");
+    assert!(missing.is_empty(), "not there: {missing:#?}");
+}
+
 /// Texts of the sources that look like a code of a finding, in quotes.
 fn codes_in(text: &str) -> impl Iterator<Item = &str> {
     text.split('"').filter(|word| {

@@ -122,6 +122,7 @@ impl Joints {
 }
 
 impl Follows {
+    #[expect(clippy::too_many_lines, reason = "one line for each kind of output")]
     /// None where the output comes out of the dynamics, or of closed loops, which may move all.
     fn new(model: &Model, output: OutputSlot) -> Option<Self> {
         let none = Self::default();

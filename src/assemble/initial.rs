@@ -210,10 +210,10 @@ pub(super) fn height(
             }
             _ => {
                 model.roots[0].position.z = 0.0;
-                let why = if model.world.ground.is_some() {
-                    "it has no collision shapes to stand on"
-                } else {
-                    "there is no ground"
+                let why = match (&model.world.ground, floating) {
+                    (None, _) => "there is no ground",
+                    (Some(_), true) => "it has no collision shapes to stand on, and falls",
+                    (Some(_), false) => "it has no collision shapes to stand on",
                 };
                 let message = format!("the robot starts with its base at z = 0: {why}");
                 findings.note("A111", message, "set [initial] xyz to start elsewhere");

@@ -199,7 +199,7 @@ impl Remembered {
             match element.what {
                 Relaxing::Slip | Relaxing::Turn => {
                     let vector = [value(0), value(1), value(2)];
-                    if vector == [0.0; 3] {
+                    if vector.iter().all(|x| x.abs() == 0.0) {
                         continue;
                     }
                     if memory

@@ -266,3 +266,38 @@ fn the_table_lists_states_and_their_derivatives() {
         assert_eq!(rates.count(), count);
     }
 }
+
+/// What an integrator's errors have made of the length of a quaternion goes by e in half a second,
+/// and the orientation is not touched by it.
+#[test]
+fn quaternions_come_back_to_unit_length() {
+    let mut random = Random(13);
+    let mut model = random_tree(&mut random, 3, true, false);
+    model.outputs.interface = Interface::Me;
+    let mut simulation = exchanged(model);
+    let mut x = shaken(&mut simulation, &mut random, [1.0, 0.0]);
+    let mut y = x.clone();
+    let first = simulation
+        .states()
+        .quaternions()
+        .next()
+        .expect("it floats")
+        .first;
+    for y in &mut y[first..first + 4] {
+        *y *= 1.001;
+    }
+    let length = |x: &[f64]| {
+        x[first..first + 4]
+            .iter()
+            .map(|x| x * x)
+            .sum::<f64>()
+            .sqrt()
+    };
+    integrate(&mut simulation, &mut x, 1e-3, 500);
+    integrate(&mut simulation, &mut y, 1e-3, 500);
+    // d(|q| − 1)/dt = −2 γ (|q| − 1) for small ones.
+    assert!(((length(&y) - 1.0) / 1e-3 - (-1.0_f64).exp()).abs() < 1e-2);
+    for i in first..first + 4 {
+        assert!((y[i] / length(&y) - x[i] / length(&x)).abs() < 1e-9);
+    }
+}

@@ -12,6 +12,7 @@ use crate::step::point::Context;
 impl Readout {
     /// Time derivative of an output at the state's time, from the right where forces jump; None if
     /// it has none.
+    #[expect(clippy::too_many_lines, reason = "one line for each kind of output")]
     pub fn derivative(&mut self, ctx: &Context, state: &State, slot: OutputSlot) -> Option<f64> {
         use OutputSlot as O;
         let model = ctx.model;

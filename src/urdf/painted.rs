@@ -6,7 +6,8 @@
 
 mod obj;
 
-use super::faces::{MeshError, Paint, Part, Parts};
+pub(super) use super::faces::Part;
+use super::faces::{MeshError, Paint, Parts};
 use super::mesh::MeshFile;
 use super::{collada, gltf};
 

@@ -8,12 +8,13 @@ use super::description::{DrawnMesh, MeshPart, Texture};
 use super::faces::{FORMATS, MeshError};
 use super::mesh::MeshFile;
 use super::missing::outside_help;
-use super::resolve::{Missing, Resolver};
+use super::resolve::{Found, Missing, Resolver};
 use super::scope::Scope;
 use super::xml::Node;
 use super::{file, image, link, painted};
 use crate::diagnostic::Severity;
-use std::collections::HashMap;
+use crate::parallel;
+use std::collections::{BTreeSet, HashMap};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
@@ -189,14 +190,29 @@ pub(super) fn read(
         by_path: HashMap::new(),
         list: Vec::new(),
     };
-    for visual in robot.links.iter().flat_map(|link| &link.visuals) {
+    let visuals = || robot.links.iter().flat_map(|link| &link.visuals);
+    let mut files: HashMap<&str, Result<Found, Missing>> = HashMap::new();
+    for visual in visuals() {
+        if let Geometry::Mesh { filename, .. } = &visual.geometry {
+            let file = files.entry(*filename);
+            file.or_insert_with(|| resolver.find(filename));
+        }
+    }
+    let mut ahead = if read {
+        read_ahead(files.values().flatten())
+    } else {
+        HashMap::new()
+    };
+    for visual in visuals() {
         if let Geometry::Mesh { filename, at, .. } = &visual.geometry
             && !drawn.mesh_of.contains_key(*filename)
+            && let Some(file) = files.remove(*filename)
         {
-            let place = match resolver.find(filename) {
+            let place = match file {
                 Ok(found) => *meshes_by_path.entry(found.path).or_insert_with_key(|path| {
                     let parts = if read {
-                        parts_of(path, at, &mut textures, &mut troubles)?
+                        let ahead = ahead.remove(path);
+                        parts_of(path, ahead, at, &mut textures, &mut troubles)?
                     } else {
                         Vec::new()
                     };
@@ -294,9 +310,29 @@ impl Textures<'_> {
     }
 }
 
+/// What a mesh file holds, or why it cannot be read.
+type Parts = Result<Vec<painted::Part>, MeshError>;
+
+/// Reads the meshes that name no materials in other files, several at a time.
+fn read_ahead<'f>(files: impl Iterator<Item = &'f Found>) -> HashMap<PathBuf, Parts> {
+    let alone = |path: &&PathBuf| {
+        let kind = path.extension().map(std::ffi::OsStr::to_ascii_lowercase);
+        kind.is_some_and(|kind| kind == "stl" || kind == "dae")
+    };
+    let paths: BTreeSet<&PathBuf> = files.map(|file| &file.path).filter(alone).collect();
+    let paths: Vec<&PathBuf> = paths.into_iter().collect();
+    let parts = parallel::map(&paths, |path| {
+        MeshFile::open(path).and_then(|mesh| painted::parts(&mesh, |_| None))
+    });
+    paths.into_iter().cloned().zip(parts).collect()
+}
+
 /// The painted triangles of a mesh file, or `None` after saying why there are none.
+///
+/// - `ahead`: what has been read of it
 fn parts_of(
     path: &Path,
+    ahead: Option<Parts>,
     at: &Range<usize>,
     textures: &mut Textures,
     troubles: &mut Troubles,
@@ -305,7 +341,8 @@ fn parts_of(
         let path = textures.resolver.beside(path, name)?;
         file::lossy_text(&path)
     };
-    let parts = match MeshFile::open(path).and_then(|mesh| painted::parts(&mesh, library)) {
+    let read = || MeshFile::open(path).and_then(|mesh| painted::parts(&mesh, library));
+    let parts = match ahead.unwrap_or_else(read) {
         Ok(parts) => parts,
         Err(error) => {
             let help = match error {

@@ -132,6 +132,7 @@ pub enum Display {
 
 impl Unit {
     /// That of the derivative of a continuous state in this unit.
+    #[must_use]
     pub fn rate(self) -> Self {
         match self {
             Self::Meter => Self::MeterPerSecond,

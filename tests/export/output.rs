@@ -22,11 +22,13 @@ fn shell(folder: &Path, line: &str) -> Run {
     }
 }
 
-/// A folder with the rover's FMU.
+/// A folder with the rover's FMU, and a table of a run of it.
 fn with_fmu() -> TempDir {
     let folder = tempfile::tempdir().unwrap();
     let run = shell(folder.path(), "\"$urdf2fmu\" export \"$rover\" -o \"$fmu\"");
     assert_eq!(run.code, 0, "{run:?}");
+    let table = "time,base.position.x\n0,0\n1,0.5\n";
+    fs::write(folder.path().join("run.csv"), table).unwrap();
     folder
 }
 
@@ -39,11 +41,14 @@ fn names(folder: &Path) -> Vec<String> {
     names
 }
 
-/// Commands that write a file, to `$to`.
-const WRITERS: [&str; 3] = [
+/// All commands that write a file, to `$to`, but for `view`, which does not end by itself.
+const WRITERS: [&str; 6] = [
     "\"$urdf2fmu\" export \"$rover\" -o \"$to\"",
     "\"$urdf2fmu\" simulate \"$fmu\" --stop-time 0.01 --output-file \"$to\"",
     "\"$urdf2fmu\" simulate \"$fmu\" --stop-time 0.01 --plot \"$to\"",
+    "\"$urdf2fmu\" simulate \"$fmu\" --stop-time 0.01 --report \"$to\"",
+    "\"$urdf2fmu\" report run.csv --model \"$fmu\" -o \"$to\"",
+    "\"$urdf2fmu\" picture \"$rover\" --size 32 -o \"$to\"",
 ];
 
 fn write_to(folder: &Path, writer: &str, to: &str) -> Run {
@@ -104,6 +109,14 @@ fn a_target_that_is_no_regular_file_is_refused_and_not_changed() {
             );
         }
         assert_eq!(names(folder.path()), before);
+    }
+    let record = "\"$urdf2fmu\" view \"$fmu\" --no-open --record \"$to\"";
+    for to in ["pipe", "/dev/full"] {
+        let run = write_to(folder.path(), record, to);
+        assert!(
+            run.code == 1 && run.err.contains("name of a regular file"),
+            "{run:?}"
+        );
     }
     let kind = |path: &str| fs::metadata(folder.path().join(path)).unwrap().file_type();
     assert!(kind("pipe").is_fifo());
@@ -182,6 +195,23 @@ fn no_command_overwrites_its_input_file() {
             "\"$urdf2fmu\" simulate rover.fmu --input-file in.csv --output-file in.csv",
             "in.csv",
         ),
+        (
+            "\"$urdf2fmu\" simulate rover.fmu --stop-time 0.01 --report rover.fmu",
+            "rover.fmu",
+        ),
+        (
+            "\"$urdf2fmu\" simulate rover.fmu --input-file in.csv --plot in.csv",
+            "in.csv",
+        ),
+        (
+            "\"$urdf2fmu\" report run.csv --model rover.fmu -o run.csv",
+            "run.csv",
+        ),
+        ("\"$urdf2fmu\" picture r.urdf -o r.urdf", "r.urdf"),
+        (
+            "\"$urdf2fmu\" picture rover.fmu --run run.csv -o run.csv",
+            "run.csv",
+        ),
     ] {
         let before = fs::read(at.join(file)).unwrap();
         let run = shell(at, line);
@@ -196,7 +226,7 @@ fn no_command_overwrites_its_input_file() {
 }
 
 /// Every command that prints a result.
-const PRINTERS: [&str; 9] = [
+const PRINTERS: [&str; 14] = [
     "export \"$rover\" -o a.fmu",
     "info \"$rover\"",
     "info \"$fmu\" --json --variables",
@@ -204,6 +234,11 @@ const PRINTERS: [&str; 9] = [
     "check \"$rover\" --json",
     "init \"$rover\"",
     "simulate \"$fmu\" --stop-time 0.02",
+    "picture \"$rover\" --size 32 -o a.png",
+    "expand \"$rover\"",
+    "explain",
+    "explain U111",
+    "view \"$fmu\" --no-open",
     "--help",
     "--version",
 ];

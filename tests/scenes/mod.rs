@@ -18,11 +18,13 @@ pub mod textbook;
 pub mod truth;
 
 use crate::testing::{Builder, inertia};
+use std::cell::Cell;
 use std::sync::Arc;
 use urdf2fmu_core::geometry::Shape;
 use urdf2fmu_core::model::{ActuatorId, Ground, LinkId, Model};
 use urdf2fmu_core::simulation::{InputSlot, OutputSlot, ParameterSlot, Simulation};
 use urdf2fmu_core::spatial::{Pose, RigidInertia, Vec3};
+use urdf2fmu_core::tuning::Rules;
 
 pub const G: f64 = 9.81;
 pub const BASE: LinkId = LinkId(0);
@@ -194,6 +196,16 @@ pub fn worst(scenes: &[Scene], references: &[Option<Run>], solver: Solver) -> Ve
     worst
 }
 
+thread_local! {
+    /// Rules of the method that act in the scenes of this thread.
+    static RULES: Cell<Rules> = const { Cell::new(Rules::ALL) };
+}
+
+/// Switches rules of the method off or on in all scenes that this thread plays from now on.
+pub fn set_rules(rules: Rules) {
+    RULES.set(rules);
+}
+
 /// Runs a model to `end` in steps of `h` while `go_on` says so. `command` sets inputs at the
 /// beginning of each step, at the time that it is given.
 pub fn play(
@@ -211,6 +223,7 @@ pub fn play(
     model.solver.tolerance = tolerance;
     let mut s = Simulation::new(Arc::new(model));
     s.set_parameter(ParameterSlot::MaxSteps, 1e7);
+    s.set_rules(RULES.get());
     let mut run = Run::default();
     let count = (end / h).round().max(1.0) as u64;
     let mut good = s.initialize(0.0).is_ok();

@@ -5,12 +5,13 @@
 //! gives soft shadows, in corners and on the ground, that no rule of thumb has to imitate.
 
 use super::camera::{Camera, count};
-use super::look::{Look, workers};
+use super::look::Look;
 use super::raster::{Depth, Places, floor};
 use super::solid::{self, World};
 use std::collections::HashMap;
 use std::hash::BuildHasherDefault;
 use urdf2fmu_core::hash::Quick;
+use urdf2fmu_core::parallel;
 use urdf2fmu_core::spatial::Vec3;
 
 /// A point in short numbers.
@@ -189,35 +190,20 @@ impl Lights {
         let casting: Vec<&[[u32; 3]]> = casting.map(|(_, at)| &world.faces[at]).collect();
         let faces = || casting.iter().flat_map(|faces| faces.iter().copied());
         let cubes = Cubes::new(&points, faces(), camera.size / SKY_CELLS);
-        let mut directions = sky(look.sky);
-        directions.push(direction(look.from.azimuth + LAMP_AZIMUTH, LAMP_ELEVATION));
-        let count = directions.len();
-        let mut all: Vec<Option<Lamp>> = Vec::new();
-        all.resize_with(count, || None);
-        let workers = workers();
-        std::thread::scope(|scope| {
-            let mut own: Vec<Vec<(usize, &mut Option<Lamp>)>> = Vec::new();
-            own.resize_with(workers, Vec::new);
-            for (k, place) in all.iter_mut().enumerate() {
-                own[k % workers].push((k, place));
-            }
-            for own in own {
-                let (points, cubes, directions) = (&points, &cubes, &directions);
-                scope.spawn(move || {
-                    for (k, place) in own {
-                        let (toward, reach) = (directions[k], &cubes.middles);
-                        *place = Some(if k + 1 == count {
-                            Lamp::new(toward, reach, points, faces(), LAMP_SIDE)
-                        } else {
-                            let faces = cubes.faces.iter().copied();
-                            Lamp::new(toward, reach, reach, faces, SKY_SIDE)
-                        });
-                    }
-                });
+        // The lamp's own picture is the largest, and is begun first.
+        let mut directions = vec![direction(look.from.azimuth + LAMP_AZIMUTH, LAMP_ELEVATION)];
+        directions.extend(sky(look.sky));
+        let numbers: Vec<usize> = (0..directions.len()).collect();
+        let mut sky = parallel::map(&numbers, |&k| {
+            let (toward, reach) = (directions[k], &cubes.middles);
+            if k == 0 {
+                Lamp::new(toward, reach, &points, faces(), LAMP_SIDE)
+            } else {
+                let faces = cubes.faces.iter().copied();
+                Lamp::new(toward, reach, reach, faces, SKY_SIDE)
             }
         });
-        let mut sky: Vec<Lamp> = all.into_iter().flatten().collect();
-        let lamp = sky.remove(count - 1);
+        let lamp = sky.remove(0);
         Self {
             lamp,
             sky,

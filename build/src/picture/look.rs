@@ -68,8 +68,3 @@ impl Default for Look {
         }
     }
 }
-
-/// How many threads share the work.
-pub(super) fn workers() -> usize {
-    std::thread::available_parallelism().map_or(1, |n| n.get().min(8))
-}

@@ -4,9 +4,10 @@
 //! share is computed from the same end in both, so that no sample between them is missed. Of two
 //! triangles that are equally near, the first counts.
 
-use super::look::{SAMPLES, workers};
+use super::look::SAMPLES;
 use super::solid::{self, Triangle, World};
 use std::ops::Range;
+use urdf2fmu_core::parallel::workers;
 use urdf2fmu_core::spatial::Vec3;
 
 /// No triangle.

@@ -7,11 +7,12 @@
 use super::camera::{Camera, count};
 use super::color::finish;
 use super::light::{Lights, Spot};
-use super::look::{Look, Picture, SAMPLES, Theme, workers};
+use super::look::{Look, Picture, SAMPLES, Theme};
 use super::raster::{Layer, NONE};
 use super::solid::{Stage, Triangle};
 use crate::image::{linear, srgb_table};
 use std::sync::{Mutex, PoisonError};
+use urdf2fmu_core::parallel::workers;
 use urdf2fmu_core::spatial::Vec3;
 
 type Rgb = [f32; 3];

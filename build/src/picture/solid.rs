@@ -14,6 +14,7 @@ use std::collections::HashMap;
 use std::hash::BuildHasherDefault;
 use std::ops::Range;
 use urdf2fmu_core::hash::Quick;
+use urdf2fmu_core::parallel;
 use urdf2fmu_core::spatial::{Pose, Vec3};
 
 /// Bevel of an edge, as a part of the shortest side.
@@ -77,16 +78,16 @@ pub(super) struct Triangle {
 impl Stage {
     pub(super) fn new(scene: &Scene) -> Self {
         let most = ALL_PIXELS / scene.head.textures.len().max(1);
-        let images = scene.head.textures.iter();
-        let images = images
-            .map(|texture| Image::read(&texture.kind, scene.image(texture)?, most))
-            .collect();
+        let images = parallel::map(&scene.head.textures, |texture| {
+            Image::read(&texture.kind, scene.image(texture)?, most)
+        });
+        let solids = parallel::map(scene.shown(), |drawn| solid(scene, drawn));
         let mut stage = Self {
             surfaces: Vec::new(),
             images,
             shapes: Vec::new(),
         };
-        for drawn in scene.shown() {
+        for (drawn, solid) in scene.shown().iter().zip(solids) {
             let [red, green, blue, alpha] = drawn.color;
             let image = drawn.texture.filter(|&t| stage.images[t].is_some());
             stage.surfaces.push(Surface {
@@ -96,7 +97,7 @@ impl Stage {
                 image,
             });
             let X_LG = pose(&drawn.position, &drawn.orientation);
-            stage.shapes.push((drawn.link, X_LG, solid(scene, drawn)));
+            stage.shapes.push((drawn.link, X_LG, solid));
         }
         stage
     }

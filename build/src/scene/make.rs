@@ -15,6 +15,7 @@ use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
 use urdf2fmu_core::geometry;
 use urdf2fmu_core::model::{self, JointId, LinkId, Model, RootId};
+use urdf2fmu_core::parallel;
 use urdf2fmu_core::simulation::{Simulation, SimulationError};
 use urdf2fmu_core::slots::{InputSlot, OutputSlot};
 use urdf2fmu_core::spatial::{Pose, Vec3, quaternion_from_rotation};
@@ -308,6 +309,17 @@ impl Body {
             .collect();
         let mut textures = vec![None; description.textures.len()];
         let side = texture::longest_side(&description.textures);
+        let reduced = parallel::map(&description.textures, |t| texture::reduced(t, side));
+        let parts = description.drawn_meshes.iter().map(|file| &file.parts);
+        let parts: Vec<&MeshPart> = parts.flatten().collect();
+        let mut packed =
+            parallel::map(&parts, |part| mesh::pack(&part.triangles, &part.uv)).into_iter();
+        // Packed parts by mesh.
+        let mut packed: Vec<Vec<_>> = description
+            .drawn_meshes
+            .iter()
+            .map(|file| packed.by_ref().take(file.parts.len()).collect())
+            .collect();
         let mut meshes: Vec<Option<Vec<Option<usize>>>> =
             vec![None; description.drawn_meshes.len()];
         let prefix = if name.is_empty() {
@@ -341,8 +353,8 @@ impl Body {
                     VisualShape::Mesh { mesh, scale } => {
                         let file = &description.drawn_meshes[*mesh];
                         let places = meshes[*mesh].get_or_insert_with(|| {
-                            let parts = file.parts.iter();
-                            parts.map(|part| self.part(part)).collect()
+                            let parts = std::mem::take(&mut packed[*mesh]).into_iter();
+                            parts.map(|part| Some(self.append(&part?))).collect()
                         });
                         let scale = vector(scale);
                         let same = scale.map(f64::to_bits) == [1.0_f64.to_bits(); 3];
@@ -353,8 +365,9 @@ impl Body {
                             let texture = texture.filter(|_| !part.uv.is_empty());
                             let texture = texture.map(|texture| {
                                 *textures[texture].get_or_insert_with(|| {
-                                    let texture = &description.textures[texture];
-                                    let packed = texture::pack(&mut self.bytes, texture, side);
+                                    let (texture, reduced) =
+                                        (&description.textures[texture], &reduced[texture]);
+                                    let packed = texture::append(&mut self.bytes, texture, reduced);
                                     self.textures.push(packed);
                                     self.textures.len() - 1
                                 })
@@ -401,18 +414,15 @@ impl Body {
             geometry::Shape::Hull { .. }
             | geometry::Shape::Plane
             | geometry::Shape::Field { .. }
-            | geometry::Shape::Surface { .. } => Shape::Mesh(self.mesh(&shape.triangles(), &[])?),
+            | geometry::Shape::Surface { .. } => {
+                Shape::Mesh(self.append(&mesh::pack(&shape.triangles(), &[])?))
+            }
         })
     }
 
-    fn part(&mut self, part: &MeshPart) -> Option<usize> {
-        self.mesh(&part.triangles, &part.uv)
-    }
-
-    fn mesh(&mut self, triangles: &[[Vec3; 3]], uv: &[[[f64; 2]; 3]]) -> Option<usize> {
-        let mesh = mesh::pack(&mut self.bytes, triangles, uv)?;
-        self.meshes.push(mesh);
-        Some(self.meshes.len() - 1)
+    fn append(&mut self, mesh: &mesh::Packed) -> usize {
+        self.meshes.push(mesh::append(&mut self.bytes, mesh));
+        self.meshes.len() - 1
     }
 }
 

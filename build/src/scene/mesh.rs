@@ -77,13 +77,15 @@ impl<const N: usize> Scale<N> {
     }
 }
 
-/// Appends triangles to a body; `uv` has one entry for each triangle or none. `None` where nothing
-/// has an area.
-pub(super) fn pack(
-    body: &mut Vec<u8>,
-    triangles: &[[Vec3; 3]],
-    uv: &[[[f64; 2]; 3]],
-) -> Option<Mesh> {
+/// Triangles in numbers of a few bits, not yet in a body.
+pub(super) struct Packed {
+    scale: Scale<3>,
+    uv_scale: Option<Scale<2>>,
+    welded: Welded,
+}
+
+/// `uv` has one entry for each triangle or none. `None` where nothing has an area.
+pub(super) fn pack(triangles: &[[Vec3; 3]], uv: &[[[f64; 2]; 3]]) -> Option<Packed> {
     let corners = triangles.iter().flatten();
     let scale = Scale::of(corners.map(|&p| p.into()));
     let uv_scale = (!uv.is_empty()).then(|| Scale::of(uv.iter().flatten().copied()));
@@ -107,9 +109,20 @@ pub(super) fn pack(
             Some(longest / cells),
         );
     }
-    if welded.indices.is_empty() {
-        return None;
-    }
+    (!welded.indices.is_empty()).then_some(Packed {
+        scale,
+        uv_scale,
+        welded,
+    })
+}
+
+/// Appends triangles to a body.
+pub(super) fn append(body: &mut Vec<u8>, mesh: &Packed) -> Mesh {
+    let Packed {
+        scale,
+        uv_scale,
+        welded,
+    } = mesh;
     align(body);
     let at = body.len();
     body.extend(
@@ -125,7 +138,7 @@ pub(super) fn pack(
         align(body);
     }
     let vertices = welded.positions.len();
-    for &index in welded.indices.iter().flatten() {
+    for index in welded.indices.iter().flatten() {
         let bytes = index.to_le_bytes();
         body.extend(if vertices > MOST_SHORT {
             &bytes
@@ -133,14 +146,14 @@ pub(super) fn pack(
             &bytes[..2]
         });
     }
-    Some(Mesh {
+    Mesh {
         at,
         vertices,
         triangles: welded.indices.len(),
         low: scale.low,
         size: scale.size,
         uv: uv_scale.map(|uv| [uv.low, uv.size]),
-    })
+    }
 }
 
 /// Fills up with zeros to where the next block may begin.

@@ -8,7 +8,11 @@ use urdf2fmu_core::spatial::Vec3;
 fn scene(triangles: &[[[f64; 3]; 3]], uv: &[[[f64; 2]; 3]]) -> Scene {
     let mut body = Vec::new();
     let triangles: Vec<_> = triangles.iter().map(|t| t.map(Vec3::from)).collect();
-    let meshes: Vec<Mesh> = mesh::pack(&mut body, &triangles, uv).into_iter().collect();
+    let packed = mesh::pack(&triangles, uv);
+    let meshes: Vec<Mesh> = packed
+        .iter()
+        .map(|mesh| mesh::append(&mut body, mesh))
+        .collect();
     mesh::align(&mut body);
     let textures = vec![Texture {
         at: body.len(),

@@ -39,20 +39,27 @@ fn factor(texture: &urdf::Texture, side: u32) -> u32 {
     texture.width.max(texture.height).div_ceil(side).max(1)
 }
 
-/// Appends a texture to a body: as it was found, or reduced. One that cannot be read stays as it
-/// is, because a browser may know better.
-pub(super) fn pack(body: &mut Vec<u8>, texture: &urdf::Texture, side: u32) -> Texture {
-    let kind = match texture.format {
+fn kind(texture: &urdf::Texture) -> &'static str {
+    match texture.format {
         ImageFormat::Png => "image/png",
         ImageFormat::Jpeg => "image/jpeg",
-    };
-    let reduced = match factor(texture, side) {
+    }
+}
+
+/// Width, height and file of a texture that has to be smaller. One that cannot be read stays as it
+/// is, because a browser may know better.
+pub(super) type Reduced = Option<(u16, u16, Vec<u8>)>;
+
+pub(super) fn reduced(texture: &urdf::Texture, side: u32) -> Reduced {
+    match factor(texture, side) {
         1 => None,
-        factor => u16::try_from(factor)
-            .ok()
-            .and_then(|factor| image::reduced(kind, &texture.bytes, factor)),
-    };
-    let (width, height, bytes) = match &reduced {
+        factor => image::reduced(kind(texture), &texture.bytes, u16::try_from(factor).ok()?),
+    }
+}
+
+/// Appends a texture to a body: as it was found, or reduced.
+pub(super) fn append(body: &mut Vec<u8>, texture: &urdf::Texture, reduced: &Reduced) -> Texture {
+    let (width, height, bytes) = match reduced {
         Some((width, height, bytes)) => (u32::from(*width), u32::from(*height), bytes),
         None => (texture.width, texture.height, &texture.bytes),
     };
@@ -60,7 +67,7 @@ pub(super) fn pack(body: &mut Vec<u8>, texture: &urdf::Texture, side: u32) -> Te
     let packed = Texture {
         at: body.len(),
         bytes: bytes.len(),
-        kind: kind.to_owned(),
+        kind: kind(texture).to_owned(),
         width,
         height,
     };
@@ -101,7 +108,8 @@ mod tests {
     #[test]
     fn what_cannot_be_read_stays_as_it_is() {
         let mut body = vec![1];
-        let packed = pack(&mut body, &texture(4096, 4096), 1024);
+        let texture = texture(4096, 4096);
+        let packed = append(&mut body, &texture, &reduced(&texture, 1024));
         assert_eq!((packed.at, packed.bytes, packed.width), (4, 8, 4096));
         assert_eq!(body[4..], *b"no image");
     }

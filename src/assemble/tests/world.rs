@@ -253,3 +253,43 @@ fn a_large_box_without_mass_below_zero_is_the_ground() {
         assert!(taken(&moved, &plane(30.0, 0.0, 0.0)).is_none(), "{place}");
     }
 }
+
+/// What Model Exchange has no equations for is told by its name, and in co-simulation nothing is.
+#[test]
+fn what_cannot_be_exchanged_is_refused() {
+    let cube = "[[world.object]]\nname = \"cube\"\nshape = { box = [0.2, 0.4, 0.6] }\nmass = 3\n\
+                xyz = [1, 2]\n";
+    for (line, told) in [
+        ("restitution = 0.1\n", "link 'cube.cube' has a restitution"),
+        ("", ""),
+    ] {
+        for interface in ["cs", "me", "both"] {
+            let text = format!("{cube}{line}[fmu]\ninterface = \"{interface}\"\n");
+            match surrounded(&text, None) {
+                Ok(_) => assert!(told.is_empty() || interface == "cs", "{interface} {line}"),
+                Err(findings) => {
+                    assert!(interface != "cs", "{:?}", texts(&findings));
+                    let codes: Vec<_> = findings.iter().filter(|f| f.code == "A142").collect();
+                    assert_eq!(codes.len(), 1);
+                    assert!(codes[0].message.contains(told), "{}", codes[0].message);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_model_of_too_many_states_is_refused() {
+    let cube = |i: usize| {
+        format!(
+            "[[world.object]]\nname = \"cube{i}\"\nshape = {{ box = [0.1, 0.1, 0.1] }}\n\
+             mass = 1\nxyz = [{i}, 2]\n"
+        )
+    };
+    let cubes: Vec<String> = (0..19).map(cube).collect();
+    let cubes = cubes.concat();
+    let findings = surrounded(&format!("{cubes}[fmu]\ninterface = \"me\"\n"), None)
+        .expect_err("171 pairs of cubes have three states each");
+    let told = findings.iter().find(|finding| finding.code == "A142");
+    assert!(told.is_some_and(|finding| finding.message.contains("continuous states")));
+}

@@ -1,0 +1,69 @@
+//! Work on many things at a time, for what is done once: reading files, packing meshes, pictures.
+//!
+//! Results stand in the order of the things, so that they do not depend on the number of threads.
+//! A step of the simulation has no threads.
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// Threads, at most: more than these wait for memory.
+const MOST: usize = 8;
+
+/// How many threads share the work.
+pub fn workers() -> usize {
+    std::thread::available_parallelism().map_or(1, |n| n.get().min(MOST))
+}
+
+/// What `work` makes of each thing.
+pub fn map<T: Sync, R: Send>(things: &[T], work: impl Fn(&T) -> R + Sync) -> Vec<R> {
+    let workers = workers().min(things.len());
+    if workers <= 1 {
+        return things.iter().map(work).collect();
+    }
+    let next = AtomicUsize::new(0);
+    let mut results: Vec<(usize, R)> = std::thread::scope(|scope| {
+        let worker = || {
+            let mut own = Vec::new();
+            loop {
+                let i = next.fetch_add(1, Ordering::Relaxed);
+                let Some(thing) = things.get(i) else {
+                    return own;
+                };
+                own.push((i, work(thing)));
+            }
+        };
+        let threads: Vec<_> = (1..workers).map(|_| scope.spawn(worker)).collect();
+        let mut all = worker();
+        for thread in threads {
+            match thread.join() {
+                Ok(own) => all.extend(own),
+                Err(panic) => std::panic::resume_unwind(panic),
+            }
+        }
+        all
+    });
+    results.sort_unstable_by_key(|(i, _)| *i);
+    results.into_iter().map(|(_, result)| result).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::map;
+
+    #[test]
+    fn results_stand_in_the_order_of_the_things() {
+        for count in [0, 1, 2, 1000] {
+            let things: Vec<usize> = (0..count).collect();
+            let squares: Vec<usize> = things.iter().map(|i| i * i).collect();
+            assert_eq!(map(&things, |i| i * i), squares);
+        }
+    }
+
+    #[test]
+    #[should_panic(expected = "the seventh")]
+    fn a_panic_in_one_thread_is_passed_on() {
+        map(&[0; 20], |_| ());
+        map(&(0..20).collect::<Vec<_>>(), |i| {
+            assert!(*i != 7, "the seventh");
+        });
+    }
+}
