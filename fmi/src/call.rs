@@ -193,7 +193,9 @@ fn guarded<F: Function>(
         .filter(|only| *only != instance.integrated_by())
     {
         let made = instance.integrated_by();
-        return instance.report(name, &FmiError::Interface { only, made });
+        let advice = format!("it belongs to {only}, but the instance was made for {made}");
+        let phase = F::name_of(phase);
+        return instance.report(name, &FmiError::Phase { phase, advice });
     }
     if !allowed(phase) {
         let advice = function.advice(phase);

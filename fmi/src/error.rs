@@ -13,8 +13,6 @@ pub(crate) enum FmiError {
     Phase { phase: &'static str, advice: String },
     #[error("the instance was made by {made}…, and {made} functions alone may be called with it")]
     Version { made: Version },
-    #[error("it belongs to {only}, but the instance was made for {made}")]
-    Interface { only: Interface, made: Interface },
     #[error("'{argument}' is NULL")]
     NullPointer { argument: &'static str },
     #[error("'{argument}' is NULL, but {len} elements are announced")]

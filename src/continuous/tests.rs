@@ -119,8 +119,8 @@ fn touching(
     (model, simulation, x)
 }
 
-/// A co-simulation of the same model that stands at `x` takes a step of a nanosecond: its mean rate is
-/// the derivative. Friction that is about to slip or motors at their limit take a faster way in a
+/// A co-simulation of the same model that stands at `x` takes a step of a nanosecond: its mean rate
+/// is the derivative. Friction that is about to slip or motors at their limit take a faster way in a
 /// step, so memory is compared while it sticks only, see the tests of the laws.
 #[test]
 fn derivatives_are_what_a_step_without_length_does() {

@@ -124,7 +124,8 @@ def test_directional_derivatives_are_those_of_differences(r2d2, tmp_path):
     # of the states make of the derivatives, by the differences of 3e-7.
     random = np.random.default_rng(1)
     there = field(0.0, x)
-    noise = [np.abs(field(0.0, x * (1 + 2.0**-52 * random.integers(-2, 3, len(x)))) - there) for _ in range(30)]
+    digit = 2.0**-52 * np.maximum(np.abs(x), [float(known.nominal or 1) for known in knowns])
+    noise = [np.abs(field(0.0, x + digit * random.integers(-2, 3, len(x))) - there) for _ in range(30)]
     digits = 2 * np.max(noise, axis=0)[:, None] / 3e-7
     field(0.0, x)
     size = np.abs(found)

@@ -1,7 +1,8 @@
 //! Calling sequence: the state machines of FMI 2.0 as one table.
 //!
-//! Source: FMI 2.0.4, sections 3.2.3 and 4.2.4, with two deliberate leniencies: fmi2GetXXX is answered before
-//! initialisation too (importers read start values there), and fmi2SetupExperiment may be left out.
+//! Source: FMI 2.0.4, sections 3.2.3 and 4.2.4, with two deliberate leniencies: fmi2GetXXX is
+//! answered before initialisation too (importers read start values there), and fmi2SetupExperiment
+//! may be left out.
 
 use crate::common::Interface;
 use crate::phase::table;

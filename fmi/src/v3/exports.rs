@@ -187,7 +187,8 @@ pub unsafe extern "C" fn fmi3InstantiateScheduledExecution(
     _lockPreemption: Option<fmi3PreemptionCallback>,
     _unlockPreemption: Option<fmi3PreemptionCallback>,
 ) -> fmi3Instance {
-    let why = "this FMU offers no Scheduled Execution: modelDescription.xml does not list it";
+    let why = "this FMU is for co-simulation or Model Exchange: modelDescription.xml lists no \
+               <ScheduledExecution>";
     let logger = logger(logMessage, instanceEnvironment, FMI3_FALSE);
     let none = made("fmi3InstantiateScheduledExecution", &logger, || {
         Err(InstantiateError::Arguments(why.to_owned()))

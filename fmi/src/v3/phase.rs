@@ -1,8 +1,8 @@
 //! Calling sequence: the state machines of FMI 3.0 as one table.
 //!
-//! Source: FMI 3.0, sections 2.3, 3.2 and 4.2, with these deliberate leniencies: variables can be got in
-//! every phase (importers read start values after instantiation, and outputs after setting inputs),
-//! and a call that is refused leaves the phase as it is.
+//! Source: FMI 3.0, sections 2.3, 3.2 and 4.2, with these deliberate leniencies: variables can be
+//! got in every phase (importers read start values after instantiation, and outputs after setting
+//! inputs), and a call that is refused leaves the phase as it is.
 
 use crate::common::Interface;
 use crate::phase::table;
