@@ -12,8 +12,8 @@
 //! With `--drawn=SEED` it runs eight members of each class that chance has chosen, and shows their
 //! largest error in units of its target.
 //!
-//! With `--ablation=FILE` it switches off one rule of the method after the other, and writes a table
-//! of what each costs and saves into FILE, `docs/design.md`, between its marks.
+//! With `--ablation=FILE` it switches off one rule of the method after the other, and writes a
+//! table of what each costs and saves into FILE, `docs/design.md`, between its marks.
 //!
 //! With `--order` the table shows, from 1e-3 to 1e-7, how far each is from our own solution at
 //! 1e-9 (`--order=1e-8`: at that), and the factor by which the error falls from each tolerance to
