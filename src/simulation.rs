@@ -133,8 +133,9 @@ macro_rules! context {
 mod advance;
 mod begin;
 mod exchange;
+mod posed;
 
-use exchange::Posed;
+use posed::Posed;
 
 impl Simulation {
     /// A robot with its default parameters and initial state; call [`Self::initialize`] before the
@@ -371,7 +372,7 @@ impl Simulation {
             self.place();
         }
         let ctx = context!(self, applied);
-        let state = exchange::seen(&mut self.posed, &ctx, &self.state);
+        let state = posed::seen(&mut self.posed, &ctx, &self.state);
         self.readout.read(&ctx, state, slot)
     }
 
@@ -381,7 +382,7 @@ impl Simulation {
             self.place();
         }
         let ctx = context!(self, applied);
-        let state = exchange::seen(&mut self.posed, &ctx, &self.state);
+        let state = posed::seen(&mut self.posed, &ctx, &self.state);
         self.readout.derivative(&ctx, state, slot)
     }
 

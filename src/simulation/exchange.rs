@@ -1,54 +1,18 @@
 //! Model Exchange: the importer integrates, the simulation computes derivatives.
 
+use super::posed::{Posed, seen};
 use super::{Simulation, SimulationError};
 use crate::continuous::{States, stretch};
 use crate::model::StateId;
 use crate::range::SHORTEST_FIXED_STEP;
 use crate::slots::ParameterSlot;
-use crate::state::State;
 use crate::step::point::Context;
-
-/// The state as outputs show it: an integrator's quaternions are not of unit length.
-#[derive(Clone, Debug)]
-pub(super) struct Posed {
-    state: State,
-    /// Whether it is that of the simulation.
-    pub known: bool,
-    /// Derivatives of all continuous states, and whether they are those of the state.
-    rates: Vec<f64>,
-    derived: bool,
-}
-
-/// The state that outputs show.
-pub(super) fn seen<'a>(
-    posed: &'a mut Option<Box<Posed>>,
-    ctx: &Context,
-    state: &'a State,
-) -> &'a State {
-    match posed {
-        Some(posed) => {
-            if !posed.known {
-                posed.state.copy_from(state);
-                ctx.tree.normalize(&mut posed.state.physical.q);
-                posed.known = true;
-                posed.derived = false;
-            }
-            &posed.state
-        }
-        None => state,
-    }
-}
 
 impl Simulation {
     /// From now on the outside integrates: inputs act at once, and outputs follow states, time and
     /// inputs as they are set. There is no way back.
     pub fn exchange(&mut self) {
-        self.posed = Some(Box::new(Posed {
-            state: State::new(&self.model),
-            known: false,
-            rates: vec![0.0; self.readout.states.len()],
-            derived: false,
-        }));
+        self.posed = Some(Box::new(Posed::new(&self.model, self.readout.states.len())));
         self.applied.copy_from(&self.inputs);
     }
 

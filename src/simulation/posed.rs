@@ -1,0 +1,49 @@
+//! What outputs show where the outside integrates.
+
+use crate::model::Model;
+use crate::state::State;
+use crate::step::point::Context;
+
+/// The state as outputs show it: an integrator's quaternions are not of unit length.
+#[derive(Clone, Debug)]
+pub(super) struct Posed {
+    pub state: State,
+    /// Whether it is that of the simulation.
+    pub known: bool,
+    /// Derivatives of all continuous states, and whether they are those of the state.
+    pub rates: Vec<f64>,
+    /// See `rates`.
+    pub derived: bool,
+}
+
+/// The state that outputs show.
+pub(super) fn seen<'a>(
+    posed: &'a mut Option<Box<Posed>>,
+    ctx: &Context,
+    state: &'a State,
+) -> &'a State {
+    match posed {
+        Some(posed) => {
+            if !posed.known {
+                posed.state.copy_from(state);
+                ctx.tree.normalize(&mut posed.state.physical.q);
+                posed.known = true;
+                posed.derived = false;
+            }
+            &posed.state
+        }
+        None => state,
+    }
+}
+
+impl Posed {
+    /// One of nothing yet.
+    pub fn new(model: &Model, states: usize) -> Self {
+        Self {
+            state: State::new(model),
+            known: false,
+            rates: vec![0.0; states],
+            derived: false,
+        }
+    }
+}
