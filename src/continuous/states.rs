@@ -24,7 +24,7 @@ pub enum Place {
     Position(usize),
     /// A place in `v`.
     Velocity(usize),
-    /// What friction or a motor remembers, see [`super::memory`].
+    /// What friction or a motor remembers, see [`States::memory`].
     Memory,
 }
 

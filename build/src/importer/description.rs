@@ -49,7 +49,10 @@ pub enum DescriptionError {
         found: String,
     },
     /// Not for co-simulation.
-    #[error("the FMU is not for co-simulation: modelDescription.xml has no <CoSimulation>")]
+    #[error(
+        "the FMU is not for co-simulation: modelDescription.xml has no <CoSimulation>; export the robot \
+         with --interface both to simulate it here, too"
+    )]
     ModelExchange,
     /// An attribute.
     #[error("modelDescription.xml: <{element}> has no valid '{attribute}'")]
