@@ -120,8 +120,7 @@ fn touching(
 }
 
 /// A co-simulation of the same model that stands at `x` takes a step of a nanosecond: its mean rate
-/// is the derivative. Friction that is about to slip or motors at their limit take a faster way in a
-/// step, so memory is compared while it sticks only, see the tests of the laws.
+/// is the derivative, of positions and velocities. Memory that slips takes a faster way in a step.
 #[test]
 fn derivatives_are_what_a_step_without_length_does() {
     let mut random = Random(5);
