@@ -351,12 +351,8 @@ impl Readout {
             return 0.0;
         }
         let dof = model.bodies[body.index()].dof.index();
-        let terms = &self.point.terms.joints;
-        terms
-            .binary_search_by_key(&dof, |term| term.dof)
-            .map_or(0.0, |place| {
-                terms[place].drive_force(state.physical.v[dof], 0.0).0
-            })
+        let term = self.point.terms.along(dof);
+        term.map_or(0.0, |term| term.drive_force(state.physical.v[dof], 0.0).0)
     }
 
     /// Roll, pitch, yaw of the base of a tree.

@@ -122,8 +122,8 @@ impl Joints {
 }
 
 impl Follows {
-    #[expect(clippy::too_many_lines, reason = "one line for each kind of output")]
     /// None where the output comes out of the dynamics, or of closed loops, which may move all.
+    #[expect(clippy::too_many_lines, reason = "one line for each kind of output")]
     fn new(model: &Model, output: OutputSlot) -> Option<Self> {
         let none = Self::default();
         if !model.loops.is_empty() && !output.counts() {

@@ -2,7 +2,7 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
-use crate::force::{JointTerm, Memory, Terms, Touch, light_touch};
+use crate::force::{Memory, Touch, light_touch};
 use crate::geometry::pair::MOST_PARTS;
 use crate::model::{ActuatorId, ActuatorMode, LinkId, Model};
 use crate::state::Physical;
@@ -262,20 +262,18 @@ impl Remembered {
                 Relaxing::Motor(id) => {
                     let dof = ctx.model.actuators[id.index()].dof.index();
                     let motor = tree.actuators.motors[id.index()];
-                    let term = term_of(terms, dof);
-                    term.motor_rate(motor, memory.motor[id.index()], at.v[dof])
+                    let stored = memory.motor[id.index()];
+                    let term = terms.along(dof);
+                    term.map_or(0.0, |term| term.motor_rate(motor, stored, at.v[dof]))
                 }
-                Relaxing::Dry(dof) => term_of(terms, dof).dry.rate(at.v[dof]),
+                Relaxing::Dry(dof) => {
+                    let term = terms.along(dof);
+                    term.map_or(0.0, |term| term.dry.rate(at.v[dof]))
+                }
                 Relaxing::Slip | Relaxing::Turn => 0.0,
             };
         }
     }
-}
-
-/// What acts along a degree of freedom of a joint.
-fn term_of(terms: &Terms, dof: usize) -> &JointTerm {
-    let found = terms.joints.binary_search_by_key(&dof, |term| term.dof);
-    &terms.joints[found.unwrap_or_default()]
 }
 
 /// How fast friction against turning forgets where nothing touches, 1/s.

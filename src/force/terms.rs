@@ -162,6 +162,13 @@ impl Terms {
         self.joints.extend(JointTerm::of(model, tree.worked_dofs()));
     }
 
+    /// What acts along a degree of freedom of a joint; none along one of a base, or of a tree that
+    /// a step does not work on.
+    pub fn along(&self, dof: usize) -> Option<&JointTerm> {
+        let place = self.joints.binary_search_by_key(&dof, |term| term.dof);
+        place.ok().map(|place| &self.joints[place])
+    }
+
     /// Whether nothing acts between bodies, or on one from outside.
     #[inline]
     pub fn is_free(&self) -> bool {

@@ -22,7 +22,7 @@ use crate::step::point::{Context, Point};
 use crate::step::size::{grown, landing, worst_error};
 use crate::tree::Tree;
 use crate::tuning::{
-    CREEP, GROWTH, HIT, MAX_EXPLICIT_STEP, MAX_STEP, PAIR_EXPONENT, RESOLVED, SHARP, SHORT,
+    CREEP, GROWTH, HIT, MAX_STEP, PAIR_EXPONENT, RESOLVED, SHARP, SHORT,
     SWINGING,
 };
 
@@ -64,7 +64,7 @@ pub(super) fn plan(
         return None;
     }
     let v = &state.physical.v;
-    let long = proposed.min(MAX_EXPLICIT_STEP).min(swing(here, v));
+    let long = proposed.min(MAX_STEP).min(swing(here, v));
     let long = long.min(spring_swing(ctx, here));
     // What swings faster than the shortest step that is worth while is taken implicitly.
     if long < state.stepping.sizes.floor[ctx.tree.island.lead] {
@@ -80,7 +80,7 @@ pub(super) fn plan(
             } else {
                 Plan {
                     pair: &KENNEDY_CARPENTER,
-                    h: long.min(MAX_STEP),
+                    h: long,
                 }
             });
         }
@@ -93,7 +93,7 @@ pub(super) fn plan(
     if !is_free(ctx, here, v, h) {
         return None;
     }
-    let short = h < SHORT * proposed * libm::pow(ctx.tolerance, PAIR_EXPONENT);
+    let short = h < shortened(ctx, proposed);
     let pair = match (resolves_damping(here, h), short) {
         (true, true) => &BOGACKI_SHAMPINE,
         (true, false) => &DORMAND_PRINCE,
@@ -219,7 +219,7 @@ impl Explicit {
         self.integrator.estimate(pair, ctx.tree, h);
         let [velocity, position] = &self.integrator.error;
         let worst = worst_error(ctx.tree, |k| (position[k], velocity[k]));
-        let error = worst / (pair.share * ctx.tolerance);
+        let error = worst / pair.allowed(ctx.tolerance);
         if self.stays_free(ctx, here, from, h) {
             error
         } else {
@@ -343,6 +343,12 @@ pub(super) fn next_proposal(ctx: &Context, proposed: f64, plan: Plan, factor: f6
     } else if factor >= GROWTH.1 {
         proposed
     } else {
-        proposed.min(h * factor / (SHORT * libm::pow(ctx.tolerance, PAIR_EXPONENT)))
+        proposed.min(h * factor / shortened(ctx, 1.0))
     }
+}
+
+/// Length of the steps in which the short pair errs as much as the long one does in steps of `h`
+/// seconds, s.
+fn shortened(ctx: &Context, h: f64) -> f64 {
+    h * SHORT * libm::pow(DORMAND_PRINCE.allowed(ctx.tolerance), PAIR_EXPONENT)
 }

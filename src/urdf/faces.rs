@@ -52,6 +52,43 @@ pub(super) fn fan<T: Copy>(corners: &[T]) -> impl Iterator<Item = [T; 3]> + '_ {
     sides.map(|side| [corners[0], side[0], side[1]])
 }
 
+/// What a reader shows each face: all vertices so far, and the indices of its corners among them.
+type Face<'a> = dyn FnMut(&[Vec3], &[usize]) + 'a;
+
+/// Vertices that a face names; all of them where there is no face.
+///
+/// - `read`: gives all vertices, and shows each face on the way
+pub(super) fn named(
+    read: impl FnOnce(&mut Face) -> Result<Vec<Vec3>, MeshError>,
+) -> Result<Vec<Vec3>, MeshError> {
+    let mut used: Vec<bool> = Vec::new();
+    let mut vertices = read(&mut |vertices, corners| {
+        used.resize(vertices.len(), false);
+        for &corner in corners {
+            used[corner] = true;
+        }
+    })?;
+    if used.contains(&true) {
+        // None names what comes after the last face.
+        let mut used = used.into_iter();
+        vertices.retain(|_| used.next() == Some(true));
+    }
+    Ok(vertices)
+}
+
+/// All faces, cut into triangles; `read` as in [`named`].
+pub(super) fn triangles(
+    read: impl FnOnce(&mut Face) -> Result<Vec<Vec3>, MeshError>,
+) -> Result<Vec<[Vec3; 3]>, MeshError> {
+    let (mut triangles, mut polygon) = (Vec::new(), Vec::new());
+    read(&mut |vertices, corners| {
+        polygon.clear();
+        polygon.extend(corners.iter().map(|&corner| vertices[corner]));
+        triangles.extend(fan(&polygon));
+    })?;
+    Ok(triangles)
+}
+
 /// What triangles are painted with.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Paint {

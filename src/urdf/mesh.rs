@@ -4,7 +4,7 @@
 //! the two plain formats, a page each: `stl_io` takes binary files that start with `solid` for text
 //! and refuses text that is not laid out line by line as it expects; both happen.
 
-use super::faces::{LARGEST_FILE, MeshError, fan};
+use super::faces::{self, LARGEST_FILE, MeshError};
 use super::{collada, gltf, ply};
 use crate::spatial::Vec3;
 use std::fs::File;
@@ -214,30 +214,12 @@ pub(super) fn three<'w>(words: &mut impl Iterator<Item = &'w str>) -> Result<Vec
 
 /// Vertices that a face names; all of them where there is no face.
 fn obj(text: &str) -> Result<Vec<Vec3>, MeshError> {
-    let mut used: Vec<bool> = Vec::new();
-    let mut vertices = obj_faces(text, |vertices, corners| {
-        used.resize(vertices.len(), false);
-        for &corner in corners {
-            used[corner] = true;
-        }
-    })?;
-    if used.contains(&true) {
-        // None names what comes after the last face.
-        let mut used = used.into_iter();
-        vertices.retain(|_| used.next() == Some(true));
-    }
-    Ok(vertices)
+    faces::named(|face| obj_faces(text, face))
 }
 
 /// Faces of a file that [`obj`] has read.
 fn obj_triangles(text: &str) -> Result<Vec<[Vec3; 3]>, MeshError> {
-    let (mut triangles, mut polygon) = (Vec::new(), Vec::new());
-    obj_faces(text, |vertices, corners| {
-        polygon.clear();
-        polygon.extend(corners.iter().map(|&corner| vertices[corner]));
-        triangles.extend(fan(&polygon));
-    })?;
-    Ok(triangles)
+    faces::triangles(|face| obj_faces(text, face))
 }
 
 /// All vertices; shows each face with the vertices before it and the indices of its corners among

@@ -5,7 +5,7 @@
 //!
 //! Source: Greg Turk, "The PLY polygon file format", 1994.
 
-use super::faces::{MeshError, fan};
+use super::faces::{self, MeshError};
 use crate::spatial::Vec3;
 
 /// Most elements, and most properties of one: meshes have two elements and a dozen properties.
@@ -13,29 +13,12 @@ const MOST_PROPERTIES: usize = 256;
 
 /// Corners that faces name; all vertices where there is no face.
 pub(super) fn read(bytes: &[u8]) -> Result<Vec<Vec3>, MeshError> {
-    let mut used: Vec<bool> = Vec::new();
-    let mut vertices = faces(bytes, |vertices, corners| {
-        used.resize(vertices.len(), false);
-        for &corner in corners {
-            used[corner] = true;
-        }
-    })?;
-    if used.contains(&true) {
-        let mut used = used.into_iter();
-        vertices.retain(|_| used.next() == Some(true));
-    }
-    Ok(vertices)
+    faces::named(|face| read_faces(bytes, face))
 }
 
 /// All faces, cut into triangles.
 pub(super) fn triangles(bytes: &[u8]) -> Result<Vec<[Vec3; 3]>, MeshError> {
-    let (mut triangles, mut polygon) = (Vec::new(), Vec::new());
-    faces(bytes, |vertices, corners| {
-        polygon.clear();
-        polygon.extend(corners.iter().map(|&corner| vertices[corner]));
-        triangles.extend(fan(&polygon));
-    })?;
-    Ok(triangles)
+    faces::triangles(|face| read_faces(bytes, face))
 }
 
 fn problem(what: impl Into<String>) -> MeshError {
@@ -224,7 +207,10 @@ fn whole(number: f64) -> Option<usize> {
 }
 
 /// All vertices; shows each face with them and the indices of its corners.
-fn faces(bytes: &[u8], mut face: impl FnMut(&[Vec3], &[usize])) -> Result<Vec<Vec3>, MeshError> {
+fn read_faces(
+    bytes: &[u8],
+    mut face: impl FnMut(&[Vec3], &[usize]),
+) -> Result<Vec<Vec3>, MeshError> {
     let (encoding, elements, rest) = header(bytes)?;
     let mut body = Body { encoding, rest };
     let mut vertices: Vec<Vec3> = Vec::new();

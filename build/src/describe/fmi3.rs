@@ -86,42 +86,47 @@ pub fn model_description(
 }
 
 fn model_exchange(xml: &mut Writer<Vec<u8>>, model_identifier: &str) -> io::Result<()> {
-    xml.create_element("ModelExchange")
-        .with_attribute(("modelIdentifier", model_identifier))
-        .with_attributes([
-            ("needsExecutionTool", "false"),
-            ("canBeInstantiatedOnlyOncePerProcess", "false"),
-            ("canGetAndSetFMUState", "true"),
-            ("canSerializeFMUState", "true"),
-            ("providesDirectionalDerivatives", "true"),
-            ("providesAdjointDerivatives", "false"),
-            ("providesPerElementDependencies", "false"),
-            ("needsCompletedIntegratorStep", "false"),
-            ("providesEvaluateDiscreteStates", "false"),
-        ])
-        .write_empty()?;
-    Ok(())
+    let own = [
+        ("needsCompletedIntegratorStep", "false"),
+        ("providesEvaluateDiscreteStates", "false"),
+    ];
+    interface(xml, "ModelExchange", model_identifier, "true", &own)
 }
 
 fn co_simulation(xml: &mut Writer<Vec<u8>>, model_identifier: &str) -> io::Result<()> {
-    xml.create_element("CoSimulation")
+    let own = [
+        ("canHandleVariableCommunicationStepSize", "true"),
+        ("maxOutputDerivativeOrder", "1"),
+        ("providesIntermediateUpdate", "true"),
+        // Only at the importer's request.
+        ("mightReturnEarlyFromDoStep", "false"),
+        ("canReturnEarlyAfterIntermediateUpdate", "true"),
+        ("hasEventMode", "false"),
+    ];
+    interface(xml, "CoSimulation", model_identifier, "false", &own)
+}
+
+/// The element of an interface: what both say, whether it has directional derivatives, and what is
+/// its `own`.
+fn interface(
+    xml: &mut Writer<Vec<u8>>,
+    name: &str,
+    model_identifier: &str,
+    directional: &str,
+    own: &[(&str, &str)],
+) -> io::Result<()> {
+    xml.create_element(name)
         .with_attribute(("modelIdentifier", model_identifier))
         .with_attributes([
             ("needsExecutionTool", "false"),
             ("canBeInstantiatedOnlyOncePerProcess", "false"),
             ("canGetAndSetFMUState", "true"),
             ("canSerializeFMUState", "true"),
-            ("providesDirectionalDerivatives", "false"),
+            ("providesDirectionalDerivatives", directional),
             ("providesAdjointDerivatives", "false"),
             ("providesPerElementDependencies", "false"),
-            ("canHandleVariableCommunicationStepSize", "true"),
-            ("maxOutputDerivativeOrder", "1"),
-            ("providesIntermediateUpdate", "true"),
-            // Only at the importer's request.
-            ("mightReturnEarlyFromDoStep", "false"),
-            ("canReturnEarlyAfterIntermediateUpdate", "true"),
-            ("hasEventMode", "false"),
         ])
+        .with_attributes(own.iter().copied())
         .write_empty()?;
     Ok(())
 }

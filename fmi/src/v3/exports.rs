@@ -81,13 +81,8 @@ pub unsafe extern "C" fn fmi3InstantiateCoSimulation(
     let _word = control_word::Guard::new();
     panics::silence();
     let logger = logger(logMessage, instanceEnvironment, loggingOn);
-    // SAFETY: FMI's contract; null strings are survived.
-    let (token, path) = unsafe {
-        (
-            pointers::text(instantiationToken).unwrap_or_default(),
-            pointers::bytes(resourcePath).unwrap_or_default(),
-        )
-    };
+    // SAFETY: FMI's contract.
+    let (token, path) = unsafe { identity(instantiationToken, resourcePath) };
     let may_end_early = earlyReturnAllowed != FMI3_FALSE;
     let instance = made("fmi3InstantiateCoSimulation", &logger, || {
         let wrong = |why: &str| Err(InstantiateError::Arguments(why.to_owned()));
@@ -131,6 +126,20 @@ pub unsafe extern "C" fn fmi3InstantiateCoSimulation(
     instance.map_or(null_mut(), into_pointer)
 }
 
+/// Token and path of resources; null ones are empty.
+///
+/// # Safety
+/// As [`pointers::bytes`].
+unsafe fn identity(token: fmi3String, path: fmi3String) -> (String, Vec<u8>) {
+    // SAFETY: the caller's promise.
+    unsafe {
+        (
+            pointers::text(token).unwrap_or_default(),
+            pointers::bytes(path).unwrap_or_default(),
+        )
+    }
+}
+
 fn logger(
     callback: Option<fmi3LogMessageCallback>,
     environment: fmi3InstanceEnvironment,
@@ -154,13 +163,8 @@ pub unsafe extern "C" fn fmi3InstantiateModelExchange(
     let _word = control_word::Guard::new();
     panics::silence();
     let logger = logger(logMessage, instanceEnvironment, loggingOn);
-    // SAFETY: FMI's contract; null strings are survived.
-    let (token, path) = unsafe {
-        (
-            pointers::text(instantiationToken).unwrap_or_default(),
-            pointers::bytes(resourcePath).unwrap_or_default(),
-        )
-    };
+    // SAFETY: FMI's contract.
+    let (token, path) = unsafe { identity(instantiationToken, resourcePath) };
     let instance = made("fmi3InstantiateModelExchange", &logger, || {
         load(
             Version::V3,

@@ -3,7 +3,7 @@
 //! Source: Dormand & Prince 1980; Bogacki & Shampine 1989; Hairer, Nørsett & Wanner 1993, sections
 //! II.4 to II.6; Kennedy & Carpenter 2003 (`ARK4(3)6L[2]SA`).
 
-use crate::tuning::{DAMPED_SHARE, EXPLICIT_SHARE};
+use crate::tuning::{DAMPED_SHARE, EXPLICIT_SHARE, LEAST_SHARE};
 
 /// Most stages of a pair; the last one stands at the new state.
 pub(super) const STAGES: usize = 7;
@@ -21,7 +21,7 @@ pub struct Pair {
     /// Share of the tolerance that a step may use: steps are few and long, and what many of them
     /// add up to shall be of the size of the tolerance still. Damping forgets; without it twice the
     /// steps buy a fiftieth of the error.
-    pub share: f64,
+    pub(super) share: f64,
     /// Solution minus embedded solution.
     pub(super) error: &'static [f64],
     /// Order of the error estimate plus one: the error of a step of length h grows like h to this
@@ -30,6 +30,11 @@ pub struct Pair {
 }
 
 impl Pair {
+    /// What a step may err by, m or rad at a reach of one metre.
+    pub fn allowed(&self, tolerance: f64) -> f64 {
+        (self.share * tolerance).max(LEAST_SHARE)
+    }
+
     /// Whether damping is explicit like everything else.
     pub fn is_explicit(&self) -> bool {
         self.implicit.is_empty()
