@@ -406,8 +406,8 @@ pub const LOCKED: f64 = 1e12;
 /// Movement, m or rad, in the last of these steps below which a robot stands: a tenth of a
 /// nanometre. One that tips over moves by millimetres.
 pub const SET_DOWN: f64 = 1e-10;
-/// Number of these steps: each leaves less than a third of what is missing.
-pub const SETTLING_STEPS: usize = 24;
+/// Number of these steps: each leaves less than a tenth of what is missing.
+pub const SETTLING_STEPS: usize = 12;
 
 // Outputs: `readout/pair.rs`, `readout/sample.rs`.
 

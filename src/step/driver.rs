@@ -17,12 +17,12 @@ use crate::step::guards;
 use crate::step::implicit::Implicit;
 use crate::step::islands::{Islands, is_moved};
 use crate::step::point::{Context, Point};
-use crate::step::size::{Standing, Tried, Verdict, Way, grown, landing};
+use crate::step::size::{Standing, Tried, Verdict, Way, grown, implicit_factor, landing};
 use crate::step::stages::Stages;
 use crate::tree::Tree;
 use crate::tuning::{
     BALANCE, BALANCES, CONTROLLED_GAIN, EXPLICIT_SAFETY, FIXED_ACCURACY, FIXED_BALANCE, GROWTH,
-    GUESS, GUESSES, IMPLICIT_SAFETY, LEAST_ERROR, MAX_STEP, MIN_STEP,
+    GUESS, GUESSES, LEAST_ERROR, MAX_STEP, MIN_STEP,
 };
 
 /// Why a communication step was not taken.
@@ -325,6 +325,7 @@ impl Stepper {
         [mut h, accuracy]: [f64; 2],
     ) -> Result<(), Stop> {
         let remaining = way.remaining();
+        let mut before = None;
         loop {
             self.begin_try(ctx)?;
             let (from, trend) = (&state.physical, &state.stepping.trend);
@@ -370,8 +371,7 @@ impl Stepper {
                     continue;
                 }
             }
-            let factor = IMPLICIT_SAFETY * libm::pow(error.max(LEAST_ERROR.0), -1.0 / 3.0);
-            let factor = factor.clamp(GROWTH.0, GROWTH.1);
+            let factor = implicit_factor([h, error], before.replace([h, error]));
             let next = grown(way.proposed, h, factor);
             let tried = Tried {
                 h,

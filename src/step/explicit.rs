@@ -22,8 +22,7 @@ use crate::step::point::{Context, Point};
 use crate::step::size::{grown, landing, worst_error};
 use crate::tree::Tree;
 use crate::tuning::{
-    CREEP, GROWTH, HIT, MAX_STEP, PAIR_EXPONENT, RESOLVED, SHARP, SHORT,
-    SWINGING,
+    CREEP, GROWTH, HIT, MAX_STEP, PAIR_EXPONENT, RESOLVED, SHARP, SHORT, SWINGING,
 };
 
 /// An explicit step that may be tried.

@@ -27,8 +27,9 @@ impl Stepper {
     /// and sets it down, if it is to be.
     ///
     /// Each of a number of implicit steps begins at rest, so that only what friction remembers, and
-    /// the pose, go on from one to the next. What its damper carries in one step is the spring's in
-    /// those after it.
+    /// the pose, go on from one to the next. Friction has no dampers in them: what slips reaches a
+    /// speed within a step that it does not have when it is released, and a damper would take from
+    /// the spring what that speed is worth.
     pub fn settle(&mut self, ctx: &Context, state: &mut State) {
         let mut trees = ctx.tree.moved();
         let set_down = trees.any(|(index, _)| is_set_down(ctx, index));
@@ -54,6 +55,13 @@ impl Stepper {
             self.here.update(ctx, &state.physical, SETTLING);
             if self.here.terms.contacts.is_empty() {
                 return true;
+            }
+            let terms = &mut self.here.terms;
+            for contact in &mut terms.contacts.list {
+                contact.friction.damping = 0.0;
+            }
+            for turn in &mut terms.turns {
+                (turn.torsional.damping, turn.rolling.damping) = (0.0, 0.0);
             }
             if sinks {
                 for (_, tree) in tree.moved() {

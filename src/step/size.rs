@@ -4,8 +4,8 @@ use crate::state::{Sizes, Stepping};
 use crate::step::point::Context;
 use crate::tree::Tree;
 use crate::tuning::{
-    FLOOR_FALL, FLOOR_REACH, FLOOR_RISE, FLOOR_TOLERANCE, GROWTH, LANDING, MAX_FLOOR, MIN_STEP,
-    VELOCITY_WEIGHT,
+    FLOOR_FALL, FLOOR_REACH, FLOOR_RISE, FLOOR_TOLERANCE, GROWTH, IMPLICIT_SAFETY, LANDING,
+    LEAST_ERROR, MAX_FLOOR, MIN_STEP, VELOCITY_WEIGHT,
 };
 
 /// What stands at the state already when a step begins.
@@ -165,6 +165,26 @@ pub(super) fn landing(h: f64, remaining: f64) -> f64 {
     } else {
         h
     }
+}
+
+/// By what the next implicit step may be longer, or must be shorter, than one of `h` seconds that
+/// errs by `error` of what it may.
+///
+/// The error falls with the third power of the step where motion is smooth. In an impact it is the
+/// change of velocity however short the step is, until one resolves the impact: there a shorter try
+/// of the same step shows with which power it falls.
+///
+/// - `before`: length and error of the try before it from the same place, if there was one
+pub(super) fn implicit_factor([h, error]: [f64; 2], before: Option<[f64; 2]>) -> f64 {
+    let power = match before {
+        Some([longer, worse]) if error > 1.0 && worse.is_finite() => {
+            let seen = libm::log(worse / error) / libm::log(longer / h);
+            seen.clamp(0.0, 3.0)
+        }
+        _ => 3.0,
+    };
+    let factor = IMPLICIT_SAFETY * libm::pow(error.max(LEAST_ERROR.0), -1.0 / power);
+    factor.clamp(GROWTH.0, GROWTH.1)
 }
 
 /// The next proposal: a step that was cut short and went well does not shrink it.

@@ -397,7 +397,8 @@ fn a_restored_world_goes_on_with_the_same_bits() {
 }
 
 /// A peg that falls askew into a square hole, with 0.5 mm of play, stands still in half a second:
-/// walls a hundredth of a millimetre away do not stir it.
+/// walls a hundredth of a millimetre away do not stir it. One that it leans on may carry a
+/// thousandth of its weight by friction.
 #[test]
 fn a_peg_in_a_hole_comes_to_rest() {
     let mut models = Vec::new();
@@ -428,6 +429,9 @@ fn a_peg_in_a_hole_comes_to_rest() {
         run(&mut s, 1.0, 1.0 / 240.0);
         assert!(speed(&s) <= 0.0, "{tolerance}: {:?}", s.state().physical.v);
         let sunk = 0.06 - s.state().physical.q[2];
-        assert!((sunk - depth(1.0)).abs() < 1e-8, "{tolerance}: {sunk}");
+        assert!(
+            (sunk / depth(1.0) - 1.0).abs() < 1e-3,
+            "{tolerance}: {sunk}"
+        );
     }
 }
