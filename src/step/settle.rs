@@ -51,8 +51,14 @@ impl Stepper {
         let tree = ctx.tree;
         let pattern = &tree.sparsity;
         let mut speed = 0.0;
+        // Contacts are as stiff as in the steps that follow.
+        let step = if ctx.fixed_step > 0.0 {
+            ctx.fixed_step
+        } else {
+            SETTLING
+        };
         for _ in 0..SETTLING_STEPS {
-            self.here.update(ctx, &state.physical, SETTLING);
+            self.here.update(ctx, &state.physical, step);
             if self.here.terms.contacts.is_empty() {
                 return true;
             }
