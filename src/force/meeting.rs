@@ -62,7 +62,9 @@ impl Meeting<'_> {
                 contact.bounce = impact.dissipation(surface.restitution, number);
             }
             if contact.bounce > 0.0 {
-                impact.speed = number / contact.bounce;
+                // What it has come in with is in the spring by now.
+                let kept = 2.0 * contact.spring.stored(contact.depth) / mass;
+                impact.speed = libm::hypot(impact.speed, kept.sqrt());
                 contact.duration = impact.duration();
             }
         }

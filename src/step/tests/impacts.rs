@@ -57,6 +57,29 @@ fn balls_that_meet_head_on_part_as_restitution_says() {
     }
 }
 
+/// A bounce takes as many steps as the time scale of its spring asks for, also where the weight
+/// leaves hardly any of it: dropped from some tenths of a millimetre, without losses.
+#[test]
+fn a_gentle_bounce_without_losses_takes_few_steps() {
+    for height in [1e-5, 3e-5, 1e-4, 3e-4, 1e-3] {
+        let place = Vec3::new(0.0, 0.0, 0.05 + height);
+        let mut model = world([body(0.5, Shape::Sphere { radius: 0.05 }, place)]);
+        model.roots[0].linear_velocity.z = -0.02;
+        model.links[0].restitution = 1.0;
+        model.world.ground = Some(crate::model::Ground {
+            restitution: 1.0,
+            ..Default::default()
+        });
+        let mut s = start(model, 1e-3);
+        s.advance_to(0.5).expect("finite");
+        // A tenth of the time scale of a millisecond and more is a step of 0.1 ms.
+        let steps = s.state().stepping.counters.steps;
+        assert!(steps < 10_000, "{height}: {steps}");
+        let lowest = s.state().physical.q[2];
+        assert!((lowest - 0.05).abs() < height + 1e-3, "{height}: {lowest}");
+    }
+}
+
 /// A ball of 1 cm at 100 m/s against a plate of 1 mm does not pass, in both kinds of step; nor does
 /// one that a motor makes fast from rest within a step.
 #[test]
