@@ -299,6 +299,10 @@ pub const WIDEST: f64 = 1e6;
 pub const CONTACT_MARGIN: f64 = 1e-3;
 /// Approach speed below which a contact does not bounce, m/s.
 pub const BOUNCE_THRESHOLD: f64 = 0.01;
+/// Speed with which what bounces swings on its contact, m/s, below which it does so no more. At
+/// 0.01 fails `c8_a_ball_rebounds_with_the_coefficient_of_restitution_at_every_speed`, at 0
+/// `what_has_bounced_and_rolls_on_takes_long_steps`.
+pub const BOUNCED: f64 = 1e-3;
 /// Tangential over normal stiffness: Mindlin's ratio for steel.
 pub const TANGENTIAL_RATIO: f64 = 0.8;
 /// Overlap, in penetrations under the robot's weight, beyond which a point leaves the ground faster

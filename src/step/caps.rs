@@ -1,10 +1,12 @@
 //! Where a step must end, and whether it may reach beyond the communication point.
 
-use crate::force::{Drive, is_clear};
-use crate::state::{Physical, State};
+use crate::force::{Contact, Drive, is_clear};
+use crate::kinematics::forward;
+use crate::spatial::Vec6;
+use crate::state::{Physical, State, Trend};
 use crate::step::point::{Context, Point};
 use crate::tuning::{
-    BOUNCE_SHARE, COMMAND_STEP, CONTACT_STEP, CONTROLLED_GAIN, CREEP, MAX_STEP, MIN_STEP,
+    BOUNCE_SHARE, BOUNCED, COMMAND_STEP, CONTACT_STEP, CONTROLLED_GAIN, CREEP, MAX_STEP, MIN_STEP,
     REFERENCE_GRAVITY,
 };
 
@@ -49,7 +51,14 @@ pub(super) fn longest(here: &Point) -> f64 {
 
 /// Ends the step of `h` seconds where the first contact touches down or the first joint reaches its
 /// limit; takes a bounce in parts of its own duration.
-pub(super) fn by_touchdown(ctx: &Context, here: &Point, from: &Physical, h: f64) -> f64 {
+///
+/// - `pull`: see [`find_pull`]
+pub(super) fn by_touchdown(
+    ctx: &Context,
+    here: &Point,
+    (from, pull): (&Physical, &[Vec6]),
+    h: f64,
+) -> f64 {
     let rules = ctx.rules;
     let mut capped = h;
     for contact in here.terms.contacts.iter() {
@@ -63,7 +72,7 @@ pub(super) fn by_touchdown(ctx: &Context, here: &Point, from: &Physical, h: f64)
             let time = contact.longest_step(&here.terms.contacts.points, &here.kin.V, h);
             capped = capped.min(time.max(MIN_STEP));
         }
-        if contact.depth >= 0.0 && rules.bounce && contact.bounce > 0.0 {
+        if contact.depth >= 0.0 && rules.bounce && still_bounces(here, contact, pull) {
             let time = BOUNCE_SHARE * contact.duration;
             capped = capped.min(time.max(MIN_STEP));
         }
@@ -76,6 +85,29 @@ pub(super) fn by_touchdown(ctx: &Context, here: &Point, from: &Physical, h: f64)
         }
     }
     capped
+}
+
+/// Accelerations of all bodies in the last step, if a contact has restitution: they tell whether it
+/// still bounces.
+///
+/// - `trend`: accelerations of the degrees of freedom
+pub(super) fn find_pull(ctx: &Context, here: &Point, trend: &Trend, pull: &mut [Vec6]) {
+    if here.terms.contacts.iter().any(|c| c.bounce > 0.0) {
+        forward(ctx.tree, &here.kin.S, &trend.whole, pull);
+    }
+}
+
+/// Whether a contact with restitution still bounces. A body that has settled under its load, or
+/// rolls on, keeps in touch without end; then nothing comes back that steps would have to resolve.
+/// What swings on the contact's spring has the velocity `v` and the acceleration `v'`, and the
+/// speed `√(v² + (T v')²)` on its way through the middle, where `T` is the time scale.
+pub(super) fn still_bounces(here: &Point, contact: &Contact, pull: &[Vec6]) -> bool {
+    contact.bounce > 0.0 && {
+        let points = &here.terms.contacts.points;
+        let speed = contact.normal_velocity(points, &here.kin.V);
+        let change = contact.duration * contact.normal_velocity(points, pull);
+        libm::hypot(speed, change) > BOUNCED
+    }
 }
 
 /// Whether an implicit step of `h` seconds may reach beyond the communication point: inputs stay as

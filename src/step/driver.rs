@@ -6,6 +6,7 @@
 
 use crate::force::Memory;
 use crate::model::Model;
+use crate::spatial::Vec6;
 use crate::state::State;
 use crate::step::attempt::Attempt;
 use crate::step::caps;
@@ -58,6 +59,8 @@ pub struct Stepper {
     /// Memory and positions of a robot that is set down.
     pub(super) there_memory: Memory,
     pub(super) settled: Vec<f64>,
+    /// Accelerations of bodies, see [`caps::find_pull`].
+    pull: Vec<Vec6>,
     /// The state at the last communication point.
     pub(super) backup: State,
     /// Steps tried since then.
@@ -66,7 +69,7 @@ pub struct Stepper {
 
 #[cfg(test)]
 crate::spoil::spoil!(Stepper: here there implicit stages explicit fixed attempt closing flights islands
-    there_memory settled backup tried;);
+    there_memory settled pull backup tried;);
 
 impl Stepper {
     /// Room for a robot.
@@ -84,6 +87,7 @@ impl Stepper {
             islands: Islands::new(tree, model.contact_room()[0]),
             there_memory: Memory::new(model),
             settled: vec![0.0; model.nq],
+            pull: vec![[0.0; 6]; tree.bodies.len()],
             backup: State::new(model),
             tried: 0,
         }
@@ -304,7 +308,9 @@ impl Stepper {
         if caps::may_look_ahead(ctx, &self.here, state, long) {
             h = long;
         }
-        h = caps::by_touchdown(ctx, &self.here, &state.physical, h);
+        let (here, pull) = (&self.here, &mut self.pull);
+        caps::find_pull(ctx, here, &state.stepping.trend, pull);
+        h = caps::by_touchdown(ctx, here, (&state.physical, pull), h);
         let balance = (BALANCE * ctx.tolerance).clamp(BALANCES.0, BALANCES.1);
         if self.rest(ctx, state, [h, remaining], balance) {
             way.arrive();
@@ -432,7 +438,8 @@ impl Stepper {
             if self.rest(ctx, state, [h, span - done * h], balance) {
                 return Ok(());
             }
-            if fixed::bounces(&self.here, h) {
+            caps::find_pull(ctx, &self.here, &state.stepping.trend, &mut self.pull);
+            if fixed::bounces(&self.here, &self.pull, h) {
                 let begin = state.time + done * h;
                 self.advance_between(ctx, state, begin, begin + h)?;
             } else {

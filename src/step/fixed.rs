@@ -13,8 +13,10 @@ use crate::force::{ContactSet, detect, seek};
 use crate::kinematics::{advance, forward};
 use crate::model::Model;
 use crate::range::SHORTEST_FIXED_STEP;
+use crate::spatial::Vec6;
 use crate::state::{Counters, Physical, State};
 use crate::step::attempt::Attempt;
+use crate::step::caps::still_bounces;
 use crate::step::closing::Closing;
 use crate::step::convex::Problem;
 use crate::step::explicit::Explicit;
@@ -271,13 +273,13 @@ impl Fixed {
 }
 
 /// Whether a contact that has restitution touches down within `h` seconds, or has done so and not
-/// left yet, or shapes come nearer than they are thick. That is over in less than a fixed step,
-/// which would swallow it: it is taken under error control.
-pub(super) fn bounces(here: &Point, h: f64) -> bool {
+/// come to rest yet, or shapes come nearer than they are thick. That is over in less than a fixed
+/// step, which would swallow it: it is taken under error control.
+pub(super) fn bounces(here: &Point, pull: &[Vec6], h: f64) -> bool {
     let (points, V) = (&here.terms.contacts.points, &here.kin.V);
     here.terms.contacts.iter().any(|contact| {
-        let bounces =
-            contact.bounce > 0.0 && (contact.depth > 0.0 || contact.time_to_touch(points, V) < h);
+        let bounces = still_bounces(here, contact, pull)
+            && (contact.depth > 0.0 || contact.time_to_touch(points, V) < h);
         bounces || contact.longest_step(points, V, h) < h
     })
 }

@@ -80,6 +80,31 @@ fn a_gentle_bounce_without_losses_takes_few_steps() {
     }
 }
 
+/// What has bounced and slides or rolls on is taken in steps as long as without restitution: a box
+/// and a ball that fall from 1 cm at 1 m/s along the ground.
+#[test]
+fn what_has_bounced_and_rolls_on_takes_long_steps() {
+    let half = Vec3::new(0.1, 0.1, 0.05);
+    for shape in [Shape::Box { half }, Shape::Sphere { radius: 0.05 }] {
+        let mut model = world([body(1.0, shape, Vec3::new(0.0, 0.0, 0.06))]);
+        model.roots[0].linear_velocity.x = 1.0;
+        model.links[0].restitution = 0.3;
+        model.links[0].friction = 0.05;
+        model.world.ground = Some(crate::model::Ground {
+            friction: 0.05,
+            restitution: 0.3,
+            ..Default::default()
+        });
+        let mut s = start(model, 1e-3);
+        run(&mut s, 0.5, 1.0 / 240.0);
+        let before = s.state().stepping.counters.steps;
+        run(&mut s, 1.0, 1.0 / 240.0);
+        let steps = s.state().stepping.counters.steps - before;
+        assert!((100..=240).contains(&steps), "{steps}");
+        assert!(s.state().physical.v[3] > 0.4);
+    }
+}
+
 /// A ball of 1 cm at 100 m/s against a plate of 1 mm does not pass, in both kinds of step; nor does
 /// one that a motor makes fast from rest within a step.
 #[test]
