@@ -107,7 +107,8 @@ fn show(args: &Info) -> Result<(), CliError> {
     } else {
         let mut text = info::text(&model);
         if args.variables {
-            text += &format!("\nVariables\n{}", listing::text(&listed));
+            text += "\nVariables\n";
+            text += &listing::text(&listed);
         }
         let inside = platforms.iter();
         let inside = inside.map(|(folder, systems)| library::describe(folder, systems));

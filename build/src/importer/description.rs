@@ -109,24 +109,7 @@ impl Description {
             let attributes = Attributes::read(&element, &name)?;
             match name.as_str() {
                 "fmiModelDescription" => {
-                    let found = attributes.text("fmiVersion").unwrap_or_default();
-                    description.fmi = match found.as_str() {
-                        "2.0" => FmiVersion::V2,
-                        version if version.starts_with("3.") => FmiVersion::V3,
-                        _ => return Err(DescriptionError::Version { found }),
-                    };
-                    description.guid = attributes.required(match description.fmi {
-                        FmiVersion::V2 => "guid",
-                        FmiVersion::V3 => "instantiationToken",
-                    })?;
-                    let indicators = attributes.number("numberOfEventIndicators")?;
-                    #[expect(
-                        clippy::cast_possible_truncation,
-                        clippy::cast_sign_loss,
-                        reason = "saturates"
-                    )]
-                    let indicators = indicators.unwrap_or(0.0) as u32;
-                    states.indicators = indicators;
+                    states.indicators = description.identify(&attributes)?;
                 }
                 "CoSimulation" => {
                     co_simulation = Some(attributes.required("modelIdentifier")?);
@@ -199,6 +182,25 @@ impl Description {
         }
         description.take(co_simulation, model_exchange, &states)?;
         Ok(description)
+    }
+
+    /// Takes version and identity from the attributes of the root; gives the number of event
+    /// indicators in FMI 2.
+    fn identify(&mut self, attributes: &Attributes) -> Result<u32, DescriptionError> {
+        let found = attributes.text("fmiVersion").unwrap_or_default();
+        self.fmi = match found.as_str() {
+            "2.0" => FmiVersion::V2,
+            version if version.starts_with("3.") => FmiVersion::V3,
+            _ => return Err(DescriptionError::Version { found }),
+        };
+        self.guid = attributes.required(match self.fmi {
+            FmiVersion::V2 => "guid",
+            FmiVersion::V3 => "instantiationToken",
+        })?;
+        match attributes.text("numberOfEventIndicators") {
+            Some(_) => attributes.whole("numberOfEventIndicators"),
+            None => Ok(0),
+        }
     }
 
     /// Takes the interface with which it is simulated: co-simulation, if the FMU has both.

@@ -20,7 +20,8 @@
 //! | `run` | from start to stop |
 //! | `live` | from step to step, by hand |
 //!
-//! Steps and inputs of co-simulation are those of `FMPy`'s `simulate_fmu` for the same arguments, to the bit.
+//! Steps and inputs of co-simulation are those of `FMPy`'s `simulate_fmu` for the same arguments,
+//! to the bit.
 
 mod arrays;
 pub mod csv;
