@@ -53,11 +53,10 @@ impl Instance {
     pub(crate) fn set_continuous_states(&mut self, states: &In<f64>) -> Result<(), FmiError> {
         self.check_states("the list of states", states.len())?;
         self.scratch.clear();
-        for (index, value) in states.iter().enumerate() {
-            if !value.is_finite() {
-                return Err(FmiError::StateValue { index, value });
-            }
-            self.scratch.push(value);
+        self.scratch.extend(states.iter());
+        if let Some(index) = self.scratch.iter().position(|value| !value.is_finite()) {
+            let value = self.scratch[index];
+            return Err(FmiError::StateValue { index, value });
         }
         self.simulation.set_states(&self.scratch);
         Ok(())
