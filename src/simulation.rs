@@ -110,8 +110,10 @@ pub enum SimulationError {
     State(#[from] SavedStateError),
 }
 
-/// What a step and a readout look at. A macro, because a method would borrow what they change, too.
-macro_rules! context {
+/// What a readout looks at. A macro, because a method would borrow what it changes, too. Lengths
+/// and tolerances of steps, which take a while to look up, are left out: importers read many
+/// outputs.
+macro_rules! reading {
     ($simulation:ident, $inputs:ident) => {
         Context {
             model: &$simulation.model,
@@ -119,13 +121,24 @@ macro_rules! context {
             parameters: &$simulation.parameters,
             inputs: &$simulation.$inputs,
             elapsed: 0.0,
+            tolerance: 0.0,
+            fixed_step: 0.0,
+            budget: u64::MAX,
+            rules: &$simulation.rules,
+        }
+    };
+}
+
+/// What a step looks at.
+macro_rules! context {
+    ($simulation:ident, $inputs:ident) => {
+        Context {
             tolerance: $simulation.tolerance(),
             fixed_step: match $simulation.parameters.get(ParameterSlot::StepSize) {
                 step if step > 0.0 => step.max(SHORTEST_FIXED_STEP),
                 _ => 0.0,
             },
-            budget: u64::MAX,
-            rules: &$simulation.rules,
+            ..reading!($simulation, $inputs)
         }
     };
 }
@@ -371,7 +384,7 @@ impl Simulation {
         if self.stale {
             self.place();
         }
-        let ctx = context!(self, applied);
+        let ctx = reading!(self, applied);
         let state = posed::seen(&mut self.posed, &ctx, &self.state);
         self.readout.read(&ctx, state, slot)
     }
@@ -381,7 +394,7 @@ impl Simulation {
         if self.stale {
             self.place();
         }
-        let ctx = context!(self, applied);
+        let ctx = reading!(self, applied);
         let state = posed::seen(&mut self.posed, &ctx, &self.state);
         self.readout.derivative(&ctx, state, slot)
     }
