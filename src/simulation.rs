@@ -146,6 +146,7 @@ macro_rules! context {
 mod advance;
 mod begin;
 mod exchange;
+mod outputs;
 mod posed;
 
 use posed::Posed;
@@ -377,26 +378,6 @@ impl Simulation {
     /// Reads a parameter back.
     pub fn parameter(&self, slot: ParameterSlot) -> f64 {
         self.parameters.get(slot)
-    }
-
-    /// Reads an output; the first read after a change computes what is needed.
-    pub fn output(&mut self, slot: OutputSlot) -> f64 {
-        if self.stale {
-            self.place();
-        }
-        let ctx = reading!(self, applied);
-        let state = posed::seen(&mut self.posed, &ctx, &self.state);
-        self.readout.read(&ctx, state, slot)
-    }
-
-    /// First time derivative of an output; None where it has none, see `readout`.
-    pub fn output_derivative(&mut self, slot: OutputSlot) -> Option<f64> {
-        if self.stale {
-            self.place();
-        }
-        let ctx = reading!(self, applied);
-        let state = posed::seen(&mut self.posed, &ctx, &self.state);
-        self.readout.derivative(&ctx, state, slot)
     }
 
     /// Error allowed per step, as parameter, importer and default say.
