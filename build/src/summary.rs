@@ -1,6 +1,6 @@
 //! The report of `export`: the file, the robot, every assumption.
 
-use crate::info::{around, count, short, total_mass};
+use crate::info::{around, count, interfaces, short, total_mass};
 use crate::picture::{Camera, Look};
 use crate::stage::{Fmu, Robot};
 use std::fmt::Write as _;
@@ -41,10 +41,11 @@ pub fn text(output: &Path, fmu: &Fmu, robot: &Robot) -> String {
     let model = &robot.model;
     let number_of = |f: fn(&Slot) -> bool| robot.table.iter().filter(|v| f(&v.slot)).count();
     let mut out = format!(
-        "{}  {}, FMI {} co-simulation, {}\n",
+        "{}  {}, FMI {} {}, {}\n",
         output.display(),
         size(fmu.bytes.len()),
         robot.settings.fmu.fmi,
+        interfaces(model),
         fmu.platforms.join(" "),
     );
     _ = writeln!(

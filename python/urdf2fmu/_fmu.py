@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import ctypes
+import math
 import os
+import platform
 import shutil
 import sys
 import tempfile
@@ -22,7 +24,7 @@ class Variable(NamedTuple):
 
     name: str
     reference: int
-    """FMI's number of it."""
+    """FMI's number of it; an element of an array of FMI 3 has that of the array."""
     kind: str
     """"Real", "Integer" or "Boolean"."""
     causality: str
@@ -32,6 +34,16 @@ class Variable(NamedTuple):
     unit: str
     """Such as "rad/s"; empty where there is none."""
     description: str
+    place: int = 0
+    """Place in the array of FMI 3; 0 for a scalar."""
+    size: int = 1
+    """Number of the array's elements; 1 for a scalar."""
+
+
+_ELEMENTS = "io.github.urdf2fmu.elements"
+"""The annotation of an array that names its elements."""
+_KINDS = {"Float64": "Real", "Int32": "Integer", "Boolean": "Boolean"}
+"""What the types of FMI 3 are called here, as in FMI 2."""
 
 
 def read_description(fmu: PathLike) -> ElementTree.Element:
@@ -50,15 +62,49 @@ def read_description(fmu: PathLike) -> ElementTree.Element:
 
 
 def read_variables(root: ElementTree.Element) -> dict[str, Variable]:
-    """All variables by their names, in the order of the file."""
-    found = {}
+    """All variables by their names, in the order of the file; of the arrays of FMI 3 each element."""
+    found: dict[str, Variable] = {}
     for element in root.iter("ScalarVariable"):
         kind = element[0]
         name = element.get("name", "")
         found[name] = Variable(name, int(element.get("valueReference", "0")), kind.tag,
                                element.get("causality", "local"), element.get("variability", "continuous"),
                                kind.get("unit", ""), element.get("description", ""))
+    arrays = [element for element in root.find("ModelVariables") or () if element.tag in _KINDS]
+    scalars = {element.get("name") for element in arrays if element.find("Dimension") is None}
+    for element in arrays:
+        causality = element.get("causality", "local")
+        if causality == "independent":
+            continue
+        usual = "continuous" if element.tag == "Float64" else "discrete"
+        names = _elements(element)
+        for index, name in enumerate(names):
+            # A name is that of a scalar, else that of the first array that has it.
+            if len(names) > 1 and (name in scalars or name in found):
+                continue
+            found[name] = Variable(name, int(element.get("valueReference", "0")), _KINDS[element.tag], causality,
+                                   element.get("variability", usual), element.get("unit", ""),
+                                   element.get("description", ""), index, len(names))
     return found
+
+
+def _elements(element: ElementTree.Element) -> list[str]:
+    """Names of the elements of a variable of FMI 3; those of a scalar are its own."""
+    name = element.get("name", "")
+    shape = [int(dimension.get("start", "1")) for dimension in element.iter("Dimension")]
+    if not shape:
+        return [name]
+    for annotation in element.iter("Annotation"):
+        if annotation.get("type") == _ELEMENTS:
+            return (annotation.text or "").split()
+    names = []
+    for index in range(math.prod(shape)):
+        numbers = []
+        for size in reversed(shape):
+            index, number = divmod(index, size)
+            numbers.append(str(number + 1))
+        names.append(f"{name}[{','.join(reversed(numbers))}]")
+    return names
 
 
 def is_fmu(robot: PathLike) -> bool:
@@ -73,12 +119,17 @@ class Fmu:
         root = read_description(path)
         version = root.get("fmiVersion", "")
         element = root.find("CoSimulation")
-        if version != "2.0" or element is None:
-            raise Error(f"'{os.fspath(path)}' is an FMU of FMI {version or 'of no version'}; Simulation drives "
-                        "co-simulation of FMI 2.0, which export makes without further options")
-        self.guid = root.get("guid", "")
+        if version.partition(".")[0] not in ("2", "3"):
+            raise Error(f"'{os.fspath(path)}' is an FMU of FMI {version or 'of no version'}; Simulation drives FMI 2.0 "
+                        "and 3.0")
+        if element is None:
+            raise Error(f"'{os.fspath(path)}' is for Model Exchange alone: simulate() integrates it; Simulation needs "
+                        "co-simulation, which export(…, interface=\"both\") adds")
+        self.version = int(version[0])
+        """Of FMI: 2 or 3."""
+        self.guid = root.get("guid" if self.version == 2 else "instantiationToken", "")
         self.variables = read_variables(root)
-        folder, end = {"win32": ("win64", "dll"), "darwin": ("darwin64", "dylib")}.get(sys.platform, ("linux64", "so"))
+        folder, end = _platform(self.version)
         self._place = tempfile.mkdtemp(prefix="urdf2fmu-")
         remove = weakref.finalize(self, shutil.rmtree, self._place, True)
         name = f"binaries/{folder}/{element.get('modelIdentifier')}.{end}"
@@ -87,9 +138,8 @@ class Fmu:
             self.functions = ctypes.CDLL(str(library))
         except OSError as error:
             raise Error(f"the FMU's library for {folder} cannot be loaded here: {error}") from None
-        self.resources = Path(self._place, "resources").as_uri()
-        self.functions.fmi2Instantiate.restype = ctypes.c_void_p
-        self.functions.fmi2FreeInstance.restype = None
+        resources = Path(self._place, "resources")
+        self.resources = resources.as_uri() if self.version == 2 else f"{resources}{os.sep}"
         remove.detach()
         weakref.finalize(self, _let_go, self.functions._handle, self._place)
 
@@ -105,6 +155,15 @@ class Fmu:
                 if name.startswith("resources/") and not name.startswith("resources/source/"):
                     archive.extract(name, self._place)
         return Path(self._place, library)
+
+
+def _platform(version: int) -> tuple[str, str]:
+    """The folder of this system's library in an FMU, and the end of its name."""
+    if version == 2:
+        return {"win32": ("win64", "dll"), "darwin": ("darwin64", "dylib")}.get(sys.platform, ("linux64", "so"))
+    machine = {"amd64": "x86_64", "arm64": "aarch64"}.get(platform.machine().lower(), platform.machine().lower())
+    system, end = {"win32": ("windows", "dll"), "darwin": ("darwin", "dylib")}.get(sys.platform, ("linux", "so"))
+    return f"{machine}-{system}", end
 
 
 def _let_go(handle: int, folder: str) -> None:

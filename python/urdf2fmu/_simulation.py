@@ -18,10 +18,10 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from . import _functions
 from ._command import Error, Option, PathLike, Settings, export
 from ._fmu import Fmu, Variable, is_fmu, load
 
-_NUMBERS: dict[str, Any] = {"Real": ctypes.c_double, "Integer": ctypes.c_int, "Boolean": ctypes.c_int}
 _ENDS = ("x", "y", "z", "w"), ("x", "y", "z"), ("roll", "pitch", "yaw"), ("x", "y")
 _WARNING = 1
 
@@ -35,20 +35,11 @@ class State(NamedTuple):
     """What the FMU wrote."""
 
 
-class _Part(NamedTuple):
-    """Variables of one type behind a name."""
-
-    kind: str
-    references: Any
-    where: npt.NDArray[np.intp]
-    """Their places among all variables behind the name."""
-
-
 class _Place(NamedTuple):
     """What a name means."""
 
     names: list[str]
-    parts: list[_Part]
+    parts: list[_functions.Part]
     single: bool
     """Whether it is the name of one variable."""
 
@@ -107,23 +98,14 @@ class Simulation:
         self._begin()
 
     def _begin(self) -> None:
-        log = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_char_p, ctypes.c_int, ctypes.c_char_p, ctypes.c_char_p)
         messages = self._messages
-
-        def note(_environment: object, _instance: object, status: int, _category: object, text: bytes | None) -> None:
-            # A format for printf, in which FMI doubles # and %.
-            message = (text or b"").decode("utf-8", "replace").replace("%%", "%").replace("##", "#")
-            messages.append((status, message))
-
-        self._log = log(note)
-        self._callbacks = (ctypes.c_void_p * 5)(ctypes.cast(self._log, ctypes.c_void_p).value)
-        made = self._fmu.functions.fmi2Instantiate(b"robot", 1, self._fmu.guid.encode(), self._fmu.resources.encode(),
-                                                   self._callbacks, 0, 0)
+        self._functions = _functions.of(self._fmu, lambda status, text: messages.append((status, text)))
+        made = self._functions.instantiate()
         if not made:
-            raise Error(self._told("fmi2Instantiate"))
+            raise Error(self._told("instantiation"))
         self._instance = ctypes.c_void_p(made)
         # Holds the library until the instance is freed, also at the end of Python.
-        self._free = weakref.finalize(self, _free, self._fmu, self._instance, self._callbacks, self._log)
+        self._free = weakref.finalize(self, _free, self._functions, self._instance)
         try:
             self._initialize()
         except BaseException:
@@ -131,21 +113,19 @@ class Simulation:
             raise
 
     def _initialize(self) -> None:
-        tolerance = self._tolerance
-        self._call("SetupExperiment", int(tolerance is not None), ctypes.c_double(tolerance or 0.0),
-                   ctypes.c_double(self._start_time), 0, ctypes.c_double(0.0))
+        self._functions.initialize(self._call, self._tolerance, self._start_time, self._set_start_values)
+        self.time = self._start_time
+
+    def _set_start_values(self) -> None:
         for name, value in self._start_values.items():
             self[name] = value
-        self._call("EnterInitializationMode")
-        self._call("ExitInitializationMode")
-        self.time = self._start_time
 
     def _told(self, function: str) -> str:
         """What the FMU has said, as one text."""
         return "; ".join(text for _, text in self._messages) or f"{function} failed"
 
     def _call(self, function: str, *arguments: Any) -> None:
-        name = "fmi2" + function
+        name = self._functions.prefix + function
         with self._lock:
             if self._instance is None:
                 raise Error("the simulation is closed")
@@ -185,13 +165,7 @@ class Simulation:
             return known
         names = self._meant(name)
         variables = [self._fmu.variables[n] for n in names]
-        parts = []
-        for kind in _NUMBERS:
-            where = [i for i, v in enumerate(variables) if v.kind == kind]
-            if where:
-                references = (ctypes.c_uint * len(where))(*(variables[i].reference for i in where))
-                parts.append(_Part(kind, references, np.array(where)))
-        self._places[name] = place = _Place(names, parts, names == [name])
+        self._places[name] = place = _Place(names, _functions.parts(variables), names == [name])
         return place
 
     def _meant(self, name: str) -> list[str]:
@@ -217,11 +191,11 @@ class Simulation:
         place = self._place(name)
         values: npt.NDArray[Any] = np.empty(len(place.names))
         for part in place.parts:
-            some = (_NUMBERS[part.kind] * len(part.where))()
-            self._call("Get" + part.kind, part.references, ctypes.c_size_t(len(part.where)), some)
+            some = self._functions.get(self._call, part)
             if place.single:
-                return bool(some[0]) if part.kind == "Boolean" else some[0]
-            values[part.where] = some
+                number = some[int(part.inside[0])]
+                return bool(number) if part.kind == "Boolean" else number
+            values[part.where] = np.array(some)[part.inside]
         if len(place.parts) == 1 and place.parts[0].kind == "Boolean":
             return values.astype(bool)
         return values
@@ -243,8 +217,7 @@ class Simulation:
                 raise Error(f"'{name}' takes whole numbers of 32 bits, not {value!r}")
             numbers = some_given.tolist()
             numbers = numbers if part.kind == "Real" else [int(number) for number in numbers]
-            some = (_NUMBERS[part.kind] * len(numbers))(*numbers)
-            self._call("Set" + part.kind, part.references, ctypes.c_size_t(len(numbers)), some)
+            self._functions.set(self._call, part, numbers)
 
     def step(self, duration: float) -> None:
         """Simulates so many seconds; inputs keep their values meanwhile.
@@ -254,7 +227,7 @@ class Simulation:
         """
         if not (math.isfinite(duration) and duration > 0):
             raise Error(f"a step takes a positive time, not {duration!r} s")
-        self._call("DoStep", ctypes.c_double(self.time), ctypes.c_double(duration), 1)
+        self._functions.step(self._call, self.time, duration)
         self.time += duration
 
     def reset(self, start_values: Mapping[str, npt.ArrayLike] | None = None) -> None:
@@ -270,15 +243,16 @@ class Simulation:
 
     def save(self) -> State:
         """The present state, of which `restore` continues with the same bits."""
+        get, length, write, _, _, free = self._functions.save
         pointer = ctypes.c_void_p()
-        self._call("GetFMUstate", ctypes.byref(pointer))
+        self._call(get, ctypes.byref(pointer))
         try:
             size = ctypes.c_size_t()
-            self._call("SerializedFMUstateSize", pointer, ctypes.byref(size))
+            self._call(length, pointer, ctypes.byref(size))
             data = ctypes.create_string_buffer(size.value)
-            self._call("SerializeFMUstate", pointer, data, size)
+            self._call(write, pointer, data, size)
         finally:
-            self._call("FreeFMUstate", ctypes.byref(pointer))
+            self._call(free, ctypes.byref(pointer))
         return State(self.time, data.raw)
 
     def restore(self, state: State) -> None:
@@ -287,12 +261,13 @@ class Simulation:
         Raises:
             Error: if it is of another FMU, or damaged.
         """
+        _, _, _, read, put, free = self._functions.save
         pointer = ctypes.c_void_p()
-        self._call("DeSerializeFMUstate", state.data, ctypes.c_size_t(len(state.data)), ctypes.byref(pointer))
+        self._call(read, state.data, ctypes.c_size_t(len(state.data)), ctypes.byref(pointer))
         try:
-            self._call("SetFMUstate", pointer)
+            self._call(put, pointer)
         finally:
-            self._call("FreeFMUstate", ctypes.byref(pointer))
+            self._call(free, ctypes.byref(pointer))
         self.time = state.time
 
     def close(self) -> None:
@@ -310,5 +285,5 @@ class Simulation:
         self.close()
 
 
-def _free(fmu: Fmu, instance: ctypes.c_void_p, *_used_until_then: object) -> None:
-    fmu.functions.fmi2FreeInstance(instance)
+def _free(functions: _functions.Functions, instance: ctypes.c_void_p) -> None:
+    getattr(functions.fmu.functions, functions.prefix + "FreeInstance")(instance)

@@ -1,9 +1,12 @@
 //! The differential equations beside the steps, which have tests of their own.
 
 use super::*;
+use crate::dynamics::{energy, rnea};
+use crate::kinematics::Kinematics;
 use crate::model::{ActuatorMode, Ground, Interface, Limits, Model};
 use crate::simulation::Simulation;
 use crate::slots::OutputSlot;
+use crate::spatial::{Vec3, Vec6};
 use crate::testing::{Random, random_tree, shape_all_links};
 use crate::variables::{Slot, table};
 use std::sync::Arc;
@@ -186,14 +189,35 @@ fn integrate(simulation: &mut Simulation, x: &mut [f64], h: f64, steps: usize) {
     simulation.set_states(x);
 }
 
-/// Without ground, motors and damping nothing is lost: energy and, without gravity, momentum.
+/// Linear momentum of a tree and its angular momentum about the world's origin.
+fn momentum(simulation: &Simulation) -> Vec6 {
+    let (tree, at) = (simulation.tree(), &simulation.state().physical);
+    let mut kin = Kinematics::new(tree);
+    kin.update_poses(tree, &at.q);
+    kin.update_velocities(tree, &at.v);
+    rnea::bias(tree, &mut kin, &at.v, &[], 0.0);
+    let mut sum = energy::momentum(&kin, 0..kin.V.len());
+    let shift = kin.origins[0].cross(&Vec3::new(sum[3], sum[4], sum[5]));
+    for axis in 0..3 {
+        sum[axis] += shift[axis];
+    }
+    sum
+}
+
+/// Without ground, motors and damping nothing is lost: energy; and of trees in flight momentum,
+/// which without gravity keeps its value.
 #[test]
-fn free_trees_keep_energy() {
+fn trees_in_flight_keep_energy_and_momentum() {
     let mut random = Random(7);
-    for case in 0..100 {
+    for case in 0..200 {
         let floating = case % 2 == 0;
         let mut model = random_tree(&mut random, 1 + case % 9, floating, case % 5 == 4);
         model.outputs.interface = Interface::Me;
+        if case % 4 == 0 {
+            model.world.gravity = Vec3::zeros();
+        }
+        let weightless = case % 4 == 0;
+        let weight = model.world.gravity * model.links.iter().map(|l| l.inertia.mass).sum::<f64>();
         let mut simulation = exchanged(model);
         let mut x = shaken(&mut simulation, &mut random, [1.0, 0.0]);
         simulation.set_states(&x);
@@ -205,12 +229,31 @@ fn free_trees_keep_energy() {
             energy(&mut simulation),
             simulation.output(OutputSlot::EnergyKinetic),
         );
-        integrate(&mut simulation, &mut x, 1e-3, 200);
+        let begin = momentum(&simulation);
+        let (h, steps) = (1e-3, 200);
+        integrate(&mut simulation, &mut x, h, steps);
         let change = energy(&mut simulation) - before;
         assert!(
             change.abs() < 1e-8 * (1.0 + kinetic),
             "case {case}: {change} of {kinetic}"
         );
+        if !floating {
+            continue;
+        }
+        let (end, time) = (momentum(&simulation), h * 200.0);
+        let size = 1.0 + begin.iter().fold(0.0, |most: f64, p| most.max(p.abs()));
+        for axis in 0..6 {
+            if axis < 3 && !weightless {
+                continue;
+            }
+            let gained = if axis < 3 {
+                0.0
+            } else {
+                weight[axis - 3] * time
+            };
+            let off = end[axis] - begin[axis] - gained;
+            assert!(off.abs() < 1e-8 * size, "case {case}, axis {axis}: {off}");
+        }
     }
 }
 

@@ -4,7 +4,6 @@ use super::posed::{Posed, seen};
 use super::{Simulation, SimulationError};
 use crate::continuous::{States, stretch};
 use crate::model::StateId;
-use crate::range::SHORTEST_FIXED_STEP;
 use crate::slots::ParameterSlot;
 use crate::step::point::Context;
 
@@ -55,7 +54,7 @@ impl Simulation {
         if self.stale {
             self.place();
         }
-        let ctx = context!(self, applied);
+        let ctx = reading!(self, applied);
         seen(&mut self.posed, &ctx, &self.state);
         let Some(posed) = &mut self.posed else {
             return &[];

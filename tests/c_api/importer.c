@@ -60,7 +60,12 @@ const fmi2CallbackFunctions callbacks = {logger, NULL, NULL, NULL, &heard};
 
 fmi2Component instantiate(void)
 {
-    fmi2Component c = fmu.Instantiate("robot", fmi2CoSimulation, guid, resources, &callbacks, fmi2False, fmi2False);
+    return instantiate_as(fmi2CoSimulation);
+}
+
+fmi2Component instantiate_as(fmi2Type type)
+{
+    fmi2Component c = fmu.Instantiate("robot", type, guid, resources, &callbacks, fmi2False, fmi2False);
     if (!c) {
         printf("fmi2Instantiate failed: %s\n", heard.text);
         exit(2);

@@ -75,6 +75,9 @@ extern const fmi2CallbackFunctions callbacks;
 
 /* With `resources`, `guid` and the recording logger. */
 fmi2Component instantiate(void);
+fmi2Component instantiate_as(fmi2Type type);
+/* For Model Exchange, in continuous-time mode at 0 s; `x` gets its states, if it is not null. */
+fmi2Component exchanging(double *x);
 /* Initialised at 0 s. */
 fmi2Component running(void);
 

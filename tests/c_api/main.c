@@ -33,6 +33,10 @@ void test_unload(const char *path);
 void test_control_word(void);
 void test_signals(void);
 void test_threads(void);
+void test_exchange_phases(void);
+void test_exchange(void);
+void test_v3_exchange_phases(void);
+void test_v3_exchange(void);
 void test_v3_phases(void);
 void test_v3_values(void);
 void test_v3_derivatives(void);
@@ -72,6 +76,10 @@ static const struct {
     {"signals", test_signals},
 #endif
     {"threads", test_threads},
+    {"exchange_phases", test_exchange_phases},
+    {"exchange", test_exchange},
+    {"v3_exchange_phases", test_v3_exchange_phases},
+    {"v3_exchange", test_v3_exchange},
     {"v3_phases", test_v3_phases},
     {"v3_values", test_v3_values},
     {"v3_derivatives", test_v3_derivatives},

@@ -18,7 +18,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::sync::LazyLock;
 use urdf2fmu_core::assemble;
-use urdf2fmu_core::model::Model;
+use urdf2fmu_core::model::{Interface, Model};
 use urdf2fmu_core::prepared::PreparedModel;
 use urdf2fmu_core::settings::Settings;
 use urdf2fmu_core::urdf::{self, ReadOptions};
@@ -34,6 +34,33 @@ struct Bench {
     resources: PathBuf,
 }
 
+/// Writes what the importer reads of the rover: `robot.h` and `exchange.h` into `folder`, and
+/// `model.json` into `resources`, and of the rover with both interfaces into its neighbour.
+fn write_robots(folder: &Path, resources: &Path) {
+    let (model, exchanged) = (rover(Interface::Cs), rover(Interface::Both));
+    let all = table(&exchanged).expect("a table");
+    let states = all
+        .iter()
+        .filter(|variable| variable.state.is_some())
+        .count();
+    let both = header(&exchanged).replace("#define ", "#define ME_");
+    let both = format!("#define ME_STATES {states}\n{both}");
+    for (file, text) in [("robot.h", header(&model)), ("exchange.h", both)] {
+        fs::write(folder.join(file), text).expect("a file for the tests");
+    }
+    for (resources, model) in [(resources, model), (&exchange(resources), exchanged)] {
+        fs::create_dir_all(resources).expect("a folder for the tests");
+        let text = PreparedModel::new(GUID.into(), model).to_json();
+        let text = text.expect("a model that can be stored");
+        fs::write(resources.join("model.json"), text).expect("a file for the tests");
+    }
+}
+
+/// Resources of the rover that can be exchanged, beside those of the other.
+fn exchange(resources: &Path) -> PathBuf {
+    resources.with_file_name("exchanged")
+}
+
 /// None where it cannot be made.
 static BENCH: LazyLock<Option<Bench>> = LazyLock::new(|| {
     let Some(library) = option_env!("URDF2FMU_HOST_LIBRARY") else {
@@ -47,12 +74,8 @@ static BENCH: LazyLock<Option<Bench>> = LazyLock::new(|| {
     }
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("c_api");
     let resources = folder.join("resources");
-    fs::create_dir_all(&resources).expect("a folder for the tests");
-    let model = rover();
-    let prepared = PreparedModel::new(GUID.into(), model.clone());
-    let text = prepared.to_json().expect("a model that can be stored");
-    fs::write(resources.join("model.json"), text).expect("a file for the tests");
-    fs::write(folder.join("robot.h"), header(&model)).expect("a file for the tests");
+    fs::create_dir_all(&folder).expect("a folder for the tests");
+    write_robots(&folder, &resources);
 
     let importer = folder.join("importer");
     let output = Command::new(compiler)
@@ -153,8 +176,12 @@ fn address_sanitizer_finds_nothing() {
         "v3_updates",
         "v3_instantiate",
         "v3_logging",
+        "exchange_phases",
+        "exchange",
+        "v3_exchange_phases",
+        "v3_exchange",
     ] {
-        sanitized.run(&[test]);
+        sanitized.of(test).run(&[test]);
     }
 }
 
@@ -265,11 +292,13 @@ fn sources() -> Vec<PathBuf> {
         "misuse.c",
         "states.c",
         "derivatives.c",
+        "exchange.c",
         "values.c",
         "long.c",
         "host.c",
         "v3/importer3.c",
         "v3/phases.c",
+        "v3/exchange.c",
         "v3/values.c",
         "v3/states.c",
         "v3/steps.c",
@@ -279,10 +308,12 @@ fn sources() -> Vec<PathBuf> {
 }
 
 /// The example rover: four driven wheels on the ground.
-fn rover() -> Model {
+fn rover(interface: Interface) -> Model {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/rover.urdf");
     let description = urdf::read(&file, &ReadOptions::default()).expect("the example can be read");
-    assemble::build(&description, &Settings::default())
+    let mut settings = Settings::default();
+    settings.fmu.interface = interface;
+    assemble::build(&description, &settings)
         .expect("the example can be built")
         .model
 }
@@ -328,6 +359,7 @@ fn header(model: &Model) -> String {
         ("GRAVITY_Z", "world.gravity.z"),
         ("MAX_STEPS", "solver.max_steps"),
         ("GROUND_FRICTION", "world.ground.friction"),
+        ("GROUND_RESTITUTION", "world.ground.restitution"),
     ] {
         writeln!(text, "#define {constant} {}u", reference(name)).expect("a string");
     }
@@ -352,6 +384,20 @@ fn uri(folder: &Path) -> String {
 }
 
 impl Bench {
+    /// The same with the robot that a test needs.
+    fn of(&self, test: &str) -> Self {
+        let resources = &self.resources;
+        Self {
+            importer: self.importer.clone(),
+            library: self.library,
+            resources: if exchanges(test) {
+                exchange(resources)
+            } else {
+                resources.clone()
+            },
+        }
+    }
+
     /// The importer, told what to do; `wrapper` is a program that runs it.
     fn command<A: AsRef<OsStr>>(&self, wrapper: &[&str], guid: &str, arguments: &[A]) -> Command {
         let mut command = match wrapper {
@@ -403,11 +449,16 @@ macro_rules! runs {
             #[test]
             fn $name() {
                 if let Some(bench) = &*BENCH {
-                    bench.run(&[$test]);
+                    bench.of($test).run(&[$test]);
                 }
             }
         )*
     };
+}
+
+/// Whether a test is of Model Exchange, and needs the rover with that interface.
+fn exchanges(test: &str) -> bool {
+    test.contains("exchange")
 }
 
 runs! {
@@ -433,6 +484,10 @@ runs! {
     the_hosts_control_word_is_kept_and_changes_nothing: "control_word";
     signal_handlers_stay: "signals";
     sixty_four_instances_on_eight_threads_give_the_bits_of_one: "threads";
+    every_function_in_every_phase_of_model_exchange_answers_as_the_table_says: "exchange_phases";
+    hostile_calls_of_model_exchange_are_errors_without_effect: "exchange";
+    every_function_of_fmi_3_in_every_phase_of_model_exchange_answers_so: "v3_exchange_phases";
+    hostile_calls_of_model_exchange_of_fmi_3_are_errors_without_effect: "v3_exchange";
     every_function_of_fmi_3_in_every_phase_answers_as_the_table_says: "v3_phases";
     arrays_are_got_and_set_whole_and_wrong_lengths_have_no_effect: "v3_values";
     output_derivatives_of_arrays_have_all_elements: "v3_derivatives";
@@ -457,7 +512,7 @@ fn a_saved_state_goes_on_bit_for_bit_in_a_new_process() {
     let other = bench.resources.with_file_name("other");
     let guid = "{00000000-0000-8000-8000-000000000000}";
     fs::create_dir_all(&other).expect("a folder for the test");
-    let prepared = PreparedModel::new(guid.into(), rover());
+    let prepared = PreparedModel::new(guid.into(), rover(Interface::Cs));
     fs::write(
         other.join("model.json"),
         prepared.to_json().expect("finite"),
@@ -588,8 +643,11 @@ fn valgrind_finds_nothing() {
         "v3_updates",
         "v3_instantiate",
         "v3_logging",
+        "exchange",
+        "v3_exchange",
     ] {
         let output = bench
+            .of(test)
             .command(&valgrind, GUID, &[test])
             .output()
             .expect("valgrind runs");

@@ -1,4 +1,5 @@
-/* Every function in every phase that an importer can reach, against the table of FMI 2.0. */
+/* Every function in every phase that an importer can reach, of both interfaces, against the tables of FMI 2.0. */
+#include "exchange.h"
 #include "importer.h"
 #include "robot.h"
 #include <math.h>
@@ -7,6 +8,10 @@
 enum { INSTANTIATED, INITIALIZATION, COMPLETE, FAILED, TERMINATED, PHASES };
 static const char *const names[PHASES] = {"instantiated", "initialization mode", "step complete", "step failed",
                                           "terminated"};
+/* Phases of an instance for Model Exchange. */
+enum { EVENT = COMPLETE, CONTINUOUS = FAILED };
+static const char *const exchange_names[PHASES] = {"instantiated", "initialization mode", "event mode",
+                                                   "continuous-time mode", "terminated"};
 
 /* A new instance in the given phase. */
 static fmi2Component in_phase(int phase)
@@ -44,6 +49,7 @@ static fmi2String string;
 static fmi2Status status;
 static fmi2EventInfo info;
 static fmi2FMUstate made;
+static double x[ME_STATES], rates[ME_STATES];
 CALL(set_debug_logging, fmu.SetDebugLogging(c, fmi2False, 0, NULL))
 CALL(setup_experiment, fmu.SetupExperiment(c, fmi2True, 1e-4, 0.0, fmi2True, 1.0))
 CALL(enter, fmu.EnterInitializationMode(c))
@@ -76,11 +82,11 @@ CALL(discrete, fmu.NewDiscreteStates(c, &info))
 CALL(continuous, fmu.EnterContinuousTimeMode(c))
 CALL(integrator, fmu.CompletedIntegratorStep(c, fmi2True, &boolean, &boolean))
 CALL(set_time, fmu.SetTime(c, 0.0))
-CALL(set_states, fmu.SetContinuousStates(c, &real, 1))
-CALL(derivatives, fmu.GetDerivatives(c, &real, 1))
-CALL(indicators, fmu.GetEventIndicators(c, &real, 1))
-CALL(get_states, fmu.GetContinuousStates(c, &real, 1))
-CALL(nominals, fmu.GetNominalsOfContinuousStates(c, &real, 1))
+CALL(set_states, fmu.SetContinuousStates(c, x, ME_STATES))
+CALL(derivatives, fmu.GetDerivatives(c, rates, ME_STATES))
+CALL(indicators, fmu.GetEventIndicators(c, NULL, 0))
+CALL(get_states, fmu.GetContinuousStates(c, rates, ME_STATES))
+CALL(nominals, fmu.GetNominalsOfContinuousStates(c, rates, ME_STATES))
 
 static fmi2Status get_state(fmi2Component c)
 {
@@ -107,53 +113,102 @@ static fmi2Status free_state(fmi2Component c)
     return fmu.FreeFMUstate(c, &own);
 }
 
-/* x: fmi2OK, d: fmi2Discard, -: fmi2Error. Columns: instantiated, initialization, complete, failed, terminated. */
+/* x: fmi2OK, d: fmi2Discard, -: fmi2Error. Columns: instantiated, initialization, complete, failed, terminated; for
+   Model Exchange instantiated, initialization, event, continuous time, terminated. */
 static const struct {
     const char *function;
     fmi2Status (*call)(fmi2Component);
-    const char *allowed;
+    const char *allowed, *exchange;
 } table[] = {
-    {"fmi2SetDebugLogging", set_debug_logging, "xxxxx"},
-    {"fmi2SetupExperiment", setup_experiment, "x----"},
-    {"fmi2EnterInitializationMode", enter, "x----"},
-    {"fmi2ExitInitializationMode", leave, "-x---"},
-    {"fmi2Terminate", terminate, "--xx-"},
-    {"fmi2Reset", reset, "xxxxx"},
-    {"fmi2GetReal", get_real, "xxxxx"},
-    {"fmi2GetInteger", get_integer, "xxxxx"},
-    {"fmi2GetBoolean", get_boolean, "xxxxx"},
-    {"fmi2GetString", get_string, "xxxxx"},
-    {"fmi2SetReal", set_real, "xxx--"},
-    {"fmi2SetInteger", set_integer, "xxx--"},
-    {"fmi2SetBoolean", set_boolean, "xxx--"},
-    {"fmi2SetString", set_string, "xxx--"},
-    {"fmi2GetFMUstate", get_state, "xxxxx"},
-    {"fmi2SerializedFMUstateSize", state_size, "xxxxx"},
-    {"fmi2SerializeFMUstate", serialize, "xxxxx"},
-    {"fmi2DeSerializeFMUstate", deserialize, "xxxxx"},
-    {"fmi2FreeFMUstate", free_state, "xxxxx"},
-    {"fmi2SetFMUstate", set_state, "xxxxx"},
-    {"fmi2GetDirectionalDerivative", directional, "-xxxx"},
-    {"fmi2SetRealInputDerivatives", input_derivatives, "xxx--"},
-    {"fmi2GetRealOutputDerivatives", output_derivatives, "--xxx"},
-    {"fmi2DoStep", step, "--x--"},
-    {"fmi2CancelStep", cancel, "-----"},
-    {"fmi2GetStatus", get_status, "--xxx"},
-    {"fmi2GetRealStatus", get_real_status, "--xxx"},
-    {"fmi2GetIntegerStatus", get_integer_status, "--ddd"},
-    {"fmi2GetBooleanStatus", get_boolean_status, "--xxx"},
-    {"fmi2GetStringStatus", get_string_status, "--xxx"},
-    {"fmi2EnterEventMode", event_mode, "-----"},
-    {"fmi2NewDiscreteStates", discrete, "-----"},
-    {"fmi2EnterContinuousTimeMode", continuous, "-----"},
-    {"fmi2CompletedIntegratorStep", integrator, "-----"},
-    {"fmi2SetTime", set_time, "-----"},
-    {"fmi2SetContinuousStates", set_states, "-----"},
-    {"fmi2GetDerivatives", derivatives, "-----"},
-    {"fmi2GetEventIndicators", indicators, "-----"},
-    {"fmi2GetContinuousStates", get_states, "-----"},
-    {"fmi2GetNominalsOfContinuousStates", nominals, "-----"},
+    {"fmi2SetDebugLogging", set_debug_logging, "xxxxx", "xxxxx"},
+    {"fmi2SetupExperiment", setup_experiment, "x----", "x----"},
+    {"fmi2EnterInitializationMode", enter, "x----", "x----"},
+    {"fmi2ExitInitializationMode", leave, "-x---", "-x---"},
+    {"fmi2Terminate", terminate, "--xx-", "--xx-"},
+    {"fmi2Reset", reset, "xxxxx", "xxxxx"},
+    {"fmi2GetReal", get_real, "xxxxx", "xxxxx"},
+    {"fmi2GetInteger", get_integer, "xxxxx", "xxxxx"},
+    {"fmi2GetBoolean", get_boolean, "xxxxx", "xxxxx"},
+    {"fmi2GetString", get_string, "xxxxx", "xxxxx"},
+    {"fmi2SetReal", set_real, "xxx--", "xxxx-"},
+    {"fmi2SetInteger", set_integer, "xxx--", "xxxx-"},
+    {"fmi2SetBoolean", set_boolean, "xxx--", "xxxx-"},
+    {"fmi2SetString", set_string, "xxx--", "xxxx-"},
+    {"fmi2GetFMUstate", get_state, "xxxxx", "xxxxx"},
+    {"fmi2SerializedFMUstateSize", state_size, "xxxxx", "xxxxx"},
+    {"fmi2SerializeFMUstate", serialize, "xxxxx", "xxxxx"},
+    {"fmi2DeSerializeFMUstate", deserialize, "xxxxx", "xxxxx"},
+    {"fmi2FreeFMUstate", free_state, "xxxxx", "xxxxx"},
+    {"fmi2SetFMUstate", set_state, "xxxxx", "xxxxx"},
+    {"fmi2GetDirectionalDerivative", directional, "-xxxx", "-xxxx"},
+    {"fmi2SetRealInputDerivatives", input_derivatives, "xxx--", "-----"},
+    {"fmi2GetRealOutputDerivatives", output_derivatives, "--xxx", "-----"},
+    {"fmi2DoStep", step, "--x--", "-----"},
+    {"fmi2CancelStep", cancel, "-----", "-----"},
+    {"fmi2GetStatus", get_status, "--xxx", "-----"},
+    {"fmi2GetRealStatus", get_real_status, "--xxx", "-----"},
+    {"fmi2GetIntegerStatus", get_integer_status, "--ddd", "-----"},
+    {"fmi2GetBooleanStatus", get_boolean_status, "--xxx", "-----"},
+    {"fmi2GetStringStatus", get_string_status, "--xxx", "-----"},
+    {"fmi2EnterEventMode", event_mode, "-----", "---x-"},
+    {"fmi2NewDiscreteStates", discrete, "-----", "--x--"},
+    {"fmi2EnterContinuousTimeMode", continuous, "-----", "--x--"},
+    {"fmi2CompletedIntegratorStep", integrator, "-----", "---x-"},
+    {"fmi2SetTime", set_time, "-----", "--xx-"},
+    {"fmi2SetContinuousStates", set_states, "-----", "---x-"},
+    {"fmi2GetDerivatives", derivatives, "-----", "-xxxx"},
+    {"fmi2GetEventIndicators", indicators, "-----", "-xxxx"},
+    {"fmi2GetContinuousStates", get_states, "-----", "-xxxx"},
+    {"fmi2GetNominalsOfContinuousStates", nominals, "-----", "xxxxx"},
 };
+
+/* The answer of a row: of the table of phases, or that nothing is allowed. */
+static void answers(fmi2Component c, size_t row, char allowed, const char *phase)
+{
+    fmi2Status result;
+    forget();
+    result = table[row].call(c);
+    if (allowed != '-') {
+        fmi2Status expected = allowed == 'd' ? fmi2Discard : fmi2OK;
+        CHECK(result == expected, "%s when %s", table[row].function, phase);
+    } else {
+        CHECK(result == fmi2Error, "%s when %s", table[row].function, phase);
+        CHECK(strstr(heard.text, table[row].function) && strstr(heard.text, phase), "the message names %s and %s",
+              table[row].function, phase);
+        /* A rejected call has no effect: the instance can be used. */
+        CHECK(fmu.Reset(c) == fmi2OK, "%s has broken the instance", table[row].function);
+    }
+}
+
+/* With an instance for Model Exchange. */
+void test_exchange_phases(void)
+{
+    const fmi2ValueReference input = ME_LEFT_VELOCITY;
+    fmi2Component helper = exchanging(NULL);
+    CHECK_OK(fmu.GetContinuousStates(helper, x, ME_STATES));
+    CHECK_OK(fmu.GetReal(helper, &input, 1, &real));
+    CHECK_OK(fmu.GetFMUstate(helper, &state));
+    CHECK_OK(fmu.SerializedFMUstateSize(helper, state, &size));
+    CHECK(size <= sizeof bytes, "%zu bytes", size);
+    CHECK_OK(fmu.SerializeFMUstate(helper, state, bytes, size));
+    for (int phase = 0; phase < PHASES; phase++) {
+        for (size_t row = 0; row < sizeof table / sizeof *table; row++) {
+            fmi2Component c = instantiate_as(fmi2ModelExchange);
+            if (phase >= INITIALIZATION)
+                CHECK(fmu.EnterInitializationMode(c) == fmi2OK, "enter");
+            if (phase >= EVENT)
+                CHECK(fmu.ExitInitializationMode(c) == fmi2OK, "exit");
+            if (phase == CONTINUOUS)
+                CHECK(fmu.EnterContinuousTimeMode(c) == fmi2OK, "continuous");
+            if (phase == TERMINATED)
+                CHECK(fmu.Terminate(c) == fmi2OK, "terminate");
+            answers(c, row, table[row].exchange[phase], exchange_names[phase]);
+            fmu.FreeInstance(c);
+        }
+    }
+    CHECK_OK(fmu.FreeFMUstate(helper, &state));
+    fmu.FreeInstance(helper);
+}
 
 void test_phases(void)
 {
@@ -164,19 +219,7 @@ void test_phases(void)
     for (int phase = 0; phase < PHASES; phase++) {
         for (size_t row = 0; row < sizeof table / sizeof *table; row++) {
             fmi2Component c = in_phase(phase);
-            fmi2Status result;
-            forget();
-            result = table[row].call(c);
-            if (table[row].allowed[phase] != '-') {
-                fmi2Status expected = table[row].allowed[phase] == 'd' ? fmi2Discard : fmi2OK;
-                CHECK(result == expected, "%s when %s", table[row].function, names[phase]);
-            } else {
-                CHECK(result == fmi2Error, "%s when %s", table[row].function, names[phase]);
-                CHECK(strstr(heard.text, table[row].function) && strstr(heard.text, names[phase]),
-                      "the message names %s and %s", table[row].function, names[phase]);
-                /* A rejected call has no effect: the phase is still the same. */
-                CHECK(fmu.Reset(c) == fmi2OK, "%s has broken the instance", table[row].function);
-            }
+            answers(c, row, table[row].allowed[phase], names[phase]);
             fmu.FreeInstance(c);
         }
     }

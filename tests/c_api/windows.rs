@@ -4,10 +4,9 @@
 mod wine;
 
 use super::skipped::skipped;
-use super::{GUID, TESTS, header, rover, sources};
+use super::{GUID, TESTS, exchange, exchanges, sources, write_robots};
 use std::fs;
 use std::path::Path;
-use urdf2fmu_core::prepared::PreparedModel;
 use wine::Wine;
 
 #[test]
@@ -25,17 +24,22 @@ fn the_windows_library_passes_the_same_tests_under_wine() {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("c_api_wine");
     let resources = folder.join("100% é #1").join("resources");
     fs::create_dir_all(&resources).expect("a folder for the test");
-    let model = rover();
-    let text = PreparedModel::new(GUID.into(), model.clone()).to_json();
-    fs::write(resources.join("model.json"), text.expect("finite")).expect("a file for the test");
-    fs::write(folder.join("robot.h"), header(&model)).expect("a file for the test");
+    write_robots(&folder, &resources);
     let importer = folder.join("importer.exe");
     wine.compile(&importer, &folder, &sources());
 
     let plain = resources.to_str().expect("Unicode");
     let uri = format!("file:///Z:{}", super::encoded(plain));
+    let other = exchange(&resources);
+    let other = other.to_str().expect("Unicode");
+    let other = format!("file:///Z:{}", super::encoded(other));
     let run = |arguments: &[&str]| {
-        let ended = wine.run(&importer, &[&[library, &uri, GUID], arguments].concat());
+        let uri = if exchanges(arguments[0]) {
+            &other
+        } else {
+            &uri
+        };
+        let ended = wine.run(&importer, &[&[library, uri, GUID], arguments].concat());
         assert!(ended.success, "{arguments:?}: {}", ended.said);
         assert_eq!(ended.complained, "", "the library must be silent on stderr");
         ended.said

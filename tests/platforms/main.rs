@@ -153,7 +153,8 @@ impl Fmu {
             .collect()
     }
 
-    /// Two seconds of commands that wander, in steps of changing size; the format is in `trace.c`.
+    /// Two seconds of commands that wander, in steps of changing size, and how many states there
+    /// are; the format is in `trace.c`.
     fn script(&self) -> String {
         use std::fmt::Write as _;
         const SIZES: [f64; 4] = [1.0 / 240.0, 0.01, 1e-3, 1.0 / 30.0];
@@ -186,6 +187,9 @@ impl Fmu {
             text.push('\n');
             time += h;
         }
+        let names = self.variables.iter().filter_map(|v| v["name"].as_str());
+        let states = names.filter(|name| name.starts_with("der(")).count();
+        _ = writeln!(text, "{states}");
         text
     }
 }
@@ -315,17 +319,21 @@ fn is_of_windows(dll: &str) -> bool {
 fn robots() -> Option<Vec<(PathBuf, Vec<String>)>> {
     let data = environment::make()?.pybullet_data;
     let with = |settings: &str| vec!["-c".to_owned(), example(settings).display().to_string()];
+    let both = || vec!["--interface".to_owned(), "both".to_owned()];
     let world = |robot: &str, settings: &str| {
         let settings = with(&format!("worlds/{settings}.toml"));
         (example("worlds").join(robot), settings)
     };
     Some(vec![
-        (data.join("r2d2.urdf"), Vec::new()),
-        (data.join("kuka_iiwa/model.urdf"), Vec::new()),
-        (data.join("a1/a1.urdf"), Vec::new()),
-        (example("arm.urdf"), Vec::new()),
-        (example("quadruped.urdf"), with("quadruped.toml")),
-        (example("rover.urdf"), Vec::new()),
+        (data.join("r2d2.urdf"), both()),
+        (data.join("kuka_iiwa/model.urdf"), both()),
+        (data.join("a1/a1.urdf"), both()),
+        (example("arm.urdf"), both()),
+        (
+            example("quadruped.urdf"),
+            [with("quadruped.toml"), both()].concat(),
+        ),
+        (example("rover.urdf"), both()),
         world("../quadruped.urdf", "rough_ground"),
         world("gripper.urdf", "gripper_cup"),
         world("delta.urdf", "delta"),

@@ -1,6 +1,8 @@
 """FMI 3.0: valid by FMPy and by the schemas, and the bits of FMI 2.0."""
 
+import html
 import io
+import json
 import zipfile
 from contextlib import redirect_stdout
 from pathlib import Path
@@ -200,6 +202,30 @@ def test_simulate_and_report_take_an_fmu_of_either_version(command, export, exam
         assert listing.returncode == 0, listing.stderr
         assert ("x86_64" in listing.stdout or "aarch64" in listing.stdout) == bool(arguments)
     assert texts[0] == texts[1] and texts[0][1] == texts[2][1]
+
+
+@pytest.mark.parametrize("arrays", ("none", "vectors", "all"))
+def test_info_and_the_page_inside_list_arrays_as_the_file_has_them(arrays, command, export, examples, tmp_path):
+    fmu = export(examples / "rover.urdf", "", "--fmi", "3", "--arrays", arrays)
+    listed = json.loads(command("info", fmu, "--json", "--variables").stdout)["variables"]
+    variables = [v for v in fmpy.read_model_description(str(fmu)).modelVariables if v.causality != "independent"]
+    names = {v["name"]: v for v in listed}
+    assert [v.name for v in variables] == list(names) and len(names) == len(listed)
+    with zipfile.ZipFile(fmu) as archive:
+        page = archive.read("documentation/index.html").decode()
+    assert "FMI 3.0 FMU of a URDF robot for co-simulation" in page
+    for variable in variables:
+        own = names[variable.name]
+        assert own["value_reference"] == variable.valueReference and own["causality"] == variable.causality
+        shape = [int(dimension.start) for dimension in variable.dimensions]
+        assert own.get("dimensions", []) == shape, variable.name
+        assert len(own.get("elements", [0])) == np.prod(shape or [1])
+        if variable.start is not None and shape:
+            assert own["start"] == [float(x) for x in str(variable.start).split()], variable.name
+        size = f" [{' × '.join(map(str, shape))}]" if shape else ""
+        shown = html.escape(variable.name).replace("&#x27;", "'").replace(".", ".<wbr>")
+        assert f"<code>{shown}</code>{size}</td>" in page, variable.name
+    assert any("dimensions" in v for v in listed) == (arrays != "none")
 
 
 def test_a_set_of_one_element_keeps_the_others(command, export, pybullet_data, tmp_path):

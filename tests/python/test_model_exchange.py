@@ -10,9 +10,11 @@ import fmpy
 import numpy as np
 import pytest
 from fmpy import fmi2
+from fmpy.util import read_csv
 from scipy.integrate import solve_ivp
 
 from test_fmi3 import valid
+from test_view import WHEELS, Running
 
 
 def commanded(description, pieces):
@@ -185,6 +187,116 @@ xyz = [2.02, 0.0, 0.32]
     assert abs(ends[0] - ends[1]) < 1e-4, ends
 
 
+POSE = [f"base.position.{axis}" for axis in "xyz"] + [f"base.rpy.{axis}" for axis in ("roll", "pitch", "yaw")]
+
+
+def own(command, fmu, folder, table=None, *more):
+    """What `urdf2fmu simulate` makes of an FMU, and what it says."""
+    arguments = ["simulate", fmu, "--output-file", folder / "out.csv", *more]
+    if table is not None:
+        file = folder / "in.csv"
+        file.write_text("\n".join(",".join(map(str, row)) for row in (table.dtype.names, *table.tolist())) + "\n")
+        arguments += ["--input-file", file]
+    done = command(*arguments)
+    assert done.returncode == 0, done.stderr
+    return read_csv(folder / "out.csv"), done.stderr
+
+
+@pytest.mark.parametrize("fmi", (2, 3))
+def test_simulate_drives_as_cvode_does(fmi, r2d2, pybullet_data, export, command, tmp_path):
+    """R2D2 as Model Exchange alone, driving from 1 s to 2 s, turning until 3 s: the command at 1e-4 comes as near to
+    CVODE at 1e-6 as 0.1 mm and 0.1 mrad, and to co-simulation as near as the interfaces are to one another."""
+    fmu = export(pybullet_data / "r2d2.urdf", "", "--interface", "me", "--fmi", str(fmi))
+    table = commanded(fmpy.read_model_description(str(fmu)), [(0, 1, 0, 0), (1, 2, 10, 10), (2, 3, -5, 5)])
+    found, said = own(command, fmu, tmp_path, table, "--stop-time", 3, "--tolerance", 1e-4)
+    assert "in 720 communication steps" in said and "it ended early" not in said, said
+    bounds = {"ModelExchange": {2.0: (1e-4, 1e-4), 3.0: (1e-4, 2e-4)},
+              "CoSimulation": {2.0: (1e-3, 1e-3), 3.0: (2e-3, 5e-3)}}
+    for kind, at in bounds.items():
+        other = run(r2d2[2], kind, 1e-6, input=table, output=POSE, stop_time=3)
+        for time, (metres, radians) in at.items():
+            rows = (result[np.argmin(abs(result["time"] - time))] for result in (found, other))
+            here, there = ([row[name] for name in POSE] for row in rows)
+            off = np.abs(np.subtract(here, there))
+            assert off[:3].max() < metres and off[3:].max() < radians, (kind, time, off)
+    assert abs(found["base.rpy.yaw"][-1]) > 0.2 and found["base.position.y"][-1] > 0.1, "it drives and turns"
+
+
+@pytest.mark.parametrize("fmi", (2, 3))
+def test_simulate_swings_a_pole_as_cvode_does(fmi, command, tmp_path):
+    """A smooth system under a force that jumps: the command and CVODE at 1e-8, co-simulation at 1e-6. Under one that
+    ramps, too, where FMPy holds the force from point to point: beside SciPy's DOP853, which asks for it anywhere."""
+    sys.path.insert(0, str(Path(__file__).parents[2] / "examples/python"))
+    import balance
+
+    (tmp_path / "pole.urdf").write_text(balance.URDF)
+    (tmp_path / "pole.toml").write_text(balance.SETTINGS)
+    fmus = {}
+    for interface in ("me", "cs"):
+        fmus[interface] = tmp_path / f"{interface}.fmu"
+        done = command("export", tmp_path / "pole.urdf", "-c", tmp_path / "pole.toml", "-o", fmus[interface],
+                       "--interface", interface, "--fmi", fmi)
+        assert done.returncode == 0, done.stderr
+    names = [f"joint.{joint}.{what}" for what in ("position", "velocity") for joint in ("slide", "hinge")]
+    start = {"initial.joint.hinge.position": 0.2}
+    more = ["--stop-time", 2, "--tolerance", 1e-8, "--start-value", *next(iter(start.items()))]
+    columns = [("time", float), (balance.FORCE, float)]
+    jumps = np.array([(0, 4), (0.5, 4), (0.5, -3), (2, -3)], dtype=columns)
+    found, _ = own(command, fmus["me"], tmp_path, jumps, *more)
+    assert np.ptp(found["joint.hinge.position"]) > 1, "it falls"
+    for kind, name, tolerance, bound in (("ModelExchange", "me", 1e-8, 2e-5), ("CoSimulation", "cs", 1e-6, 1e-4)):
+        with redirect_stdout(io.StringIO()):
+            other = fmpy.simulate_fmu(str(fmus[name]), fmi_type=kind, relative_tolerance=tolerance, stop_time=2,
+                                      output_interval=1 / 240, input=jumps, output=names, start_values=start)
+        off = [np.abs(found[column][-1] - other[column][-1]) for column in names]
+        assert max(off) < bound, (kind, off)
+    if fmi == 3:
+        return
+    ramps = np.array([(0, 0), (0.5, 4), (0.5, -3), (1, -3), (2, 1)], dtype=columns)
+    found, _ = own(command, fmus["me"], tmp_path, ramps, *more)
+    model, description = instance(fmus["me"], tmp_path / "exchange")
+    force = next(v.valueReference for v in description.modelVariables if v.name == balance.FORCE)
+    field = Field(model, description)
+    x = np.array([0.0, 0.2, 0.0, 0.0])
+    for begin, end, first, last in ((0, 0.5, 0, 4), (0.5, 1, -3, -3), (1, 2, -3, 1)):
+        def driven(time, x, begin=begin, end=end, first=first, last=last):
+            model.setReal([force], [first + (last - first) * (time - begin) / (end - begin)])
+            return field(time, x)
+        done = solve_ivp(driven, (begin, end), x, method="DOP853", rtol=1e-11, atol=1e-12)
+        x = done.y[:, -1]
+    off = [abs(found[name][-1] - value) for name, value in zip(names, x, strict=True)]
+    assert max(off) < 1e-5, off
+    model.freeInstance()
+
+
+def test_view_and_report_run_a_model_exchange_fmu(pybullet_data, export, command, tmp_path):
+    """The page of a run has it whole; the view is driven by an input that a viewer sets, and back at the start after a
+    reset; a start value that Model Exchange refuses is named."""
+    fmu = export(pybullet_data / "r2d2.urdf", "", "--interface", "me")
+    page, record = tmp_path / "run.html", tmp_path / "record.csv"
+    done = command("simulate", fmu, "--stop-time", 0.1, "--report", page)
+    assert done.returncode == 0 and page.stat().st_size > 1e5, done.stderr
+    running = Running(fmu, "--record", record)
+    try:
+        viewer = running.viewer()
+        viewer.until(lambda: viewer.time > 0.2)
+        viewer.send({"set": {name: 10.0 for name in WHEELS}})
+        at = viewer.time
+        viewer.until(lambda: viewer.time > at + 0.5)
+        assert not viewer.failed
+        viewer.send({"reset": True})
+        viewer.until(lambda: viewer.time < at)
+        viewer.close()
+        said = running.end()
+    finally:
+        running.process.kill()
+    assert "error" not in said, said
+    driven = read_csv(record)
+    assert driven["time"][-1] > 0.5 and abs(driven["base.position.y"][-1]) > 0.01, driven["base.position.y"]
+    done = command("simulate", fmu, "--start-value", "world.ground.restitution", 0.5)
+    assert done.returncode == 3 and "world.ground.restitution" in done.stderr, done.stderr
+
+
 def test_what_needs_events_is_refused_by_name(examples, command, tmp_path):
     robot = next(examples.rglob("rover.urdf"))
     settings = tmp_path / "bouncing.toml"
@@ -214,6 +326,28 @@ def test_a_pole_is_balanced_by_what_its_derivatives_say(tmp_path):
     K = balance.gain(A, B, np.eye(4), np.array([[0.1]]))
     path = balance.balance(fmu, tmp_path / "steps", K, names)
     assert np.abs(path[-1]).max() < 0.01 and path[0, 1] == 0.2
+
+
+def test_a_robot_on_two_wheels_is_balanced_by_what_its_derivatives_say(tmp_path):
+    """A and B of what is left when the contacts have settled, beside the closed form of a body on wheels that roll, as
+    near as a contact's stiffness lets it; and the feedback that follows gets the robot up."""
+    sys.path.insert(0, str(Path(__file__).parents[2] / "examples/python"))
+    import balance
+
+    A, B, K, path = balance.ride(tmp_path)
+    m, h, r, g = balance.BODY, balance.HEIGHT, balance.RADIUS, 9.81
+    # (m + 2 w + 2 J/r^2) x" + m h a" = t/r, m h x" + (I + m h^2) a" = m g h a - t with the sum t of both torques
+    rolling = m + 2 * balance.WHEEL + 2 * balance.WHEEL_INERTIA / r**2
+    inverse = np.linalg.inv([[rolling, m * h], [m * h, balance.BODY_INERTIA + m * h**2]])
+    expected = np.zeros((4, 4))
+    expected[:2, 2:] = np.eye(2)
+    expected[2:, 1] = inverse @ [0, m * g * h]
+    assert np.abs(A - expected).max() < 1e-5 * np.abs(expected).max(), A - expected
+    for column in B.T:
+        expected = np.concatenate([[0, 0], inverse @ [1 / r, -1]])
+        assert np.abs(column - expected).max() < 2e-5 * np.abs(expected).max(), column - expected
+    assert np.linalg.eigvals(A - B @ K).real.max() < 0 < np.linalg.eigvals(A).real.max()
+    assert path[0, 1] == pytest.approx(0.15) and np.abs(path[-1]).max() < 0.02, path[-1]
 
 
 def test_stiff_integrators_of_scipy_find_the_same(r2d2, tmp_path):

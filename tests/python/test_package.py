@@ -335,3 +335,55 @@ def test_an_fmu_without_a_library_for_this_system_says_which_it_has(rover, tmp_p
                 new.writestr(place, old.read(name))
     with pytest.raises(Error, match="it has: amiga"):
         Simulation(other)
+
+
+def driven(fmu):
+    """Values on the way of a simulation that sets, reads, saves, restores and resets by all kinds of names."""
+    seen = []
+    with Simulation(fmu, start_values={"initial.base.position.z": 0.2, "cmd.head_joint.velocity": 0.3},
+                    tolerance=1e-4) as robot:
+        for k in range(30):
+            robot[WHEELS] = [0.1 * k, 2.0, -1.0, 0.5]
+            robot.step(0.01)
+            seen.append(np.concatenate([np.ravel(robot[name]).astype(float) for name in (
+                "base.position", "base.orientation", "base.rpy.yaw", "joint.*.velocity", "contact.*.active",
+                "solver.steps", "contact.left_front_wheel.force")]))
+        # One element of what is an array in FMI 3; the others keep their values.
+        robot["world.gravity.z"] = -3.7
+        seen.append(robot["world.gravity"])
+        state = robot.save()
+        robot.step(0.1)
+        seen.append(robot["base.position"])
+        robot.restore(pickle.loads(pickle.dumps(state)))
+        robot.step(0.1)
+        seen.append(robot["base.position"])
+        robot.reset({})
+        seen.append(robot["base.position"])
+    return seen, robot.names(), [(v.kind, v.causality, v.variability, v.unit) for v in robot.variables.values()]
+
+
+@pytest.mark.parametrize("arrays", ["none", "vectors", "all"])
+def test_fmi_3_has_the_names_and_the_bits_of_fmi_2(arrays, rover, examples, tmp_path):
+    expected, names, kinds = driven(rover)
+    fmu = urdf2fmu.export(examples / "rover.urdf", tmp_path / "three.fmu", fmi=3, arrays=arrays)
+    found, own, own_kinds = driven(fmu)
+    assert set(own) == set(names)
+    if arrays != "all":  # it gathers scalars in other places
+        assert own == names and own_kinds == kinds
+    for number, (one, other) in enumerate(zip(expected, found, strict=True)):
+        assert np.array_equal(one, other), number
+    with Simulation(fmu) as robot, pytest.raises(Error, match="fixed parameter .link.base_link.mass"):
+        robot["link.base_link.mass"] = -1.0
+    tables = [urdf2fmu.simulate(file, stop_time=0.1) for file in (rover, fmu)]
+    assert tables[0].dtype == tables[1].dtype or arrays == "all"
+    assert all(np.array_equal(tables[0][name], tables[1][name]) for name in tables[0].dtype.names)
+
+
+def test_a_model_exchange_fmu_is_integrated_by_simulate_and_refused_by_simulation(examples, tmp_path):
+    for fmi in 2, 3:
+        fmu = urdf2fmu.export(examples / "rover.urdf", tmp_path / f"me{fmi}.fmu", interface="me", fmi=fmi)
+        with pytest.raises(Error, match="Model Exchange alone: simulate.*interface=\"both\""):
+            Simulation(fmu)
+        table = urdf2fmu.simulate(fmu, stop_time=0.05)
+        assert len(table) == 13 and abs(table["base.position.z"][-1] - 0.15) < 1e-3
+

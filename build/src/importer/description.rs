@@ -1,7 +1,8 @@
 //! What an importer needs of modelDescription.xml.
 
 use super::arrays::{Array, Arrays, is_type};
-use super::library::Element;
+use super::library::{Element, Interface};
+use super::states::States;
 use super::variable::{Kind, Variable};
 use crate::describe::ELEMENTS;
 use quick_xml::events::{BytesStart, Event};
@@ -15,6 +16,10 @@ pub struct Description {
     pub fmi: FmiVersion,
     /// Identifies the FMU: `guid`, `instantiationToken`.
     pub guid: String,
+    /// Who integrates; the FMU, if it can.
+    pub interface: Interface,
+    /// Model Exchange: names of the continuous states, in their order.
+    pub states: Vec<String>,
     /// File name of the library.
     pub model_identifier: String,
     /// Whether fmi2SetRealInputDerivatives has an effect.
@@ -48,12 +53,21 @@ pub enum DescriptionError {
         /// As written.
         found: String,
     },
-    /// Not for co-simulation.
+    /// Neither of the two.
     #[error(
-        "the FMU is not for co-simulation: modelDescription.xml has no <CoSimulation>; export the robot \
-         with --interface both to simulate it here, too"
+        "the FMU cannot be simulated here: modelDescription.xml has neither <CoSimulation> nor \
+         <ModelExchange>"
     )]
-    ModelExchange,
+    Interface,
+    /// Model Exchange with state events.
+    #[error(
+        "the FMU has {count} event indicators: Model Exchange is simulated here without state events; ask its \
+         exporter for co-simulation"
+    )]
+    Indicators {
+        /// How many.
+        count: u32,
+    },
     /// An attribute.
     #[error("modelDescription.xml: <{element}> has no valid '{attribute}'")]
     Attribute {
@@ -68,11 +82,12 @@ impl Description {
     /// Reads modelDescription.xml.
     ///
     /// # Errors
-    /// [`DescriptionError`] if it is not that of an FMI 2.0 or 3.0 co-simulation FMU.
+    /// [`DescriptionError`] if it is not that of an FMI 2.0 or 3.0 FMU that can be simulated here.
     pub fn parse(text: &str) -> Result<Self, DescriptionError> {
         let mut reader = Reader::from_str(text);
         let mut description = Self::default();
-        let mut co_simulation = false;
+        let (mut co_simulation, mut model_exchange) = (None, None);
+        let mut states = States::default();
         // The variable whose type is still to come.
         let mut pending: Option<Variable> = None;
         // FMI 3: the variable whose dimensions are still to come.
@@ -94,23 +109,16 @@ impl Description {
             let attributes = Attributes::read(&element, &name)?;
             match name.as_str() {
                 "fmiModelDescription" => {
-                    let found = attributes.text("fmiVersion").unwrap_or_default();
-                    description.fmi = match found.as_str() {
-                        "2.0" => FmiVersion::V2,
-                        version if version.starts_with("3.") => FmiVersion::V3,
-                        _ => return Err(DescriptionError::Version { found }),
-                    };
-                    description.guid = attributes.required(match description.fmi {
-                        FmiVersion::V2 => "guid",
-                        FmiVersion::V3 => "instantiationToken",
-                    })?;
+                    states.indicators = description.identify(&attributes)?;
                 }
                 "CoSimulation" => {
-                    co_simulation = true;
-                    description.model_identifier = attributes.required("modelIdentifier")?;
+                    co_simulation = Some(attributes.required("modelIdentifier")?);
                     description.can_interpolate_inputs = attributes.flag("canInterpolateInputs");
                     description.variable_step =
                         attributes.flag("canHandleVariableCommunicationStepSize");
+                }
+                "ModelExchange" => {
+                    model_exchange = Some(attributes.required("modelIdentifier")?);
                 }
                 "DefaultExperiment" => {
                     description.start_time = attributes.number("startTime")?;
@@ -121,11 +129,23 @@ impl Description {
                 "ModelVariables" | "ModelStructure" => {
                     arrays.inside = name == "ModelVariables" && description.fmi == FmiVersion::V3;
                 }
+                "Outputs" | "Derivatives" | "InitialUnknowns" => {
+                    states.inside = name == "Derivatives";
+                }
+                "Unknown" if states.inside => {
+                    states.rates.push(attributes.whole("index")?);
+                }
+                "ContinuousStateDerivative" => states.rates.push(attributes.reference()?),
+                "EventIndicator" => states.indicators += 1,
                 "Dimension" => arrays.dimension(attributes.text("start")),
                 "Annotation" => {
                     arrays.named = attributes.text("type").as_deref() == Some(ELEMENTS);
                 }
                 name if arrays.inside && is_type(name) => {
+                    if attributes.text("derivative").is_some() {
+                        let state = attributes.whole("derivative")?;
+                        states.of.insert(attributes.reference()?, state);
+                    }
                     arrays.list.push(array(name, &attributes)?);
                 }
                 "ScalarVariable" => {
@@ -142,6 +162,11 @@ impl Description {
                         };
                         variable.unit = attributes.text("unit").unwrap_or_default();
                         description.variables.push(variable);
+                        if attributes.text("derivative").is_some() {
+                            let place = u32::try_from(description.variables.len());
+                            let state = attributes.whole("derivative")?;
+                            states.of.insert(place.unwrap_or(u32::MAX), state);
+                        }
                     }
                 }
                 _ => {}
@@ -155,10 +180,56 @@ impl Description {
             let message = "it has no <fmiModelDescription>".to_owned();
             return Err(DescriptionError::Xml(message));
         }
-        if !co_simulation {
-            return Err(DescriptionError::ModelExchange);
-        }
+        description.take(co_simulation, model_exchange, &states)?;
         Ok(description)
+    }
+
+    /// Takes version and identity from the attributes of the root; gives the number of event
+    /// indicators in FMI 2.
+    fn identify(&mut self, attributes: &Attributes) -> Result<u32, DescriptionError> {
+        let found = attributes.text("fmiVersion").unwrap_or_default();
+        self.fmi = match found.as_str() {
+            "2.0" => FmiVersion::V2,
+            version if version.starts_with("3.") => FmiVersion::V3,
+            _ => return Err(DescriptionError::Version { found }),
+        };
+        self.guid = attributes.required(match self.fmi {
+            FmiVersion::V2 => "guid",
+            FmiVersion::V3 => "instantiationToken",
+        })?;
+        match attributes.text("numberOfEventIndicators") {
+            Some(_) => attributes.whole("numberOfEventIndicators"),
+            None => Ok(0),
+        }
+    }
+
+    /// Takes the interface with which it is simulated: co-simulation, if the FMU has both.
+    ///
+    /// - `co_simulation`, `model_exchange`: their model identifiers
+    fn take(
+        &mut self,
+        co_simulation: Option<String>,
+        model_exchange: Option<String>,
+        states: &States,
+    ) -> Result<(), DescriptionError> {
+        if let Some(identifier) = co_simulation {
+            self.model_identifier = identifier;
+            return Ok(());
+        }
+        self.model_identifier = model_exchange.ok_or(DescriptionError::Interface)?;
+        self.interface = Interface::ModelExchange;
+        // Steps of the importer may end anywhere.
+        self.variable_step = true;
+        if states.indicators > 0 {
+            return Err(DescriptionError::Indicators {
+                count: states.indicators,
+            });
+        }
+        self.states = match self.fmi {
+            FmiVersion::V2 => states.names_of_fmi_2(&self.variables),
+            FmiVersion::V3 => states.names_of_fmi_3(&self.variables, &self.elements),
+        };
+        Ok(())
     }
 
     /// The variable of that name.
@@ -250,8 +321,12 @@ impl Attributes {
     }
 
     fn reference(&self) -> Result<u32, DescriptionError> {
-        let text = self.required("valueReference")?;
-        text.parse().map_err(|_| self.bad("valueReference"))
+        self.whole("valueReference")
+    }
+
+    fn whole(&self, key: &'static str) -> Result<u32, DescriptionError> {
+        let text = self.required(key)?;
+        text.parse().map_err(|_| self.bad(key))
     }
 
     fn flag(&self, key: &str) -> bool {
@@ -307,9 +382,48 @@ mod tests {
                 .to_string()
         };
         assert!(message("fmiVersion=\"2.0\"", "fmiVersion=\"1.0\"").contains("FMI 1.0"));
-        assert!(message("CoSimulation", "ModelExchange").contains("co-simulation"));
+        assert!(message("CoSimulation", "ScheduledExecution").contains("neither <CoSimulation>"));
         assert!(message("valueReference=\"7\"", "valueReference=\"x\"").contains("valueReference"));
         assert!(message("</ModelVariables>", "</Model>").contains("cannot be read"));
+    }
+
+    const EXCHANGE: &str = r#"<?xml version="1.0"?>
+<fmiModelDescription fmiVersion="2.0" modelName="m" guid="1" numberOfEventIndicators="0">
+  <ModelExchange modelIdentifier="m"/>
+  <ModelVariables>
+    <ScalarVariable name="x" valueReference="7"><Real/></ScalarVariable>
+    <ScalarVariable name="der(x)" valueReference="8"><Real derivative="1"/></ScalarVariable>
+    <ScalarVariable name="y" valueReference="9"><Real/></ScalarVariable>
+    <ScalarVariable name="der(y)" valueReference="3"><Real derivative="3"/></ScalarVariable>
+  </ModelVariables>
+  <ModelStructure><Outputs><Unknown index="1"/></Outputs>
+    <Derivatives><Unknown index="4"/><Unknown index="2"/></Derivatives>
+    <InitialUnknowns><Unknown index="1"/></InitialUnknowns></ModelStructure>
+</fmiModelDescription>"#;
+
+    #[test]
+    fn states_of_model_exchange_are_named_in_their_order() {
+        let description = Description::parse(EXCHANGE).expect("Model Exchange");
+        assert_eq!(description.interface, Interface::ModelExchange);
+        assert_eq!(description.states, ["y", "x"]);
+        let events = EXCHANGE.replace("EventIndicators=\"0\"", "EventIndicators=\"2\"");
+        let refused = Description::parse(&events).expect_err("state events");
+        assert!(
+            refused.to_string().contains("2 event indicators"),
+            "{refused}"
+        );
+        let three = TEXT_OF_FMI_3
+            .replace("CoSimulation", "ModelExchange")
+            .replace(
+                "<Output ",
+                "<ContinuousStateDerivative valueReference=\"8\"/><Output ",
+            )
+            .replace(
+                "<Boolean name=\"on\"",
+                "<Float64 derivative=\"7\" name=\"on\"",
+            );
+        let description = Description::parse(&three).expect("Model Exchange of FMI 3");
+        assert_eq!(description.states, ["p.x", "p.y"]);
     }
 
     const TEXT_OF_FMI_3: &str = r#"<?xml version="1.0"?>

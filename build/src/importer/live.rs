@@ -3,7 +3,6 @@
 use super::description::Description;
 use super::error::RunError;
 use super::experiment;
-use super::library::Stepped;
 use super::run::{Recorded, Run};
 use super::variable::Kind;
 use std::collections::BTreeMap;
@@ -32,7 +31,8 @@ impl Live {
         let description = Description::parse(&text)?;
         let signals = inputs.map(|path| experiment::signals(&description, path));
         let recorded = Recorded::new(&description, |v| v.causality == "output");
-        let run = Run::new(folder, &description, signals.transpose()?, recorded, false)?;
+        let (signals, tolerance) = (signals.transpose()?, description.tolerance);
+        let run = Run::new(folder, &description, signals, recorded, tolerance, false)?;
         let start = description.start_time.unwrap_or(0.0);
         let inputs = description.variables.iter();
         let inputs = inputs.filter(|v| v.is_input() && v.kind == Kind::Real);
@@ -76,8 +76,7 @@ impl Live {
         self.run.slave.setup(self.tolerance, self.start, None)?;
         self.run.slave.enter_initialization()?;
         self.run.apply(self.start)?;
-        self.run.slave.exit_initialization()?;
-        Ok(())
+        self.run.begin(self.start, f64::INFINITY)
     }
 
     /// Sets inputs by name; a name that is none is left out.
@@ -87,8 +86,8 @@ impl Live {
     pub fn set(&mut self, inputs: &[(&str, f64)]) -> Result<(), RunError> {
         let known = inputs.iter();
         let known = known.filter_map(|(name, value)| Some((*self.inputs.get(*name)?, *value)));
-        let (references, values): (Vec<u32>, Vec<f64>) = known.unzip();
-        Ok(self.run.slave.set_real(&references, &values)?)
+        let known: Vec<(u32, f64)> = known.collect();
+        self.run.hold(&known, self.time, f64::INFINITY)
     }
 
     /// Sets the inputs of the table to what they are now.
@@ -96,7 +95,7 @@ impl Live {
     /// # Errors
     /// [`RunError::Library`]
     pub fn follow_table(&mut self) -> Result<(), RunError> {
-        Ok(self.run.apply(self.time)?)
+        self.run.follow_table(self.time, f64::INFINITY)
     }
 
     /// Simulates until `end`, s.
@@ -104,25 +103,9 @@ impl Live {
     /// # Errors
     /// [`RunError::Stopped`]
     pub fn step_to(&mut self, end: f64) -> Result<(), RunError> {
-        let stopped = |time: f64, why: String| RunError::Stopped {
-            time,
-            stop: end,
-            why,
-        };
-        let stepped = self.run.slave.do_step(self.time, end - self.time);
-        match stepped.map_err(|error| stopped(self.time, error.to_string()))? {
-            Stepped::Done => {
-                self.time = end;
-                Ok(())
-            }
-            Stepped::Discarded(reached) => {
-                let said = self.run.slave.messages().pop();
-                let why = said.map_or("the FMU discarded the step".to_owned(), |message| {
-                    message.text
-                });
-                Err(stopped(reached, why))
-            }
-        }
+        self.run.step(self.time, end, end)?;
+        self.time = end;
+        Ok(())
     }
 
     /// Time and all outputs.

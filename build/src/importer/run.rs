@@ -3,16 +3,21 @@
 use super::csv::Table;
 use super::description::Description;
 use super::error::RunError;
+use super::exchange::{self, Exchange, Inputs};
 use super::experiment::{Experiment, Times, read, signals, starts};
 use super::library::{LibraryError, Slave, Stepped};
 use super::select::selection;
 use super::signals::{Signals, is_close};
 use super::variable::{Kind, Variable};
 use crate::library::target;
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::{MAIN_SEPARATOR, Path, PathBuf};
 use std::time::{Duration, Instant};
 use urdf2fmu_core::settings::FmiVersion;
+
+/// Relative tolerance of Model Exchange where neither the FMU nor a person names one.
+const TOLERANCE: f64 = 1e-4;
 
 /// What came out of a simulation.
 #[derive(Debug)]
@@ -61,22 +66,23 @@ pub fn simulate(
     let seen = ["output", "input", "local"];
     let recorded = Recorded::new(&description, |v| seen.contains(&v.causality.as_str()));
     let written = selection(&description, &recorded.names, &experiment.written)?;
+    let tolerance = experiment.tolerance.or(description.tolerance);
     let mut run = Run::new(
         folder,
         &description,
         signals,
         recorded,
+        tolerance,
         experiment.debug_logging,
     )?;
     run.slopes = experiment.slopes && description.can_interpolate_inputs;
-    let tolerance = experiment.tolerance.or(description.tolerance);
     run.slave.setup(tolerance, times.start, Some(times.stop))?;
     for (variable, value) in starts {
         run.set(variable, value)?;
     }
     run.slave.enter_initialization()?;
     run.apply(times.start)?;
-    run.slave.exit_initialization()?;
+    run.begin(times.start, times.stop)?;
     run.sample(times.start)?;
     let stepped = run.steps(&times, description.variable_step, watch);
     // A failure at the end leaves the results, too.
@@ -154,6 +160,12 @@ fn uri(path: &Path) -> String {
     uri
 }
 
+/// The error of a simulation until `stop` that came to `time`, s.
+fn stopped(time: f64, stop: f64, why: &impl ToString) -> RunError {
+    let why = why.to_string();
+    RunError::Stopped { time, stop, why }
+}
+
 /// Something of each variable by its name, and a default for `time`.
 fn of_each<T: Default>(
     description: &Description,
@@ -198,6 +210,10 @@ impl Recorded {
 /// An instance with its inputs and what is recorded of it.
 pub(super) struct Run {
     pub(super) slave: Slave,
+    /// What integrates a Model Exchange FMU.
+    exchange: Option<Exchange>,
+    /// Model Exchange: inputs that others than the table have set, by value references.
+    held: BTreeMap<u32, f64>,
     slopes: bool,
     recorded: Recorded,
     signals: Option<Signals>,
@@ -211,20 +227,28 @@ impl Run {
         description: &Description,
         signals: Option<Signals>,
         recorded: Recorded,
+        tolerance: Option<f64>,
         debug_logging: bool,
     ) -> Result<Self, RunError> {
         let library = library(folder, description)?;
         let (resources, guid) = (folder.join("resources"), &description.guid);
+        let interface = description.interface;
         let slave = match description.fmi {
-            FmiVersion::V2 => Slave::of_fmi_2(&library, guid, &uri(&resources), debug_logging),
+            FmiVersion::V2 => {
+                let uri = uri(&resources);
+                Slave::of_fmi_2(&library, guid, &uri, interface, debug_logging)
+            }
             FmiVersion::V3 => {
                 let path = format!("{}{MAIN_SEPARATOR}", resources.display());
                 let elements = description.elements.clone();
-                Slave::of_fmi_3(&library, guid, &path, elements, debug_logging)
+                Slave::of_fmi_3(&library, guid, &path, elements, interface, debug_logging)
             }
         };
+        let tolerance = tolerance.unwrap_or(TOLERANCE);
         Ok(Self {
             slave: slave?,
+            exchange: exchange::of(interface, &description.states, tolerance),
+            held: BTreeMap::new(),
             slopes: false,
             signals,
             table: Table {
@@ -255,6 +279,94 @@ impl Run {
             Kind::Integer => self.slave.set_integer(reference, value as i32),
             Kind::Boolean => self.slave.set_boolean(reference, value != 0.0),
             Kind::Text => Ok(()),
+        }
+    }
+
+    /// Ends the initialisation at `time`, s, of a simulation until `stop`.
+    pub(super) fn begin(&mut self, time: f64, stop: f64) -> Result<(), RunError> {
+        self.slave.exit_initialization()?;
+        self.held.clear();
+        let Some(exchange) = &mut self.exchange else {
+            return Ok(());
+        };
+        let begun = exchange.begin(&mut self.slave, time);
+        begun.map_err(|error| stopped(time, stop, &error))
+    }
+
+    /// Takes inputs from the table at a communication point; in Model Exchange that is an event
+    /// where something jumps, and elsewhere they follow by themselves.
+    pub(super) fn follow_table(&mut self, time: f64, stop: f64) -> Result<(), RunError> {
+        if self.exchange.is_none() {
+            let applied = self.apply(time);
+            return applied.map_err(|error| stopped(time, stop, &error));
+        }
+        let jumps = |signals: &Signals| signals.jumps_at(time);
+        if self.signals.as_ref().is_some_and(jumps) {
+            self.event(time, stop)
+        } else {
+            Ok(())
+        }
+    }
+
+    /// Sets inputs that are numbers at a communication point; in Model Exchange a change of one is
+    /// an event, and those that are not named any longer are the table's again.
+    pub(super) fn hold(
+        &mut self,
+        inputs: &[(u32, f64)],
+        time: f64,
+        stop: f64,
+    ) -> Result<(), RunError> {
+        if self.exchange.is_none() {
+            let (references, values): (Vec<u32>, Vec<f64>) = inputs.iter().copied().unzip();
+            return Ok(self.slave.set_real(&references, &values)?);
+        }
+        let held: BTreeMap<u32, f64> = inputs.iter().copied().collect();
+        if held == self.held {
+            return Ok(());
+        }
+        self.held = held;
+        self.event(time, stop)
+    }
+
+    /// An event of Model Exchange, in which all inputs may jump.
+    fn event(&mut self, time: f64, stop: f64) -> Result<(), RunError> {
+        let failed = |error: LibraryError| stopped(time, stop, &error);
+        self.slave.enter_event_mode().map_err(failed)?;
+        self.apply(time).map_err(failed)?;
+        let held = self
+            .held
+            .iter()
+            .map(|(reference, value)| (*reference, *value));
+        let (references, values): (Vec<u32>, Vec<f64>) = held.unzip();
+        self.slave.set_real(&references, &values).map_err(failed)?;
+        let Some(exchange) = &mut self.exchange else {
+            return Ok(());
+        };
+        let settled = exchange.settle(&mut self.slave, time);
+        settled.map_err(|error| stopped(time, stop, &error))
+    }
+
+    /// Simulates from `time` to `end`, s; the whole simulation ends at `stop`.
+    pub(super) fn step(&mut self, time: f64, end: f64, stop: f64) -> Result<(), RunError> {
+        if let Some(exchange) = &mut self.exchange {
+            let next = self.signals.as_ref();
+            let next = next.map_or(f64::INFINITY, |signals| signals.next_event(time));
+            let inputs = Inputs {
+                signals: self.signals.as_ref(),
+                held: &self.held,
+                next,
+            };
+            let advanced = exchange.advance(&mut self.slave, inputs, end);
+            return advanced.map_err(|(reached, error)| stopped(reached, stop, &error));
+        }
+        let stepped = self.slave.do_step(time, end - time);
+        match stepped.map_err(|error| stopped(time, stop, &error))? {
+            Stepped::Done => Ok(()),
+            Stepped::Discarded(reached) => {
+                let said = self.slave.messages().pop();
+                let why = said.map_or("the FMU discarded the step".to_owned(), |m| m.text);
+                Err(stopped(reached, stop, &why))
+            }
         }
     }
 
@@ -354,23 +466,11 @@ impl Run {
                 }
                 next = stop;
             }
-            let stopped = |time: f64, why: String| RunError::Stopped { time, stop, why };
-            self.apply(time)
-                .map_err(|error| stopped(time, error.to_string()))?;
+            self.follow_table(time, stop)?;
             let begun = Instant::now();
-            let stepped = self.slave.do_step(time, next - time);
+            self.step(time, next, stop)?;
             let took = begun.elapsed();
-            match stepped.map_err(|error| stopped(time, error.to_string()))? {
-                Stepped::Done => time = next,
-                Stepped::Discarded(reached) => {
-                    let messages = self.slave.messages();
-                    let last = messages.last().map(|m| m.text.clone());
-                    return Err(stopped(
-                        reached,
-                        last.unwrap_or("the FMU discarded the step".to_owned()),
-                    ));
-                }
-            }
+            time = next;
             self.sample(time)?;
             self.took.push(took);
             if is_close(time, regular) {

@@ -67,6 +67,25 @@ impl Signals {
             .fold(f64::INFINITY, f64::min)
     }
 
+    /// Whether something jumps at `time`.
+    pub fn jumps_at(&self, time: f64) -> bool {
+        self.events.iter().any(|&event| is_close(event, time))
+    }
+
+    /// Value of a signal at `time`; at a jump the one before it.
+    pub fn value_before(&self, signal: &Signal, time: f64) -> f64 {
+        let (right, t, value) = self.around(signal, time);
+        let last = self.table.rows.len() - 1;
+        if right > last {
+            value(last)
+        } else if right == 0 {
+            value(0)
+        } else {
+            let before = (t(right) - time) / (t(right) - t(right - 1));
+            before * value(right - 1) + (1.0 - before) * value(right)
+        }
+    }
+
     /// Value of a signal at `time`; at a jump the one after it.
     pub fn value(&self, signal: &Signal, time: f64) -> f64 {
         let (right, t, value) = self.around(signal, time);
@@ -168,6 +187,12 @@ mod tests {
         let at = |time| (s.value(&s.list[0], time), s.slope(&s.list[0], time));
         assert_eq!(at(1.0), (5.0, 2.0));
         assert_eq!(at(0.5), (0.0, 0.0));
+        let before = |time| s.value_before(&s.list[0], time);
+        assert_eq!(
+            (before(0.0), before(1.0), before(1.5), before(3.0)),
+            (0.0, 0.0, 6.0, 7.0)
+        );
+        assert!(s.jumps_at(1.0) && !s.jumps_at(1.5));
         assert_eq!(s.next_event(0.2), 1.0);
         assert_eq!(s.next_event(1.0), f64::INFINITY);
     }

@@ -1,6 +1,6 @@
 //! Model Exchange: the importer integrates.
 
-use super::Instance;
+use super::{Instance, Source};
 use crate::error::FmiError;
 use crate::phase::Phase;
 use crate::pointers::{In, Out};
@@ -53,11 +53,10 @@ impl Instance {
     pub(crate) fn set_continuous_states(&mut self, states: &In<f64>) -> Result<(), FmiError> {
         self.check_states("the list of states", states.len())?;
         self.scratch.clear();
-        for (index, value) in states.iter().enumerate() {
-            if !value.is_finite() {
-                return Err(FmiError::StateValue { index, value });
-            }
-            self.scratch.push(value);
+        self.scratch.extend(states.iter());
+        if let Some(index) = self.scratch.iter().position(|value| !value.is_finite()) {
+            let value = self.scratch[index];
+            return Err(FmiError::StateValue { index, value });
         }
         self.simulation.set_states(&self.scratch);
         Ok(())
@@ -75,8 +74,21 @@ impl Instance {
     /// Reads the derivatives of all continuous states; nothing is written if one is not finite.
     pub(crate) fn derivatives(&mut self, rates: &mut Out<f64>) -> Result<(), FmiError> {
         self.check_states("the list of derivatives", rates.len())?;
-        write(self.simulation.derivatives()?, rates);
+        let found = self.simulation.rates();
+        if let Some(index) = found.iter().position(|rate| !rate.is_finite()) {
+            return Err(self.rate_not_finite(index));
+        }
+        write(found, rates);
         Ok(())
+    }
+
+    /// A derivative that is no number: the importer may try a shorter step.
+    #[cold]
+    fn rate_not_finite(&self, index: usize) -> FmiError {
+        let is_it = |source: &Source| matches!(source, Source::Rate(id) if id.index() == index);
+        let element = self.sources.iter().position(is_it);
+        let row = element.map(|element| self.layout.all_rows()[element]);
+        self.not_finite(row.unwrap_or(u32::MAX))
     }
 
     /// Reads the nominal values of all continuous states.

@@ -20,6 +20,10 @@ void load3(void);
 void logger3(fmi3InstanceEnvironment environment, fmi3Status status, fmi3String category, fmi3String message);
 
 fmi3Instance instantiate3(void);
+/* For Model Exchange. */
+fmi3Instance exchange3(void);
+/* The same in continuous-time mode at 0 s; `x` gets its states, if it is not null. */
+fmi3Instance exchanging3(double *x);
 /* Initialised at 0 s. */
 fmi3Instance running3(void);
 /* Of all Float64 variables: the same number as hash_state gives of FMI 2's. */

@@ -1,4 +1,5 @@
-/* Every function in every phase that an importer can reach, against the table of FMI 3.0. */
+/* Every function in every phase that an importer can reach, of both interfaces, against the tables of FMI 3.0. */
+#include "exchange.h"
 #include "importer3.h"
 #include "robot.h"
 #include <math.h>
@@ -7,6 +8,10 @@
 enum { INSTANTIATED, INITIALIZATION, STEP, UPDATE, TERMINATED, PHASES };
 static const char *const names[PHASES] = {"instantiated", "initialization mode", "step mode",
                                           "intermediate update mode", "terminated"};
+/* Phases of an instance for Model Exchange. */
+enum { EVENT = STEP, CONTINUOUS = UPDATE };
+static const char *const exchange_names[PHASES] = {"instantiated", "initialization mode", "event mode",
+                                                   "continuous-time mode", "terminated"};
 
 static fmi3FMUState state, made;
 static fmi3Byte bytes[1 << 16];
@@ -21,6 +26,7 @@ static fmi3DependencyKind kind;
 static double real;
 static int32_t integer;
 static bool flag;
+static double x[ME_STATES], rates[ME_STATES];
 CALL(SetDebugLogging, fmu3.SetDebugLogging(c, false, 0, NULL))
 CALL(EnterInitializationMode, fmu3.EnterInitializationMode(c, true, 1e-4, 0.0, true, 1.0))
 CALL(ExitInitializationMode, fmu3.ExitInitializationMode(c))
@@ -80,11 +86,11 @@ CALL(UpdateDiscreteStates, fmu3.UpdateDiscreteStates(c, &flag, &flag, &flag, &fl
 CALL(EnterContinuousTimeMode, fmu3.EnterContinuousTimeMode(c))
 CALL(CompletedIntegratorStep, fmu3.CompletedIntegratorStep(c, true, &flag, &flag))
 CALL(SetTime, fmu3.SetTime(c, 0.0))
-CALL(SetContinuousStates, fmu3.SetContinuousStates(c, &real, 1))
-CALL(GetContinuousStateDerivatives, fmu3.GetContinuousStateDerivatives(c, &real, 1))
-CALL(GetEventIndicators, fmu3.GetEventIndicators(c, &real, 1))
-CALL(GetContinuousStates, fmu3.GetContinuousStates(c, &real, 1))
-CALL(GetNominalsOfContinuousStates, fmu3.GetNominalsOfContinuousStates(c, &real, 1))
+CALL(SetContinuousStates, fmu3.SetContinuousStates(c, x, ME_STATES))
+CALL(GetContinuousStateDerivatives, fmu3.GetContinuousStateDerivatives(c, rates, ME_STATES))
+CALL(GetEventIndicators, fmu3.GetEventIndicators(c, NULL, 0))
+CALL(GetContinuousStates, fmu3.GetContinuousStates(c, rates, ME_STATES))
+CALL(GetNominalsOfContinuousStates, fmu3.GetNominalsOfContinuousStates(c, rates, ME_STATES))
 CALL(GetNumberOfEventIndicators, fmu3.GetNumberOfEventIndicators(c, &n))
 CALL(GetNumberOfContinuousStates, fmu3.GetNumberOfContinuousStates(c, &n))
 CALL(ActivateModelPartition, fmu3.ActivateModelPartition(c, 0, 0.0))
@@ -115,99 +121,105 @@ static fmi3Status free_state(fmi3Instance c)
     return fmu3.FreeFMUState(c, &own);
 }
 
-/* x: fmi3OK, -: fmi3Error. Columns: instantiated, initialization, step, intermediate update, terminated. */
+/* x: fmi3OK, -: fmi3Error. Columns: instantiated, initialization, step, intermediate update, terminated; for Model
+   Exchange instantiated, initialization, event, continuous time, terminated. */
 static const struct {
     const char *function;
     fmi3Status (*call)(fmi3Instance);
-    const char *allowed;
+    const char *allowed, *exchange;
 } table[] = {
-    {"fmi3SetDebugLogging", call_SetDebugLogging, "xxxxx"},
-    {"fmi3EnterInitializationMode", call_EnterInitializationMode, "x----"},
-    {"fmi3ExitInitializationMode", call_ExitInitializationMode, "-x---"},
-    {"fmi3Terminate", call_Terminate, "--x--"},
-    {"fmi3Reset", call_Reset, "xxx-x"},
-    {"fmi3GetFloat32", call_GetFloat32, "xxxxx"},
-    {"fmi3GetFloat64", call_GetFloat64, "xxxxx"},
-    {"fmi3GetInt8", call_GetInt8, "xxxxx"},
-    {"fmi3GetUInt8", call_GetUInt8, "xxxxx"},
-    {"fmi3GetInt16", call_GetInt16, "xxxxx"},
-    {"fmi3GetUInt16", call_GetUInt16, "xxxxx"},
-    {"fmi3GetInt32", call_GetInt32, "xxxxx"},
-    {"fmi3GetUInt32", call_GetUInt32, "xxxxx"},
-    {"fmi3GetInt64", call_GetInt64, "xxxxx"},
-    {"fmi3GetUInt64", call_GetUInt64, "xxxxx"},
-    {"fmi3GetBoolean", call_GetBoolean, "xxxxx"},
-    {"fmi3GetString", call_GetString, "xxxxx"},
-    {"fmi3GetBinary", call_GetBinary, "xxxxx"},
-    {"fmi3GetClock", call_GetClock, "xxxxx"},
-    {"fmi3SetFloat32", call_SetFloat32, "xxxx-"},
-    {"fmi3SetFloat64", call_SetFloat64, "xxxx-"},
-    {"fmi3SetInt8", call_SetInt8, "xxxx-"},
-    {"fmi3SetUInt8", call_SetUInt8, "xxxx-"},
-    {"fmi3SetInt16", call_SetInt16, "xxxx-"},
-    {"fmi3SetUInt16", call_SetUInt16, "xxxx-"},
-    {"fmi3SetInt32", call_SetInt32, "xxxx-"},
-    {"fmi3SetUInt32", call_SetUInt32, "xxxx-"},
-    {"fmi3SetInt64", call_SetInt64, "xxxx-"},
-    {"fmi3SetUInt64", call_SetUInt64, "xxxx-"},
-    {"fmi3SetBoolean", call_SetBoolean, "xxxx-"},
-    {"fmi3SetString", call_SetString, "xxxx-"},
-    {"fmi3SetBinary", call_SetBinary, "xxxx-"},
-    {"fmi3SetClock", call_SetClock, "xxxx-"},
-    {"fmi3GetFMUState", get_state, "xxx-x"},
-    {"fmi3SetFMUState", call_SetFMUState, "xxx-x"},
-    {"fmi3FreeFMUState", free_state, "xxxxx"},
-    {"fmi3SerializedFMUStateSize", call_SerializedFMUStateSize, "xxxxx"},
-    {"fmi3SerializeFMUState", call_SerializeFMUState, "xxxxx"},
-    {"fmi3DeserializeFMUState", deserialize, "xxxxx"},
-    {"fmi3GetOutputDerivatives", call_GetOutputDerivatives, "--xxx"},
-    {"fmi3DoStep", call_DoStep, "--x--"},
-    {"fmi3GetNumberOfVariableDependencies", call_GetNumberOfVariableDependencies, "-----"},
-    {"fmi3GetVariableDependencies", call_GetVariableDependencies, "-----"},
-    {"fmi3GetDirectionalDerivative", call_GetDirectionalDerivative, "-----"},
-    {"fmi3GetAdjointDerivative", call_GetAdjointDerivative, "-----"},
-    {"fmi3EnterConfigurationMode", call_EnterConfigurationMode, "-----"},
-    {"fmi3ExitConfigurationMode", call_ExitConfigurationMode, "-----"},
-    {"fmi3GetIntervalDecimal", call_GetIntervalDecimal, "-----"},
-    {"fmi3GetIntervalFraction", call_GetIntervalFraction, "-----"},
-    {"fmi3GetShiftDecimal", call_GetShiftDecimal, "-----"},
-    {"fmi3GetShiftFraction", call_GetShiftFraction, "-----"},
-    {"fmi3SetIntervalDecimal", call_SetIntervalDecimal, "-----"},
-    {"fmi3SetIntervalFraction", call_SetIntervalFraction, "-----"},
-    {"fmi3SetShiftDecimal", call_SetShiftDecimal, "-----"},
-    {"fmi3SetShiftFraction", call_SetShiftFraction, "-----"},
-    {"fmi3EnterEventMode", call_EnterEventMode, "-----"},
-    {"fmi3EnterStepMode", call_EnterStepMode, "-----"},
-    {"fmi3EvaluateDiscreteStates", call_EvaluateDiscreteStates, "-----"},
-    {"fmi3UpdateDiscreteStates", call_UpdateDiscreteStates, "-----"},
-    {"fmi3EnterContinuousTimeMode", call_EnterContinuousTimeMode, "-----"},
-    {"fmi3CompletedIntegratorStep", call_CompletedIntegratorStep, "-----"},
-    {"fmi3SetTime", call_SetTime, "-----"},
-    {"fmi3SetContinuousStates", call_SetContinuousStates, "-----"},
-    {"fmi3GetContinuousStateDerivatives", call_GetContinuousStateDerivatives, "-----"},
-    {"fmi3GetEventIndicators", call_GetEventIndicators, "-----"},
-    {"fmi3GetContinuousStates", call_GetContinuousStates, "-----"},
-    {"fmi3GetNominalsOfContinuousStates", call_GetNominalsOfContinuousStates, "-----"},
-    {"fmi3GetNumberOfEventIndicators", call_GetNumberOfEventIndicators, "-----"},
-    {"fmi3GetNumberOfContinuousStates", call_GetNumberOfContinuousStates, "-----"},
-    {"fmi3ActivateModelPartition", call_ActivateModelPartition, "-----"},
+    {"fmi3SetDebugLogging", call_SetDebugLogging, "xxxxx", "xxxxx"},
+    {"fmi3EnterInitializationMode", call_EnterInitializationMode, "x----", "x----"},
+    {"fmi3ExitInitializationMode", call_ExitInitializationMode, "-x---", "-x---"},
+    {"fmi3Terminate", call_Terminate, "--x--", "--xx-"},
+    {"fmi3Reset", call_Reset, "xxx-x", "xxxxx"},
+    {"fmi3GetFloat32", call_GetFloat32, "xxxxx", "xxxxx"},
+    {"fmi3GetFloat64", call_GetFloat64, "xxxxx", "xxxxx"},
+    {"fmi3GetInt8", call_GetInt8, "xxxxx", "xxxxx"},
+    {"fmi3GetUInt8", call_GetUInt8, "xxxxx", "xxxxx"},
+    {"fmi3GetInt16", call_GetInt16, "xxxxx", "xxxxx"},
+    {"fmi3GetUInt16", call_GetUInt16, "xxxxx", "xxxxx"},
+    {"fmi3GetInt32", call_GetInt32, "xxxxx", "xxxxx"},
+    {"fmi3GetUInt32", call_GetUInt32, "xxxxx", "xxxxx"},
+    {"fmi3GetInt64", call_GetInt64, "xxxxx", "xxxxx"},
+    {"fmi3GetUInt64", call_GetUInt64, "xxxxx", "xxxxx"},
+    {"fmi3GetBoolean", call_GetBoolean, "xxxxx", "xxxxx"},
+    {"fmi3GetString", call_GetString, "xxxxx", "xxxxx"},
+    {"fmi3GetBinary", call_GetBinary, "xxxxx", "xxxxx"},
+    {"fmi3GetClock", call_GetClock, "xxxxx", "xxxxx"},
+    {"fmi3SetFloat32", call_SetFloat32, "xxxx-", "xxxx-"},
+    {"fmi3SetFloat64", call_SetFloat64, "xxxx-", "xxxx-"},
+    {"fmi3SetInt8", call_SetInt8, "xxxx-", "xxxx-"},
+    {"fmi3SetUInt8", call_SetUInt8, "xxxx-", "xxxx-"},
+    {"fmi3SetInt16", call_SetInt16, "xxxx-", "xxxx-"},
+    {"fmi3SetUInt16", call_SetUInt16, "xxxx-", "xxxx-"},
+    {"fmi3SetInt32", call_SetInt32, "xxxx-", "xxxx-"},
+    {"fmi3SetUInt32", call_SetUInt32, "xxxx-", "xxxx-"},
+    {"fmi3SetInt64", call_SetInt64, "xxxx-", "xxxx-"},
+    {"fmi3SetUInt64", call_SetUInt64, "xxxx-", "xxxx-"},
+    {"fmi3SetBoolean", call_SetBoolean, "xxxx-", "xxxx-"},
+    {"fmi3SetString", call_SetString, "xxxx-", "xxxx-"},
+    {"fmi3SetBinary", call_SetBinary, "xxxx-", "xxxx-"},
+    {"fmi3SetClock", call_SetClock, "xxxx-", "xxxx-"},
+    {"fmi3GetFMUState", get_state, "xxx-x", "xxxxx"},
+    {"fmi3SetFMUState", call_SetFMUState, "xxx-x", "xxxxx"},
+    {"fmi3FreeFMUState", free_state, "xxxxx", "xxxxx"},
+    {"fmi3SerializedFMUStateSize", call_SerializedFMUStateSize, "xxxxx", "xxxxx"},
+    {"fmi3SerializeFMUState", call_SerializeFMUState, "xxxxx", "xxxxx"},
+    {"fmi3DeserializeFMUState", deserialize, "xxxxx", "xxxxx"},
+    {"fmi3GetOutputDerivatives", call_GetOutputDerivatives, "--xxx", "-----"},
+    {"fmi3DoStep", call_DoStep, "--x--", "-----"},
+    {"fmi3GetNumberOfVariableDependencies", call_GetNumberOfVariableDependencies, "-----", "-----"},
+    {"fmi3GetVariableDependencies", call_GetVariableDependencies, "-----", "-----"},
+    {"fmi3GetDirectionalDerivative", call_GetDirectionalDerivative, "-----", "-xxxx"},
+    {"fmi3GetAdjointDerivative", call_GetAdjointDerivative, "-----", "-----"},
+    {"fmi3EnterConfigurationMode", call_EnterConfigurationMode, "-----", "-----"},
+    {"fmi3ExitConfigurationMode", call_ExitConfigurationMode, "-----", "-----"},
+    {"fmi3GetIntervalDecimal", call_GetIntervalDecimal, "-----", "-----"},
+    {"fmi3GetIntervalFraction", call_GetIntervalFraction, "-----", "-----"},
+    {"fmi3GetShiftDecimal", call_GetShiftDecimal, "-----", "-----"},
+    {"fmi3GetShiftFraction", call_GetShiftFraction, "-----", "-----"},
+    {"fmi3SetIntervalDecimal", call_SetIntervalDecimal, "-----", "-----"},
+    {"fmi3SetIntervalFraction", call_SetIntervalFraction, "-----", "-----"},
+    {"fmi3SetShiftDecimal", call_SetShiftDecimal, "-----", "-----"},
+    {"fmi3SetShiftFraction", call_SetShiftFraction, "-----", "-----"},
+    {"fmi3EnterEventMode", call_EnterEventMode, "-----", "---x-"},
+    {"fmi3EnterStepMode", call_EnterStepMode, "-----", "-----"},
+    {"fmi3EvaluateDiscreteStates", call_EvaluateDiscreteStates, "-----", "-----"},
+    {"fmi3UpdateDiscreteStates", call_UpdateDiscreteStates, "-----", "--x--"},
+    {"fmi3EnterContinuousTimeMode", call_EnterContinuousTimeMode, "-----", "--x--"},
+    {"fmi3CompletedIntegratorStep", call_CompletedIntegratorStep, "-----", "---x-"},
+    {"fmi3SetTime", call_SetTime, "-----", "---x-"},
+    {"fmi3SetContinuousStates", call_SetContinuousStates, "-----", "---x-"},
+    {"fmi3GetContinuousStateDerivatives", call_GetContinuousStateDerivatives, "-----", "-xxxx"},
+    {"fmi3GetEventIndicators", call_GetEventIndicators, "-----", "-xxxx"},
+    {"fmi3GetContinuousStates", call_GetContinuousStates, "-----", "-xxxx"},
+    {"fmi3GetNominalsOfContinuousStates", call_GetNominalsOfContinuousStates, "-----", "-xxxx"},
+    {"fmi3GetNumberOfEventIndicators", call_GetNumberOfEventIndicators, "-----", "xxxxx"},
+    {"fmi3GetNumberOfContinuousStates", call_GetNumberOfContinuousStates, "-----", "xxxxx"},
+    {"fmi3ActivateModelPartition", call_ActivateModelPartition, "-----", "-----"},
 };
 
 static fmi3Instance updated;
 static size_t row;
 
-static void check(fmi3Instance c, int phase)
+static void answers(fmi3Instance c, char allowed, const char *phase)
 {
     fmi3Status result;
     forget();
     result = table[row].call(c);
-    if (table[row].allowed[phase] == 'x') {
-        CHECK(result == fmi3OK, "%s when %s", table[row].function, names[phase]);
+    if (allowed == 'x') {
+        CHECK(result == fmi3OK, "%s when %s", table[row].function, phase);
     } else {
-        CHECK(result == fmi3Error, "%s when %s", table[row].function, names[phase]);
-        CHECK(strstr(heard.text, table[row].function) && strstr(heard.text, names[phase]),
-              "the message names %s and %s", table[row].function, names[phase]);
+        CHECK(result == fmi3Error, "%s when %s", table[row].function, phase);
+        CHECK(strstr(heard.text, table[row].function) && strstr(heard.text, phase), "the message names %s and %s",
+              table[row].function, phase);
     }
+}
+
+static void check(fmi3Instance c, int phase)
+{
+    answers(c, table[row].allowed[phase], names[phase]);
 }
 
 static void update(fmi3InstanceEnvironment environment, double time, bool set, bool get, bool finished, bool may_end,
@@ -248,6 +260,38 @@ void test_v3_phases(void)
             } else {
                 check(c, phase);
             }
+            /* A rejected call has no effect: the instance can be used. */
+            CHECK(fmu3.Reset(c) == fmi3OK, "%s has broken the instance", table[row].function);
+            fmu3.FreeInstance(c);
+        }
+    }
+    CHECK_OK(fmu3.FreeFMUState(helper, &state));
+    fmu3.FreeInstance(helper);
+}
+
+/* With an instance for Model Exchange. */
+void test_v3_exchange_phases(void)
+{
+    const fmi3ValueReference input = ME_LEFT_VELOCITY;
+    fmi3Instance helper = exchanging3(NULL);
+    CHECK_OK(fmu3.GetContinuousStates(helper, x, ME_STATES));
+    CHECK_OK(fmu3.GetFloat64(helper, &input, 1, &real, 1));
+    CHECK_OK(fmu3.GetFMUState(helper, &state));
+    CHECK_OK(fmu3.SerializedFMUStateSize(helper, state, &size));
+    CHECK(size <= sizeof bytes, "%zu bytes", size);
+    CHECK_OK(fmu3.SerializeFMUState(helper, state, bytes, size));
+    for (int phase = 0; phase < PHASES; phase++) {
+        for (row = 0; row < sizeof table / sizeof *table; row++) {
+            fmi3Instance c = exchange3();
+            if (phase >= INITIALIZATION)
+                CHECK(fmu3.EnterInitializationMode(c, false, 0.0, 0.0, false, 0.0) == fmi3OK, "enter");
+            if (phase >= EVENT)
+                CHECK(fmu3.ExitInitializationMode(c) == fmi3OK, "exit");
+            if (phase == CONTINUOUS)
+                CHECK(fmu3.EnterContinuousTimeMode(c) == fmi3OK, "continuous");
+            if (phase == TERMINATED)
+                CHECK(fmu3.Terminate(c) == fmi3OK, "terminate");
+            answers(c, table[row].exchange[phase], exchange_names[phase]);
             /* A rejected call has no effect: the instance can be used. */
             CHECK(fmu3.Reset(c) == fmi3OK, "%s has broken the instance", table[row].function);
             fmu3.FreeInstance(c);

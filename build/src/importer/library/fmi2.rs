@@ -2,7 +2,8 @@
 #![allow(unsafe_code, reason = "loads a library and calls its C functions")]
 
 use super::shared::{
-    LAST_GOOD, LibraryError, Message, Stepped, c_text, check, functions, hear, open, said,
+    Completed, Interface, LAST_GOOD, LibraryError, Message, Stepped, Update, c_text, check,
+    functions, hear, open, said,
 };
 use libloading::Library;
 use std::cell::RefCell;
@@ -24,6 +25,8 @@ struct Callbacks {
 }
 
 functions! {
+    /// Those of both interfaces.
+    struct Functions;
     instantiate: "fmi2Instantiate",
         fn(*const c_char, c_int, *const c_char, *const c_char, *const Callbacks, c_int, c_int) -> Component;
     free: "fmi2FreeInstance", fn(Component) -> ();
@@ -38,10 +41,47 @@ functions! {
     set_real: "fmi2SetReal", fn(Component, *const c_uint, usize, *const f64) -> c_int;
     set_integer: "fmi2SetInteger", fn(Component, *const c_uint, usize, *const c_int) -> c_int;
     set_boolean: "fmi2SetBoolean", fn(Component, *const c_uint, usize, *const c_int) -> c_int;
+}
+
+functions! {
+    /// Those of co-simulation.
+    struct Stepping;
     set_derivatives: "fmi2SetRealInputDerivatives",
         fn(Component, *const c_uint, usize, *const c_int, *const f64) -> c_int;
     do_step: "fmi2DoStep", fn(Component, f64, f64, c_int) -> c_int;
     real_status: "fmi2GetRealStatus", fn(Component, c_int, *mut f64) -> c_int;
+}
+
+functions! {
+    /// Those of Model Exchange.
+    struct Exchange;
+    enter_event: "fmi2EnterEventMode", fn(Component) -> c_int;
+    update: "fmi2NewDiscreteStates", fn(Component, *mut EventInfo) -> c_int;
+    enter_continuous: "fmi2EnterContinuousTimeMode", fn(Component) -> c_int;
+    completed: "fmi2CompletedIntegratorStep", fn(Component, c_int, *mut c_int, *mut c_int) -> c_int;
+    set_time: "fmi2SetTime", fn(Component, f64) -> c_int;
+    set_states: "fmi2SetContinuousStates", fn(Component, *const f64, usize) -> c_int;
+    get_states: "fmi2GetContinuousStates", fn(Component, *mut f64, usize) -> c_int;
+    get_rates: "fmi2GetDerivatives", fn(Component, *mut f64, usize) -> c_int;
+    get_nominals: "fmi2GetNominalsOfContinuousStates", fn(Component, *mut f64, usize) -> c_int;
+}
+
+/// `fmi2EventInfo`
+#[repr(C)]
+#[derive(Default)]
+struct EventInfo {
+    again: c_int,
+    ends: c_int,
+    nominals_changed: c_int,
+    states_changed: c_int,
+    next_defined: c_int,
+    next: f64,
+}
+
+/// The functions of the interface that an instance is for.
+enum Own {
+    Stepping(Stepping),
+    Exchange(Exchange),
 }
 
 /// `fmi2Discard`
@@ -53,6 +93,7 @@ const LAST_SUCCESSFUL_TIME: c_int = 2;
 pub struct Slave {
     component: Component,
     functions: Functions,
+    own: Own,
     /// Where the logger puts its messages; in a box of its own, because the FMU keeps the address.
     heard: Box<RefCell<Vec<Message>>>,
     /// The standard lets an FMU keep a pointer to them.
@@ -70,11 +111,18 @@ impl Slave {
         library: &Path,
         guid: &str,
         resources: &str,
+        interface: Interface,
         debug_logging: bool,
     ) -> Result<Self, LibraryError> {
         let library = open(library)?;
-        // SAFETY: modelDescription.xml says that it is an FMI 2.0 co-simulation FMU.
-        let functions = unsafe { Functions::find(&library) }?;
+        // SAFETY: modelDescription.xml says that it is an FMI 2.0 FMU with this interface.
+        let (functions, own) = unsafe {
+            let own = match interface {
+                Interface::CoSimulation => Own::Stepping(Stepping::find(&library)?),
+                Interface::ModelExchange => Own::Exchange(Exchange::find(&library)?),
+            };
+            (Functions::find(&library)?, own)
+        };
         let heard = Box::new(RefCell::new(Vec::new()));
         let callbacks = Box::new(Callbacks {
             logger: log,
@@ -89,7 +137,10 @@ impl Slave {
         let component = unsafe {
             (functions.instantiate)(
                 name.as_ptr(),
-                CO_SIMULATION,
+                match interface {
+                    Interface::ModelExchange => 0,
+                    Interface::CoSimulation => 1,
+                },
                 guid.as_ptr(),
                 resources.as_ptr(),
                 &raw const *callbacks,
@@ -105,6 +156,7 @@ impl Slave {
         Ok(Self {
             component,
             functions,
+            own,
             heard,
             _callbacks: callbacks,
             _library: library,
@@ -165,16 +217,19 @@ impl Slave {
 
     /// fmi2DoStep
     pub fn do_step(&mut self, time: f64, step: f64) -> Result<Stepped, LibraryError> {
+        let Stepping {
+            do_step,
+            real_status,
+            ..
+        } = self.stepping("fmi2DoStep")?;
         // SAFETY: see `setup`.
-        let status = unsafe { (self.functions.do_step)(self.component, time, step, 1) };
+        let status = unsafe { do_step(self.component, time, step, 1) };
         if status != DISCARD {
             return self.check("fmi2DoStep", status).map(|()| Stepped::Done);
         }
         let mut reached = time;
         // SAFETY: as above; the place lives during the call.
-        let status = unsafe {
-            (self.functions.real_status)(self.component, LAST_SUCCESSFUL_TIME, &raw mut reached)
-        };
+        let status = unsafe { real_status(self.component, LAST_SUCCESSFUL_TIME, &raw mut reached) };
         Ok(Stepped::Discarded(if status <= LAST_GOOD {
             reached
         } else {
@@ -246,7 +301,9 @@ impl Slave {
     pub fn set_slopes(&mut self, references: &[u32], slopes: &[f64]) -> Result<(), LibraryError> {
         let n = references.len().min(slopes.len());
         let orders = vec![1; n];
-        let set = self.functions.set_derivatives;
+        let set = self
+            .stepping("fmi2SetRealInputDerivatives")?
+            .set_derivatives;
         // SAFETY: all three arrays have `n` elements.
         let status = unsafe {
             set(
@@ -260,6 +317,109 @@ impl Slave {
         self.check("fmi2SetRealInputDerivatives", status)
     }
 
+    /// fmi2EnterEventMode
+    pub fn enter_event_mode(&mut self) -> Result<(), LibraryError> {
+        let name = "fmi2EnterEventMode";
+        let enter = self.exchange(name)?.enter_event;
+        // SAFETY: see `setup`.
+        let status = unsafe { enter(self.component) };
+        self.check(name, status)
+    }
+
+    /// fmi2NewDiscreteStates
+    pub fn update_discrete_states(&mut self) -> Result<Update, LibraryError> {
+        let name = "fmi2NewDiscreteStates";
+        let update = self.exchange(name)?.update;
+        let mut info = EventInfo::default();
+        // SAFETY: see `setup`; the place lives during the call. So below.
+        let status = unsafe { update(self.component, &raw mut info) };
+        self.check(name, status).map(|()| Update {
+            again: info.again != 0,
+            ends: info.ends != 0,
+            next: (info.next_defined != 0).then_some(info.next),
+        })
+    }
+
+    /// fmi2EnterContinuousTimeMode
+    pub fn enter_continuous_time_mode(&mut self) -> Result<(), LibraryError> {
+        let name = "fmi2EnterContinuousTimeMode";
+        let enter = self.exchange(name)?.enter_continuous;
+        // SAFETY: see `setup`.
+        let status = unsafe { enter(self.component) };
+        self.check(name, status)
+    }
+
+    /// fmi2CompletedIntegratorStep; the importer does not go back before it.
+    pub fn completed_step(&mut self) -> Result<Completed, LibraryError> {
+        let name = "fmi2CompletedIntegratorStep";
+        let completed = self.exchange(name)?.completed;
+        let (mut event, mut ends) = (0, 0);
+        // SAFETY: see `update_discrete_states`.
+        let status = unsafe { completed(self.component, 1, &raw mut event, &raw mut ends) };
+        self.check(name, status).map(|()| Completed {
+            event: event != 0,
+            ends: ends != 0,
+        })
+    }
+
+    /// fmi2SetTime
+    pub fn set_time(&mut self, time: f64) -> Result<(), LibraryError> {
+        let set = self.exchange("fmi2SetTime")?.set_time;
+        // SAFETY: see `setup`.
+        let status = unsafe { set(self.component, time) };
+        self.check("fmi2SetTime", status)
+    }
+
+    /// fmi2SetContinuousStates
+    pub fn set_states(&mut self, states: &[f64]) -> Result<(), LibraryError> {
+        let name = "fmi2SetContinuousStates";
+        let set = self.exchange(name)?.set_states;
+        // SAFETY: the array has the length that is passed with it. So below.
+        let status = unsafe { set(self.component, states.as_ptr(), states.len()) };
+        self.check(name, status)
+    }
+
+    /// fmi2GetContinuousStates
+    pub fn get_states(&mut self, states: &mut [f64]) -> Result<(), LibraryError> {
+        let name = "fmi2GetContinuousStates";
+        let get = self.exchange(name)?.get_states;
+        // SAFETY: see `set_states`.
+        let status = unsafe { get(self.component, states.as_mut_ptr(), states.len()) };
+        self.check(name, status)
+    }
+
+    /// fmi2GetDerivatives
+    pub fn get_rates(&mut self, rates: &mut [f64]) -> Result<(), LibraryError> {
+        let name = "fmi2GetDerivatives";
+        let get = self.exchange(name)?.get_rates;
+        // SAFETY: see `set_states`.
+        let status = unsafe { get(self.component, rates.as_mut_ptr(), rates.len()) };
+        self.check(name, status)
+    }
+
+    /// fmi2GetNominalsOfContinuousStates
+    pub fn get_nominals(&mut self, nominals: &mut [f64]) -> Result<(), LibraryError> {
+        let name = "fmi2GetNominalsOfContinuousStates";
+        let get = self.exchange(name)?.get_nominals;
+        // SAFETY: see `set_states`.
+        let status = unsafe { get(self.component, nominals.as_mut_ptr(), nominals.len()) };
+        self.check(name, status)
+    }
+
+    fn stepping(&self, name: &'static str) -> Result<Stepping, LibraryError> {
+        match self.own {
+            Own::Stepping(functions) => Ok(functions),
+            Own::Exchange(_) => Err(LibraryError::Missing { name }),
+        }
+    }
+
+    fn exchange(&self, name: &'static str) -> Result<Exchange, LibraryError> {
+        match self.own {
+            Own::Exchange(functions) => Ok(functions),
+            Own::Stepping(_) => Err(LibraryError::Missing { name }),
+        }
+    }
+
     fn check(&self, function: &'static str, status: c_int) -> Result<(), LibraryError> {
         check("fmi2", function, status, &self.heard.borrow())
     }
@@ -271,9 +431,6 @@ impl Drop for Slave {
         unsafe { (self.functions.free)(self.component) };
     }
 }
-
-/// `fmi2CoSimulation`
-const CO_SIMULATION: c_int = 1;
 
 /// The importer's logger.
 ///

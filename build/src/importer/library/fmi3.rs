@@ -2,7 +2,10 @@
 #![allow(unsafe_code, reason = "loads a library and calls its C functions")]
 
 use super::elements::{Element, Wholes};
-use super::shared::{LibraryError, Message, Stepped, c_text, check, functions, hear, open, said};
+use super::shared::{
+    Completed, Interface, LibraryError, Message, Stepped, Update, c_text, check, functions, hear,
+    open, said,
+};
 use libloading::Library;
 use std::cell::RefCell;
 use std::ffi::{c_char, c_int, c_uint, c_void};
@@ -16,9 +19,8 @@ type Get<T> = unsafe extern "C" fn(Instance, *const c_uint, usize, *mut T, usize
 type Set<T> = unsafe extern "C" fn(Instance, *const c_uint, usize, *const T, usize) -> c_int;
 
 functions! {
-    instantiate: "fmi3InstantiateCoSimulation",
-        fn(*const c_char, *const c_char, *const c_char, bool, bool, bool, bool, *const c_uint, usize,
-           *mut c_void, Log, *const c_void) -> Instance;
+    /// Those of both interfaces.
+    struct Functions;
     free: "fmi3FreeInstance", fn(Instance) -> ();
     enter: "fmi3EnterInitializationMode", fn(Instance, bool, f64, f64, bool, f64) -> c_int;
     exit: "fmi3ExitInitializationMode", fn(Instance) -> c_int;
@@ -30,8 +32,39 @@ functions! {
     set_float64: "fmi3SetFloat64", fn(Instance, *const c_uint, usize, *const f64, usize) -> c_int;
     set_int32: "fmi3SetInt32", fn(Instance, *const c_uint, usize, *const i32, usize) -> c_int;
     set_boolean: "fmi3SetBoolean", fn(Instance, *const c_uint, usize, *const u8, usize) -> c_int;
+}
+
+functions! {
+    /// Those of co-simulation.
+    struct Stepping;
+    instantiate: "fmi3InstantiateCoSimulation",
+        fn(*const c_char, *const c_char, *const c_char, bool, bool, bool, bool, *const c_uint, usize,
+           *mut c_void, Log, *const c_void) -> Instance;
     do_step: "fmi3DoStep",
         fn(Instance, f64, f64, bool, *mut u8, *mut u8, *mut u8, *mut f64) -> c_int;
+}
+
+functions! {
+    /// Those of Model Exchange.
+    struct Exchange;
+    instantiate: "fmi3InstantiateModelExchange",
+        fn(*const c_char, *const c_char, *const c_char, bool, bool, *mut c_void, Log) -> Instance;
+    enter_event: "fmi3EnterEventMode", fn(Instance) -> c_int;
+    update: "fmi3UpdateDiscreteStates",
+        fn(Instance, *mut u8, *mut u8, *mut u8, *mut u8, *mut u8, *mut f64) -> c_int;
+    enter_continuous: "fmi3EnterContinuousTimeMode", fn(Instance) -> c_int;
+    completed: "fmi3CompletedIntegratorStep", fn(Instance, bool, *mut u8, *mut u8) -> c_int;
+    set_time: "fmi3SetTime", fn(Instance, f64) -> c_int;
+    set_states: "fmi3SetContinuousStates", fn(Instance, *const f64, usize) -> c_int;
+    get_states: "fmi3GetContinuousStates", fn(Instance, *mut f64, usize) -> c_int;
+    get_rates: "fmi3GetContinuousStateDerivatives", fn(Instance, *mut f64, usize) -> c_int;
+    get_nominals: "fmi3GetNominalsOfContinuousStates", fn(Instance, *mut f64, usize) -> c_int;
+}
+
+/// The functions of the interface that an instance is for.
+enum Own {
+    Stepping(Stepping),
+    Exchange(Exchange),
 }
 
 /// `fmi3Discard`
@@ -41,6 +74,7 @@ const DISCARD: c_int = 2;
 pub struct Slave {
     instance: Instance,
     functions: Functions,
+    own: Own,
     elements: Vec<Element>,
     /// Tolerance, start and stop, s, for the beginning of initialisation.
     experiment: (Option<f64>, f64, Option<f64>),
@@ -60,39 +94,58 @@ impl Slave {
         token: &str,
         resources: &str,
         elements: Vec<Element>,
+        interface: Interface,
         debug_logging: bool,
     ) -> Result<Self, LibraryError> {
         let library = open(library)?;
-        // SAFETY: modelDescription.xml says that it is an FMI 3.0 co-simulation FMU.
-        let functions = unsafe { Functions::find(&library) }?;
+        // SAFETY: modelDescription.xml says that it is an FMI 3.0 FMU with this interface.
+        let (functions, own) = unsafe {
+            let own = match interface {
+                Interface::CoSimulation => Own::Stepping(Stepping::find(&library)?),
+                Interface::ModelExchange => Own::Exchange(Exchange::find(&library)?),
+            };
+            (Functions::find(&library)?, own)
+        };
         let heard = Box::new(RefCell::new(Vec::new()));
-        let [name, token, resources] = ["urdf2fmu", token, resources].map(c_text);
+        let texts = ["urdf2fmu", token, resources].map(c_text);
+        let [name, token, resources] = texts.each_ref().map(|text| text.as_ptr());
+        let environment = (&raw const *heard).cast_mut().cast();
+        let debug = debug_logging;
         // SAFETY: strings end with a zero and live during the call, the environment as long as the
         // instance; there are no intermediate variables.
-        let instance = unsafe {
-            (functions.instantiate)(
-                name.as_ptr(),
-                token.as_ptr(),
-                resources.as_ptr(),
-                false,
-                debug_logging,
-                false,
-                false,
-                std::ptr::null(),
-                0,
-                (&raw const *heard).cast_mut().cast(),
-                log,
-                std::ptr::null(),
-            )
+        let (instance, function) = unsafe {
+            match own {
+                Own::Stepping(Stepping { instantiate, .. }) => (
+                    instantiate(
+                        name,
+                        token,
+                        resources,
+                        false,
+                        debug,
+                        false,
+                        false,
+                        std::ptr::null(),
+                        0,
+                        environment,
+                        log,
+                        std::ptr::null(),
+                    ),
+                    "fmi3InstantiateCoSimulation",
+                ),
+                Own::Exchange(Exchange { instantiate, .. }) => (
+                    instantiate(name, token, resources, false, debug, environment, log),
+                    "fmi3InstantiateModelExchange",
+                ),
+            }
         };
         if instance.is_null() {
             let said = said(&heard.borrow());
-            let function = "fmi3InstantiateCoSimulation";
             return Err(LibraryError::Instantiate { function, said });
         }
         Ok(Self {
             instance,
             functions,
+            own,
             elements,
             experiment: (None, 0.0, None),
             heard,
@@ -160,10 +213,13 @@ impl Slave {
 
     /// fmi3DoStep
     pub fn do_step(&mut self, time: f64, step: f64) -> Result<Stepped, LibraryError> {
+        let Own::Stepping(Stepping { do_step, .. }) = self.own else {
+            return Err(LibraryError::Missing { name: "fmi3DoStep" });
+        };
         let (mut event, mut end, mut early, mut reached) = (0, 0, 0, time);
         // SAFETY: see `enter_initialization`; the places live during the call.
         let status = unsafe {
-            (self.functions.do_step)(
+            do_step(
                 self.instance,
                 time,
                 step,
@@ -268,6 +324,113 @@ impl Slave {
         self.check(function, status)
     }
 
+    /// fmi3EnterEventMode
+    pub fn enter_event_mode(&mut self) -> Result<(), LibraryError> {
+        let name = "fmi3EnterEventMode";
+        let enter = self.exchange(name)?.enter_event;
+        // SAFETY: see `enter_initialization`.
+        let status = unsafe { enter(self.instance) };
+        self.check(name, status)
+    }
+
+    /// fmi3UpdateDiscreteStates
+    pub fn update_discrete_states(&mut self) -> Result<Update, LibraryError> {
+        let name = "fmi3UpdateDiscreteStates";
+        let update = self.exchange(name)?.update;
+        let (mut again, mut ends, mut nominals, mut states) = (0, 0, 0, 0);
+        let (mut defined, mut next) = (0, 0.0);
+        // SAFETY: see `enter_initialization`; the places live during the call. So below.
+        let status = unsafe {
+            update(
+                self.instance,
+                &raw mut again,
+                &raw mut ends,
+                &raw mut nominals,
+                &raw mut states,
+                &raw mut defined,
+                &raw mut next,
+            )
+        };
+        self.check(name, status).map(|()| Update {
+            again: again != 0,
+            ends: ends != 0,
+            next: (defined != 0).then_some(next),
+        })
+    }
+
+    /// fmi3EnterContinuousTimeMode
+    pub fn enter_continuous_time_mode(&mut self) -> Result<(), LibraryError> {
+        let name = "fmi3EnterContinuousTimeMode";
+        let enter = self.exchange(name)?.enter_continuous;
+        // SAFETY: see `enter_initialization`.
+        let status = unsafe { enter(self.instance) };
+        self.check(name, status)
+    }
+
+    /// fmi3CompletedIntegratorStep; the importer does not go back before it.
+    pub fn completed_step(&mut self) -> Result<Completed, LibraryError> {
+        let name = "fmi3CompletedIntegratorStep";
+        let completed = self.exchange(name)?.completed;
+        let (mut event, mut ends) = (0, 0);
+        // SAFETY: see `update_discrete_states`.
+        let status = unsafe { completed(self.instance, true, &raw mut event, &raw mut ends) };
+        self.check(name, status).map(|()| Completed {
+            event: event != 0,
+            ends: ends != 0,
+        })
+    }
+
+    /// fmi3SetTime
+    pub fn set_time(&mut self, time: f64) -> Result<(), LibraryError> {
+        let set = self.exchange("fmi3SetTime")?.set_time;
+        // SAFETY: see `enter_initialization`.
+        let status = unsafe { set(self.instance, time) };
+        self.check("fmi3SetTime", status)
+    }
+
+    /// fmi3SetContinuousStates
+    pub fn set_states(&mut self, states: &[f64]) -> Result<(), LibraryError> {
+        let name = "fmi3SetContinuousStates";
+        let set = self.exchange(name)?.set_states;
+        // SAFETY: the array has the length that is passed with it. So below.
+        let status = unsafe { set(self.instance, states.as_ptr(), states.len()) };
+        self.check(name, status)
+    }
+
+    /// fmi3GetContinuousStates
+    pub fn get_states(&mut self, states: &mut [f64]) -> Result<(), LibraryError> {
+        let name = "fmi3GetContinuousStates";
+        let get = self.exchange(name)?.get_states;
+        // SAFETY: see `set_states`.
+        let status = unsafe { get(self.instance, states.as_mut_ptr(), states.len()) };
+        self.check(name, status)
+    }
+
+    /// fmi3GetContinuousStateDerivatives
+    pub fn get_rates(&mut self, rates: &mut [f64]) -> Result<(), LibraryError> {
+        let name = "fmi3GetContinuousStateDerivatives";
+        let get = self.exchange(name)?.get_rates;
+        // SAFETY: see `set_states`.
+        let status = unsafe { get(self.instance, rates.as_mut_ptr(), rates.len()) };
+        self.check(name, status)
+    }
+
+    /// fmi3GetNominalsOfContinuousStates
+    pub fn get_nominals(&mut self, nominals: &mut [f64]) -> Result<(), LibraryError> {
+        let name = "fmi3GetNominalsOfContinuousStates";
+        let get = self.exchange(name)?.get_nominals;
+        // SAFETY: see `set_states`.
+        let status = unsafe { get(self.instance, nominals.as_mut_ptr(), nominals.len()) };
+        self.check(name, status)
+    }
+
+    fn exchange(&self, name: &'static str) -> Result<Exchange, LibraryError> {
+        match self.own {
+            Own::Exchange(functions) => Ok(functions),
+            Own::Stepping(_) => Err(LibraryError::Missing { name }),
+        }
+    }
+
     fn check(&self, function: &'static str, status: c_int) -> Result<(), LibraryError> {
         check("fmi3", function, status, &self.heard.borrow())
     }
@@ -275,7 +438,7 @@ impl Slave {
 
 impl Drop for Slave {
     fn drop(&mut self) {
-        // SAFETY: made by fmi3InstantiateCoSimulation, freed once; the library is still there.
+        // SAFETY: made by an instantiate function, freed once; the library is still there.
         unsafe { (self.functions.free)(self.instance) };
     }
 }

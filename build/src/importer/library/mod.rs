@@ -10,7 +10,7 @@ mod fmi3;
 mod shared;
 
 pub use elements::Element;
-pub use shared::{LibraryError, Message, Stepped};
+pub use shared::{Completed, Interface, LibraryError, Message, Stepped, Update};
 use std::path::Path;
 
 /// An instance of an FMU, with its library.
@@ -41,9 +41,10 @@ impl Slave {
         library: &Path,
         guid: &str,
         resources: &str,
+        interface: Interface,
         debug_logging: bool,
     ) -> Result<Self, LibraryError> {
-        fmi2::Slave::new(library, guid, resources, debug_logging).map(Self::Fmi2)
+        fmi2::Slave::new(library, guid, resources, interface, debug_logging).map(Self::Fmi2)
     }
 
     /// Loads a library and makes an instance of FMI 3.0.
@@ -55,9 +56,18 @@ impl Slave {
         token: &str,
         resources: &str,
         elements: Vec<Element>,
+        interface: Interface,
         debug_logging: bool,
     ) -> Result<Self, LibraryError> {
-        fmi3::Slave::new(library, token, resources, elements, debug_logging).map(Self::Fmi3)
+        fmi3::Slave::new(
+            library,
+            token,
+            resources,
+            elements,
+            interface,
+            debug_logging,
+        )
+        .map(Self::Fmi3)
     }
 
     /// What has been said since the last time.
@@ -144,5 +154,50 @@ impl Slave {
             Self::Fmi2(slave) => slave.set_slopes(references, slopes),
             Self::Fmi3(_) => Ok(()),
         }
+    }
+
+    /// Model Exchange: inputs and parameters may jump.
+    pub fn enter_event_mode(&mut self) -> Result<(), LibraryError> {
+        each!(self, slave => slave.enter_event_mode())
+    }
+
+    /// Model Exchange: what follows from an event.
+    pub fn update_discrete_states(&mut self) -> Result<Update, LibraryError> {
+        each!(self, slave => slave.update_discrete_states())
+    }
+
+    /// Model Exchange: states follow the importer.
+    pub fn enter_continuous_time_mode(&mut self) -> Result<(), LibraryError> {
+        each!(self, slave => slave.enter_continuous_time_mode())
+    }
+
+    /// Model Exchange: the importer has taken a step, and does not go back before its end.
+    pub fn completed_step(&mut self) -> Result<Completed, LibraryError> {
+        each!(self, slave => slave.completed_step())
+    }
+
+    /// Model Exchange: sets the time, s.
+    pub fn set_time(&mut self, time: f64) -> Result<(), LibraryError> {
+        each!(self, slave => slave.set_time(time))
+    }
+
+    /// Model Exchange: sets all states.
+    pub fn set_states(&mut self, states: &[f64]) -> Result<(), LibraryError> {
+        each!(self, slave => slave.set_states(states))
+    }
+
+    /// Model Exchange: reads all states.
+    pub fn get_states(&mut self, states: &mut [f64]) -> Result<(), LibraryError> {
+        each!(self, slave => slave.get_states(states))
+    }
+
+    /// Model Exchange: reads the derivatives of all states.
+    pub fn get_rates(&mut self, rates: &mut [f64]) -> Result<(), LibraryError> {
+        each!(self, slave => slave.get_rates(rates))
+    }
+
+    /// Model Exchange: reads the sizes of the states to expect.
+    pub fn get_nominals(&mut self, nominals: &mut [f64]) -> Result<(), LibraryError> {
+        each!(self, slave => slave.get_nominals(nominals))
     }
 }

@@ -55,6 +55,43 @@ pub enum LibraryError {
     },
 }
 
+impl LibraryError {
+    /// Whether a call failed that may succeed for other states or a shorter step.
+    pub fn is_discard(&self) -> bool {
+        matches!(self, Self::Status { status, .. } if status.ends_with("Discard"))
+    }
+}
+
+/// Who integrates.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Interface {
+    /// The FMU.
+    #[default]
+    CoSimulation,
+    /// The importer.
+    ModelExchange,
+}
+
+/// What an FMU says at an event.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Update {
+    /// The update has to be done again.
+    pub again: bool,
+    /// The FMU asks to end the simulation.
+    pub ends: bool,
+    /// When the next event is due, s.
+    pub next: Option<f64>,
+}
+
+/// What an FMU says after a step of the importer.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Completed {
+    /// There is an event.
+    pub event: bool,
+    /// The FMU asks to end the simulation.
+    pub ends: bool,
+}
+
 /// What a step came to.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Stepped {
@@ -69,10 +106,13 @@ pub(super) const LAST_GOOD: c_int = 1;
 
 /// The functions that an importer uses, by their names in the standard.
 macro_rules! functions {
-    ($($name:ident: $symbol:literal, fn($($argument:ty),*) -> $result:ty;)*) => {
-        struct Functions { $($name: unsafe extern "C" fn($($argument),*) -> $result,)* }
+    ($(#[$doc:meta])* struct $table:ident;
+     $($name:ident: $symbol:literal, fn($($argument:ty),*) -> $result:ty;)*) => {
+        $(#[$doc])*
+        #[derive(Clone, Copy)]
+        struct $table { $($name: unsafe extern "C" fn($($argument),*) -> $result,)* }
 
-        impl Functions {
+        impl $table {
             /// # Safety
             /// The library's functions are those of the standard.
             unsafe fn find(library: &Library) -> Result<Self, LibraryError> {
