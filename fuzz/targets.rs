@@ -6,7 +6,7 @@
 //! | `states` | a serialised state, or changes to a good one whose checksums are then put right |
 //! | `model` | a prepared model as text, or changes to the numbers of a good one |
 //! | `settings` | a settings file |
-//! | `calls` | a sequence of FMI 2 calls with their arguments |
+//! | `calls` | a sequence of FMI 2 calls with their arguments, of co-simulation or Model Exchange |
 //! | `calls3` | the same of FMI 3, with calls from within steps |
 //! | `viewer` | a request or the frames of a socket, as a live view gets them |
 #![allow(
@@ -25,6 +25,8 @@
 mod calls;
 #[path = "targets/calls3.rs"]
 mod calls3;
+#[path = "targets/exchange.rs"]
+mod exchange;
 #[path = "targets/viewer.rs"]
 mod viewer;
 
@@ -119,6 +121,11 @@ impl Bytes<'_> {
 }
 
 fn instantiate() -> *mut c_void {
+    instantiate_as(1, &RESOURCES)
+}
+
+/// - `kind`: 0 is Model Exchange, 1 co-simulation
+fn instantiate_as(kind: i32, resources: &CString) -> *mut c_void {
     let (name, guid) = (c"fuzz", CString::new(GUID).unwrap());
     let callbacks = fmi2CallbackFunctions {
         logger: None,
@@ -128,12 +135,11 @@ fn instantiate() -> *mut c_void {
         componentEnvironment: null_mut(),
     };
     unsafe {
-        let resources = RESOURCES.as_ptr();
         fmi2Instantiate(
             name.as_ptr(),
-            1,
+            kind,
             guid.as_ptr(),
-            resources,
+            resources.as_ptr(),
             &raw const callbacks,
             0,
             1,

@@ -87,7 +87,7 @@ mod world;
 
 use crate::settings::{Compat, InertiaSource, Settings};
 use crate::urdf::ReadOptions;
-pub use alone::{Assembled, build};
+pub use alone::{Assembled, build, inspect};
 pub use world::{Guest, of_object, of_robot, solid, take_ground, world};
 
 /// What the settings mean for the reader of the URDF: `options` with scale, source of inertia and

@@ -74,17 +74,29 @@ impl Settings {
     /// # Errors
     /// As [`Settings::read`].
     pub fn read_as(path: &Path, compat: Option<Compat>) -> Result<Self, Vec<Diagnostic>> {
+        match Self::read_rest(path, compat) {
+            (Some(settings), findings) if findings.is_empty() => Ok(settings),
+            (_, findings) => Err(findings),
+        }
+    }
+
+    /// What is right of a settings file, none if it is no TOML, and everything that is wrong with
+    /// it: for what can be told of a robot beside it.
+    pub fn read_rest(path: &Path, compat: Option<Compat>) -> (Option<Self>, Vec<Diagnostic>) {
         let name = path.display().to_string();
-        let text = std::fs::read_to_string(path).map_err(|error| {
-            vec![Diagnostic {
-                severity: Severity::Error,
-                code: "S108",
-                message: format!("cannot read the settings '{name}': {error}"),
-                help: Some("the settings are a TOML file in UTF-8".to_owned()),
-                place: None,
-            }]
-        })?;
-        Self::parse_as(&text, &name, compat)
+        match std::fs::read_to_string(path) {
+            Ok(text) => Self::inspect(&text, &name, compat),
+            Err(error) => {
+                let finding = Diagnostic {
+                    severity: Severity::Error,
+                    code: "S108",
+                    message: format!("cannot read the settings '{name}': {error}"),
+                    help: Some("the settings are a TOML file in UTF-8".to_owned()),
+                    place: None,
+                };
+                (None, vec![finding])
+            }
+        }
     }
 
     /// Reads the text of a settings file; `file_name` is for the findings.
@@ -100,17 +112,24 @@ impl Settings {
         file_name: &str,
         compat: Option<Compat>,
     ) -> Result<Self, Vec<Diagnostic>> {
+        match Self::inspect(text, file_name, compat) {
+            (Some(settings), findings) if findings.is_empty() => Ok(settings),
+            (_, findings) => Err(findings),
+        }
+    }
+
+    /// What is right of a text, none if it is no TOML, and everything that is wrong with it.
+    fn inspect(
+        text: &str,
+        file_name: &str,
+        compat: Option<Compat>,
+    ) -> (Option<Self>, Vec<Diagnostic>) {
         let mut reader = Reader::new(file_name, text);
         let root = reader.read();
         let settings = root.map(|root| fill(&mut reader, &root, compat));
-        match settings {
-            Some(settings) if reader.findings.is_empty() => Ok(settings),
-            _ => {
-                let mut findings = reader.findings;
-                findings.sort_by_key(|d| d.place.as_ref().map_or((0, 0), |p| (p.line, p.column)));
-                Err(findings)
-            }
-        }
+        let mut findings = reader.findings;
+        findings.sort_by_key(|d| d.place.as_ref().map_or((0, 0), |p| (p.line, p.column)));
+        (settings, findings)
     }
 }
 

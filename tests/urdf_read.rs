@@ -5,6 +5,9 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
+#[path = "robots/gltf.rs"]
+mod gltf;
+
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use urdf2fmu_core::assemble;

@@ -5,72 +5,28 @@
 //! model is read back and simulated for one step before anything is written, so that the FMU loads
 //! what was checked.
 
+mod asked;
+mod later;
+
+pub use asked::Request;
+
 use crate::archive::{Archive, ArchiveError};
 use crate::describe::{self, DescribeError, Header};
 use crate::documentation::{self, Page, Remark};
 use crate::identifier::{guid, model_identifier};
 use crate::library::{self, Binary, LibraryError};
 use crate::scene::{self, Scene, SceneError};
-use crate::world::Packages;
 use crate::{date, license, page, picture, sources, world, xacro};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use urdf2fmu_core::assemble::{self, Guest};
 use urdf2fmu_core::diagnostic::Diagnostic;
-use urdf2fmu_core::model::{ActuatorMode, Arrays, Interface, Model};
-use urdf2fmu_core::pattern::Pattern;
+use urdf2fmu_core::model::Model;
 use urdf2fmu_core::prepared::{FILE_NAME, PreparedModel, PreparedModelError};
-use urdf2fmu_core::settings::{
-    ActuatorSettings, BaseChoice, Compat, FmiVersion, InertiaSource, ModeChoice, ObjectSettings,
-    Settings,
-};
+use urdf2fmu_core::settings::{ActuatorSettings, FmiVersion, Settings};
 use urdf2fmu_core::simulation::{Simulation, SimulationError};
 use urdf2fmu_core::urdf::{self, Description};
 use urdf2fmu_core::variables::{self, TableError, Variable};
-
-/// What a person asked for. What stands here wins over the settings file.
-#[derive(Clone, Debug, Default)]
-pub struct Request {
-    /// The robot.
-    pub urdf: PathBuf,
-    /// The settings file.
-    pub config: Option<PathBuf>,
-    /// `--fixed-base`, `--floating-base`.
-    pub base: Option<BaseChoice>,
-    /// `--mode`: for every joint that the settings file does not mention.
-    pub mode: Option<ActuatorMode>,
-    /// `--compat`.
-    pub compat: Option<Compat>,
-    /// `--density`.
-    pub density: Option<f64>,
-    /// `--inertia`.
-    pub inertia: Option<InertiaSource>,
-    /// `--sensors`: whether the URDF's are read.
-    pub sensors: Option<bool>,
-    /// Whether every link that can move gets inputs for forces from outside, and contact outputs
-    /// say where forces act.
-    pub pushable: bool,
-    /// `--scale`.
-    pub scale: Option<f64>,
-    /// `--naming`.
-    pub flat_names: Option<bool>,
-    /// `--fmi`.
-    pub fmi: Option<FmiVersion>,
-    /// `--interface`.
-    pub interface: Option<Interface>,
-    /// `--arrays`.
-    pub arrays: Option<Arrays>,
-    /// `--srdf`.
-    pub srdf: Option<PathBuf>,
-    /// `--initial-state`: one of the SRDF's.
-    pub initial_state: Option<String>,
-    /// `--package-path` and `--package`.
-    pub packages: Packages,
-    /// `name:=value`, for xacro.
-    pub xacro_arguments: Vec<String>,
-    /// `--object`: beside those of the settings file.
-    pub objects: Vec<ObjectSettings>,
-}
 
 /// A robot that is ready to simulate.
 #[derive(Debug)]
@@ -141,58 +97,33 @@ pub enum StageError {
     },
 }
 
-/// The settings file with what the request says over it.
-fn settings_of(request: &Request) -> Result<Settings, StageError> {
-    let mut settings = match &request.config {
-        Some(path) => Settings::read_as(path, request.compat).map_err(StageError::Robot)?,
-        None => Settings::of(request.compat.unwrap_or_default()),
-    };
-    if let Some(base) = request.base {
-        settings.base = base;
-    }
-    if let Some(inertia) = request.inertia {
-        settings.inertia = inertia;
-    }
-    if let Some(sensors) = request.sensors {
-        settings.described_sensors = sensors;
-    }
-    if request.density.is_some() {
-        settings.density = request.density;
-    }
-    if let Some(scale) = request.scale {
-        settings.scale = scale;
-    }
-    if request.pushable {
-        let all = Pattern {
-            text: "*".to_owned(),
-            place: None,
-        };
-        settings.external_wrenches = vec![all];
-        settings.contact_points = true;
-    }
-    if let Some(flat_names) = request.flat_names {
-        settings.flat_names = flat_names;
-    }
-    settings.fmu.fmi = request.fmi.unwrap_or(settings.fmu.fmi);
-    settings.fmu.interface = request.interface.unwrap_or(settings.fmu.interface);
-    settings.fmu.arrays = request.arrays.unwrap_or(settings.fmu.arrays);
-    if let Some(mode) = request.mode {
-        settings.default_mode = Some(ModeChoice::Commanded(mode));
-    }
-    settings.objects.extend(request.objects.iter().cloned());
-    Ok(settings)
-}
-
 /// Reads a robot and its settings.
 ///
 /// # Errors
 /// [`StageError::Robot`] with everything found so far, [`StageError::Table`].
 pub fn robot(request: &Request) -> Result<Robot, StageError> {
-    let mut settings = settings_of(request)?;
+    let (settings, mut findings, is_toml) = asked::settings_of(request);
+    if findings.is_empty() {
+        return made(request, settings);
+    }
+    if let Err(StageError::Robot(more)) = made(request, settings) {
+        findings.extend(later::beside_settings(more, is_toml));
+    }
+    Err(StageError::Robot(findings))
+}
+
+fn made(request: &Request, mut settings: Settings) -> Result<Robot, StageError> {
     let packages = &request.packages;
     let options = world::options(&settings, packages);
     let read = world::read(&request.urdf, &request.xacro_arguments, &options);
-    let (description, expanded) = read.map_err(StageError::Robot)?;
+    let (description, expanded) = read.map_err(|mut findings| {
+        findings.extend(later::beside_robot(
+            request.urdf.as_path(),
+            &request.xacro_arguments,
+            (&settings, &options),
+        ));
+        StageError::Robot(findings)
+    })?;
     let mut diagnostics = description.diagnostics.clone();
     if let Some(path) = &request.srdf {
         let state = request.initial_state.as_deref();
@@ -209,11 +140,12 @@ pub fn robot(request: &Request) -> Result<Robot, StageError> {
             }
             Err(findings) => {
                 diagnostics.extend(findings);
+                diagnostics.extend(later::of(&description, &settings));
                 return Err(StageError::Robot(diagnostics));
             }
         }
     }
-    let mut failed = |errors| {
+    let mut failed = |errors: Vec<Diagnostic>| {
         diagnostics.extend(errors);
         StageError::Robot(std::mem::take(&mut diagnostics))
     };
@@ -222,7 +154,10 @@ pub fn robot(request: &Request) -> Result<Robot, StageError> {
         around.push(&settings);
     }
     let built = assemble::world(&description, &settings, &around.guests);
-    let assembled = built.map_err(&mut failed)?;
+    let assembled = built.map_err(|mut findings| {
+        findings.extend(later::clash(&description, &settings));
+        failed(findings)
+    })?;
     let unknown = library::unknown(&settings.fmu.platforms);
     if !unknown.is_empty() {
         return Err(failed(unknown));

@@ -4,7 +4,7 @@
 //! | target | bytes are |
 //! |---|---|
 //! | `urdf` | a URDF; what is accepted is made a model of, with the settings' defaults |
-//! | `stl`, `obj`, `ply`, `collada`, `gltf` | a mesh, read as corners and as triangles; some of the accepted are enclosed in their hull |
+//! | `stl`, `obj`, `ply`, `collada`, `gltf` | a mesh, read as corners and as triangles, glTF with its colours, too; some of the accepted are enclosed in their hull |
 //! | `decomposition` | the corners of a small mesh, which is cut into convex parts |
 //! | `scene` | what a robot looks like, as an FMU holds it |
 //! | `xacro` | a document in xacro, a file that it can include, and a YAML file |
@@ -76,10 +76,15 @@ pub fn collada(data: &[u8]) {
     mesh("dae", data);
 }
 
-/// The JSON, a line end, and the numbers: lengths of chunks would be wrong after every change.
+/// The JSON, a line end, and the numbers: lengths of chunks would be wrong after every change. What
+/// is a whole file, or begins with a line end and is JSON alone, is read as it is.
 pub fn gltf(data: &[u8]) {
     if data.starts_with(b"glTF") {
-        mesh("glb", data);
+        painted("glb", data);
+        return;
+    }
+    if let Some(json) = data.strip_prefix(b"\n") {
+        painted("gltf", json);
         return;
     }
     let end = data.iter().position(|&byte| byte == b'\n');
@@ -94,7 +99,18 @@ pub fn gltf(data: &[u8]) {
     };
     chunk(b"JSON", json, b' ');
     chunk(b"BIN\0", numbers.get(1..).unwrap_or_default(), 0);
-    mesh("glb", &bytes);
+    painted("glb", &bytes);
+}
+
+/// A mesh, and what it looks like.
+fn painted(kind: &str, data: &[u8]) {
+    mesh(kind, data);
+    for (part, textured) in urdf::mesh_parts_of(kind, data).unwrap_or_default() {
+        assert!(!part.triangles.is_empty());
+        let expected = if textured { part.triangles.len() } else { 0 };
+        assert_eq!(part.uv.len(), expected);
+        assert!(part.uv.iter().flatten().flatten().all(|x| x.is_finite()));
+    }
 }
 
 /// Most triangles of a mesh that is decomposed here.
@@ -161,7 +177,7 @@ fn mesh(kind: &str, data: &[u8]) {
     if let Ok(triangles) = triangles {
         assert!(triangles.iter().flatten().flatten().all(|x| x.is_finite()));
         // A scene may place a mesh many times.
-        assert!(matches!(kind, "dae" | "glb") || triangles.len() <= data.len());
+        assert!(matches!(kind, "dae" | "glb" | "gltf") || triangles.len() <= data.len());
     }
     // Reading is what the bytes decide about: the hull is made for one file in eight.
     if points.len() > SMALL_MESH || !chosen(data) {

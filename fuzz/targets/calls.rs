@@ -8,7 +8,12 @@ static CALLS: AtomicU64 = AtomicU64::new(0);
 
 pub fn calls(data: &[u8]) {
     let mut bytes = Bytes(data);
-    let mut c = kept(bytes.byte() % 2 == 1);
+    let start = bytes.byte();
+    let mut c = match start {
+        // Model Exchange.
+        128.. => exchange::kept2(start),
+        _ => kept(start % 2 == 1),
+    };
     // Only an instance of its own is freed and made again.
     let mut own = false;
     let mut saved: [*mut c_void; 2] = [null_mut(); 2];
@@ -48,7 +53,7 @@ pub fn calls(data: &[u8]) {
             integers.as_mut_ptr()
         };
         unsafe {
-            match function / 2 % 40 {
+            match function / 2 % 64 {
                 0 | 1 => drop(fmi2SetReal(c, vr, n, real)),
                 2 => drop(fmi2GetReal(c, vr, n, real)),
                 3 => drop(fmi2SetInteger(c, vr, n, integer)),
@@ -203,7 +208,8 @@ pub fn calls(data: &[u8]) {
                         own = true;
                     }
                 }
-                _ => read_all(c),
+                39 => read_all(c),
+                place => exchange::call2(c, place as u8, &mut bytes, &mut time),
             }
         }
     }

@@ -13,8 +13,10 @@ struct Pair {
     old: *mut c_void,
     new: *mut c_void,
     plain: *mut c_void,
+    /// Of Model Exchange.
+    exchange: *mut c_void,
     /// States of each: instantiated, initialised.
-    states: [[*mut c_void; 2]; 3],
+    states: [[*mut c_void; 2]; 4],
 }
 
 /// What the callback does.
@@ -69,13 +71,14 @@ fn make(update: Option<fmi3IntermediateUpdateCallback>) -> *mut c_void {
 
 fn pair() -> Pair {
     let (old, new, plain) = (instantiate(), make(Some(update)), make(None));
-    let mut states = [[null_mut(); 2]; 3];
+    let exchange = exchange::make3();
+    let mut states = [[null_mut(); 2]; 4];
     unsafe {
         fmi2GetFMUstate(old, &raw mut states[0][0]);
         fmi2EnterInitializationMode(old);
         fmi2ExitInitializationMode(old);
         fmi2GetFMUstate(old, &raw mut states[0][1]);
-        for (c, states) in [new, plain].into_iter().zip(&mut states[1..]) {
+        for (c, states) in [new, plain, exchange].into_iter().zip(&mut states[1..]) {
             fmi3GetFMUState(c, &raw mut states[0]);
             fmi3EnterInitializationMode(c, 0, 0.0, 0.0, 0, 0.0);
             fmi3ExitInitializationMode(c);
@@ -86,6 +89,7 @@ fn pair() -> Pair {
         old,
         new,
         plain,
+        exchange,
         states,
     }
 }
@@ -138,8 +142,8 @@ pub fn calls3(data: &[u8]) {
         calls: 0,
     });
     PAIR.with(|pair| {
-        let (which, phase) = (1 + kind as usize / 2 % 2, kind as usize % 2);
-        let c = [pair.old, pair.new, pair.plain][which];
+        let (which, phase) = (1 + kind as usize / 2 % 3, kind as usize % 2);
+        let c = [pair.old, pair.new, pair.plain, pair.exchange][which];
         INSTANCE.set(c);
         unsafe {
             assert_eq!(fmi2SetFMUstate(pair.old, pair.states[0][phase]) as i32, 0);
@@ -220,7 +224,7 @@ fn call(c: *mut c_void, bytes: &mut Bytes, saved: &mut [*mut c_void; 2], time: &
     };
     let slot = function as usize % 2;
     unsafe {
-        match function / 2 % 36 {
+        match function / 2 % 47 {
             0..=2 => drop(fmi3SetFloat64(c, vr, n, real, nv)),
             3 | 4 => drop(fmi3GetFloat64(c, vr, n, real, nv)),
             5 => drop(fmi3SetInt32(c, vr, n, integer, nv)),
@@ -279,9 +283,11 @@ fn call(c: *mut c_void, bytes: &mut Bytes, saved: &mut [*mut c_void; 2], time: &
             32 => drop(fmi3GetDirectionalDerivative(
                 c, vr, n, vr, n, real, nv, real, nv,
             )),
-            33 => drop(fmi3UpdateDiscreteStates(
-                c, flag, flag, flag, flag, flag, real,
-            )),
+            33 => {
+                let mut next = 0.0;
+                let when = if absent { null_mut() } else { &raw mut next };
+                fmi3UpdateDiscreteStates(c, flag, flag, flag, flag, flag, when);
+            }
             34 => {
                 fmi3GetNumberOfContinuousStates(c, null_mut());
                 fmi3GetVariableDependencies(
@@ -295,10 +301,11 @@ fn call(c: *mut c_void, bytes: &mut Bytes, saved: &mut [*mut c_void; 2], time: &
                 );
                 fmi3ActivateModelPartition(c, 0, bytes.number());
             }
-            _ => {
+            35 => {
                 fmi3FreeInstance(null_mut());
                 fmi3GetFloat64(null_mut(), vr, n, real, nv);
             }
+            place => exchange::call3(c, place, bytes, time),
         }
     }
 }

@@ -42,7 +42,15 @@ pub fn build(description: &Description, settings: &Settings) -> Result<Assembled
     }
 }
 
-/// None only after an error was reported.
+/// What can be told of a robot that has faults, and the model as far as there is one.
+pub fn inspect(description: &Description, settings: &Settings) -> (Option<Model>, Vec<Diagnostic>) {
+    let mut findings = Findings::new(description);
+    let model = assemble(description, settings, &mut findings);
+    (model, findings.list)
+}
+
+/// None only after an error was reported; where there is a model, errors may have been reported,
+/// too.
 fn assemble(
     description: &Description,
     settings: &Settings,
@@ -85,18 +93,14 @@ fn assemble(
     if let Err(error) = model.validate() {
         let help = "make what is named smaller or simpler, or correct its numbers";
         findings.error("A121", None, error.to_string(), help);
-    }
-    if findings.has_errors() {
         return None;
     }
+    // Names that match nothing do not keep the others from being looked up.
     let mut places = loops::of_file(&mut model, description, findings);
     loops::select(&mut model, settings, &mut places, findings);
     let given = loops::given(&model, settings, "");
     if !findings.has_errors() {
         loops::close(&mut model, &given, (&places, true), findings);
-    }
-    if findings.has_errors() {
-        return None;
     }
     let poses = initial::poses(&model);
     let poses = inertia::complete(&mut model, poses, &robot.shapes, &robot.lines, findings);
@@ -104,7 +108,9 @@ fn assemble(
     actuators::add(&mut model, &poses, &robot.lines, settings, findings);
     actuators::report_velocity_limits(&model, findings);
     wheels::warn(&model, &poses, &polygons, findings);
-    loops::close(&mut model, &given, (&places, false), findings);
+    if !findings.has_errors() {
+        loops::close(&mut model, &given, (&places, false), findings);
+    }
     outputs::select(&mut model, settings, findings);
     let described = &description.sensors;
     sensors::select(&mut model, described, &settings.sensors, findings);

@@ -75,7 +75,9 @@ fn from_solids(
     let mut changed = false;
     for l in singular_links_from(model, model.dofs[dof].body) {
         let link = &mut model.links[l];
-        let Some(I_cm) = of_solids(link.inertia.mass, &shapes[l]) else {
+        // Shapes that are next to nothing give no more than there was.
+        let Some(I_cm) = of_solids(link.inertia.mass, &shapes[l]).filter(|own| !is_singular(own))
+        else {
             continue;
         };
         link.inertia.I_cm = I_cm;
@@ -99,13 +101,16 @@ fn singular_links_from(model: &Model, body: BodyId) -> Vec<usize> {
     for (b, other) in model.bodies.iter().enumerate() {
         carried[b] = b == body.index() || other.parent.is_some_and(|p| carried[p.index()]);
     }
-    let singular = |inertia: &RigidInertia| {
-        let moments = inertia.I_cm.symmetric_eigenvalues();
-        inertia.mass > 0.0 && moments.min() <= SMALLEST_SHARE * moments.max()
-    };
+    let singular = |own: &RigidInertia| own.mass > 0.0 && is_singular(&own.I_cm);
     (0..model.links.len())
         .filter(|&l| carried[model.links[l].body.index()] && singular(&model.links[l].inertia))
         .collect()
+}
+
+/// Whether there is no inertia about some axis.
+fn is_singular(I_cm: &Mat3) -> bool {
+    let moments = I_cm.symmetric_eigenvalues();
+    moments.min() <= SMALLEST_SHARE * moments.max()
 }
 
 /// Degrees of freedom with too little inertia, those nearest to the tips first.

@@ -115,7 +115,7 @@ pub const CODES: &[Row] = &[
     ("U074", "An `<origin>` inside `<geometry>`, where it is not used.", "Move it beside `<geometry>`."),
     ("U104", "Collision meshes that are not found, once for each package.", "The option that the finding shows where it found them; else `--package NAME=DIR` or `--package-path DIR`."),
     ("U105", "A mesh that cannot be read, or a pointer of Git LFS in its place.", "Export the mesh again; `git lfs pull`."),
-    ("U106", "A mesh in a format that is not read.", "Convert it to STL, OBJ, PLY, COLLADA or binary glTF (`.glb`)."),
+    ("U106", "A mesh in a format that is not read.", "Convert it to STL, OBJ, PLY, COLLADA or glTF."),
     ("U107", "A mesh without a convex hull.", "Check its scale; many meshes are in mm."),
     ("U108", "How far the hulls of meshes are off that do not keep all corners.", "Nothing."),
     ("U109", "A mesh without volume.", "Nothing: it is used as it is."),

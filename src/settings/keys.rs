@@ -390,7 +390,7 @@ pub const KEYS: &[Key] = &[
         "world.terrain[].file",
         File,
         None,
-        "from the folder of the settings. Heights: a grey PNG of 8 or 16 bits, seen from above with y upwards; or a table of heights in m, as CSV or NPY, the first row at the lowest y. Mesh: STL, OBJ, PLY, COLLADA or binary glTF in m, with its outside upwards",
+        "from the folder of the settings. Heights: a grey PNG of 8 or 16 bits, seen from above with y upwards; or a table of heights in m, as CSV or NPY, the first row at the lowest y. Mesh: STL, OBJ, PLY, COLLADA or glTF in m, with its outside upwards",
     ),
     key(
         "world.terrain[].generate",

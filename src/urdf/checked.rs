@@ -16,8 +16,28 @@ pub(super) struct CheckedRobot<'d> {
     pub(super) joints: Vec<CheckedJoint<'d>>,
     /// Loops and springs, in file order; lengths as in the file.
     pub(super) closures: Vec<ClosureDescription>,
-    /// Whether every link and joint has a name of its own: else the tree cannot be told.
-    pub(super) named: bool,
+    /// Links whose names cannot be used: else the tree cannot be told.
+    pub(super) nameless: usize,
+    /// Elements that are left out, because another one has their names, or because they are joints
+    /// without a name.
+    pub(super) left_out: LeftOut,
+}
+
+impl CheckedRobot<'_> {
+    /// Leaves out all shapes that are in files.
+    pub(super) fn forget_meshes(&mut self) {
+        let plain = |geometry: &Geometry| !matches!(geometry, Geometry::Mesh { .. });
+        for link in &mut self.links {
+            link.collisions.retain(|shape| plain(&shape.geometry));
+        }
+    }
+}
+
+/// How many elements are left out.
+#[derive(Clone, Copy, Default)]
+pub(super) struct LeftOut {
+    pub(super) links: usize,
+    pub(super) joints: usize,
 }
 
 /// Order of the links and joints, parents before children: joint `i` has child link `i + 1`.

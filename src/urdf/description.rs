@@ -264,7 +264,7 @@ pub struct MeshPart {
 /// An image file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Texture {
-    /// The file.
+    /// The file, or the mesh file that it is inside of.
     pub path: PathBuf,
     /// How it is written.
     pub format: ImageFormat,
@@ -272,7 +272,7 @@ pub struct Texture {
     pub width: u32,
     /// Rows.
     pub height: u32,
-    /// The file's content.
+    /// Content of the image file.
     pub bytes: Vec<u8>,
 }
 

@@ -2,12 +2,17 @@
 //! sorted by what they are painted with.
 
 use crate::spatial::Vec3;
+use std::borrow::Cow;
+use std::sync::Arc;
 
 /// Mesh files larger than this, in bytes, are refused. Five million triangles.
 pub(super) const LARGEST_FILE: u64 = 256 << 20;
 
+/// What a file starts with that Git LFS keeps elsewhere.
+pub const LFS_POINTER: &[u8] = b"version https://git-lfs.github.com/";
+
 /// The formats that are read, for people.
-pub(super) const FORMATS: &str = "STL, OBJ, PLY, COLLADA and binary glTF (.glb)";
+pub(super) const FORMATS: &str = "STL, OBJ, PLY, COLLADA and glTF (.glb, .gltf)";
 
 /// Why a mesh cannot be read.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -44,6 +49,29 @@ pub(super) enum MeshError {
     NoFaces,
     #[error("a coordinate is not finite")]
     NotFinite,
+}
+
+/// The lines of an OBJ text or of its materials with their numbers: a line that ends with a
+/// backslash goes on in the next one.
+pub(super) fn obj_lines(text: &str) -> impl Iterator<Item = (usize, Cow<'_, str>)> {
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    let mut lines = text.lines().zip(1..);
+    std::iter::from_fn(move || {
+        let (first, number) = lines.next()?;
+        let Some(begun) = first.trim_end().strip_suffix('\\') else {
+            return Some((number, Cow::Borrowed(first)));
+        };
+        let mut whole = begun.to_owned();
+        for (next, _) in lines.by_ref() {
+            whole.push(' ');
+            let Some(more) = next.trim_end().strip_suffix('\\') else {
+                whole.push_str(next);
+                break;
+            };
+            whole.push_str(more);
+        }
+        Some((number, Cow::Owned(whole)))
+    })
 }
 
 /// Triangles from the first corner of a polygon to its other sides.
@@ -94,8 +122,16 @@ pub(super) fn triangles(
 pub(super) struct Paint {
     /// Red, green, blue, each 0 … 1.
     pub(super) color: Option<[f64; 3]>,
-    /// Name of the texture's file, as the mesh has it.
-    pub(super) image: Option<String>,
+    pub(super) image: Option<Image>,
+}
+
+/// The image of a texture.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) enum Image {
+    /// Name of its file, as the mesh has it.
+    Named(String),
+    /// Content of an image file, which the mesh's file holds.
+    Held(Arc<[u8]>),
 }
 
 /// Triangles that are painted alike.

@@ -16,6 +16,29 @@ pub(super) fn lossy_text(path: &Path) -> Option<String> {
     Some(String::from_utf8_lossy(&bytes).into_owned())
 }
 
+/// What a file is that begins like none of XML in UTF-8, and what to do.
+fn other_kind(bytes: &[u8]) -> Option<(&'static str, &'static str)> {
+    let begins = |start: &[u8]| bytes.starts_with(start);
+    // Two bytes for each letter, with a mark of their order or without.
+    if begins(&[0xff, 0xfe]) || begins(&[0xfe, 0xff]) || begins(b"<\0") || begins(b"\0<") {
+        return Some((
+            "the file is UTF-16 text, not UTF-8",
+            "save the file as UTF-8",
+        ));
+    }
+    if begins(&[0x1f, 0x8b]) || begins(b"PK\x03\x04") {
+        return Some(("the file is compressed", "unpack it first"));
+    }
+    let first = &bytes[..bytes.len().min(200)];
+    let text = String::from_utf8_lossy(first)
+        .trim_start()
+        .to_ascii_lowercase();
+    (text.starts_with("<!doctype html") || text.starts_with("<html")).then_some((
+        "the file is a web page, not a URDF",
+        "fetch the file itself: pages that show files have a link to their raw text",
+    ))
+}
+
 /// The text of a file.
 pub(super) fn text(path: &Path) -> Result<String, Box<Diagnostic>> {
     let problem = |code, message: String, help: &str| {
@@ -47,15 +70,16 @@ pub(super) fn text(path: &Path) -> Result<String, Box<Diagnostic>> {
             "no URDF is that large: is it the right file?",
         ));
     }
+    if let Some((what, help)) = other_kind(&bytes) {
+        let mut finding = problem("U002", what.to_owned(), help);
+        let shown = String::from_utf8_lossy(&bytes);
+        finding.place = Some(Place::in_text(&name.to_string(), &shown, 0..1));
+        return Err(finding);
+    }
     String::from_utf8(bytes).map_err(|error| {
         let valid = error.utf8_error().valid_up_to();
         let bytes = error.as_bytes();
-        let utf16 = bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff]);
-        let message = if utf16 {
-            "the file is UTF-16 text, not UTF-8".to_owned()
-        } else {
-            format!("the file is not UTF-8 text: byte 0x{:02x}", bytes[valid])
-        };
+        let message = format!("the file is not UTF-8 text: byte 0x{:02x}", bytes[valid]);
         let shown = String::from_utf8_lossy(bytes);
         // What stands before the bad byte is the same in both.
         let mut finding = problem("U002", message, "save the file as UTF-8");

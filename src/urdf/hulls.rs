@@ -32,6 +32,8 @@ pub(super) struct ReadMesh {
     pub(super) path: PathBuf,
     /// Not to be packed: a symbolic link leads out of the robot's folders.
     linked: bool,
+    /// Files that it is read from, too.
+    beside: Vec<PathBuf>,
     pub(super) vertices: Vec<Vec3>,
     /// How far the mesh reaches out of their hull at most, m.
     error: f64,
@@ -44,6 +46,7 @@ pub(super) struct ReadMesh {
 }
 
 /// Meshes by link and collision, both in file order.
+#[derive(Default)]
 pub(super) struct Meshes {
     pub(super) hulls: HashMap<(usize, usize), ReadMesh>,
     /// Files to be packed, each once.
@@ -57,10 +60,7 @@ pub(super) fn read_meshes(
     resolver: &Resolver,
     options: &ReadOptions,
 ) -> Meshes {
-    let mut meshes = Meshes {
-        hulls: HashMap::new(),
-        sources: Vec::new(),
-    };
+    let mut meshes = Meshes::default();
     // The same mesh often stands in many links; `None` if it was reported already.
     let mut known: HashMap<(PathBuf, [u64; 3], bool), Option<ReadMesh>> = HashMap::new();
     let wheels = wheel_meshes(robot);
@@ -106,6 +106,7 @@ pub(super) fn read_meshes(
                 .or_insert_with(|| {
                     read_mesh(
                         scope,
+                        resolver,
                         file,
                         Vec3::from(factors),
                         wheels.contains(filename),
@@ -116,6 +117,7 @@ pub(super) fn read_meshes(
             if let Some(mesh) = read {
                 if !mesh.linked && !meshes.sources.contains(&mesh.path) {
                     meshes.sources.push(mesh.path.clone());
+                    meshes.sources.extend(mesh.beside.iter().cloned());
                 }
                 meshes.hulls.insert((i, k), mesh.clone());
             }
@@ -174,6 +176,7 @@ fn report_rough_hulls(scope: &mut Scope, robot: &CheckedRobot, meshes: &Meshes) 
 
 fn read_mesh(
     scope: &mut Scope,
+    resolver: &Resolver,
     file: Found,
     factors: Vec3,
     wheel: bool,
@@ -192,7 +195,8 @@ fn read_mesh(
         );
         scope.note("U113", at.clone(), &message, "");
     }
-    let read = MeshFile::open(&path).and_then(|mesh| Ok((mesh.corners()?, mesh)));
+    let read = MeshFile::open(&path, &|name| resolver.beside(&path, name));
+    let read = read.and_then(|mesh| Ok((mesh.corners()?, mesh)));
     let (points, mesh) = match read {
         Ok(read) => read,
         Err(error) => {
@@ -244,6 +248,7 @@ fn read_mesh(
     Some(ReadMesh {
         path,
         linked,
+        beside: mesh.beside().to_vec(),
         vertices: hull.vertices,
         error: hull.error,
         bounds,

@@ -34,6 +34,11 @@ pub(super) fn texture(path: &Path) -> Result<Texture, ImageError> {
     file.take(LARGEST_FILE + 1)
         .read_to_end(&mut bytes)
         .map_err(io)?;
+    texture_of(path, bytes)
+}
+
+/// The image file that these bytes are; `path` is the file that they are from.
+pub(super) fn texture_of(path: &Path, bytes: Vec<u8>) -> Result<Texture, ImageError> {
     if bytes.len() as u64 > LARGEST_FILE {
         return Err(ImageError::TooLarge);
     }

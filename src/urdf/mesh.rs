@@ -1,21 +1,18 @@
-//! Mesh files → points: STL, OBJ, PLY, COLLADA, binary glTF.
+//! Mesh files → points: STL, OBJ, PLY, COLLADA, glTF.
 //!
 //! Only the corners of faces are kept: the collision shape is their convex hull. Own readers for
 //! the two plain formats, a page each: `stl_io` takes binary files that start with `solid` for text
 //! and refuses text that is not laid out line by line as it expects; both happen.
 
-use super::faces::{self, LARGEST_FILE, MeshError};
+use super::faces::{self, LARGEST_FILE, LFS_POINTER, MeshError, obj_lines};
 use super::{collada, gltf, ply};
 use crate::spatial::Vec3;
 use std::fs::File;
 use std::io::Read;
-use std::path::Path;
-
-/// What a file starts with that Git LFS keeps elsewhere.
-pub const LFS_POINTER: &[u8] = b"version https://git-lfs.github.com/";
+use std::path::{Path, PathBuf};
 
 /// Endings of the formats that are read.
-const KINDS: [&str; 5] = ["stl", "obj", "ply", "dae", "glb"];
+const KINDS: [&str; 6] = ["stl", "obj", "ply", "dae", "glb", "gltf"];
 
 /// The ending of a mesh's name in small letters, where it is none of a format that is read.
 pub(super) fn unread_kind(name: &str) -> Option<String> {
@@ -29,10 +26,17 @@ pub(super) struct MeshFile {
     /// The name's ending in small letters: a format that is read.
     kind: String,
     bytes: Vec<u8>,
+    gltf: Option<gltf::File>,
+    /// Files that it names and needs.
+    beside: Vec<PathBuf>,
 }
 
 impl MeshFile {
-    pub(super) fn open(path: &Path) -> Result<Self, MeshError> {
+    /// - `beside`: where a file is that the mesh names, `None` where it cannot be had
+    pub(super) fn open(
+        path: &Path,
+        beside: &dyn Fn(&str) -> Option<PathBuf>,
+    ) -> Result<Self, MeshError> {
         let kind = path
             .extension()
             .map(|e| e.to_string_lossy().to_ascii_lowercase())
@@ -40,19 +44,57 @@ impl MeshFile {
         if !KINDS.contains(&kind.as_str()) {
             return Err(MeshError::Format(format!(".{kind}")));
         }
-        let bytes = bytes(path)?;
-        if bytes.is_empty() {
+        let own = bytes(path)?;
+        if own.is_empty() {
             return Err(MeshError::Empty);
         }
-        if bytes.starts_with(LFS_POINTER) {
+        if own.starts_with(LFS_POINTER) {
             return Err(MeshError::Pointer);
         }
-        Ok(Self { kind, bytes })
+        let mut used = Vec::new();
+        let mut file = Self::made(kind, own, |name| {
+            let path = beside(name)?;
+            let content = bytes(&path);
+            used.push(path);
+            Some(content)
+        })?;
+        file.beside = used;
+        Ok(file)
+    }
+
+    /// A file without others beside it.
+    pub(super) fn of(kind: &str, bytes: &[u8]) -> Result<Self, MeshError> {
+        Self::made(kind.to_owned(), bytes.to_vec(), |_| None)
+    }
+
+    fn made(
+        kind: String,
+        bytes: Vec<u8>,
+        beside: impl FnMut(&str) -> Option<Result<Vec<u8>, MeshError>>,
+    ) -> Result<Self, MeshError> {
+        let scene = is_gltf(&kind).then(|| gltf::File::read(&bytes, beside));
+        Ok(Self {
+            gltf: scene.transpose()?,
+            kind,
+            bytes,
+            beside: Vec::new(),
+        })
+    }
+
+    /// [`MeshFile::open`] with the files that lie beside it, wherever that is.
+    pub(super) fn alone(path: &Path) -> Result<Self, MeshError> {
+        Self::open(path, &|name| {
+            let file = path.with_file_name(name);
+            file.is_file().then_some(file)
+        })
     }
 
     /// Corners of the mesh's faces in m, as the file has them.
     pub(super) fn corners(&self) -> Result<Vec<Vec3>, MeshError> {
-        parse(&self.kind, &self.bytes)
+        match &self.gltf {
+            Some(scene) => checked(scene.corners()?),
+            None => parse(&self.kind, &self.bytes),
+        }
     }
 
     /// The name's ending.
@@ -64,10 +106,26 @@ impl MeshFile {
         &self.bytes
     }
 
+    pub(super) fn gltf(&self) -> Option<&gltf::File> {
+        self.gltf.as_ref()
+    }
+
+    /// Files that were read beside it.
+    pub(super) fn beside(&self) -> &[PathBuf] {
+        &self.beside
+    }
+
     /// The mesh's faces, cut into triangles: what [`MeshFile::corners`] has read without complaint.
     pub(super) fn triangles(&self) -> Result<Vec<[Vec3; 3]>, MeshError> {
-        triangles_of(&self.kind, &self.bytes)
+        match &self.gltf {
+            Some(scene) => scene.triangles(),
+            None => triangles_of(&self.kind, &self.bytes),
+        }
     }
+}
+
+fn is_gltf(kind: &str) -> bool {
+    kind == "glb" || kind == "gltf"
 }
 
 /// [`MeshFile::triangles`] for the bytes of a file, as [`parse`].
@@ -79,20 +137,24 @@ pub(super) fn triangles_of(kind: &str, bytes: &[u8]) -> Result<Vec<[Vec3; 3]>, M
             .collect()),
         "obj" => obj_triangles(&String::from_utf8_lossy(bytes)),
         "ply" => ply::triangles(bytes),
-        "glb" => gltf::triangles(bytes),
+        kind if is_gltf(kind) => gltf::File::read(bytes, |_| None)?.triangles(),
         _ => collada::triangles(bytes),
     }
 }
 
-/// [`MeshFile::corners`] for the bytes of a file; `kind` is its ending in small letters.
+/// [`MeshFile::corners`] for the bytes of a file, without files beside it; `kind` is its ending in
+/// small letters.
 pub(super) fn parse(kind: &str, bytes: &[u8]) -> Result<Vec<Vec3>, MeshError> {
-    let points = match kind {
+    checked(match kind {
         "stl" => stl(bytes)?,
         "obj" => obj(&String::from_utf8_lossy(bytes))?,
         "ply" => ply::read(bytes)?,
-        "glb" => gltf::read(bytes)?,
+        kind if is_gltf(kind) => gltf::File::read(bytes, |_| None)?.corners()?,
         _ => collada::read(bytes)?,
-    };
+    })
+}
+
+fn checked(points: Vec<Vec3>) -> Result<Vec<Vec3>, MeshError> {
     if points.is_empty() {
         return Err(MeshError::NoFaces);
     }
@@ -226,14 +288,14 @@ fn obj_triangles(text: &str) -> Result<Vec<[Vec3; 3]>, MeshError> {
 /// them.
 fn obj_faces(text: &str, mut face: impl FnMut(&[Vec3], &[usize])) -> Result<Vec<Vec3>, MeshError> {
     let (mut vertices, mut corners) = (Vec::new(), Vec::new());
-    for (i, line) in text.lines().enumerate() {
-        let problem = |what: String| MeshError::Line { line: i + 1, what };
+    for (number, line) in obj_lines(text) {
+        let problem = |what: String| MeshError::Line { line: number, what };
         let mut words = line.split_whitespace();
         match words.next() {
             Some("v") => vertices.push(three(&mut words).map_err(problem)?),
             Some("f") => {
                 corners.clear();
-                for corner in words.take_while(|word| !word.starts_with('#') && *word != "\\") {
+                for corner in words.take_while(|word| !word.starts_with('#')) {
                     let word = corner.split('/').next().unwrap_or(corner);
                     let index = vertex_index(word, vertices.len())
                         .ok_or_else(|| problem(format!("there is no vertex '{word}' yet")))?;
@@ -334,6 +396,14 @@ mod tests {
         ];
         assert_eq!(obj(text), Ok(expected.map(Vec3::from).to_vec()));
         assert_eq!(obj("v 1 2 3\n"), Ok(vec![Vec3::new(1.0, 2.0, 3.0)]));
+        // A byte order mark, and a face over three lines: the same corners.
+        let text = text.replace("f 1/1/1 2//1 -1", "f 1/1/1 \\\r\n 2//1\\\n -1");
+        assert_eq!(
+            obj(&format!("\u{feff}{text}")),
+            Ok(expected.map(Vec3::from).to_vec())
+        );
+        let whole = obj_triangles(&text).map(|triangles| triangles.len());
+        assert_eq!(whole, Ok(2));
         for wrong in [
             "f 1 2 3",
             "v 0 0 0\nf 1 2",

@@ -45,7 +45,7 @@ pub use description::{
     ImageFormat, JointDescription, LinkDescription, MeshPart, Texture, VisualDescription,
     VisualShape,
 };
-pub use mesh::LFS_POINTER;
+pub use faces::LFS_POINTER;
 pub use options::ReadOptions;
 pub use sensed::{SensedKind, SensorDescription};
 pub use srdf::{Semantics, read_srdf, read_srdf_str};
@@ -58,12 +58,12 @@ use scope::Scope;
 use std::path::{Path, PathBuf};
 use xml::Document;
 
-/// Triangles of a mesh file, STL, OBJ, PLY, COLLADA or binary glTF, in m.
+/// Triangles of a mesh file, STL, OBJ, PLY, COLLADA or glTF, in m.
 ///
 /// # Errors
 /// What is wrong with the file, as the end of a sentence.
 pub fn read_triangles(path: &Path) -> Result<Vec<[Vec3; 3]>, String> {
-    let mesh = MeshFile::open(path).map_err(|error| error.to_string())?;
+    let mesh = MeshFile::alone(path).map_err(|error| error.to_string())?;
     // Whatever is wrong with its numbers is found with the corners.
     mesh.corners().map_err(|error| error.to_string())?;
     mesh.triangles().map_err(|error| error.to_string())
@@ -72,7 +72,8 @@ pub fn read_triangles(path: &Path) -> Result<Vec<[Vec3; 3]>, String> {
 /// Reads a URDF file and the meshes of its collision shapes.
 ///
 /// # Errors
-/// Everything that is wrong with the file, errors and warnings, in file order.
+/// Everything that is wrong with the file, errors and warnings, in file order; with
+/// [`ReadOptions::rest`] only what leaves nothing of it.
 pub fn read(path: &Path, options: &ReadOptions) -> Result<Description, Vec<Diagnostic>> {
     let file = path.display().to_string();
     let text = file::text(path).map_err(|finding| vec![*finding])?;
@@ -91,13 +92,13 @@ pub fn find_package(name: &str, base_dir: &Path, options: &ReadOptions) -> Optio
     Resolver::new(base_dir, options, None).package(name)
 }
 
-/// Corners of the faces of a mesh file (STL, OBJ, PLY, COLLADA, binary glTF) in m, as a URDF
+/// Corners of the faces of a mesh file (STL, OBJ, PLY, COLLADA, glTF) in m, as a URDF
 /// without `scale` takes them.
 ///
 /// # Errors
 /// What is wrong with the file.
 pub fn mesh_corners(path: &Path) -> Result<Vec<Vec3>, Box<dyn std::error::Error>> {
-    Ok(MeshFile::open(path)?.corners()?)
+    Ok(MeshFile::alone(path)?.corners()?)
 }
 
 /// Reads a URDF text and the meshes of its collision shapes.
@@ -120,7 +121,7 @@ pub fn read_str(
     let failed = report.has_errors();
     let diagnostics = report.finish();
     match description {
-        Some(description) if !failed => Ok(Description {
+        Some(description) if !failed || options.rest => Ok(Description {
             diagnostics,
             text: text.into(),
             ..description
@@ -131,7 +132,8 @@ pub fn read_str(
 
 /// Corners of the faces of a mesh file, m as the file has them.
 ///
-/// - `kind`: how the file's name ends, `stl`, `obj`, `ply`, `dae` or `glb`
+/// - `kind`: how the file's name ends, `stl`, `obj`, `ply`, `dae`, `glb` or `gltf`; without
+///   files beside it
 ///
 /// # Errors
 /// What is wrong with the file, for people.
@@ -145,6 +147,27 @@ pub fn mesh_corners_of(kind: &str, bytes: &[u8]) -> Result<Vec<Vec3>, String> {
 /// What is wrong with the file, for people.
 pub fn mesh_triangles_of(kind: &str, bytes: &[u8]) -> Result<Vec<[Vec3; 3]>, String> {
     mesh::triangles_of(kind, bytes).map_err(|error| error.to_string())
+}
+
+/// What a mesh file looks like, m as the file has them, and whether each part has a texture; see
+/// [`mesh_corners_of`].
+///
+/// # Errors
+/// What is wrong with the file, for people.
+pub fn mesh_parts_of(kind: &str, bytes: &[u8]) -> Result<Vec<(MeshPart, bool)>, String> {
+    let file = MeshFile::of(kind, bytes).map_err(|error| error.to_string())?;
+    let parts = painted::parts(&file, |_| None).map_err(|error| error.to_string())?;
+    let part = |part: faces::Part| {
+        let textured = part.paint.image.is_some();
+        let part = MeshPart {
+            triangles: part.triangles,
+            uv: part.uv,
+            color: part.paint.color,
+            texture: None,
+        };
+        (part, textured)
+    };
+    Ok(parts.into_iter().map(part).collect())
 }
 
 /// Corners of the convex parts that a mesh is cut into where the settings want a decomposition, m.
@@ -184,7 +207,12 @@ fn describe(
         .and_then(|mujoco| mujoco.child("compiler"))
         .and_then(|compiler| compiler.value("meshdir"));
     let resolver = Resolver::new(base_dir, options, mesh_dir);
-    let meshes = hulls::read_meshes(&mut scope, &robot, &resolver, options);
+    let meshes = if options.rest {
+        robot.forget_meshes();
+        hulls::Meshes::default()
+    } else {
+        hulls::read_meshes(&mut scope, &robot, &resolver, options)
+    };
     visuals::check(&mut scope, document.root(), &mut robot);
     let drawn = visuals::read(&mut scope, &robot, &resolver, options.drawn);
     missing::report_moved(&mut scope, &robot, &resolver);
@@ -194,7 +222,7 @@ fn describe(
         Vec::new()
     };
     scope.report_tags();
-    if scope.report.has_errors() {
+    if scope.report.has_errors() && !options.rest {
         inertia::foretell(&mut scope, &robot, order.as_ref());
         return None;
     }

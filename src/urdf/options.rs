@@ -24,6 +24,9 @@ pub struct ReadOptions {
     pub sensors: bool,
     /// The meshes and textures of visuals are read; else only that they are there is checked.
     pub drawn: bool,
+    /// A file with errors gives what is left of it, without meshes: for what can be told of it
+    /// beside its errors.
+    pub rest: bool,
     /// Links whose collision meshes become several convex parts each (true) or their hulls (false);
     /// of those that match, the last holds.
     pub decomposed: Vec<(Pattern, bool)>,
@@ -39,6 +42,7 @@ impl Default for ReadOptions {
             pybullet: false,
             sensors: false,
             drawn: false,
+            rest: false,
             decomposed: Vec::new(),
         }
     }

@@ -1,15 +1,15 @@
 //! Mesh files → triangles by colour and texture, for drawing: STL, PLY, OBJ with MTL,
-//! COLLADA, binary glTF.
+//! COLLADA, glTF.
 //!
 //! Where a triangle has no material, or one that is not understood, it has no colour: whoever draws
 //! it takes the visual's. Texture coordinates that are not there are no fault either.
 
 mod obj;
 
+use super::collada;
 pub(super) use super::faces::Part;
 use super::faces::{MeshError, Paint, Parts};
 use super::mesh::MeshFile;
-use super::{collada, gltf};
 
 /// The painted triangles of a mesh file.
 ///
@@ -18,10 +18,12 @@ pub(super) fn parts(
     file: &MeshFile,
     beside: impl Fn(&str) -> Option<String>,
 ) -> Result<Vec<Part>, MeshError> {
+    if let Some(scene) = file.gltf() {
+        return scene.parts();
+    }
     match file.kind() {
         "obj" => obj::parts(&String::from_utf8_lossy(file.bytes()), beside),
         "dae" => collada::parts(file.bytes()),
-        "glb" => gltf::parts(file.bytes()),
         _ => {
             let mut parts = Parts::default();
             let part = parts.of(&Paint::default(), false);
@@ -33,6 +35,7 @@ pub(super) fn parts(
 
 #[cfg(test)]
 mod tests {
+    use super::super::faces::Image;
     use super::*;
     use crate::spatial::Vec3;
     use std::path::Path;
@@ -64,7 +67,8 @@ mod tests {
     fn a_texture_of_collada_is_found_through_sampler_surface_and_image() {
         let parts = collada::parts(TEXTURED.as_bytes()).expect("a scene");
         assert_eq!(parts.len(), 2);
-        assert_eq!(parts[0].paint.image.as_deref(), Some("./a%20b.png"));
+        let image = Image::Named("./a%20b.png".to_owned());
+        assert_eq!(parts[0].paint.image, Some(image));
         assert_eq!(parts[0].uv, [[[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]]);
         assert_eq!(parts[1].paint, Paint::default());
         let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 2.0, 0.0]].map(Vec3::from);
@@ -114,7 +118,7 @@ mod tests {
     fn the_meshes_of_the_tests_have_the_triangles_that_decomposition_sees() {
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/robots/meshes");
         for name in ["ascii.STL", "solid.stl", "corner.obj", "corner.dae"] {
-            let file = MeshFile::open(&folder.join(name)).expect("a mesh");
+            let file = MeshFile::open(&folder.join(name), &|_| None).expect("a mesh");
             let parts = parts(&file, |_| None).expect("a mesh");
             let drawn: Vec<_> = parts.into_iter().flat_map(|part| part.triangles).collect();
             assert_eq!(drawn, file.triangles().expect("a mesh"), "{name}");

@@ -1,6 +1,6 @@
 //! Checks of the robot as a whole: names, parents, one root, no cycles; and the order of its parts.
 
-use super::checked::{CheckedLink, CheckedRobot, LinkReference, Order, Surface};
+use super::checked::{CheckedLink, CheckedRobot, LeftOut, LinkReference, Order, Surface};
 use super::foreign;
 use super::scope::{Scope, Version};
 use super::xml::{Document, Node, is_unprintable};
@@ -52,8 +52,8 @@ pub(super) fn check<'d>(
     scope.known_children(root, &known, &FOREIGN);
     scope.version = version(scope, root);
     let name = robot_name(scope, root, file);
-    let links = named(scope, root, "link");
-    let joints = named(scope, root, "joint");
+    let (links, nameless) = named(scope, root, "link");
+    let (joints, _) = named(scope, root, "joint");
     if links.is_empty() && root.child("link").is_none() {
         let help = if root.child("disable_collisions").is_some() || root.child("group").is_some() {
             "this is an SRDF file, which says which links may touch each other: give the URDF"
@@ -71,8 +71,11 @@ pub(super) fn check<'d>(
     let mut robot = CheckedRobot {
         name,
         closures: Vec::new(),
-        named: links.len() == root.children_named("link").count()
-            && joints.len() == root.children_named("joint").count(),
+        nameless,
+        left_out: LeftOut {
+            links: root.children_named("link").count() - links.len(),
+            joints: root.children_named("joint").count() - joints.len(),
+        },
         links: links
             .iter()
             .map(|&(node, name)| link::check(scope, node, name))
@@ -233,15 +236,21 @@ fn robot_name(scope: &mut Scope, root: Node, file: &str) -> String {
 }
 
 /// The elements `<tag>` below the root with their names; those without a name, or with one that is
-/// taken, are reported.
-fn named<'d>(scope: &mut Scope, root: Node<'d>, tag: &'static str) -> Vec<(Node<'d>, &'d str)> {
+/// taken, are reported. Also how many have no name that can be used.
+fn named<'d>(
+    scope: &mut Scope,
+    root: Node<'d>,
+    tag: &'static str,
+) -> (Vec<(Node<'d>, &'d str)>, usize) {
     let mut list = Vec::new();
+    let mut nameless = 0;
     let mut first: HashMap<&str, Range<usize>> = HashMap::new();
     for node in root.children_named(tag) {
         let Some(attribute) = node.attribute("name") else {
             let message = format!("<{tag}> has no name");
             let help = "write name=\"…\"";
             scope.report.error("U015", node.tag_at(), message, help);
+            nameless += 1;
             continue;
         };
         let name = attribute.value.as_str();
@@ -250,6 +259,7 @@ fn named<'d>(scope: &mut Scope, root: Node<'d>, tag: &'static str) -> Vec<(Node<
             scope
                 .report
                 .error("U015", attribute.at.clone(), message, "give it a name");
+            nameless += 1;
             continue;
         }
         if name.contains(is_unprintable) {
@@ -258,6 +268,7 @@ fn named<'d>(scope: &mut Scope, root: Node<'d>, tag: &'static str) -> Vec<(Node<
             scope
                 .report
                 .error("U015", attribute.at.clone(), message, help);
+            nameless += 1;
             continue;
         }
         if let Some(earlier) = first.get(name) {
@@ -272,12 +283,16 @@ fn named<'d>(scope: &mut Scope, root: Node<'d>, tag: &'static str) -> Vec<(Node<
         first.insert(name, attribute.at.clone());
         list.push((node, name));
     }
-    list
+    (list, nameless)
 }
 
 /// Checks that the links hang together as one tree, and orders them.
+///
+/// A joint that names a link which is nowhere hides no other fault: all that can be told without it
+/// is told.
 pub(super) fn order(scope: &mut Scope, robot: &CheckedRobot) -> Option<Order> {
-    if !robot.named {
+    // Any name may be meant for one of these.
+    if robot.nameless > 0 {
         return None;
     }
     let links: HashMap<&str, usize> = robot
@@ -286,7 +301,9 @@ pub(super) fn order(scope: &mut Scope, robot: &CheckedRobot) -> Option<Order> {
         .enumerate()
         .map(|(i, link)| (link.name, i))
         .collect();
-    let mut complete = true;
+    let mut complete = robot.left_out.links == 0 && robot.left_out.joints == 0;
+    // Joints that may hold a link that no other one holds.
+    let mut loose = robot.left_out.joints;
     // Per link: the joint above it, and the joints below it in file order.
     let mut above: Vec<Option<usize>> = vec![None; robot.links.len()];
     let mut below: Vec<Vec<usize>> = vec![Vec::new(); robot.links.len()];
@@ -305,8 +322,10 @@ pub(super) fn order(scope: &mut Scope, robot: &CheckedRobot) -> Option<Order> {
         };
         let parent = index(&joint.parent, "parent");
         let child = index(&joint.child, "child");
-        let (Some(parent), Some(child), Some(reference)) = (parent, child, &joint.child) else {
+        complete &= parent.is_some();
+        let (Some(child), Some(reference)) = (child, &joint.child) else {
             complete = false;
+            loose += 1;
             continue;
         };
         if let Some(other) = above[child] {
@@ -320,35 +339,16 @@ pub(super) fn order(scope: &mut Scope, robot: &CheckedRobot) -> Option<Order> {
             continue;
         }
         above[child] = Some(j);
-        below[parent].push(j);
+        if let Some(parent) = parent {
+            below[parent].push(j);
+        }
         children[j] = child;
-    }
-    if !complete {
-        return None;
     }
     let roots: Vec<usize> = (0..robot.links.len())
         .filter(|&i| above[i].is_none())
         .collect();
-    if let [first, second, ..] = roots[..] {
-        let node = robot.links[second].node;
-        let at = node
-            .attribute("name")
-            .map_or_else(|| node.tag_at(), |a| a.at.clone());
-        let names: Vec<&str> = roots
-            .iter()
-            .take(10)
-            .map(|&i| robot.links[i].name)
-            .collect();
-        let message = format!(
-            "the robot has {} root links: {}",
-            roots.len(),
-            names.join(", ")
-        );
-        let help = format!(
-            "only one link may be no joint's child; join '{}' to '{}' or remove it",
-            robot.links[second].name, robot.links[first].name
-        );
-        scope.report.error("U011", at, message, help);
+    if roots.len() > 1 + loose {
+        report_roots(scope, robot, &roots, loose);
     }
     let mut order = Order {
         links: Vec::with_capacity(robot.links.len()),
@@ -369,33 +369,73 @@ pub(super) fn order(scope: &mut Scope, robot: &CheckedRobot) -> Option<Order> {
             visit(children[j], &mut open, &mut order);
         }
     }
-    if let Some(lost) = reached.iter().position(|&r| !r) {
-        report_cycle(scope, robot, lost, &above, &links);
-        return None;
+    let lost = (0..reached.len()).filter(|&link| !reached[link]);
+    let mut walks = vec![None; robot.links.len()];
+    for start in lost {
+        complete = false;
+        if report_cycle(scope, robot, start, &above, &links, &mut walks) {
+            break;
+        }
     }
-    (roots.len() == 1).then_some(order)
+    (complete && roots.len() == 1).then_some(order)
 }
 
-/// Follows the parents of a link that hangs on no root until they repeat.
+/// - `loose`: how many of the roots may be children of joints that are told already
+fn report_roots(scope: &mut Scope, robot: &CheckedRobot, roots: &[usize], loose: usize) {
+    let [first, second, ..] = *roots else { return };
+    let node = robot.links[second].node;
+    let at = node
+        .attribute("name")
+        .map_or_else(|| node.tag_at(), |a| a.at.clone());
+    let names = roots.iter().take(10).map(|&i| robot.links[i].name);
+    let names = names.collect::<Vec<_>>().join(", ");
+    let count = roots.len();
+    let (message, help) = if loose == 0 {
+        let (first, second) = (robot.links[first].name, robot.links[second].name);
+        (
+            format!("the robot has {count} root links: {names}"),
+            format!(
+                "only one link may be no joint's child; join '{second}' to '{first}' or remove it"
+            ),
+        )
+    } else {
+        let joints = if loose == 1 { "joint" } else { "joints" };
+        (
+            format!(
+                "the robot has {count} root links, more than the {loose} {joints} without a child explain: {names}"
+            ),
+            "only one link may be no joint's child; join the others or remove them".to_owned(),
+        )
+    };
+    scope.report.error("U011", at, message, help);
+}
+
+/// Follows the parents of a link that hangs on no root until they repeat; whether they do.
+///
+/// - `walks`: by link, from where it was come by
 fn report_cycle(
     scope: &mut Scope,
     robot: &CheckedRobot,
     start: usize,
     above: &[Option<usize>],
     links: &HashMap<&str, usize>,
-) {
+    walks: &mut [Option<usize>],
+) -> bool {
     let parent = |link: usize| -> Option<(usize, usize)> {
         let j = above[link]?;
         let name = robot.joints[j].parent.as_ref()?.name;
         Some((j, *links.get(name)?))
     };
-    let mut seen = vec![false; robot.links.len()];
     let mut link = start;
-    while !std::mem::replace(&mut seen[link], true) {
+    while walks[link].is_none() {
+        walks[link] = Some(start);
         match parent(link) {
             Some((_, up)) => link = up,
-            None => return,
+            None => return false,
         }
+    }
+    if walks[link] != Some(start) {
+        return false;
     }
     // `link` is on the cycle; go round once to name its joints, the highest first.
     let mut joints = Vec::new();
@@ -409,7 +449,7 @@ fn report_cycle(
     }
     joints.reverse();
     let Some(&last) = joints.iter().max() else {
-        return;
+        return false;
     };
     let names: Vec<&str> = joints
         .iter()
@@ -425,4 +465,5 @@ fn report_cycle(
     let help =
         "a URDF is a tree with one root: remove one of them, or turn its parent and child round";
     scope.report.error("U012", at, message, help);
+    true
 }

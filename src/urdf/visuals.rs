@@ -5,13 +5,14 @@
 
 use super::checked::{CheckedRobot, CheckedVisual, Geometry, Paint};
 use super::description::{DrawnMesh, MeshPart, Texture};
-use super::faces::{FORMATS, MeshError};
+use super::faces::{FORMATS, Image, MeshError};
+use super::image::{self, ImageError};
 use super::mesh::MeshFile;
 use super::missing::outside_help;
 use super::resolve::{Found, Missing, Resolver};
 use super::scope::Scope;
 use super::xml::Node;
-use super::{file, image, link, painted};
+use super::{file, link, painted};
 use crate::diagnostic::Severity;
 use crate::parallel;
 use std::collections::{BTreeSet, HashMap};
@@ -276,30 +277,54 @@ impl Textures<'_> {
         if let Some(&known) = self.by_path.get(path) {
             return known;
         }
-        let place = match image::texture(path) {
-            Ok(texture) => {
-                self.list.push(texture);
-                Some(self.list.len() - 1)
-            }
-            Err(error) => {
-                let message = format!("texture {} cannot be used: {error}", path.display());
-                let help = "save it as JPEG or PNG of at most 8192 pixels a side";
-                troubles.add("U117", at, message, help.to_owned());
-                None
-            }
-        };
+        let name = format!("texture {}", path.display());
+        let place = self.add(image::texture(path), &name, at, troubles);
         self.by_path.insert(path.to_owned(), place);
         place
     }
 
-    /// A texture that a mesh file names.
-    fn beside(
+    /// - `name`: what a finding calls it
+    fn add(
         &mut self,
-        mesh: &Path,
+        texture: Result<Texture, ImageError>,
         name: &str,
         at: &Range<usize>,
         troubles: &mut Troubles,
     ) -> Option<usize> {
+        match texture {
+            Ok(texture) => {
+                // Each part of a robot may hold the same image.
+                let same = |known: &Texture| known.bytes == texture.bytes;
+                let known = self.list.iter().position(same);
+                Some(known.unwrap_or_else(|| {
+                    self.list.push(texture);
+                    self.list.len() - 1
+                }))
+            }
+            Err(error) => {
+                let message = format!("{name} cannot be used: {error}");
+                let help = "save it as JPEG or PNG of at most 8192 pixels a side";
+                troubles.add("U117", at, message, help.to_owned());
+                None
+            }
+        }
+    }
+
+    /// A texture of a mesh file, inside of it or beside it.
+    fn of_mesh(
+        &mut self,
+        mesh: &Path,
+        image: &Image,
+        at: &Range<usize>,
+        troubles: &mut Troubles,
+    ) -> Option<usize> {
+        let name = match image {
+            Image::Named(name) => name,
+            Image::Held(bytes) => {
+                let name = format!("a texture inside of {}", mesh.display());
+                return self.add(image::texture_of(mesh, bytes.to_vec()), &name, at, troubles);
+            }
+        };
         if let Some(path) = self.resolver.beside(mesh, name) {
             return self.read(&path, at, troubles);
         }
@@ -322,7 +347,7 @@ fn read_ahead<'f>(files: impl Iterator<Item = &'f Found>) -> HashMap<PathBuf, Pa
     let paths: BTreeSet<&PathBuf> = files.map(|file| &file.path).filter(alone).collect();
     let paths: Vec<&PathBuf> = paths.into_iter().collect();
     let parts = parallel::map(&paths, |path| {
-        MeshFile::open(path).and_then(|mesh| painted::parts(&mesh, |_| None))
+        MeshFile::open(path, &|_| None).and_then(|mesh| painted::parts(&mesh, |_| None))
     });
     paths.into_iter().cloned().zip(parts).collect()
 }
@@ -341,7 +366,10 @@ fn parts_of(
         let path = textures.resolver.beside(path, name)?;
         file::lossy_text(&path)
     };
-    let read = || MeshFile::open(path).and_then(|mesh| painted::parts(&mesh, library));
+    let read = || {
+        let mesh = MeshFile::open(path, &|name| textures.resolver.beside(path, name))?;
+        painted::parts(&mesh, library)
+    };
     let parts = match ahead.unwrap_or_else(read) {
         Ok(parts) => parts,
         Err(error) => {
@@ -356,8 +384,8 @@ fn parts_of(
     };
     let mut list = Vec::with_capacity(parts.len());
     for part in parts {
-        let image = part.paint.image.as_deref();
-        let texture = image.and_then(|name| textures.beside(path, name, at, troubles));
+        let image = part.paint.image.as_ref();
+        let texture = image.and_then(|image| textures.of_mesh(path, image, at, troubles));
         list.push(MeshPart {
             triangles: part.triangles,
             uv: part.uv,

@@ -392,3 +392,98 @@ fn meshes_in_ply_and_binary_gltf_collide_and_are_seen() {
         assert!((mass - 1.0).abs() < 1e-6, "{mass}");
     }
 }
+
+/// Two faults each, of which one comes to light only after the other where checks end at the first:
+/// whoever mends both is told of no third.
+#[test]
+fn faults_of_files_of_settings_and_of_names_are_told_in_one_run() {
+    let joint = |name: &str, parent: &str, child: &str, more: &str| {
+        format!(
+            "<joint name='{name}' type='continuous'><parent link='{parent}'/>\
+             <child link='{child}'/>{more}</joint>"
+        )
+    };
+    let link = |name: &str, more: &str| format!("<link name='{name}'>{INERTIAL}{more}</link>");
+    let shape = |geometry: &str| format!("<collision><geometry>{geometry}</geometry></collision>");
+    let mesh = shape("<mesh filename='nowhere.stl'/>");
+    let robot = |first: &str, joints: &str| {
+        let links = link("a", first) + &link("b", "") + &link("c", "");
+        format!("<robot name='r'>{links}{joints}</robot>")
+    };
+    let sound = joint("j", "a", "b", "") + &joint("k", "b", "c", "");
+    let alike = joint("j 1", "a", "b", "") + &joint("j-1", "b", "c", "");
+    let mimic = joint("j", "a", "b", "") + &joint("k", "b", "c", "<mimic joint='x'/>");
+    let negative = shape("<sphere radius='-1'/>");
+    let unknown = "[solver]\ntolerence = 1e-4\n";
+    let nobody = "[[actuator]]\njoint = 'nobody'\nmode = 'velocity'\n";
+    let both = format!("{unknown}{nobody}");
+    for (urdf, settings, codes) in [
+        (robot(&mesh, &alike), "", ["U104", "A139"]),
+        (robot(&mesh, &sound), nobody, ["U104", "A101"]),
+        (robot(&negative, &alike), "", ["U033", "A139"]),
+        (robot(&negative, &sound), unknown, ["S102", "U033"]),
+        (robot(&mesh, &mimic), "[solver", ["S101", "U046"]),
+        (robot("", &sound), &both, ["S102", "A101"]),
+        (robot("", &alike), unknown, ["S102", "A139"]),
+        (robot("", &alike), nobody, ["A101", "A139"]),
+        (
+            robot("", &alike).replace(INERTIAL, ""),
+            "",
+            ["A104", "A139"],
+        ),
+    ] {
+        let folder = tempfile::tempdir().unwrap();
+        let path = write(folder.path(), "r.urdf", urdf.clone());
+        let config = write(folder.path(), "r.toml", settings);
+        let (ok, list) = findings(&path, &["--config", text(&config)]);
+        assert!(!ok);
+        let errors = of_severity(&list, "error");
+        for code in codes {
+            let told = errors.iter().filter(|finding| finding["code"] == code);
+            assert_eq!(told.count(), 1, "{code}: {list:?} {urdf} {settings}");
+        }
+    }
+    // What follows from a fault is not told as another one.
+    let folder = tempfile::tempdir().unwrap();
+    let path = write(
+        folder.path(),
+        "r.urdf",
+        robot("", &sound).replace(INERTIAL, ""),
+    );
+    let config = write(
+        folder.path(),
+        "r.toml",
+        "[robot]\ninertia = 'colision'\n[robot",
+    );
+    let (_, list) = findings(&path, &["--config", text(&config)]);
+    let codes: Vec<&Value> = of_severity(&list, "error")
+        .iter()
+        .map(|f| &f["code"])
+        .collect();
+    assert!(codes.iter().all(|code| *code == "S101"), "{list:?}");
+}
+
+/// Files that are something else, as people have them.
+#[test]
+fn files_that_are_no_text_or_a_web_page_are_told_what_they_are() {
+    let two_bytes: Vec<u8> = "<robot/>"
+        .encode_utf16()
+        .flat_map(u16::to_le_bytes)
+        .collect();
+    for (content, what) in [
+        (two_bytes, "UTF-16"),
+        (b"\x1f\x8b\x08\0".to_vec(), "compressed"),
+        (b"PK\x03\x04\0".to_vec(), "compressed"),
+        (
+            b"\n<!DOCTYPE html>\n<html>404</html>".to_vec(),
+            "a web page",
+        ),
+    ] {
+        let folder = tempfile::tempdir().unwrap();
+        let (ok, list) = findings(&write(folder.path(), "r.urdf", content), &[]);
+        assert!(
+            !ok && field(&list, "U002", "message").contains(what),
+            "{list:?}"
+        );
+    }
+}

@@ -24,7 +24,10 @@ pub enum CsvError {
     #[error("it is no text in UTF-8, as tables have to be")]
     NotText,
     /// The first column.
-    #[error("line 1: the first column must be 'time', not '{found}'")]
+    #[error(
+        "line 1: the first column must be 'time', not '{found}'{}",
+        separators(found)
+    )]
     NoTime {
         /// As written.
         found: String,
@@ -78,6 +81,15 @@ pub enum CsvError {
     /// Names alone.
     #[error("it has no values: line 1 must be followed by at least one row")]
     NoRows,
+}
+
+/// What to do about other signs between the columns.
+fn separators(found: &str) -> &'static str {
+    if found.contains([';', '\t']) {
+        "; columns are separated by commas, and the decimal sign is a point"
+    } else {
+        ""
+    }
 }
 
 impl Table {
@@ -263,6 +275,16 @@ mod tests {
                 .starts_with("\"time\",\"a.b[1]\"\n0.0,0.3333333333333333\n")
         );
         assert_eq!(Table::parse(&table.to_text()), Ok(table));
+    }
+
+    #[test]
+    fn other_separators_are_told() {
+        for text in ["time;a\n0;1\n", "time\ta\n0\t1\n"] {
+            let told = Table::parse(text).expect_err("one column").to_string();
+            assert!(told.contains("separated by commas"), "{told}");
+        }
+        let told = Table::parse("t,a\n0,1\n").expect_err("no time").to_string();
+        assert!(!told.contains("commas"), "{told}");
     }
 
     #[test]

@@ -35,8 +35,7 @@ pub fn shape(
     let samples = match settings {
         TerrainSettings::Plane => return Ok(Shape::Plane),
         TerrainSettings::Mesh { file, scale } => {
-            let help =
-                "give a file of triangles with an area: STL, OBJ, PLY, COLLADA or binary glTF";
+            let help = "give a file of triangles with an area: STL, OBJ, PLY, COLLADA or glTF";
             let wrong =
                 |message: String| error("T002", format!("'{}': {message}", file.display()), help);
             let triangles = urdf::read_triangles(file).map_err(wrong)?;

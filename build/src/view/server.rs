@@ -7,7 +7,8 @@ use super::http::{self, Asked, PATIENCE, Refusal};
 use super::hub::{Bytes, Hub};
 use super::protocol::Wish;
 use super::socket::{Kind, Message, Messages, SocketError, frame};
-use crate::page::base64;
+use base64::Engine as _;
+use base64::prelude::BASE64_STANDARD as BASE64;
 use sha1::{Digest, Sha1};
 use std::io::{self, Write};
 use std::net::{Ipv4Addr, Shutdown, TcpListener, TcpStream};
@@ -157,7 +158,7 @@ fn answer(mut stream: &TcpStream, status: &str, kind: &str, body: &[u8]) -> io::
 }
 
 fn socket(mut stream: &TcpStream, key: &str, shared: &Arc<Shared>) -> io::Result<()> {
-    let accepted = base64(&Sha1::digest(format!("{key}{SUFFIX}").as_bytes()));
+    let accepted = BASE64.encode(Sha1::digest(format!("{key}{SUFFIX}").as_bytes()));
     let head = format!(
         "HTTP/1.1 101 Switching Protocols\r\n\
          Upgrade: websocket\r\n\

@@ -112,6 +112,18 @@ fn a_point_mass_on_its_own_axis_has_no_inertia_about_it() {
     );
 }
 
+/// A cylinder whose radius the file gives as 0: as a solid it has no inertia about its axis either.
+#[test]
+fn a_shape_without_width_is_no_help_to_a_link_without_inertia() {
+    let mut thing = point("thing", 2.0, Vec3::zeros());
+    let needle = Shape::Cylinder {
+        radius: 1e-9,
+        half_length: 0.1,
+    };
+    thing.collisions = vec![collision(Pose::IDENTITY, needle)];
+    assert_eq!(error(&robot(thing), "").code, "A104");
+}
+
 #[test]
 fn an_inertia_of_zeros_is_that_of_the_shapes_where_the_link_could_not_move() {
     // As PyBullet's random_urdfs: a mass, zeros, a collision shape. A ball has (2/5) m r².

@@ -19,7 +19,7 @@ pub enum TerrainSettings {
     },
     /// The surface of a triangle mesh.
     Mesh {
-        /// STL, OBJ, PLY, COLLADA or binary glTF.
+        /// STL, OBJ, PLY, COLLADA or glTF.
         file: PathBuf,
         /// Factor on all lengths.
         scale: f64,

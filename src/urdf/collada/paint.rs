@@ -5,7 +5,7 @@
 //!
 //! Source: COLLADA 1.4.1, chapters 5 (`bind_material`) and 7 (`profile_COMMON`).
 
-use super::super::faces::Paint;
+use super::super::faces::{Image, Paint};
 use super::super::xml::Node;
 use super::{Scene, numbers};
 
@@ -44,7 +44,7 @@ impl<'d> Scene<'d> {
             let name = texture.value("texture")?;
             return Some(Paint {
                 color: None,
-                image: self.image(effect, name),
+                image: self.image(effect, name).map(Image::Named),
             });
         }
         let color = numbers(diffuse.child("color")?).ok()?;

@@ -1,4 +1,22 @@
 use super::*;
+use base64::Engine as _;
+use base64::prelude::BASE64_STANDARD;
+
+fn file(bytes: &[u8]) -> Result<File, MeshError> {
+    File::read(bytes, |_| None)
+}
+
+fn read(bytes: &[u8]) -> Result<Vec<Vec3>, MeshError> {
+    file(bytes)?.corners()
+}
+
+fn triangles(bytes: &[u8]) -> Result<Vec<[Vec3; 3]>, MeshError> {
+    file(bytes)?.triangles()
+}
+
+fn parts(bytes: &[u8]) -> Result<Vec<Part>, MeshError> {
+    file(bytes)?.parts()
+}
 
 /// A file of JSON and numbers: floats, then indices.
 fn glb(json: &str, floats: &[f32], indices: &[u16]) -> Vec<u8> {
@@ -110,8 +128,19 @@ fn what_cannot_be_read_is_told() {
         (
             "{\"byteLength\": 56}",
             "{\"uri\": \"a.bin\"}",
-            "one .glb file",
+            "a.bin is not beside it",
         ),
+        (
+            "{\"byteLength\": 56}",
+            "{\"uri\": \"data:,abc\"}",
+            "not in base64",
+        ),
+        (
+            "{\"byteLength\": 56}",
+            "{\"uri\": \"data:;base64,A*A\"}",
+            "no base64",
+        ),
+        ("\"buffer\": 0", "\"buffer\": 3", "no buffer 3"),
         ("{\"bufferView\": 0, ", "{", "sparse"),
         (
             "\"rotation\": [0, 0, 0.7071067811865476,",
@@ -140,4 +169,108 @@ fn what_cannot_be_read_is_told() {
     }
     let old = [&bytes[..4], &[1], &bytes[5..]].concat();
     assert!(read(&old).is_err_and(|error| error.to_string().contains("glTF 1")));
+}
+
+/// A picture is what its bytes are: whether they can be shown is asked later.
+const PICTURE: &[u8] = b"a picture";
+
+/// [`scene`] with the corners' texture coordinates behind their places, and an image.
+fn textured(how: &str, image: &str) -> String {
+    let primitive = r#"{"attributes": {"POSITION": 0, "TEXCOORD_0": 2}, "material": 0, "mode": 5}"#;
+    let accessor = r#"{"bufferView": 2, "componentType": 5126, "count": 4, "type": "VEC2"}"#;
+    let color = r#""baseColorFactor": [1, 0.5, 0, 1]"#;
+    scene(primitive)
+        .replace(
+            color,
+            &format!(r#"{color}, "baseColorTexture": {{"index": 0{how}}}"#),
+        )
+        .replace(
+            "\"SCALAR\"}]",
+            &format!(
+                "\"SCALAR\"}}, {accessor}], \"textures\": [{{\"source\": 0}}], \"images\": [{image}]"
+            ),
+        )
+        .replace(
+            "\"byteLength\": 8}]",
+            "\"byteLength\": 8}, {\"buffer\": 0, \"byteOffset\": 56, \"byteLength\": 32},
+             {\"buffer\": 0, \"byteOffset\": 88, \"byteLength\": 9}]",
+        )
+}
+
+/// Places, indices, texture coordinates (a corner for each vertex) and the picture.
+fn numbers() -> Vec<u8> {
+    let mut bytes: Vec<u8> = CORNERS.iter().flat_map(|x| x.to_le_bytes()).collect();
+    bytes.extend(INDICES.iter().flat_map(|x| x.to_le_bytes()));
+    let uv = [0.0_f32, 0.0, 1.0, 0.0, 1.0, 1.0, 0.0, 1.0];
+    bytes.extend(uv.iter().flat_map(|x| x.to_le_bytes()));
+    bytes.extend(PICTURE);
+    bytes
+}
+
+/// The specification counts texture coordinates from the upper left corner of the image, this
+/// program from the lower left one.
+#[test]
+fn a_texture_is_taken_from_the_file_from_beside_it_or_from_a_uri() {
+    let uri = |bytes: &[u8]| format!("data:image/png;base64,{}", BASE64_STANDARD.encode(bytes));
+    let held = Image::Held(PICTURE.into());
+    let inside = textured("", r#"{"bufferView": 3, "mimeType": "image/png"}"#);
+    let beside = textured("", r#"{"uri": "a%20b.png"}"#);
+    let in_uri = textured("", &format!("{{\"uri\": \"{}\"}}", uri(PICTURE)));
+    let own = "\"buffers\": [{\"byteLength\": 56}]";
+    let other = |json: &str, name: &str| {
+        json.replace(own, &format!("\"buffers\": [{{\"uri\": \"{name}\"}}]"))
+    };
+    let mut asked = Vec::new();
+    let found = [
+        (inside.clone(), held.clone()),
+        (beside, Image::Named("a%20b.png".to_owned())),
+        (in_uri, held.clone()),
+        (other(&inside, "a.bin"), held.clone()),
+        (other(&inside, &uri(&numbers())), held.clone()),
+        // Without padding.
+        (other(&inside, uri(&numbers()).trim_end_matches('=')), held),
+    ];
+    for (json, image) in found {
+        let bytes = if json.contains(own) {
+            let mut bytes = glb(&json, &[], &[]);
+            let length = u32::try_from(numbers().len()).expect("short");
+            let end = bytes.len();
+            bytes[end - 8..end - 4].copy_from_slice(&length.to_le_bytes());
+            bytes.extend(numbers());
+            bytes
+        } else {
+            json.into_bytes()
+        };
+        let file = File::read(&bytes, |name| {
+            asked.push(name.to_owned());
+            Some(Ok(numbers()))
+        });
+        let parts = file.and_then(|file| file.parts()).expect("two triangles");
+        assert_eq!(parts.len(), 1);
+        assert_eq!(parts[0].paint.image, Some(image));
+        assert_eq!(parts[0].paint.color, None);
+        // The corners 0 1 2 and 1 3 2 of the strip.
+        let [a, b, c, d] = [[0.0, 1.0], [1.0, 1.0], [1.0, 0.0], [0.0, 0.0]];
+        assert_eq!(parts[0].uv, [[a, b, c], [b, d, c]]);
+    }
+    assert_eq!(asked, ["a.bin"]);
+}
+
+/// The example of the extension: a quarter turn against the clock, half the size, moved.
+#[test]
+fn a_texture_is_turned_scaled_and_moved_as_its_extension_says() {
+    let how = r#", "extensions": {"KHR_texture_transform": {"offset": [0.25, 0.5],
+        "rotation": 1.5707963267948966, "scale": [0.5, 2]}}"#;
+    let json = textured(how, r#"{"uri": "a.png"}"#)
+        .replace("{\"byteLength\": 56}", "{\"uri\": \"a.bin\"}");
+    let file = File::read(json.as_bytes(), |_| Some(Ok(numbers())));
+    let parts = file.and_then(|file| file.parts()).expect("two triangles");
+    // Translation times rotation times scale on (1, 1): (0.25 + 2, 0.5 - 0.5).
+    for (found, expected) in parts[0].uv[0]
+        .iter()
+        .zip([[0.25, 0.5], [0.25, 1.0], [2.25, 1.0]])
+    {
+        let off = (found[0] - expected[0]).hypot(found[1] - expected[1]);
+        assert!(off < 1e-12, "{found:?} {expected:?}");
+    }
 }

@@ -2,7 +2,7 @@
 //!
 //! Of a material the diffuse colour `Kd` and the texture `map_Kd` are read.
 
-use super::super::faces::{MeshError, Paint, Part, Parts, fan};
+use super::super::faces::{Image, MeshError, Paint, Part, Parts, fan, obj_lines};
 use super::super::mesh::{three, vertex_index};
 use std::collections::HashMap;
 
@@ -16,8 +16,8 @@ pub(super) fn parts(
     let (mut positions, mut uvs) = (Vec::new(), Vec::new());
     let mut paint = Paint::default();
     let (mut corners, mut uv_corners) = (Vec::new(), Vec::new());
-    for (i, line) in text.lines().enumerate() {
-        let problem = |what: String| MeshError::Line { line: i + 1, what };
+    for (number, line) in obj_lines(text) {
+        let problem = |what: String| MeshError::Line { line: number, what };
         let line = line.trim();
         let (keyword, rest) = line
             .split_once(char::is_whitespace)
@@ -43,7 +43,7 @@ pub(super) fn parts(
             "f" => {
                 corners.clear();
                 uv_corners.clear();
-                for word in words.take_while(|word| !word.starts_with('#') && *word != "\\") {
+                for word in words.take_while(|word| !word.starts_with('#')) {
                     let mut indices = word.split('/');
                     let word = indices.next().unwrap_or_default();
                     let index = vertex_index(word, positions.len())
@@ -69,7 +69,7 @@ pub(super) fn parts(
 
 fn read_library(text: &str, materials: &mut HashMap<String, Paint>) {
     let mut current: Option<&mut Paint> = None;
-    for line in text.lines() {
+    for (_, line) in obj_lines(text) {
         let line = line.trim();
         let Some((keyword, rest)) = line.split_once(char::is_whitespace) else {
             continue;
@@ -95,7 +95,7 @@ fn read_library(text: &str, materials: &mut HashMap<String, Paint>) {
                     _ => None,
                 };
             }
-            ("map_Kd", Some(paint)) => paint.image = texture_name(rest),
+            ("map_Kd", Some(paint)) => paint.image = texture_name(rest).map(Image::Named),
             _ => {}
         }
     }
@@ -148,12 +148,11 @@ mod tests {
         let found: Vec<_> = parts
             .iter()
             .map(|p| {
-                (
-                    p.paint.color,
-                    p.paint.image.as_deref(),
-                    p.triangles.len(),
-                    p.uv.len(),
-                )
+                let image = p.paint.image.as_ref().map(|image| match image {
+                    Image::Named(name) => name.as_str(),
+                    Image::Held(_) => "held",
+                });
+                (p.paint.color, image, p.triangles.len(), p.uv.len())
             })
             .collect();
         assert_eq!(
