@@ -1,5 +1,7 @@
 //! Every number of the method: unit, reason, and the test that fails without it, where there is
-//! one.
+//! one. A test that is named with a value (`At 0 fails …`) has been seen to fail with it.
+//!
+//! Over 500 lines because it is one list of numbers, each with its reason.
 //!
 //! This is the lowest layer: it uses no other module. Physical defaults that a user may set
 //! (friction coefficients, penetration, gains) are in [`crate::settings`]; ranges of what a user
@@ -98,7 +100,8 @@ pub const EXPLICIT_SAFETY: f64 = 0.8;
 /// Least error, relative to the tolerance, that the next step is computed from, of implicit and of
 /// explicit steps: keeps the division finite, far below what limits the growth.
 pub const LEAST_ERROR: (f64, f64) = (1e-12, 1e-10);
-/// Weight of a velocity error against a position error, s. Without it impacts go unnoticed.
+/// Weight of a velocity error against a position error, s. Without it impacts go unnoticed. At 0
+/// fails `bodies_that_meet_in_space_keep_their_momentum`.
 pub const VELOCITY_WEIGHT: f64 = 0.1;
 /// A step that would leave less than half of its length to the communication point is taken as two
 /// equal ones: `1 + 1/2` times its length.
@@ -161,7 +164,8 @@ pub const COARSEST: f64 = 1e-3;
 /// which is exact for a quadrature, and 2/3, which is exact for a linear force.
 pub const ESTIMATE: f64 = 0.4;
 /// Angle, rad, that something may turn by in a step with the expected middle; where it turns
-/// farther the step is solved again with the middle that it has found.
+/// farther the step is solved again with the middle that it has found. At 10 fails
+/// `fixed_steps_are_split_for_fast_limbs_but_not_for_wheels`.
 pub const CORRECTED: f64 = 0.1;
 /// Share of their way by which lever arms of friction turn within a step. With none and with all of
 /// it the method is of the same order, and coins that roll in a circle err in opposite directions.
@@ -171,9 +175,9 @@ pub const START: f64 = 1e-9;
 
 // Rest: `step/driver.rs`.
 
-/// Imbalance of the forces on a robot at rest that does not set it going, relative to forces and
-/// to the tolerance. It is more than [`GUESS`], or what has nearly come to rest would be stirred
-/// for ever.
+/// Imbalance of the forces on a robot at rest that does not set it going, relative to forces and to
+/// the tolerance. It is more than [`GUESS`], or a robot that has nearly come to rest would be set
+/// in motion for ever. At 0 fails `a_servo_pressed_against_a_limit_rests`.
 pub const BALANCE: f64 = 1.5 * GUESS;
 /// Least and greatest imbalance that this leads to.
 pub const BALANCES: (f64, f64) = (1e-11, 1e-6);
@@ -201,7 +205,8 @@ pub const SHORT: f64 = 0.5;
 /// See [`SHORT`].
 pub const PAIR_EXPONENT: f64 = 2.0 / 15.0;
 /// Square of the angle, rad², that a spring of a pd law may turn by in an explicit step: longer
-/// steps do not resolve it, and are taken implicitly.
+/// steps do not resolve it, and are taken implicitly. At 100 fails
+/// `a_spring_that_swings_too_fast_to_be_seen_comes_to_its_target`.
 pub const RESOLVED: f64 = 1.0;
 /// Share of [`RESOLVED`] that a step takes which is shortened to resolve a spring at any tolerance.
 pub const SHARP: f64 = 0.4;
@@ -223,12 +228,14 @@ pub const DAMPED_SHARE: f64 = 0.1;
 /// reach: hundreds of steps together a thousandth.
 pub const GAIN: f64 = 1e-5;
 /// Energy that counts under error control as an error of the size of the tolerance, as a share of
-/// the tolerance and of the same energies.
+/// the tolerance and of the same energies. At 1e6 fails
+/// `a_rotor_runs_up_along_its_torque_speed_line`.
 pub const CONTROLLED_GAIN: f64 = 0.05;
 
 /// `1/(tr I · tr I⁻¹)` of the inertia, 1/9 for a ball and 0 for a rod without thickness, below
 /// which a robot in flight keeps its angular velocity as it is: about the axis of a rod it would
-/// take up what the step's error of its orientation does to its momentum.
+/// take up what the step's error of its orientation does to its momentum. At 0 fails
+/// `a_thin_rod_in_flight_does_not_spin_up_about_its_axis`.
 pub const THIN: f64 = 0.01;
 
 // Fixed steps: `step/fixed.rs`.
@@ -242,11 +249,13 @@ pub const FIXED_ACCURACY: [f64; 2] = [1e-8, 1e-4];
 /// Imbalance that leaves a robot at rest in fixed steps, relative to the accuracy of a guess.
 pub const FIXED_BALANCE: f64 = 0.1;
 /// Share of a step by which importers' communication steps may be longer than a whole number of
-/// fixed steps: they carry round-off.
+/// fixed steps: they carry round-off. At 0 fails
+/// `fixed_steps_are_split_for_fast_limbs_but_not_for_wheels`.
 pub const STEP_ROUND_OFF: f64 = 1e-6;
 /// Angle, rad, that a limb may turn in a step: one that whirls faster has the step taken in parts.
 /// A step takes mass matrix and lever arms as they are at its start, and a radian on they are
-/// others: such limbs gained energy without bound.
+/// others: such limbs gained energy without bound. At 100 fails
+/// `fixed_steps_are_split_for_fast_limbs_but_not_for_wheels`.
 pub const WHIRL: f64 = 0.2;
 /// Angle, rad, that a limb may turn in a step of the length that the user fixed whose mass matrix
 /// and lever arms are those of its start; where it turns farther they are those of its middle.
@@ -256,7 +265,7 @@ pub const TURN: f64 = 0.005;
 /// step's end: half of that, and the forces of whirling take as much from one limb as they give to
 /// another, up to the third order.
 pub const AHEAD: f64 = 0.75;
-/// Most parts of a step.
+/// Most parts of a step. At 1 fails `fixed_steps_are_split_for_fast_limbs_but_not_for_wheels`.
 pub const MAX_PARTS: f64 = 32.0;
 
 // The robot as the solver sees it: `tree.rs`, `tree/scale.rs`.
@@ -269,38 +278,45 @@ pub const REFERENCE_GRAVITY: f64 = 9.81;
 pub const ARTICULATED_COST: usize = 150;
 /// Unevenness of a wheel, as a share of its inertia, that makes no difference.
 pub const WHEEL: f64 = 0.02;
-/// Position error of a limit under the joint's effort limit, rad or m.
+/// Position error of a limit under the joint's effort limit, rad or m. At 1e-2 fails
+/// `a_servo_pressed_against_a_limit_rests`.
 pub const LIMIT_DEFLECTION: f64 = 1e-4;
 /// Share by which the joint's effort limit drives it beyond its enforced speed limit.
 pub const OVERSPEED: f64 = 0.01;
-/// Longest time that a joint takes to fall back to its enforced speed limit, s.
+/// Longest time that a joint takes to fall back to its enforced speed limit, s. At 1 fails
+/// `an_enforced_velocity_limit_is_exceeded_by_one_percent_under_the_effort_limit`.
 pub const SPEED_RELAXATION: f64 = 1e-3;
 
 // Islands: `step/islands.rs`.
 
 /// Communication steps for which the velocity at their beginning is taken to last when trees are
 /// parted. One lasts a communication step only if nothing is accelerated; with two, trees are
-/// seldom parted again.
+/// seldom parted again. At 0 fails `each_island_has_steps_of_its_own`.
 pub const ISLAND_TIME: f64 = 2.0;
-/// By what that time grows where a shape has gone farther: few tries lead to one island.
+/// By what that time grows where a shape has gone farther: few tries lead to one island. At 1e6
+/// fails `what_is_far_away_changes_no_bit`.
 pub const WIDER: f64 = 4.0;
-/// So many times as long, it is not tried again: all trees go together.
+/// So many times as long, it is not tried again: all trees go together. At 1 fails
+/// `what_is_far_away_changes_no_bit`.
 pub const WIDEST: f64 = 1e6;
 
 // Contacts: `force/detect.rs`.
 
 /// Gap below which a point takes part in a step whatever its velocity, m. Smaller loses contacts
-/// that accelerations close within the step, larger costs time.
+/// that accelerations close within the step, larger costs time. At 0 fails
+/// `a_peg_in_a_hole_comes_to_rest`.
 pub const CONTACT_MARGIN: f64 = 1e-3;
-/// Approach speed below which a contact does not bounce, m/s.
+/// Approach speed below which a contact does not bounce, m/s. At 1 fails
+/// `balls_that_meet_head_on_part_as_restitution_says`.
 pub const BOUNCE_THRESHOLD: f64 = 0.01;
-/// Tangential over normal stiffness: Mindlin's ratio for steel.
+/// Tangential over normal stiffness: Mindlin's ratio for steel. At 0.01 fails
+/// `a_sliding_block_stops_after_the_distance_of_its_dynamic_friction`.
 pub const TANGENTIAL_RATIO: f64 = 0.8;
 /// Overlap, in penetrations under the robot's weight, beyond which a point leaves the ground faster
-/// than a light touch would. Test: `c13_an_initial_overlap_leaves_gently`.
+/// than its damping alone would let it. Without it fails `c13_an_initial_overlap_leaves_gently`.
 pub const DEEP_OVERLAP: f64 = 50.0;
 /// Separation speed of such an overlap, as a share of the speed that would carry it out
-/// ballistically: at 1 it would hop. Test: `c13_an_initial_overlap_leaves_gently`.
+/// ballistically: at 1 it would hop, and `c13_an_initial_overlap_leaves_gently` fails.
 pub const EMERGENCE: f64 = 0.7;
 /// Crown of the flat face of a cylinder, as a share of its radius: over so much of a tilt its load
 /// moves from the middle of the face to the rim. A face that is flat to the last bit would have a
@@ -317,13 +333,14 @@ pub const EVEN_DISC: f64 = 2.0 / 3.0;
 pub const FACE: f64 = 3.0;
 /// How much edges of a shape are rounded by to find the direction of contact with another shape, m,
 /// at most, and as a share of its smallest half extent: what overlaps by less than both roundings
-/// has a direction that does not jump.
+/// has a direction that does not jump. At 1e-7 fails
+/// `the_contact_forces_of_two_links_are_opposite`.
 pub const ROUNDING: f64 = 1e-3;
-/// See [`ROUNDING`].
+/// See [`ROUNDING`]. At 0.4 fails `bodies_that_meet_in_space_keep_their_momentum`.
 pub const ROUNDING_SHARE: f64 = 0.02;
 /// Number of squarings of the cosine between a face of a hull and the ground that gives the weight
 /// with which its corners take the shares that they have in this face: at 10° a face counts by a
-/// fiftieth.
+/// fiftieth. At 0 fails `a_split_corner_keeps_its_share`.
 pub const FACING: u32 = 8;
 /// Angle by which terrain turns down from one cell to the next at a sample that carries a shape as
 /// a point does, rad. What is rounder is felt by the points of the shape.
@@ -334,7 +351,8 @@ pub const RIDGE_LEAST: f64 = 0.02;
 /// Parts of the way of a ray over a cell of heights at whose ends it is asked whether it is below:
 /// a bicubic surface may be crossed up to six times.
 pub const RAY_PARTS: u32 = 12;
-/// Halvings by which a ray finds the surface: to round-off.
+/// Halvings by which a ray finds the surface: to round-off. At 10 fails
+/// `rays_meet_heights_where_small_steps_do`.
 pub const RAY_HALVINGS: u32 = 52;
 /// Sine of the angle between two triangles of terrain below which their edge is even: 0.1°.
 pub const EVEN_EDGE: f64 = 1.7e-3;
@@ -345,32 +363,37 @@ pub const CREST_SLACK: f64 = 0.02;
 /// Iterations by which the place of terrain nearest to a ball is found. Always so many, so that it
 /// moves continuously; fewer only where another one would change nothing.
 pub const NEAREST_ON_FIELD: usize = 4;
-/// Cells along the longer side of heights that are generated.
+/// Cells along the longer side of heights that are generated. At 10 fails
+/// `terrain_is_a_plane_heights_or_a_mesh`.
 pub const TERRAIN_CELLS: f64 = 100.0;
-/// The same at most.
+/// The same at most. At 10 fails `terrain_refuses_what_means_nothing`.
 pub const FINEST_TERRAIN: f64 = 1000.0;
 /// Samples of terrain that one shape may lie on at a time: the deepest.
 pub const MOST_PEAKS: usize = 16;
 /// Angle that a contact turns by, rolling or drilling, before it gives way, under the load that its
 /// stiffness is made for, rad. The patch of a tyre or a rubber ball turns by more, that of a steel
-/// ball by less.
+/// ball by less. At 0.1 fails `a_rolling_ball_slows_down_by_its_rolling_friction_and_stands`.
 pub const TURN_DEFLECTION: f64 = 1e-3;
 
 // Joints and motors: `law/motor.rs`, `force/joint.rs`.
 
-/// Displacement of a velocity motor under its reference effort, rad or m.
+/// Displacement of a velocity motor under its reference effort, rad or m. At 0.1 fails
+/// `a_velocity_motor_follows_a_ramp_in_long_steps`.
 pub const MOTOR_DEFLECTION: f64 = 1e-3;
-/// Shortest relaxation time of a motor, s: keeps light joints from becoming needlessly stiff.
+/// Shortest relaxation time of a motor, s: keeps light joints from becoming needlessly stiff. At 1
+/// fails `a_position_servo_follows_a_ramp_without_lag`.
 pub const MOTOR_RELAXATION: f64 = 1e-3;
 /// Position error of a position servo under its reference effort, rad or m.
 pub const SERVO_DEFLECTION: f64 = 1e-3;
 /// Share of the free effort that a position servo plans to brake with; the rest is kept for
-/// disturbances.
+/// disturbances. At 1 fails
+/// `a_position_servo_reaches_its_target_without_overshoot_and_holds_it_under_load`.
 pub const BRAKING_SHARE: f64 = 0.5;
 /// Least free effort that it counts on, as a share of its effort: a servo whose load takes all of
 /// its effort must still be told a speed.
 pub const LEAST_FREE: f64 = 0.1;
-/// Displacement of a joint's dry friction at break-away, rad or m.
+/// Displacement of a joint's dry friction at break-away, rad or m. At 0.1 fails
+/// `a_joint_breaks_away_at_its_static_friction_and_turns_with_its_dynamic_one`.
 pub const FRICTION_DEFLECTION: f64 = 1e-4;
 /// A limit can act within a step if it is nearer than so many times the way of the step, and a
 /// margin, rad or m: the velocity may change within the step.
@@ -384,17 +407,19 @@ pub const STIFFEST: f64 = 30.0;
 
 /// Relative accuracy of the speed with which a bounce ends.
 pub const RESTITUTION_ACCURACY: f64 = 1e-4;
-/// Step of its integration, in times `√(m/K)` of the impact: an error of 1e-5 in the end.
+/// Step of its integration, in times `√(m/K)` of the impact: an error of 1e-5 in the end. At 0.5
+/// fails `balls_that_meet_head_on_part_as_restitution_says`.
 pub const RESTITUTION_STEP: f64 = 0.05;
-/// Most steps: an impact of a light touch lasts some π of these times, one under its own weight
-/// hardly twice as long.
+/// Most steps: an impact of a body without weight lasts some π of these times, one under its weight
+/// hardly twice as long. At 10 fails `balls_that_meet_head_on_part_as_restitution_says`.
 pub const RESTITUTION_STEPS: usize = 400;
 /// Most tries of the search for its dissipation; a dozen are needed.
 pub const RESTITUTION_TRIALS: usize = 40;
 
 // Setting down: `step/settle.rs`.
 
-/// Step in which friction is stretched, s: several times `2 √(m/k)` of friction.
+/// Step in which friction is stretched, s: several times `2 √(m/k)` of friction. At 1e-4 fails
+/// `a_cube_on_a_tilted_table_sticks_below_the_cone_and_slides_above`.
 pub const SETTLING: f64 = 0.02;
 /// How much heavier a joint becomes that does not move while the robot is set down.
 pub const LOCKED: f64 = 1e12;
@@ -432,26 +457,30 @@ pub const LINE_SEARCH_EDGE: f64 = 1e-3;
 // Closed loops: `closure`, `step/closing.rs`, `initial/closing.rs`.
 
 /// What is added to the diagonal of the matrix of the loops' forces, as a share of its mean
-/// diagonal: a thousand times round-off, so that rows that say the same twice share their force,
+/// diagonal: a thousand times round-off, so that redundant rows share their force,
 /// and a thousandth of what would be seen of it (`redundant_rows_share_their_force`).
 pub const LOOP_COMPLIANCE: f64 = 1e-13;
-/// Share of the largest pivot below which a row of a loop says nothing new: ten thousand times
+/// Share of the largest pivot below which a row of a loop is redundant: ten thousand times
 /// round-off (`bricards_mechanism_moves_and_keeps_its_energy`).
 pub const SPARE: f64 = 1e-12;
-/// Least reach with which angles of a loop count, m: that of a tree.
+/// Least reach with which angles of a loop count, m: that of a tree. At 10 fails
+/// `the_force_of_a_loop_is_what_it_carries`.
 pub const LEAST_LEVER: f64 = 0.01;
-/// Gap to which positions are projected, m: ten times the round-off of a metre.
+/// Gap to which positions are projected, m: ten times the round-off of a metre. At 1e-6 fails
+/// `a_four_bar_stays_closed_and_keeps_its_energy`.
 pub const CLOSED: f64 = 1e-14;
 /// Gap that a step may leave, m; one that leaves more is tried again at half its length.
 pub const OPEN: f64 = 1e-10;
 /// Most tries to project positions. Two or three are needed; at a singular place, where the gap
-/// falls by a quarter in each, twenty.
+/// falls by a quarter in each, twenty. At 1 fails `a_four_bar_stays_closed_and_keeps_its_energy`.
 pub const PROJECTIONS: usize = 30;
 /// Way of a projection, m, beyond which the rows of velocities are found anew.
 pub const MOVED_ROWS: f64 = 1e-9;
-/// Most tries to take the velocity out of the rows; each leaves a millionth and less.
+/// Most tries to take the velocity out of the rows; each leaves a millionth and less. At 0 fails
+/// `bricards_mechanism_moves_and_keeps_its_energy`.
 pub const STOPPED: usize = 4;
-/// Most tries to close the initial pose from one start.
+/// Most tries to close the initial pose from one start. At 3 fails
+/// `random_loops_stay_closed_and_keep_energy_and_momenta`.
 pub const CLOSING_TRIES: usize = 200;
 /// Longest way of a degree of freedom in one try to close the initial pose, weighted, m.
 pub const CLOSING_WAY: f64 = 0.3;
@@ -461,9 +490,11 @@ pub const CLOSED_START: f64 = 1e-9;
 /// put as long as joints can close the loops.
 pub const BASE_WEIGHT: f64 = 1e3;
 /// Starts that are tried to close the initial pose: the given one, and others nearby, because a
-/// stretched-out mechanism does not know which way to bend.
+/// stretched-out mechanism does not know which way to bend. At 1 fails
+/// `a_loop_that_cannot_close_is_an_error_with_its_gap_and_its_place`.
 pub const CLOSING_STARTS: usize = 12;
-/// How far the last of these is off, weighted, m.
+/// How far the last of these is off, weighted, m. At 0 fails
+/// `a_loop_that_cannot_close_is_an_error_with_its_gap_and_its_place`.
 pub const CLOSING_SPREAD: f64 = 1.5;
 
 // Differential equations: `continuous.rs`.
