@@ -79,23 +79,25 @@ impl Default for Rules {
 /// Tolerance where neither the model nor the importer gives one: an error of a millimetre a step
 /// at arm's length.
 pub const DEFAULT_TOLERANCE: f64 = 1e-3;
-/// Least and greatest tolerance that the error control works with: below, round-off decides;
-/// above, an error of the size of the robot would pass.
+/// Least and greatest tolerance that the error control works with: below, round-off decides; above,
+/// an error of the size of the robot would pass. At 1e-3 as the least fails
+/// `fixed_steps_agree_with_error_control_where_corners_slip_briefly`.
 pub const TOLERANCES: (f64, f64) = (1e-12, 1.0);
 /// First guess of the step after initialisation, s; the error control corrects it within a few
-/// steps.
+/// steps. At 0.05 fails `the_communication_step_does_not_change_the_result_beyond_the_tolerance`.
 pub const INITIAL_STEP: f64 = 1e-3;
 /// Longest implicit step, s: a robot at rest in the air must still notice that it falls.
 pub const MAX_STEP: f64 = 0.05;
 /// Shortest step that the error control asks for, s; a step that fails its test there is accepted
-/// and counted.
+/// and counted. At 1e-4 fails `fixed_steps_agree_with_error_control_where_corners_slip_briefly`.
 pub const MIN_STEP: f64 = 1e-7;
 /// Shrinkage and growth of the step, at most.
 pub const GROWTH: (f64, f64) = (0.1, 5.0);
-/// Share of the step that the error estimate allows which an implicit step takes next.
+/// Share of the step that the error estimate allows which an implicit step takes next. At 3 fails
+/// `fixed_steps_agree_with_error_control_where_a_motor_jumps_to_its_speed`.
 pub const IMPLICIT_SAFETY: f64 = 0.9;
 /// The same for a Runge–Kutta step: at 0.9 every fourth was taken in vain on swinging arms, at 0.8
-/// every tenth.
+/// every tenth. At 3 fails `communication_points_do_not_change_a_smooth_motion`.
 pub const EXPLICIT_SAFETY: f64 = 0.8;
 /// Least error, relative to the tolerance, that the next step is computed from, of implicit and of
 /// explicit steps: keeps the division finite, far below what limits the growth.
@@ -148,9 +150,11 @@ pub const COMMAND_STEP: f64 = 1e-6;
 // Accuracy of the solves: `step/implicit.rs`, `step/point.rs`, `step/convex`.
 
 /// Accuracy of the impulses of a guess that needs no iteration, relative to the tolerance: what it
-/// lacks stays, so that it is the error of a speed that a motor holds.
+/// lacks stays, so that it is the error of a speed that a motor holds. At 0.1 fails
+/// `a_loaded_motor_settles_where_its_line_meets_the_load_and_brakes_with_all_its_effort`.
 pub const GUESS: f64 = 2e-4;
-/// Least and greatest accuracy that this leads to.
+/// Least and greatest accuracy that this leads to. At 1e-3 for both fails
+/// `each_island_has_steps_of_its_own`.
 pub const GUESSES: (f64, f64) = (1e-10, 1e-5);
 /// Accuracy of impulses after an iteration, relative to that of a guess that needs none: what an
 /// iteration leaves is new in each step, and does not add up.
@@ -161,7 +165,8 @@ pub const COARSEST: f64 = 1e-3;
 // Stages: `step/stages.rs`.
 
 /// Share of the second difference of the stages that counts as the error of a step: between 0.1,
-/// which is exact for a quadrature, and 2/3, which is exact for a linear force.
+/// which is exact for a quadrature, and 2/3, which is exact for a linear force. At 0.02 fails
+/// `bodies_that_meet_in_space_keep_their_momentum`.
 pub const ESTIMATE: f64 = 0.4;
 /// Angle, rad, that something may turn by in a step with the expected middle; where it turns
 /// farther the step is solved again with the middle that it has found. At 10 fails
@@ -179,7 +184,8 @@ pub const START: f64 = 1e-9;
 /// the tolerance. It is more than [`GUESS`], or a robot that has nearly come to rest would be set
 /// in motion for ever. At 0 fails `a_servo_pressed_against_a_limit_rests`.
 pub const BALANCE: f64 = 1.5 * GUESS;
-/// Least and greatest imbalance that this leads to.
+/// Least and greatest imbalance that this leads to. At 1e-3 for both fails
+/// `what_rests_is_carried_without_steps_and_wakes`.
 pub const BALANCES: (f64, f64) = (1e-11, 1e-6);
 /// Speed below which a robot may be at rest, rad/s or m/s.
 pub const REST_SPEED: f64 = 1e-7;
@@ -271,7 +277,8 @@ pub const MAX_PARTS: f64 = 32.0;
 // The robot as the solver sees it: `tree.rs`, `tree/scale.rs`.
 
 /// Standard gravity, m/s²: gives the weight that contact stiffness is made from, whatever the
-/// tunable gravity is.
+/// tunable gravity is. At 5 fails
+/// `the_pairs_of_a_stack_carry_the_weights_above_at_the_depths_of_the_law`.
 pub const REFERENCE_GRAVITY: f64 = 9.81;
 /// Multiplications per body that the articulated-body algorithm needs beyond the mass matrix' own,
 /// measured where both cost the same.
@@ -442,14 +449,17 @@ pub const SAMPLE_EARLY: f64 = 1e-6;
 
 // The convex solve: `step/convex`.
 
-/// Newton iterations after which a solve gives up; random contact problems need up to 26.
+/// Newton iterations after which a solve gives up; random contact problems need up to 26. At 5
+/// fails `the_minimum_does_not_depend_on_the_guess`.
 pub const MAX_ITERATIONS: usize = 50;
 /// Relative round-off of a sum of a few terms.
 pub const ROUND_OFF: f64 = 8.0 * f64::EPSILON;
 /// Share of the initial slope at which the line search stops; a full Newton step may leave as much
 /// uphill, and more downhill. A search that is a hundred times as exact needs as many iterations.
+/// At 10 fails `the_minimum_does_not_depend_on_the_guess`.
 pub const LINE_SEARCH_TOLERANCE: f64 = 0.1;
-/// Tries of the line search, at most: every third halves the bracket, down to a millionth.
+/// Tries of the line search, at most: every third halves the bracket, down to a millionth. At 1
+/// fails `the_minimum_does_not_depend_on_the_guess`.
 pub const LINE_SEARCH_TRIALS: usize = 60;
 /// Share of the bracket at either end in which Newton's proposal gives way to bisection.
 pub const LINE_SEARCH_EDGE: f64 = 1e-3;
