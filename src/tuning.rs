@@ -86,12 +86,14 @@ pub const TOLERANCES: (f64, f64) = (1e-12, 1.0);
 /// First guess of the step after initialisation, s; the error control corrects it within a few
 /// steps. At 0.05 fails `the_communication_step_does_not_change_the_result_beyond_the_tolerance`.
 pub const INITIAL_STEP: f64 = 1e-3;
-/// Longest implicit step, s: a robot at rest in the air must still notice that it falls.
+/// Longest implicit step, s: a robot at rest in the air must still notice that it falls. At 1e-3
+/// fails `damping_of_any_strength_is_followed_in_few_steps`.
 pub const MAX_STEP: f64 = 0.05;
 /// Shortest step that the error control asks for, s; a step that fails its test there is accepted
 /// and counted. At 1e-4 fails `fixed_steps_agree_with_error_control_where_corners_slip_briefly`.
 pub const MIN_STEP: f64 = 1e-7;
-/// Shrinkage and growth of the step, at most.
+/// Shrinkage and growth of the step, at most. At 0.9 and 1.001 fails
+/// `damping_of_any_strength_is_followed_in_few_steps`.
 pub const GROWTH: (f64, f64) = (0.1, 5.0);
 /// Share of the step that the error estimate allows which an implicit step takes next. At 3 fails
 /// `fixed_steps_agree_with_error_control_where_a_motor_jumps_to_its_speed`.
@@ -100,28 +102,35 @@ pub const IMPLICIT_SAFETY: f64 = 0.9;
 /// every tenth. At 3 fails `communication_points_do_not_change_a_smooth_motion`.
 pub const EXPLICIT_SAFETY: f64 = 0.8;
 /// Least error, relative to the tolerance, that the next step is computed from, of implicit and of
-/// explicit steps: keeps the division finite, far below what limits the growth.
+/// explicit steps: keeps the division finite, far below what limits the growth. At 10 for both
+/// fails `damping_of_any_strength_is_followed_in_few_steps`.
 pub const LEAST_ERROR: (f64, f64) = (1e-12, 1e-10);
 /// Weight of a velocity error against a position error, s. Without it impacts go unnoticed. At 0
 /// fails `bodies_that_meet_in_space_keep_their_momentum`.
 pub const VELOCITY_WEIGHT: f64 = 0.1;
 /// A step that would leave less than half of its length to the communication point is taken as two
-/// equal ones: `1 + 1/2` times its length.
+/// equal ones: `1 + 1/2` times its length. At 100 fails
+/// `an_effort_that_varies_in_time_is_integrated_within_one_step`.
 pub const LANDING: f64 = 1.5;
 
 // Rising floor of the step: `step/size.rs`.
 
-/// Largest value that the shortest step may rise to at a tolerance of 1e-3, s.
+/// Largest value that the shortest step may rise to at a tolerance of 1e-3, s. At 1e-7 fails
+/// `a_spring_that_swings_too_fast_to_be_seen_comes_to_its_target`.
 pub const MAX_FLOOR: f64 = 1e-4;
 /// Tolerance at which the floor rises that far; below, it rises with the root of the tolerance,
-/// like the steps that the tolerance asks for.
+/// like the steps that the tolerance asks for. At 1e9 fails
+/// `a_spring_that_swings_too_fast_to_be_seen_comes_to_its_target`.
 pub const FLOOR_TOLERANCE: f64 = 1e-3;
-/// Share by which each step near the floor raises it: an impact passes in some dozens of steps,
-/// for which the floor hardly moves.
+/// Share by which each step near the floor raises it: an impact passes in some dozens of steps, for
+/// which the floor hardly moves. At 0 fails
+/// `a_spring_that_swings_too_fast_to_be_seen_comes_to_its_target`.
 pub const FLOOR_RISE: f64 = 0.02;
-/// Steps shorter than so many times the floor raise it, longer ones lower it.
+/// Steps shorter than so many times the floor raise it, longer ones lower it. At 0 fails
+/// `a_spring_that_swings_too_fast_to_be_seen_comes_to_its_target`.
 pub const FLOOR_REACH: f64 = 10.0;
-/// Share that a step that goes well leaves of the floor.
+/// Share that a step that goes well leaves of the floor. At 1e9 fails
+/// `a_rotor_runs_up_along_its_torque_speed_line`.
 pub const FLOOR_FALL: f64 = 0.5;
 
 // Where a step must end: `step/caps.rs`.
@@ -187,7 +196,8 @@ pub const BALANCE: f64 = 1.5 * GUESS;
 /// Least and greatest imbalance that this leads to. At 1e-3 for both fails
 /// `what_rests_is_carried_without_steps_and_wakes`.
 pub const BALANCES: (f64, f64) = (1e-11, 1e-6);
-/// Speed below which a robot may be at rest, rad/s or m/s.
+/// Speed below which a robot may be at rest, rad/s or m/s. At 0 fails
+/// `what_rests_is_carried_without_steps_and_wakes`.
 pub const REST_SPEED: f64 = 1e-7;
 
 // Friction cones: `step/stages.rs`.
@@ -202,7 +212,7 @@ pub const MAX_CARRIES: usize = 3;
 
 // Explicit steps: `step/explicit.rs`, `step/explicit/tableau.rs`.
 
-/// Longest explicit step, s.
+/// Longest explicit step, s. At 1e-3 fails `communication_points_do_not_change_a_smooth_motion`.
 pub const MAX_EXPLICIT_STEP: f64 = 0.1;
 /// The short pair takes steps below `SHORT · tolerance^PAIR_EXPONENT` times what the long one
 /// proposes: there both meet the tolerance if errors grow like powers of one time scale,
@@ -231,7 +241,8 @@ pub const DAMPED_SHARE: f64 = 0.1;
 // Guards: `step/guards.rs`, `step/flight.rs`.
 
 /// Energy that a fixed step may make out of nothing, as a share of kinetic energy and weight times
-/// reach: hundreds of steps together a thousandth.
+/// reach: hundreds of steps together a thousandth. At 0 fails
+/// `a_four_bar_stays_closed_in_fixed_steps`.
 pub const GAIN: f64 = 1e-5;
 /// Energy that counts under error control as an error of the size of the tolerance, as a share of
 /// the tolerance and of the same energies. At 1e6 fails
@@ -248,11 +259,14 @@ pub const THIN: f64 = 0.01;
 
 /// Error of one solve by itself, relative to the tolerance and to the square of the step, s⁻², up
 /// to which the second is left out: like the error it falls with the square of the step, so that
-/// short steps converge as before. 0.004 at 1/240 s.
+/// short steps converge as before. 0.004 at 1/240 s. At 1e15 fails
+/// `a_rolling_ball_slows_down_by_its_rolling_friction_and_stands`.
 pub const CALM: f64 = 240.0;
-/// Relative accuracy of the impulses in fixed steps: of a guess, and after an iteration.
+/// Relative accuracy of the impulses in fixed steps: of a guess, and after an iteration. At 1 for
+/// both fails `fixed_steps_agree_with_error_control_where_a_motor_jumps_to_its_speed`.
 pub const FIXED_ACCURACY: [f64; 2] = [1e-8, 1e-4];
-/// Imbalance that leaves a robot at rest in fixed steps, relative to the accuracy of a guess.
+/// Imbalance that leaves a robot at rest in fixed steps, relative to the accuracy of a guess. At
+/// 1e12 fails `a_joint_breaks_away_at_its_static_friction_and_turns_with_its_dynamic_one`.
 pub const FIXED_BALANCE: f64 = 0.1;
 /// Share of a step by which importers' communication steps may be longer than a whole number of
 /// fixed steps: they carry round-off. At 0 fails
@@ -264,7 +278,8 @@ pub const STEP_ROUND_OFF: f64 = 1e-6;
 /// `fixed_steps_are_split_for_fast_limbs_but_not_for_wheels`.
 pub const WHIRL: f64 = 0.2;
 /// Angle, rad, that a limb may turn in a step of the length that the user fixed whose mass matrix
-/// and lever arms are those of its start; where it turns farther they are those of its middle.
+/// and lever arms are those of its start; where it turns farther they are those of its middle. At 0
+/// fails `fixed_steps_agree_with_error_control_where_corners_slip_briefly`.
 pub const TURN: f64 = 0.005;
 /// Share of the change of velocity with which such a step takes its bias. The middle of its way
 /// lies half a change beyond the mean velocity, because positions move with the velocity of the
@@ -283,12 +298,14 @@ pub const REFERENCE_GRAVITY: f64 = 9.81;
 /// Multiplications per body that the articulated-body algorithm needs beyond the mass matrix' own,
 /// measured where both cost the same.
 pub const ARTICULATED_COST: usize = 150;
-/// Unevenness of a wheel, as a share of its inertia, that makes no difference.
+/// Unevenness of a wheel, as a share of its inertia, that makes no difference. At 10 fails
+/// `fixed_steps_are_split_for_fast_limbs_but_not_for_wheels`.
 pub const WHEEL: f64 = 0.02;
 /// Position error of a limit under the joint's effort limit, rad or m. At 1e-2 fails
 /// `a_servo_pressed_against_a_limit_rests`.
 pub const LIMIT_DEFLECTION: f64 = 1e-4;
-/// Share by which the joint's effort limit drives it beyond its enforced speed limit.
+/// Share by which the joint's effort limit drives it beyond its enforced speed limit. At 0.5 fails
+/// `an_enforced_velocity_limit_is_exceeded_by_one_percent_under_the_effort_limit`.
 pub const OVERSPEED: f64 = 0.01;
 /// Longest time that a joint takes to fall back to its enforced speed limit, s. At 1 fails
 /// `an_enforced_velocity_limit_is_exceeded_by_one_percent_under_the_effort_limit`.
@@ -328,15 +345,15 @@ pub const EMERGENCE: f64 = 0.7;
 /// Crown of the flat face of a cylinder, as a share of its radius: over so much of a tilt its load
 /// moves from the middle of the face to the rim. A face that is flat to the last bit would have a
 /// moment that jumps. With the centre of mass four radii high it tips at 0.995 of the force of a
-/// flat one.
+/// flat one. At 1 fails `a_can_that_was_nudged_comes_to_rest`.
 pub const CROWN: f64 = 5e-5;
 /// Mean distance of a load from its middle where it presses evenly, as a share of that of the
-/// corners: 1/2 on a line, 0.54 on a square.
+/// corners: 1/2 on a line, 0.54 on a square. At 3 fails `a_peg_in_a_hole_comes_to_rest`.
 pub const EVEN_CORNERS: f64 = 0.55;
 /// The same on a disc, as a share of its radius.
 pub const EVEN_DISC: f64 = 2.0 / 3.0;
 /// Thickness of a face of a hull, in penetrations: corners that lie so near one plane share its
-/// load.
+/// load. At 1e4 fails `even_terrain_carries_like_the_plane`.
 pub const FACE: f64 = 3.0;
 /// How much edges of a shape are rounded by to find the direction of contact with another shape, m,
 /// at most, and as a share of its smallest half extent: what overlaps by less than both roundings
@@ -356,12 +373,14 @@ pub const RIDGE: f64 = 0.5;
 /// that rolls over it.
 pub const RIDGE_LEAST: f64 = 0.02;
 /// Parts of the way of a ray over a cell of heights at whose ends it is asked whether it is below:
-/// a bicubic surface may be crossed up to six times.
+/// a bicubic surface may be crossed up to six times. At 0 fails
+/// `rays_meet_heights_where_small_steps_do`.
 pub const RAY_PARTS: u32 = 12;
 /// Halvings by which a ray finds the surface: to round-off. At 10 fails
 /// `rays_meet_heights_where_small_steps_do`.
 pub const RAY_HALVINGS: u32 = 52;
-/// Sine of the angle between two triangles of terrain below which their edge is even: 0.1°.
+/// Sine of the angle between two triangles of terrain below which their edge is even: 0.1°. At 0
+/// fails `walls_and_floor_push_along_their_own_normals`.
 pub const EVEN_EDGE: f64 = 1.7e-3;
 /// Sine of the angle beyond the directions of a crest from which on it no longer carries a shape
 /// with flat faces: a face that lies on the next triangle has the normal of that triangle,
@@ -390,14 +409,16 @@ pub const MOTOR_DEFLECTION: f64 = 1e-3;
 /// Shortest relaxation time of a motor, s: keeps light joints from becoming needlessly stiff. At 1
 /// fails `a_position_servo_follows_a_ramp_without_lag`.
 pub const MOTOR_RELAXATION: f64 = 1e-3;
-/// Position error of a position servo under its reference effort, rad or m.
+/// Position error of a position servo under its reference effort, rad or m. At 1 fails
+/// `a_servo_pressed_against_a_limit_rests`.
 pub const SERVO_DEFLECTION: f64 = 1e-3;
 /// Share of the free effort that a position servo plans to brake with; the rest is kept for
 /// disturbances. At 1 fails
 /// `a_position_servo_reaches_its_target_without_overshoot_and_holds_it_under_load`.
 pub const BRAKING_SHARE: f64 = 0.5;
 /// Least free effort that it counts on, as a share of its effort: a servo whose load takes all of
-/// its effort must still be told a speed.
+/// its effort must still be told a speed. At 5 fails
+/// `a_position_servo_reaches_its_target_without_overshoot_and_holds_it_under_load`.
 pub const LEAST_FREE: f64 = 0.1;
 /// Displacement of a joint's dry friction at break-away, rad or m. At 0.1 fails
 /// `a_joint_breaks_away_at_its_static_friction_and_turns_with_its_dynamic_one`.
@@ -409,7 +430,8 @@ pub const LIMIT_REACH: (f64, f64) = (2.0, 1e-6);
 // Stiffness and restitution of contacts: `law/normal.rs`.
 
 /// Depth, in penetrations, up to which a contact stiffens: that of a load which is a million times
-/// the weight. Beyond, forces would exceed what the digits of a solve can balance.
+/// the weight. Beyond, forces would exceed what the digits of a solve can balance. At 0.1 fails
+/// `nothing_passes_through_a_thin_plate`.
 pub const STIFFEST: f64 = 30.0;
 
 /// Relative accuracy of the speed with which a bounce ends.
@@ -433,7 +455,8 @@ pub const LOCKED: f64 = 1e12;
 /// Movement, m or rad, in the last of these steps below which a robot stands: a tenth of a
 /// nanometre. One that tips over moves by millimetres.
 pub const SET_DOWN: f64 = 1e-10;
-/// Number of these steps: each leaves less than a third of what is missing.
+/// Number of these steps: each leaves less than a third of what is missing. At 0 fails
+/// `a_cube_on_a_tilted_table_sticks_below_the_cone_and_slides_above`.
 pub const SETTLING_STEPS: usize = 24;
 
 // Outputs: `readout/pair.rs`, `readout/sample.rs`.
@@ -452,7 +475,8 @@ pub const SAMPLE_EARLY: f64 = 1e-6;
 /// Newton iterations after which a solve gives up; random contact problems need up to 26. At 5
 /// fails `the_minimum_does_not_depend_on_the_guess`.
 pub const MAX_ITERATIONS: usize = 50;
-/// Relative round-off of a sum of a few terms.
+/// Relative round-off of a sum of a few terms. At 1 fails
+/// `the_minimum_does_not_depend_on_the_guess`.
 pub const ROUND_OFF: f64 = 8.0 * f64::EPSILON;
 /// Share of the initial slope at which the line search stops; a full Newton step may leave as much
 /// uphill, and more downhill. A search that is a hundred times as exact needs as many iterations.
@@ -479,7 +503,8 @@ pub const LEAST_LEVER: f64 = 0.01;
 /// Gap to which positions are projected, m: ten times the round-off of a metre. At 1e-6 fails
 /// `a_four_bar_stays_closed_and_keeps_its_energy`.
 pub const CLOSED: f64 = 1e-14;
-/// Gap that a step may leave, m; one that leaves more is tried again at half its length.
+/// Gap that a step may leave, m; one that leaves more is tried again at half its length. At 0 fails
+/// `a_four_bar_stays_closed_and_keeps_its_energy`.
 pub const OPEN: f64 = 1e-10;
 /// Most tries to project positions. Two or three are needed; at a singular place, where the gap
 /// falls by a quarter in each, twenty. At 1 fails `a_four_bar_stays_closed_and_keeps_its_energy`.
@@ -492,12 +517,14 @@ pub const STOPPED: usize = 4;
 /// Most tries to close the initial pose from one start. At 3 fails
 /// `random_loops_stay_closed_and_keep_energy_and_momenta`.
 pub const CLOSING_TRIES: usize = 200;
-/// Longest way of a degree of freedom in one try to close the initial pose, weighted, m.
+/// Longest way of a degree of freedom in one try to close the initial pose, weighted, m. At 1e-6
+/// fails `notes_couple_joints_weld_links_and_hang_springs`.
 pub const CLOSING_WAY: f64 = 0.3;
-/// Gap up to which an initial pose counts as closed, m.
+/// Gap up to which an initial pose counts as closed, m. At 1 fails
+/// `changed_initial_values_close_or_tell_the_gap`.
 pub const CLOSED_START: f64 = 1e-9;
 /// How much heavier a floating base is when the initial pose is closed: it stays where it has been
-/// put as long as joints can close the loops.
+/// put as long as joints can close the loops. At 0 fails `loops_move_like_joints_of_a_tree`.
 pub const BASE_WEIGHT: f64 = 1e3;
 /// Starts that are tried to close the initial pose: the given one, and others nearby, because a
 /// stretched-out mechanism does not know which way to bend. At 1 fails
