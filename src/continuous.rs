@@ -5,17 +5,17 @@
 //! All laws are those of the steps in the limit of a step of no length; forces and accelerations
 //! are what the outputs show. Only the memory needs a law of its own here, the last one.
 //!
-//! 1. Positions: `q̇` for the velocities `v`. A quaternion counts as what it is over its length,
-//!    and comes back to unit length by `γ (1 − q·q) q` with `γ = 1/s`.
+//! 1. Positions: `q̇` for the velocities `v`. A quaternion is divided by its length before use, and
+//!    comes back to unit length by `γ (1 − q·q) q` with `γ = 1/s`.
 //! 2. Velocities: `v̇ = M⁻¹ (τ − k + Jᵀ f)`.
-//! 3. An elasto-plastic element gives `F = clip(k ς + d u, F̄)` and remembers
-//!    `ς̇ = (F − k ς)/d`: while it sticks that is `u`; while it slips, its displacement goes to
-//!    what the spring alone would give the cap with, within its own time `d/k`; in the air to 0.
+//! 3. An elasto-plastic element gives `F = clip(k ς + d u, F̄)` and remembers `ς̇ = (F − k ς)/d`:
+//!    while it sticks that is `u`; while it slips, its displacement tends to that at which the
+//!    spring alone gives the cap, with the time constant `d/k`; in the air it tends to 0.
 //!
-//! A step takes a faster way where an element slips at a speed that leaves its spring nothing
-//! (`law/friction.rs`). As a differential equation that way would jump at the onset of slip. With
-//! the law above `f` is continuous and has bounded slopes in `x` and `u`, so that no events are
-//! needed.
+//! A step uses another law for the memory where an element slips so fast that its spring carries
+//! nothing (`law/friction.rs`). As a differential equation that law would jump at the onset of
+//! slip. With the law above `f` is continuous and has bounded slopes in `x` and `u`, so that no
+//! events are needed.
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 

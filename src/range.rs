@@ -1,9 +1,9 @@
 //! Which numbers a user may give: one range for each physical quantity.
 //!
 //! The ranges hold every robot from a millimetre to a hundred metres, and from milligrams to
-//! thousands of tonnes, with wide margins. What lies outside is a mistake in a unit or a sign, and
-//! would be told late, as a step that fails or takes for ever; here it is told where it is given.
-//! Within the ranges products of a few numbers stay finite.
+//! thousands of tonnes, with wide margins. A number outside is a mistake in a unit or a sign. It
+//! would be noticed late, as a step that fails or never ends; here it is reported where it is
+//! given. Within the ranges products of a few numbers stay finite.
 
 /// Which numbers are legal; finite in any case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,4 +1,4 @@
-//! Scratch filled with NaN, for the test that nothing depends on what stands in it.
+//! Fills scratch memory with NaN, for the test that no result depends on its contents.
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 

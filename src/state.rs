@@ -1,9 +1,8 @@
 //! The state: what the next step reads and cannot recompute.
 //!
-//! [`Physical`] is what the robot is in: it alone decides where the laws of motion lead.
-//! [`Stepping`] is what the method remembers from step to step: step sizes, accelerations, what
-//! outputs sum up. Both are saved, so that a restored state continues bit
-//! for bit.
+//! [`Physical`] is the physical state of the robot, which determines its motion. [`Stepping`] is
+//! what the method remembers from step to step: step sizes, accelerations, sums for outputs. Both
+//! are saved, so that a restored state continues bit for bit.
 
 pub mod ahead;
 

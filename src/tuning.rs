@@ -1,5 +1,7 @@
 //! Every number of the method: unit, reason, and the test that fails without it, where there is
-//! one.
+//! one. A test that is named with a value (`At 0 fails …`) has been seen to fail with it.
+//!
+//! Over 500 lines because it is one list of numbers, each with its reason.
 //!
 //! This is the lowest layer: it uses no other module. Physical defaults that a user may set
 //! (friction coefficients, penetration, gains) are in [`crate::settings`]; ranges of what a user
@@ -77,48 +79,60 @@ impl Default for Rules {
 /// Tolerance where neither the model nor the importer gives one: an error of a millimetre a step
 /// at arm's length.
 pub const DEFAULT_TOLERANCE: f64 = 1e-3;
-/// Least and greatest tolerance that the error control works with: below, round-off decides;
-/// above, an error of the size of the robot would pass.
+/// Least and greatest tolerance that the error control works with: below, round-off decides; above,
+/// an error of the size of the robot would pass. At 1e-3 as the least fails
+/// `fixed_steps_agree_with_error_control_where_corners_slip_briefly`.
 pub const TOLERANCES: (f64, f64) = (1e-12, 1.0);
 /// First guess of the step after initialisation, s; the error control corrects it within a few
-/// steps.
+/// steps. At 0.05 fails `the_communication_step_does_not_change_the_result_beyond_the_tolerance`.
 pub const INITIAL_STEP: f64 = 1e-3;
 /// Longest step, s: a robot at rest in the air must still notice that it falls, and what tumbles may
-/// not turn so far in a step that the estimate of its error means nothing. Without it fails
-/// `s5_tumbling_bodies_follow_eulers_equations`.
+/// not turn so far in a step that the estimate of its error means nothing: at 0.1 fails
+/// `s5_tumbling_bodies_follow_eulers_equations`, at 1e-3
+/// `damping_of_any_strength_is_followed_in_few_steps`.
 pub const MAX_STEP: f64 = 0.05;
 /// Shortest step that the error control asks for, s; a step that fails its test there is accepted
-/// and counted.
+/// and counted. At 1e-4 fails `fixed_steps_agree_with_error_control_where_corners_slip_briefly`.
 pub const MIN_STEP: f64 = 1e-7;
-/// Shrinkage and growth of the step, at most.
+/// Shrinkage and growth of the step, at most. At 0.9 and 1.001 fails
+/// `damping_of_any_strength_is_followed_in_few_steps`.
 pub const GROWTH: (f64, f64) = (0.1, 5.0);
-/// Share of the step that the error estimate allows which an implicit step takes next.
+/// Share of the step that the error estimate allows which an implicit step takes next. At 3 fails
+/// `fixed_steps_agree_with_error_control_where_a_motor_jumps_to_its_speed`.
 pub const IMPLICIT_SAFETY: f64 = 0.9;
 /// The same for a Runge–Kutta step: at 0.9 every fourth was taken in vain on swinging arms, at 0.8
-/// every tenth.
+/// every tenth. At 3 fails `communication_points_do_not_change_a_smooth_motion`.
 pub const EXPLICIT_SAFETY: f64 = 0.8;
 /// Least error, relative to the tolerance, that the next step is computed from, of implicit and of
-/// explicit steps: keeps the division finite, far below what limits the growth.
+/// explicit steps: keeps the division finite, far below what limits the growth. At 10 for both
+/// fails `damping_of_any_strength_is_followed_in_few_steps`.
 pub const LEAST_ERROR: (f64, f64) = (1e-12, 1e-10);
-/// Weight of a velocity error against a position error, s. Without it impacts go unnoticed.
+/// Weight of a velocity error against a position error, s. Without it impacts go unnoticed. At 0
+/// fails `bodies_that_meet_in_space_keep_their_momentum`.
 pub const VELOCITY_WEIGHT: f64 = 0.1;
 /// A step that would leave less than half of its length to the communication point is taken as two
-/// equal ones: `1 + 1/2` times its length.
+/// equal ones: `1 + 1/2` times its length. At 100 fails
+/// `an_effort_that_varies_in_time_is_integrated_within_one_step`.
 pub const LANDING: f64 = 1.5;
 
 // Rising floor of the step: `step/size.rs`.
 
-/// Largest value that the shortest step may rise to at a tolerance of 1e-3, s.
+/// Largest value that the shortest step may rise to at a tolerance of 1e-3, s. At 1e-7 fails
+/// `a_spring_that_swings_too_fast_to_be_seen_comes_to_its_target`.
 pub const MAX_FLOOR: f64 = 1e-4;
 /// Tolerance at which the floor rises that far; below, it rises with the root of the tolerance,
-/// like the steps that the tolerance asks for.
+/// like the steps that the tolerance asks for. At 1e9 fails
+/// `a_spring_that_swings_too_fast_to_be_seen_comes_to_its_target`.
 pub const FLOOR_TOLERANCE: f64 = 1e-3;
-/// Share by which each step near the floor raises it: an impact passes in some dozens of steps,
-/// for which the floor hardly moves.
+/// Share by which each step near the floor raises it: an impact passes in some dozens of steps, for
+/// which the floor hardly moves. At 0 fails
+/// `a_spring_that_swings_too_fast_to_be_seen_comes_to_its_target`.
 pub const FLOOR_RISE: f64 = 0.02;
-/// Steps shorter than so many times the floor raise it, longer ones lower it.
+/// Steps shorter than so many times the floor raise it, longer ones lower it. At 0 fails
+/// `a_spring_that_swings_too_fast_to_be_seen_comes_to_its_target`.
 pub const FLOOR_REACH: f64 = 10.0;
-/// Share that a step that goes well leaves of the floor.
+/// Share that a step that goes well leaves of the floor. At 1e9 fails
+/// `a_rotor_runs_up_along_its_torque_speed_line`.
 pub const FLOOR_FALL: f64 = 0.5;
 
 // Where a step must end: `step/caps.rs`.
@@ -147,9 +161,11 @@ pub const COMMAND_STEP: f64 = 1e-6;
 // Accuracy of the solves: `step/implicit.rs`, `step/point.rs`, `step/convex`.
 
 /// Accuracy of the impulses of a guess that needs no iteration, relative to the tolerance: what it
-/// lacks stays, so that it is the error of a speed that a motor holds.
+/// lacks stays, so that it is the error of a speed that a motor holds. At 0.1 fails
+/// `a_loaded_motor_settles_where_its_line_meets_the_load_and_brakes_with_all_its_effort`.
 pub const GUESS: f64 = 2e-4;
-/// Least and greatest accuracy that this leads to.
+/// Least and greatest accuracy that this leads to. At 1e-3 for both fails
+/// `each_island_has_steps_of_its_own`.
 pub const GUESSES: (f64, f64) = (1e-10, 1e-5);
 /// Accuracy of impulses after an iteration, relative to that of a guess that needs none: what an
 /// iteration leaves is new in each step, and does not add up.
@@ -160,10 +176,12 @@ pub const COARSEST: f64 = 1e-3;
 // Stages: `step/stages.rs`.
 
 /// Share of the second difference of the stages that counts as the error of a step: between 0.1,
-/// which is exact for a quadrature, and 2/3, which is exact for a linear force.
+/// which is exact for a quadrature, and 2/3, which is exact for a linear force. At 0.02 fails
+/// `bodies_that_meet_in_space_keep_their_momentum`.
 pub const ESTIMATE: f64 = 0.4;
 /// Angle, rad, that something may turn by in a step with the expected middle; where it turns
-/// farther the step is solved again with the middle that it has found.
+/// farther the step is solved again with the middle that it has found. At 10 fails
+/// `fixed_steps_are_split_for_fast_limbs_but_not_for_wheels`.
 pub const CORRECTED: f64 = 0.1;
 /// Share of their way by which lever arms of friction turn within a step. With none and with all of
 /// it the method is of the same order, and coins that roll in a circle err in opposite directions.
@@ -173,13 +191,15 @@ pub const START: f64 = 1e-9;
 
 // Rest: `step/driver.rs`.
 
-/// Imbalance of the forces on a robot at rest that does not set it going, relative to forces and
-/// to the tolerance. It is more than [`GUESS`], or what has nearly come to rest would be stirred
-/// for ever.
+/// Imbalance of the forces on a robot at rest that does not set it going, relative to forces and to
+/// the tolerance. It is more than [`GUESS`], or a robot that has nearly come to rest would be set
+/// in motion for ever. At 0 fails `a_servo_pressed_against_a_limit_rests`.
 pub const BALANCE: f64 = 1.5 * GUESS;
-/// Least and greatest imbalance that this leads to.
+/// Least and greatest imbalance that this leads to. At 1e-3 for both fails
+/// `what_rests_is_carried_without_steps_and_wakes`.
 pub const BALANCES: (f64, f64) = (1e-11, 1e-6);
-/// Speed below which a robot may be at rest, rad/s or m/s.
+/// Speed below which a robot may be at rest, rad/s or m/s. At 0 fails
+/// `what_rests_is_carried_without_steps_and_wakes`.
 pub const REST_SPEED: f64 = 1e-7;
 
 // Friction cones: `step/stages.rs`.
@@ -201,7 +221,8 @@ pub const SHORT: f64 = 0.85;
 /// See [`SHORT`].
 pub const PAIR_EXPONENT: f64 = 2.0 / 15.0;
 /// Square of the angle, rad², that a spring of a pd law may turn by in an explicit step: longer
-/// steps do not resolve it, and are taken implicitly.
+/// steps do not resolve it, and are taken implicitly. At 100 fails
+/// `a_spring_that_swings_too_fast_to_be_seen_comes_to_its_target`.
 pub const RESOLVED: f64 = 1.0;
 /// Share of [`RESOLVED`] that a step takes which is shortened to resolve a spring at any tolerance.
 pub const SHARP: f64 = 0.4;
@@ -225,114 +246,134 @@ pub const LEAST_SHARE: f64 = 1e-14;
 // Guards: `step/guards.rs`, `step/flight.rs`.
 
 /// Energy that a fixed step may make out of nothing, as a share of kinetic energy and weight times
-/// reach: hundreds of steps together a thousandth.
+/// reach: hundreds of steps together a thousandth. At 0 fails
+/// `a_four_bar_stays_closed_in_fixed_steps`.
 pub const GAIN: f64 = 1e-5;
 /// Energy that counts under error control as an error of the size of the tolerance, as a share of
-/// the tolerance and of the same energies.
+/// the tolerance and of the same energies. At 1e6 fails
+/// `a_rotor_runs_up_along_its_torque_speed_line`.
 pub const CONTROLLED_GAIN: f64 = 0.05;
 
 /// `1/(tr I · tr I⁻¹)` of the inertia, 1/9 for a ball and 0 for a rod without thickness, below
 /// which a robot in flight keeps its angular velocity as it is: about the axis of a rod it would
-/// take up what the step's error of its orientation does to its momentum.
+/// take up what the step's error of its orientation does to its momentum. At 0 fails
+/// `a_thin_rod_in_flight_does_not_spin_up_about_its_axis`.
 pub const THIN: f64 = 0.01;
 
 // Fixed steps: `step/fixed.rs`.
 
 /// Error of one solve by itself, relative to the tolerance and to the square of the step, s⁻², up
 /// to which the second is left out: like the error it falls with the square of the step, so that
-/// short steps converge as before. 0.004 at 1/240 s.
+/// short steps converge as before. 0.004 at 1/240 s. At 1e15 fails
+/// `a_rolling_ball_slows_down_by_its_rolling_friction_and_stands`.
 pub const CALM: f64 = 240.0;
-/// Relative accuracy of the impulses in fixed steps: of a guess, and after an iteration.
+/// Relative accuracy of the impulses in fixed steps: of a guess, and after an iteration. At 1 for
+/// both fails `fixed_steps_agree_with_error_control_where_a_motor_jumps_to_its_speed`.
 pub const FIXED_ACCURACY: [f64; 2] = [1e-8, 1e-4];
-/// Imbalance that leaves a robot at rest in fixed steps, relative to the accuracy of a guess.
+/// Imbalance that leaves a robot at rest in fixed steps, relative to the accuracy of a guess. At
+/// 1e12 fails `a_joint_breaks_away_at_its_static_friction_and_turns_with_its_dynamic_one`.
 pub const FIXED_BALANCE: f64 = 0.1;
 /// Share of a step by which importers' communication steps may be longer than a whole number of
-/// fixed steps: they carry round-off.
+/// fixed steps: they carry round-off. At 0 fails
+/// `fixed_steps_are_split_for_fast_limbs_but_not_for_wheels`.
 pub const STEP_ROUND_OFF: f64 = 1e-6;
 /// Angle, rad, that a limb may turn in a step: one that whirls faster has the step taken in parts.
 /// A step takes mass matrix and lever arms as they are at its start, and a radian on they are
-/// others: such limbs gained energy without bound.
+/// others: such limbs gained energy without bound. At 100 fails
+/// `fixed_steps_are_split_for_fast_limbs_but_not_for_wheels`.
 pub const WHIRL: f64 = 0.2;
 /// Angle, rad, that a limb may turn in a step of the length that the user fixed whose mass matrix
-/// and lever arms are those of its start; where it turns farther they are those of its middle.
+/// and lever arms are those of its start; where it turns farther they are those of its middle. At 0
+/// fails `fixed_steps_agree_with_error_control_where_corners_slip_briefly`.
 pub const TURN: f64 = 0.005;
 /// Share of the change of velocity with which such a step takes its bias. The middle of its way
 /// lies half a change beyond the mean velocity, because positions move with the velocity of the
 /// step's end: half of that, and the forces of whirling take as much from one limb as they give to
 /// another, up to the third order.
 pub const AHEAD: f64 = 0.75;
-/// Most parts of a step.
+/// Most parts of a step. At 1 fails `fixed_steps_are_split_for_fast_limbs_but_not_for_wheels`.
 pub const MAX_PARTS: f64 = 32.0;
 
 // The robot as the solver sees it: `tree.rs`, `tree/scale.rs`.
 
 /// Standard gravity, m/s²: gives the weight that contact stiffness is made from, whatever the
-/// tunable gravity is.
+/// tunable gravity is. At 5 fails
+/// `the_pairs_of_a_stack_carry_the_weights_above_at_the_depths_of_the_law`.
 pub const REFERENCE_GRAVITY: f64 = 9.81;
 /// Multiplications per body that the articulated-body algorithm needs beyond the mass matrix' own,
 /// measured where both cost the same.
 pub const ARTICULATED_COST: usize = 150;
-/// Unevenness of a wheel, as a share of its inertia, that makes no difference.
+/// Unevenness of a wheel, as a share of its inertia, that makes no difference. At 10 fails
+/// `fixed_steps_are_split_for_fast_limbs_but_not_for_wheels`.
 pub const WHEEL: f64 = 0.02;
-/// Position error of a limit under the joint's effort limit, rad or m.
+/// Position error of a limit under the joint's effort limit, rad or m. At 1e-2 fails
+/// `a_servo_pressed_against_a_limit_rests`.
 pub const LIMIT_DEFLECTION: f64 = 1e-4;
-/// Share by which the joint's effort limit drives it beyond its enforced speed limit.
+/// Share by which the joint's effort limit drives it beyond its enforced speed limit. At 0.5 fails
+/// `an_enforced_velocity_limit_is_exceeded_by_one_percent_under_the_effort_limit`.
 pub const OVERSPEED: f64 = 0.01;
-/// Longest time that a joint takes to fall back to its enforced speed limit, s.
+/// Longest time that a joint takes to fall back to its enforced speed limit, s. At 1 fails
+/// `an_enforced_velocity_limit_is_exceeded_by_one_percent_under_the_effort_limit`.
 pub const SPEED_RELAXATION: f64 = 1e-3;
 
 // Islands: `step/islands.rs`.
 
 /// Communication steps for which the velocity at their beginning is taken to last when trees are
 /// parted. One lasts a communication step only if nothing is accelerated; with two, trees are
-/// seldom parted again.
+/// seldom parted again. At 0 fails `each_island_has_steps_of_its_own`.
 pub const ISLAND_TIME: f64 = 2.0;
-/// By what that time grows where a shape has gone farther: few tries lead to one island.
+/// By what that time grows where a shape has gone farther: few tries lead to one island. At 1e6
+/// fails `what_is_far_away_changes_no_bit`.
 pub const WIDER: f64 = 4.0;
-/// So many times as long, it is not tried again: all trees go together.
+/// So many times as long, it is not tried again: all trees go together. At 1 fails
+/// `what_is_far_away_changes_no_bit`.
 pub const WIDEST: f64 = 1e6;
 
 // Contacts: `force/detect.rs`.
 
 /// Gap below which a point takes part in a step whatever its velocity, m. Smaller loses contacts
-/// that accelerations close within the step, larger costs time.
+/// that accelerations close within the step, larger costs time. At 0 fails
+/// `a_peg_in_a_hole_comes_to_rest`.
 pub const CONTACT_MARGIN: f64 = 1e-3;
-/// Approach speed below which a contact does not bounce, m/s.
+/// Approach speed below which a contact does not bounce, m/s. At 1 fails
+/// `balls_that_meet_head_on_part_as_restitution_says`.
 pub const BOUNCE_THRESHOLD: f64 = 0.01;
 /// Speed with which what bounces swings on its contact, m/s, below which it does so no more. At
 /// 0.01 fails `c8_a_ball_rebounds_with_the_coefficient_of_restitution_at_every_speed`, at 0
 /// `what_has_bounced_and_rolls_on_takes_long_steps`.
 pub const BOUNCED: f64 = 1e-3;
-/// Tangential over normal stiffness: Mindlin's ratio for steel.
+/// Tangential over normal stiffness: Mindlin's ratio for steel. At 0.01 fails
+/// `a_sliding_block_stops_after_the_distance_of_its_dynamic_friction`.
 pub const TANGENTIAL_RATIO: f64 = 0.8;
 /// Overlap, in penetrations under the robot's weight, beyond which a point leaves the ground faster
-/// than a light touch would. Test: `c13_an_initial_overlap_leaves_gently`.
+/// than its damping alone would let it. Without it fails `c13_an_initial_overlap_leaves_gently`.
 pub const DEEP_OVERLAP: f64 = 50.0;
 /// Separation speed of such an overlap, as a share of the speed that would carry it out
-/// ballistically: at 1 it would hop. Test: `c13_an_initial_overlap_leaves_gently`.
+/// ballistically: at 1 it would hop, and `c13_an_initial_overlap_leaves_gently` fails.
 pub const EMERGENCE: f64 = 0.7;
 /// Crown of the flat face of a cylinder, as a share of its radius: over so much of a tilt its load
 /// moves from the middle of the face to the rim. A face that is flat to the last bit would have a
 /// moment that jumps. With the centre of mass four radii high it tips at 0.995 of the force of a
-/// flat one.
+/// flat one. At 1 fails `a_can_that_was_nudged_comes_to_rest`.
 pub const CROWN: f64 = 5e-5;
 /// Mean distance of a load from its middle where it presses evenly, as a share of that of the
-/// corners: 1/2 on a line, 0.54 on a square.
+/// corners: 1/2 on a line, 0.54 on a square. At 3 fails `a_peg_in_a_hole_comes_to_rest`.
 pub const EVEN_CORNERS: f64 = 0.55;
 /// The same on a disc, as a share of its radius.
 pub const EVEN_DISC: f64 = 2.0 / 3.0;
 /// Thickness of a face of a hull, in penetrations: corners that lie so near one plane share its
-/// load.
+/// load. At 1e4 fails `even_terrain_carries_like_the_plane`.
 pub const FACE: f64 = 3.0;
 /// How much edges of a shape are rounded by to find the direction of contact with another shape, m,
 /// at most, and as a share of its smallest half extent: what overlaps by less than both roundings
-/// has a direction that does not jump.
+/// has a direction that does not jump. At 1e-7 fails
+/// `the_contact_forces_of_two_links_are_opposite`.
 pub const ROUNDING: f64 = 1e-3;
-/// See [`ROUNDING`].
+/// See [`ROUNDING`]. At 0.4 fails `bodies_that_meet_in_space_keep_their_momentum`.
 pub const ROUNDING_SHARE: f64 = 0.02;
 /// Number of squarings of the cosine between a face of a hull and the ground that gives the weight
 /// with which its corners take the shares that they have in this face: at 10° a face counts by a
-/// fiftieth.
+/// fiftieth. At 0 fails `a_split_corner_keeps_its_share`.
 pub const FACING: u32 = 8;
 /// Angle by which terrain turns down from one cell to the next at a sample that carries a shape as
 /// a point does, rad. What is rounder is felt by the points of the shape.
@@ -341,11 +382,14 @@ pub const RIDGE: f64 = 0.5;
 /// that rolls over it.
 pub const RIDGE_LEAST: f64 = 0.02;
 /// Parts of the way of a ray over a cell of heights at whose ends it is asked whether it is below:
-/// a bicubic surface may be crossed up to six times.
+/// a bicubic surface may be crossed up to six times. At 0 fails
+/// `rays_meet_heights_where_small_steps_do`.
 pub const RAY_PARTS: u32 = 12;
-/// Halvings by which a ray finds the surface: to round-off.
+/// Halvings by which a ray finds the surface: to round-off. At 10 fails
+/// `rays_meet_heights_where_small_steps_do`.
 pub const RAY_HALVINGS: u32 = 52;
-/// Sine of the angle between two triangles of terrain below which their edge is even: 0.1°.
+/// Sine of the angle between two triangles of terrain below which their edge is even: 0.1°. At 0
+/// fails `walls_and_floor_push_along_their_own_normals`.
 pub const EVEN_EDGE: f64 = 1.7e-3;
 /// Sine of the angle beyond the directions of a crest from which on it no longer carries a shape
 /// with flat faces: a face that lies on the next triangle has the normal of that triangle,
@@ -354,32 +398,39 @@ pub const CREST_SLACK: f64 = 0.02;
 /// Iterations by which the place of terrain nearest to a ball is found. Always so many, so that it
 /// moves continuously; fewer only where another one would change nothing.
 pub const NEAREST_ON_FIELD: usize = 4;
-/// Cells along the longer side of heights that are generated.
+/// Cells along the longer side of heights that are generated. At 10 fails
+/// `terrain_is_a_plane_heights_or_a_mesh`.
 pub const TERRAIN_CELLS: f64 = 100.0;
-/// The same at most.
+/// The same at most. At 10 fails `terrain_refuses_what_means_nothing`.
 pub const FINEST_TERRAIN: f64 = 1000.0;
 /// Samples of terrain that one shape may lie on at a time: the deepest.
 pub const MOST_PEAKS: usize = 16;
 /// Angle that a contact turns by, rolling or drilling, before it gives way, under the load that its
 /// stiffness is made for, rad. The patch of a tyre or a rubber ball turns by more, that of a steel
-/// ball by less.
+/// ball by less. At 0.1 fails `a_rolling_ball_slows_down_by_its_rolling_friction_and_stands`.
 pub const TURN_DEFLECTION: f64 = 1e-3;
 
 // Joints and motors: `law/motor.rs`, `force/joint.rs`.
 
-/// Displacement of a velocity motor under its reference effort, rad or m.
+/// Displacement of a velocity motor under its reference effort, rad or m. At 0.1 fails
+/// `a_velocity_motor_follows_a_ramp_in_long_steps`.
 pub const MOTOR_DEFLECTION: f64 = 1e-3;
-/// Shortest relaxation time of a motor, s: keeps light joints from becoming needlessly stiff.
+/// Shortest relaxation time of a motor, s: keeps light joints from becoming needlessly stiff. At 1
+/// fails `a_position_servo_follows_a_ramp_without_lag`.
 pub const MOTOR_RELAXATION: f64 = 1e-3;
-/// Position error of a position servo under its reference effort, rad or m.
+/// Position error of a position servo under its reference effort, rad or m. At 1 fails
+/// `a_servo_pressed_against_a_limit_rests`.
 pub const SERVO_DEFLECTION: f64 = 1e-3;
 /// Share of the free effort that a position servo plans to brake with; the rest is kept for
-/// disturbances.
+/// disturbances. At 1 fails
+/// `a_position_servo_reaches_its_target_without_overshoot_and_holds_it_under_load`.
 pub const BRAKING_SHARE: f64 = 0.5;
 /// Least free effort that it counts on, as a share of its effort: a servo whose load takes all of
-/// its effort must still be told a speed.
+/// its effort must still be told a speed. At 5 fails
+/// `a_position_servo_reaches_its_target_without_overshoot_and_holds_it_under_load`.
 pub const LEAST_FREE: f64 = 0.1;
-/// Displacement of a joint's dry friction at break-away, rad or m.
+/// Displacement of a joint's dry friction at break-away, rad or m. At 0.1 fails
+/// `a_joint_breaks_away_at_its_static_friction_and_turns_with_its_dynamic_one`.
 pub const FRICTION_DEFLECTION: f64 = 1e-4;
 /// A limit can act within a step if it is nearer than so many times the way of the step, and a
 /// margin, rad or m: the velocity may change within the step.
@@ -388,29 +439,33 @@ pub const LIMIT_REACH: (f64, f64) = (2.0, 1e-6);
 // Stiffness and restitution of contacts: `law/normal.rs`.
 
 /// Depth, in penetrations, up to which a contact stiffens: that of a load which is a million times
-/// the weight. Beyond, forces would exceed what the digits of a solve can balance.
+/// the weight. Beyond, forces would exceed what the digits of a solve can balance. At 0.1 fails
+/// `nothing_passes_through_a_thin_plate`.
 pub const STIFFEST: f64 = 30.0;
 
 /// Relative accuracy of the speed with which a bounce ends.
 pub const RESTITUTION_ACCURACY: f64 = 1e-4;
-/// Step of its integration, in times `√(m/K)` of the impact: an error of 1e-5 in the end.
+/// Step of its integration, in times `√(m/K)` of the impact: an error of 1e-5 in the end. At 0.5
+/// fails `balls_that_meet_head_on_part_as_restitution_says`.
 pub const RESTITUTION_STEP: f64 = 0.05;
-/// Most steps: an impact of a light touch lasts some π of these times, one under its own weight
-/// hardly twice as long.
+/// Most steps: an impact of a body without weight lasts some π of these times, one under its weight
+/// hardly twice as long. At 10 fails `balls_that_meet_head_on_part_as_restitution_says`.
 pub const RESTITUTION_STEPS: usize = 400;
 /// Most tries of the search for its dissipation; a dozen are needed.
 pub const RESTITUTION_TRIALS: usize = 40;
 
 // Setting down: `step/settle.rs`.
 
-/// Step in which friction is stretched, s: several times `2 √(m/k)` of friction.
+/// Step in which friction is stretched, s: several times `2 √(m/k)` of friction. At 1e-4 fails
+/// `a_cube_on_a_tilted_table_sticks_below_the_cone_and_slides_above`.
 pub const SETTLING: f64 = 0.02;
 /// How much heavier a joint becomes that does not move while the robot is set down.
 pub const LOCKED: f64 = 1e12;
 /// Movement, m or rad, in the last of these steps below which a robot stands: a tenth of a
 /// nanometre. One that tips over moves by millimetres.
 pub const SET_DOWN: f64 = 1e-10;
-/// Number of these steps: each leaves less than a tenth of what is missing.
+/// Number of these steps: each leaves less than a tenth of what is missing. At 0 fails
+/// `a_cube_on_a_tilted_table_sticks_below_the_cone_and_slides_above`.
 pub const SETTLING_STEPS: usize = 12;
 
 // Outputs: `readout/pair.rs`, `readout/sample.rs`.
@@ -426,14 +481,18 @@ pub const SAMPLE_EARLY: f64 = 1e-6;
 
 // The convex solve: `step/convex`.
 
-/// Newton iterations after which a solve gives up; random contact problems need up to 26.
+/// Newton iterations after which a solve gives up; random contact problems need up to 26. At 5
+/// fails `the_minimum_does_not_depend_on_the_guess`.
 pub const MAX_ITERATIONS: usize = 50;
-/// Relative round-off of a sum of a few terms.
+/// Relative round-off of a sum of a few terms. At 1 fails
+/// `the_minimum_does_not_depend_on_the_guess`.
 pub const ROUND_OFF: f64 = 8.0 * f64::EPSILON;
 /// Share of the initial slope at which the line search stops; a full Newton step may leave as much
 /// uphill, and more downhill. A search that is a hundred times as exact needs as many iterations.
+/// At 10 fails `the_minimum_does_not_depend_on_the_guess`.
 pub const LINE_SEARCH_TOLERANCE: f64 = 0.1;
-/// Tries of the line search, at most: every third halves the bracket, down to a millionth.
+/// Tries of the line search, at most: every third halves the bracket, down to a millionth. At 1
+/// fails `the_minimum_does_not_depend_on_the_guess`.
 pub const LINE_SEARCH_TRIALS: usize = 60;
 /// Share of the bracket at either end in which Newton's proposal gives way to bisection.
 pub const LINE_SEARCH_EDGE: f64 = 1e-3;
@@ -441,38 +500,47 @@ pub const LINE_SEARCH_EDGE: f64 = 1e-3;
 // Closed loops: `closure`, `step/closing.rs`, `initial/closing.rs`.
 
 /// What is added to the diagonal of the matrix of the loops' forces, as a share of its mean
-/// diagonal: a thousand times round-off, so that rows that say the same twice share their force,
+/// diagonal: a thousand times round-off, so that redundant rows share their force,
 /// and a thousandth of what would be seen of it (`redundant_rows_share_their_force`).
 pub const LOOP_COMPLIANCE: f64 = 1e-13;
-/// Share of the largest pivot below which a row of a loop says nothing new: ten thousand times
+/// Share of the largest pivot below which a row of a loop is redundant: ten thousand times
 /// round-off (`bricards_mechanism_moves_and_keeps_its_energy`).
 pub const SPARE: f64 = 1e-12;
-/// Least reach with which angles of a loop count, m: that of a tree.
+/// Least reach with which angles of a loop count, m: that of a tree. At 10 fails
+/// `the_force_of_a_loop_is_what_it_carries`.
 pub const LEAST_LEVER: f64 = 0.01;
-/// Gap to which positions are projected, m: ten times the round-off of a metre.
+/// Gap to which positions are projected, m: ten times the round-off of a metre. At 1e-6 fails
+/// `a_four_bar_stays_closed_and_keeps_its_energy`.
 pub const CLOSED: f64 = 1e-14;
-/// Gap that a step may leave, m; one that leaves more is tried again at half its length.
+/// Gap that a step may leave, m; one that leaves more is tried again at half its length. At 0 fails
+/// `a_four_bar_stays_closed_and_keeps_its_energy`.
 pub const OPEN: f64 = 1e-10;
 /// Most tries to project positions. Two or three are needed; at a singular place, where the gap
-/// falls by a quarter in each, twenty.
+/// falls by a quarter in each, twenty. At 1 fails `a_four_bar_stays_closed_and_keeps_its_energy`.
 pub const PROJECTIONS: usize = 30;
 /// Way of a projection, m, beyond which the rows of velocities are found anew.
 pub const MOVED_ROWS: f64 = 1e-9;
-/// Most tries to take the velocity out of the rows; each leaves a millionth and less.
+/// Most tries to take the velocity out of the rows; each leaves a millionth and less. At 0 fails
+/// `bricards_mechanism_moves_and_keeps_its_energy`.
 pub const STOPPED: usize = 4;
-/// Most tries to close the initial pose from one start.
+/// Most tries to close the initial pose from one start. At 3 fails
+/// `random_loops_stay_closed_and_keep_energy_and_momenta`.
 pub const CLOSING_TRIES: usize = 200;
-/// Longest way of a degree of freedom in one try to close the initial pose, weighted, m.
+/// Longest way of a degree of freedom in one try to close the initial pose, weighted, m. At 1e-6
+/// fails `notes_couple_joints_weld_links_and_hang_springs`.
 pub const CLOSING_WAY: f64 = 0.3;
-/// Gap up to which an initial pose counts as closed, m.
+/// Gap up to which an initial pose counts as closed, m. At 1 fails
+/// `changed_initial_values_close_or_tell_the_gap`.
 pub const CLOSED_START: f64 = 1e-9;
 /// How much heavier a floating base is when the initial pose is closed: it stays where it has been
-/// put as long as joints can close the loops.
+/// put as long as joints can close the loops. At 0 fails `loops_move_like_joints_of_a_tree`.
 pub const BASE_WEIGHT: f64 = 1e3;
 /// Starts that are tried to close the initial pose: the given one, and others nearby, because a
-/// stretched-out mechanism does not know which way to bend.
+/// stretched-out mechanism does not know which way to bend. At 1 fails
+/// `a_loop_that_cannot_close_is_an_error_with_its_gap_and_its_place`.
 pub const CLOSING_STARTS: usize = 12;
-/// How far the last of these is off, weighted, m.
+/// How far the last of these is off, weighted, m. At 0 fails
+/// `a_loop_that_cannot_close_is_an_error_with_its_gap_and_its_place`.
 pub const CLOSING_SPREAD: f64 = 1.5;
 
 // Differential equations: `continuous.rs`.

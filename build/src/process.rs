@@ -1,12 +1,12 @@
 //! Which standard streams were open when this process started, and whether it is to end.
 //!
 //! The standard library opens `/dev/null` in the place of a standard stream that was closed
-//! (`>&-`), before `main` is called, so that a result printed there would vanish without an
-//! error. Whether the streams are open is therefore looked at earlier, when the program is loaded.
+//! (`>&-`), before `main` is called, so that a result printed there would vanish without an error.
+//! Whether the streams are open is therefore checked earlier, when the program is loaded.
 //!
 //! The same place ignores SIGXFSZ, as it is done for SIGPIPE: a file that would grow beyond the
-//! limit of its size (`ulimit -f`) is then an error that can be told, and no file is left half
-//! written.
+//! limit of its size (`ulimit -f`) is then an error that can be reported, and no file is left
+//! incomplete.
 #![allow(unsafe_code, reason = "runs before main and calls the C library")]
 
 use std::io;

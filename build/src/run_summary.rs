@@ -1,4 +1,4 @@
-//! What `simulate` says at its end: how far it came, how fast, where the robot is, what happened.
+//! The summary that `simulate` prints at its end: time reached, speed, pose of the robot, events.
 
 use crate::events::{Event, moment};
 use crate::importer::run::Outcome;

@@ -1,9 +1,9 @@
-//! The co-simulation C functions of an urdf2fmu robot, of FMI 2.0 and of FMI 3.0.
+//! The C functions of an urdf2fmu robot, of FMI 2.0 and of FMI 3.0.
 //!
-//! This is the one package with `unsafe` code. Every function that takes an instance does nothing
-//! but call the guard in `call`, which checks pointer, version and phase, sets the floating-point
-//! control word, catches panics, logs and answers. What the functions do is in `instance`, for both
-//! versions; which may be called when, in the tables of `v2` and `v3`.
+//! Every function that takes an instance does nothing but call the guard in `call`, which checks
+//! pointer, version and phase, sets the floating-point control word, catches panics, logs and
+//! returns the status. What the functions do is in `instance`, for both versions; which may be
+//! called when, in the tables of `v2` and `v3`.
 //!
 //! | module | holds |
 //! |---|---|

@@ -1,5 +1,5 @@
-//! The described robot with the settings applied, as the model's links and joints that do not know
-//! bodies yet.
+//! The described robot with the settings applied, as links and joints of the model, before bodies
+//! are assigned.
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 

@@ -1,7 +1,7 @@
-//! What a user can do at once about links without inertia: each way is tried before it is offered.
+//! Options that give inertia to links without it: each is tried before it is offered.
 //!
-//! A file of a robot that was only ever drawn has no masses at all. Whoever follows the advice on
-//! it must not be told of the next link without inertia.
+//! A file that was made for drawing only has no masses at all. A user who follows the advice must
+//! not get the same error for the next link.
 
 use super::findings::{Findings, listed};
 use crate::model::Model;

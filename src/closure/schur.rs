@@ -1,8 +1,8 @@
 //! The forces of loops: `x = H⁻¹ (r + Jᵀλ)` with `J x = b`.
 //!
-//! With `Y = H⁻¹ Jᵀ` it is `(J Y) λ = b − J H⁻¹ r`. Where rows say the same twice, or say nothing
-//! for an instant because the mechanism is at a singular place, `J Y` has no inverse: `ε` times its
-//! mean diagonal is added to it, so that forces are shared by the least sum of squares.
+//! With `Y = H⁻¹ Jᵀ` it is `(J Y) λ = b − J H⁻¹ r`. Where rows are redundant, or vanish for an
+//! instant because the mechanism is at a singular place, `J Y` has no inverse: `ε` times its mean
+//! diagonal is added to it, so that forces are shared by the least sum of squares.
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 

@@ -1,4 +1,4 @@
-//! Rows of loops that say nothing new.
+//! Redundant rows of loops.
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 

@@ -1,9 +1,9 @@
 //! Terrain given by heights over a grid.
 //!
-//! Between the samples the surface is bicubic and smooth: a wheel feels no edges of triangles. The
-//! slope at a sample is the mean of those of the two cells beside it, but at most `STEEPEST`
-//! times the smaller one, so that beside a step the surface overshoots by less than 5 % of it.
-//! Where all heights are the same the surface is a plane to the last bit.
+//! Between the samples the surface is bicubic and smooth, so that a wheel does not hit edges of
+//! triangles. The slope at a sample is the mean of those of the two cells beside it, but at most
+//! `STEEPEST` times the smaller one, so that beside a step the surface overshoots by less than 5 %
+//! of it. Where all heights are the same the surface is a plane to the last bit.
 //!
 //! Source of the slopes: Catmull & Rom 1974, with the limit of Fritsch & Carlson 1980.
 

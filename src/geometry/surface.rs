@@ -1,7 +1,7 @@
 //! The surface of a triangle mesh that never moves.
 //!
-//! Corners in one place are one. Where two triangles meet the surface is even, hollow or a crest;
-//! a crest, or an edge that belongs to one triangle alone, is something that a shape can lie on.
+//! Corners at the same place are merged. An edge between two triangles is flat, concave or a crest;
+//! a shape can lie on a crest, and on an edge that belongs to one triangle alone.
 //!
 //! Triangles are found by a tree of boxes.
 

@@ -1,9 +1,9 @@
 //! Closed loops at the start: positions and velocities are moved until the loops are closed.
 //!
-//! The pose that is asked for is where the search begins: Gauss–Newton's method for the least way,
-//! by which errors are weighted, too. What has been given stays where it is if the rest can follow;
-//! only if that is not so is it moved as well. Joints stay within their limits, and floating bases
-//! where they are as long as joints can close the loops.
+//! The search begins at the pose that is asked for. Gauss–Newton's method takes the shortest way,
+//! in the weights of errors. Positions that have been given are moved only if the loops cannot be
+//! closed by the others. Joints stay within their limits, and floating bases are moved only if
+//! joints cannot close the loops.
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 

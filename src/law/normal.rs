@@ -56,7 +56,7 @@ impl HuntCrossley {
 /// be hard to solve.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Stiffening {
-    /// Stiffness `K` of a light touch, N/m.
+    /// Stiffness `K` at small depths, N/m.
     pub stiffness: f64,
     /// Depth `δ₁` at which the force is twice that of a linear spring, m.
     pub reference: f64,
@@ -103,7 +103,7 @@ impl Stiffening {
         self.stiffness * (depth * (1.0 + excess) + rest)
     }
 
-    /// Derivative of the force with the depth, N/m; that of a light touch where it is negative.
+    /// Derivative of the force with the depth, N/m; `K` where the depth is negative.
     #[inline]
     pub fn slope(&self, depth: f64) -> f64 {
         let (depth, rest) = self.parts(depth);

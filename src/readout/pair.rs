@@ -1,4 +1,4 @@
-//! What two named sides do to each other: the outputs of [`crate::model::OutputSelection::pairs`].
+//! Contacts between two named sides: the outputs of [`crate::model::OutputSelection::pairs`].
 //!
 //! Means are weighted with the normal forces of the contacts between the sides, at this moment.
 

@@ -1,8 +1,8 @@
-//! Sensors that err, or that take samples and hold them.
+//! Sensors with errors, and sensors that take samples and hold them.
 //!
-//! A sample is taken at the first communication point at or after each of its times, `k/rate`
-//! after the start. Bias and noise are added to what is there at that moment. Noise is a function
-//! of seed, name, channel and `k`, so that the state holds nothing but the samples.
+//! A sample is taken at the first communication point at or after each of its times, `k/rate` after
+//! the start. Bias and noise are added to the value at that moment. Noise is a function of seed,
+//! name, channel and `k`, so that the state holds nothing but the samples.
 
 use super::Readout;
 use super::channels::{channel, quantity};

@@ -1,4 +1,4 @@
-//! What is at a sensor at this moment, whatever the sensor makes of it.
+//! The quantity at a sensor at this moment, before the sensor's errors and sampling.
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 

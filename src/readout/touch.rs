@@ -1,4 +1,4 @@
-//! What presses on a link, or on a part of it: contact sensors.
+//! Contact sensors: the forces on a link, or on a part of it.
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 

@@ -1,5 +1,5 @@
-//! Random numbers that are functions of what they are for: no generator remembers anything, so a
-//! restored state goes on with the same noise.
+//! Random numbers as functions of seed, sensor, channel and sample: no generator has a state, so a
+//! restored state continues with the same noise.
 //!
 //! Source: Salmon et al. 2011, Parallel Random Numbers: As Easy as 1, 2, 3 (Philox 4×32, ten
 //! rounds); Box and Muller 1958 for the normal distribution.

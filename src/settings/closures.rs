@@ -1,4 +1,4 @@
-//! `[[loop]]` and `[[spring]]`: what closes loops, and what pulls between two points.
+//! `[[loop]]` and `[[spring]]`: closed loops, and springs between two points.
 
 use super::common::{patterns, some_required};
 use super::reader::Reader;

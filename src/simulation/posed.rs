@@ -1,4 +1,4 @@
-//! What outputs show where the outside integrates.
+//! The values of outputs where the importer integrates.
 
 use crate::model::Model;
 use crate::state::State;

@@ -1,4 +1,4 @@
-//! What closes loops and what pulls between two points: from the model to the solver.
+//! Loops and springs: from the model to the form of the solver.
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 

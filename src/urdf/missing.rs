@@ -1,4 +1,4 @@
-//! What is told of mesh files that are missing: once for each package.
+//! Findings about mesh files that are missing: one for each package.
 
 use super::checked::{CheckedRobot, Geometry};
 use super::mesh;

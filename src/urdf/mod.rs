@@ -6,8 +6,8 @@
 //! visuals with their colours and textures (`visuals`, `painted`); all put together (`assemble`).
 //! All problems of a file are found in one run.
 //!
-//! Not here: merging massless links, initial pose, defaults for what the file leaves out. xacro is
-//! not expanded.
+//! Not here: merging massless links, initial pose, defaults for what the file leaves out. Expanding
+//! xacro is not done here either.
 
 mod assemble;
 mod checked;

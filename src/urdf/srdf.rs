@@ -2,8 +2,8 @@
 //!
 //! - `<group_state>`: joint positions to start with, by name
 //! - `<passive_joint>`: a joint without actuator
-//! - `<disable_collisions>`: pairs of links without collision checks. Links do not collide with
-//!   each other here; the pairs are read and checked all the same.
+//! - `<disable_collisions>`: pairs of links that do not touch each other where `self_collision` is
+//!   on.
 //!
 //! Planning groups, end effectors and the virtual joint are reported and not used. Faults of the
 //! file are warnings, except if the requested state cannot be used.

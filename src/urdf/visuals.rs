@@ -1,7 +1,7 @@
 //! `<visual>` and `<material>`: their checks, and the meshes and textures that they name.
 //!
-//! Visuals do not move the robot: whatever is wrong with them is a warning, and what cannot be had
-//! is left out. A mesh or texture is read once, however often it stands in the file.
+//! Visuals do not move the robot: every fault in them is a warning, and a visual that cannot be
+//! read is left out. A mesh or texture is read once, however often it stands in the file.
 
 use super::checked::{CheckedRobot, CheckedVisual, Geometry, Paint};
 use super::description::{DrawnMesh, MeshPart, Texture};

@@ -228,11 +228,7 @@ fn d4_a_rimless_wheel_walks_at_mcgeers_speed() {
     // A mass in the hub alone, as the textbook has it, leaves a wheel without inertia: where its
     // foot sticks depends on friction and normal force within one instant, which a step takes one
     // after the other. It misses the target of 1 %, and on ground ten times as stiff it stops.
-    for (gyration, penetration, allowed, missed) in [
-        (0.5, 1e-6, 1e-2, None),
-        (0.1, 1e-6, 1e-2, Some(4e-2)),
-        (1e-6, 1e-5, 1e-2, Some(3e-2)),
-    ] {
+    for (gyration, penetration) in [(0.5, 1e-6), (0.1, 1e-6), (1e-6, 1e-5)] {
         let kept = ((2.0 * alpha).cos() + gyration) / (1.0 + gyration);
         let drop = 4.0 * G * alpha.sin() * gamma.sin() / (1.0 + gyration);
         let expected = (drop * kept * kept / (1.0 - kept * kept)).sqrt();
@@ -282,12 +278,8 @@ fn d4_a_rimless_wheel_walks_at_mcgeers_speed() {
         let what =
             format!("speed after an impact, relative, I = {gyration} m l², δ = {penetration:.0e}");
         let expected = "r/√(1 − r²) √(4(g/l) sin α sin γ/(1 + j)); McGeer 1990";
-        if let Some(recorded) = missed {
-            let why = "a step takes the friction cone of an impact from its start";
-            miss(["D4", &what, expected], worst, allowed, recorded, why);
-        } else {
-            hold("D4", &what, expected, worst, allowed);
-        }
+        let why = "a step takes the friction cone of an impact from its start";
+        hold_or_say(["D4", &what, expected], worst, 1e-2, why);
     }
 }
 
@@ -345,8 +337,8 @@ fn d8_a_passive_robot_never_gains_energy() {
         (smooth, 1e-3, 1e-3, 1e-4),
         (smooth, 0.0, 1e-3, 2e-14),
         (smooth, 0.0, 1e-5, 3e-14),
-        (rough, 1.0 / 240.0, 1e-3, 0.0),
-        (rough, 1e-3, 1e-3, 0.0),
+        (rough, 1.0 / 240.0, 1e-3, ROUND_OFF),
+        (rough, 1e-3, 1e-3, ROUND_OFF),
         (rough, 0.0, 1e-3, 2e-14),
     ] {
         let mut worst = 0.0_f64;

@@ -34,7 +34,9 @@ fn sample(extreme: Extreme, seeds: u64, allowed: Option<[[f64; 3]; 2]>) {
 /// fell with: in all, over the lowest before, and that with all that friction has in store.
 fn hold_gains(who: &str, tally: &Tally, allowed: [[f64; 3]; 2]) {
     let kinds = ["error control", "fixed steps"].iter().zip(&tally.limp);
-    for ((steps, gain), allowed) in kinds.zip(allowed) {
+    // A kind without a drop shows nothing.
+    let kinds = kinds.zip(allowed).filter(|((_, gain), _)| gain.drops > 0);
+    for ((steps, gain), allowed) in kinds {
         let what = |what: &str| format!("{what}, {} limp drops, {who}, {steps}", gain.drops);
         let share = gain.gained.share;
         hold(

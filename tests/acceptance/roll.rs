@@ -78,12 +78,9 @@ fn wheel(mu: f64) -> Builder {
     b
 }
 
-/// Bound of a difference of speeds of some m/s that is exact but for rounding, and its reason.
-const ROUND_OFF: (f64, &str) = (1e-13, "round-off of hundreds of steps");
-
-/// The same in m/s², and of a slip that grows, where each step begins with the guess that the last
-/// one ended with: at a tolerance of 1e-4 it may lack 2e-8 of the impulses, those of g.
-const GUESSED: (f64, &str) = (2e-7, "what a guess may lack that needs no iteration");
+/// What a guess that needs no iteration may lack, m/s²: each step begins with the guess that the
+/// last one ended with, and at a tolerance of 1e-4 it may lack 2e-8 of the impulses, those of g.
+const GUESSED: f64 = 2e-7;
 
 /// C7. Down a slope: a = g sin θ/(1 + c), that is 5/7 and 2/3 g sin θ; slipping, a = g (sin θ − μ
 /// cos θ), where μ < c/(1 + c) tan θ, that is 2/7 and 1/3 tan θ (rigid-body textbooks).
@@ -108,21 +105,16 @@ fn c7_balls_and_cylinders_roll_and_slip_down_a_slope_as_rigid_bodies_do() {
                 (G * sin / (1.0 + share), "g sin θ/(1 + c)")
             };
             let what = format!("acceleration of a {name} at {relative} of the slipping μ, m/s²");
-            hold_wide(["C7", &what, source], a - expected, GUESSED.0, GUESSED.1);
+            hold("C7", &what, source, a - expected, GUESSED);
             if slips {
                 // The spin grows by μ g cos θ R/(c R²).
                 let expected = expected - relative * limit * G * cos / share;
                 let what = format!("growth of the slip of a {name}, m/s²");
                 let error = slip(&s) - slip0 - expected;
-                hold_wide(
-                    ["C7", &what, "a − μ g cos θ/c"],
-                    error,
-                    GUESSED.0,
-                    GUESSED.1,
-                );
+                hold("C7", &what, "a − μ g cos θ/c", error, GUESSED);
             } else {
                 let what = format!("slip of a {name} at {relative} of the slipping μ, m/s");
-                hold_wide(["C7", &what, "0"], slip(&s), 1e-9, ROUND_OFF.1);
+                hold("C7", &what, "0", slip(&s), 1e-9);
             }
         }
     }

@@ -143,7 +143,7 @@ fn c5_friction_is_isotropic() {
         (
             flat_block as fn(f64) -> Builder,
             "pulled at the ground",
-            3e-15,
+            ROUND_OFF,
             1e-12,
         ),
         (block, "pulled half way up", 5e-5, 1e-9),

@@ -1,4 +1,4 @@
-//! `simulate`: a run as an importer makes it, its results, and what is said about it.
+//! `simulate`: runs an FMU as an importer does, writes the results, and reports about the run.
 
 use super::see::{self, Seen};
 use super::shared::{CliError, as_fmu, temporary};

@@ -1,4 +1,4 @@
-//! What touches the ground: how deep, how hard, and when nothing does.
+//! Contacts with the ground: the deepest, the hardest, and the times without any.
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 

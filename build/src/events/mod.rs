@@ -1,10 +1,10 @@
-//! What happened in a run, in sentences: `simulate` tells them at its end, and the page of a report
-//! lists them.
+//! Events of a run, as sentences: `simulate` prints them at its end, and the page of a report lists
+//! them.
 //!
-//! In: a scene and columns of values, whoever wrote them. What has no column gives no event. Out:
-//! events in the order of time; the same columns give the same sentences. `run` has the columns,
-//! `posture` finds falls, `contact` looks at the ground, `joints` at limits of positions and
-//! efforts. The definitions stand in `docs/see.md`.
+//! In: a scene and columns of values, from any program. An event whose columns are missing is not
+//! found. Out: events in the order of time; the same columns give the same sentences. `run` has the
+//! columns, `posture` finds falls, `contact` looks at the ground, `joints` at limits of positions
+//! and efforts. The definitions stand in `docs/see.md`.
 
 mod contact;
 mod joints;

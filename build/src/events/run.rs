@@ -1,4 +1,4 @@
-//! A run as events are looked for in it, and how numbers are told.
+//! A run in the form in which events are searched in it, and the format of numbers in sentences.
 
 use crate::scene::Head;
 use std::collections::BTreeMap;

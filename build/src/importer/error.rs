@@ -1,4 +1,4 @@
-//! Why a simulation is not done, or not to its end.
+//! Reasons why a simulation does not start, or does not reach its end.
 
 use super::csv::CsvError;
 use super::description::DescriptionError;

@@ -1,8 +1,8 @@
 //! One file for both kinds of Mac, as FMI 2.0's single folder for them needs.
 //!
-//! A universal file is a table of the files in it, and these, each from a page on. A page of arm64
-//! has 16 kB, one of `x86_64` 4 kB; the file is the one that `lipo -create` makes. Signatures
-//! lie in the parts and stay whole.
+//! A universal file is a table of the files in it, and of these files, each of which begins at a
+//! memory page. A page of arm64 has 16 kB, one of `x86_64` 4 kB; the file is that which
+//! `lipo -create` makes. Signatures are part of the files and stay valid.
 //!
 //! Source: Apple's `mach-o/fat.h`, whose numbers are big-endian.
 

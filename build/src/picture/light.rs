@@ -1,8 +1,9 @@
-//! How much of a lamp and of the sky each place sees.
+//! How much light of a lamp and of the sky reaches each place.
 //!
-//! The sky is a number of lamps far away, spread evenly over the upper half. Each lamp looks at the
-//! robot once, and a place sees the lamp if the lamp saw nothing nearer. A sum over the sky so
-//! gives soft shadows, in corners and on the ground, that no rule of thumb has to imitate.
+//! The sky is a number of lamps far away, spread evenly over the upper half. For each lamp the
+//! depths of the robot seen from it are drawn once, and a place is lit by the lamp if nothing is
+//! nearer to the lamp there. The sum over the sky gives soft shadows, in corners and on the ground,
+//! without an approximation for them.
 
 use super::camera::{Camera, count};
 use super::look::Look;

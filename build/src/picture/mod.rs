@@ -1,13 +1,13 @@
 //! Pictures of a robot, without a graphics card, and with the same bytes on every platform.
 //!
-//! A scene at given poses becomes triangles with normals (`solid`), seen by a `camera`;
-//! `raster` finds what is visible at each sample, `light` computes how much of the sky and of the
-//! lamp each place sees, `shade` makes colours of it, `png` writes them. `texture` has images in
-//! halves of halves of their size, `run` and `film` make an animation of a run; `frames` are the
-//! axes of links.
+//! A scene at given poses becomes triangles with normals (`solid`), seen by a `camera`; `raster`
+//! finds what is visible at each sample, `light` computes how much of the sky and of the lamp each
+//! place sees, `shade` makes colours of it, `png` writes them. `texture` has images in several
+//! sizes (mipmaps), `run` and `film` make an animation of a run; `frames` are the axes of links.
 //!
 //! Only additions, multiplications, divisions and square roots are used, which IEEE 754 defines to
-//! the last bit, and functions of `libm`. Threads share out rows and lamps, never sums.
+//! the last bit, and functions of `libm`. Threads work on different rows and lamps, and no sum is
+//! split between them.
 
 mod camera;
 mod color;

@@ -1,8 +1,8 @@
 //! What is seen at each sample → colours.
 //!
 //! The samples of a pixel that show one surface from one side are shaded once; the others of the
-//! pixel separately, so that edges stay smooth. Light is linear until the end; what is brighter
-//! than the paper is bent under it.
+//! pixel separately, so that edges stay smooth. Light is linear until the end; values brighter than
+//! white are then compressed below it.
 
 use super::camera::{Camera, count};
 use super::color::finish;

@@ -1,7 +1,7 @@
 //! Shapes of a scene → triangles with normals.
 //!
-//! Edges of boxes and cylinders are bevelled by a little: they catch light, and a box stops looking
-//! like a diagram. Faces of a mesh that meet at a flat angle share their normal, which is computed
+//! Edges of boxes and cylinders are bevelled by a little, so that they reflect light as edges of
+//! real parts do. Faces of a mesh that meet at a flat angle share their normal, which is computed
 //! only for faces that are seen: of many meshes most are not.
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]

@@ -1,4 +1,5 @@
-//! Textures: PNG and JPEG files → linear colours in halves of halves of their size.
+//! Textures: PNG and JPEG files → linear colours, in a series of images of half the size of the
+//! last (mipmaps).
 //!
 //! A file that is damaged, or of a kind that nobody uses for textures, is no image: the surface
 //! keeps its plain colour.

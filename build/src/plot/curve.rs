@@ -1,4 +1,4 @@
-//! What a picture is made of, and what it becomes.
+//! The curves and panels that a picture is made of, and the finished picture.
 
 /// A variable over time.
 #[derive(Clone, Copy, Debug)]

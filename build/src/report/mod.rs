@@ -1,7 +1,7 @@
 //! A report: one page that plays a run and plots its variables.
 //!
-//! In: a scene and a table of values, whoever wrote it. Out: the page, what had to be said about
-//! the table, and what happened in the run; the page's Notes have both. `encode` packs columns.
+//! In: a scene and a table of values, from any program. Out: the page, notes about the table, and
+//! the events of the run; the page's Notes contain both. `encode` packs columns.
 
 mod encode;
 

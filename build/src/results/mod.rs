@@ -1,8 +1,9 @@
-//! The table of a run, whoever wrote it, as the values of a robot's variables.
+//! The table of a run, from any program, as the values of a robot's variables.
 //!
 //! In: text with separated values, and a scene. Out: columns that have the names of the scene's
-//! variables, and sentences about what was mended, is missing or is not known. `table` reads files,
-//! `names` finds the robot's variables in them. Whatever shows a run reads it here.
+//! variables, and notes about what was corrected, is missing or is not known. `table` reads files,
+//! `names` finds the robot's variables in them. Everything that shows a run reads it by this
+//! module.
 
 mod names;
 mod table;

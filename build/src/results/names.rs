@@ -2,7 +2,7 @@
 //!
 //! Programs write names in their own ways: `joint.elbow.position`, `joint_elbow_position`
 //! (Simulink), `plant.root.robot.joint.elbow.position` (co-simulation tools). Names are therefore
-//! compared by their letters and digits, and what many columns have in front is left off.
+//! compared by their letters and digits, and a prefix that many columns have in common is ignored.
 
 use crate::scene::Scene;
 use std::collections::{BTreeMap, BTreeSet, HashMap};

@@ -2,7 +2,7 @@
 //!
 //! Commas, semicolons (then a comma may be the decimal sign) or tabs separate; units in brackets
 //! behind names, quotes, empty cells, columns in any order and rows out of order are understood.
-//! What is left out or mended is said in notes.
+//! Notes say what is left out or corrected.
 
 use super::names;
 use crate::scene::Scene;

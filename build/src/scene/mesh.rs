@@ -1,4 +1,5 @@
-//! Triangles in few bytes: vertices that look alike are one, coordinates are parts of the box.
+//! Triangles in few bytes: equal vertices are stored once, coordinates are fractions of the
+//! bounding box.
 //!
 //! A block holds `vertices` positions of three u16, then, where there is a texture, as many texture
 //! coordinates of two u16, then `triangles` times three indices: u16, or u32 where there are more

@@ -1,8 +1,8 @@
 //! Textures of as many pixels as a page can use.
 //!
-//! A robot fills a window of some 1000 pixels, so that more in one texture are never seen; and a
-//! browser unpacks all of them into the memory of the graphics card, where a pixel takes 5.3 bytes
-//! with its halves of halves.
+//! A robot fills a window of some 1000 pixels, so that more pixels in one texture are never
+//! visible; and a browser unpacks all of them into the memory of the graphics card, where a pixel
+//! takes 5.3 bytes with its smaller copies (mipmaps).
 
 use super::format::Texture;
 use super::mesh::align;

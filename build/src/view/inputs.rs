@@ -1,8 +1,8 @@
 //! Who holds which input.
 //!
-//! An input has the value that was set for good, or that of the table of inputs until someone sets
-//! it. A viewer may hold it at another value; of several holders the last one counts. When a viewer
-//! goes, or is not heard of, what it held is let go.
+//! An input has the value that was set last, or that of the table of inputs until someone sets it.
+//! A viewer may hold it at another value; of several holders the last one counts. When a viewer
+//! disconnects, or sends nothing for some time, the inputs that it held are released.
 
 use crate::scene::Variable;
 use std::collections::BTreeMap;

@@ -1,8 +1,9 @@
-//! A live view: the FMU runs by its own library in real time, and browsers look on and steer.
+//! A live view: the FMU runs by its own library in real time, and browsers show it and send
+//! commands.
 //!
 //! One thread simulates, the one that called [`Ready::run`]; `server` has the others. `http` and
-//! `socket` read what comes from outside, `protocol` says what it means, `inputs` knows who holds
-//! what, `pace` keeps time, `hub` sends, `record` writes.
+//! `socket` read what comes from outside, `protocol` interprets it, `inputs` records which viewer
+//! holds which input, `pace` keeps simulated time with real time, `hub` sends, `record` writes.
 
 mod http;
 mod hub;

@@ -1,7 +1,7 @@
 //! How many steps are due, so that simulated time keeps up with real time.
 //!
-//! A moment and the step that belongs to it are the anchor; what is due is counted from there, so
-//! that errors of sleeping do not add up. Where the simulation cannot keep up, the anchor moves.
+//! The steps that are due are counted from one instant and its step, the anchor, so that errors of
+//! sleeping do not add up. Where the simulation cannot keep up, the anchor moves.
 
 use std::time::{Duration, Instant};
 

@@ -1,4 +1,4 @@
-//! What viewers and the simulation tell each other, see `docs/see.md`.
+//! Messages between viewers and the simulation, see `docs/see.md`.
 
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;

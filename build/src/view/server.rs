@@ -1,7 +1,7 @@
-//! Listens on this machine alone, gives the page to who has the key, and connects viewers.
+//! Listens on this machine alone, sends the page to those who have the key, and connects viewers.
 //!
 //! A thread for each connection, and a second one for each viewer, which writes. They only pass
-//! messages on; nothing that a browser does can hold the simulation up.
+//! messages on, so that no browser can delay the simulation.
 
 use super::http::{self, Asked, PATIENCE, Refusal};
 use super::hub::{Bytes, Hub};

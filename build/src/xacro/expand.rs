@@ -1,7 +1,7 @@
 //! A document in xacro → the document that it stands for.
 //!
-//! What is done, and in which order, follows the xacro program of ROS (2.1), which works on the
-//! document in place: what a node stands for takes its place, and is not expanded again.
+//! The operations and their order are those of the xacro program of ROS (2.1), which works on the
+//! document in place: the result of a node replaces it, and is not expanded again.
 
 use super::files::matching;
 use super::macros::{Macro, Macros};

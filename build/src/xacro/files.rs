@@ -1,4 +1,4 @@
-//! Files that a path with signs for any letters means.
+//! Files that match a path with wildcards.
 
 use std::path::{Path, PathBuf};
 

@@ -1,4 +1,5 @@
-//! Files in xacro that include a file: which of them is the robot's, where one holds macros alone.
+//! Files in xacro that include a file: which of them is the robot's, if the given file only defines
+//! macros.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;

@@ -1,10 +1,11 @@
 //! Files in xacro, expanded.
 //!
-//! xacro is XML with macros and expressions in Python. What robots use of both is expanded here, so
-//! that nobody needs ROS or Python for it; the result is the same as that of the xacro command,
-//! element by element. What is not known here is left to the command, where there is one.
+//! xacro is XML with macros and expressions in Python. The part of both that robots use is expanded
+//! here, so that neither ROS nor Python is needed; the result is the same as that of the xacro
+//! command, element by element. Other expressions are left to the xacro command, where it is
+//! installed.
 //!
-//! Later findings give places of the expanded text.
+//! Findings of later stages give places in the expanded text.
 
 mod command;
 mod evaluate;

@@ -1,10 +1,10 @@
 //! An instance: a simulation, its phase, and the log categories that the importer asked for.
 //!
 //! This module does not use pointers. Each function of the interface is one method here; the guard
-//! ([`crate::call`]) has checked the phase. Here is its life, from its making to its end; `values`
-//! gets and sets variables, `step` simulates, and `updates` is for calls of the
-//! importer within steps; `exchange` is for importers that integrate, and `partial` finds
-//! partial derivatives.
+//! ([`crate::call`]) has checked the phase. This file has the functions from instantiation to the
+//! end; `values` reads and sets variables, `step` simulates, and `updates` is for calls of the
+//! importer within steps; `exchange` is for importers that integrate, and `partial` finds partial
+//! derivatives.
 
 mod exchange;
 mod partial;

@@ -1,9 +1,9 @@
 //! Partial derivatives of outputs and derivatives by continuous states and inputs.
 //!
 //! Along the direction that the importer gives, the values at `±h` and `±h/2` give central
-//! differences `D(h)` and `D(h/2)`, and `(4 D(h/2) − D(h))/3` errs by `O(h⁴)` only. `h` moves what
-//! moves most, measured by its nominal value, by [`DIFFERENCE`]: contacts are a tenth of a
-//! millimetre deep, and their laws are curved on that scale.
+//! differences `D(h)` and `D(h/2)`, and `(4 D(h/2) − D(h))/3` errs by `O(h⁴)` only. `h` is chosen
+//! so that the variable that changes most, relative to its nominal value, changes by [`DIFFERENCE`]
+//! of it: contacts are a tenth of a millimetre deep, and their laws are curved on that scale.
 
 use super::{Instance, Source};
 use crate::error::FmiError;

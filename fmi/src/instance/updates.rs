@@ -1,4 +1,4 @@
-//! What FMI 3 knows of a step within which the importer is called.
+//! The state of a step of FMI 3 within which the importer is called.
 
 use crate::common::{IntermediateUpdate, Status};
 use std::ffi::c_void;

@@ -1,7 +1,7 @@
 //! Steps, and the importer's callback within them.
 //!
 //! The callback runs outside of the guard: nothing of the instance is borrowed, and the host's
-//! floating-point control word holds. The phase says meanwhile what the callback may call.
+//! floating-point control word holds. Meanwhile the phase determines what the callback may call.
 #![allow(unsafe_code, reason = "calls the importer's function")]
 
 use super::phase::Function;

@@ -3,8 +3,8 @@
 //!
 //! The core is the shape with `rounding` taken off all around, so that the shape is nearly the core
 //! swept by a ball: faces stay where they are, edges and corners are rounded. Two cores that do not
-//! meet have a direction from one to the other that moves continuously with the poses, which the
-//! sharp shapes have not.
+//! meet have a direction from one to the other that changes continuously with the poses; the
+//! direction between the shapes with sharp edges would jump.
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 

@@ -1,4 +1,4 @@
-//! Which rules a pair of shapes follows, and how they take over from each other.
+//! Which rules apply to a pair of shapes, and the transitions between them.
 
 use super::core::{Core, Round};
 use super::nearest::{Apart, nearest};

@@ -1,7 +1,7 @@
 //! Where faces of two shapes lie over each other, and how much of a face each corner carries.
 //!
-//! Seen along the normal, each pair of faces that look at each other, `f` of A and `g` of B, covers
-//! a convex polygon, and the gap `t` between them is a linear function on it.
+//! Seen along the normal, two faces that are opposite each other, `f` of A and `g` of B, have a
+//! convex polygon in common, and the gap `t` between them is a linear function on it.
 //!
 //! 1. Within a polygon a corner's share is its exterior angle over 2π: the shares of all sum up to
 //!    one, and a corner that is split, or a new one that has no angle yet, changes nothing. As the
@@ -9,9 +9,9 @@
 //! 2. The polygons of all pairs tile what the shapes cover in common. Each has the volume `V = ∫ (ℓ
 //!    − t)₊ dA`, with the level `ℓ` a little above the gap where the shapes are nearest, and the
 //!    weight `W = V⁴`. It is continuous, and vanishes with the polygon's area: so a point's share,
-//!    `Σ W m / Σ W` of all pairs, moves continuously with the poses. The power lets one pair
-//!    decide: at the side of a flat face lie others with some percent of its volume, and with less
-//!    than a millionth of its weight.
+//!    `Σ W m / Σ W` of all pairs, moves continuously with the poses. Because of the power one pair
+//!    dominates: pairs beside a flat face have some percent of its volume, but less than a
+//!    millionth of its weight.
 //! 3. Angles are those in the plane of the face that is more tilted against the normal: the corner
 //!    of a box has a quarter at any lean.
 

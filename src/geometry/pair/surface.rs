@@ -1,13 +1,13 @@
 //! A shape on a triangle mesh.
 //!
 //! 1. What carries the shape on a plane, see `on_plane` in `meet.rs`, on each triangle that is
-//!    below it. Of triangles that are even with each other one is below a point, so that even
-//!    ground is a plane however it is divided. Beyond a hollow edge a triangle goes on. A point
-//!    that is behind two triangles of which the second lies behind the first, as at a crest, is as
-//!    deep as behind the nearer one.
+//!    below it. Of triangles that lie in one plane only one counts for a point, so that flat ground
+//!    is a plane however it is divided. Beyond a concave edge a triangle is continued. A point that
+//!    is behind two triangles of which the second lies behind the first, as at a crest, is as deep
+//!    as behind the nearer one.
 //! 2. Crests: edges where the surface falls away or ends. An edge meets a shape as a capsule
 //!    without a radius does, where the direction between them lies between the normals of its two
-//!    triangles; outside these the triangles carry the shape.
+//!    triangles; outside these directions the triangles carry the shape.
 //!
 //! A triangle carries a shape whose middle is in front of it.
 

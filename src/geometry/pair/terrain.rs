@@ -2,8 +2,8 @@
 //!
 //! Terrain has many normals. Those about the same direction belong together: one patch each for
 //! what lies on the ground, leans against one of four walls, or touches a ceiling, each with a
-//! friction of its own. Seen from the axes of the terrain, the largest component of the normal
-//! decides; of a slope of 45° the vertical one.
+//! friction of its own. The largest component of the normal, in the axes of the terrain, decides; a
+//! slope of 45° counts as ground.
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 

@@ -18,7 +18,7 @@ use crate::step::fixed::{Methods, Outcome, Part};
 use crate::step::point::Context;
 use crate::testing::{Builder, Random, inertia, random_tree};
 use crate::tuning::Rules;
-use claim::hold_wide;
+use claim::hold;
 use std::sync::Arc;
 
 /// How a step is taken.
@@ -175,9 +175,9 @@ fn a6_errors_fall_with_the_order_of_the_method() {
         ] {
             let slope = libm::log2(error(method, count) / error(method, 8 * count)) / 3.0;
             let what = format!("order of the {name} step on {case}");
-            let why = "another order is off by 0.5 or more";
             let theory = format!("{order}: theory");
-            hold_wide(["A6", &what, &theory], slope - order, 0.2, why);
+            // Another order is off by 0.5 or more.
+            hold("A6", &what, &theory, slope - order, 0.2);
         }
     }
 }

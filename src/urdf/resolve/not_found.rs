@@ -1,4 +1,4 @@
-//! What is told of a file that was looked for.
+//! The message about a file that was not found.
 
 use std::path::{Path, PathBuf};
 

@@ -1,6 +1,7 @@
 //! XML text → [`Document`], by quick-xml, with a finding at its place for what is no XML.
 //!
-//! Constructs of XML bombs are refused: DOCTYPE and entities, deep nesting, very many elements.
+//! Constructs that let a small file grow without bound are refused: DOCTYPE and entities, deep
+//! nesting, very many elements.
 
 use super::{Attribute, Document, Element};
 use crate::diagnostic::Report;

@@ -1,4 +1,4 @@
-//! Elements of FMI 3's arrays, got and set one by one although FMI takes arrays whole.
+//! Elements of FMI 3's arrays, read and set one by one, although FMI reads and sets whole arrays.
 
 use std::collections::{BTreeMap, BTreeSet};
 

@@ -1,5 +1,5 @@
-//! The C functions of an FMU's library: the only unsafe code of this package but that before
-//! `main`.
+//! The C functions of an FMU's library: the only unsafe code of this package, except for the code
+//! that runs before `main`.
 //!
 //! [`Slave`] is the safe interface for both versions of FMI: it owns the library and one instance,
 //! passes each function its arrays, and frees both in the right order.
