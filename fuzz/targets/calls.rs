@@ -209,7 +209,7 @@ pub fn calls(data: &[u8]) {
                     }
                 }
                 39 => read_all(c),
-                place => exchange::call2(c, place as u8, &mut bytes, &mut time),
+                place => exchange::call2(c, place, &mut bytes, &mut time),
             }
         }
     }
