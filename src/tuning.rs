@@ -86,8 +86,8 @@ pub const TOLERANCES: (f64, f64) = (1e-12, 1.0);
 /// First guess of the step after initialisation, s; the error control corrects it within a few
 /// steps. At 0.05 fails `the_communication_step_does_not_change_the_result_beyond_the_tolerance`.
 pub const INITIAL_STEP: f64 = 1e-3;
-/// Longest step, s: a robot at rest in the air must still notice that it falls, and what tumbles may
-/// not turn so far in a step that the estimate of its error means nothing: at 0.1 fails
+/// Longest step, s: a robot at rest in the air must still notice that it falls, and what tumbles
+/// may not turn so far in a step that the estimate of its error means nothing: at 0.1 fails
 /// `s5_tumbling_bodies_follow_eulers_equations`, at 1e-3
 /// `damping_of_any_strength_is_followed_in_few_steps`.
 pub const MAX_STEP: f64 = 0.05;

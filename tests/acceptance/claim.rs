@@ -47,14 +47,26 @@ fn read() -> BTreeMap<String, f64> {
     lines.collect()
 }
 
+/// The least number of two digits that is not below a figure: what misses its target by a hair has
+/// a figure that does so, too.
+fn rounded_up(error: f64) -> f64 {
+    if error <= 0.0 {
+        return 0.0;
+    }
+    #[expect(clippy::cast_possible_truncation, reason = "an exponent of ten")]
+    let unit = 10_f64.powi(error.log10().floor() as i32 - 1);
+    // The rest of the division is round-off where the figure has two digits already.
+    let above = unit * (error / unit - 1e-9).ceil();
+    format!("{above:.1e}").parse().expect("a number")
+}
+
 /// The recorded figure of a claim; where figures are recorded, what is measured becomes it.
 fn figure(claim: String, error: f64) -> Option<f64> {
     FIGURES.with_borrow_mut(|(known, measured)| {
         if !records() {
             return known.get(&claim).copied();
         }
-        let rounded = format!("{:.1e}", error.abs());
-        let figure = rounded.parse().expect("a number");
+        let figure = rounded_up(error.abs());
         measured.insert(claim, figure);
         let mut text = String::new();
         for (claim, figure) in &*measured {

@@ -473,7 +473,6 @@ fn files_that_are_no_text_or_a_web_page_are_told_what_they_are() {
     for (content, what) in [
         (two_bytes, "UTF-16"),
         (b"\x1f\x8b\x08\0".to_vec(), "compressed"),
-        (b"PK\x03\x04\0".to_vec(), "compressed"),
         (
             b"\n<!DOCTYPE html>\n<html>404</html>".to_vec(),
             "a web page",
