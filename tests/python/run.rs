@@ -8,33 +8,48 @@ mod environment;
 
 use std::process::Command;
 
+/// Tests of what lasts as long as it says, or is measured in seconds: nothing else runs beside
+/// them.
+const ALONE: [&str; 2] = ["test_view.py", "test_view_cost.py"];
+
 #[test]
 fn the_python_tests_pass() {
     let Some(environment) = environment::make() else {
         return;
     };
-    let status = Command::new(environment.interpreter)
-        // No files beside the sources.
-        .args([
-            "-B",
-            "-m",
-            "pytest",
-            "-p",
-            "no:cacheprovider",
-            "-ra",
-            "--durations=10",
-        ])
-        .arg("--basetemp")
-        .arg(environment.folder.join("pytest"))
-        .arg(environment::tests())
-        .env("URDF2FMU", env!("CARGO_BIN_EXE_urdf2fmu"))
-        .env("PYBULLET_DATA", environment.pybullet_data)
-        .env(
-            "URDF2FMU_WINE",
-            concat!(env!("CARGO_TARGET_TMPDIR"), "/wine"),
-        )
-        .env_remove("PYTHONPATH")
-        .status()
-        .expect("the environment has an interpreter");
-    assert!(status.success(), "pytest failed; its report stands above");
+    let tests = environment::tests();
+    let run = |folder: &str, arguments: &[String]| {
+        let status = Command::new(&environment.interpreter)
+            // No files beside the sources.
+            .args(["-B", "-m", "pytest", "-p", "no:cacheprovider"])
+            .args(["-ra", "--durations=10", "--basetemp"])
+            .arg(environment.folder.join(folder))
+            .args(arguments)
+            .env("URDF2FMU", env!("CARGO_BIN_EXE_urdf2fmu"))
+            .env("PYBULLET_DATA", &environment.pybullet_data)
+            .env(
+                "URDF2FMU_WINE",
+                concat!(env!("CARGO_TARGET_TMPDIR"), "/wine"),
+            )
+            .env_remove("PYTHONPATH")
+            .status()
+            .expect("the environment has an interpreter");
+        // 5: `PYTEST_ADDOPTS` chooses none of these.
+        status.success() || status.code() == Some(5)
+    };
+    let path = |name: &str| tests.join(name).display().to_string();
+    let ignored = ALONE.map(|name| format!("--ignore={}", path(name)));
+    // The tests of one file share what they make.
+    let mut beside = ["-n", "2", "--dist", "loadfile"].map(String::from).to_vec();
+    beside.extend(ignored);
+    beside.push(path(""));
+    let passed = [
+        run("pytest", &beside),
+        run("pytest-alone", &ALONE.map(path)),
+    ];
+    assert_eq!(
+        passed,
+        [true, true],
+        "pytest failed; its report stands above"
+    );
 }
