@@ -24,6 +24,9 @@ struct Callbacks {
     environment: *mut c_void,
 }
 
+type Enter = unsafe extern "C" fn(Component) -> c_int;
+type Read = unsafe extern "C" fn(Component, *mut f64, usize) -> c_int;
+
 functions! {
     /// Those of both interfaces.
     struct Functions;
@@ -319,11 +322,7 @@ impl Slave {
 
     /// fmi2EnterEventMode
     pub fn enter_event_mode(&mut self) -> Result<(), LibraryError> {
-        let name = "fmi2EnterEventMode";
-        let enter = self.exchange(name)?.enter_event;
-        // SAFETY: see `setup`.
-        let status = unsafe { enter(self.component) };
-        self.check(name, status)
+        self.enter("fmi2EnterEventMode", |own| own.enter_event)
     }
 
     /// fmi2NewDiscreteStates
@@ -342,11 +341,7 @@ impl Slave {
 
     /// fmi2EnterContinuousTimeMode
     pub fn enter_continuous_time_mode(&mut self) -> Result<(), LibraryError> {
-        let name = "fmi2EnterContinuousTimeMode";
-        let enter = self.exchange(name)?.enter_continuous;
-        // SAFETY: see `setup`.
-        let status = unsafe { enter(self.component) };
-        self.check(name, status)
+        self.enter("fmi2EnterContinuousTimeMode", |own| own.enter_continuous)
     }
 
     /// fmi2CompletedIntegratorStep; the importer does not go back before it.
@@ -374,36 +369,28 @@ impl Slave {
     pub fn set_states(&mut self, states: &[f64]) -> Result<(), LibraryError> {
         let name = "fmi2SetContinuousStates";
         let set = self.exchange(name)?.set_states;
-        // SAFETY: the array has the length that is passed with it. So below.
+        // SAFETY: the array has the length that is passed with it.
         let status = unsafe { set(self.component, states.as_ptr(), states.len()) };
         self.check(name, status)
     }
 
     /// fmi2GetContinuousStates
     pub fn get_states(&mut self, states: &mut [f64]) -> Result<(), LibraryError> {
-        let name = "fmi2GetContinuousStates";
-        let get = self.exchange(name)?.get_states;
-        // SAFETY: see `set_states`.
-        let status = unsafe { get(self.component, states.as_mut_ptr(), states.len()) };
-        self.check(name, status)
+        self.read("fmi2GetContinuousStates", |own| own.get_states, states)
     }
 
     /// fmi2GetDerivatives
     pub fn get_rates(&mut self, rates: &mut [f64]) -> Result<(), LibraryError> {
-        let name = "fmi2GetDerivatives";
-        let get = self.exchange(name)?.get_rates;
-        // SAFETY: see `set_states`.
-        let status = unsafe { get(self.component, rates.as_mut_ptr(), rates.len()) };
-        self.check(name, status)
+        self.read("fmi2GetDerivatives", |own| own.get_rates, rates)
     }
 
     /// fmi2GetNominalsOfContinuousStates
     pub fn get_nominals(&mut self, nominals: &mut [f64]) -> Result<(), LibraryError> {
-        let name = "fmi2GetNominalsOfContinuousStates";
-        let get = self.exchange(name)?.get_nominals;
-        // SAFETY: see `set_states`.
-        let status = unsafe { get(self.component, nominals.as_mut_ptr(), nominals.len()) };
-        self.check(name, status)
+        self.read(
+            "fmi2GetNominalsOfContinuousStates",
+            |own| own.get_nominals,
+            nominals,
+        )
     }
 
     fn stepping(&self, name: &'static str) -> Result<Stepping, LibraryError> {
@@ -411,6 +398,27 @@ impl Slave {
             Own::Stepping(functions) => Ok(functions),
             Own::Exchange(_) => Err(LibraryError::Missing { name }),
         }
+    }
+
+    /// Changes the mode.
+    fn enter(&self, name: &'static str, of: fn(&Exchange) -> Enter) -> Result<(), LibraryError> {
+        let enter = of(&self.exchange(name)?);
+        // SAFETY: see `setup`.
+        let status = unsafe { enter(self.component) };
+        self.check(name, status)
+    }
+
+    /// Reads a number for each continuous state.
+    fn read(
+        &self,
+        name: &'static str,
+        of: fn(&Exchange) -> Read,
+        numbers: &mut [f64],
+    ) -> Result<(), LibraryError> {
+        let read = of(&self.exchange(name)?);
+        // SAFETY: see `set_states`.
+        let status = unsafe { read(self.component, numbers.as_mut_ptr(), numbers.len()) };
+        self.check(name, status)
     }
 
     fn exchange(&self, name: &'static str) -> Result<Exchange, LibraryError> {

@@ -18,6 +18,9 @@ type Get<T> = unsafe extern "C" fn(Instance, *const c_uint, usize, *mut T, usize
 /// A set function.
 type Set<T> = unsafe extern "C" fn(Instance, *const c_uint, usize, *const T, usize) -> c_int;
 
+type Enter = unsafe extern "C" fn(Instance) -> c_int;
+type Read = unsafe extern "C" fn(Instance, *mut f64, usize) -> c_int;
+
 functions! {
     /// Those of both interfaces.
     struct Functions;
@@ -326,11 +329,7 @@ impl Slave {
 
     /// fmi3EnterEventMode
     pub fn enter_event_mode(&mut self) -> Result<(), LibraryError> {
-        let name = "fmi3EnterEventMode";
-        let enter = self.exchange(name)?.enter_event;
-        // SAFETY: see `enter_initialization`.
-        let status = unsafe { enter(self.instance) };
-        self.check(name, status)
+        self.enter("fmi3EnterEventMode", |own| own.enter_event)
     }
 
     /// fmi3UpdateDiscreteStates
@@ -360,11 +359,7 @@ impl Slave {
 
     /// fmi3EnterContinuousTimeMode
     pub fn enter_continuous_time_mode(&mut self) -> Result<(), LibraryError> {
-        let name = "fmi3EnterContinuousTimeMode";
-        let enter = self.exchange(name)?.enter_continuous;
-        // SAFETY: see `enter_initialization`.
-        let status = unsafe { enter(self.instance) };
-        self.check(name, status)
+        self.enter("fmi3EnterContinuousTimeMode", |own| own.enter_continuous)
     }
 
     /// fmi3CompletedIntegratorStep; the importer does not go back before it.
@@ -392,35 +387,52 @@ impl Slave {
     pub fn set_states(&mut self, states: &[f64]) -> Result<(), LibraryError> {
         let name = "fmi3SetContinuousStates";
         let set = self.exchange(name)?.set_states;
-        // SAFETY: the array has the length that is passed with it. So below.
+        // SAFETY: the array has the length that is passed with it.
         let status = unsafe { set(self.instance, states.as_ptr(), states.len()) };
         self.check(name, status)
     }
 
     /// fmi3GetContinuousStates
     pub fn get_states(&mut self, states: &mut [f64]) -> Result<(), LibraryError> {
-        let name = "fmi3GetContinuousStates";
-        let get = self.exchange(name)?.get_states;
-        // SAFETY: see `set_states`.
-        let status = unsafe { get(self.instance, states.as_mut_ptr(), states.len()) };
-        self.check(name, status)
+        self.read("fmi3GetContinuousStates", |own| own.get_states, states)
     }
 
     /// fmi3GetContinuousStateDerivatives
     pub fn get_rates(&mut self, rates: &mut [f64]) -> Result<(), LibraryError> {
-        let name = "fmi3GetContinuousStateDerivatives";
-        let get = self.exchange(name)?.get_rates;
-        // SAFETY: see `set_states`.
-        let status = unsafe { get(self.instance, rates.as_mut_ptr(), rates.len()) };
-        self.check(name, status)
+        self.read(
+            "fmi3GetContinuousStateDerivatives",
+            |own| own.get_rates,
+            rates,
+        )
     }
 
     /// fmi3GetNominalsOfContinuousStates
     pub fn get_nominals(&mut self, nominals: &mut [f64]) -> Result<(), LibraryError> {
-        let name = "fmi3GetNominalsOfContinuousStates";
-        let get = self.exchange(name)?.get_nominals;
+        self.read(
+            "fmi3GetNominalsOfContinuousStates",
+            |own| own.get_nominals,
+            nominals,
+        )
+    }
+
+    /// Changes the mode.
+    fn enter(&self, name: &'static str, of: fn(&Exchange) -> Enter) -> Result<(), LibraryError> {
+        let enter = of(&self.exchange(name)?);
+        // SAFETY: see `enter_initialization`.
+        let status = unsafe { enter(self.instance) };
+        self.check(name, status)
+    }
+
+    /// Reads a number for each continuous state.
+    fn read(
+        &self,
+        name: &'static str,
+        of: fn(&Exchange) -> Read,
+        numbers: &mut [f64],
+    ) -> Result<(), LibraryError> {
+        let read = of(&self.exchange(name)?);
         // SAFETY: see `set_states`.
-        let status = unsafe { get(self.instance, nominals.as_mut_ptr(), nominals.len()) };
+        let status = unsafe { read(self.instance, numbers.as_mut_ptr(), numbers.len()) };
         self.check(name, status)
     }
 
