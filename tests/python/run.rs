@@ -34,8 +34,7 @@ fn the_python_tests_pass() {
             .env_remove("PYTHONPATH")
             .status()
             .expect("the environment has an interpreter");
-        // 5: `PYTEST_ADDOPTS` chooses none of these.
-        status.success() || status.code() == Some(5)
+        status.code()
     };
     let path = |name: &str| tests.join(name).display().to_string();
     let ignored = ALONE.map(|name| format!("--ignore={}", path(name)));
@@ -43,13 +42,11 @@ fn the_python_tests_pass() {
     let mut beside = ["-n", "2", "--dist", "loadfile"].map(String::from).to_vec();
     beside.extend(ignored);
     beside.push(path(""));
-    let passed = [
+    let codes = [
         run("pytest", &beside),
         run("pytest-alone", &ALONE.map(path)),
     ];
-    assert_eq!(
-        passed,
-        [true, true],
-        "pytest failed; its report stands above"
-    );
+    // 5: `PYTEST_ADDOPTS` chooses none of these; some it must choose.
+    let passed = codes.iter().all(|code| matches!(code, Some(0 | 5))) && codes.contains(&Some(0));
+    assert!(passed, "pytest failed; its report stands above");
 }
