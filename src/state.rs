@@ -163,13 +163,14 @@ macro_rules! fields {
             & $($mutable)? stepping.samples,
             & $($mutable)? stepping.ahead.start,
             & $($mutable)? stepping.ahead.length,
+            & $($mutable)? stepping.ahead.lead,
             & $($mutable)? stepping.ahead.changed,
         ]
     }};
 }
 
 /// Length of the list of fields.
-pub const FIELDS: usize = 19;
+pub const FIELDS: usize = 20;
 
 impl Physical {
     /// All zero, quaternions at identity.

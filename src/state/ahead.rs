@@ -23,6 +23,9 @@ pub struct Ahead {
     pub start: Vec<f64>,
     /// Its length, s; 0 where none is under way.
     pub length: Vec<f64>,
+    /// Index of the first tree of the island whose step it is; 0 where none is under way. Islands
+    /// that have been alike may have steps alike, in which neither has looked for the other.
+    pub lead: Vec<f64>,
     /// 1 for each tree of which an input or a parameter has changed since the last communication
     /// step, else 0.
     pub changed: Vec<f64>,
@@ -38,6 +41,7 @@ impl Ahead {
         Self {
             start: vec![0.0; trees],
             length: vec![0.0; trees],
+            lead: vec![0.0; trees],
             changed: vec![0.0; trees],
             coefficients: Vec::with_capacity(COEFFICIENTS * (model.nq + model.nv())),
         }
@@ -46,6 +50,7 @@ impl Ahead {
     /// Begins a step of `h` seconds at time `start` of all trees that move in a step.
     ///
     /// - `position`, `velocity`: coefficients of the polynomial of each place in `q`, and in `v`
+    #[expect(clippy::cast_precision_loss, reason = "there are fewer trees")]
     pub fn begin(
         &mut self,
         tree: &Tree,
@@ -58,6 +63,7 @@ impl Ahead {
         for (index, extent) in tree.moved() {
             self.start[index] = start;
             self.length[index] = h;
+            self.lead[index] = tree.island.lead as f64;
             let positions = extent.coordinates.clone().map(&position);
             let values = positions.chain(extent.dofs.clone().map(&velocity));
             let own = self.coefficients[rows(extent)].chunks_exact_mut(COEFFICIENTS);
@@ -72,7 +78,9 @@ impl Ahead {
     pub fn is_under_way(&self, tree: &Tree) -> bool {
         let lead = tree.island.lead;
         let same = |index: usize| {
-            self.start[index] == self.start[lead] && self.length[index] == self.length[lead]
+            [&self.start, &self.length, &self.lead]
+                .iter()
+                .all(|of| of[index] == of[lead])
         };
         self.length[lead] > 0.0 && tree.moved().all(|(index, _)| same(index))
     }
@@ -88,8 +96,9 @@ impl Ahead {
 
     /// Ends the step of a tree.
     fn end_one(&mut self, index: usize, tree: &Extent) {
-        self.start[index] = 0.0;
-        self.length[index] = 0.0;
+        for of in [&mut self.start, &mut self.length, &mut self.lead] {
+            of[index] = 0.0;
+        }
         if self.length.iter().all(|length| *length <= 0.0) {
             self.coefficients.clear();
         } else {
@@ -105,8 +114,9 @@ impl Ahead {
 
     /// Something has changed that may concern all trees.
     pub fn all_changed(&mut self) {
-        self.start.fill(0.0);
-        self.length.fill(0.0);
+        for of in [&mut self.start, &mut self.length, &mut self.lead] {
+            of.fill(0.0);
+        }
         self.changed.fill(1.0);
         self.coefficients.clear();
     }

@@ -240,3 +240,35 @@ fn islands_that_change_are_restored_and_hide_nothing() {
         }
     }
 }
+
+/// Two balls that fly at each other through empty space, one beside the other in time: each is an
+/// island of its own and takes the same long steps, in which neither looks for the other. They meet
+/// in the midst of such a step, and must not go through each other.
+#[test]
+fn islands_with_steps_alike_meet_although_neither_has_looked_for_the_other() {
+    let radius = 0.1;
+    for (speed, gap) in [(0.3, 0.05), (1.0, 0.3), (2.5, 0.41), (7.0, 1.3)] {
+        let ball = |side: f64| {
+            let at = Vec3::new(side * (radius + 0.5 * gap), 0.0, 50.0);
+            let mut ball = body(1.0, Shape::Sphere { radius }, at);
+            ball.roots[0].linear_velocity.x = -side * speed;
+            ball
+        };
+        let mut model = world([ball(-1.0), ball(1.0)]);
+        model.world.gravity = Vec3::zeros();
+        let mut s = start(model, 1e-3);
+        for k in 1..=240 {
+            s.advance_to(f64::from(k) / 240.0).expect("a step");
+            let q = &s.state().physical.q;
+            let apart = q[7] - q[0];
+            // An impact of these speeds is less than 2 mm deep.
+            assert!(
+                apart > 2.0 * radius - 2e-3,
+                "{speed} m/s: {apart} m after {k} steps"
+            );
+        }
+        let v = &s.state().physical.v;
+        let slower = v[3].abs().max(v[9].abs()) < 0.1 * speed;
+        assert!(slower, "{speed} m/s: {} and {} m/s", v[3], v[9]);
+    }
+}
