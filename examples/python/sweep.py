@@ -122,13 +122,21 @@ class Job:
         return one_run(number, **self.options)
 
 
-def write(rows, place):
-    """Writes the rows as Parquet."""
+def check(place):
+    """Ends the program where the result could not be written: before the first run, not after the last."""
     try:
-        import pyarrow
-        import pyarrow.parquet
+        import pyarrow.parquet  # noqa: F401
     except ImportError:
         sys.exit("the result is written by pyarrow: pip install pyarrow")
+    if not place.absolute().parent.is_dir():
+        sys.exit(f"there is no folder {place.absolute().parent} for the result")
+
+
+def write(rows, place):
+    """Writes the rows as Parquet."""
+    import pyarrow
+    import pyarrow.parquet
+
     names = list(dict.fromkeys(name for row in rows for name in row))
     table = pyarrow.table({name: [row.get(name) for row in rows] for name in names})
     pyarrow.parquet.write_table(table, place)
@@ -177,6 +185,7 @@ def main():
     parser.add_argument("--threads", type=int, default=os.cpu_count())
     parser.add_argument("--result", type=Path, default=Path("sweep.parquet"))
     options = parser.parse_args()
+    check(options.result)
 
     with tempfile.TemporaryDirectory(prefix="sweep-") as folder:
         # A name of its own: the workers of a cluster may serve several sweeps.
