@@ -57,13 +57,17 @@ def here(fmu):
 def one_run(number, fmu, varied, fixed, outputs, stop_time, seed):
     """One run: its row of the result."""
     robot = simulation(fmu)
+    names = {glob: robot.names(glob) for glob in outputs}
+    for glob in names:
+        if not names[glob]:
+            raise ValueError(f"there is no variable '{glob}'; 'base.position.*' are three")
     drawn = parameters(number, varied, seed)
     robot.reset(drawn)
     for name, value in fixed.items():
         robot[name] = value
     for _ in range(round(stop_time / STEP)):
         robot.step(STEP)
-    found = {name: float(robot[name]) for glob in outputs for name in robot.names(glob)}
+    found = {name: float(robot[name]) for of_glob in names.values() for name in of_glob}
     return {"run": number, **drawn, **found}
 
 
