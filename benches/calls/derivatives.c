@@ -1,8 +1,9 @@
-/* derivatives LIBRARY RESOURCES GUID [COUNT]: nanoseconds of processor time that an importer of Model Exchange needs to
-   set time and states and to get the derivatives, as `name best median`.
+/* derivatives LIBRARY RESOURCES GUID [COUNT]: nanoseconds of processor time that an importer of
+   Model Exchange needs to set time and states and to get the derivatives, as `name best median`.
 
-   The states are those of the start, a twentieth of a millimetre deeper in the ground; each evaluation is at another of 16 places, up to
-   1e-4 of the nominal values away, so that friction and motors remember something. COUNT evaluations are one batch. */
+   The states are those of the start, a twentieth of a millimetre deeper in the ground; each
+   evaluation is at another of 16 places, up to 1e-4 of the nominal values away, so that friction
+   and motors remember something. COUNT evaluations are one batch. */
 #define _GNU_SOURCE
 #include "../../tests/c_api/fmi2.h"
 #include <dlfcn.h>
