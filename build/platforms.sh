@@ -3,9 +3,10 @@
 #
 #     build/platforms.sh [--all | --only LIST] [FOLDER]
 #
-# Without options for Linux and Windows on x86-64; with --all for 64-bit ARM Linux and both Macs, too; --only takes
-# names such as x86_64-linux,aarch64-darwin, or FMI 2's: linux64, win64, darwin64. Writes FOLDER/<platform>/<library>
-# (FOLDER: target/libraries). A command that packs them into FMUs is then built by
+# Without options for Linux and Windows on x86-64; with --all for 64-bit ARM Linux and both Macs, too, and smaller, with
+# a standard library of their own (see build/platforms/tools.sh); --only takes names such as
+# x86_64-linux,aarch64-darwin, or FMI 2's: linux64, win64, darwin64. Writes FOLDER/<platform>/<library> (FOLDER:
+# target/libraries). A command that packs them into FMUs is then built by
 #
 #     URDF2FMU_LIBRARY_DIR=$PWD/target/libraries cargo build --release
 #
@@ -21,7 +22,10 @@ folder=
 
 while [ $# -gt 0 ]; do
   case $1 in
-    --all) wanted=("${all[@]}") ;;
+    --all)
+      wanted=("${all[@]}")
+      small=yes
+      ;;
     --only)
       select_platforms "${2:-}"
       shift

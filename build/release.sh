@@ -13,6 +13,7 @@ root=$(cd "$(dirname "$0")/.." && pwd)
 # shellcheck source=build/platforms/tools.sh
 . "$root/build/platforms/tools.sh"
 wanted=(x86_64-linux x86_64-windows)
+small=yes
 folder=
 again=
 

@@ -62,13 +62,7 @@ impl Derivatives {
         at: &Physical,
     ) {
         position_rates(ctx.tree, &at.q, &at.v, &mut self.positions);
-        for (rate, state) in self.rates.iter_mut().zip(states.iter()) {
-            *rate = match state.place {
-                Place::Position(coordinate) => self.positions[coordinate],
-                Place::Velocity(dof) => vdot[dof],
-                Place::Memory => 0.0,
-            };
-        }
+        states.pick(&self.positions, vdot, &mut self.rates);
         states.memory.rates(ctx, point, at, &mut self.rates);
     }
 }

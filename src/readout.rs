@@ -113,10 +113,15 @@ impl Readout {
     }
 
     /// Computes what is missing up to `level`.
+    #[inline]
     fn prepare(&mut self, ctx: &Context, state: &State, level: Level) {
-        if level <= self.known {
-            return;
+        if level > self.known {
+            self.compute(ctx, state, level);
         }
+    }
+
+    /// Computes what is above the level that is known, up to `level`.
+    fn compute(&mut self, ctx: &Context, state: &State, level: Level) {
         if level == Level::Kinematics {
             self.point.kin.update_poses(ctx.tree, &state.physical.q);
             self.point

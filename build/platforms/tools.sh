@@ -98,19 +98,23 @@ prepare() {
 }
 
 # Rust for a target: rustup knows how; where it cannot reach its server, or there is none, Debian has the sources of the
-# standard library. Sets `rust`, the folder of the cargo to use, and `build_std`, what that is told.
+# standard library. With `small` it is always built from them, without what prints backtraces: that is a tenth of a
+# library, and nobody reads a backtrace without names. Sets `rust`, the folder of the cargo to use, and `build_std`, what
+# that is told.
 rust_for() {
   rust=$own
   build_std=()
-  if ! has_std rustc "$1" && command -v rustup >/dev/null && [ -z "${deaf:-}" ]; then
-    timeout 300 rustup target add "$1" >&2 || { deaf=yes && say "rustup cannot fetch $1"; }
+  if [ -z "${small:-}" ]; then
+    if ! has_std rustc "$1" && command -v rustup >/dev/null && [ -z "${deaf:-}" ]; then
+      timeout 300 rustup target add "$1" >&2 || { deaf=yes && say "rustup cannot fetch $1"; }
+    fi
+    has_std rustc "$1" && return
   fi
-  has_std rustc "$1" && return
   if ! has_source rustc; then
     has_source /usr/bin/rustc 2>/dev/null || need rustc-web cargo-web rust-web-src
     rust=/usr/bin
   fi
-  build_std=(-Zbuild-std=std,panic_unwind)
+  build_std=(-Zbuild-std=std,panic_unwind -Zbuild-std-features=default)
 }
 
 # compile PLATFORM ARGUMENTS… -- LINK_ARGUMENTS…: `cargo rustc` for a platform. Sets `triple`, under which it works.

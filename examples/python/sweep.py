@@ -57,13 +57,17 @@ def here(fmu):
 def one_run(number, fmu, varied, fixed, outputs, stop_time, seed):
     """One run: its row of the result."""
     robot = simulation(fmu)
+    names = {glob: robot.names(glob) for glob in outputs}
+    for glob in names:
+        if not names[glob]:
+            raise ValueError(f"there is no variable '{glob}'; 'base.position.*' are three")
     drawn = parameters(number, varied, seed)
     robot.reset(drawn)
     for name, value in fixed.items():
         robot[name] = value
     for _ in range(round(stop_time / STEP)):
         robot.step(STEP)
-    found = {name: float(robot[name]) for glob in outputs for name in robot.names(glob)}
+    found = {name: float(robot[name]) for of_glob in names.values() for name in of_glob}
     return {"run": number, **drawn, **found}
 
 
@@ -122,13 +126,21 @@ class Job:
         return one_run(number, **self.options)
 
 
-def write(rows, place):
-    """Writes the rows as Parquet."""
+def check(place):
+    """Ends the program where the result could not be written: before the first run, not after the last."""
     try:
-        import pyarrow
-        import pyarrow.parquet
+        import pyarrow.parquet  # noqa: F401
     except ImportError:
         sys.exit("the result is written by pyarrow: pip install pyarrow")
+    if not place.absolute().parent.is_dir():
+        sys.exit(f"there is no folder {place.absolute().parent} for the result")
+
+
+def write(rows, place):
+    """Writes the rows as Parquet."""
+    import pyarrow
+    import pyarrow.parquet
+
     names = list(dict.fromkeys(name for row in rows for name in row))
     table = pyarrow.table({name: [row.get(name) for row in rows] for name in names})
     pyarrow.parquet.write_table(table, place)
@@ -177,6 +189,7 @@ def main():
     parser.add_argument("--threads", type=int, default=os.cpu_count())
     parser.add_argument("--result", type=Path, default=Path("sweep.parquet"))
     options = parser.parse_args()
+    check(options.result)
 
     with tempfile.TemporaryDirectory(prefix="sweep-") as folder:
         # A name of its own: the workers of a cluster may serve several sweeps.

@@ -183,26 +183,47 @@ fn guarded<F: Function>(
     allowed: impl FnOnce(Phase) -> bool,
     body: impl FnOnce(&mut Instance) -> Result<Status, FmiError>,
 ) -> Status {
+    let is_for = instance.version() == F::VERSION;
+    let only = function.only();
+    let is_for = is_for && only.is_none_or(|only| only == instance.integrated_by());
+    if !(is_for && allowed(instance.phase())) {
+        return refuse(instance, function);
+    }
+    match catch_unwind(AssertUnwindSafe(|| body(instance))) {
+        Ok(Ok(status)) => status,
+        failed => fail(instance, function.name(), failed),
+    }
+}
+
+/// Says why a function may not be called now. Apart from [`guarded`], of which there is one for
+/// each function.
+#[cold]
+#[inline(never)]
+fn refuse<F: Function>(instance: &mut Instance, function: F) -> Status {
     let (name, made) = (function.name(), instance.version());
     if made != F::VERSION {
         return instance.report(name, &FmiError::Version { made });
     }
-    let phase = instance.phase();
-    if let Some(only) = function
-        .only()
-        .filter(|only| *only != instance.integrated_by())
-    {
-        let made = instance.integrated_by();
-        let advice = format!("it belongs to {only}, but the instance was made for {made}");
-        let phase = F::name_of(phase);
-        return instance.report(name, &FmiError::Phase { phase, advice });
-    }
-    if !allowed(phase) {
-        let advice = function.advice(phase);
-        let phase = F::name_of(phase);
-        return instance.report(name, &FmiError::Phase { phase, advice });
-    }
-    match catch_unwind(AssertUnwindSafe(|| body(instance))) {
+    let (phase, made) = (instance.phase(), instance.integrated_by());
+    let advice = match function.only() {
+        Some(only) if only != made => {
+            format!("it belongs to {only}, but the instance was made for {made}")
+        }
+        _ => function.advice(phase),
+    };
+    let phase = F::name_of(phase);
+    instance.report(name, &FmiError::Phase { phase, advice })
+}
+
+/// Reports an error, or a panic.
+#[cold]
+#[inline(never)]
+fn fail(
+    instance: &mut Instance,
+    name: &'static str,
+    failed: std::thread::Result<Result<Status, FmiError>>,
+) -> Status {
+    match failed {
         Ok(Ok(status)) => status,
         Ok(Err(error)) => instance.report(name, &error),
         Err(payload) => {

@@ -69,6 +69,22 @@ impl<T: Copy> In<'_, T> {
         self.len
     }
 
+    /// Copies all elements to the end of a list.
+    pub(crate) fn append_to(&self, list: &mut Vec<T>) {
+        if self.len == 0 {
+            return;
+        }
+        list.reserve(self.len);
+        let (from, bytes) = (self.first.cast::<u8>(), self.len * size_of::<T>());
+        // SAFETY: `len` elements were promised to `new`, and the list has room for as many more.
+        // Bytes are copied because the array need not be aligned. `T` is a plain C type.
+        unsafe {
+            let end = list.as_mut_ptr().add(list.len()).cast::<u8>();
+            std::ptr::copy_nonoverlapping(from, end, bytes);
+            list.set_len(list.len() + self.len);
+        }
+    }
+
     /// Elements from first to last.
     pub(crate) fn iter(&self) -> impl Iterator<Item = T> {
         (0..self.len).map(|index| {
@@ -109,6 +125,17 @@ impl<T: Copy> Out<'_, T> {
         if index < self.len {
             // SAFETY: `index < len`; the rest was promised to `new`.
             unsafe { self.first.add(index).write_unaligned(value) }
+        }
+    }
+
+    /// Writes elements from the first on, as many as there are in both.
+    pub(crate) fn copy(&mut self, values: &[T]) {
+        let bytes = self.len.min(values.len()) * size_of::<T>();
+        if bytes > 0 {
+            let (from, to) = (values.as_ptr().cast::<u8>(), self.first.cast::<u8>());
+            // SAFETY: both have so many bytes; of this one `new` was promised it. The caller's
+            // array is none of the library's.
+            unsafe { std::ptr::copy_nonoverlapping(from, to, bytes) }
         }
     }
 }
@@ -197,6 +224,11 @@ mod tests {
             array.set(2, 9.0);
             let array = In::new("value", first.cast_const(), 2).expect("not null");
             assert_eq!(array.iter().collect::<Vec<_>>(), [1.5, -2.0]);
+            let mut list = vec![0.5];
+            array.append_to(&mut list);
+            assert_eq!(list, [0.5, 1.5, -2.0]);
+            Out::new("value", first, 2).expect("not null").copy(&list);
+            assert_eq!(array.iter().collect::<Vec<_>>(), [0.5, 1.5]);
         }
     }
 

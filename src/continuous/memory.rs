@@ -194,33 +194,34 @@ impl Remembered {
     /// Sets all values, from the list of all states. What remembers nothing is not listed.
     pub fn write(&self, x: &[f64], memory: &mut Memory) {
         memory.touches.clear();
-        for element in &self.elements {
-            let value = |axis: usize| x[element.first + axis];
-            match element.what {
-                Relaxing::Slip | Relaxing::Turn => {
-                    let vector = [value(0), value(1), value(2)];
-                    if vector.iter().all(|x| x.abs() == 0.0) {
-                        continue;
-                    }
-                    if memory
-                        .touches
-                        .last()
-                        .is_none_or(|last| last.slot != element.slot)
-                    {
-                        memory.touches.push(Touch {
-                            slot: element.slot,
-                            ..Touch::default()
-                        });
-                    }
-                    if let Some(touch) = memory.touches.last_mut() {
-                        match element.what {
-                            Relaxing::Turn => touch.turn = vector,
-                            _ => touch.displacement = vector,
-                        }
-                    }
+        let (touching, joints) = self.elements.split_at(self.contacts);
+        let (threes, ones) = x
+            .get(self.first..)
+            .unwrap_or_default()
+            .split_at(3 * touching.len());
+        for (element, vector) in touching.iter().zip(threes.as_chunks::<3>().0) {
+            if vector.iter().all(|x| x.abs() == 0.0) {
+                continue;
+            }
+            let slot = element.slot;
+            if memory.touches.last().is_none_or(|last| last.slot != slot) {
+                memory.touches.push(Touch {
+                    slot,
+                    ..Touch::default()
+                });
+            }
+            if let Some(touch) = memory.touches.last_mut() {
+                match element.what {
+                    Relaxing::Turn => touch.turn = *vector,
+                    _ => touch.displacement = *vector,
                 }
-                Relaxing::Motor(id) => memory.motor[id.index()] = value(0),
-                Relaxing::Dry(dof) => memory.dry[dof] = value(0),
+            }
+        }
+        for (element, value) in joints.iter().zip(ones) {
+            match element.what {
+                Relaxing::Motor(id) => memory.motor[id.index()] = *value,
+                Relaxing::Dry(dof) => memory.dry[dof] = *value,
+                Relaxing::Slip | Relaxing::Turn => {}
             }
         }
     }

@@ -41,6 +41,9 @@ pub struct Quaternion {
 #[derive(Clone, Debug)]
 pub struct States {
     list: Vec<State>,
+    /// Where those stand in `q` and in `v` that stand there, in their order; together they come
+    /// before all that is remembered.
+    places: [Vec<usize>; 2],
     quaternions: Vec<Quaternion>,
     /// What force elements remember.
     pub memory: Remembered,
@@ -51,6 +54,7 @@ impl States {
     pub fn none() -> Self {
         Self {
             list: Vec::new(),
+            places: [Vec::new(), Vec::new()],
             quaternions: Vec::new(),
             memory: Remembered::none(),
         }
@@ -144,6 +148,11 @@ impl States {
             OutputSlot::BasePosition(_, 2) => 0.01,
             _ => 1.0,
         };
+        match place {
+            Place::Position(coordinate) => self.places[0].push(coordinate),
+            Place::Velocity(dof) => self.places[1].push(dof),
+            Place::Memory => {}
+        }
         self.list.push(State {
             place,
             output: Some(output),
@@ -199,13 +208,28 @@ impl States {
 
     /// Sets all values.
     pub fn write(&self, x: &[f64], to: &mut Physical) {
-        for (state, x) in self.list.iter().zip(x) {
-            match state.place {
-                Place::Position(coordinate) => to.q[coordinate] = *x,
-                Place::Velocity(dof) => to.v[dof] = *x,
-                Place::Memory => {}
-            }
+        let [positions, velocities] = &self.places;
+        let (of_q, rest) = x.split_at(positions.len().min(x.len()));
+        for (coordinate, x) in positions.iter().zip(of_q) {
+            to.q[*coordinate] = *x;
+        }
+        for (dof, x) in velocities.iter().zip(rest) {
+            to.v[*dof] = *x;
         }
         self.memory.write(x, &mut to.memory);
+    }
+
+    /// Picks what belongs to each state that stands in `q` or `v` out of such lists.
+    ///
+    /// - `out`: one a state; those of what is remembered stay
+    pub(super) fn pick(&self, of_q: &[f64], of_v: &[f64], out: &mut [f64]) {
+        let [positions, velocities] = &self.places;
+        let (first, rest) = out.split_at_mut(positions.len().min(out.len()));
+        for (coordinate, x) in positions.iter().zip(first) {
+            *x = of_q[*coordinate];
+        }
+        for (dof, x) in velocities.iter().zip(rest) {
+            *x = of_v[*dof];
+        }
     }
 }

@@ -105,13 +105,13 @@ impl Contact {
     /// Force on the body at the start of the step, N, and its moment about O, N·m, for the
     /// velocities of all bodies.
     pub fn wrench(&self, points: &[ContactPoint], V: &[Vec6]) -> (Vec3, Vec3) {
-        let load = self.normal_load(points, V);
+        let velocity = self.normal_velocity(points, V);
+        let [load, _] = self.loads(points, velocity);
         let friction = self
             .friction
             .respond(self.sliding(V) + self.carried, 0.0)
             .force;
         let (mut force, mut moment) = self.lever(&-friction);
-        let velocity = self.normal_velocity(points, V);
         let W = self.relative(V);
         let own = &points[self.points.clone()];
         let rock = |p: &ContactPoint| self.rocking(p.along(&W) - velocity).0 * p.load;

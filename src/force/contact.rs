@@ -286,18 +286,25 @@ impl Contact {
 
     /// Force of the spring along the normal at the start of the step, N.
     pub(super) fn elastic_load(&self, points: &[ContactPoint]) -> f64 {
-        let (_, weights) = norm(&points[self.points.clone()]);
-        self.spring.force(self.depth) * weights
+        self.loads(points, 0.0)[1]
     }
 
     /// Normal force at the start of the step, N, for velocities of all bodies.
     pub fn normal_load(&self, points: &[ContactPoint], V: &[Vec6]) -> f64 {
+        self.loads(points, self.normal_velocity(points, V))[0]
+    }
+
+    /// Normal force at the start of the step, N, and that of the spring alone.
+    ///
+    /// - `along`: [`Self::normal_velocity`]
+    #[inline]
+    pub(super) fn loads(&self, points: &[ContactPoint], along: f64) -> [f64; 2] {
         if self.depth <= 0.0 {
-            return 0.0;
+            return [0.0; 2];
         }
         let (_, weights) = norm(&points[self.points.clone()]);
-        let rate = -weights * self.normal_velocity(points, V);
-        self.normal_force(self.depth, rate, 1.0).0 * weights
+        let damped = self.normal_force(self.depth, -weights * along, 1.0).0;
+        [damped * weights, self.spring.force(self.depth) * weights]
     }
 
     /// Response to the velocities at the end of a step of `h` seconds: `u` of friction, `at` of the

@@ -126,9 +126,13 @@ fn find(
     let origin = &kin.origins[collider.tree];
     let height = plane.normal.dot(origin) - plane.offset;
     let clearance = height + plane.normal.dot(&center) - collider.radius;
-    let spin = V[0].abs() + V[1].abs() + V[2].abs();
-    let speed = plane.normal.dot(&velocity_at(V, &center)).abs() + spin * collider.radius;
-    if clearance >= h * speed + margin {
+    let mut reach = margin;
+    if h > 0.0 {
+        let spin = V[0].abs() + V[1].abs() + V[2].abs();
+        let speed = plane.normal.dot(&velocity_at(V, &center)).abs() + spin * collider.radius;
+        reach += h * speed;
+    }
+    if clearance >= reach {
         return;
     }
     let mut finder = Finder {
@@ -264,7 +268,10 @@ impl Finder<'_> {
     /// Whether a point can touch within the step.
     #[inline]
     fn reaches(&self, depth: f64, x: &Vec3) -> bool {
-        let speed = self.plane.normal.dot(&velocity_at(self.V, x)).abs();
-        -depth < self.h * speed + self.margin
+        let mut reach = self.margin;
+        if self.h > 0.0 {
+            reach += self.h * self.plane.normal.dot(&velocity_at(self.V, x)).abs();
+        }
+        -depth < reach
     }
 }

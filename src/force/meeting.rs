@@ -87,9 +87,9 @@ impl Meeting<'_> {
             displacement: contact.recall(&stored.displacement),
             ..ElastoPlastic::default()
         };
-        let load = contact.normal_load(points, V);
+        let [load, elastic] = contact.loads(points, speed);
         contact.carry(load);
-        contact.load = load.min(contact.elastic_load(points));
+        contact.load = load.min(elastic);
         if contact.load > 0.0 {
             let dissipation = contact.dissipation[0];
             let speed = contact.tilt_speed(points, V);

@@ -105,6 +105,18 @@ def test_the_sweep_runs_from_the_command_line(python, tmp_path):
     assert said.endswith("runs.parquet: 4 runs, 0 failed\n")
 
 
+def test_a_result_that_cannot_be_written_is_told_before_the_first_run(python, tmp_path):
+    with pytest.raises(AssertionError, match="there is no folder .*nowhere") as told:
+        python("sweep.py", ROVER, "--runs", "4", "--result", tmp_path / "nowhere/runs.parquet")
+    assert "runs, " not in str(told.value)
+
+
+def test_an_output_that_is_none_fails_its_run(python, tmp_path):
+    with pytest.raises(AssertionError, match="run 0: ValueError: there is no variable 'base.positoin'"):
+        python("sweep.py", ROVER, "--runs", "1", "--stop-time", "0.01", "--output", "base.positoin",
+               "--result", tmp_path / "runs.parquet")
+
+
 def test_the_environment_is_one_of_gymnasium_and_its_controller_arrives(python, tmp_path):
     check = ("import sys; from gymnasium.utils.env_checker import check_env; from environment import Drive; "
              "check_env(Drive(sys.argv[1]), skip_render_check=True)")

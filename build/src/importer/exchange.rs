@@ -6,8 +6,7 @@
 
 use super::library::{Interface, LibraryError, Slave};
 use super::rodas::{Equations, Rodas, Taken};
-use super::signals::Signals;
-use super::variable::Kind;
+use super::signals::{Signal, Signals};
 use std::collections::BTreeMap;
 
 /// Most steps between two communication points.
@@ -56,6 +55,55 @@ pub(super) struct Inputs<'a> {
     pub held: &'a BTreeMap<u32, f64>,
     /// When something jumps next, s: no step goes beyond it.
     pub next: f64,
+}
+
+/// The inputs of a table that follow the time between two events.
+struct Following<'a> {
+    signals: Option<&'a Signals>,
+    list: Vec<&'a Signal>,
+    /// Their value references.
+    references: Vec<u32>,
+    /// Their values; filled by [`Self::set`].
+    values: Vec<f64>,
+}
+
+impl<'a> Following<'a> {
+    /// Those that nobody else sets.
+    fn new(inputs: &Inputs<'a>) -> Self {
+        let mut list: Vec<&Signal> = Vec::new();
+        list.extend(inputs.signals.iter().flat_map(|signals| &signals.list));
+        list.retain(|signal| {
+            signal.is_continuous() && !inputs.held.contains_key(&signal.variable.value_reference)
+        });
+        Self {
+            signals: inputs.signals,
+            references: list.iter().map(|s| s.variable.value_reference).collect(),
+            values: vec![0.0; list.len()],
+            list,
+        }
+    }
+
+    /// Sets them to what they are at `time`, s.
+    ///
+    /// - `since`, `until`: when inputs last jumped, and when they may jump again, s
+    fn set(
+        &mut self,
+        slave: &mut Slave,
+        time: f64,
+        [since, until]: [f64; 2],
+    ) -> Result<(), LibraryError> {
+        let Some(signals) = self.signals else {
+            return Ok(());
+        };
+        for (value, signal) in self.values.iter_mut().zip(&self.list) {
+            *value = if time <= since {
+                signals.value(signal, time)
+            } else {
+                signals.value_before(signal, time.min(until))
+            };
+        }
+        slave.set_real(&self.references, &self.values)
+    }
 }
 
 /// What integrates an FMU.
@@ -141,8 +189,9 @@ impl Exchange {
     ) -> Result<(), (f64, ExchangeError)> {
         let mut steps = 0;
         let mut time = self.since;
+        let mut following = Following::new(&inputs);
         loop {
-            match self.piece(slave, inputs, end, &mut steps) {
+            match self.piece(slave, (&mut following, inputs.next), end, &mut steps) {
                 Ok(reached) => time = reached,
                 Err(error) => {
                     let reached = self.method.as_ref().map_or(time, |method| method.time);
@@ -156,10 +205,12 @@ impl Exchange {
     }
 
     /// A step of the method and what follows from it; gives its end, s.
+    ///
+    /// - `jump`: when something jumps next, s
     fn piece(
         &mut self,
         slave: &mut Slave,
-        inputs: Inputs,
+        (following, jump): (&mut Following, f64),
         end: f64,
         steps: &mut usize,
     ) -> Result<f64, ExchangeError> {
@@ -169,9 +220,8 @@ impl Exchange {
         let due = end.min(self.next);
         let mut equations = Driven {
             slave: &mut *slave,
-            inputs,
-            since: self.since,
-            until: inputs.next.min(self.next),
+            following,
+            between: [self.since, jump.min(self.next)],
         };
         let taken = if due > method.time {
             method.advance(&mut equations, due)?
@@ -218,40 +268,19 @@ fn fastest(slave: &mut Slave, names: &[String], nominals: &[f64]) -> String {
 }
 
 /// The equations of an FMU with its inputs.
-struct Driven<'a> {
+struct Driven<'a, 'b> {
     slave: &'a mut Slave,
-    inputs: Inputs<'a>,
-    /// When the inputs last jumped, s.
-    since: f64,
-    /// When they may jump again, s.
-    until: f64,
+    following: &'a mut Following<'b>,
+    /// When the inputs last jumped, and when they may jump again, s.
+    between: [f64; 2],
 }
 
-impl Driven<'_> {
+impl Driven<'_, '_> {
     /// Sets time, states and the inputs that follow the time.
     fn place(&mut self, time: f64, states: &[f64]) -> Result<(), LibraryError> {
         self.slave.set_time(time)?;
         self.slave.set_states(states)?;
-        let Some(signals) = self.inputs.signals else {
-            return Ok(());
-        };
-        let continuous = signals.list.iter().filter(|signal| {
-            let reference = signal.variable.value_reference;
-            signal.is_continuous()
-                && signal.variable.kind == Kind::Real
-                && !self.inputs.held.contains_key(&reference)
-        });
-        let (references, values): (Vec<u32>, Vec<f64>) = continuous
-            .map(|signal| {
-                let value = if time <= self.since {
-                    signals.value(signal, time)
-                } else {
-                    signals.value_before(signal, time.min(self.until))
-                };
-                (signal.variable.value_reference, value)
-            })
-            .unzip();
-        self.slave.set_real(&references, &values)
+        self.following.set(self.slave, time, self.between)
     }
 
     fn evaluate(
@@ -265,7 +294,7 @@ impl Driven<'_> {
     }
 }
 
-impl Equations for Driven<'_> {
+impl Equations for Driven<'_, '_> {
     type Error = LibraryError;
 
     fn rates(

@@ -53,8 +53,8 @@ impl Instance {
     pub(crate) fn set_continuous_states(&mut self, states: &In<f64>) -> Result<(), FmiError> {
         self.check_states("the list of states", states.len())?;
         self.scratch.clear();
-        self.scratch.extend(states.iter());
-        if let Some(index) = self.scratch.iter().position(|value| !value.is_finite()) {
+        states.append_to(&mut self.scratch);
+        if let Some(index) = not_finite(&self.scratch) {
             let value = self.scratch[index];
             return Err(FmiError::StateValue { index, value });
         }
@@ -67,7 +67,7 @@ impl Instance {
         self.check_states("the list of states", states.len())?;
         self.scratch.resize(states.len(), 0.0);
         self.simulation.read_states(&mut self.scratch);
-        write(&self.scratch, states);
+        states.copy(&self.scratch);
         Ok(())
     }
 
@@ -75,10 +75,10 @@ impl Instance {
     pub(crate) fn derivatives(&mut self, rates: &mut Out<f64>) -> Result<(), FmiError> {
         self.check_states("the list of derivatives", rates.len())?;
         let found = self.simulation.rates();
-        if let Some(index) = found.iter().position(|rate| !rate.is_finite()) {
+        if let Some(index) = not_finite(found) {
             return Err(self.rate_not_finite(index));
         }
-        write(found, rates);
+        rates.copy(found);
         Ok(())
     }
 
@@ -109,8 +109,12 @@ impl Instance {
     }
 }
 
-fn write(values: &[f64], out: &mut Out<f64>) {
-    for (index, value) in values.iter().enumerate() {
-        out.set(index, *value);
+/// Where the first value stands that is no number; all are looked at without a branch for each,
+/// because hardly ever there is one.
+fn not_finite(values: &[f64]) -> Option<usize> {
+    let all = values.iter().fold(true, |all, x| all & x.is_finite());
+    if all {
+        return None;
     }
+    values.iter().position(|value| !value.is_finite())
 }
