@@ -88,6 +88,7 @@ def outline_by_rays(head, view):
     right = numpy.cross(ahead, [0, 0, 1]) / numpy.linalg.norm(numpy.cross(ahead, [0, 0, 1]))
     steps = (numpy.arange(SIZE) + 0.5 - SIZE / 2) / (SIZE / 2) * numpy.tan(numpy.radians(field / 2))
     rays = ahead + steps[None, :, None] * right - steps[:, None, None] * numpy.cross(right, ahead)
+    rays /= numpy.linalg.norm(rays, axis=-1, keepdims=True)
     poses = {
         root["link"]: (turn(root["orientation"]["start"]), numpy.array(root["position"]["start"]))
         for root in head["roots"]
@@ -109,10 +110,13 @@ def outline_by_rays(head, view):
             seen |= walls[0].max(axis=-1) <= walls[1].min(axis=-1)
             continue
         radius, length = shape["shape"].get("capsule") or (shape["shape"]["sphere"], 0)
-        # The least distance of a ray from an axis, which is a line of points.
-        for part in numpy.linspace(-0.5, 0.5, 201 if length else 1):
-            away = p + R[:, 2] * part * length - eye
-            seen |= ((away @ away - (rays @ away) ** 2 / (rays ** 2).sum(-1)) <= radius ** 2)
+        # The point of the axis, p + along * axis with |along| <= length / 2, that is nearest to the ray: the square of
+        # its distance, |away + along * axis|^2 - (ray . (away + along * axis))^2, is least.
+        away, axis = p - eye, R[:, 2]
+        forward, tilt = rays @ away, rays @ axis
+        along = numpy.clip((forward * tilt - away @ axis) / (1 - tilt ** 2), -length / 2, length / 2)
+        square = away @ away + 2 * along * (away @ axis) + along ** 2 - (forward + along * tilt) ** 2
+        seen |= square <= radius ** 2
     return seen
 
 
