@@ -77,8 +77,7 @@ impl Default for Rules {
 // Error control: `step/driver.rs`, `step/size.rs`.
 
 /// Tolerance where neither the model nor the importer gives one: an error of a millimetre a step
-/// at arm's length. At 1e-4 fails
-/// `the_tolerance_is_the_models_else_the_importers_else_a_thousandth`.
+/// at arm's length (`the_tolerance_is_the_models_else_the_importers_else_a_thousandth`).
 pub const DEFAULT_TOLERANCE: f64 = 1e-3;
 /// Least and greatest tolerance that the error control works with: below, round-off decides; above,
 /// an error of the size of the robot would pass. At 1e-3 as the least fails
@@ -358,8 +357,8 @@ pub const CROWN: f64 = 5e-5;
 /// Mean distance of a load from its middle where it presses evenly, as a share of that of the
 /// corners: 1/2 on a line, 0.54 on a square. At 3 fails `a_peg_in_a_hole_comes_to_rest`.
 pub const EVEN_CORNERS: f64 = 0.55;
-/// The same on a disc, as a share of its radius: `∫ r² dr / ∫ r dr`. At 0.6 fails
-/// `a_spinning_disc_slows_down_by_friction_over_its_face`.
+/// The same on a disc, as a share of its radius: `∫ r² dr / ∫ r dr`
+/// (`a_spinning_disc_slows_down_by_friction_over_its_face`).
 pub const EVEN_DISC: f64 = 2.0 / 3.0;
 /// Thickness of a face of a hull, in penetrations: corners that lie so near one plane share its
 /// load. At 1e4 fails `even_terrain_carries_like_the_plane`.
