@@ -77,7 +77,7 @@ impl Default for Rules {
 // Error control: `step/driver.rs`, `step/size.rs`.
 
 /// Tolerance where neither the model nor the importer gives one: an error of a millimetre a step
-/// at arm's length.
+/// at arm's length (`the_tolerance_is_the_models_else_the_importers_else_a_thousandth`).
 pub const DEFAULT_TOLERANCE: f64 = 1e-3;
 /// Least and greatest tolerance that the error control works with: below, round-off decides; above,
 /// an error of the size of the robot would pass. At 1e-3 as the least fails
@@ -170,8 +170,9 @@ pub const GUESSES: (f64, f64) = (1e-10, 1e-5);
 /// Accuracy of impulses after an iteration, relative to that of a guess that needs none: what an
 /// iteration leaves is new in each step, and does not add up.
 pub const ITERATED: f64 = 5000.0;
-/// Coarsest accuracy that this leads to.
-pub const COARSEST: f64 = 1e-3;
+/// Coarsest accuracy that this leads to, 1e-3: that at the default tolerance. A higher tolerance
+/// makes no solve coarser.
+pub const COARSEST: f64 = ITERATED * GUESS * DEFAULT_TOLERANCE;
 
 // Stages: `step/stages.rs`.
 
@@ -214,12 +215,9 @@ pub const MAX_CARRIES: usize = 3;
 
 // Explicit steps: `step/explicit.rs`, `step/explicit/tableau.rs`.
 
-/// The short pair takes steps below `SHORT · e^PAIR_EXPONENT` times what the long one proposes,
-/// where `e` is what either may err by: there both do if errors grow like powers of one time scale,
-/// `e^(1/3 − 1/5)`.
+/// The short pair takes steps below this share of what the long one proposes, in steps in which
+/// both err by the same (`shortened` in `step/explicit.rs`).
 pub const SHORT: f64 = 0.85;
-/// See [`SHORT`].
-pub const PAIR_EXPONENT: f64 = 2.0 / 15.0;
 /// Square of the angle, rad², that a spring of a pd law may turn by in an explicit step: longer
 /// steps do not resolve it, and are taken implicitly. At 100 fails
 /// `a_spring_that_swings_too_fast_to_be_seen_comes_to_its_target`.
@@ -359,7 +357,8 @@ pub const CROWN: f64 = 5e-5;
 /// Mean distance of a load from its middle where it presses evenly, as a share of that of the
 /// corners: 1/2 on a line, 0.54 on a square. At 3 fails `a_peg_in_a_hole_comes_to_rest`.
 pub const EVEN_CORNERS: f64 = 0.55;
-/// The same on a disc, as a share of its radius.
+/// The same on a disc, as a share of its radius: `∫ r² dr / ∫ r dr`
+/// (`a_spinning_disc_slows_down_by_friction_over_its_face`).
 pub const EVEN_DISC: f64 = 2.0 / 3.0;
 /// Thickness of a face of a hull, in penetrations: corners that lie so near one plane share its
 /// load. At 1e4 fails `even_terrain_carries_like_the_plane`.
@@ -443,7 +442,8 @@ pub const LIMIT_REACH: (f64, f64) = (2.0, 1e-6);
 /// `nothing_passes_through_a_thin_plate`.
 pub const STIFFEST: f64 = 30.0;
 
-/// Relative accuracy of the speed with which a bounce ends.
+/// Relative accuracy of the speed with which a bounce ends. At 1e-2 fails
+/// `a_body_that_its_weight_pushes_in_leaves_at_its_restitution`.
 pub const RESTITUTION_ACCURACY: f64 = 1e-4;
 /// Step of its integration, in times `√(m/K)` of the impact: an error of 1e-5 in the end. At 0.5
 /// fails `balls_that_meet_head_on_part_as_restitution_says`.
@@ -451,7 +451,8 @@ pub const RESTITUTION_STEP: f64 = 0.05;
 /// Most steps: an impact of a body without weight lasts some π of these times, one under its weight
 /// hardly twice as long. At 10 fails `balls_that_meet_head_on_part_as_restitution_says`.
 pub const RESTITUTION_STEPS: usize = 400;
-/// Most tries of the search for its dissipation; a dozen are needed.
+/// Most tries of the search for its dissipation; a dozen are needed. At 4 fails
+/// `a_body_that_its_weight_pushes_in_leaves_at_its_restitution`.
 pub const RESTITUTION_TRIALS: usize = 40;
 
 // Setting down: `step/settle.rs`.

@@ -1,4 +1,4 @@
-//! What a contact does to its bodies, and what its friction would do at another normal force.
+//! Forces of a contact on its bodies, and how its friction depends on the normal force.
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
@@ -8,8 +8,8 @@ use crate::law::ElastoPlastic;
 use crate::spatial::{Vec3, Vec6, angular};
 
 impl Contact {
-    /// By what friction would be more over `h` seconds at the velocity `u`, N, with the cone that
-    /// belongs to the normal force of a response; none where it would be the same.
+    /// Friction over `h` seconds at the velocity `u` with the cone that belongs to the normal force
+    /// of a response, minus the friction of that response, N; none where both are the same.
     #[inline]
     pub(super) fn lag(&self, u: &Vec3, r: &Response, h: f64) -> Option<Vec3> {
         let cap = self.mu * r.load / h;

@@ -1,4 +1,4 @@
-//! What a contact does that has its points: spring, damping, friction, restitution.
+//! Stiffness, damping, friction and restitution of a contact whose points have been found.
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
@@ -12,7 +12,7 @@ use crate::spatial::Vec3;
 use crate::tree::{Surface, Tree};
 use crate::tuning::{BOUNCE_THRESHOLD, DEEP_OVERLAP, EMERGENCE, TANGENTIAL_RATIO};
 
-/// A spring, at most as stiff as a mass may swing on it, rad/s.
+/// The spring, less stiff where `mass` would swing on it faster than `fastest`, rad/s.
 pub(super) fn limited(spring: &Stiffening, mass: f64, fastest: f64) -> Stiffening {
     let limit = mass * fastest * fastest;
     Stiffening {
@@ -32,8 +32,7 @@ pub(super) struct Meeting<'a> {
 }
 
 impl Meeting<'_> {
-    /// Sets what a contact that has its points, its spring and its mass does: damping, friction,
-    /// restitution.
+    /// Sets damping, friction and restitution of a contact whose points, spring and mass are set.
     pub fn complete(
         &self,
         tree: &Tree,

@@ -260,4 +260,38 @@ mod tests {
             assert!((dissipation_number(e) - a).abs() < 1e-3 * a, "{e}");
         }
     }
+
+    /// The definition of the coefficient of restitution, against Heun's method in ten thousandths
+    /// of the impact's time.
+    #[test]
+    fn a_body_that_its_weight_pushes_in_leaves_at_its_restitution() {
+        let (mass, gravity) = (2.0, 9.81);
+        for (e, speed, stiffness) in [
+            (0.9, 0.1, 1e5),
+            (0.7, 0.05, 1e5),
+            (0.5, 0.2, 1e4),
+            (0.5, 5.0, 1e6),
+            (0.2, 1.0, 1e5),
+        ] {
+            let spring = Stiffening::with_stiffness(stiffness, mass * gravity);
+            let impact = Impact {
+                spring,
+                mass,
+                gravity,
+                speed,
+            };
+            let d = impact.dissipation(e, dissipation_number(e));
+            let rate = |x: f64, v: f64| gravity - spring.force(x) * (1.0 + d * v).max(0.0) / mass;
+            let dt = 1e-4 * impact.duration();
+            let (mut x, mut v) = (0.0_f64, speed);
+            while x >= 0.0 {
+                let a = rate(x, v);
+                let (there, then) = (x + dt * v, v + dt * a);
+                x += 0.5 * dt * (v + then);
+                v += 0.5 * dt * (a + rate(there, then));
+            }
+            let error = (-v / speed - e).abs() / e;
+            assert!(error < 1e-3, "{e} at {speed} m/s: off by {error}");
+        }
+    }
 }

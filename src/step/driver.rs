@@ -2,7 +2,7 @@
 //!
 //! Only this file knows the methods: explicit steps where nothing stiff acts, else implicit steps;
 //! steps of a length that the user fixes are in `fixed`. A try (`Attempt`) is accepted whole or
-//! dropped. The last step of a way lands on the communication point to the bit.
+//! dropped. The last step of a way ends at the communication point to the last bit.
 
 use crate::force::Memory;
 use crate::model::Model;
@@ -184,7 +184,7 @@ impl Stepper {
         Ok(())
     }
 
-    /// Takes steps as long as the error allows until the way is gone.
+    /// Takes steps as long as the error allows, to the end of the way.
     fn walk(&mut self, ctx: &Context, state: &mut State, mut way: Way) -> Result<(), Stop> {
         while way.remaining() > 0.0 {
             let ctx = &ctx.after(way.done);
@@ -322,7 +322,7 @@ impl Stepper {
     }
 
     /// Takes an implicit step of at most `h` seconds in two stages, or by one solve where two
-    /// stages have no solution within the digits, or would throw a load to and fro.
+    /// stages have no solution within the digits, or would make a load oscillate.
     fn go_in_stages(
         &mut self,
         ctx: &Context,

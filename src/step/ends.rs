@@ -1,4 +1,4 @@
-//! Beginning and end of a try: what has been solved is put there, and loops are closed.
+//! Beginning and end of a try: the solution is written into it, and its loops are closed.
 
 use crate::state::State;
 use crate::step::driver::{Stepper, Stop};
@@ -39,8 +39,8 @@ impl Stepper {
     }
 
     /// Puts the explicit step of `h` seconds that has been tried into `self.attempt`, closes its
-    /// loops, and returns what that adds to its error. No rate at its end is that of the next
-    /// step's start.
+    /// loops, and returns what that adds to its error. The rates at its end are not those at the
+    /// start of the next step.
     pub(super) fn close_explicitly(&mut self, ctx: &Context, state: &State, h: f64) -> f64 {
         self.attempt.begin(state);
         self.explicit.put(ctx.tree, &self.here, &mut self.attempt);

@@ -21,9 +21,7 @@ use crate::step::guards;
 use crate::step::point::{Context, Point};
 use crate::step::size::{grown, landing, worst_error};
 use crate::tree::Tree;
-use crate::tuning::{
-    CREEP, GROWTH, HIT, MAX_STEP, PAIR_EXPONENT, RESOLVED, SHARP, SHORT, SWINGING,
-};
+use crate::tuning::{CREEP, GROWTH, HIT, MAX_STEP, RESOLVED, SHARP, SHORT, SWINGING};
 
 /// An explicit step that may be tried.
 #[derive(Clone, Copy, Debug)]
@@ -348,6 +346,10 @@ pub(super) fn next_proposal(ctx: &Context, proposed: f64, plan: Plan, factor: f6
 
 /// Length of the steps in which the short pair errs as much as the long one does in steps of `h`
 /// seconds, s.
+///
+/// Errors of orders `p < q` in steps that share a time scale `T` are `(h/T)^p` and `(h/T)^q`: both
+/// pairs err by `e` where their steps have the ratio `e^(1/p − 1/q)`.
 fn shortened(ctx: &Context, h: f64) -> f64 {
-    h * SHORT * libm::pow(DORMAND_PRINCE.allowed(ctx.tolerance), PAIR_EXPONENT)
+    let [p, q] = [BOGACKI_SHAMPINE.order, DORMAND_PRINCE.order].map(f64::from);
+    h * SHORT * libm::pow(DORMAND_PRINCE.allowed(ctx.tolerance), (q - p) / (p * q))
 }

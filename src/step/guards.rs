@@ -27,8 +27,8 @@ pub(super) struct Books {
     allowed: f64,
 }
 
-/// Opens the books on a step from where `here` stands, which may make `share` of kinetic energy and
-/// weight times reach.
+/// Energies at the start of a step from where `here` stands, which may add `share` of kinetic
+/// energy and of weight times reach.
 pub(super) fn open_books(ctx: &Context, here: &Point, from: &Physical, share: f64) -> Books {
     let tree = ctx.tree;
     let Point { kin, terms } = here;

@@ -44,9 +44,9 @@ pub(super) struct Tried {
     pub h: f64,
     /// Its error, relative to what is allowed; not finite if it failed.
     pub error: f64,
-    /// Longer or shorter by what the next one should be.
+    /// Length that the next one should have, relative to this one's.
     pub factor: f64,
-    /// Length that shows how easily steps go here, if this one went well, s.
+    /// Length that the error would allow the next one, if this one went well, s.
     pub ease: f64,
     /// What is proposed after it, if it is accepted, s.
     pub next: f64,
@@ -156,7 +156,7 @@ fn patience(ctx: &Context, sizes: &mut Sizes, [h, remaining]: [f64; 2], ease: Op
     floor.max(MIN_STEP)
 }
 
-/// Length of the next step on the way to a communication point: no crumb is left over.
+/// Length of the next step on the way to a communication point: no short rest is left over.
 pub(super) fn landing(h: f64, remaining: f64) -> f64 {
     if h >= remaining {
         remaining
@@ -167,8 +167,8 @@ pub(super) fn landing(h: f64, remaining: f64) -> f64 {
     }
 }
 
-/// By what the next implicit step may be longer, or must be shorter, than one of `h` seconds that
-/// errs by `error` of what it may.
+/// Length of the next implicit step, relative to one of `h` seconds whose error is `error` times
+/// what is allowed.
 ///
 /// The error falls with the third power of the step where motion is smooth. In an impact it is the
 /// change of velocity however short the step is, until one resolves the impact: there a shorter try
@@ -213,7 +213,7 @@ pub(super) fn worst_error(tree: &Tree, error: impl Fn(usize) -> (f64, f64)) -> f
     worst
 }
 
-/// How fast anything turns that is not a wheel, rad/s.
+/// Largest angular velocity of a body that is not a wheel, rad/s.
 pub(super) fn fastest(tree: &Tree, v: &[f64]) -> f64 {
     let mut fastest = 0.0;
     for (_, body) in tree.worked_bodies() {

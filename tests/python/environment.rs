@@ -1,12 +1,12 @@
 //! The Python environment of the tests, made at first use.
 //!
-//! A virtual environment with pinned packages under `target/`; a change of the pinned versions
-//! makes a new one. `PYTHON` names the interpreter to start from (default `python3`).
+//! A virtual environment with pinned packages under `target/`, which `environment.py` makes; a
+//! change of the pinned versions makes a new one. `PYTHON` names the interpreter to start from
+//! (default `python3`).
 
-use std::fs::{self, File};
+use std::fs::File;
 use std::path::{Path, PathBuf};
-use std::process::Command;
-use urdf2fmu_core::hash::Fnv;
+use std::process::{Command, Stdio};
 
 #[path = "../skipped.rs"]
 pub mod skipped;
@@ -20,12 +20,6 @@ pub struct Environment {
     /// For files of the tests.
     pub folder: PathBuf,
 }
-
-const REQUIREMENTS: [&str; 3] = [
-    include_str!("requirements.txt"),
-    include_str!("requirements-data.txt"),
-    include_str!("environment.py"),
-];
 
 /// The folder of the Python tests.
 pub fn tests() -> PathBuf {
@@ -45,59 +39,37 @@ fn python() -> String {
         .unwrap_or_else(|_| if cfg!(windows) { "python" } else { "python3" }.to_owned())
 }
 
-/// A short name for what an environment is made from.
-fn hash(texts: &[&str]) -> u64 {
-    let mut hash = Fnv::default();
-    for text in texts {
-        hash.add(text.as_bytes());
-        hash.add(&[0]);
-    }
-    hash.value()
-}
-
 /// The environment, made if need be; none, with a message, where there is no Python.
 ///
 /// # Panics
 /// If it cannot be made; the message says what to do.
 pub fn make() -> Option<Environment> {
     let python = python();
-    let mut command = Command::new(&python);
-    command.args(["-c", "import sys; print(sys.version, sys.prefix)"]);
-    let version = match command.output() {
-        Ok(version) => version,
-        Err(error) => {
-            skipped::skipped(&format!(
-                "`{python}` does not start ({error}); install Python 3, or set the environment \
-                 variable PYTHON"
-            ));
-            return None;
-        }
-    };
-    assert!(version.status.success(), "`{python}` does not run");
-    let version = String::from_utf8_lossy(&version.stdout);
-    let name = hash(&[REQUIREMENTS[0], REQUIREMENTS[1], REQUIREMENTS[2], &version]);
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("python-{name:016x}"));
-    let ready = folder.join("ready");
+    if let Err(error) = Command::new(&python).arg("--version").output() {
+        skipped::skipped(&format!(
+            "`{python}` does not start ({error}); install Python 3, or set the environment \
+             variable PYTHON"
+        ));
+        return None;
+    }
+    let base = Path::new(env!("CARGO_TARGET_TMPDIR"));
 
     // Two test runs at once: the second waits. The lock ends with the process, whatever becomes of
     // it.
-    let lock = File::create(folder.with_extension("lock")).expect("target/ is writable");
+    let lock = File::create(base.join("python.lock")).expect("target/ is writable");
     lock.lock().expect("target/ can be locked");
-    if !ready.exists() {
-        if folder.exists() {
-            fs::remove_dir_all(&folder).expect("an unfinished environment can be removed");
-        }
-        let status = Command::new(&python)
-            .arg(tests().join("environment.py"))
-            .arg(&folder)
-            .status()
-            .expect("python has just run");
-        assert!(
-            status.success(),
-            "the Python environment could not be made; the reason stands above"
-        );
-        File::create(ready).expect("target/ is writable");
-    }
+    let made = Command::new(&python)
+        .arg(tests().join("environment.py"))
+        .arg(base)
+        .stderr(Stdio::inherit())
+        .output()
+        .expect("python has just run");
+    assert!(
+        made.status.success(),
+        "the Python environment could not be made; the reason stands above"
+    );
+    let said = String::from_utf8_lossy(&made.stdout);
+    let folder = PathBuf::from(said.lines().last().expect("it says where it is"));
     Some(Environment {
         interpreter: folder.join(if cfg!(windows) {
             "Scripts/python.exe"

@@ -31,17 +31,20 @@ def read(path: Path) -> numpy.ndarray:
     size = {2: 3, 6: 4}[kind]
     raw = zlib.decompress(b"".join(data for name, data in content if name == "IDAT"))
     rows = numpy.frombuffer(raw, dtype=numpy.uint8).reshape(height, 1 + width * size)
-    pixels = numpy.zeros((height, width * size), dtype=numpy.uint8)
-    above = [0] * (width * size)
-    for y, row in enumerate(rows.tolist()):
-        kind, line = row[0], row[1:]
-        for i, difference in enumerate(line):
-            a, b, c = (line[i - size], above[i], above[i - size]) if i >= size else (0, above[i], 0)
-            if kind == 4:
-                off = [(abs(b - c), 0), (abs(a - c), 1), (abs(a + b - 2 * c), 2)]
-                expected = (a, b, c)[min(off)[1]]
-            else:
-                expected = (0, a, b, (a + b) // 2)[kind]
-            line[i] = (difference + expected) & 255
-        pixels[y] = above = line
-    return pixels.reshape(height, width, size)
+    # What a pixel is filtered with stands at its left, above it, and left above it. The pixels of a diagonal need only
+    # the two diagonals before it and are found together: `found[x + y + 2, y + 1]` is pixel x of row y, and what lies
+    # outside is zero.
+    found = numpy.zeros((width + height + 1, height + 1, size), dtype=numpy.int16)
+    for y, row in enumerate(rows):
+        found[y + 2:y + 2 + width, y + 1] = row[1:].reshape(width, size)
+    _, by_left, by_above, by_mean, by_paeth = (rows[:, :1] == kind for kind in range(5))
+    for diagonal in range(width + height - 1):
+        here = slice(max(diagonal - width + 1, 0), min(diagonal + 1, height))
+        inside, over = slice(here.start + 1, here.stop + 1), here
+        a, b, c = found[diagonal + 1, inside], found[diagonal + 1, over], found[diagonal, over]
+        far = abs(b - c), abs(a - c), abs(a + b - 2 * c)
+        paeth = numpy.where((far[0] <= far[1]) & (far[0] <= far[2]), a, numpy.where(far[1] <= far[2], b, c))
+        expected = a * by_left[here] + b * by_above[here] + (a + b) // 2 * by_mean[here] + paeth * by_paeth[here]
+        found[diagonal + 2, inside] = (found[diagonal + 2, inside] + expected) & 255
+    pixels = [found[y + 2:y + 2 + width, y + 1] for y in range(height)]
+    return numpy.array(pixels, dtype=numpy.uint8)

@@ -1,21 +1,20 @@
 """The programs of examples/python, in an environment with what they need: Dask, pyarrow, Gymnasium.
 
-The environment is made at first use beside that of the other tests, of pinned packages.
+The environment lies in that of the other tests (environment.py).
 """
 
-import hashlib
 import json
 import os
 import subprocess
 import sys
 from pathlib import Path
 
+import environment
 import numpy as np
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 EXAMPLES = ROOT / "examples/python"
-REQUIREMENTS = Path(__file__).with_name("requirements-examples.txt")
 ROVER = ROOT / "examples/rover.urdf"
 RUNS = 40
 
@@ -23,19 +22,11 @@ RUNS = 40
 @pytest.fixture(scope="module")
 def python():
     """Runs Python with the examples' packages and the package under test."""
-    made = hashlib.sha256(REQUIREMENTS.read_bytes()).hexdigest()[:12]
-    folder = Path(sys.prefix) / f"examples-{made}"
-    interpreter = folder / ("Scripts/python.exe" if os.name == "nt" else "bin/python")
-    ready = folder / "ready"
-    if not ready.exists():
-        subprocess.run([sys.executable, "-m", "venv", "--without-pip", "--clear", folder], check=True)
-        subprocess.run([sys.executable, "-m", "pip", "--disable-pip-version-check", "--python", interpreter, "install",
-                        "--quiet", "--only-binary", ":all:", "-r", REQUIREMENTS], check=True)
-        ready.touch()
+    interpreter = environment.examples(Path(sys.prefix))
 
     def run(*arguments, cwd=EXAMPLES):
-        environment = {**os.environ, "PYTHONPATH": f"{ROOT / 'python'}{os.pathsep}{EXAMPLES}"}
-        done = subprocess.run([interpreter, "-B", *arguments], cwd=cwd, env=environment, capture_output=True, text=True,
+        variables = {**os.environ, "PYTHONPATH": f"{ROOT / 'python'}{os.pathsep}{EXAMPLES}"}
+        done = subprocess.run([interpreter, "-B", *arguments], cwd=cwd, env=variables, capture_output=True, text=True,
                               timeout=300, check=False)
         assert done.returncode == 0, done.stderr[-3000:]
         return done.stdout

@@ -1,14 +1,14 @@
 //! FMI's words for a variable, its numbers as text, and the default experiment.
 
+use urdf2fmu_core::tuning::DEFAULT_TOLERANCE;
 use urdf2fmu_core::variables::{Causality, Kind, Slot, Variable};
 
 /// Seconds of the default experiment.
 pub const STOP_TIME: f64 = 10.0;
 /// Communication step of the default experiment, s: what users of 240 Hz simulators are used to.
 pub const STEP_SIZE: f64 = 1.0 / 240.0;
-/// Tolerance of the default experiment; also the solver's tolerance if neither settings nor
-/// importer give one.
-pub const TOLERANCE: f64 = 1e-3;
+/// Tolerance of the default experiment: the solver's if neither settings nor importer give one.
+pub const TOLERANCE: f64 = DEFAULT_TOLERANCE;
 
 /// FMI's word for whose the value is.
 pub fn causality(v: &Variable) -> &'static str {

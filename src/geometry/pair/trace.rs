@@ -171,8 +171,8 @@ impl Trace {
     }
 }
 
-/// Between which places, within −1 … 1, a line `(middle, way)` is over a convex outline, and how far
-/// inside of it its middle there is, m, as seen.
+/// Between which places, within −1 … 1, a line `(middle, way)` is over a convex outline, and how
+/// far inside of it its middle there is, m, as seen.
 fn clip(
     outline: impl Iterator<Item = Vec3> + Clone,
     (middle, way): (&Vec3, &Vec3),

@@ -1,4 +1,5 @@
-//! Closed loops in a solve: where it begins, what their forces leave, and whether all balances.
+//! Closed loops in a solve: its initial velocity, the loops' forces, and whether all impulses
+//! balance.
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
@@ -59,10 +60,10 @@ impl Newton {
         self.factor.closed.solve(&mut self.forces);
     }
 
-    /// Puts the velocity where the rows of loops want it at the end of the step, by forces of
-    /// loops alone; all that is done after it leaves it there.
+    /// Changes the velocity, by forces of loops alone, to one that fulfils the rows of loops at the
+    /// end of the step; later changes of the solve keep them fulfilled.
     ///
-    /// - `factor`: does for that of the Hessian, if there is one
+    /// - `factor`: used in place of the Hessian's own, if there is one
     pub(super) fn close(&mut self, p: &Problem, factor: Option<&Factor>) {
         let Problem { tree, kin, .. } = *p;
         let rows = &kin.loops;

@@ -1,4 +1,4 @@
-//! The factor of the Hessian, and of what closed loops ask of it.
+//! The factors of the Hessian `H` and, for the rows `J` of closed loops, of `J H⁻¹ Jᵀ`.
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
@@ -9,9 +9,9 @@ use crate::tree::Tree;
 /// `H`, or its factor and that of `J H⁻¹ Jᵀ`.
 #[derive(Clone, Debug)]
 pub struct Factor {
-    /// Without loops.
+    /// `H`, or its factor.
     pub(super) H: Coupled,
-    /// What loops ask of it.
+    /// The factor of `J H⁻¹ Jᵀ`.
     pub(super) closed: Schur,
 }
 

@@ -1,10 +1,10 @@
-//! What friction lags behind its cones.
+//! The error that a solve makes because its friction cones lag behind its normal forces.
 
 use super::{Factor, Newton, Problem, project};
 
 impl Newton {
-    /// What velocities lack because friction slips at other normal forces than those at the
-    /// solution: the largest, weighted, to first order, rad/s.
+    /// Largest error of a velocity, weighted and to first order, rad/s, that comes from friction
+    /// whose cones belong to other normal forces than those of the solution.
     ///
     /// - `factor`: that of the Hessian, where the solve has not needed one of its own
     pub(in crate::step) fn lag(&mut self, p: &Problem, factor: Option<&Factor>) -> f64 {

@@ -457,3 +457,17 @@ fn a_saved_state_with_parameters_that_nobody_may_set_is_refused() {
         assert!(s.saved_from_bytes(&bytes).is_ok(), "{slot:?} {value}");
     }
 }
+
+/// As docs/interface.md says of `solver.tolerance`.
+#[test]
+fn the_tolerance_is_the_models_else_the_importers_else_a_thousandth() {
+    for (own, importer, expected) in [(0.0, 0.0, 1e-3), (0.0, 1e-5, 1e-5), (1e-4, 1e-5, 1e-4)] {
+        let mut s = start(block(1.0, 0.5).model, own);
+        s.set_importer_tolerance(importer);
+        assert_eq!(
+            s.tolerance().to_bits(),
+            f64::to_bits(expected),
+            "{own} {importer}"
+        );
+    }
+}

@@ -144,6 +144,36 @@ fn a_spinning_ball_slows_down_by_its_torsional_friction_alone() {
     }
 }
 
+/// A disc that stands on its face: friction of a uniform pressure has the mean lever `∫ r² dr / ∫ r
+/// dr = 2/3 R`, and with `I = ½ m R²` it is `ω̇ = −4/3 μ g/R`.
+#[test]
+fn a_spinning_disc_slows_down_by_friction_over_its_face() {
+    let mu = 0.3;
+    for mode in MODES {
+        let mut b = Builder::new(true, inertia(1.0, Vec3::zeros(), [2.5e-3, 2.5e-3, 5e-3]));
+        let shape = Shape::Cylinder {
+            radius: RADIUS,
+            half_length: 5e-3,
+        };
+        b.shape(0u32.into_link(), shape, Pose::IDENTITY);
+        b.model.roots[0].position.z = 5e-3 - 0.5 * b.model.contact.penetration;
+        b.model.roots[0].angular_velocity.z = 30.0;
+        b.model.links[0].friction = mu;
+        b.model.world.ground = Some(crate::model::Ground {
+            friction: mu,
+            ..Default::default()
+        });
+        let mut s = started(b, mode);
+        run(&mut s, 0.1, 0.01);
+        let w = s.state().physical.v[2];
+        run(&mut s, 0.5, 0.01);
+        let found = (w - s.state().physical.v[2]) / 0.4;
+        let expected = 4.0 / 3.0 * mu * G / RADIUS;
+        let error = (found - expected).abs() / expected;
+        assert!(error < 1e-3, "{mode:?}: {found} {expected}");
+    }
+}
+
 #[test]
 fn of_two_surfaces_the_larger_resistance_to_turning_counts() {
     let mut b = ball(2e-3, 5e-4);
