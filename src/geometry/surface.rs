@@ -76,8 +76,27 @@ pub struct Facet {
 pub struct Crest {
     /// m
     pub ends: [Vec3; 2],
+    /// Its middle and half of its length, m, and the unit vector along it.
+    pub middle: Vec3,
+    pub half_length: f64,
+    pub along: Vec3,
     /// Between these, unit vectors, lie the directions in which it pushes.
     pub sides: [Vec3; 2],
+}
+
+impl Crest {
+    fn new(ends: [Vec3; 2], sides: [Vec3; 2]) -> Self {
+        let [a, b] = ends;
+        let half = (b - a) * 0.5;
+        let half_length = half.norm();
+        Self {
+            ends,
+            middle: (a + b) * 0.5,
+            half_length,
+            along: half / half_length,
+            sides,
+        }
+    }
 }
 
 /// A box about some triangles.
@@ -429,10 +448,8 @@ fn join(facets: &mut [Facet], places: &[[usize; 2]], crests: &mut Vec<Crest>) {
         };
         if beyond == Beyond::Crest {
             facets[first[0]].crests[first[1]] = Some(crests.len());
-            crests.push(Crest {
-                ends: facets[first[0]].ends(first[1]),
-                sides: normals,
-            });
+            let ends = facets[first[0]].ends(first[1]);
+            crests.push(Crest::new(ends, normals));
         }
         for place in [first, second] {
             facets[place[0]].beyond[place[1]] = beyond;
@@ -441,10 +458,8 @@ fn join(facets: &mut [Facet], places: &[[usize; 2]], crests: &mut Vec<Crest>) {
     }
     for &place in places {
         facets[place[0]].crests[place[1]] = Some(crests.len());
-        let crest = Crest {
-            ends: facets[place[0]].ends(place[1]),
-            sides: [facets[place[0]].normal, facets[place[0]].away(place[1])],
-        };
-        crests.push(crest);
+        let facet = &facets[place[0]];
+        let sides = [facet.normal, facet.away(place[1])];
+        crests.push(Crest::new(facet.ends(place[1]), sides));
     }
 }
