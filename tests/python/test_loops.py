@@ -74,8 +74,9 @@ def settings(kind, loops, driven):
             '[outputs]\nloops = ["*"]\n[[actuator]]\njoint = "*"\nmode = "none"\n']
     text += [f'[[actuator]]\njoint = "{joint}"\nmode = "effort"\n' for joint in driven]
     axes = "axes = [[0, 1, 0], [0, 1, 0]]\n" if kind == "hinge" else ""
-    text += [f'[[loop]]\nname = "{name}"\ntype = "{kind}"\nlinks = {links}\norigins = {origins}\n{axes}'.replace("'", '"')
-             for name, links, origins in loops]
+    for name, links, origins in loops:
+        loop = f'[[loop]]\nname = "{name}"\ntype = "{kind}"\nlinks = {links}\norigins = {origins}\n{axes}'
+        text.append(loop.replace("'", '"'))
     return "\n".join(text)
 
 
@@ -95,8 +96,9 @@ class Reference:
                 frame = self.model.frames[self.model.getFrameId(name, pin.FrameType.BODY)]
                 joints.append(frame.parentJoint)
                 places.append(frame.placement * pin.SE3(np.eye(3), np.array(point, dtype=float)))
-            self.constraints.append(pin.RigidConstraintModel(pin.ContactType.CONTACT_3D, self.model, joints[0], places[0],
-                                                             joints[1], places[1], pin.ReferenceFrame.LOCAL))
+            together = pin.RigidConstraintModel(pin.ContactType.CONTACT_3D, self.model, joints[0], places[0], joints[1],
+                                                places[1], pin.ReferenceFrame.LOCAL)
+            self.constraints.append(together)
         self.held = pin.StdVec_RigidConstraintData()
         for constraint in self.constraints:
             self.held.append(constraint.createData())
@@ -136,7 +138,8 @@ def test_accelerations_and_forces_are_those_of_pinocchio(machine, export, load, 
     reference = Reference(urdf, loops)
     worst, fastest = [0.0, 0.0], 0.0
     for k in range(40):
-        efforts = {joint: mean + swing * math.sin(0.6 * k + i) for i, (joint, (mean, swing)) in enumerate(driven.items())}
+        efforts = {joint: mean + swing * math.sin(0.6 * k + i)
+                   for i, (joint, (mean, swing)) in enumerate(driven.items())}
         for joint, effort in efforts.items():
             robot[f"cmd.{joint}.effort"] = effort
         robot.step(0.01)
@@ -154,6 +157,94 @@ def test_accelerations_and_forces_are_those_of_pinocchio(machine, export, load, 
                 off -= axis * (axis @ off)
             worst[1] = max(worst[1], np.linalg.norm(off) / largest)
         fastest = max(fastest, max(abs(speed) for speed in state[1].values()))
-    print(machine, worst, fastest, size, largest)
     assert fastest > 1.0
     assert worst[0] < 1e-9 and worst[1] < 1e-9, worst
+
+
+# Joints of a two-finger gripper with a stroke of 85 mm, as its public description has them: name, parent, child,
+# origin, yaw, and by how much of the driven one the others turn.
+FINGERS = [("finger", "palm", "left_knuckle", "0 -0.0306011 0.054904", math.pi, None),
+           ("left_inner", "left_knuckle", "left_tip", "0 0.0376 0.043", 0, -1),
+           ("left_bar", "palm", "left_crank", "0 -0.0127 0.06142", math.pi, 1),
+           ("right_knuckle_joint", "palm", "right_knuckle", "0 0.0306011 0.054904", 0, 1),
+           ("right_inner", "right_knuckle", "right_tip", "0 0.0376 0.043", 0, -1),
+           ("right_bar", "palm", "right_crank", "0 0.0127 0.06142", 0, 1)]
+
+
+def gripper(follows):
+    """The gripper with joints that mimic the driven one, or without."""
+    parts = ['<robot name="two_fingers"><link name="palm"/>\n']
+    for name, parent, child, xyz, yaw, ratio in FINGERS:
+        parts.append(link(child, 0.02, "0.0003 0.016 0.01", [3e-6, 2e-6, 2.5e-6]))
+        joint = hinge(name, parent, child, xyz, f"0 0 {yaw}", "1 0 0")
+        if follows and ratio:
+            joint = joint.replace("</joint>", f'<mimic joint="finger" multiplier="{ratio}"/></joint>')
+        parts.append(joint)
+    return "".join(parts) + "</robot>\n"
+
+
+def test_a_gripper_with_its_linkage_moves_as_with_joints_that_mimic(export, load, tmp_path):
+    # The bar is parallel to the knuckle: both turn alike, and the tip keeps its direction.
+    apart, knuckle = [0.0179011, 0.006516], [0.0376, 0.043]
+    text = ('[[loop]]\ntype = "gear"\njoints = ["finger", "right_knuckle_joint"]\nratio = 1\n')
+    for side in "left", "right":
+        # The bar's bearing, seen from the knuckle's, whose y axis points outwards on both sides.
+        text += (f'[[loop]]\ntype = "ball"\nlinks = ["{side}_tip", "{side}_crank"]\n'
+                 f'origins = [[0, {-apart[0]}, {apart[1]}], [0, {knuckle[0]}, {knuckle[1]}]]\n')
+    runs = []
+    for follows in True, False:
+        urdf = tmp_path / f"two_fingers_{follows}.urdf"
+        urdf.write_text(gripper(follows))
+        config = settings("ball", [], {"finger": ()}) + ("" if follows else text)
+        robot = load(export(urdf, config), tolerance=1e-8)
+        seen = []
+        for k in range(40):
+            robot["cmd.finger.effort"] = 0.05 * math.sin(0.4 * k)
+            robot.step(0.005)
+            seen.append([robot[f"joint.{name}.{what}"] for name, *_ in FINGERS for what in ("position", "velocity")])
+        runs.append(np.array(seen))
+    assert abs(runs[0]).max() > 1
+    off = abs(runs[1] - runs[0])
+    assert off.max() < 1e-6 * abs(runs[0]).max()
+
+
+def rods(names):
+    """A robot of rods of 1 m and 1 kg that turn about y, each at the end of the one before."""
+    parts = [f'<robot name="{names[0]}_arm"><link name="{names[0]}_base"/>\n']
+    for parent, name in zip([f"{names[0]}_base", *names], names):
+        parts.append(link(name, 1.0, "0.5 0 0", [1e-3, 1 / 12, 1 / 12]))
+        parts.append(hinge(f"{name}_joint", parent, name, "1 0 0" if parent in names else "0 0 0", "0 0 0", "0 -1 0"))
+    return "".join(parts) + "</robot>\n"
+
+
+def test_a_loop_may_join_two_robots(export, load, tmp_path):
+    """Crank and coupler are one robot, the rocker is another one: together they are the four-bar of one robot."""
+    start = 'initial.joints = { crank_joint = 1.57 }\nsolver.tolerance = 1e-7\nrobot.base = "fixed"\n'
+    world = 'world.ground = { type = "none" }\n[[actuator]]\njoint = "*"\nmode = "none"\n'
+    ball = '[[loop]]\nname = "pin"\ntype = "ball"\nlinks = ["coupler", "%s"]\norigins = [[1, 0, 0], [1, 0, 0]]\n'
+    outputs = '[outputs]\nloops = ["pin"]\n'
+    whole, first, second = (tmp_path / f"{name}.urdf" for name in ("whole", "first", "second"))
+    first.write_text(rods(["crank", "coupler"]))
+    second.write_text(rods(["rocker"]))
+    links = rods(["rocker"])
+    begin = links.index('<link name="rocker">')
+    rocker = links[begin:].replace("rocker_base", "crank_base")
+    rocker = rocker.replace('<origin xyz="0 0 0" rpy', '<origin xyz="1.2 0 0" rpy')
+    whole.write_text(rods(["crank", "coupler"]).replace("</robot>\n", rocker))
+    (tmp_path / "second.toml").write_text('robot.base = "fixed"\n[[actuator]]\njoint = "*"\nmode = "none"\n')
+    others = (f'[[world.robot]]\nname = "other"\nurdf = "{second}"\nconfig = "{tmp_path / "second.toml"}"\n'
+              "xyz = [1.2, 0, 0]\n")
+    runs = []
+    for urdf, config, prefix in ((whole, start + world + ball % "rocker" + outputs, ""),
+                                 (first, start + world + ball % "other.rocker" + outputs + others, "other.")):
+        robot = load(export(urdf, config), tolerance=1e-7)
+        names = ["joint.crank_joint", "joint.coupler_joint", f"{prefix}joint.rocker_joint"]
+        seen = []
+        for _ in range(100):
+            robot.step(0.01)
+            seen.append([robot[f"{name}.position"] for name in names] + [robot["loop.pin.gap"]])
+        runs.append(np.array(seen))
+    assert abs(runs[0][:, 0] - 1.57).max() > 0.5
+    off = abs(runs[0] - runs[1])
+    assert off[:, :3].max() < 1e-5
+    assert max(run[:, 3].max() for run in runs) < 1e-12

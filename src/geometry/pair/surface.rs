@@ -18,11 +18,11 @@ use super::meet::Meeting;
 use super::placed::{Placed, rank};
 use super::points::{PatchPoint, Points, Rim, Side, point};
 use super::sink::Sink;
-use super::trace::Trace;
+use super::trace::{STANDING, Trace};
 use crate::geometry::surface::{Crest, Facet, Surface};
 use crate::geometry::{MOST_CORNERS, Shape};
 use crate::spatial::{Mat3, Vec3, across};
-use crate::tuning::CREST_SLACK;
+use crate::tuning::{CREST_SLACK, EVEN_EDGE, SEAM};
 
 /// Most points on triangles that are looked at: the first found.
 const MOST_FOUND: usize = 64;
@@ -34,6 +34,8 @@ struct OnFacet {
     own: usize,
     /// Index of the triangle.
     facet: usize,
+    /// Whether only the middle of the end that it belongs to is over the triangle.
+    beside: bool,
     /// Whether it is behind a nearer one.
     hidden: bool,
     point: PatchPoint,
@@ -47,6 +49,8 @@ struct OwnPoint {
     share: f64,
     /// What must be over a triangle for the point to lie on it.
     over: Vec3,
+    /// The middle of the flat end of a cylinder that stands.
+    end: Option<Vec3>,
     rim: Option<Rim>,
 }
 
@@ -90,11 +94,12 @@ pub(super) fn on_surface(
         if height <= 0.0 || height > around || beside {
             return;
         }
-        own.each_on(shape, facet, sink.reach, |own, point| {
+        own.each_on(shape, facet, sink.reach, |own, point, beside| {
             if count < MOST_FOUND {
                 found[count] = OnFacet {
                     own,
                     facet: index,
+                    beside,
                     hidden: false,
                     point,
                 };
@@ -110,11 +115,30 @@ pub(super) fn on_surface(
     let facet = |this: &OnFacet| &surface.facets()[this.facet];
     for i in 0..found.len() {
         let this = &found[i];
+        if this.beside {
+            // What stands on a hill of many triangles is lowest, for each of them, beyond it.
+            let mut others = found.iter().filter(|other| other.own == this.own);
+            let n = &facet(this).normal;
+            let x = this.point.x;
+            let alone = others.all(|other| other.beside)
+                && surface.is_any_near(&x, sink.reach + shape.solid.rounding(), |next| {
+                    (next.normal - n).norm() < CREST_SLACK && next.is_below(&x, 0.0)
+                });
+            if !alone {
+                found[i].hidden = true;
+                continue;
+            }
+        }
         let hidden = found[..i].iter().any(|nearer| {
+            let same = || {
+                let turned = facet(nearer).normal - facet(this).normal;
+                this.point.depth - nearer.point.depth <= SEAM && turned.norm() < EVEN_EDGE
+            };
             !nearer.hidden
                 && nearer.own == this.own
-                && nearer.point.depth > 0.0
-                && facet(nearer).height(&facet(this).middle()) < 0.0
+                && (same()
+                    || nearer.point.depth > 0.0
+                        && facet(nearer).height(&facet(this).middle()) < 0.0)
         });
         if !hidden {
             sink.add(&facet(this).normal, this.point);
@@ -157,7 +181,7 @@ impl OwnPoints {
         shape: &Placed,
         facet: &Facet,
         reach: f64,
-        mut take: impl FnMut(usize, PatchPoint),
+        mut take: impl FnMut(usize, PatchPoint, bool),
     ) {
         let n = &facet.normal;
         if self.normal != Some(*n) {
@@ -168,7 +192,12 @@ impl OwnPoints {
         let has_shares = matches!(shape.core, Core::Corners(_));
         for (own, p) in self.list[..self.count].iter().enumerate() {
             let depth = -facet.height(&p.x);
-            if depth > -reach && facet.is_below(&p.over, depth.max(0.0) + shape.solid.rounding()) {
+            if depth <= -reach {
+                continue;
+            }
+            let slack = depth.max(0.0) + shape.solid.rounding();
+            let over = facet.is_below(&p.over, slack);
+            if over || p.end.is_some_and(|end| facet.is_below(&end, slack)) {
                 let share = if has_shares {
                     shape.solid.shares.share(own, &shape.R.tr_mul(&-n))
                 } else {
@@ -181,6 +210,7 @@ impl OwnPoints {
                         rim: p.rim,
                         ..halfway
                     },
+                    !over,
                 );
             }
         }
@@ -204,11 +234,13 @@ impl OwnPoints {
                     let c = shape.p + shape.axis() * (s * round.half);
                     (c - n * round.radius, c, None)
                 };
-                let share = 0.5;
+                let end = shape.p + shape.axis() * (s * round.half);
+                let stands = round.flat && n.dot(&shape.axis()).abs() > STANDING;
                 *own = OwnPoint {
                     x,
-                    share,
+                    share: 0.5,
                     over,
+                    end: stands.then_some(end),
                     rim,
                 };
             }
@@ -220,6 +252,7 @@ impl OwnPoints {
                 x: shape.p - n * shape.solid.radius,
                 share: 1.0,
                 over: shape.p,
+                end: None,
                 rim: None,
             };
             *count = 1;
@@ -233,6 +266,7 @@ impl OwnPoints {
                     x,
                     share: 0.25,
                     over: x,
+                    end: None,
                     rim: None,
                 };
             }

@@ -3,6 +3,7 @@
 mod cases;
 mod distances;
 mod jumps;
+mod meshes;
 
 use super::{Patch, PatchPoint, Side, Solid};
 use crate::geometry::Shape;
