@@ -126,7 +126,7 @@ fn meshes_that_are_no_clean_surfaces_carry_like_clean_ones() {
                     Vec3::new(random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0), 0.5),
                     R,
                 );
-                let [mut expected, mut found] = [Patch::new(), Patch::new()];
+                let (mut expected, mut found) = (Patch::new(), Patch::new());
                 expected.find((&one, &X), (&plane, &Pose::IDENTITY), 1.0);
                 let highest = expected.points().iter().map(|p| p.depth);
                 X.p.z += highest.fold(f64::NEG_INFINITY, f64::max) - 1e-4;
