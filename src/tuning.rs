@@ -390,6 +390,10 @@ pub const RAY_HALVINGS: u32 = 52;
 /// Sine of the angle between two triangles of terrain below which their edge is even: 0.1°. At 0
 /// fails `walls_and_floor_push_along_their_own_normals`.
 pub const EVEN_EDGE: f64 = 1.7e-3;
+/// Gap between triangles of terrain, or height of one over the other, below which the surface goes
+/// on from one to the other, m: files are written in single precision. At 0 fails
+/// `meshes_that_are_no_clean_surfaces_carry_like_clean_ones`.
+pub const SEAM: f64 = 1e-6;
 /// Sine of the angle beyond the directions of a crest from which on it no longer carries a shape
 /// with flat faces: a face that lies on the next triangle has the normal of that triangle,
 /// give or take round-off.

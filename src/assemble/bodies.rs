@@ -336,13 +336,22 @@ fn narrow_limits(model: &mut Model, findings: &mut Findings) {
             lower: own.map_or(mapped.lower, |own| own.lower.max(mapped.lower)),
             upper: own.map_or(mapped.upper, |own| own.upper.min(mapped.upper)),
         };
-        if narrowed.lower > narrowed.upper {
-            let message = format!("{names}, but its limits exclude every position of the other");
+        // Files round their numbers.
+        let slack = 1e-6 * (1.0 + mapped.lower.abs().max(mapped.upper.abs()));
+        let room = |limits: &Limits| limits.upper - limits.lower;
+        let excluded = if narrowed.lower > narrowed.upper {
+            Some("exclude every position of the other")
+        } else if room(&narrowed) <= slack && own.as_ref().is_none_or(|own| room(own) > slack) {
+            // As with the multiplier -1 and limits that were drawn for 1.
+            Some("leave the other no room to move")
+        } else {
+            None
+        };
+        if let Some(what) = excluded {
+            let message = format!("{names}, but its limits {what}");
             findings.warning("A118", None, message, "its limits are not used");
             continue;
         }
-        // Files round their numbers.
-        let slack = 1e-6 * (1.0 + mapped.lower.abs().max(mapped.upper.abs()));
         let changed = own.is_none_or(|own| {
             narrowed.lower > own.lower + slack || narrowed.upper < own.upper - slack
         });

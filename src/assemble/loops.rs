@@ -19,6 +19,9 @@ use crate::variables::identifier;
 /// What stands for the world.
 const WORLD: &str = "world";
 
+/// What a note about positions tells in its six decimals, m or rad.
+const SHOWN: f64 = 5e-7;
+
 /// Where each loop of a model was asked for.
 pub(super) type Places = Vec<Option<Place>>;
 
@@ -407,13 +410,16 @@ pub(super) fn close(
     }
     let joints = model.joints.iter().zip(&before);
     let moved = joints.zip(&model.initial.joint_positions);
-    let moved = moved.filter(|((_, from), to)| (*to - *from).abs() > 1e-9);
+    let moved = moved.filter(|((_, from), to)| (*to - *from).abs() > SHOWN);
     let mut moved: Vec<String> = moved
-        .map(|((joint, from), to)| format!("{} from {from:.6} to {to:.6}", joint.name))
+        .map(|((joint, from), to)| {
+            let [from, to] = [from, to].map(|x| if x.abs() > SHOWN { *x } else { 0.0 });
+            format!("{} from {from:.6} to {to:.6}", joint.name)
+        })
         .collect();
     for (root, from) in model.roots.iter().zip(bases) {
         let way = (root.position - from).norm();
-        if way > 1e-9 {
+        if way > SHOWN {
             let name = if root.name.is_empty() {
                 "base"
             } else {

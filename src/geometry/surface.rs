@@ -5,11 +5,13 @@
 //!
 //! Triangles are found by a tree of boxes.
 
+mod seams;
+
 use super::error::GeometryError;
 use crate::spatial::Vec3;
-use crate::tuning::EVEN_EDGE;
+use crate::tuning::{EVEN_EDGE, SEAM};
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Most triangles of a surface.
 pub const MOST_TRIANGLES: usize = 1_000_000;
@@ -50,6 +52,8 @@ pub struct Triangles {
 pub enum Beyond {
     /// In the same plane.
     Even,
+    /// In the same plane, but the triangle there has other corners.
+    Seam,
     /// Upwards.
     Hollow,
     /// Downwards, or not at all.
@@ -76,8 +80,29 @@ pub struct Facet {
 pub struct Crest {
     /// m
     pub ends: [Vec3; 2],
+    /// m
+    pub middle: Vec3,
+    /// m
+    pub half_length: f64,
+    /// Unit vector.
+    pub along: Vec3,
     /// Between these, unit vectors, lie the directions in which it pushes.
     pub sides: [Vec3; 2],
+}
+
+impl Crest {
+    fn new(ends: [Vec3; 2], sides: [Vec3; 2]) -> Self {
+        let [a, b] = ends;
+        let half = (b - a) * 0.5;
+        let half_length = half.norm();
+        Self {
+            ends,
+            middle: (a + b) * 0.5,
+            half_length,
+            along: half / half_length,
+            sides,
+        }
+    }
 }
 
 /// A box about some triangles.
@@ -113,6 +138,7 @@ impl Facet {
             let inside = self.inside(x, edge);
             match self.beyond[edge] {
                 Beyond::Hollow => inside >= -slack,
+                Beyond::Seam => inside >= -SEAM,
                 _ if inside == 0.0 => lower(&self.corners[edge], &self.corners[(edge + 1) % 3]),
                 _ => inside > 0.0,
             }
@@ -214,7 +240,15 @@ impl Surface {
         let corner = |i: u32| given.corners[i as usize];
         let mut facets: Vec<Facet> = Vec::with_capacity(given.triangles.len());
         let mut edges: BTreeMap<[u32; 2], Vec<[usize; 2]>> = BTreeMap::new();
+        let mut known = BTreeSet::new();
         for triangle in &given.triangles {
+            let mut turned = *triangle;
+            let lowest = (0..3).min_by_key(|&i| triangle[i]).unwrap_or_default();
+            turned.rotate_left(lowest);
+            if !known.insert(turned) {
+                // The same once more.
+                continue;
+            }
             let corners = triangle.map(corner);
             let area = (corners[1] - corners[0]).cross(&(corners[2] - corners[0]));
             for edge in 0..3 {
@@ -236,9 +270,16 @@ impl Surface {
                 crests: [None; 3],
             });
         }
-        let mut crests = Vec::new();
+        let (mut crests, mut alone) = (Vec::new(), Vec::new());
         for places in edges.values() {
-            join(&mut facets, places, &mut crests);
+            for (i, partner) in seams::partners(&facets, places) {
+                if let Some(j) = partner {
+                    join(&mut facets, [places[i], places[j]], &mut crests);
+                } else {
+                    end(&mut facets, places[i], &mut crests);
+                    alone.push(places[i]);
+                }
+            }
         }
         let reach = given.corners.iter().map(Vec3::norm).fold(0.0, f64::max);
         let mut surface = Self {
@@ -250,6 +291,7 @@ impl Surface {
             reach,
         };
         surface.divide(0, surface.order.len());
+        surface.find_seams(&alone);
         surface
     }
 
@@ -303,6 +345,11 @@ impl Surface {
             take(index, facet);
             false
         });
+    }
+
+    /// Whether `is` holds for a triangle whose box comes nearer to a point than `radius`, m.
+    pub fn is_any_near(&self, p: &Vec3, radius: f64, mut is: impl FnMut(&Facet) -> bool) -> bool {
+        self.any_near(p, radius, |_, facet| is(facet))
     }
 
     /// Whether the box about some triangles is nearer to a place than `radius`, m.
@@ -412,39 +459,32 @@ impl<'a> Line<'a> {
     }
 }
 
-/// Finds what an edge of some facets is.
-fn join(facets: &mut [Facet], places: &[[usize; 2]], crests: &mut Vec<Crest>) {
-    if let [first, second] = places
-        && facets[first[0]].ends(first[1])[0] != facets[second[0]].ends(second[1])[0]
-    {
-        let normals = [first, second].map(|place| facets[place[0]].normal);
-        // The sine of the angle by which the second one falls beyond the first one's edge.
-        let falls = facets[second[0]].away(second[1]).dot(&normals[0]);
-        let beyond = if normals[0].dot(&normals[1]) > 0.0 && falls.abs() < EVEN_EDGE {
-            Beyond::Even
-        } else if falls > 0.0 {
-            Beyond::Crest
-        } else {
-            Beyond::Hollow
-        };
-        if beyond == Beyond::Crest {
-            facets[first[0]].crests[first[1]] = Some(crests.len());
-            crests.push(Crest {
-                ends: facets[first[0]].ends(first[1]),
-                sides: normals,
-            });
-        }
-        for place in [first, second] {
-            facets[place[0]].beyond[place[1]] = beyond;
-        }
-        return;
+/// Finds what the edge of two facets is.
+fn join(facets: &mut [Facet], [first, second]: [[usize; 2]; 2], crests: &mut Vec<Crest>) {
+    let normals = [first, second].map(|place| facets[place[0]].normal);
+    // The sine of the angle by which the second one falls beyond the first one's edge.
+    let falls = facets[second[0]].away(second[1]).dot(&normals[0]);
+    let beyond = if normals[0].dot(&normals[1]) > 0.0 && falls.abs() < EVEN_EDGE {
+        Beyond::Even
+    } else if falls > 0.0 {
+        Beyond::Crest
+    } else {
+        Beyond::Hollow
+    };
+    if beyond == Beyond::Crest {
+        facets[first[0]].crests[first[1]] = Some(crests.len());
+        let ends = facets[first[0]].ends(first[1]);
+        crests.push(Crest::new(ends, normals));
     }
-    for &place in places {
-        facets[place[0]].crests[place[1]] = Some(crests.len());
-        let crest = Crest {
-            ends: facets[place[0]].ends(place[1]),
-            sides: [facets[place[0]].normal, facets[place[0]].away(place[1])],
-        };
-        crests.push(crest);
+    for place in [first, second] {
+        facets[place[0]].beyond[place[1]] = beyond;
     }
+}
+
+/// An edge at which the surface ends.
+fn end(facets: &mut [Facet], place: [usize; 2], crests: &mut Vec<Crest>) {
+    facets[place[0]].crests[place[1]] = Some(crests.len());
+    let facet = &facets[place[0]];
+    let sides = [facet.normal, facet.away(place[1])];
+    crests.push(Crest::new(facet.ends(place[1]), sides));
 }

@@ -81,6 +81,21 @@ fn the_initial_pose_closes_a_loop_and_what_was_given_stays() {
 }
 
 #[test]
+fn what_moves_by_less_than_a_note_shows_is_not_told() {
+    let closed = built("", &format!("{OPEN}{BALL}")).expect("it closes");
+    let q = &closed.model.initial.joint_positions;
+    // As a file has them: the loop is open by some 1e-8 m.
+    let near = format!(
+        "[initial]\njoints = {{ a = 1.5, b = {:.8}, c = {:.8} }}\n",
+        q[1], q[2]
+    );
+    let again = built("", &format!("{near}{BALL}")).expect("it closes");
+    assert!(apart(&again.model) < 1e-12);
+    let told = again.diagnostics.iter().find(|found| found.code == "A141");
+    assert!(told.is_none(), "{told:?}");
+}
+
+#[test]
 fn a_loop_that_cannot_close_is_an_error_with_its_gap_and_its_place() {
     let far = BALL.replace("[1, 0, 0]]", "[9, 0, 0]]");
     let errors = built("", &far).expect_err("9 m");

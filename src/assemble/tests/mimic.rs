@@ -72,3 +72,29 @@ fn limits_that_exclude_each_other_keep_the_leader_s() {
         })
     );
 }
+
+/// Two fingers of which one turns the other way, with the limits of the first: so are those of
+/// public grippers.
+#[test]
+fn limits_that_leave_no_room_to_move_keep_the_leader_s() {
+    let upwards = Limits {
+        lower: 0.0,
+        upper: 0.8,
+    };
+    let mut description = robot(mass("world", 0.0))
+        .with("world", "a", Revolute, at(0.0, 0.0, 0.0), mass("la", 1.0))
+        .with("world", "b", Revolute, at(0.0, 0.0, 0.0), mass("lb", 1.0))
+        .mimicking("a", -1.0, 0.0);
+    for joint in &mut description.joints {
+        joint.limits = Some(upwards);
+    }
+    let assembled = assembled(&description, "");
+    let warning = note(&assembled, "A118");
+    assert_eq!(warning.severity, Severity::Warning);
+    assert!(
+        warning.message.contains("no room to move"),
+        "{}",
+        warning.message
+    );
+    assert_eq!(assembled.model.dofs[0].limits, Some(upwards));
+}

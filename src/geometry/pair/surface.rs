@@ -16,13 +16,13 @@
 use super::core::{Core, Round, Solid};
 use super::meet::Meeting;
 use super::placed::{Placed, rank};
-use super::points::{PatchPoint, Points, Side, point};
+use super::points::{PatchPoint, Points, Rim, Side, point};
 use super::sink::Sink;
-use super::trace::Trace;
-use crate::geometry::Shape;
+use super::trace::{STANDING, Trace};
 use crate::geometry::surface::{Crest, Facet, Surface};
+use crate::geometry::{MOST_CORNERS, Shape};
 use crate::spatial::{Mat3, Vec3, across};
-use crate::tuning::CREST_SLACK;
+use crate::tuning::{CREST_SLACK, EVEN_EDGE, SEAM};
 
 /// Most points on triangles that are looked at: the first found.
 const MOST_FOUND: usize = 64;
@@ -34,15 +34,32 @@ struct OnFacet {
     own: usize,
     /// Index of the triangle.
     facet: usize,
+    /// Whether only the middle of the end that it belongs to is over the triangle.
+    beside: bool,
     /// Whether it is behind a nearer one.
     hidden: bool,
     point: PatchPoint,
+}
+
+/// A point with which a shape may lie on a plane.
+#[derive(Clone, Copy, Debug, Default)]
+struct OwnPoint {
+    x: Vec3,
+    /// Of a hull not this one, but that of its faces.
+    share: f64,
+    /// What must be over a triangle for the point to lie on it.
+    over: Vec3,
+    /// The middle of the flat end of a cylinder that stands.
+    end: Option<Vec3>,
+    rim: Option<Rim>,
 }
 
 /// Memory of a query.
 #[derive(Clone, Debug)]
 pub(super) struct Scratch {
     found: [OnFacet; MOST_FOUND],
+    /// The points of the shape.
+    own: OwnPoints,
     /// Those on a crest.
     points: Points,
 }
@@ -51,6 +68,7 @@ impl Default for Scratch {
     fn default() -> Self {
         Self {
             found: [OnFacet::default(); MOST_FOUND],
+            own: OwnPoints::default(),
             points: Points::default(),
         }
     }
@@ -64,8 +82,9 @@ pub(super) fn on_surface(
     sink: &mut Sink,
 ) {
     let around = shape.solid.reach + sink.reach;
-    let Scratch { found, points } = scratch;
+    let Scratch { found, own, points } = scratch;
     let mut count = 0;
+    own.clear();
     surface.each_near(&shape.p, around, |index, facet| {
         for crest in facet.crests.iter().flatten() {
             on_crest(shape, surface.crest(*crest), (meeting, points), sink);
@@ -75,11 +94,12 @@ pub(super) fn on_surface(
         if height <= 0.0 || height > around || beside {
             return;
         }
-        own_points(shape, facet, sink.reach, |own, point| {
+        own.each_on(shape, facet, sink.reach, |own, point, beside| {
             if count < MOST_FOUND {
                 found[count] = OnFacet {
                     own,
                     facet: index,
+                    beside,
                     hidden: false,
                     point,
                 };
@@ -95,11 +115,30 @@ pub(super) fn on_surface(
     let facet = |this: &OnFacet| &surface.facets()[this.facet];
     for i in 0..found.len() {
         let this = &found[i];
+        if this.beside {
+            // What stands on a hill of many triangles is lowest, for each of them, beyond it.
+            let mut others = found.iter().filter(|other| other.own == this.own);
+            let n = &facet(this).normal;
+            let x = this.point.x;
+            let alone = others.all(|other| other.beside)
+                && surface.is_any_near(&x, sink.reach + shape.solid.rounding(), |next| {
+                    (next.normal - n).norm() < CREST_SLACK && next.is_below(&x, 0.0)
+                });
+            if !alone {
+                found[i].hidden = true;
+                continue;
+            }
+        }
         let hidden = found[..i].iter().any(|nearer| {
+            let same = || {
+                let turned = facet(nearer).normal - facet(this).normal;
+                this.point.depth - nearer.point.depth <= SEAM && turned.norm() < EVEN_EDGE
+            };
             !nearer.hidden
                 && nearer.own == this.own
-                && nearer.point.depth > 0.0
-                && facet(nearer).height(&facet(this).middle()) < 0.0
+                && (same()
+                    || nearer.point.depth > 0.0
+                        && facet(nearer).height(&facet(this).middle()) < 0.0)
         });
         if !hidden {
             sink.add(&facet(this).normal, this.point);
@@ -108,43 +147,130 @@ pub(super) fn on_surface(
     }
 }
 
-/// Finds the points of a shape that are over a triangle, nearer than `reach`, m.
-fn own_points(shape: &Placed, facet: &Facet, reach: f64, mut take: impl FnMut(usize, PatchPoint)) {
-    let n = &facet.normal;
-    let mut add = |own: usize, x: Vec3, share: f64, over: &Vec3, rim| {
-        let depth = -facet.height(&x);
-        if depth > -reach && facet.is_below(over, depth.max(0.0) + shape.solid.rounding()) {
-            let halfway = point(x + n * (0.5 * depth), depth, share);
-            take(own, PatchPoint { rim, ..halfway });
+/// With which points a shape may lie on planes of one normal: triangles of even ground have the
+/// same one.
+#[derive(Clone, Debug)]
+struct OwnPoints {
+    list: [OwnPoint; MOST_CORNERS],
+    count: usize,
+    normal: Option<Vec3>,
+    /// Whether the corners have been found.
+    placed: bool,
+}
+
+impl Default for OwnPoints {
+    fn default() -> Self {
+        Self {
+            list: [OwnPoint::default(); MOST_CORNERS],
+            count: 0,
+            normal: None,
+            placed: false,
         }
-    };
-    if let Some(round) = &shape.solid.round {
-        let trace = Trace::new(shape, round, n, Side::First);
-        for (own, s) in [1.0, -1.0].into_iter().enumerate() {
-            if round.flat {
-                let (x, rim) = trace.end(s);
-                add(own, x, 0.5, &x, rim);
-            } else {
-                let c = shape.p + shape.axis() * (s * round.half);
-                add(own, c - n * round.radius, 0.5, &c, None);
-            }
-        }
-        return;
     }
-    match shape.core {
-        Core::Point => add(0, shape.p - n * shape.solid.radius, 1.0, &shape.p, None),
-        Core::Box { .. } => {
-            for (own, corner) in shape.solid.mesh.corners.iter().enumerate() {
-                let x = shape.world(corner);
-                add(own, x, 0.25, &x, None);
+}
+
+impl OwnPoints {
+    /// Knows nothing of a shape.
+    fn clear(&mut self) {
+        (self.count, self.normal, self.placed) = (0, None, false);
+    }
+
+    /// Calls `take` with the points of a shape that are over a triangle, nearer than `reach`, m.
+    fn each_on(
+        &mut self,
+        shape: &Placed,
+        facet: &Facet,
+        reach: f64,
+        mut take: impl FnMut(usize, PatchPoint, bool),
+    ) {
+        let n = &facet.normal;
+        if self.normal != Some(*n) {
+            self.find(shape, n);
+            self.normal = Some(*n);
+        }
+        // Many corners of a hull are over no triangle: their shares are not asked for.
+        let has_shares = matches!(shape.core, Core::Corners(_));
+        for (own, p) in self.list[..self.count].iter().enumerate() {
+            let depth = -facet.height(&p.x);
+            if depth <= -reach {
+                continue;
+            }
+            let slack = depth.max(0.0) + shape.solid.rounding();
+            let over = facet.is_below(&p.over, slack);
+            if over || p.end.is_some_and(|end| facet.is_below(&end, slack)) {
+                let share = if has_shares {
+                    shape.solid.shares.share(own, &shape.R.tr_mul(&-n))
+                } else {
+                    p.share
+                };
+                let halfway = point(p.x + n * (0.5 * depth), depth, share);
+                take(
+                    own,
+                    PatchPoint {
+                        rim: p.rim,
+                        ..halfway
+                    },
+                    !over,
+                );
             }
         }
-        _ => {
-            let down = shape.R.tr_mul(&-n);
-            for (own, corner) in shape.solid.mesh.corners.iter().enumerate() {
-                let x = shape.world(corner);
-                add(own, x, shape.solid.shares.share(own, &down), &x, None);
+    }
+
+    /// Finds the points for a normal.
+    fn find(&mut self, shape: &Placed, n: &Vec3) {
+        let Self {
+            list,
+            count,
+            placed,
+            ..
+        } = self;
+        if let Some(round) = &shape.solid.round {
+            let trace = Trace::new(shape, round, n, Side::First);
+            for (own, s) in list.iter_mut().zip([1.0, -1.0]) {
+                let (x, over, rim) = if round.flat {
+                    let (x, rim) = trace.end(s);
+                    (x, x, rim)
+                } else {
+                    let c = shape.p + shape.axis() * (s * round.half);
+                    (c - n * round.radius, c, None)
+                };
+                let end = shape.p + shape.axis() * (s * round.half);
+                let stands = round.flat && n.dot(&shape.axis()).abs() > STANDING;
+                *own = OwnPoint {
+                    x,
+                    share: 0.5,
+                    over,
+                    end: stands.then_some(end),
+                    rim,
+                };
             }
+            *count = 2;
+            return;
+        }
+        if let Core::Point = shape.core {
+            list[0] = OwnPoint {
+                x: shape.p - n * shape.solid.radius,
+                share: 1.0,
+                over: shape.p,
+                end: None,
+                rim: None,
+            };
+            *count = 1;
+            return;
+        }
+        let corners = &shape.solid.mesh.corners;
+        if !*placed {
+            for (own, corner) in list.iter_mut().zip(corners) {
+                let x = shape.world(corner);
+                *own = OwnPoint {
+                    x,
+                    share: 0.25,
+                    over: x,
+                    end: None,
+                    rim: None,
+                };
+            }
+            (*count, *placed) = (corners.len().min(MOST_CORNERS), true);
         }
     }
 }
@@ -171,10 +297,12 @@ fn on_crest(
     (meeting, points): (&mut Meeting, &mut Points),
     sink: &mut Sink,
 ) {
-    let [a, b] = crest.ends;
-    let (middle, half) = ((a + b) * 0.5, (b - a) * 0.5);
-    let length = half.norm();
-    let along = half / length;
+    let Crest {
+        middle,
+        half_length: length,
+        along,
+        ..
+    } = *crest;
     let from = shape.p - middle;
     let apart = from - along * along.dot(&from).clamp(-length, length);
     if is_far(shape, crest, &apart, sink.reach) {

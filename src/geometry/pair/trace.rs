@@ -21,7 +21,7 @@ use crate::spatial::Vec3;
 use crate::tuning::CROWN;
 
 /// Sine of 60°.
-const STANDING: f64 = 0.866;
+pub(super) const STANDING: f64 = 0.866;
 
 /// The line of a solid along the normal of a frame, which points from what it lies on into it.
 #[derive(Clone, Copy, Debug)]

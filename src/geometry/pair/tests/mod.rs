@@ -4,6 +4,7 @@ mod cases;
 mod depths;
 mod distances;
 mod jumps;
+mod meshes;
 
 use super::{Patch, PatchPoint, Side, Solid};
 use crate::geometry::Shape;

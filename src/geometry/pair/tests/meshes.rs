@@ -1,0 +1,186 @@
+//! Meshes as files have them.
+
+#![allow(
+    clippy::cast_precision_loss,
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "small counts"
+)]
+
+use super::*;
+use crate::geometry::surface::{Surface, Triangles};
+use std::f64::consts::{FRAC_PI_2, TAU};
+use std::sync::Arc;
+
+type Triangle = [Vec3; 3];
+
+/// An even floor over `from` … `to` along x and −2 … 2 m along y, of cells of an edge.
+fn floor([from, to]: [f64; 2], cell: f64) -> Vec<Triangle> {
+    let count = |way: f64| (way / cell).round() as usize;
+    let at = |i: usize, j: usize| Vec3::new(from + i as f64 * cell, j as f64 * cell - 2.0, 0.0);
+    let cells = (0..count(4.0)).flat_map(|j| (0..count(to - from)).map(move |i| (i, j)));
+    let pairs = cells.flat_map(|(i, j)| {
+        let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
+        [[a, b, c], [a, c, d]]
+    });
+    pairs.collect()
+}
+
+/// Floors that are even but for how they are drawn.
+fn floors(random: &mut Random) -> Vec<(&'static str, Vec<Triangle>)> {
+    let even = floor([-2.0, 2.0], 0.2);
+    let again = |turn: fn(&Triangle) -> Triangle| {
+        let twice = even.iter().copied().chain(even.iter().map(turn));
+        twice.collect::<Vec<_>>()
+    };
+    let mut halves = floor([-2.0, 0.0], 0.2);
+    halves.extend(floor([0.0, 2.0], 1.0 / 15.0));
+    let rim = |k: usize| {
+        let angle = TAU * k as f64 / 2000.0;
+        Vec3::new(3.0 * angle.cos(), 3.0 * angle.sin(), 0.0)
+    };
+    let gap = 1e-7;
+    let mut shift = || Vec3::new(random.uniform(-gap, gap), random.uniform(-gap, gap), 0.0);
+    vec![
+        ("every triangle twice", again(|t| *t)),
+        ("from below, too", again(|&[a, b, c]| [a, c, b])),
+        ("T-junctions", halves),
+        (
+            "slivers",
+            (0..2000)
+                .map(|k| [Vec3::zeros(), rim(k), rim(k + 1)])
+                .collect(),
+        ),
+        (
+            "gaps",
+            even.iter().map(|t| t.map(|c| c + shift())).collect(),
+        ),
+    ]
+}
+
+/// Depth, direction and centre of what presses.
+fn pressed(patch: &Patch) -> (f64, Vec3, Vec3) {
+    let (mut sum, mut normal, mut center, mut total) = (0.0, Vec3::zeros(), Vec3::zeros(), 0.0);
+    for p in patch.points() {
+        let depth = p.depth.max(0.0);
+        let weight = p.share * depth.powi(3);
+        sum += weight * depth;
+        total += weight;
+        normal += p.normal * weight;
+        center += p.x * weight;
+    }
+    (sum.powf(0.25), normal / total, center / total)
+}
+
+/// Triangles that are there twice or from both sides, whose corners lie in the midst of others'
+/// sides, and that a file has torn apart by its digits: all are a plane.
+#[test]
+fn meshes_that_are_no_clean_surfaces_carry_like_clean_ones() {
+    let seed = 11;
+    let mut random = Random(seed);
+    let plane = solid(&Shape::Plane);
+    let lying = Vec3::new(FRAC_PI_2, 0.0, 0.0);
+    let (radius, half_length) = (0.1, 0.03);
+    let things = [
+        ("ball", Shape::Sphere { radius }, Vec3::zeros()),
+        (
+            "capsule",
+            Shape::Capsule {
+                radius: 0.03,
+                half_length: 0.1,
+            },
+            lying,
+        ),
+        (
+            "wheel",
+            Shape::Cylinder {
+                radius,
+                half_length,
+            },
+            lying,
+        ),
+        (
+            "can",
+            Shape::Cylinder {
+                radius: 0.05,
+                half_length: 0.06,
+            },
+            Vec3::zeros(),
+        ),
+        ("box", cube(0.07), Vec3::zeros()),
+        ("hull", dodecahedron(0.06), Vec3::new(0.3, 0.2, 0.0)),
+    ];
+    for (name, list) in floors(&mut random) {
+        let surface = Surface::try_from(Triangles::new(&list)).expect("triangles");
+        let ground = solid(&Shape::Surface {
+            surface: Arc::new(surface),
+        });
+        for (what, shape, tilt) in &things {
+            let one = solid(shape);
+            for case in 0..100 {
+                let mut lean = |x: f64| x + random.uniform(-0.01, 0.01) * f64::from(case % 2);
+                let (roll, pitch) = (lean(tilt.x), lean(tilt.y));
+                let yaw = random.uniform(0.0, TAU);
+                let R = *nalgebra::Rotation3::from_euler_angles(roll, pitch, yaw).matrix();
+                let mut X = at(
+                    Vec3::new(random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0), 0.5),
+                    R,
+                );
+                let (mut expected, mut found) = (Patch::new(), Patch::new());
+                expected.find((&one, &X), (&plane, &Pose::IDENTITY), 1.0);
+                let highest = expected.points().iter().map(|p| p.depth);
+                X.p.z += highest.fold(f64::NEG_INFINITY, f64::max) - 1e-4;
+                expected.find((&one, &X), (&plane, &Pose::IDENTITY), 1e-3);
+                found.find((&one, &X), (&ground, &Pose::IDENTITY), 1e-3);
+                let [(depth, n, c), (d, m, k)] = [&expected, &found].map(pressed);
+                assert!(
+                    (d / depth - 1.0).abs() < 1e-6
+                        && (m - n).norm() < 1e-9
+                        && (k - c).norm() < 1e-6,
+                    "{name}, {what}, seed {seed}, case {case}: {d} of {depth}, {k} of {c}"
+                );
+            }
+        }
+    }
+}
+
+/// A can on a round hill of triangles that meet at less than 0.1°: their edges count as even, and
+/// the lowest point of the can along the normal of each triangle is beyond it.
+#[test]
+fn a_can_on_a_hill_of_small_triangles_stands_on_the_one_below_it() {
+    let (count, extent, bend) = (30, 0.3, 10.0);
+    let at_corner = |i: usize, j: usize| {
+        let place = |i: usize| (i as f64 / f64::from(count) - 0.5) * extent;
+        let (x, y) = (place(i), place(j));
+        Vec3::new(x, y, -0.5 * (x * x + y * y) / bend)
+    };
+    let cells = (0..count as usize).flat_map(|j| (0..count as usize).map(move |i| (i, j)));
+    let pairs = cells.flat_map(|(i, j)| {
+        let [a, b] = [at_corner(i, j), at_corner(i + 1, j)];
+        let [c, d] = [at_corner(i + 1, j + 1), at_corner(i, j + 1)];
+        [[a, b, c], [a, c, d]]
+    });
+    let surface = Surface::try_from(Triangles::new(&pairs.collect::<Vec<_>>())).expect("a hill");
+    let ground = solid(&Shape::Surface {
+        surface: Arc::new(surface),
+    });
+    let can = solid(&Shape::Cylinder {
+        radius: 0.05,
+        half_length: 0.06,
+    });
+    let mut random = Random(5);
+    for case in 0..200 {
+        let (x, y) = (random.uniform(-0.05, 0.05), random.uniform(-0.05, 0.05));
+        let height = -0.5 * (x * x + y * y) / bend;
+        let X = at(Vec3::new(x, y, height + 0.06 - 1e-3), Mat3::identity());
+        let mut patch = Patch::new();
+        patch.find((&can, &X), (&ground, &Pose::IDENTITY), 1e-3);
+        let (depth, normal, _) = pressed(&patch);
+        // One rim carries half; the hill falls by 5e-3 rad within the radius.
+        let level = depth / 0.5_f64.powf(0.25);
+        assert!(
+            (0.7e-3..1.5e-3).contains(&level) && normal.z > 0.9999,
+            "seed 5, case {case}: {level} m, {normal}"
+        );
+    }
+}

@@ -1,0 +1,97 @@
+//! Edges of meshes that are no clean surfaces: more than two triangles at an edge, and triangles
+//! that go on in others without sharing their corners.
+//!
+//! 1. Of several triangles at an edge, two belong together between which there is nothing outside
+//!    of the surface: each goes on in the first one that is met when turning about the edge from
+//!    its front. Sheets that are drawn from both sides are two surfaces then.
+//! 2. An edge of one triangle alone ends the surface, unless a triangle begins where it ends:
+//!    beside a side that others divide (a T-junction), or behind a gap of less than [`SEAM`].
+
+use super::{Beyond, Crest, Facet, Surface};
+use crate::tuning::{EVEN_EDGE, SEAM};
+use std::f64::consts::TAU;
+
+/// Places along an edge that are looked at.
+const LOOKS: u32 = 4;
+
+/// Angle below which two triangles at an edge lie on each other, rad.
+const FOLDED: f64 = 1e-6;
+
+/// Angle from the front of one triangle at an edge to another one, rad; none if that looks the
+/// other way.
+fn turn(facets: &[Facet], from: [usize; 2], to: [usize; 2]) -> Option<f64> {
+    let [a, b] = [from, to].map(|place| (&facets[place[0]], place[1]));
+    if a.0.ends(a.1)[0] == b.0.ends(b.1)[0] {
+        return None;
+    }
+    let (into, other) = (a.0.inward[a.1], b.0.inward[b.1]);
+    let angle = libm::atan2(other.dot(&a.0.normal), other.dot(&into)).rem_euclid(TAU);
+    (FOLDED..TAU - FOLDED).contains(&angle).then_some(angle)
+}
+
+/// Which of the triangles at an edge belong together: their indices in `places`, each once.
+pub(super) fn partners(facets: &[Facet], places: &[[usize; 2]]) -> Vec<(usize, Option<usize>)> {
+    let first = |i: usize| {
+        let angles = (0..places.len()).filter_map(|j| {
+            let angle = turn(facets, places[i], places[j])?;
+            Some((angle, j))
+        });
+        let nearest = angles.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        nearest.map(|(_, j)| j)
+    };
+    let next: Vec<_> = (0..places.len()).map(first).collect();
+    let partner = |i: usize| next[i].filter(|&j| next[j] == Some(i));
+    (0..places.len())
+        .map(|i| (i, partner(i)))
+        .filter(|(i, partner)| partner.is_none_or(|j| *i < j))
+        .collect()
+}
+
+impl Surface {
+    /// What lies beyond an edge of one triangle alone; none if nothing does.
+    fn beyond_seam(&self, index: usize, edge: usize) -> Option<usize> {
+        let facet = &self.facets[index];
+        let [a, b] = facet.ends(edge);
+        let mut found = None;
+        for k in 0..LOOKS {
+            let share = (f64::from(k) + 0.5) / f64::from(LOOKS);
+            let p = a + (b - a) * share + facet.away(edge) * SEAM;
+            let mut here = None;
+            self.each_near(&p, 2.0 * SEAM, |other, next| {
+                let apart = next.height(&p).abs();
+                let over = (0..3).all(|edge| next.inside(&p, edge) >= -0.5 * SEAM);
+                if other != index && over && apart <= SEAM && next.normal.dot(&facet.normal) > 0.0 {
+                    here = Some(other);
+                }
+            });
+            found = Some(here?);
+        }
+        found
+    }
+
+    /// Finds the edges of one triangle alone where the surface goes on. Their crests are lost.
+    pub(super) fn find_seams(&mut self, alone: &[[usize; 2]]) {
+        for &[index, edge] in alone {
+            let Some(other) = self.beyond_seam(index, edge) else {
+                continue;
+            };
+            let falls = self.facets[other]
+                .normal
+                .dot(&self.facets[index].away(edge));
+            let sides = [self.facets[index].normal, self.facets[other].normal];
+            let facet = &mut self.facets[index];
+            if falls > EVEN_EDGE {
+                if let Some(crest) = facet.crests[edge] {
+                    self.crests[crest] = Crest::new(facet.ends(edge), sides);
+                }
+                continue;
+            }
+            facet.crests[edge] = None;
+            facet.beyond[edge] = if falls > -EVEN_EDGE {
+                Beyond::Seam
+            } else {
+                Beyond::Hollow
+            };
+        }
+    }
+}
