@@ -143,7 +143,7 @@ fn made(request: &Request, mut settings: Settings) -> Result<Robot, StageError> 
                     Err(findings) => (Vec::new(), findings),
                 };
                 diagnostics.extend(others);
-                diagnostics.extend(later::of(&description, &settings, &guests));
+                diagnostics.extend(later::sound(&description, &settings, &guests));
                 return Err(StageError::Robot(diagnostics));
             }
         }
@@ -154,7 +154,7 @@ fn made(request: &Request, mut settings: Settings) -> Result<Robot, StageError> 
     };
     let around = world::surroundings(&mut settings, packages);
     let mut around = around.map_err(|mut findings| {
-        findings.extend(later::of(&description, &settings, &[]));
+        findings.extend(later::sound(&description, &settings, &[]));
         failed(findings)
     })?;
     if request.pushable {

@@ -77,6 +77,8 @@ pub(super) fn check(scope: &mut Scope, inertial: &mut CheckedInertial, mass: Nod
         let message = format!("mass {} kg is negative", inertial.mass);
         let help = "give the mass in kg; leave <inertial> out for a massless frame";
         scope.problem("U060", at(mass, "value"), &message, help);
+        // So that what else is wrong with the robot can be looked for.
+        inertial.mass = -inertial.mass;
         return;
     }
     if inertial.mass == 0.0 {

@@ -61,7 +61,7 @@ const FAULTS: [Fault; 43] = [
         "U014",
     ),
     robot("name='nameless joint'", "", "U015"),
-    robot("name='again'", "name='nameless joint'", "U014"),
+    robot("name='again' type", "name='nameless joint' type", "U014"),
     robot("name='alike 1'", "name='alike-2'", "A139"),
     // Numbers.
     robot("<mass value='1.01'/>", "<mass value='1,01'/>", "U030"),
@@ -100,7 +100,7 @@ const FAULTS: [Fault; 43] = [
         "U106",
     ),
     // Masses.
-    robot("ixx='1.02'", "ixx='-1.02'", "U061"),
+    robot("ixx='1.02'", "ixx='-102'", "U061"),
     robot("<mass value='1.03'/>", "<mass value='-1.03'/>", "U060"),
     robot(
         "<!-- no frame -->",
@@ -109,7 +109,11 @@ const FAULTS: [Fault; 43] = [
         "A104 U066",
     ),
     // Joints.
-    robot("type='prismatic'", "type='prism'", "U040"),
+    robot(
+        "'following' type='continuous'",
+        "'following' type='continous'",
+        "U040",
+    ),
     robot("<parent link='a' />", "", "U017"),
     robot(
         "<mimic joint='turning'/>",
@@ -148,8 +152,8 @@ const FAULTS: [Fault; 43] = [
     Fault {
         file: Of::Srdf,
         sound: "link1='a'",
-        faulty: "link1='aa'",
-        code: "R102",
+        faulty: "link1=a",
+        code: "U003",
     },
     Fault {
         file: Of::Object,
@@ -221,7 +225,7 @@ fn sound_robot() -> String {
                 "<geometry><sphere radius='0.1'/></geometry>"
             ),
         ),
-        part("held", ""),
+        part("held", &shape("<sphere radius='0.2'/>")),
     ]
     .concat();
     let joints = [
@@ -311,7 +315,7 @@ type = 'imu'
 link = 'a'
 [[outputs.pair]]
 name = 'hit'
-first = 's1'
+first = 'held'
 second = 'ball'
 [[world.object]]
 name = 'ball'
@@ -366,13 +370,16 @@ fn same_place(a: &Fault, b: &Fault) -> bool {
         a.sound.contains(x) && b.sound.contains(y) || a.sound.contains(y) && b.sound.contains(x)
     };
     // The joint that has no name may be the one whose name stands twice.
-    either("name='nameless joint'", "name='again'")
+    either("name='nameless joint'", "name='again' type")
         // A link that has no name may be meant by one name that is unknown.
         || either("name='nameless'/>", "parent  link") || either("name='nameless'/>", "child  link")
         // A joint that misses its link may hold one of the roots.
         || either("child  link", "no second root")
-        // Both settle whether it may move.
+        || either("name='nameless'/>", "no second root")
+        // An object that cannot be read has no names that could be looked up.
         || either("second = 'ball'", "radius='0.05'")
+        // What follows '&' may be an entity that is declared.
+        || either("no doctype", "&amp;")
 }
 
 #[test]

@@ -78,12 +78,34 @@ pub(super) fn beside_robot(
         let semantics = urdf::read_srdf(path, state, &description);
         list.extend(semantics.err().into_iter().flatten().filter(is_error));
     }
-    list.extend(of(&description, &settings, &guests));
+    // Shapes may be left out.
+    let of_shapes = |finding: &Diagnostic| finding.message.contains("no collision shape");
+    let names = of(&description, &settings, &guests);
+    list.extend(names.into_iter().filter(|name| !of_shapes(name)));
     list
 }
 
 fn is_error(finding: &Diagnostic) -> bool {
     finding.severity == Severity::Error
+}
+
+/// Errors of a robot whose own file has none.
+///
+/// - `guests`: all that are around it, or none of them where that is not known
+pub(super) fn sound(
+    description: &Description,
+    settings: &Settings,
+    guests: &[Guest],
+) -> Vec<Diagnostic> {
+    let built = if guests.is_empty() {
+        assemble::build(description, &alone(settings))
+    } else {
+        assemble::world(description, settings, guests)
+    };
+    let mut list: Vec<Diagnostic> = built.err().unwrap_or_default();
+    list.retain(is_error);
+    list.extend(clashes(description, settings));
+    list
 }
 
 /// What is wrong with the names in a robot and its settings.
