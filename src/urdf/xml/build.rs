@@ -45,6 +45,7 @@ impl<'t> Document<'t> {
     }
 }
 
+#[expect(clippy::struct_excessive_bools, reason = "each is found out by itself")]
 struct Builder<'t> {
     text: &'t str,
     elements: Vec<Element>,
