@@ -11,9 +11,9 @@ use crate::spatial::Vec3;
 
 /// How many times the part of a flat end that is cut off counts.
 const CUT: f64 = 4.0;
-/// Share of the square, or of the cube, of the blend from which on an area below the level, or what
-/// is between it and the level, decides alone. Any real contact of faces has hundreds of times it.
-const LEAST: f64 = 0.125;
+/// Share of the blends from which on what lies over a face decides alone, as wide as that or as far
+/// inside. Any real contact of faces has dozens of times it.
+const LEAST: f64 = 0.06;
 
 /// Memory of a query.
 #[derive(Clone, Debug)]
@@ -76,6 +76,8 @@ impl Meeting {
         let blend = a.solid.blend + b.solid.blend;
         let mut limits = Limits {
             level: gap + blend,
+            blend,
+            wide: 2.0 * LEAST * a.solid.blend.min(b.solid.blend),
             reach,
             points_alone: false,
         };
@@ -103,27 +105,33 @@ impl Meeting {
                 limits.level = part * gap + (1.0 - part) * least + blend;
             }
         }
+        let mut left = 1.0;
         match (a.solid.round, b.solid.round) {
             (Some(round), Some(other)) => {
                 self.two_round((a, &round), (b, &other), &apart, limits, points);
+                left = 0.0;
             }
             (Some(round), None) if faces(b) => {
-                self.round_on_faces((a, &round), b, (&n, limits), points);
+                left -= self.round_on_faces((a, &round), b, (&n, limits), points);
             }
             (None, None) if faces(a) && faces(b) => {
                 limits.points_alone = true;
                 let all = self.cover((a, b), (&n, limits), points);
-                let by = if all.weight > 0.0 {
-                    1.0 / all.weight
-                } else {
-                    0.0
-                };
-                points.scale(0, by);
+                points.scale(
+                    0,
+                    if all.part > 0.0 {
+                        all.part / all.weight
+                    } else {
+                        0.0
+                    },
+                );
+                left -= all.part;
             }
             _ => {}
         }
-        if points.count() == 0 && gap <= reach {
-            points.add(0, point(apart.middle, -gap, 1.0));
+        // Of the nearest points is what nothing else has.
+        if left > 0.0 && gap <= reach {
+            points.add(0, point(apart.middle, -gap, left));
         }
         (n, blended, apart.deep)
     }
@@ -158,39 +166,32 @@ impl Meeting {
         let lower = &mut self.lower;
         lower.look(b, &frame);
         lower.face(b, &frame, 1.0, trace.lowest(n) - limits.level);
+        lower.round(b.solid.radius);
         trace.cover((lower, &b.solid.mesh), &frame, limits, points)
     }
 
-    /// A capsule or a cylinder on a polyhedron.
+    /// A capsule or a cylinder on a polyhedron; returns the shares of all points together, 0 … 1.
     fn round_on_faces(
         &mut self,
         (a, round): (&Placed, &Round),
         b: &Placed,
         (n, limits): (&Vec3, Limits),
         points: &mut Points,
-    ) {
-        let blend = a.solid.blend + b.solid.blend;
+    ) -> f64 {
         let mut all = Cover::default();
         if round.flat {
             all = self.cover((a, b), (n, limits), points);
         }
         let first = points.count();
-        let (line, weight, _) = self.line((a, round), b, (n, limits, Side::First), points);
-        let cut = cut_off(a, n, &all, blend);
-        let there = (line / (LEAST * blend * blend)).min(1.0) * (1.0 - cut);
+        let (part, weight, _) = self.line((a, round), b, (n, limits, Side::First), points);
+        let there = part * (1.0 - cut_off(a, n, &all));
         // What the line does not have, the end has, as far as it takes part.
-        let other = (all.volume / (LEAST * blend * blend * blend)).min(1.0) * (1.0 - there);
-        let total = there + other;
-        let by = |share: f64, weight: f64| {
-            if weight > 0.0 {
-                share / (total * weight)
-            } else {
-                0.0
-            }
-        };
+        let other = all.part * (1.0 - there);
+        let by = |share: f64, weight: f64| if share > 0.0 { share / weight } else { 0.0 };
         points.scale_range(0, first, by(other, all.weight));
         points.scale_range(first, points.count(), by(there, weight));
         points.drop_empty();
+        there + other
     }
 
     /// Two capsules or cylinders.
@@ -202,7 +203,7 @@ impl Meeting {
         limits: Limits,
         points: &mut Points,
     ) {
-        let (n, blend) = (apart.normal, a.solid.blend + b.solid.blend);
+        let n = apart.normal;
         let (mut cut_a, mut cut_b, mut taken) = (0.0, 0.0, 0.0);
         if ra.flat && rb.flat {
             // How much of each end the other cuts off: once from each side, with what each would
@@ -210,15 +211,15 @@ impl Meeting {
             let back = self.cover((b, a), (&-n, limits), points);
             points.scale(0, 0.0);
             let all = self.cover((a, b), (&n, limits), points);
-            (cut_a, cut_b) = (cut_off(a, &n, &all, blend), cut_off(b, &n, &back, blend));
-            let share = (all.volume / (LEAST * blend * blend * blend)).min(1.0) * cut_a * cut_b;
+            (cut_a, cut_b) = (cut_off(a, &n, &all), cut_off(b, &n, &back));
+            let share = all.part * cut_a * cut_b;
             points.scale(0, if share > 0.0 { share / all.weight } else { 0.0 });
             taken += share;
         }
         let mut lie = |(p, round): (&Placed, &Round), q: &Placed, n: &Vec3, side, cut: f64| {
             let first = points.count();
-            let (line, weight, _) = self.line((p, round), q, (n, limits, side), points);
-            let share = (line / (LEAST * blend * blend)).min(1.0) * (1.0 - cut);
+            let (part, weight, _) = self.line((p, round), q, (n, limits, side), points);
+            let share = part * (1.0 - cut);
             points.scale(first, if share > 0.0 { share / weight } else { 0.0 });
             share
         };
@@ -241,11 +242,10 @@ impl Meeting {
 /// How far a polygon takes over from the law of a rim: where the end of the cylinder `p` faces the
 /// other shape and has something cut off within the blend of the deepest place. An end that leans
 /// is round.
-fn cut_off(p: &Placed, n: &Vec3, all: &Cover, blend: f64) -> f64 {
+fn cut_off(p: &Placed, n: &Vec3, all: &Cover) -> f64 {
     let facing = p.axis().dot(n);
     let squared = facing * facing;
-    let there = (all.area / (LEAST * blend * blend)).min(1.0);
-    squared * squared * there * (CUT * all.cut).min(1.0)
+    squared * squared * all.part * (CUT * all.cut).min(1.0)
 }
 
 /// The points of a shape on the plane `n·x = offset`.

@@ -88,6 +88,13 @@ impl Polygon {
         (area, sum)
     }
 
+    /// m, as seen.
+    fn circumference(&self) -> f64 {
+        let list = self.corners();
+        let sides = list.iter().zip(list.iter().cycle().skip(1));
+        sides.map(|(a, b)| (b - a).xy().norm()).sum()
+    }
+
     /// Drops corners that coincide with the one before.
     fn merge(&mut self) {
         let size = self.corners().iter().fold(0.0, |size: f64, x| {
@@ -131,10 +138,9 @@ impl Polygons {
 pub(super) struct Cover {
     /// `Σ W`, m¹².
     pub(super) weight: f64,
-    /// `Σ V`, m³.
-    pub(super) volume: f64,
-    /// Area below the level, m².
-    pub(super) area: f64,
+    /// How much of the contact the polygons decide, 0 … 1, see [`Limits::part`]: the mean, by the
+    /// weights.
+    pub(super) part: f64,
     /// What part of the upper face's area below the level has no lower face under it, 0 … 1.
     pub(super) cut: f64,
     /// Least gap, m; infinite where nothing lies over each other.
@@ -145,9 +151,27 @@ pub(super) struct Cover {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Limits {
     pub(super) level: f64,
+    /// By how much the level is above the gap where the rounded shapes are nearest, m.
+    pub(super) blend: f64,
+    /// How wide, or far inside of a face, something is that decides alone, m.
+    pub(super) wide: f64,
     pub(super) reach: f64,
-    /// Whether nothing but points and weights is asked for: not areas, volumes and the least gap.
+    /// Whether the part that is cut off is not asked for, nor what has no part in the weights.
     pub(super) points_alone: bool,
+}
+
+impl Limits {
+    /// How much of a contact something decides that is `wide` m wide, or inside of a face, and has
+    /// the least gap `gap`, 0 … 1; the rest is that of the nearest points of the rounded shapes.
+    ///
+    /// With `x`, which rises evenly with both, it is `x⁴/(x⁴ + (1 − x)⁴)`: depths are a mean of
+    /// fourth powers, so that both ends of the transition are gentle.
+    pub(super) fn part(&self, wide: f64, gap: f64) -> f64 {
+        let near = ((self.level - gap) / self.blend).clamp(0.0, 1.0);
+        let x = (wide / self.wide).clamp(0.0, 1.0) * near;
+        let (a, b) = (x * x, (1.0 - x) * (1.0 - x));
+        a * a / (a * a + b * b)
+    }
 }
 
 /// Share of the weight below which a pair of faces has no points: the sides of a box that lies on a
@@ -170,6 +194,7 @@ pub(super) fn cover(
         least: f64::INFINITY,
         ..Cover::default()
     };
+    let mut covered = 0.0;
     let height = limits.level - (upper.heights.0 - lower.heights.1);
     for f in upper.fronts() {
         for g in lower.fronts() {
@@ -204,8 +229,9 @@ pub(super) fn cover(
                 continue;
             }
             let weight = (volume * volume) * (volume * volume);
-            all.volume += volume;
             all.weight += weight;
+            let nearest = two.corners().iter().map(gap).fold(f64::INFINITY, f64::min);
+            all.part += weight * limits.part(2.0 * area / two.circumference(), nearest);
             one.merge();
             corners(one, (f, g), frame, (limits.reach, weight), (first, points));
             if limits.points_alone {
@@ -215,14 +241,17 @@ pub(super) fn cover(
             one.take(face);
             two.cut(one, |x| limits.level - gap(x));
             let (whole, _) = two.integral(|_| 0.0);
-            all.area += area;
+            covered += area;
             if whole > area {
                 all.cut += area * (1.0 - area / whole);
             }
         }
     }
-    if all.area > 0.0 {
-        all.cut /= all.area;
+    if covered > 0.0 {
+        all.cut /= covered;
+    }
+    if all.weight > 0.0 {
+        all.part /= all.weight;
     }
     all
 }

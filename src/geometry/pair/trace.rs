@@ -110,11 +110,8 @@ impl Trace {
     }
 
     /// Adds the ends of what lies over each face of `lower`, with half of its weight each; returns
-    /// how much of it there is, m², the sum of the weights, m⁸, and the least gap, m.
-    ///
-    /// The first is the integral over the line as seen. A line that stands is seen as a point, and
-    /// the length of what is over the face has few digits: there it is how far inside that
-    /// point is.
+    /// how much of the contact it decides, see [`Limits::part`], by how far inside of a face its
+    /// middle is, the mean by the weights; their sum, m⁸, and the least gap, m.
     ///
     /// Where a line that stands leaves a face, this is no end of a contact: the upper end counts
     /// fully up to 30° from lying, and no more from 60° on.
@@ -131,28 +128,12 @@ impl Trace {
         let up = (way.z / way.norm().max(f64::MIN_POSITIVE)).abs();
         let left = ((STANDING - up) / (STANDING - 0.5)).clamp(0.0, 1.0);
         let first = points.count();
-        let lower_end = if way.z > 0.0 { -1.0 } else { 1.0 };
-        let seen = (way.x * way.x + way.y * way.y).sqrt();
         for g in lower.fronts() {
-            let (mut low, mut high) = (-1.0_f64, 1.0_f64);
-            let mut depth = f64::INFINITY;
-            let outline = lower.outline(mesh, g.index);
-            let ends = outline.clone().cycle().skip(1);
-            for (a, b) in outline.zip(ends) {
-                let (u, v) = (b - a, middle - a);
-                // Inside is where `inside + s rate ≥ 0`.
-                let inside = u.x * v.y - u.y * v.x;
-                let rate = u.x * way.y - u.y * way.x;
-                let width = (u.x * u.x + u.y * u.y).sqrt();
-                depth = depth.min((inside + lower_end * rate) / width);
-                if rate > 0.0 {
-                    low = low.max(-inside / rate);
-                } else if rate < 0.0 {
-                    high = high.min(-inside / rate);
-                } else if inside < 0.0 {
-                    high = f64::NEG_INFINITY;
-                }
-            }
+            let line = (&middle, &way);
+            let (low, high, inside) = match lower.disc(g.index) {
+                Some(disc) => disc.clip(g, line),
+                None => clip(lower.outline(mesh, g.index), line),
+            };
             if low >= high {
                 continue;
             }
@@ -168,8 +149,7 @@ impl Trace {
                 continue;
             }
             let weight = (part * part) * (part * part);
-            let over = (limits.level - gap(lower_end)).max(0.0);
-            sum += part * seen / length + (1.0 - left) * depth.clamp(0.0, over) * over;
+            sum += weight * limits.part(inside, gap(low).min(gap(high)));
             total += weight;
             for (s, is_high) in [(low, false), (high, true)] {
                 let depth = -gap(s);
@@ -186,8 +166,40 @@ impl Trace {
                 }
             }
         }
-        (sum, total, least)
+        let mean = if total > 0.0 { sum / total } else { 0.0 };
+        (mean, total, least)
     }
+}
+
+/// Between which places, within −1 … 1, a line `(middle, way)` is over a convex outline, and how far
+/// inside of it its middle there is, m, as seen.
+fn clip(
+    outline: impl Iterator<Item = Vec3> + Clone,
+    (middle, way): (&Vec3, &Vec3),
+) -> (f64, f64, f64) {
+    let (mut low, mut high) = (-1.0_f64, 1.0_f64);
+    let ends = outline.clone().cycle().skip(1);
+    // Inside is where `inside + s rate ≥ 0`.
+    let sides = outline.zip(ends).map(|(a, b)| {
+        let (u, v) = (b - a, middle - a);
+        let (inside, rate) = (u.x * v.y - u.y * v.x, u.x * way.y - u.y * way.x);
+        (inside, rate, (u.x * u.x + u.y * u.y).sqrt())
+    });
+    for (inside, rate, _) in sides.clone() {
+        if rate > 0.0 {
+            low = low.max(-inside / rate);
+        } else if rate < 0.0 {
+            high = high.min(-inside / rate);
+        } else if inside < 0.0 {
+            high = f64::NEG_INFINITY;
+        }
+    }
+    if low >= high {
+        return (low, high, 0.0);
+    }
+    let half = 0.5 * (low + high);
+    let depths = sides.map(|(inside, rate, width)| (inside + half * rate) / width);
+    (low, high, depths.fold(f64::INFINITY, f64::min))
 }
 
 /// Mean of `x₊` where `x` goes evenly from `a` to `b`.

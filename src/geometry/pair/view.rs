@@ -84,6 +84,45 @@ pub(super) struct Seen {
     front_count: usize,
     /// Least and greatest height of a corner, m.
     pub(super) heights: (f64, f64),
+    /// The ends of a cylinder, which its faces stand for.
+    discs: Option<[Disc; 2]>,
+}
+
+/// The flat end of a cylinder, as seen.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Disc {
+    center: Vec3,
+    radius: f64,
+}
+
+impl Disc {
+    /// Between which places, within −1 … 1, a line `(middle, way)` is over the end with the plane
+    /// of `front`, and how far inside of it its middle there is, m, as seen.
+    ///
+    /// What lies below the line in that plane is, from the centre, `r₀ + s r₁`; over the end is
+    /// where this is no longer than the radius.
+    pub(super) fn clip(&self, front: &Front, (middle, way): (&Vec3, &Vec3)) -> (f64, f64, f64) {
+        const NONE: (f64, f64, f64) = (1.0, -1.0, 0.0);
+        let below = |x: Vec3| Vec3::new(x.x, x.y, front.height(&x));
+        let from = below(*middle) - self.center;
+        let rate = below(middle + way) - below(*middle);
+        let (square, half) = (rate.norm_squared(), from.dot(&rate));
+        let beyond = from.norm_squared() - self.radius * self.radius;
+        let root = half * half - square * beyond;
+        if root <= 0.0 && beyond >= 0.0 {
+            return NONE;
+        }
+        let (mut low, mut high) = (-1.0_f64, 1.0_f64);
+        if root > 0.0 {
+            // Of the two quotients for each root the one without cancellation.
+            let sum = -(half + root.sqrt().copysign(half));
+            let (one, two) = (sum / square, beyond / sum);
+            (low, high) = (low.max(one.min(two)), high.min(one.max(two)));
+        }
+        let seen = (1.0 - front.tilt).max(0.0).sqrt();
+        let inside = self.radius - (from + rate * (0.5 * (low + high))).norm();
+        (low, high, inside * seen)
+    }
 }
 
 impl Seen {
@@ -100,6 +139,7 @@ impl Seen {
         }; MOST_FRONTS],
         front_count: 0,
         heights: (0.0, 0.0),
+        discs: None,
     };
 
     /// Looks at the corners of a solid.
@@ -114,6 +154,24 @@ impl Seen {
         for (seen, c) in self.corners.iter_mut().zip(corners) {
             *seen = p + R[0] * c.x + R[1] * c.y + R[2] * c.z;
             self.heights = (self.heights.0.min(seen.z), self.heights.1.max(seen.z));
+        }
+        let round = placed.solid.round.filter(|round| round.flat);
+        self.discs = round.map(|round| {
+            [1.0, -1.0].map(|end| Disc {
+                center: p + R[2] * (end * round.half),
+                radius: round.radius,
+            })
+        });
+    }
+
+    /// Moves faces that are tilted back to what lies behind them: by `r (1/cos θ − 1)` where the
+    /// shape is rounded by `r` and the face tilted by `θ`. Over an edge, with the same tilt of both
+    /// of its faces, their height is then that of the rounded shape, and no other face than one
+    /// that is tilted is changed.
+    pub(super) fn round(&mut self, r: f64) {
+        for front in &mut self.fronts[..self.front_count] {
+            let cos = (1.0 - front.tilt).max(f64::MIN_POSITIVE).sqrt();
+            front.h0 -= r * front.tilt / (cos * (1.0 + cos));
         }
     }
 
@@ -159,6 +217,11 @@ impl Seen {
 
     pub(super) fn fronts(&self) -> &[Front] {
         &self.fronts[..self.front_count]
+    }
+
+    /// The disc that a face stands for.
+    pub(super) fn disc(&self, face: usize) -> Option<&Disc> {
+        self.discs.as_ref()?.get(face)
     }
 
     /// Corners of a face in order, as seen.

@@ -194,15 +194,15 @@ fn a_capsule_on_a_box_has_its_ends_or_where_it_leaves_the_box() {
         let matches = points.iter().any(|p| (p.x.x - x).abs() < 1e-12);
         assert!(matches && (p.share - 0.5).abs() < 1e-12 && (p.depth - 1e-4).abs() < 1e-14);
     }
-    // Skew over an edge of the box: one point with half.
+    // Skew over an edge of the box, which is rounded by 1 mm: one point with half.
     let tilted = turned(Vec3::y(), FRAC_PI_2 + FRAC_PI_4);
-    let off = (0.02 - 1e-4) / 2.0_f64.sqrt();
-    let pose = at(Vec3::new(0.05 + off, 0.0, 0.05 + off), tilted);
+    let off = 0.049 + (0.02 + 0.001 - 1e-4) / 2.0_f64.sqrt();
+    let pose = at(Vec3::new(off, 0.0, off), tilted);
     let patch = find((&capsule, pose), (&cube(0.05), Pose::IDENTITY), 1e-3);
     let deepest: Vec<_> = patch.points().iter().filter(|p| p.depth > 0.0).collect();
     assert_eq!(deepest.len(), 1, "{:?}", patch.points());
     assert!((deepest[0].share - 0.5).abs() < 1e-9, "{deepest:?}");
-    // Sharp edge of the box under a line: the depth is that of the edge.
+    // Where both faces are tilted alike, the depth is that of the rounded edge.
     assert!((deepest[0].depth - 1e-4).abs() < 1e-12, "{deepest:?}");
 }
 
@@ -298,6 +298,10 @@ fn nothing_is_found_beyond_the_reach() {
     );
 }
 
+/// How exactly the place of the nearest points of curved surfaces is known, m: the root of the part
+/// of their distance that `cylinders.rs` does not settle.
+const NEAREST: f64 = 1e-7;
+
 /// The same points from both sides, and against a plane that is given first.
 #[test]
 fn exchanging_the_shapes_turns_the_normal_over() {
@@ -322,7 +326,8 @@ fn exchanging_the_shapes_turns_the_normal_over() {
                 assert!((there.normal + back.normal).norm() < 1e-9, "round {round}");
                 for p in there.points() {
                     let same = |q: &&PatchPoint| {
-                        (q.x - p.x).norm() + (q.depth - p.depth).abs() < 1e-9
+                        (q.x - p.x).norm() < NEAREST
+                            && (q.depth - p.depth).abs() < 1e-9
                             && q.rim.map(|r| r.side.other()) == p.rim.map(|r| r.side)
                     };
                     let sum = |patch: &Patch| -> f64 {
@@ -331,7 +336,8 @@ fn exchanging_the_shapes_turns_the_normal_over() {
                     let own: f64 = there
                         .points()
                         .iter()
-                        .filter(|q| (q.x - p.x).norm() < 1e-9)
+                        .filter(|q| (q.x - p.x).norm() < NEAREST)
+                        .filter(|q| (q.depth - p.depth).abs() < 1e-9)
                         .filter(|q| q.rim.map(|r| r.side) == p.rim.map(|r| r.side))
                         .map(|q| q.share)
                         .sum();

@@ -10,6 +10,9 @@ fn paths() -> usize {
 
 /// Samples of a path.
 const SAMPLES: usize = 400;
+/// Share of the largest wrench that counts as a jump: the place of the nearest points of curved
+/// surfaces is known to the root of the round-off of their distance.
+const JUMP: f64 = 1e-7;
 /// Part of a path down to which a change is followed.
 const SHORT: f64 = 1e-13;
 
@@ -193,7 +196,7 @@ fn path(i: usize, j: usize, number: usize, depth: f64, random: &mut Random) -> P
 #[derive(Debug, Default)]
 struct Found {
     paths: usize,
-    /// Those with a jump of more than 1e-10 of the largest wrench.
+    /// Those with a jump of more than [`JUMP`].
     jumps: usize,
     largest: f64,
 }
@@ -215,7 +218,7 @@ fn forces_do_not_jump_unless_shapes_overlap_deeply() {
                 let found = if blended { &mut deep } else { &mut all };
                 found.paths += 1;
                 found.largest = found.largest.max(jump);
-                if jump > 1e-10 {
+                if jump > JUMP {
                     found.jumps += 1;
                     let line = format!("seed {seed} path {number} at {s}: {jump}, {blended}\n");
                     text.push_str(&line);

@@ -1,6 +1,7 @@
 //! Tests of contact between two shapes.
 
 mod cases;
+mod depths;
 mod distances;
 mod jumps;
 
