@@ -261,6 +261,12 @@ impl<'a> Report<'a> {
         });
     }
 
+    /// Forgets all findings.
+    pub(crate) fn clear(&mut self) {
+        self.list.clear();
+        self.more = 0;
+    }
+
     pub(crate) fn has_errors(&self) -> bool {
         self.list.iter().any(|d| d.severity == Severity::Error)
     }

@@ -45,9 +45,23 @@ pub fn map<T: Sync, R: Send>(things: &[T], work: impl Fn(&T) -> R + Sync) -> Vec
     results.into_iter().map(|(_, result)| result).collect()
 }
 
+/// The same, the largest first, so that none of them is begun when all else is done.
+pub fn map_largest_first<T: Sync, R: Send>(
+    things: &[T],
+    size: impl Fn(&T) -> usize,
+    work: impl Fn(&T) -> R + Sync,
+) -> Vec<R> {
+    let mut order: Vec<usize> = (0..things.len()).collect();
+    order.sort_by_key(|&i| std::cmp::Reverse(size(&things[i])));
+    let results = map(&order, |&i| work(&things[i]));
+    let mut results: Vec<(usize, R)> = order.into_iter().zip(results).collect();
+    results.sort_unstable_by_key(|(i, _)| *i);
+    results.into_iter().map(|(_, result)| result).collect()
+}
+
 #[cfg(test)]
 mod tests {
-    use super::map;
+    use super::{map, map_largest_first};
 
     #[test]
     fn results_stand_in_the_order_of_the_things() {
@@ -55,6 +69,8 @@ mod tests {
             let things: Vec<usize> = (0..count).collect();
             let squares: Vec<usize> = things.iter().map(|i| i * i).collect();
             assert_eq!(map(&things, |i| i * i), squares);
+            let size = |i: &usize| i * 7 % 11;
+            assert_eq!(map_largest_first(&things, size, |i| i * i), squares);
         }
     }
 

@@ -80,7 +80,7 @@ impl Settings {
         }
     }
 
-    /// What is right of a settings file, none if it is no TOML, and everything that is wrong with
+    /// What is right of a settings file, none if it cannot be read, and everything that is wrong with
     /// it: for what can be told of a robot beside it.
     pub fn read_rest(path: &Path, compat: Option<Compat>) -> (Option<Self>, Vec<Diagnostic>) {
         let name = path.display().to_string();
@@ -118,7 +118,7 @@ impl Settings {
         }
     }
 
-    /// What is right of a text, none if it is no TOML, and everything that is wrong with it.
+    /// What is right of a text, and everything that is wrong with it.
     fn inspect(
         text: &str,
         file_name: &str,
@@ -126,11 +126,26 @@ impl Settings {
     ) -> (Option<Self>, Vec<Diagnostic>) {
         let mut reader = Reader::new(file_name, text);
         let root = reader.read();
-        let settings = root.map(|root| fill(&mut reader, &root, compat));
-        let mut findings = reader.findings;
+        let settings = Some(fill(&mut reader, &root, compat));
+        let mut findings = without_consequences(reader.findings);
         findings.sort_by_key(|d| d.place.as_ref().map_or((0, 0), |p| (p.line, p.column)));
         (settings, findings)
     }
+}
+
+/// Findings that do not follow from a line that is no TOML: what stands in such a line, and what is
+/// missing or does not fit together, may be as it should be once the line is mended.
+fn without_consequences(mut findings: Vec<Diagnostic>) -> Vec<Diagnostic> {
+    let line = |finding: &Diagnostic| finding.place.as_ref().map(|place| place.line);
+    let broken = findings.iter().filter(|finding| finding.code == "S101");
+    let broken: Vec<_> = broken.map(line).collect();
+    if !broken.is_empty() {
+        findings.retain(|finding| {
+            let depends = ["S106", "S107"].contains(&finding.code);
+            finding.code == "S101" || !depends && !broken.contains(&line(finding))
+        });
+    }
+    findings
 }
 
 #[cfg(test)]

@@ -22,6 +22,15 @@ pub use row::{Causality, Display, Kind, Part, Slot, TableError, Unit, Variable};
 /// # Errors
 /// [`TableError`] if two names clash.
 pub fn table(model: &Model) -> Result<Vec<Variable>, TableError> {
+    filled(model).finish()
+}
+
+/// All names that clash, which [`table`] gives one of.
+pub fn clashes(model: &Model) -> Vec<TableError> {
+    filled(model).clashes()
+}
+
+fn filled(model: &Model) -> Table<'_> {
     let mut table = Table::new(model);
     table.inputs();
     table.conveyors();
@@ -37,7 +46,7 @@ pub fn table(model: &Model) -> Result<Vec<Variable>, TableError> {
     table.initial_parameters();
     table.tunable_parameters();
     table.solver_parameters();
-    table.finish()
+    table
 }
 
 /// The row named `name`.

@@ -102,12 +102,13 @@ pub enum StageError {
 /// # Errors
 /// [`StageError::Robot`] with everything found so far, [`StageError::Table`].
 pub fn robot(request: &Request) -> Result<Robot, StageError> {
-    let (settings, mut findings, is_toml) = asked::settings_of(request);
+    let (settings, mut findings) = asked::settings_of(request);
     if findings.is_empty() {
         return made(request, settings);
     }
     if let Err(StageError::Robot(more)) = made(request, settings) {
-        findings.extend(later::beside_settings(more, is_toml));
+        let more = later::beside_settings(&findings, more);
+        findings.extend(more);
     }
     Err(StageError::Robot(findings))
 }
@@ -117,11 +118,7 @@ fn made(request: &Request, mut settings: Settings) -> Result<Robot, StageError> 
     let options = world::options(&settings, packages);
     let read = world::read(&request.urdf, &request.xacro_arguments, &options);
     let (description, expanded) = read.map_err(|mut findings| {
-        findings.extend(later::beside_robot(
-            request.urdf.as_path(),
-            &request.xacro_arguments,
-            (&settings, &options),
-        ));
+        findings.extend(later::beside_robot(request, &settings, &options));
         StageError::Robot(findings)
     })?;
     let mut diagnostics = description.diagnostics.clone();
@@ -140,7 +137,13 @@ fn made(request: &Request, mut settings: Settings) -> Result<Robot, StageError> 
             }
             Err(findings) => {
                 diagnostics.extend(findings);
-                diagnostics.extend(later::of(&description, &settings));
+                let around = world::surroundings(&mut settings, packages);
+                let (guests, others) = match around {
+                    Ok(around) => (around.guests, Vec::new()),
+                    Err(findings) => (Vec::new(), findings),
+                };
+                diagnostics.extend(others);
+                diagnostics.extend(later::sound(&description, &settings, &guests));
                 return Err(StageError::Robot(diagnostics));
             }
         }
@@ -149,25 +152,27 @@ fn made(request: &Request, mut settings: Settings) -> Result<Robot, StageError> 
         diagnostics.extend(errors);
         StageError::Robot(std::mem::take(&mut diagnostics))
     };
-    let mut around = world::surroundings(&mut settings, packages).map_err(&mut failed)?;
+    let around = world::surroundings(&mut settings, packages);
+    let mut around = around.map_err(|mut findings| {
+        findings.extend(later::sound(&description, &settings, &[]));
+        failed(findings)
+    })?;
     if request.pushable {
         around.push(&settings);
     }
     let built = assemble::world(&description, &settings, &around.guests);
     let assembled = built.map_err(|mut findings| {
-        findings.extend(later::clash(&description, &settings));
+        findings.extend(later::clashes(&description, &settings));
         failed(findings)
     })?;
-    let unknown = library::unknown(&settings.fmu.platforms);
-    if !unknown.is_empty() {
-        return Err(failed(unknown));
-    }
     diagnostics.extend(around.diagnostics);
     diagnostics.extend(assembled.diagnostics);
     let table = match variables::table(&assembled.model) {
         Ok(table) => table,
-        Err(error) => {
-            diagnostics.push(crate::diagnostics::clash(&description, &error));
+        Err(_) => {
+            let clashes = variables::clashes(&assembled.model);
+            let clashes = clashes.iter();
+            diagnostics.extend(clashes.map(|e| crate::diagnostics::clash(&description, e)));
             return Err(StageError::Robot(diagnostics));
         }
     };

@@ -8,7 +8,7 @@ use super::{
 };
 use crate::diagnostic::Diagnostic;
 use crate::model::{BodyId, Initial, Model, OutputSelection, Root};
-use crate::settings::Settings;
+use crate::settings::{InertiaSource, Settings};
 use crate::urdf::Description;
 
 /// A robot, ready to simulate.
@@ -28,18 +28,24 @@ pub struct Assembled {
 /// # Errors
 /// Everything that is wrong, with the notes and warnings found on the way.
 pub fn build(description: &Description, settings: &Settings) -> Result<Assembled, Vec<Diagnostic>> {
+    match attempt(description, settings) {
+        (Some(model), diagnostics, false) => Ok(Assembled { model, diagnostics }),
+        (_, findings, _) => Err(findings),
+    }
+}
+
+/// The model as far as there is one, what is found, and whether it is in the way of a model.
+pub(super) fn attempt(
+    description: &Description,
+    settings: &Settings,
+) -> (Option<Model>, Vec<Diagnostic>, bool) {
     let mut findings = Findings::new(description);
     let model = assemble(description, settings, &mut findings);
-    match model {
-        Some(model) if !findings.has_errors() => Ok(Assembled {
-            model,
-            diagnostics: findings.list,
-        }),
-        _ => {
-            ways::offer(assemble, description, settings, &mut findings);
-            Err(findings.list)
-        }
+    let failed = model.is_none() || findings.has_errors();
+    if failed {
+        ways::offer(assemble, description, settings, &mut findings);
     }
+    (model, findings.list, failed)
 }
 
 /// What can be told of a robot that has faults, and the model as far as there is one.
@@ -58,10 +64,8 @@ fn assemble(
 ) -> Option<Model> {
     let mut robot = Robot::new(description, settings, findings);
     let base = bodies::choose_base(&mut robot, settings, findings);
+    // A fault is told, and what is left goes on, so that the others are told with it.
     mimic::resolve(&mut robot, findings);
-    if findings.has_errors() {
-        return None;
-    }
     let mut model = Model {
         name: robot.name,
         links: robot.links,
@@ -103,7 +107,9 @@ fn assemble(
         loops::close(&mut model, &given, (&places, true), findings);
     }
     let poses = initial::poses(&model);
-    let poses = inertia::complete(&mut model, poses, &robot.shapes, &robot.lines, findings);
+    let of_shapes = settings.inertia == InertiaSource::Collision;
+    let (shapes, lines) = (&robot.shapes, &robot.lines);
+    let poses = inertia::complete(&mut model, poses, shapes, lines, of_shapes, findings);
     initial::height(&mut model, &poses, settings, findings);
     actuators::add(&mut model, &poses, &robot.lines, settings, findings);
     actuators::report_velocity_limits(&model, findings);

@@ -24,7 +24,7 @@ const SMALLEST_INERTIA: f64 = 1e-16;
 
 /// Gives links whose `<inertia>` is singular that of their shapes where the robot could not move
 /// otherwise, and reports degrees of freedom that have none even so. Returns the poses of the model
-/// as it is then.
+/// as it is then; `of_shapes` says whether inertias are computed from the shapes in any case.
 ///
 /// A point mass or a line without width is a legal body as long as something turns it about another
 /// axis. Where nothing does, zeros mean that the inertia was not computed: a thousand of
@@ -34,6 +34,7 @@ pub(super) fn complete(
     mut poses: Poses,
     shapes: &[Vec<CollisionDescription>],
     lines: &Lines,
+    of_shapes: bool,
     findings: &mut Findings,
 ) -> Poses {
     loop {
@@ -56,7 +57,7 @@ pub(super) fn complete(
             .iter()
             .any(|&dof| from_solids(model, dof, shapes, lines, findings));
         if !changed {
-            report(model, &weak, lines, findings);
+            report(model, &weak, lines, of_shapes, findings);
             return poses;
         }
         poses = super::initial::poses(model);
@@ -169,7 +170,9 @@ fn row(pattern: &crate::sparsity::Sparsity, i: usize) -> &[u32] {
 }
 
 /// One error for all links that lack inertia.
-fn report(model: &Model, weak: &[usize], lines: &Lines, findings: &mut Findings) {
+///
+/// - `of_shapes`: whether inertias are computed from the shapes already
+fn report(model: &Model, weak: &[usize], lines: &Lines, of_shapes: bool, findings: &mut Findings) {
     // From the base outwards, each once.
     let mut bodies: Vec<BodyId> = weak.iter().map(|&dof| model.dofs[dof].body).collect();
     bodies.sort_by_key(|body| body.index());
@@ -233,7 +236,7 @@ fn report(model: &Model, weak: &[usize], lines: &Lines, findings: &mut Findings)
         help,
         "give {each} one, for instance '{name}'\n{}\n{}",
         suggestion(model, first),
-        from_shapes(model, first)
+        from_shapes(model, first, of_shapes)
     );
     if let [joint] = &joints[..] {
         let _ = write!(
@@ -250,10 +253,10 @@ fn report(model: &Model, weak: &[usize], lines: &Lines, findings: &mut Findings)
     findings.error(code, place, message, help.trim_end());
 }
 
-/// Advice for a missing `<inertia>`, if the link has a mass and a shape.
-fn from_shapes(model: &Model, link: LinkId) -> &'static str {
+/// Advice for a missing `<inertia>`, if the link has a mass and a shape that is not used for it yet.
+fn from_shapes(model: &Model, link: LinkId, of_shapes: bool) -> &'static str {
     let shaped = model.colliders.iter().any(|c| c.link == link);
-    if shaped && model.links[link.index()].inertia.mass > 0.0 {
+    if shaped && !of_shapes && model.links[link.index()].inertia.mass > 0.0 {
         "or compute all from the collision shapes: --inertia collision\n"
     } else {
         ""

@@ -4,6 +4,7 @@
 //! not get the same error for the next link.
 
 use super::findings::{Findings, listed};
+use crate::diagnostic::{Diagnostic, Severity};
 use crate::model::Model;
 use crate::settings::{Compat, InertiaSource, JointSettings, Settings};
 use crate::urdf::solids::of_density;
@@ -25,30 +26,19 @@ pub(super) fn offer(
     settings: &Settings,
     findings: &mut Findings,
 ) {
-    let other_errors = findings.list.iter().any(|finding| {
-        finding.severity == crate::diagnostic::Severity::Error
-            && !["A104", "A105"].contains(&finding.code)
-    });
-    let about = |code: &str| ["A104", "A105"].contains(&code);
-    let Some(at) = findings.list.iter().position(|f| about(f.code)) else {
+    let Some(at) = findings.list.iter().position(is_of_inertia) else {
         return;
     };
-    let mut ways: Vec<String> = Vec::new();
-    if !other_errors {
-        let density = by_density(assemble, description, settings);
-        let pybullet = by_pybullet(assemble, description, settings);
-        // What needs no settings file comes first.
-        let partial = density.as_ref().is_some_and(|way| way.contains("armature"));
-        ways.extend(
-            if partial {
-                [pybullet, density]
-            } else {
-                [density, pybullet]
-            }
-            .into_iter()
-            .flatten(),
-        );
-    }
+    let density = by_density(assemble, description, settings, &findings.list);
+    let pybullet = by_pybullet(assemble, description, settings, &findings.list);
+    // What needs no settings file comes first.
+    let partial = density.as_ref().is_some_and(|way| way.contains("armature"));
+    let ways = if partial {
+        [pybullet, density]
+    } else {
+        [density, pybullet]
+    };
+    let ways: Vec<String> = ways.into_iter().flatten().collect();
     if let Some(help) = &mut findings.list[at].help
         && !ways.is_empty()
     {
@@ -64,19 +54,35 @@ pub(super) fn offer(
     }
 }
 
-/// None where it helps; else the joints along which nothing has inertia even so.
-fn left(assemble: Assemble, description: &Description, settings: &Settings) -> Option<Vec<String>> {
+/// Whether a finding is about inertia that is missing.
+fn is_of_inertia(finding: &Diagnostic) -> bool {
+    finding.severity == Severity::Error && ["A104", "A105"].contains(&finding.code)
+}
+
+/// None where it helps, whatever else is wrong; else the joints along which nothing has inertia even
+/// so.
+///
+/// - `known`: what is found without it
+fn left(
+    assemble: Assemble,
+    description: &Description,
+    settings: &Settings,
+    known: &[Diagnostic],
+) -> Option<Vec<String>> {
     let mut findings = Findings::new(description);
-    _ = assemble(description, settings, &mut findings);
-    findings
-        .has_errors()
-        .then(|| std::mem::take(&mut findings.unmoved))
+    let model = assemble(description, settings, &mut findings);
+    let of_way = |finding: &Diagnostic| {
+        is_of_inertia(finding) || finding.severity == Severity::Error && !known.contains(finding)
+    };
+    let fails = model.is_none() || findings.list.iter().any(of_way);
+    fails.then(|| std::mem::take(&mut findings.unmoved))
 }
 
 fn by_density(
     assemble: Assemble,
     description: &Description,
     settings: &Settings,
+    known: &[Diagnostic],
 ) -> Option<String> {
     let weighs = |link: &LinkDescription| {
         link.inertial.is_none_or(|own| own.mass <= 0.0)
@@ -108,7 +114,7 @@ fn by_density(
     let way = format!(
         "  masses from the collision shapes and a density: {options} (in the settings [robot] {keys})"
     );
-    let joints = match left(assemble, description, &tried) {
+    let joints = match left(assemble, description, &tried, known) {
         None => return Some(way),
         Some(joints) if joints.is_empty() => return None,
         Some(joints) => joints,
@@ -123,19 +129,22 @@ fn by_density(
         .iter()
         .map(|joint| format!("[joint.\"{joint}\"] armature = {ARMATURE:e}"));
     let all: Vec<String> = all.collect();
-    left(assemble, description, &tried).is_none().then(|| {
-        format!(
-            "{way},\n  and rotor inertia for what has no volume ({}), in the settings: {}",
-            listed(&joints),
-            all.join(", ")
-        )
-    })
+    left(assemble, description, &tried, known)
+        .is_none()
+        .then(|| {
+            format!(
+                "{way},\n  and rotor inertia for what has no volume ({}), in the settings: {}",
+                listed(&joints),
+                all.join(", ")
+            )
+        })
 }
 
 fn by_pybullet(
     assemble: Assemble,
     description: &Description,
     settings: &Settings,
+    known: &[Diagnostic],
 ) -> Option<String> {
     if settings.compat == Compat::PyBullet {
         return None;
@@ -146,7 +155,7 @@ fn by_pybullet(
         inertia: defaults.inertia,
         ..settings.clone()
     };
-    left(assemble, description, &tried).is_none().then(|| {
+    left(assemble, description, &tried, known).is_none().then(|| {
         "  1 kg for each link without <inertial>, and all else as PyBullet does: --compat pybullet"
             .to_owned()
     })

@@ -5,7 +5,7 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
-use super::alone::{Assembled, build};
+use super::alone::{Assembled, attempt, build};
 use super::findings::Findings;
 use super::terrain::{self, has_terrain};
 use super::touch::overlaps;
@@ -68,14 +68,13 @@ pub fn world(
             let mut links = guest.description.links.iter();
             links.any(|link| link.collisions.iter().any(terrain))
         });
-    let robot = build(description, &alone);
+    let robot = attempt(description, &alone);
     let mut findings = Vec::new();
     let mut models = Vec::new();
-    let mut add = |built: Result<Assembled, Vec<Diagnostic>>, guest: Option<&Guest>| {
-        let (model, list) = match built {
-            Ok(Assembled { model, diagnostics }) => (Some(model), diagnostics),
-            Err(list) => (None, list),
-        };
+    let mut failed = false;
+    let mut add = |built: (Option<Model>, Vec<Diagnostic>, bool), guest: Option<&Guest>| {
+        let (model, list, fails) = built;
+        failed |= fails;
         // Where things start on terrain follows when all are there.
         let list = list.into_iter().filter(|d| d.code != "A111" || !uneven);
         match guest {
@@ -99,7 +98,7 @@ pub fn world(
     };
     add(robot, None);
     for guest in guests {
-        add(build(&guest.description, &guest.settings), Some(guest));
+        add(attempt(&guest.description, &guest.settings), Some(guest));
     }
     if models.len() <= guests.len() {
         return Err(findings);
@@ -111,17 +110,19 @@ pub fn world(
     for (other, guest) in models.zip(guests) {
         model.join(other, &guest.name, guest.kind);
     }
-    findings.extend(set_down(&mut model, settings, guests));
+    if !failed {
+        findings.extend(set_down(&mut model, settings, guests));
+    }
     let mut of_pairs = Findings::new(description);
-    close(&mut model, settings, guests, &mut of_pairs);
+    close(&mut model, settings, guests, !failed, &mut of_pairs);
     pairs::select(&mut model, &settings.pairs, &mut of_pairs);
     model.outputs.interface = settings.fmu.interface;
-    if !of_pairs.has_errors() {
+    if !failed && !of_pairs.has_errors() {
         exchange::check(&model, &mut of_pairs);
     }
-    let wrong = of_pairs.has_errors();
+    failed |= of_pairs.has_errors();
     findings.extend(of_pairs.list);
-    if wrong {
+    if failed {
         return Err(findings);
     }
     if let Err(error) = model.validate() {
@@ -137,8 +138,14 @@ pub fn world(
     })
 }
 
-/// Adds the loops and springs of the world, and closes the loops.
-fn close(model: &mut Model, settings: &Settings, guests: &[Guest], findings: &mut Findings) {
+/// Adds the loops and springs of the world, and closes the loops of one that is sound.
+fn close(
+    model: &mut Model,
+    settings: &Settings,
+    guests: &[Guest],
+    sound: bool,
+    findings: &mut Findings,
+) {
     let mut places = Vec::new();
     loops::select(model, settings, &mut places, findings);
     let mut given = loops::given(model, settings, "");
@@ -150,7 +157,7 @@ fn close(model: &mut Model, settings: &Settings, guests: &[Guest], findings: &mu
             }
         }
     }
-    if !findings.has_errors() {
+    if sound && !findings.has_errors() {
         loops::close(model, &given, (&places, true), findings);
     }
 }

@@ -139,16 +139,14 @@ impl<'a> Reader<'a> {
         self.findings.push(finding);
     }
 
-    /// The whole file; none after a syntax error.
-    pub(super) fn read(&mut self) -> Option<Section> {
+    /// The whole file; after a syntax error what is left of it.
+    pub(super) fn read(&mut self) -> Section {
         let (table, errors) = DeTable::parse_recoverable(self.text);
         for error in &errors {
             let span = error.span().unwrap_or(0..0);
             self.error("S101", &span, error.message(), "the file must be TOML 1.0");
         }
-        errors
-            .is_empty()
-            .then(|| self.section("", table.get_ref(), table.span()))
+        self.section("", table.get_ref(), table.span())
     }
 
     fn section(&mut self, path: &str, table: &DeTable, span: Span) -> Section {

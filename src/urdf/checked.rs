@@ -16,11 +16,6 @@ pub(super) struct CheckedRobot<'d> {
     pub(super) joints: Vec<CheckedJoint<'d>>,
     /// Loops and springs, in file order; lengths as in the file.
     pub(super) closures: Vec<ClosureDescription>,
-    /// Links whose names cannot be used: else the tree cannot be told.
-    pub(super) nameless: usize,
-    /// Elements that are left out, because another one has their names, or because they are joints
-    /// without a name.
-    pub(super) left_out: LeftOut,
 }
 
 impl CheckedRobot<'_> {
@@ -31,13 +26,6 @@ impl CheckedRobot<'_> {
             link.collisions.retain(|shape| plain(&shape.geometry));
         }
     }
-}
-
-/// How many elements are left out.
-#[derive(Clone, Copy, Default)]
-pub(super) struct LeftOut {
-    pub(super) links: usize,
-    pub(super) joints: usize,
 }
 
 /// Order of the links and joints, parents before children: joint `i` has child link `i + 1`.
@@ -53,7 +41,10 @@ pub(super) struct CheckedLink<'d> {
     pub(super) node: Node<'d>,
     /// 1-based
     pub(super) line: usize,
+    /// Empty where there is none.
     pub(super) name: &'d str,
+    /// Whether it is known by this name: it has one, and no other link had it before.
+    pub(super) own_name: bool,
     pub(super) inertial: Option<CheckedInertial>,
     pub(super) collisions: Vec<CheckedCollision<'d>>,
     /// Filled in last: whatever is wrong with them is a warning.
@@ -164,7 +155,10 @@ pub(super) struct CheckedJoint<'d> {
     pub(super) node: Node<'d>,
     /// 1-based
     pub(super) line: usize,
+    /// Empty where there is none.
     pub(super) name: &'d str,
+    /// Whether it is known by this name: it has one, and no other joint had it before.
+    pub(super) own_name: bool,
     pub(super) kind: JointKind,
     pub(super) parent: Option<LinkReference<'d>>,
     pub(super) child: Option<LinkReference<'d>>,
@@ -183,6 +177,22 @@ pub(super) struct CheckedJoint<'d> {
     /// What its hardware takes.
     pub(super) interfaces: Vec<ActuatorMode>,
     pub(super) mimic: Option<CheckedMimic<'d>>,
+}
+
+impl CheckedJoint<'_> {
+    /// What it is called in a sentence.
+    pub(super) fn called(&self) -> String {
+        called("joint", self.name)
+    }
+}
+
+/// What a link or a joint is called in a sentence.
+pub(super) fn called(tag: &str, name: &str) -> String {
+    if name.is_empty() {
+        format!("a {tag} without a name")
+    } else {
+        format!("{tag} '{name}'")
+    }
 }
 
 /// `<parent link>` or `<child link>`.

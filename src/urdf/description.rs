@@ -259,6 +259,8 @@ pub struct MeshPart {
     pub color: Option<[f64; 3]>,
     /// In [`Description::textures`].
     pub texture: Option<usize>,
+    /// What the texture is multiplied by, as `color`; none for white.
+    pub tint: Option<[f64; 3]>,
 }
 
 /// An image file.

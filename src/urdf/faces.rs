@@ -123,6 +123,8 @@ pub(super) struct Paint {
     /// Red, green, blue, each 0 … 1.
     pub(super) color: Option<[f64; 3]>,
     pub(super) image: Option<Image>,
+    /// What the image is multiplied by, likewise; none for white.
+    pub(super) tint: Option<[f64; 3]>,
 }
 
 /// The image of a texture.
@@ -165,16 +167,22 @@ impl Parts {
     /// The triangles with this paint; without texture coordinates there is no texture.
     pub(super) fn of(&mut self, paint: &Paint, textured: bool) -> &mut Part {
         let image = paint.image.as_ref().filter(|_| textured);
-        let same =
-            |part: &Part| part.paint.color == paint.color && part.paint.image.as_ref() == image;
+        let tint = paint.tint.filter(|_| image.is_some());
+        let same = |part: &Part| {
+            let known = &part.paint;
+            known.color == paint.color && known.image.as_ref() == image && known.tint == tint
+        };
         if !self.list.get(self.last).is_some_and(same) {
             self.last = self.list.iter().position(same).unwrap_or(self.list.len());
         }
         if self.last == self.list.len() {
-            let image = image.cloned();
-            let color = paint.color;
+            let paint = Paint {
+                color: paint.color,
+                image: image.cloned(),
+                tint,
+            };
             self.list.push(Part {
-                paint: Paint { color, image },
+                paint,
                 ..Part::default()
             });
         }

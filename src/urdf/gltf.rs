@@ -197,8 +197,8 @@ impl File {
         Ok(())
     }
 
-    /// What a material is seen as without light, and how it shows its texture. A texture stands
-    /// alone: factors of another colour than white are rare beside it.
+    /// What a material is seen as without light, and how it shows its texture, which is multiplied by
+    /// the factor.
     ///
     /// - `images`: those that have been read
     fn paint(
@@ -222,14 +222,23 @@ impl File {
             }
             known.clone()
         });
-        if image.is_some() {
-            return (Paint { color: None, image }, texture);
-        }
-        let color = pbr.and_then(|pbr| pbr.base_color_factor);
+        let factor = pbr.and_then(|pbr| pbr.base_color_factor);
         // Colours of the file are linear.
-        let color = color.map(|[red, green, blue, _]| [red, green, blue].map(displayed));
-        let color = color.filter(|_| texture.is_none());
-        (Paint { color, image: None }, None)
+        let color = factor.map(|[red, green, blue, _]| [red, green, blue].map(displayed));
+        if image.is_some() {
+            let white = |color: &[f64; 3]| color.iter().all(|x| *x >= 1.0);
+            let paint = Paint {
+                color: None,
+                image,
+                tint: color.filter(|color| !white(color)),
+            };
+            return (paint, texture);
+        }
+        let paint = Paint {
+            color: color.filter(|_| texture.is_none()),
+            ..Paint::default()
+        };
+        (paint, None)
     }
 
     /// An image, as it is written; whoever shows it says what is wrong with it.

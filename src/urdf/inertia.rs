@@ -77,6 +77,8 @@ pub(super) fn check(scope: &mut Scope, inertial: &mut CheckedInertial, mass: Nod
         let message = format!("mass {} kg is negative", inertial.mass);
         let help = "give the mass in kg; leave <inertial> out for a massless frame";
         scope.problem("U060", at(mass, "value"), &message, help);
+        // So that what else is wrong with the robot can be looked for.
+        inertial.mass = -inertial.mass;
         return;
     }
     if inertial.mass == 0.0 {
@@ -161,7 +163,7 @@ pub(super) fn check(scope: &mut Scope, inertial: &mut CheckedInertial, mass: Nod
 /// Decides on implausible inertias: links that are fixed together only count together, so a bad
 /// inertia is an error where the rigid body that it is part of cannot exist, and a warning
 /// elsewhere.
-pub(super) fn judge(scope: &mut Scope, robot: &CheckedRobot, order: Option<&Order>) {
+pub(super) fn judge(scope: &mut Scope, robot: &CheckedRobot, order: &Order) {
     let suspects = |i: usize| {
         robot.links[i]
             .inertial
@@ -171,7 +173,7 @@ pub(super) fn judge(scope: &mut Scope, robot: &CheckedRobot, order: Option<&Orde
     if (0..robot.links.len()).all(|i| suspects(i).is_none()) {
         return;
     }
-    let bodies = order.map(|order| rigid_bodies(robot, order));
+    let bodies = rigid_bodies(robot, order);
     let shaped = |i: usize| !robot.links[i].collisions.is_empty();
     let computable = (0..robot.links.len()).all(|i| suspects(i).is_none() || shaped(i));
     for (i, link) in robot.links.iter().enumerate() {
@@ -179,10 +181,7 @@ pub(super) fn judge(scope: &mut Scope, robot: &CheckedRobot, order: Option<&Orde
             continue;
         };
         scope.owner = format!("link '{}'", link.name);
-        let harmless = bodies.as_ref().is_some_and(|bodies| {
-            let body = &bodies[i];
-            is_possible(&principal_moments(&body.I_cm))
-        });
+        let harmless = is_possible(&principal_moments(&bodies[i].I_cm));
         if harmless || scope.ignore_inertia {
             let message = if harmless {
                 format!(
@@ -205,17 +204,17 @@ pub(super) fn judge(scope: &mut Scope, robot: &CheckedRobot, order: Option<&Orde
 
 /// Warns of what moves without mass in a file that is refused for something else: that would be
 /// told only once the rest is mended.
-pub(super) fn foretell(scope: &mut Scope, robot: &CheckedRobot, order: Option<&Order>) {
+pub(super) fn foretell(scope: &mut Scope, robot: &CheckedRobot, order: &Order) {
     if scope.ignore_inertia || scope.pybullet {
         return;
     }
-    let Some(order) = order else { return };
     let links = || robot.links.iter().enumerate();
     let index: HashMap<&str, usize> = links().map(|(i, link)| (link.name, i)).collect();
     // What each link and all below it has; children come after their parents.
     let weighs = |inertial: &CheckedInertial| inertial.mass > 0.0 || inertial.density.is_some();
+    // What a link weighs that only a joint names is not known.
     let mut heavy: Vec<bool> = links()
-        .map(|(_, link)| link.inertial.as_ref().is_some_and(weighs))
+        .map(|(_, link)| !link.own_name || link.inertial.as_ref().is_some_and(weighs))
         .collect();
     let mut shaped: Vec<bool> = links()
         .map(|(_, link)| !link.collisions.is_empty())

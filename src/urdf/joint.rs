@@ -1,6 +1,6 @@
 //! Checks of `<joint>`: type, axis, limits, dynamics, mimic.
 
-use super::checked::{CheckedJoint, CheckedMimic, LinkReference};
+use super::checked::{CheckedJoint, CheckedMimic, LinkReference, called};
 use super::scope::{LARGEST, Scope, Version};
 use super::xml::Node;
 use crate::diagnostic::words::did_you_mean;
@@ -41,7 +41,7 @@ fn turns_or_slides(kind: JointKind) -> bool {
 
 /// Checks a `<joint>` that has a name.
 pub(super) fn check<'d>(scope: &mut Scope, node: Node<'d>, name: &'d str) -> CheckedJoint<'d> {
-    scope.owner = format!("joint '{name}'");
+    scope.owner = called("joint", name);
     scope.known_attributes(node, &["name", "type", "dont_collapse"]);
     scope.known_children(node, &CHILDREN, &FOREIGN);
     let kind = kind(scope, node);
@@ -61,6 +61,7 @@ pub(super) fn check<'d>(scope: &mut Scope, node: Node<'d>, name: &'d str) -> Che
         node,
         line: scope.report.line(node.tag_at().start),
         name,
+        own_name: true,
         kind,
         parent,
         child,
@@ -330,11 +331,20 @@ fn mimic<'d>(scope: &mut Scope, node: Node<'d>, kind: JointKind) -> Option<Check
     })
 }
 
-/// Checks that every mimic follows a turning or sliding joint and none follows itself.
-pub(super) fn check_mimics(scope: &mut Scope, joints: &[CheckedJoint]) {
+/// Checks that every mimic follows a turning or sliding joint and none follows itself; those that do
+/// not are left out.
+pub(super) fn check_mimics(scope: &mut Scope, joints: &mut [CheckedJoint]) {
+    for wrong in wrong_mimics(scope, joints) {
+        joints[wrong].mimic = None;
+    }
+}
+
+fn wrong_mimics(scope: &mut Scope, joints: &[CheckedJoint]) -> Vec<usize> {
+    let mut wrong = Vec::new();
     let index: HashMap<&str, usize> = joints
         .iter()
         .enumerate()
+        .filter(|(_, j)| j.own_name)
         .map(|(i, j)| (j.name, i))
         .collect();
     let target = |i: usize| -> Option<usize> {
@@ -345,7 +355,7 @@ pub(super) fn check_mimics(scope: &mut Scope, joints: &[CheckedJoint]) {
         let Some(mimic) = &joint.mimic else {
             continue;
         };
-        scope.owner = format!("joint '{}'", joint.name);
+        scope.owner = joint.called();
         let at = mimic.at.clone();
         let Some(followed) = target(i) else {
             let message = format!(
@@ -354,6 +364,7 @@ pub(super) fn check_mimics(scope: &mut Scope, joints: &[CheckedJoint]) {
             );
             let help = did_you_mean(mimic.joint, joints.iter().map(|j| j.name));
             scope.problem("U046", at, &message, help);
+            wrong.push(i);
             continue;
         };
         if !turns_or_slides(joints[followed].kind) {
@@ -363,9 +374,11 @@ pub(super) fn check_mimics(scope: &mut Scope, joints: &[CheckedJoint]) {
             );
             let help = "follow a revolute, continuous or prismatic joint";
             scope.problem("U046", at, &message, help);
+            wrong.push(i);
         }
     }
-    report_circles(scope, joints, target);
+    report_circles(scope, joints, target, &mut wrong);
+    wrong
 }
 
 /// One error for each circle of mimics.
@@ -373,6 +386,7 @@ fn report_circles(
     scope: &mut Scope,
     joints: &[CheckedJoint],
     target: impl Fn(usize) -> Option<usize>,
+    wrong: &mut Vec<usize>,
 ) {
     // The walk that came past a joint first; each joint is passed once.
     let mut walk = vec![None; joints.len()];
@@ -390,7 +404,7 @@ fn report_circles(
         let (joint, Some(mimic)) = (&joints[i], &joints[i].mimic) else {
             continue;
         };
-        scope.owner = format!("joint '{}'", joint.name);
+        scope.owner = joint.called();
         let message = if mimic.joint == joint.name {
             "the joint mimics itself".to_owned()
         } else {
@@ -405,5 +419,6 @@ fn report_circles(
             &message,
             "let one of the joints follow none",
         );
+        wrong.push(i);
     }
 }

@@ -1,6 +1,6 @@
 //! Checks of `<link>`: mass, shapes, surface.
 
-use super::checked::{CheckedCollision, CheckedInertial, CheckedLink, Geometry};
+use super::checked::{CheckedCollision, CheckedInertial, CheckedLink, Geometry, called};
 use super::scope::Scope;
 use super::xml::Node;
 use super::{foreign, inertia};
@@ -27,7 +27,7 @@ const FOREIGN: [&str; 10] = [
 
 /// Checks a `<link>` that has a name.
 pub(super) fn check<'d>(scope: &mut Scope, node: Node<'d>, name: &'d str) -> CheckedLink<'d> {
-    scope.owner = format!("link '{name}'");
+    scope.owner = called("link", name);
     scope.known_attributes(node, &["name", "type", "concave"]);
     scope.known_children(node, &CHILDREN, &FOREIGN);
     let inertial = scope
@@ -52,6 +52,7 @@ pub(super) fn check<'d>(scope: &mut Scope, node: Node<'d>, name: &'d str) -> Che
         node,
         line: scope.report.line(node.tag_at().start),
         name,
+        own_name: true,
         inertial,
         collisions,
         visuals: Vec::new(),

@@ -28,6 +28,7 @@ mod mesh;
 mod missing;
 mod nearby;
 mod options;
+mod order;
 mod painted;
 mod ply;
 mod resolve;
@@ -163,6 +164,7 @@ pub fn mesh_parts_of(kind: &str, bytes: &[u8]) -> Result<Vec<(MeshPart, bool)>, 
             triangles: part.triangles,
             uv: part.uv,
             color: part.paint.color,
+            tint: part.paint.tint,
             texture: None,
         };
         (part, textured)
@@ -193,14 +195,18 @@ fn describe(
         report.error("U033", 0..0, message, "1 leaves the size as it is");
         return None;
     }
-    let document = Document::parse(text, report)?;
+    let document = Document::parse_rest(text, report)?;
     let mut scope = Scope::new(report);
     scope.ignore_inertia = options.ignore_inertia;
     scope.pybullet = options.pybullet;
     scope.sensors = options.sensors;
+    let spare = order::spare_names(document.root().children().count());
     let mut robot = tree::check(&mut scope, &document, file_name)?;
-    let order = tree::order(&mut scope, &robot);
-    inertia::judge(&mut scope, &robot, order.as_ref());
+    let order = match order::order(&mut scope, &robot) {
+        Some(order) => order,
+        None => order::mend(&mut robot, &spare),
+    };
+    inertia::judge(&mut scope, &robot, &order);
     let mesh_dir = document
         .root()
         .child("mujoco")
@@ -223,10 +229,9 @@ fn describe(
     };
     scope.report_tags();
     if scope.report.has_errors() && !options.rest {
-        inertia::foretell(&mut scope, &robot, order.as_ref());
+        inertia::foretell(&mut scope, &robot, &order);
         return None;
     }
-    let order = order?;
     let mut description = assemble::description(&robot, &order, &meshes, drawn, options.scale)?;
     description.sensors = sensors;
     inertia::compare_with_shapes(&mut scope, &robot, &order, &description);

@@ -1,11 +1,10 @@
-//! Checks of the robot as a whole: names, parents, one root, no cycles; and the order of its parts.
+//! Checks of the robot as a whole: names, tags, what it consists of.
 
-use super::checked::{CheckedLink, CheckedRobot, LeftOut, LinkReference, Order, Surface};
+use super::checked::{CheckedJoint, CheckedLink, CheckedRobot, LinkReference, Surface};
 use super::foreign;
 use super::scope::{Scope, Version};
 use super::xml::{Document, Node, is_unprintable};
 use super::{joint, link};
-use crate::diagnostic::words::did_you_mean;
 use std::collections::HashMap;
 use std::ops::Range;
 use std::path::Path;
@@ -40,7 +39,10 @@ pub(super) fn check<'d>(
             _ => "a URDF starts with <robot name=\"…\">",
         };
         scope.report.error("U007", root.name_at(), message, help);
-        return None;
+        // What has links is meant as a robot.
+        if ["sdf", "mujoco", "xacro"].contains(&root.name()) || root.child("link").is_none() {
+            return None;
+        }
     }
     "robot".clone_into(&mut scope.owner);
     scope.known_attributes(root, &["name", "version"]);
@@ -52,9 +54,9 @@ pub(super) fn check<'d>(
     scope.known_children(root, &known, &FOREIGN);
     scope.version = version(scope, root);
     let name = robot_name(scope, root, file);
-    let (links, nameless) = named(scope, root, "link");
-    let (joints, _) = named(scope, root, "joint");
-    if links.is_empty() && root.child("link").is_none() {
+    let links = named(scope, root, "link");
+    let joints = named(scope, root, "joint");
+    if links.is_empty() {
         let help = if root.child("disable_collisions").is_some() || root.child("group").is_some() {
             "this is an SRDF file, which says which links may touch each other: give the URDF"
         } else if root.children().next().is_none() && document.text().contains(MADE_BY_XACRO) {
@@ -71,22 +73,23 @@ pub(super) fn check<'d>(
     let mut robot = CheckedRobot {
         name,
         closures: Vec::new(),
-        nameless,
-        left_out: LeftOut {
-            links: root.children_named("link").count() - links.len(),
-            joints: root.children_named("joint").count() - joints.len(),
-        },
         links: links
             .iter()
-            .map(|&(node, name)| link::check(scope, node, name))
+            .map(|&(node, name, own)| CheckedLink {
+                own_name: own,
+                ..link::check(scope, node, name)
+            })
             .collect(),
         joints: joints
             .iter()
-            .map(|&(node, name)| joint::check(scope, node, name))
+            .map(|&(node, name, own)| CheckedJoint {
+                own_name: own,
+                ..joint::check(scope, node, name)
+            })
             .collect(),
     };
     declare_world(scope, &mut robot);
-    joint::check_mimics(scope, &robot.joints);
+    joint::check_mimics(scope, &mut robot.joints);
     foreign::read(scope, root, &mut robot);
     Some(robot)
 }
@@ -116,6 +119,7 @@ fn declare_world(scope: &mut Scope, robot: &mut CheckedRobot) {
         node,
         line,
         name: WORLD,
+        own_name: true,
         inertial: None,
         collisions: Vec::new(),
         visuals: Vec::new(),
@@ -235,235 +239,50 @@ fn robot_name(scope: &mut Scope, root: Node, file: &str) -> String {
     stem.to_owned()
 }
 
-/// The elements `<tag>` below the root with their names; those without a name, or with one that is
-/// taken, are reported. Also how many have no name that can be used.
+/// The elements `<tag>` below the root with their names, and whether these are theirs: not empty,
+/// and no other element's before. What is wrong with names is reported.
 fn named<'d>(
     scope: &mut Scope,
     root: Node<'d>,
     tag: &'static str,
-) -> (Vec<(Node<'d>, &'d str)>, usize) {
+) -> Vec<(Node<'d>, &'d str, bool)> {
     let mut list = Vec::new();
-    let mut nameless = 0;
     let mut first: HashMap<&str, Range<usize>> = HashMap::new();
     for node in root.children_named(tag) {
         let Some(attribute) = node.attribute("name") else {
             let message = format!("<{tag}> has no name");
             let help = "write name=\"…\"";
             scope.report.error("U015", node.tag_at(), message, help);
-            nameless += 1;
+            list.push((node, "", false));
             continue;
         };
         let name = attribute.value.as_str();
-        if name.trim().is_empty() {
-            let message = format!("<{tag}> has an empty name");
-            scope
-                .report
-                .error("U015", attribute.at.clone(), message, "give it a name");
-            nameless += 1;
-            continue;
-        }
-        if name.contains(is_unprintable) {
+        let wrong = if name.trim().is_empty() {
+            Some((format!("<{tag}> has an empty name"), "give it a name"))
+        } else if name.contains(is_unprintable) {
             let message = format!("the name of a <{tag}> contains a control character");
-            let help = "use letters, digits and _";
+            Some((message, "use letters, digits and _"))
+        } else {
+            None
+        };
+        if let Some((message, help)) = wrong {
             scope
                 .report
                 .error("U015", attribute.at.clone(), message, help);
-            nameless += 1;
+            list.push((node, "", false));
             continue;
         }
-        if let Some(earlier) = first.get(name) {
-            let line = scope.report.line(earlier.start);
+        let earlier = first.get(name).map(|at| scope.report.line(at.start));
+        if let Some(line) = earlier {
             let message = format!("a second {tag} is named '{name}'");
             let help = format!("the first is in line {line}; names must differ");
             scope
                 .report
                 .error("U014", attribute.at.clone(), message, help);
-            continue;
+        } else {
+            first.insert(name, attribute.at.clone());
         }
-        first.insert(name, attribute.at.clone());
-        list.push((node, name));
+        list.push((node, name, earlier.is_none()));
     }
-    (list, nameless)
-}
-
-/// Checks that the links hang together as one tree, and orders them.
-///
-/// A joint that names a link which is nowhere hides no other fault: all that can be told without it
-/// is told.
-pub(super) fn order(scope: &mut Scope, robot: &CheckedRobot) -> Option<Order> {
-    // Any name may be meant for one of these.
-    if robot.nameless > 0 {
-        return None;
-    }
-    let links: HashMap<&str, usize> = robot
-        .links
-        .iter()
-        .enumerate()
-        .map(|(i, link)| (link.name, i))
-        .collect();
-    let mut complete = robot.left_out.links == 0 && robot.left_out.joints == 0;
-    // Joints that may hold a link that no other one holds.
-    let mut loose = robot.left_out.joints;
-    // Per link: the joint above it, and the joints below it in file order.
-    let mut above: Vec<Option<usize>> = vec![None; robot.links.len()];
-    let mut below: Vec<Vec<usize>> = vec![Vec::new(); robot.links.len()];
-    let mut children = vec![usize::MAX; robot.joints.len()];
-    for (j, joint) in robot.joints.iter().enumerate() {
-        scope.owner = format!("joint '{}'", joint.name);
-        let mut index = |reference: &Option<LinkReference>, what: &str| -> Option<usize> {
-            let reference = reference.as_ref()?;
-            let found = links.get(reference.name).copied();
-            if found.is_none() {
-                let message = format!("{what} link '{}' does not exist", reference.name);
-                let help = did_you_mean(reference.name, robot.links.iter().map(|l| l.name));
-                scope.problem("U016", reference.at.clone(), &message, help);
-            }
-            found
-        };
-        let parent = index(&joint.parent, "parent");
-        let child = index(&joint.child, "child");
-        complete &= parent.is_some();
-        let (Some(child), Some(reference)) = (child, &joint.child) else {
-            complete = false;
-            loose += 1;
-            continue;
-        };
-        if let Some(other) = above[child] {
-            let message = format!("link '{}' has two parents", reference.name);
-            let help = format!(
-                "joint '{}' holds it too: a URDF is a tree, close loops outside of it",
-                robot.joints[other].name
-            );
-            scope.problem("U013", reference.at.clone(), &message, help);
-            complete = false;
-            continue;
-        }
-        above[child] = Some(j);
-        if let Some(parent) = parent {
-            below[parent].push(j);
-        }
-        children[j] = child;
-    }
-    let roots: Vec<usize> = (0..robot.links.len())
-        .filter(|&i| above[i].is_none())
-        .collect();
-    if roots.len() > 1 + loose {
-        report_roots(scope, robot, &roots, loose);
-    }
-    let mut order = Order {
-        links: Vec::with_capacity(robot.links.len()),
-        joints: Vec::with_capacity(robot.joints.len()),
-    };
-    let mut reached = vec![false; robot.links.len()];
-    for &root in &roots {
-        // Depth first, so that a chain stays together; file order among siblings.
-        let mut open: Vec<usize> = Vec::new();
-        let mut visit = |link: usize, open: &mut Vec<usize>, order: &mut Order| {
-            reached[link] = true;
-            order.links.push(link);
-            open.extend(below[link].iter().rev());
-        };
-        visit(root, &mut open, &mut order);
-        while let Some(j) = open.pop() {
-            order.joints.push(j);
-            visit(children[j], &mut open, &mut order);
-        }
-    }
-    let lost = (0..reached.len()).filter(|&link| !reached[link]);
-    let mut walks = vec![None; robot.links.len()];
-    for start in lost {
-        complete = false;
-        if report_cycle(scope, robot, start, &above, &links, &mut walks) {
-            break;
-        }
-    }
-    (complete && roots.len() == 1).then_some(order)
-}
-
-/// - `loose`: how many of the roots may be children of joints that are told already
-fn report_roots(scope: &mut Scope, robot: &CheckedRobot, roots: &[usize], loose: usize) {
-    let [first, second, ..] = *roots else { return };
-    let node = robot.links[second].node;
-    let at = node
-        .attribute("name")
-        .map_or_else(|| node.tag_at(), |a| a.at.clone());
-    let names = roots.iter().take(10).map(|&i| robot.links[i].name);
-    let names = names.collect::<Vec<_>>().join(", ");
-    let count = roots.len();
-    let (message, help) = if loose == 0 {
-        let (first, second) = (robot.links[first].name, robot.links[second].name);
-        (
-            format!("the robot has {count} root links: {names}"),
-            format!(
-                "only one link may be no joint's child; join '{second}' to '{first}' or remove it"
-            ),
-        )
-    } else {
-        let joints = if loose == 1 { "joint" } else { "joints" };
-        (
-            format!(
-                "the robot has {count} root links, more than the {loose} {joints} without a child explain: {names}"
-            ),
-            "only one link may be no joint's child; join the others or remove them".to_owned(),
-        )
-    };
-    scope.report.error("U011", at, message, help);
-}
-
-/// Follows the parents of a link that hangs on no root until they repeat; whether they do.
-///
-/// - `walks`: by link, from where it was come by
-fn report_cycle(
-    scope: &mut Scope,
-    robot: &CheckedRobot,
-    start: usize,
-    above: &[Option<usize>],
-    links: &HashMap<&str, usize>,
-    walks: &mut [Option<usize>],
-) -> bool {
-    let parent = |link: usize| -> Option<(usize, usize)> {
-        let j = above[link]?;
-        let name = robot.joints[j].parent.as_ref()?.name;
-        Some((j, *links.get(name)?))
-    };
-    let mut link = start;
-    while walks[link].is_none() {
-        walks[link] = Some(start);
-        match parent(link) {
-            Some((_, up)) => link = up,
-            None => return false,
-        }
-    }
-    if walks[link] != Some(start) {
-        return false;
-    }
-    // `link` is on the cycle; go round once to name its joints, the highest first.
-    let mut joints = Vec::new();
-    let mut next = link;
-    while let Some((j, up)) = parent(next) {
-        joints.push(j);
-        next = up;
-        if next == link {
-            break;
-        }
-    }
-    joints.reverse();
-    let Some(&last) = joints.iter().max() else {
-        return false;
-    };
-    let names: Vec<&str> = joints
-        .iter()
-        .take(10)
-        .map(|&j| robot.joints[j].name)
-        .collect();
-    let joint = &robot.joints[last];
-    let at = joint
-        .child
-        .as_ref()
-        .map_or_else(|| joint.node.tag_at(), |c| c.at.clone());
-    let message = format!("the joints {} form a cycle", names.join(", "));
-    let help =
-        "a URDF is a tree with one root: remove one of them, or turn its parent and child round";
-    scope.report.error("U012", at, message, help);
-    true
+    list
 }

@@ -346,7 +346,11 @@ fn read_ahead<'f>(files: impl Iterator<Item = &'f Found>) -> HashMap<PathBuf, Pa
     };
     let paths: BTreeSet<&PathBuf> = files.map(|file| &file.path).filter(alone).collect();
     let paths: Vec<&PathBuf> = paths.into_iter().collect();
-    let parts = parallel::map(&paths, |path| {
+    let size = |path: &&PathBuf| {
+        let bytes = path.metadata().map_or(0, |file| file.len());
+        usize::try_from(bytes).unwrap_or(usize::MAX)
+    };
+    let parts = parallel::map_largest_first(&paths, size, |path| {
         MeshFile::open(path, &|_| None).and_then(|mesh| painted::parts(&mesh, |_| None))
     });
     paths.into_iter().cloned().zip(parts).collect()
@@ -390,6 +394,8 @@ fn parts_of(
             triangles: part.triangles,
             uv: part.uv,
             color: part.paint.color,
+            // Without its image a part keeps no more than its plain colour.
+            tint: part.paint.tint.filter(|_| texture.is_some()),
             texture,
         });
     }

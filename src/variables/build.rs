@@ -5,7 +5,7 @@ use crate::model::{
     BodyId, Joint, JointId, JointKind, Limits, Link, Model, RootId, RootKind, StateId,
 };
 use crate::slots::{Axis, InputSlot, OutputSlot, ParameterSlot};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 pub(super) const XYZ: [&str; 3] = ["x", "y", "z"];
 pub(super) const XYZW: [&str; 4] = ["x", "y", "z", "w"];
@@ -323,18 +323,30 @@ impl<'m> Table<'m> {
         }
     }
 
+    /// The rows, or the first of the names that clash.
     pub(super) fn finish(self) -> Result<Vec<Variable>, TableError> {
-        let mut owners = BTreeMap::new();
+        match self.clashes().into_iter().next() {
+            Some(clash) => Err(clash),
+            None => Ok(self.rows),
+        }
+    }
+
+    /// Names that clash, once for each two owners.
+    pub(super) fn clashes(&self) -> Vec<TableError> {
+        let mut owners: BTreeMap<&str, &String> = BTreeMap::new();
+        let mut pairs = BTreeSet::new();
+        let mut list = Vec::new();
         for (row, owner) in self.rows.iter().zip(&self.owners) {
-            if let Some(first) = owners.insert(row.name.as_str(), owner) {
-                return Err(TableError::Clash {
+            let first = *owners.entry(row.name.as_str()).or_insert(owner);
+            if !std::ptr::eq(first, owner) && pairs.insert((first, owner)) {
+                list.push(TableError::Clash {
                     first: first.clone(),
                     second: owner.clone(),
                     name: row.name.clone(),
                 });
             }
         }
-        Ok(self.rows)
+        list
     }
 
     /// What the names of a tree's variables begin with: nothing for the robot itself.

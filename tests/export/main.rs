@@ -6,6 +6,7 @@
 mod check;
 mod cli;
 mod export;
+mod faults;
 mod info;
 mod init;
 mod model_description;

@@ -69,28 +69,76 @@ pub fn compressed(raw: &[u8], row: usize, pixel: usize) -> Vec<u8> {
     let mut filtered = Vec::with_capacity(raw.len() + raw.len() / row.max(1));
     let nothing = vec![0; row];
     let mut above = nothing.as_slice();
+    let (mut best, mut tried) = (vec![0; row], vec![0; row]);
     for line in raw.chunks_exact(row) {
-        let kinds = if pixel == 0 { 0..1 } else { 0..5 };
-        let candidates = kinds.map(|kind| {
-            let mut bytes = vec![kind];
-            bytes.extend(
-                (0..row).map(|i| line[i].wrapping_sub(expected(kind, line, above, i, pixel))),
-            );
-            bytes
-        });
-        let cost = |bytes: &Vec<u8>| -> u32 {
-            let sizes = bytes[1..]
-                .iter()
-                .map(|&b| u32::from(b.min(b.wrapping_neg())));
-            sizes.sum()
-        };
-        filtered.extend(candidates.min_by_key(cost).unwrap_or_default());
+        let kinds = if pixel == 0 { 1 } else { 5 };
+        let mut least = None;
+        for kind in 0..kinds {
+            filter(kind, line, above, pixel, &mut tried);
+            let sizes = tried.iter().map(|&b| u32::from(b.min(b.wrapping_neg())));
+            let cost: u32 = sizes.sum();
+            if least.is_none_or(|(_, known)| cost < known) {
+                least = Some((kind, cost));
+                std::mem::swap(&mut best, &mut tried);
+            }
+        }
+        filtered.extend(least.map(|(kind, _)| kind));
+        filtered.extend(&best);
         above = line;
     }
     let mut encoder = ZlibEncoder::new(Vec::new(), Compression::new(7));
     // Writing to memory cannot fail.
     _ = encoder.write_all(&filtered);
     encoder.finish().unwrap_or_default()
+}
+
+/// The differences of a row to what a filter expects.
+fn filter(kind: u8, line: &[u8], above: &[u8], pixel: usize, out: &mut [u8]) {
+    let start = pixel.min(line.len());
+    for i in 0..start {
+        out[i] = line[i].wrapping_sub(expected(kind, line, above, i, pixel));
+    }
+    let (now, out) = (&line[start..], &mut out[start..]);
+    let left = &line[..now.len()];
+    let (up, up_left) = (&above[start..], &above[..now.len()]);
+    // One loop for each kind, which the compiler makes fast.
+    match kind {
+        1 => {
+            for ((out, x), a) in out.iter_mut().zip(now).zip(left) {
+                *out = x.wrapping_sub(*a);
+            }
+        }
+        2 => {
+            for ((out, x), b) in out.iter_mut().zip(now).zip(up) {
+                *out = x.wrapping_sub(*b);
+            }
+        }
+        3 => {
+            for (((out, x), a), b) in out.iter_mut().zip(now).zip(left).zip(up) {
+                *out = x.wrapping_sub(a.midpoint(*b));
+            }
+        }
+        4 => {
+            for ((((out, x), a), b), c) in out.iter_mut().zip(now).zip(left).zip(up).zip(up_left) {
+                *out = x.wrapping_sub(nearest(*a, *b, *c));
+            }
+        }
+        _ => out.copy_from_slice(now),
+    }
+}
+
+/// Paeth's: of left, above and above left the one nearest to their sum and difference.
+fn nearest(a: u8, b: u8, c: u8) -> u8 {
+    let [x, y, z] = [a, b, c].map(i16::from);
+    let estimate = x + y - z;
+    let off = [x, y, z].map(|known| (estimate - known).abs());
+    if off[0] <= off[1] && off[0] <= off[2] {
+        a
+    } else if off[1] <= off[2] {
+        b
+    } else {
+        c
+    }
 }
 
 /// What a filter expects at byte `i` of a row whose bytes before it are known.
@@ -107,18 +155,7 @@ pub fn expected(kind: u8, line: &[u8], above: &[u8], i: usize, pixel: usize) -> 
         1 => a,
         2 => b,
         3 => a.midpoint(b),
-        4 => {
-            let [x, y, z] = [a, b, c].map(i16::from);
-            let estimate = x + y - z;
-            let off = [x, y, z].map(|known| (estimate - known).abs());
-            if off[0] <= off[1] && off[0] <= off[2] {
-                a
-            } else if off[1] <= off[2] {
-                b
-            } else {
-                c
-            }
-        }
+        4 => nearest(a, b, c),
         _ => 0,
     }
 }

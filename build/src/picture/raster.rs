@@ -7,8 +7,11 @@
 use super::look::SAMPLES;
 use super::solid::{self, Triangle, World};
 use std::ops::Range;
-use urdf2fmu_core::parallel::workers;
+use urdf2fmu_core::parallel::{self, workers};
 use urdf2fmu_core::spatial::Vec3;
+
+/// Triangles whose normals are computed by one thread at a time.
+const TOGETHER: usize = 4096;
 
 /// No triangle.
 pub(super) const NONE: u32 = u32::MAX;
@@ -40,19 +43,40 @@ fn whole(x: f32) -> f32 {
 /// Corners in a picture, and what tells quickly that a triangle has no sample.
 pub(super) struct Places {
     corners: Vec<[f32; 3]>,
-    /// First column and row whose centre is not before it, and last ones whose centre is not behind
-    /// it.
-    cells: Vec<[i16; 4]>,
+    /// Column in the lower half, row in the upper one: twice the last whose centre is not behind
+    /// it, and one more where it is on that centre. A triangle whose corners have one even number
+    /// lies between two centres.
+    cells: Vec<u64>,
+}
+
+/// The bits that tell that a corner is on a centre.
+const ON: u64 = 1 << 32 | 1;
+
+/// First and last whole number of samples that three corners can have.
+#[inline]
+#[allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_possible_wrap,
+    reason = "the halves of a cell"
+)]
+fn between(cells: [u64; 3], shift: u32) -> (i32, i32) {
+    let [a, b, c] = cells.map(|cell| (cell >> shift) as u32 as i32);
+    let low = |cell: i32| (cell >> 1) + 1 - (cell & 1);
+    (
+        low(a).min(low(b)).min(low(c)),
+        (a >> 1).max(b >> 1).max(c >> 1),
+    )
 }
 
 impl Places {
-    #[allow(clippy::cast_possible_truncation, reason = "clamped to 16 bits")]
     pub(super) fn new(corners: impl Iterator<Item = [f32; 3]>) -> Self {
         let corners: Vec<[f32; 3]> = corners.collect();
-        let low = |x: f32| (-floor(0.5 - x)).clamp(-32_768, 32_767) as i16;
-        let high = |x: f32| floor(x - 0.5).clamp(-32_768, 32_767) as i16;
-        let cells = corners.iter();
-        let cells = cells.map(|[x, y, _]| [low(*x), low(*y), high(*x), high(*y)]);
+        let cell = |x: f32| {
+            let [low, high] = [-floor(0.5 - x), floor(x - 0.5)].map(|x| x.clamp(-FAR, FAR));
+            let cell = 2 * high + i32::from(low == high);
+            u64::from(cell.cast_unsigned())
+        };
+        let cells = corners.iter().map(|[x, y, _]| cell(*x) | cell(*y) << 32);
         Self {
             cells: cells.collect(),
             corners,
@@ -62,21 +86,20 @@ impl Places {
     /// A triangle, if the centre of a sample can be in it. Most triangles are smaller than a
     /// sample.
     #[inline]
-    #[allow(clippy::needless_bitwise_bool, reason = "one branch instead of two")]
+    #[allow(
+        clippy::needless_bitwise_bool,
+        clippy::cast_possible_truncation,
+        reason = "one branch instead of two, and the halves of a cell"
+    )]
     fn triangle(&self, face: [u32; 3]) -> Option<Placed> {
-        let [a, b, c] = face.map(|i| self.cells[i as usize]);
-        let range = |i: usize| {
-            (
-                a[i].min(b[i]).min(c[i]),
-                a[i + 2].max(b[i + 2]).max(c[i + 2]),
-            )
-        };
-        let (columns, rows) = (range(0), range(1));
-        let some = (columns.0 <= columns.1) & (rows.0 <= rows.1);
+        let cells = face.map(|i| self.cells[i as usize]);
+        let [a, b, c] = cells;
+        let apart = (a ^ b) | (a ^ c) | (a & ON);
+        let some = (apart as u32 != 0) & (apart >> 32 != 0);
         some.then(|| Placed {
             corners: face.map(|i| self.corners[i as usize]),
-            columns,
-            rows,
+            columns: between(cells, 0),
+            rows: between(cells, 32),
         })
     }
 }
@@ -84,12 +107,15 @@ impl Places {
 /// A triangle in a picture, and the first and last columns and rows whose centres it can have.
 struct Placed {
     corners: Corners,
-    columns: (i16, i16),
-    rows: (i16, i16),
+    columns: (i32, i32),
+    rows: (i32, i32),
 }
 
+/// Columns and rows beyond which a place is only known to be beyond any picture.
+const FAR: i32 = 1 << 24;
+
 /// The places within a picture; none for those beside it.
-fn within(range: (i16, i16), picture: &Range<usize>) -> Range<usize> {
+fn within(range: (i32, i32), picture: &Range<usize>) -> Range<usize> {
     let start = usize::try_from(range.0).unwrap_or(0).max(picture.start);
     let end = usize::try_from(range.1).map_or(0, |last| last + 1);
     start..end.min(picture.end)
@@ -213,20 +239,24 @@ impl Layer {
                 scope.spawn(move || nearest(world, places, seen, width, &band));
             }
         });
-        let mut triangles = Vec::new();
+        let mut faces = Vec::new();
         let mut kept = vec![NONE; world.faces.len()];
         for face in seen.iter_mut().filter(|face| **face != NONE) {
             let place = &mut kept[*face as usize];
             if *place == NONE {
-                *place = solid::place(triangles.len());
-                triangles.push(world.triangle(*face as usize));
+                *place = solid::place(faces.len());
+                faces.push(*face as usize);
             }
             *face = *place;
         }
+        let some: Vec<&[usize]> = faces.chunks(TOGETHER).collect();
+        let triangles = parallel::map(&some, |faces| -> Vec<Triangle> {
+            faces.iter().map(|&face| world.triangle(face)).collect()
+        });
         Self {
             width,
             seen,
-            triangles,
+            triangles: triangles.into_iter().flatten().collect(),
         }
     }
 }
@@ -302,7 +332,40 @@ impl Depth {
 
 #[cfg(test)]
 mod tests {
-    use super::{floor, whole};
+    use super::{Places, floor, whole, within};
+
+    /// Which samples a triangle can have, by its definition: centres between its outermost corners.
+    #[test]
+    fn a_triangle_has_the_samples_between_its_corners() {
+        let places = [
+            -1e9, -0.5, -0.2, 0.0, 0.3, 0.5, 0.6, 1.4, 1.5, 2.5, 2.6, 1e9,
+        ];
+        let all = |k: usize| [k % 12, k / 12 % 12, k / 144].map(|i| places[i]);
+        for (k, other) in (0..1728).map(|k| (k, (k * 7 + 5) % 1728)) {
+            let (x, y) = (all(k), all(other));
+            let corners = [0, 1, 2].map(|i| [x[i], y[i], 0.0]);
+            let found = Places::new(corners.into_iter()).triangle([0, 1, 2]);
+            let centers = |x: [f32; 3]| -> Vec<usize> {
+                let (low, high) = (x.map(|x| x - 0.5), x.map(|x| x - 0.5));
+                let low = low.into_iter().fold(f32::INFINITY, f32::min);
+                let high = high.into_iter().fold(f32::NEG_INFINITY, f32::max);
+                (0..4_u8)
+                    .filter(|i| (low..=high).contains(&f32::from(*i)))
+                    .map(usize::from)
+                    .collect()
+            };
+            let (columns, rows) = (centers(x), centers(y));
+            let found = found.map(|placed| {
+                [placed.columns, placed.rows].map(|range| within(range, &(0..4)).collect())
+            });
+            let [own_columns, own_rows]: [Vec<usize>; 2] = found.unwrap_or_default();
+            if !columns.is_empty() && !rows.is_empty() {
+                assert_eq!((own_columns, own_rows), (columns, rows), "{corners:?}");
+            } else {
+                assert!(own_columns.is_empty() || own_rows.is_empty(), "{corners:?}");
+            }
+        }
+    }
 
     #[test]
     fn whole_numbers_of_places_far_away_have_negatives() {

@@ -78,10 +78,17 @@ pub(super) struct Triangle {
 impl Stage {
     pub(super) fn new(scene: &Scene) -> Self {
         let most = ALL_PIXELS / scene.head.textures.len().max(1);
-        let images = parallel::map(&scene.head.textures, |texture| {
-            Image::read(&texture.kind, scene.image(texture)?, most)
-        });
-        let solids = parallel::map(scene.shown(), |drawn| solid(scene, drawn));
+        let images = parallel::map_largest_first(
+            &scene.head.textures,
+            |texture| texture.bytes,
+            |texture| Image::read(&texture.kind, scene.image(texture)?, most),
+        );
+        let triangles = |drawn: &Drawn| match drawn.shape {
+            Shape::Mesh(mesh) => scene.head.meshes[mesh].triangles,
+            _ => 0,
+        };
+        let solids =
+            parallel::map_largest_first(scene.shown(), triangles, |drawn| solid(scene, drawn));
         let mut stage = Self {
             surfaces: Vec::new(),
             images,

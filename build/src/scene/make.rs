@@ -22,6 +22,8 @@ use urdf2fmu_core::spatial::{Pose, Vec3, quaternion_from_rotation};
 use urdf2fmu_core::urdf::{Description, DrawnMesh, MeshPart, VisualShape};
 use urdf2fmu_core::variables::{self, Kind, Slot, Unit};
 
+const WHITE: [f64; 3] = [1.0; 3];
+
 /// Colour of what has none: a light metal.
 const PLAIN: [f64; 3] = [0.72, 0.74, 0.77];
 
@@ -309,11 +311,19 @@ impl Body {
             .collect();
         let mut textures = vec![None; description.textures.len()];
         let side = texture::longest_side(&description.textures);
-        let reduced = parallel::map(&description.textures, |t| texture::reduced(t, side));
+        let reduced = parallel::map_largest_first(
+            &description.textures,
+            |t| t.bytes.len(),
+            |t| texture::reduced(t, side),
+        );
         let parts = description.drawn_meshes.iter().map(|file| &file.parts);
         let parts: Vec<&MeshPart> = parts.flatten().collect();
-        let mut packed =
-            parallel::map(&parts, |part| mesh::pack(&part.triangles, &part.uv)).into_iter();
+        let mut packed = parallel::map_largest_first(
+            &parts,
+            |part| part.triangles.len(),
+            |part| mesh::pack(&part.triangles, &part.uv),
+        )
+        .into_iter();
         // Packed parts by mesh.
         let mut packed: Vec<Vec<_>> = description
             .drawn_meshes
@@ -373,7 +383,11 @@ impl Body {
                                 })
                             });
                             let color = match texture {
-                                Some(_) => Some([1.0; 3]),
+                                // The mesh's factor is that of its own texture.
+                                Some(_) => {
+                                    let tint = part.tint.filter(|_| visual.texture.is_none());
+                                    tint.or(Some(WHITE))
+                                }
                                 None if is_colorful(file) => part.color.or(own),
                                 None => own.or(part.color),
                             };

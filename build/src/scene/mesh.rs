@@ -97,18 +97,14 @@ pub(super) fn pack(triangles: &[[Vec3; 3]], uv: &[[[f64; 2]; 3]]) -> Option<Pack
         &[]
     };
     // What is finer than the format is one vertex in any case.
-    let mut welded = Welded::new(triangles, uv, &scale, uv_scale.as_ref(), None);
+    let corners = Corners::new(triangles, uv);
+    let mut welded = Welded::new(&corners, &scale, uv_scale.as_ref(), None);
     for cells in coarser {
         if welded.indices.len() <= MANY_TRIANGLES {
             break;
         }
-        welded = Welded::new(
-            triangles,
-            uv,
-            &scale,
-            uv_scale.as_ref(),
-            Some(longest / cells),
-        );
+        let cell = Some(longest / cells);
+        welded = Welded::new(&corners, &scale, uv_scale.as_ref(), cell);
     }
     (!welded.indices.is_empty()).then_some(Packed {
         scale,
@@ -170,47 +166,80 @@ struct Welded {
     indices: Vec<[u32; 3]>,
 }
 
+/// Corners of triangles, those that are the same to the last bit once, in the order of their first
+/// use: welding looks at each of them only once, however many triangles have it.
+struct Corners {
+    list: Vec<(Vec3, [f64; 2])>,
+    /// Places in `list`.
+    triangles: Vec<[u32; 3]>,
+}
+
+/// The bits of a corner's place and of its texture coordinates.
+type Bits = ([u64; 3], [u64; 2]);
+
+impl Corners {
+    /// `uv` has one entry for each triangle or none.
+    fn new(triangles: &[[Vec3; 3]], uv: &[[[f64; 2]; 3]]) -> Self {
+        // Each corner stands in some six triangles.
+        let mut places: HashMap<Bits, u32, BuildHasherDefault<Quick>> =
+            HashMap::with_capacity_and_hasher(triangles.len() / 2, BuildHasherDefault::default());
+        let mut list = Vec::with_capacity(triangles.len() / 2);
+        let number = |(t, triangle): (usize, &[Vec3; 3])| {
+            std::array::from_fn(|k| {
+                let (p, uv) = (triangle[k], uv.get(t).map_or([0.0; 2], |uv| uv[k]));
+                let bits = ([p.x, p.y, p.z].map(f64::to_bits), uv.map(f64::to_bits));
+                *places.entry(bits).or_insert_with(|| {
+                    list.push((p, uv));
+                    u32::try_from(list.len() - 1).unwrap_or(u32::MAX)
+                })
+            })
+        };
+        let triangles = triangles.iter().enumerate().map(number).collect();
+        Self { list, triangles }
+    }
+}
+
 impl Welded {
     /// - `cell`: side of the cubes in which all vertices become the first of them, m
     fn new(
-        triangles: &[[Vec3; 3]],
-        uv: &[[[f64; 2]; 3]],
+        corners: &Corners,
         scale: &Scale<3>,
         uv_scale: Option<&Scale<2>>,
         cell: Option<f64>,
     ) -> Self {
         let mut welded = Self::default();
-        // Each vertex stands in some six triangles.
+        let count = corners.list.len();
         let mut places: HashMap<(u64, u32), u32, BuildHasherDefault<Quick>> =
-            HashMap::with_capacity_and_hasher(triangles.len() / 2, BuildHasherDefault::default());
-        for (t, triangle) in triangles.iter().enumerate() {
-            let corner = |k: usize| {
-                let packed = scale.pack(triangle[k].as_ref());
-                let key = match cell {
-                    None => packed,
-                    Some(cell) => std::array::from_fn(|i| {
-                        // Fewer cells than a u16 has numbers; none is below the first.
-                        #[allow(
-                            clippy::cast_possible_truncation,
-                            clippy::cast_sign_loss,
-                            reason = "a cell's number is small and not negative"
-                        )]
-                        let number = ((triangle[k][i] - scale.low[i]) / cell) as u16;
-                        number
-                    }),
-                };
-                let uv = uv_scale.map_or([0; 2], |uv_scale| uv_scale.pack(&uv[t][k]));
-                let [x, y, z] = key.map(u64::from);
-                let [u, v] = uv.map(u32::from);
-                let number = (x | y << 16 | z << 32, u | v << 16);
-                let place = *places.entry(number).or_insert_with(|| {
-                    welded.positions.push(packed);
-                    welded.uv.push(uv);
-                    u32::try_from(welded.positions.len() - 1).unwrap_or(u32::MAX)
-                });
-                (place, key)
+            HashMap::with_capacity_and_hasher(count, BuildHasherDefault::default());
+        let mut place = |(p, uv): &(Vec3, [f64; 2])| {
+            let packed = scale.pack(p.as_ref());
+            let key = match cell {
+                None => packed,
+                Some(cell) => std::array::from_fn(|i| {
+                    // Fewer cells than a u16 has numbers; none is below the first.
+                    #[allow(
+                        clippy::cast_possible_truncation,
+                        clippy::cast_sign_loss,
+                        reason = "a cell's number is small and not negative"
+                    )]
+                    let number = ((p[i] - scale.low[i]) / cell) as u16;
+                    number
+                }),
             };
-            let [a, b, c] = [0, 1, 2].map(corner);
+            let uv = uv_scale.map_or([0; 2], |uv_scale| uv_scale.pack(uv));
+            let [x, y, z] = key.map(u64::from);
+            let [u, v] = uv.map(u32::from);
+            let key = x | y << 16 | z << 32;
+            let place = *places.entry((key, u | v << 16)).or_insert_with(|| {
+                welded.positions.push(packed);
+                welded.uv.push(uv);
+                u32::try_from(welded.positions.len() - 1).unwrap_or(u32::MAX)
+            });
+            (place, key)
+        };
+        let placed: Vec<(u32, u64)> = corners.list.iter().map(&mut place).collect();
+        for triangle in &corners.triangles {
+            let [a, b, c] = triangle.map(|i| placed[i as usize]);
             if a.1 != b.1 && b.1 != c.1 && c.1 != a.1 {
                 welded.indices.push([a.0, b.0, c.0]);
             }

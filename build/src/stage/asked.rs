@@ -1,5 +1,6 @@
 //! What a person asks for, and the settings that follow from it.
 
+use crate::library;
 use crate::world::Packages;
 use std::path::PathBuf;
 use urdf2fmu_core::diagnostic::Diagnostic;
@@ -53,14 +54,13 @@ pub struct Request {
     pub objects: Vec<ObjectSettings>,
 }
 
-/// The settings file, as far as it can be read, with what the request says over it; what is wrong
-/// with the file, and whether it is TOML at all.
-pub(super) fn settings_of(request: &Request) -> (Settings, Vec<Diagnostic>, bool) {
-    let (read, findings) = match &request.config {
+/// The settings file, as far as it can be read, with what the request says over it, and what is wrong
+/// with the file.
+pub(super) fn settings_of(request: &Request) -> (Settings, Vec<Diagnostic>) {
+    let (read, mut findings) = match &request.config {
         Some(path) => Settings::read_rest(path, request.compat),
         None => (None, Vec::new()),
     };
-    let is_toml = read.is_some();
     let mut settings = read.unwrap_or_else(|| Settings::of(request.compat.unwrap_or_default()));
     if let Some(base) = request.base {
         settings.base = base;
@@ -95,5 +95,6 @@ pub(super) fn settings_of(request: &Request) -> (Settings, Vec<Diagnostic>, bool
         settings.default_mode = Some(ModeChoice::Commanded(mode));
     }
     settings.objects.extend(request.objects.iter().cloned());
-    (settings, findings, is_toml)
+    findings.extend(library::unknown(&settings.fmu.platforms));
+    (settings, findings)
 }

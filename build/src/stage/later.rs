@@ -5,73 +5,141 @@
 //! errors are told that do not follow from the first ones: those of names. What is missing is not
 //! taken for a fault: masses, shapes and limits may hang on what is wrong before.
 
+use super::Request;
 use crate::world;
-use std::path::Path;
-use urdf2fmu_core::assemble;
+use urdf2fmu_core::assemble::{self, Guest};
 use urdf2fmu_core::diagnostic::{Diagnostic, Severity};
 use urdf2fmu_core::settings::Settings;
-use urdf2fmu_core::urdf::{Description, ReadOptions};
+use urdf2fmu_core::urdf::{self, Description, ReadOptions};
 use urdf2fmu_core::variables;
 
-/// Errors of the assembly that are about names, whatever else is wrong.
-const OF_NAMES: [&str; 8] = [
-    "A101", "A102", "A103", "A130", "A131", "A137", "A139", "A140",
+/// Errors of the assembly that are about names or about the settings alone, whatever else is wrong.
+const OF_NAMES: [&str; 11] = [
+    "A101", "A102", "A103", "A106", "A125", "A130", "A131", "A133", "A137", "A139", "A140",
 ];
 
-/// Errors of a robot's file that settings can mend: those of masses and inertias.
-const OF_MASSES: &str = "U06";
+/// Errors that settings can mend: those of masses and inertias.
+const OF_MASSES: [&str; 3] = ["U06", "A104", "A105"];
+
+/// Words of the settings that mend them.
+const MENDING: [&str; 3] = ["inertia", "density", "compat"];
 
 /// Of a robot's findings what does not follow from faults of its settings.
-///
-/// - `is_toml`: whether any of them could be read
-pub(super) fn beside_settings(
-    findings: Vec<Diagnostic>,
-    is_toml: bool,
-) -> impl Iterator<Item = Diagnostic> {
-    let holds = move |finding: &Diagnostic| {
-        let of_file = finding.code.starts_with('U') && !finding.code.starts_with(OF_MASSES);
-        finding.severity == Severity::Error && (is_toml || of_file)
+pub(super) fn beside_settings(settings: &[Diagnostic], more: Vec<Diagnostic>) -> Vec<Diagnostic> {
+    let unread = settings.iter().any(|finding| finding.code == "S108");
+    let syntax = settings.iter().any(|finding| finding.code == "S101");
+    let mending = settings.iter().any(|finding| {
+        let line = finding.place.as_ref().map(|place| place.text.as_str());
+        // Keys that a finding lists are not those that were meant.
+        let help = finding.help.as_deref().and_then(|h| h.split('?').next());
+        let texts = [line, Some(finding.message.as_str()), help];
+        let mut texts = texts.into_iter().flatten();
+        texts.any(|text| MENDING.iter().any(|word| text.contains(word)))
+    });
+    let holds = |finding: &Diagnostic| {
+        let of_masses = OF_MASSES.iter().any(|code| finding.code.starts_with(code));
+        let of_file = finding.code.starts_with('U') || OF_NAMES.contains(&finding.code);
+        is_error(finding)
+            && if of_masses {
+                !(mending || unread)
+            } else {
+                of_file || !(unread || syntax)
+            }
     };
-    findings.into_iter().filter(holds)
+    let mut more = more;
+    more.retain(|finding| holds(finding) && !settings.contains(finding));
+    more
 }
 
-/// What else is wrong with a robot whose file has errors.
-///
-/// - `arguments`: for xacro
+/// What else is wrong with a robot whose file has errors: with its names, its SRDF, and what is
+/// around it.
 pub(super) fn beside_robot(
-    urdf: &Path,
-    arguments: &[String],
-    (settings, options): (&Settings, &ReadOptions),
+    request: &Request,
+    settings: &Settings,
+    options: &ReadOptions,
 ) -> Vec<Diagnostic> {
     let options = ReadOptions {
         rest: true,
         drawn: false,
         ..options.clone()
     };
-    let read = world::read(urdf, arguments, &options);
-    read.map_or_else(
-        |_| Vec::new(),
-        |(description, _)| of(&description, settings),
-    )
+    let read = world::read(&request.urdf, &request.xacro_arguments, &options);
+    let mut settings = settings.clone();
+    let around = world::surroundings(&mut settings, &request.packages);
+    let (guests, mut list) = match around {
+        Ok(around) => (around.guests, Vec::new()),
+        Err(findings) => (Vec::new(), findings.into_iter().filter(is_error).collect()),
+    };
+    let Ok((description, _)) = read else {
+        return list;
+    };
+    if let Some(path) = &request.srdf {
+        let state = request.initial_state.as_deref();
+        let semantics = urdf::read_srdf(path, state, &description);
+        list.extend(semantics.err().into_iter().flatten().filter(is_error));
+    }
+    // Shapes may be left out.
+    let of_shapes = |finding: &Diagnostic| finding.message.contains("no collision shape");
+    let names = of(&description, &settings, &guests);
+    list.extend(names.into_iter().filter(|name| !of_shapes(name)));
+    list
+}
+
+fn is_error(finding: &Diagnostic) -> bool {
+    finding.severity == Severity::Error
+}
+
+/// Errors of a robot whose own file has none.
+///
+/// - `guests`: all that are around it, or none of them where that is not known
+pub(super) fn sound(
+    description: &Description,
+    settings: &Settings,
+    guests: &[Guest],
+) -> Vec<Diagnostic> {
+    let built = if guests.is_empty() {
+        assemble::build(description, &alone(settings))
+    } else {
+        assemble::world(description, settings, guests)
+    };
+    let mut list: Vec<Diagnostic> = built.err().unwrap_or_default();
+    list.retain(is_error);
+    list.extend(clashes(description, settings));
+    list
 }
 
 /// What is wrong with the names in a robot and its settings.
-pub(super) fn of(description: &Description, settings: &Settings) -> Vec<Diagnostic> {
-    let settings = alone(settings);
-    let (_, findings) = assemble::inspect(description, &settings);
+///
+/// - `guests`: all that are around it, or none of them where that is not known
+pub(super) fn of(
+    description: &Description,
+    settings: &Settings,
+    guests: &[Guest],
+) -> Vec<Diagnostic> {
+    let findings = if guests.is_empty() {
+        assemble::inspect(description, &alone(settings)).1
+    } else {
+        let world = assemble::world(description, settings, guests);
+        world.map_or_else(|findings| findings, |world| world.diagnostics)
+    };
+    // A base may be fixed for what is wrong before.
+    let of_base = |finding: &Diagnostic| {
+        finding.code == "A106" && finding.message.starts_with("a fixed base")
+    };
     let told = |finding: &Diagnostic| {
-        finding.severity == Severity::Error && OF_NAMES.contains(&finding.code)
+        is_error(finding) && OF_NAMES.contains(&finding.code) && !of_base(finding)
     };
     let mut list: Vec<Diagnostic> = findings.into_iter().filter(told).collect();
-    list.extend(clash(description, &settings));
+    list.extend(clashes(description, settings));
     list
 }
 
 /// Names that become one.
-pub(super) fn clash(description: &Description, settings: &Settings) -> Option<Diagnostic> {
+pub(super) fn clashes(description: &Description, settings: &Settings) -> Vec<Diagnostic> {
     let (model, _) = assemble::inspect(description, &alone(settings));
-    let error = variables::table(&model?).err()?;
-    Some(crate::diagnostics::clash(description, &error))
+    let clashes = model.as_ref().map(variables::clashes).unwrap_or_default();
+    let told = |error| crate::diagnostics::clash(description, error);
+    clashes.iter().map(told).collect()
 }
 
 /// Settings without what names other trees of the world.

@@ -45,6 +45,7 @@ impl<'d> Scene<'d> {
             return Some(Paint {
                 color: None,
                 image: self.image(effect, name).map(Image::Named),
+                tint: None,
             });
         }
         let color = numbers(diffuse.child("color")?).ok()?;
@@ -53,6 +54,7 @@ impl<'d> Scene<'d> {
                 .first_chunk::<3>()
                 .map(|rgb| rgb.map(|x| x.clamp(0.0, 1.0))),
             image: None,
+            tint: None,
         })
     }
 

@@ -249,6 +249,11 @@ fn a_texture_is_taken_from_the_file_from_beside_it_or_from_a_uri() {
         assert_eq!(parts.len(), 1);
         assert_eq!(parts[0].paint.image, Some(image));
         assert_eq!(parts[0].paint.color, None);
+        // Half of the light is 0.7354 in sRGB (IEC 61966-2-1).
+        let tint = parts[0].paint.tint.expect("a factor that is not white");
+        let off = [1.0, 0.735_357, 0.0].map(f64::abs);
+        let off = off.iter().zip(tint).map(|(a, b)| (a - b).abs());
+        assert!(off.fold(0.0, f64::max) < 1e-6, "{tint:?}");
         // The corners 0 1 2 and 1 3 2 of the strip.
         let [a, b, c, d] = [[0.0, 1.0], [1.0, 1.0], [1.0, 0.0], [0.0, 0.0]];
         assert_eq!(parts[0].uv, [[a, b, c], [b, d, c]]);

@@ -6,7 +6,7 @@
 use super::{Attribute, Document, Element};
 use crate::diagnostic::Report;
 use quick_xml::Reader;
-use quick_xml::errors::{Error, IllFormedError, SyntaxError};
+use quick_xml::errors::{Error, SyntaxError};
 use quick_xml::escape::{self, EscapeError};
 use quick_xml::events::attributes::AttrError;
 use quick_xml::events::{BytesStart, Event};
@@ -24,56 +24,101 @@ const MOST_ATTRIBUTES: usize = 1_000;
 impl<'t> Document<'t> {
     /// Reads `text`; `None` after reporting why it is not XML.
     pub(in crate::urdf) fn parse(text: &'t str, report: &mut Report) -> Option<Self> {
-        Builder {
-            text,
-            elements: Vec::new(),
-            open: Vec::new(),
-            closed: false,
+        Builder::new(text, &[])
+            .run(report)
+            .filter(|_| !report.has_errors())
+    }
+
+    /// Reads the text of a robot as far as it is XML, so that what else is wrong is told, too; `None`
+    /// after reporting why nothing can be made of it.
+    ///
+    /// A tag that is not closed ends with the one around it, at the latest where a further link or
+    /// joint of the robot begins.
+    pub(in crate::urdf) fn parse_rest(text: &'t str, report: &mut Report) -> Option<Self> {
+        let mut builder = Builder::new(text, &[]);
+        let document = builder.run(report);
+        if !builder.unmatched {
+            return document;
         }
-        .run(report)
+        report.clear();
+        Builder::new(text, &["link", "joint"]).run(report)
     }
 }
 
+#[expect(clippy::struct_excessive_bools, reason = "each is found out by itself")]
 struct Builder<'t> {
     text: &'t str,
     elements: Vec<Element>,
     open: Vec<usize>,
     /// Whether the root has ended.
     closed: bool,
+    /// Children of the root that never lie in each other.
+    apart: &'static [&'static str],
+    /// Whether the tags do not match somewhere: what follows from that is not told again.
+    unmatched: bool,
+    /// Whether entities may be declared that are not read.
+    declared: bool,
+    /// Where to go on after a tag that is not one.
+    resume: Option<usize>,
+    /// Whether what comes next is another document.
+    over: bool,
 }
 
 impl<'t> Builder<'t> {
-    fn run(mut self, report: &mut Report) -> Option<Document<'t>> {
+    fn new(text: &'t str, apart: &'static [&'static str]) -> Self {
+        Self {
+            text,
+            elements: Vec::new(),
+            open: Vec::new(),
+            closed: false,
+            apart,
+            unmatched: false,
+            declared: false,
+            resume: None,
+            over: false,
+        }
+    }
+
+    fn run(&mut self, report: &mut Report) -> Option<Document<'t>> {
         // The reader skips a byte order mark without counting it.
         let body = self.text.trim_start_matches('\u{feff}');
-        let mark = self.text.len() - body.len();
-        let position = |in_body: u64| mark + position(in_body);
-        let mut reader = Reader::from_str(body);
+        let first = self.text.len() - body.len();
+        let mut mark = first;
+        let mut reader = reader(body);
         loop {
+            if self.over {
+                return self.end(report);
+            }
+            if let Some(at) = self.resume.take() {
+                mark = at;
+                reader = self::reader(&self.text[at..]);
+            }
+            let position = |in_body: u64| mark + position(in_body);
             let start = position(reader.buffer_position());
             let event = match reader.read_event() {
                 Ok(event) => event,
                 Err(error) => {
                     let end = position(reader.buffer_position());
                     let at = position(reader.error_position());
-                    self.malformed(&error, at, end, report);
-                    return None;
+                    Self::malformed(&error, at.min(self.text.len()), end, report);
+                    if matches!(error, Error::IllFormed(_)) && end > start {
+                        continue;
+                    }
+                    self.broken(start, report)?;
+                    continue;
                 }
             };
             let end = position(reader.buffer_position());
             match event {
                 Event::Start(tag) => self.start(&tag, start..end, false, report)?,
                 Event::Empty(tag) => self.start(&tag, start..end, true, report)?,
-                Event::End(_) => {
-                    self.open.pop();
-                    self.closed = self.open.is_empty();
-                }
-                Event::Text(_) | Event::GeneralRef(_) => self.content(start..end, report)?,
+                Event::End(tag) => self.finish(tag.name().as_ref(), start..end, report),
+                Event::Text(_) | Event::GeneralRef(_) => self.content(start..end, report),
                 Event::CData(_) => {
                     // `<![CDATA[` and `]]>`
-                    self.content((start + 9).min(end)..end.saturating_sub(3), report)?;
+                    self.content((start + 9).min(end)..end.saturating_sub(3), report);
                 }
-                Event::Decl(_) if start > mark => report.warning(
+                Event::Decl(_) if start > first => report.warning(
                     "U008",
                     start..end,
                     "the XML declaration is not at the start of the file",
@@ -86,7 +131,7 @@ impl<'t> Builder<'t> {
                         "DOCTYPE and entity declarations are not read",
                         "remove the declaration and write the text out where an entity is used",
                     );
-                    return None;
+                    self.declared = true;
                 }
                 Event::Decl(_) | Event::Comment(_) | Event::PI(_) => {}
                 Event::Eof => return self.end(report),
@@ -94,8 +139,62 @@ impl<'t> Builder<'t> {
         }
     }
 
-    fn end(self, report: &mut Report) -> Option<Document<'t>> {
-        if let Some(&last) = self.open.last() {
+    fn name(&self, element: usize) -> &'t str {
+        &self.text[self.elements[element].name.clone()]
+    }
+
+    /// Ends the innermost element, or one around it.
+    fn finish(&mut self, name: &str, at: Range<usize>, report: &mut Report) {
+        let Some(&last) = self.open.last() else {
+            if !std::mem::replace(&mut self.unmatched, true) {
+                let help = "remove it, or begin the element";
+                report.error("U003", at, format!("not XML: </{name}> ends nothing"), help);
+            }
+            return;
+        };
+        let expected = self.name(last);
+        if expected == name {
+            self.open.pop();
+        } else {
+            if !std::mem::replace(&mut self.unmatched, true) {
+                let line = report.line(self.elements[last].tag.start);
+                let message =
+                    format!("not XML: expected `</{expected}>`, but `</{name}>` was found");
+                let help = format!("<{expected}> of line {line} is still open");
+                report.error("U003", at, message, help);
+            }
+            let meant = |&&open: &&usize| self.name(open) == name;
+            match self.open.iter().rposition(|open| meant(&open)) {
+                // What lies between is not closed.
+                Some(depth) => self.open.truncate(depth),
+                None if alike(name, expected) => _ = self.open.pop(),
+                None => {}
+            }
+        }
+        self.closed = self.open.is_empty();
+    }
+
+    /// Ends what is still open where an element begins that cannot lie in it.
+    fn part(&mut self, name: &str, report: &mut Report) {
+        let Some(&around) = self.open.get(1) else {
+            return;
+        };
+        let outer = self.name(around);
+        if !(self.apart.contains(&outer) && self.apart.contains(&name)) {
+            return;
+        }
+        if !std::mem::replace(&mut self.unmatched, true) {
+            let message = format!("not XML: <{outer}> is never closed");
+            let help = format!("add </{outer}> before the next <{name}>");
+            report.error("U003", self.elements[around].tag.clone(), message, help);
+        }
+        self.open.truncate(1);
+    }
+
+    fn end(&mut self, report: &mut Report) -> Option<Document<'t>> {
+        if let Some(&last) = self.open.last()
+            && !self.unmatched
+        {
             let element = &self.elements[last];
             let name = &self.text[element.name.clone()];
             report.error(
@@ -104,7 +203,7 @@ impl<'t> Builder<'t> {
                 format!("not XML: <{name}> is never closed"),
                 format!("add </{name}>; is the file complete?"),
             );
-            return None;
+            self.unmatched = true;
         }
         if self.elements.is_empty() {
             let what = if self.text.trim().is_empty() {
@@ -112,31 +211,36 @@ impl<'t> Builder<'t> {
             } else {
                 "not XML: there is no element"
             };
-            report.error("U003", 0..0, what, "a URDF starts with <robot name=\"…\">");
+            if !report.has_errors() {
+                report.error("U003", 0..0, what, "a URDF starts with <robot name=\"…\">");
+            }
             return None;
         }
         Some(Document {
             text: self.text,
-            elements: self.elements,
+            elements: std::mem::take(&mut self.elements),
         })
     }
 
-    fn content(&mut self, at: Range<usize>, report: &mut Report) -> Option<()> {
+    fn content(&mut self, at: Range<usize>, report: &mut Report) {
         if at.is_empty() {
-            return Some(());
+            return;
         }
         if let Some(&parent) = self.open.last() {
             self.elements[parent].content.push(at);
-            return Some(());
+            return;
         }
         let text = &self.text[at.clone()];
         let solid = text.trim_matches(|c: char| c.is_whitespace() || c == '\0' || c == '\u{feff}');
         if !solid.is_empty() {
+            if std::mem::replace(&mut self.unmatched, true) {
+                return;
+            }
             let from = at.start + text.find(solid).unwrap_or(0);
             let what = "not XML: text outside the root element";
             let help = "a URDF is one <robot> element; remove the text or make it a comment";
             report.error("U003", from..from + solid.len(), what, help);
-            return None;
+            return;
         }
         if let Some(zero) = text.find('\0') {
             report.warning(
@@ -146,7 +250,6 @@ impl<'t> Builder<'t> {
                 "remove it: strict XML readers refuse the file",
             );
         }
-        Some(())
     }
 
     fn start(
@@ -160,14 +263,20 @@ impl<'t> Builder<'t> {
         let name_start = at.start + 1;
         let name = name_start..name_start + tag.name().as_ref().len();
         if self.open.is_empty() && self.closed {
-            report.error(
-                "U003",
-                at,
-                "not XML: a second root element",
-                "a URDF is one <robot> element; put one robot into a file",
-            );
-            return None;
+            if !std::mem::replace(&mut self.unmatched, true) {
+                report.error(
+                    "U003",
+                    at,
+                    "not XML: a second root element",
+                    "a URDF is one <robot> element; put one robot into a file",
+                );
+                self.over = true;
+                return Some(());
+            }
+            // The root ended too early.
+            self.open.push(0);
         }
+        self.part(&self.text[name.clone()], report);
         if self.open.len() >= DEEPEST || self.elements.len() >= MOST_ELEMENTS {
             let what = if self.open.len() >= DEEPEST {
                 format!("elements are nested more than {DEEPEST} deep")
@@ -183,6 +292,107 @@ impl<'t> Builder<'t> {
             return None;
         }
         let attributes = self.attributes(tag, name_start, &at, report)?;
+        let cut = self.resume.map(|end| at.start..end);
+        let empty = match &cut {
+            Some(at) => self.text[at.clone()].trim_end().ends_with("/>"),
+            None => empty,
+        };
+        let at = cut.unwrap_or(at);
+        self.push(name, at, attributes, empty);
+        Some(())
+    }
+
+    /// Goes on behind what is no tag: with the element that it may be meant as.
+    fn broken(&mut self, start: usize, report: &mut Report) -> Option<()> {
+        let text = &self.text[start..];
+        let next = text.get(1..).and_then(|rest| rest.find('<'));
+        let end = next.map_or(self.text.len(), |next| start + 1 + next);
+        self.resume = Some(end);
+        let name = text.get(1..).unwrap_or_default();
+        let name = name.split(|c: char| !(c.is_alphanumeric() || "_-:.".contains(c)));
+        let name = name.into_iter().next().unwrap_or_default();
+        if name.is_empty() || !text.starts_with('<') {
+            // A comment that does not end, or the like.
+            (self.over, self.unmatched) = (next.is_none(), true);
+            return Some(());
+        }
+        if self.open.len() >= DEEPEST || self.elements.len() >= MOST_ELEMENTS {
+            return None;
+        }
+        if self.open.is_empty() && self.closed {
+            self.over = true;
+            return Some(());
+        }
+        self.part(name, report);
+        let at = start..end;
+        let attributes = self.meant(start + 1 + name.len()..end);
+        let empty = self.text[at.clone()].trim_end().ends_with("/>");
+        self.push(start + 1..start + 1 + name.len(), at, attributes, empty);
+        if next.is_none() {
+            (self.over, self.unmatched) = (true, true);
+        }
+        Some(())
+    }
+
+    /// Attributes as they may be meant in what is not written as such.
+    fn meant(&self, within: Range<usize>) -> Vec<Attribute> {
+        let mut list: Vec<Attribute> = Vec::new();
+        let text = &self.text[..within.end];
+        let mut at = within.start;
+        while list.len() < MOST_ATTRIBUTES {
+            let rest = &text[at..];
+            let space = rest.len() - rest.trim_start().len();
+            let start = at + space;
+            let rest = &text[start..];
+            let ends = |c: char| c.is_whitespace() || "=>/".contains(c);
+            let length = rest.find(ends).unwrap_or(rest.len());
+            let behind = rest[length..].trim_start();
+            let Some(value) = behind.strip_prefix('=').map(str::trim_start) else {
+                let step = length.max(1);
+                if rest.len() <= step || !text.is_char_boundary(start + step) {
+                    return list;
+                }
+                at = start + step;
+                continue;
+            };
+            let from = text.len() - value.len();
+            let quote = value.chars().next().filter(|c| "'\"".contains(*c));
+            let inner = &value[quote.map_or(0, char::len_utf8)..];
+            let from = from + (value.len() - inner.len());
+            let closed = quote.and_then(|quote| inner.find(quote));
+            let open = || {
+                let plain = |c: char| c == '>' || quote.is_none() && c.is_whitespace();
+                let end = inner.find(plain).unwrap_or(inner.len());
+                inner[..end].trim_end_matches('/').len()
+            };
+            let length_of_value = closed.unwrap_or_else(open);
+            let name = start..start + length;
+            let range = from..from + length_of_value;
+            let known = |a: &Attribute| self.text[a.name.clone()] == self.text[name.clone()];
+            if length > 0 && !list.iter().any(known) {
+                let raw = &self.text[range.clone()];
+                let value = escape::unescape(raw).map_or(raw.into(), |value| value);
+                list.push(Attribute {
+                    name,
+                    at: range.clone(),
+                    value: value.into_owned(),
+                });
+            }
+            at = (range.end + usize::from(closed.is_some())).min(text.len());
+            if at >= text.len() || at <= start {
+                return list;
+            }
+        }
+        list
+    }
+
+    fn push(
+        &mut self,
+        name: Range<usize>,
+        at: Range<usize>,
+        attributes: Vec<Attribute>,
+        empty: bool,
+    ) {
         let index = self.elements.len();
         self.elements.push(Element {
             name,
@@ -199,11 +409,10 @@ impl<'t> Builder<'t> {
         } else {
             self.open.push(index);
         }
-        Some(())
     }
 
     fn attributes(
-        &self,
+        &mut self,
         tag: &BytesStart,
         name_start: usize,
         at: &Range<usize>,
@@ -231,7 +440,13 @@ impl<'t> Builder<'t> {
                         format!("not XML: {what}"),
                         "an attribute is written name=\"value\", once per element",
                     );
-                    return None;
+                    // A quotation mark that is missing takes in the tags behind it.
+                    let behind = name_start..at.end;
+                    let next = self.text[behind].find('<').map(|next| name_start + next);
+                    self.resume = next;
+                    let end = next.unwrap_or(at.end);
+                    let name = tag.name().as_ref().len();
+                    return Some(self.meant((name_start + name).min(end)..end));
                 }
             };
             let name = self.range_of(attribute.key.as_ref(), at);
@@ -250,8 +465,15 @@ impl<'t> Builder<'t> {
                         other => format!("not XML: {other}"),
                     };
                     let help = "write '&' as &amp; and '<' as &lt;";
-                    report.error("U003", value, message, help);
-                    return None;
+                    if !self.declared {
+                        report.error("U003", value.clone(), message, help);
+                    }
+                    let raw = self.text[value.clone()].to_owned();
+                    list.push(Attribute {
+                        name,
+                        at: value,
+                        value: raw,
+                    });
                 }
             }
         }
@@ -269,30 +491,30 @@ impl<'t> Builder<'t> {
         }
     }
 
-    fn malformed(&self, error: &Error, at: usize, end: usize, report: &mut Report) {
+    fn malformed(error: &Error, at: usize, end: usize, report: &mut Report) {
         let help = match error {
-            Error::IllFormed(IllFormedError::MismatchedEndTag { expected, .. }) => {
-                match self.open.last() {
-                    Some(&open) => {
-                        let line = self.text[..self.elements[open].tag.start]
-                            .bytes()
-                            .filter(|&b| b == b'\n')
-                            .count();
-                        format!("<{expected}> of line {} is still open", line + 1)
-                    }
-                    None => String::new(),
-                }
-            }
             Error::Syntax(
                 SyntaxError::UnclosedSingleQuotedAttributeValue
                 | SyntaxError::UnclosedDoubleQuotedAttributeValue,
-            ) => "a quotation mark is missing here or before; or is the file cut off?".to_owned(),
-            Error::Syntax(_) => "is the file complete?".to_owned(),
-            _ => String::new(),
+            ) => "a quotation mark is missing here or before; or is the file cut off?",
+            Error::Syntax(_) => "is the file complete?",
+            _ => "",
         };
-        let at = at.min(self.text.len());
         report.error("U003", at..end.max(at), format!("not XML: {error}"), help);
     }
+}
+
+/// Names of ends are compared by the builder, which goes on where they differ.
+fn reader(text: &str) -> Reader<&[u8]> {
+    let mut reader = Reader::from_str(text);
+    reader.config_mut().check_end_names = false;
+    reader.config_mut().allow_unmatched_ends = true;
+    reader
+}
+
+/// Whether a name is another one with a slip.
+fn alike(name: &str, other: &str) -> bool {
+    strsim::osa_distance(name, other) <= 2
 }
 
 fn position(at: u64) -> usize {
