@@ -167,14 +167,13 @@ fn made(request: &Request, mut settings: Settings) -> Result<Robot, StageError> 
     })?;
     diagnostics.extend(around.diagnostics);
     diagnostics.extend(assembled.diagnostics);
-    let table = match variables::table(&assembled.model) {
-        Ok(table) => table,
-        Err(_) => {
-            let clashes = variables::clashes(&assembled.model);
-            let clashes = clashes.iter();
-            diagnostics.extend(clashes.map(|e| crate::diagnostics::clash(&description, e)));
-            return Err(StageError::Robot(diagnostics));
-        }
+    let Ok(table) = variables::table(&assembled.model) else {
+        let clashes = variables::clashes(&assembled.model);
+        let told = clashes
+            .iter()
+            .map(|e| crate::diagnostics::clash(&description, e));
+        diagnostics.extend(told);
+        return Err(StageError::Robot(diagnostics));
     };
     let mut sources = description.sources.clone();
     sources.extend(request.config.clone());
