@@ -185,6 +185,7 @@ fn moving(head: &str, parent: &str, child: &str, more: &str) -> String {
 }
 
 /// The robot with the sound text at each place.
+#[expect(clippy::too_many_lines, reason = "one file")]
 fn sound_robot() -> String {
     let heavy = |name: &str| {
         let own = inertial("<mass value='1'/>", "ixx='1'");
