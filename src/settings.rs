@@ -80,8 +80,8 @@ impl Settings {
         }
     }
 
-    /// What is right of a settings file, none if it cannot be read, and everything that is wrong with
-    /// it: for what can be told of a robot beside it.
+    /// What is right of a settings file, none if it cannot be read, and everything that is wrong
+    /// with it: for what can be told of a robot beside it.
     pub fn read_rest(path: &Path, compat: Option<Compat>) -> (Option<Self>, Vec<Diagnostic>) {
         let name = path.display().to_string();
         match std::fs::read_to_string(path) {

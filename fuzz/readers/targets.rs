@@ -4,7 +4,8 @@
 //! | target | bytes are |
 //! |---|---|
 //! | `urdf` | a URDF; what is accepted is made a model of, with the settings' defaults |
-//! | `stl`, `obj`, `ply`, `collada`, `gltf` | a mesh, read as corners and as triangles, glTF with its colours, too; some of the accepted are enclosed in their hull |
+//! | `stl`, `obj`, `ply`, `collada`, `gltf` | a mesh, read as corners and as triangles, glTF with
+//! its colours, too; some of the accepted are enclosed in their hull |
 //! | `decomposition` | the corners of a small mesh, which is cut into convex parts |
 //! | `scene` | what a robot looks like, as an FMU holds it |
 //! | `xacro` | a document in xacro, a file that it can include, and a YAML file |

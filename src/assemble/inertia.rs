@@ -253,7 +253,8 @@ fn report(model: &Model, weak: &[usize], lines: &Lines, of_shapes: bool, finding
     findings.error(code, place, message, help.trim_end());
 }
 
-/// Advice for a missing `<inertia>`, if the link has a mass and a shape that is not used for it yet.
+/// Advice for a missing `<inertia>`, if the link has a mass, and a shape that is not used for it
+/// yet.
 fn from_shapes(model: &Model, link: LinkId, of_shapes: bool) -> &'static str {
     let shaped = model.colliders.iter().any(|c| c.link == link);
     if shaped && !of_shapes && model.links[link.index()].inertia.mass > 0.0 {

@@ -59,8 +59,8 @@ fn is_of_inertia(finding: &Diagnostic) -> bool {
     finding.severity == Severity::Error && ["A104", "A105"].contains(&finding.code)
 }
 
-/// None where it helps, whatever else is wrong; else the joints along which nothing has inertia even
-/// so.
+/// None where it helps, whatever else is wrong; else the joints along which nothing has inertia
+/// even so.
 ///
 /// - `known`: what is found without it
 fn left(

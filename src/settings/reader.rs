@@ -150,7 +150,9 @@ impl<'a> Reader<'a> {
     }
 
     fn section(&mut self, path: &str, table: &DeTable, span: Span) -> Section {
-        let mut pairs: Vec<_> = table.iter().collect();
+        // What the parser puts in place of a value that is no TOML has no text.
+        let written = table.iter().filter(|(_, v)| !v.span().is_empty());
+        let mut pairs: Vec<_> = written.collect();
         pairs.sort_by_key(|(name, _)| name.span().start);
         let mut section = Section {
             path: path.to_owned(),

@@ -197,8 +197,8 @@ impl File {
         Ok(())
     }
 
-    /// What a material is seen as without light, and how it shows its texture, which is multiplied by
-    /// the factor.
+    /// What a material is seen as without light, and how it shows its texture, which is multiplied
+    /// by the factor.
     ///
     /// - `images`: those that have been read
     fn paint(

@@ -331,8 +331,8 @@ fn mimic<'d>(scope: &mut Scope, node: Node<'d>, kind: JointKind) -> Option<Check
     })
 }
 
-/// Checks that every mimic follows a turning or sliding joint and none follows itself; those that do
-/// not are left out.
+/// Checks that every mimic follows a turning or sliding joint and none follows itself; those that
+/// do not are left out.
 pub(super) fn check_mimics(scope: &mut Scope, joints: &mut [CheckedJoint]) {
     for wrong in wrong_mimics(scope, joints) {
         joints[wrong].mimic = None;

@@ -54,8 +54,8 @@ pub struct Request {
     pub objects: Vec<ObjectSettings>,
 }
 
-/// The settings file, as far as it can be read, with what the request says over it, and what is wrong
-/// with the file.
+/// The settings file, as far as it can be read, with what the request says over it, and what is
+/// wrong with the file.
 pub(super) fn settings_of(request: &Request) -> (Settings, Vec<Diagnostic>) {
     let (read, mut findings) = match &request.config {
         Some(path) => Settings::read_rest(path, request.compat),

@@ -7,7 +7,8 @@
 //! 2. An edge of one triangle alone ends the surface, unless a triangle begins where it ends:
 //!    beside a side that others divide (a T-junction), or behind a gap of less than [`SEAM`].
 
-use super::{Beyond, Crest, Facet, Surface};
+use super::facet::{Beyond, Crest, Facet};
+use crate::spatial::Vec3;
 use crate::tuning::{EVEN_EDGE, SEAM};
 use std::f64::consts::TAU;
 
@@ -47,51 +48,52 @@ pub(super) fn partners(facets: &[Facet], places: &[[usize; 2]]) -> Vec<(usize, O
         .collect()
 }
 
-impl Surface {
-    /// What lies beyond an edge of one triangle alone; none if nothing does.
-    fn beyond_seam(&self, index: usize, edge: usize) -> Option<usize> {
-        let facet = &self.facets[index];
-        let [a, b] = facet.ends(edge);
-        let mut found = None;
-        for k in 0..LOOKS {
-            let share = (f64::from(k) + 0.5) / f64::from(LOOKS);
-            let p = a + (b - a) * share + facet.away(edge) * SEAM;
-            let mut here = None;
-            self.each_near(&p, 2.0 * SEAM, |other, next| {
-                let apart = next.height(&p).abs();
-                let over = (0..3).all(|edge| next.inside(&p, edge) >= -0.5 * SEAM);
-                if other != index && over && apart <= SEAM && next.normal.dot(&facet.normal) > 0.0 {
-                    here = Some(other);
-                }
-            });
-            found = Some(here?);
-        }
-        found
-    }
-
-    /// Finds the edges of one triangle alone where the surface goes on. Their crests are lost.
-    pub(super) fn find_seams(&mut self, alone: &[[usize; 2]]) {
-        for &[index, edge] in alone {
-            let Some(other) = self.beyond_seam(index, edge) else {
-                continue;
-            };
-            let falls = self.facets[other]
-                .normal
-                .dot(&self.facets[index].away(edge));
-            let sides = [self.facets[index].normal, self.facets[other].normal];
-            let facet = &mut self.facets[index];
-            if falls > EVEN_EDGE {
-                if let Some(crest) = facet.crests[edge] {
-                    self.crests[crest] = Crest::new(facet.ends(edge), sides);
-                }
-                continue;
+/// What lies beyond an edge of one triangle alone; none if nothing does. `near` calls its argument
+/// with what is near a point.
+pub(super) fn beyond(
+    facets: &[Facet],
+    [index, edge]: [usize; 2],
+    near: impl Fn(&Vec3, &mut dyn FnMut(usize, &Facet)),
+) -> Option<usize> {
+    let facet = &facets[index];
+    let [a, b] = facet.ends(edge);
+    let mut found = None;
+    for k in 0..LOOKS {
+        let share = (f64::from(k) + 0.5) / f64::from(LOOKS);
+        let p = a + (b - a) * share + facet.away(edge) * SEAM;
+        let mut here = None;
+        near(&p, &mut |other, next| {
+            let apart = next.height(&p).abs();
+            let over = (0..3).all(|edge| next.inside(&p, edge) >= -0.5 * SEAM);
+            if other != index && over && apart <= SEAM && next.normal.dot(&facet.normal) > 0.0 {
+                here = Some(other);
             }
-            facet.crests[edge] = None;
-            facet.beyond[edge] = if falls > -EVEN_EDGE {
-                Beyond::Seam
-            } else {
-                Beyond::Hollow
-            };
-        }
+        });
+        found = Some(here?);
     }
+    found
+}
+
+/// The surface goes on in the triangle `other` beyond an edge of one triangle alone. The crest is
+/// lost, unless it falls there.
+pub(super) fn go_on(
+    (facets, crests): (&mut [Facet], &mut [Crest]),
+    [index, edge]: [usize; 2],
+    other: usize,
+) {
+    let falls = facets[other].normal.dot(&facets[index].away(edge));
+    let sides = [facets[index].normal, facets[other].normal];
+    let facet = &mut facets[index];
+    if falls > EVEN_EDGE {
+        if let Some(crest) = facet.crests[edge] {
+            crests[crest] = Crest::new(facet.ends(edge), sides);
+        }
+        return;
+    }
+    facet.crests[edge] = None;
+    facet.beyond[edge] = if falls > -EVEN_EDGE {
+        Beyond::Seam
+    } else {
+        Beyond::Hollow
+    };
 }

@@ -1,0 +1,119 @@
+//! Triangles of a mesh and their edges.
+
+use crate::spatial::Vec3;
+use crate::tuning::SEAM;
+
+/// How the surface goes on beyond an edge.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Beyond {
+    /// In the same plane.
+    Even,
+    /// In the same plane, but the triangle there has other corners.
+    Seam,
+    /// Upwards.
+    Hollow,
+    /// Downwards, or not at all.
+    Crest,
+}
+
+/// A triangle.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Facet {
+    /// m
+    pub corners: [Vec3; 3],
+    /// Unit vector outwards.
+    pub normal: Vec3,
+    /// Unit vectors from each edge, that from a corner to the next, into the triangle.
+    pub inward: [Vec3; 3],
+    /// Beyond the edge from each corner to the next.
+    pub beyond: [Beyond; 3],
+    /// The crests that belong to it: each belongs to one of its triangles.
+    pub crests: [Option<usize>; 3],
+}
+
+/// An edge that a shape can lie on.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Crest {
+    /// m
+    pub ends: [Vec3; 2],
+    /// m
+    pub middle: Vec3,
+    /// m
+    pub half_length: f64,
+    /// Unit vector.
+    pub along: Vec3,
+    /// Between these, unit vectors, lie the directions in which it pushes.
+    pub sides: [Vec3; 2],
+}
+
+impl Crest {
+    pub(super) fn new(ends: [Vec3; 2], sides: [Vec3; 2]) -> Self {
+        let [a, b] = ends;
+        let half = (b - a) * 0.5;
+        let half_length = half.norm();
+        Self {
+            ends,
+            middle: (a + b) * 0.5,
+            half_length,
+            along: half / half_length,
+            sides,
+        }
+    }
+}
+
+impl Facet {
+    /// How far a point is inside of each edge, m; negative beyond it.
+    pub(super) fn inside(&self, x: &Vec3, edge: usize) -> f64 {
+        let (a, b) = (self.corners[edge], self.corners[(edge + 1) % 3]);
+        // From the lower corner: both triangles of an edge find the same number.
+        let from = if lower(&a, &b) { a } else { b };
+        self.inward[edge].dot(&(x - from))
+    }
+
+    /// Whether no point of a ball is over the triangle and its plane, but for what lies beyond
+    /// hollow edges.
+    pub fn is_beside(&self, center: &Vec3, radius: f64) -> bool {
+        (0..3)
+            .any(|edge| self.beyond[edge] != Beyond::Hollow && self.inside(center, edge) < -radius)
+    }
+
+    /// Whether a point is over the triangle; beyond hollow edges by up to `slack`, m. Of two even
+    /// triangles a point on their edge is over one.
+    pub fn is_below(&self, x: &Vec3, slack: f64) -> bool {
+        (0..3).all(|edge| {
+            let inside = self.inside(x, edge);
+            match self.beyond[edge] {
+                Beyond::Hollow => inside >= -slack,
+                Beyond::Seam => inside >= -SEAM,
+                _ if inside == 0.0 => lower(&self.corners[edge], &self.corners[(edge + 1) % 3]),
+                _ => inside > 0.0,
+            }
+        })
+    }
+
+    /// Height of a point over its plane, m.
+    pub fn height(&self, x: &Vec3) -> f64 {
+        self.normal.dot(&(x - self.corners[0]))
+    }
+
+    /// Both ends of an edge.
+    pub(super) fn ends(&self, edge: usize) -> [Vec3; 2] {
+        [self.corners[edge], self.corners[(edge + 1) % 3]]
+    }
+
+    /// Out of the triangle, across an edge and in its plane.
+    pub(super) fn away(&self, edge: usize) -> Vec3 {
+        -self.inward[edge]
+    }
+
+    /// Its middle.
+    pub fn middle(&self) -> Vec3 {
+        let [a, b, c] = self.corners;
+        (a + b + c) / 3.0
+    }
+}
+
+/// An order of points.
+pub(super) fn lower(a: &Vec3, b: &Vec3) -> bool {
+    (a.x, a.y, a.z) < (b.x, b.y, b.z)
+}
