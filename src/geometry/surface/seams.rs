@@ -26,7 +26,8 @@ fn turn(facets: &[Facet], from: [usize; 2], to: [usize; 2]) -> Option<f64> {
         return None;
     }
     let (into, other) = (a.0.inward[a.1], b.0.inward[b.1]);
-    let angle = libm::atan2(other.dot(&a.0.normal), other.dot(&into)).rem_euclid(TAU);
+    let angle = libm::atan2(other.dot(&a.0.normal), other.dot(&into));
+    let angle = if angle < 0.0 { angle + TAU } else { angle };
     (FOLDED..TAU - FOLDED).contains(&angle).then_some(angle)
 }
 
