@@ -117,14 +117,7 @@ impl Meeting {
             (None, None) if faces(a) && faces(b) => {
                 limits.points_alone = true;
                 let all = self.cover((a, b), (&n, limits), points);
-                points.scale(
-                    0,
-                    if all.part > 0.0 {
-                        all.part / all.weight
-                    } else {
-                        0.0
-                    },
-                );
+                points.scale(0, per(all.part, all.weight));
                 left -= all.part;
             }
             _ => {}
@@ -187,9 +180,8 @@ impl Meeting {
         let there = part * (1.0 - cut_off(a, n, &all));
         // What the line does not have, the end has, as far as it takes part.
         let other = all.part * (1.0 - there);
-        let by = |share: f64, weight: f64| if share > 0.0 { share / weight } else { 0.0 };
-        points.scale_range(0, first, by(other, all.weight));
-        points.scale_range(first, points.count(), by(there, weight));
+        points.scale_range(0, first, per(other, all.weight));
+        points.scale_range(first, points.count(), per(there, weight));
         points.drop_empty();
         there + other
     }
@@ -213,14 +205,14 @@ impl Meeting {
             let all = self.cover((a, b), (&n, limits), points);
             (cut_a, cut_b) = (cut_off(a, &n, &all), cut_off(b, &n, &back));
             let share = all.part * cut_a * cut_b;
-            points.scale(0, if share > 0.0 { share / all.weight } else { 0.0 });
+            points.scale(0, per(share, all.weight));
             taken += share;
         }
         let mut lie = |(p, round): (&Placed, &Round), q: &Placed, n: &Vec3, side, cut: f64| {
             let first = points.count();
             let (part, weight, _) = self.line((p, round), q, (n, limits, side), points);
             let share = part * (1.0 - cut);
-            points.scale(first, if share > 0.0 { share / weight } else { 0.0 });
+            points.scale(first, per(share, weight));
             share
         };
         if rb.flat {
@@ -237,6 +229,11 @@ impl Meeting {
             points.scale(0, 1.0 / taken);
         }
     }
+}
+
+/// By what points with the sum `weight` are multiplied, so that they have `share` of a contact.
+fn per(share: f64, weight: f64) -> f64 {
+    if share > 0.0 { share / weight } else { 0.0 }
 }
 
 /// How far a polygon takes over from the law of a rim: where the end of the cylinder `p` faces the

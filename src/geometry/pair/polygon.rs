@@ -222,7 +222,8 @@ pub(super) fn cover(
                     break;
                 }
             }
-            all.least = one.corners().iter().map(gap).fold(all.least, f64::min);
+            let nearest = one.corners().iter().map(gap).fold(f64::INFINITY, f64::min);
+            all.least = all.least.min(nearest);
             two.cut(one, |x| limits.level - gap(x));
             let (area, volume) = two.integral(|x| limits.level - gap(x));
             if area <= 0.0 || volume <= 0.0 {
@@ -230,7 +231,6 @@ pub(super) fn cover(
             }
             let weight = (volume * volume) * (volume * volume);
             all.weight += weight;
-            let nearest = two.corners().iter().map(gap).fold(f64::INFINITY, f64::min);
             all.part += weight * limits.part(2.0 * area / two.circumference(), nearest);
             one.merge();
             corners(one, (f, g), frame, (limits.reach, weight), (first, points));
