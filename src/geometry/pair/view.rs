@@ -182,11 +182,17 @@ impl Seen {
         let local = placed.R.tr_mul(&(frame.n * up));
         let mesh = &placed.solid.mesh;
         for (index, normal) in mesh.normals.iter().enumerate() {
-            if normal.dot(&local) <= EDGE_ON {
+            let cos = normal.dot(&local);
+            if cos <= EDGE_ON {
                 continue;
             }
             let list = mesh.face(index);
-            let reaches = list.iter().any(|&i| up * self.corners[i].z > up * limit);
+            let beyond = |z: f64| up * (z - limit) > 0.0;
+            let reaches = list.iter().any(|&i| beyond(self.corners[i].z))
+                || self.disc(index).is_some_and(|disc| {
+                    let rise = disc.radius * (1.0 - cos * cos).max(0.0).sqrt();
+                    beyond(disc.center.z + up * rise)
+                });
             if !reaches || self.front_count == MOST_FRONTS {
                 continue;
             }

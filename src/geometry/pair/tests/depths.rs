@@ -35,24 +35,24 @@ struct Couple {
 }
 
 impl Couple {
-    /// Random ones of these kinds in random attitudes, which overlap by `overlap`, m, as `measure`
-    /// says it.
+    /// Random ones of these kinds and of some `size`, m, in random attitudes, which overlap by
+    /// `overlap`, m, as `measure` says it.
     fn new(
-        kinds: [usize; 2],
+        (kinds, size): ([usize; 2], f64),
         random: &mut Random,
         (overlap, measure): (f64, impl Fn(&Self) -> f64),
     ) -> Self {
-        let shapes = kinds.map(|kind| any_shape(kind, random));
+        let shapes = kinds.map(|kind| any_shape(kind, size, random));
         let mut couple = Self {
             solids: shapes.each_ref().map(solid),
             shapes,
             poses: [
-                at(random.unit() * 0.01, any_rotation(random)),
+                at(random.unit() * (0.1 * size), any_rotation(random)),
                 at(Vec3::zeros(), any_rotation(random)),
             ],
         };
         let (start, way) = (couple.poses[0].p, random.unit());
-        let (mut low, mut high) = (0.0, 1.0);
+        let (mut low, mut high) = (0.0, 10.0 * size);
         for _ in 0..60 {
             let middle = 0.5 * (low + high);
             couple.poses[0].p = start + way * middle;
@@ -86,9 +86,9 @@ impl Couple {
     }
 }
 
-/// A ball, a capsule, a cylinder, a box or a hull of some centimetres.
-fn any_shape(kind: usize, random: &mut Random) -> Shape {
-    let mut extent = || random.uniform(0.03, 0.1);
+/// A ball, a capsule, a cylinder, a box or a hull.
+fn any_shape(kind: usize, size: f64, random: &mut Random) -> Shape {
+    let mut extent = || random.uniform(0.3, 1.0) * size;
     let (radius, half_length) = (extent(), extent());
     match kind {
         0 => Shape::Sphere { radius },
@@ -103,8 +103,17 @@ fn any_shape(kind: usize, random: &mut Random) -> Shape {
         3 => Shape::Box {
             half: Vec3::new(radius, half_length, extent()),
         },
-        _ => cloud(10 + random.below(20), 0.06, random),
+        _ => cloud(10 + random.below(20), 0.6 * size, random),
     }
+}
+
+/// All pairs of kinds with 10 cm, and those of round shapes with 1 m, too: there the 16 sides that
+/// stand for the end of a cylinder are farther from it.
+fn kinds_and_sizes() -> impl Iterator<Item = ([usize; 2], f64)> {
+    let pairs = (0..25).map(|k| [k / 5, k % 5]);
+    let round = pairs.clone().filter(|kinds| kinds.iter().all(|k| *k < 3));
+    let small = pairs.map(|kinds| (kinds, 0.1));
+    small.chain(round.map(|kinds| (kinds, 1.0)))
 }
 
 /// Shapes are rounded by up to a millimetre, and nothing is deeper than the sharp ones overlap at
@@ -112,12 +121,12 @@ fn any_shape(kind: usize, random: &mut Random) -> Shape {
 /// polygons of 16 sides were off by 1.7 mm: piles of cylinders sank into each other.
 #[test]
 fn depths_are_between_those_of_rounded_and_of_sharp_shapes() {
-    for kinds in (0..25).map(|k| [k / 5, k % 5]) {
+    for (kinds, size) in kinds_and_sizes() {
         let random = &mut Random(1000 + 10 * kinds[0] as u64 + kinds[1] as u64);
         let mut worst: f64 = 0.0;
         for _ in 0..60 {
             let overlap = (5e-4, |c: &Couple| c.sharp(&c.rounded().1));
-            let couple = Couple::new(kinds, random, overlap);
+            let couple = Couple::new((kinds, size), random, overlap);
             let (rounded, n) = couple.rounded();
             // The least overlap of the sharp shapes, by a random search.
             let (mut least, mut best) = (couple.sharp(&n), n);
@@ -136,7 +145,7 @@ fn depths_are_between_those_of_rounded_and_of_sharp_shapes() {
             let (low, high) = (rounded.min(least), rounded.max(least));
             worst = worst.max(low - deepest).max(deepest - high);
         }
-        assert!(worst < 1.5e-4, "{kinds:?}: {worst}");
+        assert!(worst < 1.5e-4, "{kinds:?} of {size} m: {worst}");
     }
 }
 
@@ -148,12 +157,13 @@ fn depths_change_no_faster_than_shapes_move() {
     const SAMPLES: u32 = 1000;
     let (length, angle) = (0.01, 0.05);
     let per_sample = (length + angle * 0.05) / f64::from(SAMPLES);
-    for kinds in (0..25).map(|k| [k / 5, k % 5]) {
+    for (kinds, size) in kinds_and_sizes() {
         let random = &mut Random(1000 + 10 * kinds[0] as u64 + kinds[1] as u64);
         let mut worst: f64 = 0.0;
         for _ in 0..30 {
             let overlap = random.uniform(1e-5, 3e-4);
-            let mut couple = Couple::new(kinds, random, (overlap, |c: &Couple| c.rounded().0));
+            let mut couple =
+                Couple::new((kinds, size), random, (overlap, |c: &Couple| c.rounded().0));
             let n = couple.rounded().1;
             let along = random.unit();
             let (along, axis) = ((along - n * n.dot(&along)).normalize(), random.unit());
@@ -177,6 +187,6 @@ fn depths_change_no_faster_than_shapes_move() {
                 }
             }
         }
-        assert!(worst < 2.0, "{kinds:?}: {worst}");
+        assert!(worst < 2.0, "{kinds:?} of {size} m: {worst}");
     }
 }
