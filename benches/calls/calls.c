@@ -3,11 +3,9 @@
    Each figure is the time of a batch over its length; best and median over the batches. */
 #define _GNU_SOURCE
 #include "../../tests/c_api/fmi2.h"
+#include "batch.h"
 #include <dlfcn.h>
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 static struct {
 #define MEMBER(result, name, arguments) result(*name) arguments;
@@ -15,43 +13,27 @@ static struct {
 #undef MEMBER
 } fmu;
 
-enum { BATCHES = 20, MOST = 256 };
-static double batch[BATCHES];
-
-static double now(void)
-{
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return t.tv_sec * 1e9 + t.tv_nsec;
-}
-
-static int ascending(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
+enum { MOST = 256 };
 
 /* Batches of about 2 ms: a call that takes longer is a batch of its own. */
 #define MEASURE(name, ...)                                            \
     do {                                                              \
-        double first = now();                                         \
+        double first = now(CLOCK_MONOTONIC);                          \
         int count = 1;                                                \
         for (int i = 0; i < 1; i++) {                                 \
             __VA_ARGS__;                                              \
         }                                                             \
-        first = now() - first;                                        \
+        first = now(CLOCK_MONOTONIC) - first;                         \
         if (first < 2e6)                                              \
             count = first < 2e3 ? 1000 : (int)(2e6 / first);          \
         for (int b = 0; b < BATCHES; b++) {                           \
-            double begin = now();                                     \
+            double begin = now(CLOCK_MONOTONIC);                      \
             for (int i = 0; i < count; i++) {                         \
                 __VA_ARGS__;                                          \
             }                                                         \
-            batch[b] = (now() - begin) / count;                       \
+            batch[b] = (now(CLOCK_MONOTONIC) - begin) / count;        \
         }                                                             \
-        qsort(batch, BATCHES, sizeof *batch, ascending);              \
-        printf(name " %.1f %.1f\n", batch[0], batch[BATCHES / 2]);    \
-        fflush(stdout);                                               \
+        tell(name);                                                   \
     } while (0)
 
 static void ok(fmi2Status status, const char *what)

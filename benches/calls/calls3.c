@@ -3,11 +3,9 @@
    N is the number of values that the variables to get have together. As calls.c otherwise. */
 #define _GNU_SOURCE
 #include "../../tests/c_api/v3/fmi3.h"
+#include "batch.h"
 #include <dlfcn.h>
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 static struct {
 #define MEMBER(result, name, arguments) result(*name) arguments;
@@ -15,33 +13,18 @@ static struct {
 #undef MEMBER
 } fmu;
 
-enum { BATCHES = 20, MOST = 256 };
-static double batch[BATCHES];
-
-static double now(void)
-{
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return t.tv_sec * 1e9 + t.tv_nsec;
-}
-
-static int ascending(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
+enum { MOST = 256 };
 
 #define MEASURE(name, ...)                                            \
     do {                                                              \
         for (int b = 0; b < BATCHES; b++) {                           \
-            double begin = now();                                     \
+            double begin = now(CLOCK_MONOTONIC);                      \
             for (int i = 0; i < 1000; i++) {                          \
                 __VA_ARGS__;                                          \
             }                                                         \
-            batch[b] = (now() - begin) / 1000;                        \
+            batch[b] = (now(CLOCK_MONOTONIC) - begin) / 1000;         \
         }                                                             \
-        qsort(batch, BATCHES, sizeof *batch, ascending);              \
-        printf(name " %.1f %.1f\n", batch[0], batch[BATCHES / 2]);    \
+        tell(name);                                                   \
     } while (0)
 
 static void ok(fmi3Status status, const char *what)
