@@ -23,8 +23,8 @@ use random::Random;
 use std::sync::Arc;
 use urdf2fmu_core::assemble::{self, Guest};
 use urdf2fmu_core::geometry::Shape;
-use urdf2fmu_core::model::{Model, RootKind};
-use urdf2fmu_core::settings::{ObjectSettings, ObjectSource, Settings};
+use urdf2fmu_core::model::Model;
+use urdf2fmu_core::settings::{InitialSettings, Settings};
 use urdf2fmu_core::simulation::{ParameterSlot, Simulation};
 use urdf2fmu_core::spatial::Vec3;
 
@@ -100,7 +100,8 @@ impl Class {
         }
     }
 
-    fn settings(self, random: &mut Random) -> Settings {
+    /// Those of the world and its first body, and the friction and restitution of all bodies.
+    fn settings(self, random: &mut Random) -> (Settings, [f64; 2]) {
         let friction = match self {
             Self::Slippery => 0.0,
             Self::Sticky => 1e6,
@@ -122,7 +123,9 @@ impl Class {
         if self == Self::Soft {
             text += "contact.penetration = 5e-3\n";
         }
-        Settings::parse(&text, "piles.toml").unwrap_or_else(|e| panic!("{text}: {e:?}"))
+        let settings = Settings::parse(&text, "piles.toml");
+        let settings = settings.unwrap_or_else(|e| panic!("{text}: {e:?}"));
+        (settings, [friction, restitution])
     }
 }
 
@@ -285,31 +288,7 @@ fn bodies(class: Class, random: &mut Random) -> Vec<Body> {
     }
 }
 
-fn object(i: usize, body: &Body, settings: &Settings) -> Guest {
-    let name = format!("body{i}");
-    let mut object = ObjectSettings {
-        name: Some(name.as_str().into()),
-        source: ObjectSource::Solid {
-            shape: body.shape.clone(),
-            mass: body.mass,
-        },
-        initial: settings.initial.clone(),
-        fixed: body.mass <= 0.0,
-        conveyor: false,
-        friction: None,
-        restitution: None,
-        place: None,
-    };
-    place(body, &mut object.initial);
-    Guest {
-        kind: RootKind::Object,
-        description: assemble::solid(&name, &body.shape, body.mass),
-        settings: assemble::of_object(&object, settings),
-        name,
-    }
-}
-
-fn place(body: &Body, initial: &mut urdf2fmu_core::settings::InitialSettings) {
+fn place(body: &Body, initial: &mut InitialSettings) {
     initial.xy = [body.at.x, body.at.y];
     initial.z = Some(body.at.z);
     initial.rpy = body.turn;
@@ -318,13 +297,16 @@ fn place(body: &Body, initial: &mut urdf2fmu_core::settings::InitialSettings) {
 }
 
 fn world(class: Class, random: &mut Random) -> Model {
-    let mut settings = class.settings(random);
+    let (mut settings, surface) = class.settings(random);
     let list = bodies(class, random);
-    let guests: Vec<Guest> = list[1..]
-        .iter()
-        .enumerate()
-        .map(|(i, body)| object(i + 1, body, &settings))
-        .collect();
+    let guest = |(i, body): (usize, &Body)| {
+        let mut initial = settings.initial.clone();
+        place(body, &mut initial);
+        let name = format!("body{}", i + 1);
+        let solid = (&body.shape, body.mass);
+        ground::object(&name, solid, initial, surface.map(Some), &settings)
+    };
+    let guests: Vec<Guest> = list[1..].iter().enumerate().map(guest).collect();
     place(&list[0], &mut settings.initial);
     let robot = assemble::solid("body0", &list[0].shape, list[0].mass);
     match assemble::world(&robot, &settings, &guests) {

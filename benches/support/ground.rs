@@ -5,7 +5,7 @@ use urdf2fmu_core::assemble::{self, Guest};
 use urdf2fmu_core::geometry::Shape;
 use urdf2fmu_core::geometry::surface::{Surface, Triangles};
 use urdf2fmu_core::model::RootKind;
-use urdf2fmu_core::settings::{ObjectSettings, ObjectSource, Settings};
+use urdf2fmu_core::settings::{InitialSettings, ObjectSettings, ObjectSource, Settings};
 use urdf2fmu_core::spatial::Vec3;
 
 /// Triangles over a square grid about the origin.
@@ -26,26 +26,44 @@ pub fn triangles(extent: f64, cells: u32, height: impl Fn(f64, f64) -> f64) -> S
 
 /// A shape that never moves, with its origin at `xyz`, m, turned by `rpy`, rad.
 pub fn still(name: &str, shape: &Shape, [xyz, rpy]: [Vec3; 2], settings: &Settings) -> Guest {
-    let mut object = ObjectSettings {
+    let initial = InitialSettings {
+        xy: [xyz.x, xyz.y],
+        z: Some(xyz.z),
+        rpy,
+        ..settings.initial.clone()
+    };
+    object(name, (shape, 0.0), initial, [None; 2], settings)
+}
+
+/// A solid beside the robot; without a mass, kg, it never moves.
+///
+/// - `surface`: its friction and restitution; none: those of what says nothing about them
+pub fn object(
+    name: &str,
+    (shape, mass): (&Shape, f64),
+    initial: InitialSettings,
+    [friction, restitution]: [Option<f64>; 2],
+    settings: &Settings,
+) -> Guest {
+    let object = ObjectSettings {
         name: Some(name.into()),
         source: ObjectSource::Solid {
             shape: shape.clone(),
-            mass: 0.0,
+            mass,
         },
-        initial: settings.initial.clone(),
-        fixed: true,
+        initial: InitialSettings {
+            joints: Vec::new(),
+            ..initial
+        },
+        fixed: mass <= 0.0,
         conveyor: false,
-        friction: None,
-        restitution: None,
+        friction,
+        restitution,
         place: None,
     };
-    object.initial.xy = [xyz.x, xyz.y];
-    object.initial.z = Some(xyz.z);
-    object.initial.rpy = rpy;
-    object.initial.joints.clear();
     Guest {
         kind: RootKind::Object,
-        description: assemble::solid(name, shape, 0.0),
+        description: assemble::solid(name, shape, mass),
         settings: assemble::of_object(&object, settings),
         name: name.into(),
     }

@@ -25,7 +25,10 @@ const OF_MASSES: [&str; 3] = ["U06", "A104", "A105"];
 const MENDING: [&str; 3] = ["inertia", "density", "compat"];
 
 /// Of a robot's findings what does not follow from faults of its settings.
-pub(super) fn beside_settings(settings: &[Diagnostic], more: Vec<Diagnostic>) -> Vec<Diagnostic> {
+pub(super) fn beside_settings(
+    settings: &[Diagnostic],
+    mut more: Vec<Diagnostic>,
+) -> Vec<Diagnostic> {
     let unread = settings.iter().any(|finding| finding.code == "S108");
     let syntax = settings.iter().any(|finding| finding.code == "S101");
     let mending = settings.iter().any(|finding| {
@@ -46,7 +49,6 @@ pub(super) fn beside_settings(settings: &[Diagnostic], more: Vec<Diagnostic>) ->
                 of_file || !(unread || syntax)
             }
     };
-    let mut more = more;
     more.retain(|finding| holds(finding) && !settings.contains(finding));
     more
 }
