@@ -9,6 +9,7 @@ use crate::diagnostic::words::did_you_mean;
 use crate::model::JointKind;
 use crate::spatial::Vec3;
 use std::collections::{HashMap, HashSet};
+use std::ops::Range;
 
 /// The link that each joint holds, and the joint above and those below each link.
 struct Tree {
@@ -192,27 +193,20 @@ pub(super) fn mend<'d>(robot: &mut CheckedRobot<'d>, spare: &'d [String]) -> Ord
         });
         held[child] = true;
         tops[child] = top(&mut tops, parent);
-        let link = |i: usize| {
-            let (name, at) = (robot.links[i].name, at.clone());
-            Some(LinkReference { name, at })
-        };
-        (joint.parent, joint.child) = (link(parent), link(child));
+        joint.parent = Some(end(&robot.links[parent], &at));
+        joint.child = Some(end(&robot.links[child], &at));
     }
     for i in (0..robot.links.len()).filter(|&i| !held[i]) {
         let at = robot.links[i].node.tag_at();
-        let link = |i: usize| {
-            let (name, at) = (robot.links[i].name, at.clone());
-            Some(LinkReference { name, at })
-        };
-        let (parent, child) = (link(root), link(i));
+        let (parent, child) = (end(&robot.links[root], &at), end(&robot.links[i], &at));
         robot.joints.push(CheckedJoint {
             node: robot.links[i].node,
             line: robot.links[i].line,
             name: name(),
             own_name: true,
             kind: JointKind::Fixed,
-            parent,
-            child,
+            parent: Some(parent),
+            child: Some(child),
             xyz: Vec3::zeros(),
             rpy: Vec3::zeros(),
             axis: Vec3::x(),
@@ -229,7 +223,7 @@ pub(super) fn mend<'d>(robot: &mut CheckedRobot<'d>, spare: &'d [String]) -> Ord
     let of = |end: &Option<LinkReference>| links.get(end.as_ref()?.name).copied();
     let mut tree = Tree {
         children: robot.joints.iter().map(|joint| of(&joint.child)).collect(),
-        above: Vec::new(),
+        above: vec![None; robot.links.len()],
         below: vec![Vec::new(); robot.links.len()],
     };
     for (j, joint) in robot.joints.iter().enumerate() {
@@ -237,8 +231,15 @@ pub(super) fn mend<'d>(robot: &mut CheckedRobot<'d>, spare: &'d [String]) -> Ord
             tree.below[parent].push(j);
         }
     }
-    tree.above = vec![None; robot.links.len()];
     tree.walk(&[root]).0
+}
+
+/// A joint's end at a link.
+fn end<'d>(link: &CheckedLink<'d>, at: &Range<usize>) -> LinkReference<'d> {
+    LinkReference {
+        name: link.name,
+        at: at.clone(),
+    }
 }
 
 /// The topmost link above one.
