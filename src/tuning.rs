@@ -124,6 +124,10 @@ pub const MAX_FLOOR: f64 = 1e-4;
 /// like the steps that the tolerance asks for. At 1e9 fails
 /// `a_spring_that_swings_too_fast_to_be_seen_comes_to_its_target`.
 pub const FLOOR_TOLERANCE: f64 = 1e-3;
+/// Angle, rad, that something may turn by in the shortest step: one that errs by more than the
+/// tolerance and is taken all the same makes energy where something whirls. At 1 fails
+/// `what_whirls_makes_no_energy_although_short_steps_have_gone_before`.
+pub const FLOOR_TURN: f64 = 0.01;
 /// Share by which each step near the floor raises it: an impact passes in some dozens of steps, for
 /// which the floor hardly moves. At 0 fails
 /// `a_spring_that_swings_too_fast_to_be_seen_comes_to_its_target`.

@@ -4,8 +4,8 @@ use crate::state::{Sizes, Stepping};
 use crate::step::point::Context;
 use crate::tree::Tree;
 use crate::tuning::{
-    FLOOR_FALL, FLOOR_REACH, FLOOR_RISE, FLOOR_TOLERANCE, GROWTH, IMPLICIT_SAFETY, LANDING,
-    LEAST_ERROR, MAX_FLOOR, MIN_STEP, VELOCITY_WEIGHT,
+    FLOOR_FALL, FLOOR_REACH, FLOOR_RISE, FLOOR_TOLERANCE, FLOOR_TURN, GROWTH, IMPLICIT_SAFETY,
+    LANDING, LEAST_ERROR, MAX_FLOOR, MIN_STEP, VELOCITY_WEIGHT,
 };
 
 /// What stands at the state already when a step begins.
@@ -154,6 +154,14 @@ fn patience(ctx: &Context, sizes: &mut Sizes, [h, remaining]: [f64; 2], ease: Op
         *floor = (*floor * (1.0 + FLOOR_RISE * scale)).min(scale * MAX_FLOOR);
     }
     floor.max(MIN_STEP)
+}
+
+/// Lowers the floor where something whirls, with the velocities `v`. A step that is taken although
+/// it errs makes energy there, and the next one all the more: however fast something turns, and
+/// whatever has raised the floor before, it is resolved.
+pub(super) fn lower_floor(ctx: &Context, sizes: &mut Sizes, v: &[f64]) {
+    let floor = &mut sizes.floor[ctx.tree.island.lead];
+    *floor = floor.min(FLOOR_TURN / fastest(ctx.tree, v));
 }
 
 /// Length of the next step on the way to a communication point: no short rest is left over.
