@@ -18,9 +18,7 @@ use crate::step::guards;
 use crate::step::implicit::Implicit;
 use crate::step::islands::{Islands, is_moved};
 use crate::step::point::{Context, Point};
-use crate::step::size::{
-    Standing, Tried, Verdict, Way, grown, implicit_factor, landing, lower_floor,
-};
+use crate::step::size::{self, Standing, Tried, Verdict, Way, grown, implicit_factor, landing};
 use crate::step::stages::Stages;
 use crate::tree::Tree;
 use crate::tuning::{
@@ -192,7 +190,7 @@ impl Stepper {
             let ctx = &ctx.after(way.done);
             self.stand(ctx, state, &mut way);
             self.check_limits(ctx)?;
-            lower_floor(ctx, &mut state.stepping.sizes, &state.physical.v);
+            size::lower_floor(ctx, &mut state.stepping.sizes, &state.physical.v);
             let lengths = [way.proposed, way.remaining()];
             if let Some(plan) = explicit::plan(ctx, &self.here, state, lengths) {
                 self.go_explicitly(ctx, state, &mut way, plan)?;
