@@ -161,7 +161,9 @@ fn patience(ctx: &Context, sizes: &mut Sizes, [h, remaining]: [f64; 2], ease: Op
 /// whatever has raised the floor before, it is resolved.
 pub(super) fn lower_floor(ctx: &Context, sizes: &mut Sizes, v: &[f64]) {
     let floor = &mut sizes.floor[ctx.tree.island.lead];
-    *floor = floor.min(FLOOR_TURN / fastest(ctx.tree, v));
+    if *floor > MIN_STEP {
+        *floor = floor.min(FLOOR_TURN / fastest(ctx.tree, v)).max(MIN_STEP);
+    }
 }
 
 /// Length of the next step on the way to a communication point: no short rest is left over.

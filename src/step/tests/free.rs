@@ -237,9 +237,8 @@ fn a_thin_rod_in_flight_does_not_spin_up_about_its_axis() {
     assert!(worst < 1e-3, "{worst}");
 }
 
-/// A body that tumbles keeps its energy and its angular momentum (Euler's equations), also where
-/// what has gone before has raised the shortest step to its greatest length: in steps of 0.1 ms it
-/// would turn by radians.
+/// A body that tumbles keeps its energy (Euler's equations), also where what has gone before has
+/// raised the shortest step to its greatest length: in steps of 0.1 ms it would turn by radians.
 #[test]
 fn what_whirls_makes_no_energy_although_short_steps_have_gone_before() {
     for rate in [3e3, 3e4, 3e5] {
