@@ -194,6 +194,9 @@ pub(crate) struct Export {
     /// that this program carries]
     #[arg(long = "platform", value_name = "NAMES", value_delimiter = ',')]
     pub(crate) platforms: Vec<String>,
+    /// Leave out the pictures and the pages for people, which take two thirds of the time
+    #[arg(long)]
+    pub(crate) no_documentation: bool,
     #[command(flatten)]
     pub(crate) source: Source,
 }

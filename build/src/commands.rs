@@ -59,7 +59,8 @@ fn export(args: &Export) -> Result<(), CliError> {
         PathBuf::from(stem).with_extension("fmu")
     });
     let target = Target::new(&output, robot.sources.iter().map(PathBuf::as_path))?;
-    let fmu = stage::fmu(&robot, &args.urdf, &args.platforms, true)?;
+    let documented = !(args.no_documentation || robot.settings.fmu.undocumented);
+    let fmu = stage::fmu(&robot, &args.urdf, &args.platforms, documented)?;
     target.write(&fmu.bytes)?;
     print(&summary::text(&output, &fmu, &robot))?;
     Ok(())

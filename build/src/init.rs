@@ -195,6 +195,9 @@ fn robot(out: &mut String, subject: &Subject) {
     if let Some(stop_time) = about.stop_time {
         choice(out, "fmu", "stop_time", &exact(stop_time), true);
     }
+    if about.undocumented {
+        choice(out, "fmu", "documentation", "false", true);
+    }
     if !about.platforms.is_empty() {
         let names = about.platforms.iter().map(|name| quoted(&name.text));
         let list = format!("[{}]", names.collect::<Vec<_>>().join(", "));

@@ -200,7 +200,7 @@ fn made(request: &Request, mut settings: Settings) -> Result<Robot, StageError> 
 /// Makes an FMU of a robot, with the libraries of the platforms asked for, or of all that there
 /// are.
 ///
-/// - `whole`: whether it has pictures and documentation, which one that is used at once can do
+/// - `documented`: whether it has pictures and documentation, which one that is used at once can do
 ///   without
 ///
 /// # Errors
@@ -209,7 +209,7 @@ pub fn fmu(
     robot: &Robot,
     urdf: &Path,
     platforms: &[String],
-    whole: bool,
+    documented: bool,
 ) -> Result<Fmu, StageError> {
     let libraries = libraries(robot, platforms)?;
     let stem = urdf.file_stem().unwrap_or_default().to_string_lossy();
@@ -257,11 +257,12 @@ pub fn fmu(
     let scene = make_scene(robot, &remarks, &guid)?.to_bytes()?;
     let scene_name = format!("resources/{}", scene::FILE_NAME);
     archive.add(scene_name, scene.clone())?;
+    archive.add("documentation/licenses/license.txt", license::text())?;
     let inside = libraries.iter();
     let platforms: Vec<String> = inside
         .map(|l| library::describe(l.folder, &l.platforms))
         .collect();
-    if whole {
+    if documented {
         let page = Page {
             model_identifier: &model_identifier,
             guid: &guid,
@@ -296,7 +297,6 @@ fn document(
     }
     let html = documentation::html(page, &robot.model, &robot.table)?;
     archive.add("documentation/index.html", html)?;
-    archive.add("documentation/licenses/license.txt", license::text())?;
     Ok(())
 }
 

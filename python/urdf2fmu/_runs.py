@@ -73,6 +73,7 @@ def _fmu(robot: PathLike, config: Settings | None, options: Mapping[str, Option]
         return
     with tempfile.TemporaryDirectory(prefix="urdf2fmu-") as folder:
         of_export = {name: value for name, value in options.items() if name not in rest}
+        of_export.setdefault("no_documentation", True)  # nobody looks into it
         yield export(robot, Path(folder, "robot.fmu"), config=config, **of_export), rest
 
 

@@ -89,7 +89,8 @@ class Simulation:
             self._fmu: Fmu = load(robot)
         else:
             with tempfile.TemporaryDirectory(prefix="urdf2fmu-") as folder:
-                self._fmu = load(export(robot, Path(folder, "robot.fmu"), config=config, **options))
+                self._fmu = load(export(robot, Path(folder, "robot.fmu"), config=config,
+                                         **{"no_documentation": True, **options}))
         self._start_values = dict(start_values or {})
         self._start_time = float(start_time)
         self._tolerance = tolerance

@@ -356,6 +356,7 @@ fn fmu(reader: &Reader, section: &Section) -> FmuSettings {
             Some(Value::Texts(texts)) => patterns(reader, texts),
             _ => Vec::new(),
         },
+        undocumented: !section.flag("documentation"),
         fmi: match section.number("fmi") {
             Some(3.0) => FmiVersion::V3,
             _ => FmiVersion::V2,

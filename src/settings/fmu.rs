@@ -27,6 +27,8 @@ pub struct FmuSettings {
     pub arrays: Arrays,
     /// Names of the systems that the FMU has libraries for; without any, of all that there are.
     pub platforms: Vec<Pattern>,
+    /// Without the pictures and pages that people look at.
+    pub undocumented: bool,
 }
 
 /// Version of the Functional Mock-up Interface.

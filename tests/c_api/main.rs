@@ -198,7 +198,7 @@ fn valgrind_finds_nothing_in_a_simulation_by_the_command() {
     let fmu = bench.importer.with_file_name("rover.fmu");
     let command = env!("CARGO_BIN_EXE_urdf2fmu");
     let made = Command::new(command)
-        .arg("export")
+        .args(["export", "--no-documentation"])
         .arg(examples.join("rover.urdf"))
         .arg("-o")
         .arg(&fmu)

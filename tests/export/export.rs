@@ -88,7 +88,7 @@ fn a_description_with_every_kind_of_variable_keeps_the_rules_of_fmi() {
     std::fs::write(&settings, EVERYTHING).unwrap();
     for naming in ["structured", "flat"] {
         let options = ["-c", text(&settings), "--naming", naming];
-        let (_folder, fmu) = export(&example("rover.urdf"), &options);
+        let (_folder, fmu) = export_documented(&example("rover.urdf"), &options);
         let problems = model_description::problems(&description(&fmu));
         assert!(problems.is_empty(), "{naming}: {problems:#?}");
         let page =
@@ -102,7 +102,7 @@ fn a_description_with_every_kind_of_variable_keeps_the_rules_of_fmi() {
 
 #[test]
 fn fmu_holds_the_files_of_the_interface_in_order() {
-    let (_folder, fmu) = export(
+    let (_folder, fmu) = export_documented(
         &example("rover.urdf"),
         &["-c", text(&example("rover.toml"))],
     );
@@ -122,6 +122,31 @@ fn fmu_holds_the_files_of_the_interface_in_order() {
         "terminalsAndIcons/icon.png",
     ] {
         assert!(contents.contains_key(name), "{name} not in {names:?}");
+    }
+    // The rest is the same without what is made for people; the licences of what is inside stay.
+    let folder = tempfile::tempdir().unwrap();
+    let settings = folder.path().join("rover.toml");
+    let given = std::fs::read_to_string(example("rover.toml")).unwrap();
+    std::fs::write(&settings, given + "\n[fmu]\ndocumentation = false\n").unwrap();
+    let pictures = |name: &&str| {
+        (name.starts_with("documentation/") || name.ends_with(".png")) && !name.contains("licenses")
+    };
+    let plain = example("rover.toml");
+    for options in [
+        vec!["-c", text(&settings)],
+        vec!["-c", text(&plain), "--no-documentation"],
+    ] {
+        let (_folder, bare) = export_documented(&example("rover.urdf"), &options);
+        let (bare, without) = entries(&bare);
+        let expected: Vec<_> = names
+            .iter()
+            .filter(|name| !pictures(&name.as_str()))
+            .collect();
+        assert_eq!(bare.iter().collect::<Vec<_>>(), expected);
+        for name in bare {
+            let own = name.ends_with("rover.toml");
+            assert!(own || without[&name] == contents[&name], "{name}");
+        }
     }
     let identifier = "modelIdentifier=\"rover\"";
     assert!(description(&fmu).contains(identifier));
@@ -196,7 +221,7 @@ fn nothing_of_the_machine_is_in_the_fmu() {
 fn source_date_epoch_sets_the_date() {
     let folder = tempfile::tempdir().unwrap();
     let urdf = example("rover.urdf");
-    let args = ["export", text(&urdf), "-o", "a.fmu"];
+    let args = ["export", text(&urdf), "-o", "a.fmu", "--no-documentation"];
     let date = |environment: &[(&str, &str)]| {
         let run = run_in(folder.path(), &args, environment);
         assert_eq!(run.code, 0, "{run:?}");

@@ -70,8 +70,14 @@ fn text(path: &Path) -> &str {
     path.to_str().unwrap()
 }
 
-/// Exports `urdf` into a new folder; gives the folder and the FMU.
+/// Exports `urdf` into a new folder; gives the folder and the FMU, which has no pictures and pages
+/// for people: these take most of the time of an export.
 fn export(urdf: &Path, options: &[&str]) -> (TempDir, PathBuf) {
+    export_documented(urdf, &[options, &["--no-documentation"]].concat())
+}
+
+/// The same with pictures and pages.
+fn export_documented(urdf: &Path, options: &[&str]) -> (TempDir, PathBuf) {
     let folder = tempfile::tempdir().unwrap();
     let fmu = folder.path().join("robot.fmu");
     let mut args = vec!["export", text(urdf), "-o", text(&fmu)];

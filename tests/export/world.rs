@@ -158,7 +158,8 @@ fn init_writes_the_objects_that_it_is_given() {
     assert_eq!(run.code, 0, "{run:?}");
     fs::write(folder.path().join("init.toml"), run.out).unwrap();
     let export = |fmu: &str, options: &[&str]| {
-        let args = [&["export", text(&rover), "-o", fmu][..], options].concat();
+        let bare = ["export", text(&rover), "-o", fmu, "--no-documentation"];
+        let args = [&bare[..], options].concat();
         let run = run_in(folder.path(), &args, &[]);
         assert_eq!(run.code, 0, "{run:?}");
         entries(&folder.path().join(fmu))

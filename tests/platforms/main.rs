@@ -83,7 +83,7 @@ impl Fmu {
         let urdf2fmu = || Command::new(env!("CARGO_BIN_EXE_urdf2fmu"));
         output(
             urdf2fmu()
-                .arg("export")
+                .args(["export", "--no-documentation"])
                 .arg(urdf)
                 .arg("-o")
                 .arg(&fmu)

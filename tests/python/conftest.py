@@ -68,10 +68,14 @@ def command():
 
 @pytest.fixture(scope="session")
 def export(command, tmp_path_factory):
-    """Exports a URDF with settings (TOML text) and further arguments; the same export is made once."""
+    """Exports a URDF with settings (TOML text) and further arguments; the same export is made once.
+
+    Without pictures and pages for people, which take most of an export's time, unless a test looks at them.
+    """
     folder = tmp_path_factory.mktemp("fmu")
 
-    def run(urdf: Path, settings: str = "", *arguments) -> Path:
+    def run(urdf: Path, settings: str = "", *arguments, documented=False) -> Path:
+        arguments = arguments if documented else (*arguments, "--no-documentation")
         key = hashlib.sha256(repr((str(urdf), settings, arguments)).encode()).hexdigest()[:12]
         fmu = folder / f"{urdf.stem}_{key}.fmu"
         if not fmu.exists():

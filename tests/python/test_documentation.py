@@ -59,7 +59,7 @@ def in_robot_html(file):
 
 @pytest.mark.parametrize("width,height", [(1440, 900), (390, 844)])
 def test_the_documentation_shows_the_robot_in_3d(browser, export, examples, tmp_path, width, height):
-    file = documentation(export(examples / "rover.urdf"), tmp_path)
+    file = documentation(export(examples / "rover.urdf", documented=True), tmp_path)
     with Local(browser, file, width=width, height=height) as page:
         page.until(f"{FRAME}?.contentDocument?.body?.dataset.ready")
         # Nothing but the robot: no bar, no panel.
@@ -75,7 +75,7 @@ def test_the_documentation_shows_the_robot_in_3d(browser, export, examples, tmp_
 
 
 def test_the_robot_is_drawn_and_its_frames_on_request(browser, export, examples, tmp_path):
-    file = documentation(export(examples / "rover.urdf"), tmp_path)
+    file = documentation(export(examples / "rover.urdf", documented=True), tmp_path)
     with browser.page(in_robot_html(file), width=480, height=360).ready() as page:
         pictures = []
         for name in "plain.png", "frames.png":
@@ -93,7 +93,7 @@ def test_the_robot_is_drawn_and_its_frames_on_request(browser, export, examples,
 
 
 def test_the_picture_stays_where_there_is_no_webgl(plain, export, examples, tmp_path):
-    file = documentation(export(examples / "rover.urdf"), tmp_path)
+    file = documentation(export(examples / "rover.urdf", documented=True), tmp_path)
     page = plain.page(f"file://{file}")
     page.until("document.readyState === 'complete'")
     assert page.evaluate("document.querySelector('iframe')") is None
@@ -106,7 +106,7 @@ def test_the_picture_stays_where_there_is_no_webgl(plain, export, examples, tmp_
 
 
 def test_the_picture_stays_without_scripts(browser, export, examples, tmp_path):
-    file = documentation(export(examples / "rover.urdf"), tmp_path)
+    file = documentation(export(examples / "rover.urdf", documented=True), tmp_path)
     page = browser.page("about:blank")
     page.call("Emulation.setScriptExecutionDisabled", value=True)
     page.call("Page.navigate", url=f"file://{file}")
@@ -118,7 +118,7 @@ def test_the_picture_stays_without_scripts(browser, export, examples, tmp_path):
 
 def test_names_of_robots_are_text(browser, export, tmp_path):
     (tmp_path / "hostile.urdf").write_text(HOSTILE)
-    file = documentation(export(tmp_path / "hostile.urdf"), tmp_path)
+    file = documentation(export(tmp_path / "hostile.urdf", documented=True), tmp_path)
     with Local(browser, file) as page:
         page.until(f"{FRAME}?.contentDocument?.body?.dataset.ready")
         name = "<script>alert(1)</script> ロボット"
@@ -131,7 +131,7 @@ def test_names_of_robots_are_text(browser, export, tmp_path):
 
 
 def test_the_page_of_a_robot_of_shapes_is_small(export, examples):
-    fmu = export(examples / "rover.urdf")
+    fmu = export(examples / "rover.urdf", documented=True)
     with zipfile.ZipFile(fmu) as archive:
         page = archive.getinfo("documentation/robot.html")
         drawn = archive.getinfo("resources/scene.bin")
@@ -141,7 +141,7 @@ def test_the_page_of_a_robot_of_shapes_is_small(export, examples):
 
 
 def test_the_picture_of_the_frames_has_three_axes_in_their_colors(export, examples, command, tmp_path):
-    fmu = export(examples / "rover.urdf")
+    fmu = export(examples / "rover.urdf", documented=True)
     with zipfile.ZipFile(fmu) as archive:
         (tmp_path / "frames.png").write_bytes(archive.read("documentation/frames.png"))
         (tmp_path / "model.png").write_bytes(archive.read("model.png"))

@@ -234,7 +234,7 @@ def test_simulate_swings_a_pole_as_cvode_does(fmi, command, tmp_path):
     fmus = {}
     for interface in ("me", "cs"):
         fmus[interface] = tmp_path / f"{interface}.fmu"
-        done = command("export", tmp_path / "pole.urdf", "-c", tmp_path / "pole.toml", "-o", fmus[interface],
+        done = command("export", "--no-documentation", tmp_path / "pole.urdf", "-c", tmp_path / "pole.toml", "-o", fmus[interface],
                        "--interface", interface, "--fmi", fmi)
         assert done.returncode == 0, done.stderr
     names = [f"joint.{joint}.{what}" for what in ("position", "velocity") for joint in ("slide", "hinge")]
@@ -302,7 +302,7 @@ def test_what_needs_events_is_refused_by_name(examples, command, tmp_path):
     settings = tmp_path / "bouncing.toml"
     settings.write_text("[world.ground]\nrestitution = 0.5\n")
     for interface in ("me", "both"):
-        done = command("export", robot, "-c", settings, "-o", tmp_path / "x.fmu", "--interface", interface)
+        done = command("export", "--no-documentation", robot, "-c", settings, "-o", tmp_path / "x.fmu", "--interface", interface)
         assert done.returncode != 0 and "A142" in done.stderr and "--interface cs" in done.stderr, done.stderr
 
 

@@ -345,7 +345,7 @@ def test_a_damaged_texture_leaves_the_plain_colour(take, tmp_path):
 
 
 def test_an_fmu_holds_its_picture_and_an_icon(export, examples, command, tmp_path):
-    fmu = export(examples / "rover.urdf")
+    fmu = export(examples / "rover.urdf", documented=True)
     with zipfile.ZipFile(fmu) as archive:
         for name, side in (("model.png", 512), ("terminalsAndIcons/icon.png", 128)):
             (tmp_path / "picture.png").write_bytes(archive.read(name))
@@ -445,7 +445,7 @@ def test_an_animation_leaves_out_what_its_table_does_not_have_and_says_so(drive,
 
 def test_an_fmu_of_an_older_program_has_no_picture_to_take(export, examples, command, tmp_path):
     old = tmp_path / "old.fmu"
-    with zipfile.ZipFile(export(examples / "rover.urdf")) as full, zipfile.ZipFile(old, "w") as archive:
+    with zipfile.ZipFile(export(examples / "rover.urdf", documented=True)) as full, zipfile.ZipFile(old, "w") as archive:
         for name in full.namelist():
             if not name.endswith("scene.bin"):
                 archive.writestr(name, full.read(name))

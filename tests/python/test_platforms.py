@@ -53,7 +53,7 @@ def export_for(command, tmp_path):
 
     def run(urdf: Path, platform: str) -> Path:
         fmu = tmp_path / f"{urdf.stem}_{platform}.fmu"
-        done = command("export", urdf, "-o", fmu, "--platform", platform)
+        done = command("export", "--no-documentation", urdf, "-o", fmu, "--platform", platform)
         if "no library for the platform" in done.stderr:
             pytest.skip(f"this urdf2fmu carries no library for {platform}; build/platforms.sh makes it")
         assert done.returncode == 0, done.stderr

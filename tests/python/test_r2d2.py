@@ -202,7 +202,7 @@ def test_the_tutorials_start_inside_the_ground_is_warned_about_and_left_gently(p
     config = tmp_path / "tutorial.toml"
     config.write_text(settings(0.5, "[initial]\nxyz = [0, 0, 0.1]"))
     fmu = tmp_path / "tutorial.fmu"
-    done = command("export", pybullet_data / "r2d2.urdf", "-o", fmu, "-c", config)
+    done = command("export", "--no-documentation", pybullet_data / "r2d2.urdf", "-o", fmu, "-c", config)
     assert done.returncode == 0, done.stderr
     assert re.search(r"370(\.\d+)? mm|0\.37\d* m", done.stderr), done.stderr
     robot = load(fmu)
