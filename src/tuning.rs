@@ -159,8 +159,6 @@ pub const CONTACT_STEP: f64 = 5e-3;
 /// Share of a step after which a joint that reaches its limit, or a pd law that reaches its effort
 /// limit, ends it: one that is slower in coming there may never.
 pub const CREEP: f64 = 0.1;
-/// Shortest first step that a jump of a command asks for, s.
-pub const COMMAND_STEP: f64 = 1e-6;
 
 // Accuracy of the solves: `step/implicit.rs`, `step/point.rs`, `step/convex`.
 
