@@ -525,8 +525,6 @@ pub const OPEN: f64 = 1e-10;
 /// Most tries to project positions. Two or three are needed; at a singular place, where the gap
 /// falls by a quarter in each, twenty. At 1 fails `a_four_bar_stays_closed_and_keeps_its_energy`.
 pub const PROJECTIONS: usize = 30;
-/// Way of a projection, m, beyond which the rows of velocities are found anew.
-pub const MOVED_ROWS: f64 = 1e-9;
 /// Most tries to take the velocity out of the rows; each leaves a millionth and less. At 0 fails
 /// `bricards_mechanism_moves_and_keeps_its_energy`.
 pub const STOPPED: usize = 4;
