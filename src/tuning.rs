@@ -157,10 +157,9 @@ pub const BOUNCE_SHARE: f64 = 0.1;
 /// `the_communication_step_does_not_change_the_result_beyond_the_tolerance`.
 pub const CONTACT_STEP: f64 = 5e-3;
 /// Share of a step after which a joint that reaches its limit, or a pd law that reaches its effort
-/// limit, ends it: one that is slower in coming there may never.
+/// limit, ends it: one that is slower in coming there may never. At 1e9 fails
+/// `s6_a_saturated_pd_law_ends_where_its_linear_pieces_do`.
 pub const CREEP: f64 = 0.1;
-/// Shortest first step that a jump of a command asks for, s.
-pub const COMMAND_STEP: f64 = 1e-6;
 
 // Accuracy of the solves: `step/implicit.rs`, `step/point.rs`, `step/convex`.
 
@@ -172,10 +171,12 @@ pub const GUESS: f64 = 2e-4;
 /// `each_island_has_steps_of_its_own`.
 pub const GUESSES: (f64, f64) = (1e-10, 1e-5);
 /// Accuracy of impulses after an iteration, relative to that of a guess that needs none: what an
-/// iteration leaves is new in each step, and does not add up.
+/// iteration leaves is new in each step, and does not add up. At 0 fails
+/// `the_contact_forces_of_two_links_are_opposite`, at 1e9
+/// `a_sliding_block_stops_after_the_distance_of_its_dynamic_friction`.
 pub const ITERATED: f64 = 5000.0;
 /// Coarsest accuracy that this leads to, 1e-3: that at the default tolerance. A higher tolerance
-/// makes no solve coarser.
+/// makes no solve coarser. At 0 fails `the_contact_forces_of_two_links_are_opposite`.
 pub const COARSEST: f64 = ITERATED * GUESS * DEFAULT_TOLERANCE;
 
 // Stages: `step/stages.rs`.
@@ -190,8 +191,10 @@ pub const ESTIMATE: f64 = 0.4;
 pub const CORRECTED: f64 = 0.1;
 /// Share of their way by which lever arms of friction turn within a step. With none and with all of
 /// it the method is of the same order, and coins that roll in a circle err in opposite directions.
+/// At 0 and at 1 fails `c7_balls_and_cylinders_roll_and_slip_down_a_slope_as_rigid_bodies_do`.
 pub const DRIFTING: f64 = 0.5;
-/// Share of a step in which the forces at its start are found.
+/// Share of a step in which the forces at its start are found. At 1 fails
+/// `the_communication_step_does_not_change_the_result_beyond_the_tolerance`.
 pub const START: f64 = 1e-9;
 
 // Rest: `step/driver.rs`.
@@ -220,18 +223,22 @@ pub const MAX_CARRIES: usize = 3;
 // Explicit steps: `step/explicit.rs`, `step/explicit/tableau.rs`.
 
 /// The short pair takes steps below this share of what the long one proposes, in steps in which
-/// both err by the same (`shortened` in `step/explicit.rs`).
+/// both err by the same (`shortened` in `step/explicit.rs`). At 1000 fails
+/// `an_effort_that_varies_in_time_is_integrated_within_one_step`.
 pub const SHORT: f64 = 0.85;
 /// Square of the angle, rad², that a spring of a pd law may turn by in an explicit step: longer
 /// steps do not resolve it, and are taken implicitly. At 100 fails
 /// `a_spring_that_swings_too_fast_to_be_seen_comes_to_its_target`.
 pub const RESOLVED: f64 = 1.0;
 /// Share of [`RESOLVED`] that a step takes which is shortened to resolve a spring at any tolerance.
+/// At 40 and at 0.004 fails `a_spring_without_damping_swings_on_at_any_tolerance`.
 pub const SHARP: f64 = 0.4;
-/// Damping ratio of a pd law below which it swings: steps resolve it while they can.
+/// Damping ratio of a pd law below which it swings: steps resolve it while they can. At 0 fails
+/// `a_spring_without_damping_swings_on_at_any_tolerance`, at 50
+/// `a_stiff_spring_with_much_damping_is_not_resolved`.
 pub const SWINGING: f64 = 0.5;
 /// Error that an explicit step counts as if it has run into something: half the step is tried
-/// next.
+/// next. At 0 fails `what_falls_onto_a_limit_presses_it_no_deeper_than_its_energy_can`.
 pub const HIT: f64 = 32.0;
 /// Share of the tolerance that a Runge–Kutta step may use where nothing damps what it errs by: it
 /// adds up, and what is unstable lets it grow, a body that tumbles about its middle axis by a
@@ -239,10 +246,10 @@ pub const HIT: f64 = 32.0;
 /// `s5_tumbling_bodies_follow_eulers_equations`.
 pub const EXPLICIT_SHARE: f64 = 5e-4;
 /// The same where damping is implicit: damping forgets; without it twice the steps buy a fiftieth
-/// of the error.
+/// of the error. At 100 fails `b3_a_saturated_rotor_takes_j_omega_over_e`.
 pub const DAMPED_SHARE: f64 = 0.1;
 /// Least error that is asked of such a step, m or rad at a reach of one metre: below, the round-off
-/// of accelerations decides.
+/// of accelerations decides. At 1e-6 fails `andrews_squeezer_is_where_the_test_set_says`.
 pub const LEAST_SHARE: f64 = 1e-14;
 
 // Guards: `step/guards.rs`, `step/flight.rs`.
@@ -291,7 +298,8 @@ pub const TURN: f64 = 0.005;
 /// Share of the change of velocity with which such a step takes its bias. The middle of its way
 /// lies half a change beyond the mean velocity, because positions move with the velocity of the
 /// step's end: half of that, and the forces of whirling take as much from one limb as they give to
-/// another, up to the third order.
+/// another, up to the third order. At 0.5 and at 1 fails
+/// `limbs_that_whirl_keep_their_energy_to_the_second_order_in_fixed_steps`.
 pub const AHEAD: f64 = 0.75;
 /// Most parts of a step. At 1 fails `fixed_steps_are_split_for_fast_limbs_but_not_for_wheels`.
 pub const MAX_PARTS: f64 = 32.0;
@@ -303,7 +311,8 @@ pub const MAX_PARTS: f64 = 32.0;
 /// `the_pairs_of_a_stack_carry_the_weights_above_at_the_depths_of_the_law`.
 pub const REFERENCE_GRAVITY: f64 = 9.81;
 /// Multiplications per body that the articulated-body algorithm needs beyond the mass matrix' own,
-/// measured where both cost the same.
+/// measured where both cost the same. At 10 and at 10,000 fails
+/// `ropes_are_taken_by_articulated_bodies_and_arms_by_their_mass_matrix`.
 pub const ARTICULATED_COST: usize = 150;
 /// Unevenness of a wheel, as a share of its inertia, that makes no difference. At 10 fails
 /// `fixed_steps_are_split_for_fast_limbs_but_not_for_wheels`.
@@ -379,10 +388,11 @@ pub const ROUNDING_SHARE: f64 = 0.02;
 /// fiftieth. At 0 fails `a_split_corner_keeps_its_share`.
 pub const FACING: u32 = 8;
 /// Angle by which terrain turns down from one cell to the next at a sample that carries a shape as
-/// a point does, rad. What is rounder is felt by the points of the shape.
+/// a point does, rad. What is rounder is felt by the points of the shape. At 5 fails
+/// `a_board_lies_on_four_nails_at_the_depth_of_the_law`.
 pub const RIDGE: f64 = 0.5;
 /// The same at a sample that carries nothing, rad: samples of a smooth hill are not felt by a wheel
-/// that rolls over it.
+/// that rolls over it. At 0 fails `a_ball_touches_smooth_hills_at_the_nearest_place_alone`.
 pub const RIDGE_LEAST: f64 = 0.02;
 /// Parts of the way of a ray over a cell of heights at whose ends it is asked whether it is below:
 /// a bicubic surface may be crossed up to six times. At 0 fails
@@ -400,17 +410,20 @@ pub const EVEN_EDGE: f64 = 1.7e-3;
 pub const SEAM: f64 = 1e-6;
 /// Sine of the angle beyond the directions of a crest from which on it no longer carries a shape
 /// with flat faces: a face that lies on the next triangle has the normal of that triangle,
-/// give or take round-off.
+/// give or take round-off. At 1e-9 fails
+/// `a_can_on_a_hill_of_small_triangles_stands_on_the_one_below_it`.
 pub const CREST_SLACK: f64 = 0.02;
 /// Iterations by which the place of terrain nearest to a ball is found. Always so many, so that it
-/// moves continuously; fewer only where another one would change nothing.
+/// moves continuously; fewer only where another one would change nothing. At 1 fails
+/// `a_ball_touches_smooth_hills_at_the_nearest_place_alone`.
 pub const NEAREST_ON_FIELD: usize = 4;
 /// Cells along the longer side of heights that are generated. At 10 fails
 /// `terrain_is_a_plane_heights_or_a_mesh`.
 pub const TERRAIN_CELLS: f64 = 100.0;
 /// The same at most. At 10 fails `terrain_refuses_what_means_nothing`.
 pub const FINEST_TERRAIN: f64 = 1000.0;
-/// Samples of terrain that one shape may lie on at a time: the deepest.
+/// Samples of terrain that one shape may lie on at a time: the deepest. At 3 fails
+/// `a_board_lies_on_four_nails_at_the_depth_of_the_law`.
 pub const MOST_PEAKS: usize = 16;
 /// Angle that a contact turns by, rolling or drilling, before it gives way, under the load that its
 /// stiffness is made for, rad. The patch of a tyre or a rubber ball turns by more, that of a steel
@@ -440,7 +453,9 @@ pub const LEAST_FREE: f64 = 0.1;
 /// `a_joint_breaks_away_at_its_static_friction_and_turns_with_its_dynamic_one`.
 pub const FRICTION_DEFLECTION: f64 = 1e-4;
 /// A limit can act within a step if it is nearer than so many times the way of the step, and a
-/// margin, rad or m: the velocity may change within the step.
+/// margin, rad or m: the velocity may change within the step. At 0 for the first fails
+/// `what_comes_to_its_limit_at_a_constant_speed_tries_one_step_in_vain_at_most`, at 1e9 for the
+/// first or 1 for the second `limits_that_are_far_away_change_no_bit`.
 pub const LIMIT_REACH: (f64, f64) = (2.0, 1e-6);
 
 // Stiffness and restitution of contacts: `law/normal.rs`.
@@ -468,10 +483,12 @@ pub const RESTITUTION_TRIALS: usize = 40;
 /// Step in which friction is stretched, s: several times `2 √(m/k)` of friction. At 1e-4 fails
 /// `a_cube_on_a_tilted_table_sticks_below_the_cone_and_slides_above`.
 pub const SETTLING: f64 = 0.02;
-/// How much heavier a joint becomes that does not move while the robot is set down.
+/// How much heavier a joint becomes that does not move while the robot is set down. At 1000 fails
+/// `a_robot_is_set_down_as_one_rigid_body`.
 pub const LOCKED: f64 = 1e12;
 /// Movement, m or rad, in the last of these steps below which a robot stands: a tenth of a
-/// nanometre. One that tips over moves by millimetres.
+/// nanometre. One that tips over moves by millimetres. At 0 fails
+/// `a_robot_is_set_down_as_one_rigid_body`, at 1 `what_tips_over_is_not_set_down`.
 pub const SET_DOWN: f64 = 1e-10;
 /// Number of these steps: each leaves less than a tenth of what is missing. At 0 fails
 /// `a_cube_on_a_tilted_table_sticks_below_the_cone_and_slides_above`.
@@ -503,7 +520,9 @@ pub const LINE_SEARCH_TOLERANCE: f64 = 0.1;
 /// Tries of the line search, at most: every third halves the bracket, down to a millionth. At 1
 /// fails `the_minimum_does_not_depend_on_the_guess`.
 pub const LINE_SEARCH_TRIALS: usize = 60;
-/// Share of the bracket at either end in which Newton's proposal gives way to bisection.
+/// Share of the bracket at either end in which Newton's proposal gives way to bisection. At -1,
+/// where Newton may leave the bracket, fails
+/// `the_minimum_does_not_depend_on_the_hessian_of_the_first_iteration`.
 pub const LINE_SEARCH_EDGE: f64 = 1e-3;
 
 // Closed loops: `closure`, `step/closing.rs`, `initial/closing.rs`.
@@ -527,8 +546,6 @@ pub const OPEN: f64 = 1e-10;
 /// Most tries to project positions. Two or three are needed; at a singular place, where the gap
 /// falls by a quarter in each, twenty. At 1 fails `a_four_bar_stays_closed_and_keeps_its_energy`.
 pub const PROJECTIONS: usize = 30;
-/// Way of a projection, m, beyond which the rows of velocities are found anew.
-pub const MOVED_ROWS: f64 = 1e-9;
 /// Most tries to take the velocity out of the rows; each leaves a millionth and less. At 0 fails
 /// `bricards_mechanism_moves_and_keeps_its_energy`.
 pub const STOPPED: usize = 4;

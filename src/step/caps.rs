@@ -6,7 +6,7 @@ use crate::spatial::Vec6;
 use crate::state::{Physical, State, Trend};
 use crate::step::point::{Context, Point};
 use crate::tuning::{
-    BOUNCE_SHARE, BOUNCED, COMMAND_STEP, CONTACT_STEP, CONTROLLED_GAIN, CREEP, MAX_STEP, MIN_STEP,
+    BOUNCE_SHARE, BOUNCED, CONTACT_STEP, CONTROLLED_GAIN, CREEP, MAX_STEP, MIN_STEP,
     REFERENCE_GRAVITY,
 };
 
@@ -34,7 +34,7 @@ pub(super) fn by_command(
         let time = ctx.tree.dofs.inertia[term.dof] * error / cap;
         let moved = error * capped.min(remaining) * ctx.tree.dofs.weight[term.dof];
         if moved > ctx.tolerance && time < capped {
-            capped = time.max(COMMAND_STEP);
+            capped = time.max(MIN_STEP);
         }
     }
     capped

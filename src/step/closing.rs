@@ -13,7 +13,7 @@ use crate::kinematics::{Kinematics, advance};
 use crate::model::Model;
 use crate::state::Physical;
 use crate::tree::Tree;
-use crate::tuning::{CLOSED, MOVED_ROWS, OPEN, PROJECTIONS, STOPPED};
+use crate::tuning::{CLOSED, OPEN, PROJECTIONS, STOPPED};
 
 /// Scratch of a projection.
 #[derive(Clone, Debug)]
@@ -58,7 +58,8 @@ impl Closing {
         self.factor(tree, kin);
         tree.clear_velocities(&mut self.moved);
         let mut gap = kin.loops.largest();
-        let mut since = 0.0;
+        // Whether mass matrix and rows are those of where the robot stands.
+        let mut placed = true;
         for _ in 0..PROJECTIONS {
             if gap <= CLOSED || !gap.is_finite() {
                 break;
@@ -66,12 +67,10 @@ impl Closing {
             self.push(tree, kin, |rows, row| -rows.gap[row]);
             self.q.copy_from_slice(&end.q);
             advance(tree, &self.q, &self.change, 1.0, &mut end.q);
-            let mut way: f64 = 0.0;
             for k in tree.worked_dofs() {
                 self.moved[k] += self.change[k];
-                way = way.max(tree.dofs.weight[k] * self.change[k].abs());
             }
-            since += way;
+            placed = false;
             kin.update_poses(tree, &end.q);
             kin.update_loops(tree);
             kin.loops.find_sums(tree, &end.q);
@@ -85,11 +84,11 @@ impl Closing {
             if now > 0.1 * gap {
                 Self::place(tree, kin, &end.q);
                 self.factor(tree, kin);
-                since = 0.0;
+                placed = true;
             }
             gap = now;
         }
-        if since > MOVED_ROWS {
+        if !placed {
             Self::place(tree, kin, &end.q);
             self.factor(tree, kin);
         }

@@ -131,3 +131,29 @@ impl Tree {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::model::Motion;
+    use crate::parameters::Parameters;
+    use crate::spatial::{Pose, RigidInertia, Vec3};
+    use crate::testing::{Builder, inertia};
+    use crate::tree::Tree;
+
+    /// The cost of the mass matrix and its factor grows with the cube of the length of a chain,
+    /// that of the articulated-body algorithm with its length: the one is for arms, the other for
+    /// ropes.
+    #[test]
+    fn ropes_are_taken_by_articulated_bodies_and_arms_by_their_mass_matrix() {
+        for (count, long) in [(1, false), (7, false), (100, true), (300, true)] {
+            let mut b = Builder::new(false, RigidInertia::ZERO);
+            for parent in 0..count {
+                let rod = inertia(1.0, Vec3::x(), [0.1; 3]);
+                let axis = Motion::Revolute(Vec3::y());
+                b.link(parent.into(), Pose::IDENTITY, axis, rod);
+            }
+            let tree = Tree::new(&b.model, &Parameters::new(&b.model));
+            assert_eq!(tree.long, long, "{count} bodies");
+        }
+    }
+}

@@ -29,6 +29,8 @@ mod moving_ground;
 mod order;
 mod pairs;
 mod properties;
+mod standing;
+mod swings;
 mod terrain;
 mod turning;
 mod worlds;

@@ -3,6 +3,7 @@
 mod cases;
 mod depths;
 mod distances;
+mod heights;
 mod jumps;
 mod meshes;
 

@@ -1,0 +1,62 @@
+//! What is set down before the first step, and what stands on points of the terrain.
+
+use super::terrain::{field, ground, over};
+use super::worlds::{body, depth};
+use super::*;
+
+/// A box of 1 kg whose height follows from the ground, and in it 1 kg on a limp vertical slide.
+fn loaded(half: Vec3) -> Builder {
+    let mut b = Builder::new(true, inertia(1.0, Vec3::zeros(), [0.01; 3]));
+    b.shape(LinkId(0), Shape::Box { half }, Pose::IDENTITY);
+    b.link(
+        LinkId(0),
+        Pose::IDENTITY,
+        Motion::Prismatic(Vec3::z()),
+        inertia(1.0, Vec3::zeros(), [0.01; 3]),
+    );
+    b.model.roots[0].position.z = half.z;
+    b.model.roots[0].set_down = true;
+    b
+}
+
+/// The joints of a robot that is set down do not move: the ground carries all of its weight, at the
+/// depth of the law, although the slide would fall.
+#[test]
+fn a_robot_is_set_down_as_one_rigid_body() {
+    let s = start(loaded(Vec3::repeat(0.1)).model, 1e-3);
+    let sunk = 0.1 - s.state().physical.q[2];
+    let expected = depth(1.0);
+    assert!((sunk - expected).abs() < 1e-9, "{sunk:e} {expected:e}");
+    assert_eq!(s.state().physical.q[7].to_bits(), 0.0_f64.to_bits());
+}
+
+/// There is no pose in which the ground carries a box whose middle lies beyond its edge: it begins
+/// where it has been put.
+#[test]
+fn what_tips_over_is_not_set_down() {
+    let mut b = loaded(Vec3::repeat(0.1));
+    b.model.links[0].inertia.com = X * 0.3;
+    let before = [0.0, 0.0, 0.1, 1.0, 0.0, 0.0, 0.0];
+    let s = start(b.model, 1e-3);
+    assert_eq!(s.state().physical.q[..7], before);
+}
+
+/// A board of 1 kg on four nails that stand out of the terrain, each a sample as sharp as a point.
+/// Four points of the share one that are `d` deep count as one of the depth `δ = (4 d⁴)^¼ = √2 d`,
+/// and push with `√2 N(δ)`.
+#[test]
+fn a_board_lies_on_four_nails_at_the_depth_of_the_law() {
+    let nails = field(1.0, 20, |x, y| {
+        let on = |x: f64| (x.abs() - 0.1).abs() < 1e-6;
+        if on(x) && on(y) { 0.1 } else { 0.0 }
+    });
+    let half = Vec3::new(0.15, 0.15, 0.05);
+    let board = body(1.0, Shape::Box { half }, Vec3::z() * (0.1 + half.z));
+    let mut s = start(over(ground(nails, Vec3::zeros()), board), 1e-4);
+    run(&mut s, 1.0, 0.01);
+    let q = &s.state().physical.q;
+    let (sunk, expected) = (0.1 + half.z - q[2], depth(0.5_f64.sqrt()) / 2.0_f64.sqrt());
+    assert!((sunk - expected).abs() < 1e-9, "{sunk:e} {expected:e}");
+    let tilt = q[4].abs().max(q[5].abs());
+    assert!(tilt < 1e-9, "{tilt:e}");
+}
