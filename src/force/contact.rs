@@ -171,9 +171,14 @@ impl Contact {
     /// Velocity `u` that friction acts against, m/s, world axes.
     #[inline]
     pub fn sliding(&self, V: &[Vec6]) -> Vec3 {
-        let W = self.relative(V);
-        let (_, u) = normal_part(&self.normal, &velocity_at(&W, &self.center));
-        u + self.normal * (self.radius * self.normal.dot(&angular(&W)))
+        self.sliding_with(&self.relative(V))
+    }
+
+    /// The same for the velocity `W` of its body against the other one.
+    #[inline]
+    pub(super) fn sliding_with(&self, W: &Vec6) -> Vec3 {
+        let (_, u) = normal_part(&self.normal, &velocity_at(W, &self.center));
+        u + self.normal * (self.radius * self.normal.dot(&angular(W)))
     }
 
     /// Velocities of its points.
@@ -183,15 +188,25 @@ impl Contact {
         points: &'a [ContactPoint],
         V: &[Vec6],
     ) -> impl Iterator<Item = PointVelocity> + 'a {
-        let W = self.relative(V);
+        self.velocities_with(points, self.relative(V))
+    }
+
+    /// The same for the velocity `W` of its body against the other one.
+    #[inline]
+    pub(super) fn velocities_with<'a>(
+        &'a self,
+        points: &'a [ContactPoint],
+        W: Vec6,
+    ) -> impl Iterator<Item = PointVelocity> + 'a {
         let w = angular(&W);
         points[self.points.clone()]
             .iter()
             .map(move |p| PointVelocity {
                 along: p.along(&W),
-                tilt: p
-                    .rim
-                    .map_or_else(Vec3::zeros, |rim| rim.rate(&p.normal, &w)),
+                tilt: match &p.rim {
+                    Some(rim) => rim.rate(&p.normal, &w),
+                    None => Vec3::zeros(),
+                },
             })
     }
 

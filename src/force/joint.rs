@@ -136,7 +136,7 @@ impl JointTerm {
             r.effort += h * force.abs();
         }
         // Most joints do not come to a limit in a step.
-        if self.gap[0].min(self.gap[1]) > h * v.abs() {
+        if self.gap.iter().all(|gap| *gap > h * v.abs()) {
             return r;
         }
         for (gap, sign) in [(self.gap[0], 1.0), (self.gap[1], -1.0)] {
