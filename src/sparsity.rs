@@ -347,7 +347,8 @@ impl Sparsity {
     }
 
     /// The entries of row `k` at its ancestors, the one on the diagonal, and the ancestors.
-    #[inline]
+    #[expect(clippy::inline_always, reason = "a call takes as long as a short row")]
+    #[inline(always)]
     fn row<'a>(&'a self, k: usize, a: &'a [f64]) -> (&'a [f64], f64, &'a [u32]) {
         let (s, d) = (self.start[k], self.depth[k]);
         let row = &a[s..][..=d];

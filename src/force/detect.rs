@@ -109,13 +109,6 @@ fn find(
     let center = X_OB.p + X_OB.R * collider.X.p;
     let height = kin.origins[collider.tree].z;
     let clearance = height + center.z - collider.radius;
-    if clearance >= margin {
-        let spin = V[0].abs() + V[1].abs() + V[2].abs();
-        let speed = rise(V, &center).abs() + spin * collider.radius;
-        if h <= 0.0 || clearance >= margin + h * speed {
-            return;
-        }
-    }
     let mut finder = Finder {
         height,
         X_OB,
@@ -125,6 +118,9 @@ fn find(
         margin,
         points,
     };
+    if clearance >= margin && clearance >= finder.reach(collider.radius) {
+        return;
+    }
     finder.find(collider, &model.colliders[collider.index].shape);
 }
 
@@ -171,6 +167,12 @@ impl Finder<'_> {
             }
             Shape::Box { half } => {
                 let R = R_OB * R_BG;
+                let down = R.row(2).abs() * half;
+                let clearance = self.height + center.z - down.x;
+                // What rounding does to corners is far below a margin.
+                if clearance > self.reach(collider.radius) + CONTACT_MARGIN {
+                    return;
+                }
                 let (x, y, z) = (
                     R.column(0) * half.x,
                     R.column(1) * half.y,
@@ -213,6 +215,19 @@ impl Finder<'_> {
             // Terrain never moves.
             Shape::Plane | Shape::Field { .. } | Shape::Surface { .. } => {}
         }
+    }
+
+    /// Height below which a point of a ball of `radius` about the centre can touch within the step,
+    /// m.
+    #[inline]
+    fn reach(&self, radius: f64) -> f64 {
+        let mut reach = self.margin;
+        if self.h > 0.0 {
+            let V = self.V;
+            let spin = V[0].abs() + V[1].abs() + V[2].abs();
+            reach += self.h * (rise(V, &self.center).abs() + spin * radius);
+        }
+        reach
     }
 
     /// Takes the point at `x` (from O) into the list if it can touch within the step.

@@ -70,6 +70,9 @@ impl JointTerm {
     /// a step of `h` seconds.
     #[inline]
     pub fn drive_force(&self, v: f64, h: f64) -> (f64, f64) {
+        if matches!(self.drive, Drive::None) {
+            return (0.0, 0.0);
+        }
         self.line.cut(self.drive.force(v, h), v)
     }
 
