@@ -243,7 +243,7 @@ impl Stages {
             return;
         }
         forward(ctx.tree, &here.kin.S, &self.v, &mut self.way);
-        let Point { kin, terms } = &mut self.middle;
+        let Point { kin, terms, .. } = &mut self.middle;
         let mut starts = here.terms.contacts.iter().peekable();
         let ContactSet { list, points, .. } = &mut terms.contacts;
         for contact in list {
