@@ -97,27 +97,29 @@ impl Kinematics {
 
     /// Poses, joint motions and inertias for `q`.
     pub fn update_poses(&mut self, tree: &Tree, q: &[f64]) {
-        for (b, body) in tree.worked_bodies() {
-            let mount = Mount {
-                base: &tree.trees[body.tree].base,
-                parent: &self.X[body.parent],
-                X: &body.X,
-                ratio: body.ratio,
-                offset: body.offset,
-            };
-            let (q, S) = (&q[body.coordinate..], &mut self.S[body.column..]);
-            let origin = &mut self.origins[body.tree];
-            let X = body.kind.place(&mount, q, S, origin);
-            self.X[b] = X;
-            self.I[b] = if body.mass > 0.0 {
-                let c = X.p + X.R * body.com;
-                SpatialInertia::new(body.mass, &c, &rotated(&X.R, &body.I_cm))
-            } else {
-                SpatialInertia {
-                    rotational: rotated(&X.R, &body.I_cm),
-                    ..SpatialInertia::default()
-                }
-            };
+        for span in &tree.island.spans {
+            for (b, body) in tree.bodies_of(span) {
+                let mount = Mount {
+                    base: &tree.trees[body.tree].base,
+                    parent: &self.X[body.parent],
+                    X: &body.X,
+                    ratio: body.ratio,
+                    offset: body.offset,
+                };
+                let (q, S) = (&q[body.coordinate..], &mut self.S[body.column..]);
+                let origin = &mut self.origins[body.tree];
+                let X = body.kind.place(&mount, q, S, origin);
+                self.X[b] = X;
+                self.I[b] = if body.mass > 0.0 {
+                    let c = X.p + X.R * body.com;
+                    SpatialInertia::new(body.mass, &c, &rotated(&X.R, &body.I_cm))
+                } else {
+                    SpatialInertia {
+                        rotational: rotated(&X.R, &body.I_cm),
+                        ..SpatialInertia::default()
+                    }
+                };
+            }
         }
     }
 

@@ -321,7 +321,7 @@ impl Readout {
 
     /// Normal force, N, and centre of the load, from O, of each contact of a link at this moment.
     fn normal_loads(&self, link: LinkId) -> impl Iterator<Item = (f64, Vec3)> + '_ {
-        let Point { kin, terms } = &self.point;
+        let Point { kin, terms, .. } = &self.point;
         let contacts = &terms.contacts;
         let own = contacts
             .iter()
@@ -393,7 +393,7 @@ impl Readout {
     /// `M vdot = tau − k + Jᵀ f` with the forces of this moment.
     fn accelerations(&mut self, ctx: &Context, state: &State) {
         let tree = ctx.tree;
-        let Point { kin, terms } = &mut self.point;
+        let Point { kin, terms, .. } = &mut self.point;
         for (a, k) in self.vdot.iter_mut().zip(&kin.bias) {
             *a = -k;
         }

@@ -45,14 +45,6 @@ pub struct Block {
     pub floating: bool,
 }
 
-impl Block {
-    /// How many unknowns a floating base has: every row's ancestors begin with them.
-    #[inline]
-    fn base(&self) -> usize {
-        if self.floating { 6 } else { 0 }
-    }
-}
-
 impl Sparsity {
     /// The pattern that holds all pairs within each of the `cliques` of the unknowns, each of which
     /// lies within one block; `blocks` are their lengths.
@@ -169,41 +161,56 @@ impl Sparsity {
 
     #[inline]
     fn multiply_block(&self, block: &Block, a: &[f64], x: &[f64], y: &mut [f64]) {
-        let (base, Range { start: first, end }) = (block.base(), block.rows.clone());
+        if block.floating {
+            self.multiply_rows::<6>(&block.rows, a, x, y);
+        } else {
+            self.multiply_rows::<0>(&block.rows, a, x, y);
+        }
+    }
+
+    /// The same, where every row's ancestors begin with the first `BASE`.
+    fn multiply_rows<const BASE: usize>(
+        &self,
+        rows: &Range<usize>,
+        a: &[f64],
+        x: &[f64],
+        y: &mut [f64],
+    ) {
+        let (first, end) = (rows.start, rows.end);
         // What rows beyond the base's add to its six stays in registers.
         let (mut head, mut above) = ([0.0; 6], [0.0; 6]);
-        if base > 0
+        if BASE > 0
             && let Some(x) = x[first..].first_chunk()
         {
             head = *x;
         }
-        for k in first + base..end {
-            let (s, d) = (self.start[k], self.depth[k]);
-            let row = &a[s..=s + d];
+        for k in first + BASE..end {
+            let (row, diagonal, columns) = self.row(k, a);
             let xk = x[k];
-            let mut sum = row[d] * xk;
-            if base > 0
+            let mut sum = diagonal * xk;
+            if BASE > 0
                 && let Some(r) = row.first_chunk()
             {
                 sum += dot6(r, &head);
                 add_scaled6(&mut above, r, xk);
             }
-            let near = self.prefix[k].max(base);
-            let beside = first + base..first + near;
-            let direct = row[base..near].iter().zip(&x[beside.clone()]);
-            for ((r, x), y) in direct.zip(&mut y[beside]) {
-                sum += r * x;
-                *y += r * xk;
+            let near = self.prefix[k].max(BASE);
+            if near > BASE {
+                let beside = first + BASE..first + near;
+                let direct = row[BASE..near].iter().zip(&x[beside.clone()]);
+                for ((r, x), y) in direct.zip(&mut y[beside]) {
+                    sum += r * x;
+                    *y += r * xk;
+                }
             }
-            let columns = &self.column[s + near..s + d];
-            for (r, &c) in row[near..d].iter().zip(columns) {
+            for (r, &c) in row[near..].iter().zip(&columns[near..]) {
                 let c = c as usize;
                 sum += r * x[c];
                 y[c] += r * xk;
             }
             y[k] += sum;
         }
-        if base > 0
+        if BASE > 0
             && let (Some(lower), Some(y)) = (
                 a[self.start[first]..].first_chunk(),
                 y[first..].first_chunk_mut(),
@@ -225,36 +232,44 @@ impl Sparsity {
 
     #[inline]
     fn factor_block(&self, block: &Block, a: &mut [f64]) {
-        let (base, Range { start: first, end }) = (block.base(), block.rows.clone());
+        if block.floating {
+            self.factor_rows::<6>(&block.rows, a);
+        } else {
+            self.factor_rows::<0>(&block.rows, a);
+        }
+    }
+
+    /// The same, where every row's ancestors begin with the first `BASE`.
+    fn factor_rows<const BASE: usize>(&self, rows: &Range<usize>, a: &mut [f64]) {
+        let (first, end) = (rows.start, rows.end);
         let own = self.start.get(first).copied().unwrap_or_default();
-        for k in (first + base..end).rev() {
+        for k in (first + BASE..end).rev() {
             let (s, d) = (self.start[k], self.depth[k]);
             let (above, rest) = a.split_at_mut(s);
-            let row = &mut rest[..=d];
-            let reciprocal = 1.0 / row[d].max(f64::MIN_POSITIVE);
-            row[d] = reciprocal;
+            let Some((diagonal, row)) = rest[..=d].split_last_mut() else {
+                continue;
+            };
+            let reciprocal = 1.0 / diagonal.max(f64::MIN_POSITIVE);
+            *diagonal = reciprocal;
             // A floating base's rows begin with its six.
-            if base > 0
+            if BASE > 0
                 && let (Some(lower), Some(r)) = (above[own..].first_chunk_mut(), row.first_chunk())
             {
                 subtract_square(lower, r, reciprocal);
             }
             let columns = &self.column[s..s + d];
-            for (q, &column) in columns.iter().enumerate().skip(base) {
-                let target = self.start[column as usize];
+            for q in BASE..d {
                 let factor = row[q] * reciprocal;
-                let target = &mut above[target..=target + q];
-                if base > 0
+                let target = &mut above[self.start[columns[q] as usize]..][..=q];
+                if BASE > 0
                     && let (Some(t), Some(r)) = (target.first_chunk_mut(), row.first_chunk())
                 {
                     add_scaled6(t, r, -factor);
                 }
-                for (t, r) in target[base..].iter_mut().zip(&row[base..=q]) {
-                    *t -= factor * r;
-                }
+                subtract_scaled(&mut target[BASE..], &row[BASE..=q], factor);
             }
         }
-        if base > 0
+        if BASE > 0
             && let Some(lower) = a[own..].first_chunk_mut()
         {
             factor_base(lower);
@@ -270,34 +285,40 @@ impl Sparsity {
 
     #[inline]
     fn solve_block(&self, block: &Block, factor: &[f64], x: &mut [f64]) {
-        let (base, Range { start: first, end }) = (block.base(), block.rows.clone());
+        if block.floating {
+            self.solve_rows::<6>(&block.rows, factor, x);
+        } else {
+            self.solve_rows::<0>(&block.rows, factor, x);
+        }
+    }
+
+    /// The same, where every row's ancestors begin with the first `BASE`.
+    fn solve_rows<const BASE: usize>(&self, rows: &Range<usize>, factor: &[f64], x: &mut [f64]) {
+        let (first, end) = (rows.start, rows.end);
         // The base's six stay in registers.
         let mut head = [0.0; 6];
-        if base > 0
+        if BASE > 0
             && let Some(x) = x[first..].first_chunk()
         {
             head = *x;
         }
-        for k in (first + base..end).rev() {
-            let (s, d) = (self.start[k], self.depth[k]);
-            let row = &factor[s..=s + d];
-            let xk = x[k] * row[d];
-            if base > 0
+        for k in (first + BASE..end).rev() {
+            let (row, diagonal, columns) = self.row(k, factor);
+            let xk = x[k] * diagonal;
+            if BASE > 0
                 && let Some(r) = row.first_chunk()
             {
                 add_scaled6(&mut head, r, -xk);
             }
-            let near = self.prefix[k].max(base);
-            let beside = &mut x[first + base..first + near];
-            for (x, r) in beside.iter_mut().zip(&row[base..near]) {
-                *x -= r * xk;
+            let near = self.prefix[k].max(BASE);
+            if near > BASE {
+                subtract_scaled(&mut x[first + BASE..first + near], &row[BASE..near], xk);
             }
-            let columns = &self.column[s + near..s + d];
-            for (r, &c) in row[near..d].iter().zip(columns) {
+            for (r, &c) in row[near..].iter().zip(&columns[near..]) {
                 x[c as usize] -= r * xk;
             }
         }
-        if base > 0
+        if BASE > 0
             && let (Some(lower), Some(x)) = (
                 factor[self.start[first]..].first_chunk(),
                 x[first..].first_chunk_mut(),
@@ -306,23 +327,32 @@ impl Sparsity {
             solve_base(lower, &mut head);
             *x = head;
         }
-        for k in first + base..end {
-            let (s, d) = (self.start[k], self.depth[k]);
-            let row = &factor[s..=s + d];
+        for k in first + BASE..end {
+            let (row, diagonal, columns) = self.row(k, factor);
             let mut sum = x[k];
-            if base > 0
+            if BASE > 0
                 && let Some(r) = row.first_chunk()
             {
                 sum -= dot6(r, &head);
             }
-            let near = self.prefix[k].max(base);
-            sum -= dot(&row[base..near], &x[first + base..first + near]);
-            let columns = &self.column[s + near..s + d];
-            for (r, &c) in row[near..d].iter().zip(columns) {
+            let near = self.prefix[k].max(BASE);
+            if near > BASE {
+                sum -= dot(&row[BASE..near], &x[first + BASE..first + near]);
+            }
+            for (r, &c) in row[near..].iter().zip(&columns[near..]) {
                 sum -= r * x[c as usize];
             }
-            x[k] = sum * row[d];
+            x[k] = sum * diagonal;
         }
+    }
+
+    /// The entries of row `k` at its ancestors, the one on the diagonal, and the ancestors.
+    #[expect(clippy::inline_always, reason = "a call takes as long as a short row")]
+    #[inline(always)]
+    fn row<'a>(&'a self, k: usize, a: &'a [f64]) -> (&'a [f64], f64, &'a [u32]) {
+        let (s, d) = (self.start[k], self.depth[k]);
+        let row = &a[s..][..=d];
+        (&row[..d], row[d], &self.column[s..][..d])
     }
 }
 
@@ -355,44 +385,85 @@ fn subtract_square(lower: &mut [f64; 21], r: &[f64; 6], share: f64) {
     }
 }
 
-/// The last rows of [`Sparsity::factor`]: those of a floating base, all of known length.
+/// `x −= s y`, two lanes at a time.
+#[inline]
+fn subtract_scaled(x: &mut [f64], y: &[f64], s: f64) {
+    let ((pairs, last), (others, rest)) = (x.as_chunks_mut::<2>(), y.as_chunks::<2>());
+    for (x, y) in pairs.iter_mut().zip(others) {
+        x[0] -= s * y[0];
+        x[1] -= s * y[1];
+    }
+    if let ([x], [y]) = (last, rest) {
+        *x -= s * y;
+    }
+}
+
+/// The first place of row `k` of a lower triangle.
+const fn row_start(k: usize) -> usize {
+    k * (k + 1) / 2
+}
+
+/// The last rows of [`Sparsity::factor`]: those of a floating base.
 #[inline]
 fn factor_base(lower: &mut [f64; 21]) {
-    let mut start = 21;
-    for k in (0..6).rev() {
-        start -= k + 1;
-        let reciprocal = 1.0 / lower[start + k].max(f64::MIN_POSITIVE);
-        lower[start + k] = reciprocal;
-        let mut place = 0;
-        for i in 0..k {
-            let factor = reciprocal * lower[start + i];
-            for j in 0..=i {
-                lower[place + j] -= factor * lower[start + j];
-            }
-            place += i + 1;
+    eliminate::<5>(lower);
+    eliminate::<4>(lower);
+    eliminate::<3>(lower);
+    eliminate::<2>(lower);
+    eliminate::<1>(lower);
+    eliminate::<0>(lower);
+}
+
+/// Row `K`, whose length is known here, of [`factor_base`].
+#[inline]
+fn eliminate<const K: usize>(lower: &mut [f64; 21]) {
+    let start = row_start(K);
+    let row: [f64; K] = std::array::from_fn(|i| lower[start + i]);
+    let reciprocal = 1.0 / lower[start + K].max(f64::MIN_POSITIVE);
+    lower[start + K] = reciprocal;
+    for i in 0..K {
+        let factor = reciprocal * row[i];
+        for j in 0..=i {
+            lower[row_start(i) + j] -= factor * row[j];
         }
     }
 }
 
-/// The rows of a floating base in [`Sparsity::solve`], all of known length.
+/// The rows of a floating base in [`Sparsity::solve`].
 #[inline]
 fn solve_base(factor: &[f64; 21], x: &mut Vec6) {
-    let mut start = 21;
-    for k in (0..6).rev() {
-        start -= k + 1;
-        let xk = x[k] * factor[start + k];
-        for i in 0..k {
-            x[i] -= factor[start + i] * xk;
-        }
+    take_off::<5>(factor, x);
+    take_off::<4>(factor, x);
+    take_off::<3>(factor, x);
+    take_off::<2>(factor, x);
+    take_off::<1>(factor, x);
+    find::<0>(factor, x);
+    find::<1>(factor, x);
+    find::<2>(factor, x);
+    find::<3>(factor, x);
+    find::<4>(factor, x);
+    find::<5>(factor, x);
+}
+
+/// Takes what row `K`, whose length is known here, says off the rows above it.
+#[inline]
+fn take_off<const K: usize>(factor: &[f64; 21], x: &mut Vec6) {
+    let start = row_start(K);
+    let xk = x[K] * factor[start + K];
+    for i in 0..K {
+        x[i] -= factor[start + i] * xk;
     }
-    for k in 0..6 {
-        let mut sum = x[k];
-        for i in 0..k {
-            sum -= factor[start + i] * x[i];
-        }
-        x[k] = sum * factor[start + k];
-        start += k + 1;
+}
+
+/// Finds unknown `K` from those before it.
+#[inline]
+fn find<const K: usize>(factor: &[f64; 21], x: &mut Vec6) {
+    let start = row_start(K);
+    let mut sum = x[K];
+    for i in 0..K {
+        sum -= factor[start + i] * x[i];
     }
+    x[K] = sum * factor[start + K];
 }
 
 #[cfg(test)]

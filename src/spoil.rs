@@ -151,8 +151,8 @@ spoil!(Physical: q v memory;);
 spoil!(Terms: contacts turns joints springs;);
 spoil!(Other: body from axes;);
 spoil!(
-    Contact: body other link other_link slot thickness mass normal uneven points depth spring dissipation load tilting bounce duration
-    center radius drift rise carried mu friction;
+    Contact: body other link other_link slot thickness mass normal uneven points depth weights
+    spring dissipation load tilting bounce duration center radius drift rise carried mu friction;
 );
 spoil!(ContactPoint: corner x normal arm depth share load rim;);
 

@@ -229,7 +229,7 @@ impl Remembered {
     /// Sets their rates in the list of those of all states.
     pub fn rates(&self, ctx: &Context, point: &Point, at: &Physical, out: &mut [f64]) {
         let (tree, memory) = (ctx.tree, &at.memory);
-        let Point { kin, terms } = point;
+        let Point { kin, terms, .. } = point;
         let mut contacts = terms.contacts.iter().peekable();
         let mut turns = terms.turns.iter().peekable();
         let mut touches = memory.touches.iter().peekable();

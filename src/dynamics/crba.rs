@@ -24,46 +24,48 @@ pub fn mass_matrix(tree: &Tree, kin: &mut Kinematics) {
     if !tree.pure {
         M.fill(0.0);
     }
-    for (b, body) in tree.worked_bodies().rev() {
-        if body.kind.is_free() {
-            let lower = composite[b].lower();
-            let first = pattern.start[body.dof];
-            let rows = &mut M[first..first + 21];
-            if tree.pure {
-                rows.copy_from_slice(&lower);
-            } else {
-                for (m, x) in rows.iter_mut().zip(&lower) {
-                    *m += x;
+    for span in tree.island.spans.iter().rev() {
+        for (b, body) in tree.bodies_of(span).rev() {
+            if body.kind.is_free() {
+                let lower = composite[b].lower();
+                let first = pattern.start[body.dof];
+                let rows = &mut M[first..first + 21];
+                if tree.pure {
+                    rows.copy_from_slice(&lower);
+                } else {
+                    for (m, x) in rows.iter_mut().zip(&lower) {
+                        *m += x;
+                    }
+                }
+                continue;
+            }
+            if !body.kind.moves() {
+                continue;
+            }
+            // Not what the pattern looks like: the rows of a fixed serial chain of six joints or
+            // more look the same as those on a floating base.
+            let floating = tree.is_free(b);
+            for c in body.column..body.column + body.columns {
+                let F = composite[b].mul(&S[c]);
+                if tree.pure {
+                    let (start, depth) = (pattern.start[c], pattern.depth[c]);
+                    let mut from = 0;
+                    if floating {
+                        M[start..start + 6].copy_from_slice(&F);
+                        from = 6;
+                    }
+                    let places = &mut M[start + from..=start + depth];
+                    let columns = &pattern.column[start + from..=start + depth];
+                    for (m, &a) in places.iter_mut().zip(columns) {
+                        *m = dot6(&S[a as usize], &F);
+                    }
+                } else {
+                    add_row(tree, S, b, c, &F, M);
                 }
             }
-            continue;
+            let sub = composite[b];
+            composite[body.parent].add(&sub);
         }
-        if !body.kind.moves() {
-            continue;
-        }
-        // Not what the pattern looks like: the rows of a fixed serial chain of six joints or more
-        // look the same as those on a floating base.
-        let floating = tree.is_free(b);
-        for c in body.column..body.column + body.columns {
-            let F = composite[b].mul(&S[c]);
-            if tree.pure {
-                let (start, depth) = (pattern.start[c], pattern.depth[c]);
-                let mut from = 0;
-                if floating {
-                    M[start..start + 6].copy_from_slice(&F);
-                    from = 6;
-                }
-                let places = &mut M[start + from..=start + depth];
-                let columns = &pattern.column[start + from..=start + depth];
-                for (m, &a) in places.iter_mut().zip(columns) {
-                    *m = dot6(&S[a as usize], &F);
-                }
-            } else {
-                add_row(tree, S, b, c, &F, M);
-            }
-        }
-        let sub = composite[b];
-        composite[body.parent].add(&sub);
     }
     for k in tree.worked_dofs() {
         let diagonal = &mut M[pattern.diagonal(k)];

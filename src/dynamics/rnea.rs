@@ -25,24 +25,26 @@ pub fn bias(tree: &Tree, kin: &mut Kinematics, v: &[f64], wrenches: &[ExternalWr
     if !tree.pure {
         bias.fill(0.0);
     }
-    for (b, body) in tree.worked_bodies().rev() {
-        let F = force[b];
-        if body.kind.is_free() {
-            bias[body.dof..body.dof + 6].copy_from_slice(&F);
-            continue;
-        }
-        if !body.kind.moves() {
-            continue;
-        }
-        for c in body.column..body.column + body.columns {
-            let k = dot6(&S[c], &F);
-            if tree.pure {
-                bias[c] = k;
-            } else {
-                bias[tree.dof[c]] += k;
+    for span in tree.island.spans.iter().rev() {
+        for (b, body) in tree.bodies_of(span).rev() {
+            let F = force[b];
+            if body.kind.is_free() {
+                bias[body.dof..body.dof + 6].copy_from_slice(&F);
+                continue;
             }
+            if !body.kind.moves() {
+                continue;
+            }
+            for c in body.column..body.column + body.columns {
+                let k = dot6(&S[c], &F);
+                if tree.pure {
+                    bias[c] = k;
+                } else {
+                    bias[tree.dof[c]] += k;
+                }
+            }
+            add6(&mut force[body.parent], &F);
         }
-        add6(&mut force[body.parent], &F);
     }
     kin.update_loop_bias(tree);
 }
@@ -51,28 +53,30 @@ pub fn bias(tree: &Tree, kin: &mut Kinematics, v: &[f64], wrenches: &[ExternalWr
 fn body_forces(tree: &Tree, kin: &mut Kinematics, v: &[f64], force: &mut [Vec6]) {
     let Kinematics { S, V, I, C, .. } = kin;
     let g = tree.world.gravity;
-    for (b, body) in tree.worked_bodies() {
-        let V_b = &V[b];
-        let mut A = if body.kind.is_base() {
-            [0.0, 0.0, 0.0, -g.x, -g.y, -g.z]
-        } else {
-            C[body.parent]
-        };
-        if body.kind.moves() {
-            let product = body
-                .kind
-                .velocity_product(V_b, &S[body.column..], &v[body.dof..]);
-            add6(&mut A, &product);
+    for span in &tree.island.spans {
+        for (b, body) in tree.bodies_of(span) {
+            let V_b = &V[b];
+            let mut A = if body.kind.is_base() {
+                [0.0, 0.0, 0.0, -g.x, -g.y, -g.z]
+            } else {
+                C[body.parent]
+            };
+            if body.kind.moves() {
+                let product = body
+                    .kind
+                    .velocity_product(V_b, &S[body.column..], &v[body.dof..]);
+                add6(&mut A, &product);
+            }
+            C[b] = A;
+            if !body.kind.moves() {
+                force[b] = [0.0; 6];
+                continue;
+            }
+            // `I A + V ×f (I V)`
+            let mut F = I[b].mul(&C[b]);
+            add6(&mut F, &cross_force(V_b, &I[b].mul(V_b)));
+            force[b] = F;
         }
-        C[b] = A;
-        if !body.kind.moves() {
-            force[b] = [0.0; 6];
-            continue;
-        }
-        // `I A + V ×f (I V)`
-        let mut F = I[b].mul(&C[b]);
-        add6(&mut F, &cross_force(V_b, &I[b].mul(V_b)));
-        force[b] = F;
     }
 }
 

@@ -106,7 +106,7 @@ impl Contact {
     /// velocities of all bodies.
     pub fn wrench(&self, points: &[ContactPoint], V: &[Vec6]) -> (Vec3, Vec3) {
         let velocity = self.normal_velocity(points, V);
-        let [load, _] = self.loads(points, velocity);
+        let [load, _] = self.loads(velocity);
         let friction = self
             .friction
             .respond(self.sliding(V) + self.carried, 0.0)

@@ -44,7 +44,7 @@
 //! an ellipsoid: Howe & Cutkosky 1996.
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
-use super::point::{ContactPoint, PointResponse, PointVelocity, norm};
+use super::point::{ContactPoint, PointResponse, PointVelocity};
 use crate::law::normal::Stiffening;
 use crate::law::{ElastoPlastic, Resistance};
 use crate::spatial::{Mat3, Vec3, Vec6, angular, velocity_at};
@@ -126,6 +126,8 @@ pub struct Contact {
     pub points: Range<usize>,
     /// Depth `δ₀`, m.
     pub depth: f64,
+    /// Sum of `∂δ₀/∂d_i`; 1 where none is inside.
+    pub weights: f64,
     /// Spring of the normal force.
     pub spring: Stiffening,
     /// Hunt–Crossley dissipation while it comes nearer, and while it leaves, s/m.
@@ -171,9 +173,14 @@ impl Contact {
     /// Velocity `u` that friction acts against, m/s, world axes.
     #[inline]
     pub fn sliding(&self, V: &[Vec6]) -> Vec3 {
-        let W = self.relative(V);
-        let (_, u) = normal_part(&self.normal, &velocity_at(&W, &self.center));
-        u + self.normal * (self.radius * self.normal.dot(&angular(&W)))
+        self.sliding_with(&self.relative(V))
+    }
+
+    /// The same for the velocity `W` of its body against the other one.
+    #[inline]
+    pub(super) fn sliding_with(&self, W: &Vec6) -> Vec3 {
+        let (_, u) = normal_part(&self.normal, &velocity_at(W, &self.center));
+        u + self.normal * (self.radius * self.normal.dot(&angular(W)))
     }
 
     /// Velocities of its points.
@@ -183,15 +190,25 @@ impl Contact {
         points: &'a [ContactPoint],
         V: &[Vec6],
     ) -> impl Iterator<Item = PointVelocity> + 'a {
-        let W = self.relative(V);
+        self.velocities_with(points, self.relative(V))
+    }
+
+    /// The same for the velocity `W` of its body against the other one.
+    #[inline]
+    pub(super) fn velocities_with<'a>(
+        &'a self,
+        points: &'a [ContactPoint],
+        W: Vec6,
+    ) -> impl Iterator<Item = PointVelocity> + 'a {
         let w = angular(&W);
         points[self.points.clone()]
             .iter()
             .map(move |p| PointVelocity {
                 along: p.along(&W),
-                tilt: p
-                    .rim
-                    .map_or_else(Vec3::zeros, |rim| rim.rate(&p.normal, &w)),
+                tilt: match &p.rim {
+                    Some(rim) => rim.rate(&p.normal, &w),
+                    None => Vec3::zeros(),
+                },
             })
     }
 
@@ -273,7 +290,7 @@ impl Contact {
     /// Force of the spring with its damping, N, and its derivative with the depth, at the depth
     /// `depth` that grows at `rate`; `h`: time in which a change of the depth changes the rate.
     #[inline]
-    fn normal_force(&self, depth: f64, rate: f64, h: f64) -> (f64, f64) {
+    pub(super) fn normal_force(&self, depth: f64, rate: f64, h: f64) -> (f64, f64) {
         let dissipation = self.dissipation[usize::from(rate < 0.0)];
         let damping = 1.0 + dissipation * rate;
         if depth <= 0.0 || damping <= 0.0 {
@@ -282,29 +299,6 @@ impl Contact {
         let elastic = self.spring.force(depth);
         let slope = self.spring.slope(depth) * damping + elastic * dissipation / h;
         (elastic * damping, slope)
-    }
-
-    /// Force of the spring along the normal at the start of the step, N.
-    pub(super) fn elastic_load(&self, points: &[ContactPoint]) -> f64 {
-        self.loads(points, 0.0)[1]
-    }
-
-    /// Normal force at the start of the step, N, for velocities of all bodies.
-    pub fn normal_load(&self, points: &[ContactPoint], V: &[Vec6]) -> f64 {
-        self.loads(points, self.normal_velocity(points, V))[0]
-    }
-
-    /// Normal force at the start of the step, N, and that of the spring alone.
-    ///
-    /// - `along`: [`Self::normal_velocity`]
-    #[inline]
-    pub(super) fn loads(&self, points: &[ContactPoint], along: f64) -> [f64; 2] {
-        if self.depth <= 0.0 {
-            return [0.0; 2];
-        }
-        let (_, weights) = norm(&points[self.points.clone()]);
-        let damped = self.normal_force(self.depth, -weights * along, 1.0).0;
-        [damped * weights, self.spring.force(self.depth) * weights]
     }
 
     /// Response to the velocities at the end of a step of `h` seconds: `u` of friction, `at` of the

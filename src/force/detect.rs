@@ -17,26 +17,13 @@ use super::point::{ContactPoint, Rim, norm};
 use crate::geometry::Shape;
 use crate::kinematics::Kinematics;
 use crate::model::Model;
-use crate::spatial::{Mat3, Vec3, Vec6, angular, velocity_at};
+use crate::spatial::{Pose, Vec3, Vec6, angular};
 use crate::tree::{Tree, TreeCollider};
 use crate::tuning::{CONTACT_MARGIN, CROWN};
 
-/// The half space `normal·x < offset` is solid.
-#[derive(Clone, Copy, Debug)]
-pub struct Plane {
-    /// Unit vector out of the ground, world axes.
-    pub normal: Vec3,
-    /// m
-    pub offset: f64,
-}
-
-impl Plane {
-    /// `z = 0`.
-    pub const GROUND: Self = Self {
-        normal: Vec3::new(0.0, 0.0, 1.0),
-        offset: 0.0,
-    };
-}
+/// Unit vector out of the ground, the half space below `z = 0`. Heights are read as `z`, and not as
+/// products with this: half of the shapes that are looked at are far above.
+const UP: Vec3 = Vec3::new(0.0, 0.0, 1.0);
 
 /// Finds the contacts that can act within `h` seconds, into `contacts`; reads poses and velocities
 /// of `kin`.
@@ -53,7 +40,6 @@ pub fn detect(
     contacts: &mut ContactSet,
 ) {
     contacts.clear();
-    let plane = Plane::GROUND;
     let mut remembered = touches.iter().peekable();
     let margin = 2.0 * h * h * tree.world.gravity.norm() + CONTACT_MARGIN;
     for collider in tree.on_ground() {
@@ -71,7 +57,7 @@ pub fn detect(
             body: collider.body,
             link: collider.link,
             slot: collider.index,
-            normal: plane.normal,
+            normal: UP,
             points: first..contacts.points.len(),
             spring: limited(&collider.spring, mass, fastest),
             ..Contact::default()
@@ -119,44 +105,32 @@ fn find(
     [h, margin]: [f64; 2],
     points: &mut Vec<ContactPoint>,
 ) {
-    let plane = Plane::GROUND;
     let (X_OB, V) = (&kin.X[collider.body], &kin.V[collider.body]);
     let center = X_OB.p + X_OB.R * collider.X.p;
-    // Height of O over the plane, and of the shape.
-    let origin = &kin.origins[collider.tree];
-    let height = plane.normal.dot(origin) - plane.offset;
-    let clearance = height + plane.normal.dot(&center) - collider.radius;
-    let mut reach = margin;
-    if h > 0.0 {
-        let spin = V[0].abs() + V[1].abs() + V[2].abs();
-        let speed = plane.normal.dot(&velocity_at(V, &center)).abs() + spin * collider.radius;
-        reach += h * speed;
-    }
-    if clearance >= reach {
-        return;
-    }
+    let height = kin.origins[collider.tree].z;
+    let clearance = height + center.z - collider.radius;
     let mut finder = Finder {
-        plane,
         height,
-        R: X_OB.R * collider.X.R,
+        X_OB,
         center,
         V,
         h,
         margin,
         points,
     };
+    if clearance >= margin && clearance >= finder.reach(collider.radius) {
+        return;
+    }
     finder.find(collider, &model.colliders[collider.index].shape);
 }
 
 /// Whether nothing comes near the ground, or something else, within `h` seconds, by twice the way
 /// that velocities and gravity take it; reads poses and velocities of `kin`.
 pub fn is_clear(tree: &Tree, kin: &Kinematics, h: f64) -> bool {
-    let plane = Plane::GROUND;
     let fall = 2.0 * h * h * tree.world.gravity.norm();
     let above = tree.on_ground().all(|collider| {
         let (center, speed) = kin.ball(collider);
-        let height = plane.normal.dot(&kin.origins[collider.tree]) - plane.offset;
-        let clearance = height + plane.normal.dot(&center) - collider.radius;
+        let clearance = kin.origins[collider.tree].z + center.z - collider.radius;
         clearance > 2.0 * h * speed + fall + 2.0 * CONTACT_MARGIN
     });
     above && (tree.contact.pairs.is_empty() || is_apart(tree, kin, h))
@@ -164,11 +138,10 @@ pub fn is_clear(tree: &Tree, kin: &Kinematics, h: f64) -> bool {
 
 /// Finds the points of one shape.
 struct Finder<'a> {
-    plane: Plane,
     /// Height of O, m.
     height: f64,
-    /// Axes of the shape, and its centre from O.
-    R: Mat3,
+    /// Pose of the body from O, and the shape's centre.
+    X_OB: &'a Pose,
     center: Vec3,
     /// Spatial velocity of its body.
     V: &'a Vec6,
@@ -180,23 +153,30 @@ struct Finder<'a> {
 
 impl Finder<'_> {
     fn find(&mut self, collider: &TreeCollider, shape: &Shape) {
-        let n = self.plane.normal;
-        let center = self.center;
+        let (center, R_OB) = (self.center, &self.X_OB.R);
+        let R_BG = &collider.X.R;
         match shape {
-            Shape::Sphere { radius } => self.add(0, center - n * *radius, 1.0),
+            Shape::Sphere { radius } => self.add(0, center - UP * *radius, 1.0),
             Shape::Capsule {
                 radius,
                 half_length,
             } => {
-                let axis = self.R.column(2) * *half_length;
-                self.add(0, center + axis - n * *radius, 0.5);
-                self.add(1, center - axis - n * *radius, 0.5);
+                let axis = R_OB * R_BG.column(2) * *half_length;
+                self.add(0, center + axis - UP * *radius, 0.5);
+                self.add(1, center - axis - UP * *radius, 0.5);
             }
             Shape::Box { half } => {
+                let R = R_OB * R_BG;
+                let down = R.row(2).abs() * half;
+                let clearance = self.height + center.z - down.x;
+                // What rounding does to corners is far below a margin.
+                if clearance > self.reach(collider.radius) + CONTACT_MARGIN {
+                    return;
+                }
                 let (x, y, z) = (
-                    self.R.column(0) * half.x,
-                    self.R.column(1) * half.y,
-                    self.R.column(2) * half.z,
+                    R.column(0) * half.x,
+                    R.column(1) * half.y,
+                    R.column(2) * half.z,
                 );
                 for corner in 0..8 {
                     let sign = |bit: usize| if corner & bit == 0 { -1.0 } else { 1.0 };
@@ -208,15 +188,16 @@ impl Finder<'_> {
                 }
             }
             Shape::Hull { vertices } => {
-                // The plane's normal seen from the mesh: one dot product tells a vertex's height.
-                let down = self.R.transpose() * -n;
-                let base = self.height + n.dot(&center);
+                let R = R_OB * R_BG;
+                // Down seen from the mesh: one dot product tells a vertex's height.
+                let down = R.transpose() * -UP;
+                let base = self.height + center.z;
                 let spin = angular(self.V).norm();
-                let speed = n.dot(&velocity_at(self.V, &center)).abs() + spin * collider.radius;
+                let speed = rise(self.V, &center).abs() + spin * collider.radius;
                 let reach = self.h * speed + self.margin;
                 for (i, vertex) in vertices.iter().enumerate() {
                     if base - down.dot(vertex) < reach {
-                        self.add(i, center + self.R * vertex, collider.faces.share(i, &down));
+                        self.add(i, center + R * vertex, collider.faces.share(i, &down));
                     }
                 }
             }
@@ -224,8 +205,9 @@ impl Finder<'_> {
                 radius,
                 half_length,
             } => {
+                let up = R_OB * R_BG.column(2);
                 for (end, sign) in [1.0, -1.0].into_iter().enumerate() {
-                    let axis = self.R.column(2) * sign;
+                    let axis = up * sign;
                     let c = center + axis * *half_length;
                     self.add_rim(end, (c, axis), [*radius, collider.spring.reference]);
                 }
@@ -235,12 +217,25 @@ impl Finder<'_> {
         }
     }
 
+    /// Height below which a point of a ball of `radius` about the centre can touch within the step,
+    /// m.
+    #[inline]
+    fn reach(&self, radius: f64) -> f64 {
+        let mut reach = self.margin;
+        if self.h > 0.0 {
+            let V = self.V;
+            let spin = V[0].abs() + V[1].abs() + V[2].abs();
+            reach += self.h * (rise(V, &self.center).abs() + spin * radius);
+        }
+        reach
+    }
+
     /// Takes the point at `x` (from O) into the list if it can touch within the step.
     #[inline]
     fn add(&mut self, corner: usize, x: Vec3, share: f64) {
-        let depth = -self.height - self.plane.normal.dot(&x);
+        let depth = -self.height - x.z;
         if self.reaches(depth, &x) {
-            let point = ContactPoint::new(Some(corner), x, &self.plane.normal, [depth, share]);
+            let point = ContactPoint::new(Some(corner), x, &UP, [depth, share]);
             self.points.push(point);
         }
     }
@@ -249,18 +244,17 @@ impl Finder<'_> {
     /// axis `k`, outwards, of a contact that is some `landing` deep. The share of a rim is that of
     /// one of the two on which a cylinder lies.
     fn add_rim(&mut self, corner: usize, (c, k): (Vec3, Vec3), [R, landing]: [f64; 2]) {
-        let n = self.plane.normal;
-        let (up, across) = normal_part(&n, &k);
+        let (up, across) = normal_part(&UP, &k);
         let crown = CROWN * R;
         // So that a lying cylinder, whose `q` is `√(R² + s²)`, reaches down by its own radius.
         let R = (R * (R + 2.0 * crown)).sqrt();
         let rim = Rim::new(k, across * R, [R, crown, landing]);
-        let x = c + rim.direction() * (R * up) - n * rim.lowest();
-        let depth = -self.height - n.dot(&c) + rim.lowest();
+        let x = c + rim.direction() * (R * up) - UP * rim.lowest();
+        let depth = -self.height - c.z + rim.lowest();
         if self.reaches(depth, &x) {
             self.points.push(ContactPoint {
                 rim: Some(rim),
-                ..ContactPoint::new(Some(corner), x, &n, [depth, 0.5])
+                ..ContactPoint::new(Some(corner), x, &UP, [depth, 0.5])
             });
         }
     }
@@ -270,8 +264,14 @@ impl Finder<'_> {
     fn reaches(&self, depth: f64, x: &Vec3) -> bool {
         let mut reach = self.margin;
         if self.h > 0.0 {
-            reach += self.h * self.plane.normal.dot(&velocity_at(self.V, x)).abs();
+            reach += self.h * rise(self.V, x).abs();
         }
         -depth < reach
     }
+}
+
+/// Speed upwards, m/s, of the body point at `x` from O.
+#[inline]
+fn rise(V: &Vec6, x: &Vec3) -> f64 {
+    V[5] + V[0] * x.y - V[1] * x.x
 }

@@ -24,19 +24,25 @@ impl Contact {
                 p.depth += rim.shift(&p.normal, &w);
             }
         }
-        let (loaded, center, radius) = (self.depth > 0.0, self.center, self.radius);
-        self.gather(points);
-        if loaded {
-            (self.center, self.radius) = (center, radius);
+        let loaded = self.depth > 0.0;
+        self.share_load(points);
+        if !loaded {
+            self.center_on_load(points);
         }
-        self.load = self.load.min(self.elastic_load(points));
+        self.load = self.load.min(self.loads(0.0)[1]);
     }
 
     /// Finds depth, shares of the load, centre and radius from the points that are there.
     pub(crate) fn gather(&mut self, points: &mut [ContactPoint]) {
+        self.share_load(points);
+        self.center_on_load(points);
+    }
+
+    /// Finds depth and shares of the load, and what follows from these for the normal.
+    fn share_load(&mut self, points: &mut [ContactPoint]) {
         let own = &mut points[self.points.clone()];
         let (depth, weights) = norm(own);
-        self.depth = depth;
+        (self.depth, self.weights) = (depth, weights);
         // Where nothing presses yet, the deepest points share the load to come.
         let mut total = 0.0;
         for p in own.iter_mut() {
@@ -51,7 +57,7 @@ impl Contact {
         for p in own.iter_mut() {
             p.load /= total;
         }
-        self.center_on_load(points);
+        self.lean_on_load(points);
     }
 
     /// Takes the shares of the load from where the contact was before. Loads follow from depths
@@ -64,6 +70,7 @@ impl Contact {
             for p in own {
                 p.load = load(p).map_or(0.0, |b| b.load / total);
             }
+            self.lean_on_load(points);
             self.center_on_load(points);
         }
     }
@@ -85,14 +92,36 @@ impl Contact {
         self.keep(&self.friction.rate(self.slid(&self.sliding(V))))
     }
 
-    /// Finds the centre of the load and its mean distance from it; on uneven ground also the mean
-    /// of the normals, along which friction does not act.
-    fn center_on_load(&mut self, points: &[ContactPoint]) {
-        let own = &points[self.points.clone()];
+    /// Normal force at the start of the step, N, for velocities of all bodies.
+    pub fn normal_load(&self, points: &[ContactPoint], V: &[Vec6]) -> f64 {
+        self.loads(self.normal_velocity(points, V))[0]
+    }
+
+    /// Normal force at the start of the step, N, and that of the spring alone.
+    ///
+    /// - `along`: [`Self::normal_velocity`]
+    #[inline]
+    pub(super) fn loads(&self, along: f64) -> [f64; 2] {
+        if self.depth <= 0.0 {
+            return [0.0; 2];
+        }
+        let weights = self.weights;
+        let damped = self.normal_force(self.depth, -weights * along, 1.0).0;
+        [damped * weights, self.spring.force(self.depth) * weights]
+    }
+
+    /// On uneven ground, finds the mean of the normals, along which friction does not act.
+    fn lean_on_load(&mut self, points: &[ContactPoint]) {
         if self.uneven {
-            let mean: Vec3 = own.iter().map(|p| p.normal * p.load).sum();
+            let own = points[self.points.clone()].iter();
+            let mean: Vec3 = own.map(|p| p.normal * p.load).sum();
             self.normal = mean.try_normalize(0.0).unwrap_or(self.normal);
         }
+    }
+
+    /// Finds the centre of the load and its mean distance from it.
+    fn center_on_load(&mut self, points: &[ContactPoint]) {
+        let own = &points[self.points.clone()];
         let mut center = Vec3::zeros();
         for p in own {
             center += p.x * p.load;

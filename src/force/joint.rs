@@ -70,6 +70,9 @@ impl JointTerm {
     /// a step of `h` seconds.
     #[inline]
     pub fn drive_force(&self, v: f64, h: f64) -> (f64, f64) {
+        if matches!(self.drive, Drive::None) {
+            return (0.0, 0.0);
+        }
         self.line.cut(self.drive.force(v, h), v)
     }
 
@@ -136,7 +139,7 @@ impl JointTerm {
             r.effort += h * force.abs();
         }
         // Most joints do not come to a limit in a step.
-        if self.gap[0].min(self.gap[1]) > h * v.abs() {
+        if self.gap.iter().all(|gap| *gap > h * v.abs()) {
             return r;
         }
         for (gap, sign) in [(self.gap[0], 1.0), (self.gap[1], -1.0)] {

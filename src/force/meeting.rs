@@ -86,7 +86,7 @@ impl Meeting<'_> {
             displacement: contact.recall(&stored.displacement),
             ..ElastoPlastic::default()
         };
-        let [load, elastic] = contact.loads(points, speed);
+        let [load, elastic] = contact.loads(speed);
         contact.carry(load);
         contact.load = load.min(elastic);
         if contact.load > 0.0 {

@@ -25,7 +25,7 @@ mod terms;
 mod turn;
 
 pub use contact::{Contact, Other, Response};
-pub use detect::{Plane, detect, held, is_clear};
+pub use detect::{detect, held, is_clear};
 pub use drive::Drive;
 pub use gather::ContactSet;
 pub use joint::{JointResponse, JointTerm, Start, effort};

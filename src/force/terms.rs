@@ -53,8 +53,9 @@ impl Velocities {
         self.contacts.clear();
         self.points.clear();
         for contact in terms.contacts.iter() {
-            self.contacts.push(contact.sliding(V));
-            let points = contact.velocities(&terms.contacts.points, V);
+            let W = contact.relative(V);
+            self.contacts.push(contact.sliding_with(&W));
+            let points = contact.velocities_with(&terms.contacts.points, W);
             self.points.extend(points);
         }
         self.turns.clear();

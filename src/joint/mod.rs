@@ -190,7 +190,11 @@ impl Kind {
     }
 
     /// Acceleration of the body about O that its velocity `V` makes beyond its parent's: `Ṡ v`.
-    #[inline]
+    #[expect(
+        clippy::inline_always,
+        reason = "a call takes as long as a turning joint"
+    )]
+    #[inline(always)]
     pub fn velocity_product(self, V: &Vec6, S: &[Vec6], v: &[f64]) -> Vec6 {
         of_kind!(self, K => K::velocity_product(V, &S[..K::NV], &v[..K::NV]))
     }

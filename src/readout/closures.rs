@@ -46,7 +46,7 @@ impl Readout {
 
     /// Force of a spring on its first link, N, world axes, and its length, m.
     fn spring(&self, ctx: &Context, id: SpringId) -> (Vec3, f64) {
-        let Point { kin, terms } = &self.point;
+        let Point { kin, terms, .. } = &self.point;
         let mut springs = terms.springs.iter();
         let found = springs.find(|s| ctx.tree.springs[s.index].index == id.index());
         found.map_or((Vec3::zeros(), 0.0), |spring| {

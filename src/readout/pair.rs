@@ -27,7 +27,7 @@ impl Readout {
     where
         T: Default + AddAssign + Mul<f64, Output = T> + Div<f64, Output = T>,
     {
-        let Point { kin, terms } = &self.point;
+        let Point { kin, terms, .. } = &self.point;
         let (mut total, mut sum) = (0.0, T::default());
         for (contact, sign) in self.between(pair) {
             let load = contact.normal_load(&terms.contacts.points, &kin.V);
@@ -46,7 +46,7 @@ impl Readout {
 
     /// Force on the first side at this moment, N.
     pub(super) fn pair_force(&self, pair: PairId) -> Vec3 {
-        let Point { kin, terms } = &self.point;
+        let Point { kin, terms, .. } = &self.point;
         let mut force = Vec3::zeros();
         for (contact, sign) in self.between(pair) {
             force += contact.wrench(&terms.contacts.points, &kin.V).0 * sign;

@@ -22,7 +22,7 @@ pub(super) struct Touched {
 impl Readout {
     /// Contacts whose points lie in the sensor's box, or all of its link.
     pub(super) fn touched(&self, ctx: &Context, id: SensorId) -> Touched {
-        let Point { kin, terms } = &self.point;
+        let Point { kin, terms, .. } = &self.point;
         let sensor = &ctx.model.outputs.sensors[id.index()];
         let SensorKind::Contact { half } = &sensor.kind else {
             return Touched::default();

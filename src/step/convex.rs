@@ -51,6 +51,8 @@ pub struct Run {
     bias_scale: Option<f64>,
     /// Squared scale of the velocities' round-off.
     round_off: Option<f64>,
+    /// What contact impulses of 1 N·s add to it.
+    impulse_round_off: Option<f64>,
 }
 
 /// The minimiser and its scratch.
@@ -269,7 +271,10 @@ impl Newton {
         let finite = norm.is_finite() && scale.is_finite();
         let good = norm <= accuracy * accuracy * scale || {
             let velocities = *run.round_off.get_or_insert_with(|| self.round_off(p));
-            let floor = velocities + self.cancelled(p);
+            let of_impulse = *run
+                .impulse_round_off
+                .get_or_insert_with(|| impulse_round_off(p));
+            let floor = velocities + of_impulse * self.impulses(p);
             norm <= floor && floor.is_finite()
         };
         // Of a guess, the forces of loops are not known.
@@ -315,12 +320,8 @@ impl Newton {
         ROUND_OFF * ROUND_OFF * sum
     }
 
-    /// Squared scale of the round-off that contact impulses leave which cancel along every joint.
-    fn cancelled(&self, p: &Problem) -> f64 {
-        let D2 = &p.kin.inverse_diagonal;
-        let dofs = p.tree.worked_dofs();
-        let lightest = dofs.fold(0.0, |m: f64, k| m.max(D2[k]));
-        let lever = 1.0 + p.tree.reach();
+    /// Squared impulses of all contacts, (N·s)².
+    fn impulses(&self, p: &Problem) -> f64 {
         let Responses {
             contacts, turns, ..
         } = &self.responses;
@@ -329,7 +330,7 @@ impl Newton {
             r.load * r.load + friction
         });
         let sum: f64 = turns.iter().map(|r| r.impulse.norm_squared()).sum();
-        ROUND_OFF * ROUND_OFF * lightest * lever * lever * (contacts.sum::<f64>() + sum)
+        contacts.sum::<f64>() + sum
     }
 
     /// Minus the gradient at the velocity `v` of a step that begins with it, N·m·s: forces and bias
@@ -453,6 +454,16 @@ fn project(
             take(dof, *F);
         }
     }
+}
+
+/// Squared scale of the round-off that contact impulses of 1 N·s leave where they cancel along
+/// every joint.
+fn impulse_round_off(p: &Problem) -> f64 {
+    let D2 = &p.kin.inverse_diagonal;
+    let dofs = p.tree.worked_dofs();
+    let lightest = dofs.fold(0.0, |m: f64, k| m.max(D2[k]));
+    let lever = 1.0 + p.tree.reach();
+    ROUND_OFF * ROUND_OFF * lightest * lever * lever
 }
 
 /// `Σ D² x²` over the degrees of freedom that a step works on.

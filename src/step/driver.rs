@@ -192,7 +192,7 @@ impl Stepper {
             self.check_limits(ctx)?;
             size::lower_floor(ctx, &mut state.stepping.sizes, &state.physical.v);
             let lengths = [way.proposed, way.remaining()];
-            if let Some(plan) = explicit::plan(ctx, &self.here, state, lengths) {
+            if let Some(plan) = explicit::plan(ctx, &mut self.here, state, lengths) {
                 self.go_explicitly(ctx, state, &mut way, plan)?;
             } else {
                 self.go_implicitly(ctx, state, &mut way)?;
@@ -209,7 +209,7 @@ impl Stepper {
             Standing::Nowhere => self.here.pose(ctx, &state.physical),
         }
         let h = landing(way.proposed.min(MAX_STEP), way.remaining());
-        self.here.update_smooth(ctx, &state.physical, h);
+        self.here.begin_smooth(ctx, &state.physical, h);
         self.explicit.integrator.restart();
         way.standing = Standing::Nowhere;
     }
@@ -293,7 +293,7 @@ impl Stepper {
         let remaining = way.remaining();
         let mut h = landing(way.proposed.min(MAX_STEP), remaining);
         if way.standing == Standing::Current || ctx.tree.long {
-            self.here.update(ctx, &state.physical, h);
+            self.here.begin(ctx, &state.physical, h);
         }
         way.standing = Standing::Nowhere;
         // Cap.
@@ -341,9 +341,9 @@ impl Stepper {
             let mut error = if staged {
                 stages.error(ctx, from, h)
             } else {
-                let problem = self.here.problem(ctx.tree, h, accuracy);
+                let (here, trend) = (&mut self.here, &trend.whole);
                 self.implicit
-                    .solve_alone(ctx, &problem, from, (&trend.whole, h))
+                    .solve_alone(ctx, (here, from), trend, [h, accuracy])
             };
             if error <= 1.0 {
                 error = error.max(self.finish(ctx, state, staged, h));
@@ -397,12 +397,10 @@ impl Stepper {
             }
             if error > 1.0 {
                 // Taken at the shortest step, by the method that throws nothing back.
-                let problem = self.here.problem(ctx.tree, h, accuracy);
-                let (from, trend) = (&state.physical, &state.stepping.trend);
+                let (here, trend) = (&mut self.here, &state.stepping.trend.whole);
                 let alone = staged && {
-                    let error = self
-                        .implicit
-                        .solve_alone(ctx, &problem, from, (&trend.whole, h));
+                    let start = (here, &state.physical);
+                    let error = self.implicit.solve_alone(ctx, start, trend, [h, accuracy]);
                     error.is_finite()
                 };
                 self.finish(ctx, state, staged && !alone, h);
@@ -434,7 +432,7 @@ impl Stepper {
         let mut done = 0.0;
         while done < count {
             let ctx = &ctx.after(done * h);
-            self.here.update(ctx, &state.physical, h);
+            self.here.begin(ctx, &state.physical, h);
             self.check_limits(ctx)?;
             if self.rest(ctx, state, [h, span - done * h], balance) {
                 return Ok(());
@@ -462,7 +460,7 @@ impl Stepper {
             let part = (h - done) / parts;
             let ctx = &ctx.after(done);
             if !current {
-                self.here.update(ctx, &state.physical, part);
+                self.here.begin(ctx, &state.physical, part);
             }
             current = false;
             let mut methods = Methods {

@@ -53,13 +53,14 @@ crate::spoil::spoil!(Explicit: integrator end; contacts);
 /// - `remaining`: time to the communication point, s
 pub(super) fn plan(
     ctx: &Context,
-    here: &Point,
+    here: &mut Point,
     state: &State,
     [proposed, remaining]: [f64; 2],
 ) -> Option<Plan> {
     if !ctx.rules.explicit || !nothing_stiff(ctx, here) {
         return None;
     }
+    here.complete(ctx, &state.physical);
     let v = &state.physical.v;
     let long = proposed.min(MAX_STEP).min(swing(here, v));
     let long = long.min(spring_swing(ctx, here));
@@ -249,17 +250,17 @@ impl Explicit {
     pub fn attempt_fixed(
         &mut self,
         ctx: &Context,
-        here: &Point,
+        here: &mut Point,
         state: &State,
         (h, gain): (f64, Option<f64>),
         attempt: &mut Attempt,
     ) -> bool {
         let from = &state.physical;
-        if !(ctx.rules.explicit
-            && nothing_stiff(ctx, here)
-            && is_free(ctx, here, &from.v, h)
-            && resolves_damping(here, h))
-        {
+        if !(ctx.rules.explicit && nothing_stiff(ctx, here)) {
+            return false;
+        }
+        here.complete(ctx, from);
+        if !(is_free(ctx, here, &from.v, h) && resolves_damping(here, h)) {
             return false;
         }
         self.integrator.restart();

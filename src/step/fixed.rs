@@ -189,6 +189,7 @@ impl Fixed {
         } = methods;
         let (tree, Part { h, whole }) = (ctx.tree, part);
         let (from, trend) = (&state.physical, &state.stepping.trend);
+        here.complete(ctx, from);
         here.expect_commands(ctx, from, h);
         let problem = fixed_problem(here, tree, h);
         implicit.full.guess_start(&problem, &from.v);
@@ -244,7 +245,7 @@ impl Fixed {
     fn go_to_middle(&mut self, ctx: &Context, here: &mut Point, from: &Physical, h: f64) {
         let tree = ctx.tree;
         advance(tree, &from.q, &self.first, 0.5 * h, &mut self.q_middle);
-        let Point { kin, terms } = here;
+        let Point { kin, terms, .. } = here;
         kin.update_poses(tree, &self.q_middle);
         crba::mass_matrix(tree, kin);
         kin.update_velocities(tree, &self.first);

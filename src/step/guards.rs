@@ -31,7 +31,7 @@ pub(super) struct Books {
 /// energy and of weight times reach.
 pub(super) fn open_books(ctx: &Context, here: &Point, from: &Physical, share: f64) -> Books {
     let tree = ctx.tree;
-    let Point { kin, terms } = here;
+    let Point { kin, terms, .. } = here;
     let moving = kinetic(tree, kin, &from.v);
     Books {
         held: moving
@@ -58,7 +58,7 @@ pub(super) fn spoils(
 /// Whether shapes have met in the step of `h` seconds from `here` that it knows nothing of. Poses
 /// and velocities of `there` stand at its end; they do after [`gain`].
 fn has_missed(ctx: &Context, (here, there): (&Point, &mut Point), h: f64) -> bool {
-    let Point { kin, terms } = there;
+    let Point { kin, terms, .. } = there;
     let known = &here.terms.contacts;
     terms.contacts.has_missed(ctx.tree, kin, h, known)
 }
@@ -98,7 +98,7 @@ fn gain(
     [h, work]: [f64; 2],
 ) -> f64 {
     let tree = ctx.tree;
-    let Point { kin, terms } = there;
+    let Point { kin, terms, .. } = there;
     kin.update_poses(tree, &end.q);
     kin.update_velocities(tree, &end.v);
     let (limit, points) = (fastest_contact(ctx, h), &mut terms.contacts);

@@ -11,7 +11,7 @@ use crate::model::Model;
 use crate::state::Physical;
 use crate::state::ahead::Ahead;
 use crate::step::attempt::Attempt;
-use crate::step::convex::{Newton, Problem};
+use crate::step::convex::Newton;
 use crate::step::point::{Context, Point};
 use crate::step::size::worst_error;
 use crate::tree::Tree;
@@ -43,17 +43,19 @@ impl Implicit {
         }
     }
 
-    /// Solves over the `h` seconds of a problem; returns the error relative to the tolerance,
-    /// infinite if that fails.
+    /// Solves over `h` seconds from where `here` stands; returns the error relative to the
+    /// tolerance, infinite if that fails.
     pub fn solve_alone(
         &mut self,
         ctx: &Context,
-        problem: &Problem,
-        from: &Physical,
-        (trend, h): (&[f64], f64),
+        (here, from): (&mut Point, &Physical),
+        trend: &[f64],
+        [h, accuracy]: [f64; 2],
     ) -> f64 {
-        self.full.guess_start(problem, &from.v);
-        let outcome = self.full.solve(problem);
+        here.complete(ctx, from);
+        let problem = here.problem(ctx.tree, h, accuracy);
+        self.full.guess_start(&problem, &from.v);
+        let outcome = self.full.solve(&problem);
         self.iterations = self.iterations.max(outcome.iterations);
         if outcome.converged {
             self.single_error(ctx, from, trend, h)

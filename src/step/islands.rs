@@ -140,7 +140,7 @@ impl Islands {
             return moving > 1;
         }
         point.pose(ctx, &state.physical);
-        let Point { kin, terms } = point;
+        let Point { kin, terms, .. } = point;
         let h = share * ISLAND_TIME * span;
         let margin = 2.0 * (h * h * tree.world.gravity.norm() + CONTACT_MARGIN);
         let first = self.leader[0];

@@ -6,7 +6,7 @@ use crate::dynamics::{crba, rnea};
 use crate::force::{Start, Terms};
 use crate::inputs::Inputs;
 use crate::kinematics::Kinematics;
-use crate::model::Model;
+use crate::model::{ActuatorMode, Model};
 use crate::parameters::Parameters;
 use crate::state::Physical;
 use crate::step::convex::Problem;
@@ -53,16 +53,19 @@ pub struct Point {
     pub kin: Kinematics,
     /// What can act.
     pub terms: Terms,
+    /// Whether mass matrix and bias have been found, too; see [`Self::begin`].
+    complete: bool,
 }
 
 #[cfg(test)]
-crate::spoil::spoil!(Point: kin terms;);
+crate::spoil::spoil!(Point: kin terms complete;);
 
 impl Point {
     pub(crate) fn new(model: &Model, tree: &Tree) -> Self {
         Self {
             kin: Kinematics::new(tree),
             terms: Terms::new(model),
+            complete: false,
         }
     }
 
@@ -72,19 +75,47 @@ impl Point {
         self.update_dynamics(ctx, from, h);
     }
 
+    /// What each step needs of where it begins, for steps of at most `h` seconds. Stages stand in
+    /// the middle of their step: mass matrix and bias of its start are found by [`Self::complete`]
+    /// for who needs them, or here for servos and closed loops.
+    pub(super) fn begin(&mut self, ctx: &Context, from: &Physical, h: f64) {
+        self.pose(ctx, from);
+        self.begin_dynamics(ctx, from, h);
+    }
+
+    fn begin_dynamics(&mut self, ctx: &Context, from: &Physical, h: f64) {
+        let mut actuators = ctx.model.actuators.iter();
+        let servos = actuators.any(|actuator| actuator.mode == ActuatorMode::Position);
+        if servos || ctx.tree.is_closed() {
+            self.update_dynamics(ctx, from, h);
+        } else {
+            self.find_terms(ctx, from, h);
+            self.complete = false;
+        }
+    }
+
+    /// Finds mass matrix and bias where [`Self::begin`] has left them out.
+    pub(super) fn complete(&mut self, ctx: &Context, from: &Physical) {
+        if !self.complete {
+            crba::mass_matrix(ctx.tree, &mut self.kin);
+            self.find_bias(ctx, from);
+            self.complete = true;
+        }
+    }
+
     /// Poses and velocities of `from`.
     pub(super) fn pose(&mut self, ctx: &Context, from: &Physical) {
         self.kin.update_poses(ctx.tree, &from.q);
         self.kin.update_velocities(ctx.tree, &from.v);
     }
 
-    /// What an explicit step needs of `from`, without the mass matrix if the tree is long: then it
-    /// is for explicit steps alone. After [`Self::pose`].
-    pub(super) fn update_smooth(&mut self, ctx: &Context, from: &Physical, h: f64) {
+    /// The same as [`Self::begin`]; if the tree is long, without the mass matrix: then it is for
+    /// explicit steps alone. After [`Self::pose`].
+    pub(super) fn begin_smooth(&mut self, ctx: &Context, from: &Physical, h: f64) {
         if ctx.tree.long {
             self.find_smooth(ctx, from, h);
         } else {
-            self.update_dynamics(ctx, from, h);
+            self.begin_dynamics(ctx, from, h);
         }
     }
 
@@ -95,6 +126,7 @@ impl Point {
             crba::diagonal(ctx.tree, &mut self.kin);
         }
         self.find_terms(ctx, from, h);
+        self.complete = true;
     }
 
     /// What depends on velocities, after the poses are up to date.
@@ -115,14 +147,18 @@ impl Point {
             loops.select(ctx.tree, inverse_diagonal);
         }
         self.update_forces(ctx, from, h);
+        self.complete = true;
     }
 
     /// Bias, contacts and joint terms, after poses, mass matrix and velocities are up to date.
     fn update_forces(&mut self, ctx: &Context, from: &Physical, h: f64) {
-        let tree = ctx.tree;
-        let wrenches = &ctx.inputs.wrenches;
-        rnea::bias(tree, &mut self.kin, &from.v, wrenches, ctx.elapsed);
+        self.find_bias(ctx, from);
         self.find_terms(ctx, from, h);
+    }
+
+    fn find_bias(&mut self, ctx: &Context, from: &Physical) {
+        let wrenches = &ctx.inputs.wrenches;
+        rnea::bias(ctx.tree, &mut self.kin, &from.v, wrenches, ctx.elapsed);
     }
 
     /// Contacts and joint terms, after the kinematics are up to date.

@@ -123,6 +123,7 @@ impl Stepper {
             return false;
         }
         let (here, attempt) = (&mut self.here, &mut self.attempt);
+        here.complete(ctx, &state.physical);
         attempt.stay(state);
         if speed > 0.0 {
             ctx.tree.clear_velocities(&mut attempt.end.v);

@@ -226,10 +226,12 @@ pub(super) fn worst_error(tree: &Tree, error: impl Fn(usize) -> (f64, f64)) -> f
 /// Largest angular velocity of a body that is not a wheel, rad/s.
 pub(super) fn fastest(tree: &Tree, v: &[f64]) -> f64 {
     let mut fastest = 0.0;
-    for (_, body) in tree.worked_bodies() {
-        let rate = body.kind.turn_rate(body.ratio, &v[body.dof..]);
-        if rate > fastest && !body.wheel {
-            fastest = rate;
+    for span in &tree.island.spans {
+        for (_, body) in tree.bodies_of(span) {
+            let rate = body.kind.turn_rate(body.ratio, &v[body.dof..]);
+            if rate > fastest && !body.wheel {
+                fastest = rate;
+            }
         }
     }
     fastest

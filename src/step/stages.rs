@@ -243,7 +243,7 @@ impl Stages {
             return;
         }
         forward(ctx.tree, &here.kin.S, &self.v, &mut self.way);
-        let Point { kin, terms } = &mut self.middle;
+        let Point { kin, terms, .. } = &mut self.middle;
         let mut starts = here.terms.contacts.iter().peekable();
         let ContactSet { list, points, .. } = &mut terms.contacts;
         for contact in list {
@@ -309,14 +309,19 @@ impl Stages {
         let mut factor = shared;
         // What many short steps leave shall not add up to more than what few long ones do.
         let allowed = LAG_SHARE * (eta / (GAMMA * CONTACT_STEP)).min(1.0);
+        let mut changed = true;
         loop {
             let ended = solved.iterate(&problem!(), &mut run, factor.take());
-            self.lag[stage] = if ctx.rules.cones {
-                VELOCITY_WEIGHT * solved.lag(&problem!(), shared) / ctx.tolerance
-            } else {
-                0.0
-            };
-            if self.lag[stage] > allowed && carried < MAX_CARRIES {
+            // An iteration that ends the run moves nothing.
+            if changed || ended.is_none() {
+                self.lag[stage] = if ctx.rules.cones {
+                    VELOCITY_WEIGHT * solved.lag(&problem!(), shared) / ctx.tolerance
+                } else {
+                    0.0
+                };
+            }
+            changed = self.lag[stage] > allowed && carried < MAX_CARRIES;
+            if changed {
                 solved.carry(terms, eta);
                 carried += 1;
             } else if let Some(outcome) = ended {

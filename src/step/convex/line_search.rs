@@ -17,11 +17,18 @@ impl Newton {
         }
         self.along.set(p.terms, &self.V);
         let (mut linear, mut quadratic, mut initial) = (0.0, 0.0, 0.0_f64);
-        for i in tree.worked_dofs() {
-            let w = self.direction[i];
-            linear += (self.change[i] + p.h * p.bias[i]) * w;
-            quadratic += self.direction_momentum[i] * w;
-            initial += self.gradient[i] * w;
+        for span in &tree.island.spans {
+            let of = || span.dofs.clone();
+            let forces = self.change[of()].iter().zip(&p.bias[of()]);
+            let slopes = self.direction_momentum[of()]
+                .iter()
+                .zip(&self.gradient[of()]);
+            let rows = self.direction[of()].iter().zip(forces).zip(slopes);
+            for ((w, (change, bias)), (momentum, gradient)) in rows {
+                linear += (change + p.h * bias) * w;
+                quadratic += momentum * w;
+                initial += gradient * w;
+            }
         }
         let initial = initial.abs();
         let mut alpha = 1.0;
