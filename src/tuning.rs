@@ -167,9 +167,11 @@ pub const CREEP: f64 = 0.1;
 /// lacks stays, so that it is the error of a speed that a motor holds. At 0.1 fails
 /// `a_loaded_motor_settles_where_its_line_meets_the_load_and_brakes_with_all_its_effort`.
 pub const GUESS: f64 = 2e-4;
-/// Least and greatest accuracy that this leads to. At 1e-3 for both fails
-/// `each_island_has_steps_of_its_own`.
-pub const GUESSES: (f64, f64) = (1e-10, 1e-5);
+/// Least and greatest accuracy that this leads to, the latter at a tolerance of 0.01: what coarser
+/// solves leave moves a robot that stands faster than [`REST_SPEED`]. At 1e-3 for both fails
+/// `each_island_has_steps_of_its_own`, at 1e-5 for the greatest
+/// `robots_come_to_rest_in_steps_of_any_kind_and_accuracy`.
+pub const GUESSES: (f64, f64) = (1e-10, 2e-6);
 /// Accuracy of impulses after an iteration, relative to that of a guess that needs none: what an
 /// iteration leaves is new in each step, and does not add up. At 0 fails
 /// `the_contact_forces_of_two_links_are_opposite`, at 1e9
@@ -199,13 +201,12 @@ pub const START: f64 = 1e-9;
 
 // Rest: `step/driver.rs`.
 
-/// Imbalance of the forces on a robot at rest that does not set it going, relative to forces and to
-/// the tolerance. It is more than [`GUESS`], or a robot that has nearly come to rest would be set
-/// in motion for ever. At 0 fails `a_servo_pressed_against_a_limit_rests`.
-pub const BALANCE: f64 = 1.5 * GUESS;
-/// Least and greatest imbalance that this leads to. At 1e-3 for both fails
-/// `what_rests_is_carried_without_steps_and_wakes`.
-pub const BALANCES: (f64, f64) = (1e-11, 1e-6);
+/// Imbalance of the forces on a robot at rest that does not set it going, relative to the accuracy
+/// of a guess that needs no iteration, [`GUESS`] of the tolerance or [`FIXED_ACCURACY`]. It is more
+/// than 1: solves leave as much, so that a robot that has nearly come to rest would otherwise be
+/// kept in motion for ever. At 0.1 fails `robots_come_to_rest_in_steps_of_any_kind_and_accuracy`,
+/// at 1e12 `a_joint_breaks_away_at_its_static_friction_and_turns_with_its_dynamic_one`.
+pub const BALANCE: f64 = 1.5;
 /// Speed below which a robot may be at rest, rad/s or m/s. At 0 fails
 /// `what_rests_is_carried_without_steps_and_wakes`.
 pub const REST_SPEED: f64 = 1e-7;
@@ -279,9 +280,6 @@ pub const CALM: f64 = 240.0;
 /// Relative accuracy of the impulses in fixed steps: of a guess, and after an iteration. At 1 for
 /// both fails `fixed_steps_agree_with_error_control_where_a_motor_jumps_to_its_speed`.
 pub const FIXED_ACCURACY: [f64; 2] = [1e-8, 1e-4];
-/// Imbalance that leaves a robot at rest in fixed steps, relative to the accuracy of a guess. At
-/// 1e12 fails `a_joint_breaks_away_at_its_static_friction_and_turns_with_its_dynamic_one`.
-pub const FIXED_BALANCE: f64 = 0.1;
 /// Share of a step by which importers' communication steps may be longer than a whole number of
 /// fixed steps: they carry round-off. At 0 fails
 /// `fixed_steps_are_split_for_fast_limbs_but_not_for_wheels`.

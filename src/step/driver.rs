@@ -22,8 +22,8 @@ use crate::step::size::{self, Standing, Tried, Verdict, Way, grown, implicit_fac
 use crate::step::stages::Stages;
 use crate::tree::Tree;
 use crate::tuning::{
-    BALANCE, BALANCES, CONTROLLED_GAIN, EXPLICIT_SAFETY, FIXED_ACCURACY, FIXED_BALANCE, GROWTH,
-    GUESS, GUESSES, LEAST_ERROR, MAX_STEP, MIN_STEP,
+    BALANCE, CONTROLLED_GAIN, EXPLICIT_SAFETY, FIXED_ACCURACY, GROWTH, GUESS, GUESSES, LEAST_ERROR,
+    MAX_STEP, MIN_STEP,
 };
 
 /// Why a communication step was not taken.
@@ -312,13 +312,12 @@ impl Stepper {
         let (here, pull) = (&self.here, &mut self.pull);
         caps::find_pull(ctx, here, &state.stepping.trend, pull);
         h = caps::by_touchdown(ctx, here, (&state.physical, pull), h);
-        let balance = (BALANCE * ctx.tolerance).clamp(BALANCES.0, BALANCES.1);
-        if self.rest(ctx, state, [h, remaining], balance) {
+        let accuracy = (GUESS * ctx.tolerance).clamp(GUESSES.0, GUESSES.1);
+        if self.rest(ctx, state, [h, remaining], BALANCE * accuracy) {
             way.arrive();
             return Ok(());
         }
         // Try, guard, accept.
-        let accuracy = (GUESS * ctx.tolerance).clamp(GUESSES.0, GUESSES.1);
         self.go_in_stages(ctx, state, way, [h, accuracy])
     }
 
@@ -428,7 +427,7 @@ impl Stepper {
         let span = end - state.time;
         let count = fixed::fixed_count(ctx, span);
         let h = span / count;
-        let balance = FIXED_BALANCE * FIXED_ACCURACY[0];
+        let balance = BALANCE * FIXED_ACCURACY[0];
         let mut done = 0.0;
         while done < count {
             let ctx = &ctx.after(done * h);
