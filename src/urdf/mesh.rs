@@ -171,7 +171,8 @@ fn bytes(path: &Path) -> Result<Vec<u8>, MeshError> {
     if size > LARGEST_FILE {
         return Err(MeshError::TooLarge(size));
     }
-    let mut bytes = Vec::new();
+    // Room for all of it at once: copies of a large file would take longer than reading it.
+    let mut bytes = Vec::with_capacity(usize::try_from(size).unwrap_or(0) + 1);
     // The file may grow while it is read.
     file.take(LARGEST_FILE)
         .read_to_end(&mut bytes)

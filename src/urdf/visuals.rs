@@ -391,6 +391,7 @@ fn parts_of(
         let image = part.paint.image.as_ref();
         let texture = image.and_then(|image| textures.of_mesh(path, image, at, troubles));
         list.push(MeshPart {
+            corners: part.corners,
             triangles: part.triangles,
             uv: part.uv,
             color: part.paint.color,
