@@ -7,6 +7,7 @@
 use super::faces::{self, LARGEST_FILE, LFS_POINTER, MeshError, obj_lines};
 use super::{collada, gltf, ply};
 use crate::spatial::Vec3;
+use std::ffi::OsStr;
 use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -19,6 +20,22 @@ pub(super) fn unread_kind(name: &str) -> Option<String> {
     let kind = Path::new(name).extension()?.to_string_lossy();
     let kind = kind.to_ascii_lowercase();
     (!KINDS.contains(&kind.as_str())).then_some(kind)
+}
+
+/// Whether a mesh never names other files that its corners and triangles need.
+pub(super) fn stands_alone(path: &Path) -> bool {
+    let kind = path.extension().map(OsStr::to_ascii_lowercase);
+    kind.is_some_and(|kind| {
+        ["stl", "obj", "ply", "dae"]
+            .iter()
+            .any(|known| kind == *known)
+    })
+}
+
+/// Bytes of a file, to begin with the largest.
+pub(super) fn size(path: &Path) -> usize {
+    let bytes = path.metadata().map_or(0, |file| file.len());
+    usize::try_from(bytes).unwrap_or(usize::MAX)
 }
 
 /// A mesh file's bytes, read once for all that is asked of them.
