@@ -4,6 +4,7 @@
 //! A step of the simulation has no threads.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
 
 /// Threads, at most: more than these wait for memory.
 const MOST: usize = 8;
@@ -59,9 +60,53 @@ pub fn map_largest_first<T: Sync, R: Send>(
     results.into_iter().map(|(_, result)| result).collect()
 }
 
+/// Gives each piece of a list to `work`, with the piece's number; all but the last have `size`.
+pub fn for_pieces<T: Send>(list: &mut [T], size: usize, work: impl Fn(usize, &mut [T]) + Sync) {
+    let next = Mutex::new(list.chunks_mut(size.max(1)).enumerate());
+    std::thread::scope(|scope| {
+        let worker = || {
+            loop {
+                // A worker that was stopped by a panic leaves the list as it was.
+                let taken = next.lock().unwrap_or_else(PoisonError::into_inner).next();
+                let Some((i, piece)) = taken else { break };
+                work(i, piece);
+            }
+        };
+        for _ in 1..workers() {
+            scope.spawn(worker);
+        }
+        worker();
+    });
+}
+
+/// What two pieces of work give that do not need each other.
+pub fn both<A: Send, B>(one: impl FnOnce() -> A + Send, other: impl FnOnce() -> B) -> (A, B) {
+    std::thread::scope(|scope| {
+        let one = scope.spawn(one);
+        let other = other();
+        match one.join() {
+            Ok(one) => (one, other),
+            Err(panic) => std::panic::resume_unwind(panic),
+        }
+    })
+}
+
 #[cfg(test)]
 mod tests {
-    use super::{map, map_largest_first};
+    use super::{both, for_pieces, map, map_largest_first};
+
+    #[test]
+    fn each_piece_is_worked_on_once() {
+        let mut list = [0; 1003];
+        for_pieces(&mut list, 10, |i, piece| {
+            for x in piece {
+                *x += i;
+            }
+        });
+        assert!(list.iter().enumerate().all(|(k, x)| *x == k / 10));
+        for_pieces(&mut [0; 0], 10, |_, _| panic!("there is nothing"));
+        assert_eq!(both(|| 1, || "two"), (1, "two"));
+    }
 
     #[test]
     fn results_stand_in_the_order_of_the_things() {

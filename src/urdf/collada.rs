@@ -1,5 +1,5 @@
 //! COLLADA (`.dae`) → points and painted triangles: geometries placed by the nodes of the scene, in
-//! m by `<unit>`. Faces are read in `faces`, materials in `paint`.
+//! m by `<unit>`. Faces are read in `faces`, materials in `paint`, long rows of numbers in `words`.
 //!
 //! `<up_axis>` is ignored, as RViz, Gazebo, MoveIt and Pinocchio ignore it: robots are designed
 //! with these programs, so the axes of the file are those of the link in any case. Lines and
@@ -7,6 +7,7 @@
 
 mod faces;
 mod paint;
+mod words;
 
 use super::faces::{MeshError, Part};
 use super::xml::{Document, Node};
@@ -72,6 +73,8 @@ fn problem(what: &str) -> MeshError {
 struct Scene<'d> {
     root: Node<'d>,
     ids: HashMap<&'d str, Node<'d>>,
+    /// Whether any material has a texture: without one, texture coordinates are not read.
+    textured: bool,
 }
 
 /// A geometry in its place.
@@ -86,12 +89,18 @@ struct Instance<'d> {
 impl<'d> Scene<'d> {
     fn new(root: Node<'d>) -> Self {
         let mut ids = HashMap::new();
+        let mut textured = false;
         for node in root.descendants() {
+            textured |= node.name() == "texture";
             if let Some(id) = node.value("id") {
                 ids.entry(id).or_insert(node);
             }
         }
-        Self { root, ids }
+        Self {
+            root,
+            ids,
+            textured,
+        }
     }
 
     fn target(&self, node: Node<'d>, attribute: &str) -> Option<Node<'d>> {
@@ -218,15 +227,8 @@ fn nodes(node: Node<'_>) -> impl Iterator<Item = Node<'_>> {
 }
 
 fn numbers(node: Node) -> Result<Vec<f64>, MeshError> {
-    let content = node.content();
-    content
-        .split_ascii_whitespace()
-        .map(|word| {
-            word.parse().map_err(|_| {
-                MeshError::Collada(format!("<{}>: '{word}' is not a number", node.name()))
-            })
-        })
-        .collect()
+    words::floats(&node.content())
+        .map_err(|word| MeshError::Collada(format!("<{}>: '{word}' is not a number", node.name())))
 }
 
 fn fixed<const N: usize>(node: Node) -> Result<[f64; N], MeshError> {

@@ -250,8 +250,11 @@ pub struct DrawnMesh {
 /// Triangles of one colour and texture.
 #[derive(Clone, Debug, Default)]
 pub struct MeshPart {
-    /// Corners, m, as the file has them.
-    pub triangles: Vec<[Vec3; 3]>,
+    /// Corners, m, as the file has them, in the order in which triangles first have them; some
+    /// stand there several times.
+    pub corners: Vec<Vec3>,
+    /// Places in `corners`.
+    pub triangles: Vec<[u32; 3]>,
     /// Texture coordinates of the corners, (0, 0) at the lower left; one for each triangle where
     /// there is a texture, else none.
     pub uv: Vec<[[f64; 2]; 3]>,

@@ -140,7 +140,11 @@ pub(super) enum Image {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Part {
     pub(super) paint: Paint,
-    pub(super) triangles: Vec<[Vec3; 3]>,
+    /// Corners in the order in which triangles first have them, some of them several times.
+    pub(super) corners: Vec<Vec3>,
+    /// Places in `corners`: a reader that knows which triangles share a corner keeps it only once,
+    /// because most of the time of a large mesh goes into memory.
+    pub(super) triangles: Vec<[u32; 3]>,
     /// One for each triangle or none at all; (0, 0) is the lower left corner of the texture.
     pub(super) uv: Vec<[[f64; 2]; 3]>,
 }
@@ -148,11 +152,25 @@ pub(super) struct Part {
 impl Part {
     /// Adds a triangle; `uv` is there where [`Parts::of`] was told so.
     pub(super) fn push(&mut self, triangle: [Vec3; 3], uv: Option<[[f64; 2]; 3]>) {
-        self.triangles.push(triangle);
+        let first = place(self.corners.len());
+        self.corners.extend(triangle);
+        self.triangles.push([first, first + 1, first + 2]);
         if self.paint.image.is_some() {
             self.uv.push(uv.unwrap_or_default());
         }
     }
+
+    /// The corners of each triangle.
+    #[cfg(test)]
+    pub(super) fn whole(&self) -> Vec<[Vec3; 3]> {
+        let corner = |i: u32| self.corners[i as usize];
+        self.triangles.iter().map(|t| t.map(corner)).collect()
+    }
+}
+
+/// A place in a list that is far shorter than a u32 can count.
+pub(super) fn place(i: usize) -> u32 {
+    u32::try_from(i).unwrap_or(u32::MAX)
 }
 
 /// Parts, each paint once, in the order in which they were first used.
@@ -195,12 +213,8 @@ impl Parts {
         if self.list.is_empty() {
             return Err(MeshError::NoFaces);
         }
-        let finite = |t: &[Vec3; 3]| t.iter().flatten().all(|x| x.is_finite());
-        if !self
-            .list
-            .iter()
-            .all(|part| part.triangles.iter().all(finite))
-        {
+        let finite = |p: &Vec3| p.iter().all(|x| x.is_finite());
+        if !self.list.iter().all(|part| part.corners.iter().all(finite)) {
             return Err(MeshError::NotFinite);
         }
         for part in &mut self.list {

@@ -5,14 +5,15 @@
 use super::checked::{CheckedRobot, Geometry};
 use super::decompose;
 use super::faces::{FORMATS, MeshError};
-use super::mesh::MeshFile;
+use super::mesh::{self, MeshFile};
 use super::missing::{self, Lost};
 use super::options::ReadOptions;
-use super::resolve::{Found, Resolver};
+use super::resolve::{Found, Missing, Resolver};
 use super::scope::Scope;
-use crate::geometry::{GeometryError, MOST_CORNERS, bounded_hull};
+use crate::geometry::{BoundedHull, GeometryError, MOST_CORNERS, bounded_hull};
 use crate::hash::Quick;
 use crate::model::JointKind;
+use crate::parallel;
 use crate::spatial::Vec3;
 use std::collections::{HashMap, HashSet};
 use std::hash::BuildHasherDefault;
@@ -53,6 +54,57 @@ pub(super) struct Meshes {
     pub(super) sources: Vec<PathBuf>,
 }
 
+/// What is made of a mesh, once for all shapes that ask for the same: its file, the bits of the
+/// factors on its coordinates, and whether it is cut into convex parts.
+type Key = (PathBuf, [u64; 3], bool);
+
+/// A mesh of a collision shape.
+struct Wanted<'r, 'd> {
+    /// Number of the link and of the collision in it, in file order.
+    place: (usize, usize),
+    filename: &'d str,
+    /// On all coordinates.
+    factors: Vec3,
+    decompose: bool,
+    at: &'r Range<usize>,
+}
+
+impl Wanted<'_, '_> {
+    fn key(&self, path: &Path) -> Key {
+        let factors: [f64; 3] = self.factors.into();
+        (path.to_owned(), factors.map(f64::to_bits), self.decompose)
+    }
+}
+
+/// The meshes of all collision shapes in file order.
+fn wanted<'r, 'd>(robot: &'r CheckedRobot<'d>, options: &ReadOptions) -> Vec<Wanted<'r, 'd>> {
+    let mut list = Vec::new();
+    for (i, link) in robot.links.iter().enumerate() {
+        let decompose = options
+            .decomposed
+            .iter()
+            .rfind(|(pattern, _)| pattern.matches(link.name))
+            .is_some_and(|&(_, decompose)| decompose);
+        for (k, collision) in link.collisions.iter().enumerate() {
+            if let Geometry::Mesh {
+                filename,
+                scale,
+                at,
+            } = &collision.geometry
+            {
+                list.push(Wanted {
+                    place: (i, k),
+                    filename,
+                    factors: Vec3::from(scale.map(|f| f * options.scale)),
+                    decompose,
+                    at,
+                });
+            }
+        }
+    }
+    list
+}
+
 /// Reads the meshes of all collision shapes; what cannot be read is reported.
 pub(super) fn read_meshes(
     scope: &mut Scope,
@@ -62,73 +114,52 @@ pub(super) fn read_meshes(
 ) -> Meshes {
     let mut meshes = Meshes::default();
     // The same mesh often stands in many links; `None` if it was reported already.
-    let mut known: HashMap<(PathBuf, [u64; 3], bool), Option<ReadMesh>> = HashMap::new();
+    let mut known: HashMap<Key, Option<ReadMesh>> = HashMap::new();
     let wheels = wheel_meshes(robot);
+    let wanted = wanted(robot, options);
     let mut found = HashMap::new();
+    for mesh in &wanted {
+        let name = mesh.filename;
+        found.entry(name).or_insert_with(|| resolver.find(name));
+    }
+    let mut ahead = enclosed_ahead(&wanted, &found, &wheels);
     let mut lost = Vec::new();
-    let mut first_mesh: Option<Range<usize>> = None;
-    let mut count = 0;
-    for (i, link) in robot.links.iter().enumerate() {
-        scope.owner = format!("link '{}'", link.name);
-        let decompose = options
-            .decomposed
-            .iter()
-            .rfind(|(pattern, _)| pattern.matches(link.name))
-            .is_some_and(|&(_, decompose)| decompose);
-        for (k, collision) in link.collisions.iter().enumerate() {
-            let Geometry::Mesh {
-                filename,
-                scale: factors,
-                at,
-            } = &collision.geometry
-            else {
-                continue;
-            };
-            if !decompose {
-                first_mesh.get_or_insert_with(|| at.clone());
+    for mesh in &wanted {
+        scope.owner = format!("link '{}'", robot.links[mesh.place.0].name);
+        let Ok(file) = &found[mesh.filename] else {
+            lost.push(Lost {
+                owner: scope.owner.clone(),
+                filename: mesh.filename,
+                at: mesh.at.clone(),
+            });
+            continue;
+        };
+        let key = mesh.key(&file.path);
+        let ahead = ahead.remove(&key);
+        let read = known.entry(key).or_insert_with(|| {
+            let enclosed = ahead.unwrap_or_else(|| {
+                let beside = |name: &str| resolver.beside(&file.path, name);
+                let wheel = wheels.contains(mesh.filename);
+                enclosed(MeshFile::open(&file.path, &beside), mesh, wheel)
+            });
+            read_mesh(scope, file, enclosed, mesh)
+        });
+        if let Some(read) = read {
+            if !read.linked && !meshes.sources.contains(&read.path) {
+                meshes.sources.push(read.path.clone());
+                meshes.sources.extend(read.beside.iter().cloned());
             }
-            count += usize::from(!decompose);
-            let place = found
-                .entry(*filename)
-                .or_insert_with(|| resolver.find(filename));
-            let Ok(file) = place else {
-                lost.push(Lost {
-                    owner: scope.owner.clone(),
-                    filename,
-                    at: at.clone(),
-                });
-                continue;
-            };
-            let file = file.clone();
-            let factors = factors.map(|f| f * options.scale);
-            let read = known
-                .entry((file.path.clone(), factors.map(f64::to_bits), decompose))
-                .or_insert_with(|| {
-                    read_mesh(
-                        scope,
-                        resolver,
-                        file,
-                        Vec3::from(factors),
-                        wheels.contains(filename),
-                        decompose,
-                        at,
-                    )
-                });
-            if let Some(mesh) = read {
-                if !mesh.linked && !meshes.sources.contains(&mesh.path) {
-                    meshes.sources.push(mesh.path.clone());
-                    meshes.sources.extend(mesh.beside.iter().cloned());
-                }
-                meshes.hulls.insert((i, k), mesh.clone());
-            }
+            meshes.hulls.insert(mesh.place, read.clone());
         }
     }
     missing::report(scope, robot, resolver, lost);
     report_rough_hulls(scope, robot, &meshes);
-    if let Some(at) = first_mesh {
+    let mut hulls = wanted.iter().filter(|mesh| !mesh.decompose);
+    if let Some(first) = hulls.next() {
+        let count = 1 + hulls.count();
         let message =
             format!("collision meshes are replaced by their convex hulls ({count}, first here)");
-        scope.report.note("U110", at, message, "");
+        scope.report.note("U110", first.at.clone(), message, "");
     }
     meshes
 }
@@ -174,32 +205,101 @@ fn report_rough_hulls(scope: &mut Scope, robot: &CheckedRobot, meshes: &Meshes) 
     }
 }
 
+/// A mesh in its hull.
+struct Enclosed {
+    hull: BoundedHull,
+    /// Least and greatest coordinates.
+    bounds: [Vec3; 2],
+    /// A hull of more corners, for a wheel.
+    outline: Option<Arc<[Vec3]>>,
+    /// Files that were read beside the mesh's own.
+    beside: Vec<PathBuf>,
+    /// For a mesh that is cut into parts.
+    file: Option<MeshFile>,
+}
+
+/// Why a mesh has no hull.
+enum Failure {
+    Read(MeshError),
+    Hull(GeometryError),
+}
+
+/// Encloses the meshes that name no other files, several at a time.
+fn enclosed_ahead(
+    wanted: &[Wanted],
+    found: &HashMap<&str, Result<Found, Missing>>,
+    wheels: &HashSet<&str>,
+) -> HashMap<Key, Result<Enclosed, Failure>> {
+    let mut known = HashSet::new();
+    let mut list: Vec<(&Path, &Wanted, Key)> = Vec::new();
+    for mesh in wanted {
+        let Ok(file) = &found[mesh.filename] else {
+            continue;
+        };
+        let key = mesh.key(&file.path);
+        if mesh::stands_alone(&file.path) && known.insert(key.clone()) {
+            list.push((&file.path, mesh, key));
+        }
+    }
+    let enclosed = parallel::map_largest_first(
+        &list,
+        |(path, ..)| mesh::size(path),
+        |(path, mesh, _)| {
+            let wheel = wheels.contains(mesh.filename);
+            enclosed(MeshFile::open(path, &|_| None), mesh, wheel)
+        },
+    );
+    let keys = list.into_iter().map(|(.., key)| key);
+    keys.zip(enclosed).collect()
+}
+
+fn enclosed(
+    file: Result<MeshFile, MeshError>,
+    mesh: &Wanted,
+    wheel: bool,
+) -> Result<Enclosed, Failure> {
+    let read = file.and_then(|file| Ok((file.corners()?, file)));
+    let (points, file) = read.map_err(Failure::Read)?;
+    let points = distinct(points.iter().map(|p| p.component_mul(&mesh.factors)));
+    let hull = bounded_hull(&points, MOST_CORNERS).map_err(Failure::Hull)?;
+    let outline = wheel.then(|| bounded_hull(&points, MOST_OUTLINE));
+    let bounds = points
+        .iter()
+        .fold([points[0]; 2], |[low, high], p| [low.inf(p), high.sup(p)]);
+    Ok(Enclosed {
+        hull,
+        bounds,
+        outline: outline
+            .and_then(Result::ok)
+            .map(|hull| hull.vertices.into()),
+        beside: file.beside().to_vec(),
+        file: mesh.decompose.then_some(file),
+    })
+}
+
+/// What a collision shape is made of, or `None` after saying why there is nothing.
 fn read_mesh(
     scope: &mut Scope,
-    resolver: &Resolver,
-    file: Found,
-    factors: Vec3,
-    wheel: bool,
-    decompose: bool,
-    at: &Range<usize>,
+    file: &Found,
+    enclosed: Result<Enclosed, Failure>,
+    mesh: &Wanted,
 ) -> Option<ReadMesh> {
     let Found { path, linked } = file;
+    let at = mesh.at;
     let name = path
         .file_name()
         .unwrap_or(path.as_os_str())
         .to_string_lossy()
         .into_owned();
-    if linked {
+    if *linked {
         let message = format!(
             "mesh {name} is a symbolic link out of the robot's folders: it is used, but no copy is packed"
         );
         scope.note("U113", at.clone(), &message, "");
     }
-    let read = MeshFile::open(&path, &|name| resolver.beside(&path, name));
-    let read = read.and_then(|mesh| Ok((mesh.corners()?, mesh)));
-    let (points, mesh) = match read {
-        Ok(read) => read,
-        Err(error) => {
+    let enclosed = match enclosed {
+        Ok(enclosed) => enclosed,
+        Err(Failure::Read(error)) => {
             let (code, help) = match error {
                 MeshError::Pointer => (
                     "U105",
@@ -213,11 +313,7 @@ fn read_mesh(
             scope.problem(code, at.clone(), &message, help);
             return None;
         }
-    };
-    let points = distinct(points.iter().map(|p| p.component_mul(&factors)));
-    let hull = match bounded_hull(&points, MOST_CORNERS) {
-        Ok(hull) => hull,
-        Err(error) => {
+        Err(Failure::Hull(error)) => {
             let help = match error {
                 GeometryError::TooFar { .. } => {
                     "many meshes are in mm: use scale=\"0.001 0.001 0.001\""
@@ -229,31 +325,26 @@ fn read_mesh(
             return None;
         }
     };
-    let bounds = points
-        .iter()
-        .fold([points[0]; 2], |[low, high], p| [low.inf(p), high.sup(p)]);
-    let outline = wheel
-        .then(|| bounded_hull(&points, MOST_OUTLINE))
-        .and_then(Result::ok)
-        .map(|hull| hull.vertices.into());
+    let hull = enclosed.hull;
     if hull.flat {
         let message = format!("mesh {name} has no volume: it is used as it is");
         scope.warning("U109", at.clone(), &message, "");
     }
-    let parts = if decompose && !hull.flat {
-        Some(convex_parts(scope, &mesh, &name, factors, at)?.into())
-    } else {
-        None
+    let parts = match &enclosed.file {
+        Some(file) if !hull.flat => {
+            Some(convex_parts(scope, file, &name, mesh.factors, at)?.into())
+        }
+        _ => None,
     };
     Some(ReadMesh {
-        path,
-        linked,
-        beside: mesh.beside().to_vec(),
+        path: path.clone(),
+        linked: *linked,
+        beside: enclosed.beside,
         vertices: hull.vertices,
         error: hull.error,
-        bounds,
+        bounds: enclosed.bounds,
         parts,
-        outline,
+        outline: enclosed.outline,
     })
 }
 

@@ -7,6 +7,7 @@
 use super::faces::{self, LARGEST_FILE, LFS_POINTER, MeshError, obj_lines};
 use super::{collada, gltf, ply};
 use crate::spatial::Vec3;
+use std::ffi::OsStr;
 use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -19,6 +20,22 @@ pub(super) fn unread_kind(name: &str) -> Option<String> {
     let kind = Path::new(name).extension()?.to_string_lossy();
     let kind = kind.to_ascii_lowercase();
     (!KINDS.contains(&kind.as_str())).then_some(kind)
+}
+
+/// Whether a mesh never names other files that its corners and triangles need.
+pub(super) fn stands_alone(path: &Path) -> bool {
+    let kind = path.extension().map(OsStr::to_ascii_lowercase);
+    kind.is_some_and(|kind| {
+        ["stl", "obj", "ply", "dae"]
+            .iter()
+            .any(|known| kind == *known)
+    })
+}
+
+/// Bytes of a file, to begin with the largest.
+pub(super) fn size(path: &Path) -> usize {
+    let bytes = path.metadata().map_or(0, |file| file.len());
+    usize::try_from(bytes).unwrap_or(usize::MAX)
 }
 
 /// A mesh file's bytes, read once for all that is asked of them.
@@ -171,7 +188,8 @@ fn bytes(path: &Path) -> Result<Vec<u8>, MeshError> {
     if size > LARGEST_FILE {
         return Err(MeshError::TooLarge(size));
     }
-    let mut bytes = Vec::new();
+    // Room for all of it at once: copies of a large file would take longer than reading it.
+    let mut bytes = Vec::with_capacity(usize::try_from(size).unwrap_or(0) + 1);
     // The file may grow while it is read.
     file.take(LARGEST_FILE)
         .read_to_end(&mut bytes)

@@ -161,6 +161,7 @@ pub fn mesh_parts_of(kind: &str, bytes: &[u8]) -> Result<Vec<(MeshPart, bool)>, 
     let part = |part: faces::Part| {
         let textured = part.paint.image.is_some();
         let part = MeshPart {
+            corners: part.corners,
             triangles: part.triangles,
             uv: part.uv,
             color: part.paint.color,

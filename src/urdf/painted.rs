@@ -27,7 +27,9 @@ pub(super) fn parts(
         _ => {
             let mut parts = Parts::default();
             let part = parts.of(&Paint::default(), false);
-            part.triangles = file.triangles()?;
+            for triangle in file.triangles()? {
+                part.push(triangle, None);
+            }
             parts.finish()
         }
     }
@@ -72,8 +74,8 @@ mod tests {
         assert_eq!(parts[0].uv, [[[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]]);
         assert_eq!(parts[1].paint, Paint::default());
         let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 2.0, 0.0]].map(Vec3::from);
-        assert_eq!(parts[0].triangles, [corners]);
-        assert_eq!(parts[1].triangles, [corners]);
+        assert_eq!(parts[0].whole(), [corners]);
+        assert_eq!(parts[1].whole(), [corners]);
     }
 
     /// Random changes to valid files: triangles or an error, never a panic, and as many texture
@@ -120,7 +122,7 @@ mod tests {
         for name in ["ascii.STL", "solid.stl", "corner.obj", "corner.dae"] {
             let file = MeshFile::open(&folder.join(name), &|_| None).expect("a mesh");
             let parts = parts(&file, |_| None).expect("a mesh");
-            let drawn: Vec<_> = parts.into_iter().flat_map(|part| part.triangles).collect();
+            let drawn: Vec<_> = parts.iter().flat_map(Part::whole).collect();
             assert_eq!(drawn, file.triangles().expect("a mesh"), "{name}");
         }
     }

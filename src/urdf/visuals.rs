@@ -7,7 +7,7 @@ use super::checked::{CheckedRobot, CheckedVisual, Geometry, Paint};
 use super::description::{DrawnMesh, MeshPart, Texture};
 use super::faces::{FORMATS, Image, MeshError};
 use super::image::{self, ImageError};
-use super::mesh::MeshFile;
+use super::mesh::{self, MeshFile};
 use super::missing::outside_help;
 use super::resolve::{Found, Missing, Resolver};
 use super::scope::Scope;
@@ -340,16 +340,16 @@ type Parts = Result<Vec<painted::Part>, MeshError>;
 
 /// Reads the meshes that name no materials in other files, several at a time.
 fn read_ahead<'f>(files: impl Iterator<Item = &'f Found>) -> HashMap<PathBuf, Parts> {
+    // Materials of OBJ stand in other files.
     let alone = |path: &&PathBuf| {
-        let kind = path.extension().map(std::ffi::OsStr::to_ascii_lowercase);
-        kind.is_some_and(|kind| kind == "stl" || kind == "dae")
+        let obj = path
+            .extension()
+            .is_some_and(|kind| kind.eq_ignore_ascii_case("obj"));
+        mesh::stands_alone(path) && !obj
     };
     let paths: BTreeSet<&PathBuf> = files.map(|file| &file.path).filter(alone).collect();
     let paths: Vec<&PathBuf> = paths.into_iter().collect();
-    let size = |path: &&PathBuf| {
-        let bytes = path.metadata().map_or(0, |file| file.len());
-        usize::try_from(bytes).unwrap_or(usize::MAX)
-    };
+    let size = |path: &&PathBuf| mesh::size(path);
     let parts = parallel::map_largest_first(&paths, size, |path| {
         MeshFile::open(path, &|_| None).and_then(|mesh| painted::parts(&mesh, |_| None))
     });
@@ -391,6 +391,7 @@ fn parts_of(
         let image = part.paint.image.as_ref();
         let texture = image.and_then(|image| textures.of_mesh(path, image, at, troubles));
         list.push(MeshPart {
+            corners: part.corners,
             triangles: part.triangles,
             uv: part.uv,
             color: part.paint.color,

@@ -9,7 +9,10 @@ const QUALITY: u8 = 85;
 /// The means of squares of `factor` pixels a side, in linear light; smaller ones at the right and
 /// lower edge.
 pub fn shrunk(pixels: &Pixels, factor: usize) -> (usize, usize, Vec<[f32; 3]>) {
-    let light: Vec<f32> = (0..=255).map(|x| linear(f64::from(x) / 255.0)).collect();
+    let mut light = [0.0; 256];
+    for (light, x) in light.iter_mut().zip(0_u8..) {
+        *light = linear(f64::from(x) / 255.0);
+    }
     let (columns, rows) = (
         pixels.width.div_ceil(factor),
         pixels.height.div_ceil(factor),
@@ -19,11 +22,13 @@ pub fn shrunk(pixels: &Pixels, factor: usize) -> (usize, usize, Vec<[f32; 3]>) {
     for (y, line) in lines.enumerate() {
         let sums = &mut colors[y / factor * columns..][..columns];
         for (sum, square) in sums.iter_mut().zip(line.chunks(3 * factor)) {
+            // Not in memory: each of the additions would wait for the one before to be written.
+            let [mut red, mut green, mut blue] = *sum;
             for pixel in square.as_chunks::<3>().0 {
-                for (sum, byte) in sum.iter_mut().zip(pixel) {
-                    *sum += light[usize::from(*byte)];
-                }
+                let [r, g, b] = pixel.map(|byte| light[usize::from(byte)]);
+                (red, green, blue) = (red + r, green + g, blue + b);
             }
+            *sum = [red, green, blue];
         }
     }
     let side = |i: usize, all: usize| factor.min(all - i * factor);

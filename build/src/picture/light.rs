@@ -9,7 +9,7 @@ use super::camera::{Camera, count};
 use super::look::Look;
 use super::raster::{Depth, Places, floor};
 use super::solid::{self, World};
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::hash::BuildHasherDefault;
 use urdf2fmu_core::hash::Quick;
 use urdf2fmu_core::parallel;
@@ -45,6 +45,8 @@ const SKY_OFFSET: f64 = 0.012;
 /// The lamp and the sky.
 pub(super) struct Lights {
     pub(super) lamp: Lamp,
+    /// See [`disc`].
+    disc: Vec<[f32; 3]>,
     sky: Vec<Lamp>,
     /// Places are given from here, m: so that short numbers are exact enough.
     center: Vec3,
@@ -144,34 +146,93 @@ impl Lamp {
         if hidden { 0.0 } else { 1.0 }
     }
 
-    /// Part of the lamp that is seen, mixed from the four pixels around a place.
+    /// Adds the light of this lamp to the sky's on some places.
     #[allow(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
         clippy::cast_precision_loss,
         reason = "within the picture"
     )]
-    fn seen(&self, p: &[f32; 3]) -> f32 {
-        let [x, y, near] = place(&self.rows, p);
-        let (x, y) = (x - 0.5, y - 0.5);
-        let side = self.depth.side;
-        let end = count(side) as f32 - 1.0;
-        // The rim is free, so beyond it nothing hides the lamp.
-        if !(x >= 0.0 && y >= 0.0 && x < end && y < end) {
-            return 1.0;
+    fn shine(&self, lanes: &mut Lanes) {
+        let cosine = sums(&self.short, &lanes.normal, 0.0);
+        if cosine.iter().all(|cosine| *cosine <= 0.0) {
+            return;
         }
-        let (left, top) = (x as i32, y as i32);
-        let (u, v) = (x - left as f32, y - top as f32);
-        let at = top as usize * side + left as usize;
-        // The four pixels lie in these two rows.
-        let Some(rows) = self.depth.near.get(at..at + side + 2) else {
-            return 1.0;
-        };
-        let open = |k: usize| if rows[k] > near { 0.0 } else { 1.0 };
-        let upper = open(0) * (1.0 - u) + open(1) * u;
-        let lower = open(side) * (1.0 - u) + open(side + 1) * u;
-        upper * (1.0 - v) + lower * v
+        let [x, y, near] = [0, 1, 2].map(|i| {
+            let [a, b, c, d] = self.rows[i];
+            sums(&[a, b, c], &lanes.place, d)
+        });
+        let side = self.depth.side;
+        // The rim is free, so beyond it nothing hides the lamp.
+        let end = count(side) as f32 - 1.0;
+        let (x, y) = (x.map(|x| x - 0.5), y.map(|y| y - 0.5));
+        let inside: [bool; LANES] =
+            each(|l| x[l] >= 0.0 && y[l] >= 0.0 && x[l] < end && y[l] < end);
+        let mut seen = [1.0; LANES];
+        if inside.contains(&true) {
+            let (left, top) = (x.map(|x| x as i32), y.map(|y| y as i32));
+            // The four pixels around each place.
+            let mut pixels = [[f32::NEG_INFINITY; LANES]; 4];
+            for l in (0..LANES).filter(|l| inside[*l]) {
+                let at = top[l] as usize * side + left[l] as usize;
+                if let Some(rows) = self.depth.near.get(at..at + side + 2) {
+                    for (pixel, k) in pixels.iter_mut().zip([0, 1, side, side + 1]) {
+                        pixel[l] = rows[k];
+                    }
+                }
+            }
+            let open = pixels.map(|pixel| {
+                let open = |l: usize| if pixel[l] > near[l] { 0.0 } else { 1.0 };
+                each::<f32>(open)
+            });
+            let mixed: [f32; LANES] = each(|l| {
+                let (u, v) = (x[l] - left[l] as f32, y[l] - top[l] as f32);
+                let upper = open[0][l] * (1.0 - u) + open[1][l] * u;
+                let lower = open[2][l] * (1.0 - u) + open[3][l] * u;
+                upper * (1.0 - v) + lower * v
+            });
+            seen = each(|l| if inside[l] { mixed[l] } else { 1.0 });
+        }
+        for l in 0..LANES {
+            lanes.sky[l] += cosine[l].max(0.0) * seen[l];
+        }
     }
+}
+
+/// Places that are looked at together: compilers make one instruction of the same sum for several.
+const LANES: usize = 8;
+
+/// Places in the sky's light.
+struct Lanes {
+    /// As [`Spot::at_sky`]: all x, all y, all z.
+    place: [[f32; LANES]; 3],
+    normal: [[f32; LANES]; 3],
+    /// Light so far.
+    sky: [f32; LANES],
+}
+
+impl Lanes {
+    fn of(spots: &[Spot]) -> Self {
+        let spot = |l: usize| spots.get(l).copied().unwrap_or_default();
+        Self {
+            place: [0, 1, 2].map(|i| each(|l| spot(l).at_sky[i])),
+            normal: [0, 1, 2].map(|i| each(|l| spot(l).normal[i])),
+            sky: [0.0; LANES],
+        }
+    }
+}
+
+/// One number for each place.
+#[inline]
+fn each<T>(of: impl FnMut(usize) -> T) -> [T; LANES] {
+    std::array::from_fn(of)
+}
+
+/// x, y and z with factors, and a number added to their sum.
+#[inline]
+fn sums(factors: &[f32; 3], [x, y, z]: &[[f32; LANES]; 3], more: f32) -> [f32; LANES] {
+    let [a, b, c] = factors;
+    each(|l| a * x[l] + b * y[l] + c * z[l] + more)
 }
 
 /// Column, row and nearness of a place.
@@ -190,7 +251,7 @@ impl Lights {
         let casting = world.surfaces().filter(|(surface, _)| surface.alpha > 0.5);
         let casting: Vec<&[[u32; 3]]> = casting.map(|(_, at)| &world.faces[at]).collect();
         let faces = || casting.iter().flat_map(|faces| faces.iter().copied());
-        let cubes = Cubes::new(&points, faces(), camera.size / SKY_CELLS);
+        let cubes = Cubes::new(&points, faces(), camera.size / SKY_CELLS).sorted();
         // The lamp's own picture is the largest, and is begun first.
         let mut directions = vec![direction(look.from.azimuth + LAMP_AZIMUTH, LAMP_ELEVATION)];
         directions.extend(sky(look.sky));
@@ -200,13 +261,14 @@ impl Lights {
             if k == 0 {
                 Lamp::new(toward, reach, &points, faces(), LAMP_SIDE)
             } else {
-                let faces = cubes.faces.iter().copied();
+                let faces = cubes.toward(&toward).iter().copied();
                 Lamp::new(toward, reach, reach, faces, SKY_SIDE)
             }
         });
         let lamp = sky.remove(0);
         Self {
             lamp,
+            disc: disc(),
             sky,
             center,
             lamp_offset: LAMP_OFFSET * camera.size,
@@ -230,18 +292,17 @@ impl Lights {
     /// list is near each other in the lamp's picture, and so in the processor's memory.
     pub(super) fn look(&self, spots: &mut [Spot]) {
         let mut whole = 0.0_f32;
+        let mut lanes: Vec<Lanes> = spots.chunks(LANES).map(Lanes::of).collect();
         for lamp in &self.sky {
             whole += lamp.short[2];
-            for spot in &mut *spots {
-                let cosine = dot(&lamp.short, &spot.normal);
-                if cosine > 0.0 {
-                    spot.sky += cosine * lamp.seen(&spot.at_sky);
-                }
+            for lanes in &mut lanes {
+                lamp.shine(lanes);
             }
         }
-        for spot in spots {
+        let sky = lanes.iter().flat_map(|lanes| lanes.sky);
+        for (spot, sky) in spots.iter_mut().zip(sky) {
             // A flat floor under an open sky has 1.
-            spot.sky /= whole;
+            spot.sky = sky / whole;
             if dot(&self.lamp.short, &spot.normal) > 0.0 {
                 spot.lamp = self.soft(&spot.at_lamp);
             }
@@ -249,32 +310,37 @@ impl Lights {
     }
 
     /// Part of the lamp that is seen, with a round soft edge.
-    #[allow(clippy::cast_possible_truncation, reason = "a few pixels")]
     fn soft(&self, p: &[f32; 3]) -> f32 {
-        /// Steps to each side.
-        const REACH: i8 = 4;
         let [x, y, near] = place(&self.lamp.rows, p);
-        let step = (SOFTNESS * count(self.lamp.depth.side) / f64::from(REACH)) as f32;
         let (mut sum, mut weights) = (0.0, 0.0);
-        for j in -REACH..=REACH {
-            for i in -REACH..=REACH {
-                let weight = f32::from(REACH * REACH + 2 - i * i - j * j);
-                if weight > 0.0 {
-                    let (x, y) = (x + f32::from(i) * step, y + f32::from(j) * step);
-                    sum += weight * self.lamp.open(x, y, near);
-                    weights += weight;
-                }
-            }
+        for [right, down, weight] in &self.disc {
+            sum += weight * self.lamp.open(x + right, y + down, near);
+            weights += weight;
         }
         sum / weights
     }
+}
+
+/// The lamp's soft edge in its picture: steps to the right and down, and their weights.
+fn disc() -> Vec<[f32; 3]> {
+    /// Steps to each side.
+    const REACH: i8 = 4;
+    #[allow(clippy::cast_possible_truncation, reason = "a few pixels")]
+    let step = (SOFTNESS * count(LAMP_SIDE) / f64::from(REACH)) as f32;
+    let steps = (-REACH..=REACH).flat_map(|j| (-REACH..=REACH).map(move |i| (i, j)));
+    let weighted = steps.map(|(i, j)| {
+        let weight = f32::from(REACH * REACH + 2 - i * i - j * j);
+        [f32::from(i) * step, f32::from(j) * step, weight]
+    });
+    weighted.filter(|[.., weight]| *weight > 0.0).collect()
 }
 
 /// Triangles whose corners are moved to the middles of cubes.
 struct Cubes {
     /// Those of all cubes with a corner.
     middles: Vec<Point>,
-    /// Places in `middles`, without triangles that became lines.
+    /// Places in `middles`, without triangles that became lines, and of those that became one only
+    /// the first: of a fine mesh most are left out.
     faces: Vec<[u32; 3]>,
 }
 
@@ -292,6 +358,7 @@ impl Cubes {
             faces: Vec::new(),
         };
         let mut places: HashMap<[i32; 3], u32, BuildHasherDefault<Quick>> = HashMap::default();
+        let mut known: HashSet<[u32; 3], BuildHasherDefault<Quick>> = HashSet::default();
         let mut cube_of = vec![NEW; points.len()];
         let mut cube = |i: u32| {
             let cube = &mut cube_of[i as usize];
@@ -306,12 +373,67 @@ impl Cubes {
         };
         for face in faces {
             let [a, b, c] = face.map(&mut cube);
-            if a != b && b != c && c != a {
+            if a != b && b != c && c != a && known.insert(sorted([a, b, c])) {
                 cubes.faces.push([a, b, c]);
             }
         }
         cubes
     }
+}
+
+/// Triangles of cubes, roughly the nearest first for each quarter of the sky: most of those behind
+/// are then left out as soon as they are looked at. The order changes no picture.
+struct Sorted {
+    middles: Vec<Point>,
+    /// For the quarters of x and y above zero or not.
+    quarters: Vec<Vec<[u32; 3]>>,
+}
+
+impl Cubes {
+    fn sorted(self) -> Sorted {
+        /// Faces of one slab keep their order, and so their neighbours in the processor's memory.
+        const SLABS: f32 = 32.0;
+        /// Upwards, for the middle of a quarter of the sky.
+        const UP: f32 = 0.8;
+        let quarter = |[x, y]: &[f32; 2]| {
+            let toward = [*x, *y, UP];
+            let near = |face: &[u32; 3]| dot(&toward, &self.middles[face[0] as usize]);
+            let all = || self.faces.iter().map(near);
+            let low = all().fold(f32::INFINITY, f32::min);
+            let high = all().fold(f32::NEG_INFINITY, f32::max);
+            let part = (high - low).max(1e-6) / SLABS;
+            let mut slabs: Vec<Vec<[u32; 3]>> = Vec::new();
+            for face in &self.faces {
+                let slab = usize::try_from(floor((high - near(face)) / part)).unwrap_or(0);
+                if slabs.len() <= slab {
+                    slabs.resize(slab + 1, Vec::new());
+                }
+                slabs[slab].push(*face);
+            }
+            slabs.concat()
+        };
+        let quarters = parallel::map(
+            &[[-1.0, -1.0], [-1.0, 1.0], [1.0, -1.0], [1.0, 1.0]],
+            quarter,
+        );
+        Sorted {
+            middles: self.middles,
+            quarters,
+        }
+    }
+}
+
+impl Sorted {
+    /// The faces as they are drawn for a lamp.
+    fn toward(&self, lamp: &Vec3) -> &[[u32; 3]] {
+        &self.quarters[2 * usize::from(lamp.x > 0.0) + usize::from(lamp.y > 0.0)]
+    }
+}
+
+/// The same for a triangle whichever corner comes first and whichever way it is wound.
+fn sorted(mut face: [u32; 3]) -> [u32; 3] {
+    face.sort_unstable();
+    face
 }
 
 /// Unit vector of an azimuth and an elevation in degrees.

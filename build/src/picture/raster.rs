@@ -7,11 +7,17 @@
 use super::look::SAMPLES;
 use super::solid::{self, Triangle, World};
 use std::ops::Range;
-use urdf2fmu_core::parallel::{self, workers};
+use urdf2fmu_core::parallel;
 use urdf2fmu_core::spatial::Vec3;
 
 /// Triangles whose normals are computed by one thread at a time.
 const TOGETHER: usize = 4096;
+
+/// Rows of samples that one thread draws at a time; they fit into a processor's own memory.
+const BAND: usize = 32 * SAMPLES;
+
+/// Triangles that one thread sorts into bands at a time.
+const PART: usize = 1 << 15;
 
 /// No triangle.
 pub(super) const NONE: u32 = u32::MAX;
@@ -38,6 +44,19 @@ fn whole(x: f32) -> f32 {
     const LARGE: f32 = 12_582_912.0;
     let nearest = (x + LARGE) - LARGE;
     if nearest > x { nearest - 1.0 } else { nearest }
+}
+
+/// The lesser of a number and of another one, which may be no number: one instruction, unlike that
+/// of the standard library, where either may be none.
+#[inline]
+fn least(x: f32, other: f32) -> f32 {
+    if other < x { other } else { x }
+}
+
+/// The greater one, likewise.
+#[inline]
+fn greatest(x: f32, other: f32) -> f32 {
+    if other > x { other } else { x }
 }
 
 /// Corners in a picture, and what tells quickly that a triangle has no sample.
@@ -69,11 +88,16 @@ fn between(cells: [u64; 3], shift: u32) -> (i32, i32) {
 }
 
 impl Places {
+    #[allow(
+        clippy::cast_precision_loss,
+        clippy::float_cmp,
+        reason = "samples of a picture are few, and a corner is on a centre or is not"
+    )]
     pub(super) fn new(corners: impl Iterator<Item = [f32; 3]>) -> Self {
         let corners: Vec<[f32; 3]> = corners.collect();
         let cell = |x: f32| {
-            let [low, high] = [-floor(0.5 - x), floor(x - 0.5)].map(|x| x.clamp(-FAR, FAR));
-            let cell = 2 * high + i32::from(low == high);
+            let last = floor(x - 0.5);
+            let cell = 2 * last.clamp(-FAR, FAR) + i32::from(last as f32 == x - 0.5);
             u64::from(cell.cast_unsigned())
         };
         let cells = corners.iter().map(|[x, y, _]| cell(*x) | cell(*y) << 32);
@@ -174,10 +198,15 @@ fn rows(
         return;
     }
     let sign = if area > 0.0 { 1.0 } else { -1.0 };
-    // Nearness = near_a + (x − xa) slope_x + (y − ya) slope_y.
-    let (u, v) = (b[2] - a[2], c[2] - a[2]);
-    let slope_x = (u * (c[1] - a[1]) - v * (b[1] - a[1])) / area;
-    let slope_y = (v * (b[0] - a[0]) - u * (c[0] - a[0])) / area;
+    // Nearness = near_a + (x − xa) slope_x + (y − ya) slope_y. Many triangles have no sample after
+    // all, and need no slopes.
+    let slopes = || {
+        let (u, v) = (b[2] - a[2], c[2] - a[2]);
+        let slope_x = (u * (c[1] - a[1]) - v * (b[1] - a[1])) / area;
+        let slope_y = (v * (b[0] - a[0]) - u * (c[0] - a[0])) / area;
+        (slope_x, slope_y)
+    };
+    let mut known = None;
     let edges = [
         Edge::new(a, b, sign),
         Edge::new(b, c, sign),
@@ -190,12 +219,13 @@ fn rows(
         for edge in edges.iter().flatten() {
             let at = edge.x + (center - edge.y) * edge.slope - 0.5;
             if edge.right {
-                right = right.min(whole(at));
+                right = least(right, whole(at));
             } else {
-                left = left.max(-whole(-at));
+                left = greatest(left, -whole(-at));
             }
         }
         if left <= right {
+            let (slope_x, slope_y) = *known.get_or_insert_with(slopes);
             let x = left + 0.5;
             let near = a[2] + (x - a[0]) * slope_x + (center - a[1]) * slope_y;
             row(y, left as usize..right as usize + 1, near, slope_x);
@@ -230,14 +260,11 @@ impl Layer {
         #[allow(clippy::cast_possible_truncation, reason = "places in a picture")]
         let corners = world.positions.iter().map(|p| place(p).map(|x| x as f32));
         let places = Places::new(corners);
-        let mut seen = vec![NONE; width * height];
-        let band = height.div_ceil(workers()).next_multiple_of(SAMPLES);
-        std::thread::scope(|scope| {
-            for (i, seen) in seen.chunks_mut(band * width).enumerate() {
-                let band = i * band..(i * band + seen.len() / width);
-                let places = &places;
-                scope.spawn(move || nearest(world, places, seen, width, &band));
-            }
+        let bands = Bands::new(world, &places, height);
+        let mut seen = vec![0; width * height];
+        parallel::for_pieces(&mut seen, BAND * width, |band, seen| {
+            seen.fill(NONE);
+            bands.nearest(world, &places, seen, width, band);
         });
         let mut faces = Vec::new();
         let mut kept = vec![NONE; world.faces.len()];
@@ -261,30 +288,64 @@ impl Layer {
     }
 }
 
-/// Writes which of the world's faces is nearest at each sample of some rows.
-fn nearest(world: &World, places: &Places, seen: &mut [u32], width: usize, band: &Range<usize>) {
-    let mut near = vec![0.0_f32; seen.len()];
-    for (surface, faces) in world.surfaces() {
-        let alpha = surface.alpha;
-        for face in faces {
-            let Some(placed) = places.triangle(world.faces[face]) else {
-                continue;
-            };
-            let face = solid::place(face);
-            let here = within(placed.rows, band);
-            rows(&placed.corners, width, here, |y, xs, start, slope| {
-                let offset = (y - band.start) * width;
-                let mut depth = start;
-                for x in xs {
-                    let place = offset + x;
-                    let passed = alpha >= 1.0 || ORDER[(y % 4) * 4 + x % 4] < alpha * 16.0 - 0.5;
-                    if depth > near[place] && passed {
-                        near[place] = depth;
-                        seen[place] = face;
+/// The faces that can be seen in each band of rows: most have no sample, or one or two, and are not
+/// looked at again.
+struct Bands {
+    /// Faces in ascending order: of each part of the world, in each band.
+    parts: Vec<Vec<Vec<u32>>>,
+}
+
+impl Bands {
+    fn new(world: &World, places: &Places, height: usize) -> Self {
+        let count = height.div_ceil(BAND);
+        let firsts: Vec<usize> = (0..world.faces.len()).step_by(PART).collect();
+        let parts = parallel::map(&firsts, |&first| {
+            let mut bands = vec![Vec::new(); count];
+            let end = world.faces.len().min(first + PART);
+            for face in first..end {
+                let Some(placed) = places.triangle(world.faces[face]) else {
+                    continue;
+                };
+                let rows = within(placed.rows, &(0..height));
+                if !rows.is_empty() {
+                    for band in &mut bands[rows.start / BAND..rows.end.div_ceil(BAND)] {
+                        band.push(solid::place(face));
                     }
-                    depth += slope;
                 }
-            });
+            }
+            bands
+        });
+        Self { parts }
+    }
+
+    /// Writes which of the world's faces is nearest at each sample of a band.
+    fn nearest(&self, world: &World, places: &Places, seen: &mut [u32], width: usize, band: usize) {
+        let mut near = vec![0.0_f32; seen.len()];
+        let start = band * BAND;
+        let picture = start..start + seen.len() / width;
+        let mut faces = self.parts.iter().flat_map(|part| &part[band]).peekable();
+        for (surface, own) in world.surfaces() {
+            let alpha = surface.alpha;
+            while let Some(&face) = faces.next_if(|face| (**face as usize) < own.end) {
+                let Some(placed) = places.triangle(world.faces[face as usize]) else {
+                    continue;
+                };
+                let here = within(placed.rows, &picture);
+                rows(&placed.corners, width, here, |y, xs, first, slope| {
+                    let offset = (y - start) * width;
+                    let mut depth = first;
+                    for x in xs {
+                        let place = offset + x;
+                        let part = || ORDER[(y % 4) * 4 + x % 4];
+                        let passed = alpha >= 1.0 || part() < alpha * 16.0 - 0.5;
+                        if depth > near[place] && passed {
+                            near[place] = depth;
+                            seen[place] = face;
+                        }
+                        depth += slope;
+                    }
+                });
+            }
         }
     }
 }
@@ -321,7 +382,7 @@ impl Depth {
             rows(&placed.corners, side, here, |y, xs, start, slope| {
                 let mut depth = start;
                 for place in &mut near[y * side + xs.start..y * side + xs.end] {
-                    *place = place.max(depth);
+                    *place = greatest(*place, depth);
                     depth += slope;
                 }
             });

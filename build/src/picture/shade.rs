@@ -11,8 +11,7 @@ use super::look::{Look, Picture, SAMPLES, Theme};
 use super::raster::{Layer, NONE};
 use super::solid::{Stage, Triangle};
 use crate::image::{linear, srgb_table};
-use std::sync::{Mutex, PoisonError};
-use urdf2fmu_core::parallel::workers;
+use urdf2fmu_core::parallel;
 use urdf2fmu_core::spatial::Vec3;
 
 type Rgb = [f32; 3];
@@ -88,18 +87,8 @@ pub(super) fn picture(seen: &Seen) -> Picture {
     let to_srgb = srgb_table();
     let mut pixels = vec![[0; 4]; width * height];
     let band = BAND.min(height);
-    let next = Mutex::new(pixels.chunks_mut(band * width).enumerate());
-    std::thread::scope(|scope| {
-        for _ in 0..workers() {
-            scope.spawn(|| {
-                loop {
-                    // A worker that was stopped by a panic leaves the list as it was.
-                    let taken = next.lock().unwrap_or_else(PoisonError::into_inner).next();
-                    let Some((i, rows)) = taken else { break };
-                    seen.band(i * band, rows, &to_srgb);
-                }
-            });
-        }
+    parallel::for_pieces(&mut pixels, band * width, |i, rows| {
+        seen.band(i * band, rows, &to_srgb);
     });
     Picture {
         width,

@@ -9,6 +9,7 @@ use super::raster::Layer;
 use super::shade::{self, Seen};
 use super::solid::{Stage, World};
 use crate::scene::{self, Scene};
+use urdf2fmu_core::parallel;
 use urdf2fmu_core::spatial::Pose;
 
 /// Pictures in an FMU: what importers show for it, FMI 3's icon, and one for the documentation;
@@ -77,9 +78,12 @@ impl Subject {
 /// - `ground`: whether there is a floor
 fn draw(stage: &Stage, poses: &[Pose], camera: &Camera, look: &Look, ground: bool) -> Picture {
     let world = World::new(stage, poses);
-    let lights = Lights::new(&world, camera, look);
     let (width, height) = (look.width * SAMPLES, look.height * SAMPLES);
-    let layer = Layer::new(&world, |p| camera.project(p, SAMPLES), width, height);
+    // Each has parts that keep one thread busy; together these keep two busy.
+    let (lights, layer) = parallel::both(
+        || Lights::new(&world, camera, look),
+        || Layer::new(&world, |p| camera.project(p, SAMPLES), width, height),
+    );
     shade::picture(&Seen {
         stage,
         layer: &layer,

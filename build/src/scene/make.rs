@@ -321,7 +321,7 @@ impl Body {
         let mut packed = parallel::map_largest_first(
             &parts,
             |part| part.triangles.len(),
-            |part| mesh::pack(&part.triangles, &part.uv),
+            |part| mesh::pack(&part.corners, &part.triangles, &part.uv),
         )
         .into_iter();
         // Packed parts by mesh.
@@ -429,7 +429,7 @@ impl Body {
             | geometry::Shape::Plane
             | geometry::Shape::Field { .. }
             | geometry::Shape::Surface { .. } => {
-                Shape::Mesh(self.append(&mesh::pack(&shape.triangles(), &[])?))
+                Shape::Mesh(self.append(&mesh::pack_whole(&shape.triangles(), &[])?))
             }
         })
     }

@@ -85,32 +85,51 @@ pub(super) struct Packed {
     welded: Welded,
 }
 
-/// `uv` has one entry for each triangle or none. `None` where nothing has an area.
-pub(super) fn pack(triangles: &[[Vec3; 3]], uv: &[[[f64; 2]; 3]]) -> Option<Packed> {
-    let corners = triangles.iter().flatten();
-    let scale = Scale::of(corners.map(|&p| p.into()));
+/// `None` where nothing has an area.
+///
+/// - `points`: corners, each of which some triangle has, in the order in which they first have them
+/// - `triangles`: places in `points`
+/// - `uv`: one entry for each triangle or none
+pub(super) fn pack(
+    points: &[Vec3],
+    triangles: &[[u32; 3]],
+    uv: &[[[f64; 2]; 3]],
+) -> Option<Packed> {
+    let scale = Scale::of(points.iter().map(|&p| p.into()));
     let uv_scale = (!uv.is_empty()).then(|| Scale::of(uv.iter().flatten().copied()));
-    let longest = scale.size.iter().fold(0.0_f64, |a, &b| a.max(b));
-    let coarser = if triangles.len() > MANY_TRIANGLES {
-        COARSER.as_slice()
-    } else {
-        &[]
-    };
+    let corners = Corners::new(points, triangles, uv);
     // What is finer than the format is one vertex in any case.
-    let corners = Corners::new(triangles, uv);
-    let mut welded = Welded::new(&corners, &scale, uv_scale.as_ref(), None);
-    for cells in coarser {
-        if welded.indices.len() <= MANY_TRIANGLES {
-            break;
+    let mut keys = corners.keys(|p| scale.pack(p.as_ref()));
+    if triangles.len() > MANY_TRIANGLES {
+        let longest = scale.size.iter().fold(0.0_f64, |a, &b| a.max(b));
+        for cells in COARSER {
+            if corners.apart(&keys).count() <= MANY_TRIANGLES {
+                break;
+            }
+            let cell = longest / cells;
+            keys = corners.keys(|p| {
+                // Fewer cells than a u16 has numbers; none is below the first.
+                #[allow(
+                    clippy::cast_possible_truncation,
+                    clippy::cast_sign_loss,
+                    reason = "a cell's number is small and not negative"
+                )]
+                std::array::from_fn(|i| ((p[i] - scale.low[i]) / cell) as u16)
+            });
         }
-        let cell = Some(longest / cells);
-        welded = Welded::new(&corners, &scale, uv_scale.as_ref(), cell);
     }
+    let welded = Welded::new(&corners, &keys, &scale, uv_scale.as_ref());
     (!welded.indices.is_empty()).then_some(Packed {
         scale,
         uv_scale,
         welded,
     })
+}
+
+/// [`pack`] for triangles with their corners.
+pub(super) fn pack_whole(triangles: &[[Vec3; 3]], uv: &[[[f64; 2]; 3]]) -> Option<Packed> {
+    let numbers = (0..triangles.len()).map(|t| [0, 1, 2].map(|k| place(3 * t + k)));
+    pack(triangles.as_flattened(), &numbers.collect::<Vec<_>>(), uv)
 }
 
 /// Appends triangles to a body.
@@ -174,76 +193,93 @@ struct Corners {
     triangles: Vec<[u32; 3]>,
 }
 
-/// The bits of a corner's place and of its texture coordinates.
-type Bits = ([u64; 3], [u64; 2]);
+/// A quick table from keys to places.
+type Table<K> = HashMap<K, u32, BuildHasherDefault<Quick>>;
+
+fn table<K>(size: usize) -> Table<K> {
+    HashMap::with_capacity_and_hasher(size, BuildHasherDefault::default())
+}
+
+fn place(i: usize) -> u32 {
+    u32::try_from(i).unwrap_or(u32::MAX)
+}
 
 impl Corners {
-    /// `uv` has one entry for each triangle or none.
-    fn new(triangles: &[[Vec3; 3]], uv: &[[[f64; 2]; 3]]) -> Self {
-        // Each corner stands in some six triangles.
-        let mut places: HashMap<Bits, u32, BuildHasherDefault<Quick>> =
-            HashMap::with_capacity_and_hasher(triangles.len() / 2, BuildHasherDefault::default());
-        let mut list = Vec::with_capacity(triangles.len() / 2);
-        let number = |(t, triangle): (usize, &[Vec3; 3])| {
-            std::array::from_fn(|k| {
-                let (p, uv) = (triangle[k], uv.get(t).map_or([0.0; 2], |uv| uv[k]));
-                let bits = ([p.x, p.y, p.z].map(f64::to_bits), uv.map(f64::to_bits));
-                *places.entry(bits).or_insert_with(|| {
-                    list.push((p, uv));
-                    u32::try_from(list.len() - 1).unwrap_or(u32::MAX)
-                })
+    /// The arguments are those of [`pack`].
+    fn new(points: &[Vec3], triangles: &[[u32; 3]], uv: &[[[f64; 2]; 3]]) -> Self {
+        // Each corner stands in some six triangles, and some readers give it anew for each.
+        let size = points.len().min(triangles.len());
+        let mut places: Table<[u64; 3]> = table(size);
+        let mut list = Vec::with_capacity(size);
+        let mut place_of = |p: &Vec3| {
+            let bits = [p.x, p.y, p.z].map(f64::to_bits);
+            *places.entry(bits).or_insert_with(|| {
+                list.push((*p, [0.0; 2]));
+                place(list.len() - 1)
             })
         };
-        let triangles = triangles.iter().enumerate().map(number).collect();
-        Self { list, triangles }
+        let own: Vec<u32> = points.iter().map(&mut place_of).collect();
+        let triangles = triangles.iter().map(|t| t.map(|i| own[i as usize]));
+        if uv.is_empty() {
+            let triangles = triangles.collect();
+            return Self { list, triangles };
+        }
+        // With its texture coordinates a point may be several corners.
+        let mut places: Table<(u32, [u64; 2])> = table(list.len());
+        let mut both = Vec::with_capacity(list.len());
+        let number = |(triangle, uv): ([u32; 3], &[[f64; 2]; 3])| {
+            std::array::from_fn(|k| {
+                let (own, uv) = (triangle[k], uv[k]);
+                *places
+                    .entry((own, uv.map(f64::to_bits)))
+                    .or_insert_with(|| {
+                        both.push((list[own as usize].0, uv));
+                        place(both.len() - 1)
+                    })
+            })
+        };
+        let triangles = triangles.zip(uv).map(number).collect();
+        Self {
+            list: both,
+            triangles,
+        }
+    }
+
+    /// What tells corners apart, as one number each.
+    fn keys(&self, of: impl Fn(&Vec3) -> [u16; 3]) -> Vec<u64> {
+        let key = |(p, _): &(Vec3, [f64; 2])| {
+            let [x, y, z] = of(p).map(u64::from);
+            x | y << 16 | z << 32
+        };
+        self.list.iter().map(key).collect()
+    }
+
+    /// Triangles whose corners all have other keys.
+    fn apart<'s>(&'s self, keys: &'s [u64]) -> impl Iterator<Item = &'s [u32; 3]> {
+        self.triangles.iter().filter(|triangle| {
+            let [a, b, c] = triangle.map(|i| keys[i as usize]);
+            a != b && b != c && c != a
+        })
     }
 }
 
 impl Welded {
-    /// - `cell`: side of the cubes in which all vertices become the first of them, m
-    fn new(
-        corners: &Corners,
-        scale: &Scale<3>,
-        uv_scale: Option<&Scale<2>>,
-        cell: Option<f64>,
-    ) -> Self {
+    /// - `keys`: of all corners; those of one key become the first of them
+    fn new(corners: &Corners, keys: &[u64], scale: &Scale<3>, uv_scale: Option<&Scale<2>>) -> Self {
         let mut welded = Self::default();
-        let count = corners.list.len();
-        let mut places: HashMap<(u64, u32), u32, BuildHasherDefault<Quick>> =
-            HashMap::with_capacity_and_hasher(count, BuildHasherDefault::default());
-        let mut place = |(p, uv): &(Vec3, [f64; 2])| {
-            let packed = scale.pack(p.as_ref());
-            let key = match cell {
-                None => packed,
-                Some(cell) => std::array::from_fn(|i| {
-                    // Fewer cells than a u16 has numbers; none is below the first.
-                    #[allow(
-                        clippy::cast_possible_truncation,
-                        clippy::cast_sign_loss,
-                        reason = "a cell's number is small and not negative"
-                    )]
-                    let number = ((p[i] - scale.low[i]) / cell) as u16;
-                    number
-                }),
-            };
+        let mut places: Table<(u64, u32)> = table(corners.list.len());
+        let place_of = |((p, uv), key): (&(Vec3, [f64; 2]), &u64)| {
             let uv = uv_scale.map_or([0; 2], |uv_scale| uv_scale.pack(uv));
-            let [x, y, z] = key.map(u64::from);
             let [u, v] = uv.map(u32::from);
-            let key = x | y << 16 | z << 32;
-            let place = *places.entry((key, u | v << 16)).or_insert_with(|| {
-                welded.positions.push(packed);
+            *places.entry((*key, u | v << 16)).or_insert_with(|| {
+                welded.positions.push(scale.pack(p.as_ref()));
                 welded.uv.push(uv);
-                u32::try_from(welded.positions.len() - 1).unwrap_or(u32::MAX)
-            });
-            (place, key)
+                place(welded.positions.len() - 1)
+            })
         };
-        let placed: Vec<(u32, u64)> = corners.list.iter().map(&mut place).collect();
-        for triangle in &corners.triangles {
-            let [a, b, c] = triangle.map(|i| placed[i as usize]);
-            if a.1 != b.1 && b.1 != c.1 && c.1 != a.1 {
-                welded.indices.push([a.0, b.0, c.0]);
-            }
-        }
+        let places: Vec<u32> = corners.list.iter().zip(keys).map(place_of).collect();
+        let kept = corners.apart(keys);
+        welded.indices = kept.map(|t| t.map(|i| places[i as usize])).collect();
         welded
     }
 }

@@ -8,7 +8,7 @@ use urdf2fmu_core::spatial::Vec3;
 fn scene(triangles: &[[[f64; 3]; 3]], uv: &[[[f64; 2]; 3]]) -> Scene {
     let mut body = Vec::new();
     let triangles: Vec<_> = triangles.iter().map(|t| t.map(Vec3::from)).collect();
-    let packed = mesh::pack(&triangles, uv);
+    let packed = mesh::pack_whole(&triangles, uv);
     let meshes: Vec<Mesh> = packed
         .iter()
         .map(|mesh| mesh::append(&mut body, mesh))

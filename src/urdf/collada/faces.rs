@@ -1,7 +1,8 @@
 //! Faces of a COLLADA geometry: their corners, their triangles, and these with texture coordinates.
 
-use super::super::faces::{MeshError, Parts, fan};
+use super::super::faces::{MeshError, Parts, fan, place};
 use super::super::xml::Node;
+use super::words::{self, NO_INDEX};
 use super::{MOST_POINTS, Scene, numbers, problem, too_many_points};
 use crate::spatial::Vec3;
 use std::collections::HashMap;
@@ -10,16 +11,16 @@ use std::collections::hash_map::Entry;
 /// Elements that hold faces.
 const KINDS: [&str; 5] = ["triangles", "polylist", "polygons", "tristrips", "trifans"];
 
-/// A corner of a triangle: its position and its texture coordinates.
-type Corner = (Vec3, [f64; 2]);
-
 /// Triangles that carry one material.
 struct Group<'d> {
     /// What the scene binds a material to.
     symbol: Option<&'d str>,
-    triangles: Vec<[Corner; 3]>,
-    /// Whether the texture coordinates are the file's.
-    textured: bool,
+    /// Positions in the order in which triangles first have them.
+    positions: Vec<Vec3>,
+    /// Places in `positions`.
+    triangles: Vec<[u32; 3]>,
+    /// Texture coordinates of each triangle, where the file has them.
+    uv: Option<Vec<[[f64; 2]; 3]>>,
 }
 
 /// Indices of the corners of a group of faces.
@@ -27,7 +28,7 @@ struct Corners {
     /// How many indices each corner has.
     stride: usize,
     /// The indices in each `<p>`.
-    lists: Vec<Vec<usize>>,
+    lists: Vec<Vec<u32>>,
 }
 
 impl<'d> Scene<'d> {
@@ -39,7 +40,7 @@ impl<'d> Scene<'d> {
             let mut used = vec![false; positions.len()];
             for list in corners_of(faces)?.of(offset(input)?, used.len())? {
                 for index in list {
-                    used[index] = true;
+                    used[index as usize] = true;
                 }
             }
             let mut used = used.into_iter();
@@ -55,7 +56,8 @@ impl<'d> Scene<'d> {
             let positions = self.positions(input)?;
             let lists = corners_of(faces)?.of(offset(input)?, positions.len())?;
             let triangles = triangulated(faces, &lists)?;
-            corners.extend(triangles.into_iter().flatten().map(|i| positions[i]));
+            let places = triangles.iter().flatten();
+            corners.extend(places.map(|&i| positions[i as usize]));
         }
         Ok(corners)
     }
@@ -76,10 +78,15 @@ impl<'d> Scene<'d> {
                     return Err(too_many_points());
                 }
                 let paint = self.paint(instance.binder, group.symbol);
-                let part = parts.of(&paint, group.textured);
-                for triangle in &group.triangles {
-                    let uv = group.textured.then(|| triangle.map(|corner| corner.1));
-                    part.push(triangle.map(|corner| instance.point(&corner.0)), uv);
+                let part = parts.of(&paint, group.uv.is_some());
+                let first = place(part.corners.len());
+                let placed = group.positions.iter().map(|p| instance.point(p));
+                part.corners.extend(placed);
+                let triangles = group.triangles.iter();
+                part.triangles
+                    .extend(triangles.map(|t| t.map(|i| first + i)));
+                if part.paint.image.is_some() {
+                    part.uv.extend(group.uv.iter().flatten());
                 }
             }
         }
@@ -92,42 +99,36 @@ impl<'d> Scene<'d> {
             let positions = self.positions(input)?;
             let corners = corners_of(faces)?;
             let places = corners.of(offset(input)?, positions.len())?;
-            // Where there are several sets, the first is the one of the colours.
-            let uv_input = faces
-                .children_named("input")
-                .filter(|i| i.value("semantic") == Some("TEXCOORD"))
-                .min_by_key(|i| {
-                    i.value("set")
-                        .and_then(|set| set.trim().parse::<u32>().ok())
-                });
-            // A texture that cannot be placed is left out; the shape is still drawn.
-            let uv = uv_input.and_then(|input| {
-                let uv = self.target(input, "source")?;
-                let uv = self.vectors::<2>(uv).ok()?;
-                let places = corners.of(offset(input).ok()?, uv.len()).ok()?;
-                Some((uv, places))
-            });
-            let lists: Vec<Vec<Corner>> = match &uv {
-                Some((uv, uv_places)) => places
-                    .iter()
-                    .zip(uv_places)
-                    .map(|(of, uv_of)| {
-                        let both = of.iter().zip(uv_of);
-                        both.map(|(&p, &u)| (positions[p], uv[u])).collect()
-                    })
-                    .collect(),
-                None => places
-                    .iter()
-                    .map(|of| of.iter().map(|&p| (positions[p], [0.0; 2])).collect())
-                    .collect(),
-            };
+            let mut triangles = triangulated(faces, &places)?;
+            let uv = self.coordinates(faces, &corners);
             list.push(Group {
                 symbol: faces.value("material"),
-                triangles: triangulated(faces, &lists)?,
-                textured: uv.is_some(),
+                uv: uv.filter(|uv| uv.len() == triangles.len()),
+                positions: renumbered(&mut triangles, &positions),
+                triangles,
             });
         }
         Ok(list)
+    }
+
+    /// Texture coordinates of the triangles of a group of faces. A texture that cannot be placed is
+    /// left out; the shape is still drawn.
+    fn coordinates(&self, faces: Node<'d>, corners: &Corners) -> Option<Vec<[[f64; 2]; 3]>> {
+        if !self.textured {
+            return None;
+        }
+        // Where there are several sets, the first is the one of the colours.
+        let input = faces
+            .children_named("input")
+            .filter(|i| i.value("semantic") == Some("TEXCOORD"))
+            .min_by_key(|i| {
+                i.value("set")
+                    .and_then(|set| set.trim().parse::<u32>().ok())
+            })?;
+        let uv = self.vectors::<2>(self.target(input, "source")?).ok()?;
+        let places = corners.of(offset(input).ok()?, uv.len()).ok()?;
+        let triangles = triangulated(faces, &places).ok()?.into_iter();
+        Some(triangles.map(|t| t.map(|i| uv[i as usize])).collect())
     }
 
     /// The points behind an input of semantic VERTEX.
@@ -206,34 +207,52 @@ fn corners_of(faces: Node) -> Result<Corners, MeshError> {
     for input in faces.children_named("input") {
         stride = stride.max(offset(input)? + 1);
     }
-    let mut lists = Vec::new();
-    for p in faces.descendants().filter(|node| node.local_name() == "p") {
-        let content = p.content();
-        // What is no number is refused where it is used.
-        let index = |word: &str| word.parse().unwrap_or(usize::MAX);
-        lists.push(content.split_ascii_whitespace().map(index).collect());
-    }
+    let lists = faces.descendants().filter(|node| node.local_name() == "p");
+    let lists = lists.map(|p| words::indices(&p.content())).collect();
     Ok(Corners { stride, lists })
 }
 
 impl Corners {
     /// For each list, each corner's index of `offset`; all are below `end`.
-    fn of(&self, offset: usize, end: usize) -> Result<Vec<Vec<usize>>, MeshError> {
-        let checked = |&index: &usize| {
+    fn of(&self, offset: usize, end: usize) -> Result<Vec<Vec<u32>>, MeshError> {
+        // What is no number is refused where it is used.
+        let checked = |&index: &u32| {
             let beyond = || match index {
-                usize::MAX => problem("a face names a vertex by what is no whole number"),
+                NO_INDEX => problem("a face names a vertex by what is no whole number"),
                 index => MeshError::Collada(format!(
                     "a face names vertex '{index}', which does not exist"
                 )),
             };
-            (index < end).then_some(index).ok_or_else(beyond)
+            let there = index != NO_INDEX && (index as usize) < end;
+            there.then_some(index).ok_or_else(beyond)
         };
-        let own = |list: &Vec<usize>| {
-            let all = list.iter().skip(offset).step_by(self.stride);
-            all.map(checked).collect()
+        let own = |list: &Vec<u32>| {
+            let mut places = Vec::with_capacity(list.len() / self.stride + 1);
+            for index in list.iter().skip(offset).step_by(self.stride) {
+                places.push(checked(index)?);
+            }
+            Ok(places)
         };
         self.lists.iter().map(own).collect()
     }
+}
+
+/// The positions that triangles have, in the order in which they first have them; the triangles
+/// then name places among these.
+fn renumbered(triangles: &mut [[u32; 3]], positions: &[Vec3]) -> Vec<Vec3> {
+    /// A position that no triangle has had yet.
+    const NEW: u32 = u32::MAX;
+    let mut places = vec![NEW; positions.len()];
+    let mut used = Vec::with_capacity(positions.len());
+    for i in triangles.as_flattened_mut() {
+        let known = &mut places[*i as usize];
+        if *known == NEW {
+            *known = place(used.len());
+            used.push(positions[*i as usize]);
+        }
+        *i = *known;
+    }
+    used
 }
 
 /// The triangles of a group of faces; `lists` are the corners in each of its `<p>`.

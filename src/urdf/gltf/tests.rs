@@ -76,7 +76,7 @@ fn a_strip_is_placed_by_the_nodes_above_it() {
     assert_eq!(read(&bytes).expect("corners"), found.concat());
     let parts = parts(&bytes).expect("two triangles");
     assert_eq!(parts.len(), 1);
-    assert_eq!(parts[0].triangles, found);
+    assert_eq!(parts[0].whole(), found);
     // Of half the light a screen shows 0.7354 (IEC 61966-2-1).
     let [red, green, blue] = parts[0].paint.color.expect("a colour");
     assert!((red - 1.0).abs() < 1e-15 && blue.abs() < 1e-15);
