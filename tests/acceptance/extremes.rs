@@ -127,6 +127,22 @@ fn limp_robots_gain_no_energy_in_many_falls() {
     }
 }
 
+/// What begins in the ground is thrown out of it so fast that some contacts push no more within a
+/// step, while their load of its start still damps how they rock. The step is convex: Newton finds
+/// its minimum, and does not give up, at 50 iterations, on a solve that it takes to and fro.
+#[test]
+fn no_solve_gives_up_where_robots_begin_in_the_ground() {
+    for (path, seed) in [("rover", 1), ("quadruped", 1), ("quadruped", 8)] {
+        let model = robot(&format!("examples/{path}.urdf"), |_| {});
+        let mut drop = Drop::new(&model, Extreme::Overlap, seed).expect("a drop");
+        while drop.goes_on() {
+            assert!(drop.advance());
+        }
+        let most = drop.s.state().stepping.counters.newton_max;
+        assert!(most < 50, "{path}, seed {seed}: {most} iterations");
+    }
+}
+
 /// The ledger can fail at any time: what a limp quadruped is given after any communication step,
 /// about a thousandth of what it falls with, is entered but for what friction elements hold just
 /// then.

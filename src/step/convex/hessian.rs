@@ -41,7 +41,8 @@ impl Newton {
         }
         let mut any = !p.terms.springs.is_empty();
         for (contact, response) in p.terms.contacts.iter().zip(&self.responses.contacts) {
-            if response.presses() || response.friction.slope > 0.0 {
+            // What no longer presses is still damped against rocking by the load of the start.
+            if response.presses() || response.friction.slope > 0.0 || contact.load > 0.0 {
                 any = true;
                 let own = contact.points.clone();
                 let points = &p.terms.contacts.points[own.clone()];
@@ -255,15 +256,14 @@ fn add_contact(
             add_square(G, &join(&moment, &along), slope);
         };
         // Two directions across the slip, or two tangents and drilling. A single point does not
-        // resist drilling: of a slip, one direction is left.
+        // resist drilling, but may have been stretched by it before: then its slip leans out of
+        // the tangent plane, and counts along both tangents.
         let slips = response.0.slips();
         let axis = if slips { friction.slip } else { *n };
         let first = n.cross(&axis).try_normalize(1e-12);
         let first = first.unwrap_or_else(|| across(n));
         add(&first);
-        if contact.radius > 0.0 || !slips {
-            add(&axis.cross(&first));
-        }
+        add(&axis.cross(&first));
         if contact.radius > 0.0 && !slips {
             add(n);
         }
