@@ -10,7 +10,7 @@ const QUALITY: u8 = 85;
 /// lower edge.
 pub fn shrunk(pixels: &Pixels, factor: usize) -> (usize, usize, Vec<[f32; 3]>) {
     let mut light = [0.0; 256];
-    for (light, x) in light.iter_mut().zip(0_u8..) {
+    for (light, x) in light.iter_mut().zip(0..=u8::MAX) {
         *light = linear(f64::from(x) / 255.0);
     }
     let (columns, rows) = (
