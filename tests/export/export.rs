@@ -132,12 +132,14 @@ fn fmu_holds_the_files_of_the_interface_in_order() {
         let picture = Path::new(name).extension().is_some_and(|end| end == "png");
         picture || (name.starts_with("documentation/") && !name.contains("licenses"))
     };
-    let plain = example("rover.toml");
-    for options in [
-        vec!["-c", text(&settings)],
-        vec!["-c", text(&plain), "--no-documentation"],
+    let beside = folder.path().join("rover.urdf");
+    std::fs::copy(example("rover.urdf"), &beside).unwrap();
+    let (urdf, plain) = (example("rover.urdf"), example("rover.toml"));
+    for (urdf, options) in [
+        (beside, vec!["-c", text(&settings)]),
+        (urdf, vec!["-c", text(&plain), "--no-documentation"]),
     ] {
-        let (_folder, bare) = export_documented(&example("rover.urdf"), &options);
+        let (_folder, bare) = export_documented(&urdf, &options);
         let (bare, without) = entries(&bare);
         let expected: Vec<_> = names.iter().filter(|name| !for_people(name)).collect();
         assert_eq!(bare.iter().collect::<Vec<_>>(), expected);
