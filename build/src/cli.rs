@@ -194,7 +194,7 @@ pub(crate) struct Export {
     /// that this program carries]
     #[arg(long = "platform", value_name = "NAMES", value_delimiter = ',')]
     pub(crate) platforms: Vec<String>,
-    /// Leave out the pictures and the pages for people, which take two thirds of the time
+    /// Leave out pictures and pages for people, which take two thirds of the time of an export
     #[arg(long)]
     pub(crate) no_documentation: bool,
     #[command(flatten)]

@@ -204,7 +204,7 @@ pub const KEYS: &[Key] = &[
         "fmu.documentation",
         Flag,
         Some("true"),
-        "whether it has pictures and pages for people, which take two thirds of the time of an export and 0.3 MB; its licences stay",
+        "whether the FMU has pictures and pages for people, which take two thirds of the time of an export and 0.3 MB; the licences stay",
     ),
     key(
         "solver.step_size",

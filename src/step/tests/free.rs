@@ -7,13 +7,7 @@ use crate::tuning::MAX_FLOOR;
 
 /// A mass on a rail, a pendulum on the mass.
 fn swing() -> Builder {
-    let (mut b, cart) = cart();
-    b.link(
-        cart,
-        Pose::IDENTITY,
-        Motion::Revolute(Y),
-        inertia(0.5, X * 0.4, [0.01; 3]),
-    );
+    let (mut b, cart) = cart_with_pendulum();
     b.actuator(cart, ActuatorMode::Effort, 10.0);
     b
 }

@@ -71,6 +71,18 @@ fn cart() -> (Builder, LinkId) {
     (b, cart)
 }
 
+/// The same with a pendulum of 0.5 kg on it.
+fn cart_with_pendulum() -> (Builder, LinkId) {
+    let (mut b, cart) = cart();
+    b.link(
+        cart,
+        Pose::IDENTITY,
+        Motion::Revolute(Y),
+        inertia(0.5, X * 0.4, [0.01; 3]),
+    );
+    (b, cart)
+}
+
 trait IntoLink {
     fn into_link(self) -> LinkId;
 }

@@ -39,13 +39,7 @@ fn a_spring_without_damping_swings_on_at_any_tolerance() {
 #[test]
 fn a_stiff_spring_with_much_damping_is_not_resolved() {
     let omega: f64 = 1e4;
-    let (mut b, cart) = cart();
-    b.link(
-        cart,
-        Pose::IDENTITY,
-        Motion::Revolute(Y),
-        inertia(0.5, X * 0.4, [0.01; 3]),
-    );
+    let (mut b, cart) = cart_with_pendulum();
     b.actuator(cart, ActuatorMode::Pd, 1e9);
     b.model.actuators[0].kp = omega * omega;
     b.model.actuators[0].kd = 4.0 * 2.0 * omega;
