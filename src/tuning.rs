@@ -191,10 +191,6 @@ pub const ESTIMATE: f64 = 0.4;
 /// farther the step is solved again with the middle that it has found. At 10 fails
 /// `fixed_steps_are_split_for_fast_limbs_but_not_for_wheels`.
 pub const CORRECTED: f64 = 0.1;
-/// Share of their way by which lever arms of friction turn within a step. With none and with all of
-/// it the method is of the same order, and coins that roll in a circle err in opposite directions.
-/// At 0 and at 1 fails `c7_balls_and_cylinders_roll_and_slip_down_a_slope_as_rigid_bodies_do`.
-pub const DRIFTING: f64 = 0.5;
 /// Share of a step in which the forces at its start are found. At 1 fails
 /// `the_communication_step_does_not_change_the_result_beyond_the_tolerance`.
 pub const START: f64 = 1e-9;

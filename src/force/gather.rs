@@ -13,13 +13,14 @@ use crate::tree::Tree;
 use crate::tuning::{EVEN_CORNERS, EVEN_DISC};
 
 impl Contact {
-    /// Moves its points by the displacement `way` of all bodies, and finds its depth and the shares
-    /// of its load there. Centre and radius stay, where a load has them.
-    pub(super) fn shift(&mut self, points: &mut [ContactPoint], way: &[Vec6]) {
+    /// Moves its points by the displacement `way` of all bodies and by its rise over `risen`
+    /// seconds, and finds its depth and the shares of its load there. Centre and radius stay, where
+    /// a load has them.
+    pub(super) fn shift(&mut self, points: &mut [ContactPoint], way: &[Vec6], risen: f64) {
         let W = self.relative(way);
         let w = angular(&W);
         for p in &mut points[self.points.clone()] {
-            p.depth -= p.along(&W);
+            p.depth -= p.along(&W) + risen * self.rise;
             if let Some(rim) = &mut p.rim {
                 p.depth += rim.shift(&p.normal, &w);
             }
@@ -73,11 +74,6 @@ impl Contact {
             self.lean_on_load(points);
             self.center_on_load(points);
         }
-    }
-
-    /// Whether it has points of rims.
-    pub fn has_rims(&self, points: &[ContactPoint]) -> bool {
-        points[self.points.clone()].iter().any(|p| p.rim.is_some())
     }
 
     /// What friction acts against at the velocity `u` of the bodies.

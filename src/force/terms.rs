@@ -374,13 +374,14 @@ impl Terms {
 
     /// Makes these the terms of a part of a step: those of `base`, moved on.
     ///
-    /// - `way`: spatial displacement of each body; `moved`: of each degree of freedom, rad or m
+    /// - `way`: spatial displacement of each body; `moved`: of each degree of freedom, rad or m;
+    ///   `risen`: for how long contacts have risen by their drift besides, s
     /// - `after`: what the terms remember after the part before, and which multiple of the change
     ///   since `base` they begin with
     pub fn begin(
         &mut self,
         base: &Self,
-        (way, moved): (&[Vec6], &[f64]),
+        (way, moved, risen): (&[Vec6], &[f64], f64),
         after: Option<(&Memory, f64)>,
     ) {
         self.contacts.list.clear();
@@ -389,7 +390,7 @@ impl Terms {
         points.clear();
         points.extend_from_slice(&base.contacts.points);
         for contact in &mut self.contacts.list {
-            contact.shift(points, way);
+            contact.shift(points, way, risen);
         }
         self.turns.clear();
         self.turns.extend_from_slice(&base.turns);

@@ -21,10 +21,12 @@
 //! stage does.
 //!
 //! What rolls or sticks has a velocity of zero at the place of contact at each time, and that place
-//! turns within the step. So the sliding velocities of the stages have a drift beside the lever
-//! arms of the middle: what the expected velocity makes of the way of the lever arms from the start
-//! to the middle, in proportion to the time from there. The same holds along the normal: what rolls
-//! over a crest moves along the surface at each time, and the surface turns.
+//! moves within the step. So the velocities of a contact in the stages, along the surface and
+//! along its normal, have a drift beside the lever arms of the middle: what the expected velocity
+//! makes of the way of the lever arms from the start to the middle, in proportion to the time from
+//! there. With `J` of the start and of the middle, `J(t) v ≈ J* v + (J* − J₀) v* (t − h/2)/(h/2)`.
+//! Displacements contain the drift, too: the second stage begins `(1 − γ) h` times that of the
+//! first one farther. As `Σ b_i (c_i − 1/2) = 0`, nothing of it is left after a whole step.
 //!
 //! A contact slips at `μ` times a normal force that is known before a Newton iteration: at first
 //! that of the guess. Where the normal forces that an iteration has found would change velocities,
@@ -59,7 +61,7 @@ use crate::step::point::{Context, Point};
 use crate::step::size::{fastest, worst_error};
 use crate::tree::Tree;
 use crate::tuning::{
-    CONTACT_STEP, CORRECTED, DRIFTING, ESTIMATE, LAG_SHARE, MAX_CARRIES, START, VELOCITY_WEIGHT,
+    CONTACT_STEP, CORRECTED, ESTIMATE, LAG_SHARE, MAX_CARRIES, START, VELOCITY_WEIGHT,
 };
 use std::f64::consts::SQRT_2;
 
@@ -252,12 +254,9 @@ impl Stages {
                 let before = &here.terms.contacts.points;
                 contact.take_loads(points, &before[start.points.clone()]);
                 let moved = contact.sliding(&kin.V) - start.sliding(&self.way);
-                contact.drift = moved * DRIFTING;
-                // On even ground the law of rims says itself how their points move.
-                if contact.uneven || !contact.has_rims(points) {
-                    let climbing = contact.normal_velocity(points, &kin.V);
-                    contact.rise = climbing - start.normal_velocity(before, &self.way);
-                }
+                contact.drift = moved;
+                let climbing = contact.normal_velocity(points, &kin.V);
+                contact.rise = climbing - start.normal_velocity(before, &self.way);
             }
         }
     }
@@ -278,7 +277,13 @@ impl Stages {
         } = self;
         forward(ctx.tree, &middle.kin.S, moved, way);
         let after = (stage > 0).then_some((&*memory, 1.0 + SQRT_2));
-        terms[stage].begin(&middle.terms, (way, moved), after);
+        // What the drift of the first stage has moved.
+        let risen = if stage > 0 {
+            (1.0 - GAMMA) * h * DRIFT[0]
+        } else {
+            0.0
+        };
+        terms[stage].begin(&middle.terms, (way, moved, risen), after);
         terms[stage].scale_drift(DRIFT[stage]);
     }
 
@@ -357,7 +362,7 @@ impl Stages {
         // What the positions' error does to the forces of the second stage, times η.
         forward(tree, &kin.S, position, &mut self.way);
         self.aside
-            .begin(&self.terms[1], (&self.way, position), None);
+            .begin(&self.terms[1], (&self.way, position, 0.0), None);
         self.probe
             .forces_at(&problem(&self.aside, eta), &second.v, &mut self.forces);
         second.forces_found(&mut self.guess);

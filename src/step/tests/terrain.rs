@@ -173,7 +173,11 @@ fn a_ball_rolls_over_waves_as_the_equation_of_one_freedom_says() {
         let c = 1.0 / (1.0 + slope(x) * slope(x)).sqrt();
         (x - R * slope(x) * c, surface(x) + R * c)
     };
-    for (tolerance, most) in [(1e-3, 1.2e-3), (1e-5, 2e-4)] {
+    // What is left at any tolerance, 3.3e-4 m with the default penetration, is that the ball yields
+    // on its contact and the spring of friction stretches.
+    for (penetration, tolerance, most) in
+        [(1e-4, 1e-3, 4e-4), (1e-4, 1e-5, 4e-4), (1e-5, 1e-5, 1.5e-4)]
+    {
         let terrain = field(8.0, 1600, |x, _| surface(x));
         let mut one = body(1.0, Shape::Sphere { radius: R }, Vec3::new(0.0, 0.0, 0.0));
         let start_at = center(-2.0);
@@ -181,7 +185,9 @@ fn a_ball_rolls_over_waves_as_the_equation_of_one_freedom_says() {
         let v0 = 1.0;
         one.roots[0].linear_velocity = Vec3::new(v0, 0.0, 0.0);
         one.roots[0].angular_velocity = Vec3::new(0.0, v0 / R, 0.0);
-        let mut s = start(over(ground(terrain, Vec3::zeros()), one), tolerance);
+        let mut model = over(ground(terrain, Vec3::zeros()), one);
+        model.contact.penetration = penetration;
+        let mut s = start(model, tolerance);
         let (mut x, mut time, mut worst) = (-2.0, 0.0, 0.0_f64);
         let n = 100_000;
         let dt = 3.0 / f64::from(n);
@@ -204,7 +210,7 @@ fn a_ball_rolls_over_waves_as_the_equation_of_one_freedom_says() {
                 worst = worst.max(libm::hypot(q[0] - c.0, q[2] - c.1));
             }
         }
-        assert!(worst < most, "{worst:e} at {tolerance:e}");
+        assert!(worst < most, "{worst:e} at {penetration:e}, {tolerance:e}");
     }
 }
 
