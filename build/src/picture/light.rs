@@ -6,8 +6,9 @@
 //! without an approximation for them.
 
 use super::camera::{Camera, count};
+use super::depth::Depth;
 use super::look::Look;
-use super::raster::{Depth, Places, floor};
+use super::raster::{Places, floor};
 use super::solid::{self, World};
 use std::collections::{HashMap, HashSet};
 use std::hash::BuildHasherDefault;
@@ -28,6 +29,12 @@ const LAMP_ELEVATION: f64 = 58.0;
 const LAMP_SIDE: usize = 1024;
 const SKY_SIDE: usize = 224;
 
+/// Squares of the lamp's picture and of the sky's that have their nearest place, as powers of two of
+/// pixels, and how many pixels beyond them are theirs, too: the soft edge of the lamp to both of its
+/// sides, and the second of two pixels between which a place in the sky's picture lies.
+const LAMP_TILES: [u8; 2] = [4, 2 * EDGE];
+const SKY_TILES: [u8; 2] = [2, 1];
+
 /// The sky sees the robot made of so many cubes along its size: finer than its pictures are.
 const SKY_CELLS: f64 = 300.0;
 
@@ -36,6 +43,9 @@ const RIM: f32 = 5.0;
 
 /// Half width of the lamp's soft edge, as a part of the robot's size.
 const SOFTNESS: f64 = 0.012;
+
+/// The same in pixels of the lamp's picture, and one more.
+const EDGE: u8 = 13;
 
 /// A place is moved along its normal by this part of the robot's size before it looks at a lamp,
 /// because a lamp's picture knows distances only to within its pixels.
@@ -91,13 +101,15 @@ fn dot(a: &[f32; 3], b: &[f32; 3]) -> f32 {
 impl Lamp {
     /// - `reach`: points that the picture reaches to
     /// - `faces`: places in `points`
+    /// - `tiles`: see [`Depth::new`]
     #[allow(clippy::cast_possible_truncation, reason = "places in a picture")]
     fn new(
         toward: Vec3,
         reach: &[Point],
         points: &[Point],
-        faces: impl Iterator<Item = [u32; 3]>,
+        faces: &[&[[u32; 3]]],
         side: usize,
+        tiles: [u8; 2],
     ) -> Self {
         let right = Vec3::z().cross(&toward);
         let right = right.try_normalize(1e-9).unwrap_or_else(Vec3::x);
@@ -121,7 +133,7 @@ impl Lamp {
         let short = shorter(&toward);
         let rows = [row(0), row(1), [short[0], short[1], short[2], 0.0]];
         let places = Places::new(points.iter().map(|p| place(&rows, p)));
-        let depth = Depth::new(&places, faces, side);
+        let depth = Depth::new(&places, faces, side, tiles);
         Self {
             toward,
             short,
@@ -171,9 +183,13 @@ impl Lamp {
         let mut seen = [1.0; LANES];
         if inside.contains(&true) {
             let (left, top) = (x.map(|x| x as i32), y.map(|y| y as i32));
-            // The four pixels around each place.
+            let hidden: [bool; LANES] = each(|l| {
+                let nearest = || self.depth.nearest_about(left[l] as usize, top[l] as usize);
+                inside[l] && nearest() > near[l]
+            });
+            // The four pixels around each place that they may hide.
             let mut pixels = [[f32::NEG_INFINITY; LANES]; 4];
-            for l in (0..LANES).filter(|l| inside[*l]) {
+            for l in (0..LANES).filter(|l| hidden[*l]) {
                 let at = top[l] as usize * side + left[l] as usize;
                 if let Some(rows) = self.depth.near.get(at..at + side + 2) {
                     for (pixel, k) in pixels.iter_mut().zip([0, 1, side, side + 1]) {
@@ -259,10 +275,10 @@ impl Lights {
         let mut sky = parallel::map(&numbers, |&k| {
             let (toward, reach) = (directions[k], &cubes.middles);
             if k == 0 {
-                Lamp::new(toward, reach, &points, faces(), LAMP_SIDE)
+                Lamp::new(toward, reach, &points, &casting, LAMP_SIDE, LAMP_TILES)
             } else {
-                let faces = cubes.toward(&toward).iter().copied();
-                Lamp::new(toward, reach, reach, faces, SKY_SIDE)
+                let faces = &[cubes.toward(&toward)];
+                Lamp::new(toward, reach, reach, faces, SKY_SIDE, SKY_TILES)
             }
         });
         let lamp = sky.remove(0);
@@ -310,8 +326,17 @@ impl Lights {
     }
 
     /// Part of the lamp that is seen, with a round soft edge.
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "floats saturate"
+    )]
     fn soft(&self, p: &[f32; 3]) -> f32 {
         let [x, y, near] = place(&self.lamp.rows, p);
+        let [left, top] = [x, y].map(|x| usize::from((x - f32::from(EDGE)) as u16));
+        if self.lamp.depth.nearest_about(left, top) <= near {
+            return 1.0;
+        }
         let (mut sum, mut weights) = (0.0, 0.0);
         for [right, down, weight] in &self.disc {
             sum += weight * self.lamp.open(x + right, y + down, near);
