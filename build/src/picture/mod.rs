@@ -27,6 +27,5 @@ mod texture;
 pub use camera::Camera;
 pub use film::film;
 pub use look::{Look, Theme, Toward};
-pub use png::encode;
 pub use run::{ShowError, poses};
 pub use still::{all, still};

@@ -93,13 +93,15 @@ impl Group {
     }
 }
 
-pub(super) fn picture(seen: &Seen) -> Picture {
+/// - `done`: takes each band of rows by its number as soon as it is there
+pub(super) fn picture(seen: &Seen, done: impl Fn(usize, &[[u8; 4]]) + Sync) -> Picture {
     let Look { width, height, .. } = *seen.look;
     let to_srgb = srgb_table();
     let mut pixels = vec![[0; 4]; width * height];
     let band = BAND.min(height);
     parallel::for_pieces(&mut pixels, band * width, |i, rows| {
         seen.band(i * band, rows, &to_srgb);
+        done(i, rows);
     });
     Picture {
         width,
