@@ -1,10 +1,6 @@
 //! How near the robot is to a lamp, at each pixel of the lamp's picture.
 
-use super::raster::{Placed, Places, greatest, rows, within};
-
-/// Triangles that are looked at together: first which of them can have a pixel, without a branch
-/// for each, because there is no telling.
-const BLOCK: usize = 256;
+use super::raster::{Places, greatest, rows, within};
 
 /// Rows and columns up to which a triangle is compared with what is known before it is drawn.
 const SMALL: usize = 3;
@@ -58,25 +54,34 @@ impl Depth {
     /// - `shift`, `more`: see [`Tiles`]
     pub(super) fn new(
         places: &Places,
-        faces: &[&[[u32; 3]]],
+        faces: impl Iterator<Item = [u32; 3]>,
         side: usize,
         [shift, more]: [u8; 2],
     ) -> Self {
         let mut near = vec![f32::NEG_INFINITY; side * side];
-        let blocks = faces.iter().flat_map(|faces| faces.chunks(BLOCK));
-        let mut kept = [[0; 3]; BLOCK];
-        for block in blocks {
-            let mut count = 0;
-            for &face in block {
-                kept[count % BLOCK] = face;
-                count += usize::from(places.has_some(face));
+        let picture = 0..side;
+        for placed in faces.filter_map(|face| places.triangle(face)) {
+            let here = within(placed.rows, &picture);
+            if here.len() <= SMALL {
+                // What lies behind all that is known of its few pixels changes nothing.
+                let columns = within(placed.columns, &picture);
+                let [a, b, c] = placed.corners.map(|corner| corner[2]);
+                let nearest = a.max(b).max(c);
+                let hidden = |y: usize| {
+                    let pixels = near.get(y * side + columns.start..y * side + columns.end);
+                    pixels.is_none_or(|pixels| pixels.iter().all(|known| *known >= nearest))
+                };
+                if columns.len() <= SMALL && here.clone().all(hidden) {
+                    continue;
+                }
             }
-            for placed in kept[..count]
-                .iter()
-                .filter_map(|&face| places.triangle(face))
-            {
-                draw(&placed, &mut near, side);
-            }
+            rows(&placed.corners, side, here, |y, xs, start, slope| {
+                let mut depth = start;
+                for place in &mut near[y * side + xs.start..y * side + xs.end] {
+                    *place = greatest(*place, depth);
+                    depth += slope;
+                }
+            });
         }
         let tiles = Tiles::new(&near, side, shift.into(), more.into());
         Self { side, near, tiles }
@@ -94,30 +99,4 @@ impl Depth {
         let place = (y >> shift) * across + (x >> shift);
         nearest.get(place).copied().unwrap_or(f32::INFINITY)
     }
-}
-
-/// Draws a triangle into a square picture.
-fn draw(placed: &Placed, near: &mut [f32], side: usize) {
-    let picture = 0..side;
-    let here = within(placed.rows, &picture);
-    if here.len() <= SMALL {
-        // What lies behind all that is known of its few pixels changes nothing.
-        let columns = within(placed.columns, &picture);
-        let [a, b, c] = placed.corners.map(|corner| corner[2]);
-        let nearest = a.max(b).max(c);
-        let hidden = |y: usize| {
-            let pixels = near.get(y * side + columns.start..y * side + columns.end);
-            pixels.is_none_or(|pixels| pixels.iter().all(|known| *known >= nearest))
-        };
-        if columns.len() <= SMALL && here.clone().all(hidden) {
-            return;
-        }
-    }
-    rows(&placed.corners, side, here, |y, xs, start, slope| {
-        let mut depth = start;
-        for place in &mut near[y * side + xs.start..y * side + xs.end] {
-            *place = greatest(*place, depth);
-            depth += slope;
-        }
-    });
 }

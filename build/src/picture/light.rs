@@ -55,8 +55,7 @@ const SKY_OFFSET: f64 = 0.012;
 /// The lamp and the sky.
 pub(super) struct Lights {
     pub(super) lamp: Lamp,
-    /// See [`disc`].
-    disc: Vec<[f32; 3]>,
+    disc: Disc,
     sky: Vec<Lamp>,
     /// Places are given from here, m: so that short numbers are exact enough.
     center: Vec3,
@@ -107,7 +106,7 @@ impl Lamp {
         toward: Vec3,
         reach: &[Point],
         points: &[Point],
-        faces: &[&[[u32; 3]]],
+        faces: impl Iterator<Item = [u32; 3]>,
         side: usize,
         tiles: [u8; 2],
     ) -> Self {
@@ -140,22 +139,6 @@ impl Lamp {
             rows,
             depth,
         }
-    }
-
-    /// Whether nothing is nearer to the lamp, from a pixel on.
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "floats saturate, and negative ones are beyond the picture"
-    )]
-    fn open(&self, x: f32, y: f32, near: f32) -> f32 {
-        let side = self.depth.side;
-        if x < 0.0 || y < 0.0 {
-            return 1.0;
-        }
-        let (x, y) = (x as i32 as usize, y as i32 as usize);
-        let hidden = x < side && y < side && self.depth.near[y * side + x] > near;
-        if hidden { 0.0 } else { 1.0 }
     }
 
     /// Adds the light of this lamp to the sky's on some places.
@@ -275,16 +258,16 @@ impl Lights {
         let mut sky = parallel::map(&numbers, |&k| {
             let (toward, reach) = (directions[k], &cubes.middles);
             if k == 0 {
-                Lamp::new(toward, reach, &points, &casting, LAMP_SIDE, LAMP_TILES)
+                Lamp::new(toward, reach, &points, faces(), LAMP_SIDE, LAMP_TILES)
             } else {
-                let faces = &[cubes.toward(&toward)];
+                let faces = cubes.toward(&toward).iter().copied();
                 Lamp::new(toward, reach, reach, faces, SKY_SIDE, SKY_TILES)
             }
         });
         let lamp = sky.remove(0);
         Self {
             lamp,
-            disc: disc(),
+            disc: Disc::new(),
             sky,
             center,
             lamp_offset: LAMP_OFFSET * camera.size,
@@ -333,31 +316,64 @@ impl Lights {
     )]
     fn soft(&self, p: &[f32; 3]) -> f32 {
         let [x, y, near] = place(&self.lamp.rows, p);
+        let Depth {
+            side, near: known, ..
+        } = &self.lamp.depth;
         let [left, top] = [x, y].map(|x| usize::from((x - f32::from(EDGE)) as u16));
         if self.lamp.depth.nearest_about(left, top) <= near {
             return 1.0;
         }
-        let (mut sum, mut weights) = (0.0, 0.0);
-        for [right, down, weight] in &self.disc {
-            sum += weight * self.lamp.open(x + right, y + down, near);
-            weights += weight;
+        // Beyond the picture nothing hides the lamp.
+        let pixel = |x: f32| {
+            if x < 0.0 {
+                *side
+            } else {
+                (x as usize).min(*side)
+            }
+        };
+        let columns = self.disc.steps.map(|step| pixel(x + step));
+        // Weights are whole numbers, so that their sums are exact in any order.
+        let mut hidden = 0.0;
+        for (step, weights) in self.disc.steps.iter().zip(&self.disc.weights) {
+            let row = pixel(y + step);
+            let Some(known) = known.get(row * side..(row + 1) * side) else {
+                continue;
+            };
+            for (column, weight) in columns.iter().zip(weights) {
+                let known = known.get(*column).copied().unwrap_or(f32::NEG_INFINITY);
+                hidden += if known > near { *weight } else { 0.0 };
+            }
         }
-        sum / weights
+        (self.disc.all - hidden) / self.disc.all
     }
 }
 
-/// The lamp's soft edge in its picture: steps to the right and down, and their weights.
-fn disc() -> Vec<[f32; 3]> {
-    /// Steps to each side.
-    const REACH: i8 = 4;
-    #[allow(clippy::cast_possible_truncation, reason = "a few pixels")]
-    let step = (SOFTNESS * count(LAMP_SIDE) / f64::from(REACH)) as f32;
-    let steps = (-REACH..=REACH).flat_map(|j| (-REACH..=REACH).map(move |i| (i, j)));
-    let weighted = steps.map(|(i, j)| {
-        let weight = f32::from(REACH * REACH + 2 - i * i - j * j);
-        [f32::from(i) * step, f32::from(j) * step, weight]
-    });
-    weighted.filter(|[.., weight]| *weight > 0.0).collect()
+/// Steps to each side of the middle of the lamp's soft edge.
+const REACH: i8 = 4;
+
+/// The lamp's soft edge in its picture.
+struct Disc {
+    /// Steps to the right, which are those down, too.
+    steps: [f32; 9],
+    /// Those of each row, whole numbers.
+    weights: [[f32; 9]; 9],
+    /// The sum of all weights.
+    all: f32,
+}
+
+impl Disc {
+    fn new() -> Self {
+        #[allow(clippy::cast_possible_truncation, reason = "a few pixels")]
+        let step = (SOFTNESS * count(LAMP_SIDE) / f64::from(REACH)) as f32;
+        let numbers: [i8; 9] = [-4, -3, -2, -1, 0, 1, 2, 3, 4];
+        let weight = |i: i8, j: i8| f32::from((REACH * REACH + 2 - i * i - j * j).max(0));
+        let weights = numbers.map(|j| numbers.map(|i| weight(i, j)));
+        Self {
+            steps: numbers.map(|i| f32::from(i) * step),
+            all: weights.iter().flatten().sum(),
+            weights,
+        }
+    }
 }
 
 /// Triangles whose corners are moved to the middles of cubes.

@@ -11,7 +11,7 @@ use urdf2fmu_core::parallel;
 use urdf2fmu_core::spatial::Vec3;
 
 /// Rows of samples that one thread draws at a time; they fit into a processor's own memory.
-const BAND: usize = 32 * SAMPLES;
+const BAND: usize = 16 * SAMPLES;
 
 /// Triangles that one thread sorts into bands at a time.
 const PART: usize = 1 << 15;
@@ -84,18 +84,6 @@ fn between(cells: [u64; 3], shift: u32) -> (i32, i32) {
     )
 }
 
-/// Whether three corners do not all lie between the same two centres, along rows and columns.
-#[inline]
-#[allow(
-    clippy::needless_bitwise_bool,
-    clippy::cast_possible_truncation,
-    reason = "one branch instead of two, and the halves of a cell"
-)]
-fn some([a, b, c]: [u64; 3]) -> bool {
-    let apart = (a ^ b) | (a ^ c) | (a & ON);
-    (apart as u32 != 0) & (apart >> 32 != 0)
-}
-
 impl Places {
     #[allow(
         clippy::cast_precision_loss,
@@ -116,18 +104,20 @@ impl Places {
         }
     }
 
-    /// Whether the centre of a sample can be in a triangle.
-    #[inline]
-    pub(super) fn has_some(&self, face: [u32; 3]) -> bool {
-        some(face.map(|i| self.cells[i as usize]))
-    }
-
     /// A triangle, if the centre of a sample can be in it. Most triangles are smaller than a
     /// sample.
     #[inline]
+    #[allow(
+        clippy::needless_bitwise_bool,
+        clippy::cast_possible_truncation,
+        reason = "one branch instead of two, and the halves of a cell"
+    )]
     pub(super) fn triangle(&self, face: [u32; 3]) -> Option<Placed> {
         let cells = face.map(|i| self.cells[i as usize]);
-        some(cells).then(|| Placed {
+        let [a, b, c] = cells;
+        let apart = (a ^ b) | (a ^ c) | (a & ON);
+        let some = (apart as u32 != 0) & (apart >> 32 != 0);
+        some.then(|| Placed {
             corners: face.map(|i| self.corners[i as usize]),
             columns: between(cells, 0),
             rows: between(cells, 32),
@@ -152,62 +142,37 @@ pub(super) fn within(range: (i32, i32), picture: &Range<usize>) -> Range<usize> 
     start..end.min(picture.end)
 }
 
-/// The sides of a triangle, the last of them twice: compilers make one instruction of the same sum
-/// for four numbers.
-struct Edges {
-    /// A point on each, and the columns that it goes to the right in a row.
-    x: [f32; 4],
-    y: [f32; 4],
-    slope: [f32; 4],
-    /// Infinite where the inside does not end at it, in a picture whose rows go down: on the right,
-    /// and on the left.
-    beyond: [[f32; 4]; 2],
+/// A side of a triangle.
+#[derive(Clone, Copy)]
+struct Edge {
+    /// Whether the inside lies to its left, in a picture whose rows go down.
+    right: bool,
+    /// A point on it, and the columns that it goes to the right in a row.
+    x: f32,
+    y: f32,
+    slope: f32,
 }
 
-impl Edges {
-    /// Both triangles at an edge compute it from its upper end.
+impl Edge {
+    /// `None` for one along a row. Both triangles at an edge compute it from its upper end.
     #[inline]
-    #[allow(
-        clippy::float_cmp,
-        reason = "an edge along a row has no slope, others have one"
-    )]
-    fn new([a, b, c]: &Corners, sign: f32) -> Self {
-        let (from, to) = ([a, b, c, c], [b, c, a, a]);
-        let down: [f32; 4] = each(|k| to[k][1] - from[k][1]);
-        let upper = |i: usize| each(|k| if down[k] < 0.0 { to[k][i] } else { from[k][i] });
-        let lower = |i: usize| each(|k| if down[k] < 0.0 { from[k][i] } else { to[k][i] });
-        let ([x, y], [u, v]) = ([upper(0), upper(1)], [lower(0), lower(1)]);
-        let slope = each(|k| (u[k] - x[k]) / (v[k] - y[k]));
-        let ends = |side: f32| each(|k| if side * down[k] > 0.0 { -1.0 } else { 1.0 });
-        let (right, left): ([f32; 4], [f32; 4]) = (ends(sign), ends(-sign));
-        Self {
-            x,
-            y,
-            slope: each(|k| if down[k] == 0.0 { 0.0 } else { slope[k] }),
-            beyond: [
-                right.map(|end| end * f32::INFINITY),
-                left.map(|end| -end * f32::INFINITY),
-            ],
+    fn new(from: &[f32; 3], to: &[f32; 3], sign: f32) -> Option<Self> {
+        let down = sign * (to[1] - from[1]);
+        if down == 0.0 {
+            return None;
         }
+        let (p, q) = if (from[1], from[0]) <= (to[1], to[0]) {
+            (from, to)
+        } else {
+            (to, from)
+        };
+        Some(Self {
+            right: down > 0.0,
+            x: p[0],
+            y: p[1],
+            slope: (q[0] - p[0]) / (q[1] - p[1]),
+        })
     }
-
-    /// First and last column whose centre is inside in a row, between those of the picture.
-    #[inline]
-    fn columns(&self, center: f32, end: f32) -> (f32, f32) {
-        let Self { x, y, slope, .. } = self;
-        let at: [f32; 4] = each(|k| x[k] + (center - y[k]) * slope[k] - 0.5);
-        let last: [f32; 4] = each(|k| greatest(whole(at[k]), self.beyond[0][k]));
-        let first: [f32; 4] = each(|k| least(-whole(-at[k]), self.beyond[1][k]));
-        let right = least(least(end, last[0]), least(least(end, last[1]), last[2]));
-        let left = greatest(greatest(0.0, first[0]), first[1]);
-        (greatest(left, first[2]), right)
-    }
-}
-
-/// One number for each side.
-#[inline]
-fn each(of: impl FnMut(usize) -> f32) -> [f32; 4] {
-    std::array::from_fn(of)
 }
 
 /// Shows each of some rows of a triangle within a picture: its number, its samples from the first
@@ -239,11 +204,23 @@ pub(super) fn rows(
         (slope_x, slope_y)
     };
     let mut known = None;
-    let edges = Edges::new(corners, sign);
+    let edges = [
+        Edge::new(a, b, sign),
+        Edge::new(b, c, sign),
+        Edge::new(c, a, sign),
+    ];
     let end = width as f32 - 1.0;
     for y in rows {
         let center = y as f32 + 0.5;
-        let (left, right) = edges.columns(center, end);
+        let (mut left, mut right) = (0.0_f32, end);
+        for edge in edges.iter().flatten() {
+            let at = edge.x + (center - edge.y) * edge.slope - 0.5;
+            if edge.right {
+                right = least(right, whole(at));
+            } else {
+                left = greatest(left, -whole(-at));
+            }
+        }
         if left <= right {
             let (slope_x, slope_y) = *known.get_or_insert_with(slopes);
             let x = left + 0.5;

@@ -37,15 +37,16 @@ pub fn all(scene: &Scene) -> impl Iterator<Item = (&'static str, Vec<u8>)> {
 /// A PNG of a scene whose links have these poses, and the camera that took it.
 pub fn still(scene: &Scene, poses: &[Pose], look: &Look) -> (Vec<u8>, Camera) {
     let stage = Stage::new(scene);
-    let camera = Camera::fit(stage.corners(poses), look);
-    let subject = Subject::new(scene, stage, &camera, look);
+    let fit = || Camera::fit(stage.corners(poses), look);
     if look.frames {
+        let camera = fit();
+        let subject = Subject::new(scene, stage, &camera, look);
         return (encode(&subject.draw(poses, &camera, look)), camera);
     }
+    let (camera, world) = parallel::both(fit, || World::new(&stage, poses));
     let clear = matches!(look.theme, Theme::Clear | Theme::Cutout);
     let png = while_drawn(look.width, clear, |writer| {
-        let Subject { stage, ground, .. } = &subject;
-        draw(stage, poses, &camera, look, *ground, |band, pixels| {
+        draw(&world, &camera, look, scene.head.ground, |band, pixels| {
             writer.take(band, pixels);
         })
     });
@@ -73,13 +74,14 @@ impl Subject {
 
     pub(super) fn draw(&self, poses: &[Pose], camera: &Camera, look: &Look) -> Picture {
         let nobody = |_: usize, _: &[[u8; 4]]| {};
-        let mut picture = draw(&self.stage, poses, camera, look, self.ground, nobody);
+        let world = World::new(&self.stage, poses);
+        let mut picture = draw(&world, camera, look, self.ground, nobody);
         if let Some(axes) = &self.axes {
             let plain = Look {
                 theme: Theme::Cutout,
                 ..look.clone()
             };
-            let axes = draw(axes, poses, camera, &plain, false, nobody);
+            let axes = draw(&World::new(axes, poses), camera, &plain, false, nobody);
             frames::lay_over(&mut picture, &axes);
         }
         picture
@@ -89,22 +91,20 @@ impl Subject {
 /// - `ground`: whether there is a floor
 /// - `done`: see [`shade::picture`]
 fn draw(
-    stage: &Stage,
-    poses: &[Pose],
+    world: &World,
     camera: &Camera,
     look: &Look,
     ground: bool,
     done: impl Fn(usize, &[[u8; 4]]) + Sync,
 ) -> Picture {
-    let world = World::new(stage, poses);
     let (width, height) = (look.width * SAMPLES, look.height * SAMPLES);
     // Each has parts that keep one thread busy; together these keep two busy.
     let (lights, layer) = parallel::both(
-        || Lights::new(&world, camera, look),
-        || Layer::new(&world, |p| camera.project(p, SAMPLES), width, height),
+        || Lights::new(world, camera, look),
+        || Layer::new(world, |p| camera.project(p, SAMPLES), width, height),
     );
     let seen = Seen {
-        stage,
+        stage: world.stage,
         layer: &layer,
         lights: &lights,
         camera,
