@@ -15,6 +15,7 @@
 pub mod codes;
 pub(crate) mod words;
 
+use std::cell::OnceCell;
 use std::fmt;
 use std::ops::Range;
 
@@ -176,8 +177,8 @@ const MOST_ERRORS: usize = 100;
 pub(crate) struct Report<'a> {
     file: &'a str,
     text: &'a str,
-    /// Where each line starts.
-    lines: Vec<usize>,
+    /// Where each line starts, once someone asks: meshes have many lines and hardly any findings.
+    lines: OnceCell<Vec<usize>>,
     list: Vec<Diagnostic>,
     /// Errors not listed for want of room.
     more: usize,
@@ -188,9 +189,7 @@ impl<'a> Report<'a> {
         Self {
             file,
             text,
-            lines: std::iter::once(0)
-                .chain(text.match_indices('\n').map(|(at, _)| at + 1))
-                .collect(),
+            lines: OnceCell::new(),
             list: Vec::new(),
             more: 0,
         }
@@ -233,7 +232,10 @@ impl<'a> Report<'a> {
 
     /// 1-based line of a byte.
     pub(crate) fn line(&self, at: usize) -> usize {
-        self.lines.partition_point(|&start| start <= at)
+        let ends = || self.text.match_indices('\n').map(|(end, _)| end + 1);
+        let lines = || std::iter::once(0).chain(ends()).collect::<Vec<_>>();
+        let lines = self.lines.get_or_init(lines);
+        lines.partition_point(|&start| start <= at)
     }
 
     /// An empty `help` means none.

@@ -237,8 +237,7 @@ fn picture(args: &Picture) -> Result<(), CliError> {
     let look = args.look();
     let Some(run) = &args.run else {
         let poses = scene::link_poses(&scene.head, |_| None);
-        let (picture, camera) = picture::still(&scene, &poses, &look);
-        let bytes = picture::encode(&picture);
+        let (bytes, camera) = picture::still(&scene, &poses, &look);
         target.write(&bytes)?;
         print(&summary::picture(&output, bytes.len(), &look, &camera))?;
         return Ok(());

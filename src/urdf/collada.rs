@@ -14,8 +14,10 @@ use super::xml::{Document, Node};
 use crate::diagnostic::Report;
 use crate::spatial::Vec3;
 use nalgebra::{Matrix4, Point3, Rotation3, Unit};
+use std::cell::RefCell;
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
+use std::sync::Arc;
 
 /// Most placed geometries: a part library that refers to itself must end.
 const MOST_INSTANCES: usize = 10_000;
@@ -23,14 +25,45 @@ const MOST_INSTANCES: usize = 10_000;
 /// Most points that are kept.
 const MOST_POINTS: usize = 20_000_000;
 
+/// Long rows of numbers that have been read, by the places of their tags: both the corners and the
+/// painted triangles of a mesh need them, and most of a file is numbers.
+#[derive(Default)]
+pub(super) struct Known {
+    floats: RefCell<HashMap<usize, Arc<Vec<f64>>>>,
+    indices: RefCell<HashMap<usize, Arc<Vec<Vec<u32>>>>>,
+}
+
+impl Known {
+    fn floats(&self, node: Node) -> Result<Arc<Vec<f64>>, MeshError> {
+        let place = node.tag_at().start;
+        if let Some(known) = self.floats.borrow().get(&place) {
+            return Ok(Arc::clone(known));
+        }
+        let read = Arc::new(numbers(node)?);
+        let mut list = self.floats.borrow_mut();
+        list.insert(place, Arc::clone(&read));
+        Ok(read)
+    }
+
+    /// In pieces.
+    fn indices(&self, node: Node) -> Arc<Vec<Vec<u32>>> {
+        let mut list = self.indices.borrow_mut();
+        let known = list.entry(node.tag_at().start);
+        Arc::clone(known.or_insert_with(|| Arc::new(words::indices(&node.content()))))
+    }
+}
+
 /// Corners of all faces in the scene, each once for each group of faces.
-pub(super) fn read(bytes: &[u8]) -> Result<Vec<Vec3>, MeshError> {
-    with_scene(bytes, |scene| scene.points(Scene::corners))
+///
+/// - `known`: of the same file
+pub(super) fn read(bytes: &[u8], known: &Known) -> Result<Vec<Vec3>, MeshError> {
+    with_scene(bytes, known, |scene| scene.points(Scene::corners))
 }
 
 /// All faces in the scene, cut into triangles.
 pub(super) fn triangles(bytes: &[u8]) -> Result<Vec<[Vec3; 3]>, MeshError> {
-    let corners = with_scene(bytes, |scene| scene.points(Scene::triangle_corners))?;
+    let known = Known::default();
+    let corners = with_scene(bytes, &known, |scene| scene.points(Scene::triangle_corners))?;
     Ok(corners
         .chunks_exact(3)
         .map(|t| [t[0], t[1], t[2]])
@@ -38,12 +71,15 @@ pub(super) fn triangles(bytes: &[u8]) -> Result<Vec<[Vec3; 3]>, MeshError> {
 }
 
 /// All faces in the scene, cut into triangles, by what they are painted with.
-pub(super) fn parts(bytes: &[u8]) -> Result<Vec<Part>, MeshError> {
-    with_scene(bytes, |scene| scene.parts()?.finish())
+///
+/// - `known`: of the same file
+pub(super) fn parts(bytes: &[u8], known: &Known) -> Result<Vec<Part>, MeshError> {
+    with_scene(bytes, known, |scene| scene.parts()?.finish())
 }
 
 fn with_scene<T>(
     bytes: &[u8],
+    known: &Known,
     work: impl FnOnce(&Scene) -> Result<T, MeshError>,
 ) -> Result<T, MeshError> {
     let text = std::str::from_utf8(bytes).map_err(|_| problem("the file is not UTF-8"))?;
@@ -63,7 +99,7 @@ fn with_scene<T>(
     if root.local_name() != "COLLADA" {
         return Err(problem("the root element is not <COLLADA>"));
     }
-    work(&Scene::new(root))
+    work(&Scene::new(root, known))
 }
 
 fn problem(what: &str) -> MeshError {
@@ -72,6 +108,7 @@ fn problem(what: &str) -> MeshError {
 
 struct Scene<'d> {
     root: Node<'d>,
+    known: &'d Known,
     ids: HashMap<&'d str, Node<'d>>,
     /// Whether any material has a texture: without one, texture coordinates are not read.
     textured: bool,
@@ -87,7 +124,7 @@ struct Instance<'d> {
 }
 
 impl<'d> Scene<'d> {
-    fn new(root: Node<'d>) -> Self {
+    fn new(root: Node<'d>, known: &'d Known) -> Self {
         let mut ids = HashMap::new();
         let mut textured = false;
         for node in root.descendants() {
@@ -98,6 +135,7 @@ impl<'d> Scene<'d> {
         }
         Self {
             root,
+            known,
             ids,
             textured,
         }
@@ -295,7 +333,7 @@ mod tests {
              <library_visual_scenes><visual_scene id='a'>{nodes}</visual_scene></library_visual_scenes>
              <scene><instance_visual_scene url='#a'/></scene></COLLADA>"
         );
-        read(text.as_bytes())
+        read(text.as_bytes(), &Known::default())
     }
 
     fn assert_close(found: Result<Vec<Vec3>, MeshError>, expected: [[f64; 3]; 3]) {
@@ -336,8 +374,8 @@ mod tests {
 
     #[test]
     fn faulty_collada_files_are_refused() {
-        assert!(read(b"<COLLADA><asset>").is_err());
-        assert!(read(b"<svg/>").is_err());
+        assert!(read(b"<COLLADA><asset>", &Known::default()).is_err());
+        assert!(read(b"<svg/>", &Known::default()).is_err());
         assert!(scene("<unit meter='0'/>", "").is_err());
         assert!(scene("", "<node><matrix>1 2 3</matrix></node>").is_err());
         assert!(scene("", "<node><translate>1 2 x</translate></node>").is_err());

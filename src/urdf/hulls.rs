@@ -8,14 +8,16 @@ use super::faces::{FORMATS, MeshError};
 use super::mesh::{self, MeshFile};
 use super::missing::{self, Lost};
 use super::options::ReadOptions;
+use super::painted;
 use super::resolve::{Found, Missing, Resolver};
 use super::scope::Scope;
+use super::visuals::{self, Parts};
 use crate::geometry::{BoundedHull, GeometryError, MOST_CORNERS, bounded_hull};
 use crate::hash::Quick;
 use crate::model::JointKind;
 use crate::parallel;
 use crate::spatial::Vec3;
-use std::collections::{HashMap, HashSet};
+use std::collections::{BTreeSet, HashMap, HashSet};
 use std::hash::BuildHasherDefault;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -52,6 +54,9 @@ pub(super) struct Meshes {
     pub(super) hulls: HashMap<(usize, usize), ReadMesh>,
     /// Files to be packed, each once.
     pub(super) sources: Vec<PathBuf>,
+    /// What files hold that are to be drawn, read with the hulls so that no file is read twice and
+    /// no thread waits for the last hull.
+    pub(super) drawn: HashMap<PathBuf, Parts>,
 }
 
 /// What is made of a mesh, once for all shapes that ask for the same: its file, the bits of the
@@ -122,7 +127,13 @@ pub(super) fn read_meshes(
         let name = mesh.filename;
         found.entry(name).or_insert_with(|| resolver.find(name));
     }
-    let mut ahead = enclosed_ahead(&wanted, &found, &wheels);
+    let drawn = if options.drawn {
+        visuals::likely_files(robot, resolver)
+    } else {
+        BTreeSet::new()
+    };
+    let (mut ahead, drawn) = read_ahead(&wanted, &found, &wheels, &drawn);
+    meshes.drawn = drawn;
     let mut lost = Vec::new();
     for mesh in &wanted {
         scope.owner = format!("link '{}'", robot.links[mesh.place.0].name);
@@ -224,33 +235,69 @@ enum Failure {
     Hull(GeometryError),
 }
 
-/// Encloses the meshes that name no other files, several at a time.
-fn enclosed_ahead(
+/// A file that is read ahead, and what for.
+struct Job<'j> {
+    path: &'j Path,
+    mesh: Option<(&'j Wanted<'j, 'j>, Key)>,
+    drawn: bool,
+}
+
+/// Encloses the meshes that name no other files and reads what is to be drawn, several at a time.
+///
+/// - `drawn`: files that are to be drawn
+fn read_ahead(
     wanted: &[Wanted],
     found: &HashMap<&str, Result<Found, Missing>>,
     wheels: &HashSet<&str>,
-) -> HashMap<Key, Result<Enclosed, Failure>> {
+    drawn: &BTreeSet<PathBuf>,
+) -> (
+    HashMap<Key, Result<Enclosed, Failure>>,
+    HashMap<PathBuf, Parts>,
+) {
     let mut known = HashSet::new();
-    let mut list: Vec<(&Path, &Wanted, Key)> = Vec::new();
+    let mut open: BTreeSet<&Path> = drawn.iter().map(PathBuf::as_path).collect();
+    let mut jobs = Vec::new();
     for mesh in wanted {
         let Ok(file) = &found[mesh.filename] else {
             continue;
         };
-        let key = mesh.key(&file.path);
-        if mesh::stands_alone(&file.path) && known.insert(key.clone()) {
-            list.push((&file.path, mesh, key));
+        let (path, key) = (file.path.as_path(), mesh.key(&file.path));
+        if mesh::stands_alone(path) && known.insert(key.clone()) {
+            jobs.push(Job {
+                path,
+                mesh: Some((mesh, key)),
+                drawn: open.remove(path),
+            });
         }
     }
-    let enclosed = parallel::map_largest_first(
-        &list,
-        |(path, ..)| mesh::size(path),
-        |(path, mesh, _)| {
-            let wheel = wheels.contains(mesh.filename);
-            enclosed(MeshFile::open(path, &|_| None), mesh, wheel)
+    jobs.extend(open.into_iter().map(|path| Job {
+        path,
+        mesh: None,
+        drawn: true,
+    }));
+    let results = parallel::map_largest_first(
+        &jobs,
+        |job| mesh::size(job.path),
+        |job| {
+            let file = MeshFile::open(job.path, &|_| None);
+            let parts = job.drawn.then(|| {
+                let file = file.as_ref().map_err(Clone::clone)?;
+                painted::parts(file, |_| None)
+            });
+            let hull = job.mesh.as_ref().map(|(mesh, _)| {
+                let wheel = wheels.contains(mesh.filename);
+                enclosed(file, mesh, wheel)
+            });
+            (hull, parts)
         },
     );
-    let keys = list.into_iter().map(|(.., key)| key);
-    keys.zip(enclosed).collect()
+    let (mut hulls, mut parts) = (HashMap::new(), HashMap::new());
+    for (job, (hull, painted)) in jobs.into_iter().zip(results) {
+        let key = job.mesh.map(|(_, key)| key);
+        hulls.extend(key.zip(hull));
+        parts.extend(painted.map(|painted| (job.path.to_owned(), painted)));
+    }
+    (hulls, parts)
 }
 
 fn enclosed(

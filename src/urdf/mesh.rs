@@ -43,6 +43,8 @@ pub(super) struct MeshFile {
     /// The name's ending in small letters: a format that is read.
     kind: String,
     bytes: Vec<u8>,
+    /// Of COLLADA.
+    known: collada::Known,
     gltf: Option<gltf::File>,
     /// Files that it names and needs.
     beside: Vec<PathBuf>,
@@ -94,6 +96,7 @@ impl MeshFile {
             gltf: scene.transpose()?,
             kind,
             bytes,
+            known: collada::Known::default(),
             beside: Vec::new(),
         })
     }
@@ -110,6 +113,7 @@ impl MeshFile {
     pub(super) fn corners(&self) -> Result<Vec<Vec3>, MeshError> {
         match &self.gltf {
             Some(scene) => checked(scene.corners()?),
+            None if self.kind == "dae" => checked(collada::read(&self.bytes, &self.known)?),
             None => parse(&self.kind, &self.bytes),
         }
     }
@@ -121,6 +125,11 @@ impl MeshFile {
 
     pub(super) fn bytes(&self) -> &[u8] {
         &self.bytes
+    }
+
+    /// What has been read of COLLADA.
+    pub(super) fn known(&self) -> &collada::Known {
+        &self.known
     }
 
     pub(super) fn gltf(&self) -> Option<&gltf::File> {
@@ -167,7 +176,7 @@ pub(super) fn parse(kind: &str, bytes: &[u8]) -> Result<Vec<Vec3>, MeshError> {
         "obj" => obj(&String::from_utf8_lossy(bytes))?,
         "ply" => ply::read(bytes)?,
         kind if is_gltf(kind) => gltf::File::read(bytes, |_| None)?.corners()?,
-        _ => collada::read(bytes)?,
+        _ => collada::read(bytes, &collada::Known::default())?,
     })
 }
 
@@ -462,7 +471,7 @@ mod tests {
                 let points = match kind {
                     0 | 1 => stl(&bytes),
                     2 => obj(&String::from_utf8_lossy(&bytes)),
-                    _ => collada::read(&bytes),
+                    _ => collada::read(&bytes, &collada::Known::default()),
                 };
                 if let Ok(points) = points {
                     assert!(points.len() <= bytes.len());

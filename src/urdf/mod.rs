@@ -214,14 +214,15 @@ fn describe(
         .and_then(|mujoco| mujoco.child("compiler"))
         .and_then(|compiler| compiler.value("meshdir"));
     let resolver = Resolver::new(base_dir, options, mesh_dir);
-    let meshes = if options.rest {
+    let mut meshes = if options.rest {
         robot.forget_meshes();
         hulls::Meshes::default()
     } else {
         hulls::read_meshes(&mut scope, &robot, &resolver, options)
     };
     visuals::check(&mut scope, document.root(), &mut robot);
-    let drawn = visuals::read(&mut scope, &robot, &resolver, options.drawn);
+    let known = std::mem::take(&mut meshes.drawn);
+    let drawn = visuals::read(&mut scope, &robot, &resolver, options.drawn, known);
     missing::report_moved(&mut scope, &robot, &resolver);
     let sensors = if options.sensors {
         sensors::read(&mut scope, document.root(), &robot, options.scale)

@@ -23,7 +23,7 @@ pub(super) fn parts(
     }
     match file.kind() {
         "obj" => obj::parts(&String::from_utf8_lossy(file.bytes()), beside),
-        "dae" => collada::parts(file.bytes()),
+        "dae" => collada::parts(file.bytes(), file.known()),
         _ => {
             let mut parts = Parts::default();
             let part = parts.of(&Paint::default(), false);
@@ -67,7 +67,8 @@ mod tests {
 
     #[test]
     fn a_texture_of_collada_is_found_through_sampler_surface_and_image() {
-        let parts = collada::parts(TEXTURED.as_bytes()).expect("a scene");
+        let parts =
+            collada::parts(TEXTURED.as_bytes(), &collada::Known::default()).expect("a scene");
         assert_eq!(parts.len(), 2);
         let image = Image::Named("./a%20b.png".to_owned());
         assert_eq!(parts[0].paint.image, Some(image));
@@ -100,7 +101,7 @@ mod tests {
                 }
                 let parts = match kind {
                     0 => obj::parts(&String::from_utf8_lossy(&bytes), library),
-                    _ => collada::parts(&bytes),
+                    _ => collada::parts(&bytes, &collada::Known::default()),
                 };
                 for part in parts.iter().flatten() {
                     let uv = part

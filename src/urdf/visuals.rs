@@ -176,11 +176,14 @@ impl Troubles {
 }
 
 /// Finds the meshes and textures of all visuals, and reads them if `read`.
+///
+/// - `known`: what has been read of their files
 pub(super) fn read(
     scope: &mut Scope,
     robot: &CheckedRobot,
     resolver: &Resolver,
     read: bool,
+    mut known: HashMap<PathBuf, Parts>,
 ) -> Drawn {
     let mut drawn = Drawn::default();
     let mut troubles = Troubles::default();
@@ -199,11 +202,9 @@ pub(super) fn read(
             file.or_insert_with(|| resolver.find(filename));
         }
     }
-    let mut ahead = if read {
-        read_ahead(files.values().flatten())
-    } else {
-        HashMap::new()
-    };
+    if read {
+        read_ahead(files.values().flatten(), &mut known);
+    }
     for visual in visuals() {
         if let Geometry::Mesh { filename, at, .. } = &visual.geometry
             && !drawn.mesh_of.contains_key(*filename)
@@ -212,7 +213,7 @@ pub(super) fn read(
             let place = match file {
                 Ok(found) => *meshes_by_path.entry(found.path).or_insert_with_key(|path| {
                     let parts = if read {
-                        let ahead = ahead.remove(path);
+                        let ahead = known.remove(path);
                         parts_of(path, ahead, at, &mut textures, &mut troubles)?
                     } else {
                         Vec::new()
@@ -336,24 +337,45 @@ impl Textures<'_> {
 }
 
 /// What a mesh file holds, or why it cannot be read.
-type Parts = Result<Vec<painted::Part>, MeshError>;
+pub(super) type Parts = Result<Vec<painted::Part>, MeshError>;
 
-/// Reads the meshes that name no materials in other files, several at a time.
-fn read_ahead<'f>(files: impl Iterator<Item = &'f Found>) -> HashMap<PathBuf, Parts> {
+/// Whether a mesh names no materials in other files.
+fn alone(path: &Path) -> bool {
     // Materials of OBJ stand in other files.
-    let alone = |path: &&PathBuf| {
-        let obj = path
-            .extension()
-            .is_some_and(|kind| kind.eq_ignore_ascii_case("obj"));
-        mesh::stands_alone(path) && !obj
-    };
-    let paths: BTreeSet<&PathBuf> = files.map(|file| &file.path).filter(alone).collect();
+    let kind = path.extension();
+    let obj = kind.is_some_and(|kind| kind.eq_ignore_ascii_case("obj"));
+    mesh::stands_alone(path) && !obj
+}
+
+/// Files of the meshes of visuals that have not been checked yet, and that name no other files.
+pub(super) fn likely_files(robot: &CheckedRobot, resolver: &Resolver) -> BTreeSet<PathBuf> {
+    let visuals = robot.links.iter();
+    let names: BTreeSet<&str> = visuals
+        .flat_map(|link| link.node.children_named("visual"))
+        .flat_map(|visual| visual.children_named("geometry"))
+        .flat_map(|geometry| geometry.children_named("mesh"))
+        .filter_map(|mesh| mesh.value("filename"))
+        .collect();
+    let files = names
+        .into_iter()
+        .filter_map(|name| resolver.find(name).ok());
+    let paths = files.map(|file| file.path);
+    paths.filter(|path| alone(path)).collect()
+}
+
+/// Reads the meshes that name no materials in other files, several at a time, but for those that
+/// are known.
+fn read_ahead<'f>(files: impl Iterator<Item = &'f Found>, known: &mut HashMap<PathBuf, Parts>) {
+    let paths = files.map(|file| &file.path);
+    let paths: BTreeSet<&PathBuf> = paths
+        .filter(|path| alone(path) && !known.contains_key(*path))
+        .collect();
     let paths: Vec<&PathBuf> = paths.into_iter().collect();
     let size = |path: &&PathBuf| mesh::size(path);
     let parts = parallel::map_largest_first(&paths, size, |path| {
         MeshFile::open(path, &|_| None).and_then(|mesh| painted::parts(&mesh, |_| None))
     });
-    paths.into_iter().cloned().zip(parts).collect()
+    known.extend(paths.into_iter().cloned().zip(parts));
 }
 
 /// The painted triangles of a mesh file, or `None` after saying why there are none.

@@ -10,4 +10,4 @@ mod reduce;
 
 pub use color::{STEPS, linear, srgb_table};
 pub use read::{Pixels, read};
-pub use reduce::{reduced, shrunk};
+pub use reduce::{light_of_bytes, reduced, shrunk};

@@ -14,9 +14,15 @@ pub const SIGNATURE: &[u8] = b"\x89PNG\r\n\x1a\n";
 /// - `channels`: 3 for colour, 4 with alpha
 /// - `raw`: the numbers of all pixels, row by row from the top
 pub fn encode(width: usize, height: usize, channels: usize, raw: &[u8]) -> Vec<u8> {
+    let data = compressed(raw, width * channels, channels);
+    of_compressed(width, height, channels, &data)
+}
+
+/// The same of what [`compressed`] gives.
+pub fn of_compressed(width: usize, height: usize, channels: usize, data: &[u8]) -> Vec<u8> {
     let mut file = File::new();
     file.header(width, height, if channels == 3 { 2 } else { 6 });
-    file.chunk(*b"IDAT", &compressed(raw, width * channels, channels));
+    file.chunk(*b"IDAT", data);
     file.end()
 }
 
@@ -66,30 +72,61 @@ pub fn big(x: usize) -> [u8; 4] {
 /// - `row`: bytes of a row
 /// - `pixel`: bytes of a pixel; 0 for places in a palette, whose differences mean nothing
 pub fn compressed(raw: &[u8], row: usize, pixel: usize) -> Vec<u8> {
-    let mut filtered = Vec::with_capacity(raw.len() + raw.len() / row.max(1));
-    let nothing = vec![0; row];
-    let mut above = nothing.as_slice();
-    let (mut best, mut tried) = (vec![0; row], vec![0; row]);
-    for line in raw.chunks_exact(row) {
-        let kinds = if pixel == 0 { 1 } else { 5 };
-        let mut least = None;
-        for kind in 0..kinds {
-            filter(kind, line, above, pixel, &mut tried);
-            let sizes = tried.iter().map(|&b| u32::from(b.min(b.wrapping_neg())));
-            let cost: u32 = sizes.sum();
-            if least.is_none_or(|(_, known)| cost < known) {
-                least = Some((kind, cost));
-                std::mem::swap(&mut best, &mut tried);
-            }
+    let mut rows = Rows::new(row, pixel);
+    rows.push(raw);
+    rows.end()
+}
+
+/// The same, of rows that come one after the other.
+pub struct Rows {
+    pixel: usize,
+    above: Vec<u8>,
+    /// The least that is known of a row, and another try.
+    best: Vec<u8>,
+    tried: Vec<u8>,
+    encoder: ZlibEncoder<Vec<u8>>,
+}
+
+impl Rows {
+    /// The arguments are those of [`compressed`].
+    pub fn new(row: usize, pixel: usize) -> Self {
+        Self {
+            pixel,
+            above: vec![0; row],
+            best: vec![0; row],
+            tried: vec![0; row],
+            encoder: ZlibEncoder::new(Vec::new(), Compression::new(7)),
         }
-        filtered.extend(least.map(|(kind, _)| kind));
-        filtered.extend(&best);
-        above = line;
     }
-    let mut encoder = ZlibEncoder::new(Vec::new(), Compression::new(7));
-    // Writing to memory cannot fail.
-    _ = encoder.write_all(&filtered);
-    encoder.finish().unwrap_or_default()
+
+    /// Appends whole rows.
+    pub fn push(&mut self, raw: &[u8]) {
+        let row = self.above.len();
+        let mut filtered = Vec::with_capacity(raw.len() + raw.len() / row.max(1));
+        for line in raw.chunks_exact(row) {
+            let kinds = if self.pixel == 0 { 1 } else { 5 };
+            let mut least = None;
+            for kind in 0..kinds {
+                filter(kind, line, &self.above, self.pixel, &mut self.tried);
+                let sizes = self.tried.iter();
+                let cost: u32 = sizes.map(|&b| u32::from(b.min(b.wrapping_neg()))).sum();
+                if least.is_none_or(|(_, known)| cost < known) {
+                    least = Some((kind, cost));
+                    std::mem::swap(&mut self.best, &mut self.tried);
+                }
+            }
+            filtered.extend(least.map(|(kind, _)| kind));
+            filtered.extend(&self.best);
+            self.above.copy_from_slice(line);
+        }
+        // Writing to memory cannot fail.
+        _ = self.encoder.write_all(&filtered);
+    }
+
+    /// All of them.
+    pub fn end(self) -> Vec<u8> {
+        self.encoder.finish().unwrap_or_default()
+    }
 }
 
 /// The differences of a row to what a filter expects.

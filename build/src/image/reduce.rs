@@ -9,36 +9,39 @@ const QUALITY: u8 = 85;
 /// The means of squares of `factor` pixels a side, in linear light; smaller ones at the right and
 /// lower edge.
 pub fn shrunk(pixels: &Pixels, factor: usize) -> (usize, usize, Vec<[f32; 3]>) {
-    let mut light = [0.0; 256];
-    for (light, x) in light.iter_mut().zip(0..=u8::MAX) {
-        *light = linear(f64::from(x) / 255.0);
-    }
+    let light = light_of_bytes();
     let (columns, rows) = (
         pixels.width.div_ceil(factor),
         pixels.height.div_ceil(factor),
     );
-    let mut colors = vec![[0.0; 3]; columns * rows];
-    let lines = pixels.bytes.chunks_exact(3 * pixels.width);
-    for (y, line) in lines.enumerate() {
-        let sums = &mut colors[y / factor * columns..][..columns];
-        for (sum, square) in sums.iter_mut().zip(line.chunks(3 * factor)) {
-            // Not in memory: each of the additions would wait for the one before to be written.
-            let [mut red, mut green, mut blue] = *sum;
-            for pixel in square.as_chunks::<3>().0 {
-                let [r, g, b] = pixel.map(|byte| light[usize::from(byte)]);
-                (red, green, blue) = (red + r, green + g, blue + b);
+    let mut colors = Vec::with_capacity(columns * rows);
+    let line = 3 * pixels.width;
+    for lines in pixels.bytes.chunks(factor * line) {
+        let high = lines.len() / line;
+        for start in (0..line).step_by(3 * factor) {
+            let end = line.min(start + 3 * factor);
+            let [mut red, mut green, mut blue] = [0.0_f32; 3];
+            for line in lines.chunks_exact(line) {
+                for pixel in line[start..end].as_chunks::<3>().0 {
+                    let [r, g, b] = pixel.map(|byte| light[usize::from(byte)]);
+                    (red, green, blue) = (red + r, green + g, blue + b);
+                }
             }
-            *sum = [red, green, blue];
+            #[allow(clippy::cast_precision_loss, reason = "few pixels")]
+            let number = ((end - start) / 3 * high) as f32;
+            colors.push([red, green, blue].map(|sum| sum / number));
         }
     }
-    let side = |i: usize, all: usize| factor.min(all - i * factor);
-    for (k, color) in colors.iter_mut().enumerate() {
-        let pixels = side(k % columns, pixels.width) * side(k / columns, pixels.height);
-        #[allow(clippy::cast_precision_loss, reason = "few pixels")]
-        let number = pixels as f32;
-        *color = color.map(|sum| sum / number);
-    }
     (columns, rows, colors)
+}
+
+/// Linear light of each number in a file.
+pub fn light_of_bytes() -> [f32; 256] {
+    let mut light = [0.0; 256];
+    for (light, x) in light.iter_mut().zip(0..=u8::MAX) {
+        *light = linear(f64::from(x) / 255.0);
+    }
+    light
 }
 
 /// Width, height and file, of the same kind, of an image that is smaller by a whole factor; none

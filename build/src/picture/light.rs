@@ -6,8 +6,9 @@
 //! without an approximation for them.
 
 use super::camera::{Camera, count};
+use super::depth::Depth;
 use super::look::Look;
-use super::raster::{Depth, Places, floor};
+use super::raster::{Places, floor};
 use super::solid::{self, World};
 use std::collections::{HashMap, HashSet};
 use std::hash::BuildHasherDefault;
@@ -28,6 +29,12 @@ const LAMP_ELEVATION: f64 = 58.0;
 const LAMP_SIDE: usize = 1024;
 const SKY_SIDE: usize = 224;
 
+/// Squares of the lamp's picture and of the sky's that have their nearest place, as powers of two of
+/// pixels, and how many pixels beyond them are theirs, too: the soft edge of the lamp to both of its
+/// sides, and the second of two pixels between which a place in the sky's picture lies.
+const LAMP_TILES: [u8; 2] = [4, 2 * EDGE];
+const SKY_TILES: [u8; 2] = [2, 1];
+
 /// The sky sees the robot made of so many cubes along its size: finer than its pictures are.
 const SKY_CELLS: f64 = 300.0;
 
@@ -37,6 +44,9 @@ const RIM: f32 = 5.0;
 /// Half width of the lamp's soft edge, as a part of the robot's size.
 const SOFTNESS: f64 = 0.012;
 
+/// The same in pixels of the lamp's picture, and one more.
+const EDGE: u8 = 13;
+
 /// A place is moved along its normal by this part of the robot's size before it looks at a lamp,
 /// because a lamp's picture knows distances only to within its pixels.
 const LAMP_OFFSET: f64 = 0.005;
@@ -45,8 +55,7 @@ const SKY_OFFSET: f64 = 0.012;
 /// The lamp and the sky.
 pub(super) struct Lights {
     pub(super) lamp: Lamp,
-    /// See [`disc`].
-    disc: Vec<[f32; 3]>,
+    disc: Disc,
     sky: Vec<Lamp>,
     /// Places are given from here, m: so that short numbers are exact enough.
     center: Vec3,
@@ -91,6 +100,7 @@ fn dot(a: &[f32; 3], b: &[f32; 3]) -> f32 {
 impl Lamp {
     /// - `reach`: points that the picture reaches to
     /// - `faces`: places in `points`
+    /// - `tiles`: see [`Depth::new`]
     #[allow(clippy::cast_possible_truncation, reason = "places in a picture")]
     fn new(
         toward: Vec3,
@@ -98,6 +108,7 @@ impl Lamp {
         points: &[Point],
         faces: impl Iterator<Item = [u32; 3]>,
         side: usize,
+        tiles: [u8; 2],
     ) -> Self {
         let right = Vec3::z().cross(&toward);
         let right = right.try_normalize(1e-9).unwrap_or_else(Vec3::x);
@@ -121,29 +132,13 @@ impl Lamp {
         let short = shorter(&toward);
         let rows = [row(0), row(1), [short[0], short[1], short[2], 0.0]];
         let places = Places::new(points.iter().map(|p| place(&rows, p)));
-        let depth = Depth::new(&places, faces, side);
+        let depth = Depth::new(&places, faces, side, tiles);
         Self {
             toward,
             short,
             rows,
             depth,
         }
-    }
-
-    /// Whether nothing is nearer to the lamp, from a pixel on.
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "floats saturate, and negative ones are beyond the picture"
-    )]
-    fn open(&self, x: f32, y: f32, near: f32) -> f32 {
-        let side = self.depth.side;
-        if x < 0.0 || y < 0.0 {
-            return 1.0;
-        }
-        let (x, y) = (x as i32 as usize, y as i32 as usize);
-        let hidden = x < side && y < side && self.depth.near[y * side + x] > near;
-        if hidden { 0.0 } else { 1.0 }
     }
 
     /// Adds the light of this lamp to the sky's on some places.
@@ -171,9 +166,13 @@ impl Lamp {
         let mut seen = [1.0; LANES];
         if inside.contains(&true) {
             let (left, top) = (x.map(|x| x as i32), y.map(|y| y as i32));
-            // The four pixels around each place.
+            let hidden: [bool; LANES] = each(|l| {
+                let nearest = || self.depth.nearest_about(left[l] as usize, top[l] as usize);
+                inside[l] && nearest() > near[l]
+            });
+            // The four pixels around each place that they may hide.
             let mut pixels = [[f32::NEG_INFINITY; LANES]; 4];
-            for l in (0..LANES).filter(|l| inside[*l]) {
+            for l in (0..LANES).filter(|l| hidden[*l]) {
                 let at = top[l] as usize * side + left[l] as usize;
                 if let Some(rows) = self.depth.near.get(at..at + side + 2) {
                     for (pixel, k) in pixels.iter_mut().zip([0, 1, side, side + 1]) {
@@ -259,16 +258,16 @@ impl Lights {
         let mut sky = parallel::map(&numbers, |&k| {
             let (toward, reach) = (directions[k], &cubes.middles);
             if k == 0 {
-                Lamp::new(toward, reach, &points, faces(), LAMP_SIDE)
+                Lamp::new(toward, reach, &points, faces(), LAMP_SIDE, LAMP_TILES)
             } else {
                 let faces = cubes.toward(&toward).iter().copied();
-                Lamp::new(toward, reach, reach, faces, SKY_SIDE)
+                Lamp::new(toward, reach, reach, faces, SKY_SIDE, SKY_TILES)
             }
         });
         let lamp = sky.remove(0);
         Self {
             lamp,
-            disc: disc(),
+            disc: Disc::new(),
             sky,
             center,
             lamp_offset: LAMP_OFFSET * camera.size,
@@ -310,29 +309,71 @@ impl Lights {
     }
 
     /// Part of the lamp that is seen, with a round soft edge.
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "floats saturate"
+    )]
     fn soft(&self, p: &[f32; 3]) -> f32 {
         let [x, y, near] = place(&self.lamp.rows, p);
-        let (mut sum, mut weights) = (0.0, 0.0);
-        for [right, down, weight] in &self.disc {
-            sum += weight * self.lamp.open(x + right, y + down, near);
-            weights += weight;
+        let Depth {
+            side, near: known, ..
+        } = &self.lamp.depth;
+        let [left, top] = [x, y].map(|x| usize::from((x - f32::from(EDGE)) as u16));
+        if self.lamp.depth.nearest_about(left, top) <= near {
+            return 1.0;
         }
-        sum / weights
+        // Beyond the picture nothing hides the lamp.
+        let pixel = |x: f32| {
+            if x < 0.0 {
+                *side
+            } else {
+                (x as usize).min(*side)
+            }
+        };
+        let columns = self.disc.steps.map(|step| pixel(x + step));
+        // Weights are whole numbers, so that their sums are exact in any order.
+        let mut hidden = 0.0;
+        for (step, weights) in self.disc.steps.iter().zip(&self.disc.weights) {
+            let row = pixel(y + step);
+            let Some(known) = known.get(row * side..(row + 1) * side) else {
+                continue;
+            };
+            for (column, weight) in columns.iter().zip(weights) {
+                let known = known.get(*column).copied().unwrap_or(f32::NEG_INFINITY);
+                hidden += if known > near { *weight } else { 0.0 };
+            }
+        }
+        (self.disc.all - hidden) / self.disc.all
     }
 }
 
-/// The lamp's soft edge in its picture: steps to the right and down, and their weights.
-fn disc() -> Vec<[f32; 3]> {
-    /// Steps to each side.
-    const REACH: i8 = 4;
-    #[allow(clippy::cast_possible_truncation, reason = "a few pixels")]
-    let step = (SOFTNESS * count(LAMP_SIDE) / f64::from(REACH)) as f32;
-    let steps = (-REACH..=REACH).flat_map(|j| (-REACH..=REACH).map(move |i| (i, j)));
-    let weighted = steps.map(|(i, j)| {
-        let weight = f32::from(REACH * REACH + 2 - i * i - j * j);
-        [f32::from(i) * step, f32::from(j) * step, weight]
-    });
-    weighted.filter(|[.., weight]| *weight > 0.0).collect()
+/// Steps to each side of the middle of the lamp's soft edge.
+const REACH: i8 = 4;
+
+/// The lamp's soft edge in its picture.
+struct Disc {
+    /// Steps to the right, which are those down, too.
+    steps: [f32; 9],
+    /// Those of each row, whole numbers.
+    weights: [[f32; 9]; 9],
+    /// The sum of all weights.
+    all: f32,
+}
+
+impl Disc {
+    fn new() -> Self {
+        #[allow(clippy::cast_possible_truncation, reason = "a few pixels")]
+        let step = (SOFTNESS * count(LAMP_SIDE) / f64::from(REACH)) as f32;
+        let numbers: [i8; 9] = [-4, -3, -2, -1, 0, 1, 2, 3, 4];
+        let weight = |i: i8, j: i8| f32::from((REACH * REACH + 2 - i * i - j * j).max(0));
+        let weights = numbers.map(|j| numbers.map(|i| weight(i, j)));
+        Self {
+            steps: numbers.map(|i| f32::from(i) * step),
+            all: weights.iter().flatten().sum(),
+            weights,
+        }
+    }
 }
 
 /// Triangles whose corners are moved to the middles of cubes.

@@ -1,7 +1,7 @@
 //! Pictures of a robot, without a graphics card, and with the same bytes on every platform.
 //!
 //! A scene at given poses becomes triangles with normals (`solid`), seen by a `camera`; `raster`
-//! finds what is visible at each sample, `light` computes how much of the sky and of the lamp each
+//! finds what is visible at each sample, `depth` how near it is to a lamp, `light` computes how much of the sky and of the lamp each
 //! place sees, `shade` makes colours of it, `png` writes them. `texture` has images in several
 //! sizes (mipmaps), `run` and `film` make an animation of a run; `frames` are the axes of links.
 //!
@@ -11,6 +11,7 @@
 
 mod camera;
 mod color;
+mod depth;
 mod film;
 mod frames;
 mod light;
@@ -26,6 +27,5 @@ mod texture;
 pub use camera::Camera;
 pub use film::film;
 pub use look::{Look, Theme, Toward};
-pub use png::encode;
 pub use run::{ShowError, poses};
 pub use still::{all, still};

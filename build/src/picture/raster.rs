@@ -10,11 +10,8 @@ use std::ops::Range;
 use urdf2fmu_core::parallel;
 use urdf2fmu_core::spatial::Vec3;
 
-/// Triangles whose normals are computed by one thread at a time.
-const TOGETHER: usize = 4096;
-
 /// Rows of samples that one thread draws at a time; they fit into a processor's own memory.
-const BAND: usize = 32 * SAMPLES;
+const BAND: usize = 16 * SAMPLES;
 
 /// Triangles that one thread sorts into bands at a time.
 const PART: usize = 1 << 15;
@@ -55,7 +52,7 @@ fn least(x: f32, other: f32) -> f32 {
 
 /// The greater one, likewise.
 #[inline]
-fn greatest(x: f32, other: f32) -> f32 {
+pub(super) fn greatest(x: f32, other: f32) -> f32 {
     if other > x { other } else { x }
 }
 
@@ -115,7 +112,7 @@ impl Places {
         clippy::cast_possible_truncation,
         reason = "one branch instead of two, and the halves of a cell"
     )]
-    fn triangle(&self, face: [u32; 3]) -> Option<Placed> {
+    pub(super) fn triangle(&self, face: [u32; 3]) -> Option<Placed> {
         let cells = face.map(|i| self.cells[i as usize]);
         let [a, b, c] = cells;
         let apart = (a ^ b) | (a ^ c) | (a & ON);
@@ -129,17 +126,17 @@ impl Places {
 }
 
 /// A triangle in a picture, and the first and last columns and rows whose centres it can have.
-struct Placed {
-    corners: Corners,
-    columns: (i32, i32),
-    rows: (i32, i32),
+pub(super) struct Placed {
+    pub(super) corners: Corners,
+    pub(super) columns: (i32, i32),
+    pub(super) rows: (i32, i32),
 }
 
 /// Columns and rows beyond which a place is only known to be beyond any picture.
 const FAR: i32 = 1 << 24;
 
 /// The places within a picture; none for those beside it.
-fn within(range: (i32, i32), picture: &Range<usize>) -> Range<usize> {
+pub(super) fn within(range: (i32, i32), picture: &Range<usize>) -> Range<usize> {
     let start = usize::try_from(range.0).unwrap_or(0).max(picture.start);
     let end = usize::try_from(range.1).map_or(0, |last| last + 1);
     start..end.min(picture.end)
@@ -186,7 +183,7 @@ impl Edge {
     clippy::cast_precision_loss,
     reason = "clamped to the picture"
 )]
-fn rows(
+pub(super) fn rows(
     corners: &Corners,
     width: usize,
     rows: Range<usize>,
@@ -236,10 +233,11 @@ fn rows(
 /// The nearest triangle at each sample of a picture.
 pub(super) struct Layer {
     pub(super) width: usize,
-    /// Of each sample, its place in `triangles`, or [`NONE`].
+    /// Of each sample, its place in the triangles of its band, or [`NONE`].
     pub(super) seen: Vec<u32>,
-    /// Those that are seen somewhere.
-    pub(super) triangles: Vec<Triangle>,
+    /// Those that are seen somewhere in each band. One that is seen in two bands stands in both:
+    /// so each thread lists them for its own rows, and none of them is moved in memory.
+    triangles: Vec<Vec<Triangle>>,
 }
 
 /// Which of 16 samples a part of the light passes: their order spreads over the square.
@@ -262,29 +260,27 @@ impl Layer {
         let places = Places::new(corners);
         let bands = Bands::new(world, &places, height);
         let mut seen = vec![0; width * height];
-        parallel::for_pieces(&mut seen, BAND * width, |band, seen| {
-            seen.fill(NONE);
-            bands.nearest(world, &places, seen, width, band);
-        });
-        let mut faces = Vec::new();
-        let mut kept = vec![NONE; world.faces.len()];
-        for face in seen.iter_mut().filter(|face| **face != NONE) {
-            let place = &mut kept[*face as usize];
-            if *place == NONE {
-                *place = solid::place(faces.len());
-                faces.push(*face as usize);
+        let rows = seen.chunks_mut((BAND * width).max(1));
+        let mut pieces: Vec<(&mut [u32], Vec<Triangle>)> =
+            rows.map(|seen| (seen, Vec::new())).collect();
+        parallel::for_pieces(&mut pieces, 1, |band, piece| {
+            for (seen, triangles) in piece {
+                let faces = bands.nearest(world, &places, seen, width, band);
+                *triangles = faces.map(|face| world.triangle(face as usize)).collect();
             }
-            *face = *place;
-        }
-        let some: Vec<&[usize]> = faces.chunks(TOGETHER).collect();
-        let triangles = parallel::map(&some, |faces| -> Vec<Triangle> {
-            faces.iter().map(|&face| world.triangle(face)).collect()
         });
+        let triangles = pieces.into_iter().map(|(_, triangles)| triangles);
+        let triangles = triangles.collect();
         Self {
             width,
             seen,
-            triangles: triangles.into_iter().flatten().collect(),
+            triangles,
         }
+    }
+
+    /// What the numbers in `seen` mean in a row of samples.
+    pub(super) fn triangles(&self, row: usize) -> &[Triangle] {
+        &self.triangles[row / BAND]
     }
 }
 
@@ -318,15 +314,27 @@ impl Bands {
         Self { parts }
     }
 
-    /// Writes which of the world's faces is nearest at each sample of a band.
-    fn nearest(&self, world: &World, places: &Places, seen: &mut [u32], width: usize, band: usize) {
+    /// The faces that are seen in a band; writes which of these is nearest at each sample.
+    fn nearest(
+        &self,
+        world: &World,
+        places: &Places,
+        seen: &mut [u32],
+        width: usize,
+        band: usize,
+    ) -> impl Iterator<Item = u32> {
+        let own = self.parts.iter().flat_map(|part| &part[band]);
+        let own: Vec<u32> = own.copied().collect();
+        seen.fill(NONE);
         let mut near = vec![0.0_f32; seen.len()];
         let start = band * BAND;
         let picture = start..start + seen.len() / width;
-        let mut faces = self.parts.iter().flat_map(|part| &part[band]).peekable();
-        for (surface, own) in world.surfaces() {
+        let mut faces = (0..).zip(&own).peekable();
+        for (surface, of_surface) in world.surfaces() {
             let alpha = surface.alpha;
-            while let Some(&face) = faces.next_if(|face| (**face as usize) < own.end) {
+            while let Some((number, &face)) =
+                faces.next_if(|(_, face)| (**face as usize) < of_surface.end)
+            {
                 let Some(placed) = places.triangle(world.faces[face as usize]) else {
                     continue;
                 };
@@ -340,54 +348,25 @@ impl Bands {
                         let passed = alpha >= 1.0 || part() < alpha * 16.0 - 0.5;
                         if depth > near[place] && passed {
                             near[place] = depth;
-                            seen[place] = face;
+                            seen[place] = number;
                         }
                         depth += slope;
                     }
                 });
             }
         }
-    }
-}
-
-/// Rows and columns up to which a triangle is compared with what is known before it is drawn.
-const SMALL: usize = 3;
-
-/// How near the nearest triangle is, in a square picture.
-pub(super) struct Depth {
-    pub(super) side: usize,
-    pub(super) near: Vec<f32>,
-}
-
-impl Depth {
-    /// - `places`: those of the corners of `faces`
-    pub(super) fn new(places: &Places, faces: impl Iterator<Item = [u32; 3]>, side: usize) -> Self {
-        let mut near = vec![f32::NEG_INFINITY; side * side];
-        let picture = 0..side;
-        for placed in faces.filter_map(|face| places.triangle(face)) {
-            let here = within(placed.rows, &picture);
-            if here.len() <= SMALL {
-                // What lies behind all that is known of its few pixels changes nothing.
-                let columns = within(placed.columns, &picture);
-                let [a, b, c] = placed.corners.map(|corner| corner[2]);
-                let nearest = a.max(b).max(c);
-                let hidden = |y: usize| {
-                    let pixels = near.get(y * side + columns.start..y * side + columns.end);
-                    pixels.is_none_or(|pixels| pixels.iter().all(|known| *known >= nearest))
-                };
-                if columns.len() <= SMALL && here.clone().all(hidden) {
-                    continue;
-                }
+        // Most of them are hidden after all.
+        let mut shown = Vec::new();
+        let mut kept = vec![NONE; own.len()];
+        for number in seen.iter_mut().filter(|number| **number != NONE) {
+            let place = &mut kept[*number as usize];
+            if *place == NONE {
+                *place = solid::place(shown.len());
+                shown.push(own[*number as usize]);
             }
-            rows(&placed.corners, side, here, |y, xs, start, slope| {
-                let mut depth = start;
-                for place in &mut near[y * side + xs.start..y * side + xs.end] {
-                    *place = greatest(*place, depth);
-                    depth += slope;
-                }
-            });
+            *number = *place;
         }
-        Self { side, near }
+        shown.into_iter()
     }
 }
 

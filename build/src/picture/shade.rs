@@ -82,13 +82,26 @@ struct Group {
     first: [f64; 2],
 }
 
-pub(super) fn picture(seen: &Seen) -> Picture {
+impl Group {
+    /// Whether a triangle may be shaded with it.
+    fn takes(&self, triangles: &[Triangle], t: u32) -> bool {
+        if self.triangle == t {
+            return true;
+        }
+        let [a, b] = [self.triangle, t].map(|t| &triangles[t as usize]);
+        a.surface == b.surface && a.facing.dot(&b.facing).abs() > SAME_SIDE
+    }
+}
+
+/// - `done`: takes each band of rows by its number as soon as it is there
+pub(super) fn picture(seen: &Seen, done: impl Fn(usize, &[[u8; 4]]) + Sync) -> Picture {
     let Look { width, height, .. } = *seen.look;
     let to_srgb = srgb_table();
     let mut pixels = vec![[0; 4]; width * height];
     let band = BAND.min(height);
     parallel::for_pieces(&mut pixels, band * width, |i, rows| {
         seen.band(i * band, rows, &to_srgb);
+        done(i, rows);
     });
     Picture {
         width,
@@ -157,6 +170,7 @@ impl Seen<'_> {
 
     /// Shows the places in a pixel with their parts of it.
     fn pixel(&self, x: usize, y: usize, mut show: impl FnMut(f32, Place, Spot)) {
+        let triangles = self.layer.triangles(y * SAMPLES);
         let mut groups: Vec<Group> = Vec::new();
         let mut empty = 0.0_f32;
         for j in 0..SAMPLES {
@@ -168,7 +182,7 @@ impl Seen<'_> {
                     continue;
                 }
                 let at = [column, row].map(|k| (count(k) + 0.5) / count(SAMPLES));
-                if let Some(group) = groups.iter_mut().find(|g| self.alike(g, t)) {
+                if let Some(group) = groups.iter_mut().find(|g| g.takes(triangles, t)) {
                     group.count += 1.0;
                     group.place = [group.place[0] + at[0], group.place[1] + at[1]];
                 } else {
@@ -186,7 +200,7 @@ impl Seen<'_> {
         for group in &groups {
             #[allow(clippy::cast_possible_truncation, reason = "at most sixteen")]
             let weight = group.count as f32 / all;
-            let (place, spot) = self.robot(group);
+            let (place, spot) = self.robot(triangles, group);
             show(weight, place, spot);
         }
         if empty > 0.0
@@ -196,17 +210,8 @@ impl Seen<'_> {
         }
     }
 
-    /// Whether a triangle may be shaded with a group.
-    fn alike(&self, group: &Group, t: u32) -> bool {
-        if group.triangle == t {
-            return true;
-        }
-        let [a, b] = [group.triangle, t].map(|t| &self.layer.triangles[t as usize]);
-        a.surface == b.surface && a.facing.dot(&b.facing).abs() > SAME_SIDE
-    }
-
-    fn robot(&self, group: &Group) -> (Place, Spot) {
-        let triangle = &self.layer.triangles[group.triangle as usize];
+    fn robot(&self, triangles: &[Triangle], group: &Group) -> (Place, Spot) {
+        let triangle = &triangles[group.triangle as usize];
         let middle = group.place.map(|x| x / group.count);
         let from = self.camera.eye;
         // The middle of the samples may lie beside the triangle of the first.

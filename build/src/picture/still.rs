@@ -4,7 +4,7 @@ use super::camera::Camera;
 use super::frames;
 use super::light::Lights;
 use super::look::{Look, Picture, SAMPLES, Theme};
-use super::png::encode;
+use super::png::{encode, while_drawn};
 use super::raster::Layer;
 use super::shade::{self, Seen};
 use super::solid::{Stage, World};
@@ -30,17 +30,27 @@ pub fn all(scene: &Scene) -> impl Iterator<Item = (&'static str, Vec<u8>)> {
             frames,
             ..Look::default()
         };
-        let (picture, _) = still(scene, &poses, &look);
-        (name, encode(&picture))
+        (name, still(scene, &poses, &look).0)
     })
 }
 
-/// A picture of a scene whose links have these poses, and the camera that took it.
-pub fn still(scene: &Scene, poses: &[Pose], look: &Look) -> (Picture, Camera) {
+/// A PNG of a scene whose links have these poses, and the camera that took it.
+pub fn still(scene: &Scene, poses: &[Pose], look: &Look) -> (Vec<u8>, Camera) {
     let stage = Stage::new(scene);
-    let camera = Camera::fit(stage.corners(poses), look);
-    let subject = Subject::new(scene, stage, &camera, look);
-    (subject.draw(poses, &camera, look), camera)
+    let fit = || Camera::fit(stage.corners(poses), look);
+    if look.frames {
+        let camera = fit();
+        let subject = Subject::new(scene, stage, &camera, look);
+        return (encode(&subject.draw(poses, &camera, look)), camera);
+    }
+    let (camera, world) = parallel::both(fit, || World::new(&stage, poses));
+    let clear = matches!(look.theme, Theme::Clear | Theme::Cutout);
+    let png = while_drawn(look.width, clear, |writer| {
+        draw(&world, &camera, look, scene.head.ground, |band, pixels| {
+            writer.take(band, pixels);
+        })
+    });
+    (png, camera)
 }
 
 /// What is drawn.
@@ -63,33 +73,43 @@ impl Subject {
     }
 
     pub(super) fn draw(&self, poses: &[Pose], camera: &Camera, look: &Look) -> Picture {
-        let mut picture = draw(&self.stage, poses, camera, look, self.ground);
+        let nobody = |_: usize, _: &[[u8; 4]]| {};
+        let world = World::new(&self.stage, poses);
+        let mut picture = draw(&world, camera, look, self.ground, nobody);
         if let Some(axes) = &self.axes {
             let plain = Look {
                 theme: Theme::Cutout,
                 ..look.clone()
             };
-            frames::lay_over(&mut picture, &draw(axes, poses, camera, &plain, false));
+            let axes = draw(&World::new(axes, poses), camera, &plain, false, nobody);
+            frames::lay_over(&mut picture, &axes);
         }
         picture
     }
 }
 
 /// - `ground`: whether there is a floor
-fn draw(stage: &Stage, poses: &[Pose], camera: &Camera, look: &Look, ground: bool) -> Picture {
-    let world = World::new(stage, poses);
+/// - `done`: see [`shade::picture`]
+fn draw(
+    world: &World,
+    camera: &Camera,
+    look: &Look,
+    ground: bool,
+    done: impl Fn(usize, &[[u8; 4]]) + Sync,
+) -> Picture {
     let (width, height) = (look.width * SAMPLES, look.height * SAMPLES);
     // Each has parts that keep one thread busy; together these keep two busy.
     let (lights, layer) = parallel::both(
-        || Lights::new(&world, camera, look),
-        || Layer::new(&world, |p| camera.project(p, SAMPLES), width, height),
+        || Lights::new(world, camera, look),
+        || Layer::new(world, |p| camera.project(p, SAMPLES), width, height),
     );
-    shade::picture(&Seen {
-        stage,
+    let seen = Seen {
+        stage: world.stage,
         layer: &layer,
         lights: &lights,
         camera,
         look,
         floor: ground && look.theme != Theme::Cutout,
-    })
+    };
+    shade::picture(&seen, done)
 }

@@ -5,7 +5,7 @@
 //! keeps its plain colour.
 
 use super::camera::count;
-use crate::image::{read, shrunk};
+use crate::image::{light_of_bytes, read, shrunk};
 
 /// Pixels that the textures of a robot are reduced to, all together: a picture shows no more.
 pub(super) const ALL_PIXELS: usize = 8 << 20;
@@ -14,13 +14,31 @@ pub(super) const ALL_PIXELS: usize = 8 << 20;
 pub(super) struct Image {
     /// The largest first, each half of the one before.
     levels: Vec<Level>,
+    /// What bytes mean.
+    light: [f32; 256],
 }
 
 struct Level {
     width: usize,
     height: usize,
     /// Row by row from the top.
-    colors: Vec<[f32; 3]>,
+    colors: Colors,
+}
+
+/// Linear colours.
+enum Colors {
+    /// Those of a file: a quarter of the memory, whose first use takes longer than looking them up.
+    File(Vec<u8>),
+    Light(Vec<[f32; 3]>),
+}
+
+impl Colors {
+    fn get(&self, k: usize, light: &[f32; 256]) -> [f32; 3] {
+        match self {
+            Self::File(bytes) => [0, 1, 2].map(|i| light[usize::from(bytes[3 * k + i])]),
+            Self::Light(colors) => colors[k],
+        }
+    }
 }
 
 impl Image {
@@ -33,17 +51,23 @@ impl Image {
             factor += 1;
             kept = width.div_ceil(factor) * height.div_ceil(factor);
         }
-        let (width, height, colors) = shrunk(&pixels, factor);
+        let (width, height, colors) = if factor == 1 {
+            (width, height, Colors::File(pixels.bytes))
+        } else {
+            let (width, height, colors) = shrunk(&pixels, factor);
+            (width, height, Colors::Light(colors))
+        };
+        let light = light_of_bytes();
         let first = Level {
             width,
             height,
             colors,
         };
         let mut levels = vec![first];
-        while let Some(next) = levels.last().and_then(Level::half) {
+        while let Some(next) = levels.last().and_then(|level| level.half(&light)) {
             levels.push(next);
         }
-        Some(Self { levels })
+        Some(Self { levels, light })
     }
 
     /// The colour at texture coordinates, mixed from the four nearest of the size in which `pixel`
@@ -51,13 +75,13 @@ impl Image {
     pub(super) fn at(&self, [u, v]: [f64; 2], pixel: f64) -> [f32; 3] {
         let fits = |level: &&Level| pixel * count(level.width.max(level.height)) <= 1.5;
         let level = self.levels.iter().find(fits).or(self.levels.last());
-        level.map_or([1.0; 3], |level| level.mixed([u, 1.0 - v]))
+        level.map_or([1.0; 3], |level| level.mixed([u, 1.0 - v], &self.light))
     }
 }
 
 impl Level {
     /// `None` for one pixel.
-    fn half(&self) -> Option<Self> {
+    fn half(&self, light: &[f32; 256]) -> Option<Self> {
         if self.width == 1 && self.height == 1 {
             return None;
         }
@@ -68,7 +92,7 @@ impl Level {
                 let four = [[0, 0], [1, 0], [0, 1], [1, 1]].map(|[i, j]| {
                     let x = (2 * x + i).min(self.width - 1);
                     let y = (2 * y + j).min(self.height - 1);
-                    self.colors[y * self.width + x]
+                    self.colors.get(y * self.width + x, light)
                 });
                 colors.push(std::array::from_fn(|k| {
                     0.25 * (four[0][k] + four[1][k] + four[2][k] + four[3][k])
@@ -78,7 +102,7 @@ impl Level {
         Some(Self {
             width,
             height,
-            colors,
+            colors: Colors::Light(colors),
         })
     }
 
@@ -88,7 +112,7 @@ impl Level {
         clippy::cast_sign_loss,
         reason = "within the sides"
     )]
-    fn mixed(&self, at: [f64; 2]) -> [f32; 3] {
+    fn mixed(&self, at: [f64; 2], light: &[f32; 256]) -> [f32; 3] {
         let sides = [self.width, self.height];
         let near: [(usize, usize, f32); 2] = std::array::from_fn(|i| {
             let side = sides[i];
@@ -102,10 +126,11 @@ impl Level {
             (first, (first + 1) % side, (x - low) as f32)
         });
         let [(left, right, u), (top, bottom, v)] = near;
-        let color = |x: usize, y: usize, k: usize| self.colors[y * self.width + x][k];
+        let color = |x: usize, y: usize| self.colors.get(y * self.width + x, light);
+        let [upper, lower] = [top, bottom].map(|y| [color(left, y), color(right, y)]);
         std::array::from_fn(|k| {
-            let upper = color(left, top, k) * (1.0 - u) + color(right, top, k) * u;
-            let lower = color(left, bottom, k) * (1.0 - u) + color(right, bottom, k) * u;
+            let upper = upper[0][k] * (1.0 - u) + upper[1][k] * u;
+            let lower = lower[0][k] * (1.0 - u) + lower[1][k] * u;
             upper * (1.0 - v) + lower * v
         })
     }

@@ -78,11 +78,14 @@ impl<const N: usize> Scale<N> {
     }
 }
 
-/// Triangles in numbers of a few bits, not yet in a body.
+/// Triangles in numbers of a few bits, not yet in a body: meshes are packed at the same time, and
+/// put into the body one after the other.
 pub(super) struct Packed {
     scale: Scale<3>,
     uv_scale: Option<Scale<2>>,
-    welded: Welded,
+    vertices: usize,
+    triangles: usize,
+    block: Vec<u8>,
 }
 
 /// `None` where nothing has an area.
@@ -119,10 +122,12 @@ pub(super) fn pack(
         }
     }
     let welded = Welded::new(&corners, &keys, &scale, uv_scale.as_ref());
-    (!welded.indices.is_empty()).then_some(Packed {
+    (!welded.indices.is_empty()).then(|| Packed {
         scale,
         uv_scale,
-        welded,
+        vertices: welded.positions.len(),
+        triangles: welded.indices.len(),
+        block: welded.block(uv_scale.is_some()),
     })
 }
 
@@ -134,41 +139,16 @@ pub(super) fn pack_whole(triangles: &[[Vec3; 3]], uv: &[[[f64; 2]; 3]]) -> Optio
 
 /// Appends triangles to a body.
 pub(super) fn append(body: &mut Vec<u8>, mesh: &Packed) -> Mesh {
-    let Packed {
-        scale,
-        uv_scale,
-        welded,
-    } = mesh;
     align(body);
     let at = body.len();
-    body.extend(
-        welded
-            .positions
-            .iter()
-            .flatten()
-            .flat_map(|x| x.to_le_bytes()),
-    );
-    align(body);
-    if uv_scale.is_some() {
-        body.extend(welded.uv.iter().flatten().flat_map(|x| x.to_le_bytes()));
-        align(body);
-    }
-    let vertices = welded.positions.len();
-    for index in welded.indices.iter().flatten() {
-        let bytes = index.to_le_bytes();
-        body.extend(if vertices > MOST_SHORT {
-            &bytes
-        } else {
-            &bytes[..2]
-        });
-    }
+    body.extend_from_slice(&mesh.block);
     Mesh {
         at,
-        vertices,
-        triangles: welded.indices.len(),
-        low: scale.low,
-        size: scale.size,
-        uv: uv_scale.map(|uv| [uv.low, uv.size]),
+        vertices: mesh.vertices,
+        triangles: mesh.triangles,
+        low: mesh.scale.low,
+        size: mesh.scale.size,
+        uv: mesh.uv_scale.map(|uv| [uv.low, uv.size]),
     }
 }
 
@@ -264,6 +244,31 @@ impl Corners {
 }
 
 impl Welded {
+    /// Its bytes, which begin where a block may.
+    fn block(&self, textured: bool) -> Vec<u8> {
+        let vertices = self.positions.len();
+        let mut block = Vec::with_capacity(10 * vertices + 12 * self.indices.len() + ALIGNMENT);
+        for x in self.positions.as_flattened() {
+            block.extend_from_slice(&x.to_le_bytes());
+        }
+        align(&mut block);
+        if textured {
+            for x in self.uv.as_flattened() {
+                block.extend_from_slice(&x.to_le_bytes());
+            }
+        }
+        let indices = self.indices.as_flattened().iter();
+        if vertices > MOST_SHORT {
+            block.extend(indices.flat_map(|index| index.to_le_bytes()));
+        } else {
+            for index in indices {
+                let [low, high, ..] = index.to_le_bytes();
+                block.extend_from_slice(&[low, high]);
+            }
+        }
+        block
+    }
+
     /// - `keys`: of all corners; those of one key become the first of them
     fn new(corners: &Corners, keys: &[u64], scale: &Scale<3>, uv_scale: Option<&Scale<2>>) -> Self {
         let mut welded = Self::default();

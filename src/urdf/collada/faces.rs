@@ -2,11 +2,12 @@
 
 use super::super::faces::{MeshError, Parts, fan, place};
 use super::super::xml::Node;
-use super::words::{self, NO_INDEX};
-use super::{MOST_POINTS, Scene, numbers, problem, too_many_points};
+use super::words::NO_INDEX;
+use super::{MOST_POINTS, Scene, problem, too_many_points};
 use crate::spatial::Vec3;
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
+use std::sync::Arc;
 
 /// Elements that hold faces.
 const KINDS: [&str; 5] = ["triangles", "polylist", "polygons", "tristrips", "trifans"];
@@ -27,8 +28,8 @@ struct Group<'d> {
 struct Corners {
     /// How many indices each corner has.
     stride: usize,
-    /// The indices in each `<p>`.
-    lists: Vec<Vec<u32>>,
+    /// The indices in each `<p>`, in pieces.
+    lists: Vec<Arc<Vec<Vec<u32>>>>,
 }
 
 impl<'d> Scene<'d> {
@@ -38,7 +39,7 @@ impl<'d> Scene<'d> {
         for (faces, input) in groups(geometry) {
             let positions = self.positions(input)?;
             let mut used = vec![false; positions.len()];
-            for list in corners_of(faces)?.of(offset(input)?, used.len())? {
+            for list in self.corners_of(faces)?.of(offset(input)?, used.len())? {
                 for index in list {
                     used[index as usize] = true;
                 }
@@ -54,7 +55,9 @@ impl<'d> Scene<'d> {
         let mut corners = Vec::new();
         for (faces, input) in groups(geometry) {
             let positions = self.positions(input)?;
-            let lists = corners_of(faces)?.of(offset(input)?, positions.len())?;
+            let lists = self
+                .corners_of(faces)?
+                .of(offset(input)?, positions.len())?;
             let triangles = triangulated(faces, &lists)?;
             let places = triangles.iter().flatten();
             corners.extend(places.map(|&i| positions[i as usize]));
@@ -97,7 +100,7 @@ impl<'d> Scene<'d> {
         let mut list = Vec::new();
         for (faces, input) in groups(geometry) {
             let positions = self.positions(input)?;
-            let corners = corners_of(faces)?;
+            let corners = self.corners_of(faces)?;
             let places = corners.of(offset(input)?, positions.len())?;
             let mut triangles = triangulated(faces, &places)?;
             let uv = self.coordinates(faces, &corners);
@@ -168,12 +171,22 @@ impl<'d> Scene<'d> {
             .child("float_array")
             .or_else(|| self.target(accessor?, "source"))
             .ok_or_else(missing)?;
-        let floats = numbers(array)?;
+        let floats = self.known.floats(array)?;
         let floats = floats.get(offset..).unwrap_or_default();
         Ok(floats
             .chunks(stride)
             .filter_map(|row| row.first_chunk::<N>().copied())
             .collect())
+    }
+
+    fn corners_of(&self, faces: Node) -> Result<Corners, MeshError> {
+        let mut stride = 1;
+        for input in faces.children_named("input") {
+            stride = stride.max(offset(input)? + 1);
+        }
+        let lists = faces.descendants().filter(|node| node.local_name() == "p");
+        let lists = lists.map(|p| self.known.indices(p)).collect();
+        Ok(Corners { stride, lists })
     }
 }
 
@@ -202,16 +215,6 @@ fn offset(input: Node) -> Result<usize, MeshError> {
         .ok_or_else(|| problem("an <input offset> is not a small number"))
 }
 
-fn corners_of(faces: Node) -> Result<Corners, MeshError> {
-    let mut stride = 1;
-    for input in faces.children_named("input") {
-        stride = stride.max(offset(input)? + 1);
-    }
-    let lists = faces.descendants().filter(|node| node.local_name() == "p");
-    let lists = lists.map(|p| words::indices(&p.content())).collect();
-    Ok(Corners { stride, lists })
-}
-
 impl Corners {
     /// For each list, each corner's index of `offset`; all are below `end`.
     fn of(&self, offset: usize, end: usize) -> Result<Vec<Vec<u32>>, MeshError> {
@@ -226,10 +229,16 @@ impl Corners {
             let there = index != NO_INDEX && (index as usize) < end;
             there.then_some(index).ok_or_else(beyond)
         };
-        let own = |list: &Vec<u32>| {
-            let mut places = Vec::with_capacity(list.len() / self.stride + 1);
-            for index in list.iter().skip(offset).step_by(self.stride) {
-                places.push(checked(index)?);
+        let own = |list: &Arc<Vec<Vec<u32>>>| {
+            let count: usize = list.iter().map(Vec::len).sum();
+            let mut places = Vec::with_capacity(count / self.stride + 1);
+            let mut at = offset;
+            for piece in list.iter() {
+                while let Some(index) = piece.get(at) {
+                    places.push(checked(index)?);
+                    at += self.stride;
+                }
+                at -= piece.len();
             }
             Ok(places)
         };

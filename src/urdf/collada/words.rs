@@ -9,9 +9,10 @@ const PIECE: usize = 1 << 20;
 /// An index that cannot be used: no whole number, or beyond all that a file can have.
 pub(super) const NO_INDEX: u32 = u32::MAX;
 
-/// The whole numbers of a text.
-pub(super) fn indices(text: &str) -> Vec<u32> {
-    parallel::map(&pieces(text), |piece| indices_of(piece)).concat()
+/// The whole numbers of a text, in pieces that follow each other: one list of them all would have
+/// to be written to memory once more.
+pub(super) fn indices(text: &str) -> Vec<Vec<u32>> {
+    parallel::map(&pieces(text), |piece| indices_of(piece))
 }
 
 /// The numbers of a text, or the first word that is none.
@@ -78,8 +79,8 @@ mod tests {
             " 0 1\t22\n+7 -1 +-3 ++4 5. x 4294967294 4294967295 99999999999999999999999 + 08 ä\r8";
         let expected = text.split_ascii_whitespace();
         let expected = expected.map(|word| word.parse().unwrap_or(NO_INDEX));
-        assert_eq!(indices(text), expected.collect::<Vec<u32>>());
-        assert!(indices("").is_empty());
+        assert_eq!(indices(text).concat(), expected.collect::<Vec<u32>>());
+        assert!(indices("").concat().is_empty());
     }
 
     #[test]
@@ -88,7 +89,7 @@ mod tests {
         let words: Vec<String> = numbers.iter().map(u32::to_string).collect();
         let text = words.join(" ");
         assert!(pieces(&text).len() > 3);
-        assert_eq!(indices(&text), numbers);
+        assert_eq!(indices(&text).concat(), numbers);
         let expected: Vec<f64> = numbers.iter().copied().map(f64::from).collect();
         assert_eq!(floats(&text), Ok(expected));
         let wrong = format!("{text} a {text} b");

@@ -1,0 +1,102 @@
+//! How near the robot is to a lamp, at each pixel of the lamp's picture.
+
+use super::raster::{Places, greatest, rows, within};
+
+/// Rows and columns up to which a triangle is compared with what is known before it is drawn.
+const SMALL: usize = 3;
+
+/// How near the nearest triangle is, in a square picture.
+pub(super) struct Depth {
+    pub(super) side: usize,
+    pub(super) near: Vec<f32>,
+    tiles: Tiles,
+}
+
+/// The nearest in each of the squares that a picture is cut into, and a little beyond them to the
+/// right and below: what is nearer than this is not hidden, and needs no look at pixels.
+struct Tiles {
+    /// A square has two to the power of this pixels along each side.
+    shift: u32,
+    across: usize,
+    nearest: Vec<f32>,
+}
+
+impl Tiles {
+    /// - `more`: pixels beyond each square
+    fn new(near: &[f32], side: usize, shift: u32, more: usize) -> Self {
+        let length = 1 << shift;
+        let across = side.div_ceil(length);
+        let mut nearest = Vec::with_capacity(across * across);
+        let mut columns = vec![0.0; side];
+        for first in (0..side).step_by(length) {
+            columns.fill(f32::NEG_INFINITY);
+            let rows = near.chunks_exact(side).skip(first);
+            for row in rows.take(length + more) {
+                for (column, near) in columns.iter_mut().zip(row) {
+                    *column = greatest(*column, *near);
+                }
+            }
+            nearest.extend((0..side).step_by(length).map(|first| {
+                let own = &columns[first..side.min(first + length + more)];
+                own.iter().copied().fold(f32::NEG_INFINITY, greatest)
+            }));
+        }
+        Self {
+            shift,
+            across,
+            nearest,
+        }
+    }
+}
+
+impl Depth {
+    /// - `places`: those of the corners of `faces`
+    /// - `shift`, `more`: see [`Tiles`]
+    pub(super) fn new(
+        places: &Places,
+        faces: impl Iterator<Item = [u32; 3]>,
+        side: usize,
+        [shift, more]: [u8; 2],
+    ) -> Self {
+        let mut near = vec![f32::NEG_INFINITY; side * side];
+        let picture = 0..side;
+        for placed in faces.filter_map(|face| places.triangle(face)) {
+            let here = within(placed.rows, &picture);
+            if here.len() <= SMALL {
+                // What lies behind all that is known of its few pixels changes nothing.
+                let columns = within(placed.columns, &picture);
+                let [a, b, c] = placed.corners.map(|corner| corner[2]);
+                let nearest = a.max(b).max(c);
+                let hidden = |y: usize| {
+                    let pixels = near.get(y * side + columns.start..y * side + columns.end);
+                    pixels.is_none_or(|pixels| pixels.iter().all(|known| *known >= nearest))
+                };
+                if columns.len() <= SMALL && here.clone().all(hidden) {
+                    continue;
+                }
+            }
+            rows(&placed.corners, side, here, |y, xs, start, slope| {
+                let mut depth = start;
+                for place in &mut near[y * side + xs.start..y * side + xs.end] {
+                    *place = greatest(*place, depth);
+                    depth += slope;
+                }
+            });
+        }
+        let tiles = Tiles::new(&near, side, shift.into(), more.into());
+        Self { side, near, tiles }
+    }
+
+    /// The nearest that can be in a square's pixels and those beyond it; where there is no square,
+    /// nothing is known.
+    #[inline]
+    pub(super) fn nearest_about(&self, x: usize, y: usize) -> f32 {
+        let Tiles {
+            shift,
+            across,
+            nearest,
+        } = &self.tiles;
+        let place = (y >> shift) * across + (x >> shift);
+        nearest.get(place).copied().unwrap_or(f32::INFINITY)
+    }
+}
