@@ -29,6 +29,7 @@ mod moving_ground;
 mod order;
 mod pairs;
 mod properties;
+mod rolling;
 mod standing;
 mod swings;
 mod terrain;

@@ -1,0 +1,245 @@
+//! Bodies that roll on bodies that move, against closed forms of rolling without slip.
+
+use super::worlds::{body, depth, world};
+use super::*;
+use crate::model::Ground;
+use crate::spatial::rotation_from_rpy;
+
+/// Steps of 1/240 s, and tolerances.
+const WAYS: [(f64, f64); 4] = [(1.0 / 240.0, 1e-3), (0.0, 1e-3), (0.0, 1e-4), (0.0, 1e-6)];
+
+/// Roll, pitch and yaw of a cylinder whose axis lies along y.
+const LYING: Vec3 = Vec3::new(std::f64::consts::FRAC_PI_2, 0.0, 0.0);
+
+/// Sets the length of steps, 0 under error control, and a friction that holds.
+fn rough(mut model: Model, step: f64) -> Model {
+    model.solver.step_size = step;
+    for link in &mut model.links {
+        link.friction = 2.0;
+    }
+    if let Some(ground) = &mut model.world.ground {
+        ground.friction = 2.0;
+    }
+    model
+}
+
+/// Position of a base whose coordinates begin at this one.
+fn place(s: &Simulation, coordinate: usize) -> Vec3 {
+    Vec3::from_row_slice(&s.state().physical.q[coordinate..coordinate + 3])
+}
+
+/// Holds an error to `most`: what contacts yield by, and friction builds up within.
+fn hold((step, tolerance): (f64, f64), error: f64, most: f64) {
+    assert!(
+        error < most,
+        "{error:e} m in steps of {step} s, or at {tolerance:e}"
+    );
+}
+
+/// A ball on a turntable: the inertial velocity of its middle turns by 2/7 of the table's rate.
+#[test]
+fn a_ball_on_a_turntable_goes_round_by_two_sevenths_of_its_rate() {
+    let (r, rate, top) = (0.1, 3.0, 0.5);
+    for (step, tolerance) in WAYS {
+        let mut b = Builder::new(false, RigidInertia::ZERO);
+        let disc = b.link(
+            LinkId(0),
+            at(0.0, 0.0, top - 0.05),
+            Motion::Revolute(Vec3::z()),
+            inertia(50.0, Vec3::zeros(), [10.0, 10.0, 20.0]),
+        );
+        let shape = Shape::Cylinder {
+            radius: 3.0,
+            half_length: 0.05,
+        };
+        b.shape(disc, shape, Pose::IDENTITY);
+        b.actuator(disc, ActuatorMode::Velocity, 1e4);
+        b.model.initial.joint_velocities = vec![rate];
+        let start_at = Vec3::new(0.5, 0.0, top + r);
+        let v = Vec3::new(0.3, 0.5, 0.0);
+        let mut ball = body(
+            1.0,
+            Shape::Sphere { radius: r },
+            start_at - Vec3::z() * depth(1.0),
+        );
+        let d = Vec3::z().cross(&start_at) * rate - v;
+        ball.roots[0].linear_velocity = v;
+        ball.roots[0].angular_velocity = Vec3::new(d.y / r, -d.x / r, 0.0);
+        let mut s = start(rough(world([b.model, ball]), step), tolerance);
+        s.set_input(InputSlot::Velocity(ActuatorId(0)), rate);
+        let end = 4.0;
+        run(&mut s, end, 1.0 / 240.0);
+        let w = rate * 2.0 / 7.0;
+        let (sin, cos) = libm::sincos(w * end);
+        // Integral of the velocity that turns.
+        let exact = start_at
+            + Vec3::new(
+                v.x * sin - v.y * (1.0 - cos),
+                v.x * (1.0 - cos) + v.y * sin,
+                0.0,
+            ) / w;
+        hold((step, tolerance), (place(&s, 1) - exact).xy().norm(), 3e-4);
+    }
+}
+
+/// A ball that rolls down a ball: `θ'' = 5/7 g sin θ/(R + r)`.
+#[test]
+fn a_ball_rolls_down_a_ball() {
+    let (R, r) = (1.0, 0.1);
+    for (step, tolerance) in WAYS {
+        let mut b = Builder::new(false, RigidInertia::ZERO);
+        b.shape(LinkId(0), Shape::Sphere { radius: R }, Pose::IDENTITY);
+        b.model.roots[0].position.z = 2.0;
+        let mut angle = [0.2, 0.0];
+        let at = |a: f64| Vec3::new(libm::sin(a), 0.0, libm::cos(a)) * (R + r) + Vec3::z() * 2.0;
+        let sunk = Vec3::new(libm::sin(angle[0]), 0.0, libm::cos(angle[0])) * depth(1.0);
+        let ball = body(1.0, Shape::Sphere { radius: r }, at(angle[0]) - sunk);
+        let mut s = start(rough(world([b.model, ball]), step), tolerance);
+        let end = 0.5;
+        run(&mut s, end, 1.0 / 240.0);
+        for _ in 0..10_000 {
+            let h = end / 10_000.0;
+            let a = |x: f64| 5.0 / 7.0 * G / (R + r) * libm::sin(x);
+            let half = [
+                angle[0] + 0.5 * h * angle[1],
+                angle[1] + 0.5 * h * a(angle[0]),
+            ];
+            angle = [angle[0] + h * half[1], angle[1] + h * a(half[0])];
+        }
+        hold(
+            (step, tolerance),
+            (place(&s, 0) - at(angle[0])).norm(),
+            1.5e-4,
+        );
+    }
+}
+
+/// A cylinder on a cart that is pulled: the cart goes with `a = F/(M + m/3)`, the cylinder with a
+/// third of it.
+#[test]
+fn a_cylinder_rolls_on_a_cart() {
+    let (r, top, force, M) = (0.1, 0.5, 20.0, 3.0);
+    for (step, tolerance) in WAYS {
+        let mut b = Builder::new(false, RigidInertia::ZERO);
+        let cart = b.link(
+            LinkId(0),
+            at(0.0, 0.0, top - 0.05),
+            Motion::Prismatic(X),
+            inertia(M, Vec3::zeros(), [1.0; 3]),
+        );
+        b.shape(
+            cart,
+            Shape::Box {
+                half: Vec3::new(3.0, 0.5, 0.05),
+            },
+            Pose::IDENTITY,
+        );
+        b.actuator(cart, ActuatorMode::Effort, 1e4);
+        let shape = Shape::Cylinder {
+            radius: r,
+            half_length: 0.1,
+        };
+        let mut roller = body(1.0, shape, Vec3::new(0.0, 0.0, top + r - depth(1.0)));
+        roller.roots[0].rpy = LYING;
+        let mut s = start(rough(world([b.model, roller]), step), tolerance);
+        s.set_input(InputSlot::Effort(ActuatorId(0)), force);
+        let end = 1.0;
+        run(&mut s, end, 1.0 / 240.0);
+        let a = force / (M + 1.0 / 3.0);
+        let q = &s.state().physical.q;
+        let error = (q[0] - 0.5 * a * end * end)
+            .abs()
+            .max((q[1] - a / 6.0 * end * end).abs());
+        hold((step, tolerance), error, 3.5e-4);
+    }
+}
+
+/// A cylinder rolls down one that turns about its axis: with the friction `f` on both,
+/// `m a = m g sin θ − f` and `a − 2f/m = 2f/M`.
+#[test]
+fn a_cylinder_rolls_down_a_roller() {
+    let (R, r, M, m) = (0.5, 0.1, 4.0, 1.0);
+    for (step, tolerance) in WAYS {
+        let mut b = Builder::new(false, RigidInertia::ZERO);
+        let roller = b.link(
+            LinkId(0),
+            at(0.0, 0.0, 1.0),
+            Motion::Revolute(Y),
+            inertia(M, Vec3::zeros(), [1.0, 0.5 * M * R * R, 1.0]),
+        );
+        let R_lying = rotation_from_rpy(&LYING);
+        let lying = Pose {
+            R: R_lying,
+            ..Pose::IDENTITY
+        };
+        b.shape(
+            roller,
+            Shape::Cylinder {
+                radius: R,
+                half_length: 0.3,
+            },
+            lying,
+        );
+        let mut angle = [0.2, 0.0];
+        let at = |a: f64| Vec3::new(libm::sin(a), 0.0, libm::cos(a)) * (R + r) + Vec3::z();
+        let sunk = Vec3::new(libm::sin(angle[0]), 0.0, libm::cos(angle[0])) * depth(1.0);
+        let shape = Shape::Cylinder {
+            radius: r,
+            half_length: 0.2,
+        };
+        let mut small = body(m, shape, at(angle[0]) - sunk);
+        small.roots[0].rpy = LYING;
+        let mut s = start(rough(world([b.model, small]), step), tolerance);
+        let end = 0.35;
+        run(&mut s, end, 1.0 / 240.0);
+        for _ in 0..10_000 {
+            let h = end / 10_000.0;
+            let a = |x: f64| G * libm::sin(x) / (1.0 + 1.0 / (2.0 + 2.0 * m / M)) / (R + r);
+            let half = [
+                angle[0] + 0.5 * h * angle[1],
+                angle[1] + 0.5 * h * a(angle[0]),
+            ];
+            angle = [angle[0] + h * half[1], angle[1] + h * a(half[0])];
+        }
+        hold(
+            (step, tolerance),
+            (place(&s, 1) - at(angle[0])).norm(),
+            4e-5,
+        );
+    }
+}
+
+/// A board on two cylinders that roll down a slope: `a = g sin α (M + m)/(M + 3/4 m)`.
+#[test]
+fn a_board_on_two_rollers_goes_down_a_slope() {
+    let (r, M, angle) = (0.1, 2.0, 0.2);
+    for (step, tolerance) in WAYS {
+        let lie = |x: f64| {
+            let shape = Shape::Cylinder {
+                radius: r,
+                half_length: 0.3,
+            };
+            let mut b = body(1.0, shape, Vec3::new(x, 0.0, r - depth(2.0)));
+            b.roots[0].rpy = LYING;
+            b
+        };
+        let half = Vec3::new(1.0, 0.2, 0.05);
+        let board = body(
+            M,
+            Shape::Box { half },
+            Vec3::new(0.0, 0.0, 2.0 * r + 0.05 - 2.0 * depth(2.0)),
+        );
+        let mut model = world([board, lie(-0.5), lie(0.5)]);
+        model.world.ground = Some(Ground::default());
+        model.world.gravity = slope(angle);
+        let mut s = start(rough(model, step), tolerance);
+        let end = 0.5;
+        run(&mut s, end, 1.0 / 240.0);
+        let a = G * libm::sin(angle) * (M + 1.0) / (M + 0.75);
+        hold(
+            (step, tolerance),
+            (s.state().physical.q[0] - 0.5 * a * end * end).abs(),
+            3e-4,
+        );
+    }
+}
