@@ -71,6 +71,7 @@ pub(super) fn find_pairs(
             },
         };
         meeting.complete(tree, &stored, (kin, points), &mut contact);
+        contact.let_swing(points, h);
         list.push(contact);
         false
     };

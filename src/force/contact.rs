@@ -28,11 +28,23 @@
 //!
 //! The face of a cylinder has one point, the lowest of its rim. With the axis `k`, the radius `R`,
 //! the rim's centre `D_c` deep, and `a = R (k − (k·n) n)`, that point is `D_c + |a|` deep. A crown
-//! `s` makes this smooth: `D = D_c + q − s` with `q = √(|a|² + s²)`. In the step `a` moves by `ȧ =
-//! R T (ω × k)`, with `T = χ P + a aᵀ/q²`, `P = 1 − n nᵀ`, `χ = s²/q²`: tilting counts, but the
-//! precession of a leaning rim does not move its lowest point along the normal. `q` is convex in
-//! `a`, so `D` is convex in `W`. The point's place is `c + R (n·k) a/q − n |a|²/q`; there `y = y_c
-//! − e₀·ȧ` with `e₀ = a/q` at the start, hence `d = D − h (y + e₀·ȧ) + q(a + h ȧ) − q(a)`.
+//! `s` makes this smooth: `D = D_c + q − s` with `q = √(|a|² + s²)`; `χ = s²/q²` is 1 where the
+//! face is flat on the ground. `q` is convex in `a`, so `D` is convex in `W` if `a` moves linearly.
+//! In the step it moves by `ȧ = R T (ω × k)`, with
+//!
+//! ```text
+//! T = (b² P + a aᵀ)/(b² + |a|²),    P = 1 − n nᵀ
+//! ```
+//!
+//! so that tilting counts, and the precession of a rim that leans by more than `b/R` does not: it
+//! moves `a` along a circle, not along its tangent, and the lowest point not along the normal. But
+//! the direction of a small lean swings about that of the load, because turning it takes hardly any
+//! motion: rolling on the rim, the load `N` turns it back by the moment `N R` and a lean of `|a|/R`
+//! has the inertia `I (a/R)²` for this, so it swings with `ω² = N R²/(I |a|)`, with `I = ½ m R²`
+//! `ω² = 2 N/(m |a|)`. Where that is faster than the step, `h ω > 1`, the direction must be that at
+//! the end of the step: `b = 2 h² N/m`, at least the crown. The point's place is
+//! `c + R (n·k) a/q − n |a|²/q`; there `y = y_c − e₀·ȧ` with `e₀ = a/q` at the start, hence
+//! `d = D − h (y + e₀·ȧ) + q(a + h ȧ) − q(a)`.
 //!
 //! # Friction
 //!
@@ -210,6 +222,16 @@ impl Contact {
                     None => Vec3::zeros(),
                 },
             })
+    }
+
+    /// Lets rims lean in a step of `h` seconds as their load, that of the start, makes them.
+    pub(super) fn let_swing(&self, points: &mut [ContactPoint], h: f64) {
+        let swing = 2.0 * h * h * self.load / self.mass;
+        for p in &mut points[self.points.clone()] {
+            if let Some(rim) = &mut p.rim {
+                rim.let_swing(swing);
+            }
+        }
     }
 
     /// Velocity of the load's centre along the normal, m/s, positive apart; of the deepest point

@@ -69,6 +69,7 @@ pub fn detect(
             gravity: -contact.normal.dot(&tree.world.gravity),
         };
         meet.complete(tree, &stored, (kin, &contacts.points), &mut contact);
+        contact.let_swing(&mut contacts.points, h);
         contacts.list.push(contact);
     }
     find_pairs(tree, touches, kin, [h, margin], fastest, contacts);

@@ -76,6 +76,11 @@ pub struct Rim {
     lever: Vec3,
     /// `χ`: 1 where the face is flat on the ground, 0 where it leans.
     pub flatness: f64,
+    /// `b`: length of `a` below which its direction swings faster than the step, at least the
+    /// crown, m.
+    swing: f64,
+    /// `1/(|a|² + b²)`, 1/m².
+    turning: f64,
     /// Share `½ χ²`, with `χ` of the landing, of the damping of rocking that acts against tilting.
     pub tilt_damping: f64,
 }
@@ -100,11 +105,18 @@ impl Rim {
             radius,
             crown,
             landing,
+            swing: crown,
             ..Self::default()
         };
         rim.stand(a);
         rim.lever = rim.e;
         rim
+    }
+
+    /// Lets the direction of `a` turn within a step where `a` is shorter than `swing`, m.
+    pub(super) fn let_swing(&mut self, swing: f64) {
+        self.swing = swing.max(self.crown);
+        self.stand(self.a);
     }
 
     /// Takes another `a`, and finds what follows from it.
@@ -114,6 +126,7 @@ impl Rim {
         self.q = (squared + crown).sqrt();
         self.e = a / self.q;
         self.flatness = crown / (squared + crown);
+        self.turning = 1.0 / (squared + self.swing * self.swing);
         let landing = self.landing * self.landing;
         let flat = landing / (squared + landing);
         self.tilt_damping = 0.5 * flat * flat;
@@ -147,7 +160,7 @@ impl Rim {
     /// `T x` for a vector in the tangent plane.
     #[inline]
     fn tilting(&self, x: &Vec3) -> Vec3 {
-        x * self.flatness + self.e * self.e.dot(x)
+        (x * (self.swing * self.swing) + self.a * self.a.dot(x)) * self.turning
     }
 
     /// A unit vector across the axis.
@@ -237,4 +250,5 @@ pub(super) fn norm(points: &[ContactPoint]) -> (f64, f64) {
 }
 
 #[cfg(test)]
-crate::spoil::spoil!(Rim: axis radius a crown landing q e lever flatness tilt_damping;);
+crate::spoil::spoil!(Rim: axis radius a crown landing q e lever flatness swing turning
+    tilt_damping;);
