@@ -13,6 +13,7 @@ mod nearest;
 pub mod pair;
 pub mod ray;
 mod solid;
+mod stored;
 pub mod surface;
 
 pub use self::error::GeometryError;
@@ -23,6 +24,7 @@ use field::Field;
 use hull::Simplices;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
+use stored::Stored;
 use surface::Surface;
 
 /// Points of a contact between two shapes that there is room for, on average.
@@ -30,7 +32,7 @@ pub const PAIR_POINTS: usize = 24;
 
 /// A convex solid about its own origin; cylinders and capsules stand along z.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(tag = "type", rename_all = "lowercase")]
+#[serde(tag = "type", rename_all = "lowercase", try_from = "Stored")]
 pub enum Shape {
     /// Ball.
     Sphere {
