@@ -106,6 +106,8 @@ impl List<'_, '_> {
 impl<'t> SeqAccess<'t> for List<'_, 't> {
     type Error = Fault;
 
+    /// A function for each kind of value, not for each field.
+    #[inline(never)]
     fn next_element_seed<T: DeserializeSeed<'t>>(
         &mut self,
         seed: T,
@@ -243,6 +245,8 @@ impl<'t> Object<'_, 't> {
 impl<'t> SeqAccess<'t> for Object<'_, 't> {
     type Error = Fault;
 
+    /// A function for each kind of value, not for each field.
+    #[inline(never)]
     fn next_element_seed<T: DeserializeSeed<'t>>(
         &mut self,
         seed: T,
