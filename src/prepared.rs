@@ -209,6 +209,7 @@ mod tests {
         let mut model = Builder::new(true, inertia(1.0, Vec3::zeros(), [0.1; 3])).model;
         model.roots[0].position = Vec3::new(0.1, 1.0 / 3.0, 5e-324);
         model.solver.step_size = 1.0 / 240.0;
+        model.name = "one \\ two \" \n\u{e9} \\\"".into();
         model
     }
 
@@ -226,6 +227,18 @@ mod tests {
         model.roots[0].position.x = f64::NAN;
         let result = PreparedModel::new("{0}".into(), model).to_json();
         assert!(matches!(result, Err(PreparedModelError::Model { .. })));
+    }
+
+    #[test]
+    fn a_changed_number_is_noticed_and_other_blanks_are_not() {
+        let prepared = PreparedModel::new("{0}".into(), model());
+        let text = prepared.to_json().expect("finite");
+        let dense = serde_json::to_string(&prepared).expect("finite");
+        assert_eq!(PreparedModel::from_json(&dense).expect("own"), prepared);
+        let changed = text.replacen("5e-324", "0.0", 1);
+        assert_ne!(changed, text);
+        let error = PreparedModel::from_json(&changed).expect_err("another number");
+        assert!(matches!(error, PreparedModelError::Changed), "{error}");
     }
 
     #[test]
