@@ -13,6 +13,7 @@ mod nearest;
 pub mod pair;
 pub mod ray;
 mod solid;
+mod stored;
 pub mod surface;
 
 pub use self::error::GeometryError;
@@ -23,6 +24,7 @@ use field::Field;
 use hull::Simplices;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
+use stored::{Kind, Stored};
 use surface::Surface;
 
 /// Points of a contact between two shapes that there is room for, on average.
@@ -30,7 +32,7 @@ pub const PAIR_POINTS: usize = 24;
 
 /// A convex solid about its own origin; cylinders and capsules stand along z.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(tag = "type", rename_all = "lowercase")]
+#[serde(tag = "type", rename_all = "lowercase", try_from = "Stored")]
 pub enum Shape {
     /// Ball.
     Sphere {
@@ -73,6 +75,39 @@ pub enum Shape {
         /// The surface.
         surface: Arc<Surface>,
     },
+}
+
+impl TryFrom<Stored> for Shape {
+    type Error = &'static str;
+
+    fn try_from(stored: Stored) -> Result<Self, Self::Error> {
+        let radius = stored.radius.ok_or("missing field `radius`");
+        let half_length = stored.half_length.ok_or("missing field `half_length`");
+        Ok(match stored.kind {
+            Kind::Sphere => Self::Sphere { radius: radius? },
+            Kind::Capsule => Self::Capsule {
+                radius: radius?,
+                half_length: half_length?,
+            },
+            Kind::Cylinder => Self::Cylinder {
+                radius: radius?,
+                half_length: half_length?,
+            },
+            Kind::Box => Self::Box {
+                half: stored.half.ok_or("missing field `half`")?,
+            },
+            Kind::Hull => Self::Hull {
+                vertices: stored.vertices.ok_or("missing field `vertices`")?,
+            },
+            Kind::Plane => Self::Plane,
+            Kind::Field => Self::Field {
+                field: stored.field.ok_or("missing field `field`")?,
+            },
+            Kind::Surface => Self::Surface {
+                surface: stored.surface.ok_or("missing field `surface`")?,
+            },
+        })
+    }
 }
 
 impl Shape {

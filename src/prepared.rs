@@ -4,9 +4,12 @@
 //! The library loads only this file. Floats are written with the fewest digits that read back to
 //! the same bits.
 
-use crate::hash::fnv1a;
+mod reader;
+
+use self::reader::{Fault, Order, Reader};
+use crate::hash::{Fnv, fnv1a};
 use crate::model::{Model, ModelError};
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
 /// Layout of the file. A library reads its own format only: it travels in the same FMU as the file.
 pub const FORMAT: u32 = 2;
@@ -15,8 +18,7 @@ pub const FORMAT: u32 = 2;
 pub const FILE_NAME: &str = "model.json";
 
 /// What the file holds.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PreparedModel {
     /// [`FORMAT`].
     pub format: u32,
@@ -26,19 +28,16 @@ pub struct PreparedModel {
     pub guid: String,
     /// Of the robot, in hexadecimal; whoever changes a number by hand is told. None in files that
     /// other programs wrote.
-    #[serde(default)]
     pub checksum: Option<String>,
     /// The robot.
     pub model: Model,
+    /// Of the robot as the file has it, for [`crate::simulation::Simulation::with_hash`].
+    #[serde(skip)]
+    pub hash: u64,
 }
 
-/// The fields that can be read from any format.
-#[derive(Deserialize)]
-struct Header {
-    format: u32,
-    #[serde(default)]
-    exporter: String,
-}
+/// The fields of a [`PreparedModel`], in its order.
+const FIELDS: &[&str] = &["format", "exporter", "guid", "checksum", "model"];
 
 /// Why a prepared model cannot be written or read.
 #[derive(Debug, thiserror::Error)]
@@ -78,12 +77,14 @@ pub enum PreparedModelError {
 impl PreparedModel {
     /// A file of this version; `guid` with its braces.
     pub fn new(guid: String, model: Model) -> Self {
+        let hash = model_hash(&model);
         Self {
             format: FORMAT,
             exporter: env!("CARGO_PKG_VERSION").to_owned(),
             guid,
-            checksum: Some(checksum(&model)),
+            checksum: Some(checksum(hash)),
             model,
+            hash,
         }
     }
 
@@ -92,18 +93,14 @@ impl PreparedModel {
     /// # Errors
     /// [`PreparedModelError::Model`] if the model would not be read back, [`Model::validate`].
     pub fn to_json(&self) -> Result<String, PreparedModelError> {
-        let refuse = |error: serde_json::Error| PreparedModelError::Model {
-            reason: error.to_string(),
-        };
+        let refuse = |reason: String| PreparedModelError::Model { reason };
         self.model
             .validate()
-            .map_err(|error| PreparedModelError::Model {
-                reason: error.to_string(),
-            })?;
-        let text = serde_json::to_string_pretty(self).map_err(refuse)?;
+            .map_err(|error| refuse(error.to_string()))?;
+        let text = serde_json::to_string_pretty(self).map_err(|error| refuse(error.to_string()))?;
         // JSON has no NaN or infinity: they become `null`, which then fails here instead of in the
         // FMU.
-        serde_json::from_str::<Self>(&text).map_err(refuse)?;
+        Self::read(&text).map_err(refuse)?;
         Ok(text)
     }
 
@@ -113,11 +110,11 @@ impl PreparedModel {
     /// # Errors
     /// [`PreparedModelError`] for anything else.
     pub fn from_json(text: &str) -> Result<Self, PreparedModelError> {
-        let unreadable = match serde_json::from_str::<Self>(text) {
+        let unreadable = match Self::read(text) {
             Ok(prepared) if prepared.format == FORMAT => {
                 prepared.model.validate()?;
                 let written = prepared.checksum.as_ref();
-                if written.is_some_and(|written| *written != checksum(&prepared.model)) {
+                if written.is_some_and(|written| *written != checksum(prepared.hash)) {
                     return Err(PreparedModelError::Changed);
                 }
                 return Ok(prepared);
@@ -128,28 +125,78 @@ impl PreparedModel {
                     exporter: prepared.exporter,
                 });
             }
-            Err(error) => error,
+            Err(reason) => reason,
         };
-        match serde_json::from_str::<Header>(text) {
-            Ok(header) if header.format != FORMAT => Err(PreparedModelError::Format {
-                found: header.format,
-                exporter: header.exporter,
-            }),
-            _ => Err(PreparedModelError::Text {
-                reason: unreadable.to_string(),
-            }),
+        match header(text) {
+            Ok((found, exporter)) if found != FORMAT => {
+                Err(PreparedModelError::Format { found, exporter })
+            }
+            _ => Err(PreparedModelError::Text { reason: unreadable }),
         }
+    }
+
+    /// What stands in a text, or what is wrong with it and at which line and column.
+    fn read(text: &str) -> Result<Self, String> {
+        let mut reader = Reader::new(text, Order::Written);
+        if let Ok(prepared) = Self::fields(&mut reader) {
+            return Ok(prepared);
+        }
+        let mut reader = Reader::new(text, Order::Any);
+        Self::fields(&mut reader).map_err(|fault| reader.told(&fault))
+    }
+
+    fn fields(reader: &mut Reader) -> Result<Self, Fault> {
+        let mut object = reader.object(FIELDS)?;
+        let mut prepared = Self {
+            format: object.required()?,
+            exporter: object.required()?,
+            guid: object.required()?,
+            checksum: object.required()?,
+            model: object.required()?,
+            hash: 0,
+        };
+        prepared.hash = text_hash(object.last());
+        object.end()?;
+        reader.end()?;
+        Ok(prepared)
     }
 }
 
-fn checksum(model: &Model) -> String {
-    format!("{:016x}", model_hash(model))
+/// Format and exporter, which can be read from any format.
+fn header(text: &str) -> Result<(u32, String), Fault> {
+    let mut reader = Reader::new(text, Order::Lenient);
+    let mut object = reader.object(&["format", "exporter"])?;
+    let format = object.required()?;
+    let exporter: Option<String> = object.required()?;
+    Ok((format, exporter.unwrap_or_default()))
 }
 
-/// Hash of a model's text as it is stored: two models that differ in any number have different
-/// ones.
+fn checksum(hash: u64) -> String {
+    format!("{hash:016x}")
+}
+
+/// Hash of a model's text as it is stored, without blanks between its parts: two models that differ
+/// in any number have different ones.
 pub(crate) fn model_hash(model: &Model) -> u64 {
     serde_json::to_vec(model).map_or(0, |bytes| fnv1a(&bytes))
+}
+
+/// [`model_hash`] of the model that is stored by this text. Nothing is written for it, which would
+/// take half of the time of loading, and code in each library.
+fn text_hash(text: &str) -> u64 {
+    let mut hash = Fnv::default();
+    let (mut quoted, mut escaped) = (false, false);
+    for byte in text.bytes() {
+        match byte {
+            b' ' | b'\n' | b'\t' | b'\r' if !quoted => continue,
+            _ if escaped => escaped = false,
+            b'\\' => escaped = true,
+            b'"' => quoted = !quoted,
+            _ => {}
+        }
+        hash.add(&[byte]);
+    }
+    hash.value()
 }
 
 #[cfg(test)]
@@ -162,6 +209,7 @@ mod tests {
         let mut model = Builder::new(true, inertia(1.0, Vec3::zeros(), [0.1; 3])).model;
         model.roots[0].position = Vec3::new(0.1, 1.0 / 3.0, 5e-324);
         model.solver.step_size = 1.0 / 240.0;
+        model.name = "one \\ two \" \n\u{e9} \\\"".into();
         model
     }
 
@@ -179,6 +227,18 @@ mod tests {
         model.roots[0].position.x = f64::NAN;
         let result = PreparedModel::new("{0}".into(), model).to_json();
         assert!(matches!(result, Err(PreparedModelError::Model { .. })));
+    }
+
+    #[test]
+    fn a_changed_number_is_noticed_and_other_blanks_are_not() {
+        let prepared = PreparedModel::new("{0}".into(), model());
+        let text = prepared.to_json().expect("finite");
+        let dense = serde_json::to_string(&prepared).expect("finite");
+        assert_eq!(PreparedModel::from_json(&dense).expect("own"), prepared);
+        let changed = text.replacen("5e-324", "0.0", 1);
+        assert_ne!(changed, text);
+        let error = PreparedModel::from_json(&changed).expect_err("another number");
+        assert!(matches!(error, PreparedModelError::Changed), "{error}");
     }
 
     #[test]

@@ -155,11 +155,18 @@ impl Simulation {
     /// A robot with its default parameters and initial state; call [`Self::initialize`] before the
     /// first step.
     pub fn new(model: Arc<Model>) -> Self {
+        let hash = model_hash(&model);
+        Self::with_hash(model, hash)
+    }
+
+    /// The same where the hash of the model is known, by which saved states know it: it costs more
+    /// than all the rest. [`crate::prepared::PreparedModel::hash`].
+    pub fn with_hash(model: Arc<Model>, hash: u64) -> Self {
         let parameters = Parameters::new(&model);
         let inputs = Inputs::new(&model);
         let tree = Tree::new(&model, &parameters);
         let mut simulation = Self {
-            hash: model_hash(&model),
+            hash,
             state: State::new(&model),
             stepper: Stepper::new(&model, &tree),
             readout: Readout::new(&model, &tree),
@@ -178,6 +185,11 @@ impl Simulation {
         };
         simulation.place();
         simulation
+    }
+
+    /// What saved states know the model by.
+    pub fn model_hash(&self) -> u64 {
+        self.hash
     }
 
     /// The robot.

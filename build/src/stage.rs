@@ -347,7 +347,7 @@ pub fn libraries(robot: &Robot, platforms: &[String]) -> Result<Vec<Binary>, Sta
 /// Loads what the FMU will load and takes one step of the default experiment.
 fn trial(prepared: &str) -> Result<(), StageError> {
     let prepared = PreparedModel::from_json(prepared)?;
-    let mut simulation = Simulation::new(Arc::new(prepared.model));
+    let mut simulation = Simulation::with_hash(Arc::new(prepared.model), prepared.hash);
     simulation.initialize(0.0)?;
     simulation.advance_to(describe::STEP_SIZE)?;
     Ok(())

@@ -84,7 +84,7 @@ pub(crate) fn load(
         logger,
         (version, integrated_by),
         GuidHash::new(guid),
-        Arc::new(prepared.model),
+        (Arc::new(prepared.model), prepared.hash),
         variables,
         layout,
     ))

@@ -74,7 +74,7 @@ impl Instance {
         logger: Logger,
         (version, integrated_by): (Version, Interface),
         guid: GuidHash,
-        model: Arc<Model>,
+        (model, hash): (Arc<Model>, u64),
         variables: Vec<Variable>,
         layout: Layout,
     ) -> Self {
@@ -88,7 +88,7 @@ impl Instance {
             },
         };
         Self {
-            simulation: simulation(&model, integrated_by),
+            simulation: simulation(&model, hash, integrated_by),
             range_logged: vec![false; variables.len()],
             sources: layout.all_rows().iter().map(source).collect(),
             logger,
@@ -256,7 +256,8 @@ impl Instance {
     /// A simulation in which nothing of an interrupted call is left.
     fn renew(&mut self) {
         if self.phase == Phase::Error {
-            self.simulation = simulation(&self.model, self.integrated_by);
+            let hash = self.simulation.model_hash();
+            self.simulation = simulation(&self.model, hash, self.integrated_by);
         }
     }
 
@@ -316,8 +317,8 @@ impl Instance {
 }
 
 /// A simulation of the model, for who integrates.
-fn simulation(model: &Arc<Model>, integrated_by: Interface) -> Simulation {
-    let mut simulation = Simulation::new(Arc::clone(model));
+fn simulation(model: &Arc<Model>, hash: u64, integrated_by: Interface) -> Simulation {
+    let mut simulation = Simulation::with_hash(Arc::clone(model), hash);
     if integrated_by == Interface::ModelExchange {
         simulation.exchange();
     }

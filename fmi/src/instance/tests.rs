@@ -20,6 +20,7 @@ use urdf2fmu_core::model::{
     Initial, Joint, JointId, JointKind, Link, LinkId, Motion, OutputSelection, Root, RootId,
     SolverDefaults, World,
 };
+use urdf2fmu_core::prepared::PreparedModel;
 use urdf2fmu_core::simulation::{InputSlot, OutputSlot, ParameterSlot};
 use urdf2fmu_core::spatial::{Mat3, Pose, RigidInertia, Vec3};
 use urdf2fmu_core::variables::{Kind, Unit};
@@ -45,11 +46,12 @@ pub(crate) fn instance_of(version: Version) -> Instance {
     let (model, rows) = (rover(), rows());
     let layout = Layout::new(version, &model, &rows).expect("no clash");
     let guid = GuidHash::new("{test}");
+    let prepared = PreparedModel::new(String::new(), model);
     Instance::new(
         logger,
         (version, Interface::CoSimulation),
         guid,
-        Arc::new(model),
+        (Arc::new(prepared.model), prepared.hash),
         rows,
         layout,
     )
