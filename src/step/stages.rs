@@ -61,7 +61,8 @@ use crate::step::point::{Context, Point};
 use crate::step::size::{fastest, worst_error};
 use crate::tree::Tree;
 use crate::tuning::{
-    CONTACT_STEP, CORRECTED, ESTIMATE, LAG_SHARE, MAX_CARRIES, START, VELOCITY_WEIGHT,
+    CONTACT_STEP, CORRECTED, ESTIMATE, FIXED_ACCURACY, LAG_SHARE, MAX_CARRIES, START,
+    VELOCITY_WEIGHT,
 };
 use std::f64::consts::SQRT_2;
 
@@ -298,13 +299,16 @@ impl Stages {
         } else {
             (second, second_terms, Some((&*first, &first_terms.contacts)))
         };
+        let fixed = (ctx.fixed_step > 0.0).then_some(FIXED_ACCURACY[1]);
         macro_rules! problem {
-            () => {
+            () => {{
+                let problem = Problem::new((tree, kin), terms, eta, accuracy);
                 Problem {
                     ahead: 0.5 * DRIFT[stage] * (eta / GAMMA),
-                    ..Problem::new((tree, kin), terms, eta, accuracy)
+                    iterated: fixed.unwrap_or(problem.iterated),
+                    ..problem
                 }
-            };
+            }};
         }
         solved.guess(&problem!(), &self.from, &self.guess);
         solved.carry(terms, eta);
