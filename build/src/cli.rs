@@ -1,5 +1,6 @@
 //! The command line and its options. [`crate::commands`] executes it.
 
+mod given;
 mod object;
 mod values;
 

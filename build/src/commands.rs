@@ -8,7 +8,7 @@ mod shared;
 mod simulate;
 
 pub use shared::{CliError, print_findings};
-use shared::{is_fmu, refuse_other_kinds};
+use shared::{is_fmu, refuse_ending, refuse_options, refuse_other_kinds};
 
 use crate::cli::{Check, Cli, Command, Deny, Expand, Explain, Export, Info, Init, Picture};
 use crate::diagnostics::{self, Style};
@@ -52,6 +52,7 @@ fn export(args: &Export) -> Result<(), CliError> {
         let kind = "an FMU already: export takes the URDF; urdf2fmu simulate runs an FMU";
         return Err(CliError::Kind { path, kind });
     }
+    refuse_ending(args.output.as_ref(), "--output", ["an FMU", "fmu"])?;
     let robot = stage::robot(&args.source.request(&args.urdf))?;
     print_findings(&robot.diagnostics, Severity::Warning)?;
     let output = args.output.clone().unwrap_or_else(|| {
@@ -68,6 +69,7 @@ fn export(args: &Export) -> Result<(), CliError> {
 
 fn show(args: &Info) -> Result<(), CliError> {
     refuse_other_kinds(&args.file)?;
+    refuse_options(&args.file, &args.source)?;
     let (model, table, platforms, fmi) = if is_fmu(&args.file) {
         let path = args.file.clone();
         let Some(bytes) = archive::read_entry(&path, &format!("resources/{FILE_NAME}"))? else {
@@ -212,6 +214,8 @@ fn check(args: &Check) -> Result<(), CliError> {
 }
 
 fn picture(args: &Picture) -> Result<(), CliError> {
+    refuse_options(&args.file, &args.source)?;
+    refuse_ending(args.output.as_ref(), "--output", ["a PNG picture", "png"])?;
     let mut inputs = vec![args.file.clone()];
     inputs.extend(args.run.clone());
     let scene = if is_fmu(&args.file) {

@@ -127,3 +127,69 @@ fn a_mode_for_all_joints_is_legal_where_there_are_none() {
         6
     );
 }
+
+#[test]
+fn options_about_a_robot_are_refused_where_an_fmu_is_made_already() {
+    let (folder, fmu) = export(&example("rover.urdf"), &[]);
+    let page = folder.path().join("a.html");
+    for (command, option, name) in [
+        ("simulate", &["--object", "crate.urdf@1,0"][..], "--object"),
+        ("simulate", &["--fixed-base"], "--fixed-base"),
+        ("info", &["-c", "nowhere.toml"], "--config"),
+        ("picture", &["--scale", "3"], "--scale"),
+        ("view", &["--mode", "position"], "--mode"),
+        ("report", &["--fixed-base"], "--fixed-base"),
+    ] {
+        let file = [text(&fmu)];
+        let model = ["run.csv", "--model", text(&fmu), "-o", text(&page)];
+        let files = if command == "report" {
+            &model[..]
+        } else {
+            &file
+        };
+        let run = run_in(Path::new("."), &[&[command], files, option].concat(), &[]);
+        assert_eq!(run.code, 2, "{command}: {run:?}");
+        let said = format!("is an FMU already, and {name} belongs to its export");
+        assert!(run.err.contains(&said), "{}", run.err);
+    }
+}
+
+#[test]
+fn a_word_without_an_option_is_told_how_options_are_repeated() {
+    let (_folder, fmu) = export(&example("rover.urdf"), &[]);
+    let names = ["base.position.x", "base.position.z"];
+    let run = urdf2fmu([
+        "simulate",
+        text(&fmu),
+        "--output-variable",
+        names[0],
+        names[1],
+    ]);
+    assert_eq!(run.code, 2, "{run:?}");
+    for said in [
+        names[1],
+        "repeated",
+        "--output-variable A --output-variable B",
+    ] {
+        assert!(run.err.contains(said), "{}", run.err);
+    }
+}
+
+#[test]
+fn files_are_not_written_under_the_name_of_another_format() {
+    let rover = example("rover.urdf");
+    let folder = tempfile::tempdir().unwrap();
+    for (args, said) in [
+        (&["simulate", "--plot", "a.png"][..], "end it with .svg"),
+        (&["simulate", "--report", "a.csv"], "end it with .html"),
+        (&["simulate", "--output-file", "a.xlsx"], "end it with .csv"),
+        (&["picture", "-o", "a.jpg"], "end it with .png"),
+        (&["export", "-o", "a.zip"], "end it with .fmu"),
+    ] {
+        let args = [&[args[0], text(&rover)], &args[1..]].concat();
+        let run = run_in(folder.path(), &args, &[]);
+        assert_eq!(run.code, 2, "{args:?}: {run:?}");
+        assert!(run.err.contains(said), "{}", run.err);
+    }
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
+}

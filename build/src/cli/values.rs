@@ -12,7 +12,12 @@ const LONGEST_SIDE: usize = 4096;
 pub(super) fn xacro_argument(text: &str) -> Result<String, String> {
     match text.split_once(":=") {
         Some((name, _)) if !name.is_empty() && !name.starts_with('-') => Ok(text.to_owned()),
-        _ => Err("arguments of xacro are written name:=value".to_owned()),
+        _ => Err(
+            "it belongs to no option, and arguments of xacro are written name:=value; an option \
+             that takes one value is repeated for another one, as in --output-variable A \
+             --output-variable B"
+                .to_owned(),
+        ),
     }
 }
 

@@ -1,6 +1,6 @@
 //! The commands that show a robot in a browser.
 
-use super::shared::{CliError, as_fmu, temporary};
+use super::shared::{CliError, as_fmu, refuse_ending, refuse_options, temporary};
 use crate::archive;
 use crate::cli::{Report, View};
 use crate::events::Event;
@@ -33,6 +33,8 @@ pub(super) fn scene(fmu: &Path, named: &Path) -> Result<Seen, CliError> {
 
 /// `report`
 pub(super) fn report(args: &Report) -> Result<(), CliError> {
+    refuse_options(&args.model, &args.source)?;
+    refuse_ending(args.output.as_ref(), "--output", ["a page", "html"])?;
     let folder = temporary()?;
     let request = args.source.request(&args.model);
     let (fmu, mut inputs) = as_fmu(&args.model, &request, folder.path())?;
@@ -87,6 +89,8 @@ const IMMOVABLE: &str = "A102";
 
 /// `view`
 pub(super) fn view(args: &View) -> Result<(), CliError> {
+    refuse_options(&args.file, &args.source)?;
+    refuse_ending(args.record.as_ref(), "--record", ["a table", "csv"])?;
     let folder = temporary()?;
     let mut request = args.source.request(&args.file);
     request.pushable = true;

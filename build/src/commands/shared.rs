@@ -1,6 +1,7 @@
 //! What all commands share: the errors that can end them early, and robots made into FMUs.
 
 use crate::archive;
+use crate::cli::Source;
 use crate::diagnostics::{self, Style};
 use crate::importer::error::RunError;
 use crate::output::{OutputError, Target, tell};
@@ -114,6 +115,30 @@ pub enum CliError {
         /// What it is.
         kind: &'static str,
     },
+    /// Options about how a robot is read, with an FMU.
+    #[error(
+        "'{}' is an FMU already, and {} belong{} to its export: give the URDF instead, or export it again with {}",
+        path.display(), options.join(", "), if options.len() == 1 { "s" } else { "" },
+        if options.len() == 1 { "it" } else { "them" }
+    )]
+    MadeAlready {
+        /// The FMU.
+        path: PathBuf,
+        /// The options.
+        options: Vec<&'static str>,
+    },
+    /// A file that is named as what is not written.
+    #[error("what {option} writes is {writes}, and '{}' is named as something else: end it with .{ending}", path.display())]
+    Ending {
+        /// The file.
+        path: PathBuf,
+        /// The option that names it.
+        option: &'static str,
+        /// What is written.
+        writes: &'static str,
+        /// How such a file ends.
+        ending: &'static str,
+    },
     /// `explain` of what is no code.
     #[error("there is no finding '{code}'; urdf2fmu explain lists all")]
     Code {
@@ -136,7 +161,11 @@ impl CliError {
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::Stage(StageError::Library(error)) if error.is_usage() => 2,
-            Self::InitFromSettings | Self::FilmTheme | Self::Code { .. } => 2,
+            Self::InitFromSettings
+            | Self::FilmTheme
+            | Self::Code { .. }
+            | Self::MadeAlready { .. }
+            | Self::Ending { .. } => 2,
             Self::Stage(StageError::Trial(_)) => 3,
             Self::Run(error) | Self::View(ViewError::Run(error)) if error.is_simulation() => 3,
             Self::Run(error) if error.is_usage() => 2,
@@ -231,6 +260,52 @@ pub(super) fn refuse_other_kinds(path: &Path) -> Result<(), CliError> {
     Err(CliError::Kind {
         path: path.to_owned(),
         kind,
+    })
+}
+
+/// Refuses options about how a robot is read where `path` is an FMU: they would do nothing.
+///
+/// # Errors
+/// [`CliError::MadeAlready`].
+pub(super) fn refuse_options(path: &Path, source: &Source) -> Result<(), CliError> {
+    let options = source.given();
+    if options.is_empty() || !is_fmu(path) {
+        return Ok(());
+    }
+    let path = path.to_owned();
+    Err(CliError::MadeAlready { path, options })
+}
+
+/// Endings that name one kind of file.
+const ENDINGS: &[&str] = &[
+    "csv", "fmu", "gif", "htm", "html", "jpeg", "jpg", "mat", "pdf", "png", "svg", "toml", "urdf",
+    "xacro", "xlsx", "xml", "zip",
+];
+
+/// Refuses to write what belongs into files that end with `ending` into one that is named as
+/// another kind of file.
+///
+/// - `option`, `writes`: who names the file, and what is written, for the message
+///
+/// # Errors
+/// [`CliError::Ending`].
+pub(super) fn refuse_ending(
+    path: Option<&PathBuf>,
+    option: &'static str,
+    [writes, ending]: [&'static str; 2],
+) -> Result<(), CliError> {
+    let Some(path) = path else { return Ok(()) };
+    let own = path.extension().map(|own| own.to_string_lossy());
+    let own = own.unwrap_or_default().to_lowercase();
+    let fits = own == ending || own == "htm" && ending == "html";
+    if fits || !ENDINGS.contains(&own.as_str()) {
+        return Ok(());
+    }
+    Err(CliError::Ending {
+        path: path.clone(),
+        option,
+        writes,
+        ending,
     })
 }
 

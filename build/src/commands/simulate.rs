@@ -1,7 +1,7 @@
 //! `simulate`: runs an FMU as an importer does, writes the results, and reports about the run.
 
 use super::see::{self, Seen};
-use super::shared::{CliError, as_fmu, temporary};
+use super::shared::{CliError, as_fmu, refuse_ending, refuse_options, temporary};
 use crate::archive;
 use crate::cli::Simulate;
 use crate::cost::{Costs, Touching};
@@ -29,6 +29,14 @@ struct Targets {
 }
 
 pub(super) fn simulate(args: &Simulate) -> Result<(), CliError> {
+    refuse_options(&args.file, &args.source)?;
+    refuse_ending(args.plot.as_ref(), "--plot", ["an SVG picture", "svg"])?;
+    refuse_ending(args.report.as_ref(), "--report", ["a page", "html"])?;
+    refuse_ending(
+        args.output_file.as_ref(),
+        "--output-file",
+        ["a table", "csv"],
+    )?;
     let folder = temporary()?;
     let (fmu, mut inputs) = as_fmu(&args.file, &args.source.request(&args.file), folder.path())?;
     inputs.extend(args.input_file.clone());

@@ -1,0 +1,54 @@
+//! Which options about a robot were given: an FMU has been made already, and takes none of them.
+
+use super::Source;
+
+impl Source {
+    /// Names of the options that were given, as the user writes them.
+    pub(crate) fn given(&self) -> Vec<&'static str> {
+        // Each field is named, so that a new option cannot be forgotten.
+        let Self {
+            config,
+            fixed_base,
+            floating_base,
+            mode,
+            compat,
+            inertia,
+            sensors,
+            density,
+            scale,
+            naming,
+            fmi,
+            interface,
+            arrays,
+            srdf,
+            initial_state,
+            package_paths,
+            packages,
+            objects,
+            xacro_arguments,
+        } = self;
+        let all = [
+            ("--config", config.is_some()),
+            ("--fixed-base", *fixed_base),
+            ("--floating-base", *floating_base),
+            ("--mode", mode.is_some()),
+            ("--compat", compat.is_some()),
+            ("--inertia", inertia.is_some()),
+            ("--sensors", sensors.is_some()),
+            ("--density", density.is_some()),
+            ("--scale", scale.is_some()),
+            ("--naming", naming.is_some()),
+            ("--fmi", fmi.is_some()),
+            ("--interface", interface.is_some()),
+            ("--arrays", arrays.is_some()),
+            ("--srdf", srdf.is_some()),
+            ("--initial-state", initial_state.is_some()),
+            ("--package-path", !package_paths.is_empty()),
+            ("--package", !packages.is_empty()),
+            ("--object", !objects.is_empty()),
+            ("name:=value", !xacro_arguments.is_empty()),
+        ];
+        let given = all.iter().filter(|(_, given)| *given);
+        given.map(|(name, _)| *name).collect()
+    }
+}
