@@ -1,8 +1,9 @@
 //! How near the robot is to a lamp, at each pixel of the lamp's picture.
 
-use super::raster::{Places, greatest, rows, within};
+use super::raster::{Places, within};
+use super::rows::{Rows, greatest};
 
-/// Rows and columns up to which a triangle is compared with what is known before it is drawn.
+/// Columns up to which a row of a triangle is compared with what is known before it is drawn.
 const SMALL: usize = 3;
 
 /// How near the nearest triangle is, in a square picture.
@@ -60,29 +61,33 @@ impl Depth {
     ) -> Self {
         let mut near = vec![f32::NEG_INFINITY; side * side];
         let picture = 0..side;
-        for placed in faces.filter_map(|face| places.triangle(face)) {
-            let here = within(placed.rows, &picture);
-            if here.len() <= SMALL {
-                // What lies behind all that is known of its few pixels changes nothing.
-                let columns = within(placed.columns, &picture);
-                let [a, b, c] = placed.corners.map(|corner| corner[2]);
-                let nearest = a.max(b).max(c);
-                let hidden = |y: usize| {
-                    let pixels = near.get(y * side + columns.start..y * side + columns.end);
-                    pixels.is_none_or(|pixels| pixels.iter().all(|known| *known >= nearest))
-                };
-                if columns.len() <= SMALL && here.clone().all(hidden) {
-                    continue;
-                }
-            }
-            rows(&placed.corners, side, here, |y, xs, start, slope| {
+        let mut waiting = Rows::new();
+        let draw = |waiting: &mut Rows, near: &mut [f32]| {
+            waiting.draw(side, |_, y, xs, start, slope| {
                 let mut depth = start;
                 for place in &mut near[y * side + xs.start..y * side + xs.end] {
                     *place = greatest(*place, depth);
                     depth += slope;
                 }
             });
+        };
+        for placed in faces.filter_map(|face| places.triangle(face)) {
+            let columns = within(placed.columns, &picture);
+            let [a, b, c] = placed.corners.map(|corner| corner[2]);
+            let nearest = a.max(b).max(c);
+            for y in within(placed.rows, &picture) {
+                // What lies behind all that is known of its few pixels changes nothing.
+                let hidden = || {
+                    let pixels = near.get(y * side + columns.start..y * side + columns.end);
+                    pixels.is_none_or(|pixels| pixels.iter().all(|known| *known >= nearest))
+                };
+                let small = columns.len() <= SMALL;
+                if !(small && hidden()) && waiting.add(&placed.corners, 0, y) {
+                    draw(&mut waiting, &mut near);
+                }
+            }
         }
+        draw(&mut waiting, &mut near);
         let tiles = Tiles::new(&near, side, shift.into(), more.into());
         Self { side, near, tiles }
     }

@@ -18,6 +18,7 @@ mod light;
 mod look;
 mod png;
 mod raster;
+mod rows;
 mod run;
 mod shade;
 mod solid;
