@@ -11,6 +11,7 @@
 
 mod camera;
 mod color;
+mod cubes;
 mod depth;
 mod film;
 mod frames;
@@ -21,6 +22,7 @@ mod raster;
 mod rows;
 mod run;
 mod shade;
+mod sky;
 mod solid;
 mod still;
 mod texture;

@@ -24,7 +24,7 @@ fn whole(x: f32) -> f32 {
 /// The lesser of a number and of another one, which may be no number: one instruction, unlike that
 /// of the standard library, where either may be none.
 #[inline]
-fn least(x: f32, other: f32) -> f32 {
+pub(super) fn least(x: f32, other: f32) -> f32 {
     if other < x { other } else { x }
 }
 
