@@ -4,8 +4,8 @@
 //! finds what is visible at each sample, `depth` how near it is to a lamp, both of them by `rows` of
 //! triangles; `sky` draws the pictures of the sky's lamps of a robot made of `cubes`, `light`
 //! computes how much of the sky and of the lamp each place sees, `shade` makes colours of it, `png`
-//! writes them. `texture` has images in several
-//! sizes (mipmaps), `run` and `film` make an animation of a run; `frames` are the axes of links.
+//! writes them. `texture` has images in several sizes (mipmaps), `run` and `film` make an animation
+//! of a run; `frames` are the axes of links.
 //!
 //! Only additions, multiplications, divisions and square roots are used, which IEEE 754 defines to
 //! the last bit, and functions of `libm`. Threads work on different rows and lamps, and no sum is
