@@ -171,7 +171,7 @@ mod tests {
             for (near, aim) in together.iter().zip(&aims) {
                 let places = Places::new(points.iter().map(|point| place(aim, point)));
                 let alone = Depth::new(&places, faces.iter().copied(), side, [2, 1]);
-                assert!(near.iter().filter(|x| **x > f32::NEG_INFINITY).count() > 200);
+                assert!(near.iter().filter(|x| **x > f32::NEG_INFINITY).count() > 60);
                 assert_eq!(*near, alone.near);
             }
         }
