@@ -1,8 +1,10 @@
 //! How near the robot is to a lamp, at each pixel of the lamp's picture.
 
-use super::raster::{Places, greatest, rows, within};
+use super::raster::{Places, within};
+use super::rows::{Rows, greatest};
+use std::ops::Range;
 
-/// Rows and columns up to which a triangle is compared with what is known before it is drawn.
+/// Columns up to which a row of a triangle is compared with what is known before it is drawn.
 const SMALL: usize = 3;
 
 /// How near the nearest triangle is, in a square picture.
@@ -49,40 +51,61 @@ impl Tiles {
     }
 }
 
+/// Whether all that is known of a row's few pixels is nearer: what lies behind changes nothing.
+#[inline]
+pub(super) fn hidden(
+    near: &[f32],
+    side: usize,
+    row: usize,
+    columns: &Range<usize>,
+    nearest: f32,
+) -> bool {
+    let pixels = || near.get(row * side + columns.start..row * side + columns.end);
+    columns.len() <= SMALL
+        && pixels().is_none_or(|pixels| pixels.iter().all(|known| *known >= nearest))
+}
+
+/// Draws rows that wait.
+pub(super) fn draw(waiting: &mut Rows, near: &mut [f32], side: usize) {
+    waiting.draw(side, |_, y, xs, start, slope| {
+        let mut depth = start;
+        for place in &mut near[y * side + xs.start..y * side + xs.end] {
+            *place = greatest(*place, depth);
+            depth += slope;
+        }
+    });
+}
+
 impl Depth {
     /// - `places`: those of the corners of `faces`
-    /// - `shift`, `more`: see [`Tiles`]
+    /// - `tiles`: see [`Depth::of`]
     pub(super) fn new(
         places: &Places,
         faces: impl Iterator<Item = [u32; 3]>,
         side: usize,
-        [shift, more]: [u8; 2],
+        tiles: [u8; 2],
     ) -> Self {
         let mut near = vec![f32::NEG_INFINITY; side * side];
         let picture = 0..side;
+        let mut waiting = Rows::new();
         for placed in faces.filter_map(|face| places.triangle(face)) {
-            let here = within(placed.rows, &picture);
-            if here.len() <= SMALL {
-                // What lies behind all that is known of its few pixels changes nothing.
-                let columns = within(placed.columns, &picture);
-                let [a, b, c] = placed.corners.map(|corner| corner[2]);
-                let nearest = a.max(b).max(c);
-                let hidden = |y: usize| {
-                    let pixels = near.get(y * side + columns.start..y * side + columns.end);
-                    pixels.is_none_or(|pixels| pixels.iter().all(|known| *known >= nearest))
-                };
-                if columns.len() <= SMALL && here.clone().all(hidden) {
-                    continue;
+            let columns = within(placed.columns, &picture);
+            let [a, b, c] = placed.corners.map(|corner| corner[2]);
+            let nearest = a.max(b).max(c);
+            for y in within(placed.rows, &picture) {
+                if !hidden(&near, side, y, &columns, nearest) && waiting.add(&placed.corners, 0, y)
+                {
+                    draw(&mut waiting, &mut near, side);
                 }
             }
-            rows(&placed.corners, side, here, |y, xs, start, slope| {
-                let mut depth = start;
-                for place in &mut near[y * side + xs.start..y * side + xs.end] {
-                    *place = greatest(*place, depth);
-                    depth += slope;
-                }
-            });
         }
+        draw(&mut waiting, &mut near, side);
+        Self::of(near, side, tiles)
+    }
+
+    /// - `near`: that of each pixel
+    /// - `shift`, `more`: see [`Tiles`]
+    pub(super) fn of(near: Vec<f32>, side: usize, [shift, more]: [u8; 2]) -> Self {
         let tiles = Tiles::new(&near, side, shift.into(), more.into());
         Self { side, near, tiles }
     }

@@ -6,18 +6,21 @@
 //! without an approximation for them.
 
 use super::camera::{Camera, count};
+use super::cubes::{Cubes, Sorted};
 use super::depth::Depth;
 use super::look::Look;
-use super::raster::{Places, floor};
-use super::solid::{self, World};
-use std::collections::{HashMap, HashSet};
-use std::hash::BuildHasherDefault;
-use urdf2fmu_core::hash::Quick;
+use super::raster::Places;
+use super::rows::{greatest, least};
+use super::sky;
+use super::solid::World;
 use urdf2fmu_core::parallel;
 use urdf2fmu_core::spatial::Vec3;
 
 /// A point in short numbers.
-type Point = [f32; 3];
+pub(super) type Point = [f32; 3];
+
+/// Factors of x, y, z and 1 that give column, row and nearness in a lamp's picture.
+pub(super) type Aim = [[f32; 4]; 3];
 
 /// Where the lamp stands, seen from the camera: to the left of it, degrees. Behind the camera no
 /// shadow would be seen.
@@ -69,8 +72,7 @@ pub(super) struct Lamp {
     pub(super) toward: Vec3,
     /// The same in short numbers.
     short: [f32; 3],
-    /// Factors of x, y, z and 1 that give column, row and nearness.
-    rows: [[f32; 4]; 3],
+    rows: Aim,
     depth: Depth,
 }
 
@@ -93,49 +95,50 @@ fn shorter(v: &Vec3) -> [f32; 3] {
     [v.x as f32, v.y as f32, v.z as f32]
 }
 
-fn dot(a: &[f32; 3], b: &[f32; 3]) -> f32 {
+pub(super) fn dot(a: &[f32; 3], b: &[f32; 3]) -> f32 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-impl Lamp {
-    /// - `reach`: points that the picture reaches to
-    /// - `faces`: places in `points`
-    /// - `tiles`: see [`Depth::new`]
-    #[allow(clippy::cast_possible_truncation, reason = "places in a picture")]
-    fn new(
-        toward: Vec3,
-        reach: &[Point],
-        points: &[Point],
-        faces: impl Iterator<Item = [u32; 3]>,
-        side: usize,
-        tiles: [u8; 2],
-    ) -> Self {
+/// Where lamps look at the robot from.
+///
+/// - `reach`: points that their pictures reach to
+#[allow(clippy::cast_possible_truncation, reason = "places in a picture")]
+fn aims<const N: usize>(toward: &[Vec3; N], reach: &[Point], side: usize) -> [Aim; N] {
+    let axes = toward.map(|toward| {
         let right = Vec3::z().cross(&toward);
         let right = right.try_normalize(1e-9).unwrap_or_else(Vec3::x);
-        let axes = [right, toward.cross(&right)].map(|axis| shorter(&axis));
-        let mut low = [f32::INFINITY; 2];
-        let mut high = [f32::NEG_INFINITY; 2];
-        for point in reach {
+        [right, toward.cross(&right)].map(|axis| shorter(&axis))
+    });
+    let mut low = [[f32::INFINITY; 2]; N];
+    let mut high = [[f32::NEG_INFINITY; 2]; N];
+    for point in reach {
+        for ((axes, low), high) in axes.iter().zip(&mut low).zip(&mut high) {
             for i in 0..2 {
                 let x = dot(&axes[i], point);
-                low[i] = low[i].min(x);
-                high[i] = high[i].max(x);
+                low[i] = least(low[i], x);
+                high[i] = greatest(high[i], x);
             }
         }
+    }
+    std::array::from_fn(|l| {
+        let (low, high) = (low[l], high[l]);
         let size = (high[0] - low[0]).max(high[1] - low[1]).max(1e-6);
         // Some pixels stay free at each rim.
         let scale = (count(side) as f32 - 2.0 * RIM) / size;
         let row = |i: usize| {
-            let [x, y, z] = axes[i].map(|x| x * scale);
+            let [x, y, z] = axes[l][i].map(|x| x * scale);
             [x, y, z, RIM - low[i] * scale]
         };
-        let short = shorter(&toward);
-        let rows = [row(0), row(1), [short[0], short[1], short[2], 0.0]];
-        let places = Places::new(points.iter().map(|p| place(&rows, p)));
-        let depth = Depth::new(&places, faces, side, tiles);
+        let short = shorter(&toward[l]);
+        [row(0), row(1), [short[0], short[1], short[2], 0.0]]
+    })
+}
+
+impl Lamp {
+    fn new(toward: Vec3, rows: Aim, depth: Depth) -> Self {
         Self {
             toward,
-            short,
+            short: shorter(&toward),
             rows,
             depth,
         }
@@ -170,27 +173,30 @@ impl Lamp {
                 let nearest = || self.depth.nearest_about(left[l] as usize, top[l] as usize);
                 inside[l] && nearest() > near[l]
             });
-            // The four pixels around each place that they may hide.
-            let mut pixels = [[f32::NEG_INFINITY; LANES]; 4];
-            for l in (0..LANES).filter(|l| hidden[*l]) {
-                let at = top[l] as usize * side + left[l] as usize;
-                if let Some(rows) = self.depth.near.get(at..at + side + 2) {
-                    for (pixel, k) in pixels.iter_mut().zip([0, 1, side, side + 1]) {
-                        pixel[l] = rows[k];
+            // Where nothing hides the lamp, the sum of all parts is 1 to the last bit.
+            if hidden.contains(&true) {
+                // The four pixels around each place that they may hide.
+                let mut pixels = [[f32::NEG_INFINITY; LANES]; 4];
+                for l in (0..LANES).filter(|l| hidden[*l]) {
+                    let at = top[l] as usize * side + left[l] as usize;
+                    if let Some(rows) = self.depth.near.get(at..at + side + 2) {
+                        for (pixel, k) in pixels.iter_mut().zip([0, 1, side, side + 1]) {
+                            pixel[l] = rows[k];
+                        }
                     }
                 }
+                let open = pixels.map(|pixel| {
+                    let open = |l: usize| if pixel[l] > near[l] { 0.0 } else { 1.0 };
+                    each::<f32>(open)
+                });
+                let mixed: [f32; LANES] = each(|l| {
+                    let (u, v) = (x[l] - left[l] as f32, y[l] - top[l] as f32);
+                    let upper = open[0][l] * (1.0 - u) + open[1][l] * u;
+                    let lower = open[2][l] * (1.0 - u) + open[3][l] * u;
+                    upper * (1.0 - v) + lower * v
+                });
+                seen = each(|l| if inside[l] { mixed[l] } else { 1.0 });
             }
-            let open = pixels.map(|pixel| {
-                let open = |l: usize| if pixel[l] > near[l] { 0.0 } else { 1.0 };
-                each::<f32>(open)
-            });
-            let mixed: [f32; LANES] = each(|l| {
-                let (u, v) = (x[l] - left[l] as f32, y[l] - top[l] as f32);
-                let upper = open[0][l] * (1.0 - u) + open[1][l] * u;
-                let lower = open[2][l] * (1.0 - u) + open[3][l] * u;
-                upper * (1.0 - v) + lower * v
-            });
-            seen = each(|l| if inside[l] { mixed[l] } else { 1.0 });
         }
         for l in 0..LANES {
             lanes.sky[l] += cosine[l].max(0.0) * seen[l];
@@ -236,9 +242,17 @@ fn sums(factors: &[f32; 3], [x, y, z]: &[[f32; LANES]; 3], more: f32) -> [f32; L
 
 /// Column, row and nearness of a place.
 #[inline]
-fn place(rows: &[[f32; 4]; 3], p: &[f32; 3]) -> [f32; 3] {
+pub(super) fn place(rows: &Aim, p: &[f32; 3]) -> [f32; 3] {
     let along = |row: &[f32; 4]| row[0] * p[0] + row[1] * p[1] + row[2] * p[2] + row[3];
     [along(&rows[0]), along(&rows[1]), along(&rows[2])]
+}
+
+/// Pictures that one thread draws at a time.
+enum Group {
+    /// That of the lamp.
+    Own,
+    /// Some of a quarter of the sky.
+    Sky(usize, Vec<usize>),
 }
 
 impl Lights {
@@ -251,19 +265,44 @@ impl Lights {
         let casting: Vec<&[[u32; 3]]> = casting.map(|(_, at)| &world.faces[at]).collect();
         let faces = || casting.iter().flat_map(|faces| faces.iter().copied());
         let cubes = Cubes::new(&points, faces(), camera.size / SKY_CELLS).sorted();
+        let own = direction(look.from.azimuth + LAMP_AZIMUTH, LAMP_ELEVATION);
+        let directions = sky(look.sky);
         // The lamp's own picture is the largest, and is begun first.
-        let mut directions = vec![direction(look.from.azimuth + LAMP_AZIMUTH, LAMP_ELEVATION)];
-        directions.extend(sky(look.sky));
-        let numbers: Vec<usize> = (0..directions.len()).collect();
-        let mut sky = parallel::map(&numbers, |&k| {
-            let (toward, reach) = (directions[k], &cubes.middles);
-            if k == 0 {
-                Lamp::new(toward, reach, &points, faces(), LAMP_SIDE, LAMP_TILES)
-            } else {
-                let faces = cubes.toward(&toward).iter().copied();
-                Lamp::new(toward, reach, reach, faces, SKY_SIDE, SKY_TILES)
+        let mut groups = vec![Group::Own];
+        for quarter in 0..Sorted::QUARTERS {
+            let lamps =
+                (0..directions.len()).filter(|&k| Sorted::quarter(&directions[k]) == quarter);
+            let lamps: Vec<usize> = lamps.collect();
+            let groups_of = lamps.chunks(sky::LAMPS);
+            groups.extend(groups_of.map(|lamps| Group::Sky(quarter, lamps.to_vec())));
+        }
+        let drawn = parallel::map(&groups, |group| match group {
+            Group::Own => {
+                let [rows] = aims(&[own], &cubes.middles, LAMP_SIDE);
+                let places = Places::new(points.iter().map(|p| place(&rows, p)));
+                let depth = Depth::new(&places, faces(), LAMP_SIDE, LAMP_TILES);
+                vec![(0, Lamp::new(own, rows, depth))]
+            }
+            Group::Sky(quarter, lamps) => {
+                // Where there are fewer, the last one stands for those that are not there.
+                let lamp = |l: usize| lamps[l.min(lamps.len() - 1)];
+                let toward = std::array::from_fn(|l| directions[lamp(l)]);
+                let rows = aims(&toward, &cubes.middles, SKY_SIDE);
+                let faces = cubes.toward(*quarter);
+                let near = sky::nearest(&rows, lamps.len(), &cubes.middles, faces, SKY_SIDE);
+                let depths = near
+                    .into_iter()
+                    .map(|near| Depth::of(near, SKY_SIDE, SKY_TILES));
+                let drawn = lamps.iter().zip(toward).zip(rows).zip(depths);
+                let lamp = |(((k, toward), rows), depth): (((&usize, _), _), _)| {
+                    (k + 1, Lamp::new(toward, rows, depth))
+                };
+                drawn.map(lamp).collect()
             }
         });
+        let mut sky: Vec<(usize, Lamp)> = drawn.into_iter().flatten().collect();
+        sky.sort_unstable_by_key(|(k, _)| *k);
+        let mut sky: Vec<Lamp> = sky.into_iter().map(|(_, lamp)| lamp).collect();
         let lamp = sky.remove(0);
         Self {
             lamp,
@@ -374,107 +413,6 @@ impl Disc {
             weights,
         }
     }
-}
-
-/// Triangles whose corners are moved to the middles of cubes.
-struct Cubes {
-    /// Those of all cubes with a corner.
-    middles: Vec<Point>,
-    /// Places in `middles`, without triangles that became lines, and of those that became one only
-    /// the first: of a fine mesh most are left out.
-    faces: Vec<[u32; 3]>,
-}
-
-impl Cubes {
-    /// - `cell`: side of a cube, m
-    fn new(points: &[Point], faces: impl Iterator<Item = [u32; 3]>, cell: f64) -> Self {
-        /// A point that no face has had yet.
-        const NEW: u32 = u32::MAX;
-        #[allow(clippy::cast_possible_truncation, reason = "a length")]
-        let cell = cell as f32;
-        #[allow(clippy::cast_precision_loss, reason = "a few hundred cubes")]
-        let along = |n: i32| (n as f32 + 0.5) * cell;
-        let mut cubes = Self {
-            middles: Vec::new(),
-            faces: Vec::new(),
-        };
-        let mut places: HashMap<[i32; 3], u32, BuildHasherDefault<Quick>> = HashMap::default();
-        let mut known: HashSet<[u32; 3], BuildHasherDefault<Quick>> = HashSet::default();
-        let mut cube_of = vec![NEW; points.len()];
-        let mut cube = |i: u32| {
-            let cube = &mut cube_of[i as usize];
-            if *cube == NEW {
-                let number = points[i as usize].map(|x| floor(x / cell));
-                *cube = *places.entry(number).or_insert_with(|| {
-                    cubes.middles.push(number.map(along));
-                    solid::place(cubes.middles.len() - 1)
-                });
-            }
-            *cube
-        };
-        for face in faces {
-            let [a, b, c] = face.map(&mut cube);
-            if a != b && b != c && c != a && known.insert(sorted([a, b, c])) {
-                cubes.faces.push([a, b, c]);
-            }
-        }
-        cubes
-    }
-}
-
-/// Triangles of cubes, roughly the nearest first for each quarter of the sky: most of those behind
-/// are then left out as soon as they are looked at. The order changes no picture.
-struct Sorted {
-    middles: Vec<Point>,
-    /// For the quarters of x and y above zero or not.
-    quarters: Vec<Vec<[u32; 3]>>,
-}
-
-impl Cubes {
-    fn sorted(self) -> Sorted {
-        /// Faces of one slab keep their order, and so their neighbours in the processor's memory.
-        const SLABS: f32 = 32.0;
-        /// Upwards, for the middle of a quarter of the sky.
-        const UP: f32 = 0.8;
-        let quarter = |[x, y]: &[f32; 2]| {
-            let toward = [*x, *y, UP];
-            let near = |face: &[u32; 3]| dot(&toward, &self.middles[face[0] as usize]);
-            let all = || self.faces.iter().map(near);
-            let low = all().fold(f32::INFINITY, f32::min);
-            let high = all().fold(f32::NEG_INFINITY, f32::max);
-            let part = (high - low).max(1e-6) / SLABS;
-            let mut slabs: Vec<Vec<[u32; 3]>> = Vec::new();
-            for face in &self.faces {
-                let slab = usize::try_from(floor((high - near(face)) / part)).unwrap_or(0);
-                if slabs.len() <= slab {
-                    slabs.resize(slab + 1, Vec::new());
-                }
-                slabs[slab].push(*face);
-            }
-            slabs.concat()
-        };
-        let quarters = parallel::map(
-            &[[-1.0, -1.0], [-1.0, 1.0], [1.0, -1.0], [1.0, 1.0]],
-            quarter,
-        );
-        Sorted {
-            middles: self.middles,
-            quarters,
-        }
-    }
-}
-
-impl Sorted {
-    /// The faces as they are drawn for a lamp.
-    fn toward(&self, lamp: &Vec3) -> &[[u32; 3]] {
-        &self.quarters[2 * usize::from(lamp.x > 0.0) + usize::from(lamp.y > 0.0)]
-    }
-}
-
-/// The same for a triangle whichever corner comes first and whichever way it is wound.
-fn sorted(mut face: [u32; 3]) -> [u32; 3] {
-    face.sort_unstable();
-    face
 }
 
 /// Unit vector of an azimuth and an elevation in degrees.

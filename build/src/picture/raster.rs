@@ -5,6 +5,7 @@
 //! triangles that are equally near, the first counts.
 
 use super::look::SAMPLES;
+use super::rows::{Corners, Rows};
 use super::solid::{self, Triangle, World};
 use std::ops::Range;
 use urdf2fmu_core::parallel;
@@ -19,9 +20,6 @@ const PART: usize = 1 << 15;
 /// No triangle.
 pub(super) const NONE: u32 = u32::MAX;
 
-/// Column, row and nearness of three corners.
-pub(super) type Corners = [[f32; 3]; 3];
-
 /// The greatest whole number that is not greater. However far away `x` is, it has a negative.
 #[inline]
 #[allow(
@@ -32,28 +30,6 @@ pub(super) type Corners = [[f32; 3]; 3];
 pub(super) fn floor(x: f32) -> i32 {
     let toward_zero = (x as i32).max(1 - i32::MAX);
     toward_zero - i32::from(toward_zero as f32 > x)
-}
-
-/// The same as a float; what is beyond four million is only near it.
-#[inline]
-fn whole(x: f32) -> f32 {
-    /// Numbers this large have no digits behind the point.
-    const LARGE: f32 = 12_582_912.0;
-    let nearest = (x + LARGE) - LARGE;
-    if nearest > x { nearest - 1.0 } else { nearest }
-}
-
-/// The lesser of a number and of another one, which may be no number: one instruction, unlike that
-/// of the standard library, where either may be none.
-#[inline]
-fn least(x: f32, other: f32) -> f32 {
-    if other < x { other } else { x }
-}
-
-/// The greater one, likewise.
-#[inline]
-pub(super) fn greatest(x: f32, other: f32) -> f32 {
-    if other > x { other } else { x }
 }
 
 /// Corners in a picture, and what tells quickly that a triangle has no sample.
@@ -140,94 +116,6 @@ pub(super) fn within(range: (i32, i32), picture: &Range<usize>) -> Range<usize> 
     let start = usize::try_from(range.0).unwrap_or(0).max(picture.start);
     let end = usize::try_from(range.1).map_or(0, |last| last + 1);
     start..end.min(picture.end)
-}
-
-/// A side of a triangle.
-#[derive(Clone, Copy)]
-struct Edge {
-    /// Whether the inside lies to its left, in a picture whose rows go down.
-    right: bool,
-    /// A point on it, and the columns that it goes to the right in a row.
-    x: f32,
-    y: f32,
-    slope: f32,
-}
-
-impl Edge {
-    /// `None` for one along a row. Both triangles at an edge compute it from its upper end.
-    #[inline]
-    fn new(from: &[f32; 3], to: &[f32; 3], sign: f32) -> Option<Self> {
-        let down = sign * (to[1] - from[1]);
-        if down == 0.0 {
-            return None;
-        }
-        let (p, q) = if (from[1], from[0]) <= (to[1], to[0]) {
-            (from, to)
-        } else {
-            (to, from)
-        };
-        Some(Self {
-            right: down > 0.0,
-            x: p[0],
-            y: p[1],
-            slope: (q[0] - p[0]) / (q[1] - p[1]),
-        })
-    }
-}
-
-/// Shows each of some rows of a triangle within a picture: its number, its samples from the first
-/// to the last, the nearness at the first, and what is added from sample to sample.
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    clippy::cast_precision_loss,
-    reason = "clamped to the picture"
-)]
-pub(super) fn rows(
-    corners: &Corners,
-    width: usize,
-    rows: Range<usize>,
-    mut row: impl FnMut(usize, Range<usize>, f32, f32),
-) {
-    let [a, b, c] = corners;
-    let area = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
-    if area == 0.0 || !area.is_finite() {
-        return;
-    }
-    let sign = if area > 0.0 { 1.0 } else { -1.0 };
-    // Nearness = near_a + (x − xa) slope_x + (y − ya) slope_y. Many triangles have no sample after
-    // all, and need no slopes.
-    let slopes = || {
-        let (u, v) = (b[2] - a[2], c[2] - a[2]);
-        let slope_x = (u * (c[1] - a[1]) - v * (b[1] - a[1])) / area;
-        let slope_y = (v * (b[0] - a[0]) - u * (c[0] - a[0])) / area;
-        (slope_x, slope_y)
-    };
-    let mut known = None;
-    let edges = [
-        Edge::new(a, b, sign),
-        Edge::new(b, c, sign),
-        Edge::new(c, a, sign),
-    ];
-    let end = width as f32 - 1.0;
-    for y in rows {
-        let center = y as f32 + 0.5;
-        let (mut left, mut right) = (0.0_f32, end);
-        for edge in edges.iter().flatten() {
-            let at = edge.x + (center - edge.y) * edge.slope - 0.5;
-            if edge.right {
-                right = least(right, whole(at));
-            } else {
-                left = greatest(left, -whole(-at));
-            }
-        }
-        if left <= right {
-            let (slope_x, slope_y) = *known.get_or_insert_with(slopes);
-            let x = left + 0.5;
-            let near = a[2] + (x - a[0]) * slope_x + (center - a[1]) * slope_y;
-            row(y, left as usize..right as usize + 1, near, slope_x);
-        }
-    }
 }
 
 /// The nearest triangle at each sample of a picture.
@@ -330,16 +218,11 @@ impl Bands {
         let start = band * BAND;
         let picture = start..start + seen.len() / width;
         let mut faces = (0..).zip(&own).peekable();
+        let mut waiting = Rows::new();
         for (surface, of_surface) in world.surfaces() {
             let alpha = surface.alpha;
-            while let Some((number, &face)) =
-                faces.next_if(|(_, face)| (**face as usize) < of_surface.end)
-            {
-                let Some(placed) = places.triangle(world.faces[face as usize]) else {
-                    continue;
-                };
-                let here = within(placed.rows, &picture);
-                rows(&placed.corners, width, here, |y, xs, first, slope| {
+            let mut draw = |waiting: &mut Rows| {
+                waiting.draw(width, |number, y, xs, first, slope| {
                     let offset = (y - start) * width;
                     let mut depth = first;
                     for x in xs {
@@ -353,7 +236,21 @@ impl Bands {
                         depth += slope;
                     }
                 });
+            };
+            while let Some((number, &face)) =
+                faces.next_if(|(_, face)| (**face as usize) < of_surface.end)
+            {
+                let Some(placed) = places.triangle(world.faces[face as usize]) else {
+                    continue;
+                };
+                for y in within(placed.rows, &picture) {
+                    if waiting.add(&placed.corners, number, y) {
+                        draw(&mut waiting);
+                    }
+                }
             }
+            // The next surface may have another alpha.
+            draw(&mut waiting);
         }
         // Most of them are hidden after all.
         let mut shown = Vec::new();
@@ -372,7 +269,7 @@ impl Bands {
 
 #[cfg(test)]
 mod tests {
-    use super::{Places, floor, whole, within};
+    use super::{Places, floor, within};
 
     /// Which samples a triangle can have, by its definition: centres between its outermost corners.
     #[test]
@@ -418,16 +315,5 @@ mod tests {
             assert_eq!(whole.checked_neg().map(f64::from), Some(-f64::from(whole)));
         }
         assert!(floor(1e30) > 2_000_000_000 && floor(-1e30) < -2_000_000_000);
-    }
-
-    #[test]
-    #[allow(clippy::float_cmp, reason = "whole numbers")]
-    fn whole_numbers_as_floats_are_the_same_within_any_picture() {
-        for i in i16::MIN..=i16::MAX {
-            let x = f32::from(i) * 0.37;
-            assert_eq!(f64::from(whole(x)), f64::from(floor(x)), "{x}");
-            assert_eq!(f64::from(whole(x.round())), f64::from(x.round()), "{x}");
-        }
-        assert!(whole(1e30) > 4e6 && whole(-1e30) < -4e6);
     }
 }
