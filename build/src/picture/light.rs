@@ -32,9 +32,9 @@ const LAMP_ELEVATION: f64 = 58.0;
 const LAMP_SIDE: usize = 1024;
 const SKY_SIDE: usize = 224;
 
-/// Squares of the lamp's picture and of the sky's that have their nearest place, as powers of two of
-/// pixels, and how many pixels beyond them are theirs, too: the soft edge of the lamp to both of its
-/// sides, and the second of two pixels between which a place in the sky's picture lies.
+/// Squares of the lamp's picture and of the sky's that have their nearest place, as powers of two
+/// of pixels, and how many pixels beyond them are theirs, too: the soft edge of the lamp to both of
+/// its sides, and the second of two pixels between which a place in the sky's picture lies.
 const LAMP_TILES: [u8; 2] = [4, 2 * EDGE];
 const SKY_TILES: [u8; 2] = [2, 1];
 

@@ -1,8 +1,8 @@
 //! Pictures of a robot, without a graphics card, and with the same bytes on every platform.
 //!
 //! A scene at given poses becomes triangles with normals (`solid`), seen by a `camera`; `raster`
-//! finds what is visible at each sample, `depth` how near it is to a lamp, both of them by `rows` of
-//! triangles; `sky` draws the pictures of the sky's lamps of a robot made of `cubes`, `light`
+//! finds what is visible at each sample, `depth` how near it is to a lamp, both of them by `rows`
+//! of triangles; `sky` draws the pictures of the sky's lamps of a robot made of `cubes`, `light`
 //! computes how much of the sky and of the lamp each place sees, `shade` makes colours of it, `png`
 //! writes them. `texture` has images in several sizes (mipmaps), `run` and `film` make an animation
 //! of a run; `frames` are the axes of links.
