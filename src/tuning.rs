@@ -274,7 +274,8 @@ pub const THIN: f64 = 0.01;
 /// `a_rolling_ball_slows_down_by_its_rolling_friction_and_stands`.
 pub const CALM: f64 = 240.0;
 /// Relative accuracy of the impulses in fixed steps: of a guess, and after an iteration, there that
-/// at the default tolerance. At 1 for both fails `fixed_steps_agree_with_error_control_where_a_motor_jumps_to_its_speed`.
+/// at the default tolerance. At 1 for both fails
+/// `fixed_steps_agree_with_error_control_where_a_motor_jumps_to_its_speed`.
 pub const FIXED_ACCURACY: [f64; 2] = [1e-8, COARSEST];
 /// Share of a step by which importers' communication steps may be longer than a whole number of
 /// fixed steps: they carry round-off. At 0 fails

@@ -224,16 +224,6 @@ impl Contact {
             })
     }
 
-    /// Lets rims lean in a step of `h` seconds as their load, that of the start, makes them.
-    pub(super) fn let_swing(&self, points: &mut [ContactPoint], h: f64) {
-        let swing = 2.0 * h * h * self.load / self.mass;
-        for p in &mut points[self.points.clone()] {
-            if let Some(rim) = &mut p.rim {
-                rim.let_swing(swing);
-            }
-        }
-    }
-
     /// Velocity of the load's centre along the normal, m/s, positive apart; of the deepest point
     /// where none is inside.
     pub fn normal_velocity(&self, points: &[ContactPoint], V: &[Vec6]) -> f64 {

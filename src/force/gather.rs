@@ -61,6 +61,16 @@ impl Contact {
         self.lean_on_load(points);
     }
 
+    /// Lets rims lean in a step of `h` seconds as their load, that of the start, makes them.
+    pub(super) fn let_swing(&self, points: &mut [ContactPoint], h: f64) {
+        let swing = 2.0 * h * h * self.load / self.mass;
+        for p in &mut points[self.points.clone()] {
+            if let Some(rim) = &mut p.rim {
+                rim.let_swing(swing);
+            }
+        }
+    }
+
     /// Takes the shares of the load from where the contact was before. Loads follow from depths
     /// that are a hundredth of what a step moves by: a place that is expected does not know them.
     pub(crate) fn take_loads(&mut self, points: &mut [ContactPoint], before: &[ContactPoint]) {
