@@ -1,6 +1,6 @@
 //! The robot as the sky sees it: made of cubes, and what is nearest first.
 
-use super::light::{Point, dot};
+use super::aim::{Point, dot};
 use super::raster::floor;
 use super::solid;
 use std::collections::HashMap;

@@ -5,6 +5,7 @@
 //! nearer to the lamp there. The sum over the sky gives soft shadows, in corners and on the ground,
 //! without an approximation for them.
 
+use super::aim::{Aim, Point, dot, place};
 use super::camera::{Camera, count};
 use super::cubes::{Cubes, Sorted};
 use super::depth::Depth;
@@ -15,12 +16,6 @@ use super::sky;
 use super::solid::World;
 use urdf2fmu_core::parallel;
 use urdf2fmu_core::spatial::Vec3;
-
-/// A point in short numbers.
-pub(super) type Point = [f32; 3];
-
-/// Factors of x, y, z and 1 that give column, row and nearness in a lamp's picture.
-pub(super) type Aim = [[f32; 4]; 3];
 
 /// Where the lamp stands, seen from the camera: to the left of it, degrees. Behind the camera no
 /// shadow would be seen.
@@ -93,10 +88,6 @@ pub(super) struct Spot {
 #[allow(clippy::cast_possible_truncation, reason = "a few digits suffice")]
 fn shorter(v: &Vec3) -> [f32; 3] {
     [v.x as f32, v.y as f32, v.z as f32]
-}
-
-pub(super) fn dot(a: &[f32; 3], b: &[f32; 3]) -> f32 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 /// Where lamps look at the robot from.
@@ -238,13 +229,6 @@ fn each<T>(of: impl FnMut(usize) -> T) -> [T; LANES] {
 fn sums(factors: &[f32; 3], [x, y, z]: &[[f32; LANES]; 3], more: f32) -> [f32; LANES] {
     let [a, b, c] = factors;
     each(|l| a * x[l] + b * y[l] + c * z[l] + more)
-}
-
-/// Column, row and nearness of a place.
-#[inline]
-pub(super) fn place(rows: &Aim, p: &[f32; 3]) -> [f32; 3] {
-    let along = |row: &[f32; 4]| row[0] * p[0] + row[1] * p[1] + row[2] * p[2] + row[3];
-    [along(&rows[0]), along(&rows[1]), along(&rows[2])]
 }
 
 /// Pictures that one thread draws at a time.

@@ -11,6 +11,7 @@
 //! the last bit, and functions of `libm`. Threads work on different rows and lamps, and no sum is
 //! split between them.
 
+mod aim;
 mod camera;
 mod color;
 mod cubes;

@@ -1,8 +1,8 @@
 //! The pictures of lamps of the sky, three at a time: most triangles lie between the samples of
 //! most of them, and one look at its corners tells this for all three.
 
+use super::aim::{Aim, Point, place};
 use super::depth::{draw, hidden};
-use super::light::{Aim, Point, place};
 use super::rows::{Rows, greatest, least};
 use std::ops::Range;
 
