@@ -16,6 +16,7 @@ pub mod codes;
 pub(crate) mod words;
 
 use std::cell::OnceCell;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 use std::ops::Range;
 
@@ -170,6 +171,15 @@ fn excerpt(place: &Place) -> (String, String) {
     (line, marks)
 }
 
+/// So many findings that differ in their link or joint alone are told one by one; of more the first
+/// tells their number. A name that is misspelt in two places is mended in both, but what a program
+/// writes into each joint fills the screen and hides what matters.
+const TOLD: usize = 3;
+
+/// What findings have in common that differ in their link or joint alone: the kind of that, code,
+/// message and help.
+type Alike = (String, &'static str, String, String);
+
 /// After this many errors the rest of a file is noise.
 const MOST_ERRORS: usize = 100;
 
@@ -180,6 +190,8 @@ pub(crate) struct Report<'a> {
     /// Where each line starts, once someone asks: meshes have many lines and hardly any findings.
     lines: OnceCell<Vec<usize>>,
     list: Vec<Diagnostic>,
+    /// How many findings are alike, and which of them are listed.
+    alike: BTreeMap<Alike, (usize, Vec<usize>)>,
     /// Errors not listed for want of room.
     more: usize,
 }
@@ -191,6 +203,7 @@ impl<'a> Report<'a> {
             text,
             lines: OnceCell::new(),
             list: Vec::new(),
+            alike: BTreeMap::new(),
             more: 0,
         }
     }
@@ -223,6 +236,48 @@ impl<'a> Report<'a> {
         help: impl Into<String>,
     ) {
         self.add(Severity::Note, code, at, message.into(), help.into());
+    }
+
+    /// A warning or a note about `owner`, such as `joint 'elbow'`. Many that say the same of others
+    /// of its kind become one.
+    pub(crate) fn about(
+        &mut self,
+        owner: &str,
+        severity: Severity,
+        code: &'static str,
+        at: Range<usize>,
+        message: &str,
+        help: String,
+    ) {
+        let kind = owner.split('\'').next().unwrap_or_default().to_owned();
+        let alike = (kind, code, message.to_owned(), help.clone());
+        let (count, listed) = self.alike.entry(alike).or_default();
+        *count += 1;
+        if *count <= TOLD {
+            listed.push(self.list.len());
+            self.add(severity, code, at, format!("{owner}: {message}"), help);
+        }
+    }
+
+    /// Makes one of many findings that are alike.
+    fn gather(&mut self) {
+        let mut spare = BTreeSet::new();
+        for (count, mut listed) in std::mem::take(&mut self.alike).into_values() {
+            // Where the list was full, there is no finding.
+            listed.retain(|&index| index < self.list.len());
+            let line = |index: &usize| self.list[*index].place.as_ref().map(|place| place.line);
+            let Some(&first) = listed.iter().min_by_key(|&index| line(index)) else {
+                continue;
+            };
+            if count > TOLD {
+                let told = format!(" ({count} times, first here)");
+                self.list[first].message.push_str(&told);
+                spare.extend(listed.into_iter().filter(|&index| index != first));
+            }
+        }
+        let mut index = 0..;
+        self.list
+            .retain(|_| index.next().is_none_or(|i| !spare.contains(&i)));
     }
 
     /// The place of a part of the text.
@@ -266,6 +321,7 @@ impl<'a> Report<'a> {
     /// Forgets all findings.
     pub(crate) fn clear(&mut self) {
         self.list.clear();
+        self.alike.clear();
         self.more = 0;
     }
 
@@ -275,6 +331,7 @@ impl<'a> Report<'a> {
 
     /// Findings in file order.
     pub(crate) fn finish(mut self) -> Vec<Diagnostic> {
+        self.gather();
         self.list.sort_by_key(|d| {
             d.place
                 .as_ref()
@@ -326,6 +383,39 @@ mod tests {
                         │                  ^^^^^^^\n  \
                         help: tried a\n        tried b";
         assert_eq!(finding(text, "ä/x.stl").to_string(), expected);
+    }
+
+    #[test]
+    fn what_differs_in_its_link_or_joint_alone_is_told_once() {
+        let text = "a\nb\nc\nd\ne\nf\n";
+        let said = |count: usize, owner: &str| -> Vec<String> {
+            let mut report = Report::new("f", text);
+            for i in 0..count {
+                let owner = format!("{owner} '{i}'");
+                let at = 2 * (count - 1 - i)..2 * (count - i) - 1;
+                let message = "<limit> attribute 'x' is unknown";
+                report.about(
+                    &owner,
+                    Severity::Warning,
+                    "U019",
+                    at,
+                    message,
+                    String::new(),
+                );
+            }
+            report.warning("U019", 10..11, "joint '9': another", "");
+            report.finish().into_iter().map(|d| d.message).collect()
+        };
+        let few = said(TOLD, "joint");
+        assert_eq!(few.len(), TOLD + 1, "{few:?}");
+        assert!(few.iter().all(|message| !message.contains("times")));
+        let many = said(TOLD + 2, "joint");
+        assert_eq!(many.len(), 2, "{many:?}");
+        assert!(
+            many[0].ends_with("is unknown (5 times, first here)"),
+            "{many:?}"
+        );
+        assert_eq!(many[1], "joint '9': another");
     }
 
     #[test]

@@ -125,12 +125,26 @@ impl Settings {
         compat: Option<Compat>,
     ) -> (Option<Self>, Vec<Diagnostic>) {
         let mut reader = Reader::new(file_name, text);
-        let root = reader.read();
+        let root = if let Some(span) = xml(text) {
+            let help = "settings are TOML 1.0; a URDF is given without -c";
+            reader.error("S101", &span, "the file is XML, not TOML", help);
+            section::Section::default()
+        } else {
+            reader.read()
+        };
         let settings = Some(fill(&mut reader, &root, compat));
         let mut findings = without_consequences(reader.findings);
         findings.sort_by_key(|d| d.place.as_ref().map_or((0, 0), |p| (p.line, p.column)));
         (settings, findings)
     }
+}
+
+/// The first line of a text that begins like a robot: what a parser of TOML says of it is noise.
+fn xml(text: &str) -> Option<std::ops::Range<usize>> {
+    let solid = text.trim_start_matches('\u{feff}').trim_start();
+    let start = text.len() - solid.len();
+    let line = solid.lines().next().unwrap_or_default().trim_end();
+    solid.starts_with('<').then(|| start..start + line.len())
 }
 
 /// Findings that do not follow from a line that is no TOML: what stands in such a line, and what is

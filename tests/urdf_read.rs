@@ -206,6 +206,34 @@ fn unused_tags_are_reported_once_for_each_kind() {
 /// `tests/robots/foreign_tags.urdf`: what `PyBullet`, Gazebo, ROS, Drake and `MuJoCo` add to a
 /// URDF.
 #[test]
+fn what_is_unused_in_many_joints_is_told_once_and_in_few_at_each() {
+    let told = |joints: usize| -> Vec<(String, Option<usize>)> {
+        let joint = |i: usize| {
+            format!(
+                "<link name='l{i}'/>\n<joint name='j{i}' type='fixed'><parent link='a'/>\
+                 <child link='l{i}'/><dynamics D='1'/></joint>\n"
+            )
+        };
+        let joints: String = (0..joints).map(joint).collect();
+        let robot = from_text(&format!(
+            "<robot name='r'><link name='a'/>\n{joints}</robot>"
+        ));
+        let unknown = robot.diagnostics.into_iter().filter(|d| d.code == "U019");
+        unknown
+            .map(|d| (d.message, d.place.map(|p| p.line)))
+            .collect()
+    };
+    let few = told(3);
+    assert_eq!(few.len(), 3, "{few:?}");
+    assert!(few[2].0.starts_with("joint 'j2'") && !few[2].0.contains("times"));
+    let many = told(7);
+    assert_eq!(many.len(), 1, "{many:?}");
+    let message =
+        "joint 'j0': <dynamics> attribute 'D' is unknown and ignored (7 times, first here)";
+    assert_eq!(many[0], (message.to_owned(), Some(3)));
+}
+
+#[test]
 fn tags_of_other_programs_are_read_reported_or_cause_a_warning() {
     let robot =
         read(&robots().join("foreign_tags.urdf"), &ReadOptions::default()).expect("a robot");

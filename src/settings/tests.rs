@@ -224,6 +224,26 @@ fn a_key_in_the_wrong_table_names_the_right_one() {
 }
 
 #[test]
+fn a_robot_in_place_of_settings_is_one_finding() {
+    for text in [
+        "<robot name='r'>\n  <link name='a'/>\n</robot>\n",
+        "\u{feff}\n  <?xml version='1.0'?>\n<!-- = -->\n<robot name='r'/>\n",
+    ] {
+        let found = finding(text);
+        assert_eq!(found.code, "S101");
+        assert!(found.message.contains("XML"), "{found:?}");
+        let help = found.help.as_deref().unwrap_or_default();
+        assert!(
+            help.contains("-c") && help.lines().count() == 1,
+            "{found:?}"
+        );
+    }
+    let text = "[solver]\ntolerance = = 1\n[robot]\nscale = = 2\n";
+    let found = Settings::parse(text, "robot.toml").expect_err("syntax");
+    assert!(found.len() > 1, "{found:?}");
+}
+
+#[test]
 fn syntax_errors_have_a_place() {
     let found = Settings::parse("[solver]\ntolerance = = 1\n", "robot.toml").expect_err("syntax");
     assert!(found.iter().all(|d| d.code == "S101"), "{found:?}");

@@ -16,6 +16,10 @@ use std::ops::Range;
 /// 1e16 for "none" are in use.
 pub(super) const LARGEST: f64 = 1e30;
 
+/// Findings about what is not used: many that are alike become one. Of the others, such as an inertia
+/// that is replaced, it matters which links they are about.
+const UNUSED: [&str; 3] = ["U019", "U020", "U022"];
+
 /// URDF versions that change how a file is read.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Version(pub(super) u32, pub(super) u32);
@@ -75,8 +79,7 @@ impl<'r, 'a> Scope<'r, 'a> {
         message: &str,
         help: impl Into<String>,
     ) {
-        let message = format!("{}: {message}", self.owner);
-        self.report.warning(code, at, message, help);
+        self.tell(Severity::Warning, code, at, message, help.into());
     }
 
     pub(super) fn note(
@@ -86,8 +89,24 @@ impl<'r, 'a> Scope<'r, 'a> {
         message: &str,
         help: impl Into<String>,
     ) {
-        let message = format!("{}: {message}", self.owner);
-        self.report.note(code, at, message, help);
+        self.tell(Severity::Note, code, at, message, help.into());
+    }
+
+    fn tell(
+        &mut self,
+        severity: Severity,
+        code: &'static str,
+        at: Range<usize>,
+        message: &str,
+        help: String,
+    ) {
+        if UNUSED.contains(&code) {
+            let owner = &self.owner;
+            self.report.about(owner, severity, code, at, message, help);
+        } else {
+            let message = format!("{}: {message}", self.owner);
+            self.report.add(severity, code, at, message, help);
+        }
     }
 
     /// The attribute's number, if it is there and is one.

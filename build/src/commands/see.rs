@@ -19,6 +19,18 @@ pub(super) struct Seen {
     bytes: Vec<u8>,
 }
 
+impl Seen {
+    /// Puts bases that cannot move where the parameters `changed` in a run mount them: no output
+    /// says where such a base is.
+    pub(super) fn mount(&mut self, changed: &BTreeMap<String, f64>) {
+        self.scene.mount(changed);
+        // The scene was read from bytes, so that it can be written as such.
+        if let Ok(bytes) = self.scene.to_bytes() {
+            self.bytes = bytes;
+        }
+    }
+}
+
 /// The scene of an FMU.
 ///
 /// - `named`: what the user called it

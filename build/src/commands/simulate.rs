@@ -49,12 +49,15 @@ pub(super) fn simulate(args: &Simulate) -> Result<(), CliError> {
         plot: target(&args.plot)?,
         table: target(&args.output_file)?,
     };
-    let seen = match see::scene(&fmu, &args.file) {
+    let mut seen = match see::scene(&fmu, &args.file) {
         // What a report needs is looked for before the simulation.
         Err(error) if targets.page.is_some() => return Err(error),
         // An FMU of another program has none.
         seen => seen.ok(),
     };
+    if let Some(seen) = &mut seen {
+        seen.mount(&changed(args));
+    }
     let unpacked = folder.path().join("fmu");
     archive::unpack(&fmu, &unpacked)?;
     let outcome = run(args, &unpacked)?;
@@ -116,6 +119,13 @@ fn write(
     tell(&summary)
 }
 
+/// Parameters and inputs that the command line sets to numbers.
+fn changed(args: &Simulate) -> BTreeMap<String, f64> {
+    let pairs = args.start_value.chunks_exact(2);
+    let changed = pairs.filter_map(|p| Some((p[0].clone(), p[1].trim().parse().ok()?)));
+    changed.collect()
+}
+
 /// Writes the results; gives the summary, empty with `--quiet`.
 fn results(
     args: &Simulate,
@@ -137,9 +147,7 @@ fn results(
         }
         target.write(picture.svg.as_bytes())?;
     }
-    let pairs = args.start_value.chunks_exact(2);
-    let changed = pairs.filter_map(|p| Some((p[0].clone(), p[1].trim().parse().ok()?)));
-    let changed: BTreeMap<String, f64> = changed.collect();
+    let changed = changed(args);
     let timed = std::io::stderr().is_terminal();
     let hint = seen.filter(|_| timed && !args.quiet);
     let hint = hint.and_then(|seen| costs(outcome, &table, seen, &changed).hint());

@@ -2,7 +2,9 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
-use super::format::{Head, MotionKind, Track};
+use super::format::{Head, MotionKind, Track, Variable};
+use super::make::quaternion;
+use std::collections::BTreeMap;
 use urdf2fmu_core::spatial::{Mat3, Pose, Vec3};
 
 /// Poses `X_WL` of all links.
@@ -47,6 +49,45 @@ pub fn link_poses(head: &Head, value: impl Fn(&str) -> Option<f64>) -> Vec<Pose>
         poses[joint.child] = X_WC;
     }
     poses
+}
+
+/// Puts each base that cannot move where `changed` parameters mount it. The start of a base that
+/// moves is an output of the run instead.
+pub(super) fn mount(head: &mut Head, changed: &BTreeMap<String, f64>) {
+    let variables = &head.variables;
+    for root in &mut head.roots {
+        if !root.position.variables.is_empty() {
+            continue;
+        }
+        let base = match (root.kind.as_str(), root.name.as_str()) {
+            ("object", name) => format!("initial.{name}"),
+            (_, "") => "initial.base".to_owned(),
+            (_, name) => format!("{name}.initial.base"),
+        };
+        let given = |member: &str| {
+            let name = format!("{base}.{member}");
+            // Flat names have no dots.
+            let flat = name.replace('.', "_");
+            let of = |variable: &&Variable| variable.name == name || variable.name == flat;
+            let variable = variables.iter().find(of)?;
+            let value = changed.get(&variable.name).copied();
+            Some((value.is_some(), value.or(variable.start)?))
+        };
+        let position = ["x", "y", "z"].map(|axis| given(&format!("position.{axis}")));
+        let rpy = ["roll", "pitch", "yaw"].map(|angle| given(&format!("rpy.{angle}")));
+        if let [Some(x), Some(y), Some(z)] = position
+            && (x.0 || y.0 || z.0)
+        {
+            root.position.start = vec![x.1, y.1, z.1];
+        }
+        if let [Some(roll), Some(pitch), Some(yaw)] = rpy
+            && (roll.0 || pitch.0 || yaw.0)
+        {
+            let rpy = Vec3::new(roll.1, pitch.1, yaw.1);
+            let turned = Pose::from_xyz_rpy(Vec3::zeros(), rpy);
+            root.orientation.start = quaternion(&turned).to_vec();
+        }
+    }
 }
 
 /// The numbers of a track; a variable that is not known, or not finite, has its start value.

@@ -192,6 +192,54 @@ fn every_tree_stands_where_its_own_base_is() {
 }
 
 #[test]
+fn a_bolted_base_is_where_parameters_mount_it() {
+    let parameter = |name: String, start: f64| Variable {
+        name,
+        reference: 0,
+        causality: "parameter".to_owned(),
+        variability: "fixed".to_owned(),
+        kind: "real".to_owned(),
+        unit: String::new(),
+        description: String::new(),
+        start: Some(start),
+        min: None,
+        max: None,
+    };
+    let turned = 0.5 * std::f64::consts::PI;
+    for dot in [".", "_"] {
+        let mut scene = scene(&sphere(3), &[]);
+        for (member, start) in [
+            ("position.x", 1.0),
+            ("position.y", 2.0),
+            ("position.z", 3.0),
+            ("rpy.roll", 0.0),
+            ("rpy.pitch", 0.0),
+            ("rpy.yaw", 0.0),
+        ] {
+            let name = format!("initial.base.{member}").replace('.', dot);
+            scene.head.variables.push(parameter(name, start));
+        }
+        let unchanged = scene.clone();
+        scene.mount(&[("gravity".to_owned(), 1.0)].into());
+        assert_eq!(scene, unchanged);
+        let set = |member: &str, value| {
+            let name = format!("initial.base.{member}").replace('.', dot);
+            (name, value)
+        };
+        scene.mount(&[set("position.z", 0.05), set("rpy.roll", turned)].into());
+        let base = pose::link_poses(&scene.head, |_| None)[0];
+        assert_eq!(base.p.as_slice(), [1.0, 2.0, 0.05]);
+        assert!((base.R * Vec3::y() - Vec3::z()).norm() < 1e-6, "{base:?}");
+        // A base that moves is where the outputs say.
+        let mut floating = unchanged.clone();
+        floating.head.roots[0].position.variables = vec!["x".to_owned()];
+        let before = floating.clone();
+        floating.mount(&[set("position.z", 0.05)].into());
+        assert_eq!(floating, before);
+    }
+}
+
+#[test]
 fn damaged_scenes_are_refused_without_a_panic() {
     let bytes = scene(&sphere(3), &[]).to_bytes().unwrap();
     for length in 0..bytes.len() {

@@ -83,6 +83,12 @@ impl<'t> Builder<'t> {
     }
 
     fn run(&mut self, report: &mut Report) -> Option<Document<'t>> {
+        if let Some(at) = other_text(self.text) {
+            let what = "not XML: the file begins with text, not with a tag";
+            let help = "a URDF starts with <robot name=\"…\">: is it the right file?";
+            report.error("U003", at, what, help);
+            return None;
+        }
         // The reader skips a byte order mark without counting it.
         let body = self.text.trim_start_matches('\u{feff}');
         let first = self.text.len() - body.len();
@@ -535,6 +541,20 @@ fn attribute_problem(error: &AttrError) -> (usize, &'static str) {
     }
 }
 
+/// The first line of a text that neither begins with a tag nor has a robot further down. What looks
+/// like tags in such a text, as in a page of Markdown, says nothing about a robot.
+fn other_text(text: &str) -> Option<Range<usize>> {
+    let blank = |c: char| c.is_whitespace() || c == '\0' || c == '\u{feff}';
+    let solid = text.trim_start_matches(blank);
+    let robot = |line: &str| ["<robot", "<?xml"].iter().any(|tag| line.starts_with(tag));
+    if solid.is_empty() || solid.starts_with('<') || solid.lines().any(|l| robot(l.trim_start())) {
+        return None;
+    }
+    let start = text.len() - solid.len();
+    let line = solid.lines().next().unwrap_or_default().trim_end();
+    Some(start..start + line.len())
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::Node;
@@ -579,6 +599,31 @@ mod tests {
         assert_eq!(problem("<a/>\n text"), "U003 2:2");
         assert_eq!(problem("<!DOCTYPE a [<!ENTITY b 'c'>]>\n<a/>"), "U004 1:1");
         assert_eq!(problem(&"<a>".repeat(300)), "U005 1:601");
+    }
+
+    #[test]
+    fn a_text_of_another_kind_is_one_finding() {
+        let page = "\n# A page\n\nAn <b>old</i> & <img src=x> tag, `<link name=...>`.\n</p>\n";
+        for text in [
+            page,
+            "{\"a\": \"<b\"}",
+            "[solver]\nx = '<a'",
+            "\u{feff}a <b> & c",
+        ] {
+            let mut report = Report::new("t", text);
+            assert!(Document::parse_rest(text, &mut report).is_none());
+            let found = report.finish();
+            assert_eq!(found.len(), 1, "{text}: {found:?}");
+            assert!(found[0].code == "U003" && found[0].message.contains("begins with text"));
+            let help = found[0].help.as_deref().unwrap_or_default();
+            assert!(help.contains("<robot name") && help.lines().count() == 1);
+        }
+        assert_eq!(problem(page), "U003 2:1");
+        // A robot that text stands before is still read as far as possible.
+        let text = "wrapped:\n<robot name='r'><link name=a/></robot>";
+        let mut report = Report::new("t", text);
+        assert!(Document::parse_rest(text, &mut report).is_some());
+        assert_eq!(report.finish().len(), 2);
     }
 
     #[test]
