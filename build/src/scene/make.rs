@@ -492,7 +492,7 @@ fn vector(v: &Vec3) -> [f64; 3] {
 }
 
 /// x, y, z, w.
-pub(super) fn quaternion(X: &Pose) -> [f64; 4] {
+fn quaternion(X: &Pose) -> [f64; 4] {
     let q = quaternion_from_rotation(&X.R);
     [short(q.i), short(q.j), short(q.k), short(q.w)]
 }

@@ -3,9 +3,8 @@
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
 use super::format::{Head, MotionKind, Track, Variable};
-use super::make::quaternion;
 use std::collections::BTreeMap;
-use urdf2fmu_core::spatial::{Mat3, Pose, Vec3};
+use urdf2fmu_core::spatial::{Mat3, Pose, Vec3, quaternion_from_rotation};
 
 /// Poses `X_WL` of all links.
 ///
@@ -85,7 +84,8 @@ pub(super) fn mount(head: &mut Head, changed: &BTreeMap<String, f64>) {
         {
             let rpy = Vec3::new(roll.1, pitch.1, yaw.1);
             let turned = Pose::from_xyz_rpy(Vec3::zeros(), rpy);
-            root.orientation.start = quaternion(&turned).to_vec();
+            let q = quaternion_from_rotation(&turned.R);
+            root.orientation.start = vec![q.i, q.j, q.k, q.w];
         }
     }
 }
