@@ -16,8 +16,8 @@ use std::ops::Range;
 /// 1e16 for "none" are in use.
 pub(super) const LARGEST: f64 = 1e30;
 
-/// Findings about what is not used: many that are alike become one. Of the others, such as an inertia
-/// that is replaced, it matters which links they are about.
+/// Findings about what is not used: many that are alike become one. Of the others, such as an
+/// inertia that is replaced, it matters which links they are about.
 const UNUSED: [&str; 3] = ["U019", "U020", "U022"];
 
 /// URDF versions that change how a file is read.
