@@ -52,7 +52,6 @@ fn export(args: &Export) -> Result<(), CliError> {
         let kind = "an FMU already: export takes the URDF; urdf2fmu simulate runs an FMU";
         return Err(CliError::Kind { path, kind });
     }
-    refuse_ending(args.output.as_ref(), "--output", ["an FMU", "fmu"])?;
     let robot = stage::robot(&args.source.request(&args.urdf))?;
     print_findings(&robot.diagnostics, Severity::Warning)?;
     let output = args.output.clone().unwrap_or_else(|| {
@@ -60,6 +59,7 @@ fn export(args: &Export) -> Result<(), CliError> {
         PathBuf::from(stem).with_extension("fmu")
     });
     let target = Target::new(&output, robot.sources.iter().map(PathBuf::as_path))?;
+    refuse_ending(args.output.as_ref(), "--output", ["an FMU", "fmu"])?;
     let documented = !(args.no_documentation || robot.settings.fmu.undocumented);
     let fmu = stage::fmu(&robot, &args.urdf, &args.platforms, documented)?;
     target.write(&fmu.bytes)?;
@@ -215,7 +215,6 @@ fn check(args: &Check) -> Result<(), CliError> {
 
 fn picture(args: &Picture) -> Result<(), CliError> {
     refuse_options(&args.file, &args.source)?;
-    refuse_ending(args.output.as_ref(), "--output", ["a PNG picture", "png"])?;
     let mut inputs = vec![args.file.clone()];
     inputs.extend(args.run.clone());
     let scene = if is_fmu(&args.file) {
@@ -238,6 +237,7 @@ fn picture(args: &Picture) -> Result<(), CliError> {
         PathBuf::from(stem).with_extension("png")
     });
     let target = Target::new(&output, inputs.iter().map(PathBuf::as_path))?;
+    refuse_ending(args.output.as_ref(), "--output", ["a PNG picture", "png"])?;
     let look = args.look();
     let Some(run) = &args.run else {
         let poses = scene::link_poses(&scene.head, |_| None);

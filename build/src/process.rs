@@ -48,7 +48,7 @@ pub fn check_open(stream: u8) -> io::Result<()> {
     }
 }
 
-/// Whether SIGINT or SIGTERM has come.
+/// Whether SIGINT, SIGTERM or SIGHUP has come.
 static ENDED: AtomicBool = AtomicBool::new(false);
 
 extern "C" fn end(signal: libc::c_int) {
@@ -57,12 +57,18 @@ extern "C" fn end(signal: libc::c_int) {
     unsafe { libc::signal(signal, libc::SIG_DFL) };
 }
 
-/// From now on Ctrl-C is told by [`ended`] the first time, so that files can be finished.
+/// From now on Ctrl-C, and a terminal that is closed, are told by [`ended`] the first time, so that
+/// files can be finished.
 pub fn watch_end() {
     let handler = end as extern "C" fn(libc::c_int);
-    for signal in [libc::SIGINT, libc::SIGTERM] {
+    for signal in [libc::SIGINT, libc::SIGTERM, libc::SIGHUP] {
         // SAFETY: the handler only stores to an atomic and sets a signal's action.
-        unsafe { libc::signal(signal, handler as libc::sighandler_t) };
+        let before = unsafe { libc::signal(signal, handler as libc::sighandler_t) };
+        if signal == libc::SIGHUP && before == libc::SIG_IGN {
+            // `nohup` wants the process to outlive its terminal.
+            // SAFETY: sets no handler, only that the signal is ignored, as it was.
+            unsafe { libc::signal(signal, libc::SIG_IGN) };
+        }
     }
 }
 

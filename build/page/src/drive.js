@@ -95,6 +95,7 @@ export class Drive {
     );
     addEventListener("blur", () => this.stop());
     document.addEventListener("visibilitychange", () => this.stop());
+    this.last = performance.now();
     setInterval(() => this.#command(), PERIOD);
   }
 
@@ -122,7 +123,10 @@ export class Drive {
 
   #command() {
     const { held, found, top } = this;
-    const seconds = PERIOD / 1000;
+    // A page that is slow to draw is late to command: the time since the last one counts.
+    const now = performance.now();
+    const seconds = (now - this.last) / 1000;
+    this.last = now;
     const asked = (plus, minus) => Number(Boolean(held[plus])) - Number(Boolean(held[minus]));
     const near = (now, wanted, most) => now + Math.min(Math.max(wanted - now, -most), most);
     const turn = (top / found.half) * 0.6;

@@ -49,14 +49,11 @@ const VIEW_KEYS = [
 ];
 
 function summary(head, run, live) {
-  const moving = head.joints.reduce((sum, { motions }) =>
-    sum + motions.reduce((n, { kind }) => n + (kind === "ball" ? 3 : 1), 0), 0);
-  const floating = head.roots.filter(({ position }) => position.variables.length);
-  const freedom = moving + 6 * floating.length;
+  const moving = head.joints.filter(({ motions }) => motions.length);
   const count = (n, word, words) => `${n} ${n === 1 ? word : words}`;
   const parts = [
     count(head.links.length, "link", "links"),
-    count(freedom, "degree of freedom", "degrees of freedom"), `${short(head.mass)} kg`,
+    count(moving.length, "moving joint", "moving joints"), `${short(head.mass)} kg`,
   ];
   if (live) parts.push("live");
   else if (run.rows > 1) parts.push(`${short(run.end - run.start)} s in ${count(run.rows, "row", "rows")}`);

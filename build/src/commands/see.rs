@@ -46,7 +46,6 @@ pub(super) fn scene(fmu: &Path, named: &Path) -> Result<Seen, CliError> {
 /// `report`
 pub(super) fn report(args: &Report) -> Result<(), CliError> {
     refuse_options(&args.model, &args.source)?;
-    refuse_ending(args.output.as_ref(), "--output", ["a page", "html"])?;
     let folder = temporary()?;
     let request = args.source.request(&args.model);
     let (fmu, mut inputs) = as_fmu(&args.model, &request, folder.path())?;
@@ -56,6 +55,7 @@ pub(super) fn report(args: &Report) -> Result<(), CliError> {
         PathBuf::from(stem).with_extension("html")
     });
     let target = Target::new(&output, inputs.iter().map(PathBuf::as_path))?;
+    refuse_ending(args.output.as_ref(), "--output", ["a page", "html"])?;
     let seen = scene(&fmu, &args.model)?;
     let table = run(&args.results, &seen.scene)?;
     let events = write(&target, &seen, table, &BTreeMap::new())?;
@@ -102,7 +102,6 @@ const IMMOVABLE: &str = "A102";
 /// `view`
 pub(super) fn view(args: &View) -> Result<(), CliError> {
     refuse_options(&args.file, &args.source)?;
-    refuse_ending(args.record.as_ref(), "--record", ["a table", "csv"])?;
     let folder = temporary()?;
     let mut request = args.source.request(&args.file);
     request.pushable = true;
@@ -121,6 +120,7 @@ pub(super) fn view(args: &View) -> Result<(), CliError> {
     if let Some(record) = &args.record {
         // Only whether it may be written: the file grows while the simulation runs.
         Target::new(record, inputs.iter().map(PathBuf::as_path))?;
+        refuse_ending(Some(record), "--record", ["a table", "csv"])?;
     }
     let seen = scene(&fmu, &args.file)?;
     let unpacked = folder.path().join("fmu");

@@ -30,13 +30,6 @@ struct Targets {
 
 pub(super) fn simulate(args: &Simulate) -> Result<(), CliError> {
     refuse_options(&args.file, &args.source)?;
-    refuse_ending(args.plot.as_ref(), "--plot", ["an SVG picture", "svg"])?;
-    refuse_ending(args.report.as_ref(), "--report", ["a page", "html"])?;
-    refuse_ending(
-        args.output_file.as_ref(),
-        "--output-file",
-        ["a table", "csv"],
-    )?;
     let folder = temporary()?;
     let (fmu, mut inputs) = as_fmu(&args.file, &args.source.request(&args.file), folder.path())?;
     inputs.extend(args.input_file.clone());
@@ -49,6 +42,13 @@ pub(super) fn simulate(args: &Simulate) -> Result<(), CliError> {
         plot: target(&args.plot)?,
         table: target(&args.output_file)?,
     };
+    refuse_ending(args.plot.as_ref(), "--plot", ["an SVG picture", "svg"])?;
+    refuse_ending(args.report.as_ref(), "--report", ["a page", "html"])?;
+    refuse_ending(
+        args.output_file.as_ref(),
+        "--output-file",
+        ["a table", "csv"],
+    )?;
     let mut seen = match see::scene(&fmu, &args.file) {
         // What a report needs is looked for before the simulation.
         Err(error) if targets.page.is_some() => return Err(error),
