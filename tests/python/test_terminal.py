@@ -43,8 +43,12 @@ def simulate(command, tmp_path):
     """Simulates; gives the results and the lines of the summary."""
 
     def go(urdf, *arguments, settings="", code=0):
-        (tmp_path / "s.toml").write_text(settings)
-        done = command("simulate", urdf, "-c", tmp_path / "s.toml", "--output-file", tmp_path / "out.csv", *arguments)
+        # An FMU takes none.
+        own = []
+        if settings:
+            (tmp_path / "s.toml").write_text(settings)
+            own = ["-c", tmp_path / "s.toml"]
+        done = command("simulate", urdf, *own, "--output-file", tmp_path / "out.csv", *arguments)
         assert done.returncode == code, done.stderr
         return read_csv(tmp_path / "out.csv"), done.stderr
 
