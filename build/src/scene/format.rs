@@ -420,11 +420,6 @@ impl Scene {
         }
     }
 
-    /// Puts bases that cannot move where the parameters `changed` in a run mount them.
-    pub fn mount(&mut self, changed: &BTreeMap<String, f64>) {
-        super::pose::mount(&mut self.head, changed);
-    }
-
     /// The bytes of an image file.
     pub fn image(&self, texture: &Texture) -> Option<&[u8]> {
         self.body

@@ -2,7 +2,7 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
-use super::format::{Head, MotionKind, Track, Variable};
+use super::format::{Head, MotionKind, Scene, Track, Variable};
 use std::collections::BTreeMap;
 use urdf2fmu_core::spatial::{Mat3, Pose, Vec3, quaternion_from_rotation};
 
@@ -50,9 +50,16 @@ pub fn link_poses(head: &Head, value: impl Fn(&str) -> Option<f64>) -> Vec<Pose>
     poses
 }
 
+impl Scene {
+    /// Puts bases that cannot move where the parameters `changed` in a run mount them.
+    pub fn mount(&mut self, changed: &BTreeMap<String, f64>) {
+        mount(&mut self.head, changed);
+    }
+}
+
 /// Puts each base that cannot move where `changed` parameters mount it. The start of a base that
 /// moves is an output of the run instead.
-pub(super) fn mount(head: &mut Head, changed: &BTreeMap<String, f64>) {
+fn mount(head: &mut Head, changed: &BTreeMap<String, f64>) {
     let variables = &head.variables;
     for root in &mut head.roots {
         if !root.position.variables.is_empty() {
