@@ -167,9 +167,9 @@ pub const CREEP: f64 = 0.1;
 /// lacks stays, so that it is the error of a speed that a motor holds. At 0.1 fails
 /// `a_loaded_motor_settles_where_its_line_meets_the_load_and_brakes_with_all_its_effort`.
 pub const GUESS: f64 = 2e-4;
-/// Least and greatest accuracy that this leads to, the latter at a tolerance of 0.0025: what coarser
-/// solves leave moves a robot that stands faster than [`REST_SPEED`]. At 1e-3 for both fails
-/// `each_island_has_steps_of_its_own`, at 2e-6 for the greatest
+/// Least and greatest accuracy that this leads to, the latter at a tolerance of 0.0025: what
+/// coarser solves leave moves a robot that stands faster than [`REST_SPEED`]. At 1e-3 for both
+/// fails `each_island_has_steps_of_its_own`, at 2e-6 for the greatest
 /// `robots_come_to_rest_in_steps_of_any_kind_and_accuracy`.
 pub const GUESSES: (f64, f64) = (1e-10, 5e-7);
 /// Accuracy of impulses after an iteration, relative to that of a guess that needs none: what an
