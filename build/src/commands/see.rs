@@ -8,7 +8,7 @@ use crate::output::{OutputError, Target, print, tell};
 use crate::report;
 use crate::results::Table;
 use crate::run_summary;
-use crate::scene::{FILE_NAME, Scene};
+use crate::scene::{FILE_NAME, Scene, SceneError};
 use crate::view;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -22,12 +22,11 @@ pub(super) struct Seen {
 impl Seen {
     /// Puts bases that cannot move where the parameters `changed` in a run mount them: no output
     /// says where such a base is.
-    pub(super) fn mount(&mut self, changed: &BTreeMap<String, f64>) {
-        self.scene.mount(changed);
-        // The scene was read from bytes, so that it can be written as such.
-        if let Ok(bytes) = self.scene.to_bytes() {
-            self.bytes = bytes;
+    pub(super) fn mount(&mut self, changed: &BTreeMap<String, f64>) -> Result<(), SceneError> {
+        if self.scene.mount(changed) {
+            self.bytes = self.scene.to_bytes()?;
         }
+        Ok(())
     }
 }
 

@@ -56,7 +56,9 @@ pub(super) fn simulate(args: &Simulate) -> Result<(), CliError> {
         seen => seen.ok(),
     };
     if let Some(seen) = &mut seen {
-        seen.mount(&changed(args));
+        let path = args.file.clone();
+        seen.mount(&changed(args))
+            .map_err(|source| CliError::Scene { path, source })?;
     }
     let unpacked = folder.path().join("fmu");
     archive::unpack(&fmu, &unpacked)?;

@@ -51,49 +51,48 @@ pub fn link_poses(head: &Head, value: impl Fn(&str) -> Option<f64>) -> Vec<Pose>
 }
 
 impl Scene {
-    /// Puts bases that cannot move where the parameters `changed` in a run mount them.
-    pub fn mount(&mut self, changed: &BTreeMap<String, f64>) {
-        mount(&mut self.head, changed);
-    }
-}
-
-/// Puts each base that cannot move where `changed` parameters mount it. The start of a base that
-/// moves is an output of the run instead.
-fn mount(head: &mut Head, changed: &BTreeMap<String, f64>) {
-    let variables = &head.variables;
-    for root in &mut head.roots {
-        if !root.position.variables.is_empty() {
-            continue;
+    /// Puts bases that cannot move where the parameters `changed` in a run mount them; tells
+    /// whether there is one. The start of a base that moves is an output of the run instead.
+    pub fn mount(&mut self, changed: &BTreeMap<String, f64>) -> bool {
+        let Head {
+            roots, variables, ..
+        } = &mut self.head;
+        let mut any = false;
+        for root in roots.iter_mut().filter(|r| r.position.variables.is_empty()) {
+            let base = match (root.kind.as_str(), root.name.as_str()) {
+                ("object", name) => format!("initial.{name}"),
+                (_, "") => "initial.base".to_owned(),
+                (_, name) => format!("{name}.initial.base"),
+            };
+            // Three parameters, of which one has changed.
+            let given = |members: [&str; 3]| {
+                let mut moved = false;
+                let mut values = Vec::new();
+                for member in members {
+                    let name = format!("{base}.{member}");
+                    // Flat names have no dots.
+                    let flat = name.replace('.', "_");
+                    let of = |variable: &&Variable| [&name, &flat].contains(&&variable.name);
+                    let variable = variables.iter().find(of)?;
+                    let value = changed.get(&variable.name).copied();
+                    moved |= value.is_some();
+                    values.push(value.or(variable.start)?);
+                }
+                moved.then_some(values)
+            };
+            if let Some(position) = given(["position.x", "position.y", "position.z"]) {
+                root.position.start = position;
+                any = true;
+            }
+            if let Some(rpy) = given(["rpy.roll", "rpy.pitch", "rpy.yaw"]) {
+                let rpy = Vec3::from_column_slice(&rpy);
+                let turned = Pose::from_xyz_rpy(Vec3::zeros(), rpy);
+                let q = quaternion_from_rotation(&turned.R);
+                root.orientation.start = vec![q.i, q.j, q.k, q.w];
+                any = true;
+            }
         }
-        let base = match (root.kind.as_str(), root.name.as_str()) {
-            ("object", name) => format!("initial.{name}"),
-            (_, "") => "initial.base".to_owned(),
-            (_, name) => format!("{name}.initial.base"),
-        };
-        let given = |member: &str| {
-            let name = format!("{base}.{member}");
-            // Flat names have no dots.
-            let flat = name.replace('.', "_");
-            let of = |variable: &&Variable| variable.name == name || variable.name == flat;
-            let variable = variables.iter().find(of)?;
-            let value = changed.get(&variable.name).copied();
-            Some((value.is_some(), value.or(variable.start)?))
-        };
-        let position = ["x", "y", "z"].map(|axis| given(&format!("position.{axis}")));
-        let rpy = ["roll", "pitch", "yaw"].map(|angle| given(&format!("rpy.{angle}")));
-        if let [Some(x), Some(y), Some(z)] = position
-            && (x.0 || y.0 || z.0)
-        {
-            root.position.start = vec![x.1, y.1, z.1];
-        }
-        if let [Some(roll), Some(pitch), Some(yaw)] = rpy
-            && (roll.0 || pitch.0 || yaw.0)
-        {
-            let rpy = Vec3::new(roll.1, pitch.1, yaw.1);
-            let turned = Pose::from_xyz_rpy(Vec3::zeros(), rpy);
-            let q = quaternion_from_rotation(&turned.R);
-            root.orientation.start = vec![q.i, q.j, q.k, q.w];
-        }
+        any
     }
 }
 
