@@ -70,8 +70,7 @@ pub(super) fn find_pairs(
                 -contact.normal.dot(&tree.world.gravity)
             },
         };
-        meeting.complete(tree, &stored, (kin, points), &mut contact);
-        contact.let_swing(points, h);
+        meeting.complete(tree, &stored, (kin, points), h, &mut contact);
         list.push(contact);
         false
     };

@@ -68,8 +68,8 @@ pub fn detect(
             dissipation: collider.dissipation,
             gravity: -contact.normal.dot(&tree.world.gravity),
         };
-        meet.complete(tree, &stored, (kin, &contacts.points), &mut contact);
-        contact.let_swing(&mut contacts.points, h);
+        let places = (kin, &mut contacts.points[..]);
+        meet.complete(tree, &stored, places, h, &mut contact);
         contacts.list.push(contact);
     }
     find_pairs(tree, touches, kin, [h, margin], fastest, contacts);

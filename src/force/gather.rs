@@ -61,7 +61,8 @@ impl Contact {
         self.lean_on_load(points);
     }
 
-    /// Lets rims lean in a step of `h` seconds as their load, that of the start, makes them.
+    /// Lets the direction in which a rim leans by little follow its load within a step of `h`
+    /// seconds, see the rims of [`super::contact`].
     pub(super) fn let_swing(&self, points: &mut [ContactPoint], h: f64) {
         let swing = 2.0 * h * h * self.load / self.mass;
         for p in &mut points[self.points.clone()] {

@@ -32,12 +32,14 @@ pub(super) struct Meeting<'a> {
 }
 
 impl Meeting<'_> {
-    /// Sets damping, friction and restitution of a contact whose points, spring and mass are set.
+    /// Sets damping, friction and restitution of a contact whose points, spring and mass are set,
+    /// and how its rims lean, for a step of `h` seconds.
     pub fn complete(
         &self,
         tree: &Tree,
         stored: &Touch,
-        (kin, points): (&Kinematics, &[ContactPoint]),
+        (kin, points): (&Kinematics, &mut [ContactPoint]),
+        h: f64,
         contact: &mut Contact,
     ) {
         let (V, g) = (&kin.V, tree.world.gravity.norm());
@@ -94,6 +96,7 @@ impl Meeting<'_> {
             let speed = contact.tilt_speed(points, V);
             contact.tilting = dissipation * contact.load / (1.0 + dissipation * speed);
         }
+        contact.let_swing(points, h);
     }
 }
 
