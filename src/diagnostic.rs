@@ -180,6 +180,14 @@ const TOLD: usize = 3;
 /// message and help.
 type Alike = (String, &'static str, String, String);
 
+/// What follows the message of the first of so many findings that are alike.
+pub(crate) fn times(count: usize) -> String {
+    match count {
+        ..2 => String::new(),
+        _ => format!(" ({count} times, first here)"),
+    }
+}
+
 /// After this many errors the rest of a file is noise.
 const MOST_ERRORS: usize = 100;
 
@@ -270,8 +278,7 @@ impl<'a> Report<'a> {
                 continue;
             };
             if count > TOLD {
-                let told = format!(" ({count} times, first here)");
-                self.list[first].message.push_str(&told);
+                self.list[first].message.push_str(&times(count));
                 spare.extend(listed.into_iter().filter(|&index| index != first));
             }
         }

@@ -4,7 +4,7 @@
 
 use super::xml::{Attribute, Node};
 use crate::diagnostic::words::did_you_mean;
-use crate::diagnostic::{Report, Severity};
+use crate::diagnostic::{Report, Severity, times};
 use crate::range as physical;
 use crate::spatial::{Mat3, Vec3, rpy_from_rotation};
 use nalgebra::{Quaternion, UnitQuaternion};
@@ -317,10 +317,6 @@ impl<'r, 'a> Scope<'r, 'a> {
 
     /// One note per kind of ignored tag, and per kind of other programs' tag that is read.
     pub(super) fn report_tags(&mut self) {
-        let times = |count| match count {
-            1 => String::new(),
-            n => format!(" ({n} times, first here)"),
-        };
         for (name, (at, count)) in std::mem::take(&mut self.ignored) {
             let message = format!("<{name}> is not used{}", times(count));
             self.report.note("U020", at, message, "");

@@ -21,7 +21,7 @@ use super::description::Description;
 use super::file::text;
 use super::xml::{Document, Node};
 use crate::diagnostic::words::did_you_mean;
-use crate::diagnostic::{Diagnostic, Report};
+use crate::diagnostic::{Diagnostic, Report, times};
 use crate::model::JointKind;
 use crate::pattern::Pattern;
 use std::collections::{BTreeMap, HashMap, HashSet};
@@ -150,12 +150,7 @@ impl<'r, 't> Reader<'r, 't> {
         }
         self.states(root, state, &virtual_joints, semantics);
         for (name, (count, at)) in unused {
-            let times = if count > 1 {
-                format!(" ({count} times, first here)")
-            } else {
-                String::new()
-            };
-            let message = format!("<{name}> is not used{times}");
+            let message = format!("<{name}> is not used{}", times(count));
             self.report.note("R106", at, message, "");
         }
     }
