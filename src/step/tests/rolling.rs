@@ -36,6 +36,38 @@ fn hold((step, tolerance): (f64, f64), error: f64, most: f64) {
     );
 }
 
+/// Angle at the time `end` of what goes down from 0.2 rad and from rest with the angular
+/// acceleration `rate` times the sine of the angle, by the midpoint rule.
+fn down(rate: f64, end: f64) -> f64 {
+    let h = end / 10_000.0;
+    let [mut angle, mut speed] = [0.2, 0.0];
+    for _ in 0..10_000 {
+        let middle = [
+            angle + 0.5 * h * speed,
+            speed + 0.5 * h * rate * libm::sin(angle),
+        ];
+        angle += h * middle[1];
+        speed += h * rate * libm::sin(middle[0]);
+    }
+    angle
+}
+
+/// The unit vector that leans from z to x by `angle`.
+fn leaning(angle: f64) -> Vec3 {
+    Vec3::new(libm::sin(angle), 0.0, libm::cos(angle))
+}
+
+/// A cylinder of `mass` that lies along y.
+fn roller(mass: f64, [radius, half_length]: [f64; 2], place: Vec3) -> Model {
+    let shape = Shape::Cylinder {
+        radius,
+        half_length,
+    };
+    let mut b = body(mass, shape, place);
+    b.roots[0].rpy = LYING;
+    b
+}
+
 /// A ball on a turntable: the inertial velocity of its middle turns by 2/7 of the table's rate.
 #[test]
 fn a_ball_on_a_turntable_goes_round_by_two_sevenths_of_its_rate() {
@@ -90,27 +122,17 @@ fn a_ball_rolls_down_a_ball() {
         let mut b = Builder::new(false, RigidInertia::ZERO);
         b.shape(LinkId(0), Shape::Sphere { radius: R }, Pose::IDENTITY);
         b.model.roots[0].position.z = 2.0;
-        let mut angle = [0.2, 0.0];
-        let at = |a: f64| Vec3::new(libm::sin(a), 0.0, libm::cos(a)) * (R + r) + Vec3::z() * 2.0;
-        let sunk = Vec3::new(libm::sin(angle[0]), 0.0, libm::cos(angle[0])) * depth(1.0);
-        let ball = body(1.0, Shape::Sphere { radius: r }, at(angle[0]) - sunk);
+        let at = |a: f64| leaning(a) * (R + r) + Vec3::z() * 2.0;
+        let ball = body(
+            1.0,
+            Shape::Sphere { radius: r },
+            at(0.2) - leaning(0.2) * depth(1.0),
+        );
         let mut s = start(rough(world([b.model, ball]), step), tolerance);
         let end = 0.5;
         run(&mut s, end, 1.0 / 240.0);
-        for _ in 0..10_000 {
-            let h = end / 10_000.0;
-            let a = |x: f64| 5.0 / 7.0 * G / (R + r) * libm::sin(x);
-            let half = [
-                angle[0] + 0.5 * h * angle[1],
-                angle[1] + 0.5 * h * a(angle[0]),
-            ];
-            angle = [angle[0] + h * half[1], angle[1] + h * a(half[0])];
-        }
-        hold(
-            (step, tolerance),
-            (place(&s, 0) - at(angle[0])).norm(),
-            1.5e-4,
-        );
+        let angle = down(5.0 / 7.0 * G / (R + r), end);
+        hold((step, tolerance), (place(&s, 0) - at(angle)).norm(), 1.5e-4);
     }
 }
 
@@ -135,12 +157,7 @@ fn a_cylinder_rolls_on_a_cart() {
             Pose::IDENTITY,
         );
         b.actuator(cart, ActuatorMode::Effort, 1e4);
-        let shape = Shape::Cylinder {
-            radius: r,
-            half_length: 0.1,
-        };
-        let mut roller = body(1.0, shape, Vec3::new(0.0, 0.0, top + r - depth(1.0)));
-        roller.roots[0].rpy = LYING;
+        let roller = roller(1.0, [r, 0.1], Vec3::new(0.0, 0.0, top + r - depth(1.0)));
         let mut s = start(rough(world([b.model, roller]), step), tolerance);
         s.set_input(InputSlot::Effort(ActuatorId(0)), force);
         let end = 1.0;
@@ -161,7 +178,7 @@ fn a_cylinder_rolls_down_a_roller() {
     let (R, r, M, m) = (0.5, 0.1, 4.0, 1.0);
     for (step, tolerance) in WAYS {
         let mut b = Builder::new(false, RigidInertia::ZERO);
-        let roller = b.link(
+        let large = b.link(
             LinkId(0),
             at(0.0, 0.0, 1.0),
             Motion::Revolute(Y),
@@ -173,39 +190,20 @@ fn a_cylinder_rolls_down_a_roller() {
             ..Pose::IDENTITY
         };
         b.shape(
-            roller,
+            large,
             Shape::Cylinder {
                 radius: R,
                 half_length: 0.3,
             },
             lying,
         );
-        let mut angle = [0.2, 0.0];
-        let at = |a: f64| Vec3::new(libm::sin(a), 0.0, libm::cos(a)) * (R + r) + Vec3::z();
-        let sunk = Vec3::new(libm::sin(angle[0]), 0.0, libm::cos(angle[0])) * depth(1.0);
-        let shape = Shape::Cylinder {
-            radius: r,
-            half_length: 0.2,
-        };
-        let mut small = body(m, shape, at(angle[0]) - sunk);
-        small.roots[0].rpy = LYING;
+        let at = |a: f64| leaning(a) * (R + r) + Vec3::z();
+        let small = roller(m, [r, 0.2], at(0.2) - leaning(0.2) * depth(1.0));
         let mut s = start(rough(world([b.model, small]), step), tolerance);
         let end = 0.35;
         run(&mut s, end, 1.0 / 240.0);
-        for _ in 0..10_000 {
-            let h = end / 10_000.0;
-            let a = |x: f64| G * libm::sin(x) / (1.0 + 1.0 / (2.0 + 2.0 * m / M)) / (R + r);
-            let half = [
-                angle[0] + 0.5 * h * angle[1],
-                angle[1] + 0.5 * h * a(angle[0]),
-            ];
-            angle = [angle[0] + h * half[1], angle[1] + h * a(half[0])];
-        }
-        hold(
-            (step, tolerance),
-            (place(&s, 1) - at(angle[0])).norm(),
-            4e-5,
-        );
+        let angle = down(G / (1.0 + 1.0 / (2.0 + 2.0 * m / M)) / (R + r), end);
+        hold((step, tolerance), (place(&s, 1) - at(angle)).norm(), 4e-5);
     }
 }
 
@@ -214,15 +212,7 @@ fn a_cylinder_rolls_down_a_roller() {
 fn a_board_on_two_rollers_goes_down_a_slope() {
     let (r, M, angle) = (0.1, 2.0, 0.2);
     for (step, tolerance) in WAYS {
-        let lie = |x: f64| {
-            let shape = Shape::Cylinder {
-                radius: r,
-                half_length: 0.3,
-            };
-            let mut b = body(1.0, shape, Vec3::new(x, 0.0, r - depth(2.0)));
-            b.roots[0].rpy = LYING;
-            b
-        };
+        let lie = |x: f64| roller(1.0, [r, 0.3], Vec3::new(x, 0.0, r - depth(2.0)));
         let half = Vec3::new(1.0, 0.2, 0.05);
         let board = body(
             M,
