@@ -125,7 +125,7 @@ fn s6_a_saturated_pd_law_ends_where_its_linear_pieces_do() {
 /// S7. A standing can tips at the force of statics in every direction.
 #[test]
 fn s7_a_standing_can_tips_at_the_force_of_statics() {
-    let rows = Rows::of("S7", "small cans tip early");
+    let rows = Rows::of("S7", "");
     for radius in [0.01, 0.05, 0.2] {
         for tall in [1.0, 4.0] {
             let class = format!("R = {radius} m, z = {tall} R");
@@ -184,7 +184,7 @@ fn s8_the_exact_rolling_keeps_its_energy_and_its_steady_lean() {
 /// S8. Cans, discs and coins that roll on their edges go round as rigid bodies do.
 #[test]
 fn s8_cans_and_discs_roll_on_their_edges() {
-    let rows = Rows::of("S8", "long steps turn fast bodies too far");
+    let rows = Rows::of("S8", "the place of contact goes round far in a step");
     for lean in [2.0, 5.0, 10.0, 15.0] {
         let tall: &[f64] = if lean < 12.0 { &[1.0, 3.0] } else { &[1.0] };
         let cans: Vec<Scene> = [0.01, 0.05, 0.2]
