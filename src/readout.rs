@@ -19,7 +19,7 @@ use crate::force::NamedPairs;
 use crate::kinematics::forward;
 use crate::model::{JointId, LinkId, Model, RootId};
 use crate::sensor::Sensors;
-use crate::slots::{Axis, OutputSlot, Sensed};
+use crate::slots::{Axis, OutputSlot};
 use crate::spatial::{
     Pose, Vec3, Vec6, add6, dot6, quaternion_from_rotation, rpy_from_rotation, velocity_at,
 };
@@ -47,7 +47,7 @@ enum Level {
 #[derive(Clone, Debug)]
 pub struct Readout {
     /// Kinematics, contacts and joint terms at the state, up to `known`; filled by
-    /// [`Self::prepare`].
+    /// [`Self::at`].
     pub point: Point,
     /// Generalised accelerations, `nv`, rad/s² or m/s²; filled by [`Self::accelerations`].
     vdot: Vec<f64>,
@@ -112,14 +112,6 @@ impl Readout {
         self.sensors.invalidate();
     }
 
-    /// Computes what is missing up to `level`.
-    #[inline]
-    fn prepare(&mut self, ctx: &Context, state: &State, level: Level) {
-        if level > self.known {
-            self.compute(ctx, state, level);
-        }
-    }
-
     /// Computes what is above the level that is known, up to `level`.
     fn compute(&mut self, ctx: &Context, state: &State, level: Level) {
         if level == Level::Kinematics {
@@ -147,73 +139,17 @@ impl Readout {
         self.known = level;
     }
 
-    /// What must be computed before an output can be read.
-    fn needed(ctx: &Context, state: &State, slot: OutputSlot) -> Level {
-        use OutputSlot as O;
-        match slot {
-            O::JointPosition(..)
-            | O::JointOrientation(..)
-            | O::JointVelocity(..)
-            | O::Sensor(_, Sensed::Position | Sensed::Velocity)
-            | O::State(_)
-            | O::Steps
-            | O::Rejected
-            | O::NewtonMax => Level::State,
-            O::BasePosition(root, _)
-            | O::BaseOrientation(root, _)
-            | O::BaseLinearVelocity(root, _)
-            | O::BaseAngularVelocity(root, _)
-                if ctx.model.floats(root) =>
-            {
-                Level::State
-            }
-            O::ContactForce(..) | O::PairForce(..) if state.stepping.last_step > 0.0 => {
-                Level::State
-            }
-            O::BasePosition(..)
-            | O::BaseOrientation(..)
-            | O::BaseRpy(..)
-            | O::BaseLinearVelocity(..)
-            | O::BaseAngularVelocity(..)
-            | O::LinkPosition(..)
-            | O::LinkOrientation(..)
-            | O::LinkLinearVelocity(..)
-            | O::LinkAngularVelocity(..)
-            | O::EnergyKinetic
-            | O::EnergyPotential
-            | O::Sensor(
-                _,
-                Sensed::Orientation(_)
-                | Sensed::AngularVelocity(_)
-                | Sensed::Distance(_)
-                | Sensed::Hit(_),
-            ) => Level::Kinematics,
-            O::ContactActive(_)
-            | O::ContactForce(..)
-            | O::ContactPoint(..)
-            | O::PairActive(_)
-            | O::PairForce(..)
-            | O::PairPoint(..)
-            | O::PairNormal(..)
-            | O::PairDepth(_)
-            | O::PairSlipSpeed(_)
-            | O::Sensor(_, Sensed::NormalForce | Sensed::Point(_) | Sensed::Depth)
-            | O::LoopGap(_)
-            | O::SpringForce(..)
-            | O::SpringLength(_)
-            | O::JointEffort(_) => Level::Forces,
-            O::JointAcceleration(..)
-            | O::LoopForce(..)
-            | O::LoopTorque(..)
-            | O::LoopEffort(_)
-            | O::Rate(_) => Level::Accelerations,
-            O::Sensor(_, Sensed::Acceleration(_) | Sensed::Force(_) | Sensed::Torque(_)) => {
-                Level::BodyAccelerations
-            }
+    /// What is known once all up to `level` has been computed.
+    #[inline]
+    fn at(&mut self, ctx: &Context, state: &State, level: Level) -> &mut Self {
+        if level > self.known {
+            self.compute(ctx, state, level);
         }
+        self
     }
 
     /// Value of an output.
+    #[inline]
     pub fn read(&mut self, ctx: &Context, state: &State, slot: OutputSlot) -> f64 {
         let measured = match slot {
             OutputSlot::Sensor(id, what) => self.measured(ctx, state, id, what),
@@ -222,38 +158,104 @@ impl Readout {
         measured.unwrap_or_else(|| self.read_now(ctx, state, slot))
     }
 
-    /// Value of an output as it is at this moment, whatever a sensor makes of it.
+    /// Value of an output as it is at this moment, whatever a sensor makes of it. Each line says
+    /// what must be computed first. Most outputs that an importer reads are held by the state
+    /// itself, and need nothing: what else there is stays apart, so that reading them needs no room
+    /// for it.
     fn read_now(&mut self, ctx: &Context, state: &State, slot: OutputSlot) -> f64 {
         use OutputSlot as O;
-        self.prepare(ctx, state, Self::needed(ctx, state, slot));
-        let (model, point) = (ctx.model, &self.point);
-        let kin = &point.kin;
-        let body = |link: LinkId| model.links[link.index()].body.index();
+        let (model, physical, stepping) = (ctx.model, &state.physical, &state.stepping);
         match slot {
             O::JointPosition(joint, axis) => joint_position(model, state, joint, axis),
             O::JointOrientation(joint, axis) => joint_orientation(model, state, joint, axis),
-            O::JointVelocity(joint, axis) => joint_rate(model, &state.physical.v, joint, axis),
-            O::JointAcceleration(joint, axis) => joint_rate(model, &self.vdot, joint, axis),
-            O::JointEffort(joint) => self.joint_effort(model, state, joint),
+            O::JointVelocity(joint, axis) => joint_rate(model, &physical.v, joint, axis),
+            O::JointAcceleration(joint, axis) => {
+                let known = self.at(ctx, state, Level::Accelerations);
+                joint_rate(model, &known.vdot, joint, axis)
+            }
+            O::JointEffort(joint) => {
+                let known = self.at(ctx, state, Level::Forces);
+                known.joint_effort(model, state, joint)
+            }
             O::BasePosition(root, axis) if model.floats(root) => {
-                state.physical.q[model.base(root).coordinate + axis as usize]
+                physical.q[model.base(root).coordinate + axis as usize]
             }
-            O::BasePosition(root, axis) => kin.origins[root.index()][axis as usize],
             O::BaseOrientation(root, axis) if model.floats(root) => {
-                state.physical.q[model.base(root).coordinate + 3 + (axis as usize + 1) % 4]
+                physical.q[model.base(root).coordinate + 3 + (axis as usize + 1) % 4]
             }
-            O::BaseOrientation(root, axis) => {
-                quaternion(&kin.X[model.roots[root.index()].body.index()])[axis as usize]
-            }
-            O::BaseRpy(root, axis) => self.rpy(ctx, root)[axis as usize],
             O::BaseLinearVelocity(root, axis) if model.floats(root) => {
-                state.physical.v[model.base(root).dof.index() + 3 + axis as usize]
+                physical.v[model.base(root).dof.index() + 3 + axis as usize]
             }
             O::BaseAngularVelocity(root, axis) if model.floats(root) => {
-                state.physical.v[model.base(root).dof.index() + axis as usize]
+                physical.v[model.base(root).dof.index() + axis as usize]
             }
             // A fixed base does not move.
             O::BaseLinearVelocity(..) | O::BaseAngularVelocity(..) => 0.0,
+            O::BaseRpy(root, axis) => {
+                let known = self.at(ctx, state, Level::Kinematics);
+                known.rpy(ctx, root)[axis as usize]
+            }
+            O::BasePosition(..)
+            | O::BaseOrientation(..)
+            | O::LinkPosition(..)
+            | O::LinkOrientation(..)
+            | O::LinkLinearVelocity(..)
+            | O::LinkAngularVelocity(..) => {
+                let known = self.at(ctx, state, Level::Kinematics);
+                known.frame_output(ctx, slot)
+            }
+            O::ContactForce(link, axis) if stepping.last_step > 0.0 => {
+                stepping.impulse[link.index()][axis as usize] / stepping.last_step
+            }
+            O::PairForce(pair, axis) if stepping.last_step > 0.0 => {
+                stepping.pair_impulse[pair.index()][axis as usize] / stepping.last_step
+            }
+            O::ContactForce(..) | O::ContactActive(_) | O::ContactPoint(..) => {
+                let known = self.at(ctx, state, Level::Forces);
+                known.contact_output(ctx, slot)
+            }
+            O::PairForce(..)
+            | O::PairActive(_)
+            | O::PairPoint(..)
+            | O::PairNormal(..)
+            | O::PairDepth(_)
+            | O::PairSlipSpeed(_) => {
+                let known = self.at(ctx, state, Level::Forces);
+                known.pair_output(ctx, slot)
+            }
+            O::LoopForce(..) | O::LoopTorque(..) | O::LoopEffort(_) => {
+                let known = self.at(ctx, state, Level::Accelerations);
+                known.closure_output(ctx, slot)
+            }
+            O::LoopGap(_) | O::SpringForce(..) | O::SpringLength(_) => {
+                let known = self.at(ctx, state, Level::Forces);
+                known.closure_output(ctx, slot)
+            }
+            O::EnergyKinetic => self.energies(ctx, state)[0],
+            O::EnergyPotential => self.energies(ctx, state)[1],
+            O::Sensor(id, what) => {
+                let known = self.at(ctx, state, sensed::needed(what));
+                known.sensed(ctx, state, id, what)
+            }
+            O::State(id) => self.states.value(id.index(), physical),
+            O::Rate(id) => self.rates(ctx, state)[id.index()],
+            O::Steps => count(stepping.counters.steps),
+            O::Rejected => count(stepping.counters.rejected),
+            O::NewtonMax => count(stepping.counters.newton_max),
+        }
+    }
+
+    /// Pose or velocity of a base or a link; 0 for other outputs.
+    #[inline(never)]
+    fn frame_output(&self, ctx: &Context, slot: OutputSlot) -> f64 {
+        use OutputSlot as O;
+        let (model, kin) = (ctx.model, &self.point.kin);
+        let body = |link: LinkId| model.links[link.index()].body.index();
+        match slot {
+            O::BasePosition(root, axis) => kin.origins[root.index()][axis as usize],
+            O::BaseOrientation(root, axis) => {
+                quaternion(&kin.X[model.roots[root.index()].body.index()])[axis as usize]
+            }
             O::LinkPosition(link, axis) => {
                 let origin = kin.origin(ctx.tree, body(link));
                 (self.link_pose(ctx, link.index()).p + origin)[axis as usize]
@@ -266,20 +268,28 @@ impl Readout {
                 velocity_at(&kin.V[body(link)], &p)[axis as usize]
             }
             O::LinkAngularVelocity(link, axis) => kin.V[body(link)][axis as usize],
+            _ => 0.0,
+        }
+    }
+
+    /// Contacts of a link at this moment; 0 for other outputs.
+    #[inline(never)]
+    fn contact_output(&self, ctx: &Context, slot: OutputSlot) -> f64 {
+        use OutputSlot as O;
+        let Point { kin, terms, .. } = &self.point;
+        match slot {
             O::ContactActive(link) => {
                 let touches = self.normal_loads(link).any(|(load, _)| load > 0.0);
                 f64::from(u8::from(touches))
             }
             O::ContactPoint(link, axis) => {
-                let origin = kin.origin(ctx.tree, body(link));
+                let body = ctx.model.links[link.index()].body.index();
+                let origin = kin.origin(ctx.tree, body);
                 (self.contact_point(ctx, link) + origin)[axis as usize]
-            }
-            O::ContactForce(link, axis) if state.stepping.last_step > 0.0 => {
-                state.stepping.impulse[link.index()][axis as usize] / state.stepping.last_step
             }
             // Before the first step, which the mean would be taken over: the force of this moment.
             O::ContactForce(link, axis) => {
-                let contacts = &point.terms.contacts;
+                let contacts = &terms.contacts;
                 contacts
                     .iter()
                     .map(|c| (c, c.share_of(link.index())))
@@ -287,29 +297,7 @@ impl Readout {
                     .map(|(c, share)| share * c.wrench(&contacts.points, &kin.V).0[axis as usize])
                     .sum()
             }
-            O::PairActive(pair) => f64::from(u8::from(self.pair_presses(pair))),
-            O::PairForce(pair, axis) if state.stepping.last_step > 0.0 => {
-                state.stepping.pair_impulse[pair.index()][axis as usize] / state.stepping.last_step
-            }
-            O::PairForce(pair, axis) => self.pair_force(pair)[axis as usize],
-            O::PairPoint(pair, axis) => self.pair_point(ctx, pair)[axis as usize],
-            O::PairNormal(pair, axis) => self.pair_normal(pair)[axis as usize],
-            O::PairDepth(pair) => self.pair_depth(pair),
-            O::PairSlipSpeed(pair) => self.pair_slip_speed(pair),
-            O::LoopForce(..)
-            | O::LoopTorque(..)
-            | O::LoopEffort(_)
-            | O::LoopGap(_)
-            | O::SpringForce(..)
-            | O::SpringLength(_) => self.closure_output(ctx, slot),
-            O::EnergyKinetic => self.energies(ctx, state)[0],
-            O::EnergyPotential => self.energies(ctx, state)[1],
-            O::Sensor(id, what) => self.sensed(ctx, state, id, what),
-            O::State(id) => self.states.value(id.index(), &state.physical),
-            O::Rate(id) => self.rates(ctx, state)[id.index()],
-            O::Steps => count(state.stepping.counters.steps),
-            O::Rejected => count(state.stepping.counters.rejected),
-            O::NewtonMax => count(state.stepping.counters.newton_max),
+            _ => 0.0,
         }
     }
 
@@ -369,8 +357,9 @@ impl Readout {
 
     /// Kinetic and potential energy.
     fn energies(&mut self, ctx: &Context, state: &State) -> [f64; 2] {
-        let kin = &self.point.kin;
-        *self.energies.get_or_insert_with(|| {
+        let known = self.at(ctx, state, Level::Kinematics);
+        let kin = &known.point.kin;
+        *known.energies.get_or_insert_with(|| {
             let kinetic = energy::kinetic(ctx.tree, kin, &state.physical.v);
             [kinetic, energy::potential(ctx.tree, kin)]
         })

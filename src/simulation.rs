@@ -149,6 +149,7 @@ mod exchange;
 mod outputs;
 mod posed;
 
+pub use outputs::Reading;
 use posed::Posed;
 
 impl Simulation {

@@ -11,6 +11,7 @@ use crate::step::point::{Context, Point};
 
 impl Readout {
     /// An output of a loop or a spring; 0 for others.
+    #[inline(never)]
     pub(super) fn closure_output(&self, ctx: &Context, slot: OutputSlot) -> f64 {
         use OutputSlot as O;
         match slot {

@@ -32,11 +32,11 @@ impl Readout {
                 rpy_rate(&self.rpy(ctx, root), &omega, axis)
             }
             O::BaseLinearVelocity(root, axis) if model.floats(root) => {
-                self.prepare(ctx, state, Level::Accelerations);
+                self.at(ctx, state, Level::Accelerations);
                 self.vdot[model.base(root).dof.index() + 3 + axis as usize]
             }
             O::BaseAngularVelocity(root, axis) if model.floats(root) => {
-                self.prepare(ctx, state, Level::Accelerations);
+                self.at(ctx, state, Level::Accelerations);
                 self.vdot[model.base(root).dof.index() + axis as usize]
             }
             O::BaseLinearVelocity(..) | O::BaseAngularVelocity(..) => 0.0,
@@ -59,12 +59,12 @@ impl Readout {
             }
             O::LinkAngularVelocity(link, axis) => {
                 let body = model.links[link.index()].body.index();
-                self.prepare(ctx, state, Level::BodyAccelerations);
+                self.at(ctx, state, Level::BodyAccelerations);
                 self.A[body][axis as usize]
             }
             O::LinkLinearVelocity(link, axis) => {
                 let body = model.links[link.index()].body.index();
-                self.prepare(ctx, state, Level::BodyAccelerations);
+                self.at(ctx, state, Level::BodyAccelerations);
                 let (A, V) = (&self.A[body], &self.point.kin.V[body]);
                 let r = self.link_pose(ctx, link.index()).p;
                 let omega = angular(V);
@@ -86,7 +86,7 @@ impl Readout {
                 world_quaternion_rate(q, &angular(&self.point.kin.V[body]), axis)
             }
             O::Sensor(sensor, Sensed::AngularVelocity(axis)) => {
-                self.prepare(ctx, state, Level::BodyAccelerations);
+                self.at(ctx, state, Level::BodyAccelerations);
                 let (body, X) = pose(ctx, &self.point, sensor.index());
                 // In moving axes: `d(Rᵀω)/dt = Rᵀ α`, because ω does not turn in its own axes.
                 (X.R.transpose() * angular(&self.A[body]))[axis as usize]
@@ -122,7 +122,7 @@ impl Readout {
     }
 
     fn base_spin(&mut self, ctx: &Context, state: &State, root: RootId) -> Vec3 {
-        self.prepare(ctx, state, Level::Kinematics);
+        self.at(ctx, state, Level::Kinematics);
         let body = ctx.model.roots[root.index()].body;
         angular(&self.point.kin.V[body.index()])
     }

@@ -7,7 +7,7 @@ use crate::step::point::Context;
 impl Readout {
     /// Derivatives of all continuous states, with quaternions of unit length.
     pub fn rates(&mut self, ctx: &Context, state: &State) -> &[f64] {
-        self.prepare(ctx, state, Level::Accelerations);
+        self.at(ctx, state, Level::Accelerations);
         let (derivatives, known) = &mut self.derivatives;
         if !*known {
             let found = (&self.point, self.vdot.as_slice());

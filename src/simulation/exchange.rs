@@ -1,11 +1,9 @@
 //! Model Exchange: the importer integrates, the simulation computes derivatives.
 
-use super::posed::{Posed, seen};
+use super::posed::Posed;
 use super::{Simulation, SimulationError};
-use crate::continuous::{States, stretch};
-use crate::model::StateId;
+use crate::continuous::States;
 use crate::slots::ParameterSlot;
-use crate::step::point::Context;
 
 impl Simulation {
     /// From now on the outside integrates: inputs act at once, and outputs follow states, time and
@@ -18,15 +16,6 @@ impl Simulation {
     /// The continuous states; none of a model that is for co-simulation alone.
     pub fn states(&self) -> &States {
         &self.readout.states
-    }
-
-    /// The value of a continuous state, in its unit.
-    pub fn state_value(&mut self, id: StateId) -> f64 {
-        if self.stale {
-            self.place();
-        }
-        let states = &self.readout.states;
-        states.value(id.index(), &self.state.physical)
     }
 
     /// Reads the values of all continuous states.
@@ -48,32 +37,7 @@ impl Simulation {
         self.state.time = time;
     }
 
-    /// Derivatives of all continuous states at the present time, states and inputs; none unless the
-    /// outside integrates.
-    pub fn rates(&mut self) -> &[f64] {
-        if self.stale {
-            self.place();
-        }
-        let ctx = reading!(self, applied);
-        seen(&mut self.posed, &ctx, &self.state);
-        let Some(posed) = &mut self.posed else {
-            return &[];
-        };
-        if !posed.derived {
-            posed
-                .rates
-                .copy_from_slice(self.readout.rates(&ctx, &posed.state));
-            stretch(
-                &self.readout.states,
-                &self.state.physical.q,
-                &mut posed.rates,
-            );
-            posed.derived = true;
-        }
-        &posed.rates
-    }
-
-    /// The same, if they are finite.
+    /// [`Self::rates`], if they are finite.
     ///
     /// # Errors
     /// [`SimulationError::NotFinite`].

@@ -16,24 +16,21 @@ pub(super) struct Posed {
     pub derived: bool,
 }
 
-/// The state that outputs show.
+/// The state that outputs show, where it is not that of the simulation.
+#[inline]
 pub(super) fn seen<'a>(
     posed: &'a mut Option<Box<Posed>>,
     ctx: &Context,
-    state: &'a State,
-) -> &'a State {
-    match posed {
-        Some(posed) => {
-            if !posed.known {
-                posed.state.copy_from(state);
-                ctx.tree.normalize(&mut posed.state.physical.q);
-                posed.known = true;
-                posed.derived = false;
-            }
-            &posed.state
-        }
-        None => state,
+    state: &State,
+) -> Option<&'a mut Posed> {
+    let posed = posed.as_deref_mut()?;
+    if !posed.known {
+        posed.state.copy_from(state);
+        ctx.tree.normalize(&mut posed.state.physical.q);
+        posed.known = true;
+        posed.derived = false;
     }
+    Some(posed)
 }
 
 impl Posed {

@@ -5,6 +5,7 @@
 //! so that the variable that changes most, relative to its nominal value, changes by [`DIFFERENCE`]
 //! of it: contacts are a tenth of a millimetre deep, and their laws are curved on that scale.
 
+use super::values::value;
 use super::{Instance, Source};
 use crate::error::FmiError;
 use crate::layout::Place;
@@ -154,8 +155,9 @@ impl Instance {
             if weight == 0.0 {
                 break;
             }
+            let mut reading = self.simulation.reading();
             for (sum, element) in sum.iter_mut().zip(sources) {
-                *sum += weight * self.number(*element);
+                *sum += weight * value(&mut reading, self.sources[*element]);
             }
         }
         sum

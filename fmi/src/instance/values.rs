@@ -7,7 +7,7 @@ use crate::phase::Phase;
 use crate::pointers::{In, Out};
 use urdf2fmu_core::inputs::INPUT_ORDERS;
 use urdf2fmu_core::range::Range;
-use urdf2fmu_core::simulation::SimulationError;
+use urdf2fmu_core::simulation::{Reading, SimulationError};
 use urdf2fmu_core::variables::{Kind, Slot};
 
 /// How far outside its range a value may be without a word, relative to 1 and to the limit.
@@ -28,12 +28,13 @@ impl Instance {
             expected += self.readable(value_reference, kind)?.len();
         }
         check_count(values.len(), expected)?;
+        let mut reading = self.simulation.reading();
         let mut written = 0;
         for value_reference in value_references.iter() {
             // Read again: the importer's array may overlap with `values`, so nothing is taken for
             // granted.
             for element in self.layout.find(value_reference).elements() {
-                let number = self.number(element);
+                let number = value(&mut reading, self.sources[element]);
                 if !number.is_finite() {
                     return Err(self.not_finite(self.layout.all_rows()[element]));
                 }
@@ -42,19 +43,6 @@ impl Instance {
             }
         }
         Ok(())
-    }
-
-    /// Value of an element.
-    #[inline]
-    pub(super) fn number(&mut self, element: usize) -> f64 {
-        match self.sources[element] {
-            Source::Slot(Slot::Input(slot)) => self.simulation.input(slot),
-            Source::Slot(Slot::Parameter(slot)) => self.simulation.parameter(slot),
-            Source::Slot(Slot::Output(slot)) => self.simulation.output(slot),
-            Source::State(id) => self.simulation.state_value(id),
-            Source::Rate(id) => self.simulation.rates()[id.index()],
-            Source::Time => self.simulation.time(),
-        }
     }
 
     /// The variable behind a value reference, if it has the type asked for. Within the importer's
@@ -137,7 +125,8 @@ impl Instance {
 
     /// Whether a row may be set to `value` now.
     fn check(&self, row: u32, value: f64) -> Result<(), FmiError> {
-        let variable = self.variables.get(row as usize).ok_or(FmiError::Time)?;
+        let variable = self.variables.get(row as usize);
+        let variable = variable.ok_or_else(|| FmiError::Time)?;
         let name = || variable.name.clone();
         if !value.is_finite() {
             return Err(FmiError::Value {
@@ -281,6 +270,27 @@ impl Instance {
             None => Ok(()),
             Some(value_reference) => Err(self.layout.wrong(value_reference, asked)),
         }
+    }
+}
+
+/// Value of an element. Nearly all are outputs: what else there is stays apart.
+#[inline]
+pub(super) fn value(reading: &mut Reading, source: Source) -> f64 {
+    match source {
+        Source::Slot(Slot::Output(slot)) => reading.output(slot),
+        other => value_of_others(reading, other),
+    }
+}
+
+#[inline(never)]
+fn value_of_others(reading: &mut Reading, source: Source) -> f64 {
+    match source {
+        Source::Slot(Slot::Output(slot)) => reading.output(slot),
+        Source::Slot(Slot::Input(slot)) => reading.input(slot),
+        Source::Slot(Slot::Parameter(slot)) => reading.parameter(slot),
+        Source::State(id) => reading.state(id),
+        Source::Rate(id) => reading.rate(id),
+        Source::Time => reading.time(),
     }
 }
 

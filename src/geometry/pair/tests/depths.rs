@@ -169,16 +169,17 @@ fn depths_change_no_faster_than_shapes_move() {
             let (along, axis) = ((along - n * n.dot(&along)).normalize(), random.unit());
             let start = couple.poses[0];
             let (mut patch, mut before) = (Patch::new(), None);
+            // What keeps the overlap as it is; of a sample nearly that of the one before.
+            let mut lift = Vec3::zeros();
             for k in 0..=SAMPLES {
                 let s = f64::from(k) / f64::from(SAMPLES) - 0.5;
-                couple.poses[0] = at(
-                    start.p + along * (length * s),
-                    turned(axis, angle * s) * start.R,
-                );
-                for _ in 0..3 {
+                let place = start.p + along * (length * s);
+                couple.poses[0] = at(place + lift, turned(axis, angle * s) * start.R);
+                for _ in 0..if k == 0 { 3 } else { 1 } {
                     let (depth, n) = couple.rounded();
                     couple.poses[0].p += n * (depth - overlap);
                 }
+                lift = couple.poses[0].p - place;
                 couple.find(&mut patch);
                 let now = depth(patch.points());
                 if let Some(before) = before.replace(now) {
