@@ -18,6 +18,9 @@ pub struct Rules {
     /// A robot in flight keeps its momentum: the base takes up what steps have lost or made.
     /// Without it fails `a_robot_in_flight_follows_a_parabola_and_keeps_its_angular_momentum`.
     pub momentum: bool,
+    /// A body on which nothing acts goes on by Euler's equations alone. Without it fails
+    /// `what_whirls_beside_others_keeps_its_energy`.
+    pub coast: bool,
     /// Explicit Runge–Kutta steps where nothing stiff acts. Without it fails
     /// `an_effort_that_varies_in_time_is_integrated_within_one_step`.
     pub explicit: bool,
@@ -55,6 +58,7 @@ impl Rules {
     pub const ALL: Self = Self {
         rest: true,
         momentum: true,
+        coast: true,
         explicit: true,
         look_ahead: true,
         cones: true,
@@ -248,6 +252,17 @@ pub const DAMPED_SHARE: f64 = 0.1;
 /// Least error that is asked of such a step, m or rad at a reach of one metre: below, the round-off
 /// of accelerations decides. At 1e-6 fails `andrews_squeezer_is_where_the_test_set_says`.
 pub const LEAST_SHARE: f64 = 1e-14;
+
+/// Angle, rad, that a body on which nothing acts may turn by between two places at which Euler's
+/// equations are solved, to the fourth order: a long body is then off by 3e-7 rad after it has
+/// turned by two. At 1 fails `a_symmetric_body_nutates_as_euler_says`.
+pub const COASTING_TURN: f64 = 0.05;
+/// Newton iterations from one of these places to the next: the digits double each time. At 2 fails
+/// `a_body_alone_keeps_its_energy_and_its_momentum`.
+pub const COASTING_ITERATIONS: usize = 5;
+/// Angle, rad, by which it may turn in a step: the places in between take their time, which no
+/// budget of steps would notice. At infinity fails `what_spins_without_measure_is_told_in_time`.
+pub const COASTING_MOST: f64 = 100.0;
 
 // Guards: `step/guards.rs`, `step/flight.rs`.
 

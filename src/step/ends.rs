@@ -31,7 +31,7 @@ impl Stepper {
         self.attempt.begin(state);
         let (from, attempt) = (&state.physical, &mut self.attempt);
         if staged {
-            self.stages.finish(ctx, from, h, attempt);
+            self.stages.finish(ctx, (&self.here, from), h, attempt);
         } else {
             self.implicit.take_full(ctx, &self.here, from, h, attempt);
         }

@@ -162,7 +162,7 @@ impl Fixed {
             return Some(Outcome::Bad);
         }
         let books = guards::open_books(ctx, here, from, GAIN * h / whole);
-        stages.finish(ctx, from, h, attempt);
+        stages.finish(ctx, (here, from), h, attempt);
         if !attempt.end.is_finite() {
             return None;
         }

@@ -8,6 +8,7 @@
 //! | `size` | lengths of steps; what becomes of a try |
 //! | `caps` | where a step must end |
 //! | `guards`, `flight` | what a try must not do: make energy, lose momentum |
+//! | `coast` | bodies on which nothing acts |
 //! | `ends`, `closing` | loops are closed at the end of a step |
 //! | `attempt` | a try of a step, accepted whole or dropped |
 //! | `implicit`, `convex` | convex solves, their error, extrapolation |
@@ -20,6 +21,7 @@
 mod attempt;
 mod caps;
 mod closing;
+mod coast;
 pub mod communication;
 pub mod convex;
 pub mod driver;

@@ -46,9 +46,11 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
+mod regimes;
+
 use crate::closure::Rows;
 use crate::dynamics::{crba, rnea};
-use crate::force::{ContactSet, JointTerm, Memory, Terms, seek};
+use crate::force::{ContactSet, Memory, Terms, seek};
 use crate::joint::Sweep;
 use crate::kinematics::{advance, forward};
 use crate::model::Model;
@@ -56,9 +58,9 @@ use crate::spatial::Vec6;
 use crate::state::{Physical, Trend};
 use crate::step::attempt::{Attempt, mean_acceleration};
 use crate::step::convex::{Newton, Problem, Run};
-use crate::step::guards;
 use crate::step::point::{Context, Point};
 use crate::step::size::{fastest, worst_error};
+use crate::step::{coast, guards};
 use crate::tree::Tree;
 use crate::tuning::{
     CONTACT_STEP, CORRECTED, ESTIMATE, FIXED_ACCURACY, LAG_SHARE, MAX_CARRIES, START,
@@ -386,6 +388,13 @@ impl Stages {
             *position += eta * velocity;
         }
         self.add_turning(ctx, from, h);
+        let step = coast::Step {
+            from,
+            h,
+            terms: &self.terms,
+            solved: &self.solved,
+        };
+        coast::forgive(ctx, step, &mut self.error);
         let [velocity, position] = &self.error;
         let worst = worst_error(tree, |k| (position[k], velocity[k])) / ctx.tolerance;
         worst.max(self.lag())
@@ -412,57 +421,9 @@ impl Stages {
         }
     }
 
-    /// Whether a rim leans to another side in one of the stages up to `last` than in another or
-    /// where the step begins: its load crosses the face, and two stages would throw it to and fro.
-    fn flips(&self, last: usize) -> bool {
-        let [first, second] = self.solved.each_ref().map(|s| &s.responses.points);
-        let starts = self.terms[0].contacts.points.iter().enumerate();
-        let mut rims = starts.filter_map(|(i, point)| Some((i, point.rim.as_ref()?)));
-        rims.any(|(i, rim)| {
-            let (start, one) = (rim.a, first[i].end.0);
-            start.dot(&one) < 0.0
-                || last > 0 && {
-                    let two = second[i].end.0;
-                    start.dot(&two) < 0.0 || one.dot(&two) < 0.0
-                }
-        })
-    }
-
-    /// Whether a contact presses in one of the stages up to `last` and not in another, or not where
-    /// the step begins; or a limit in one.
-    fn changes(&self, last: usize) -> bool {
-        let [first, second] = self.solved.each_ref().map(|s| &s.responses.contacts);
-        let mut contacts = self.terms[0].contacts.iter().enumerate();
-        let inside = |terms: &Terms| {
-            let joints = terms.joints.iter();
-            joints.fold(0, |count, term| {
-                count + u32::from(term.gap[0] < 0.0) + u32::from(term.gap[1] < 0.0)
-            })
-        };
-        contacts.any(|(i, contact)| {
-            let one = first[i].presses();
-            one != (contact.depth > 0.0) || last > 0 && one != second[i].presses()
-        }) || last > 0 && inside(&self.terms[0]) != inside(&self.terms[1])
-    }
-
     /// What friction cones still lag behind, as an error relative to the tolerance.
     pub fn lag(&self) -> f64 {
         self.lag[0].max(self.lag[1])
-    }
-
-    /// Whether a motor yields at the start of the step of `h` seconds or in one stage, and does not
-    /// everywhere.
-    pub fn yields(&self, from: &Physical, h: f64) -> bool {
-        let [first, second] = &self.solved;
-        let [before, terms] = &self.terms;
-        before.joints.iter().zip(&terms.joints).any(|(one, two)| {
-            let yields = |term: &JointTerm, v: &[f64]| {
-                let (_, slope) = term.drive_force(v[term.dof], GAMMA * h);
-                slope.abs() <= 0.0
-            };
-            let start = yields(one, &from.v);
-            start != yields(one, &first.v) || start != yields(two, &second.v)
-        })
     }
 
     /// Work of motors and external wrenches over the step of `h` seconds, J.
@@ -481,7 +442,13 @@ impl Stages {
     }
 
     /// Puts the result of the step of `h` seconds into `attempt`.
-    pub fn finish(&mut self, ctx: &Context, from: &Physical, h: f64, attempt: &mut Attempt) {
+    pub fn finish(
+        &mut self,
+        ctx: &Context,
+        (here, from): (&Point, &Physical),
+        h: f64,
+        attempt: &mut Attempt,
+    ) {
         let eta = GAMMA * h;
         let [first, second] = &self.solved;
         let [before, terms] = &self.terms;
@@ -491,6 +458,13 @@ impl Stages {
             *moved = (1.0 - GAMMA) * v1 + GAMMA * v2;
         }
         advance(ctx.tree, &from.q, &self.moved, h, &mut attempt.end.q);
+        let step = coast::Step {
+            from,
+            h,
+            terms: &self.terms,
+            solved: &self.solved,
+        };
+        coast::go_on(ctx, &here.kin, step, &mut attempt.end);
         attempt.add_impulses(before, first, [eta, 1.0 + SQRT_2]);
         attempt.add_impulses(terms, second, [eta, 1.0]);
         attempt.end_trend(ctx.tree, &from.v, h, (&first.v, eta));

@@ -89,8 +89,9 @@ fn end_by(model: &Model, method: Method, count: u32, articulated: bool) -> Vec<f
             0.0
         },
         budget: u64::MAX,
-        // Angles and energy may be what they are.
+        // Angles and energy may be what they are, and the method is on its own.
         rules: &Rules {
+            coast: false,
             parts: false,
             energy: false,
             ..Rules::ALL
@@ -114,7 +115,7 @@ fn end_by(model: &Model, method: Method, count: u32, articulated: bool) -> Vec<f
                 // Sharper than any tolerance asks: the iterations' end must not blur the order.
                 let (stages, trend) = (&mut stepper.stages, &state.stepping.trend);
                 assert!(stages.solve(&ctx, (&stepper.here, from), trend, [h, 1e-12], false));
-                stages.finish(&ctx, from, h, &mut stepper.attempt);
+                stages.finish(&ctx, (&stepper.here, from), h, &mut stepper.attempt);
             }
             Method::Fixed => {
                 let mut methods = Methods {

@@ -1,0 +1,55 @@
+//! Whether the same acts throughout a step: rims lean alike, contacts press, motors yield.
+
+use super::{GAMMA, Stages};
+use crate::force::{JointTerm, Terms};
+use crate::state::Physical;
+
+impl Stages {
+    /// Whether a rim leans to another side in one of the stages up to `last` than in another or
+    /// where the step begins: its load crosses the face, and two stages would throw it to and fro.
+    pub(super) fn flips(&self, last: usize) -> bool {
+        let [first, second] = self.solved.each_ref().map(|s| &s.responses.points);
+        let starts = self.terms[0].contacts.points.iter().enumerate();
+        let mut rims = starts.filter_map(|(i, point)| Some((i, point.rim.as_ref()?)));
+        rims.any(|(i, rim)| {
+            let (start, one) = (rim.a, first[i].end.0);
+            start.dot(&one) < 0.0
+                || last > 0 && {
+                    let two = second[i].end.0;
+                    start.dot(&two) < 0.0 || one.dot(&two) < 0.0
+                }
+        })
+    }
+
+    /// Whether a contact presses in one of the stages up to `last` and not in another, or not where
+    /// the step begins; or a limit in one.
+    pub(super) fn changes(&self, last: usize) -> bool {
+        let [first, second] = self.solved.each_ref().map(|s| &s.responses.contacts);
+        let mut contacts = self.terms[0].contacts.iter().enumerate();
+        let inside = |terms: &Terms| {
+            let joints = terms.joints.iter();
+            joints.fold(0, |count, term| {
+                count + u32::from(term.gap[0] < 0.0) + u32::from(term.gap[1] < 0.0)
+            })
+        };
+        contacts.any(|(i, contact)| {
+            let one = first[i].presses();
+            one != (contact.depth > 0.0) || last > 0 && one != second[i].presses()
+        }) || last > 0 && inside(&self.terms[0]) != inside(&self.terms[1])
+    }
+
+    /// Whether a motor yields at the start of the step of `h` seconds or in one stage, and does not
+    /// everywhere.
+    pub fn yields(&self, from: &Physical, h: f64) -> bool {
+        let [first, second] = &self.solved;
+        let [before, terms] = &self.terms;
+        before.joints.iter().zip(&terms.joints).any(|(one, two)| {
+            let yields = |term: &JointTerm, v: &[f64]| {
+                let (_, slope) = term.drive_force(v[term.dof], GAMMA * h);
+                slope.abs() <= 0.0
+            };
+            let start = yields(one, &from.v);
+            start != yields(one, &first.v) || start != yields(two, &second.v)
+        })
+    }
+}
