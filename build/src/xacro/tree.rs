@@ -3,6 +3,7 @@
 use quick_xml::Reader;
 use quick_xml::escape;
 use quick_xml::events::{BytesStart, Event};
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::rc::Rc;
 
@@ -29,6 +30,8 @@ pub struct Element {
     pub children: Vec<Node>,
     /// Where its tag starts in its file, bytes.
     pub at: usize,
+    /// Whether something of it could not be expanded and is left out.
+    pub faulty: bool,
 }
 
 impl Element {
@@ -152,17 +155,33 @@ fn element(tag: &BytesStart, at: usize) -> Result<Element, String> {
         attributes,
         children: Vec::new(),
         at,
+        faulty: false,
     })
 }
 
 /// The text of a document, two spaces for each level, attributes sorted as the xacro command does.
 pub fn write(root: &Element) -> String {
-    let mut out = String::from("<?xml version=\"1.0\" ?>\n<!-- expanded from xacro -->\n");
-    write_element(root, 0, &mut out);
-    out
+    write_marked(root).0
 }
 
-fn write_element(element: &Element, depth: usize, out: &mut String) {
+/// The text of a document, and the lines in which elements begin that are not whole, with their
+/// names.
+pub fn write_marked(root: &Element) -> (String, BTreeMap<usize, String>) {
+    let mut out = String::from("<?xml version=\"1.0\" ?>\n<!-- expanded from xacro -->\n");
+    let mut faulty = BTreeMap::new();
+    write_element(root, 0, &mut out, &mut faulty);
+    (out, faulty)
+}
+
+fn write_element(
+    element: &Element,
+    depth: usize,
+    out: &mut String,
+    faulty: &mut BTreeMap<usize, String>,
+) {
+    if element.faulty {
+        faulty.insert(out.split('\n').count(), element.name.clone());
+    }
     let indent = "  ".repeat(depth);
     out.push_str(&indent);
     out.push('<');
@@ -193,7 +212,7 @@ fn write_element(element: &Element, depth: usize, out: &mut String) {
             out.push_str(">\n");
             for child in children {
                 match child {
-                    Node::Element(child) => write_element(child, depth + 1, out),
+                    Node::Element(child) => write_element(child, depth + 1, out, faulty),
                     Node::Text(text) => {
                         out.push_str(&"  ".repeat(depth + 1));
                         out.push_str(&escape::escape(text.trim()));
