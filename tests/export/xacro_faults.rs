@@ -9,7 +9,12 @@ use super::*;
 
 /// What stands at one place of the robot, its macros or its settings, sound and faulty, and what
 /// its error says.
-const FAULTS: [[&str; 3]; 19] = [
+const FAULTS: [[&str; 3]; 23] = [
+    // The text.
+    ["<h1 x='1'/>", "<h1 x=1/>", "not XML: <h1>"],
+    ["<h2 x='1'/>", "<h2 x='1' x='1'/>", "not XML: <h2>"],
+    ["<h3 x='&amp;'/>", "<h3 x='&'/>", "not XML: <h3> x"],
+    ["<h4></h4>", "<h4>", "<h4> is never closed"],
     // The expansion.
     ["value='${m1}'", "value='${mm}'", "name 'mm' is not defined"],
     ["radius='${1 / 2}'", "radius='${1 / 0}'", "division by zero"],
@@ -94,6 +99,7 @@ const ROBOT: &str = "<robot name='r' xmlns:xacro='http://www.ros.org/wiki/xacro'
 <xacro:property name='kept'><g/></xacro:property>
 <!-- no file -->
 <u><a x='1'/><b x='2'>${3}</b><e x='$(arg kind)'/><e x='${q}'/></u>
+<u><h1 x='1'/><h2 x='1'/><h3 x='&amp;'/><h4></h4></u>
 <u><xacro:chair><seat at='1'/><more/></xacro:chair></u>
 <link name='body'><inertial><mass value='1.01'/>
   <inertia ixx='1' ixy='0' ixz='0' iyy='1' iyz='0' izz='1'/></inertial>

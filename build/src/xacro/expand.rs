@@ -55,7 +55,8 @@ impl<'f> Expansion<'f> {
     /// The expanded document, without what cannot be expanded.
     pub fn document(&mut self, path: &Path) -> Option<Element> {
         let root = self.texts.sources.root(path);
-        let done = root.and_then(|root| {
+        let done = root.and_then(|(root, wrong)| {
+            self.misread(wrong)?;
             self.texts.sources.enter(path.to_owned())?;
             self.element(&root, 0, 0)
         });
@@ -84,7 +85,7 @@ impl<'f> Expansion<'f> {
             let problem = self.problem("macros, files or elements are nested too deeply");
             return Err(problem.that_ends());
         }
-        let around = std::mem::take(&mut self.faulty);
+        let around = std::mem::replace(&mut self.faulty, element.faulty);
         let mut attributes = Vec::with_capacity(element.attributes.len());
         for (name, value) in &element.attributes {
             if !name.starts_with("xacro:") && name != "xmlns:xacro" {
@@ -270,7 +271,7 @@ impl<'f> Expansion<'f> {
         };
         for path in files {
             let at = self.texts.sources.at;
-            let root = match self.texts.sources.root(&path) {
+            let (root, wrong) = match self.texts.sources.root(&path) {
                 Err(problem) if matches!(problem.lacking, Some(Lacking::File)) => {
                     if optional {
                         continue;
@@ -282,6 +283,7 @@ impl<'f> Expansion<'f> {
                 }
                 other => other?,
             };
+            self.misread(wrong)?;
             self.texts.sources.enter(path)?;
             let found = self.element(&root, macros, scope)?;
             self.faulty |= found.faulty;

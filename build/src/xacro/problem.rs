@@ -28,6 +28,8 @@ pub enum Lacking {
     Property(String),
     /// A macro.
     Macro(String),
+    /// A tag that begins or ends an element.
+    Tag,
 }
 
 /// What becomes of the expansion after a problem.
@@ -52,13 +54,13 @@ impl Problem {
 
     /// Whether it is the same thing to mend.
     pub fn is_as(&self, other: &Self) -> bool {
-        match (&self.lacking, &other.lacking) {
-            (None, None) => {
-                self.message == other.message && self.at == other.at && self.file == other.file
+        let here = self.at == other.at && self.file == other.file;
+        self.lacking == other.lacking
+            && match self.lacking {
+                None | Some(Lacking::Tag) => here && self.message == other.message,
+                Some(Lacking::File) => self.message == other.message,
+                Some(_) => true,
             }
-            (Some(Lacking::File), Some(Lacking::File)) => self.message == other.message,
-            (own, others) => own == others,
-        }
     }
 }
 

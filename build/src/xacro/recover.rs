@@ -60,6 +60,15 @@ impl Expansion<'_> {
         })
     }
 
+    /// Tells what is no XML in a file. Where a tag is not closed, what is around it may be wrong.
+    pub(super) fn misread(&mut self, wrong: Vec<Problem>) -> Done<()> {
+        for problem in wrong {
+            self.whole &= problem.lacking != Some(Lacking::Tag);
+            self.pass(problem)?;
+        }
+        Ok(())
+    }
+
     /// Notes that an element is not there.
     pub(super) fn leave_out(&mut self, child: &Element) {
         (self.faulty, self.whole) = (true, false);

@@ -105,14 +105,21 @@ impl<'f> Sources<'f> {
         }
     }
 
-    /// The root element of a file.
-    pub fn root(&mut self, path: &Path) -> Done<Element> {
+    /// The root element of a file, and what is wrong with its text.
+    pub fn root(&mut self, path: &Path) -> Done<(Element, Vec<Problem>)> {
         let text = self.text(path)?;
-        tree::parse(&text).map_err(|(message, at)| Problem {
+        let (root, wrong) = tree::parse(&text);
+        let problem = |wrong: tree::Wrong| Problem {
             file: path.to_owned(),
-            at,
-            ..self.problem(message)
-        })
+            at: wrong.at,
+            lacking: wrong.of_tags.then_some(Lacking::Tag),
+            ..self.problem(wrong.message)
+        };
+        let mut wrong = wrong.into_iter().map(problem);
+        match root {
+            Some(root) => Ok((root, wrong.collect())),
+            None => Err(wrong.next().unwrap_or_else(|| self.problem("not XML"))),
+        }
     }
 
     /// Begins with a file.
