@@ -3,7 +3,7 @@
 use super::expand::Expansion;
 use super::problem::{Done, Lacking, Problem, Weight};
 use super::symbols::Entry;
-use super::tree::{Element, Node};
+use super::tree::Element;
 
 /// Problems that are told of one document.
 const MOST_PROBLEMS: usize = 100;
@@ -120,10 +120,7 @@ impl Expansion<'_> {
 fn may_define(element: &Element) -> bool {
     match element.name.strip_prefix("xacro:") {
         Some("include" | "macro" | "property" | "arg" | "call") => true,
-        Some("if" | "unless") => element.children.iter().any(|child| match child {
-            Node::Element(child) => child.name.starts_with("xacro:"),
-            Node::Text(_) => false,
-        }),
-        _ => false,
+        Some("if" | "unless") | None => element.elements().any(|inner| may_define(inner)),
+        Some(_) => false,
     }
 }

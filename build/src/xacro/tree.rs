@@ -125,8 +125,11 @@ pub fn parse(text: &str) -> (Option<Element>, Vec<Wrong>) {
                 let name = tag.name();
                 let name: &str = name.as_ref();
                 let Some(place) = open.iter().rposition(|element| element.name == name) else {
-                    let message = format!("not XML: </{name}> ends nothing");
-                    wrong.push(Wrong::of_tags(message, before));
+                    wrong.push(Wrong {
+                        message: format!("not XML: </{name}> ends nothing"),
+                        at: before,
+                        of_tags: holds_names(name),
+                    });
                     continue;
                 };
                 end(place, &mut open, &mut root, &mut wrong);
@@ -164,11 +167,19 @@ pub fn parse(text: &str) -> (Option<Element>, Vec<Wrong>) {
     (root, wrong)
 }
 
+/// Whether links, joints or what defines them may be in such an element.
+fn holds_names(name: &str) -> bool {
+    ["robot", "link", "joint"].contains(&name) || name.starts_with("xacro:")
+}
+
 /// Closes the element at `place` with all in it, which are not closed.
 fn end(place: usize, open: &mut Vec<Element>, root: &mut Option<Element>, wrong: &mut Vec<Wrong>) {
     for unclosed in &open[place + 1..] {
-        let message = format!("not XML: <{}> is never closed", unclosed.name);
-        wrong.push(Wrong::of_tags(message, unclosed.at));
+        wrong.push(Wrong {
+            message: format!("not XML: <{}> is never closed", unclosed.name),
+            at: unclosed.at,
+            of_tags: holds_names(&unclosed.name),
+        });
     }
     while open.len() > place {
         if let Some(whole) = open.pop() {
