@@ -208,18 +208,19 @@ pub fn surroundings(settings: &mut Settings, packages: &Packages) -> Result<Surr
         }
     }
     for robot in settings.robots.clone() {
-        match around.robot(&robot, settings, packages) {
-            Some((own, description)) => around.guests.push(Guest {
+        if let Some((own, description)) = around.robot(&robot, settings, packages) {
+            around.guests.push(Guest {
                 name: robot.name.text,
                 kind: RootKind::Robot,
                 description,
                 settings: own,
-            }),
-            None => {
-                failed = true;
-                lost.iter_mut()
-                    .for_each(|lost| lost.push(robot.name.text.clone()));
-            }
+            });
+        } else {
+            failed = true;
+            lost = lost.map(|mut lost| {
+                lost.push(robot.name.text);
+                lost
+            });
         }
     }
     for (name, object, description) in objects {
