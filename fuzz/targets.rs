@@ -4,7 +4,7 @@
 //! | target | bytes are |
 //! |---|---|
 //! | `states` | a serialised state, or changes to a good one whose checksums are then put right |
-//! | `model` | a prepared model as text, or changes to the numbers of a good one |
+//! | `model` | a prepared model as text, or changes to the numbers or the text of a good one |
 //! | `settings` | a settings file |
 //! | `calls` | a sequence of FMI 2 calls with their arguments, of co-simulation or Model Exchange |
 //! | `calls3` | the same of FMI 3, with calls from within steps |
@@ -27,20 +27,22 @@ mod calls;
 mod calls3;
 #[path = "targets/exchange.rs"]
 mod exchange;
+#[path = "targets/model.rs"]
+mod model;
 #[path = "targets/viewer.rs"]
 mod viewer;
 
 pub use calls::calls;
 pub use calls3::calls3;
+pub use model::model;
 pub use viewer::viewer;
 
 use std::ffi::{CString, c_char, c_void};
 use std::ptr::{null, null_mut};
-use std::sync::{Arc, LazyLock};
+use std::sync::LazyLock;
 use urdf2fmu_core::hash::fnv1a;
 use urdf2fmu_core::prepared::PreparedModel;
 use urdf2fmu_core::settings::Settings;
-use urdf2fmu_core::simulation::Simulation;
 use urdf2fmu_core::variables::{Kind, Slot, Variable, table};
 use urdf2fmu_core::{assemble, urdf};
 use urdf2fmu_fmi::v2::types::fmi2CallbackFunctions;
@@ -321,93 +323,6 @@ pub fn states(data: &[u8]) {
                 fmi2GetFMUstate(c, &raw mut saved);
             }
             fmi2FreeFMUstate(c, &raw mut saved);
-        }
-    }
-}
-
-/// The smallest robot with a body, a commanded joint with limits and a collider: reading it is most
-/// of an execution.
-const SMALL: &str = r#"<robot name="s"><link name="b"/>
-<link name="w"><inertial><mass value="1"/><inertia ixx="0.01" iyy="0.01" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial>
-  <collision><geometry><sphere radius="0.1"/></geometry></collision></link>
-<joint name="j" type="revolute"><parent link="b"/><child link="w"/><axis xyz="0 1 0"/>
-  <limit lower="-1" upper="1" effort="5" velocity="20"/><dynamics damping="0.01" friction="0.02"/></joint></robot>"#;
-
-/// The models whose numbers are changed, line by line: first the small robot, then the other.
-static MODELS: LazyLock<[Vec<String>; 2]> = LazyLock::new(|| {
-    [prepare(SMALL, ""), good_model()].map(|model| {
-        let text = model.to_json().unwrap();
-        text.lines().map(|line| line.trim().to_owned()).collect()
-    })
-});
-
-/// A good model with some of its numbers and words replaced.
-fn changed_model(model: &[String], bytes: &mut Bytes) -> String {
-    const OTHERS: [&str; 16] = [
-        "0",
-        "-1",
-        "1e308",
-        "-1e308",
-        "1e-308",
-        "null",
-        "4294967295",
-        "18446744073709551616",
-        "0.5",
-        "\"\"",
-        "[]",
-        "{}",
-        "true",
-        "3",
-        "1e-9",
-        "7",
-    ];
-    let mut changes = Vec::new();
-    while changes.len() < 8 && !bytes.0.is_empty() {
-        let line = (bytes.byte() as usize | (bytes.byte() as usize) << 8) % model.len();
-        changes.push((line, OTHERS[bytes.byte() as usize % OTHERS.len()]));
-    }
-    let mut text = String::new();
-    for (number, old) in model.iter().enumerate() {
-        let change = changes.iter().rev().find(|(line, _)| *line == number);
-        let tail = if old.ends_with(',') { "," } else { "" };
-        match (change, old.split_once(": ")) {
-            (Some((_, other)), Some((key, _))) if !old.ends_with(['{', '[']) => {
-                text.extend([key, ":", other, tail]);
-            }
-            (Some((_, other)), None)
-                if !old.trim_end_matches(',').ends_with(['{', '[', '}', ']']) =>
-            {
-                text.extend([other, tail]);
-            }
-            _ => text.push_str(old),
-        }
-    }
-    text
-}
-
-pub fn model(data: &[u8]) {
-    let mut bytes = Bytes(data);
-    let text = match bytes.byte() {
-        kind if kind % 2 == 0 => String::from_utf8_lossy(bytes.0).into_owned(),
-        kind => changed_model(&MODELS[usize::from(kind >= 224)], &mut bytes),
-    };
-    let Ok(prepared) = PreparedModel::from_json(&text) else {
-        return;
-    };
-    if !chosen(data, 8) {
-        return;
-    }
-    let Ok(rows) = table(&prepared.model) else {
-        return;
-    };
-    let mut simulation = Simulation::new(Arc::new(prepared.model));
-    if simulation.initialize(0.0).is_ok() {
-        _ = simulation.advance_to(1e-4);
-    }
-    for row in rows {
-        if let Slot::Output(slot) = row.slot {
-            simulation.output(slot);
-            simulation.output_derivative(slot);
         }
     }
 }

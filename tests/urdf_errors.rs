@@ -165,6 +165,68 @@ fn the_help_for_xacro_is_the_command_line() {
     assert!(help("my arm.xacro").contains("xacro 'my arm.xacro' -o 'my arm.urdf'\n"));
 }
 
+/// Each is of a public robot, and was mended as told: the first with a comma after each number, the
+/// second gets a prefix for each hand, and in the third a link would hang on itself.
+#[test]
+fn who_mends_what_is_told_finds_nothing_more_of_it() {
+    let link = "<link name='base'/><link name='table_link'/>";
+    let joint = |origin: &str, parent: &str| {
+        format!(
+            "{link}<joint name='base_to_table' type='fixed'><origin xyz='{origin}'/>\
+             <parent link='{parent}'/><child link='table_link'/></joint>"
+        )
+    };
+    let finger = |name: &str, parent: &str, more: &str| {
+        format!(
+            "<link name='{name}'/><joint name='{name}_q' type='continuous'><parent link='{parent}'/>\
+             <child link='{name}'/>{more}</joint>"
+        )
+    };
+    let hands = [
+        "<link name='base'/>".to_owned(),
+        finger("Left_index", "base", ""),
+        finger("Right_index", "base", ""),
+        finger("Right_tip", "Right_index", "<mimic joint='index_q'/>"),
+    ];
+    for (body, message, help) in [
+        (
+            joint("0.07, 0, 0", "base"),
+            "'0.07,' is not a number, nor is '0,'",
+            None,
+        ),
+        (
+            hands.concat(),
+            "<mimic> names joint 'index_q', which does not exist",
+            Some("did you mean 'Right_index_q'?"),
+        ),
+        (
+            joint("0 0 0", "base_link"),
+            "parent link 'base_link' does not exist",
+            None,
+        ),
+        (
+            joint("0 0 0", "tabel_link"),
+            "parent link 'tabel_link' does not exist",
+            None,
+        ),
+    ] {
+        let text = format!("<robot name='r'>{body}</robot>");
+        let read = read_str(&text, "r.urdf", Path::new("."), &ReadOptions::default());
+        let list = read.expect_err(message);
+        let mut errors = list.iter().filter(|d| d.severity == Severity::Error);
+        let found = errors.find(|d| d.message.contains(message));
+        let found = found.unwrap_or_else(|| panic!("{message}: {list:?}"));
+        if let Some(help) = help {
+            assert_eq!(found.help.as_deref(), Some(help));
+        }
+        let itself = found
+            .help
+            .as_deref()
+            .is_some_and(|help| help.contains("'table_link'"));
+        assert!(!itself, "{found}");
+    }
+}
+
 #[test]
 fn a_missing_file_and_a_folder_are_errors_without_a_place() {
     for path in [FOLDER.join("no_such_file.urdf"), FOLDER.clone()] {

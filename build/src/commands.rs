@@ -154,7 +154,7 @@ fn expand(args: &Expand) -> Result<(), CliError> {
         .splice(0..0, args.package_paths.iter().cloned());
     options.packages.clone_from(&args.packages);
     let expanded = xacro::expand(&args.file, &args.xacro_arguments, &options);
-    let expanded = expanded.map_err(|finding| StageError::Robot(vec![*finding]))?;
+    let expanded = expanded.map_err(|refused| StageError::Robot(refused.findings))?;
     print(&expanded.text)?;
     Ok(())
 }

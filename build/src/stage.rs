@@ -137,11 +137,7 @@ fn made(request: &Request, mut settings: Settings) -> Result<Robot, StageError> 
             }
             Err(findings) => {
                 diagnostics.extend(findings);
-                let around = world::surroundings(&mut settings, packages);
-                let (guests, others) = match around {
-                    Ok(around) => (around.guests, Vec::new()),
-                    Err(findings) => (Vec::new(), findings),
-                };
+                let (guests, others) = later::around(&mut settings, packages);
                 diagnostics.extend(others);
                 diagnostics.extend(later::sound(&description, &settings, &guests));
                 return Err(StageError::Robot(diagnostics));
@@ -153,8 +149,10 @@ fn made(request: &Request, mut settings: Settings) -> Result<Robot, StageError> 
         StageError::Robot(std::mem::take(&mut diagnostics))
     };
     let around = world::surroundings(&mut settings, packages);
-    let mut around = around.map_err(|mut findings| {
-        findings.extend(later::sound(&description, &settings, &[]));
+    let mut around = around.map_err(|unread| {
+        let known = later::known(&settings, &unread);
+        let mut findings = unread.findings;
+        findings.extend(later::sound(&description, &known, &unread.guests));
         failed(findings)
     })?;
     if request.pushable {

@@ -23,6 +23,17 @@ pub struct Surroundings {
     pub expanded: Vec<(PathBuf, String)>,
 }
 
+/// What stands around a robot where some of it cannot be read.
+#[derive(Debug, Default)]
+pub struct Unread {
+    /// Everything that is wrong with any of it, and the findings before.
+    pub findings: Vec<Diagnostic>,
+    /// What can be read.
+    pub guests: Vec<Guest>,
+    /// Names of the rest; none where one of them is not known.
+    pub lost: Option<Vec<String>>,
+}
+
 /// Where packages are looked for before the places that the environment names.
 #[derive(Clone, Debug, Default)]
 pub struct Packages {
@@ -67,23 +78,26 @@ pub fn read(
         }
         return urdf::read(path, options).map(|description| (description, None));
     }
+    let folder = match path.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
+    };
+    let name = path.display().to_string();
     let xacro::Expanded {
         text,
         mut notes,
         packages,
         lone,
-    } = xacro::expand(path, arguments, options).map_err(|finding| vec![*finding])?;
+    } = match xacro::expand(path, arguments, options) {
+        Ok(expanded) => expanded,
+        Err(refused) => return unexpanded(*refused, &name, folder, options),
+    };
     if let Some(lone) = lone {
         notes.push(*lone);
         return Err(notes);
     }
     let mut options = options.clone();
     options.packages.extend(packages);
-    let folder = match path.parent() {
-        Some(parent) if !parent.as_os_str().is_empty() => parent,
-        _ => Path::new("."),
-    };
-    let name = path.display().to_string();
     match urdf::read_str(&text, &name, folder, &options) {
         Ok(mut description) => {
             description.sources.insert(0, path.to_owned());
@@ -97,15 +111,68 @@ pub fn read(
     }
 }
 
+/// Findings about trees and masses, which what is left out may explain.
+const OF_ALL: [&str; 9] = [
+    "U010", "U011", "U012", "U013", "U014", "U016", "U021", "U046", "U047",
+];
+
+/// Elements by which links have mass.
+const OF_MASS: [&str; 4] = ["link", "inertial", "mass", "inertia"];
+
+/// What is wrong with a file in xacro that cannot be expanded: of the part that can be, too, but
+/// for what follows from what is left out. With [`ReadOptions::rest`], the description of that
+/// part.
+fn unexpanded(
+    refused: xacro::Refused,
+    name: &str,
+    folder: &Path,
+    options: &ReadOptions,
+) -> Result<(Description, Option<String>), Vec<Diagnostic>> {
+    let mut findings = refused.findings;
+    let Some(rest) = refused.rest else {
+        return Err(findings);
+    };
+    let mut options = options.clone();
+    options.packages.extend(rest.packages);
+    if options.rest {
+        // Names are of use only where none is left out.
+        let read = rest
+            .whole
+            .then(|| urdf::read_str(&rest.text, name, folder, &options));
+        let description = read.and_then(Result::ok).ok_or(findings)?;
+        return Ok((description, None));
+    }
+    let weighed = rest.whole
+        && !rest
+            .faulty
+            .values()
+            .any(|name| OF_MASS.contains(&name.as_str()));
+    let told = |finding: &Diagnostic| {
+        let line = finding.place.as_ref().map(|place| place.line);
+        let of_faulty = line.is_some_and(|line| rest.faulty.contains_key(&line));
+        match finding.severity {
+            // U066 tells what would come next.
+            Severity::Warning => finding.code == "U066" && weighed,
+            Severity::Error => !of_faulty && (rest.whole || !OF_ALL.contains(&finding.code)),
+            Severity::Note => false,
+        }
+    };
+    let more = urdf::read_str(&rest.text, name, folder, &options);
+    let mut more = more.err().unwrap_or_default();
+    more.retain(told);
+    if !more.is_empty() {
+        findings.push(rest.note);
+        findings.append(&mut more);
+    }
+    Err(findings)
+}
+
 /// Reads all that the settings place around the robot. An object that is nothing but a ground
 /// becomes that of the settings.
 ///
 /// # Errors
-/// Everything that is wrong with any of it, and the findings before.
-pub fn surroundings(
-    settings: &mut Settings,
-    packages: &Packages,
-) -> Result<Surroundings, Vec<Diagnostic>> {
+/// [`Unread`].
+pub fn surroundings(settings: &mut Settings, packages: &Packages) -> Result<Surroundings, Unread> {
     let mut around = Surroundings::default();
     let mut names: Vec<String> = settings
         .robots
@@ -117,10 +184,15 @@ pub fn surroundings(
 
     // The ground comes first, so that all stand on the same one.
     let mut objects = Vec::new();
-    let mut failed = false;
+    let (mut failed, mut lost) = (false, Some(Vec::new()));
     for object in settings.objects.clone() {
         let Some(description) = around.object(&object, settings, packages) else {
             failed = true;
+            // Without a name of its own it has that of its robot.
+            lost = lost.zip(object.name).map(|(mut lost, name)| {
+                lost.push(name.text);
+                lost
+            });
             continue;
         };
         let name = if let Some(name) = &object.name {
@@ -136,14 +208,19 @@ pub fn surroundings(
         }
     }
     for robot in settings.robots.clone() {
-        match around.robot(&robot, settings, packages) {
-            Some((own, description)) => around.guests.push(Guest {
+        if let Some((own, description)) = around.robot(&robot, settings, packages) {
+            around.guests.push(Guest {
                 name: robot.name.text,
                 kind: RootKind::Robot,
                 description,
                 settings: own,
-            }),
-            None => failed = true,
+            });
+        } else {
+            failed = true;
+            lost = lost.map(|mut lost| {
+                lost.push(robot.name.text);
+                lost
+            });
         }
     }
     for (name, object, description) in objects {
@@ -155,7 +232,11 @@ pub fn surroundings(
         });
     }
     if failed {
-        return Err(around.diagnostics);
+        return Err(Unread {
+            findings: around.diagnostics,
+            guests: around.guests,
+            lost,
+        });
     }
     Ok(around)
 }

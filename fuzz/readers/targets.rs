@@ -41,8 +41,9 @@ use urdf2fmu_core::spatial::Vec3;
 use urdf2fmu_core::{assemble, urdf};
 
 pub fn urdf(data: &[u8]) {
-    // No such folder: mesh names that the fuzzer makes up must not find files of this machine.
-    let nowhere = Path::new("no-such-folder");
+    // No such folder: mesh names that the fuzzer makes up must not find files of this machine. At
+    // the root, so that no folders around it are searched for them.
+    let nowhere = Path::new("/no-such-folder");
     let text = String::from_utf8_lossy(data);
     let options = urdf::ReadOptions {
         sensors: true,

@@ -2,6 +2,8 @@
 //! interfaces, kept instances of it, and what an importer calls while it integrates.
 
 use super::*;
+use std::sync::Arc;
+use urdf2fmu_core::simulation::Simulation;
 use urdf2fmu_fmi::v2::types::{fmi2EventInfo, fmi2Status};
 
 /// The robot with continuous states.

@@ -30,6 +30,12 @@ pub enum GeometryError {
         /// How many.
         count: usize,
     },
+    /// A line or a point.
+    #[error("triangle {index} has no area")]
+    Flat {
+        /// Position in the list.
+        index: usize,
+    },
     /// Not a grid.
     #[error("heights need at least 2 x 2 and at most 4,000,000 samples over 0 to 1e6 m")]
     Grid,

@@ -81,8 +81,19 @@ impl TryFrom<Triangles> for Surface {
         if !given.triangles.iter().flatten().all(exists) {
             return Err(GeometryError::NoPoints);
         }
+        // An edge without a length has no direction.
+        let area = |triangle: &[u32; 3]| area_of(triangle.map(|i| given.corners[i as usize]));
+        let flat = |triangle: &[u32; 3]| area(triangle).try_normalize(0.0).is_none();
+        if let Some(index) = given.triangles.iter().position(flat) {
+            return Err(GeometryError::Flat { index });
+        }
         Ok(Self::of(given))
     }
+}
+
+/// Along the normal; its length is twice the area, m².
+fn area_of([a, b, c]: [Vec3; 3]) -> Vec3 {
+    (b - a).cross(&(c - a))
 }
 
 impl From<Surface> for Triangles {
@@ -113,8 +124,7 @@ impl Triangles {
                     index
                 })
             });
-            let [a, b, c] = indices.map(|i| given.corners[i as usize]);
-            let area = (b - a).cross(&(c - a));
+            let area = area_of(indices.map(|i| given.corners[i as usize]));
             if area.try_normalize(grain * grain).is_some() {
                 given.triangles.push(indices);
             }
@@ -138,7 +148,7 @@ impl Surface {
                 continue;
             }
             let corners = triangle.map(corner);
-            let area = (corners[1] - corners[0]).cross(&(corners[2] - corners[0]));
+            let area = area_of(corners);
             for edge in 0..3 {
                 let (a, b) = (triangle[edge], triangle[(edge + 1) % 3]);
                 let places = edges.entry([a.min(b), a.max(b)]).or_default();
@@ -382,4 +392,23 @@ fn end(facets: &mut [Facet], place: [usize; 2], crests: &mut Vec<Crest>) {
     let facet = &facets[place[0]];
     let sides = [facet.normal, facet.away(place[1])];
     crests.push(Crest::new(facet.ends(place[1]), sides));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Found by fuzzing texts of prepared models: the crest of an edge without a length had no
+    /// direction. [`Triangles::new`] leaves such triangles out.
+    #[test]
+    fn triangles_that_are_stored_without_an_area_are_refused() {
+        let corners = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [2.0, 0.0], [0.0, 0.0]];
+        let corners = corners.map(|[x, y]| Vec3::new(x, y, -1.0)).to_vec();
+        for flat in [[1, 1, 2], [0, 1, 3], [0, 4, 2]] {
+            let corners = corners.clone();
+            let triangles = vec![[0, 1, 2], flat];
+            let refused = Surface::try_from(Triangles { corners, triangles });
+            assert_eq!(refused, Err(GeometryError::Flat { index: 1 }), "{flat:?}");
+        }
+    }
 }

@@ -64,6 +64,19 @@ pub enum LoopChoice {
     },
 }
 
+impl LoopChoice {
+    /// Links or joints that it names.
+    pub fn names(&self) -> Vec<&Pattern> {
+        match self {
+            Self::Weld { links, .. }
+            | Self::Ball { links, .. }
+            | Self::Hinge { links, .. }
+            | Self::Distance { links, .. } => links.iter().collect(),
+            Self::Coupler { terms, .. } => terms.iter().map(|(joint, _)| joint).collect(),
+        }
+    }
+}
+
 /// A spring between two points.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SpringSettings {

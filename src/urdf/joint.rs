@@ -362,7 +362,10 @@ fn wrong_mimics(scope: &mut Scope, joints: &[CheckedJoint]) -> Vec<usize> {
                 "<mimic> names joint '{}', which does not exist",
                 mimic.joint
             );
-            let help = did_you_mean(mimic.joint, joints.iter().map(|j| j.name));
+            let mut help = did_you_mean(mimic.joint, joints.iter().map(|j| j.name));
+            if help.is_empty() {
+                help = of_this_side(mimic.joint, joint, joints);
+            }
             scope.problem("U046", at, &message, help);
             wrong.push(i);
             continue;
@@ -379,6 +382,18 @@ fn wrong_mimics(scope: &mut Scope, joints: &[CheckedJoint]) -> Vec<usize> {
     }
     report_circles(scope, joints, target, &mut wrong);
     wrong
+}
+
+/// The joint whose name has the same prefix as this one and then `name`: copies of a hand get a
+/// prefix, and what their joints mimic may have been forgotten.
+fn of_this_side(name: &str, joint: &CheckedJoint, joints: &[CheckedJoint]) -> String {
+    let meant = joints.iter().find(|other| {
+        let prefix = other.name.strip_suffix(name);
+        prefix.is_some_and(|prefix| !prefix.is_empty() && joint.name.starts_with(prefix))
+    });
+    meant.map_or_else(String::new, |meant| {
+        format!("did you mean '{}'?", meant.name)
+    })
 }
 
 /// One error for each circle of mimics.

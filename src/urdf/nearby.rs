@@ -5,7 +5,7 @@
 //! names in the URDF stay: `package://old_name/meshes/arm.stl`, `file:///home/someone/…/arm.stl`,
 //! paths that count from a folder of assets. The end of such a name still fits one file.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Component, Path, PathBuf};
 
@@ -34,7 +34,7 @@ impl Files {
         let mut left = MOST_ENTRIES;
         let mut open: Vec<(PathBuf, usize)> = roots.iter().map(|root| (root.clone(), 0)).collect();
         open.reverse();
-        let mut seen: Vec<PathBuf> = Vec::new();
+        let mut seen: BTreeSet<PathBuf> = BTreeSet::new();
         while let Some((folder, depth)) = open.pop() {
             if seen.contains(&folder) {
                 continue;
@@ -42,7 +42,7 @@ impl Files {
             let Ok(entries) = fs::read_dir(&folder) else {
                 continue;
             };
-            seen.push(folder);
+            seen.insert(folder);
             let mut entries: Vec<fs::DirEntry> = entries.take(left).flatten().collect();
             left -= entries.len().min(left);
             entries.sort_by_key(fs::DirEntry::file_name);
@@ -55,9 +55,7 @@ impl Files {
                     open.push((entry.path(), depth + 1));
                 } else if kind.is_file() {
                     let list = files.by_name.entry(name.to_lowercase()).or_default();
-                    if !list.contains(&entry.path()) {
-                        list.push(entry.path());
-                    }
+                    list.push(entry.path());
                 }
             }
         }

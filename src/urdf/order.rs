@@ -55,13 +55,18 @@ pub(super) fn order(scope: &mut Scope, robot: &CheckedRobot) -> Option<Order> {
     };
     for (j, joint) in robot.joints.iter().enumerate() {
         scope.owner = joint.called();
+        let own = [&joint.parent, &joint.child];
+        let own = own.map(|reference| reference.as_ref().map(|reference| reference.name));
         let mut index = |reference: &Option<LinkReference>, what: &str| -> Option<usize> {
             let reference = reference.as_ref()?;
             let found = links.get(reference.name).copied();
             if found.is_none() && told {
                 let message = format!("{what} link '{}' does not exist", reference.name);
                 let known = robot.links.iter().filter(|link| link.own_name);
-                let help = did_you_mean(reference.name, known.map(|link| link.name));
+                let known = known.map(|link| link.name);
+                // Not the link on the joint's other side.
+                let known = known.filter(|name| !own.contains(&Some(name)));
+                let help = did_you_mean(reference.name, known);
                 scope.problem("U016", reference.at.clone(), &message, help);
             }
             found

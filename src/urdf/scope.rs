@@ -192,11 +192,21 @@ impl<'r, 'a> Scope<'r, 'a> {
             let help = "expand the file with the xacro command to use the environment";
             self.warning("U034", attribute.at.clone(), &message, help);
         }
-        for word in value.split_whitespace() {
+        let mut words = value.split_whitespace();
+        while let Some(word) = words.next() {
             match parse(word) {
                 Ok(number) => list.push(number),
                 Err(Unread { code, what, help }) => {
-                    let message = format!("<{}> {name}: '{word}' is {what}", node.name());
+                    let as_well = |word: &&str| parse(word).is_err_and(|other| other.what == what);
+                    let mut bad = vec![word];
+                    for other in words.filter(as_well) {
+                        if !bad.contains(&other) && bad.len() < MOST_WORDS {
+                            bad.push(other);
+                        }
+                    }
+                    let others = bad[1..].iter().map(|word| format!(", nor is '{word}'"));
+                    let others: String = others.collect();
+                    let message = format!("<{}> {name}: '{word}' is {what}{others}", node.name());
                     self.problem(code, attribute.at.clone(), &message, help);
                     return None;
                 }
@@ -343,6 +353,9 @@ fn without_optenv(value: &str) -> (Cow<'_, str>, bool) {
         None => (Cow::Borrowed(value), false),
     }
 }
+
+/// Words of an attribute that a finding names.
+const MOST_WORDS: usize = 5;
 
 /// Why a word is not taken as a number.
 #[derive(Debug, PartialEq)]

@@ -19,6 +19,7 @@ mod ranges;
 mod world;
 #[cfg(unix)]
 mod xacro;
+mod xacro_faults;
 
 use serde_json::Value;
 use std::collections::BTreeMap;

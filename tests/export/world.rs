@@ -291,3 +291,61 @@ fn a_pair_that_names_nothing_is_told_with_its_line() {
         run.err
     );
 }
+
+/// Names are looked up in what can be read, and not in the rest. Expected: the messages of the same
+/// faults in a world of which all can be read.
+#[test]
+fn of_a_world_with_a_file_that_cannot_be_read_the_other_names_are_checked() {
+    use super::people::{findings, of_severity, write};
+    let folder = tempfile::tempdir().unwrap();
+    let ball = |name: &str, radius: &str| {
+        format!(
+            "<robot name='{name}'><link name='shell'><inertial><mass value='1'/>\
+             <inertia ixx='1' ixy='0' ixz='0' iyy='1' iyz='0' izz='1'/></inertial>\
+             <collision><geometry><sphere radius='{radius}'/></geometry></collision></link></robot>"
+        )
+    };
+    let robot = write(folder.path(), "robot.urdf", ball("robot", "0.1"));
+    write(folder.path(), "table.urdf", ball("table", "0.1"));
+    let settings = |second: &str| {
+        let pair = |name: &str, second: &str| {
+            format!("[[outputs.pair]]\nname = '{name}'\nfirst = 'shell'\nsecond = '{second}'\n")
+        };
+        let object = |name: &str, x: f64| {
+            format!("[[world.object]]\nname = '{name}'\nurdf = '{name}.urdf'\nxyz = [{x}, 0, 1]\n")
+        };
+        let text = [
+            object("cup", 3.0),
+            object("table", 6.0),
+            pair("lost", "cup.handle"),
+            pair("any", "*.shell"),
+            pair("other", second),
+            format!("[[spring]]\nlinks = ['shell', '{second}']\nstiffness = 10\n"),
+        ];
+        write(folder.path(), "robot.toml", text.concat())
+    };
+    for (second, radius, expected) in [
+        ("table.shell", "0.1", &["cup.handle"][..]),
+        ("table.shell", "x", &["'x' is not a number"]),
+        // The misspelled name is told of the pair and of the spring.
+        (
+            "tabel.shell",
+            "x",
+            &["'x' is not a number", "tabel", "tabel"],
+        ),
+    ] {
+        write(folder.path(), "cup.urdf", ball("cup", radius));
+        let config = settings(second);
+        let (ok, list) = findings(&robot, &["--config", text(&config)]);
+        let told = of_severity(&list, "error");
+        let messages = told.iter().map(|f| f["message"].as_str().unwrap());
+        let messages: Vec<_> = messages.collect();
+        assert!(
+            !ok && messages.len() == expected.len(),
+            "{second} {radius}: {messages:?}"
+        );
+        for (message, part) in messages.iter().zip(expected) {
+            assert!(message.contains(part), "{part}: {messages:?}");
+        }
+    }
+}

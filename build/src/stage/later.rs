@@ -6,9 +6,10 @@
 //! taken for a fault: masses, shapes and limits may hang on what is wrong before.
 
 use super::Request;
-use crate::world;
+use crate::world::{self, Packages, Unread};
 use urdf2fmu_core::assemble::{self, Guest};
 use urdf2fmu_core::diagnostic::{Diagnostic, Severity};
+use urdf2fmu_core::pattern::Pattern;
 use urdf2fmu_core::settings::Settings;
 use urdf2fmu_core::urdf::{self, Description, ReadOptions};
 use urdf2fmu_core::variables;
@@ -67,11 +68,8 @@ pub(super) fn beside_robot(
     };
     let read = world::read(&request.urdf, &request.xacro_arguments, &options);
     let mut settings = settings.clone();
-    let around = world::surroundings(&mut settings, &request.packages);
-    let (guests, mut list) = match around {
-        Ok(around) => (around.guests, Vec::new()),
-        Err(findings) => (Vec::new(), findings.into_iter().filter(is_error).collect()),
-    };
+    let (guests, mut list) = around(&mut settings, &request.packages);
+    list.retain(is_error);
     let Ok((description, _)) = read else {
         return list;
     };
@@ -85,6 +83,45 @@ pub(super) fn beside_robot(
     let names = of(&description, &settings, &guests);
     list.extend(names.into_iter().filter(|name| !of_shapes(name)));
     list
+}
+
+/// What can be read of all that is around a robot, and what is wrong with the rest. The settings
+/// are then without what names that.
+pub(super) fn around(
+    settings: &mut Settings,
+    packages: &Packages,
+) -> (Vec<Guest>, Vec<Diagnostic>) {
+    match world::surroundings(settings, packages) {
+        Ok(around) => (around.guests, Vec::new()),
+        Err(unread) => {
+            *settings = known(settings, &unread);
+            (unread.guests, unread.findings)
+        }
+    }
+}
+
+/// Settings of what can be read of a world: without what names the rest, or may name it.
+pub(super) fn known(settings: &Settings, unread: &Unread) -> Settings {
+    let mut known = alone(settings);
+    known.robots.clear();
+    known.objects.clear();
+    let Some(lost) = &unread.lost else {
+        return known;
+    };
+    let sound = |name: &&Pattern| {
+        let first = name.text.split('.').next().unwrap_or_default();
+        !first.contains(['*', '?', '[']) && !lost.iter().any(|lost| lost == first)
+    };
+    let pairs = settings.pairs.iter();
+    let of_known = pairs.filter(|pair| pair.sides.iter().flatten().all(|name| sound(&name)));
+    known.pairs = of_known.cloned().collect();
+    let loops = settings.loops.iter();
+    let of_known = loops.filter(|closed| closed.kind.names().iter().all(sound));
+    known.loops = of_known.cloned().collect();
+    let springs = settings.springs.iter();
+    let of_known = springs.filter(|spring| spring.links.iter().all(|name| sound(&name)));
+    known.springs = of_known.cloned().collect();
+    known
 }
 
 fn is_error(finding: &Diagnostic) -> bool {

@@ -124,7 +124,12 @@ impl<'n> Evaluation<'n> {
         if let Some(value) = self.names.name(name)? {
             return Ok(value);
         }
-        functions::global(name).ok_or_else(|| format!("name '{name}' is not defined"))
+        functions::global(name).ok_or_else(|| self.unknown(name))
+    }
+
+    fn unknown(&mut self, name: &str) -> String {
+        self.names.unknown(name);
+        format!("name '{name}' is not defined")
     }
 
     fn each(&mut self, each: &Each) -> Result<Vec<Value>, String> {
@@ -161,7 +166,7 @@ impl<'n> Evaluation<'n> {
         match of {
             Value::Scope(scope) => {
                 let found = self.names.in_scope(*scope, name)?;
-                found.ok_or_else(|| format!("name '{name}' is not defined"))
+                found.ok_or_else(|| self.unknown(name))
             }
             Value::Module(module) => functions::of_module(module, name)
                 .ok_or_else(|| format!("name '{name}' is not defined in {module}")),

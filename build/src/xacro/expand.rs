@@ -2,6 +2,9 @@
 //!
 //! The operations and their order are those of the xacro program of ROS (2.1), which works on the
 //! document in place: the result of a node replaces it, and is not expanded again.
+//!
+//! What cannot be expanded is told and left out, and the expansion goes on, so that one run tells
+//! all that is wrong. What only follows from something that was told is not told.
 
 use super::files::matching;
 use super::macros::{Macro, Macros};
@@ -25,26 +28,39 @@ const MOST_ELEMENTS: usize = 1_000_000;
 /// The state of an expansion.
 pub struct Expansion<'f> {
     pub texts: Texts<'f>,
-    macros: Macros,
+    /// What is wrong, in the order in which it was met.
+    pub problems: Vec<Problem>,
+    /// Whether all elements are there and have their names, whatever is wrong.
+    pub whole: bool,
+    pub(super) macros: Macros,
     elements: usize,
-    depth: usize,
+    pub(super) depth: usize,
+    /// Whether something of the present element is left out.
+    pub(super) faulty: bool,
 }
 
 impl<'f> Expansion<'f> {
     pub fn new(arguments: BTreeMap<String, String>, find: &'f Find<'f>) -> Self {
         Self {
             texts: Texts::new(arguments, Sources::new(find)),
+            problems: Vec::new(),
+            whole: true,
             macros: Macros::new(),
             elements: 0,
             depth: 0,
+            faulty: false,
         }
     }
 
-    /// The expanded document.
-    pub fn document(&mut self, path: &Path) -> Done<Element> {
-        let root = self.texts.sources.root(path)?;
-        self.texts.sources.enter(path.to_owned())?;
-        self.element(&root, 0, 0)
+    /// The expanded document, without what cannot be expanded.
+    pub fn document(&mut self, path: &Path) -> Option<Element> {
+        let root = self.texts.sources.root(path);
+        let done = root.and_then(|(root, wrong)| {
+            self.misread(wrong)?;
+            self.texts.sources.enter(path.to_owned())?;
+            self.element(&root, 0, 0)
+        });
+        done.map_err(|problem| self.tell(problem)).ok()
     }
 
     /// Names of macros that the file defines.
@@ -52,7 +68,7 @@ impl<'f> Expansion<'f> {
         self.macros.names()
     }
 
-    fn problem(&self, message: impl Into<String>) -> Problem {
+    pub(super) fn problem(&self, message: impl Into<String>) -> Problem {
         self.texts.sources.problem(message)
     }
 
@@ -61,17 +77,23 @@ impl<'f> Expansion<'f> {
         self.texts.sources.at = element.at;
         self.elements += 1;
         if self.elements > MOST_ELEMENTS {
-            return Err(self.problem(format!("more than {MOST_ELEMENTS} elements")));
+            let problem = self.problem(format!("more than {MOST_ELEMENTS} elements"));
+            return Err(problem.that_ends());
         }
         self.depth += 1;
         if self.depth > DEEPEST {
-            return Err(self.problem("macros, files or elements are nested too deeply"));
+            let problem = self.problem("macros, files or elements are nested too deeply");
+            return Err(problem.that_ends());
         }
+        let around = std::mem::replace(&mut self.faulty, element.faulty);
         let mut attributes = Vec::with_capacity(element.attributes.len());
         for (name, value) in &element.attributes {
             if !name.starts_with("xacro:") && name != "xmlns:xacro" {
-                let value = self.texts.shown(value, scope)?;
-                attributes.push((name.clone(), value));
+                let value = self.attempt(|this| this.texts.shown(value, scope))?;
+                match value {
+                    Some(value) => attributes.push((name.clone(), value)),
+                    None => self.leave_out_attribute(name),
+                }
             }
         }
         let children = self.children(&element.children, macros, scope, &mut attributes)?;
@@ -81,10 +103,11 @@ impl<'f> Expansion<'f> {
             attributes,
             children,
             at: element.at,
+            faulty: std::mem::replace(&mut self.faulty, around),
         })
     }
 
-    fn children(
+    pub(super) fn children(
         &mut self,
         children: &[Node],
         macros: usize,
@@ -94,10 +117,17 @@ impl<'f> Expansion<'f> {
         let mut out = Vec::new();
         for child in children {
             match child {
-                Node::Text(text) => out.push(Node::Text(self.texts.shown(text, scope)?)),
+                Node::Text(text) => match self.attempt(|this| this.texts.shown(text, scope))? {
+                    Some(text) => out.push(Node::Text(text)),
+                    None => self.faulty = true,
+                },
                 Node::Element(child) => {
                     self.texts.sources.at = child.at;
-                    self.child(child, macros, scope, attributes, &mut out)?;
+                    let (around, out) = (&mut *attributes, &mut out);
+                    let found = self.attempt(|this| this.child(child, macros, scope, around, out));
+                    if found?.is_none() {
+                        self.leave_out(child);
+                    }
                 }
             }
         }
@@ -132,6 +162,7 @@ impl<'f> Expansion<'f> {
                     return self.child(&block, macros, scope, attributes, out);
                 }
                 let found = self.element(&block, macros, scope)?;
+                self.faulty |= found.faulty && !whole;
                 if whole {
                     out.push(Node::Element(Rc::new(found)));
                 } else {
@@ -141,14 +172,7 @@ impl<'f> Expansion<'f> {
             "include" => self.include(child, macros, scope, attributes, out)?,
             "property" => self.property(child, scope)?,
             "macro" => self.define(child, macros)?,
-            "arg" => {
-                let name = self.required(child, "name")?.to_owned();
-                let default = self.required(child, "default")?.to_owned();
-                if !self.texts.arguments.contains_key(&name) {
-                    let value = self.texts.shown(&default, scope)?;
-                    self.texts.arguments.insert(name, value);
-                }
-            }
+            "arg" => self.argument(child, scope)?,
             "element" => {
                 let name = self.required(child, "xacro:name")?.to_owned();
                 let name = self.texts.shown(&name, scope)?;
@@ -174,7 +198,9 @@ impl<'f> Expansion<'f> {
                 let condition = self.required(child, "value")?.to_owned();
                 let value = self.texts.value(&condition, scope)?;
                 if self.truth(&value, &condition)? == (name == "if") {
-                    out.extend(self.element(child, macros, scope)?.children);
+                    let found = self.element(child, macros, scope)?;
+                    self.faulty |= found.faulty;
+                    out.extend(found.children);
                 }
             }
             "call" => {
@@ -189,7 +215,7 @@ impl<'f> Expansion<'f> {
         Ok(())
     }
 
-    fn required<'e>(&self, element: &'e Element, name: &str) -> Done<&'e str> {
+    pub(super) fn required<'e>(&self, element: &'e Element, name: &str) -> Done<&'e str> {
         let found = element.attribute(name);
         found.ok_or_else(|| self.problem(format!("<{}> has no attribute '{name}'", element.name)))
     }
@@ -245,7 +271,7 @@ impl<'f> Expansion<'f> {
         };
         for path in files {
             let at = self.texts.sources.at;
-            let root = match self.texts.sources.root(&path) {
+            let (root, wrong) = match self.texts.sources.root(&path) {
                 Err(problem) if matches!(problem.lacking, Some(Lacking::File)) => {
                     if optional {
                         continue;
@@ -257,8 +283,10 @@ impl<'f> Expansion<'f> {
                 }
                 other => other?,
             };
+            self.misread(wrong)?;
             self.texts.sources.enter(path)?;
             let found = self.element(&root, macros, scope)?;
+            self.faulty |= found.faulty;
             self.texts.sources.leave();
             self.texts.sources.at = at;
             import_namespaces(attributes, &found);
@@ -317,7 +345,7 @@ impl<'f> Expansion<'f> {
                 Entry::Value(Value::Block(Rc::clone(element)))
             }
             Some(text) if lazy => lazily(text),
-            Some(text) => Entry::Value(self.texts.value(text, scope)?.of_literal()),
+            Some(text) => self.entry(text, scope)?,
         };
         self.texts.symbols.set(target, &name, entry);
         Ok(())
@@ -327,7 +355,7 @@ impl<'f> Expansion<'f> {
         let name = self.required(element, "name")?;
         let name = name.strip_prefix("xacro:").unwrap_or(name).to_owned();
         let parameters = parameters(element.attribute("params").unwrap_or_default());
-        let file = self.texts.sources.file();
+        let file = self.texts.sources.written();
         let found = Macro {
             body: Rc::clone(element),
             parameters,
@@ -350,7 +378,7 @@ impl<'f> Expansion<'f> {
             .macros
             .resolve(name, (macros, scope), &self.texts.symbols);
         let Some((found, own_macros, own_scope)) = found else {
-            return Err(self.problem(format!("there is no macro '{name}'")));
+            return Err(self.no_macro(name));
         };
         let inner = self.texts.symbols.below(own_scope, false);
         let inner_macros = self.macros.below(own_macros);
@@ -358,22 +386,14 @@ impl<'f> Expansion<'f> {
         let at = self.texts.sources.at;
         self.depth += 1;
         if self.depth > DEEPEST {
-            return Err(self.problem(format!("macro '{name}' calls itself without an end")));
+            let problem = self.problem(format!("macro '{name}' calls itself without an end"));
+            return Err(problem.that_ends());
         }
         // Places of problems are those of the macro; paths count from where it is called.
-        let file = self.texts.sources.file();
+        let around = self.texts.sources.body(Some(Rc::clone(&found.file)));
         let mut lifted = Vec::new();
-        let body = self.children(&found.body.children, inner_macros, inner, &mut lifted);
-        let body = body.map_err(|problem| {
-            if problem.file == file {
-                Problem {
-                    file: found.file.clone(),
-                    ..problem
-                }
-            } else {
-                problem
-            }
-        })?;
+        let body = self.children(&found.body.children, inner_macros, inner, &mut lifted)?;
+        self.texts.sources.body(around);
         self.depth -= 1;
         self.texts.sources.at = at;
         let shell = Element {
@@ -382,80 +402,6 @@ impl<'f> Expansion<'f> {
         };
         import_namespaces(attributes, &shell);
         out.extend(body);
-        Ok(())
-    }
-
-    /// Gives the parameters of a macro their values, in the scope `inner`.
-    fn bind(
-        &mut self,
-        (name, found): (&str, &Macro),
-        call: &Element,
-        (macros, scope): (usize, usize),
-        inner: usize,
-    ) -> Done<()> {
-        let mut given: Vec<&str> = Vec::new();
-        for (key, text) in &call.attributes {
-            if key == "xmlns:xacro" {
-                continue;
-            }
-            if !found
-                .parameters
-                .iter()
-                .any(|parameter| parameter.name == *key)
-            {
-                return Err(self.problem(format!("macro '{name}' has no parameter '{key}'")));
-            }
-            let value = self.texts.value(text, scope)?.of_literal();
-            self.texts.symbols.set(inner, key, Entry::Value(value));
-            given.push(key);
-        }
-        let mut ignored = Vec::new();
-        let inside = self.children(&call.children, macros, scope, &mut ignored)?;
-        let mut blocks = inside.iter().filter_map(|node| match node {
-            Node::Element(element) => Some(Rc::clone(element)),
-            Node::Text(_) => None,
-        });
-        for parameter in &found.parameters {
-            let key = &parameter.name;
-            if key.starts_with('*') {
-                let Some(block) = blocks.next() else {
-                    return Err(self.problem(format!("macro '{name}' needs a block for '{key}'")));
-                };
-                self.texts
-                    .symbols
-                    .set(inner, key, Entry::Value(Value::Block(block)));
-            }
-        }
-        if let Some(block) = blocks.next() {
-            let message = format!("macro '{name}' has no use for the block <{}>", block.name);
-            return Err(self.problem(message));
-        }
-        let mut lacking = Vec::new();
-        for parameter in &found.parameters {
-            let key = &parameter.name;
-            if key.starts_with('*') || given.contains(&key.as_str()) {
-                continue;
-            }
-            let forwarded = if parameter.forward {
-                self.texts.entry(scope, key)?
-            } else {
-                None
-            };
-            let value = match (forwarded, &parameter.default) {
-                (Some(value), _) => value,
-                (None, Some(default)) => self.texts.value(&default.clone(), scope)?,
-                (None, None) => {
-                    lacking.push(format!("'{key}'"));
-                    continue;
-                }
-            };
-            self.texts
-                .symbols
-                .set(inner, key, Entry::Value(value.of_literal()));
-        }
-        if !lacking.is_empty() {
-            return Err(self.problem(format!("macro '{name}' needs {}", lacking.join(", "))));
-        }
         Ok(())
     }
 }

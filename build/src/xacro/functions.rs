@@ -154,6 +154,8 @@ pub trait Names {
     fn in_scope(&mut self, _scope: usize, _name: &str) -> Result<Option<Value>, String> {
         Ok(None)
     }
+    /// Hears of a name that is nowhere defined.
+    fn unknown(&mut self, _name: &str) {}
     /// `xacro.load_yaml(name)`
     fn yaml(&mut self, _name: &str) -> Result<Value, String> {
         Err("files cannot be read here".to_owned())

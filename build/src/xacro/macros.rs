@@ -5,7 +5,7 @@ use super::symbols::{Entry, Symbols};
 use super::tree::Element;
 use super::value::Value;
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::path::Path;
 use std::rc::Rc;
 
 /// A macro.
@@ -14,7 +14,7 @@ pub struct Macro {
     pub body: Rc<Element>,
     pub parameters: Vec<Parameter>,
     /// Where it stands.
-    pub file: PathBuf,
+    pub file: Rc<Path>,
 }
 
 /// All scopes; 0 is the file's own.

@@ -7,10 +7,12 @@
 //!
 //! Findings of later stages give places in the expanded text.
 
+mod bind;
 mod command;
 mod evaluate;
 mod expand;
 mod files;
+mod findings;
 mod format;
 mod functions;
 mod includers;
@@ -19,6 +21,7 @@ mod numbers;
 mod parameter;
 mod parse;
 mod problem;
+mod recover;
 mod sources;
 mod symbols;
 mod texts;
@@ -29,11 +32,10 @@ mod yaml;
 pub use command::urdf_name;
 
 use expand::Expansion;
-use problem::{Lacking, Problem};
-use std::collections::BTreeSet;
+use problem::Lacking;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use texts::Texts;
-use urdf2fmu_core::diagnostic::{Diagnostic, Place, Severity};
+use urdf2fmu_core::diagnostic::{Diagnostic, Severity};
 use urdf2fmu_core::urdf::{self, ReadOptions};
 
 /// Largest file that is looked into for xacro code, bytes.
@@ -50,6 +52,30 @@ pub struct Expanded {
     pub packages: Vec<(String, PathBuf)>,
     /// Why it is no robot, where the file only defines macros for others.
     pub lone: Option<Box<Diagnostic>>,
+}
+
+/// Why a file in xacro cannot be expanded.
+#[derive(Debug)]
+pub struct Refused {
+    /// All that is wrong with it.
+    pub findings: Vec<Diagnostic>,
+    /// What can be expanded of it.
+    pub rest: Option<Rest>,
+}
+
+/// A URDF without what could not be expanded.
+#[derive(Debug)]
+pub struct Rest {
+    /// The URDF.
+    pub text: String,
+    /// Lines in which elements begin of which something is left out, and their names.
+    pub faulty: BTreeMap<usize, String>,
+    /// Whether all elements are there and have their names.
+    pub whole: bool,
+    /// Packages that the files name.
+    pub packages: Vec<(String, PathBuf)>,
+    /// That lines are those of the text.
+    pub note: Diagnostic,
 }
 
 /// Whether a file is to be expanded: by its name, or because it defines something in xacro.
@@ -98,12 +124,12 @@ fn defines(text: &str) -> bool {
 /// - `options`: where `$(find package)` looks
 ///
 /// # Errors
-/// One finding: what stops the expansion, and what helps.
+/// All that stands against the expansion, and what helps.
 pub fn expand(
     path: &Path,
     arguments: &[String],
     options: &ReadOptions,
-) -> Result<Expanded, Box<Diagnostic>> {
+) -> Result<Expanded, Box<Refused>> {
     let pairs = arguments
         .iter()
         .filter_map(|argument| argument.split_once(":="));
@@ -122,55 +148,64 @@ pub fn expand(
         help: None,
         place: None,
     };
-    let done = expansion.document(path);
+    let root = expansion.document(path);
     let sources = &expansion.texts.sources;
-    let packages = sources.packages.clone();
-    match done {
-        Ok(root) => {
-            let notes = vec![note(format!(
-                "expanded from xacro: lines are those of the expanded text, as of {shown}"
-            ))];
-            let names = expansion.macro_names();
-            let lone = root.elements().all(|element| element.name != "link") && !names.is_empty();
-            Ok(Expanded {
-                text: tree::write(&root),
-                notes,
-                packages: packages.into_iter().collect(),
-                lone: lone.then(|| Box::new(only_macros(path, &names))),
-            })
-        }
-        Err(problem) => {
-            let mut known = packages;
-            for name in sources
-                .read
-                .values()
-                .flat_map(|text| named(text, "$(find "))
-            {
-                if let Some(folder) = find(&name) {
-                    let folder = std::path::absolute(&folder).unwrap_or(folder);
-                    known.entry(name).or_insert(folder);
-                }
-            }
-            if !matches!(problem.lacking, Some(Lacking::Argument))
-                && let Some(text) = command::expand(path, arguments, &known)
-            {
-                return Ok(Expanded {
-                    text,
-                    notes: vec![note(format!(
-                        "expanded by the xacro command: lines are those of the expanded text, see {shown}"
-                    ))],
-                    packages: known.into_iter().collect(),
-                    lone: None,
-                });
-            }
-            Err(Box::new(finding(
-                path,
-                arguments,
-                &expansion.texts,
-                &problem,
-            )))
+    let mut packages = sources.packages.clone();
+    let problems = &expansion.problems;
+    if let (Some(root), []) = (&root, &problems[..]) {
+        let notes = vec![note(format!(
+            "expanded from xacro: lines are those of the expanded text, as of {shown}"
+        ))];
+        let names = expansion.macro_names();
+        let lone = root.elements().all(|element| element.name != "link") && !names.is_empty();
+        return Ok(Expanded {
+            text: tree::write(root),
+            notes,
+            packages: packages.into_iter().collect(),
+            lone: lone.then(|| Box::new(only_macros(path, &names))),
+        });
+    }
+    for name in sources
+        .read
+        .values()
+        .flat_map(|text| findings::named(text, "$(find "))
+    {
+        if let Some(folder) = find(&name) {
+            let folder = std::path::absolute(&folder).unwrap_or(folder);
+            packages.entry(name).or_insert(folder);
         }
     }
+    let of_argument =
+        |problem: &problem::Problem| matches!(problem.lacking, Some(Lacking::Argument(_)));
+    if !problems.iter().any(of_argument)
+        && let Some(text) = command::expand(path, arguments, &packages)
+    {
+        return Ok(Expanded {
+            text,
+            notes: vec![note(format!(
+                "expanded by the xacro command: lines are those of the expanded text, see {shown}"
+            ))],
+            packages: packages.into_iter().collect(),
+            lone: None,
+        });
+    }
+    Err(Box::new(Refused {
+        findings: findings::all(path, arguments, &expansion.texts, problems),
+        rest: root.map(|root| {
+            let (text, faulty) = tree::write_marked(&root);
+            Rest {
+                text,
+                faulty,
+                whole: expansion.whole,
+                packages: packages.into_iter().collect(),
+                note: note(
+                    "expanded from xacro as far as possible: lines of its elements are those of \
+                     the expanded text"
+                        .to_owned(),
+                ),
+            }
+        }),
+    }))
 }
 
 /// A file of macros is no robot: which files call them.
@@ -212,115 +247,6 @@ fn only_macros(path: &Path, names: &[String]) -> Diagnostic {
         help: Some(help),
         place: None,
     }
-}
-
-/// The words that follow `start` in a text, up to a bracket.
-fn named(text: &str, start: &str) -> BTreeSet<String> {
-    let parts = text.split(start).skip(1);
-    let words = parts.filter_map(|part| Some(part.split_once(')')?.0.trim().to_owned()));
-    let plain = |word: &String| {
-        word.chars()
-            .all(|c| c.is_alphanumeric() || "_-".contains(c))
-    };
-    words
-        .filter(|word| !word.is_empty() && plain(word))
-        .collect()
-}
-
-fn finding(path: &Path, arguments: &[String], texts: &Texts, problem: &Problem) -> Diagnostic {
-    let name = path.display();
-    let (message, help) = if let Some(Lacking::Argument) = problem.lacking {
-        // All that the files use and nobody gives.
-        let used = texts
-            .sources
-            .read
-            .values()
-            .flat_map(|text| named(text, "$(arg "));
-        let declared: BTreeSet<String> = texts
-            .sources
-            .read
-            .values()
-            .flat_map(|text| declared_arguments(text))
-            .collect();
-        let lacking: Vec<String> = used
-            .collect::<BTreeSet<_>>()
-            .into_iter()
-            .filter(|name| {
-                // A default that stands after the first use comes too late.
-                let first = problem.message.contains(&format!("'{name}'"));
-                first || !declared.contains(name) && !texts.arguments.contains_key(name)
-            })
-            .collect();
-        let listed: Vec<String> = lacking.iter().map(|name| format!("'{name}'")).collect();
-        let call: Vec<String> = lacking.iter().map(|name| format!("{name}:=…")).collect();
-        let before: String = arguments
-            .iter()
-            .flat_map(|argument| [" ", argument])
-            .collect();
-        let message = if lacking.len() > 1 {
-            format!(
-                "the arguments {} of {name} have no values",
-                listed.join(", ")
-            )
-        } else {
-            format!("{name}: {}", problem.message)
-        };
-        let help = format!(
-            "give them after the file: {name}{before} {}",
-            call.join(" ")
-        );
-        (message, help)
-    } else if let Some(Lacking::Package(package)) = &problem.lacking {
-        (
-            format!("{name} cannot be expanded: {}", problem.message),
-            format!(
-                "pass --package {package}=DIR, or --package-path DIR where DIR holds the folder '{package}'"
-            ),
-        )
-    } else {
-        let help = match problem.lacking {
-            // No other program finds it either.
-            Some(Lacking::File) => {
-                "put the file there, or correct the path; a relative one counts from the folder \
-                 of the file that is read"
-                    .to_owned()
-            }
-            _ => command::advice(path, arguments),
-        };
-        (
-            format!("{name} cannot be expanded: {}", problem.message),
-            help,
-        )
-    };
-    let text = texts.sources.read.get(&problem.file);
-    Diagnostic {
-        severity: Severity::Error,
-        code: "U006",
-        message,
-        help: Some(help),
-        place: text.map(|text| {
-            let end = text[problem.at.min(text.len())..].find('>');
-            let end = end.map_or(problem.at + 1, |end| problem.at + end + 1);
-            Place::in_text(&problem.file.display().to_string(), text, problem.at..end)
-        }),
-    }
-}
-
-/// Names of `<xacro:arg name="…">`.
-fn declared_arguments(text: &str) -> BTreeSet<String> {
-    let tags = text.split("<xacro:arg").skip(1);
-    let names = tags.filter_map(|tag| {
-        let tag = tag.split('>').next()?;
-        let value = tag
-            .split_once("name")?
-            .1
-            .trim_start()
-            .strip_prefix('=')?
-            .trim_start();
-        let quote = value.chars().next()?;
-        Some(value[1..].split(quote).next()?.to_owned())
-    });
-    names.collect()
 }
 
 #[cfg(test)]

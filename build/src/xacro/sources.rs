@@ -1,6 +1,6 @@
 //! Files that an expansion reads, and the place in them where it is.
 
-use super::problem::{Done, Lacking, Problem};
+use super::problem::{Done, Lacking, Problem, Weight};
 use super::tree::{self, Element};
 use std::collections::BTreeMap;
 use std::io::Read as _;
@@ -20,13 +20,27 @@ pub type Find<'f> = dyn Fn(&str) -> Option<PathBuf> + 'f;
 pub struct Sources<'f> {
     find: &'f Find<'f>,
     /// The file that is read, and those that include it.
-    open: Vec<PathBuf>,
+    open: Vec<Open>,
     /// Where the element starts that is expanded, bytes.
     pub at: usize,
     /// Every file read, with its text.
     pub read: BTreeMap<PathBuf, Rc<str>>,
     /// Packages that were found.
     pub packages: BTreeMap<String, PathBuf>,
+}
+
+/// A file that is read.
+struct Open {
+    path: Rc<Path>,
+    /// The file of the macro that is expanded in it.
+    body: Option<Rc<Path>>,
+}
+
+/// Where the expansion is, to go back there.
+pub struct Place {
+    files: usize,
+    body: Option<Rc<Path>>,
+    at: usize,
 }
 
 impl<'f> Sources<'f> {
@@ -40,36 +54,81 @@ impl<'f> Sources<'f> {
         }
     }
 
-    /// The file that is read.
-    pub fn file(&self) -> PathBuf {
-        self.open.last().cloned().unwrap_or_default()
+    /// The file in which the element stands that is expanded: that of a macro, while paths count
+    /// from where it is called.
+    pub fn written(&self) -> Rc<Path> {
+        self.open.last().map_or_else(
+            || Path::new("").into(),
+            |open| Rc::clone(open.body.as_ref().unwrap_or(&open.path)),
+        )
+    }
+
+    /// Goes on in the file of a macro, or back; returns what was there before.
+    pub fn body(&mut self, file: Option<Rc<Path>>) -> Option<Rc<Path>> {
+        let open = self.open.last_mut()?;
+        std::mem::replace(&mut open.body, file)
+    }
+
+    /// Where the expansion is.
+    pub fn place(&self) -> Place {
+        Place {
+            files: self.open.len(),
+            body: self.open.last().and_then(|open| open.body.clone()),
+            at: self.at,
+        }
+    }
+
+    /// Goes back to where the expansion was.
+    pub fn go_back(&mut self, place: Place) {
+        self.open.truncate(place.files);
+        self.body(place.body);
+        self.at = place.at;
+    }
+
+    /// A problem that follows from one that was told.
+    pub fn follows(&self) -> Problem {
+        let weight = Weight::Follows;
+        Problem {
+            weight,
+            ..self.problem("")
+        }
     }
 
     /// A problem at the present place.
     pub fn problem(&self, message: impl Into<String>) -> Problem {
         Problem {
             message: message.into(),
-            file: self.file(),
+            file: self.written().to_path_buf(),
             at: self.at,
             lacking: None,
+            weight: Weight::Own,
         }
     }
 
-    /// The root element of a file.
-    pub fn root(&mut self, path: &Path) -> Done<Element> {
+    /// The root element of a file, and what is wrong with its text.
+    pub fn root(&mut self, path: &Path) -> Done<(Element, Vec<Problem>)> {
         let text = self.text(path)?;
-        tree::parse(&text).map_err(|(message, at)| Problem {
+        let (root, wrong) = tree::parse(&text);
+        let problem = |wrong: tree::Wrong| Problem {
             file: path.to_owned(),
-            at,
-            ..self.problem(message)
-        })
+            at: wrong.at,
+            lacking: wrong.of_tags.then_some(Lacking::Tag),
+            ..self.problem(wrong.message)
+        };
+        let mut wrong = wrong.into_iter().map(problem);
+        match root {
+            Some(root) => Ok((root, wrong.collect())),
+            None => Err(wrong.next().unwrap_or_else(|| self.problem("not XML"))),
+        }
     }
 
     /// Begins with a file.
     pub fn enter(&mut self, path: PathBuf) -> Done<()> {
-        self.open.push(path);
+        let path = path.into();
+        self.open.push(Open { path, body: None });
         if self.open.len() > DEEPEST {
-            return Err(self.problem("files include each other in a circle"));
+            let problem = self.problem("files include each other in a circle");
+            return Err(problem.that_ends());
         }
         Ok(())
     }
@@ -111,7 +170,7 @@ impl<'f> Sources<'f> {
 
     /// A path that counts from the folder of the file that is read.
     pub fn beside(&self, name: &str) -> PathBuf {
-        let folder = self.open.last().and_then(|file| file.parent());
+        let folder = self.open.last().and_then(|open| open.path.parent());
         folder.map_or_else(|| PathBuf::from(name), |folder| folder.join(name))
     }
 

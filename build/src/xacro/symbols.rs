@@ -27,6 +27,8 @@ pub enum Entry {
     Text(String),
     /// A text that is being evaluated.
     Open,
+    /// What it is cannot be known, and why was told.
+    Failed,
 }
 
 impl Symbols {

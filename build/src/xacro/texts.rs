@@ -8,7 +8,7 @@ use super::sources::Sources;
 use super::symbols::{Entry, Symbols};
 use super::value::{Value, number_of};
 use super::yaml;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Texts longer than this, in bytes, are not made: a few properties that double each other fill
 /// every memory.
@@ -22,6 +22,10 @@ pub struct Texts<'f> {
     pub arguments: BTreeMap<String, String>,
     pub symbols: Symbols,
     pub sources: Sources<'f>,
+    /// Whether what defines things could not be read, so that what is not defined may be in it.
+    pub blind: bool,
+    /// Arguments whose default cannot be known.
+    pub lost: BTreeSet<String>,
     /// Properties that are being evaluated.
     open: usize,
 }
@@ -41,6 +45,8 @@ impl<'f> Texts<'f> {
             arguments,
             symbols: Symbols::new(),
             sources,
+            blind: false,
+            lost: BTreeSet::new(),
             open: 0,
         }
     }
@@ -55,17 +61,20 @@ impl<'f> Texts<'f> {
             Entry::Open => Err(self
                 .sources
                 .problem(format!("the property '{name}' needs itself"))),
+            Entry::Failed => Err(self.sources.follows()),
             Entry::Text(text) => {
                 self.open += 1;
                 if self.open > DEEPEST {
                     let message = format!("more than {DEEPEST} properties need each other");
-                    return Err(self.sources.problem(message));
+                    return Err(self.sources.problem(message).that_ends());
                 }
                 self.symbols.set(owner, name, Entry::Open);
-                let value = self.value(&text, owner)?.of_literal();
+                let value = self.value(&text, owner).map(Value::of_literal);
                 self.open -= 1;
-                self.symbols.set(owner, name, Entry::Value(value.clone()));
-                Ok(Some(value))
+                let entry = value.as_ref().ok().cloned();
+                let entry = entry.map_or(Entry::Failed, Entry::Value);
+                self.symbols.set(owner, name, entry);
+                value.map(Some)
             }
         }
     }
@@ -77,7 +86,7 @@ impl<'f> Texts<'f> {
 
     fn too_large(&self) -> Problem {
         let message = format!("a value has more than {LONGEST} bytes or {DEEPEST} levels");
-        self.sources.problem(message)
+        self.sources.problem(message).that_ends()
     }
 
     /// A text with its expressions evaluated: their own value where there is nothing else.
@@ -128,13 +137,14 @@ impl<'f> Texts<'f> {
     }
 
     fn expression(&mut self, text: &str, scope: usize, meaning: Meaning) -> Done<Value> {
-        let mut failed = None;
+        let (mut failed, mut unknown) = (None, None);
         let value = parse::expression(text).and_then(|parsed| {
             let mut names = Scoped {
                 texts: &mut *self,
                 scope,
                 meaning,
                 failed: &mut failed,
+                unknown: &mut unknown,
             };
             Evaluation::new(&mut names).value(&parsed)
         });
@@ -142,11 +152,17 @@ impl<'f> Texts<'f> {
             return Err(problem);
         }
         let value = value.map_err(|error| {
+            if self.blind && unknown.is_some() {
+                return self.sources.follows();
+            }
             let shown = match meaning {
                 Meaning::Property => format!("${{{text}}}"),
                 Meaning::Argument => format!("$(eval {text})"),
             };
-            self.sources.problem(format!("{error}, in {shown}"))
+            Problem {
+                lacking: unknown.map(Lacking::Property),
+                ..self.sources.problem(format!("{error}, in {shown}"))
+            }
         })?;
         if !value.fits(&mut LONGEST.clone(), DEEPEST) {
             return Err(self.too_large());
@@ -164,8 +180,11 @@ impl<'f> Texts<'f> {
         match words[..] {
             ["arg", name] => {
                 let known = self.arguments.get(name).cloned();
+                if self.blind || self.lost.contains(name) {
+                    return known.ok_or_else(|| self.sources.follows());
+                }
                 known.ok_or_else(|| Problem {
-                    lacking: Some(Lacking::Argument),
+                    lacking: Some(Lacking::Argument(name.to_owned())),
                     ..self
                         .sources
                         .problem(format!("the argument '{name}' has no value"))
@@ -198,6 +217,8 @@ struct Scoped<'a, 'f> {
     meaning: Meaning,
     /// The problem behind an error, which knows its place.
     failed: &'a mut Option<Problem>,
+    /// A name that is not defined.
+    unknown: &'a mut Option<String>,
 }
 
 impl Scoped<'_, '_> {
@@ -214,6 +235,10 @@ impl Names for Scoped<'_, '_> {
     fn name(&mut self, name: &str) -> Result<Option<Value>, String> {
         match self.meaning {
             Meaning::Property => self.in_scope(self.scope, name),
+            Meaning::Argument if self.texts.lost.contains(name) => {
+                let lost = Err(self.texts.sources.follows());
+                self.told(lost)
+            }
             Meaning::Argument => Ok(match name {
                 "true" => Some(Value::Bool(true)),
                 "false" => Some(Value::Bool(false)),
@@ -226,6 +251,10 @@ impl Names for Scoped<'_, '_> {
     fn in_scope(&mut self, scope: usize, name: &str) -> Result<Option<Value>, String> {
         let found = self.texts.entry(scope, name);
         self.told(found)
+    }
+
+    fn unknown(&mut self, name: &str) {
+        *self.unknown = Some(name.to_owned());
     }
 
     fn yaml(&mut self, name: &str) -> Result<Value, String> {

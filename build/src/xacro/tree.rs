@@ -3,6 +3,7 @@
 use quick_xml::Reader;
 use quick_xml::escape;
 use quick_xml::events::{BytesStart, Event};
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::rc::Rc;
 
@@ -29,6 +30,8 @@ pub struct Element {
     pub children: Vec<Node>,
     /// Where its tag starts in its file, bytes.
     pub at: usize,
+    /// Whether something of it could not be expanded and is left out.
+    pub faulty: bool,
 }
 
 impl Element {
@@ -55,36 +58,81 @@ pub fn set(attributes: &mut Vec<(String, String)>, name: &str, value: String) {
     }
 }
 
-/// The root element of a text; else what is wrong with it, and where.
-pub fn parse(text: &str) -> Result<Element, (String, usize)> {
+/// What is wrong with a text.
+#[derive(Debug)]
+pub struct Wrong {
+    pub message: String,
+    /// Where, bytes.
+    pub at: usize,
+    /// Whether a tag is missing, so that elements may be in others than was meant.
+    pub of_tags: bool,
+}
+
+impl Wrong {
+    fn new(message: String, at: usize) -> Self {
+        let of_tags = false;
+        Self {
+            message,
+            at,
+            of_tags,
+        }
+    }
+
+    fn of_tags(message: String, at: usize) -> Self {
+        let of_tags = true;
+        Self {
+            message,
+            at,
+            of_tags,
+        }
+    }
+}
+
+/// The root element of a text, and what is wrong with it. What is no XML is read as it may be
+/// meant: a tag that is not closed ends with the one around it, an attribute without quotes ends at
+/// the next space.
+pub fn parse(text: &str) -> (Option<Element>, Vec<Wrong>) {
     let mut reader = Reader::from_str(text);
-    reader.config_mut().check_end_names = true;
+    reader.config_mut().check_end_names = false;
+    reader.config_mut().allow_unmatched_ends = true;
     let mut open: Vec<Element> = Vec::new();
-    let mut root = None;
+    let (mut root, mut wrong, mut broken) = (None, Vec::new(), false);
     loop {
         let before = usize::try_from(reader.buffer_position()).unwrap_or(0);
-        let event = reader.read_event().map_err(|error| {
-            let at = usize::try_from(reader.error_position()).unwrap_or(0);
-            (format!("not XML: {error}"), at)
-        })?;
+        let event = match reader.read_event() {
+            Ok(event) => event,
+            Err(error) => {
+                let at = usize::try_from(reader.error_position()).unwrap_or(0);
+                wrong.push(Wrong::of_tags(format!("not XML: {error}"), at));
+                broken = true;
+                break;
+            }
+        };
         match event {
             Event::Start(tag) => {
                 if open.len() >= DEEPEST {
-                    return Err((
-                        format!("more than {DEEPEST} elements in each other"),
-                        before,
-                    ));
+                    let message = format!("more than {DEEPEST} elements in each other");
+                    wrong.push(Wrong::new(message, before));
+                    return (None, wrong);
                 }
-                open.push(element(&tag, before).map_err(|what| (what, before))?);
+                open.push(element(&tag, before, &mut wrong));
             }
             Event::Empty(tag) => {
-                let whole = element(&tag, before).map_err(|what| (what, before))?;
+                let whole = element(&tag, before, &mut wrong);
                 close(whole, &mut open, &mut root);
             }
-            Event::End(_) => {
-                if let Some(whole) = open.pop() {
-                    close(whole, &mut open, &mut root);
-                }
+            Event::End(tag) => {
+                let name = tag.name();
+                let name: &str = name.as_ref();
+                let Some(place) = open.iter().rposition(|element| element.name == name) else {
+                    wrong.push(Wrong {
+                        message: format!("not XML: </{name}> ends nothing"),
+                        at: before,
+                        of_tags: holds_names(name),
+                    });
+                    continue;
+                };
+                end(place, &mut open, &mut root, &mut wrong);
             }
             Event::Text(part) => {
                 let part = part.to_string();
@@ -96,22 +144,48 @@ pub fn parse(text: &str) -> Result<Element, (String, usize)> {
             }
             Event::GeneralRef(name) => {
                 let name = name.to_string();
-                let text = escape::unescape(&format!("&{name};"))
-                    .map(std::borrow::Cow::into_owned)
-                    .map_err(|error| (format!("not XML: {error}"), before))?;
-                add_text(&mut open, &text);
+                match escape::unescape(&format!("&{name};")) {
+                    Ok(text) => add_text(&mut open, &text),
+                    Err(error) => wrong.push(Wrong::new(format!("not XML: {error}"), before)),
+                }
             }
             Event::Eof => break,
             Event::Comment(_) | Event::Decl(_) | Event::PI(_) | Event::DocType(_) => {}
         }
     }
-    if let Some(unclosed) = open.last() {
-        return Err((
-            format!("not XML: <{}> is never closed", unclosed.name),
-            unclosed.at,
-        ));
+    if let Some(outermost) = open.first() {
+        let message = format!("not XML: <{}> is never closed", outermost.name);
+        let mut unclosed = vec![Wrong::of_tags(message, outermost.at)];
+        end(0, &mut open, &mut root, &mut unclosed);
+        if !broken {
+            wrong.extend(unclosed);
+        }
     }
-    root.ok_or_else(|| ("not XML: there is no element".to_owned(), 0))
+    if root.is_none() && wrong.is_empty() {
+        wrong.push(Wrong::new("not XML: there is no element".to_owned(), 0));
+    }
+    (root, wrong)
+}
+
+/// Whether links, joints or what defines them may be in such an element.
+fn holds_names(name: &str) -> bool {
+    ["robot", "link", "joint"].contains(&name) || name.starts_with("xacro:")
+}
+
+/// Closes the element at `place` with all in it, which are not closed.
+fn end(place: usize, open: &mut Vec<Element>, root: &mut Option<Element>, wrong: &mut Vec<Wrong>) {
+    for unclosed in &open[place + 1..] {
+        wrong.push(Wrong {
+            message: format!("not XML: <{}> is never closed", unclosed.name),
+            at: unclosed.at,
+            of_tags: holds_names(&unclosed.name),
+        });
+    }
+    while open.len() > place {
+        if let Some(whole) = open.pop() {
+            close(whole, open, root);
+        }
+    }
 }
 
 fn add_text(open: &mut [Element], text: &str) {
@@ -134,35 +208,65 @@ fn close(whole: Element, open: &mut [Element], root: &mut Option<Element>) {
     }
 }
 
-fn element(tag: &BytesStart, at: usize) -> Result<Element, String> {
+/// An element with its attributes, those that are no XML as they may be meant.
+fn element(tag: &BytesStart, at: usize, wrong: &mut Vec<Wrong>) -> Element {
     let name = tag.name().as_ref().to_owned();
-    let mut attributes = Vec::new();
-    for attribute in tag.attributes() {
-        let attribute = attribute.map_err(|error| format!("not XML: <{name}>: {error}"))?;
-        let key = attribute.key.as_ref().to_owned();
-        let value = attribute.value.as_ref().to_owned();
-        let value = escape::unescape(&value)
-            .map_err(|error| format!("not XML: <{name}> {key}: {error}"))?;
+    let mut attributes: Vec<(String, String)> = Vec::new();
+    let before = wrong.len();
+    let mut strict = tag.attributes();
+    if let Some(error) = strict.find_map(Result::err) {
+        wrong.push(Wrong::new(format!("not XML: <{name}>: {error}"), at));
+    }
+    for attribute in tag.html_attributes().with_checks(false).flatten() {
+        let key: &str = attribute.key.as_ref();
+        let value: &str = attribute.value.as_ref();
+        let value = match escape::unescape(value) {
+            Ok(value) => value.into_owned(),
+            Err(error) => {
+                let message = format!("not XML: <{name}> {key}: {error}");
+                wrong.push(Wrong::new(message, at));
+                value.to_owned()
+            }
+        };
         // As XML wants it: white space in attributes is a space.
         let value = value.replace(['\n', '\t', '\r'], " ");
-        attributes.push((key, value));
+        // Of two the first counts.
+        if !attributes.iter().any(|(own, _)| own == key) {
+            attributes.push((key.to_owned(), value));
+        }
     }
-    Ok(Element {
+    Element {
         name,
         attributes,
         children: Vec::new(),
         at,
-    })
+        faulty: wrong.len() > before,
+    }
 }
 
 /// The text of a document, two spaces for each level, attributes sorted as the xacro command does.
 pub fn write(root: &Element) -> String {
-    let mut out = String::from("<?xml version=\"1.0\" ?>\n<!-- expanded from xacro -->\n");
-    write_element(root, 0, &mut out);
-    out
+    write_marked(root).0
 }
 
-fn write_element(element: &Element, depth: usize, out: &mut String) {
+/// The text of a document, and the lines in which elements begin that are not whole, with their
+/// names.
+pub fn write_marked(root: &Element) -> (String, BTreeMap<usize, String>) {
+    let mut out = String::from("<?xml version=\"1.0\" ?>\n<!-- expanded from xacro -->\n");
+    let mut faulty = BTreeMap::new();
+    write_element(root, 0, &mut out, &mut faulty);
+    (out, faulty)
+}
+
+fn write_element(
+    element: &Element,
+    depth: usize,
+    out: &mut String,
+    faulty: &mut BTreeMap<usize, String>,
+) {
+    if element.faulty {
+        faulty.insert(out.split('\n').count(), element.name.clone());
+    }
     let indent = "  ".repeat(depth);
     out.push_str(&indent);
     out.push('<');
@@ -193,7 +297,7 @@ fn write_element(element: &Element, depth: usize, out: &mut String) {
             out.push_str(">\n");
             for child in children {
                 match child {
-                    Node::Element(child) => write_element(child, depth + 1, out),
+                    Node::Element(child) => write_element(child, depth + 1, out, faulty),
                     Node::Text(text) => {
                         out.push_str(&"  ".repeat(depth + 1));
                         out.push_str(&escape::escape(text.trim()));

@@ -1,0 +1,107 @@
+//! The parameters of a macro that is called.
+
+use super::expand::Expansion;
+use super::macros::Macro;
+use super::problem::Done;
+use super::symbols::Entry;
+use super::tree::{Element, Node};
+use super::value::Value;
+use std::rc::Rc;
+
+impl Expansion<'_> {
+    /// Gives the parameters of a macro their values, in the scope `inner`.
+    pub(super) fn bind(
+        &mut self,
+        (name, found): (&str, &Macro),
+        call: &Element,
+        (macros, scope): (usize, usize),
+        inner: usize,
+    ) -> Done<()> {
+        let (mut given, mut unknown): (Vec<&str>, Vec<String>) = (Vec::new(), Vec::new());
+        for (key, text) in &call.attributes {
+            if key == "xmlns:xacro" {
+                continue;
+            }
+            if !found
+                .parameters
+                .iter()
+                .any(|parameter| parameter.name == *key)
+            {
+                unknown.push(format!("'{key}'"));
+                continue;
+            }
+            let entry = self.entry(text, scope)?;
+            self.texts.symbols.set(inner, key, entry);
+            given.push(key);
+        }
+        let mut ignored = Vec::new();
+        let (around, at) = (std::mem::take(&mut self.faulty), self.texts.sources.at);
+        let inside = self.children(&call.children, macros, scope, &mut ignored)?;
+        let lost = std::mem::replace(&mut self.faulty, around);
+        self.texts.sources.at = at;
+        let mut blocks = inside.iter().filter_map(|node| match node {
+            Node::Element(element) => Some(Rc::clone(element)),
+            Node::Text(_) => None,
+        });
+        for parameter in &found.parameters {
+            let key = &parameter.name;
+            if key.starts_with('*') {
+                let entry = if let Some(block) = blocks.next() {
+                    Entry::Value(Value::Block(block))
+                } else {
+                    // The block may be what could not be expanded.
+                    if !lost {
+                        let message = format!("macro '{name}' needs a block for '{key}'");
+                        self.pass(self.problem(message))?;
+                    }
+                    Entry::Failed
+                };
+                self.texts.symbols.set(inner, key, entry);
+            }
+        }
+        if let Some(block) = blocks.next() {
+            let message = format!("macro '{name}' has no use for the block <{}>", block.name);
+            self.pass(self.problem(message))?;
+        }
+        let mut lacking = Vec::new();
+        for parameter in &found.parameters {
+            let key = &parameter.name;
+            if key.starts_with('*') || given.contains(&key.as_str()) {
+                continue;
+            }
+            let value = self.attempt(|this| {
+                let forwarded = if parameter.forward {
+                    this.texts.entry(scope, key)?
+                } else {
+                    None
+                };
+                match (forwarded, &parameter.default) {
+                    (Some(value), _) => Ok(Some(value)),
+                    (None, Some(default)) => this.texts.value(default, scope).map(Some),
+                    (None, None) => Ok(None),
+                }
+            })?;
+            let entry = match value {
+                Some(Some(value)) => Entry::Value(value.of_literal()),
+                Some(None) => {
+                    lacking.push(format!("'{key}'"));
+                    Entry::Failed
+                }
+                None => Entry::Failed,
+            };
+            self.texts.symbols.set(inner, key, entry);
+        }
+        // A name that is wrong makes both.
+        let mut wrong = Vec::new();
+        if !unknown.is_empty() {
+            wrong.push(format!("has no parameter {}", unknown.join(", ")));
+        }
+        if !lacking.is_empty() {
+            wrong.push(format!("needs {}", lacking.join(", ")));
+        }
+        if wrong.is_empty() {
+            return Ok(());
+        }
+        self.pass(self.problem(format!("macro '{name}' {}", wrong.join(" and "))))
+    }
+}

@@ -1,0 +1,154 @@
+//! What is told of a file in xacro that cannot be expanded.
+
+use super::command;
+use super::problem::{Lacking, Problem};
+use super::texts::Texts;
+use std::collections::BTreeSet;
+use std::path::Path;
+use urdf2fmu_core::diagnostic::{Diagnostic, Place, Severity};
+
+/// The words that follow `start` in a text, up to a bracket.
+pub(super) fn named(text: &str, start: &str) -> BTreeSet<String> {
+    let parts = text.split(start).skip(1);
+    let words = parts.filter_map(|part| Some(part.split_once(')')?.0.trim().to_owned()));
+    let plain = |word: &String| {
+        word.chars()
+            .all(|c| c.is_alphanumeric() || "_-".contains(c))
+    };
+    words
+        .filter(|word| !word.is_empty() && plain(word))
+        .collect()
+}
+
+/// A finding for each problem, and one for all arguments together.
+pub(super) fn all(
+    path: &Path,
+    arguments: &[String],
+    texts: &Texts,
+    problems: &[Problem],
+) -> Vec<Diagnostic> {
+    let absent = |problem: &Problem| match &problem.lacking {
+        Some(Lacking::Argument(name)) => Some(name.clone()),
+        _ => None,
+    };
+    let absent: Vec<String> = problems.iter().filter_map(absent).collect();
+    let (mut list, mut advised) = (Vec::new(), false);
+    let mut of_arguments = 0;
+    for problem in problems {
+        if let Some(Lacking::Argument(_)) = problem.lacking {
+            of_arguments += 1;
+            if of_arguments > 1 {
+                continue;
+            }
+        }
+        let mut finding = finding(path, arguments, texts, (problem, &absent));
+        // The other program is named once.
+        if finding.help.as_deref() == Some(&command::advice(path, arguments)) {
+            finding.help = finding.help.filter(|_| !advised);
+            advised = true;
+        }
+        list.push(finding);
+    }
+    list
+}
+
+fn finding(
+    path: &Path,
+    arguments: &[String],
+    texts: &Texts,
+    (problem, absent): (&Problem, &[String]),
+) -> Diagnostic {
+    let name = path.display();
+    let (message, help) = if let Some(Lacking::Argument(_)) = problem.lacking {
+        // All that the files use and nobody gives.
+        let used = texts
+            .sources
+            .read
+            .values()
+            .flat_map(|text| named(text, "$(arg "));
+        let declared: BTreeSet<String> = texts
+            .sources
+            .read
+            .values()
+            .flat_map(|text| declared_arguments(text))
+            .collect();
+        let lacking: Vec<String> = used
+            .collect::<BTreeSet<_>>()
+            .into_iter()
+            .filter(|name| {
+                // A default that stands after the first use comes too late.
+                absent.contains(name)
+                    || !declared.contains(name) && !texts.arguments.contains_key(name)
+            })
+            .collect();
+        let listed: Vec<String> = lacking.iter().map(|name| format!("'{name}'")).collect();
+        let call: Vec<String> = lacking.iter().map(|name| format!("{name}:=…")).collect();
+        let before: String = arguments
+            .iter()
+            .flat_map(|argument| [" ", argument])
+            .collect();
+        let message = if lacking.len() > 1 {
+            format!(
+                "the arguments {} of {name} have no values",
+                listed.join(", ")
+            )
+        } else {
+            format!("{name}: {}", problem.message)
+        };
+        let help = format!(
+            "give them after the file: {name}{before} {}",
+            call.join(" ")
+        );
+        (message, help)
+    } else if let Some(Lacking::Package(package)) = &problem.lacking {
+        (
+            format!("{name} cannot be expanded: {}", problem.message),
+            format!(
+                "pass --package {package}=DIR, or --package-path DIR where DIR holds the folder '{package}'"
+            ),
+        )
+    } else {
+        let help = match problem.lacking {
+            // No other program finds it either.
+            Some(Lacking::File) => {
+                "put the file there, or correct the path; a relative one counts from the folder \
+                 of the file that is read"
+                    .to_owned()
+            }
+            _ => command::advice(path, arguments),
+        };
+        (
+            format!("{name} cannot be expanded: {}", problem.message),
+            help,
+        )
+    };
+    let text = texts.sources.read.get(&problem.file);
+    Diagnostic {
+        severity: Severity::Error,
+        code: "U006",
+        message,
+        help: Some(help),
+        place: text.map(|text| {
+            let end = text[problem.at.min(text.len())..].find('>');
+            let end = end.map_or(problem.at + 1, |end| problem.at + end + 1);
+            Place::in_text(&problem.file.display().to_string(), text, problem.at..end)
+        }),
+    }
+}
+
+/// Names of `<xacro:arg name="…">`.
+fn declared_arguments(text: &str) -> BTreeSet<String> {
+    let tags = text.split("<xacro:arg").skip(1);
+    let names = tags.filter_map(|tag| {
+        let tag = tag.split('>').next()?;
+        let value = tag
+            .split_once("name")?
+            .1
+            .trim_start()
+            .strip_prefix('=')?
+            .trim_start();
+        let quote = value.chars().next()?;
+        Some(value[1..].split(quote).next()?.to_owned())
+    });
+    names.collect()
+}

@@ -1,0 +1,126 @@
+//! What becomes of an expansion after something that cannot be expanded.
+
+use super::expand::Expansion;
+use super::problem::{Done, Lacking, Problem, Weight};
+use super::symbols::Entry;
+use super::tree::Element;
+
+/// Problems that are told of one document.
+const MOST_PROBLEMS: usize = 100;
+
+/// Attributes by which elements refer to each other.
+const NAMES: [&str; 4] = ["name", "link", "joint", "type"];
+
+impl Expansion<'_> {
+    /// Tells a problem, unless it follows from another one or is the same again.
+    pub(super) fn tell(&mut self, problem: Problem) {
+        let told = matches!(problem.weight, Weight::Own | Weight::Ends);
+        if told && !self.problems.iter().any(|known| known.is_as(&problem)) {
+            self.problems.push(problem);
+        }
+    }
+
+    /// The result of a part of the expansion; none after a problem, which is told.
+    ///
+    /// # Errors
+    /// What ends the expansion.
+    pub(super) fn attempt<T>(
+        &mut self,
+        part: impl FnOnce(&mut Self) -> Done<T>,
+    ) -> Done<Option<T>> {
+        let (depth, faulty) = (self.depth, self.faulty);
+        let place = self.texts.sources.place();
+        match part(self) {
+            Ok(found) => Ok(Some(found)),
+            Err(problem) => {
+                self.pass(problem)?;
+                (self.depth, self.faulty) = (depth, faulty);
+                self.texts.sources.go_back(place);
+                Ok(None)
+            }
+        }
+    }
+
+    /// Tells a problem, and that the expansion goes on.
+    ///
+    /// # Errors
+    /// If it must not.
+    pub(super) fn pass(&mut self, problem: Problem) -> Done<()> {
+        if matches!(problem.weight, Weight::Ends | Weight::Enough) {
+            return Err(problem);
+        }
+        self.tell(problem);
+        if self.problems.len() < MOST_PROBLEMS {
+            return Ok(());
+        }
+        let weight = Weight::Enough;
+        Err(Problem {
+            weight,
+            ..self.texts.sources.follows()
+        })
+    }
+
+    /// Tells what is no XML in a file. Where a tag is not closed, what is around it may be wrong.
+    pub(super) fn misread(&mut self, wrong: Vec<Problem>) -> Done<()> {
+        for problem in wrong {
+            self.whole &= problem.lacking != Some(Lacking::Tag);
+            self.pass(problem)?;
+        }
+        Ok(())
+    }
+
+    /// Notes that an element is not there.
+    pub(super) fn leave_out(&mut self, child: &Element) {
+        (self.faulty, self.whole) = (true, false);
+        self.texts.blind |= may_define(child);
+    }
+
+    /// Notes that an attribute is not there.
+    pub(super) fn leave_out_attribute(&mut self, name: &str) {
+        self.faulty = true;
+        self.whole &= !NAMES.contains(&name);
+    }
+
+    /// A property's value, or that it cannot be known.
+    pub(super) fn entry(&mut self, text: &str, scope: usize) -> Done<Entry> {
+        let value = self.attempt(|this| this.texts.value(text, scope))?;
+        Ok(value.map_or(Entry::Failed, |value| Entry::Value(value.of_literal())))
+    }
+
+    /// `<xacro:arg>`
+    pub(super) fn argument(&mut self, element: &Element, scope: usize) -> Done<()> {
+        let name = self.required(element, "name")?.to_owned();
+        let default = self.attempt(|this| {
+            let default = this.required(element, "default")?;
+            match this.texts.arguments.get(&name) {
+                Some(known) => Ok(known.clone()),
+                None => this.texts.shown(default, scope),
+            }
+        })?;
+        match default {
+            Some(value) => drop(self.texts.arguments.insert(name, value)),
+            None => drop(self.texts.lost.insert(name)),
+        }
+        Ok(())
+    }
+
+    /// That a macro is called which is not defined.
+    pub(super) fn no_macro(&self, name: &str) -> Problem {
+        if self.texts.blind {
+            return self.texts.sources.follows();
+        }
+        Problem {
+            lacking: Some(Lacking::Macro(name.to_owned())),
+            ..self.problem(format!("there is no macro '{name}'"))
+        }
+    }
+}
+
+/// Whether an element may define names for what comes after it.
+fn may_define(element: &Element) -> bool {
+    match element.name.strip_prefix("xacro:") {
+        Some("include" | "macro" | "property" | "arg" | "call") => true,
+        Some("if" | "unless") | None => element.elements().any(|inner| may_define(inner)),
+        Some(_) => false,
+    }
+}

@@ -1,0 +1,193 @@
+//! Two faults at a time in a robot that is written in xacro: of its expansion, of the URDF that it
+//! expands to, and of its settings.
+//!
+//! Expected messages are those of the same fault alone, and what follows from a fault is not told:
+//! a file with one fault has one error.
+
+use super::people::{findings, of_severity, write};
+use super::*;
+
+/// What stands at one place of the robot, its macros or its settings, sound and faulty, and what
+/// its error says.
+const FAULTS: [[&str; 3]; 23] = [
+    // The text.
+    ["<h1 x='1'/>", "<h1 x=1/>", "not XML: <h1>"],
+    ["<h2 x='1'/>", "<h2 x='1' x='1'/>", "not XML: <h2>"],
+    ["<h3 x='&amp;'/>", "<h3 x='&'/>", "not XML: <h3> x"],
+    ["<h4></h4>", "<h4>", "<h4> is never closed"],
+    // The expansion.
+    ["value='${m1}'", "value='${mm}'", "name 'mm' is not defined"],
+    ["radius='${1 / 2}'", "radius='${1 / 0}'", "division by zero"],
+    ["length='${(2)}'", "length='${(2}'", "')' is missing"],
+    [
+        "<xacro:leg name='hind'/>",
+        "<xacro:legg name='hind'/>",
+        "no macro 'legg'",
+    ],
+    [
+        "<xacro:leg name='fore'/>",
+        "<xacro:leg nam='fore'/>",
+        "has no parameter 'nam' and needs 'name'",
+    ],
+    ["<seat at='1'/>", "", "needs a block for '**more'"],
+    ["block name='kept'", "block name='lost'", "no block 'lost'"],
+    ["'$(arg kind)'", "'$(arg kin)'", "'kin' has no value"],
+    [
+        "<a x='1'/>",
+        "<a x='$(find my_pkg)'/>",
+        "package 'my_pkg' is not found",
+    ],
+    [
+        "if value='true'",
+        "if value='maybe'",
+        "neither true nor false",
+    ],
+    [
+        "name='p' value='1'",
+        "name='p' value='${q}'",
+        "needs itself",
+    ],
+    ["<b x='2'>${3}</b>", "<b x='2'>${[][0]}</b>", "[]"],
+    [
+        "<!-- no file -->",
+        "<xacro:property name='d' value=\"${xacro.load_yaml('no.yaml')}\"/><c x='${d.e}'/>",
+        "no.yaml cannot be read",
+    ],
+    // What it expands to.
+    [
+        "<mass value='1.01'/>",
+        "<mass value='1,01'/>",
+        "'1,01' is not a number",
+    ],
+    [
+        "<box size='0.01 0.01 0.01'/>",
+        "<mesh filename='nowhere.stl'/>",
+        "mesh not found: nowhere.stl",
+    ],
+    [
+        "lower='-0.1' upper='0.1'",
+        "lower='0.1' upper='-0.2'",
+        "lower",
+    ],
+    [
+        "rpy='0 0 0.1'",
+        "rpy='0 0.1'",
+        "<origin> rpy needs 3 numbers, not 2",
+    ],
+    // Its settings.
+    ["tolerance = 1e-4", "tolerence = 1e-4", "'tolerence'"],
+    ["gravity = [0, 0, -9.81]", "gravity = 'down'", "gravity"],
+];
+
+const MACROS: &str = "<robot xmlns:xacro='http://www.ros.org/wiki/xacro'>
+<xacro:macro name='leg' params='name'>
+  <link name='${name}'><inertial><mass value='${m1}'/>
+    <inertia ixx='1' ixy='0' ixz='0' iyy='1' iyz='0' izz='1'/></inertial></link>
+  <joint name='${name}_joint' type='revolute'><parent link='body'/><child link='${name}'/>
+    <axis xyz='0 1 0'/><limit lower='-1' upper='1' effort='1' velocity='1'/></joint>
+</xacro:macro>
+<xacro:macro name='chair' params='*seat **more'><f><xacro:insert_block name='seat'/>
+  <xacro:insert_block name='kept'/></f></xacro:macro>
+</robot>";
+
+const ROBOT: &str = "<robot name='r' xmlns:xacro='http://www.ros.org/wiki/xacro'>
+<xacro:arg name='kind' default='small'/>
+<xacro:include filename='macros.xacro'/>
+<xacro:property name='m1' value='1'/>
+<xacro:property name='q' value='${p}'/>
+<xacro:property name='p' value='1'/>
+<xacro:property name='kept'><g/></xacro:property>
+<!-- no file -->
+<u><a x='1'/><b x='2'>${3}</b><e x='$(arg kind)'/><e x='${q}'/></u>
+<u><h1 x='1'/><h2 x='1'/><h3 x='&amp;'/><h4></h4></u>
+<u><xacro:chair><seat at='1'/><more/></xacro:chair></u>
+<link name='body'><inertial><mass value='1.01'/>
+  <inertia ixx='1' ixy='0' ixz='0' iyy='1' iyz='0' izz='1'/></inertial>
+  <collision><origin xyz='0 0 0' rpy='0 0 0.1'/><geometry><sphere radius='${1 / 2}'/></geometry></collision>
+  <collision><geometry><cylinder radius='1' length='${(2)}'/></geometry></collision>
+  <collision><geometry><box size='0.01 0.01 0.01'/></geometry></collision></link>
+<xacro:leg name='fore'/>
+<xacro:leg name='hind'/>
+<link name='foot'/>
+<joint name='ankle' type='fixed'><parent link='hind'/><child link='foot'/></joint>
+<xacro:if value='true'><link name='tail'><inertial><mass value='1'/>
+  <inertia ixx='1' ixy='0' ixz='0' iyy='1' iyz='0' izz='1'/></inertial></link>
+<joint name='wag' type='revolute'><parent link='body'/><child link='tail'/><axis xyz='0 1 0'/>
+  <limit lower='-1' upper='1' effort='1' velocity='1'/></joint></xacro:if>
+<link name='head'><inertial><mass value='1'/>
+  <inertia ixx='1' ixy='0' ixz='0' iyy='1' iyz='0' izz='1'/></inertial></link>
+<joint name='nod' type='revolute'><parent link='body'/><child link='head'/><axis xyz='0 1 0'/>
+  <limit lower='-0.1' upper='0.1' effort='1' velocity='1'/></joint>
+</robot>";
+
+const SETTINGS: &str = "[solver]
+tolerance = 1e-4
+[world]
+gravity = [0, 0, -9.81]
+[[actuator]]
+joint = 'hind_joint'
+mode = 'velocity'
+";
+
+/// Messages of the errors of the robot with these faults.
+fn errors(folder: &Path, faults: &[&[&str; 3]]) -> Vec<String> {
+    let mut found = 0;
+    let mut text = |sound: &str| {
+        faults.iter().fold(sound.to_owned(), |text, [old, new, _]| {
+            found += text.matches(old).count();
+            text.replace(old, new)
+        })
+    };
+    write(folder, "macros.xacro", text(MACROS));
+    let robot = write(folder, "r.urdf.xacro", text(ROBOT));
+    let config = write(folder, "r.toml", text(SETTINGS));
+    assert_eq!(found, faults.len(), "{faults:?}");
+    let (ok, list) = findings(&robot, &["--config", super::text(&config)]);
+    let told = of_severity(&list, "error");
+    assert_eq!(ok, told.is_empty());
+    let message = |finding: &&Value| finding["message"].as_str().unwrap().to_owned();
+    told.iter().map(message).collect()
+}
+
+#[test]
+fn of_two_faults_of_a_xacro_file_both_are_told_in_one_run() {
+    let folder = tempfile::tempdir().unwrap();
+    assert_eq!(errors(folder.path(), &[]), [""; 0], "the sound robot");
+    for fault in &FAULTS {
+        let told = errors(folder.path(), &[fault]);
+        let [message] = &told[..] else {
+            panic!("{}: {told:?}", fault[1]);
+        };
+        assert!(message.contains(fault[2]), "{}: {message}", fault[1]);
+    }
+    let mut hidden = Vec::new();
+    for (i, first) in FAULTS.iter().enumerate() {
+        for second in &FAULTS[i + 1..] {
+            let told = errors(folder.path(), &[first, second]);
+            let each = [first, second].map(|fault| told.iter().any(|t| t.contains(fault[2])));
+            if each != [true, true] || told.len() != 2 {
+                hidden.push(format!("{} | {}: {told:?}", first[1], second[1]));
+            }
+        }
+    }
+    assert!(
+        hidden.is_empty(),
+        "{}:\n{}",
+        hidden.len(),
+        hidden.join("\n")
+    );
+}
+
+/// What a file that is not there would define is not asked for: a name may be in it.
+#[test]
+fn what_a_missing_file_of_macros_may_define_is_not_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let missing = ["filename='macros.xacro'", "filename='no.xacro'", "no.xacro"];
+    let told = errors(folder.path(), &[&missing]);
+    assert!(told.len() == 1 && told[0].contains("no.xacro"), "{told:?}");
+    // What no file can define is told beside it.
+    let number = ["<mass value='1.01'/>", "<mass value='1,01'/>", ""];
+    let division = ["radius='${1 / 2}'", "radius='${1 / 0}'", ""];
+    let told = errors(folder.path(), &[&missing, &number, &division]);
+    assert_eq!(told.len(), 3, "{told:?}");
+}
