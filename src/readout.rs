@@ -234,7 +234,7 @@ impl Readout {
             O::EnergyKinetic => self.energies(ctx, state)[0],
             O::EnergyPotential => self.energies(ctx, state)[1],
             O::Sensor(id, what) => {
-                let known = self.at(ctx, state, sensed::needed(what));
+                let known = self.at(ctx, state, Self::needed_of(what));
                 known.sensed(ctx, state, id, what)
             }
             O::State(id) => self.states.value(id.index(), physical),

@@ -146,10 +146,9 @@ macro_rules! context {
 mod advance;
 mod begin;
 mod exchange;
-mod outputs;
+pub mod outputs;
 mod posed;
 
-pub use outputs::Reading;
 use posed::Posed;
 
 impl Simulation {

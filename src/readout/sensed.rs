@@ -9,20 +9,22 @@ use crate::slots::Sensed;
 use crate::state::State;
 use crate::step::point::Context;
 
-/// What must be computed for a quantity of a sensor.
-pub(super) fn needed(what: Sensed) -> Level {
-    match what {
-        Sensed::Position | Sensed::Velocity => Level::State,
-        Sensed::Orientation(_)
-        | Sensed::AngularVelocity(_)
-        | Sensed::Distance(_)
-        | Sensed::Hit(_) => Level::Kinematics,
-        Sensed::NormalForce | Sensed::Point(_) | Sensed::Depth => Level::Forces,
-        Sensed::Acceleration(_) | Sensed::Force(_) | Sensed::Torque(_) => Level::BodyAccelerations,
-    }
-}
-
 impl Readout {
+    /// What must be computed for a quantity of a sensor.
+    pub(super) fn needed_of(what: Sensed) -> Level {
+        match what {
+            Sensed::Position | Sensed::Velocity => Level::State,
+            Sensed::Orientation(_)
+            | Sensed::AngularVelocity(_)
+            | Sensed::Distance(_)
+            | Sensed::Hit(_) => Level::Kinematics,
+            Sensed::NormalForce | Sensed::Point(_) | Sensed::Depth => Level::Forces,
+            Sensed::Acceleration(_) | Sensed::Force(_) | Sensed::Torque(_) => {
+                Level::BodyAccelerations
+            }
+        }
+    }
+
     /// Value of a quantity of a sensor; all that it needs has been prepared.
     #[inline(never)]
     pub(super) fn sensed(

@@ -7,7 +7,8 @@ use crate::phase::Phase;
 use crate::pointers::{In, Out};
 use urdf2fmu_core::inputs::INPUT_ORDERS;
 use urdf2fmu_core::range::Range;
-use urdf2fmu_core::simulation::{Reading, SimulationError};
+use urdf2fmu_core::simulation::SimulationError;
+use urdf2fmu_core::simulation::outputs::Reading;
 use urdf2fmu_core::variables::{Kind, Slot};
 
 /// How far outside its range a value may be without a word, relative to 1 and to the limit.
