@@ -4,7 +4,8 @@
 //! step take it along with what it may meet, and know its turn to the third order: a body that
 //! whirls among others gained or lost energy in every step, and since its angular momentum is kept
 //! ([`super::flight`]) its axis went over to that of the least or largest inertia. Where the solved
-//! step has no force on such a body, its end is that of the body alone, and no error of the step.
+//! step has no force on such a body, its end is that of the body alone. The steps stay as short as
+//! the stages' error asks: a corner that sweeps through a step may meet something.
 //!
 //! 1. In axes that turn with the body, with `w` its angular velocity and `I` its inertia about the
 //!    centre of mass, Euler's equations are `I ẇ = −w × I w`. One implicit midpoint step of `s`
@@ -81,17 +82,6 @@ fn coasts(ctx: &Context, index: usize, step: Step) -> bool {
         contacts || turned
     };
     !pulled && !sprung && !terms.iter().zip(solved).any(|(t, s)| pushed(t, s))
-}
-
-/// What the stages err by in bodies on which nothing acts is no error: [`go_on`] corrects it.
-pub(super) fn forgive(ctx: &Context, step: Step, errors: &mut [Vec<f64>; 2]) {
-    for (index, extent) in ctx.tree.moved() {
-        if coasts(ctx, index, step) {
-            for error in errors.iter_mut() {
-                error[extent.dofs.clone()].fill(0.0);
-            }
-        }
-    }
 }
 
 /// Puts what bodies on which nothing acts do within a step into its `end`.

@@ -388,13 +388,6 @@ impl Stages {
             *position += eta * velocity;
         }
         self.add_turning(ctx, from, h);
-        let step = coast::Step {
-            from,
-            h,
-            terms: &self.terms,
-            solved: &self.solved,
-        };
-        coast::forgive(ctx, step, &mut self.error);
         let [velocity, position] = &self.error;
         let worst = worst_error(tree, |k| (position[k], velocity[k])) / ctx.tolerance;
         worst.max(self.lag())

@@ -126,8 +126,9 @@ impl Instance {
 
     /// Whether a row may be set to `value` now.
     fn check(&self, row: u32, value: f64) -> Result<(), FmiError> {
-        let variable = self.variables.get(row as usize);
-        let variable = variable.ok_or_else(|| FmiError::Time)?;
+        let Some(variable) = self.variables.get(row as usize) else {
+            return Err(FmiError::Time);
+        };
         let name = || variable.name.clone();
         if !value.is_finite() {
             return Err(FmiError::Value {
