@@ -261,7 +261,8 @@ pub const COASTING_TURN: f64 = 0.05;
 /// `a_body_alone_keeps_its_energy_and_its_momentum`.
 pub const COASTING_ITERATIONS: usize = 5;
 /// Angle, rad, by which it may turn in a step: the places in between take their time, which no
-/// budget of steps would notice. At infinity fails `what_spins_without_measure_keeps_no_call_waiting`.
+/// budget of steps would notice. At infinity `what_spins_without_measure_keeps_no_call_waiting`
+/// does not end.
 pub const COASTING_MOST: f64 = 100.0;
 
 // Guards: `step/guards.rs`, `step/flight.rs`.
