@@ -6,6 +6,7 @@
 mod channels;
 mod closures;
 mod derivative;
+mod links;
 mod pair;
 mod sample;
 mod sensed;
@@ -17,12 +18,10 @@ use crate::continuous::{Derivatives, States};
 use crate::dynamics::energy;
 use crate::force::NamedPairs;
 use crate::kinematics::forward;
-use crate::model::{JointId, LinkId, Model, RootId};
+use crate::model::{JointId, Model, RootId};
 use crate::sensor::Sensors;
 use crate::slots::{Axis, OutputSlot};
-use crate::spatial::{
-    Pose, Vec3, Vec6, add6, dot6, quaternion_from_rotation, rpy_from_rotation, velocity_at,
-};
+use crate::spatial::{Pose, Vec3, Vec6, add6, dot6, quaternion_from_rotation, rpy_from_rotation};
 use crate::state::State;
 use crate::step::point::{Context, Point};
 use crate::tree::Tree;
@@ -162,6 +161,7 @@ impl Readout {
     /// what must be computed first. Most outputs that an importer reads are held by the state
     /// itself, and need nothing: what else there is stays apart, so that reading them needs no room
     /// for it.
+    #[expect(clippy::too_many_lines, reason = "one line for each kind of output")]
     fn read_now(&mut self, ctx: &Context, state: &State, slot: OutputSlot) -> f64 {
         use OutputSlot as O;
         let (model, physical, stepping) = (ctx.model, &state.physical, &state.stepping);
@@ -195,14 +195,31 @@ impl Readout {
                 let known = self.at(ctx, state, Level::Kinematics);
                 known.rpy(ctx, root)[axis as usize]
             }
-            O::BasePosition(..)
-            | O::BaseOrientation(..)
-            | O::LinkPosition(..)
-            | O::LinkOrientation(..)
-            | O::LinkLinearVelocity(..)
-            | O::LinkAngularVelocity(..) => {
+            O::BasePosition(root, axis) => {
                 let known = self.at(ctx, state, Level::Kinematics);
-                known.frame_output(ctx, slot)
+                known.point.kin.origins[root.index()][axis as usize]
+            }
+            O::BaseOrientation(root, axis) => {
+                let known = self.at(ctx, state, Level::Kinematics);
+                let body = model.roots[root.index()].body;
+                quaternion(&known.point.kin.X[body.index()])[axis as usize]
+            }
+            O::LinkPosition(link, axis) => {
+                let known = self.at(ctx, state, Level::Kinematics);
+                known.link_position(ctx, link)[axis as usize]
+            }
+            O::LinkOrientation(link, axis) => {
+                let known = self.at(ctx, state, Level::Kinematics);
+                quaternion(&known.link_pose(ctx, link.index()))[axis as usize]
+            }
+            O::LinkLinearVelocity(link, axis) => {
+                let known = self.at(ctx, state, Level::Kinematics);
+                known.link_velocity(ctx, link)[axis as usize]
+            }
+            O::LinkAngularVelocity(link, axis) => {
+                let known = self.at(ctx, state, Level::Kinematics);
+                let body = model.links[link.index()].body;
+                known.point.kin.V[body.index()][axis as usize]
             }
             O::ContactForce(link, axis) if stepping.last_step > 0.0 => {
                 stepping.impulse[link.index()][axis as usize] / stepping.last_step
@@ -210,26 +227,66 @@ impl Readout {
             O::PairForce(pair, axis) if stepping.last_step > 0.0 => {
                 stepping.pair_impulse[pair.index()][axis as usize] / stepping.last_step
             }
-            O::ContactForce(..) | O::ContactActive(_) | O::ContactPoint(..) => {
+            // Before the first step, which the mean would be taken over: the force of this moment.
+            O::ContactForce(link, axis) => {
                 let known = self.at(ctx, state, Level::Forces);
-                known.contact_output(ctx, slot)
+                known.contact_force(link, axis)
             }
-            O::PairForce(..)
-            | O::PairActive(_)
-            | O::PairPoint(..)
-            | O::PairNormal(..)
-            | O::PairDepth(_)
-            | O::PairSlipSpeed(_) => {
+            O::ContactActive(link) => {
                 let known = self.at(ctx, state, Level::Forces);
-                known.pair_output(ctx, slot)
+                f64::from(u8::from(known.touches(link)))
             }
-            O::LoopForce(..) | O::LoopTorque(..) | O::LoopEffort(_) => {
+            O::ContactPoint(link, axis) => {
+                let known = self.at(ctx, state, Level::Forces);
+                known.contact_point(ctx, link)[axis as usize]
+            }
+            O::PairForce(pair, axis) => {
+                let known = self.at(ctx, state, Level::Forces);
+                known.pair_force(pair)[axis as usize]
+            }
+            O::PairActive(pair) => {
+                let known = self.at(ctx, state, Level::Forces);
+                f64::from(u8::from(known.pair_presses(pair)))
+            }
+            O::PairPoint(pair, axis) => {
+                let known = self.at(ctx, state, Level::Forces);
+                known.pair_point(ctx, pair)[axis as usize]
+            }
+            O::PairNormal(pair, axis) => {
+                let known = self.at(ctx, state, Level::Forces);
+                known.pair_normal(pair)[axis as usize]
+            }
+            O::PairDepth(pair) => {
+                let known = self.at(ctx, state, Level::Forces);
+                known.pair_depth(pair)
+            }
+            O::PairSlipSpeed(pair) => {
+                let known = self.at(ctx, state, Level::Forces);
+                known.pair_slip_speed(pair)
+            }
+            O::LoopForce(id, axis) => {
                 let known = self.at(ctx, state, Level::Accelerations);
-                known.closure_output(ctx, slot)
+                known.loop_wrench(ctx, id)[0][axis as usize]
             }
-            O::LoopGap(_) | O::SpringForce(..) | O::SpringLength(_) => {
+            O::LoopTorque(id, axis) => {
+                let known = self.at(ctx, state, Level::Accelerations);
+                known.loop_wrench(ctx, id)[1][axis as usize]
+            }
+            O::LoopEffort(id) => {
+                let known = self.at(ctx, state, Level::Accelerations);
+                known.loop_wrench(ctx, id)[0].x
+            }
+            O::LoopGap(id) => {
                 let known = self.at(ctx, state, Level::Forces);
-                known.closure_output(ctx, slot)
+                known.loop_gap(ctx, id)
+            }
+            O::SpringForce(id, axis) => {
+                let known = self.at(ctx, state, Level::Forces);
+                known.spring(ctx, id).0[axis as usize]
+            }
+            O::SpringLength(id) => {
+                let known = self.at(ctx, state, Level::Forces);
+                known.spring(ctx, id).1
             }
             O::EnergyKinetic => self.energies(ctx, state)[0],
             O::EnergyPotential => self.energies(ctx, state)[1],
@@ -242,96 +299,6 @@ impl Readout {
             O::Steps => count(stepping.counters.steps),
             O::Rejected => count(stepping.counters.rejected),
             O::NewtonMax => count(stepping.counters.newton_max),
-        }
-    }
-
-    /// Pose or velocity of a base or a link; 0 for other outputs.
-    #[inline(never)]
-    fn frame_output(&self, ctx: &Context, slot: OutputSlot) -> f64 {
-        use OutputSlot as O;
-        let (model, kin) = (ctx.model, &self.point.kin);
-        let body = |link: LinkId| model.links[link.index()].body.index();
-        match slot {
-            O::BasePosition(root, axis) => kin.origins[root.index()][axis as usize],
-            O::BaseOrientation(root, axis) => {
-                quaternion(&kin.X[model.roots[root.index()].body.index()])[axis as usize]
-            }
-            O::LinkPosition(link, axis) => {
-                let origin = kin.origin(ctx.tree, body(link));
-                (self.link_pose(ctx, link.index()).p + origin)[axis as usize]
-            }
-            O::LinkOrientation(link, axis) => {
-                quaternion(&self.link_pose(ctx, link.index()))[axis as usize]
-            }
-            O::LinkLinearVelocity(link, axis) => {
-                let p = self.link_pose(ctx, link.index()).p;
-                velocity_at(&kin.V[body(link)], &p)[axis as usize]
-            }
-            O::LinkAngularVelocity(link, axis) => kin.V[body(link)][axis as usize],
-            _ => 0.0,
-        }
-    }
-
-    /// Contacts of a link at this moment; 0 for other outputs.
-    #[inline(never)]
-    fn contact_output(&self, ctx: &Context, slot: OutputSlot) -> f64 {
-        use OutputSlot as O;
-        let Point { kin, terms, .. } = &self.point;
-        match slot {
-            O::ContactActive(link) => {
-                let touches = self.normal_loads(link).any(|(load, _)| load > 0.0);
-                f64::from(u8::from(touches))
-            }
-            O::ContactPoint(link, axis) => {
-                let body = ctx.model.links[link.index()].body.index();
-                let origin = kin.origin(ctx.tree, body);
-                (self.contact_point(ctx, link) + origin)[axis as usize]
-            }
-            // Before the first step, which the mean would be taken over: the force of this moment.
-            O::ContactForce(link, axis) => {
-                let contacts = &terms.contacts;
-                contacts
-                    .iter()
-                    .map(|c| (c, c.share_of(link.index())))
-                    .filter(|(_, share)| *share != 0.0)
-                    .map(|(c, share)| share * c.wrench(&contacts.points, &kin.V).0[axis as usize])
-                    .sum()
-            }
-            _ => 0.0,
-        }
-    }
-
-    /// Pose of a link's frame: axes in the world, position from O.
-    fn link_pose(&self, ctx: &Context, link: usize) -> Pose {
-        let body = ctx.model.links[link].body.index();
-        self.point.kin.X[body].compose(&ctx.tree.link_pose[link])
-    }
-
-    /// Normal force, N, and centre of the load, from O, of each contact of a link at this moment.
-    fn normal_loads(&self, link: LinkId) -> impl Iterator<Item = (f64, Vec3)> + '_ {
-        let Point { kin, terms, .. } = &self.point;
-        let contacts = &terms.contacts;
-        let own = contacts
-            .iter()
-            .filter(move |c| c.share_of(link.index()) != 0.0);
-        own.map(move |c| {
-            let center = c.center + c.seen_from(link.index());
-            (c.normal_load(&contacts.points, &kin.V), center)
-        })
-    }
-
-    /// Centre of pressure of a link, from O: the mean of its loads' centres, weighted with their
-    /// normal forces; the link's origin where nothing presses.
-    fn contact_point(&self, ctx: &Context, link: LinkId) -> Vec3 {
-        let (mut load, mut moment) = (0.0, Vec3::zeros());
-        for (force, center) in self.normal_loads(link) {
-            load += force;
-            moment += center * force;
-        }
-        if load > 0.0 {
-            moment / load
-        } else {
-            self.link_pose(ctx, link.index()).p
         }
     }
 

@@ -297,6 +297,18 @@ impl SpatialInertia {
         }
     }
 
+    /// Centre of mass from O, m.
+    pub fn center(&self) -> Vec3 {
+        Vec3::from(self.moment) / self.mass
+    }
+
+    /// Rotational inertia about the centre of mass, kg·m².
+    pub fn about_center(&self) -> Mat3 {
+        let [xx, yy, zz, xy, xz, yz] = self.rotational;
+        let lever = self.center().cross_matrix();
+        Mat3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz) + lever * lever * self.mass
+    }
+
     /// Momentum of a velocity: `(Ī ω + h × u ; m u − h × ω)`.
     #[inline]
     pub fn mul(&self, V: &Vec6) -> Vec6 {

@@ -257,12 +257,12 @@ pub const LEAST_SHARE: f64 = 1e-14;
 /// equations are solved, to the fourth order: a long body is then off by 3e-7 rad after it has
 /// turned by two. At 1 fails `a_symmetric_body_nutates_as_euler_says`.
 pub const COASTING_TURN: f64 = 0.05;
-/// Newton iterations from one of these places to the next: the digits double each time. At 2 fails
+/// Newton iterations from one of these places to the next: the digits double each time. At 1 fails
 /// `a_body_alone_keeps_its_energy_and_its_momentum`.
 pub const COASTING_ITERATIONS: usize = 5;
-/// Angle, rad, by which it may turn in a step: the places in between take their time, which no
-/// budget of steps would notice. At infinity `what_spins_without_measure_keeps_no_call_waiting`
-/// does not end.
+/// Angle, rad, by which it may turn in a step. The places in between take their time, which no
+/// budget of steps notices: without a limit, balls at 10⁶ rad/s take 0.1 s for 1/240 s. No result
+/// depends on it that a test sees.
 pub const COASTING_MOST: f64 = 100.0;
 
 // Guards: `step/guards.rs`, `step/flight.rs`.

@@ -5,29 +5,14 @@
 use super::Readout;
 use crate::closure::Places;
 use crate::model::{LoopId, SpringId};
-use crate::slots::OutputSlot;
 use crate::spatial::Vec3;
 use crate::step::point::{Context, Point};
 
 impl Readout {
-    /// An output of a loop or a spring; 0 for others.
-    #[inline(never)]
-    pub(super) fn closure_output(&self, ctx: &Context, slot: OutputSlot) -> f64 {
-        use OutputSlot as O;
-        match slot {
-            O::LoopForce(id, axis) => self.loop_wrench(ctx, id)[0][axis as usize],
-            O::LoopTorque(id, axis) => self.loop_wrench(ctx, id)[1][axis as usize],
-            O::LoopEffort(id) => self.loop_wrench(ctx, id)[0].x,
-            O::LoopGap(id) => self.loop_gap(ctx, id),
-            O::SpringForce(id, axis) => self.spring(ctx, id).0[axis as usize],
-            O::SpringLength(id) => self.spring(ctx, id).1,
-            _ => 0.0,
-        }
-    }
-
     /// Force, N, and torque about the first end, N·m, of a loop on its first link, world axes; of a
     /// coupler its effort along the sum, as the force in x.
-    fn loop_wrench(&self, ctx: &Context, id: LoopId) -> [Vec3; 2] {
+    #[inline(never)]
+    pub(super) fn loop_wrench(&self, ctx: &Context, id: LoopId) -> [Vec3; 2] {
         let kin = &self.point.kin;
         let places = Places {
             origins: &kin.origins,
@@ -40,13 +25,15 @@ impl Readout {
     }
 
     /// Gap of a loop: m of points, that of a coupler in its own unit.
-    fn loop_gap(&self, ctx: &Context, id: LoopId) -> f64 {
+    #[inline(never)]
+    pub(super) fn loop_gap(&self, ctx: &Context, id: LoopId) -> f64 {
         let gap = self.point.kin.loops.opening(ctx.tree, id.index());
         gap.distance
     }
 
     /// Force of a spring on its first link, N, world axes, and its length, m.
-    fn spring(&self, ctx: &Context, id: SpringId) -> (Vec3, f64) {
+    #[inline(never)]
+    pub(super) fn spring(&self, ctx: &Context, id: SpringId) -> (Vec3, f64) {
         let Point { kin, terms, .. } = &self.point;
         let mut springs = terms.springs.iter();
         let found = springs.find(|s| ctx.tree.springs[s.index].index == id.index());

@@ -7,7 +7,6 @@
 use super::Readout;
 use crate::force::Contact;
 use crate::model::PairId;
-use crate::slots::OutputSlot;
 use crate::spatial::Vec3;
 use crate::step::point::{Context, Point};
 use crate::tuning::OPPOSED;
@@ -40,28 +39,15 @@ impl Readout {
         (total > 0.0).then(|| sum / total)
     }
 
-    /// An output of a pair at this moment; 0 for others.
-    #[inline(never)]
-    pub(super) fn pair_output(&self, ctx: &Context, slot: OutputSlot) -> f64 {
-        use OutputSlot as O;
-        match slot {
-            O::PairActive(pair) => f64::from(u8::from(self.pair_presses(pair))),
-            O::PairForce(pair, axis) => self.pair_force(pair)[axis as usize],
-            O::PairPoint(pair, axis) => self.pair_point(ctx, pair)[axis as usize],
-            O::PairNormal(pair, axis) => self.pair_normal(pair)[axis as usize],
-            O::PairDepth(pair) => self.pair_depth(pair),
-            O::PairSlipSpeed(pair) => self.pair_slip_speed(pair),
-            _ => 0.0,
-        }
-    }
-
     /// Whether the sides press on each other.
-    fn pair_presses(&self, pair: PairId) -> bool {
+    #[inline(never)]
+    pub(super) fn pair_presses(&self, pair: PairId) -> bool {
         self.mean(pair, |_, _| 1.0).is_some()
     }
 
     /// Force on the first side at this moment, N.
-    fn pair_force(&self, pair: PairId) -> Vec3 {
+    #[inline(never)]
+    pub(super) fn pair_force(&self, pair: PairId) -> Vec3 {
         let Point { kin, terms, .. } = &self.point;
         let mut force = Vec3::zeros();
         for (contact, sign) in self.between(pair) {
@@ -72,7 +58,8 @@ impl Readout {
 
     /// Where the normal forces act, m, world; the origin of the first link of the first side, or of
     /// the second side where the first one is the ground, where nothing presses.
-    fn pair_point(&self, ctx: &Context, pair: PairId) -> Vec3 {
+    #[inline(never)]
+    pub(super) fn pair_point(&self, ctx: &Context, pair: PairId) -> Vec3 {
         let kin = &self.point.kin;
         let center = self.mean(pair, |c, _| c.center + kin.origin(ctx.tree, c.body));
         center.unwrap_or_else(|| {
@@ -87,7 +74,8 @@ impl Readout {
 
     /// Mean direction of the normals from the second side into the first, a unit vector; 0 where
     /// nothing presses, and where they cancel.
-    fn pair_normal(&self, pair: PairId) -> Vec3 {
+    #[inline(never)]
+    pub(super) fn pair_normal(&self, pair: PairId) -> Vec3 {
         let mean = self.mean(pair, |c, sign| c.normal * sign);
         let mean = mean.unwrap_or_else(Vec3::zeros);
         let length = mean.norm();
@@ -99,7 +87,8 @@ impl Readout {
     }
 
     /// The deepest overlap of the sides, m; 0 where there is none.
-    fn pair_depth(&self, pair: PairId) -> f64 {
+    #[inline(never)]
+    pub(super) fn pair_depth(&self, pair: PairId) -> f64 {
         let points = &self.point.terms.contacts.points;
         let of = |c: &Contact| points[c.points.clone()].iter().map(|p| p.depth);
         let depths = self.between(pair).flat_map(|(c, _)| of(c));
@@ -107,7 +96,8 @@ impl Readout {
     }
 
     /// How fast the sides slide on each other, m/s; 0 where nothing presses.
-    fn pair_slip_speed(&self, pair: PairId) -> f64 {
+    #[inline(never)]
+    pub(super) fn pair_slip_speed(&self, pair: PairId) -> f64 {
         let V = &self.point.kin.V;
         self.mean(pair, |c, _| c.slip_speed(V)).unwrap_or(0.0)
     }

@@ -20,16 +20,17 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
-use crate::force::Terms;
+use crate::force::{Contact, Terms};
 use crate::kinematics::Kinematics;
 use crate::spatial::{
     Mat3, Vec3, quaternion_normalized, quaternion_product, rotation_from_quaternion,
 };
 use crate::state::Physical;
 use crate::step::convex::Newton;
+use crate::step::flight::inverse;
 use crate::step::point::Context;
 use crate::tree::Tree;
-use crate::tuning::{COASTING_ITERATIONS, COASTING_MOST, COASTING_TURN, THIN};
+use crate::tuning::{COASTING_ITERATIONS, COASTING_MOST, COASTING_TURN};
 
 /// `1/(2 − ∛2)`.
 const OUTER: f64 = 1.351_207_191_959_657_8;
@@ -37,10 +38,13 @@ const OUTER: f64 = 1.351_207_191_959_657_8;
 /// A step of `h` seconds from a place that has been solved in two stages.
 #[derive(Clone, Copy)]
 pub(super) struct Step<'a> {
+    /// That place.
     pub from: &'a Physical,
+    /// s
     pub h: f64,
-    /// What acts in each stage, and its solution.
+    /// What acts in each stage.
     pub terms: &'a [Terms; 2],
+    /// Solution of each stage.
     pub solved: &'a [Newton; 2],
 }
 
@@ -48,7 +52,6 @@ pub(super) struct Step<'a> {
 fn coasts(ctx: &Context, index: usize, step: Step) -> bool {
     let tree = ctx.tree;
     let extent = &tree.trees[index];
-    let own = |body: usize| extent.bodies.contains(&body);
     let rigid = extent.free && !extent.tied && extent.bodies.len() == 1;
     if !ctx.rules.coast || !rigid || tree.world.drag != 0.0 {
         return false;
@@ -58,30 +61,18 @@ fn coasts(ctx: &Context, index: usize, step: Step) -> bool {
     if spin * step.h > COASTING_MOST {
         return false;
     }
-    let (terms, solved) = (step.terms, step.solved);
-    let pulled = ctx.inputs.wrenches.iter().any(|w| own(w.body));
-    let sprung = terms[0].springs.iter().any(|s| {
-        let other = s.other.as_ref();
-        own(s.body) || other.is_some_and(|other| own(other.body))
-    });
-    let pushed = |terms: &Terms, solved: &Newton| {
-        let contacts = terms
-            .contacts
-            .iter()
-            .zip(&solved.responses.contacts)
-            .any(|(c, r)| {
-                let other = c.other.as_ref();
-                let touches = own(c.body) || other.is_some_and(|other| own(other.body));
-                touches && (c.load > 0.0 || r.presses() || r.friction.force != Vec3::zeros())
-            });
-        let turned = terms
-            .turns
-            .iter()
-            .zip(&solved.responses.turns)
-            .any(|(turn, r)| own(turn.body) && r.impulse != Vec3::zeros());
-        contacts || turned
+    let mut wrenches = ctx.inputs.wrenches.iter();
+    let pulled = wrenches.any(|wrench| extent.bodies.contains(&wrench.body));
+    let own = |c: &Contact| ctx.model.touches_of(c.slot).contains(&Some(index));
+    let pushed = |(terms, solved): (&Terms, &Newton)| {
+        let (list, responses) = (&terms.contacts.list, &solved.responses);
+        let mut contacts = list.iter().zip(&responses.contacts);
+        let mut turns = terms.turns.iter().zip(&responses.turns);
+        contacts.any(|(c, r)| {
+            own(c) && (c.load > 0.0 || r.presses() || r.friction.force != Vec3::zeros())
+        }) || turns.any(|(turn, r)| own(&list[turn.contact]) && r.impulse != Vec3::zeros())
     };
-    !pulled && !sprung && !terms.iter().zip(solved).any(|(t, s)| pushed(t, s))
+    !pulled && !step.terms.iter().zip(step.solved).any(pushed)
 }
 
 /// Puts what bodies on which nothing acts do within a step into its `end`.
@@ -108,20 +99,18 @@ fn coast(
     let (q, v) = (&from.q[body.coordinate..], &from.v[body.dof..]);
     let (w, velocity) = (Vec3::new(v[0], v[1], v[2]), Vec3::new(v[3], v[4], v[5]));
     let I = &here.I[b];
-    let center = Vec3::from(I.moment) / I.mass;
-    let [xx, yy, zz, xy, xz, yz] = I.rotational;
-    let lever = center.cross_matrix();
-    let inertia = Mat3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz) + lever * lever * I.mass;
-    let Some((turn, w)) = tumble(&inertia, w, h) else {
+    let center = I.center();
+    let Some((turn, after)) = tumble(&I.about_center(), w, h) else {
         return;
     };
     let place = [q[3], q[4], q[5], q[6]];
     let place = quaternion_normalized(&quaternion_product(&turn, &place));
     let Q = rotation_from_quaternion(&turn);
-    let (w, after, gravity) = (Q * w, Q * center, tree.world.gravity);
-    let speed = velocity + Vec3::new(v[0], v[1], v[2]).cross(&center);
-    let way = (center - after) + speed * h + gravity * (0.5 * h * h);
-    let velocity = speed + gravity * h - w.cross(&after);
+    let gravity = tree.world.gravity;
+    let speed = velocity + w.cross(&center);
+    let (w, moved) = (Q * after, Q * center);
+    let way = (center - moved) + speed * h + gravity * (0.5 * h * h);
+    let velocity = speed + gravity * h - w.cross(&moved);
     let finite = |x: &Vec3| x.iter().all(|x| x.is_finite());
     if !(finite(&way) && finite(&velocity) && finite(&w)) {
         return;
@@ -139,10 +128,7 @@ fn coast(
 ///
 /// - `I`: about its centre of mass, kg·m²; `w`: at the start, rad/s; both in the axes of the start
 fn tumble(I: &Mat3, mut w: Vec3, h: f64) -> Option<([f64; 4], Vec3)> {
-    let compact = 1.0 / (I.trace() * I.try_inverse()?.trace());
-    if compact <= THIN {
-        return None;
-    }
+    inverse(I)?;
     let parts = libm::ceil(w.norm() * h / COASTING_TURN).max(1.0);
     let mut turn = [1.0, 0.0, 0.0, 0.0];
     let mut part = 0.0;

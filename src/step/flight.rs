@@ -132,7 +132,7 @@ impl Flight {
         for I in &kin.I[bodies.clone()] {
             whole.add(I);
         }
-        let center = Vec3::from(whole.moment) / whole.mass;
+        let center = whole.center();
         let momentum = momentum(kin, bodies.clone());
         let linear = linear(&momentum);
         Self {
@@ -148,14 +148,15 @@ impl Flight {
     /// Angular velocity, rad/s, that gives the robot `angular` more angular momentum, N·m·s; none
     /// if it is thin.
     fn turn(&self, angular: &Vec3) -> Option<Vec3> {
-        let [xx, yy, zz, xy, xz, yz] = self.inertia.rotational;
-        let about_origin = Mat3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);
-        let lever = self.center.cross_matrix();
-        let inertia = about_origin + lever * lever * self.inertia.mass;
-        let inverse = inertia.try_inverse()?;
-        let compact = 1.0 / (inertia.trace() * inverse.trace());
-        (compact > THIN).then(|| inverse * angular)
+        inverse(&self.inertia.about_center()).map(|inverse| inverse * angular)
     }
+}
+
+/// Inverse of an inertia about a centre of mass; none of what is thin.
+pub(super) fn inverse(inertia: &Mat3) -> Option<Mat3> {
+    let inverse = inertia.try_inverse()?;
+    let compact = 1.0 / (inertia.trace() * inverse.trace());
+    (compact > THIN).then_some(inverse)
 }
 
 /// Poses and velocities of what a robot is in.
