@@ -106,10 +106,18 @@ fn image(bytes: &[u8]) -> Result<Table, Wrong> {
     let mut decoder = png::Decoder::new(std::io::Cursor::new(bytes));
     decoder.set_transformations(png::Transformations::EXPAND);
     let mut reader = decoder.read_info().map_err(damaged)?;
-    let (width, height) = {
+    let (width, height, colors) = {
         let info = reader.info();
-        (info.width as usize, info.height as usize)
+        let palette = info.palette.as_ref().map_or(0, |palette| palette.len());
+        (info.width as usize, info.height as usize, palette)
     };
+    // The decoder takes each colour for whole.
+    if colors % 3 != 0 {
+        return Err(wrong(
+            format!("the PNG's palette has {colors} bytes, which are no colours of three each"),
+            "save it again as a grey PNG",
+        ));
+    }
     if width.saturating_mul(height) > MOST_SAMPLES {
         let message = format!("it has {width} x {height} pixels");
         return Err(wrong(message, "give at most 4,000,000"));

@@ -122,9 +122,20 @@ fn files_without_usable_heights_are_errors_that_say_why() {
         writer.finish().unwrap();
         bytes
     };
+    // Two colours and a third of one, of which each row takes the last.
+    let palette = {
+        let mut bytes = Vec::new();
+        let mut encoder = png::Encoder::new(&mut bytes, 2, 2);
+        encoder.set_color(png::ColorType::Indexed);
+        encoder.set_palette(vec![0, 0, 0, 9, 9, 9, 1]);
+        let mut writer = encoder.write_header().unwrap();
+        writer.write_image_data(&[0, 1, 2, 1]).unwrap();
+        writer.finish().unwrap();
+        bytes
+    };
     let broken = &png(2, &[0, 1, 2, 3], png::BitDepth::Eight)[..40];
     let row = png(4, &[0, 1, 2, 3], png::BitDepth::Eight);
-    let cases: [(&str, &[u8], &str, &str); 14] = [
+    let cases: [(&str, &[u8], &str, &str); 15] = [
         (
             "a.csv",
             b"1, 2\n3, x\n",
@@ -153,6 +164,7 @@ fn files_without_usable_heights_are_errors_that_say_why() {
         ("k.png", &colour, "T002", "pixel 1 of row 2 has a colour"),
         ("l.png", broken, "T002", "cannot be read"),
         ("m.png", &row, "T002", "4 x 1 heights"),
+        ("o.png", &palette, "T002", "palette has 7 bytes"),
         ("n.tif", b"II*\0", "T002", "'tif' is no kind of file"),
     ];
     for (name, bytes, code, part) in cases {
