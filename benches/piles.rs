@@ -328,8 +328,8 @@ struct Tally {
     seconds: f64,
     /// s, and its seed.
     slowest: (f64, u64),
-    /// Worlds that have gained more than 1e-4 of what they had to fall with.
-    over: u32,
+    /// What each world has gained in all, and its seed.
+    each: Vec<(f64, u64)>,
 }
 
 fn run(class: Class, seed: u64, tally: &mut Tally) {
@@ -379,7 +379,7 @@ fn run(class: Class, seed: u64, tally: &mut Tally) {
     if seconds > tally.slowest.0 {
         tally.slowest = (seconds, seed);
     }
-    tally.over += u32::from(ledger.gained > 1e-4);
+    tally.each.push((ledger.gained, seed));
     let worst = &mut tally.gained[usize::from(fixed)];
     for (worst, share) in worst.iter_mut().zip([ledger.gained, ledger.risen]) {
         if share > worst.0 || share.is_nan() {
@@ -429,10 +429,24 @@ fn main() {
             1e6 * t.seconds / total,
             t.slowest.0,
         );
+        t.each.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let over = |limit: f64| t.each.iter().filter(|world| world.0 > limit).count();
+        let worst: Vec<String> = t
+            .each
+            .iter()
+            .take(8)
+            .map(|(g, s)| format!("{s} {g:.1e}"))
+            .collect();
         notes.push(format!(
-            "{}: over {} gained by {}, {}; risen by {}, {}; slowest {}; failed {:?}; through {:?}",
+            "{}: over 1e-6 {}, 1e-5 {}, 1e-4 {}, 1e-3 {}, 1e-2 {}; worst (seed, gain) {}; \
+             gained by {}, {}; risen by {}, {}; slowest {}; failed {:?}; through {:?}",
             class.name(),
-            t.over,
+            over(1e-6),
+            over(1e-5),
+            over(1e-4),
+            over(1e-3),
+            over(1e-2),
+            worst.join(", "),
             a.1,
             c.1,
             b.1,

@@ -154,9 +154,9 @@ spoil!(
     Contact: body other link other_link slot thickness mass normal uneven points depth weights
     spring dissipation load tilting bounce duration center radius drift rise carried mu friction;
 );
-spoil!(ContactPoint: corner x normal arm depth share load rim;);
+spoil!(ContactPoint: corner x normal row arm depth share load rim;);
 
-spoil!(ContactSet: list points; pairs);
+spoil!(ContactSet: list points depths; pairs);
 spoil!(Stiffening: stiffness reference;);
 spoil!(Turn: contact body other slot normal coefficient torsional rolling;);
 impl Spoil for JointTerm {

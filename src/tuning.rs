@@ -45,6 +45,9 @@ pub struct Rules {
     /// A step that makes too much energy is taken otherwise. Without it fails
     /// `a_rotor_runs_up_along_its_torque_speed_line`.
     pub energy: bool,
+    /// A step that makes some energy is solved again with contacts that agree with their depths at
+    /// its ends. Without it fails `TEST`.
+    pub secants: bool,
     /// Fixed steps are taken in parts where something turns far in one. Without it fails
     /// `fixed_steps_are_split_for_fast_limbs_but_not_for_wheels`.
     pub parts: bool,
@@ -67,6 +70,7 @@ impl Rules {
         bounce: true,
         floor: true,
         energy: true,
+        secants: true,
         parts: true,
         islands: true,
     };
@@ -275,6 +279,14 @@ pub const GAIN: f64 = 1e-5;
 /// the tolerance and of the same energies. At 1e6 fails
 /// `a_rotor_runs_up_along_its_torque_speed_line`.
 pub const CONTROLLED_GAIN: f64 = 0.05;
+/// Energy that a step may make without being solved again with secants, as a share of kinetic energy
+/// and weight times reach; at most what it may make at all.
+pub const MENDED_GAIN: f64 = 5e-7;
+/// By how much of its way a contact's depth has to change otherwise than its rows say, so that a
+/// secant takes their place: steps alone err by the square of what turns in them.
+pub const STEEP: f64 = 0.005;
+/// How many times it is, at most: the second time mends what the first has changed.
+pub const SECANTS: u32 = 2;
 
 /// `1/(tr I · tr I⁻¹)` of the inertia, 1/9 for a ball and 0 for a rod without thickness, below
 /// which a robot in flight keeps its angular velocity as it is: about the axis of a rod it would

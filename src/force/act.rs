@@ -55,7 +55,7 @@ impl Contact {
         self.drag(&(r.friction.force * -h), F);
         let (mut push, mut moment) = (Vec3::zeros(), Vec3::zeros());
         for (p, response) in points[self.points.clone()].iter().zip(of) {
-            push += p.normal * response.impulse;
+            push += p.row * response.impulse;
             moment += p.arm * response.impulse;
             if let Some(rim) = &p.rim {
                 moment += rim.moment(&response.tilting);
@@ -95,7 +95,7 @@ impl Contact {
         let own = self.points.clone();
         let push = if self.uneven {
             let own = points[own.clone()].iter().zip(&of[own]);
-            own.map(|(p, r)| p.normal * r.impulse).sum()
+            own.map(|(p, r)| p.row * r.impulse).sum()
         } else {
             self.normal * r.load
         };
@@ -118,7 +118,7 @@ impl Contact {
         let total: f64 = own.iter().map(rock).sum();
         for p in own {
             let push = (load + total) * p.load - rock(p);
-            force += p.normal * push;
+            force += p.row * push;
             moment += p.arm * push;
             if let Some(rim) = &p.rim {
                 let tilt = rim.rate(&p.normal, &angular(&W));

@@ -27,6 +27,7 @@ pub(super) fn find_pairs(
         list,
         points,
         pairs,
+        ..
     } = contacts;
     let mut touches = touches.iter().peekable();
     let add = |slot: usize, pair: &Pair, (patch, part): (&Patch, &Part)| {
@@ -77,21 +78,27 @@ pub(super) fn find_pairs(
     pairs.each((tree, kin), [h, margin], |_| false, add);
 }
 
-/// Energy that the springs between shapes hold at the poses of `kin`, J.
+/// Energy that the springs between shapes hold at the poses of `kin`, J; adds their depths.
 ///
-/// - `contacts`: its points are scratch
+/// - `contacts`: its points are scratch, its depths are added
 pub(super) fn held_between(
     tree: &Tree,
     kin: &Kinematics,
     fastest: f64,
     contacts: &mut ContactSet,
 ) -> f64 {
-    let ContactSet { points, pairs, .. } = contacts;
+    let ContactSet {
+        points,
+        pairs,
+        depths,
+        ..
+    } = contacts;
     let mut sum = 0.0;
-    let add = |_: usize, pair: &Pair, found: (&Patch, &Part)| {
+    let add = |slot: usize, pair: &Pair, found: (&Patch, &Part)| {
         points.clear();
         pair.add_points(tree, found, points);
         let (depth, _) = norm(points);
+        depths.push((slot, depth));
         sum += pair.spring(tree, fastest).stored(depth);
         false
     };

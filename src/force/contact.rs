@@ -132,7 +132,7 @@ pub struct Contact {
     pub mass: f64,
     /// Unit vector from the ground or the other body into the body.
     pub normal: Vec3,
-    /// Whether its points have normals of their own: then `normal` is their mean.
+    /// Whether its points have rows of their own: `normal` is the mean of their normals.
     pub uneven: bool,
     /// Its points in [`super::ContactSet::points`].
     pub points: Range<usize>,
@@ -174,7 +174,7 @@ pub struct Contact {
 impl Contact {
     /// Spatial velocity of its body against that of the other one, where `V` are those of all.
     #[inline]
-    pub(super) fn relative(&self, V: &[Vec6]) -> Vec6 {
+    pub(crate) fn relative(&self, V: &[Vec6]) -> Vec6 {
         let v = V[self.body];
         self.other.map_or(v, |other| {
             let w = other.seen(&V[other.body]);

@@ -75,8 +75,8 @@ pub fn detect(
     find_pairs(tree, touches, kin, [h, margin], fastest, contacts);
 }
 
-/// Energy that the springs of all contacts hold at the poses of `kin`, J. The points of `contacts`
-/// are scratch; `fastest` is that of [`detect`].
+/// Energy that the springs of all contacts hold at the poses of `kin`, J; finds the depths of
+/// `contacts`, whose points are scratch. `fastest` is that of [`detect`].
 pub fn held(
     model: &Model,
     tree: &Tree,
@@ -84,13 +84,15 @@ pub fn held(
     fastest: f64,
     contacts: &mut ContactSet,
 ) -> f64 {
+    contacts.depths.clear();
     let mut sum = held_between(tree, kin, fastest, contacts);
-    let points = &mut contacts.points;
+    let ContactSet { points, depths, .. } = contacts;
     for collider in tree.on_ground() {
         points.clear();
         find(model, collider, kin, [0.0, 0.0], points);
         if !points.is_empty() {
             let (depth, _) = norm(points);
+            depths.push((collider.index, depth));
             let mass = tree.mass_with(collider.body);
             sum += limited(&collider.spring, mass, fastest).stored(depth);
         }

@@ -154,6 +154,9 @@ pub struct ContactSet {
     pub points: Vec<ContactPoint>,
     /// Scratch of the search for pairs of shapes.
     pub(crate) pairs: Pairs,
+    /// Depth, m, of the contact of each slot that has been found when energies were last, see
+    /// [`super::held`].
+    pub depths: Vec<(usize, f64)>,
 }
 
 impl ContactSet {
@@ -163,6 +166,7 @@ impl ContactSet {
             list: Vec::with_capacity(contacts),
             points: Vec::with_capacity(points),
             pairs: Pairs::default(),
+            depths: Vec::with_capacity(contacts),
         }
     }
 

@@ -15,7 +15,9 @@ pub struct ContactPoint {
     /// The unit vector `n` along which it is pushed: that of the contact, but on uneven ground,
     /// where each point has its own.
     pub normal: Vec3,
-    /// `x × n`: by which a rotation of its body moves it along the normal, m.
+    /// What velocities move it by along its normal: the normal, but where a secant adds to it.
+    pub row: Vec3,
+    /// The same for a rotation of its body about O, m: `x × n`.
     pub arm: Vec3,
     /// Depth along the normal, negative apart, m.
     pub depth: f64,
@@ -34,6 +36,7 @@ impl ContactPoint {
             corner,
             x,
             normal: *normal,
+            row: *normal,
             arm: x.cross(normal),
             depth,
             share,
@@ -49,7 +52,7 @@ impl ContactPoint {
     /// Velocity along its normal with the spatial velocity `W`, positive apart, m/s.
     #[inline]
     pub fn along(&self, W: &Vec6) -> f64 {
-        self.normal.dot(&linear(W)) + self.arm.dot(&angular(W))
+        self.row.dot(&linear(W)) + self.arm.dot(&angular(W))
     }
 }
 

@@ -14,7 +14,6 @@ use crate::step::closing::Closing;
 use crate::step::explicit::{self, Explicit, Plan};
 use crate::step::fixed::{self, Fixed, Methods, Outcome, Part};
 use crate::step::flight::Flight;
-use crate::step::guards;
 use crate::step::implicit::Implicit;
 use crate::step::islands::{Islands, is_moved};
 use crate::step::point::{Context, Point};
@@ -22,8 +21,8 @@ use crate::step::size::{self, Standing, Tried, Verdict, Way, grown, implicit_fac
 use crate::step::stages::Stages;
 use crate::tree::Tree;
 use crate::tuning::{
-    BALANCE, CONTROLLED_GAIN, EXPLICIT_SAFETY, FIXED_ACCURACY, GROWTH, GUESS, GUESSES, LEAST_ERROR,
-    MAX_STEP, MIN_STEP,
+    BALANCE, EXPLICIT_SAFETY, FIXED_ACCURACY, GROWTH, GUESS, GUESSES, LEAST_ERROR, MAX_STEP,
+    MIN_STEP,
 };
 
 /// Why a communication step was not taken.
@@ -345,19 +344,7 @@ impl Stepper {
                     .solve_alone(ctx, (here, from), trend, [h, accuracy])
             };
             if error <= 1.0 {
-                error = error.max(self.finish(ctx, state, staged, h));
-                // Energy out of nothing is an error of the step like others.
-                let from = &state.physical;
-                let allowed = CONTROLLED_GAIN * ctx.tolerance;
-                let books = guards::open_books(ctx, &self.here, from, allowed);
-                let work = if staged {
-                    self.stages.work(ctx, h)
-                } else {
-                    let parts = (&self.here.terms, &self.implicit.full);
-                    guards::work(ctx, &self.here.kin, parts, h)
-                };
-                let (points, end) = ((&self.here, &mut self.there), &self.attempt.end);
-                error = error.max(guards::error(ctx, &books, points, end, [h, work]));
+                error = self.complete(ctx, state, staged, ([h, accuracy], error));
             }
             let beyond = h > remaining;
             if beyond && !staged {

@@ -2,7 +2,10 @@
 
 use crate::state::State;
 use crate::step::driver::{Stepper, Stop};
+use crate::step::guards;
 use crate::step::point::Context;
+use crate::step::stages::Ending;
+use crate::tuning::{CONTROLLED_GAIN, HIT};
 
 impl Stepper {
     /// Enters a try, and refuses it where there have been too many.
@@ -36,6 +39,65 @@ impl Stepper {
             self.implicit.take_full(ctx, &self.here, from, h, attempt);
         }
         self.close(ctx, h)
+    }
+
+    /// Puts a step that has been solved, in two stages or alone, into `self.attempt`; returns its
+    /// error with that of its end: what closing its loops moves, energy out of nothing, and shapes
+    /// that have met unnoticed.
+    ///
+    /// - `h`, `accuracy`: its length, s, and that of its solves
+    /// - `error`: its error before
+    pub(super) fn complete(
+        &mut self,
+        ctx: &Context,
+        state: &State,
+        staged: bool,
+        ([h, accuracy], mut error): ([f64; 2], f64),
+    ) -> f64 {
+        let from = &state.physical;
+        let allowed = CONTROLLED_GAIN * ctx.tolerance;
+        let books = guards::open_books(ctx, &self.here, from, allowed);
+        let gain = if staged {
+            let Self {
+                here,
+                there,
+                stages,
+                closing,
+                attempt,
+                ..
+            } = self;
+            let step = Ending {
+                here,
+                from,
+                books: &books,
+                lengths: [h, accuracy],
+                alike: false,
+            };
+            let ended = stages.end(ctx, &step, (there, attempt), |stages, there, attempt| {
+                attempt.begin(state);
+                stages.finish(ctx, (here, from), h, attempt);
+                closing.close(ctx.tree, &mut there.kin, &mut attempt.end, h) / ctx.tolerance
+            });
+            let Some(ended) = ended else { return HIT };
+            if ended.again {
+                error = stages.error(ctx, from, h);
+            }
+            error = error.max(ended.added);
+            ended.gain
+        } else {
+            error = error.max(self.finish(ctx, state, staged, h));
+            let parts = (&self.here.terms, &self.implicit.full);
+            let work = guards::work(ctx, &self.here.kin, parts, h);
+            let (points, end) = ((&self.here, &mut self.there), &self.attempt.end);
+            guards::gain(ctx, &books, points, end, [h, work])
+        };
+        if gain.is_nan() {
+            return f64::INFINITY;
+        }
+        if guards::has_missed(ctx, (&self.here, &mut self.there), h) {
+            error = error.max(HIT);
+        }
+        error.max(gain)
     }
 
     /// Puts the explicit step of `h` seconds that has been tried into `self.attempt`, closes its

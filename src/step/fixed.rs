@@ -24,7 +24,7 @@ use crate::step::guards;
 use crate::step::implicit::Implicit;
 use crate::step::point::{Context, Point};
 use crate::step::size::fastest;
-use crate::step::stages::Stages;
+use crate::step::stages::{Ending, Stages};
 use crate::tree::Tree;
 use crate::tuning::{AHEAD, CALM, FIXED_ACCURACY, GAIN, MAX_PARTS, STEP_ROUND_OFF, TURN, WHIRL};
 
@@ -162,12 +162,22 @@ impl Fixed {
             return Some(Outcome::Bad);
         }
         let books = guards::open_books(ctx, here, from, GAIN * h / whole);
-        stages.finish(ctx, (here, from), h, attempt);
+        let step = Ending {
+            here,
+            from,
+            books: &books,
+            lengths: [h, FIXED_ACCURACY[0]],
+            alike: true,
+        };
+        let ended = stages.end(ctx, &step, (there, attempt), |stages, _, attempt| {
+            attempt.begin(state);
+            stages.finish(ctx, (here, from), h, attempt);
+            0.0
+        })?;
         if !attempt.end.is_finite() {
             return None;
         }
-        let lengths = [h, stages.work(ctx, h)];
-        let bad = guards::spoils(ctx, &books, (here, there), &attempt.end, lengths);
+        let bad = ended.gain > 1.0 || guards::has_missed(ctx, (here, there), h);
         Some(if bad { Outcome::Bad } else { Outcome::Good })
     }
 
@@ -263,7 +273,7 @@ impl Fixed {
                 let own = &mut points[contact.points.clone()];
                 if let Some(point) = own.iter_mut().find(|p| p.is(place)) {
                     (point.x, point.arm) = (place.x, place.arm);
-                    point.normal = place.normal;
+                    (point.normal, point.row) = (place.normal, place.row);
                     point.rim = place.rim;
                     point.depth = place.depth + 0.5 * h * v.along;
                 }

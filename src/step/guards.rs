@@ -15,7 +15,7 @@ use crate::state::Physical;
 use crate::step::convex::Newton;
 use crate::step::point::{Context, Point, fastest_contact};
 use crate::tree::Tree;
-use crate::tuning::{HIT, REFERENCE_GRAVITY};
+use crate::tuning::{MENDED_GAIN, REFERENCE_GRAVITY};
 
 /// Energies at the start of a step, J.
 #[derive(Clone, Copy, Debug, Default)]
@@ -25,6 +25,8 @@ pub(super) struct Books {
     held: f64,
     /// What the step may make, a share of kinetic energy and of weight times reach.
     allowed: f64,
+    /// What it may make without being solved again, as a multiple of that.
+    pub(super) mended: f64,
 }
 
 /// Energies at the start of a step from where `here` stands, which may add `share` of kinetic
@@ -39,6 +41,7 @@ pub(super) fn open_books(ctx: &Context, here: &Point, from: &Physical, share: f6
             + potential(tree, kin)
             + terms.springs()
             + limits(tree, here, &from.q),
+        mended: (MENDED_GAIN / share).min(1.0),
         allowed: share * (moving + tree.moving_mass() * REFERENCE_GRAVITY * tree.reach()),
     }
 }
@@ -57,32 +60,10 @@ pub(super) fn spoils(
 
 /// Whether shapes have met in the step of `h` seconds from `here` that it knows nothing of. Poses
 /// and velocities of `there` stand at its end; they do after [`gain`].
-fn has_missed(ctx: &Context, (here, there): (&Point, &mut Point), h: f64) -> bool {
+pub(super) fn has_missed(ctx: &Context, (here, there): (&Point, &mut Point), h: f64) -> bool {
     let Point { kin, terms, .. } = there;
     let known = &here.terms.contacts;
     terms.contacts.has_missed(ctx.tree, kin, h, known)
-}
-
-/// What the step to `end` errs by, relative to what it may: by energy that it has made, see
-/// [`gain`], and by what it has missed.
-pub(super) fn error(
-    ctx: &Context,
-    books: &Books,
-    (here, there): (&Point, &mut Point),
-    end: &Physical,
-    [h, work]: [f64; 2],
-) -> f64 {
-    let gain = gain(ctx, books, (here, there), end, [h, work]);
-    let missed = if has_missed(ctx, (here, there), h) {
-        HIT
-    } else {
-        0.0
-    };
-    if gain.is_nan() {
-        f64::INFINITY
-    } else {
-        gain.max(missed)
-    }
 }
 
 /// Energy that the step to `end` has made, as a multiple of what is allowed; poses and velocities
@@ -90,7 +71,7 @@ pub(super) fn error(
 ///
 /// - `h`: the step's length, s
 /// - `work`: of motors and external wrenches, J
-fn gain(
+pub(super) fn gain(
     ctx: &Context,
     books: &Books,
     (here, there): (&Point, &mut Point),

@@ -47,10 +47,13 @@
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
 mod regimes;
+mod secants;
+
+pub(super) use secants::Ending;
 
 use crate::closure::Rows;
 use crate::dynamics::{crba, rnea};
-use crate::force::{ContactSet, Memory, Terms, seek};
+use crate::force::{ContactSet, Memory, Secant, Terms, seek};
 use crate::joint::Sweep;
 use crate::kinematics::{advance, forward};
 use crate::model::Model;
@@ -107,13 +110,15 @@ pub(super) struct Stages {
     loops: Vec<f64>,
     /// What the friction cones of each stage lag behind, as an error relative to the tolerance.
     lag: [f64; 2],
+    /// Of the contacts of a step that is solved again, see `secants`.
+    secants: Vec<Secant>,
     /// Most Newton iterations in a solve since the communication step has begun.
     pub iterations: usize,
 }
 
 #[cfg(test)]
 crate::spoil::spoil!(
-    Stages: middle terms aside solved trend q v moved way from guess memory forces error probe loops lag iterations;
+    Stages: middle terms aside solved trend q v moved way from guess memory forces error probe loops lag secants iterations;
 );
 
 impl Stages {
@@ -140,6 +145,7 @@ impl Stages {
             probe: newton(),
             loops: Vec::with_capacity(Rows::most(tree)),
             lag: [0.0; 2],
+            secants: Vec::with_capacity(room[0]),
             iterations: 0,
         }
     }
@@ -159,6 +165,7 @@ impl Stages {
         alike: bool,
     ) -> bool {
         self.trend.copy_from(trend);
+        self.secants.clear();
         if !self.run_stages(ctx, (here, from), [h, accuracy], alike) {
             return false;
         }
@@ -185,6 +192,7 @@ impl Stages {
         self.middle.kin.loops.follow(&here.kin.loops);
         self.stand(ctx, from, h);
         self.find_drift(ctx, here);
+        self.bend();
         let eta = GAMMA * h;
         // First stage.
         for (guess, (v, a)) in self

@@ -3,6 +3,7 @@
 use super::campaign::{Ledger, pressing};
 use super::scenes::truth::Law;
 use super::*;
+use urdf2fmu_core::model::RootKind;
 use testing::{Random, random_tree, shape_all_links};
 
 /// C9. Static penetration: the law of stiffness, for the share of a face that touches.
@@ -324,6 +325,41 @@ fn rough_heap(seed: u64) -> Model {
     model
 }
 
+/// Six cylinders and boxes of some 10 cm and half the density of water, one above the other, that
+/// fall without friction.
+fn slippery_pile(seed: u64) -> Model {
+    let mut random = Random(seed);
+    let mut height = 0.0;
+    let mut fall = |i: u32| {
+        let [a, b, c] = [(); 3].map(|()| random.uniform(0.05, 0.15));
+        let (shape, i) = if i.is_multiple_of(2) {
+            let across = a * a / 4.0 + b * b / 3.0;
+            let shape = Shape::Cylinder {
+                radius: a,
+                half_length: b,
+            };
+            (shape, [across, across, a * a / 2.0])
+        } else {
+            let half = Vec3::new(a, b, c);
+            let [a, b, c] = [a, b, c].map(|x| x * x / 3.0);
+            (Shape::Box { half }, [b + c, a + c, a + b])
+        };
+        let (mass, reach) = (4e3 * a * b * c, shape.bounding_radius());
+        let mut b = single(mass, i.map(|i| mass * i), shape, 0.0);
+        let root = &mut b.model.roots[0];
+        root.position = random.vector(0.1);
+        root.position.z = height + reach + 0.01;
+        root.rpy = random.vector(3.0);
+        height += 2.0 * reach + 0.01;
+        b.model
+    };
+    let mut model = fall(0);
+    for i in 1..6 {
+        model.join(fall(i), &format!("body{i}"), RootKind::Object);
+    }
+    model
+}
+
 /// D8. A passive robot in contact never gains energy, elastic energy of its contacts and of what
 /// friction was paid for included (the case allows ΣF̄²/2k_t beyond that, which is not made use
 /// of). To within the tolerance under error control, and in fixed steps to within what a mass
@@ -332,6 +368,10 @@ fn rough_heap(seed: u64) -> Model {
 fn d8_a_passive_robot_never_gains_energy() {
     let smooth = (heap as fn(u64) -> Model, "20 heaps");
     let rough = (rough_heap as fn(u64) -> Model, "20 rough heaps");
+    let pile = (
+        slippery_pile as fn(u64) -> Model,
+        "20 piles without friction",
+    );
     for ((make, heaps), step, tolerance, allowed) in [
         (smooth, 1.0 / 240.0, 1e-3, 2e-3),
         (smooth, 1e-3, 1e-3, 1e-4),
@@ -340,6 +380,8 @@ fn d8_a_passive_robot_never_gains_energy() {
         (rough, 1.0 / 240.0, 1e-3, ROUND_OFF),
         (rough, 1e-3, 1e-3, ROUND_OFF),
         (rough, 0.0, 1e-3, 2e-14),
+        (pile, 0.0, 1e-3, 1e-6),
+        (pile, 1.0 / 240.0, 1e-3, 1e-6),
     ] {
         let mut worst = 0.0_f64;
         for seed in 0..20 {

@@ -239,7 +239,7 @@ fn add_contact(
     h: f64,
 ) {
     if contact.uneven {
-        let row = |p: &ContactPoint, m: &Vec3| join(m, &p.normal);
+        let row = |p: &ContactPoint, m: &Vec3| join(m, &p.row);
         along_normals(contact, points, response, (h, row), G);
     } else {
         let row = |_: &ContactPoint, m: &Vec3| [m.x, m.y, m.z, 1.0];

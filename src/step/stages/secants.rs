@@ -1,0 +1,121 @@
+//! A step that makes energy is solved once more, with contacts whose force agrees with how deep
+//! they are at both of its ends.
+
+use super::Stages;
+use crate::force::{Secant, seek};
+use crate::kinematics::forward;
+use crate::state::Physical;
+use crate::step::attempt::Attempt;
+use crate::step::guards::{Books, gain};
+use crate::step::point::{Context, Point};
+use crate::tuning::SECANTS;
+
+/// A step that has been solved.
+pub(in crate::step) struct Ending<'a> {
+    /// Where it begins.
+    pub(in crate::step) here: &'a Point,
+    /// See `here`.
+    pub(in crate::step) from: &'a Physical,
+    /// Energies there.
+    pub(in crate::step) books: &'a Books,
+    /// Its length, s, and the accuracy of its solves.
+    pub(in crate::step) lengths: [f64; 2],
+    /// See [`Stages::solve`].
+    pub(in crate::step) alike: bool,
+}
+
+/// What became of it.
+pub(in crate::step) struct Ended {
+    /// What putting it into the attempt adds to its error.
+    pub(in crate::step) added: f64,
+    /// Energy that it makes, as a multiple of what is allowed.
+    pub(in crate::step) gain: f64,
+    /// Whether it has been solved again, so that its error is another one.
+    pub(in crate::step) again: bool,
+}
+
+impl Stages {
+    /// Puts the step into an attempt by `finish`, which returns what that adds to its error; as
+    /// long as it makes energy, solves it again with secants. None where that has no solution.
+    /// Poses and velocities of `there` then stand at its end.
+    pub(in crate::step) fn end(
+        &mut self,
+        ctx: &Context,
+        step: &Ending,
+        (there, attempt): (&mut Point, &mut Attempt),
+        mut finish: impl FnMut(&mut Self, &mut Point, &mut Attempt) -> f64,
+    ) -> Option<Ended> {
+        let Ending { here, from, .. } = *step;
+        let [h, _] = step.lengths;
+        for round in 0.. {
+            let added = finish(self, there, attempt);
+            let lengths = [h, self.work(ctx, h)];
+            let gain = gain(ctx, step.books, (here, there), &attempt.end, lengths);
+            let makes = gain > step.books.mended && gain.is_finite();
+            let depths = &there.terms.contacts.depths;
+            if !makes || round == SECANTS || !self.find_secants(ctx, here, depths, h) {
+                return Some(Ended {
+                    added,
+                    gain,
+                    again: round > 0,
+                });
+            }
+            if !self.run_stages(ctx, (here, from), step.lengths, step.alike) {
+                break;
+            }
+        }
+        None
+    }
+
+    /// Finds the secants of all contacts that press at the end of a step of `h` seconds from
+    /// `here`; tells whether there are any.
+    ///
+    /// - `depths`: depth of the contact of each slot at its end, m
+    fn find_secants(
+        &mut self,
+        ctx: &Context,
+        here: &Point,
+        depths: &[(usize, f64)],
+        h: f64,
+    ) -> bool {
+        let kin = &self.middle.kin;
+        forward(ctx.tree, &kin.S, &self.moved, &mut self.way);
+        let mut starts = here.terms.contacts.iter().peekable();
+        let firsts = self.terms[0].contacts.iter();
+        let solved = &self.solved[1].responses.contacts;
+        let mut any = false;
+        for ((contact, first), response) in
+            self.middle.terms.contacts.iter().zip(firsts).zip(solved)
+        {
+            let start = seek(&mut starts, contact.slot, |c| c.slot);
+            let end = depths.iter().find(|(slot, _)| *slot == contact.slot);
+            let (Some(start), Some((_, end))) = (start, end) else {
+                continue;
+            };
+            if !ctx.rules.secants || response.depth.max(*end) <= 0.0 {
+                continue;
+            }
+            let errors = [start.depth - first.depth, end - response.depth];
+            let found = Secant::new((ctx.tree, kin), contact, errors, (&self.way, h));
+            let Some(found) = found else { continue };
+            any = true;
+            let known = |secant: &&mut Secant| secant.slot() == found.slot();
+            match self.secants.iter_mut().find(known) {
+                Some(secant) => secant.add(&found),
+                None => self.secants.push(found),
+            }
+        }
+        any
+    }
+
+    /// Gives contacts the secants that have been found.
+    pub(super) fn bend(&mut self) {
+        let contacts = &mut self.middle.terms.contacts;
+        for secant in &self.secants {
+            let list = &mut contacts.list;
+            if let Some(contact) = list.iter_mut().find(|c| c.slot == secant.slot()) {
+                secant.bend(contact, &mut contacts.points);
+            }
+        }
+    }
+}
