@@ -15,6 +15,7 @@
 
 use super::core::{Core, Round, Solid};
 use super::meet::Meeting;
+use super::nearby::{Nearby, Parts};
 use super::placed::{Placed, rank};
 use super::points::{PatchPoint, Points, Rim, Side, point};
 use super::sink::Sink;
@@ -79,15 +80,22 @@ pub(super) fn on_surface(
     shape: &Placed,
     surface: &Surface,
     (meeting, scratch): (&mut Meeting, &mut Scratch),
+    nearby: Option<&mut Nearby>,
     sink: &mut Sink,
 ) {
     let around = shape.solid.reach + sink.reach;
     let Scratch { found, own, points } = scratch;
     let mut count = 0;
     own.clear();
-    surface.each_near(&shape.p, around, |index, facet| {
-        for crest in facet.crests.iter().flatten() {
-            on_crest(shape, surface.crest(*crest), (meeting, points), sink);
+    let reach = sink.reach;
+    let take = |own: &mut OwnPoints, index, facet: &Facet, part: Parts| {
+        for (crest, near) in facet.crests.iter().zip(part.crests) {
+            if let (Some(crest), true) = (crest, near) {
+                on_crest(shape, surface.crest(*crest), (meeting, points), sink);
+            }
+        }
+        if !part.face {
+            return;
         }
         let height = facet.height(&shape.p);
         let beside = facet.is_beside(&shape.p, shape.solid.reach);
@@ -106,7 +114,16 @@ pub(super) fn on_surface(
                 count += 1;
             }
         });
-    });
+    };
+    match nearby {
+        Some(nearby) => nearby.each((shape, surface), own, reach, take),
+        None => {
+            let mut take = take;
+            surface.each_near(&shape.p, around, |index, facet| {
+                take(own, index, facet, Parts::ALL);
+            });
+        }
+    }
     let found = &mut found[..count];
     found.sort_unstable_by(|a, b| {
         let by_depth = a.point.depth.total_cmp(&b.point.depth);
@@ -150,7 +167,7 @@ pub(super) fn on_surface(
 /// With which points a shape may lie on planes of one normal: triangles of even ground have the
 /// same one.
 #[derive(Clone, Debug)]
-struct OwnPoints {
+pub(super) struct OwnPoints {
     list: [OwnPoint; MOST_CORNERS],
     count: usize,
     normal: Option<Vec3>,
@@ -171,7 +188,7 @@ impl Default for OwnPoints {
 
 impl OwnPoints {
     /// Knows nothing of a shape.
-    fn clear(&mut self) {
+    pub(super) fn clear(&mut self) {
         (self.count, self.normal, self.placed) = (0, None, false);
     }
 
@@ -184,10 +201,7 @@ impl OwnPoints {
         mut take: impl FnMut(usize, PatchPoint, bool),
     ) {
         let n = &facet.normal;
-        if self.normal != Some(*n) {
-            self.find(shape, n);
-            self.normal = Some(*n);
-        }
+        self.update(shape, n);
         // Many corners of a hull are over no triangle: their shares are not asked for.
         let has_shares = matches!(shape.core, Core::Corners(_));
         for (own, p) in self.list[..self.count].iter().enumerate() {
@@ -213,6 +227,24 @@ impl OwnPoints {
                     !over,
                 );
             }
+        }
+    }
+
+    /// Where the points of a shape are for a normal, and what must be over a triangle for each.
+    pub(super) fn places(
+        &mut self,
+        shape: &Placed,
+        n: &Vec3,
+    ) -> impl Iterator<Item = (&Vec3, &Vec3)> {
+        self.update(shape, n);
+        self.list[..self.count].iter().map(|own| (&own.x, &own.over))
+    }
+
+    /// Finds the points for a normal, if they are those of another one.
+    fn update(&mut self, shape: &Placed, n: &Vec3) {
+        if self.normal != Some(*n) {
+            self.find(shape, n);
+            self.normal = Some(*n);
         }
     }
 
@@ -278,7 +310,7 @@ impl OwnPoints {
 /// Whether a shape is certainly farther than `reach`, m, from an edge: its distance is at least the
 /// gap along any direction. Asked are that from the nearest place of the edge to the middle of the
 /// shape, `apart`, and that in which the edge pushes.
-fn is_far(shape: &Placed, crest: &Crest, apart: &Vec3, reach: f64) -> bool {
+pub(super) fn is_far(shape: &Placed, crest: &Crest, apart: &Vec3, reach: f64) -> bool {
     let [a, b] = &crest.ends;
     let gap = |d: &Vec3| {
         let low = d.dot(&shape.support(&-d)) - d.dot(a).max(d.dot(b));
@@ -303,9 +335,7 @@ fn on_crest(
         along,
         ..
     } = *crest;
-    let from = shape.p - middle;
-    let apart = from - along * along.dot(&from).clamp(-length, length);
-    if is_far(shape, crest, &apart, sink.reach) {
+    if is_far(shape, crest, &crest.apart(&shape.p), sink.reach) {
         return;
     }
     let edge = Solid::new(
@@ -330,12 +360,15 @@ fn on_crest(
     } else {
         (shape, &placed)
     };
-    let (normal, ..) = meeting.find(pair, sink.reach, points);
-    let n = if swapped { -normal } else { normal };
-    let share = part_between(&n, crest, shape);
-    if share <= 0.0 {
+    let outwards = |normal: &Vec3| if swapped { -normal } else { *normal };
+    // Points are found only where the crest has a part.
+    let acts = |normal: &Vec3| part_between(&outwards(normal), crest, shape) > 0.0;
+    let (normal, ..) = meeting.find_if(pair, sink.reach, acts, points);
+    if points.list().is_empty() {
         return;
     }
+    let n = outwards(&normal);
+    let share = part_between(&n, crest, shape);
     for found in points.list() {
         let mut rim = found.rim;
         if let (true, Some(rim)) = (swapped, &mut rim) {
