@@ -26,9 +26,9 @@ pub struct Pairs {
     order: Vec<usize>,
     /// Places of terrain, and where it stands.
     grounds: Vec<(usize, Pose)>,
-    /// What is known from before of each terrain, in the order of `grounds`, and each shape. It only
-    /// saves time: the result is the same when nothing is known.
-    known: Vec<Vec<Known>>,
+    /// What is known from before of each terrain, in the order of `grounds`, and each shape. It
+    /// only saves time: the result is the same when nothing is known.
+    known: Vec<KnownGround>,
     /// Pairs of places that come near, the lower one first.
     near: Vec<[usize; 2]>,
     /// None where no shapes touch each other.
@@ -48,12 +48,19 @@ struct Ball {
     speed: f64,
 }
 
+/// What is known of terrain from before.
+#[derive(Clone, Debug)]
+struct KnownGround {
+    /// Its place, and where it stood.
+    place: usize,
+    X: Pose,
+    /// Of each shape.
+    shapes: Vec<Known>,
+}
+
 /// What is known of a shape and terrain from before.
 #[derive(Clone, Debug)]
 struct Known {
-    /// Place of the terrain, and where it stood.
-    ground: usize,
-    X: Pose,
     /// A ball, and whether it comes near the terrain.
     ball: Ball,
     near: bool,
@@ -65,42 +72,50 @@ struct Known {
 /// that the next look need not ask the terrain.
 const AHEAD: f64 = 0.125;
 
-impl Known {
+impl KnownGround {
     /// Room for each shape on each terrain of a model.
-    fn of(model: &Model, shapes: usize) -> Vec<Vec<Self>> {
+    fn of(model: &Model, shapes: usize) -> Vec<Self> {
         let terrain = model.colliders.iter().filter_map(|collider| {
             let nearby = match collider.shape {
                 Shape::Surface { .. } => Some(Nearby::new()),
                 Shape::Plane | Shape::Field { .. } => None,
                 _ => return None,
             };
-            let one = Self {
-                ground: usize::MAX,
-                X: Pose::IDENTITY,
+            let one = Known {
                 ball: Ball::default(),
                 near: false,
                 nearby,
             };
-            Some(vec![one; shapes])
+            Some(Self {
+                place: usize::MAX,
+                X: Pose::IDENTITY,
+                shapes: vec![one; shapes],
+            })
         });
         terrain.collect()
     }
 
-    /// Whether a ball may come nearer than `margin`, m, to the terrain at a place, which stands at
-    /// `X`.
-    fn may_be_near(
-        &mut self,
-        (place, ground): (usize, &TreeCollider),
-        X: &Pose,
-        ball: &Ball,
-        margin: f64,
-    ) -> bool {
+    /// Knows nothing of other terrain, or of terrain that stands elsewhere.
+    fn turn_to(&mut self, place: usize, X: &Pose) {
+        if self.place == place && self.X == *X {
+            return;
+        }
+        (self.place, self.X) = (place, *X);
+        for known in &mut self.shapes {
+            known.ball.radius = 0.0;
+            if let Some(nearby) = &mut known.nearby {
+                nearby.forget();
+            }
+        }
+    }
+}
+
+impl Known {
+    /// Whether a ball may come nearer than `margin`, m, to terrain that stands at `X`.
+    fn may_be_near(&mut self, ground: &TreeCollider, X: &Pose, ball: &Ball, margin: f64) -> bool {
         let radius = ball.radius + margin;
         let room = self.ball.radius - radius;
-        let holds = self.ground == place
-            && self.X == *X
-            && room > 0.0
-            && (self.ball.center - ball.center).norm_squared() < room * room;
+        let holds = room > 0.0 && (self.ball.center - ball.center).norm_squared() < room * room;
         if !holds {
             let larger = radius * (1.0 + AHEAD);
             self.near = clearance(ground, X, &ball.center, larger) <= 0.0;
@@ -109,13 +124,6 @@ impl Known {
                 radius: radius * (1.0 + 0.99 * AHEAD),
                 ..*ball
             };
-            self.X = *X;
-        }
-        if self.ground != place {
-            self.ground = place;
-            if let Some(nearby) = &mut self.nearby {
-                nearby.forget();
-            }
         }
         self.near
     }
@@ -133,7 +141,7 @@ impl Pairs {
             balls: Vec::with_capacity(shapes),
             order: Vec::with_capacity(shapes),
             grounds: Vec::with_capacity(shapes),
-            known: Known::of(model, shapes),
+            known: KnownGround::of(model, shapes),
             near: Vec::with_capacity(shapes * shapes.saturating_sub(1) / 2),
             patch: (shapes > 0).then(Box::default),
         }
@@ -168,7 +176,7 @@ impl Pairs {
                     let ground = grounds.iter().position(|(place, _)| places.contains(place));
                     let nearby = ground.and_then(|ground| {
                         let shape = usize::from(grounds[ground].0 == places[0]);
-                        known[ground][places[shape]].nearby.as_mut()
+                        known[ground].shapes[places[shape]].nearby.as_mut()
                     });
                     pair.touch(&mut patch, h * speed + margin, nearby)
                         && patch.parts().iter().any(|part| {
@@ -243,6 +251,9 @@ impl Pairs {
             }
             self.order.insert(at, place);
         }
+        for ((ground, X), known) in self.grounds.iter().zip(&mut self.known) {
+            known.turn_to(*ground, X);
+        }
         let near = &mut self.near;
         let mut add = |first: usize, second: usize| {
             let pair = [first.min(second), first.max(second)];
@@ -263,8 +274,8 @@ impl Pairs {
                 }
             }
             for ((ground, X), known) in self.grounds.iter().zip(&mut self.known) {
-                let it = (*ground, &tree.contact.colliders[*ground]);
-                if known[first].may_be_near(it, X, a, 0.5 * margin) {
+                let terrain = &tree.contact.colliders[*ground];
+                if known.shapes[first].may_be_near(terrain, X, a, 0.5 * margin) {
                     add(first, *ground);
                 }
             }

@@ -270,7 +270,11 @@ impl Field {
     /// A height that no point of the surface over a cell exceeds: the highest of its Bézier points.
     fn bound(&self, i: usize, j: usize) -> f64 {
         let points = self.bezier(i, j);
-        points.iter().flatten().copied().fold(f64::NEG_INFINITY, f64::max)
+        points
+            .iter()
+            .flatten()
+            .copied()
+            .fold(f64::NEG_INFINITY, f64::max)
     }
 
     /// What the square of the slope over a cell does not exceed: three times the differences of
@@ -377,6 +381,24 @@ impl Field {
             local.normal(),
             self.ridges[k],
         )
+    }
+
+    /// Whether the line along the surface's normal at a sample passes a ball about `p`.
+    #[inline]
+    pub fn passes(&self, [i, j]: [usize; 2], p: &Vec3, radius: f64) -> bool {
+        let Grid {
+            half,
+            cell,
+            per_metre,
+            ..
+        } = &self.grid;
+        let [height, sx, sy, _] = self.nodes[j * self.samples.counts[0] + i];
+        let (x, y) = (count(i) * cell[0] - half[0], count(j) * cell[1] - half[1]);
+        let along = Vec3::new(-sx * per_metre[0], -sy * per_metre[1], 1.0);
+        let apart = Vec3::new(x, y, height) - p;
+        // More than round-off: what nearly passes is looked at.
+        let radius = radius * (1.0 + 1e-6) + 1e-12 * half[0].max(half[1]);
+        apart.cross(&along).norm_squared() > radius * radius * along.norm_squared()
     }
 
     /// Where a sample is, m.

@@ -277,12 +277,7 @@ impl Surface {
 
     /// Calls `take` with the leaves of the tree whose boxes come nearer to a point than `radius`,
     /// m, until it says that it has enough; tells whether it has.
-    pub fn any_leaf(
-        &self,
-        p: &Vec3,
-        radius: f64,
-        mut take: impl FnMut(usize) -> bool,
-    ) -> bool {
+    pub fn any_leaf(&self, p: &Vec3, radius: f64, mut take: impl FnMut(usize) -> bool) -> bool {
         let mut stack = [0_usize; STACK];
         let mut count = 1;
         while count > 0 {

@@ -17,7 +17,7 @@
 
 use super::core::{Core, Round};
 use super::placed::Placed;
-use super::points::{PatchPoint, Rim, Side, point};
+use super::points::{PatchPoint, Side, point};
 use super::sink::Sink;
 use super::trace::Trace;
 use crate::geometry::field::Field;
@@ -168,10 +168,9 @@ impl OnField<'_, '_> {
                 if end.found.is_some_and(|(n, ..)| n == end.n) {
                     continue;
                 }
-                let trace = Trace::new(shape, round, &end.n, Side::First);
-                let (x, rim) = trace.end(end.s);
+                let (x, _) = Trace::new(shape, round, &end.n, Side::First).end(end.s);
                 if let Some((next, depth)) = self.below(&x) {
-                    end.found = Some((end.n, depth, x, rim));
+                    end.found = Some((end.n, depth, x));
                     changes |= end.n != next;
                     end.n = next;
                 } else {
@@ -182,9 +181,14 @@ impl OnField<'_, '_> {
                 break;
             }
         }
-        for (n, depth, x, rim) in ends.into_iter().flatten().filter_map(|end| end.found) {
-            let halfway = point(x + n * (0.5 * depth), depth, 0.5);
-            self.sink.add(&n, PatchPoint { rim, ..halfway });
+        for end in ends.into_iter().flatten() {
+            if let Some((n, depth, x)) = end.found
+                && depth > -self.sink.reach
+            {
+                let (_, rim) = Trace::new(shape, round, &n, Side::First).end(end.s);
+                let halfway = point(x + n * (0.5 * depth), depth, 0.5);
+                self.sink.add(&n, PatchPoint { rim, ..halfway });
+            }
         }
     }
 
@@ -196,6 +200,9 @@ impl OnField<'_, '_> {
         let mut best = [Peak::default(); MOST_PEAKS];
         let mut count = 0;
         field.each_peak((shape.p.x, shape.p.y, around), low - reach, |i, j| {
+            if field.passes([i, j], &shape.p, shape.solid.reach + reach) {
+                return f64::NEG_INFINITY;
+            }
             let (x, n, share) = field.sample(i, j);
             if let Some((normal, depth)) = against(shape, &x, &n)
                 && depth > -reach
@@ -228,8 +235,8 @@ struct End {
     s: f64,
     /// The normal of the surface below the point that was found last.
     n: Vec3,
-    /// This point, with the normal along which it is lowest, its depth, and its rim.
-    found: Option<(Vec3, f64, Vec3, Option<Rim>)>,
+    /// The normal along which this point is lowest, its depth, and the point.
+    found: Option<(Vec3, f64, Vec3)>,
 }
 
 /// A sharp sample in a shape.

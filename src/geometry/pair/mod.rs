@@ -40,6 +40,7 @@ mod gjk;
 mod meet;
 mod nearby;
 mod nearest;
+mod own;
 mod placed;
 mod points;
 mod polygon;
@@ -109,17 +110,12 @@ impl Patch {
     /// `reach`, m; whether there is anything. Positions and vectors are those of the frame W.
     ///
     /// A half-space may be `a` or `b`; two half-spaces have nothing in common.
-    pub fn find(
-        &mut self,
-        a: (&Solid, &Pose),
-        b: (&Solid, &Pose),
-        reach: f64,
-    ) -> bool {
+    pub fn find(&mut self, a: (&Solid, &Pose), b: (&Solid, &Pose), reach: f64) -> bool {
         self.find_near(a, b, reach, None)
     }
 
-    /// The same with what was near when the same two shapes were looked at before, if one of them is
-    /// a mesh. That only saves time.
+    /// The same with what was near when the same two shapes were looked at before, if one of them
+    /// is a mesh. That only saves time.
     pub fn find_near(
         &mut self,
         (a, X_WA): (&Solid, &Pose),

@@ -12,8 +12,8 @@
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
 use super::core::Core;
+use super::own::{OwnPoints, is_far};
 use super::placed::Placed;
-use super::surface::{OwnPoints, is_far};
 use crate::geometry::surface::{Facet, Surface};
 use crate::spatial::{Mat3, Vec3};
 use crate::tuning::CROWN;

@@ -52,7 +52,7 @@ pub(super) fn on_terrain(
         Core::Field(field) => field::on_field(&own, field, &mut sink),
         Core::Surface(surface) => {
             surface::on_surface(&own, surface, (meeting, scratch), nearby, &mut sink);
-        },
+        }
         _ => {}
     }
 }

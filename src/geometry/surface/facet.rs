@@ -65,7 +65,10 @@ impl Crest {
     /// From its nearest place to a point.
     pub fn apart(&self, p: &Vec3) -> Vec3 {
         let from = p - self.middle;
-        let place = self.along.dot(&from).clamp(-self.half_length, self.half_length);
+        let place = self
+            .along
+            .dot(&from)
+            .clamp(-self.half_length, self.half_length);
         from - self.along * place
     }
 }
