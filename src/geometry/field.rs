@@ -281,13 +281,13 @@ impl Field {
     /// its Bézier points are those of the slopes per cell.
     fn steepest(&self, i: usize, j: usize) -> f64 {
         let points = self.bezier(i, j);
-        let (mut along_x, mut along_y) = (0.0_f64, 0.0_f64);
-        for a in 0..4 {
-            for b in 0..3 {
-                along_x = along_x.max((points[a][b + 1] - points[a][b]).abs());
-                along_y = along_y.max((points[b + 1][a] - points[b][a]).abs());
-            }
-        }
+        let along_x = points
+            .iter()
+            .flat_map(|row| [0, 1, 2].map(|k| row[k + 1] - row[k]));
+        let rows = points.iter().zip(&points[1..]);
+        let along_y = rows.flat_map(|(a, b)| [0, 1, 2, 3].map(|k| b[k] - a[k]));
+        let along_x = along_x.fold(0.0, |most: f64, x| most.max(x.abs()));
+        let along_y = along_y.fold(0.0, |most: f64, y| most.max(y.abs()));
         let [x, y] = [along_x, along_y].map(|difference| 3.0 * difference);
         let [px, py] = self.grid.per_metre;
         (x * px) * (x * px) + (y * py) * (y * py)

@@ -102,14 +102,13 @@ pub(super) fn on_surface(
             }
         });
     };
-    match nearby {
-        Some(nearby) => nearby.each((shape, surface), own, reach, take),
-        None => {
-            let mut take = take;
-            surface.each_near(&shape.p, around, |index, facet| {
-                take(own, index, facet, Parts::ALL);
-            });
-        }
+    if let Some(nearby) = nearby {
+        nearby.each((shape, surface), own, reach, take);
+    } else {
+        let mut take = take;
+        surface.each_near(&shape.p, around, |index, facet| {
+            take(own, index, facet, Parts::ALL);
+        });
     }
     let found = &mut found[..count];
     found.sort_unstable_by(|a, b| {
