@@ -8,7 +8,8 @@
 
 use super::meeting::limited;
 use super::point::{ContactPoint, Rim};
-use crate::geometry::pair::{Part, Patch, PatchPoint, Side, Solid};
+use crate::geometry::Shape;
+use crate::geometry::pair::{Nearby, Part, Patch, PatchPoint, Side, Solid};
 use crate::kinematics::Kinematics;
 use crate::law::normal::Stiffening;
 use crate::model::Model;
@@ -25,6 +26,9 @@ pub struct Pairs {
     order: Vec<usize>,
     /// Places of terrain, and where it stands.
     grounds: Vec<(usize, Pose)>,
+    /// What is known from before of each terrain, in the order of `grounds`, and each shape. It
+    /// only saves time: the result is the same when nothing is known.
+    known: Vec<KnownGround>,
     /// Pairs of places that come near, the lower one first.
     near: Vec<[usize; 2]>,
     /// None where no shapes touch each other.
@@ -40,6 +44,89 @@ struct Ball {
     radius: f64,
     /// Its least x, m.
     low: f64,
+    /// How fast points of the shape move, at most, m/s.
+    speed: f64,
+}
+
+/// What is known of terrain from before.
+#[derive(Clone, Debug)]
+struct KnownGround {
+    /// Its place, and where it stood.
+    place: usize,
+    X: Pose,
+    /// Of each shape.
+    shapes: Vec<Known>,
+}
+
+/// What is known of a shape and terrain from before.
+#[derive(Clone, Debug)]
+struct Known {
+    /// A ball, and whether it comes near the terrain.
+    ball: Ball,
+    near: bool,
+    /// What is near of a mesh.
+    nearby: Option<Nearby>,
+}
+
+/// By how much a ball that is looked at is larger than it must be, as a share of its radius, so
+/// that the next look need not ask the terrain.
+const AHEAD: f64 = 0.125;
+
+impl KnownGround {
+    /// Room for each shape on each terrain of a model.
+    fn of(model: &Model, shapes: usize) -> Vec<Self> {
+        let terrain = model.colliders.iter().filter_map(|collider| {
+            let nearby = match collider.shape {
+                Shape::Surface { .. } => Some(Nearby::new()),
+                Shape::Plane | Shape::Field { .. } => None,
+                _ => return None,
+            };
+            let one = Known {
+                ball: Ball::default(),
+                near: false,
+                nearby,
+            };
+            Some(Self {
+                place: usize::MAX,
+                X: Pose::IDENTITY,
+                shapes: vec![one; shapes],
+            })
+        });
+        terrain.collect()
+    }
+
+    /// Knows nothing of other terrain, or of terrain that stands elsewhere.
+    fn turn_to(&mut self, place: usize, X: &Pose) {
+        if self.place == place && self.X == *X {
+            return;
+        }
+        (self.place, self.X) = (place, *X);
+        for known in &mut self.shapes {
+            known.ball.radius = 0.0;
+            if let Some(nearby) = &mut known.nearby {
+                nearby.forget();
+            }
+        }
+    }
+}
+
+impl Known {
+    /// Whether a ball may come nearer than `margin`, m, to terrain that stands at `X`.
+    fn may_be_near(&mut self, ground: &TreeCollider, X: &Pose, ball: &Ball, margin: f64) -> bool {
+        let radius = ball.radius + margin;
+        let room = self.ball.radius - radius;
+        let holds = room > 0.0 && (self.ball.center - ball.center).norm_squared() < room * room;
+        if !holds {
+            let larger = radius * (1.0 + AHEAD);
+            self.near = clearance(ground, X, &ball.center, larger) <= 0.0;
+            // What round-off makes of the room is left out.
+            self.ball = Ball {
+                radius: radius * (1.0 + 0.99 * AHEAD),
+                ..*ball
+            };
+        }
+        self.near
+    }
 }
 
 impl Pairs {
@@ -54,6 +141,7 @@ impl Pairs {
             balls: Vec::with_capacity(shapes),
             order: Vec::with_capacity(shapes),
             grounds: Vec::with_capacity(shapes),
+            known: KnownGround::of(model, shapes),
             near: Vec::with_capacity(shapes * shapes.saturating_sub(1) / 2),
             patch: (shapes > 0).then(Box::default),
         }
@@ -74,10 +162,23 @@ impl Pairs {
             return false;
         };
         self.search(tree, kin, [h, margin]);
-        let enough = self.near.iter().any(|&places| {
+        let Self {
+            balls,
+            near,
+            grounds,
+            known,
+            ..
+        } = self;
+        let enough = near.iter().any(|&places| {
             !pass_over(places)
                 && Pair::new(tree, kin, places).is_some_and(|pair| {
-                    pair.touch(&mut patch, h * pair.speed(kin) + margin)
+                    let speed: f64 = places.iter().map(|&place| balls[place].speed).sum();
+                    let ground = grounds.iter().position(|(place, _)| places.contains(place));
+                    let nearby = ground.and_then(|ground| {
+                        let shape = usize::from(grounds[ground].0 == places[0]);
+                        known[ground].shapes[places[shape]].nearby.as_mut()
+                    });
+                    pair.touch(&mut patch, h * speed + margin, nearby)
                         && patch.parts().iter().any(|part| {
                             let slot = tree.contact.slot(places) + part.index;
                             take(slot, &pair, (&patch, part))
@@ -142,12 +243,16 @@ impl Pairs {
                 center,
                 radius,
                 low,
+                speed,
             };
             let mut at = self.order.len();
             while at > 0 && self.balls[self.order[at - 1]].low > low {
                 at -= 1;
             }
             self.order.insert(at, place);
+        }
+        for ((ground, X), known) in self.grounds.iter().zip(&mut self.known) {
+            known.turn_to(*ground, X);
         }
         let near = &mut self.near;
         let mut add = |first: usize, second: usize| {
@@ -168,9 +273,9 @@ impl Pairs {
                     add(first, second);
                 }
             }
-            for (ground, X) in &self.grounds {
-                let clear = clearance(&tree.contact.colliders[*ground], X, a, 0.5 * margin);
-                if clear <= 0.0 {
+            for ((ground, X), known) in self.grounds.iter().zip(&mut self.known) {
+                let terrain = &tree.contact.colliders[*ground];
+                if known.shapes[first].may_be_near(terrain, X, a, 0.5 * margin) {
                     add(first, *ground);
                 }
             }
@@ -189,10 +294,10 @@ fn terrain_at(collider: &TreeCollider, kin: &Kinematics) -> Option<Pose> {
     })
 }
 
-/// How far terrain that stands at `X` is from a ball, less a margin, at least, m.
-fn clearance(ground: &TreeCollider, X: &Pose, ball: &Ball, margin: f64) -> f64 {
+/// How far terrain that stands at `X` is from a ball, at least, m.
+fn clearance(ground: &TreeCollider, X: &Pose, center: &Vec3, radius: f64) -> f64 {
     let solid = ground.solid.as_ref();
-    let clear = solid.and_then(|s| s.clearance(X, &ball.center, ball.radius + margin));
+    let clear = solid.and_then(|s| s.clearance(X, center, radius));
     clear.unwrap_or(f64::NEG_INFINITY)
 }
 
@@ -230,9 +335,9 @@ impl<'a> Pair<'a> {
     }
 
     /// Finds what both have in common within `reach`, m.
-    fn touch(&self, patch: &mut Patch, reach: f64) -> bool {
+    fn touch(&self, patch: &mut Patch, reach: f64, nearby: Option<&mut Nearby>) -> bool {
         let [a, b] = [0, 1].map(|i| (self.solids[i], &self.poses[i]));
-        patch.find(a, b, reach)
+        patch.find_near(a, b, reach, nearby)
     }
 
     /// Whether they are nearer than `reach`, m.
@@ -341,7 +446,11 @@ pub(super) fn is_apart(tree: &Tree, kin: &Kinematics, h: f64) -> bool {
             center,
             radius,
             low,
+            speed,
         }
+    };
+    let clear = |ground: &TreeCollider, X: &Pose, ball: &Ball| {
+        clearance(ground, X, &ball.center, ball.radius) > 0.0
     };
     tree.worked_colliders().all(|(first, collider)| {
         let own = ball(collider);
@@ -350,8 +459,8 @@ pub(super) fn is_apart(tree: &Tree, kin: &Kinematics, h: f64) -> bool {
         others.all(|(second, c)| {
             !tree.contact.may_touch([first, second])
                 || match (&ground, terrain_at(c, kin)) {
-                    (Some(X), _) => clearance(collider, X, &ball(c), 0.0) > 0.0,
-                    (None, Some(X)) => clearance(c, &X, &own, 0.0) > 0.0,
+                    (Some(X), _) => clear(collider, X, &ball(c)),
+                    (None, Some(X)) => clear(c, &X, &own),
                     (None, None) => {
                         let other = ball(c);
                         (other.center - own.center).norm() > own.radius + other.radius

@@ -40,6 +40,8 @@ pub struct Field {
     cells: Pyramid,
     /// The lowest sample, m.
     lowest: f64,
+    /// No normal of the surface has a smaller z.
+    upright: f64,
     /// Heights of the samples that are sharp.
     peaks: Pyramid,
 }
@@ -183,6 +185,7 @@ impl Field {
             grid: Grid::new(&samples),
             samples,
             lowest,
+            upright: 0.0,
             nodes,
             ridges: Vec::new(),
             cells: Pyramid::default(),
@@ -191,6 +194,9 @@ impl Field {
         field.ridges = (0..nx * ny).map(|k| field.ridge(k % nx, k / nx)).collect();
         let bounds = (0..(nx - 1) * (ny - 1)).map(|k| field.bound(k % (nx - 1), k / (nx - 1)));
         field.cells = Pyramid::new([nx - 1, ny - 1], bounds.collect());
+        let slopes = (0..(nx - 1) * (ny - 1)).map(|k| field.steepest(k % (nx - 1), k / (nx - 1)));
+        let steepest = slopes.fold(0.0, f64::max);
+        field.upright = 1.0 / (1.0 + steepest).sqrt();
         let peaks = field.ridges.iter().zip(&field.samples.heights);
         let peak = |(ridge, height): (&f64, &f64)| {
             if *ridge > 0.0 {
@@ -243,24 +249,57 @@ impl Field {
         (excess * excess).min(1.0)
     }
 
-    /// A height that no point of the surface over a cell exceeds: the highest of its sixteen Bézier
-    /// points.
-    fn bound(&self, i: usize, j: usize) -> f64 {
+    /// The sixteen Bézier points of a cell, m: first along x, row by row.
+    fn bezier(&self, i: usize, j: usize) -> [[f64; 4]; 4] {
         let nx = self.samples.counts[0];
-        let mut top = f64::NEG_INFINITY;
+        let mut points = [[0.0; 4]; 4];
         for (di, dj) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
-            let k = (j + dj) * nx + i + di;
-            let [h, sx, sy, sxy] = self.nodes[k];
+            let [h, sx, sy, sxy] = self.nodes[(j + dj) * nx + i + di];
             let inward = |d: usize| if d == 0 { 1.0 / 3.0 } else { -1.0 / 3.0 };
             let (u, v) = (inward(di), inward(dj));
-            for x in [h, h + u * sx, h + v * sy, h + u * sx + v * sy + u * v * sxy] {
-                top = top.max(x);
-            }
+            let next = |d: usize| if d == 0 { [0, 1] } else { [3, 2] };
+            let ([near_x, far_x], [near_y, far_y]) = (next(di), next(dj));
+            points[near_y][near_x] = h;
+            points[near_y][far_x] = h + u * sx;
+            points[far_y][near_x] = h + v * sy;
+            points[far_y][far_x] = h + u * sx + v * sy + u * v * sxy;
         }
-        top
+        points
+    }
+
+    /// A height that no point of the surface over a cell exceeds: the highest of its Bézier points.
+    fn bound(&self, i: usize, j: usize) -> f64 {
+        let points = self.bezier(i, j);
+        points
+            .iter()
+            .flatten()
+            .copied()
+            .fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    /// What the square of the slope over a cell does not exceed: three times the differences of
+    /// its Bézier points are those of the slopes per cell.
+    fn steepest(&self, i: usize, j: usize) -> f64 {
+        let points = self.bezier(i, j);
+        let along_x = points
+            .iter()
+            .flat_map(|row| [0, 1, 2].map(|k| row[k + 1] - row[k]));
+        let rows = points.iter().zip(&points[1..]);
+        let along_y = rows.flat_map(|(a, b)| [0, 1, 2, 3].map(|k| b[k] - a[k]));
+        let along_x = along_x.fold(0.0, |most: f64, x| most.max(x.abs()));
+        let along_y = along_y.fold(0.0, |most: f64, y| most.max(y.abs()));
+        let [x, y] = [along_x, along_y].map(|difference| 3.0 * difference);
+        let [px, py] = self.grid.per_metre;
+        (x * px) * (x * px) + (y * py) * (y * py)
+    }
+
+    /// What the z of no normal of the surface is below.
+    pub fn upright(&self) -> f64 {
+        self.upright
     }
 
     /// Where a place lies: cell, and how far in it, 0 … 1.
+    #[inline]
     fn cell_at(&self, x: f64, along: usize) -> Option<(usize, f64)> {
         let Grid {
             half,
@@ -284,6 +323,7 @@ impl Field {
     /// The cubics of both rows of samples about a place and across them, and what is in the cell:
     /// the height of its first corner, m, and on each row the samples' heights over it with their
     /// slopes along x, and their slopes along y with those of both.
+    #[inline]
     fn cell_about(&self, x: f64, y: f64) -> Option<Cell> {
         let ((i, u), (j, v)) = (self.cell_at(x, 0)?, self.cell_at(y, 1)?);
         let nx = self.samples.counts[0];
@@ -312,6 +352,7 @@ impl Field {
     }
 
     /// The tangent plane of the surface over a place: height, m, and unit vector out of the ground.
+    #[inline]
     pub fn tangent(&self, x: f64, y: f64) -> Option<(f64, Vec3)> {
         let cell = self.cell_about(x, y)?;
         let [px, py] = self.grid.per_metre;
@@ -342,6 +383,24 @@ impl Field {
         )
     }
 
+    /// Whether the line along the surface's normal at a sample passes a ball about `p`.
+    #[inline]
+    pub fn passes(&self, [i, j]: [usize; 2], p: &Vec3, radius: f64) -> bool {
+        let Grid {
+            half,
+            cell,
+            per_metre,
+            ..
+        } = &self.grid;
+        let [height, sx, sy, _] = self.nodes[j * self.samples.counts[0] + i];
+        let (x, y) = (count(i) * cell[0] - half[0], count(j) * cell[1] - half[1]);
+        let along = Vec3::new(-sx * per_metre[0], -sy * per_metre[1], 1.0);
+        let apart = Vec3::new(x, y, height) - p;
+        // More than round-off: what nearly passes is looked at.
+        let radius = radius * (1.0 + 1e-6) + 1e-12 * half[0].max(half[1]);
+        apart.cross(&along).norm_squared() > radius * radius * along.norm_squared()
+    }
+
     /// Where a sample is, m.
     pub fn place(&self, i: usize, j: usize) -> [f64; 2] {
         let Samples { size, counts, .. } = &self.samples;
@@ -359,10 +418,11 @@ impl Field {
             clippy::cast_sign_loss,
             reason = "within the grid"
         )]
-        let [first, last] = [
-            libm::floor(place(low)) as usize,
-            libm::ceil(place(high)) as usize,
-        ];
+        let whole = |x: f64| x as usize;
+        let (low, high) = (place(low), place(high));
+        // Rounded down, and rounded up.
+        let (first, last) = (whole(low), whole(high));
+        let last = if count(last) < high { last + 1 } else { last };
         [first.min(count_of - 1), last.min(count_of - 1)]
     }
 
@@ -372,12 +432,7 @@ impl Field {
         let [nx, ny] = self.samples.counts;
         let columns = self.around(x - around, x + around, 0, nx - 1);
         let rows = self.around(y - around, y + around, 1, ny - 1);
-        let mut top = f64::NEG_INFINITY;
-        self.cells.each([columns, rows], &mut |height, _| {
-            top = top.max(height);
-            false
-        });
-        top
+        self.cells.highest([columns, rows])
     }
 
     /// Calls `take` with each sharp sample within a square of half the width `around` about a place

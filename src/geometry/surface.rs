@@ -270,18 +270,25 @@ impl Surface {
         radius: f64,
         mut take: impl FnMut(usize, &'a Facet) -> bool,
     ) -> bool {
+        self.any_leaf(p, radius, |leaf| {
+            self.leaf(leaf).any(|(index, facet)| take(index, facet))
+        })
+    }
+
+    /// Calls `take` with the leaves of the tree whose boxes come nearer to a point than `radius`,
+    /// m, until it says that it has enough; tells whether it has.
+    pub fn any_leaf(&self, p: &Vec3, radius: f64, mut take: impl FnMut(usize) -> bool) -> bool {
         let mut stack = [0_usize; STACK];
         let mut count = 1;
         while count > 0 {
             count -= 1;
-            let node = &self.boxes[stack[count]];
-            let apart = p - p.sup(&node.low).inf(&node.high);
-            if apart.norm_squared() > radius * radius {
+            let index = stack[count];
+            let node = &self.boxes[index];
+            if !node.is_near(p, radius) {
                 continue;
             }
             if node.leaf {
-                let mut facets = self.order[node.next[0]..node.next[1]].iter();
-                if facets.any(|&facet| take(facet, &self.facets[facet])) {
+                if take(index) {
                     return true;
                 }
             } else {
@@ -290,6 +297,27 @@ impl Surface {
             }
         }
         false
+    }
+
+    /// Triangles of a leaf, with their indices.
+    pub fn leaf(&self, leaf: usize) -> impl Iterator<Item = (usize, &Facet)> {
+        let [first, last] = self.boxes[leaf].next;
+        let places = self.order[first..last].iter();
+        places.map(|&facet| (facet, &self.facets[facet]))
+    }
+
+    /// Whether the box of a leaf comes nearer to a point than `radius`, m.
+    #[inline]
+    pub fn is_leaf_near(&self, leaf: usize, p: &Vec3, radius: f64) -> bool {
+        self.boxes[leaf].is_near(p, radius)
+    }
+}
+
+impl Node {
+    #[inline]
+    fn is_near(&self, p: &Vec3, radius: f64) -> bool {
+        let apart = p - p.sup(&self.low).inf(&self.high);
+        apart.norm_squared() <= radius * radius
     }
 }
 

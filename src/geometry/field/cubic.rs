@@ -13,6 +13,7 @@ pub(super) struct Cell {
 
 impl Cell {
     /// Height, m, and slopes along x and y, m per cell.
+    #[inline]
     pub(super) fn tangent(&self) -> (f64, [f64; 2]) {
         let (x, y) = (value(self.u), value(self.v));
         let (dx, dy) = (slope(self.u), slope(self.v));
@@ -30,6 +31,7 @@ impl Cell {
     }
 
     /// What a polynomial along x makes of both rows: values, and slopes along y.
+    #[inline]
     fn across(&self, x: &[f64; 4]) -> [f64; 4] {
         let [[h0, s0], [h1, s1]] = &self.rows;
         [dot(x, h0), dot(x, h1), dot(x, s0), dot(x, s1)]
@@ -38,6 +40,7 @@ impl Cell {
 
 /// Cubic Hermite polynomials at a place in a cell: of the values at both ends, and of the slopes
 /// there.
+#[inline]
 fn value(u: f64) -> [f64; 4] {
     let (s, t) = (u * u, u * u * u);
     let end = 3.0 * s - 2.0 * t;
@@ -45,6 +48,7 @@ fn value(u: f64) -> [f64; 4] {
 }
 
 /// Their first derivatives.
+#[inline]
 fn slope(u: f64) -> [f64; 4] {
     let s = u * u;
     let end = 6.0 * (u - s);
@@ -57,6 +61,7 @@ fn bend(u: f64) -> [f64; 4] {
     [-end, end, 6.0 * u - 4.0, 6.0 * u - 2.0]
 }
 
+#[inline]
 fn dot(a: &[f64; 4], b: &[f64; 4]) -> f64 {
     (a[0] * b[0] + a[1] * b[1]) + (a[2] * b[2] + a[3] * b[3])
 }

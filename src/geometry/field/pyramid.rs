@@ -28,6 +28,27 @@ impl Pyramid {
         self.levels.last().map_or(f64::NEG_INFINITY, |(_, v)| v[0])
     }
 
+    /// The largest value in blocks that are up to twice as wide as the columns and rows, both
+    /// included, and cover these.
+    pub(super) fn highest(&self, within: [[usize; 2]; 2]) -> f64 {
+        let ([columns, rows], level) = (within, self.level(within));
+        let ([nx, _], values) = &self.levels[level];
+        let mut top = f64::NEG_INFINITY;
+        for j in rows[0] >> level..=rows[1] >> level {
+            for value in &values[j * nx + (columns[0] >> level)..=j * nx + (columns[1] >> level)] {
+                top = top.max(*value);
+            }
+        }
+        top
+    }
+
+    /// The level of blocks that are as wide as what is looked at, or up to twice as wide.
+    fn level(&self, [columns, rows]: [[usize; 2]; 2]) -> usize {
+        let widest = (columns[1] - columns[0]).max(rows[1] - rows[0]) + 1;
+        let level = widest.next_power_of_two().ilog2() as usize;
+        level.min(self.levels.len() - 1)
+    }
+
     /// Calls `open` with the largest value of each block that has a part in the columns and rows,
     /// both included; opens it where that says so. With a single value comes its place. It begins
     /// with blocks as large as what is looked at, so that the rest of the grid costs nothing.
@@ -36,10 +57,7 @@ impl Pyramid {
         within: [[usize; 2]; 2],
         open: &mut impl FnMut(f64, Option<[usize; 2]>) -> bool,
     ) {
-        let [columns, rows] = within;
-        let widest = (columns[1] - columns[0]).max(rows[1] - rows[0]) + 1;
-        let level = widest.next_power_of_two().ilog2() as usize;
-        let level = level.min(self.levels.len() - 1);
+        let ([columns, rows], level) = (within, self.level(within));
         for j in rows[0] >> level..=rows[1] >> level {
             for i in columns[0] >> level..=columns[1] >> level {
                 self.visit(level, [i, j], within, open);

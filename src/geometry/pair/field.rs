@@ -22,23 +22,44 @@ use super::sink::Sink;
 use super::trace::Trace;
 use crate::geometry::field::Field;
 use crate::spatial::Vec3;
-use crate::tuning::{MOST_PEAKS, NEAREST_ON_FIELD};
+use crate::tuning::{CROWN, MOST_PEAKS, NEAREST_ON_FIELD};
 
 /// Adds the points of a shape, given in the axes of the terrain.
 pub(super) fn on_field(shape: &Placed, field: &Field, sink: &mut Sink) {
     let around = shape.solid.reach + sink.reach;
-    if shape.p.z - around > field.highest(shape.p.x, shape.p.y, around) {
+    // The lowest points of rims are beyond a cylinder by less than its crown.
+    let top = field.highest(shape.p.x, shape.p.y, around * (1.0 + 2.0 * CROWN));
+    if shape.p.z - around > top {
         return;
     }
-    let mut on = OnField { shape, field, sink };
-    on.own_points();
-    on.peaks(around);
+    // A place so far above is at least `sink.reach` before every tangent plane around.
+    let clear = top + sink.reach / field.upright() + CROWN * around;
+    let mut on = OnField {
+        shape,
+        field,
+        clear,
+        sink,
+    };
+    let low = shape.support(&-Vec3::z()).z - shape.solid.radius;
+    let is_sharp = matches!(shape.core, Core::Box { .. } | Core::Cylinder { .. });
+    if !is_sharp || low - BEYOND * shape.solid.rounding() < clear {
+        on.own_points();
+    }
+    if low - on.sink.reach < top {
+        on.peaks(around, low);
+    }
 }
+
+/// How far edges and corners of a box or a cylinder are beyond its rounding, in terms of it: less
+/// than `√3 − 1`.
+const BEYOND: f64 = 0.733;
 
 /// What is being found.
 struct OnField<'a, 's> {
     shape: &'a Placed<'a>,
     field: &'a Field,
+    /// A height above which no corner and no lowest point of a rim has a part, m.
+    clear: f64,
     sink: &'a mut Sink<'s>,
 }
 
@@ -47,16 +68,13 @@ impl OnField<'_, '_> {
     fn own_points(&mut self) {
         let shape = self.shape;
         if let Some(round) = &shape.solid.round {
+            if round.flat {
+                self.rims(round);
+                return;
+            }
             for s in [1.0, -1.0] {
-                if round.flat {
-                    self.rim(round, s);
-                } else {
-                    self.ball(
-                        &(shape.p + shape.axis() * (s * round.half)),
-                        round.radius,
-                        0.5,
-                    );
-                }
+                let end = shape.p + shape.axis() * (s * round.half);
+                self.ball(&end, round.radius, 0.5);
             }
             return;
         }
@@ -84,6 +102,9 @@ impl OnField<'_, '_> {
     }
 
     fn corner(&mut self, x: &Vec3, share: impl Fn(&Vec3) -> f64) {
+        if x.z >= self.clear {
+            return;
+        }
         if let Some((n, depth)) = self.below(x) {
             let share = share(&n);
             self.sink
@@ -132,41 +153,56 @@ impl OnField<'_, '_> {
             .add(&n, point(c - n * (radius - 0.5 * depth), depth, share));
     }
 
-    /// The end `s` of a cylinder: the lowest point of its rim along the normal of the surface below
-    /// that point.
-    fn rim(&mut self, round: &Round, s: f64) {
+    /// Both ends of a cylinder: the lowest point of each rim along the normal of the surface below
+    /// that point. The ends take turns, because none of them waits for the other.
+    fn rims(&mut self, round: &Round) {
         let shape = self.shape;
-        let center = shape.p + shape.axis() * (s * round.half);
-        let Some((mut n, _)) = self.below(&center) else {
-            return;
-        };
-        let mut found = None;
+        let mut ends = [1.0, -1.0].map(|s| {
+            let center = shape.p + shape.axis() * (s * round.half);
+            self.below(&center).map(|(n, _)| End { s, n, found: None })
+        });
         for _ in 0..NEAREST_ON_FIELD {
-            let trace = Trace::new(shape, round, &n, Side::First);
-            let (x, rim) = trace.end(s);
-            let Some((next, depth)) = self.below(&x) else {
-                return;
-            };
-            found = Some((n, depth, x, rim));
-            if n == next {
+            let mut changes = false;
+            for slot in &mut ends {
+                let Some(end) = slot else { continue };
+                if end.found.is_some_and(|(n, ..)| n == end.n) {
+                    continue;
+                }
+                let (x, _) = Trace::new(shape, round, &end.n, Side::First).end(end.s);
+                if let Some((next, depth)) = self.below(&x) {
+                    end.found = Some((end.n, depth, x));
+                    changes |= end.n != next;
+                    end.n = next;
+                } else {
+                    *slot = None;
+                }
+            }
+            if !changes {
                 break;
             }
-            n = next;
         }
-        if let Some((n, depth, x, rim)) = found {
-            let halfway = point(x + n * (0.5 * depth), depth, 0.5);
-            self.sink.add(&n, PatchPoint { rim, ..halfway });
+        for end in ends.into_iter().flatten() {
+            if let Some((n, depth, x)) = end.found
+                && depth > -self.sink.reach
+            {
+                let (_, rim) = Trace::new(shape, round, &n, Side::First).end(end.s);
+                let halfway = point(x + n * (0.5 * depth), depth, 0.5);
+                self.sink.add(&n, PatchPoint { rim, ..halfway });
+            }
         }
     }
 
     /// Sharp samples of the surface.
-    fn peaks(&mut self, around: f64) {
+    ///
+    /// - `low`: the lowest point of the shape, but for the rounding of its edges, m
+    fn peaks(&mut self, around: f64, low: f64) {
         let (shape, field, reach) = (self.shape, self.field, self.sink.reach);
-        // The lowest point of the shape, but for the rounding of its edges.
-        let low = shape.support(&-Vec3::z()).z - shape.solid.radius;
         let mut best = [Peak::default(); MOST_PEAKS];
         let mut count = 0;
         field.each_peak((shape.p.x, shape.p.y, around), low - reach, |i, j| {
+            if field.passes([i, j], &shape.p, shape.solid.reach + reach) {
+                return f64::NEG_INFINITY;
+            }
             let (x, n, share) = field.sample(i, j);
             if let Some((normal, depth)) = against(shape, &x, &n)
                 && depth > -reach
@@ -190,6 +226,17 @@ impl OnField<'_, '_> {
             self.sink.add(&peak.normal, found);
         }
     }
+}
+
+/// An end of a cylinder while the lowest point of its rim is being found.
+#[derive(Clone, Copy)]
+struct End {
+    /// Which one, 1 or −1.
+    s: f64,
+    /// The normal of the surface below the point that was found last.
+    n: Vec3,
+    /// The normal along which this point is lowest, its depth, and the point.
+    found: Option<(Vec3, f64, Vec3)>,
 }
 
 /// A sharp sample in a shape.

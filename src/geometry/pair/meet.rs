@@ -57,8 +57,19 @@ impl Meeting {
     /// cores have a part in it, and whether these meet.
     pub(super) fn find(
         &mut self,
+        pair: (&Placed, &Placed),
+        reach: f64,
+        points: &mut Points,
+    ) -> (Vec3, bool, bool) {
+        self.find_if(pair, reach, |_| true, points)
+    }
+
+    /// The same, of a pair that `acts` only with some normals: no points with others.
+    pub(super) fn find_if(
+        &mut self,
         (a, b): (&Placed, &Placed),
         reach: f64,
+        acts: impl Fn(&Vec3) -> bool,
         points: &mut Points,
     ) -> (Vec3, bool, bool) {
         if b.solid.is_terrain() {
@@ -70,7 +81,7 @@ impl Meeting {
         }
         let (apart, gap, sharp) = gap(a, b, reach);
         let n = apart.normal;
-        if gap > reach + sharp {
+        if gap > reach + sharp || !acts(&n) {
             return (n, apart.part < 1.0, apart.deep);
         }
         let blend = a.solid.blend + b.solid.blend;

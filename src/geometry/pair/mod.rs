@@ -38,7 +38,9 @@ mod deep;
 mod field;
 mod gjk;
 mod meet;
+mod nearby;
 mod nearest;
+mod own;
 mod placed;
 mod points;
 mod polygon;
@@ -52,6 +54,7 @@ mod trace;
 mod view;
 
 pub use self::core::Solid;
+pub use self::nearby::Nearby;
 pub use self::points::{MOST_POINTS, PatchPoint, Rim, Side};
 pub use self::terrain::{MOST_PARTS, Part};
 
@@ -107,11 +110,18 @@ impl Patch {
     /// `reach`, m; whether there is anything. Positions and vectors are those of the frame W.
     ///
     /// A half-space may be `a` or `b`; two half-spaces have nothing in common.
-    pub fn find(
+    pub fn find(&mut self, a: (&Solid, &Pose), b: (&Solid, &Pose), reach: f64) -> bool {
+        self.find_near(a, b, reach, None)
+    }
+
+    /// The same with what was near when the same two shapes were looked at before, if one of them
+    /// is a mesh. That only saves time.
+    pub fn find_near(
         &mut self,
         (a, X_WA): (&Solid, &Pose),
         (b, X_WB): (&Solid, &Pose),
         reach: f64,
+        nearby: Option<&mut Nearby>,
     ) -> bool {
         self.points.clear();
         self.count = 0;
@@ -123,7 +133,7 @@ impl Patch {
         if matches!(below.core, Core::Field(_) | Core::Surface(_)) {
             if !above.solid.is_terrain() {
                 let scratch = (&mut self.meeting, &mut self.on_surface);
-                terrain::on_terrain(above, below, reach, scratch, &mut self.points);
+                terrain::on_terrain(above, below, reach, scratch, nearby, &mut self.points);
             }
             self.points.finish(&couple.origin, None, couple.swapped);
             self.count = terrain::parts(&mut self.points, &mut self.parts);

@@ -15,12 +15,13 @@
 
 use super::core::{Core, Round, Solid};
 use super::meet::Meeting;
+use super::nearby::{Nearby, Parts};
+use super::own::{OwnPoints, is_far};
 use super::placed::{Placed, rank};
-use super::points::{PatchPoint, Points, Rim, Side, point};
+use super::points::{PatchPoint, Points};
 use super::sink::Sink;
-use super::trace::{STANDING, Trace};
+use crate::geometry::Shape;
 use crate::geometry::surface::{Crest, Facet, Surface};
-use crate::geometry::{MOST_CORNERS, Shape};
 use crate::spatial::{Mat3, Vec3, across};
 use crate::tuning::{CREST_SLACK, EVEN_EDGE, SEAM};
 
@@ -39,19 +40,6 @@ struct OnFacet {
     /// Whether it is behind a nearer one.
     hidden: bool,
     point: PatchPoint,
-}
-
-/// A point with which a shape may lie on a plane.
-#[derive(Clone, Copy, Debug, Default)]
-struct OwnPoint {
-    x: Vec3,
-    /// Of a hull not this one, but that of its faces.
-    share: f64,
-    /// What must be over a triangle for the point to lie on it.
-    over: Vec3,
-    /// The middle of the flat end of a cylinder that stands.
-    end: Option<Vec3>,
-    rim: Option<Rim>,
 }
 
 /// Memory of a query.
@@ -79,15 +67,22 @@ pub(super) fn on_surface(
     shape: &Placed,
     surface: &Surface,
     (meeting, scratch): (&mut Meeting, &mut Scratch),
+    nearby: Option<&mut Nearby>,
     sink: &mut Sink,
 ) {
     let around = shape.solid.reach + sink.reach;
     let Scratch { found, own, points } = scratch;
     let mut count = 0;
     own.clear();
-    surface.each_near(&shape.p, around, |index, facet| {
-        for crest in facet.crests.iter().flatten() {
-            on_crest(shape, surface.crest(*crest), (meeting, points), sink);
+    let reach = sink.reach;
+    let take = |own: &mut OwnPoints, index, facet: &Facet, part: Parts| {
+        for (crest, near) in facet.crests.iter().zip(part.crests) {
+            if let (Some(crest), true) = (crest, near) {
+                on_crest(shape, surface.crest(*crest), (meeting, points), sink);
+            }
+        }
+        if !part.face {
+            return;
         }
         let height = facet.height(&shape.p);
         let beside = facet.is_beside(&shape.p, shape.solid.reach);
@@ -106,7 +101,15 @@ pub(super) fn on_surface(
                 count += 1;
             }
         });
-    });
+    };
+    if let Some(nearby) = nearby {
+        nearby.each((shape, surface), own, reach, take);
+    } else {
+        let mut take = take;
+        surface.each_near(&shape.p, around, |index, facet| {
+            take(own, index, facet, Parts::ALL);
+        });
+    }
     let found = &mut found[..count];
     found.sort_unstable_by(|a, b| {
         let by_depth = a.point.depth.total_cmp(&b.point.depth);
@@ -147,149 +150,6 @@ pub(super) fn on_surface(
     }
 }
 
-/// With which points a shape may lie on planes of one normal: triangles of even ground have the
-/// same one.
-#[derive(Clone, Debug)]
-struct OwnPoints {
-    list: [OwnPoint; MOST_CORNERS],
-    count: usize,
-    normal: Option<Vec3>,
-    /// Whether the corners have been found.
-    placed: bool,
-}
-
-impl Default for OwnPoints {
-    fn default() -> Self {
-        Self {
-            list: [OwnPoint::default(); MOST_CORNERS],
-            count: 0,
-            normal: None,
-            placed: false,
-        }
-    }
-}
-
-impl OwnPoints {
-    /// Knows nothing of a shape.
-    fn clear(&mut self) {
-        (self.count, self.normal, self.placed) = (0, None, false);
-    }
-
-    /// Calls `take` with the points of a shape that are over a triangle, nearer than `reach`, m.
-    fn each_on(
-        &mut self,
-        shape: &Placed,
-        facet: &Facet,
-        reach: f64,
-        mut take: impl FnMut(usize, PatchPoint, bool),
-    ) {
-        let n = &facet.normal;
-        if self.normal != Some(*n) {
-            self.find(shape, n);
-            self.normal = Some(*n);
-        }
-        // Many corners of a hull are over no triangle: their shares are not asked for.
-        let has_shares = matches!(shape.core, Core::Corners(_));
-        for (own, p) in self.list[..self.count].iter().enumerate() {
-            let depth = -facet.height(&p.x);
-            if depth <= -reach {
-                continue;
-            }
-            let slack = depth.max(0.0) + shape.solid.rounding();
-            let over = facet.is_below(&p.over, slack);
-            if over || p.end.is_some_and(|end| facet.is_below(&end, slack)) {
-                let share = if has_shares {
-                    shape.solid.shares.share(own, &shape.R.tr_mul(&-n))
-                } else {
-                    p.share
-                };
-                let halfway = point(p.x + n * (0.5 * depth), depth, share);
-                take(
-                    own,
-                    PatchPoint {
-                        rim: p.rim,
-                        ..halfway
-                    },
-                    !over,
-                );
-            }
-        }
-    }
-
-    /// Finds the points for a normal.
-    fn find(&mut self, shape: &Placed, n: &Vec3) {
-        let Self {
-            list,
-            count,
-            placed,
-            ..
-        } = self;
-        if let Some(round) = &shape.solid.round {
-            let trace = Trace::new(shape, round, n, Side::First);
-            for (own, s) in list.iter_mut().zip([1.0, -1.0]) {
-                let (x, over, rim) = if round.flat {
-                    let (x, rim) = trace.end(s);
-                    (x, x, rim)
-                } else {
-                    let c = shape.p + shape.axis() * (s * round.half);
-                    (c - n * round.radius, c, None)
-                };
-                let end = shape.p + shape.axis() * (s * round.half);
-                let stands = round.flat && n.dot(&shape.axis()).abs() > STANDING;
-                *own = OwnPoint {
-                    x,
-                    share: 0.5,
-                    over,
-                    end: stands.then_some(end),
-                    rim,
-                };
-            }
-            *count = 2;
-            return;
-        }
-        if let Core::Point = shape.core {
-            list[0] = OwnPoint {
-                x: shape.p - n * shape.solid.radius,
-                share: 1.0,
-                over: shape.p,
-                end: None,
-                rim: None,
-            };
-            *count = 1;
-            return;
-        }
-        let corners = &shape.solid.mesh.corners;
-        if !*placed {
-            for (own, corner) in list.iter_mut().zip(corners) {
-                let x = shape.world(corner);
-                *own = OwnPoint {
-                    x,
-                    share: 0.25,
-                    over: x,
-                    end: None,
-                    rim: None,
-                };
-            }
-            (*count, *placed) = (corners.len().min(MOST_CORNERS), true);
-        }
-    }
-}
-
-/// Whether a shape is certainly farther than `reach`, m, from an edge: its distance is at least the
-/// gap along any direction. Asked are that from the nearest place of the edge to the middle of the
-/// shape, `apart`, and that in which the edge pushes.
-fn is_far(shape: &Placed, crest: &Crest, apart: &Vec3, reach: f64) -> bool {
-    let [a, b] = &crest.ends;
-    let gap = |d: &Vec3| {
-        let low = d.dot(&shape.support(&-d)) - d.dot(a).max(d.dot(b));
-        low - (shape.solid.radius + reach) * d.norm()
-    };
-    let distance = apart.norm();
-    distance > shape.solid.reach + reach
-        || gap(&(crest.sides[0] + crest.sides[1])) > 0.0
-        || gap(apart) > 0.0
-}
-
 /// Adds the points of a shape on an edge.
 fn on_crest(
     shape: &Placed,
@@ -303,9 +163,7 @@ fn on_crest(
         along,
         ..
     } = *crest;
-    let from = shape.p - middle;
-    let apart = from - along * along.dot(&from).clamp(-length, length);
-    if is_far(shape, crest, &apart, sink.reach) {
+    if is_far(shape, crest, &crest.apart(&shape.p), sink.reach) {
         return;
     }
     let edge = Solid::new(
@@ -330,12 +188,15 @@ fn on_crest(
     } else {
         (shape, &placed)
     };
-    let (normal, ..) = meeting.find(pair, sink.reach, points);
-    let n = if swapped { -normal } else { normal };
-    let share = part_between(&n, crest, shape);
-    if share <= 0.0 {
+    let outwards = |normal: &Vec3| if swapped { -normal } else { *normal };
+    // Points are found only where the crest has a part.
+    let acts = |normal: &Vec3| part_between(&outwards(normal), crest, shape) > 0.0;
+    let (normal, ..) = meeting.find_if(pair, sink.reach, acts, points);
+    if points.list().is_empty() {
         return;
     }
+    let n = outwards(&normal);
+    let share = part_between(&n, crest, shape);
     for found in points.list() {
         let mut rim = found.rim;
         if let (true, Some(rim)) = (swapped, &mut rim) {

@@ -9,6 +9,7 @@
 
 use super::core::Core;
 use super::meet::Meeting;
+use super::nearby::Nearby;
 use super::placed::Placed;
 use super::points::Points;
 use super::sink::Sink;
@@ -38,6 +39,7 @@ pub(super) fn on_terrain(
     b: &Placed,
     reach: f64,
     (meeting, scratch): (&mut Meeting, &mut surface::Scratch),
+    nearby: Option<&mut Nearby>,
     points: &mut Points,
 ) {
     let own = Placed {
@@ -48,7 +50,9 @@ pub(super) fn on_terrain(
     let mut sink = Sink::new(b, reach, points);
     match b.core {
         Core::Field(field) => field::on_field(&own, field, &mut sink),
-        Core::Surface(surface) => surface::on_surface(&own, surface, (meeting, scratch), &mut sink),
+        Core::Surface(surface) => {
+            surface::on_surface(&own, surface, (meeting, scratch), nearby, &mut sink);
+        }
         _ => {}
     }
 }

@@ -61,6 +61,18 @@ impl Crest {
     }
 }
 
+impl Crest {
+    /// From its nearest place to a point.
+    pub fn apart(&self, p: &Vec3) -> Vec3 {
+        let from = p - self.middle;
+        let place = self
+            .along
+            .dot(&from)
+            .clamp(-self.half_length, self.half_length);
+        from - self.along * place
+    }
+}
+
 impl Facet {
     /// How far a point is inside of each edge, m; negative beyond it.
     pub(super) fn inside(&self, x: &Vec3, edge: usize) -> f64 {
@@ -88,6 +100,18 @@ impl Facet {
                 _ if inside == 0.0 => lower(&self.corners[edge], &self.corners[(edge + 1) % 3]),
                 _ => inside > 0.0,
             }
+        })
+    }
+
+    /// Whether a place within `way`, m, of a point may be over the triangle, beyond hollow edges
+    /// by up to `slack`, m, see [`Self::is_below`].
+    pub fn may_be_below(&self, x: &Vec3, slack: f64, way: f64) -> bool {
+        (0..3).all(|edge| {
+            let beyond = match self.beyond[edge] {
+                Beyond::Hollow => slack,
+                _ => SEAM,
+            };
+            self.inside(x, edge) >= -(beyond + way)
         })
     }
 

@@ -6,6 +6,7 @@ mod distances;
 mod heights;
 mod jumps;
 mod meshes;
+mod nearby;
 
 use super::{Patch, PatchPoint, Side, Solid};
 use crate::geometry::Shape;
