@@ -124,6 +124,10 @@ macro_rules! reading {
             tolerance: 0.0,
             fixed_step: 0.0,
             budget: u64::MAX,
+            onset: match $simulation.posed {
+                Some(_) => crate::tuning::LIMIT_ONSET,
+                None => 0.0,
+            },
             rules: &$simulation.rules,
         }
     };
