@@ -124,10 +124,7 @@ macro_rules! reading {
             tolerance: 0.0,
             fixed_step: 0.0,
             budget: u64::MAX,
-            onset: match $simulation.posed {
-                Some(_) => crate::tuning::LIMIT_ONSET,
-                None => 0.0,
-            },
+            onset: crate::simulation::posed::onset($simulation.posed.as_deref()),
             rules: &$simulation.rules,
         }
     };

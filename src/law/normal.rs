@@ -38,11 +38,11 @@ impl HuntCrossley {
     /// Force at the start of the step, N or N·m, of a spring that sets in within `onset`, m or rad;
     /// with 0 at once, as in a step.
     ///
-    /// 1. Where the spring takes hold, the slope of its force jumps from nothing to `k`. A servo may
-    ///    hold its joint just there, by a slope that is a tenth as great. Then the joint crosses this
-    ///    place with every shock, by a ten-thousandth of a millimetre. A step solves for the force
-    ///    and does not mind, but an integrator that takes the slope of one side for both is off, and
-    ///    it shortens its steps or gives up.
+    /// 1. Where the spring takes hold, the slope of its force jumps from nothing to `k`. A servo
+    ///    may hold its joint just there, by a slope that is a tenth as great. Then the joint
+    ///    crosses this place with every shock, by a ten-thousandth of a millimetre. A step solves
+    ///    for the force and does not mind, but an integrator that takes the slope of one side for
+    ///    both is off, and it shortens its steps or gives up.
     /// 2. With the onset `ε` the force is `k s(x) (1 − d v)₊` of
     ///    `s(x) = (1 + ε²/x₁²) x³/(x² + ε²)`: slope and curvature begin at 0. As it begins with a
     ///    cube, differences that leave an error of fourth order also do so across its beginning.
