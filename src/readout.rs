@@ -354,7 +354,7 @@ impl Readout {
             *a = -k;
         }
         for term in &terms.joints {
-            self.vdot[term.dof] += term.force(state.physical.v[term.dof]);
+            self.vdot[term.dof] += term.force(state.physical.v[term.dof], ctx.onset);
         }
         // The bias is done with its forces: they serve for the contacts.
         let F = &mut kin.force;

@@ -343,6 +343,10 @@ pub const WHEEL: f64 = 0.02;
 /// Position error of a limit under the joint's effort limit, rad or m. At 1e-2 fails
 /// `a_servo_pressed_against_a_limit_rests`.
 pub const LIMIT_DEFLECTION: f64 = 1e-4;
+/// Model Exchange alone: way within which the spring of a limit sets in, rad or m, a tenth of what
+/// it gives way by under the joint's effort limit. At 0 fails
+/// `test_integrators_get_over_a_light_joint_at_its_limit`.
+pub const LIMIT_ONSET: f64 = 0.1 * LIMIT_DEFLECTION;
 /// Share by which the joint's effort limit drives it beyond its enforced speed limit. At 0.5 fails
 /// `an_enforced_velocity_limit_is_exceeded_by_one_percent_under_the_effort_limit`.
 pub const OVERSPEED: f64 = 0.01;

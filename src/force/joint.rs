@@ -152,13 +152,13 @@ impl JointTerm {
     }
 
     /// Force at the start of the step for the velocity `v`: the limit of `response / h` for small
-    /// `h`.
-    pub fn force(&self, v: f64) -> f64 {
+    /// `h`, but that limits set in within `onset`, rad or m.
+    pub fn force(&self, v: f64, onset: f64) -> f64 {
         let mut force = self.drive_force(v, 0.0).0 - self.damping * v;
         force -= self.speed_damping * self.overspeed(v);
         force -= self.dry.respond(v, 0.0).force;
         for (gap, sign) in [(self.gap[0], 1.0), (self.gap[1], -1.0)] {
-            force += sign * self.limit.force(gap, sign * v);
+            force += sign * self.limit.gradual(gap, sign * v, onset);
         }
         force
     }
