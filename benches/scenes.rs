@@ -191,7 +191,7 @@ fn sweep() -> String {
 /// A rule of the method, and what switches it off.
 type Rule = (&'static str, fn(&mut Rules));
 
-const RULES: [Rule; 12] = [
+const RULES: [Rule; 13] = [
     ("rest", |rules| rules.rest = false),
     ("momentum", |rules| rules.momentum = false),
     ("explicit", |rules| rules.explicit = false),
@@ -202,6 +202,7 @@ const RULES: [Rule; 12] = [
     ("bounce", |rules| rules.bounce = false),
     ("floor", |rules| rules.floor = false),
     ("energy", |rules| rules.energy = false),
+    ("secants", |rules| rules.secants = false),
     ("parts", |rules| rules.parts = false),
     ("islands", |rules| rules.islands = false),
 ];

@@ -46,7 +46,7 @@ pub struct Rules {
     /// `a_rotor_runs_up_along_its_torque_speed_line`.
     pub energy: bool,
     /// A step that makes some energy is solved again with contacts that agree with their depths at
-    /// its ends. Without it fails `TEST`.
+    /// its ends. Without it fails `d8_a_passive_robot_never_gains_energy`.
     pub secants: bool,
     /// Fixed steps are taken in parts where something turns far in one. Without it fails
     /// `fixed_steps_are_split_for_fast_limbs_but_not_for_wheels`.
@@ -280,12 +280,15 @@ pub const GAIN: f64 = 1e-5;
 /// `a_rotor_runs_up_along_its_torque_speed_line`.
 pub const CONTROLLED_GAIN: f64 = 0.05;
 /// Energy that a step may make without being solved again with secants, as a share of kinetic energy
-/// and weight times reach; at most what it may make at all.
+/// and weight times reach; at most what it may make at all. At 0 fails
+/// `a_ball_rolls_over_waves_as_the_equation_of_one_freedom_says`.
 pub const MENDED_GAIN: f64 = 5e-7;
-/// By how much of its way a contact's depth has to change otherwise than its rows say, so that a
-/// secant takes their place: steps alone err by the square of what turns in them.
+/// By what share of its way a contact's depth has to change otherwise than its rows say, so that a
+/// secant takes their place: any step errs by the square of what turns in it. At 0 fails
+/// `s8_cans_and_discs_roll_on_their_edges`, at 10 `d8_a_passive_robot_never_gains_energy`.
 pub const STEEP: f64 = 0.005;
-/// How many times it is, at most: the second time mends what the first has changed.
+/// How many times it is, at most: the second time mends what the first has changed. At 0 fails
+/// `d8_a_passive_robot_never_gains_energy`; the second one saves steps at the floor.
 pub const SECANTS: u32 = 2;
 
 /// `1/(tr I · tr I⁻¹)` of the inertia, 1/9 for a ball and 0 for a rod without thickness, below
