@@ -279,8 +279,8 @@ pub const GAIN: f64 = 1e-5;
 /// the tolerance and of the same energies. At 1e6 fails
 /// `a_rotor_runs_up_along_its_torque_speed_line`.
 pub const CONTROLLED_GAIN: f64 = 0.05;
-/// Energy that a step may make without being solved again with secants, as a share of kinetic energy
-/// and weight times reach; at most what it may make at all. At 0 fails
+/// Energy that a step may make without being solved again with secants, as a share of kinetic
+/// energy and weight times reach; at most what it may make at all. At 0 fails
 /// `a_ball_rolls_over_waves_as_the_equation_of_one_freedom_says`.
 pub const MENDED_GAIN: f64 = 5e-7;
 /// By what share of its way a contact's depth has to change otherwise than its rows say, so that a
