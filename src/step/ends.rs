@@ -4,7 +4,7 @@ use crate::state::State;
 use crate::step::driver::{Stepper, Stop};
 use crate::step::guards;
 use crate::step::point::Context;
-use crate::step::stages::Ending;
+use crate::step::stages::secants::Ending;
 use crate::tuning::{CONTROLLED_GAIN, HIT};
 
 impl Stepper {

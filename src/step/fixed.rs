@@ -24,7 +24,8 @@ use crate::step::guards;
 use crate::step::implicit::Implicit;
 use crate::step::point::{Context, Point};
 use crate::step::size::fastest;
-use crate::step::stages::{Ending, Stages};
+use crate::step::stages::Stages;
+use crate::step::stages::secants::Ending;
 use crate::tree::Tree;
 use crate::tuning::{AHEAD, CALM, FIXED_ACCURACY, GAIN, MAX_PARTS, STEP_ROUND_OFF, TURN, WHIRL};
 

@@ -47,9 +47,7 @@
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
 mod regimes;
-mod secants;
-
-pub(super) use secants::Ending;
+pub(super) mod secants;
 
 use crate::closure::Rows;
 use crate::dynamics::{crba, rnea};
