@@ -280,8 +280,9 @@ pub const GAIN: f64 = 1e-5;
 /// `a_rotor_runs_up_along_its_torque_speed_line`.
 pub const CONTROLLED_GAIN: f64 = 0.05;
 /// Energy that a step may make without being solved again with secants, as a share of kinetic
-/// energy and weight times reach; at most what it may make at all. At 0 fails
-/// `a_ball_rolls_over_waves_as_the_equation_of_one_freedom_says`.
+/// energy and weight times reach; at most what it may make at all. It saves solves: at 0 no test
+/// fails. At 1, where only what a step may not make is mended, fails
+/// `d8_a_passive_robot_never_gains_energy`.
 pub const MENDED_GAIN: f64 = 5e-7;
 /// By what share of its way a contact's depth has to change otherwise than its rows say, so that a
 /// secant takes their place: any step errs by the square of what turns in it. At 0 fails

@@ -85,7 +85,7 @@ impl Stepper {
             error = error.max(ended.added);
             ended.gain
         } else {
-            error = error.max(self.finish(ctx, state, staged, h));
+            error = error.max(self.finish(ctx, state, false, h));
             let parts = (&self.here.terms, &self.implicit.full);
             let work = guards::work(ctx, &self.here.kin, parts, h);
             let (points, end) = ((&self.here, &mut self.there), &self.attempt.end);

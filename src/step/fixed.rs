@@ -129,11 +129,11 @@ impl Fixed {
         if explicit.attempt_fixed(ctx, methods.here, state, (part.h, gain), attempt) {
             return Outcome::Good;
         }
-        attempt.begin(state);
         if let Some(outcome) = Self::attempt_stages(ctx, methods, state, part, attempt) {
             counters.rejected += u64::from(outcome == Outcome::Bad);
             return outcome;
         }
+        attempt.begin(state);
         self.attempt_implicit(ctx, methods, state, part, (attempt, counters))
     }
 

@@ -51,7 +51,7 @@ impl Stages {
             let added = finish(self, there, attempt);
             let lengths = [h, self.work(ctx, h)];
             let gain = gain(ctx, step.books, (here, there), &attempt.end, lengths);
-            let makes = gain > step.books.mended && gain.is_finite();
+            let makes = ctx.rules.secants && gain > step.books.mended && gain.is_finite();
             let depths = &there.terms.contacts.depths;
             if !makes || round == SECANTS || !self.find_secants(ctx, here, depths, h) {
                 return Some(Ended {
@@ -92,7 +92,7 @@ impl Stages {
             let (Some(start), Some((_, end))) = (start, end) else {
                 continue;
             };
-            if !ctx.rules.secants || response.depth.max(*end) <= 0.0 {
+            if response.depth.max(*end) <= 0.0 {
                 continue;
             }
             let errors = [start.depth - first.depth, end - response.depth];
