@@ -258,16 +258,18 @@ pub const DAMPED_SHARE: f64 = 0.1;
 pub const LEAST_SHARE: f64 = 1e-14;
 
 /// Angle, rad, that a body on which nothing acts may turn by between two places at which Euler's
-/// equations are solved, to the fourth order: a long body is then off by 3e-7 rad after it has
-/// turned by two. At 1 fails `a_symmetric_body_nutates_as_euler_says`.
-pub const COASTING_TURN: f64 = 0.05;
-/// Newton iterations from one of these places to the next: the digits double each time. At 1 fails
-/// `a_body_alone_keeps_its_energy_and_its_momentum`.
+/// equations are solved, at a tolerance of 1; the fourth order makes errors of them that fall with
+/// the tolerance.
+pub const COASTING_TURN: f64 = 0.4;
+/// Most Newton iterations from one of these places to the next: the digits double each time. At 1
+/// fails `a_body_alone_keeps_its_energy_and_its_momentum`.
 pub const COASTING_ITERATIONS: usize = 5;
-/// Angle, rad, by which it may turn in a step. The places in between take their time, which no
-/// budget of steps notices: without a limit, balls at 10⁶ rad/s take 0.1 s for 1/240 s. No result
-/// depends on it that a test sees.
-pub const COASTING_MOST: f64 = 100.0;
+/// Square of the change of the angular velocity, relative to it, after which no iteration follows.
+pub const COASTING_ACCURACY: f64 = 1e-18;
+/// How many of these places there may be in a step. They take their time, which no budget of steps
+/// notices: without a limit, balls at 10⁶ rad/s take 0.1 s for 1/240 s. No result depends on it
+/// that a test sees.
+pub const COASTING_MOST: f64 = 2000.0;
 
 // Guards: `step/guards.rs`, `step/flight.rs`.
 

@@ -7,6 +7,9 @@
 //! step has no force on such a body, its end is that of the body alone. The steps stay as short as
 //! the stages' error asks: a corner that sweeps through a step may meet something.
 //!
+//! A body that nothing comes near takes no other step at all: Runge–Kutta steps make errors of
+//! angles, which grow with the square of the time, and these do not.
+//!
 //! 1. In axes that turn with the body, with `w` its angular velocity and `I` its inertia about the
 //!    centre of mass, Euler's equations are `I ẇ = −w × I w`. One implicit midpoint step of `s`
 //!    seconds solves `I (w₁ − w₀) = −s w × I w` with `w = (w₀ + w₁)/2`.
@@ -29,8 +32,7 @@ use crate::state::Physical;
 use crate::step::convex::Newton;
 use crate::step::flight::inverse;
 use crate::step::point::Context;
-use crate::tree::Tree;
-use crate::tuning::{COASTING_ITERATIONS, COASTING_MOST, COASTING_TURN};
+use crate::tuning::{COASTING_ACCURACY, COASTING_ITERATIONS, COASTING_MOST, COASTING_TURN};
 
 /// `1/(2 − ∛2)`.
 const OUTER: f64 = 1.351_207_191_959_657_8;
@@ -48,21 +50,23 @@ pub(super) struct Step<'a> {
     pub solved: &'a [Newton; 2],
 }
 
-/// Whether the tree `index` is one free body on which nothing acts in a step.
-fn coasts(ctx: &Context, index: usize, step: Step) -> bool {
+/// Whether the tree `index` is one free body on which nothing but contacts acts in a step.
+fn is_rigid(ctx: &Context, index: usize) -> bool {
     let tree = ctx.tree;
     let extent = &tree.trees[index];
     let rigid = extent.free && !extent.tied && extent.bodies.len() == 1;
     if !ctx.rules.coast || !rigid || tree.world.drag != 0.0 {
         return false;
     }
-    let spin = step.from.v[extent.dofs.clone()].iter().take(3);
-    let spin = spin.fold(0.0, |most: f64, v| most.max(v.abs()));
-    if spin * step.h > COASTING_MOST {
+    let mut wrenches = ctx.inputs.wrenches.iter();
+    !wrenches.any(|wrench| extent.bodies.contains(&wrench.body))
+}
+
+/// Whether the tree `index` is one free body on which nothing acts in a step.
+fn coasts(ctx: &Context, index: usize, step: Step) -> bool {
+    if !is_rigid(ctx, index) {
         return false;
     }
-    let mut wrenches = ctx.inputs.wrenches.iter();
-    let pulled = wrenches.any(|wrench| extent.bodies.contains(&wrench.body));
     let own = |c: &Contact| ctx.model.touches_of(c.slot).contains(&Some(index));
     let pushed = |(terms, solved): (&Terms, &Newton)| {
         let (list, responses) = (&terms.contacts.list, &solved.responses);
@@ -72,7 +76,7 @@ fn coasts(ctx: &Context, index: usize, step: Step) -> bool {
             own(c) && (c.load > 0.0 || r.presses() || r.friction.force != Vec3::zeros())
         }) || turns.any(|(turn, r)| own(&list[turn.contact]) && r.impulse != Vec3::zeros())
     };
-    !pulled && !step.terms.iter().zip(step.solved).any(pushed)
+    !step.terms.iter().zip(step.solved).any(pushed)
 }
 
 /// Puts what bodies on which nothing acts do within a step into its `end`.
@@ -81,27 +85,45 @@ fn coasts(ctx: &Context, index: usize, step: Step) -> bool {
 pub(super) fn go_on(ctx: &Context, here: &Kinematics, step: Step, end: &mut Physical) {
     for (index, _) in ctx.tree.moved() {
         if coasts(ctx, index, step) {
-            coast(ctx.tree, index, (here, step.from), step.h, end);
+            coast(ctx, index, (here, step.from), step.h, end);
         }
     }
 }
 
-/// The same of one tree.
+/// Puts what all bodies do within `h` seconds into `end`; tells whether each is alone with gravity
+/// as far as forces go, and that could be found.
+///
+/// - `here`: poses and inertias at the start `from`, where nothing touches
+pub(super) fn fly(
+    ctx: &Context,
+    (here, from): (&Kinematics, &Physical),
+    h: f64,
+    end: &mut Physical,
+) -> bool {
+    let mut trees = ctx.tree.moved();
+    trees.all(|(index, _)| {
+        is_rigid(ctx, index) && coast(ctx, index, (here, from), h, end)
+    })
+}
+
+/// The same of one tree; tells whether it could be found.
 fn coast(
-    tree: &Tree,
+    ctx: &Context,
     index: usize,
     (here, from): (&Kinematics, &Physical),
     h: f64,
     end: &mut Physical,
-) {
+) -> bool {
+    let tree = ctx.tree;
     let b = tree.trees[index].bodies.start;
     let body = &tree.bodies[b];
     let (q, v) = (&from.q[body.coordinate..], &from.v[body.dof..]);
     let (w, velocity) = (Vec3::new(v[0], v[1], v[2]), Vec3::new(v[3], v[4], v[5]));
     let I = &here.I[b];
     let center = I.center();
-    let Some((turn, after)) = tumble(&I.about_center(), w, h) else {
-        return;
+    let most = COASTING_TURN * libm::sqrt(libm::sqrt(ctx.tolerance));
+    let Some((turn, after)) = tumble(&I.about_center(), w, h, most) else {
+        return false;
     };
     let place = [q[3], q[4], q[5], q[6]];
     let place = quaternion_normalized(&quaternion_product(&turn, &place));
@@ -113,7 +135,7 @@ fn coast(
     let velocity = speed + gravity * h - w.cross(&moved);
     let finite = |x: &Vec3| x.iter().all(|x| x.is_finite());
     if !(finite(&way) && finite(&velocity) && finite(&w)) {
-        return;
+        return false;
     }
     for i in 0..3 {
         end.q[body.coordinate + i] = q[i] + way[i];
@@ -121,15 +143,20 @@ fn coast(
         end.v[body.dof + 3 + i] = velocity[i];
     }
     end.q[body.coordinate + 3..body.coordinate + 7].copy_from_slice(&place);
+    true
 }
 
 /// Turn of a body within `h` seconds, as a quaternion w, x, y, z, and its angular velocity then in
-/// axes that have turned with it; none of what is thin.
+/// axes that have turned with it; none of what is thin, or turns too far.
 ///
 /// - `I`: about its centre of mass, kg·m²; `w`: at the start, rad/s; both in the axes of the start
-fn tumble(I: &Mat3, mut w: Vec3, h: f64) -> Option<([f64; 4], Vec3)> {
+/// - `most`: angle between two places at which Euler's equations are solved, rad
+fn tumble(I: &Mat3, mut w: Vec3, h: f64, most: f64) -> Option<([f64; 4], Vec3)> {
     inverse(I)?;
-    let parts = libm::ceil(w.norm() * h / COASTING_TURN).max(1.0);
+    let parts = libm::ceil(w.norm() * h / most).max(1.0);
+    if parts > COASTING_MOST || parts.is_nan() {
+        return None;
+    }
     let mut turn = [1.0, 0.0, 0.0, 0.0];
     let mut part = 0.0;
     while part < parts {
@@ -140,7 +167,12 @@ fn tumble(I: &Mat3, mut w: Vec3, h: f64) -> Option<([f64; 4], Vec3)> {
                 let L = I * middle;
                 let off = (L - I * w) * 2.0 + middle.cross(&L) * s;
                 let slope = I * 2.0 + (middle.cross_matrix() * I - L.cross_matrix()) * s;
-                middle -= slope.try_inverse()? * off;
+                let by = slope.try_inverse()? * off;
+                middle -= by;
+                // The error of the next place is the square of this.
+                if by.norm_squared() <= COASTING_ACCURACY * w.norm_squared() {
+                    break;
+                }
             }
             w = middle * 2.0 - w;
             let half = middle * (0.5 * s);
@@ -162,7 +194,7 @@ mod tests {
         let I = Mat3::new(2.0, 0.3, -0.1, 0.3, 1.1, 0.2, -0.1, 0.2, 1.5);
         for h in [1e-3, 0.1, 1.0] {
             let w0 = Vec3::new(1.0, -2.0, 0.7);
-            let (turn, w) = tumble(&I, w0, h).expect("a compact body");
+            let (turn, w) = tumble(&I, w0, h, 0.05).expect("a compact body");
             let Q = rotation_from_quaternion(&turn);
             let energy = |w: &Vec3| 0.5 * w.dot(&(I * w));
             assert!((energy(&w) / energy(&w0) - 1.0).abs() < 1e-13, "{h}");
@@ -177,7 +209,7 @@ mod tests {
         let (across, along, h) = (1.0, 0.2, 0.7);
         let I = Mat3::from_diagonal(&Vec3::new(across, across, along));
         let w0 = Vec3::new(1.5, 0.0, 2.0);
-        let (turn, _) = tumble(&I, w0, h).expect("a compact body");
+        let (turn, _) = tumble(&I, w0, h, 0.05).expect("a compact body");
         let L = I * w0;
         let half = |axis: Vec3, angle: f64| {
             let (sin, cos) = libm::sincos(0.5 * angle);

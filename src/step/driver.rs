@@ -21,7 +21,7 @@ use crate::step::size::{self, Standing, Tried, Verdict, Way, grown, implicit_fac
 use crate::step::stages::Stages;
 use crate::tree::Tree;
 use crate::tuning::{
-    BALANCE, EXPLICIT_SAFETY, FIXED_ACCURACY, GROWTH, GUESS, GUESSES, LEAST_ERROR, MAX_STEP,
+    BALANCE, EXPLICIT_SAFETY, FIXED_ACCURACY, GROWTH, GUESS, GUESSES, HIT, LEAST_ERROR, MAX_STEP,
     MIN_STEP,
 };
 
@@ -191,6 +191,9 @@ impl Stepper {
             self.check_limits(ctx)?;
             size::lower_floor(ctx, &mut state.stepping.sizes, &state.physical.v);
             let lengths = [way.proposed, way.remaining()];
+            if self.coast(ctx, state, &mut way)? {
+                continue;
+            }
             if let Some(plan) = explicit::plan(ctx, &mut self.here, state, lengths) {
                 self.go_explicitly(ctx, state, &mut way, plan)?;
             } else {
@@ -211,6 +214,39 @@ impl Stepper {
         self.here.begin_smooth(ctx, &state.physical, h);
         self.explicit.integrator.restart();
         way.standing = Standing::Nowhere;
+    }
+
+    /// Tries a step of bodies that are alone; tells whether they are.
+    fn coast(&mut self, ctx: &Context, state: &mut State, way: &mut Way) -> Result<bool, Stop> {
+        let h = landing(way.proposed.min(MAX_STEP), way.remaining());
+        let (here, attempt) = (&self.here, &mut self.attempt);
+        let Some(free) = self.explicit.coast(ctx, here, state, h, attempt) else {
+            return Ok(false);
+        };
+        let floor = state.stepping.sizes.floor[ctx.tree.island.lead];
+        if !free && h <= floor.max(MIN_STEP) {
+            return Ok(false);
+        }
+        self.begin_try(ctx)?;
+        way.standing = Standing::Current;
+        let factor = if free { GROWTH.1 } else { 0.5 };
+        let next = grown(way.proposed, h, factor);
+        let tried = Tried {
+            h,
+            error: if free { 0.0 } else { HIT },
+            factor,
+            ease: next,
+            next,
+        };
+        match way.judge(ctx, &mut state.stepping, &tried) {
+            Verdict::Accept => {}
+            Verdict::Retry => return Ok(true),
+            Verdict::Fail => return Err(Stop::NotFinite),
+        }
+        self.attempt.accept(state);
+        way.go(h);
+        way.standing = Standing::Nowhere;
+        Ok(true)
     }
 
     /// Tries an explicit step.

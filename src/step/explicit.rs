@@ -3,7 +3,8 @@
 //! Dormand–Prince 5(4) takes the long steps; Bogacki–Shampine 3(2) those that end early because the
 //! communication step does; Kennedy–Carpenter, which takes damping implicitly, those in which
 //! damping is faster than the step. While no input changes a step may reach beyond the
-//! communication point, see [`crate::state::ahead`].
+//! communication point, see [`crate::state::ahead`]. Rigid bodies on which nothing but gravity acts
+//! need none of them, see [`super::coast`].
 
 pub mod runge_kutta;
 pub mod tableau;
@@ -17,7 +18,7 @@ use crate::state::ahead::Ahead;
 use crate::state::{Physical, State};
 use crate::step::attempt::Attempt;
 use crate::step::caps::{may_look_ahead, range};
-use crate::step::guards;
+use crate::step::{coast, guards};
 use crate::step::point::{Context, Point};
 use crate::step::size::{grown, landing, worst_error};
 use crate::tree::Tree;
@@ -225,6 +226,33 @@ impl Explicit {
         }
     }
 
+    /// Tries a step of `h` seconds in which nothing but gravity acts into `attempt`; none where
+    /// something else does or comes near, else whether nothing was met.
+    pub fn coast(
+        &mut self,
+        ctx: &Context,
+        here: &Point,
+        state: &State,
+        h: f64,
+        attempt: &mut Attempt,
+    ) -> Option<bool> {
+        let (from, terms) = (&state.physical, &here.terms);
+        let free = terms.contacts.is_empty() && terms.springs.is_empty();
+        if !free || !is_clear(ctx.tree, &here.kin, h) {
+            return None;
+        }
+        if !coast::fly(ctx, (&here.kin, from), h, &mut attempt.end) {
+            return None;
+        }
+        attempt.begin(state);
+        terms.forget(&mut attempt.end.memory);
+        attempt.clear_trend(ctx.tree);
+        self.integrator.restart();
+        self.end.update_poses(ctx.tree, &attempt.end.q);
+        self.end.update_velocities(ctx.tree, &attempt.end.v);
+        Some(self.meets_nothing(ctx, here, h))
+    }
+
     fn run_stages(
         &mut self,
         ctx: &Context,
@@ -293,9 +321,13 @@ impl Explicit {
                 low >= limits.lower && high <= limits.upper
             })
         });
+        within && self.meets_nothing(ctx, here, h)
+    }
+
+    /// Whether the step just tried has ended off the ground and met nothing on its way.
+    fn meets_nothing(&mut self, ctx: &Context, here: &Point, h: f64) -> bool {
         let known = &here.terms.contacts;
-        within
-            && is_clear(ctx.tree, &self.end, 0.0)
+        is_clear(ctx.tree, &self.end, 0.0)
             && !self.contacts.has_missed(ctx.tree, &self.end, h, known)
     }
 

@@ -126,7 +126,11 @@ impl Fixed {
         let turning = fastest(ctx.tree, &from.v) * part.whole > TURN;
         let gain = turning.then(|| GAIN * part.h / part.whole);
         let explicit = &mut *methods.explicit;
-        if explicit.attempt_fixed(ctx, methods.here, state, (part.h, gain), attempt) {
+        if let Some(free) = explicit.coast(ctx, methods.here, state, part.h, attempt) {
+            if free {
+                return Outcome::Good;
+            }
+        } else if explicit.attempt_fixed(ctx, methods.here, state, (part.h, gain), attempt) {
             return Outcome::Good;
         }
         if let Some(outcome) = Self::attempt_stages(ctx, methods, state, part, attempt) {
