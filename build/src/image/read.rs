@@ -3,6 +3,7 @@
 use super::png::{SIGNATURE, expected};
 use flate2::read::ZlibDecoder;
 use std::io::Read;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use zune_jpeg::JpegDecoder;
 use zune_jpeg::zune_core::bytestream::ZCursor;
 use zune_jpeg::zune_core::colorspace::ColorSpace;
@@ -43,7 +44,9 @@ fn read_jpeg(bytes: &[u8]) -> Option<Pixels> {
     if width == 0 || height == 0 || width.checked_mul(height)? > MOST_PIXELS {
         return None;
     }
-    let bytes = decoder.decode().ok()?;
+    // The decoder panics at some files whose planes do not fit together.
+    let decoded = catch_unwind(AssertUnwindSafe(|| decoder.decode()));
+    let bytes = decoded.ok()?.ok()?;
     (bytes.len() == 3 * width * height).then_some(Pixels {
         width,
         height,
