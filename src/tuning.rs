@@ -290,6 +290,11 @@ pub const MENDED_GAIN: f64 = 5e-7;
 /// secant takes their place: any step errs by the square of what turns in it. At 0 fails
 /// `s8_cans_and_discs_roll_on_their_edges`, at 10 `d8_a_passive_robot_never_gains_energy`.
 pub const STEEP: f64 = 0.005;
+/// By how far a shape is moved to find the gradient of a depth, as a share of half of the least
+/// extent of both shapes, and of the depth at most.
+pub const NUDGE: f64 = 1e-5;
+/// See [`NUDGE`].
+pub const NUDGE_SHARE: f64 = 0.1;
 /// How many times it is, at most: the second time mends what the first has changed. At 0 fails
 /// `d8_a_passive_robot_never_gains_energy`; the second one saves steps at the floor.
 pub const SECANTS: u32 = 2;

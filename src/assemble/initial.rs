@@ -271,7 +271,7 @@ fn static_depth(model: &Model) -> f64 {
         q[2] = z - depth;
         kin.update_poses(&tree, &q);
         kin.update_velocities(&tree, &rest);
-        detect(model, &tree, &[], &kin, 0.0, f64::INFINITY, &mut contacts);
+        detect(model, &tree, &[], &kin, 0.0, &mut contacts);
         let loads = contacts
             .iter()
             .map(|c| c.normal_load(&contacts.points, &kin.V));

@@ -6,9 +6,9 @@ use super::contact::{Contact, Other, normal_part};
 use super::gather::ContactSet;
 use super::meeting::Meeting;
 use super::memory::{Touch, seek};
-use super::pairs::Pair;
+use super::pair::Pair;
 use super::point::norm;
-use crate::geometry::pair::{Part, Patch};
+use crate::geometry::pair::Patch;
 use crate::kinematics::Kinematics;
 use crate::spatial::Vec3;
 use crate::tree::{Surface, Tree};
@@ -20,7 +20,6 @@ pub(super) fn find_pairs(
     touches: &[Touch],
     kin: &Kinematics,
     [h, margin]: [f64; 2],
-    fastest: f64,
     contacts: &mut ContactSet,
 ) {
     let ContactSet {
@@ -30,9 +29,10 @@ pub(super) fn find_pairs(
         ..
     } = contacts;
     let mut touches = touches.iter().peekable();
-    let add = |slot: usize, pair: &Pair, (patch, part): (&Patch, &Part)| {
+    let add = |slot: usize, pair: &Pair, patch: &mut Patch, part: usize| {
         let first = points.len();
-        pair.add_points(tree, (patch, part), points);
+        let part = patch.parts()[part].clone();
+        pair.add_points(tree, (patch, &part), points);
         let [a, b] = pair.colliders;
         let stored = seek(&mut touches, slot, |t| t.slot);
         let stored = stored.copied().unwrap_or_default();
@@ -52,10 +52,14 @@ pub(super) fn find_pairs(
             normal: part.normal,
             uneven: part.uneven,
             points: first..points.len(),
-            spring: pair.spring(tree, fastest),
+            spring: pair.spring(tree),
             ..Contact::default()
         };
         contact.gather(points);
+        if patch.blended && contact.depth > 0.0 {
+            let gradient = pair.gradient(patch, &contact.center, contact.depth);
+            contact.lean(points, gradient);
+        }
         if b.belt != Vec3::zeros() {
             let (_, along) = normal_part(&contact.normal, &b.belt);
             contact.carried = -along;
@@ -84,7 +88,6 @@ pub(super) fn find_pairs(
 pub(super) fn held_between(
     tree: &Tree,
     kin: &Kinematics,
-    fastest: f64,
     contacts: &mut ContactSet,
 ) -> f64 {
     let ContactSet {
@@ -94,12 +97,12 @@ pub(super) fn held_between(
         ..
     } = contacts;
     let mut sum = 0.0;
-    let add = |slot: usize, pair: &Pair, found: (&Patch, &Part)| {
+    let add = |slot: usize, pair: &Pair, patch: &mut Patch, part: usize| {
         points.clear();
-        pair.add_points(tree, found, points);
+        pair.add_points(tree, (patch, &patch.parts()[part]), points);
         let (depth, _) = norm(points);
         depths.push((slot, depth));
-        sum += pair.spring(tree, fastest).stored(depth);
+        sum += pair.spring(tree).stored(depth);
         false
     };
     pairs.each((tree, kin), [0.0, 0.0], |_| false, add);

@@ -10,7 +10,7 @@
 use super::between::{find_pairs, held_between};
 use super::contact::{Contact, normal_part};
 use super::gather::ContactSet;
-use super::meeting::{Meeting, limited};
+use super::meeting::{Meeting};
 use super::memory::{Touch, seek};
 use super::pairs::is_apart;
 use super::point::{ContactPoint, Rim, norm};
@@ -27,16 +27,12 @@ const UP: Vec3 = Vec3::new(0.0, 0.0, 1.0);
 
 /// Finds the contacts that can act within `h` seconds, into `contacts`; reads poses and velocities
 /// of `kin`.
-///
-/// `fastest` caps how fast a contact may swing under its tree (fixed steps cannot resolve more),
-/// rad/s.
 pub fn detect(
     model: &Model,
     tree: &Tree,
     touches: &[Touch],
     kin: &Kinematics,
     h: f64,
-    fastest: f64,
     contacts: &mut ContactSet,
 ) {
     contacts.clear();
@@ -59,7 +55,7 @@ pub fn detect(
             slot: collider.index,
             normal: UP,
             points: first..contacts.points.len(),
-            spring: limited(&collider.spring, mass, fastest),
+            spring: collider.spring,
             ..Contact::default()
         };
         contact.gather(&mut contacts.points);
@@ -72,20 +68,19 @@ pub fn detect(
         meet.complete(tree, &stored, places, h, &mut contact);
         contacts.list.push(contact);
     }
-    find_pairs(tree, touches, kin, [h, margin], fastest, contacts);
+    find_pairs(tree, touches, kin, [h, margin], contacts);
 }
 
 /// Energy that the springs of all contacts hold at the poses of `kin`, J; finds the depths of
-/// `contacts`, whose points are scratch. `fastest` is that of [`detect`].
+/// `contacts`, whose points are scratch.
 pub fn held(
     model: &Model,
     tree: &Tree,
     kin: &Kinematics,
-    fastest: f64,
     contacts: &mut ContactSet,
 ) -> f64 {
     contacts.depths.clear();
-    let mut sum = held_between(tree, kin, fastest, contacts);
+    let mut sum = held_between(tree, kin, contacts);
     let ContactSet { points, depths, .. } = contacts;
     for collider in tree.on_ground() {
         points.clear();
@@ -93,8 +88,7 @@ pub fn held(
         if !points.is_empty() {
             let (depth, _) = norm(points);
             depths.push((collider.index, depth));
-            let mass = tree.mass_with(collider.body);
-            sum += limited(&collider.spring, mass, fastest).stored(depth);
+            sum += collider.spring.stored(depth);
         }
     }
     sum

@@ -61,6 +61,24 @@ impl Contact {
         self.lean_on_load(points);
     }
 
+    /// Makes its rows, together, what its depth changes by with displacements and with rotations
+    /// about the centre of its load.
+    pub(super) fn lean(&mut self, points: &mut [ContactPoint], [way, turn]: [Vec3; 2]) {
+        let own = &mut points[self.points.clone()];
+        let (mut row, mut arm) = (-way, -(turn + self.center.cross(&way)));
+        row /= self.weights;
+        arm /= self.weights;
+        for p in own.iter() {
+            row -= p.row * p.load;
+            arm -= p.arm * p.load;
+        }
+        for p in own {
+            p.row += row;
+            p.arm += arm;
+        }
+        self.uneven = true;
+    }
+
     /// Lets the direction in which a rim leans by little follow its load within a step of `h`
     /// seconds, see the rims of [`super::contact`].
     pub(super) fn let_swing(&self, points: &mut [ContactPoint], h: f64) {
@@ -191,7 +209,7 @@ impl ContactSet {
             next.is_some_and(|c| c.slot < slot + MOST_PARTS)
         };
         self.pairs
-            .each((tree, kin), [h, 0.0], is_known, |_, _, _| true)
+            .each((tree, kin), [h, 0.0], is_known, |_, _, _, _| true)
     }
 
     /// Joins the trees of which shapes may come near each other within `h` seconds, or are nearer

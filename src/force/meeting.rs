@@ -6,20 +6,11 @@ use super::contact::{Contact, normal_part};
 use super::memory::Touch;
 use super::point::ContactPoint;
 use crate::kinematics::Kinematics;
-use crate::law::normal::{Impact, Stiffening};
+use crate::law::normal::Impact;
 use crate::law::{ElastoPlastic, stribeck};
 use crate::spatial::Vec3;
 use crate::tree::{Surface, Tree};
 use crate::tuning::{BOUNCE_THRESHOLD, DEEP_OVERLAP, EMERGENCE, TANGENTIAL_RATIO};
-
-/// The spring, less stiff where `mass` would swing on it faster than `fastest`, rad/s.
-pub(super) fn limited(spring: &Stiffening, mass: f64, fastest: f64) -> Stiffening {
-    let limit = mass * fastest * fastest;
-    Stiffening {
-        stiffness: spring.stiffness.min(limit),
-        ..*spring
-    }
-}
 
 /// How two shapes meet.
 pub(super) struct Meeting<'a> {

@@ -177,10 +177,7 @@ impl Terms {
     }
 
     /// Finds contacts, their friction against turning, and springs, for a step of at most `h`
-    /// seconds from
-    /// the poses and velocities of `kin`.
-    ///
-    /// - `fastest`: see [`detect`]
+    /// seconds from the poses and velocities of `kin`.
     pub fn find_contacts(
         &mut self,
         model: &Model,
@@ -188,10 +185,9 @@ impl Terms {
         memory: &Memory,
         kin: &Kinematics,
         h: f64,
-        fastest: f64,
     ) {
         let (touches, contacts) = (&memory.touches, &mut self.contacts);
-        detect(model, tree, touches, kin, h, fastest, contacts);
+        detect(model, tree, touches, kin, h, contacts);
         find_turns(tree, touches, kin, contacts, &mut self.turns);
         self.springs.clear();
         let springs = tree.worked_springs();

@@ -16,15 +16,7 @@ fn springs(s: &Simulation, q: &[f64]) -> (f64, Vec6) {
     kin.update_poses(s.tree(), q);
     kin.update_velocities(s.tree(), &[0.0; 6]);
     let mut list = ContactSet::new([0, 0]);
-    detect(
-        s.model(),
-        s.tree(),
-        &[],
-        &kin,
-        0.0,
-        f64::INFINITY,
-        &mut list,
-    );
+    detect(s.model(), s.tree(), &[], &kin, 0.0, &mut list);
     let (mut energy, mut force) = (0.0, [[0.0; 6]]);
     for c in list.iter() {
         energy += c.stored();

@@ -89,7 +89,7 @@ impl Stepper {
             let parts = (&self.here.terms, &self.implicit.full);
             let work = guards::work(ctx, &self.here.kin, parts, h);
             let (points, end) = ((&self.here, &mut self.there), &self.attempt.end);
-            guards::gain(ctx, &books, points, end, [h, work])
+            guards::gain(ctx, &books, points, end, work)
         };
         if gain.is_nan() {
             return f64::INFINITY;

@@ -265,7 +265,7 @@ impl Fixed {
         crba::mass_matrix(tree, kin);
         kin.update_velocities(tree, &self.first);
         let (touches, found) = (&from.memory.touches, &mut self.contacts);
-        detect(ctx.model, tree, touches, kin, h, f64::INFINITY, found);
+        detect(ctx.model, tree, touches, kin, h, found);
         let places = &found.points;
         let mut found = found.list.iter().peekable();
         let ContactSet { list, points, .. } = &mut terms.contacts;

@@ -13,7 +13,7 @@ use crate::kinematics::Kinematics;
 use crate::spatial::dot6;
 use crate::state::Physical;
 use crate::step::convex::Newton;
-use crate::step::point::{Context, Point, fastest_contact};
+use crate::step::point::{Context, Point};
 use crate::tree::Tree;
 use crate::tuning::{MENDED_GAIN, REFERENCE_GRAVITY};
 
@@ -55,7 +55,7 @@ pub(super) fn spoils(
     end: &Physical,
     [h, work]: [f64; 2],
 ) -> bool {
-    gain(ctx, books, (here, there), end, [h, work]) > 1.0 || has_missed(ctx, (here, there), h)
+    gain(ctx, books, (here, there), end, work) > 1.0 || has_missed(ctx, (here, there), h)
 }
 
 /// Whether shapes have met in the step of `h` seconds from `here` that it knows nothing of. Poses
@@ -69,23 +69,21 @@ pub(super) fn has_missed(ctx: &Context, (here, there): (&Point, &mut Point), h: 
 /// Energy that the step to `end` has made, as a multiple of what is allowed; poses and velocities
 /// of `there` then stand at its end.
 ///
-/// - `h`: the step's length, s
 /// - `work`: of motors and external wrenches, J
 pub(super) fn gain(
     ctx: &Context,
     books: &Books,
     (here, there): (&Point, &mut Point),
     end: &Physical,
-    [h, work]: [f64; 2],
+    work: f64,
 ) -> f64 {
     let tree = ctx.tree;
     let Point { kin, terms, .. } = there;
     kin.update_poses(tree, &end.q);
     kin.update_velocities(tree, &end.v);
-    let (limit, points) = (fastest_contact(ctx, h), &mut terms.contacts);
     let held = kinetic(tree, kin, &end.v)
         + potential(tree, kin)
-        + force::held(ctx.model, tree, kin, limit, points)
+        + force::held(ctx.model, tree, kin, &mut terms.contacts)
         + force::held_by_springs(tree, kin)
         + limits(tree, here, &end.q);
     if ctx.rules.energy {

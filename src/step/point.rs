@@ -167,9 +167,8 @@ impl Point {
     /// Contacts and joint terms, after the kinematics are up to date.
     pub(super) fn find_terms(&mut self, ctx: &Context, from: &Physical, h: f64) {
         let Context { model, tree, .. } = *ctx;
-        let (memory, limit) = (&from.memory, fastest_contact(ctx, h));
-        self.terms
-            .find_contacts(model, tree, memory, &self.kin, h, limit);
+        let memory = &from.memory;
+        self.terms.find_contacts(model, tree, memory, &self.kin, h);
         self.find_joint_terms(ctx, from, 0.0);
     }
 
@@ -178,9 +177,8 @@ impl Point {
     /// friction start from, are those of its start.
     pub(super) fn find_around(&mut self, ctx: &Context, from: &Physical, (q, h): (&[f64], f64)) {
         let Context { model, tree, .. } = *ctx;
-        let (memory, limit) = (&from.memory, fastest_contact(ctx, h));
-        self.terms
-            .find_contacts(model, tree, memory, &self.kin, h, limit);
+        let memory = &from.memory;
+        self.terms.find_contacts(model, tree, memory, &self.kin, h);
         self.set_joints(ctx, from, (q, [h, 0.5 * h]));
     }
 
@@ -228,15 +226,5 @@ impl Point {
 
     pub(super) fn problem<'a>(&'a self, tree: &'a Tree, h: f64, accuracy: f64) -> Problem<'a> {
         Problem::new((tree, &self.kin), &self.terms, h, accuracy)
-    }
-}
-
-/// How fast a contact may swing in steps of `h` seconds, rad/s: a fixed step cannot resolve an
-/// oscillation faster than itself.
-pub(super) fn fastest_contact(ctx: &Context, h: f64) -> f64 {
-    if ctx.fixed_step > 0.0 {
-        std::f64::consts::TAU / h.max(f64::MIN_POSITIVE)
-    } else {
-        f64::INFINITY
     }
 }

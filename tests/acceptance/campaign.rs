@@ -172,14 +172,9 @@ pub fn pressing(s: &Simulation) -> f64 {
 }
 
 fn touching(s: &Simulation, kin: &Kinematics) -> ContactSet {
-    // In fixed steps a contact does not swing faster than with the steps (docs/design.md).
-    let limit = match s.parameter(ParameterSlot::StepSize) {
-        step if step > 0.0 => std::f64::consts::TAU / step,
-        _ => f64::INFINITY,
-    };
     let mut list = ContactSet::of(s.model());
     let touches = &s.state().physical.memory.touches;
-    detect(s.model(), s.tree(), touches, kin, H, limit, &mut list);
+    detect(s.model(), s.tree(), touches, kin, H, &mut list);
     list
 }
 

@@ -49,8 +49,8 @@ impl Stages {
         let [h, _] = step.lengths;
         for round in 0.. {
             let added = finish(self, there, attempt);
-            let lengths = [h, self.work(ctx, h)];
-            let gain = gain(ctx, step.books, (here, there), &attempt.end, lengths);
+            let work = self.work(ctx, h);
+            let gain = gain(ctx, step.books, (here, there), &attempt.end, work);
             let makes = ctx.rules.secants && gain > step.books.mended && gain.is_finite();
             let depths = &there.terms.contacts.depths;
             if !makes || round == SECANTS || !self.find_secants(ctx, here, depths, h) {

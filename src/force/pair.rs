@@ -1,0 +1,210 @@
+//! Two shapes as they meet.
+
+#![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
+
+use super::point::{ContactPoint, Rim};
+use crate::geometry::pair::{Nearby, Part, Patch, PatchPoint, Side, Solid};
+use crate::kinematics::Kinematics;
+use crate::law::normal::Stiffening;
+use crate::spatial::{Pose, Vec3, quaternion_normalized, rotation_from_quaternion};
+use crate::tree::{Tree, TreeCollider};
+use crate::tuning::{NUDGE, NUDGE_SHARE, TANGENTIAL_RATIO};
+
+/// Two shapes as they meet: the first one moves, and is pushed along the normal.
+pub(super) struct Pair<'a> {
+    pub colliders: [&'a TreeCollider; 2],
+    solids: [&'a Solid; 2],
+    /// Their poses, from O of the first one's tree.
+    poses: [Pose; 2],
+    /// O of the first one's tree, seen from that of the second one.
+    pub from: Vec3,
+}
+
+impl<'a> Pair<'a> {
+    pub fn new(tree: &'a Tree, kin: &Kinematics, [a, b]: [usize; 2]) -> Option<Self> {
+        let colliders = in_order(tree, [a, b]);
+        let [Some(first), Some(second)] = colliders.map(|c| c.solid.as_deref()) else {
+            return None;
+        };
+        let from = kin.origins[colliders[0].tree] - kin.origins[colliders[1].tree];
+        let poses = colliders.map(|c| kin.X[c.body].compose(&c.X));
+        let poses = [
+            poses[0],
+            Pose {
+                p: poses[1].p - from,
+                ..poses[1]
+            },
+        ];
+        Some(Self {
+            colliders,
+            solids: [first, second],
+            poses,
+            from,
+        })
+    }
+
+    /// Finds what both have in common within `reach`, m.
+    pub fn touch(&self, patch: &mut Patch, reach: f64, nearby: Option<&mut Nearby>) -> bool {
+        let [a, b] = [0, 1].map(|i| (self.solids[i], &self.poses[i]));
+        patch.find_near(a, b, reach, nearby)
+    }
+
+    /// Depth, m; 0 where nothing is inside. Not of terrain, where several parts may touch.
+    fn depth(&self, patch: &mut Patch) -> f64 {
+        self.touch(patch, 0.0, None);
+        let fourth = patch.points().iter();
+        let fourth = fourth.map(|p| p.share * p.depth.max(0.0).powi(4));
+        fourth.sum::<f64>().sqrt().sqrt()
+    }
+
+    /// How the depth grows with displacements of the first one along the axes, and with rotations,
+    /// m, about `center`, where it is about `depth`, m. By differences.
+    pub fn gradient(&self, patch: &mut Patch, center: &Vec3, depth: f64) -> [Vec3; 2] {
+        let [a, b] = self.solids;
+        let by = (NUDGE * a.thickness().min(b.thickness())).min(NUDGE_SHARE * depth);
+        let lever = self.colliders[0].radius.min(self.colliders[1].radius);
+        let here = self.depth(patch);
+        let mut slopes = [Vec3::zeros(); 2];
+        for (kind, by) in [(0, by), (1, by / lever)] {
+            for axis in 0..3 {
+                let mut ways = [Vec3::zeros(); 2];
+                ways[kind][axis] = by;
+                let there = self.moved(ways, center).depth(patch);
+                slopes[kind][axis] = (there - here) / by;
+            }
+        }
+        slopes
+    }
+
+    /// The same after the first one has moved by `way` and turned by the rotation vector `turn`
+    /// about `center`, both small.
+    fn moved(&self, [way, turn]: [Vec3; 2], center: &Vec3) -> Self {
+        let half = turn * 0.5;
+        let R = rotation_from_quaternion(&quaternion_normalized(&[1.0, half.x, half.y, half.z]));
+        let X = &self.poses[0];
+        let moved = Pose {
+            R: R * X.R,
+            p: center + R * (X.p - center) + way,
+        };
+        Self {
+            poses: [moved, self.poses[1]],
+            ..*self
+        }
+    }
+
+    /// Whether they are nearer than `reach`, m.
+    pub fn is_near(&self, reach: f64) -> bool {
+        let [a, b] = [0, 1].map(|i| (self.solids[i], &self.poses[i]));
+        Patch::are_near(a, b, reach)
+    }
+
+    /// How fast any two of their points come nearer, at most, m/s.
+    pub fn speed(&self, kin: &Kinematics) -> f64 {
+        self.colliders.iter().map(|c| kin.ball(c).1).sum()
+    }
+
+    /// Mass that takes part in an impact of both, kg: see [`super::Contact::mass`].
+    pub fn mass(&self, tree: &Tree) -> f64 {
+        mass_of(tree, self.colliders)
+    }
+
+    /// See [`super::Contact::thickness`].
+    pub fn thickness(&self) -> f64 {
+        let [a, b] = self.solids;
+        if b.is_endless() {
+            // There is no other side.
+            f64::INFINITY
+        } else {
+            a.thickness().min(b.thickness())
+        }
+    }
+
+    /// The one whose contact is made for the greater weight.
+    fn heavier(&self, tree: &Tree) -> &TreeCollider {
+        heavier_of(tree, self.colliders)
+    }
+
+    /// Spring of its contact.
+    pub fn spring(&self, tree: &Tree) -> Stiffening {
+        self.heavier(tree).spring
+    }
+
+    /// Adds the points of a part of a patch, from O of the first one's tree.
+    pub fn add_points(
+        &self,
+        tree: &Tree,
+        (patch, part): (&Patch, &Part),
+        points: &mut Vec<ContactPoint>,
+    ) {
+        let landing = self.heavier(tree).spring.reference;
+        let found = patch.points()[part.points.clone()].iter();
+        points.extend(found.map(|point| contact_point(point, landing)));
+    }
+}
+
+/// The shapes at two places as they meet: the first one moves.
+fn in_order(tree: &Tree, [a, b]: [usize; 2]) -> [&TreeCollider; 2] {
+    let places = if tree.contact.colliders[b].moves {
+        [b, a]
+    } else {
+        [a, b]
+    };
+    places.map(|place| &tree.contact.colliders[place])
+}
+
+/// See [`Pair::mass`].
+fn mass_of(tree: &Tree, colliders: [&TreeCollider; 2]) -> f64 {
+    let [a, b] = colliders.map(|c| tree.mass_with(c.body));
+    if colliders[1].moves {
+        a * b / (a + b)
+    } else {
+        a
+    }
+}
+
+/// See [`Pair::heavier`].
+fn heavier_of<'a>(tree: &Tree, [a, b]: [&'a TreeCollider; 2]) -> &'a TreeCollider {
+    let mass = |c: &TreeCollider| tree.mass_with(c.body);
+    if b.moves && mass(b) > mass(a) { b } else { a }
+}
+
+/// How fast the friction of a contact forgets while nothing presses, 1/s: one over its own time
+/// `d/k` at the depth 0. `places`: of its shapes, the lower one first; twice the same with the
+/// ground.
+pub fn light_touch(tree: &Tree, places: [usize; 2]) -> f64 {
+    let colliders = in_order(tree, places);
+    let (spring, mass) = if places[0] == places[1] {
+        (&colliders[0].spring, tree.mass_with(colliders[0].body))
+    } else {
+        (
+            &heavier_of(tree, colliders).spring,
+            mass_of(tree, colliders),
+        )
+    };
+    // `d = 2 √(k m)`
+    0.5 * (TANGENTIAL_RATIO * spring.slope(0.0) / mass).sqrt()
+}
+
+/// A point of a patch, from O of the first one's tree, as a contact has it; `landing` as in
+/// [`Rim::new`].
+fn contact_point(point: &PatchPoint, landing: f64) -> ContactPoint {
+    let PatchPoint {
+        x,
+        normal,
+        depth,
+        share,
+        ..
+    } = *point;
+    ContactPoint {
+        rim: point.rim.map(|rim| {
+            // What turns the second body one way tilts its rim as turning the first one the other
+            // way does.
+            let axis = match rim.side {
+                Side::First => rim.axis,
+                Side::Second => -rim.axis,
+            };
+            Rim::new(axis, rim.a, [rim.radius, rim.crown, landing])
+        }),
+        ..ContactPoint::new(None, x, &normal, [depth, share])
+    }
+}
