@@ -290,11 +290,6 @@ pub const MENDED_GAIN: f64 = 5e-7;
 /// secant takes their place: any step errs by the square of what turns in it. At 0 fails
 /// `s8_cans_and_discs_roll_on_their_edges`, at 10 `d8_a_passive_robot_never_gains_energy`.
 pub const STEEP: f64 = 0.005;
-/// By how far a shape is moved to find the gradient of a depth, as a share of half of the least
-/// extent of both shapes, and of the depth at most.
-pub const NUDGE: f64 = 1e-5;
-/// See [`NUDGE`].
-pub const NUDGE_SHARE: f64 = 0.1;
 /// How many times it is, at most: the second time mends what the first has changed. At 0 fails
 /// `d8_a_passive_robot_never_gains_energy`; the second one saves steps at the floor.
 pub const SECANTS: u32 = 2;
@@ -498,6 +493,9 @@ pub const LIMIT_REACH: (f64, f64) = (2.0, 1e-6);
 
 // Stiffness and restitution of contacts: `law/normal.rs`.
 
+/// By how far a shape is moved to find the gradient of a depth, as a share of half of the least
+/// extent of both shapes. At 0.1 fails `rows_of_deep_contacts_are_the_gradient_of_their_depth`.
+pub const NUDGE: f64 = 1e-5;
 /// Depth, in penetrations, up to which a contact stiffens: that of a load which is a million times
 /// the weight. Beyond, forces would exceed what the digits of a solve can balance. At 0.1 fails
 /// `nothing_passes_through_a_thin_plate`.

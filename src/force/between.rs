@@ -57,7 +57,7 @@ pub(super) fn find_pairs(
         };
         contact.gather(points);
         if patch.blended && contact.depth > 0.0 {
-            let gradient = pair.gradient(patch, &contact.center, contact.depth);
+            let gradient = pair.gradient(patch, &contact.center);
             contact.lean(points, gradient);
         }
         if b.belt != Vec3::zeros() {
@@ -85,11 +85,7 @@ pub(super) fn find_pairs(
 /// Energy that the springs between shapes hold at the poses of `kin`, J; adds their depths.
 ///
 /// - `contacts`: its points are scratch, its depths are added
-pub(super) fn held_between(
-    tree: &Tree,
-    kin: &Kinematics,
-    contacts: &mut ContactSet,
-) -> f64 {
+pub(super) fn held_between(tree: &Tree, kin: &Kinematics, contacts: &mut ContactSet) -> f64 {
     let ContactSet {
         points,
         pairs,

@@ -52,6 +52,12 @@
 //! velocity at the centre `c = Σ ŵ_i x_i` of the load, and the drilling velocity times the mean
 //! distance `ρ` of the load from it. Sliding and drilling share the cap `μ Σ N w_i`.
 //!
+//! Its stiffness `k_t` is in proportion to `dN/dδ`, so it changes with the load. With the same
+//! displacement `ς` the energy `½ k_t ς²` would change with it, and nobody would pay: a body between
+//! two heavy ones, whose `k_t` rose a thousandfold, made 1e4 J of an eighth of that. So from step to
+//! step `√k_t ς` is remembered, whose energy stays: a rising load raises the force `k_t ς` by the
+//! root of the stiffness, and a falling one gives that back. With a constant load nothing changes.
+//!
 //! Source: Hunt & Crossley 1975; Castro et al. 2022; the limit surface of sliding and drilling as
 //! an ellipsoid: Howe & Cutkosky 1996.
 
@@ -276,21 +282,6 @@ impl Contact {
                     soonest
                 }
             })
-    }
-
-    /// A vector that is remembered, in world axes.
-    #[inline]
-    pub fn recall(&self, stored: &[f64; 3]) -> Vec3 {
-        let stored = Vec3::from(*stored);
-        self.other.map_or(stored, |other| other.axes * stored)
-    }
-
-    /// The inverse of [`Self::recall`].
-    #[inline]
-    pub fn keep(&self, x: &Vec3) -> [f64; 3] {
-        self.other
-            .map_or(*x, |other| other.axes.transpose() * x)
-            .into()
     }
 
     /// Sets the friction that slips for a normal force, N.

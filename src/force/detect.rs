@@ -10,7 +10,7 @@
 use super::between::{find_pairs, held_between};
 use super::contact::{Contact, normal_part};
 use super::gather::ContactSet;
-use super::meeting::{Meeting};
+use super::meeting::Meeting;
 use super::memory::{Touch, seek};
 use super::pairs::is_apart;
 use super::point::{ContactPoint, Rim, norm};
@@ -73,12 +73,7 @@ pub fn detect(
 
 /// Energy that the springs of all contacts hold at the poses of `kin`, J; finds the depths of
 /// `contacts`, whose points are scratch.
-pub fn held(
-    model: &Model,
-    tree: &Tree,
-    kin: &Kinematics,
-    contacts: &mut ContactSet,
-) -> f64 {
+pub fn held(model: &Model, tree: &Tree, kin: &Kinematics, contacts: &mut ContactSet) -> f64 {
     contacts.depths.clear();
     let mut sum = held_between(tree, kin, contacts);
     let ContactSet { points, depths, .. } = contacts;

@@ -111,12 +111,6 @@ impl Contact {
         u + self.drift + self.carried
     }
 
-    /// How fast what its friction remembers changes where no steps are taken, m/s, in the axes in
-    /// which it is kept, for the velocities of all bodies.
-    pub fn memory_rate(&self, V: &[Vec6]) -> [f64; 3] {
-        self.keep(&self.friction.rate(self.slid(&self.sliding(V))))
-    }
-
     /// Normal force at the start of the step, N, for velocities of all bodies.
     pub fn normal_load(&self, points: &[ContactPoint], V: &[Vec6]) -> f64 {
         self.loads(self.normal_velocity(points, V))[0]

@@ -76,9 +76,9 @@ impl Meeting<'_> {
         contact.friction = ElastoPlastic {
             stiffness: slope,
             damping: 2.0 * (slope * mass).sqrt(),
-            displacement: contact.recall(&stored.displacement),
             ..ElastoPlastic::default()
         };
+        contact.friction.displacement = contact.recall_slip(&stored.displacement);
         let [load, elastic] = contact.loads(speed);
         contact.carry(load);
         contact.load = load.min(elastic);

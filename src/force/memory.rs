@@ -1,7 +1,10 @@
 //! What force terms remember from step to step. The law by which that changes is in
 //! [`super::Terms`].
 
+use super::contact::Contact;
 use crate::model::Model;
+use crate::spatial::{Vec3, Vec6};
+use crate::tuning::TANGENTIAL_RATIO;
 use std::iter::Peekable;
 
 /// What a contact remembers from step to step.
@@ -9,8 +12,9 @@ use std::iter::Peekable;
 pub struct Touch {
     /// Index of the shape, or that of a pair of shapes: see [`Model::slots`].
     pub slot: usize,
-    /// Elastic displacement ς of the friction, m, in axes of the body that is pushed against; along
-    /// the normal against drilling.
+    /// Elastic displacement ς of the friction, m, as that of the stiffness that it has without a
+    /// load would hold the same energy, in axes of the body that is pushed against; along the
+    /// normal against drilling.
     pub displacement: [f64; 3],
     /// Elastic angle of the friction against turning, in the same axes, rad.
     pub turn: [f64; 3],
@@ -63,6 +67,49 @@ impl Memory {
         self.touches.extend_from_slice(&other.touches);
         self.motor.copy_from_slice(&other.motor);
         self.dry.copy_from_slice(&other.dry);
+    }
+}
+
+impl Contact {
+    /// A vector that is remembered, in world axes.
+    #[inline]
+    pub fn recall(&self, stored: &[f64; 3]) -> Vec3 {
+        let stored = Vec3::from(*stored);
+        self.other.map_or(stored, |other| other.axes * stored)
+    }
+
+    /// The inverse of [`Self::recall`].
+    #[inline]
+    pub fn keep(&self, x: &Vec3) -> [f64; 3] {
+        self.other
+            .map_or(*x, |other| other.axes.transpose() * x)
+            .into()
+    }
+
+    /// What friction remembers of the displacement `slip`, m: energy, in measures of the stiffness
+    /// that it has without a load, see the head of this file. In the axes of [`Self::keep`].
+    #[inline]
+    pub(super) fn keep_slip(&self, slip: &Vec3) -> [f64; 3] {
+        self.keep(&(slip * self.stiffened()))
+    }
+
+    /// The inverse of [`Self::keep_slip`].
+    #[inline]
+    pub(super) fn recall_slip(&self, stored: &[f64; 3]) -> Vec3 {
+        self.recall(stored) / self.stiffened()
+    }
+
+    /// Square root of how much stiffer friction is than without a load.
+    #[inline]
+    fn stiffened(&self) -> f64 {
+        let unloaded = TANGENTIAL_RATIO * self.spring.slope(0.0);
+        (self.friction.stiffness / unloaded).sqrt()
+    }
+
+    /// How fast what its friction remembers changes where no steps are taken, m/s, in the axes in
+    /// which it is kept, for the velocities of all bodies.
+    pub fn memory_rate(&self, V: &[Vec6]) -> [f64; 3] {
+        self.keep_slip(&self.friction.rate(self.slid(&self.sliding(V))))
     }
 }
 

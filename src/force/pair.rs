@@ -8,7 +8,7 @@ use crate::kinematics::Kinematics;
 use crate::law::normal::Stiffening;
 use crate::spatial::{Pose, Vec3, quaternion_normalized, rotation_from_quaternion};
 use crate::tree::{Tree, TreeCollider};
-use crate::tuning::{NUDGE, NUDGE_SHARE, TANGENTIAL_RATIO};
+use crate::tuning::{NUDGE, TANGENTIAL_RATIO};
 
 /// Two shapes as they meet: the first one moves, and is pushed along the normal.
 pub(super) struct Pair<'a> {
@@ -58,10 +58,10 @@ impl<'a> Pair<'a> {
     }
 
     /// How the depth grows with displacements of the first one along the axes, and with rotations,
-    /// m, about `center`, where it is about `depth`, m. By differences.
-    pub fn gradient(&self, patch: &mut Patch, center: &Vec3, depth: f64) -> [Vec3; 2] {
+    /// m, about `center`. By differences.
+    pub fn gradient(&self, patch: &mut Patch, center: &Vec3) -> [Vec3; 2] {
         let [a, b] = self.solids;
-        let by = (NUDGE * a.thickness().min(b.thickness())).min(NUDGE_SHARE * depth);
+        let by = NUDGE * a.thickness().min(b.thickness());
         let lever = self.colliders[0].radius.min(self.colliders[1].radius);
         let here = self.depth(patch);
         let mut slopes = [Vec3::zeros(); 2];

@@ -342,7 +342,7 @@ impl Terms {
                 let angle = turn.map(|(turn, w)| turn.next_displacement(w, h));
                 memory.touches.push(Touch {
                     slot: contact.slot,
-                    displacement: contact.keep(&contact.friction.next(contact.slid(v), h)),
+                    displacement: contact.keep_slip(&contact.friction.next(contact.slid(v), h)),
                     turn: contact.keep(&angle.unwrap_or_default()),
                     bounce,
                 });
@@ -409,7 +409,7 @@ impl Terms {
             let touch = seek(&mut touches, contact.slot, |t| t.slot);
             let touch = touch.copied().unwrap_or_default();
             let start = contact.friction.displacement;
-            let next = contact.recall(&touch.displacement);
+            let next = contact.recall_slip(&touch.displacement);
             contact.friction.displacement = start + (next - start) * share;
             if let Some(turn) = seek(&mut turns, contact.slot, |t| t.slot) {
                 turn.begin(&contact.recall(&touch.turn), share);

@@ -282,3 +282,118 @@ fn two_bodies_push_each_other_with_opposite_wrenches() {
     let power = dot6(&F[0], &a) + dot6(&F[1], &about_other(&a));
     assert!(power.abs() < 1e-14);
 }
+
+/// Two bodies with these shapes.
+fn two_bodies(shapes: &[Shape; 2]) -> Simulation {
+    let body = |shape: &Shape| {
+        let mut b = Builder::new(true, inertia(1.0, Vec3::zeros(), [0.01; 3]));
+        b.shape(0usize.into(), shape.clone(), Pose::IDENTITY);
+        b.model
+    };
+    let mut model = body(&shapes[0]);
+    model.join(body(&shapes[1]), "other", crate::model::RootKind::Object);
+    Simulation::new(std::sync::Arc::new(model))
+}
+
+/// Depth of the contact of two bodies, the first one at `pose`, and what its rows make of the
+/// displacement `W` of this one about the origin.
+fn deep(s: &Simulation, pose: &Pose, W: &Vec6) -> Option<(f64, f64)> {
+    let turn = crate::spatial::quaternion_from_rotation(&pose.R);
+    let mut q = s.state().physical.q.clone();
+    q[..3].copy_from_slice(pose.p.as_slice());
+    q[3..7].copy_from_slice(&[turn.w, turn.i, turn.j, turn.k]);
+    q[7..10].fill(0.0);
+    let mut kin = Kinematics::new(s.tree());
+    kin.update_poses(s.tree(), &q);
+    kin.update_velocities(s.tree(), &[0.0; 12]);
+    let mut list = ContactSet::of(s.model());
+    detect(s.model(), s.tree(), &[], &kin, 0.0, &mut list);
+    let contact = list.iter().find(|c| c.other.is_some() && c.depth > 0.0)?;
+    let own = &list.points[contact.points.clone()];
+    // About the origin of the body that is pushed.
+    let moved = velocity_at(W, &pose.p);
+    let W = if contact.body == 0 {
+        [W[0], W[1], W[2], moved.x, moved.y, moved.z]
+    } else {
+        W.map(|x| -x)
+    };
+    let along: f64 = own.iter().map(|p| p.load * p.along(&W)).sum();
+    contact
+        .uneven
+        .then_some((contact.depth, -contact.weights * along))
+}
+
+/// Where the direction between two shapes turns as they move, the rows of their contact are the
+/// gradient of its depth: else a contact that slides makes energy.
+/// Derivatives by central differences.
+#[test]
+fn rows_of_deep_contacts_are_the_gradient_of_their_depth() {
+    let mut random = Random(7);
+    let mut worst: Vec<f64> = Vec::new();
+    for _ in 0..200 {
+        let mut size = || random.uniform(0.05, 0.15);
+        let half = Vec3::new(size(), size(), size());
+        let shapes = [
+            Shape::Box { half },
+            Shape::Cylinder {
+                radius: size(),
+                half_length: size(),
+            },
+        ];
+        let s = two_bodies(&shapes);
+        for _ in 0..100 {
+            let pose = Pose {
+                R: crate::spatial::rotation_from_rpy(&random.vector(3.0)),
+                p: random.vector(0.15),
+            };
+            let (v, w) = (random.vector(1.0), random.vector(5.0));
+            let W = [w.x, w.y, w.z, v.x, v.y, v.z];
+            // As deep as a contact gets, and not so that the axis of least overlap may jump.
+            let Some((_, rate)) = deep(&s, &pose, &W).filter(|(depth, _)| *depth < 3e-3) else {
+                continue;
+            };
+            let at = |by: f64| {
+                let turn = crate::spatial::rotation_from_rpy(&(w * by));
+                let moved = Pose {
+                    R: turn * pose.R,
+                    p: turn * pose.p + v * by,
+                };
+                deep(&s, &moved, &W).map(|(depth, _)| depth)
+            };
+            let by = 1e-7;
+            if let (Some(before), Some(after)) = (at(-by), at(by)) {
+                let exact = (after - before) / (2.0 * by);
+                worst.push((rate - exact).abs());
+            }
+        }
+    }
+    worst.sort_by(f64::total_cmp);
+    // Depths have kinks: where one lies within the differences, they see both sides of it.
+    let most = worst[worst.len() * 98 / 100];
+    assert!(worst.len() > 50 && most < 5e-3, "{most} of {}", worst.len());
+}
+
+/// What friction has stored is the same energy when the load has changed: nobody pays for it.
+#[test]
+fn friction_keeps_its_energy_under_another_load() {
+    let spring = Stiffening {
+        stiffness: 1e4,
+        reference: 1e-4,
+    };
+    let at = |depth: f64| Contact {
+        spring,
+        friction: ElastoPlastic {
+            stiffness: crate::tuning::TANGENTIAL_RATIO * spring.slope(depth),
+            ..ElastoPlastic::default()
+        },
+        ..Contact::default()
+    };
+    let (light, heavy) = (at(2e-5), at(2e-3));
+    let slip = Vec3::new(3e-5, -1e-5, 2e-5);
+    let energy = |c: &Contact, slip: &Vec3| 0.5 * c.friction.stiffness * slip.norm_squared();
+    let kept = heavy.recall_slip(&light.keep_slip(&slip));
+    let (before, after) = (energy(&light, &slip), energy(&heavy, &kept));
+    assert!((after / before - 1.0).abs() < 1e-14, "{before} {after}");
+    let back = light.recall_slip(&heavy.keep_slip(&kept));
+    assert!((back - slip).norm() < 1e-19, "{back}");
+}

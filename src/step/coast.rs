@@ -101,9 +101,7 @@ pub(super) fn fly(
     end: &mut Physical,
 ) -> bool {
     let mut trees = ctx.tree.moved();
-    trees.all(|(index, _)| {
-        is_rigid(ctx, index) && coast(ctx, index, (here, from), h, end)
-    })
+    trees.all(|(index, _)| is_rigid(ctx, index) && coast(ctx, index, (here, from), h, end))
 }
 
 /// The same of one tree; tells whether it could be found.

@@ -18,9 +18,9 @@ use crate::state::ahead::Ahead;
 use crate::state::{Physical, State};
 use crate::step::attempt::Attempt;
 use crate::step::caps::{may_look_ahead, range};
-use crate::step::{coast, guards};
 use crate::step::point::{Context, Point};
 use crate::step::size::{grown, landing, worst_error};
+use crate::step::{coast, guards};
 use crate::tree::Tree;
 use crate::tuning::{CREEP, GROWTH, HIT, MAX_STEP, RESOLVED, SHARP, SHORT, SWINGING};
 

@@ -9,6 +9,7 @@
 //! | `caps` | where a step must end |
 //! | `guards`, `flight` | what a try must not do: make energy, lose momentum |
 //! | `coast` | bodies on which nothing acts |
+//! | `going` | steps in which nothing touches |
 //! | `ends`, `closing` | loops are closed at the end of a step |
 //! | `attempt` | a try of a step, accepted whole or dropped |
 //! | `implicit`, `convex` | convex solves, their error, extrapolation |
@@ -29,6 +30,7 @@ mod ends;
 pub mod explicit;
 mod fixed;
 mod flight;
+mod going;
 mod guards;
 mod implicit;
 pub mod islands;

@@ -178,8 +178,11 @@ fn touching(s: &Simulation, kin: &Kinematics) -> ContactSet {
     list
 }
 
+/// Depth of a contact, relative to `δ₁`, from which its spring is linear again.
+const STIFFEST: f64 = 30.0;
+
 /// What springs hold in a state, J: `K (½ δ² + δ⁵/5δ₁³)` of the normal springs of contacts with the
-/// fourth-power norm `δ` of their points' depths, ½ k x² of joint limits, and ½ k |ς|² of what
+/// fourth-power norm `δ` of their points' depths, and what is linear beyond [`STIFFEST`], ½ k x² of joint limits, and ½ k |ς|² of what
 /// friction has stored: of contacts, against turning, dry friction, velocity motors.
 pub fn stored(s: &Simulation) -> [f64; 2] {
     let (tree, state) = (s.tree(), s.state());
@@ -190,8 +193,10 @@ pub fn stored(s: &Simulation) -> [f64; 2] {
         let points = &contacts.points[contact.points.clone()];
         let fourth = points.iter().map(|p| p.share * p.depth.max(0.0).powi(4));
         let (depth, spring) = (fourth.sum::<f64>().powf(0.25), &contact.spring);
-        let excess = (depth / spring.reference).powi(3);
-        springs += spring.stiffness * depth * depth * (0.5 + 0.2 * excess);
+        let stiffening = depth.min(STIFFEST * spring.reference);
+        let (excess, rest) = ((stiffening / spring.reference).powi(3), depth - stiffening);
+        springs += spring.stiffness * stiffening * stiffening * (0.5 + 0.2 * excess);
+        springs += spring.stiffness * rest * (stiffening * (1.0 + excess) + 0.5 * rest);
         let element = &contact.friction;
         friction += 0.5 * element.stiffness * element.displacement.norm_squared();
     }

@@ -200,9 +200,15 @@ fn shapes_are_as_deep_in_a_table_as_in_the_ground() {
 #[test]
 fn masses_a_million_times_apart_rest_on_each_other() {
     let (light, heavy) = (1e-3, 1e3);
-    for (under, above) in [(light, heavy), (heavy, light)] {
+    let loads = [(light, heavy), (heavy, light)];
+    for ((under, above), step) in loads
+        .iter()
+        .flat_map(|l| [0.0, 1.0 / 240.0].map(|h| (*l, h)))
+    {
         let cubes = [(under, 0.05), (above, 0.15)].map(|(m, z)| cube(m, Vec3::new(0.0, 0.0, z)));
-        let mut s = start(world(cubes), 1e-3);
+        let mut model = world(cubes);
+        model.solver.step_size = step;
+        let mut s = start(model, 1e-3);
         s.advance_to(3.0).expect("finite");
         let [low, high] = [2, 9].map(|i| s.state().physical.q[i]);
         let own = depth((under + above) / under);
