@@ -53,10 +53,9 @@
 //! distance `ρ` of the load from it. Sliding and drilling share the cap `μ Σ N w_i`.
 //!
 //! Its stiffness `k_t` is in proportion to `dN/dδ`, so it changes with the load. With the same
-//! displacement `ς` the energy `½ k_t ς²` would change with it, and nobody would pay: a body between
-//! two heavy ones, whose `k_t` rose a thousandfold, made 1e4 J of an eighth of that. So from step to
-//! step `√k_t ς` is remembered, whose energy stays: a rising load raises the force `k_t ς` by the
-//! root of the stiffness, and a falling one gives that back. With a constant load nothing changes.
+//! displacement `ς` the energy `½ k_t ς²` would change with it, and nobody would pay. So from step
+//! to step `√k_t ς` is remembered, whose energy stays: a rising load raises the force `k_t ς` by
+//! the root of the stiffness, and a falling one takes that back.
 //!
 //! Source: Hunt & Crossley 1975; Castro et al. 2022; the limit surface of sliding and drilling as
 //! an ellipsoid: Howe & Cutkosky 1996.
