@@ -4,7 +4,7 @@
 //! communication step does; Kennedy–Carpenter, which takes damping implicitly, those in which
 //! damping is faster than the step. While no input changes a step may reach beyond the
 //! communication point, see [`crate::state::ahead`]. Rigid bodies on which nothing but gravity acts
-//! need none of them, see [`super::coast`].
+//! need none of them, see `coast.rs`.
 
 pub mod runge_kutta;
 pub mod tableau;
