@@ -56,8 +56,10 @@ pub(super) fn find_pairs(
             ..Contact::default()
         };
         contact.gather(points);
-        if patch.blended && contact.depth > 0.0 {
-            let gradient = pair.gradient(patch, &contact.center);
+        if patch.blended
+            && contact.depth > 0.0
+            && let Some(gradient) = pair.gradient(patch, &contact.center)
+        {
             contact.lean(points, gradient);
         }
         if b.belt != Vec3::zeros() {

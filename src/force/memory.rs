@@ -87,7 +87,7 @@ impl Contact {
     }
 
     /// What friction remembers of the displacement `slip`, m: energy, in measures of the stiffness
-    /// that it has without a load, see the head of this file. In the axes of [`Self::keep`].
+    /// that it has without a load, see [`super::contact`]. In the axes of [`Self::keep`].
     #[inline]
     pub(super) fn keep_slip(&self, slip: &Vec3) -> [f64; 3] {
         self.keep(&(slip * self.stiffened()))

@@ -58,8 +58,8 @@ impl<'a> Pair<'a> {
     }
 
     /// How the depth grows with displacements of the first one along the axes, and with rotations,
-    /// m, about `center`. By differences.
-    pub fn gradient(&self, patch: &mut Patch, center: &Vec3) -> [Vec3; 2] {
+    /// m, about `center`. By differences; none of shapes that are too thin for these.
+    pub fn gradient(&self, patch: &mut Patch, center: &Vec3) -> Option<[Vec3; 2]> {
         let [a, b] = self.solids;
         let by = NUDGE * a.thickness().min(b.thickness());
         let lever = self.colliders[0].radius.min(self.colliders[1].radius);
@@ -73,7 +73,8 @@ impl<'a> Pair<'a> {
                 slopes[kind][axis] = (there - here) / by;
             }
         }
-        slopes
+        let finite = |slope: &Vec3| slope.iter().all(|x| x.is_finite());
+        slopes.iter().all(finite).then_some(slopes)
     }
 
     /// The same after the first one has moved by `way` and turned by the rotation vector `turn`

@@ -397,3 +397,31 @@ fn friction_keeps_its_energy_under_another_load() {
     let back = light.recall_slip(&heavy.keep_slip(&kept));
     assert!((back - slip).norm() < 1e-19, "{back}");
 }
+
+/// Shapes without a thickness have no such gradient, and forces that are numbers.
+#[test]
+fn a_flat_hull_deep_in_a_box_pushes_with_a_number() {
+    let corner = |x: f64, y: f64| Vec3::new(x, y, 0.0);
+    let plate = Shape::Hull {
+        vertices: [(-0.1, -0.1), (0.1, -0.1), (0.1, 0.1), (-0.1, 0.1)]
+            .map(|(x, y)| corner(x, y))
+            .to_vec(),
+    };
+    let half = Vec3::repeat(0.1);
+    for other in [Shape::Box { half }, plate.clone()] {
+        let s = two_bodies(&[plate.clone(), other]);
+        let mut kin = Kinematics::new(s.tree());
+        let mut q = s.state().physical.q.clone();
+        let place = [0.02, 0.01, 0.0995, 0.995, 0.1, 0.0, 0.0];
+        q[..7].copy_from_slice(&place);
+        q[7..10].fill(0.0);
+        kin.update_poses(s.tree(), &q);
+        kin.update_velocities(s.tree(), &[0.0; 12]);
+        let mut list = ContactSet::of(s.model());
+        detect(s.model(), s.tree(), &[], &kin, 0.0, &mut list);
+        for c in list.iter() {
+            let (f, moment) = c.wrench(&list.points, &kin.V);
+            assert!(f.iter().chain(&moment).all(|x| x.is_finite()), "{f}");
+        }
+    }
+}
