@@ -90,8 +90,12 @@ pub(super) fn go_on(ctx: &Context, here: &Kinematics, step: Step, end: &mut Phys
     }
 }
 
-/// Puts what all bodies do within `h` seconds into `end`; tells whether each is alone with gravity
-/// as far as forces go, and that could be found.
+/// Whether each tree that a step works on is one free body on which nothing but contacts acts.
+pub(super) fn are_rigid(ctx: &Context) -> bool {
+    ctx.tree.moved().all(|(index, _)| is_rigid(ctx, index))
+}
+
+/// Puts what such bodies do within `h` seconds into `end`; tells whether that could be found.
 ///
 /// - `here`: poses and inertias at the start `from`, where nothing touches
 pub(super) fn fly(
@@ -101,7 +105,7 @@ pub(super) fn fly(
     end: &mut Physical,
 ) -> bool {
     let mut trees = ctx.tree.moved();
-    trees.all(|(index, _)| is_rigid(ctx, index) && coast(ctx, index, (here, from), h, end))
+    trees.all(|(index, _)| coast(ctx, index, (here, from), h, end))
 }
 
 /// The same of one tree; tells whether it could be found.
