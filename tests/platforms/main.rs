@@ -394,8 +394,9 @@ fn assert_same_bits(folder: &Path, platform: &str, run: impl Fn(&[String; 4]) ->
 
         let states = expected.lines().filter(|line| !line.starts_with("message"));
         let states: BTreeSet<&str> = states.map(|line| &line[17..]).collect();
+        // Of 164 steps: a gripper that holds rests in some of them.
         assert!(
-            states.len() > 160,
+            states.len() > 150,
             "{}: {} states",
             urdf.display(),
             states.len()
