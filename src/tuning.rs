@@ -247,8 +247,8 @@ pub const SWINGING: f64 = 0.5;
 pub const HIT: f64 = 32.0;
 /// Share of the tolerance that a Runge–Kutta step may use where nothing damps what it errs by: it
 /// adds up, and what is unstable lets it grow, links that tumble about their middle axis by a
-/// factor of hundreds in a few seconds. A test of single bodies failed without it; these do not
-/// take such steps any more, and it has not been tried since which other test does.
+/// factor of hundreds in a few seconds. At 1 fails
+/// `a_slider_crank_follows_its_equation_of_one_angle`.
 pub const EXPLICIT_SHARE: f64 = 5e-4;
 /// The same where damping is implicit: damping forgets; without it twice the steps buy a fiftieth
 /// of the error. At 100 fails `b3_a_saturated_rotor_takes_j_omega_over_e`.
@@ -258,13 +258,15 @@ pub const DAMPED_SHARE: f64 = 0.1;
 pub const LEAST_SHARE: f64 = 1e-14;
 
 /// Angle, rad, that a body on which nothing acts may turn by between two places at which Euler's
-/// equations are solved, at a tolerance of 1; the fourth order makes errors of them that fall with
-/// the tolerance.
+/// equations are solved, at a tolerance of 1. It goes with the fourth root of the tolerance, so
+/// that errors of the fourth order fall with the tolerance. At 4 fails
+/// `s5_tumbling_bodies_follow_eulers_equations`.
 pub const COASTING_TURN: f64 = 0.4;
 /// Most Newton iterations from one of these places to the next: the digits double each time. At 1
 /// fails `a_body_alone_keeps_its_energy_and_its_momentum`.
 pub const COASTING_ITERATIONS: usize = 5;
 /// Square of the change of the angular velocity, relative to it, after which no iteration follows.
+/// At 1 fails `a_body_alone_keeps_its_energy_and_its_momentum`.
 pub const COASTING_ACCURACY: f64 = 1e-18;
 /// How many of these places there may be in a step. They take their time, which no budget of steps
 /// notices: without a limit, balls at 10⁶ rad/s take 0.1 s for 1/240 s. No result depends on it

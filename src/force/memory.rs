@@ -12,9 +12,9 @@ use std::iter::Peekable;
 pub struct Touch {
     /// Index of the shape, or that of a pair of shapes: see [`Model::slots`].
     pub slot: usize,
-    /// Elastic displacement ς of the friction, m, as that of the stiffness that it has without a
-    /// load would hold the same energy, in axes of the body that is pushed against; along the
-    /// normal against drilling.
+    /// Elastic displacement of the friction, m, in axes of the body that is pushed against, along
+    /// the normal against drilling: the one with which it would hold its energy at the stiffness
+    /// that it has without a load.
     pub displacement: [f64; 3],
     /// Elastic angle of the friction against turning, in the same axes, rad.
     pub turn: [f64; 3],
@@ -86,8 +86,9 @@ impl Contact {
             .into()
     }
 
-    /// What friction remembers of the displacement `slip`, m: energy, in measures of the stiffness
-    /// that it has without a load, see [`super::contact`]. In the axes of [`Self::keep`].
+    /// What friction remembers of its displacement `slip`, m: the displacement with which it would
+    /// hold the same energy at the stiffness that it has without a load, m, in the axes of
+    /// [`Self::keep`]. The reason is in [`super::contact`].
     #[inline]
     pub(super) fn keep_slip(&self, slip: &Vec3) -> [f64; 3] {
         self.keep(&(slip * self.stiffened()))

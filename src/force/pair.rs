@@ -60,8 +60,7 @@ impl<'a> Pair<'a> {
     /// How the depth grows with displacements of the first one along the axes, and with rotations,
     /// m, about `center`. By differences; none of shapes that are too thin for these.
     pub fn gradient(&self, patch: &mut Patch, center: &Vec3) -> Option<[Vec3; 2]> {
-        let [a, b] = self.solids;
-        let by = NUDGE * a.thickness().min(b.thickness());
+        let by = NUDGE * self.thickness();
         let lever = self.colliders[0].radius.min(self.colliders[1].radius);
         let here = self.depth(patch);
         let mut slopes = [Vec3::zeros(); 2];

@@ -237,8 +237,7 @@ impl Explicit {
         attempt: &mut Attempt,
     ) -> Option<bool> {
         let (from, terms) = (&state.physical, &here.terms);
-        let free = terms.contacts.is_empty() && terms.springs.is_empty();
-        if !free || !coast::are_rigid(ctx) || !is_clear(ctx.tree, &here.kin, h) {
+        if !terms.is_free() || !coast::are_rigid(ctx) || !is_clear(ctx.tree, &here.kin, h) {
             return None;
         }
         if !coast::fly(ctx, (&here.kin, from), h, &mut attempt.end) {
