@@ -96,8 +96,8 @@ pub const TOLERANCES: (f64, f64) = (1e-12, 1.0);
 pub const INITIAL_STEP: f64 = 1e-3;
 /// Longest step, s: a robot at rest in the air must still notice that it falls, and what tumbles
 /// may not turn so far in a step that the estimate of its error means nothing. At 1e-3 fails
-/// `damping_of_any_strength_is_followed_in_few_steps`; at 0.1 a test of single bodies failed, which
-/// do not take explicit steps any more.
+/// `damping_of_any_strength_is_followed_in_few_steps`, at 0.1
+/// `b6_a_limit_rebounds_by_its_law_and_carries_a_load_at_its_stiffness`.
 pub const MAX_STEP: f64 = 0.05;
 /// Shortest step that the error control asks for, s; a step that fails its test there is accepted
 /// and counted. At 1e-4 fails `fixed_steps_agree_with_error_control_where_corners_slip_briefly`.
