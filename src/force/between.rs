@@ -98,7 +98,7 @@ pub(super) fn held_between(tree: &Tree, kin: &Kinematics, contacts: &mut Contact
     let add = |slot: usize, pair: &Pair, patch: &mut Patch, part: usize| {
         points.clear();
         pair.add_points(tree, (patch, &patch.parts()[part]), points);
-        let (depth, _) = norm(points);
+        let (depth, _) = norm(points, 0.0);
         depths.push((slot, depth));
         sum += pair.spring(tree).stored(depth);
         false

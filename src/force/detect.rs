@@ -81,7 +81,7 @@ pub fn held(model: &Model, tree: &Tree, kin: &Kinematics, contacts: &mut Contact
         points.clear();
         find(model, collider, kin, [0.0, 0.0], points);
         if !points.is_empty() {
-            let (depth, _) = norm(points);
+            let (depth, _) = norm(points, 0.0);
             depths.push((collider.index, depth));
             sum += collider.spring.stored(depth);
         }

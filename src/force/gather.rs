@@ -42,7 +42,7 @@ impl Contact {
     /// Finds depth and shares of the load, and what follows from these for the normal.
     fn share_load(&mut self, points: &mut [ContactPoint]) {
         let own = &mut points[self.points.clone()];
-        let (depth, weights) = norm(own);
+        let (depth, weights) = norm(own, 0.0);
         (self.depth, self.weights) = (depth, weights);
         // Where nothing presses yet, the deepest points share the load to come.
         let mut total = 0.0;

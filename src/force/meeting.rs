@@ -4,7 +4,7 @@
 
 use super::contact::{Contact, normal_part};
 use super::memory::Touch;
-use super::point::ContactPoint;
+use super::point::{ContactPoint, norm};
 use crate::kinematics::Kinematics;
 use crate::law::normal::Impact;
 use crate::law::{ElastoPlastic, stribeck};
@@ -41,23 +41,28 @@ impl Meeting<'_> {
         let mass = contact.mass;
         if surface.restitution > 0.0 {
             let number = surface.dissipation_number;
-            let gravity = self.gravity;
             // It falls until it touches.
-            let gained = 2.0 * gravity * (-contact.depth).max(0.0);
-            let mut impact = Impact {
+            let above = (-contact.depth).max(0.0);
+            let gained = 2.0 * self.gravity * above;
+            let impact = Impact {
                 spring: contact.spring,
                 mass,
-                gravity,
+                gravity: self.gravity,
                 speed: (speed * speed + gained).max(0.0).sqrt(),
             };
+            // A corner has a share of a face: the spring feels it come by less than its way, and
+            // pushes it with less than its force.
+            let reach = above + impact.speed * impact.duration();
+            let (_, weights) = norm(&points[contact.points.clone()], reach);
+            let mut felt = impact.felt(weights);
             if contact.bounce == 0.0 && speed < 0.0 && impact.speed > BOUNCE_THRESHOLD {
-                contact.bounce = impact.dissipation(surface.restitution, number);
+                contact.bounce = felt.dissipation(surface.restitution, number);
             }
             if contact.bounce > 0.0 {
                 // What it has come in with is in the spring by now.
-                let kept = 2.0 * contact.spring.stored(contact.depth) / mass;
-                impact.speed = libm::hypot(impact.speed, kept.sqrt());
-                contact.duration = impact.duration();
+                let kept = 2.0 * contact.spring.stored(contact.depth) / felt.mass;
+                felt.speed = libm::hypot(felt.speed, kept.sqrt());
+                contact.duration = felt.duration();
             }
         }
         contact.dissipation = if contact.bounce > 0.0 {

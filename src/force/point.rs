@@ -236,12 +236,14 @@ pub struct PointResponse {
     pub end: (Vec3, f64),
 }
 
-/// Depth `δ` of points and the sum of `∂δ/∂d_i`; the deepest one's and 1 where none is inside.
-pub(super) fn norm(points: &[ContactPoint]) -> (f64, f64) {
+/// Depth `δ` of points and the sum of `∂δ/∂d_i`, where all are `deeper`, m, than they are; the
+/// deepest one's and 1 where none is inside.
+pub(super) fn norm(points: &[ContactPoint], deeper: f64) -> (f64, f64) {
     let (mut deepest, mut fourth, mut third) = (f64::NEG_INFINITY, 0.0, 0.0);
     for p in points {
-        deepest = deepest.max(p.depth);
-        let d = p.depth.max(0.0);
+        let depth = p.depth + deeper;
+        deepest = deepest.max(depth);
+        let d = depth.max(0.0);
         third += p.share * d * d * d;
         fourth += p.share * d * d * d * d;
     }

@@ -156,6 +156,19 @@ pub struct Impact {
 }
 
 impl Impact {
+    /// What a spring feels of it that is deeper by `weights` times the way of the body, and pushes
+    /// it with `weights` times its force `F`: with the depth `δ = w y`,
+    /// `(m/w²) δ'' = (m/w²) (w g) − F`.
+    #[must_use]
+    pub fn felt(&self, weights: f64) -> Self {
+        Self {
+            mass: self.mass / (weights * weights),
+            gravity: self.gravity * weights,
+            speed: self.speed * weights,
+            ..*self
+        }
+    }
+
     /// Hunt–Crossley dissipation, s/m, with which the body lifts off at `e` times the speed of its
     /// approach; `number` is the [`dissipation_number`] of `e`.
     ///

@@ -57,6 +57,59 @@ fn balls_that_meet_head_on_part_as_restitution_says() {
     }
 }
 
+/// What lands on an edge, a corner, an end or a rim rebounds as what lands on a face: each is so
+/// poised that it does not turn. At 0.1 m/s the weight takes its part, too.
+#[test]
+fn corners_and_edges_have_the_restitution_of_faces() {
+    use std::f64::consts::FRAC_PI_4;
+    let half = Vec3::repeat(0.1);
+    let (capsule, cylinder) = (
+        Shape::Capsule {
+            radius: 0.05,
+            half_length: 0.1,
+        },
+        Shape::Cylinder {
+            radius: 0.1,
+            half_length: 0.1,
+        },
+    );
+    let lean = libm::atan(libm::sqrt(0.5));
+    let cases = [
+        (Shape::Box { half }, Vec3::zeros(), 0.1),
+        (Shape::Box { half }, Vec3::x() * FRAC_PI_4, libm::sqrt(0.02)),
+        (
+            Shape::Box { half },
+            Vec3::new(FRAC_PI_4, lean, 0.0),
+            libm::sqrt(0.03),
+        ),
+        (capsule, Vec3::zeros(), 0.15),
+        (cylinder, Vec3::x() * FRAC_PI_4, libm::sqrt(0.02)),
+    ];
+    for (shape, rpy, height) in cases {
+        for (speed, step, look) in [
+            (3.0, 0.0, 1.0 / 240.0),
+            (3.0, 1.0 / 240.0, 1.0 / 240.0),
+            (0.1, 0.0, 1e-3),
+        ] {
+            let at = Vec3::z() * (height + 1e-5);
+            let mut model = world([body(1.0, shape.clone(), at)]);
+            model.roots[0].rpy = rpy;
+            model.roots[0].linear_velocity.z = -speed;
+            model.links[0].restitution = 0.5;
+            model.solver.step_size = step;
+            let mut s = start(model, 1e-5);
+            let left = (1..=20).find_map(|i| {
+                s.advance_to(f64::from(i) * look).expect("finite");
+                let (z, v) = (s.state().physical.q[2] - height, s.state().physical.v[5]);
+                (z > 0.0 && v > 0.0).then(|| libm::sqrt(v * v + 2.0 * 9.81 * z))
+            });
+            let leaving = left.expect("a rebound");
+            let e = leaving / libm::sqrt(speed * speed + 2.0 * 9.81e-5);
+            assert!((e - 0.5).abs() < 5e-3, "{shape:?} at {speed} m/s: {e}");
+        }
+    }
+}
+
 /// A bounce takes as many steps as the time scale of its spring asks for, also where the weight
 /// leaves hardly any of it: dropped from some tenths of a millimetre, without losses.
 #[test]
