@@ -315,12 +315,13 @@ impl Stepper {
                 Verdict::Fail => return Err(Stop::NotFinite),
             }
             if error > 1.0 {
-                // Taken at the shortest step, by the method that throws nothing back.
+                // Taken at the shortest step, by the method that errs less: two stages throw back
+                // what a step does not resolve, one solve takes energy from what it does.
                 let (here, trend) = (&mut self.here, &state.stepping.trend.whole);
                 let alone = staged && {
                     let start = (here, &state.physical);
-                    let error = self.implicit.solve_alone(ctx, start, trend, [h, accuracy]);
-                    error.is_finite()
+                    let alone = self.implicit.solve_alone(ctx, start, trend, [h, accuracy]);
+                    alone < error
                 };
                 self.finish(ctx, state, staged && !alone, h);
                 self.there.pose(ctx, &self.attempt.end);

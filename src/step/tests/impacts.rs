@@ -110,6 +110,27 @@ fn corners_and_edges_have_the_restitution_of_faces() {
     }
 }
 
+/// A gram that hits a tonne is back after some microseconds, in steps as short as they get. They
+/// keep its restitution, also where they err by more than the tolerance.
+#[test]
+fn a_gram_rebounds_from_a_tonne_at_every_tolerance() {
+    for tolerance in [1e-3, 1e-5, 1e-6, 1e-7, 1e-9] {
+        let at = |mass: f64, radius: f64, x: f64| {
+            body(mass, Shape::Sphere { radius }, Vec3::new(x, 0.0, 1.0))
+        };
+        let mut model = world([at(1000.0, 0.5, 0.0), at(1e-3, 0.02, 0.53)]);
+        model.world.gravity = Vec3::zeros();
+        model.roots[1].linear_velocity.x = -5.0;
+        for link in &mut model.links {
+            link.restitution = 0.9;
+        }
+        let mut s = start(model, tolerance);
+        s.advance_to(0.01).expect("finite");
+        let e = s.state().physical.v[9] / 5.0;
+        assert!((e - 0.9).abs() < 2e-3, "{tolerance:.0e}: {e}");
+    }
+}
+
 /// A bounce takes as many steps as the time scale of its spring asks for, also where the weight
 /// leaves hardly any of it: dropped from some tenths of a millimetre, without losses.
 #[test]
