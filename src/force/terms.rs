@@ -368,6 +368,15 @@ impl Terms {
         }
     }
 
+    /// Takes the joint terms of `base`, each moved on by `moved` of its degree of freedom, rad or m.
+    pub fn begin_joints(&mut self, base: &Self, moved: impl Fn(usize) -> f64) {
+        self.joints.clear();
+        self.joints.extend_from_slice(&base.joints);
+        for term in &mut self.joints {
+            term.shift(moved(term.dof));
+        }
+    }
+
     /// Makes these the terms of a part of a step: those of `base`, moved on.
     ///
     /// - `way`: spatial displacement of each body; `moved`: of each degree of freedom, rad or m;
@@ -395,11 +404,7 @@ impl Terms {
         for spring in &mut self.springs {
             spring.shift(way);
         }
-        self.joints.clear();
-        self.joints.extend_from_slice(&base.joints);
-        for term in &mut self.joints {
-            term.shift(moved[term.dof]);
-        }
+        self.begin_joints(base, |dof| moved[dof]);
         let Some((memory, share)) = after else {
             return;
         };

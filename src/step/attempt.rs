@@ -112,6 +112,14 @@ impl Attempt {
         mean_acceleration(tree, v, (first, eta), &mut self.trend.first);
     }
 
+    /// The same of a step without stages.
+    pub(super) fn end_smooth_trend(&mut self, tree: &Tree, v: &[f64], h: f64) {
+        let Trend { first, whole } = &mut self.trend;
+        for trend in [first, whole] {
+            mean_acceleration(tree, v, (&self.end.v, h), trend);
+        }
+    }
+
     /// No accelerations.
     pub(super) fn clear_trend(&mut self, tree: &Tree) {
         tree.clear_velocities(&mut self.trend.first);

@@ -105,7 +105,12 @@ impl Stepper {
     /// start of the next step.
     pub(super) fn close_explicitly(&mut self, ctx: &Context, state: &State, h: f64) -> f64 {
         self.attempt.begin(state);
-        self.explicit.put(ctx.tree, &self.here, &mut self.attempt);
+        self.explicit.put(
+            ctx.tree,
+            &self.here,
+            (&state.physical, h),
+            &mut self.attempt,
+        );
         self.close(ctx, h)
     }
 }

@@ -217,7 +217,7 @@ impl Explicit {
         self.run_stages(ctx, pair, here, from, h, true);
         self.integrator.estimate(pair, ctx.tree, h);
         let [velocity, position] = &self.integrator.error;
-        let worst = worst_error(ctx.tree, |k| (position[k], velocity[k]));
+        let worst = worst_error(ctx.tree, h, |k| (position[k], velocity[k]));
         let error = worst / pair.allowed(ctx.tolerance);
         if self.stays_free(ctx, here, from, h) {
             error
@@ -245,7 +245,7 @@ impl Explicit {
         }
         attempt.begin(state);
         terms.forget(&mut attempt.end.memory);
-        attempt.clear_trend(ctx.tree);
+        attempt.end_smooth_trend(ctx.tree, &from.v, h);
         self.integrator.restart();
         self.end.update_poses(ctx.tree, &attempt.end.q);
         self.end.update_velocities(ctx.tree, &attempt.end.v);
@@ -300,7 +300,7 @@ impl Explicit {
         };
         self.run_stages(ctx, pair, here, from, h, false);
         attempt.begin(state);
-        self.finish(ctx.tree, here, pair, attempt);
+        self.finish((ctx.tree, here), pair, (from, h), attempt);
         let gains = |gain: f64| {
             let books = guards::open_books(ctx, here, from, gain);
             guards::gains_explicitly(ctx, &books, here, from, (&attempt.end, &self.end))
@@ -331,17 +331,29 @@ impl Explicit {
     }
 
     /// Puts the step just tried into `attempt`, and takes its rates as those of the next one.
-    pub fn finish(&mut self, tree: &Tree, here: &Point, pair: &Pair, attempt: &mut Attempt) {
-        self.put(tree, here, attempt);
+    pub fn finish(
+        &mut self,
+        (tree, here): (&Tree, &Point),
+        pair: &Pair,
+        step: (&Physical, f64),
+        attempt: &mut Attempt,
+    ) {
+        self.put(tree, here, step, attempt);
         self.integrator.accept(pair);
     }
 
     /// Puts the step just tried into `attempt`: nothing touches, so nothing is displaced.
-    pub fn put(&mut self, tree: &Tree, here: &Point, attempt: &mut Attempt) {
+    pub fn put(
+        &mut self,
+        tree: &Tree,
+        here: &Point,
+        (from, h): (&Physical, f64),
+        attempt: &mut Attempt,
+    ) {
         tree.copy_positions(&self.integrator.q, &mut attempt.end.q);
         tree.copy_velocities(&self.integrator.v, &mut attempt.end.v);
         here.terms.forget(&mut attempt.end.memory);
-        attempt.clear_trend(tree);
+        attempt.end_smooth_trend(tree, &from.v, h);
     }
 
     /// The same for a step of `plan` that began at time `start` and reaches beyond the
@@ -357,7 +369,7 @@ impl Explicit {
         let Plan { pair, h } = plan;
         self.integrator
             .extension((tree, pair), &from.q, &from.v, [start, h], ahead);
-        self.finish(tree, here, pair, attempt);
+        self.finish((tree, here), pair, (from, h), attempt);
         ahead.evaluate(tree, end, &mut attempt.end.q, &mut attempt.end.v);
     }
 }

@@ -97,7 +97,7 @@ impl Stepper {
             self.close_explicitly(ctx, state, h);
         } else {
             self.explicit
-                .finish(ctx.tree, &self.here, pair, &mut self.attempt);
+                .finish((ctx.tree, &self.here), pair, (from, h), &mut self.attempt);
         }
         self.attempt.accept(state);
         way.go(h);

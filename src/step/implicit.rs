@@ -74,7 +74,7 @@ impl Implicit {
             let change = self.full.v[k] - from.v[k];
             (0.5 * h * change, 0.5 * (change - h * trend[k]))
         };
-        worst_error(ctx.tree, error) / ctx.tolerance
+        worst_error(ctx.tree, h, error) / ctx.tolerance
     }
 
     /// Puts the solve over `h` seconds from where `here` stands into `attempt`.

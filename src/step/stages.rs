@@ -35,24 +35,19 @@
 //! A guess is what the last step has done: a stage changes the velocity by as much as the same
 //! stage of the last step. So a motor that gets a new command at each step finds its transient.
 //!
-//! # Error
+//! What it errs by is in [`estimate`].
 //!
-//! With `R = F − k` at the start and at both stages, `(1 − γ) R₀ − R₁ + γ R₂` is of second order,
-//! and so is the same of the velocities. [`ESTIMATE`] times `h` of it is of the size of what the
-//! step errs by in its third order. What stiff springs and dampers make of it dies within the step:
-//! it is filtered by the step's own matrix `H = M + η D + η² K`, twice.
-//!
-//! Source: Alexander 1977 (the method); Hairer & Wanner 1996, section IV.8 (filtered estimates).
+//! Source: Alexander 1977.
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
+mod estimate;
 mod regimes;
 pub(super) mod secants;
 
 use crate::closure::Rows;
 use crate::dynamics::{crba, rnea};
 use crate::force::{ContactSet, Memory, Secant, Terms, seek};
-use crate::joint::Sweep;
 use crate::kinematics::{advance, forward};
 use crate::model::Model;
 use crate::spatial::Vec6;
@@ -64,8 +59,7 @@ use crate::step::size::{fastest, worst_error};
 use crate::step::{coast, guards};
 use crate::tree::Tree;
 use crate::tuning::{
-    CONTACT_STEP, CORRECTED, ESTIMATE, FIXED_ACCURACY, LAG_SHARE, MAX_CARRIES, START,
-    VELOCITY_WEIGHT,
+    CONTACT_STEP, FIXED_ACCURACY, LAG_SHARE, MAX_CARRIES, MISPLACED, VELOCITY_WEIGHT,
 };
 use std::f64::consts::SQRT_2;
 
@@ -167,16 +161,29 @@ impl Stages {
         if !self.run_stages(ctx, (here, from), [h, accuracy], alike) {
             return false;
         }
-        let end = &self.solved[1].v;
-        if h * fastest(ctx.tree, &from.v).max(fastest(ctx.tree, end)) <= CORRECTED {
+        if self.misplaced(ctx, from, h) <= MISPLACED {
             return true;
         }
         // Once more from the middle that it has found.
-        let first = &self.solved[0].v;
+        let [first, end] = self.solved.each_ref().map(|stage| &stage.v);
         let (tree, start) = (ctx.tree, &from.v);
         mean_acceleration(tree, start, (first, GAMMA * h), &mut self.trend.first);
         mean_acceleration(tree, start, (end, h), &mut self.trend.whole);
         self.run_stages(ctx, (here, from), [h, accuracy], alike)
+    }
+
+    /// Error relative to the tolerance that a step of `h` seconds, which has been solved, makes
+    /// because its middle is not where it was expected. The velocity there is off by half of what
+    /// the change of velocity is off. Where something turns by `θ` in the step, bias and lever arms
+    /// are off by `θ/h` times this, and velocities after the step by `θ` times this.
+    fn misplaced(&self, ctx: &Context, from: &Physical, h: f64) -> f64 {
+        let (tree, end) = (ctx.tree, &self.solved[1].v);
+        let turned = h * fastest(tree, &from.v).max(fastest(tree, end));
+        let unexpected = |k: usize| {
+            let change = end[k] - from.v[k] - h * self.trend.whole[k];
+            (0.0, 0.5 * turned * change)
+        };
+        worst_error(tree, h, unexpected) / ctx.tolerance
     }
 
     /// Solves both stages of a step of `h` seconds with the accelerations `self.trend`.
@@ -344,78 +351,6 @@ impl Stages {
             } else if let Some(outcome) = ended {
                 self.iterations = self.iterations.max(outcome.iterations);
                 return outcome.converged;
-            }
-        }
-    }
-
-    /// Error of the step of `h` seconds that has just been solved, relative to the tolerance.
-    pub fn error(&mut self, ctx: &Context, from: &Physical, h: f64) -> f64 {
-        let (tree, eta) = (ctx.tree, GAMMA * h);
-        let pattern = &tree.sparsity;
-        let kin = &self.middle.kin;
-        let problem = |terms, h| Problem::new((tree, kin), terms, h, 0.0);
-        // Forces at the start, as the limit of a short step.
-        let start = START * h;
-        self.terms[0].scale_drift(-1.0 / DRIFT[0]);
-        self.probe
-            .forces_at(&problem(&self.terms[0], start), &from.v, &mut self.forces);
-        let [first, second] = &self.solved;
-        let [velocity, position] = &mut self.error;
-        for i in 0..velocity.len() {
-            let (r0, r1, r2) = (
-                h * self.forces[i] / start,
-                first.change[i] / GAMMA,
-                second.change[i] / GAMMA,
-            );
-            velocity[i] = ESTIMATE * ((1.0 - GAMMA) * r0 - r1 + GAMMA * r2);
-            let (v0, v1, v2) = (from.v[i], first.v[i], second.v[i]);
-            position[i] = ESTIMATE * h * ((1.0 - GAMMA) * v0 - v1 + GAMMA * v2);
-        }
-        // What the positions' error does to the forces of the second stage, times η.
-        forward(tree, &kin.S, position, &mut self.way);
-        self.aside
-            .begin(&self.terms[1], (&self.way, position, 0.0), None);
-        self.probe
-            .forces_at(&problem(&self.aside, eta), &second.v, &mut self.forces);
-        second.forces_found(&mut self.guess);
-        for (velocity, (moved, here)) in
-            velocity.iter_mut().zip(self.forces.iter().zip(&self.guess))
-        {
-            *velocity += moved - here;
-        }
-        let factor = self.solved[1].factor(&problem(&self.terms[1], eta));
-        let rows = (tree, &kin.loops);
-        factor.solve(rows, velocity, &mut self.loops);
-        // Once more: what dies within the step is no error of it.
-        pattern.multiply(&kin.M, velocity, &mut self.guess);
-        velocity.copy_from_slice(&self.guess);
-        factor.solve(rows, velocity, &mut self.loops);
-        for (position, velocity) in position.iter_mut().zip(&*velocity) {
-            *position += eta * velocity;
-        }
-        self.add_turning(ctx, from, h);
-        let [velocity, position] = &self.error;
-        let worst = worst_error(tree, |k| (position[k], velocity[k])) / ctx.tolerance;
-        worst.max(self.lag())
-    }
-
-    /// Adds to the errors what one place for the whole step leaves where something turns, which the
-    /// stages do not see. What changes by `dv` in a step that turns by `θ` turns with it: by
-    /// quadrature over the step, the midpoint rule errs by `θ² dv/24`, and positions by `θ h dv/12`
-    /// along what turns.
-    fn add_turning(&mut self, ctx: &Context, from: &Physical, h: f64) {
-        let tree = ctx.tree;
-        let end = &self.solved[1].v;
-        let theta = h * fastest(tree, &from.v).max(fastest(tree, end));
-        let [velocity, position] = &mut self.error;
-        for (_, body) in tree.worked_bodies() {
-            for column in 0..body.columns {
-                let i = tree.dof[body.column + column];
-                let change = (end[i] - from.v[i]).abs();
-                velocity[i] = velocity[i].abs().max(theta * theta * change / 24.0);
-                if !matches!(body.kind.sweep(column), Sweep::Along) {
-                    position[i] = position[i].abs().max(theta * h * change / 12.0);
-                }
             }
         }
     }

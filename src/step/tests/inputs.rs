@@ -117,6 +117,33 @@ fn a_position_servo_follows_a_ramp_without_lag() {
     }
 }
 
+/// Nothing changes while a servo or a stiff pd law follows a ramp: the estimate of the error does
+/// not take the way of the target within a step for a change.
+#[test]
+fn what_follows_a_ramp_takes_long_steps() {
+    for mode in [ActuatorMode::Position, ActuatorMode::Pd] {
+        let mut b = slider(1.0, mode, 100.0);
+        (b.model.actuators[0].kp, b.model.actuators[0].kd) = (1e5, 700.0);
+        let mut s = start(b.model, 1e-5);
+        let command = |s: &mut Simulation, t: f64| {
+            s.set_input(InputSlot::Position(COMMAND), 0.5 * t);
+            s.set_input_derivative(InputSlot::Position(COMMAND), 1, 0.5);
+            s.set_input(InputSlot::Velocity(COMMAND), 0.5);
+        };
+        let mut before = 0;
+        for i in 0..200 {
+            let t = 5e-3 * f64::from(i);
+            command(&mut s, t);
+            s.advance_to(t + 5e-3).expect("finite");
+            if i == 99 {
+                before = s.state().stepping.counters.steps;
+            }
+        }
+        let steps = s.state().stepping.counters.steps - before;
+        assert!(steps <= 110, "{mode:?}: {steps}");
+    }
+}
+
 /// B7 of the solver's test list: `q_d = c t`, `v_d = c`: zero lag.
 #[test]
 fn pd_control_follows_a_ramp_without_lag() {

@@ -110,7 +110,10 @@ fn end_by(model: &Model, method: Method, count: u32, articulated: bool) -> Vec<f
                 stepper.explicit.integrator.restart();
                 stepper.explicit.attempt(&ctx, &stepper.here, from, plan);
                 let (here, attempt) = (&stepper.here, &mut stepper.attempt);
-                stepper.explicit.finish(ctx.tree, here, pair, attempt);
+                let step = (&state.physical, h);
+                stepper
+                    .explicit
+                    .finish((ctx.tree, here), pair, step, attempt);
             }
             Method::Stages => {
                 // Sharper than any tolerance asks: the iterations' end must not blur the order.
