@@ -160,7 +160,7 @@ fn generated(
 ) -> GeneratedHeights {
     let longest = size[0].max(size[1]);
     let resolution = section.number("resolution");
-    let resolution = resolution.unwrap_or(longest / TERRAIN_CELLS);
+    let mut resolution = resolution.unwrap_or(longest / TERRAIN_CELLS);
     if let (true, Some(entry)) = (
         longest / resolution > FINEST_TERRAIN,
         section
@@ -171,6 +171,8 @@ fn generated(
         let help = format!("at least {:.3e} m", longest / FINEST_TERRAIN);
         let span = entry.span.clone();
         reader.error("S106", &span, message, help);
+        // What is left is still built to find other errors, which takes a time for each sample.
+        resolution = longest / TERRAIN_CELLS;
     }
     GeneratedHeights {
         form,

@@ -116,3 +116,21 @@ fn terrain_refuses_what_means_nothing() {
     let text = "[[world.object]]\nname = \"a\"\nshape = { sphere = 1 }\nmass = 1\nconveyor = true";
     assert_eq!(finding(text).code, "S106");
 }
+
+#[test]
+fn heights_that_are_too_fine_are_told_and_not_computed() {
+    let text = "[[world.terrain]]\nname = \"a\"\ntype = \"heightfield\"\ngenerate = \"noise\"\n\
+                size = [20, 20]\nresolution = 1e-5";
+    let (settings, findings) = Settings::inspect(text, "f", None);
+    assert_eq!(findings.len(), 1, "{findings:?}");
+    // What is right is built all the same, to find other errors: that must not take for ever.
+    let settings = settings.expect("the rest");
+    let ObjectSource::Terrain(TerrainSettings::Heights {
+        source: HeightSource::Generated(made),
+        ..
+    }) = &settings.objects[0].source
+    else {
+        panic!("{settings:?}");
+    };
+    assert!(made.resolution > 0.01, "{made:?}");
+}
