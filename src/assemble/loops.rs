@@ -323,16 +323,22 @@ fn kind(model: &Model, part: &LoopSettings, findings: &mut Findings) -> Option<L
                     )
                 })
             };
-            let mut shares = Vec::new();
+            let mut shares: Vec<Share> = Vec::new();
+            let mut again = false;
             for (pattern, factor) in terms {
-                let found = findings.select(pattern, "joint", &names, unsuitable);
-                let share = |j: usize| Share {
-                    joint: j.into(),
-                    factor: *factor,
-                };
-                shares.extend(found.into_iter().map(share));
+                for j in findings.select(pattern, "joint", &names, unsuitable) {
+                    let joint = JointId::from(j);
+                    if shares.iter().any(|share| share.joint == joint) {
+                        let message = format!("joint '{}' stands twice in the loop", names[j]);
+                        let help = "name joints that move against each other, each of them once";
+                        findings.error("A140", pattern.place.clone(), message, help);
+                        again = true;
+                    }
+                    let factor = *factor;
+                    shares.push(Share { joint, factor });
+                }
             }
-            if shares.len() < terms.len() {
+            if again || shares.len() < terms.len() {
                 return None;
             }
             LoopKind::Coupler {

@@ -128,6 +128,16 @@ fn broken_loops_are_errors_with_their_place() {
             "do not move",
         ),
         (
+            "[[loop]]\ntype = \"gear\"\njoints = [\"a\", \"a\"]\nratio = 2",
+            "A140",
+            "'a' stands twice",
+        ),
+        (
+            "[[loop]]\ntype = \"coupler\"\njoints = [\"a\", \"b\", \"a\"]\nfactors = [1, 1, 1]",
+            "A140",
+            "'a' stands twice",
+        ),
+        (
             "[[loop]]\ntype = \"ball\"\nlinks = [\"base\"]",
             "S104",
             "two links",
