@@ -2,7 +2,7 @@
 
 use super::checked::{CheckedRobot, Geometry};
 use super::mesh;
-use super::resolve::{Missing, Resolver};
+use super::resolve::{Missing, Moved, Resolver};
 use super::scope::Scope;
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -129,16 +129,16 @@ pub(super) fn report(
 }
 
 /// A file name, where it stands, and the file that is used.
-type Moved<'d> = (&'d str, &'d Range<usize>, &'d Path);
+type Place<'d> = (&'d str, &'d Range<usize>, &'d Moved);
 
-/// Warns of meshes that were found at another place of the robot's folders than their names say,
-/// once for each package.
+/// Warns of meshes that were found at another place of the robot's folders than their names say, or
+/// in other case, once for each package.
 pub(super) fn report_moved(scope: &mut Scope, robot: &CheckedRobot, resolver: &Resolver) {
     let moved = resolver.moved_files();
     if moved.is_empty() {
         return;
     }
-    let mut places: Vec<Moved> = Vec::new();
+    let mut places: Vec<Place> = Vec::new();
     for link in &robot.links {
         let collisions = link.collisions.iter().map(|collision| &collision.geometry);
         let visuals = link.visuals.iter().map(|visual| &visual.geometry);
@@ -147,28 +147,36 @@ pub(super) fn report_moved(scope: &mut Scope, robot: &CheckedRobot, resolver: &R
                 continue;
             };
             let known = places.iter().any(|(name, ..)| name == filename);
-            if let (false, Some(path)) = (known, moved.get(&filename.trim().replace('\\', "/"))) {
-                places.push((*filename, at, path.as_path()));
+            if let (false, Some(file)) = (known, moved.get(&filename.trim().replace('\\', "/"))) {
+                places.push((*filename, at, file));
             }
         }
     }
-    let mut groups: BTreeMap<&str, Vec<Moved>> = BTreeMap::new();
+    let mut groups: BTreeMap<(&str, bool), Vec<Place>> = BTreeMap::new();
     for place in places {
-        groups.entry(package(place.0)).or_default().push(place);
+        let kind = (package(place.0), place.2.other_case);
+        groups.entry(kind).or_default().push(place);
     }
-    for (package, list) in groups {
-        let Some((name, at, path)) = list.first() else {
+    for ((package, other_case), list) in groups {
+        let Some((name, at, file)) = list.first() else {
             continue;
         };
         let others = match list.len() {
             1 => String::new(),
             n => format!(", and {} more likewise", n - 1),
         };
+        let why = if other_case {
+            "which differs in upper and lower case"
+        } else {
+            "whose name ends alike"
+        };
         let message = format!(
-            "there is no {name}; {} is used, whose name ends alike{others}",
-            path.display()
+            "there is no {name}; {} is used, {why}{others}",
+            file.path.display()
         );
-        let help = if package.is_empty() {
+        let help = if other_case {
+            "correct the name in the file: the two are different files on Linux".to_owned()
+        } else if package.is_empty() {
             "correct the path in the file, or pass --package-path DIR for where it counts from"
                 .to_owned()
         } else {

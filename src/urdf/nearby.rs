@@ -63,14 +63,20 @@ impl Files {
     }
 
     /// The one file that ends with more parts of `name` than every other, at least its own name and
-    /// that of its folder.
+    /// that of its folder; where there is none, without regard to upper and lower case.
     pub(super) fn like(&self, name: &str) -> Option<&Path> {
+        let same = |a: &String, b: &String| a == b;
+        let folded = |a: &String, b: &String| a.to_lowercase() == b.to_lowercase();
+        self.alike(name, same).or_else(|| self.alike(name, folded))
+    }
+
+    fn alike(&self, name: &str, same: impl Fn(&String, &String) -> bool) -> Option<&Path> {
         let wanted = parts(Path::new(name));
         let list = self.by_name.get(&wanted.last()?.to_lowercase())?;
         let common = |file: &PathBuf| {
             let have = parts(file);
             let pairs = wanted.iter().rev().zip(have.iter().rev());
-            pairs.take_while(|(a, b)| a == b).count()
+            pairs.take_while(|(a, b)| same(a, b)).count()
         };
         let most = list.iter().map(common).max()?;
         let mut best = list.iter().filter(|file| common(file) == most);

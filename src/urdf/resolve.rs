@@ -35,8 +35,8 @@ pub(super) struct Resolver<'o> {
     roots: Vec<PathBuf>,
     /// The files of the robot's own folders, once a name has been missing.
     own_files: OnceCell<Files>,
-    /// Names that mean a file at another place in the robot's folders.
-    moved: RefCell<BTreeMap<String, PathBuf>>,
+    /// Names that mean a file at another place in the robot's folders, or one in other case.
+    moved: RefCell<BTreeMap<String, Moved>>,
 }
 
 /// Names of a folder that holds a robot's URDF beside others that hold its meshes.
@@ -61,6 +61,14 @@ pub(super) struct Found {
     pub(super) path: PathBuf,
     /// A symbolic link leads to it from inside the robot's folders: it is read, but not packed.
     pub(super) linked: bool,
+}
+
+/// A file that a name means although it is not there.
+#[derive(Clone, Debug)]
+pub(super) struct Moved {
+    pub(super) path: PathBuf,
+    /// It lies where the name says, and differs in upper and lower case alone.
+    pub(super) other_case: bool,
 }
 
 /// Why there is no mesh file.
@@ -139,7 +147,10 @@ impl<'o> Resolver<'o> {
             .find(|path| fs::symlink_metadata(path).is_ok_and(|m| m.is_symlink()));
         let advice = match looped {
             Some(path) => format!("{} is a symbolic link that leads nowhere", path.display()),
-            None => match other_case(&tried) {
+            None => match tried
+                .iter()
+                .find_map(|path| other_case(path).into_iter().next())
+            {
                 Some(path) => hint(path),
                 None => self
                     .same_name(&name)
@@ -385,23 +396,22 @@ fn manifest_name(dir: &Path) -> Option<String> {
     Some(name.trim().to_owned())
 }
 
-/// A file that differs from one of those in upper and lower case only.
-fn other_case(tried: &[PathBuf]) -> Option<PathBuf> {
-    tried.iter().find_map(|path| {
-        let wanted = path.file_name()?.to_string_lossy().to_lowercase();
-        let entries = fs::read_dir(path.parent()?).ok()?.take(MOST_ENTRIES);
-        let mut same: Vec<PathBuf> = entries
-            .filter_map(|entry| Some(entry.ok()?.path()))
-            .filter(|other| {
-                let name = other
-                    .file_name()
-                    .map(|name| name.to_string_lossy().to_lowercase());
-                name.as_ref() == Some(&wanted) && other.is_file()
-            })
-            .collect();
-        same.sort();
-        same.into_iter().next()
-    })
+/// The files that differ from this one in upper and lower case only, sorted.
+fn other_case(path: &Path) -> Vec<PathBuf> {
+    let Some((folder, name)) = path.parent().zip(path.file_name()) else {
+        return Vec::new();
+    };
+    let wanted = name.to_string_lossy().to_lowercase();
+    let entries = fs::read_dir(folder).into_iter().flatten();
+    let mut same: Vec<PathBuf> = entries
+        .take(MOST_ENTRIES)
+        .flatten()
+        .filter(|entry| entry.file_name().to_string_lossy().to_lowercase() == wanted)
+        .map(|entry| entry.path())
+        .filter(|other| other.is_file())
+        .collect();
+    same.sort();
+    same
 }
 
 /// Folders in a folder, sorted: the same answer on every machine.

@@ -2,37 +2,62 @@
 //! beside the robot's.
 
 use super::super::nearby::{self, Files};
-use super::{Candidate, Resolver, folders, is_package, normal, percent_decoded, spellings, tidy};
+use super::{
+    Candidate, Moved, Resolver, folders, is_package, normal, other_case, percent_decoded,
+    spellings, tidy,
+};
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
 impl Resolver<'_> {
-    /// The file at another place of the robot's folders that `name` must mean.
+    /// The file that `name` must mean although it is not there: one that differs in upper and lower
+    /// case alone, as of a robot that was made on Windows, or one at another place of the robot's
+    /// folders.
     pub(super) fn moved(&self, name: &str, candidates: &[Candidate]) -> Option<PathBuf> {
-        // Nothing is looked for where the name itself is wrong.
-        if candidates.is_empty() {
+        // Nothing is looked for where the name itself is wrong, or a link leads nowhere.
+        let linked = |c: &Candidate| fs::symlink_metadata(&c.path).is_ok();
+        if candidates.is_empty() || candidates.iter().any(linked) {
             return None;
         }
+        let (path, other_case) = match self.in_other_case(candidates) {
+            Some(path) => (path, true),
+            None => (self.at_another_place(name)?, false),
+        };
+        let moved = Moved {
+            path: path.clone(),
+            other_case,
+        };
+        self.moved.borrow_mut().insert(name.to_owned(), moved);
+        Some(path)
+    }
+
+    /// The one file that differs from a candidate in upper and lower case alone; of the first
+    /// candidate that has any.
+    fn in_other_case(&self, candidates: &[Candidate]) -> Option<PathBuf> {
+        let mut some = candidates.iter().filter_map(|candidate| {
+            let path = tidy(&candidate.path);
+            let files = other_case(&path);
+            (!files.is_empty()).then(|| (files, candidate.package.as_deref()))
+        });
+        let (files, package) = some.next()?;
+        let [file] = &files[..] else {
+            return None;
+        };
+        // What a symbolic link leads to might lie outside of the robot's folders.
+        let regular = fs::symlink_metadata(file).is_ok_and(|data| data.is_file());
+        (regular && self.holds(&normal(file), package)).then(|| file.clone())
+    }
+
+    fn at_another_place(&self, name: &str) -> Option<PathBuf> {
         let files = self.own_files.get_or_init(|| Files::below(&self.roots));
         let name_of = name.split_once("://").map_or(name, |(_, rest)| rest);
         let path = files.like(&percent_decoded(name_of))?;
-        // What the name says is there in other case, or a link that leads nowhere.
-        if candidates.iter().any(|c| {
-            let same =
-                c.path.to_string_lossy().to_lowercase() == path.to_string_lossy().to_lowercase();
-            same || fs::symlink_metadata(&c.path).is_ok()
-        }) {
-            return None;
-        }
         let base = fs::canonicalize(self.base_dir).unwrap_or_else(|_| normal(self.base_dir));
         // As the URDF itself was named, where it is below its folder.
         let shown = path
             .strip_prefix(&base)
             .map_or(path.to_owned(), |below| self.base_dir.join(below));
-        self.moved
-            .borrow_mut()
-            .insert(name.to_owned(), shown.clone());
         Some(shown)
     }
 
@@ -43,8 +68,8 @@ impl Resolver<'_> {
         files.alone(name).map(Path::to_owned)
     }
 
-    /// Names that mean a file at another place in the robot's folders, and that file.
-    pub(in crate::urdf) fn moved_files(&self) -> BTreeMap<String, PathBuf> {
+    /// Names that mean a file that is not where they say, and that file.
+    pub(in crate::urdf) fn moved_files(&self) -> BTreeMap<String, Moved> {
         self.moved.borrow().clone()
     }
 

@@ -105,18 +105,47 @@ fn meshes_are_looked_for_in_the_mesh_folder_of_mujoco() {
 }
 
 #[test]
-fn a_name_in_other_case_is_hinted_at() {
-    let folder = Folder::new("case", &[("Link.STL", "")]);
-    let options = ReadOptions::default();
-    // On a file system that ignores case the file is simply found.
-    if let Err(Missing::NotFound(missing)) =
-        Resolver::new(&folder.0, &options, None).find("link.stl")
-    {
-        assert!(
-            missing.advice.contains("Link.STL: upper and lower case"),
-            "{missing:?}"
-        );
+fn a_name_in_other_case_means_the_one_file_that_has_it() {
+    let folder = Folder::new(
+        "case",
+        &[
+            ("r/Link.STL", ""),
+            ("r/twice.stl", ""),
+            ("r/Twice.STL", ""),
+            ("r/Meshes/collision/arm.stl", ""),
+            ("r/Meshes/visual/Arm.stl", ""),
+            ("pack/meshes/Foot.stl", ""),
+        ],
+    );
+    let (base, options) = (folder.0.join("r"), ReadOptions::default());
+    let resolver = Resolver::new(&base, &options, None);
+    // On a file system that ignores case the files are simply found.
+    if base.join("link.stl").is_file() {
+        return;
     }
+    let found = |name: &str| resolver.find(name).map(|found| found.path);
+    assert_eq!(found("link.stl"), Ok(base.join("Link.STL")));
+    let arm = base.join("Meshes/collision/arm.stl");
+    assert_eq!(found("meshes/collision/Arm.stl"), Ok(arm));
+    // A package beside the robot's is another folder.
+    let foot = folder.0.join("pack/meshes/Foot.stl");
+    assert_eq!(found("package://pack/meshes/foot.stl"), Ok(foot));
+    let moved = resolver.moved_files();
+    assert!(moved["link.stl"].other_case && !moved["meshes/collision/Arm.stl"].other_case);
+    let Err(Missing::NotFound(missing)) = found("TWICE.stl") else {
+        panic!("two files differ in case alone");
+    };
+    assert!(
+        missing.advice.contains("upper and lower case"),
+        "{missing:?}"
+    );
+    let Err(Missing::Outside(_)) = found("../pack/meshes/Foot.stl") else {
+        panic!("outside of the robot's folders");
+    };
+    let Err(Missing::NotFound(missing)) = found("../pack/meshes/foot.stl") else {
+        panic!("outside of the robot's folders");
+    };
+    assert!(missing.advice.contains("Foot.stl"), "{missing:?}");
 }
 
 #[test]
