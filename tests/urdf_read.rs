@@ -367,6 +367,10 @@ fn joints_without_lower_and_upper_have_no_limits_and_half_a_range_counts_from_ze
     // PyBullet's two ways to write "none".
     assert_eq!(joint("1.0", "lower='1' upper='-1'"), None);
     assert_eq!(joint("1.0", "lower='0' upper='-1'"), None);
+    // Other exchanged limits are those of a range.
+    let (lower, upper) = (-0.5, 0.25);
+    let range = Some(Limits { lower, upper });
+    assert_eq!(joint("1.0", "lower='0.25' upper='-0.5'"), range);
 }
 
 /// One tetrahedron with corners 0, x, y, z at 1, 2, 3 m in three formats, mirrored and in mm.

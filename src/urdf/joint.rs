@@ -233,15 +233,18 @@ fn range(
             .or_else(|| node.attribute("upper"))
             .map_or_else(|| node.tag_at(), |a| a.at.clone());
         let message = format!("the lower limit {lower} is above the upper limit {upper}");
-        if NO_LIMITS.contains(&(lower, upper)) {
+        // PyBullet itself takes all of them for none.
+        if scope.pybullet || NO_LIMITS.contains(&(lower, upper)) {
             let message = format!("{message}: PyBullet's way to write \"none\", and read so");
             let help = "give the range in rad or m, or use type=\"continuous\"";
             scope.warning("U043", at, &message, help);
             return None;
         }
-        let help = "exchange them; for a joint without limits use type=\"continuous\"";
-        scope.problem("U043", at, &message, help);
-        return None;
+        let message = format!("{message}: the range between them is used");
+        let help = "exchange them; for a joint without limits, as MuJoCo and PyBullet take it, use \
+                    type=\"continuous\"";
+        scope.warning("U043", at, &message, help);
+        return Some((upper, lower));
     }
     Some((lower, upper))
 }

@@ -68,8 +68,8 @@ const FAULTS: [Fault; 43] = [
     robot("xyz='0 0 0.01'", "xyz='0 0.01'", "U031"),
     robot(
         "lower='-0.1' upper='0.1'",
-        "lower='0.1' upper='-0.2'",
-        "U043",
+        "lower='nan' upper='0.1'",
+        "U032",
     ),
     robot("<axis xyz='0 0 1.1'/>", "<axis xyz='0 0 0'/>", "U041"),
     robot(
