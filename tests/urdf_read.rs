@@ -373,6 +373,15 @@ fn joints_without_lower_and_upper_have_no_limits_and_half_a_range_counts_from_ze
     assert_eq!(joint("1.0", "lower='0.25' upper='-0.5'"), range);
 }
 
+#[test]
+fn what_gazebo_is_told_to_hold_still_is_known() {
+    for (tag, still) in [("true", true), ("1", true), ("false", false)] {
+        let tag = format!("<gazebo><static>{tag}</static></gazebo>");
+        let robot = from_text(&format!("<robot name='r'>{tag}<link name='a'/></robot>"));
+        assert_eq!(robot.stands_still, still, "{tag}");
+    }
+}
+
 /// One tetrahedron with corners 0, x, y, z at 1, 2, 3 m in three formats, mirrored and in mm.
 #[test]
 fn meshes_of_every_format_give_the_same_hull() {

@@ -91,6 +91,10 @@ pub(super) fn choose_base(robot: &mut Robot, settings: &Settings, findings: &mut
     }
     let reason = if name == "world" {
         Some("the root link is named 'world'".to_owned())
+    } else if robot.stands_still && has_moving_child {
+        Some("its <gazebo> says <static>; its joints can move here".to_owned())
+    } else if robot.stands_still {
+        Some("its <gazebo> says <static>".to_owned())
     } else if mass <= 0.0 && has_moving_child {
         Some(format!(
             "the root link '{name}' has no mass and carries moving links"

@@ -32,6 +32,8 @@ pub(super) struct Robot {
     pub(super) weighed: Vec<bool>,
     /// Per link.
     pub(super) wheels: Vec<WheelChoice>,
+    /// As in the file.
+    pub(super) stands_still: bool,
     pub(super) lines: Lines,
 }
 
@@ -101,6 +103,7 @@ impl Robot {
                     place: link.link.place.clone(),
                 })
                 .collect(),
+            stands_still: description.stands_still,
             lines: Lines {
                 links: description.links.iter().map(|link| link.line).collect(),
                 joints: description.joints.iter().map(|joint| joint.line).collect(),

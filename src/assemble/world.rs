@@ -198,6 +198,9 @@ fn told(mut finding: Diagnostic, guest: &Guest) -> Option<Diagnostic> {
             finding.severity = Severity::Note;
         }
         finding.help = match finding.code {
+            "A107" if finding.message.contains("<static>") => {
+                Some("leave <static> out of its file to let it move".to_owned())
+            }
             "A107" => Some("static = true says so, a mass lets it move".to_owned()),
             "A111" => Some("give it a z to start elsewhere".to_owned()),
             "A116" => Some("set its friction in [[world.object]]".to_owned()),
@@ -346,7 +349,8 @@ pub fn take_ground(
         .iter()
         .all(|j| j.kind == JointKind::Fixed);
     let mass = |link: &LinkDescription| link.inertial.map_or(0.0, |inertial| inertial.mass);
-    let light = object.fixed || description.links.iter().all(|link| mass(link) <= 0.0);
+    let still = object.fixed || description.stands_still;
+    let light = still || description.links.iter().all(|link| mass(link) <= 0.0);
     if placed || !welded || !light {
         return None;
     }

@@ -149,6 +149,7 @@ pub(super) fn description(
     });
     Some(Description {
         closures: closures.collect(),
+        stands_still: robot.stands_still,
         name: robot.name.clone(),
         links,
         joints,

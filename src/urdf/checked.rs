@@ -16,6 +16,8 @@ pub(super) struct CheckedRobot<'d> {
     pub(super) joints: Vec<CheckedJoint<'d>>,
     /// Loops and springs, in file order; lengths as in the file.
     pub(super) closures: Vec<ClosureDescription>,
+    /// Gazebo's `<static>`.
+    pub(super) stands_still: bool,
 }
 
 impl CheckedRobot<'_> {

@@ -24,6 +24,8 @@ pub struct Description {
     pub sensors: Vec<SensorDescription>,
     /// Loops and springs of its notes for other programs.
     pub closures: Vec<ClosureDescription>,
+    /// Whether Gazebo is told that it stands still, with `<static>`.
+    pub stands_still: bool,
     /// Meshes of the visuals, each file once.
     pub drawn_meshes: Vec<DrawnMesh>,
     /// Textures of the visuals, each file once.
@@ -158,6 +160,7 @@ impl Description {
             joints: Vec::new(),
             sensors: Vec::new(),
             closures: Vec::new(),
+            stands_still: false,
             drawn_meshes: Vec::new(),
             textures: Vec::new(),
             sources: Vec::new(),

@@ -182,7 +182,12 @@ fn gazebo(
     joints: &HashMap<String, usize>,
 ) {
     let Some(attribute) = node.attribute("reference") else {
-        if node.child("joint").is_none() {
+        let still = node.child("static");
+        if let Some(still) = still {
+            robot.stands_still = is_on(still);
+            scope.used(still);
+        }
+        if node.child("joint").is_none() && still.is_none() {
             scope.ignore(node);
         }
         return;

@@ -73,6 +73,7 @@ pub(super) fn check<'d>(
     let mut robot = CheckedRobot {
         name,
         closures: Vec::new(),
+        stands_still: false,
         links: links
             .iter()
             .map(|&(node, name, own)| CheckedLink {

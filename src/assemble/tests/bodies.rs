@@ -211,6 +211,19 @@ fn the_base_is_chosen_by_name_and_mass_unless_the_settings_say_it() {
         assert_eq!(assembled.model.is_floating(), floating, "{name} {settings}");
         assert_eq!(has(&assembled, "A107"), settings.is_empty());
     }
+    // As the file tells Gazebo; what is said here counts more.
+    for (settings, floating) in [("", false), ("robot.base = \"floating\"", true)] {
+        let ramp = Description {
+            stands_still: true,
+            ..robot(mass("ramp", 1.0))
+        };
+        let assembled = assembled(&ramp, settings);
+        assert_eq!(assembled.model.is_floating(), floating, "{settings}");
+        if settings.is_empty() {
+            let found = note(&assembled, "A107");
+            assert!(found.message.contains("<static>"), "{}", found.message);
+        }
+    }
     // A footprint frame in front of the real base has mass by way of its fixed joint.
     let footprint = robot(frame("base_footprint"))
         .with(
