@@ -53,6 +53,15 @@ def test_r2d2_drives_as_in_co_simulation(r2d2):
     assert off[:3].max() < 1e-3 and off[3:].max() < 2e-3, off
 
 
+def test_integrators_come_to_an_end_at_the_tolerance_of_the_fmu(examples, export):
+    """Who names no tolerance gets that of the default experiment. At 1e-3 CVODE gives up on the quadruped at 0.02 s."""
+    settings = next(examples.rglob("quadruped.toml")).read_text()
+    fmu = export(next(examples.rglob("quadruped.urdf")), settings, "--interface", "both")
+    with redirect_stdout(io.StringIO()):
+        result = fmpy.simulate_fmu(str(fmu), fmi_type="ModelExchange", stop_time=1, output_interval=0.01)
+    assert abs(result["base.position.z"][-1] - 0.2916) < 1e-3
+
+
 def test_integrators_get_over_a_light_joint_at_its_limit(pybullet_data, export):
     """R2D2's grippers have 5e-5 kg.m2 at 1,000 N.m, and servos hold them at their limits while the robot rocks.
     Where limits set in at once, CVODE gives up in three of these runs."""

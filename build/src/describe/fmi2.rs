@@ -65,7 +65,7 @@ pub fn model_description(
             unit_definitions(xml, &units)?;
             type_definitions(xml, &units)?;
             log_categories(xml)?;
-            default_experiment(xml, about)?;
+            default_experiment(xml, about, interface)?;
             list(xml, "ModelVariables", table.iter(), |xml, v| {
                 scalar_variable(xml, table, v)
             })?;

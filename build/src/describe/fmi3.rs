@@ -70,7 +70,7 @@ pub fn model_description(
             unit_definitions(xml, &units)?;
             type_definitions(xml, &units)?;
             log_categories(xml)?;
-            default_experiment(xml, about)?;
+            default_experiment(xml, about, interface)?;
             xml.create_element("ModelVariables")
                 .write_inner_content(|xml| {
                     time(xml, table)?;

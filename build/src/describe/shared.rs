@@ -1,12 +1,12 @@
 //! What modelDescription.xml of both versions of FMI has in common.
 
 pub(super) use super::words::number;
-use super::words::{STEP_SIZE, STOP_TIME, TOLERANCE};
+use super::words::{EXCHANGE_TOLERANCE, STEP_SIZE, STOP_TIME, TOLERANCE};
 use crate::units;
 use quick_xml::Writer;
 use std::collections::BTreeSet;
 use std::io;
-use urdf2fmu_core::model::Model;
+use urdf2fmu_core::model::{Interface, Model};
 use urdf2fmu_core::settings::FmuSettings;
 use urdf2fmu_core::variables::{Kind, Slot, TableError, Unit, Variable};
 
@@ -193,14 +193,23 @@ pub(super) fn log_categories(xml: &mut Writer<Vec<u8>>) -> io::Result<()> {
 }
 
 /// Times and tolerance that importers begin with.
-pub(super) fn default_experiment(xml: &mut Writer<Vec<u8>>, about: &FmuSettings) -> io::Result<()> {
+pub(super) fn default_experiment(
+    xml: &mut Writer<Vec<u8>>,
+    about: &FmuSettings,
+    interface: Interface,
+) -> io::Result<()> {
+    let tolerance = if interface.exchanges() {
+        EXCHANGE_TOLERANCE
+    } else {
+        TOLERANCE
+    };
     xml.create_element("DefaultExperiment")
         .with_attribute(("startTime", "0"))
         .with_attribute((
             "stopTime",
             number(about.stop_time.unwrap_or(STOP_TIME)).as_str(),
         ))
-        .with_attribute(("tolerance", number(TOLERANCE).as_str()))
+        .with_attribute(("tolerance", number(tolerance).as_str()))
         .with_attribute(("stepSize", number(STEP_SIZE).as_str()))
         .write_empty()?;
     Ok(())

@@ -9,6 +9,9 @@ pub const STOP_TIME: f64 = 10.0;
 pub const STEP_SIZE: f64 = 1.0 / 240.0;
 /// Tolerance of the default experiment: the solver's if neither settings nor importer give one.
 pub const TOLERANCE: f64 = DEFAULT_TOLERANCE;
+/// The same where Model Exchange is offered: at 1e-3 integrators such as CVODE swing between the
+/// caps of forces and give up, and finer ones take hardly more steps.
+pub const EXCHANGE_TOLERANCE: f64 = 1e-4;
 
 /// FMI's word for whose the value is.
 pub fn causality(v: &Variable) -> &'static str {
