@@ -213,7 +213,7 @@ fn of_quantity(reader: &mut Reader, section: &Section, key: &str) -> Errors {
         let one = table.number(key).map(|x| [x; 3]);
         one.or_else(|| table.numbers(key)?.try_into().ok())
     };
-    let (noise, density) = (list("noise"), list("noise_density"));
+    let (mut noise, mut density) = (list("noise"), list("noise_density"));
     let rate = section.number("rate");
     for name in ["noise", "noise_density"] {
         let Some(entry) = table.entry(name) else {
@@ -229,6 +229,10 @@ fn of_quantity(reader: &mut Reader, section: &Section, key: &str) -> Errors {
             let help = "leave one of them out";
             reader.error("S106", &entry.span.clone(), message, help);
         }
+    }
+    // What an error has been told of is left out: the model would be told to be wrong, too.
+    if rate.is_none() {
+        (noise, density) = (None, None);
     }
     let root = rate.unwrap_or(0.0).sqrt();
     Errors {
@@ -266,7 +270,7 @@ fn kind(reader: &mut Reader, section: &Section, word: &str) -> Option<SensorSett
 
 fn rays(reader: &mut Reader, section: &Section) -> SensorSettingsKind {
     let columns = whole(section, "rays").unwrap_or(1);
-    let rows = whole(section, "rows").unwrap_or(1);
+    let mut rows = whole(section, "rows").unwrap_or(1);
     if let (true, Some(entry)) = (
         columns.saturating_mul(rows) > MOST_RAYS,
         section.entry("rows"),
@@ -274,12 +278,14 @@ fn rays(reader: &mut Reader, section: &Section) -> SensorSettingsKind {
         let message = format!("{rows} rows of {columns} rays are more than {MOST_RAYS} rays");
         let help = "make rows or rays less, or use several sensors";
         reader.error("S106", &entry.span.clone(), message, help);
+        rows = 1;
     }
-    let near = section.number("min_range").unwrap_or(0.0);
+    let mut near = section.number("min_range").unwrap_or(0.0);
     let range = section.number("range").unwrap_or(10.0);
     if let (true, Some(entry)) = (near >= range, section.entry("min_range")) {
         let message = format!("'min_range' {near} is not below the range {range}");
         reader.error("S106", &entry.span.clone(), message, "make it smaller");
+        near = 0.0;
     }
     SensorSettingsKind::Ray {
         columns: Fan::symmetric(columns, section.number("fov").unwrap_or(0.0)),

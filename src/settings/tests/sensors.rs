@@ -99,3 +99,22 @@ fn sensors_refuse_what_they_cannot_be() {
         assert!(said.to_lowercase().contains(word), "{text}: {said}");
     }
 }
+
+/// What is left is checked further; what was told here must not be told again as wrong there.
+#[test]
+fn what_a_sensor_was_told_to_be_wrong_in_is_left_out() {
+    let text = "[[sensor]]\ntype = \"imu\"\nlink = \"a\"\nlinear_acceleration.noise = [1, 1, 1]\n\
+                [[sensor]]\ntype = \"ray\"\nlink = \"a\"\nname = \"b\"\nrange = 1\nmin_range = 2\n\
+                rays = 200\nrows = 200\n";
+    let (settings, findings) = Settings::inspect(text, "f", None);
+    assert_eq!(findings.len(), 3, "{findings:?}");
+    let sensors = settings.expect("the rest").sensors;
+    assert_eq!(sensors[0].errors, [Errors::default(); 2]);
+    let SensorSettingsKind::Ray {
+        rows, near, range, ..
+    } = &sensors[1].kind
+    else {
+        panic!("{sensors:?}");
+    };
+    assert!(near < range && rows.count == 1, "{sensors:?}");
+}
