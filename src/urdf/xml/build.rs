@@ -67,6 +67,18 @@ struct Builder<'t> {
     over: bool,
 }
 
+/// The first line by which git marks where two versions of a file differ, outside of comments.
+fn conflict(text: &str) -> Option<Range<usize>> {
+    let mut starts = text.match_indices("\n<<<<<<< ").map(|(at, _)| at + 1);
+    let commented = |at: usize| {
+        let before = &text[..at];
+        before.rfind("<!--") > before.rfind("-->")
+    };
+    let at = starts.find(|&at| !commented(at) && text[at..].contains("\n>>>>>>> "))?;
+    let length = text[at..].lines().next().map_or(0, str::len);
+    Some(at..at + length)
+}
+
 impl<'t> Builder<'t> {
     fn new(text: &'t str, apart: &'static [&'static str]) -> Self {
         Self {
@@ -86,6 +98,13 @@ impl<'t> Builder<'t> {
         if let Some(at) = other_text(self.text) {
             let what = "not XML: the file begins with text, not with a tag";
             let help = "a URDF starts with <robot name=\"…\">: is it the right file?";
+            report.error("U003", at, what, help);
+            return None;
+        }
+        if let Some(at) = conflict(self.text) {
+            let what = "not XML: a conflict of a merge by git was left in the file";
+            let help = "keep one side of each, without the lines that begin with <<<<<<<, ======= and \
+                        >>>>>>>";
             report.error("U003", at, what, help);
             return None;
         }
