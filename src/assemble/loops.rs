@@ -404,7 +404,10 @@ pub(super) fn close(
         let unit = if part.kind.ends().is_some() { " m" } else { "" };
         let message = format!(
             "loop '{}' cannot be closed: {:.3e}{unit} and {:.3e} rad are left",
-            part.name, gap.distance, gap.angle
+            part.name,
+            gap.distance,
+            // Not "-0".
+            gap.angle.abs()
         );
         let help = "correct its origins, or let the robot start nearer to a closed pose ([initial] joints)";
         let place = places.get(index).cloned().flatten();
