@@ -69,14 +69,25 @@ struct Builder<'t> {
 
 /// The first line by which git marks where two versions of a file differ, outside of comments.
 fn conflict(text: &str) -> Option<Range<usize>> {
-    let mut starts = text.match_indices("\n<<<<<<< ").map(|(at, _)| at + 1);
-    let commented = |at: usize| {
-        let before = &text[..at];
-        before.rfind("<!--") > before.rfind("-->")
-    };
-    let at = starts.find(|&at| !commented(at) && text[at..].contains("\n>>>>>>> "))?;
-    let length = text[at..].lines().next().map_or(0, str::len);
-    Some(at..at + length)
+    let last = text.rfind("\n>>>>>>> ")?;
+    let mut at = 0;
+    while let Some(next) = text[at..last].find('<') {
+        at += next;
+        let rest = &text[at..last];
+        let first = matches!(
+            text[..at].chars().next_back(),
+            None | Some('\n' | '\u{feff}')
+        );
+        if first && rest.starts_with("<<<<<<< ") {
+            return Some(at..at + rest.lines().next().map_or(0, str::len));
+        }
+        at += if rest.starts_with("<!--") {
+            rest.find("-->")?
+        } else {
+            1
+        };
+    }
+    None
 }
 
 impl<'t> Builder<'t> {
