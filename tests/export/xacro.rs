@@ -219,6 +219,12 @@ fn what_a_xacro_file_lacks_is_told_with_the_call_that_gives_it() {
             &[],
             &["calls itself without an end"],
         ),
+        // Found by fuzzing: through what stands in its call.
+        (
+            "<xacro:macro name='m' params=''><xacro:m><xacro:m/></xacro:m></xacro:macro><xacro:m/>",
+            &[],
+            &["calls itself without an end"],
+        ),
         (
             "<xacro:include filename='r.urdf.xacro'/>",
             &[],

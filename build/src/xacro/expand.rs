@@ -382,13 +382,14 @@ impl<'f> Expansion<'f> {
         };
         let inner = self.texts.symbols.below(own_scope, false);
         let inner_macros = self.macros.below(own_macros);
-        self.bind((name, &found), call, (macros, scope), inner)?;
-        let at = self.texts.sources.at;
+        // What stands in a call is expanded first, and may call this macro, too.
         self.depth += 1;
         if self.depth > DEEPEST {
             let problem = self.problem(format!("macro '{name}' calls itself without an end"));
             return Err(problem.that_ends());
         }
+        self.bind((name, &found), call, (macros, scope), inner)?;
+        let at = self.texts.sources.at;
         // Places of problems are those of the macro; paths count from where it is called.
         let around = self.texts.sources.body(Some(Rc::clone(&found.file)));
         let mut lifted = Vec::new();
