@@ -84,7 +84,7 @@ impl Default for Rules {
 
 // Error control: `step/driver.rs`, `step/size.rs`.
 
-/// Tolerance where neither the model nor the importer gives one: an error of a millimetre a step
+/// Tolerance where neither the model nor the importer gives one: a step errs by a centimetre a second
 /// at arm's length (`the_tolerance_is_the_models_else_the_importers_else_a_thousandth`).
 pub const DEFAULT_TOLERANCE: f64 = 1e-3;
 /// Least and greatest tolerance that the error control works with: below, round-off decides; above,
@@ -115,8 +115,8 @@ pub const EXPLICIT_SAFETY: f64 = 0.8;
 /// explicit steps: keeps the division finite, far below what limits the growth. At 10 for both
 /// fails `damping_of_any_strength_is_followed_in_few_steps`.
 pub const LEAST_ERROR: (f64, f64) = (1e-12, 1e-10);
-/// Weight of a velocity error against a position error, s. Without it impacts go unnoticed. At 0
-/// fails `bodies_that_meet_in_space_keep_their_momentum`.
+/// Time by which an error of a velocity, or of the mean velocity of a step, counts as one of a
+/// position, s. At 0 fails `bodies_that_meet_in_space_keep_their_momentum`.
 pub const VELOCITY_WEIGHT: f64 = 0.1;
 /// A step that would leave less than half of its length to the communication point is taken as two
 /// equal ones: `1 + 1/2` times its length. At 100 fails

@@ -216,7 +216,7 @@ pub const KEYS: &[Key] = &[
         "solver.tolerance",
         Number(Tolerance),
         None,
-        "error per step in m, and in rad at 1 m reach; without it the importer's, else 1e-3",
+        "error of a step in m, and in rad at 1 m reach, by 0.1 s of motion; without it the importer's, else 1e-3",
     ),
     key(
         "solver.max_steps",
