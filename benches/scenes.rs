@@ -191,10 +191,11 @@ fn sweep() -> String {
 /// A rule of the method, and what switches it off.
 type Rule = (&'static str, fn(&mut Rules));
 
-const RULES: [Rule; 13] = [
+const RULES: [Rule; 14] = [
     ("rest", |rules| rules.rest = false),
     ("momentum", |rules| rules.momentum = false),
     ("explicit", |rules| rules.explicit = false),
+    ("coast", |rules| rules.coast = false),
     ("look_ahead", |rules| rules.look_ahead = false),
     ("cones", |rules| rules.cones = false),
     ("touchdown", |rules| rules.touchdown = false),

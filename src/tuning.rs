@@ -196,7 +196,8 @@ pub const COARSEST: f64 = ITERATED * GUESS * DEFAULT_TOLERANCE;
 /// `bodies_that_meet_in_space_keep_their_momentum`.
 pub const ESTIMATE: f64 = 0.4;
 /// Share of the tolerance that a step may err by because its middle is not where it was expected;
-/// where it errs more it is solved again with the middle that it has found.
+/// where it errs more it is solved again with the middle that it has found. At 1e9 fails
+/// `fixed_steps_are_split_for_fast_limbs_but_not_for_wheels`.
 pub const MISPLACED: f64 = 0.03;
 /// Share of a step in which the forces at its start are found. At 1 fails
 /// `the_communication_step_does_not_change_the_result_beyond_the_tolerance`.
@@ -247,7 +248,7 @@ pub const HIT: f64 = 32.0;
 /// Share of the tolerance that a Runge–Kutta step may use where nothing damps what it errs by: it
 /// adds up, and what is unstable lets it grow, links that tumble about their middle axis by a
 /// factor of hundreds in a few seconds. At 1 fails
-/// `a_slider_crank_follows_its_equation_of_one_angle`.
+/// `a_four_bar_stays_closed_and_keeps_its_energy`.
 pub const EXPLICIT_SHARE: f64 = 2e-3;
 /// The same where damping is implicit: damping forgets; without it twice the steps buy a fiftieth
 /// of the error. At 100 fails `b3_a_saturated_rotor_takes_j_omega_over_e`.
