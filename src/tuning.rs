@@ -84,8 +84,8 @@ impl Default for Rules {
 
 // Error control: `step/driver.rs`, `step/size.rs`.
 
-/// Tolerance where neither the model nor the importer gives one: a step errs by a centimetre a second
-/// at arm's length (`the_tolerance_is_the_models_else_the_importers_else_a_thousandth`).
+/// Tolerance where neither the model nor the importer gives one: a step errs by a centimetre a
+/// second at arm's length (`the_tolerance_is_the_models_else_the_importers_else_a_thousandth`).
 pub const DEFAULT_TOLERANCE: f64 = 1e-3;
 /// Least and greatest tolerance that the error control works with: below, round-off decides; above,
 /// an error of the size of the robot would pass. At 1e-3 as the least fails
@@ -129,8 +129,8 @@ pub const LANDING: f64 = 1.5;
 /// `a_spring_that_swings_too_fast_to_be_seen_comes_to_its_target`.
 pub const MAX_FLOOR: f64 = 1e-4;
 /// Tolerance at which the floor rises that far; below, it rises with the root of the tolerance,
-/// like the steps that the tolerance asks for. At 1e9 fails
-/// `a_spring_that_swings_too_fast_to_be_seen_comes_to_its_target`.
+/// like the steps that the tolerance asks for. What the shortest step errs by more than this is
+/// not resolved. At 1e9 fails `a_spring_that_swings_too_fast_to_be_seen_comes_to_its_target`.
 pub const FLOOR_TOLERANCE: f64 = 1e-3;
 /// Angle, rad, that something may turn by in the shortest step: one that errs by more than the
 /// tolerance and is taken all the same makes energy where something whirls. At 1 fails

@@ -20,7 +20,7 @@ use crate::step::point::{Context, Point};
 use crate::step::size::{self, Standing, Tried, Verdict, Way, grown, implicit_factor, landing};
 use crate::step::stages::Stages;
 use crate::tree::Tree;
-use crate::tuning::{BALANCE, FIXED_ACCURACY, GUESS, GUESSES, MAX_STEP};
+use crate::tuning::{BALANCE, FIXED_ACCURACY, FLOOR_TOLERANCE, GUESS, GUESSES, MAX_STEP};
 
 /// Why a communication step was not taken.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -315,13 +315,14 @@ impl Stepper {
                 Verdict::Fail => return Err(Stop::NotFinite),
             }
             if error > 1.0 {
-                // Taken at the shortest step, by the method that errs less: two stages throw back
-                // what a step does not resolve, one solve takes energy from what it does.
+                // Taken at the shortest step. What that does not resolve two stages throw back; one
+                // solve throws nothing back, but takes energy from what it does resolve.
+                let unresolved = error * ctx.tolerance > FLOOR_TOLERANCE;
                 let (here, trend) = (&mut self.here, &state.stepping.trend.whole);
-                let alone = staged && {
+                let alone = staged && unresolved && {
                     let start = (here, &state.physical);
-                    let alone = self.implicit.solve_alone(ctx, start, trend, [h, accuracy]);
-                    alone < error
+                    let error = self.implicit.solve_alone(ctx, start, trend, [h, accuracy]);
+                    error.is_finite()
                 };
                 self.finish(ctx, state, staged && !alone, h);
                 self.there.pose(ctx, &self.attempt.end);

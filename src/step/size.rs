@@ -207,8 +207,9 @@ pub(super) fn grown(proposed: f64, h: f64, factor: f64) -> f64 {
     }
 }
 
-/// The largest of the weighted errors of positions and velocities after a step of `h` seconds, which
-/// `error` gives for each degree of freedom that a step works on; infinite if one is not a number.
+/// The largest of the weighted errors of positions and velocities after a step of `h` seconds,
+/// which `error` gives for each degree of freedom that a step works on; infinite if one is not a
+/// number.
 ///
 /// An error of a position is one of the mean velocity of the step, and counts as such. If it
 /// counted as it is, a motion in short steps, as communication points make them, could go wrong by

@@ -50,6 +50,15 @@ fn collisions(
     Some(parts.iter().map(part).collect())
 }
 
+/// What closes its loops, in metres.
+fn closures(robot: &CheckedRobot, scale: f64) -> Vec<ClosureDescription> {
+    let scaled = |part: ClosureDescription| ClosureDescription {
+        kind: part.kind.scaled(scale),
+        ..part
+    };
+    robot.closures.iter().cloned().map(scaled).collect()
+}
+
 /// Puts everything together, links and joints in `order`; `None` where a mesh or a link is missing.
 pub(super) fn description(
     robot: &CheckedRobot,
@@ -142,13 +151,8 @@ pub(super) fn description(
             line: checked.line,
         });
     }
-    let closures = robot.closures.iter().cloned();
-    let closures = closures.map(|part| ClosureDescription {
-        kind: part.kind.scaled(scale),
-        ..part
-    });
     Some(Description {
-        closures: closures.collect(),
+        closures: closures(robot, scale),
         stands_still: robot.stands_still,
         name: robot.name.clone(),
         links,

@@ -19,8 +19,8 @@ use crate::step::size::{fastest, worst_error};
 use crate::tuning::{ESTIMATE, START};
 
 impl Stages {
-    /// Makes `self.aside` what acts at the start of the step of `h` seconds that has just been solved,
-    /// with the commands there: the first stage has those of its end.
+    /// Makes `self.aside` what acts at the start of the step of `h` seconds that has just been
+    /// solved, with the commands there: the first stage has those of its end.
     fn stand_at_start(&mut self, ctx: &Context, from: &Physical, h: f64) {
         self.way.fill([0.0; 6]);
         self.guess.fill(0.0);

@@ -38,7 +38,7 @@ impl Resolver<'_> {
         let mut some = candidates.iter().filter_map(|candidate| {
             let path = tidy(&candidate.path);
             let files = other_case(&path);
-            (!files.is_empty()).then(|| (files, candidate.package.as_deref()))
+            (!files.is_empty()).then_some((files, candidate.package.as_deref()))
         });
         let (files, package) = some.next()?;
         let [file] = &files[..] else {
