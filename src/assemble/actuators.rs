@@ -13,6 +13,9 @@ const SHORTEST_REACH: f64 = 0.1;
 /// Smallest default effort, N·m or N, for a robot whose moving parts weigh nothing.
 const SMALLEST_EFFORT: f64 = 1e-3;
 
+/// Effort of a motor without a limit, N·m or N: the largest that settings can give.
+const UNLIMITED: f64 = 1e30;
+
 /// Fills `model.actuators`: one for each independent turning or sliding joint that is not passive.
 pub(super) fn add(
     model: &mut Model,
@@ -79,7 +82,7 @@ pub(super) fn add(
             joint: id,
             dof: model.bodies[body.index()].dof,
             mode,
-            max_effort: given.unwrap_or(default),
+            max_effort: given.unwrap_or(if limited { default } else { UNLIMITED }),
             reference_effort: given
                 .filter(positive)
                 .or(file.filter(positive))

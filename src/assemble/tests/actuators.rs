@@ -75,6 +75,25 @@ fn missing_efforts_get_a_default_from_weight_and_reach() {
 }
 
 #[test]
+fn commanded_efforts_without_a_limit_are_not_cut() {
+    let description = robot(mass("base", 1.0))
+        .with("base", "j", Continuous, at(0.0, 0.0, 0.0), mass("w", 1.0))
+        .and(|j| j.effort = None);
+    let most = |settings: &str| {
+        let text = format!("[[actuator]]\njoint = \"j\"\nmode = \"effort\"\n{settings}");
+        let built = assembled(&description, &text);
+        (built.model.actuators[0].max_effort, has(&built, "A113"))
+    };
+    // The largest command is 1e12 N·m.
+    let (free, told) = most("");
+    assert!(free >= 1e12 && !told);
+    assert_eq!(most("[joint.j]\neffort = 3"), (3.0, false));
+    // A line of torque and speed begins with an effort, so one is chosen and told.
+    let (stall, told) = most("no_load_speed = 4");
+    assert!(stall < 10.0 && told);
+}
+
+#[test]
 fn an_effort_limit_of_zero_stays_and_is_warned_about() {
     let description = robot(mass("base", 1.0))
         .with("base", "j", Continuous, at(0.0, 0.0, 0.0), mass("w", 1.0))
