@@ -20,7 +20,7 @@ pub struct Attempt {
     pub pair_impulse: Vec<[f64; 3]>,
     /// Which contacts belong to which of these; never changes.
     named: NamedPairs,
-    /// Its accelerations; 0 after an explicit step.
+    /// Its accelerations; their mean for a step without stages.
     pub trend: Trend,
 }
 

@@ -66,7 +66,7 @@ const FAULTS: [[&str; 3]; 23] = [
     ],
     [
         "lower='-0.1' upper='0.1'",
-        "lower='0.1' upper='-0.2'",
+        "lower='-0,1' upper='0.1'",
         "lower",
     ],
     [
