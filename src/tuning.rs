@@ -305,8 +305,8 @@ pub const THIN: f64 = 0.01;
 // Fixed steps: `step/fixed.rs`.
 
 /// Error of one solve by itself, relative to the tolerance and to the square of the step, s⁻², up
-/// to which the second is left out: like the error it falls with the square of the step, so that
-/// short steps converge as before. 0.004 at 1/240 s. At 1e15 fails
+/// to which the second is left out. That error falls with the step and the limit with its square,
+/// so that short steps have both solves. 0.004 at 1/240 s. At 1e15 fails
 /// `a_rolling_ball_slows_down_by_its_rolling_friction_and_stands`.
 pub const CALM: f64 = 240.0;
 /// Relative accuracy of the impulses in fixed steps: of a guess, and after an iteration, there that

@@ -4,6 +4,7 @@ use super::findings::{Findings, counted, listed};
 use super::initial::{Poses, reach};
 use super::robot::{Lines, is_scalar, kind_name};
 use crate::model::{Actuator, ActuatorMode, JointId, JointKind, Model};
+use crate::range::Range;
 use crate::settings::{ActuatorSettings, Compat, ModeChoice, Settings};
 use crate::tuning::REFERENCE_GRAVITY;
 
@@ -12,9 +13,6 @@ const SHORTEST_REACH: f64 = 0.1;
 
 /// Smallest default effort, N·m or N, for a robot whose moving parts weigh nothing.
 const SMALLEST_EFFORT: f64 = 1e-3;
-
-/// Effort of a motor without a limit, N·m or N: the largest that settings can give.
-const UNLIMITED: f64 = 1e30;
 
 /// Fills `model.actuators`: one for each independent turning or sliding joint that is not passive.
 pub(super) fn add(
@@ -29,6 +27,8 @@ pub(super) fn add(
     let weight = poses.tree.moving_mass() * REFERENCE_GRAVITY;
     let turning = (2.0 * weight * reach(model, poses).max(SHORTEST_REACH)).max(SMALLEST_EFFORT);
     let sliding = (10.0 * weight).max(SMALLEST_EFFORT);
+    // The greatest that settings can give.
+    let (_, unlimited) = Range::LimitSize.bounds();
     let (mut without, mut without_gains, mut powerless) = (Vec::new(), Vec::new(), Vec::new());
     let mut other_interface: Vec<(ActuatorMode, &str)> = Vec::new();
     for (j, choice) in chosen.iter().enumerate() {
@@ -82,7 +82,7 @@ pub(super) fn add(
             joint: id,
             dof: model.bodies[body.index()].dof,
             mode,
-            max_effort: given.unwrap_or(if limited { default } else { UNLIMITED }),
+            max_effort: given.unwrap_or(if limited { default } else { unlimited }),
             reference_effort: given
                 .filter(positive)
                 .or(file.filter(positive))

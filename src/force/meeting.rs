@@ -50,15 +50,16 @@ impl Meeting<'_> {
                 gravity: self.gravity,
                 speed: (speed * speed + gained).max(0.0).sqrt(),
             };
-            // A corner has a share of a face: the spring feels it come by less than its way, and
-            // pushes it with less than its force.
-            let reach = above + impact.speed * impact.duration();
-            let (_, weights) = norm(&points[contact.points.clone()], reach);
-            let mut felt = impact.felt(weights);
-            if contact.bounce == 0.0 && speed < 0.0 && impact.speed > BOUNCE_THRESHOLD {
-                contact.bounce = felt.dissipation(surface.restitution, number);
-            }
-            if contact.bounce > 0.0 {
+            let lands = contact.bounce == 0.0 && speed < 0.0 && impact.speed > BOUNCE_THRESHOLD;
+            if lands || contact.bounce > 0.0 {
+                // A corner has a share of a face: the spring feels it come by less than its way,
+                // and pushes it with less than its force.
+                let reach = above + impact.speed * impact.duration();
+                let (_, weights) = norm(&points[contact.points.clone()], reach);
+                let mut felt = impact.felt(weights);
+                if lands {
+                    contact.bounce = felt.dissipation(surface.restitution, number);
+                }
                 // What it has come in with is in the spring by now.
                 let kept = 2.0 * contact.spring.stored(contact.depth) / felt.mass;
                 felt.speed = libm::hypot(felt.speed, kept.sqrt());

@@ -368,8 +368,8 @@ impl Terms {
         }
     }
 
-    /// Takes the joint terms of `base`, each moved on by `moved` of its degree of freedom, rad or
-    /// m.
+    /// Takes the joint terms of `base`, each moved on by what `moved` gives for its degree of
+    /// freedom, rad or m.
     pub fn begin_joints(&mut self, base: &Self, moved: impl Fn(usize) -> f64) {
         self.joints.clear();
         self.joints.extend_from_slice(&base.joints);

@@ -216,7 +216,7 @@ pub const KEYS: &[Key] = &[
         "solver.tolerance",
         Number(Tolerance),
         None,
-        "error of a step in m, and in rad at 1 m reach, by 0.1 s of motion; without it the importer's, else 1e-3",
+        "what a step may err by in each 0.1 s of its length, m, and rad at 1 m reach; without it the importer's, else 1e-3",
     ),
     key(
         "solver.max_steps",

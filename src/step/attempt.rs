@@ -113,7 +113,7 @@ impl Attempt {
     }
 
     /// The same of a step without stages.
-    pub(super) fn end_smooth_trend(&mut self, tree: &Tree, v: &[f64], h: f64) {
+    pub(super) fn end_plain_trend(&mut self, tree: &Tree, v: &[f64], h: f64) {
         let Trend { first, whole } = &mut self.trend;
         for trend in [first, whole] {
             mean_acceleration(tree, v, (&self.end.v, h), trend);

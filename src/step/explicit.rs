@@ -245,7 +245,7 @@ impl Explicit {
         }
         attempt.begin(state);
         terms.forget(&mut attempt.end.memory);
-        attempt.end_smooth_trend(ctx.tree, &from.v, h);
+        attempt.end_plain_trend(ctx.tree, &from.v, h);
         self.integrator.restart();
         self.end.update_poses(ctx.tree, &attempt.end.q);
         self.end.update_velocities(ctx.tree, &attempt.end.v);
@@ -353,7 +353,7 @@ impl Explicit {
         tree.copy_positions(&self.integrator.q, &mut attempt.end.q);
         tree.copy_velocities(&self.integrator.v, &mut attempt.end.v);
         here.terms.forget(&mut attempt.end.memory);
-        attempt.end_smooth_trend(tree, &from.v, h);
+        attempt.end_plain_trend(tree, &from.v, h);
     }
 
     /// The same for a step of `plan` that began at time `start` and reaches beyond the

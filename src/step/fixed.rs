@@ -23,7 +23,7 @@ use crate::step::explicit::Explicit;
 use crate::step::guards;
 use crate::step::implicit::Implicit;
 use crate::step::point::{Context, Point};
-use crate::step::size::fastest;
+use crate::step::size::{fastest, fastest_within};
 use crate::step::stages::Stages;
 use crate::step::stages::secants::Ending;
 use crate::tree::Tree;
@@ -162,7 +162,7 @@ impl Fixed {
         if !stages.solve(ctx, (here, from), trend, [h, FIXED_ACCURACY[0]], true) {
             return None;
         }
-        let turn = fastest(tree, &from.v).max(fastest(tree, &stages.solved[1].v));
+        let turn = fastest_within(tree, [&from.v, &stages.solved[1].v]);
         if ctx.rules.parts && turn * h > WHIRL {
             return Some(Outcome::Bad);
         }
@@ -215,7 +215,7 @@ impl Fixed {
             implicit.take_full(ctx, here, from, h, attempt);
             return Outcome::Good;
         }
-        let turn = fastest(ctx.tree, &from.v).max(fastest(ctx.tree, &implicit.full.v));
+        let turn = fastest_within(ctx.tree, [&from.v, &implicit.full.v]);
         if ctx.rules.parts && turn * h > WHIRL {
             return Outcome::Bad;
         }

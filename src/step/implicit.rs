@@ -89,7 +89,7 @@ impl Implicit {
         attempt.take_solved(ctx.tree, here, &self.full, h);
         advance(ctx.tree, &from.q, &self.full.v, h, &mut attempt.end.q);
         attempt.add_impulses(&here.terms, &self.full, [h, 1.0]);
-        attempt.end_trend(ctx.tree, &from.v, h, (&self.full.v, h));
+        attempt.end_plain_trend(ctx.tree, &from.v, h);
     }
 
     /// Puts the step of `h` seconds that began at time `start` and reaches beyond the communication

@@ -229,6 +229,12 @@ pub(super) fn worst_error(tree: &Tree, h: f64, error: impl Fn(usize) -> (f64, f6
     worst
 }
 
+/// Largest angular velocity of a body that is not a wheel at the start or the end of a step, with
+/// their velocities, rad/s.
+pub(super) fn fastest_within(tree: &Tree, [start, end]: [&[f64]; 2]) -> f64 {
+    fastest(tree, start).max(fastest(tree, end))
+}
+
 /// Largest angular velocity of a body that is not a wheel, rad/s.
 pub(super) fn fastest(tree: &Tree, v: &[f64]) -> f64 {
     let mut fastest = 0.0;

@@ -55,7 +55,7 @@ use crate::state::{Physical, Trend};
 use crate::step::attempt::{Attempt, mean_acceleration};
 use crate::step::convex::{Newton, Problem, Run};
 use crate::step::point::{Context, Point};
-use crate::step::size::{fastest, worst_error};
+use crate::step::size::{fastest_within, worst_error};
 use crate::step::{coast, guards};
 use crate::tree::Tree;
 use crate::tuning::{
@@ -68,6 +68,12 @@ const GAMMA: f64 = 1.0 - 0.5 * SQRT_2;
 
 /// Time of each stage from the middle, in halves of the step.
 const DRIFT: [f64; 2] = [2.0 * GAMMA - 1.0, 1.0];
+
+/// Mean velocity from the start of a step of `h` seconds to its expected middle, of a degree of
+/// freedom with the velocity `v` there and the acceleration `a`.
+fn early(v: f64, a: f64, h: f64) -> f64 {
+    v + 0.25 * h * a
+}
 
 /// The method and its scratch.
 #[derive(Clone, Debug)]
@@ -178,7 +184,7 @@ impl Stages {
     /// are off by `θ/h` times this, and velocities after the step by `θ` times this.
     fn misplaced(&self, ctx: &Context, from: &Physical, h: f64) -> f64 {
         let (tree, end) = (ctx.tree, &self.solved[1].v);
-        let turned = h * fastest(tree, &from.v).max(fastest(tree, end));
+        let turned = h * fastest_within(tree, [&from.v, end]);
         let unexpected = |k: usize| {
             let change = end[k] - from.v[k] - h * self.trend.whole[k];
             (0.0, 0.5 * turned * change)
@@ -238,7 +244,7 @@ impl Stages {
     fn stand(&mut self, ctx: &Context, from: &Physical, h: f64) {
         let (tree, trend) = (ctx.tree, &self.trend.whole);
         for (i, (v, a)) in from.v.iter().zip(trend).enumerate() {
-            self.v[i] = v + 0.25 * h * a;
+            self.v[i] = early(*v, *a, h);
             self.moved[i] = -0.5 * h * self.v[i];
         }
         advance(tree, &from.q, &self.v, 0.5 * h, &mut self.q);

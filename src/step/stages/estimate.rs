@@ -9,13 +9,13 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
-use super::{DRIFT, GAMMA, Stages};
+use super::{DRIFT, GAMMA, Stages, early};
 use crate::joint::Sweep;
 use crate::kinematics::forward;
 use crate::state::Physical;
 use crate::step::convex::Problem;
 use crate::step::point::Context;
-use crate::step::size::{fastest, worst_error};
+use crate::step::size::{fastest_within, worst_error};
 use crate::tuning::{ESTIMATE, START};
 
 impl Stages {
@@ -27,9 +27,8 @@ impl Stages {
         let nowhere = (&*self.way, &*self.guess, 0.0);
         self.aside.begin(&self.terms[0], nowhere, None);
         self.middle.set_joints(ctx, from, (&self.q, [0.0; 2]));
-        let mean = |dof: usize| from.v[dof] + 0.25 * h * self.trend.whole[dof];
-        self.aside
-            .begin_joints(&self.middle.terms, |dof| -0.5 * h * mean(dof));
+        let back = |dof: usize| -0.5 * h * early(from.v[dof], self.trend.whole[dof], h);
+        self.aside.begin_joints(&self.middle.terms, back);
     }
 
     /// Error of the step of `h` seconds that has just been solved, relative to the tolerance.
@@ -101,7 +100,7 @@ impl Stages {
     fn add_turning(&mut self, ctx: &Context, from: &Physical, h: f64) {
         let tree = ctx.tree;
         let end = &self.solved[1].v;
-        let theta = h * fastest(tree, &from.v).max(fastest(tree, end));
+        let theta = h * fastest_within(tree, [&from.v, end]);
         let [velocity, position] = &mut self.error;
         for (_, body) in tree.worked_bodies() {
             for column in 0..body.columns {
