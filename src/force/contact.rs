@@ -326,7 +326,11 @@ impl Contact {
                 change += tilted.deeper;
                 r.end = tilted.end;
                 r.lean = rim.direction() - tilted.end.0;
+                let damping = h * self.tilting * p.load * rim.tilt_damping;
+                r.tilting = v.tilt * -damping;
             }
+            // Until the mean is known.
+            r.rock = v.along;
             mean += p.load * v.along;
             let depth = p.depth + change;
             r.weight = depth;
@@ -344,9 +348,9 @@ impl Contact {
         }
         let friction = self.rub(u, h);
         if deepest <= 0.0 || deepest.is_nan() {
-            for (i, (p, r)) in own.iter().zip(&mut out[first..]).enumerate() {
+            for (p, r) in own.iter().zip(&mut out[first..]) {
                 r.weight = 0.0;
-                self.rock(p, &at(i), (mean, h), r);
+                self.rock(p, mean, r);
             }
             Self::balance(own, h, &mut out[first..]);
             return Response {
@@ -364,14 +368,16 @@ impl Contact {
         };
         let (force, slope) = self.normal_force(depth, change / h, h);
         let mut weights = 0.0;
-        for (i, (p, r)) in own.iter().zip(&mut out[first..]).enumerate() {
+        for (p, r) in own.iter().zip(&mut out[first..]) {
             let part = r.weight.max(0.0) / depth;
             r.bend = 3.0 * p.share * part * part / depth;
             r.weight = p.share * part * part * part;
             weights += r.weight;
             r.impulse = h * force * r.weight;
-            r.tilting = r.lean * r.impulse;
-            self.rock(p, &at(i), (mean, h), r);
+            if p.rim.is_some() {
+                r.tilting += r.lean * r.impulse;
+            }
+            self.rock(p, mean, r);
         }
         Self::balance(own, h, &mut out[first..]);
         Response {
@@ -389,21 +395,12 @@ impl Contact {
         self.friction.respond(self.slid(u), h)
     }
 
-    /// Adds the damping of rocking to the response of a point over `h` seconds; `mean` is the mean
-    /// velocity of all.
+    /// Puts the damping of rocking into the response of a point, whose velocity stands in its place;
+    /// `mean` is that of all.
     #[inline]
-    fn rock(
-        &self,
-        point: &ContactPoint,
-        v: &PointVelocity,
-        (mean, h): (f64, f64),
-        r: &mut PointResponse,
-    ) {
-        let (force, slope) = self.rocking(v.along - mean);
+    fn rock(&self, point: &ContactPoint, mean: f64, r: &mut PointResponse) {
+        let (force, slope) = self.rocking(r.rock - mean);
         (r.rock, r.rocking) = (force * point.load, slope * point.load);
-        if let Some(rim) = &point.rim {
-            r.tilting -= v.tilt * (h * self.tilting * point.load * rim.tilt_damping);
-        }
     }
 
     /// `L ψ(z)` and its slope.

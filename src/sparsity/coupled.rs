@@ -18,6 +18,23 @@ use std::ops::Range;
 /// Unknowns whose marks fit into one number.
 const WORD: usize = u64::BITS as usize;
 
+/// Most rows that are eliminated together: those of a free body.
+const GROUP: usize = 6;
+
+/// Calls a function of a group for its number of rows, which is known to the function.
+macro_rules! by_length {
+    ($length:expr, $self:ident.$function:ident, ($($argument:expr),*)) => {
+        match $length {
+            6 => $self.$function::<6>($($argument),*),
+            5 => $self.$function::<5>($($argument),*),
+            4 => $self.$function::<4>($($argument),*),
+            3 => $self.$function::<3>($($argument),*),
+            2 => $self.$function::<2>($($argument),*),
+            _ => $self.$function::<1>($($argument),*),
+        }
+    };
+}
+
 /// A symmetric matrix with room for what couples its blocks.
 #[derive(Clone, Debug)]
 pub struct Coupled {
@@ -34,10 +51,12 @@ pub struct Coupled {
     any: bool,
     /// Columns of the row that is worked on, as ranges.
     runs: Vec<Range<usize>>,
+    /// Rows that have been eliminated together, the last ones first.
+    groups: Vec<Range<usize>>,
 }
 
 #[cfg(test)]
-crate::spoil::spoil!(Coupled: packed spread marks joined any runs; words);
+crate::spoil::spoil!(Coupled: packed spread marks joined any runs groups; words);
 
 /// First place of a row in the lower triangle.
 #[inline]
@@ -58,6 +77,7 @@ impl Coupled {
             joined: vec![false; pattern.blocks.len()],
             any: false,
             runs: Vec::with_capacity(n),
+            groups: Vec::with_capacity(n),
         }
     }
 
@@ -71,15 +91,15 @@ impl Coupled {
     /// may then be added to. Those within blocks are taken from `packed` when the matrix is
     /// factorised.
     pub fn couple(&mut self, pattern: &Sparsity, unknowns: [usize; 2]) {
-        for (block, coupled) in pattern.blocks.iter().zip(&mut self.joined) {
-            if !*coupled && unknowns.iter().any(|k| block.rows.contains(k)) {
-                *coupled = true;
-                for k in block.rows.clone() {
-                    self.marks[k * self.words..(k + 1) * self.words].fill(0);
-                }
-                // What lies within the block, and what others may reach it with.
-                let end = row_start(block.rows.end);
-                self.spread[row_start(block.rows.start)..end].fill(0.0);
+        for unknown in unknowns {
+            let blocks = &pattern.blocks;
+            let b = blocks.partition_point(|block| block.rows.end <= unknown);
+            if std::mem::replace(&mut self.joined[b], true) {
+                continue;
+            }
+            for k in blocks[b].rows.clone() {
+                self.marks[k * self.words..(k + 1) * self.words].fill(0);
+                self.spread[row_start(k) + k] = 0.0;
             }
         }
         self.any = true;
@@ -93,8 +113,21 @@ impl Coupled {
             self.spread[row_start(row) + column] += 2.0 * value;
             return;
         }
-        self.marks[row * self.words + column / WORD] |= 1 << (column % WORD);
-        self.spread[row_start(row) + column] += value;
+        self.put(row, column, value);
+    }
+
+    /// Adds to an entry below the diagonal. What has no mark yet holds what an earlier matrix has
+    /// left there.
+    #[inline]
+    fn put(&mut self, row: usize, column: usize, value: f64) {
+        let (marks, mark) = (
+            &mut self.marks[row * self.words + column / WORD],
+            1 << (column % WORD),
+        );
+        let entry = &mut self.spread[row_start(row) + column];
+        let before = if *marks & mark == 0 { 0.0 } else { *entry };
+        *marks |= mark;
+        *entry = before + value;
     }
 
     /// Overwrites the matrix by its factor, see [`Sparsity::factor`].
@@ -110,95 +143,151 @@ impl Coupled {
         }
         self.spread_out(pattern);
         self.eliminate(pattern);
+        self.groups.clear();
         for b in (0..pattern.blocks.len()).rev() {
-            if self.joined[b] {
-                for k in pattern.blocks[b].rows.clone().rev() {
-                    self.factor_row(k);
-                }
+            let rows = &pattern.blocks[b].rows;
+            let mut end = if self.joined[b] { rows.end } else { rows.start };
+            while end > rows.start {
+                let first = self.group(rows.start, end);
+                self.find_runs(first);
+                by_length!(end - first, self.factor_group, (first));
+                self.groups.push(first..end);
+                end = first;
             }
         }
     }
 
     /// Adds what lies within coupled blocks to what lies between them.
     fn spread_out(&mut self, pattern: &Sparsity) {
-        let coupled = pattern.blocks.iter().zip(&self.joined);
-        for (block, _) in coupled.filter(|(_, coupled)| **coupled) {
+        for (b, block) in pattern.blocks.iter().enumerate() {
+            if !self.joined[b] {
+                continue;
+            }
             for k in block.rows.clone() {
-                let own = pattern.start[k]..=pattern.diagonal(k);
-                let places = pattern.column[own.clone()].iter().zip(&self.packed[own]);
-                let row = &mut self.spread[row_start(k)..];
-                let marks = &mut self.marks[k * self.words..];
-                for (&column, value) in places {
-                    let column = column as usize;
-                    row[column] += value;
-                    if column < k {
-                        marks[column / WORD] |= 1 << (column % WORD);
-                    }
+                let (start, diagonal) = (pattern.start[k], pattern.diagonal(k));
+                for place in start..diagonal {
+                    self.put(k, pattern.column[place] as usize, self.packed[place]);
                 }
+                self.spread[row_start(k) + k] += self.packed[diagonal];
             }
         }
     }
 
-    /// Marks what eliminating the rows from the last to the first fills in: the columns of a row
-    /// become those of its highest one, too.
+    /// Marks what eliminating the rows from the last to the first fills in, and sets it to zero:
+    /// the columns of a row become those of its highest one, too.
     fn eliminate(&mut self, pattern: &Sparsity) {
         let words = self.words;
         let blocks = pattern.blocks.iter().zip(&self.joined).rev();
         for (block, _) in blocks.filter(|(_, coupled)| **coupled) {
             for k in block.rows.clone().rev() {
                 let (above, row) = self.marks.split_at_mut(k * words);
-                let Some(highest) = highest(&row[..words]) else {
+                let row = &row[..words];
+                let Some(highest) = highest(row) else {
                     continue;
                 };
                 let parent = &mut above[highest * words..(highest + 1) * words];
-                for (p, r) in parent.iter_mut().zip(&row[..words]) {
-                    *p |= r;
+                let entries = &mut self.spread[row_start(highest)..];
+                for (place, (p, r)) in parent.iter_mut().zip(row).enumerate() {
+                    let own = if place == highest / WORD {
+                        1 << (highest % WORD)
+                    } else {
+                        0
+                    };
+                    let filled = r & !own & !*p;
+                    *p |= filled;
+                    for_marks(filled, place * WORD, |column| entries[column] = 0.0);
                 }
-                parent[highest / WORD] &= !(1 << (highest % WORD));
             }
         }
     }
 
     /// The columns of a row below its diagonal, as ranges, into `self.runs`.
     fn find_runs(&mut self, k: usize) {
-        self.runs.clear();
+        let mut runs = std::mem::take(&mut self.runs);
+        runs.clear();
+        self.for_runs(k, |run| match runs.last_mut() {
+            Some(last) if last.end == run.start => last.end = run.end,
+            _ => runs.push(run),
+        });
+        self.runs = runs;
+    }
+
+    /// Calls `take` with the columns of a row below its diagonal, as ranges, the lowest first; one
+    /// that goes over a multiple of [`WORD`] comes in parts.
+    #[inline]
+    fn for_runs(&self, k: usize, mut take: impl FnMut(Range<usize>)) {
         let marks = &self.marks[k * self.words..(k + 1) * self.words];
         for (word, first) in marks.iter().zip((0..).step_by(WORD)) {
             let mut rest = *word;
             while rest != 0 {
                 let begin = rest.trailing_zeros() as usize;
                 let length = (!(rest >> begin)).trailing_zeros() as usize;
-                let start = first + begin;
-                match self.runs.last_mut() {
-                    Some(last) if last.end == start => last.end += length,
-                    _ => self.runs.push(start..start + length),
-                }
+                take(first + begin..first + begin + length);
                 let end = begin + length;
                 rest = if end < WORD { rest >> end << end } else { 0 };
             }
         }
     }
 
-    fn factor_row(&mut self, k: usize) {
-        self.find_runs(k);
-        let (above, rest) = self.spread.split_at_mut(row_start(k));
-        let row = &mut rest[..=k];
-        let reciprocal = 1.0 / row[k].max(f64::MIN_POSITIVE);
-        row[k] = reciprocal;
+    /// First row of the group that ends before `end`: neighbours in a block that begins at `begin`
+    /// that have the same columns but for themselves, as the rows of a free body do.
+    fn group(&self, begin: usize, end: usize) -> usize {
+        let mut first = end - 1;
+        while first > begin && end - first < GROUP && self.is_alike(first) {
+            first -= 1;
+        }
+        first
+    }
+
+    /// Whether a row has the columns of the one before it, and that one.
+    fn is_alike(&self, k: usize) -> bool {
+        let (above, row) = self.marks.split_at(k * self.words);
+        let before = &above[(k - 1) * self.words..];
+        let mut words = row[..self.words].iter().zip(before).enumerate();
+        words.all(|(place, (r, b))| {
+            let own = if place == (k - 1) / WORD {
+                1 << ((k - 1) % WORD)
+            } else {
+                0
+            };
+            *r == b | own
+        })
+    }
+
+    /// Eliminates the `N` rows from `first` on, which have the columns `self.runs` besides
+    /// themselves. A place of another row is read and written once for all of them, and from the
+    /// last to the first, so that it gets the digits that it gets from one after the other.
+    fn factor_group<const N: usize>(&mut self, first: usize) {
+        let (above, own) = self.spread.split_at_mut(row_start(first));
+        let mut reciprocals = [0.0; N];
+        for g in (0..N).rev() {
+            let k = first + g;
+            let (before, row) = own.split_at_mut(row_start(k) - row_start(first));
+            let reciprocal = 1.0 / row[k].max(f64::MIN_POSITIVE);
+            (row[k], reciprocals[g]) = (reciprocal, reciprocal);
+            for q in first..k {
+                let factor = row[q] * reciprocal;
+                let target = &mut before[row_start(q) - row_start(first)..][..=q];
+                for run in &self.runs {
+                    subtract([&row[run.clone()]], [factor], &mut target[run.clone()]);
+                }
+                subtract([&row[first..=q]], [factor], &mut target[first..=q]);
+            }
+        }
+        let rows: [&[f64]; N] = std::array::from_fn(|g| {
+            let start = row_start(first + g) - row_start(first);
+            &own[start..start + first]
+        });
         for (place, run) in self.runs.iter().enumerate() {
             for q in run.clone() {
-                let factor = row[q] * reciprocal;
+                let factors = std::array::from_fn(|g| rows[g][q] * reciprocals[g]);
                 let target = &mut above[row_start(q)..=row_start(q) + q];
                 for part in &self.runs[..place] {
-                    let own = target[part.clone()].iter_mut();
-                    for (t, r) in own.zip(&row[part.clone()]) {
-                        *t -= factor * r;
-                    }
+                    let of = rows.map(|row| &row[part.clone()]);
+                    subtract(of, factors, &mut target[part.clone()]);
                 }
-                let own = target[run.start..=q].iter_mut();
-                for (t, r) in own.zip(&row[run.start..=q]) {
-                    *t -= factor * r;
-                }
+                let of = rows.map(|row| &row[run.start..=q]);
+                subtract(of, factors, &mut target[run.start..=q]);
             }
         }
     }
@@ -209,27 +298,56 @@ impl Coupled {
             pattern.solve(&self.packed, x);
             return;
         }
-        let blocks = || pattern.blocks.iter().zip(&self.joined);
         for &b in &pattern.worked {
             if !self.joined[b] {
                 pattern.solve_block(&pattern.blocks[b], &self.packed, x);
             }
         }
-        let coupled = || blocks().filter(|(_, coupled)| **coupled);
-        for (block, _) in coupled().rev() {
-            for k in block.rows.clone().rev() {
-                let row = &self.spread[row_start(k)..=row_start(k) + k];
-                let xk = x[k] * row[k];
-                self.for_columns(k, |c| x[c] -= row[c] * xk);
+        for group in &self.groups {
+            by_length!(group.len(), self.take_off_group, (group.start, x));
+        }
+        for group in self.groups.iter().rev() {
+            by_length!(group.len(), self.find_group, (group.start, x));
+        }
+    }
+
+    /// The `N` rows from `first` on, each up to its diagonal.
+    #[inline]
+    fn rows<const N: usize>(&self, first: usize) -> [&[f64]; N] {
+        std::array::from_fn(|g| &self.spread[row_start(first + g)..][..=first + g])
+    }
+
+    /// Takes what the unknowns of a group say off those above them.
+    fn take_off_group<const N: usize>(&self, first: usize, x: &mut [f64]) {
+        let (rows, mut own) = (self.rows::<N>(first), [0.0; N]);
+        for g in (0..N).rev() {
+            own[g] = x[first + g] * rows[g][first + g];
+            for q in 0..g {
+                x[first + q] -= rows[g][first + q] * own[g];
             }
         }
-        for (block, _) in coupled() {
-            for k in block.rows.clone() {
-                let row = &self.spread[row_start(k)..=row_start(k) + k];
-                let mut sum = x[k];
-                self.for_columns(k, |c| sum -= row[c] * x[c]);
-                x[k] = sum * row[k];
+        self.for_runs(first, |run| {
+            subtract(rows.map(|row| &row[run.clone()]), own, &mut x[run]);
+        });
+    }
+
+    /// Finds the unknowns of a group from those above them.
+    fn find_group<const N: usize>(&self, first: usize, x: &mut [f64]) {
+        let rows = self.rows::<N>(first);
+        let mut sums: [f64; N] = std::array::from_fn(|g| x[first + g]);
+        self.for_runs(first, |run| {
+            let of = rows.map(|row| &row[run.clone()]);
+            for (i, x) in x[run].iter().enumerate() {
+                for (sum, row) in sums.iter_mut().zip(&of) {
+                    *sum -= row[i] * x;
+                }
             }
+        });
+        for g in 0..N {
+            for q in 0..g {
+                sums[g] -= rows[g][first + q] * x[first + q];
+            }
+            x[first + g] = sums[g] * rows[g][first + g];
         }
     }
 
@@ -241,26 +359,39 @@ impl Coupled {
         for (block, _) in blocks.filter(|(_, coupled)| **coupled) {
             for k in block.rows.clone() {
                 y[k] += self.spread[row_start(k) + k] * x[k];
-                self.for_columns(k, |c| {
-                    let value = self.spread[row_start(k) + c];
-                    y[k] += value * x[c];
-                    y[c] += value * x[k];
+                self.for_runs(k, |run| {
+                    for c in run {
+                        let value = self.spread[row_start(k) + c];
+                        y[k] += value * x[c];
+                        y[c] += value * x[k];
+                    }
                 });
             }
         }
     }
+}
 
-    /// Calls `take` with each column of a row below its diagonal, the lowest first.
-    #[inline]
-    fn for_columns(&self, k: usize, mut take: impl FnMut(usize)) {
-        let marks = &self.marks[k * self.words..(k + 1) * self.words];
-        for (word, first) in marks.iter().zip((0..).step_by(WORD)) {
-            let mut rest = *word;
-            while rest != 0 {
-                take(first + rest.trailing_zeros() as usize);
-                rest &= rest - 1;
-            }
+/// Calls `take` with the place of each mark of a word that begins at `first`.
+#[inline]
+fn for_marks(word: u64, first: usize, mut take: impl FnMut(usize)) {
+    let mut rest = word;
+    while rest != 0 {
+        take(first + rest.trailing_zeros() as usize);
+        rest &= rest - 1;
+    }
+}
+
+/// Takes multiples of `rows` off `target`, those of the last row first.
+#[inline]
+fn subtract<const N: usize>(rows: [&[f64]; N], factors: [f64; N], target: &mut [f64]) {
+    let n = target.len();
+    let rows = rows.map(|row| &row[..n]);
+    for (i, t) in target.iter_mut().enumerate() {
+        let mut value = *t;
+        for g in (0..N).rev() {
+            value -= factors[g] * rows[g][i];
         }
+        *t = value;
     }
 }
 
@@ -275,114 +406,4 @@ fn highest(marks: &[u64]) -> Option<usize> {
 }
 
 #[cfg(test)]
-#[allow(clippy::cast_precision_loss, reason = "small counts")]
-mod tests {
-    use super::*;
-    use nalgebra::{DMatrix, DVector};
-
-    /// Blocks of the lengths, full within, coupled by `pairs` of unknowns; the matrix, and the same
-    /// written out in full.
-    fn matrix(lengths: &[usize], pairs: &[[usize; 2]]) -> (Sparsity, Coupled, DMatrix<f64>) {
-        let mut first = 0;
-        let cliques = lengths.iter().map(|length| {
-            first += length;
-            (first - length..first).collect()
-        });
-        let cliques: Vec<Vec<usize>> = cliques.collect();
-        let pattern = Sparsity::new(lengths, &cliques);
-        let n = pattern.len();
-        let mut m = DMatrix::zeros(n, n);
-        let mut coupled = Coupled::new(&pattern, true);
-        for k in 0..n {
-            for q in 0..=pattern.depth[k] {
-                let j = pattern.column[pattern.start[k] + q] as usize;
-                let own = if j == k { 40.0 } else { 0.0 };
-                let value = own + libm::sin(1.0 + 3.7 * (k * n + j) as f64);
-                coupled.packed[pattern.start[k] + q] = value;
-                (m[(k, j)], m[(j, k)]) = (value, value);
-            }
-        }
-        coupled.part();
-        for pair in pairs {
-            coupled.couple(&pattern, *pair);
-        }
-        for (p, [i, j]) in pairs.iter().enumerate() {
-            let value = libm::cos(p as f64);
-            coupled.add(*i, *j, value);
-            m[(*i, *j)] += value;
-            m[(*j, *i)] += value;
-        }
-        (pattern, coupled, m)
-    }
-
-    fn check(lengths: &[usize], pairs: &[[usize; 2]]) {
-        let (pattern, mut coupled, m) = matrix(lengths, pairs);
-        let expected: Vec<f64> = (0..pattern.len()).map(|i| libm::cos(i as f64)).collect();
-        let right = m * DVector::from_vec(expected.clone());
-        coupled.factor(&pattern);
-        let mut x: Vec<f64> = right.iter().copied().collect();
-        coupled.solve(&pattern, &mut x);
-        for (x, e) in x.iter().zip(&expected) {
-            assert!((x - e).abs() < 1e-12, "{x} {e}");
-        }
-    }
-
-    #[test]
-    fn coupled_blocks_factor_and_solve() {
-        check(&[6, 6], &[[2, 9]]);
-        check(&[7, 3, 6, 2], &[[1, 9], [8, 12], [12, 0], [12, 0], [17, 6]]);
-        // More than fit into one word, with a block that stays alone.
-        let chain: Vec<[usize; 2]> = (0..29).map(|i| [6 * i + i % 5, 6 * i + 8]).collect();
-        check(&[6; 31], &chain);
-    }
-
-    #[test]
-    fn blocks_that_nothing_couples_have_the_digits_that_they_have_alone() {
-        let (pattern, mut coupled, _) = matrix(&[6, 9, 6], &[[3, 17]]);
-        let (alone, mut own, _) = matrix(&[6, 9, 6], &[]);
-        coupled.factor(&pattern);
-        own.factor(&alone);
-        let (mut x, mut y) = (vec![1.0; 21], vec![1.0; 21]);
-        coupled.solve(&pattern, &mut x);
-        own.solve(&alone, &mut y);
-        assert_eq!(x[6..15], y[6..15]);
-        assert!(x[..6] != y[..6]);
-    }
-
-    #[test]
-    fn nothing_of_an_earlier_coupling_is_left() {
-        let (pattern, mut coupled, _) = matrix(&[6, 6, 6], &[[3, 17], [2, 9]]);
-        coupled.factor(&pattern);
-        let (_, fresh, m) = matrix(&[6, 6, 6], &[[0, 7]]);
-        coupled.packed.copy_from_slice(&fresh.packed);
-        coupled.part();
-        coupled.couple(&pattern, [0, 7]);
-        coupled.add(0, 7, 1.0);
-        coupled.factor(&pattern);
-        let mut x: Vec<f64> = (m * DVector::from_element(18, 1.0))
-            .iter()
-            .copied()
-            .collect();
-        coupled.solve(&pattern, &mut x);
-        assert!(x.iter().all(|x| (x - 1.0).abs() < 1e-12));
-    }
-
-    #[test]
-    fn the_fill_of_a_pile_is_exact() {
-        // Ten bodies one upon the other: each row reaches its own block and the one below.
-        let chain: Vec<[usize; 2]> = (0..9)
-            .flat_map(|i| (0..36).map(move |p| [6 * i + p / 6, 6 * i + 6 + p % 6]))
-            .collect();
-        let (pattern, mut coupled, _) = matrix(&[6; 10], &chain);
-        coupled.factor(&pattern);
-        let mut cost = 0;
-        for k in 0..pattern.len() {
-            coupled.find_runs(k);
-            let d: usize = coupled.runs.iter().map(Range::len).sum();
-            assert!(d < 12);
-            cost += d * (d + 1) / 2;
-        }
-        // Rows of 6 … 11 entries in nine of the blocks, of 0 … 5 in the lowest.
-        assert_eq!(cost, 9 * (21 + 28 + 36 + 45 + 55 + 66) + 35);
-    }
-}
+mod tests;

@@ -432,6 +432,14 @@ impl Tree {
         self.trees[self.bodies[body].tree].free
     }
 
+    /// Whether a body is the base of a floating tree: then its columns of `S` are the unit vectors,
+    /// in this order.
+    #[inline]
+    pub fn is_free_base(&self, body: usize) -> bool {
+        let tree = &self.trees[self.bodies[body].tree];
+        tree.free && tree.bodies.start == body
+    }
+
     /// Shapes that can touch the ground in a step: those that it moves, if there is one.
     pub fn on_ground(&self) -> impl Iterator<Item = &TreeCollider> + '_ {
         let colliders = self.worked_colliders().map(|(_, collider)| collider);

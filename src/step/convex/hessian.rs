@@ -14,7 +14,8 @@ use crate::force::{
 use crate::kinematics::Kinematics;
 use crate::sparsity::coupled::Coupled;
 use crate::spatial::{
-    Vec3, Vec6, across, add_force_at, angular, dot6, join, linear, multiply_lower, velocity_at,
+    Vec3, Vec6, across, add_force_at, add_scaled6, angular, dot6, join, linear, multiply_lower,
+    velocity_at,
 };
 use crate::tree::Tree;
 
@@ -172,32 +173,62 @@ fn link(
     for (sum, g) in sums[body].iter_mut().zip(G) {
         *sum += g;
     }
-    // A force about O of the first tree, as one about O of the other one.
-    let about_other = |F: &Vec6| {
-        let moment = angular(F) + other.from.cross(&linear(F));
+    // What a unit velocity of the first body does, as a force about O of the other tree.
+    let lever = &other.from;
+    let P = mirrored(G).map(|F| {
+        let moment = angular(&F) + lever.cross(&linear(&F));
         [moment.x, moment.y, moment.z, F[3], F[4], F[5]]
-    };
-    let mut place = 0;
-    for i in 0..6 {
-        let mut unit = [0.0; 6];
+    });
+    // The same of a unit velocity of the other one, seen from the first.
+    let mut own = P;
+    for (i, own) in own[..3].iter_mut().enumerate() {
+        let mut unit = Vec3::zeros();
         unit[i] = 1.0;
-        let row = about_other(&multiply_lower(G, &other.seen(&unit)));
-        for g in &row[..=i] {
-            sums[other.body][place] += g;
-            place += 1;
+        let seen = unit.cross(lever);
+        for (own, k) in own.iter_mut().zip(0..) {
+            *own += seen.x * P[3][k] + seen.y * P[4][k] + seen.z * P[5][k];
         }
     }
-    let dofs = [body, other.body].map(|b| &tree.trees[tree.bodies[b].tree].dofs);
-    if dofs.iter().any(|dofs| dofs.is_empty()) {
+    let rows = own.iter().enumerate().flat_map(|(i, row)| &row[..=i]);
+    for (sum, g) in sums[other.body].iter_mut().zip(rows) {
+        *sum += g;
+    }
+    let [dofs, others] = [body, other.body].map(|b| &tree.trees[tree.bodies[b].tree].dofs);
+    if dofs.is_empty() || others.is_empty() {
         return;
     }
-    H.couple(&tree.sparsity, dofs.map(|dofs| dofs.start));
+    H.couple(&tree.sparsity, [dofs.start, others.start]);
+    if tree.is_free_base(body) && tree.is_free_base(other.body) {
+        for (i, F) in dofs.clone().zip(&P) {
+            for (j, f) in others.clone().zip(F) {
+                H.add(i, j, -f);
+            }
+        }
+        return;
+    }
     for i in tree.columns_to(body) {
-        let F = about_other(&multiply_lower(G, &kin.S[i]));
+        let mut F = [0.0; 6];
+        for (s, P) in kin.S[i].iter().zip(&P) {
+            add_scaled6(&mut F, P, *s);
+        }
         for j in tree.columns_to(other.body) {
             H.add(tree.dof[i], tree.dof[j], -dot6(&kin.S[j], &F));
         }
     }
+}
+
+/// The rows of a symmetric matrix of which the lower triangle is given.
+#[inline]
+fn mirrored(G: &[f64; 21]) -> [Vec6; 6] {
+    let mut rows = [[0.0; 6]; 6];
+    let mut place = 0;
+    for i in 0..6 {
+        for j in 0..=i {
+            (rows[i][j], rows[j][i]) = (G[place], G[place]);
+            place += 1;
+        }
+    }
+    rows
 }
 
 /// `G = t 1 + (n − t) n̂n̂ᵀ − t ŝŝᵀ` of a response, lower triangle.
