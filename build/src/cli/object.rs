@@ -7,10 +7,14 @@ use urdf2fmu_core::spatial::Vec3;
 
 /// `cube.urdf`, `cube.urdf@1,0` or `cube.urdf@1,0,0.5,0,0,1.57`.
 pub(super) fn parse(text: &str) -> Result<ObjectSettings, String> {
-    // A file may have such a sign in its name, too.
+    // A file, or a folder, may have such a sign in its name, too.
     let numeric = |c: char| c.is_ascii_digit() || "+-.,eE ".contains(c);
+    let is_place = |text: &str| {
+        let listed = text.contains(',') && !text.contains(['/', '\\']);
+        listed || text.chars().all(numeric)
+    };
     let (file, place) = match text.rsplit_once('@') {
-        Some((file, place)) if place.chars().all(numeric) => (file, Some(place)),
+        Some((file, place)) if is_place(place) => (file, Some(place)),
         _ => (text, None),
     };
     let number = |part: &str| {
@@ -77,6 +81,7 @@ mod tests {
         let odd = ("a@b.urdf".to_owned(), [1.0, 2.0], None, level);
         assert_eq!(place("a@b.urdf@1,2"), odd);
         assert_eq!(place("a@b.urdf").0, "a@b.urdf");
+        assert_eq!(place("a@b,c/d.urdf").0, "a@b,c/d.urdf");
     }
 
     #[test]
@@ -85,7 +90,7 @@ mod tests {
             let why = parse(text).expect_err(text);
             assert!(why.contains("FILE@X,Y,Z"), "{text}: {why}");
         }
-        for text in ["a@", "a@1,2,", "a@1,e", "a@1,1e300"] {
+        for text in ["a@", "a@1,2,", "a@1,e", "a@1,1e300", "a@nan,0", "a@1,x,0"] {
             let why = parse(text).expect_err(text);
             assert!(why.contains("each number"), "{text}: {why}");
         }
