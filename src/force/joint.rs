@@ -174,6 +174,13 @@ impl JointTerm {
         }
     }
 
+    /// Whether each of the limits acts at the end of a step of `h` seconds with the velocity `v`
+    /// there.
+    pub fn at_limits(&self, v: f64, h: f64) -> [bool; 2] {
+        let [lower, upper] = self.gap;
+        [(lower, v), (upper, -v)].map(|(gap, v)| self.limit.respond(gap, v, h).0 > 0.0)
+    }
+
     /// Whether a limit can act within `h` seconds at velocity `v`.
     pub fn near_limit(&self, v: f64, h: f64) -> bool {
         self.gap[0].min(self.gap[1]) < LIMIT_REACH.0 * h * v.abs() + LIMIT_REACH.1

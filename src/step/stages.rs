@@ -215,7 +215,7 @@ impl Stages {
         }
         self.from.copy_from_slice(&from.v);
         self.begin(ctx, from, (0, h));
-        if !self.run(ctx, 0, [eta, accuracy]) || self.breaks(0, alike) {
+        if !self.run(ctx, 0, [eta, accuracy]) || self.breaks(0, alike.then_some(eta)) {
             return false;
         }
         let solved = self.solved[0].solved();
@@ -232,12 +232,15 @@ impl Stages {
             *moved += (1.0 - GAMMA) * h * v1;
         }
         self.begin(ctx, from, (1, h));
-        self.run(ctx, 1, [eta, accuracy]) && !self.breaks(1, alike)
+        self.run(ctx, 1, [eta, accuracy]) && !self.breaks(1, alike.then_some(eta))
     }
 
     /// Whether the solution of the stages up to `last` is not to be taken, see [`Self::solve`].
-    fn breaks(&self, last: usize, alike: bool) -> bool {
-        self.flips(last) || alike && (self.changes(last) || self.lag[last] > 1.0)
+    ///
+    /// - `alike`: their length where what touches has to be the same throughout, s
+    fn breaks(&self, last: usize, alike: Option<f64>) -> bool {
+        let differs = |eta| self.changes(last, eta) || self.lag[last] > 1.0;
+        self.flips(last) || alike.is_some_and(differs)
     }
 
     /// Puts the robot into the expected middle of the step; `self.moved` leads back to its start.

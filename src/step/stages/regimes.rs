@@ -1,7 +1,7 @@
 //! Whether the same acts throughout a step: rims lean alike, contacts press, motors yield.
 
 use super::{GAMMA, Stages};
-use crate::force::{JointTerm, Terms};
+use crate::force::JointTerm;
 use crate::state::Physical;
 
 impl Stages {
@@ -21,21 +21,29 @@ impl Stages {
         })
     }
 
-    /// Whether a contact presses in one of the stages up to `last` and not in another, or not where
-    /// the step begins; or a limit in one.
-    pub(super) fn changes(&self, last: usize) -> bool {
+    /// Whether a contact or a limit presses in one of the stages of `eta` seconds up to `last` and
+    /// not in another, or not where the step begins.
+    pub(super) fn changes(&self, last: usize, eta: f64) -> bool {
         let [first, second] = self.solved.each_ref().map(|s| &s.responses.contacts);
         let mut contacts = self.terms[0].contacts.iter().enumerate();
-        let inside = |terms: &Terms| {
-            let joints = terms.joints.iter();
-            joints.fold(0, |count, term| {
-                count + u32::from(term.gap[0] < 0.0) + u32::from(term.gap[1] < 0.0)
-            })
-        };
         contacts.any(|(i, contact)| {
             let one = first[i].presses();
             one != (contact.depth > 0.0) || last > 0 && one != second[i].presses()
-        }) || last > 0 && inside(&self.terms[0]) != inside(&self.terms[1])
+        }) || self.leaves_limit(last, eta)
+    }
+
+    /// The same of limits.
+    fn leaves_limit(&self, last: usize, eta: f64) -> bool {
+        let [first, second] = &self.solved;
+        let [before, terms] = &self.terms;
+        before.joints.iter().zip(&terms.joints).any(|(one, two)| {
+            let [start, first, second] = [
+                one.gap.map(|gap| gap < 0.0),
+                one.at_limits(first.v[one.dof], eta),
+                two.at_limits(second.v[two.dof], eta),
+            ];
+            first != start || last > 0 && first != second
+        })
     }
 
     /// Whether a motor yields at the start of the step of `h` seconds or in one stage, and does not
