@@ -87,7 +87,7 @@ impl Stepper {
         } else {
             error = error.max(self.finish(ctx, state, false, h));
             let parts = (&self.here.terms, &self.implicit.full);
-            let work = guards::work(ctx, &self.here.kin, parts, h);
+            let work = guards::work(ctx, &self.here.kin, parts, [h, ctx.elapsed]);
             let (points, end) = ((&self.here, &mut self.there), &self.attempt.end);
             guards::gain(ctx, &books, points, end, work)
         };

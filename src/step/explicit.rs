@@ -303,7 +303,8 @@ impl Explicit {
         self.finish((ctx.tree, here), pair, (from, h), attempt);
         let gains = |gain: f64| {
             let books = guards::open_books(ctx, here, from, gain);
-            guards::gains_explicitly(ctx, &books, here, from, (&attempt.end, &self.end))
+            let end = (&attempt.end, &self.end);
+            guards::gains_explicitly(ctx, &books, here, (from, h), end)
         };
         let sound = attempt.end.is_finite() && !gain.is_some_and(gains);
         sound && self.stays_free(ctx, here, from, h)

@@ -247,7 +247,8 @@ impl Fixed {
             return Outcome::Bad;
         }
         implicit.take_full(ctx, here, from, h, attempt);
-        let work = guards::work(ctx, &here.kin, (&here.terms, &implicit.full), h);
+        let parts = (&here.terms, &implicit.full);
+        let work = guards::work(ctx, &here.kin, parts, [h, middle]);
         if guards::spoils(ctx, &books, (here, there), &attempt.end, [h, work]) {
             counters.rejected += 1;
             return Outcome::Bad;

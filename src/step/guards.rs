@@ -9,6 +9,7 @@
 use crate::dynamics::energy::{kinetic, potential};
 use crate::dynamics::rnea::about_origin;
 use crate::force::{self, Drive, Terms};
+use crate::inputs::ExternalWrench;
 use crate::kinematics::Kinematics;
 use crate::spatial::dot6;
 use crate::state::Physical;
@@ -93,17 +94,22 @@ pub(super) fn gain(
     }
 }
 
-/// The same for an explicit step: nothing touches.
+/// The same for an explicit step of `h` seconds: nothing touches.
 ///
 /// - `end`: where it ends, and poses and velocities there
 pub(super) fn gains_explicitly(
     ctx: &Context,
     books: &Books,
     here: &Point,
-    from: &Physical,
+    (from, h): (&Physical, f64),
     (end, kin): (&Physical, &Kinematics),
 ) -> bool {
-    let mut work = 0.0;
+    let (first, last) = (ctx.elapsed, ctx.elapsed + h);
+    let powers = [
+        push(ctx, (&here.kin, &from.v), first),
+        push(ctx, (kin, &end.v), last),
+    ];
+    let mut work = 0.5 * h * (powers[0] + powers[1]);
     for term in &here.terms.joints {
         let (place, dof) = (term.coordinate, term.dof);
         let way = end.q[place] - from.q[place];
@@ -132,24 +138,39 @@ fn limits(tree: &Tree, here: &Point, q: &[f64]) -> f64 {
     sum
 }
 
-/// Work of motors, external wrenches and surfaces that move over a solved step of `h` seconds, J.
+/// Work of motors, external wrenches and surfaces that move over a solved step, J.
+///
+/// - `h`: its length, s
+/// - `when`: time since the communication point of which it has taken the external wrenches, s
 pub(super) fn work(
     ctx: &Context,
     kin: &Kinematics,
     (terms, newton): (&Terms, &Newton),
-    h: f64,
+    [h, when]: [f64; 2],
 ) -> f64 {
-    let mut power = 0.0;
+    let mut power = push(ctx, (kin, &newton.v), when);
     for term in &terms.joints {
         let v = newton.v[term.dof];
         power += term.drive_force(v, h).0 * v;
-    }
-    let takes = |body: usize| ctx.tree.takes(ctx.tree.bodies[body].tree);
-    for wrench in ctx.inputs.wrenches.iter().filter(|w| takes(w.body)) {
-        power += dot6(&about_origin(kin, wrench, ctx.elapsed), &kin.V[wrench.body]);
     }
     for (contact, r) in terms.contacts.iter().zip(&newton.responses.contacts) {
         power += r.friction.force.dot(&contact.carried);
     }
     h * power
+}
+
+/// Power of external wrenches, W.
+///
+/// - `kin`: poses, with the velocities there
+/// - `when`: time since the communication point, s
+fn push(ctx: &Context, (kin, v): (&Kinematics, &[f64]), when: f64) -> f64 {
+    let tree = ctx.tree;
+    let takes = |body: usize| tree.takes(tree.bodies[body].tree);
+    let wrenches = ctx.inputs.wrenches.iter().filter(|w| takes(w.body));
+    let power = |w: &ExternalWrench| {
+        let wrench = about_origin(kin, w, when);
+        let along = |c: usize| dot6(&wrench, &kin.S[c]) * v[tree.dof[c]];
+        tree.columns_to(w.body).map(along).sum::<f64>()
+    };
+    wrenches.map(power).sum()
 }

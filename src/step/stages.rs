@@ -371,7 +371,7 @@ impl Stages {
 
     /// Work of motors and external wrenches over the step of `h` seconds, J.
     pub fn work(&self, ctx: &Context, h: f64) -> f64 {
-        let eta = GAMMA * h;
+        let (eta, middle) = (GAMMA * h, ctx.elapsed + 0.5 * h);
         let mut work = 0.0;
         for ((terms, solved), share) in self
             .terms
@@ -379,7 +379,8 @@ impl Stages {
             .zip(&self.solved)
             .zip([(1.0 - GAMMA) * h, eta])
         {
-            work += share / eta * guards::work(ctx, &self.middle.kin, (terms, solved), eta);
+            let parts = (terms, solved);
+            work += share / eta * guards::work(ctx, &self.middle.kin, parts, [eta, middle]);
         }
         work
     }
