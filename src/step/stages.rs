@@ -258,9 +258,14 @@ impl Stages {
         kin.update_poses(tree, &self.q);
         crba::mass_matrix(tree, kin);
         kin.update_velocities(tree, &self.v);
-        let wrenches = &ctx.inputs.wrenches;
-        rnea::bias(tree, kin, &self.v, wrenches, ctx.elapsed + 0.5 * h);
+        self.find_bias(ctx, 0.5 * h);
         self.middle.find_around(ctx, from, (&self.q, h));
+    }
+
+    /// Finds the bias in the middle, with the external wrenches `t` seconds after the start.
+    fn find_bias(&mut self, ctx: &Context, t: f64) {
+        let (kin, wrenches) = (&mut self.middle.kin, &ctx.inputs.wrenches);
+        rnea::bias(ctx.tree, kin, &self.v, wrenches, ctx.elapsed + t);
     }
 
     /// Sets the drift of contacts from the start to the middle, and the shares of their load to
@@ -290,6 +295,7 @@ impl Stages {
     fn begin(&mut self, ctx: &Context, from: &Physical, (stage, h): (usize, f64)) {
         if ctx.inputs.varies() {
             let end = [GAMMA, 1.0][stage] * h;
+            self.find_bias(ctx, end);
             self.middle.set_joints(ctx, from, (&self.q, [end, end]));
         }
         let Self {
@@ -371,16 +377,16 @@ impl Stages {
 
     /// Work of motors and external wrenches over the step of `h` seconds, J.
     pub fn work(&self, ctx: &Context, h: f64) -> f64 {
-        let (eta, middle) = (GAMMA * h, ctx.elapsed + 0.5 * h);
+        let eta = GAMMA * h;
         let mut work = 0.0;
-        for ((terms, solved), share) in self
+        for ((terms, solved), [share, end]) in self
             .terms
             .iter()
             .zip(&self.solved)
-            .zip([(1.0 - GAMMA) * h, eta])
+            .zip([[(1.0 - GAMMA) * h, eta], [eta, h]])
         {
-            let parts = (terms, solved);
-            work += share / eta * guards::work(ctx, &self.middle.kin, parts, [eta, middle]);
+            let (parts, when) = ((terms, solved), ctx.elapsed + end);
+            work += share / eta * guards::work(ctx, &self.middle.kin, parts, [eta, when]);
         }
         work
     }

@@ -20,12 +20,13 @@ use crate::tuning::{ESTIMATE, START};
 
 impl Stages {
     /// Makes `self.aside` what acts at the start of the step of `h` seconds that has just been
-    /// solved, with the commands there: the first stage has those of its end.
+    /// solved, with the commands and wrenches there: the first stage has those of its end.
     fn stand_at_start(&mut self, ctx: &Context, from: &Physical, h: f64) {
         self.way.fill([0.0; 6]);
         self.guess.fill(0.0);
         let nowhere = (&*self.way, &*self.guess, 0.0);
         self.aside.begin(&self.terms[0], nowhere, None);
+        self.find_bias(ctx, 0.0);
         self.middle.set_joints(ctx, from, (&self.q, [0.0; 2]));
         let back = |dof: usize| -0.5 * h * early(from.v[dof], self.trend.whole[dof], h);
         self.aside.begin_joints(&self.middle.terms, back);
@@ -35,24 +36,25 @@ impl Stages {
     pub fn error(&mut self, ctx: &Context, from: &Physical, h: f64) -> f64 {
         let (tree, eta) = (ctx.tree, GAMMA * h);
         self.terms[0].scale_drift(-1.0 / DRIFT[0]);
-        if ctx.inputs.varies() {
+        let varies = ctx.inputs.varies();
+        if varies {
             self.stand_at_start(ctx, from, h);
+        }
+        // Forces at the start, as the limit of a short step.
+        let start = START * h;
+        let terms = if varies { &self.aside } else { &self.terms[0] };
+        self.probe.forces_at(
+            &Problem::new((tree, &self.middle.kin), terms, start, 0.0),
+            &from.v,
+            &mut self.forces,
+        );
+        if varies {
+            // That of the second stage again.
+            self.find_bias(ctx, h);
         }
         let pattern = &tree.sparsity;
         let kin = &self.middle.kin;
         let problem = |terms, h| Problem::new((tree, kin), terms, h, 0.0);
-        // Forces at the start, as the limit of a short step.
-        let start = START * h;
-        let terms = if ctx.inputs.varies() {
-            &self.aside
-        } else {
-            &self.terms[0]
-        };
-        self.probe.forces_at(
-            &Problem::new((tree, kin), terms, start, 0.0),
-            &from.v,
-            &mut self.forces,
-        );
         let [first, second] = &self.solved;
         let [velocity, position] = &mut self.error;
         for i in 0..velocity.len() {
