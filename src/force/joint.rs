@@ -15,7 +15,7 @@ use crate::inputs::{Command, Inputs};
 use crate::kinematics::Kinematics;
 use crate::law::{ElastoPlastic, HuntCrossley, SpeedLine, stribeck};
 use crate::model::{ActuatorMode, Model};
-use crate::tree::Tree;
+use crate::tree::{DryFriction, Tree};
 use crate::tuning::{
     BRAKING_SHARE, FRICTION_DEFLECTION, LEAST_FREE, LIMIT_REACH, MOTOR_RELAXATION, SERVO_DEFLECTION,
 };
@@ -174,6 +174,15 @@ impl JointTerm {
         }
     }
 
+    /// What dry friction that slips at the end of a step of `h` seconds, with the velocity `v`
+    /// there, has more than at that speed: a step has that of the speed at its start.
+    pub fn late_friction(&self, tree: &Tree, v: f64, h: f64) -> f64 {
+        if self.dry.respond(v, h).slip == 0.0 {
+            return 0.0;
+        }
+        self.dry.cap - cap(&tree.dofs.friction[self.dof], v)
+    }
+
     /// Whether each of the limits acts at the end of a step of `h` seconds with the velocity `v`
     /// there.
     pub fn at_limits(&self, v: f64, h: f64) -> [bool; 2] {
@@ -324,6 +333,16 @@ impl JointTerm {
     }
 }
 
+/// The force at which dry friction slips at the speed `v`.
+fn cap(friction: &DryFriction, v: f64) -> f64 {
+    if friction.at_rest > friction.moving {
+        let reference = friction.stribeck_velocity;
+        stribeck(friction.at_rest, friction.moving, v, reference)
+    } else {
+        friction.moving
+    }
+}
+
 /// Dry friction of a degree of freedom at the start of a step.
 fn dry_friction(s: &Start, dof: usize) -> ElastoPlastic<f64> {
     let friction = &s.tree.dofs.friction[dof];
@@ -331,14 +350,8 @@ fn dry_friction(s: &Start, dof: usize) -> ElastoPlastic<f64> {
         return ElastoPlastic::default();
     }
     let stiffness = friction.moving / FRICTION_DEFLECTION;
-    let cap = if friction.at_rest > friction.moving {
-        let reference = friction.stribeck_velocity;
-        stribeck(friction.at_rest, friction.moving, s.v[dof], reference)
-    } else {
-        friction.moving
-    };
     ElastoPlastic {
-        cap,
+        cap: cap(friction, s.v[dof]),
         stiffness,
         damping: 2.0 * (stiffness * s.tree.dofs.inertia[dof]).sqrt(),
         displacement: s.memory.dry[dof],

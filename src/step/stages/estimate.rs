@@ -10,6 +10,7 @@
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
 use super::{DRIFT, GAMMA, Stages, early};
+use crate::force::JointTerm;
 use crate::joint::Sweep;
 use crate::kinematics::forward;
 use crate::state::Physical;
@@ -79,6 +80,14 @@ impl Stages {
         {
             *velocity += moved - here;
         }
+        // Friction that falls with the speed is, in the mean of the step, late by half of what it
+        // changes by.
+        let late = |term: &JointTerm| 0.5 * h * term.late_friction(tree, second.v[term.dof], eta);
+        self.forces.fill(0.0);
+        for term in &self.terms[1].joints {
+            self.forces[term.dof] = late(term);
+        }
+        let is_late = self.forces.iter().any(|late| *late != 0.0);
         let factor = self.solved[1].factor(&problem(&self.terms[1], eta));
         let rows = (tree, &kin.loops);
         factor.solve(rows, velocity, &mut self.loops);
@@ -88,6 +97,12 @@ impl Stages {
         factor.solve(rows, velocity, &mut self.loops);
         for (position, velocity) in position.iter_mut().zip(&*velocity) {
             *position += eta * velocity;
+        }
+        if is_late {
+            factor.solve(rows, &mut self.forces, &mut self.loops);
+            for (velocity, late) in velocity.iter_mut().zip(&self.forces) {
+                *velocity = velocity.abs() + late.abs();
+            }
         }
         self.add_turning(ctx, from, h);
         let [velocity, position] = &self.error;
