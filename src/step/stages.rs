@@ -268,6 +268,13 @@ impl Stages {
         rnea::bias(ctx.tree, kin, &self.v, wrenches, ctx.elapsed + t);
     }
 
+    /// The same, where there are external wrenches that change.
+    fn follow_wrenches(&mut self, ctx: &Context, t: f64) {
+        if ctx.inputs.varies() && !ctx.inputs.wrenches.is_empty() {
+            self.find_bias(ctx, t);
+        }
+    }
+
     /// Sets the drift of contacts from the start to the middle, and the shares of their load to
     /// those of the start.
     fn find_drift(&mut self, ctx: &Context, here: &Point) {
@@ -295,7 +302,7 @@ impl Stages {
     fn begin(&mut self, ctx: &Context, from: &Physical, (stage, h): (usize, f64)) {
         if ctx.inputs.varies() {
             let end = [GAMMA, 1.0][stage] * h;
-            self.find_bias(ctx, end);
+            self.follow_wrenches(ctx, end);
             self.middle.set_joints(ctx, from, (&self.q, [end, end]));
         }
         let Self {

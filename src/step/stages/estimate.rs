@@ -27,7 +27,7 @@ impl Stages {
         self.guess.fill(0.0);
         let nowhere = (&*self.way, &*self.guess, 0.0);
         self.aside.begin(&self.terms[0], nowhere, None);
-        self.find_bias(ctx, 0.0);
+        self.follow_wrenches(ctx, 0.0);
         self.middle.set_joints(ctx, from, (&self.q, [0.0; 2]));
         let back = |dof: usize| -0.5 * h * early(from.v[dof], self.trend.whole[dof], h);
         self.aside.begin_joints(&self.middle.terms, back);
@@ -49,10 +49,8 @@ impl Stages {
             &from.v,
             &mut self.forces,
         );
-        if varies {
-            // That of the second stage again.
-            self.find_bias(ctx, h);
-        }
+        // That of the second stage again.
+        self.follow_wrenches(ctx, h);
         let pattern = &tree.sparsity;
         let kin = &self.middle.kin;
         let problem = |terms, h| Problem::new((tree, kin), terms, h, 0.0);
