@@ -56,9 +56,14 @@ pub(super) fn find_pairs(
             ..Contact::default()
         };
         contact.gather(points);
-        if patch.blended
+        let mut surface = Surface::default();
+        surface.combine([&a.own, &b.own], tree.contact.combination);
+        // What bounces loses nothing in which an error of its rows would be lost, too.
+        let exact = patch.blended || surface.restitution > 0.0 && !part.uneven;
+        if exact
             && contact.depth > 0.0
-            && let Some(gradient) = pair.gradient(patch, &contact.center)
+            && let place = (&part.normal, contact.depth)
+            && let Some(gradient) = pair.gradient(patch, &contact.center, place)
         {
             contact.lean(points, gradient);
         }
@@ -66,8 +71,6 @@ pub(super) fn find_pairs(
             let (_, along) = normal_part(&contact.normal, &b.belt);
             contact.carried = -along;
         }
-        let mut surface = Surface::default();
-        surface.combine([&a.own, &b.own], tree.contact.combination);
         let meeting = Meeting {
             surface: &surface,
             dissipation: a.dissipation.max(b.dissipation),

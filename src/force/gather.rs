@@ -39,8 +39,15 @@ impl Contact {
         self.center_on_load(points);
     }
 
+    /// Makes its points deeper by so much, m.
+    pub(crate) fn sink(&self, points: &mut [ContactPoint], by: f64) {
+        for p in &mut points[self.points.clone()] {
+            p.depth += by;
+        }
+    }
+
     /// Finds depth and shares of the load, and what follows from these for the normal.
-    fn share_load(&mut self, points: &mut [ContactPoint]) {
+    pub(crate) fn share_load(&mut self, points: &mut [ContactPoint]) {
         let own = &mut points[self.points.clone()];
         let (depth, weights) = norm(own, 0.0);
         (self.depth, self.weights) = (depth, weights);
@@ -62,12 +69,10 @@ impl Contact {
     }
 
     /// Makes its rows, together, what its depth changes by with displacements and with rotations
-    /// about the centre of its load.
+    /// about the centre of its load, in shares of what it changes by where all points sink.
     pub(super) fn lean(&mut self, points: &mut [ContactPoint], [way, turn]: [Vec3; 2]) {
         let own = &mut points[self.points.clone()];
         let (mut row, mut arm) = (-way, -(turn + self.center.cross(&way)));
-        row /= self.weights;
-        arm /= self.weights;
         for p in own.iter() {
             row -= p.row * p.load;
             arm -= p.arm * p.load;

@@ -8,7 +8,7 @@ use crate::kinematics::Kinematics;
 use crate::law::normal::Stiffening;
 use crate::spatial::{Pose, Vec3, quaternion_normalized, rotation_from_quaternion};
 use crate::tree::{Tree, TreeCollider};
-use crate::tuning::{NUDGE, TANGENTIAL_RATIO};
+use crate::tuning::{LIGHT, NUDGE, TANGENTIAL_RATIO};
 
 /// Two shapes as they meet: the first one moves, and is pushed along the normal.
 pub(super) struct Pair<'a> {
@@ -49,27 +49,41 @@ impl<'a> Pair<'a> {
         patch.find_near(a, b, reach, nearby)
     }
 
-    /// Depth, m; 0 where nothing is inside. Not of terrain, where several parts may touch.
-    fn depth(&self, patch: &mut Patch) -> f64 {
+    /// Depth, m, and how much it grows where all points sink by one unit; 0 where nothing is
+    /// inside. Not of terrain, where several parts may touch.
+    fn depth(&self, patch: &mut Patch) -> [f64; 2] {
         self.touch(patch, 0.0, None);
-        let fourth = patch.points().iter();
-        let fourth = fourth.map(|p| p.share * p.depth.max(0.0).powi(4));
-        fourth.sum::<f64>().sqrt().sqrt()
+        let powers = patch.points().iter().fold([0.0; 2], |[third, fourth], p| {
+            let depth = p.depth.max(0.0);
+            let cube = p.share * depth * depth * depth;
+            [third + cube, fourth + cube * depth]
+        });
+        let depth = powers[1].sqrt().sqrt();
+        [depth, powers[0] / (depth * depth * depth)]
     }
 
     /// How the depth grows with displacements of the first one along the axes, and with rotations,
-    /// m, about `center`. By differences; none of shapes that are too thin for these.
-    pub fn gradient(&self, patch: &mut Patch, center: &Vec3) -> Option<[Vec3; 2]> {
+    /// m, about `center`, in shares of how it grows where all points sink. By differences; none of shapes that are too thin for these. A light touch
+    /// is looked at as if it were so deep that no nudge ends it.
+    ///
+    /// - `depth`: where they are, m
+    pub fn gradient(
+        &self,
+        patch: &mut Patch,
+        center: &Vec3,
+        (normal, depth): (&Vec3, f64),
+    ) -> Option<[Vec3; 2]> {
         let by = NUDGE * self.thickness();
         let lever = self.colliders[0].radius.min(self.colliders[1].radius);
-        let here = self.depth(patch);
+        let sunk = normal * (depth - LIGHT * by).min(0.0);
+        let [here, weights] = self.moved([sunk, Vec3::zeros()], center).depth(patch);
         let mut slopes = [Vec3::zeros(); 2];
         for (kind, by) in [(0, by), (1, by / lever)] {
             for axis in 0..3 {
-                let mut ways = [Vec3::zeros(); 2];
-                ways[kind][axis] = by;
-                let there = self.moved(ways, center).depth(patch);
-                slopes[kind][axis] = (there - here) / by;
+                let mut ways = [sunk, Vec3::zeros()];
+                ways[kind][axis] += by;
+                let [there, _] = self.moved(ways, center).depth(patch);
+                slopes[kind][axis] = (there - here) / (by * weights);
             }
         }
         let finite = |slope: &Vec3| slope.iter().all(|x| x.is_finite());

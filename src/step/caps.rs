@@ -1,5 +1,7 @@
 //! Where a step must end, and whether it may reach beyond the communication point.
 
+#![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
+
 use crate::force::{Contact, Drive, is_clear};
 use crate::kinematics::forward;
 use crate::spatial::Vec6;
@@ -50,7 +52,7 @@ pub(super) fn longest(here: &Point) -> f64 {
 }
 
 /// Ends the step of `h` seconds where the first contact touches down or the first joint reaches its
-/// limit; takes a bounce in parts of its own duration.
+/// limit; takes a bounce in parts of its own duration, of which the last one ends where it leaves.
 ///
 /// - `pull`: see [`find_pull`]
 pub(super) fn by_touchdown(
@@ -61,20 +63,30 @@ pub(super) fn by_touchdown(
 ) -> f64 {
     let rules = ctx.rules;
     let mut capped = h;
+    let (points, V) = (&here.terms.contacts.points, &here.kin.V);
     for contact in here.terms.contacts.iter() {
-        if contact.depth < 0.0 {
-            let time = contact.time_to_touch(&here.terms.contacts.points, &here.kin.V);
-            if rules.touchdown && time < capped && time > MIN_STEP {
-                capped = time;
-            }
+        let time = if contact.depth < 0.0 {
+            contact.time_to_touch(points, V)
+        } else {
+            0.0
+        };
+        let touches = time <= MIN_STEP;
+        if rules.touchdown && time < capped && !touches {
+            capped = time;
         }
         if contact.thickness < f64::INFINITY {
-            let time = contact.longest_step(&here.terms.contacts.points, &here.kin.V, h);
+            let time = contact.longest_step(points, V, h);
             capped = capped.min(time.max(MIN_STEP));
         }
-        if contact.depth >= 0.0 && rules.bounce && still_bounces(here, contact, pull) {
+        if touches && rules.bounce && still_bounces(here, contact, pull) {
             let time = BOUNCE_SHARE * contact.duration;
             capped = capped.min(time.max(MIN_STEP));
+            // Beyond the place where it leaves nothing would push, which two stages do not see.
+            let leaving = contact.weights * contact.normal_velocity(points, V);
+            let time = contact.depth / leaving;
+            if leaving > 0.0 && time > MIN_STEP {
+                capped = capped.min(time);
+            }
         }
     }
     for term in &here.terms.joints {

@@ -20,7 +20,7 @@ use crate::step::point::{Context, Point};
 use crate::step::size::{self, Standing, Tried, Verdict, Way, grown, implicit_factor, landing};
 use crate::step::stages::Stages;
 use crate::tree::Tree;
-use crate::tuning::{BALANCE, FIXED_ACCURACY, FLOOR_TOLERANCE, GUESS, GUESSES, MAX_STEP};
+use crate::tuning::{BALANCE, FIXED_ACCURACY, FLOOR_TOLERANCE, GUESS, GUESSES, MAX_STEP, MIN_STEP};
 
 /// Why a communication step was not taken.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -269,6 +269,14 @@ impl Stepper {
             let (from, trend) = (&state.physical, &state.stepping.trend);
             let stages = &mut self.stages;
             let staged = stages.solve(ctx, (&self.here, from), trend, [h, accuracy], false);
+            if ctx.rules.bounce
+                && h > MIN_STEP
+                && let Some(time) = stages.touchdown(&self.here, h)
+            {
+                state.stepping.counters.rejected += 1;
+                h = time.max(MIN_STEP);
+                continue;
+            }
             let mut error = if staged {
                 stages.error(ctx, from, h)
             } else {
@@ -405,7 +413,7 @@ impl Stepper {
                     parts -= 1.0;
                 }
                 Outcome::Bad if fixed::may_be_halved(part, h) => parts *= 2.0,
-                Outcome::Bad => {
+                Outcome::Bad | Outcome::Bounces => {
                     // No part is short enough: a limb of grams whirls between tonnes. Error control
                     // goes down to a tenth of a microsecond.
                     let begin = state.time + ctx.elapsed;

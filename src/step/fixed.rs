@@ -65,6 +65,8 @@ pub(super) enum Outcome {
     /// Something turns too far in it, it makes energy, or it leaves the numbers: a shorter one may
     /// do.
     Bad,
+    /// A contact with restitution touches in it.
+    Bounces,
 }
 
 /// Lengths of a fixed step, s.
@@ -100,7 +102,7 @@ impl Fixed {
         (attempt, counters): (&mut Attempt, &mut Counters),
     ) -> Outcome {
         let outcome = self.attempt_open(ctx, methods, state, part, (attempt, counters));
-        if outcome == Outcome::Bad || !ctx.tree.is_closed() {
+        if outcome != Outcome::Good || !ctx.tree.is_closed() {
             return outcome;
         }
         let (kin, end) = (&mut methods.there.kin, &mut attempt.end);
@@ -134,7 +136,7 @@ impl Fixed {
             return Outcome::Good;
         }
         if let Some(outcome) = Self::attempt_stages(ctx, methods, state, part, attempt) {
-            counters.rejected += u64::from(outcome == Outcome::Bad);
+            counters.rejected += u64::from(outcome != Outcome::Good);
             return outcome;
         }
         attempt.begin(state);
@@ -159,7 +161,11 @@ impl Fixed {
         } = methods;
         let (tree, Part { h, whole }) = (ctx.tree, part);
         let (from, trend) = (&state.physical, &state.stepping.trend);
-        if !stages.solve(ctx, (here, from), trend, [h, FIXED_ACCURACY[0]], true) {
+        let solved = stages.solve(ctx, (here, from), trend, [h, FIXED_ACCURACY[0]], true);
+        if ctx.rules.bounce && stages.touchdown(here, h).is_some() {
+            return Some(Outcome::Bounces);
+        }
+        if !solved {
             return None;
         }
         let turn = fastest_within(tree, [&from.v, &stages.solved[1].v]);

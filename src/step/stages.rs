@@ -47,7 +47,7 @@ pub(super) mod secants;
 
 use crate::closure::Rows;
 use crate::dynamics::{crba, rnea};
-use crate::force::{ContactSet, Memory, Secant, Terms, seek};
+use crate::force::{Contact, ContactSet, Memory, Secant, Terms, seek};
 use crate::kinematics::{advance, forward};
 use crate::model::Model;
 use crate::spatial::Vec6;
@@ -59,7 +59,7 @@ use crate::step::size::{fastest_within, worst_error};
 use crate::step::{coast, guards};
 use crate::tree::Tree;
 use crate::tuning::{
-    CONTACT_STEP, FIXED_ACCURACY, LAG_SHARE, MAX_CARRIES, MISPLACED, VELOCITY_WEIGHT,
+    BOUNCE_SHARE, CONTACT_STEP, FIXED_ACCURACY, LAG_SHARE, MAX_CARRIES, MISPLACED, VELOCITY_WEIGHT,
 };
 use std::f64::consts::SQRT_2;
 
@@ -215,6 +215,7 @@ impl Stages {
         }
         self.from.copy_from_slice(&from.v);
         self.begin(ctx, from, (0, h));
+        self.begin_as_deep(here);
         if !self.run(ctx, 0, [eta, accuracy]) || self.breaks(0, alike.then_some(eta)) {
             return false;
         }
@@ -233,6 +234,36 @@ impl Stages {
         }
         self.begin(ctx, from, (1, h));
         self.run(ctx, 1, [eta, accuracy]) && !self.breaks(1, alike.then_some(eta))
+    }
+
+    /// When a contact with restitution touches in the step of `h` seconds from `here`, s, whose
+    /// middle has been found; none where the bounce goes on as if the step had ended there. The way
+    /// from the start is bent, which nobody knows before.
+    ///
+    /// What presses at the end of a step that is so much longer than the bounce takes away a share
+    /// of the velocity, `γ h t/T²` of the time `t` for which it presses and the time scale `T`.
+    pub fn touchdown(&self, here: &Point, h: f64) -> Option<f64> {
+        let mut starts = here.terms.contacts.iter().peekable();
+        let Point { kin, terms, .. } = &self.middle;
+        let mut touches = h;
+        for contact in terms.contacts.iter().filter(|c| c.bounce > 0.0) {
+            let start = seek(&mut starts, contact.slot, |c| c.slot);
+            let Some(start) = start.filter(|c| c.depth < 0.0) else {
+                continue;
+            };
+            // It is `d + r s + c s²` deep, with `s` from −1 at the start to 1 at the end.
+            let along = contact.normal_velocity(&terms.contacts.points, &kin.V);
+            let (d, r) = (contact.depth, -0.5 * h * along);
+            let c = start.depth - d + r;
+            let root = (r * r - 4.0 * c * d).sqrt();
+            let roots = [-r - root, -r + root].map(|x| 0.5 * h * (1.0 + 2.0 * d / x));
+            let lasts = |time: &f64| {
+                let resolved = BOUNCE_SHARE * contact.duration;
+                *time > 0.0 && h * (h - time) > resolved * resolved
+            };
+            touches = roots.into_iter().filter(lasts).fold(touches, f64::min);
+        }
+        (touches < h).then_some(touches)
     }
 
     /// Whether the solution of the stages up to `last` is not to be taken, see [`Self::solve`].
@@ -294,6 +325,26 @@ impl Stages {
                 contact.drift = moved;
                 let climbing = contact.normal_velocity(points, &kin.V);
                 contact.rise = climbing - start.normal_velocity(before, &self.way);
+            }
+        }
+    }
+
+    /// Makes contacts between two shapes that press at the start as deep there as they are: the way
+    /// of their points from there to the middle is bent. By as much they are deeper at the end, so
+    /// that what their springs hold at both ends is what the step takes it to be.
+    fn begin_as_deep(&mut self, here: &Point) {
+        let mut starts = here.terms.contacts.iter().peekable();
+        let firsts = &mut self.terms[0].contacts;
+        let middle = &mut self.middle.terms.contacts;
+        let contacts = middle.list.iter().zip(&mut firsts.list);
+        for (contact, first) in contacts.filter(|(c, _)| c.other_link.is_some()) {
+            let presses = |c: &Contact| c.depth > 0.0;
+            let start = seek(&mut starts, contact.slot, |c| c.slot);
+            if let Some(start) = start.filter(|c| [c, contact, first].into_iter().all(presses)) {
+                let by = (start.depth - first.depth) / first.weights;
+                contact.sink(&mut middle.points, by);
+                first.sink(&mut firsts.points, by);
+                first.share_load(&mut firsts.points);
             }
         }
     }

@@ -220,15 +220,12 @@ fn link(
 /// The rows of a symmetric matrix of which the lower triangle is given.
 #[inline]
 fn mirrored(G: &[f64; 21]) -> [Vec6; 6] {
-    let mut rows = [[0.0; 6]; 6];
-    let mut place = 0;
-    for i in 0..6 {
-        for j in 0..=i {
-            (rows[i][j], rows[j][i]) = (G[place], G[place]);
-            place += 1;
-        }
-    }
-    rows
+    std::array::from_fn(|i| {
+        std::array::from_fn(|j| {
+            let (row, column) = (i.max(j), i.min(j));
+            G[row * (row + 1) / 2 + column]
+        })
+    })
 }
 
 /// `G = t 1 + (n − t) n̂n̂ᵀ − t ŝŝᵀ` of a response, lower triangle.
