@@ -329,15 +329,17 @@ impl Stages {
         }
     }
 
-    /// Makes contacts between two shapes that press at the start as deep there as they are: the way
-    /// of their points from there to the middle is bent. By as much they are deeper at the end, so
-    /// that what their springs hold at both ends is what the step takes it to be.
+    /// Makes contacts between two shapes that press at the start and have restitution as deep there
+    /// as they are: the way of their points from there to the middle is bent. By as much they are
+    /// deeper at the end, so that what their springs hold at both ends is what the step takes it to
+    /// be. This needs rows that are the gradient of the depth, which only such contacts have.
     fn begin_as_deep(&mut self, here: &Point) {
         let mut starts = here.terms.contacts.iter().peekable();
         let firsts = &mut self.terms[0].contacts;
         let middle = &mut self.middle.terms.contacts;
         let contacts = middle.list.iter().zip(&mut firsts.list);
-        for (contact, first) in contacts.filter(|(c, _)| c.other_link.is_some()) {
+        let exact = |c: &Contact| c.other_link.is_some() && c.bounce > 0.0;
+        for (contact, first) in contacts.filter(|(c, _)| exact(c)) {
             let presses = |c: &Contact| c.depth > 0.0;
             let start = seek(&mut starts, contact.slot, |c| c.slot);
             if let Some(start) = start.filter(|c| [c, contact, first].into_iter().all(presses)) {
