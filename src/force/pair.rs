@@ -63,10 +63,11 @@ impl<'a> Pair<'a> {
     }
 
     /// How the depth grows with displacements of the first one along the axes, and with rotations,
-    /// m, about `center`, in shares of how it grows where all points sink. By differences; none of shapes that are too thin for these. A light touch
-    /// is looked at as if it were so deep that no nudge ends it.
+    /// m, about `center`, in shares of how it grows where all points sink. By differences; none of
+    /// shapes that are too thin for these. A light touch is looked at as if it were so deep that no
+    /// nudge ends it.
     ///
-    /// - `depth`: where they are, m
+    /// - `normal`, `depth`: as they touch, m
     pub fn gradient(
         &self,
         patch: &mut Patch,
