@@ -395,8 +395,8 @@ impl Contact {
         self.friction.respond(self.slid(u), h)
     }
 
-    /// Puts the damping of rocking into the response of a point, whose velocity stands in its place;
-    /// `mean` is that of all.
+    /// Puts the damping of rocking into the response of a point, whose velocity stands in its
+    /// place; `mean` is that of all.
     #[inline]
     fn rock(&self, point: &ContactPoint, mean: f64, r: &mut PointResponse) {
         let (force, slope) = self.rocking(r.rock - mean);
