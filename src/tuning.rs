@@ -498,9 +498,10 @@ pub const LIMIT_REACH: (f64, f64) = (2.0, 1e-6);
 /// By how far a shape is moved to find the gradient of a depth, as a share of half of the least
 /// extent of both shapes. At 0.1 fails `rows_of_deep_contacts_are_the_gradient_of_their_depth`.
 pub const NUDGE: f64 = 1e-5;
-/// How many such ways deep they are for it, at least: a depth that a nudge ends has no slope there,
-/// and a rotation moves a place of contact by up to twice the way. At 0 bodies that have just
-/// touched made up to 1e-3 of their energy in their first step.
+/// Least depth of two shapes, in ways of [`NUDGE`], at which the gradient of their depth is looked
+/// for: a depth that a nudge ends has no slope there, and a rotation moves a place of contact by up
+/// to twice the way. At 0 fails
+/// `bodies_without_losses_make_no_energy_whatever_they_meet_with`.
 pub const LIGHT: f64 = 4.0;
 /// Depth, in penetrations, up to which a contact stiffens: that of a load which is a million times
 /// the weight. Beyond, forces would exceed what the digits of a solve can balance. At 0.1 fails

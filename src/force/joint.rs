@@ -174,13 +174,14 @@ impl JointTerm {
         }
     }
 
-    /// What dry friction that slips at the end of a step of `h` seconds, with the velocity `v`
-    /// there, has more than at that speed: a step has that of the speed at its start.
+    /// By how much dry friction that slips at the end of a step of `h` seconds, with the velocity
+    /// `v` there, is more than at that speed: a step has the friction of the speed at its start.
     pub fn late_friction(&self, tree: &Tree, v: f64, h: f64) -> f64 {
-        if self.dry.respond(v, h).slip == 0.0 {
+        let friction = &tree.dofs.friction[self.dof];
+        if friction.at_rest <= friction.moving || self.dry.respond(v, h).slip == 0.0 {
             return 0.0;
         }
-        self.dry.cap - cap(&tree.dofs.friction[self.dof], v)
+        self.dry.cap - cap(friction, v)
     }
 
     /// Whether each of the limits acts at the end of a step of `h` seconds with the velocity `v`

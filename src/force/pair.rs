@@ -2,7 +2,7 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
-use super::point::{ContactPoint, Rim};
+use super::point::{ContactPoint, Rim, together};
 use crate::geometry::pair::{Nearby, Part, Patch, PatchPoint, Side, Solid};
 use crate::kinematics::Kinematics;
 use crate::law::normal::Stiffening;
@@ -51,15 +51,9 @@ impl<'a> Pair<'a> {
 
     /// Depth, m, and how much it grows where all points sink by one unit; 0 where nothing is
     /// inside. Not of terrain, where several parts may touch.
-    fn depth(&self, patch: &mut Patch) -> [f64; 2] {
+    fn depth(&self, patch: &mut Patch) -> (f64, f64) {
         self.touch(patch, 0.0, None);
-        let powers = patch.points().iter().fold([0.0; 2], |[third, fourth], p| {
-            let depth = p.depth.max(0.0);
-            let cube = p.share * depth * depth * depth;
-            [third + cube, fourth + cube * depth]
-        });
-        let depth = powers[1].sqrt().sqrt();
-        [depth, powers[0] / (depth * depth * depth)]
+        together(patch.points().iter().map(|p| (p.depth, p.share)))
     }
 
     /// How the depth grows with displacements of the first one along the axes, and with rotations,
@@ -77,13 +71,13 @@ impl<'a> Pair<'a> {
         let by = NUDGE * self.thickness();
         let lever = self.colliders[0].radius.min(self.colliders[1].radius);
         let sunk = normal * (depth - LIGHT * by).min(0.0);
-        let [here, weights] = self.moved([sunk, Vec3::zeros()], center).depth(patch);
+        let (here, weights) = self.moved([sunk, Vec3::zeros()], center).depth(patch);
         let mut slopes = [Vec3::zeros(); 2];
         for (kind, by) in [(0, by), (1, by / lever)] {
             for axis in 0..3 {
                 let mut ways = [sunk, Vec3::zeros()];
                 ways[kind][axis] += by;
-                let [there, _] = self.moved(ways, center).depth(patch);
+                let (there, _) = self.moved(ways, center).depth(patch);
                 slopes[kind][axis] = (there - here) / (by * weights);
             }
         }

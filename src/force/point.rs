@@ -239,16 +239,22 @@ pub struct PointResponse {
 /// Depth `δ` of points and the sum of `∂δ/∂d_i`, where all are `deeper`, m, than they are; the
 /// deepest one's and 1 where none is inside.
 pub(super) fn norm(points: &[ContactPoint], deeper: f64) -> (f64, f64) {
-    let (mut deepest, mut fourth, mut third) = (f64::NEG_INFINITY, 0.0, 0.0);
-    for p in points {
-        let depth = p.depth + deeper;
-        deepest = deepest.max(depth);
-        let d = depth.max(0.0);
-        third += p.share * d * d * d;
-        fourth += p.share * d * d * d * d;
-    }
+    let depths = || points.iter().map(|p| p.depth + deeper);
+    let deepest = depths().fold(f64::NEG_INFINITY, f64::max);
     if deepest <= 0.0 {
         return (deepest, 1.0);
+    }
+    together(depths().zip(points).map(|(depth, p)| (depth, p.share)))
+}
+
+/// Depth `δ = (Σ m d₊⁴)^¼` of depths `d` with their shares `m`, and the sum of `∂δ/∂d`; 0 and NaN
+/// where none is positive.
+pub(super) fn together(depths: impl Iterator<Item = (f64, f64)>) -> (f64, f64) {
+    let (mut fourth, mut third) = (0.0, 0.0);
+    for (depth, share) in depths {
+        let d = depth.max(0.0);
+        third += share * d * d * d;
+        fourth += share * d * d * d * d;
     }
     let delta = fourth.sqrt().sqrt();
     (delta, third / (delta * delta * delta))

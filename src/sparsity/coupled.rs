@@ -188,12 +188,7 @@ impl Coupled {
                 let parent = &mut above[highest * words..(highest + 1) * words];
                 let entries = &mut self.spread[row_start(highest)..];
                 for (place, (p, r)) in parent.iter_mut().zip(row).enumerate() {
-                    let own = if place == highest / WORD {
-                        1 << (highest % WORD)
-                    } else {
-                        0
-                    };
-                    let filled = r & !own & !*p;
+                    let filled = r & !mark_in(place, highest) & !*p;
                     *p |= filled;
                     for_marks(filled, place * WORD, |column| entries[column] = 0.0);
                 }
@@ -244,14 +239,7 @@ impl Coupled {
         let (above, row) = self.marks.split_at(k * self.words);
         let before = &above[(k - 1) * self.words..];
         let mut words = row[..self.words].iter().zip(before).enumerate();
-        words.all(|(place, (r, b))| {
-            let own = if place == (k - 1) / WORD {
-                1 << ((k - 1) % WORD)
-            } else {
-                0
-            };
-            *r == b | own
-        })
+        words.all(|(place, (r, b))| *r == b | mark_in(place, k - 1))
     }
 
     /// Eliminates the `N` rows from `first` on, which have the columns `self.runs` besides
@@ -369,6 +357,12 @@ impl Coupled {
             }
         }
     }
+}
+
+/// The mark of a column in a row's number at `place`, 0 in the others.
+#[inline]
+fn mark_in(place: usize, column: usize) -> u64 {
+    u64::from(place == column / WORD) << (column % WORD)
 }
 
 /// Calls `take` with the place of each mark of a word that begins at `first`.

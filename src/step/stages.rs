@@ -299,7 +299,8 @@ impl Stages {
         rnea::bias(ctx.tree, kin, &self.v, wrenches, ctx.elapsed + t);
     }
 
-    /// The same, where there are external wrenches that change.
+    /// Finds the bias in the middle anew where external wrenches change, with those `t` seconds
+    /// after the start.
     fn follow_wrenches(&mut self, ctx: &Context, t: f64) {
         if ctx.inputs.varies() && !ctx.inputs.wrenches.is_empty() {
             self.find_bias(ctx, t);

@@ -32,7 +32,8 @@ impl Stages {
         }) || self.leaves_limit(last, eta)
     }
 
-    /// The same of limits.
+    /// Whether a limit of a joint acts in one of the stages of `eta` seconds up to `last` and not
+    /// in another, or not where the step begins.
     fn leaves_limit(&self, last: usize, eta: f64) -> bool {
         let [first, second] = &self.solved;
         let [before, terms] = &self.terms;
