@@ -433,6 +433,10 @@ pub const RIDGE_LEAST: f64 = 0.02;
 /// a bicubic surface may be crossed up to six times. At 0 fails
 /// `rays_meet_heights_where_small_steps_do`.
 pub const RAY_PARTS: u32 = 12;
+/// How far below the lowest point of a surface of heights a ray ends, as a share of the surface's
+/// extent: round-off must not end it above. At 0 fails
+/// `rays_straight_down_meet_the_height_below_them`.
+pub const RAY_BELOW: f64 = 1e-9;
 /// Halvings by which a ray finds the surface: to round-off. At 10 fails
 /// `rays_meet_heights_where_small_steps_do`.
 pub const RAY_HALVINGS: u32 = 52;

@@ -40,6 +40,8 @@ pub struct Field {
     cells: Pyramid,
     /// The lowest sample, m.
     lowest: f64,
+    /// No point of the surface is lower, m.
+    bottom: f64,
     /// No normal of the surface has a smaller z.
     upright: f64,
     /// Heights of the samples that are sharp.
@@ -185,6 +187,7 @@ impl Field {
             grid: Grid::new(&samples),
             samples,
             lowest,
+            bottom: lowest,
             upright: 0.0,
             nodes,
             ridges: Vec::new(),
@@ -194,6 +197,8 @@ impl Field {
         field.ridges = (0..nx * ny).map(|k| field.ridge(k % nx, k / nx)).collect();
         let bounds = (0..(nx - 1) * (ny - 1)).map(|k| field.bound(k % (nx - 1), k / (nx - 1)));
         field.cells = Pyramid::new([nx - 1, ny - 1], bounds.collect());
+        let points = (0..(nx - 1) * (ny - 1)).map(|k| field.bezier(k % (nx - 1), k / (nx - 1)));
+        field.bottom = points.flatten().flatten().fold(lowest, f64::min);
         let slopes = (0..(nx - 1) * (ny - 1)).map(|k| field.steepest(k % (nx - 1), k / (nx - 1)));
         let steepest = slopes.fold(0.0, f64::max);
         field.upright = 1.0 / (1.0 + steepest).sqrt();
@@ -229,6 +234,11 @@ impl Field {
     /// A height that no point of the surface exceeds, m.
     pub fn top(&self) -> f64 {
         self.cells.top()
+    }
+
+    /// A height that no point of the surface is below, m.
+    pub fn bottom(&self) -> f64 {
+        self.bottom
     }
 
     /// How much of the sharpness of a point a sample has: the share with which it carries a shape

@@ -8,7 +8,7 @@ use super::line::Ray;
 use crate::geometry::field::Field;
 use crate::geometry::surface::Surface;
 use crate::spatial::Vec3;
-use crate::tuning::{RAY_HALVINGS, RAY_PARTS};
+use crate::tuning::{RAY_BELOW, RAY_HALVINGS, RAY_PARTS};
 
 /// The first point of a ray in the half-space z ≤ 0, not nearer than `near`.
 pub(super) fn plane(ray: &Ray, near: f64) -> Option<f64> {
@@ -42,12 +42,12 @@ pub(super) fn heights(field: &Field, ray: &Ray, near: f64) -> Option<f64> {
     let level = (top - ray.origin.z) / ray.along.z;
     if ray.along.z < 0.0 {
         enter = enter.max(level);
+        // What is below the lowest point is below the surface. A ray that is turned straight down
+        // by a sensor's angles leaves the rectangle after 1e17 m, within which nothing is found.
+        let below = field.bottom() - RAY_BELOW * field.reach();
+        exit = exit.min(enter.max((below - ray.origin.z) / ray.along.z));
     } else if ray.along.z > 0.0 {
         exit = exit.min(level);
-    }
-    if !exit.is_finite() {
-        // Straight down.
-        exit = enter + (ray.origin.z + top.abs() + field.reach()).abs() + 1.0;
     }
     if enter > exit {
         return None;
@@ -167,6 +167,40 @@ mod tests {
         let origin = random.vector(2.0) + Vec3::z() * 1.5;
         let along = (random.vector(0.8) - origin).normalize();
         Ray { origin, along }
+    }
+
+    /// A sensor that looks down is turned by the double nearest to π/2, so that its ray leans by
+    /// 6e-17. The truth is the surface's height at the place below.
+    #[test]
+    fn rays_straight_down_meet_the_height_below_them() {
+        let mut random = Random(4);
+        for flat in [1.0, 0.0] {
+            let lift = random.vector(1.0).x;
+            let heights_of = (0..63).map(|_| lift + (1.0 - flat) * random.vector(1.0).x);
+            let field = Field::try_from(Samples {
+                size: [8.0, 6.0],
+                counts: [9, 7],
+                heights: heights_of.collect(),
+            })
+            .expect("a grid");
+            for lean in [0.0, 6e-17, 1e-16, 1e-12, 1e-9] {
+                for _ in 0..200 {
+                    let place = random.vector(1.0);
+                    let (x, y) = (3.9 * place.x, 2.9 * place.y);
+                    let aside = random.unit();
+                    let ray = Ray {
+                        origin: Vec3::new(x, y, 20.0),
+                        along: Vec3::new(lean * aside.x, lean * aside.y, -1.0),
+                    };
+                    let expected = 20.0 - field.at(x, y).expect("on it").height;
+                    let found = heights(&field, &ray, 0.0);
+                    let found = found.unwrap_or(f64::INFINITY);
+                    let error = (found - expected).abs();
+                    // The place moves by the lean, on slopes of up to 4.
+                    assert!(error < 1e-13 + 100.0 * lean, "{x} {y} {lean:e}: {error:e}");
+                }
+            }
+        }
     }
 
     /// By small steps along the ray, then by halving: independent of cells.
