@@ -5,11 +5,13 @@
 //!
 //! Triangles are found by a tree of boxes.
 
+mod buried;
 mod facet;
 mod seams;
 
 pub use self::facet::{Beyond, Crest, Facet};
 
+use self::buried::Edges;
 use super::error::GeometryError;
 use crate::spatial::Vec3;
 use crate::tuning::{EVEN_EDGE, SEAM};
@@ -135,69 +137,65 @@ impl Triangles {
 
 impl Surface {
     fn of(given: Triangles) -> Self {
-        let corner = |i: u32| given.corners[i as usize];
-        let mut facets: Vec<Facet> = Vec::with_capacity(given.triangles.len());
-        let mut edges: BTreeMap<[u32; 2], Vec<[usize; 2]>> = BTreeMap::new();
-        let mut known = BTreeSet::new();
-        for triangle in &given.triangles {
-            let mut turned = *triangle;
-            let lowest = (0..3).min_by_key(|&i| triangle[i]).unwrap_or_default();
-            turned.rotate_left(lowest);
-            if !known.insert(turned) {
-                // The same once more.
-                continue;
-            }
-            let corners = triangle.map(corner);
-            let area = area_of(corners);
-            for edge in 0..3 {
-                let (a, b) = (triangle[edge], triangle[(edge + 1) % 3]);
-                let places = edges.entry([a.min(b), a.max(b)]).or_default();
-                places.push([facets.len(), edge]);
-            }
-            let normal = area.try_normalize(0.0).unwrap_or_else(Vec3::z);
-            let inward = [0, 1, 2].map(|edge: usize| {
-                let along = corners[(edge + 1) % 3] - corners[edge];
-                let across = normal.cross(&along);
-                across.try_normalize(0.0).unwrap_or_else(Vec3::zeros)
-            });
-            facets.push(Facet {
-                corners,
-                normal,
-                inward,
-                beyond: [Beyond::Crest; 3],
-                crests: [None; 3],
-            });
+        let mut triangles = distinct(&given.triangles);
+        let corners = |triangle: &[u32; 3]| triangle.map(|i| given.corners[i as usize]);
+        let facets = triangles.iter().map(|t| Facet::new(corners(t))).collect();
+        let reach = given.corners.iter().map(Vec3::norm).fold(0.0, f64::max);
+        let mut surface = Self {
+            given,
+            facets,
+            crests: Vec::new(),
+            boxes: Vec::new(),
+            order: Vec::new(),
+            reach,
+        };
+        surface.build_tree();
+        let mut edges = edges(&triangles);
+        let near = |p: &Vec3, take: &mut dyn FnMut(usize, &Facet)| {
+            surface.each_near(p, 2.0 * SEAM, take);
+        };
+        let buried = buried::between(&surface.facets, (&triangles, &edges), near);
+        if buried.contains(&true) {
+            let mut keep = buried.iter().map(|is| !is);
+            surface.facets.retain(|_| keep.next().unwrap_or(true));
+            let mut keep = buried.iter().map(|is| !is);
+            triangles.retain(|_| keep.next().unwrap_or(true));
+            surface.build_tree();
+            edges = self::edges(&triangles);
         }
-        let (mut crests, mut alone) = (Vec::new(), Vec::new());
+        surface.join_all(&edges);
+        surface
+    }
+
+    /// Sorts the facets into boxes.
+    fn build_tree(&mut self) {
+        self.order = (0..self.facets.len()).collect();
+        self.boxes.clear();
+        self.divide(0, self.order.len());
+    }
+
+    /// Finds what every edge is.
+    fn join_all(&mut self, edges: &Edges) {
+        let mut alone = Vec::new();
+        let (facets, crests) = (&mut self.facets, &mut self.crests);
         for places in edges.values() {
-            for (i, partner) in seams::partners(&facets, places) {
+            for (i, partner) in seams::partners(facets, places) {
                 if let Some(j) = partner {
-                    join(&mut facets, [places[i], places[j]], &mut crests);
+                    join(facets, [places[i], places[j]], crests);
                 } else {
-                    end(&mut facets, places[i], &mut crests);
+                    end(facets, places[i], crests);
                     alone.push(places[i]);
                 }
             }
         }
-        let reach = given.corners.iter().map(Vec3::norm).fold(0.0, f64::max);
-        let mut surface = Self {
-            order: (0..facets.len()).collect(),
-            given,
-            facets,
-            crests,
-            boxes: Vec::new(),
-            reach,
-        };
-        surface.divide(0, surface.order.len());
-        for &place in &alone {
+        for place in alone {
             let near = |p: &Vec3, take: &mut dyn FnMut(usize, &Facet)| {
-                surface.each_near(p, 2.0 * SEAM, take);
+                self.each_near(p, 2.0 * SEAM, take);
             };
-            if let Some(other) = seams::beyond(&surface.facets, place, near) {
-                seams::go_on((&mut surface.facets, &mut surface.crests), place, other);
+            if let Some(other) = seams::beyond(&self.facets, place, near) {
+                seams::go_on((&mut self.facets, &mut self.crests), place, other);
             }
         }
-        surface
     }
 
     /// Puts the facets of places of the order under a node of their own; returns it.
@@ -390,6 +388,30 @@ impl<'a> Line<'a> {
         }
         if enter <= exit { enter } else { f64::INFINITY }
     }
+}
+
+/// Triangles, each once.
+fn distinct(list: &[[u32; 3]]) -> Vec<[u32; 3]> {
+    let mut known = BTreeSet::new();
+    let mut first = |triangle: &&[u32; 3]| {
+        let mut turned = **triangle;
+        let lowest = (0..3).min_by_key(|&i| triangle[i]).unwrap_or_default();
+        turned.rotate_left(lowest);
+        known.insert(turned)
+    };
+    list.iter().filter(|t| first(t)).copied().collect()
+}
+
+/// The edges of triangles.
+fn edges(triangles: &[[u32; 3]]) -> Edges {
+    let mut edges = Edges::new();
+    for (index, triangle) in triangles.iter().enumerate() {
+        for edge in 0..3 {
+            let places = edges.entry(buried::edge_of(triangle, edge)).or_default();
+            places.push([index, edge]);
+        }
+    }
+    edges
 }
 
 /// Finds what the edge of two facets is.

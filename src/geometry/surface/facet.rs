@@ -74,6 +74,25 @@ impl Crest {
 }
 
 impl Facet {
+    /// A triangle without neighbours.
+    pub(super) fn new(corners: [Vec3; 3]) -> Self {
+        let [a, b, c] = corners;
+        let area = (b - a).cross(&(c - a));
+        let normal = area.try_normalize(0.0).unwrap_or_else(Vec3::z);
+        let inward = [0, 1, 2].map(|edge: usize| {
+            let along = corners[(edge + 1) % 3] - corners[edge];
+            let across = normal.cross(&along);
+            across.try_normalize(0.0).unwrap_or_else(Vec3::zeros)
+        });
+        Self {
+            corners,
+            normal,
+            inward,
+            beyond: [Beyond::Crest; 3],
+            crests: [None; 3],
+        }
+    }
+
     /// How far a point is inside of each edge, m; negative beyond it.
     pub(super) fn inside(&self, x: &Vec3, edge: usize) -> f64 {
         let (a, b) = (self.corners[edge], self.corners[(edge + 1) % 3]);

@@ -5,7 +5,8 @@
 //!    of the surface: each goes on in the first one that is met when turning about the edge from
 //!    its front. Sheets that are drawn from both sides are two surfaces then.
 //! 2. An edge of one triangle alone ends the surface, unless a triangle begins where it ends:
-//!    beside a side that others divide (a T-junction), or behind a gap of less than [`SEAM`].
+//!    beside a side that others divide (a T-junction), or behind a gap of less than [`SEAM`]. A
+//!    floor that ends at the middle of a wall goes on in the wall.
 
 use super::facet::{Beyond, Crest, Facet};
 use crate::spatial::Vec3;
@@ -66,7 +67,9 @@ pub(super) fn beyond(
         near(&p, &mut |other, next| {
             let apart = next.height(&p).abs();
             let over = (0..3).all(|edge| next.inside(&p, edge) >= -0.5 * SEAM);
-            if other != index && over && apart <= SEAM && next.normal.dot(&facet.normal) > 0.0 {
+            let on = next.normal.dot(&facet.normal) > 0.0;
+            let up = next.normal.dot(&facet.inward[edge]) > EVEN_EDGE;
+            if other != index && over && apart <= SEAM && (on || up) {
                 here = Some(other);
             }
         });

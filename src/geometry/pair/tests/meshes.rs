@@ -26,6 +26,38 @@ fn floor([from, to]: [f64; 2], cell: f64) -> Vec<Triangle> {
     pairs.collect()
 }
 
+/// The sides of a box.
+fn sides(low: Vec3, high: Vec3) -> Vec<Triangle> {
+    let corner = |i: usize| {
+        let at = |k: usize| if i >> k & 1 == 1 { high[k] } else { low[k] };
+        Vec3::new(at(0), at(1), at(2))
+    };
+    let quads = [
+        [0, 2, 3, 1],
+        [4, 5, 7, 6],
+        [0, 1, 5, 4],
+        [2, 6, 7, 3],
+        [0, 4, 6, 2],
+        [1, 3, 7, 5],
+    ];
+    let halves = quads.map(|[a, b, c, d]| [[a, b, c], [a, c, d]]);
+    let triangles = halves.as_flattened().iter();
+    triangles.map(|t| t.map(corner)).collect()
+}
+
+/// A floor of closed boxes over `from` … `to` along x and −2 … 2 m along y.
+fn boxes([from, to]: [f64; 2], cell: f64) -> Vec<Triangle> {
+    let count = |way: f64| (way / cell).round() as usize;
+    let cells = (0..count(4.0)).flat_map(|j| (0..count(to - from)).map(move |i| (i, j)));
+    let places = cells.flat_map(|(i, j)| {
+        let at = |i: usize, j: usize, z: f64| {
+            Vec3::new(from + i as f64 * cell, j as f64 * cell - 2.0, z)
+        };
+        sides(at(i, j, -0.2), at(i + 1, j + 1, 0.0))
+    });
+    places.collect()
+}
+
 /// Floors that are even but for how they are drawn.
 fn floors(random: &mut Random) -> Vec<(&'static str, Vec<Triangle>)> {
     let even = floor([-2.0, 2.0], 0.2);
@@ -39,6 +71,8 @@ fn floors(random: &mut Random) -> Vec<(&'static str, Vec<Triangle>)> {
         let angle = TAU * k as f64 / 2000.0;
         Vec3::new(3.0 * angle.cos(), 3.0 * angle.sin(), 0.0)
     };
+    let mut rows = boxes([-2.0, 0.0], 0.5);
+    rows.extend(boxes([0.0, 2.0], 0.1));
     let gap = 1e-7;
     let mut shift = || Vec3::new(random.uniform(-gap, gap), random.uniform(-gap, gap), 0.0);
     vec![
@@ -51,6 +85,8 @@ fn floors(random: &mut Random) -> Vec<(&'static str, Vec<Triangle>)> {
                 .map(|k| [Vec3::zeros(), rim(k), rim(k + 1)])
                 .collect(),
         ),
+        ("boxes side by side", boxes([-2.0, 2.0], 0.2)),
+        ("boxes of two sizes", rows),
         (
             "gaps",
             even.iter().map(|t| t.map(|c| c + shift())).collect(),
