@@ -456,6 +456,14 @@ pub const CREST_SLACK: f64 = 0.02;
 /// moves continuously; fewer only where another one would change nothing. At 1 fails
 /// `a_ball_touches_smooth_hills_at_the_nearest_place_alone`.
 pub const NEAREST_ON_FIELD: usize = 4;
+/// The same where a ball may touch the surface in several places: each is looked for until it is
+/// found. At 2 fails `a_ball_at_the_foot_of_a_slope_touches_both`.
+pub const NEAREST_IN_HOLLOW: usize = 20;
+/// Parts of the width of a ball in which such places are told apart. At 2 fails
+/// `a_ball_at_the_foot_of_a_slope_touches_both`.
+pub const HOLLOW_LOOKS: usize = 16;
+/// Most such places: the ground, four walls, and what else is there.
+pub const MOST_NEAREST: usize = 8;
 /// Cells along the longer side of heights that are generated. At 10 fails
 /// `terrain_is_a_plane_heights_or_a_mesh`.
 pub const TERRAIN_CELLS: f64 = 100.0;

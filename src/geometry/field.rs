@@ -8,6 +8,7 @@
 //! Source of the slopes: Catmull & Rom 1974, with the limit of Fritsch & Carlson 1980.
 
 mod cubic;
+mod hollow;
 mod pyramid;
 
 use self::cubic::Cell;
@@ -46,6 +47,8 @@ pub struct Field {
     upright: f64,
     /// Heights of the samples that are sharp.
     peaks: Pyramid,
+    /// How much the surface bends up over each cell, see [`Field::hollow`].
+    hollows: Pyramid,
 }
 
 /// Along x and y.
@@ -193,12 +196,15 @@ impl Field {
             ridges: Vec::new(),
             cells: Pyramid::default(),
             peaks: Pyramid::default(),
+            hollows: Pyramid::default(),
         };
         field.ridges = (0..nx * ny).map(|k| field.ridge(k % nx, k / nx)).collect();
         let bounds = (0..(nx - 1) * (ny - 1)).map(|k| field.bound(k % (nx - 1), k / (nx - 1)));
         field.cells = Pyramid::new([nx - 1, ny - 1], bounds.collect());
         let points = (0..(nx - 1) * (ny - 1)).map(|k| field.bezier(k % (nx - 1), k / (nx - 1)));
         field.bottom = points.flatten().flatten().fold(lowest, f64::min);
+        let hollows = (0..(nx - 1) * (ny - 1)).map(|k| field.hollow(k % (nx - 1), k / (nx - 1)));
+        field.hollows = Pyramid::new([nx - 1, ny - 1], hollows.collect());
         let slopes = (0..(nx - 1) * (ny - 1)).map(|k| field.steepest(k % (nx - 1), k / (nx - 1)));
         let steepest = slopes.fold(0.0, f64::max);
         field.upright = 1.0 / (1.0 + steepest).sqrt();

@@ -6,7 +6,8 @@
 //! 1. What carries the shape on a plane, see `on_plane` in `meet.rs`: corners, the lowest point of
 //!    each rim, the ends of a capsule, the lowest point of a ball. A corner is deep by its distance
 //!    from the tangent plane below it; what is round meets the surface where both have the same
-//!    normal. With the shares that they have on a plane, so that even terrain is a plane.
+//!    normal, in a hollow that bends more than itself in each such place. With the shares that they
+//!    have on a plane, so that even terrain is a plane.
 //! 2. Sharp samples of the surface (spikes, crests, its rim) against the surface of the shape, with
 //!    the share [`crate::geometry::field::Field::sample`] gives them. Where the terrain is smooth
 //!    they have none.
@@ -22,7 +23,9 @@ use super::sink::Sink;
 use super::trace::Trace;
 use crate::geometry::field::Field;
 use crate::spatial::Vec3;
-use crate::tuning::{CROWN, MOST_PEAKS, NEAREST_ON_FIELD};
+use crate::tuning::{
+    CROWN, HOLLOW_LOOKS, MOST_NEAREST, MOST_PEAKS, NEAREST_IN_HOLLOW, NEAREST_ON_FIELD, SEAM,
+};
 
 /// Adds the points of a shape, given in the axes of the terrain.
 pub(super) fn on_field(shape: &Placed, field: &Field, sink: &mut Sink) {
@@ -112,45 +115,23 @@ impl OnField<'_, '_> {
         }
     }
 
-    /// A ball about `c`: the place of the surface nearest to `c` is found from the one below by
-    /// Newton's method on `x − c + (H − c_z) ∇H = 0`, and the depth is that in its tangent plane.
-    /// In a hollow that bends more than the ball the second derivatives count less, so that the
-    /// matrix stays definite.
+    /// A ball about `c`.
     fn ball(&mut self, c: &Vec3, radius: f64, share: f64) {
-        let half = self.field.samples().size.map(|s| 0.5 * s);
-        let mut x = [c.x, c.y];
-        let Some(mut local) = self.field.at(c.x, c.y) else {
-            return;
-        };
-        for _ in 0..NEAREST_ON_FIELD {
-            let ([gx, gy], over) = (local.slope, local.height - c.z);
-            let [bxx, bxy, byy] = local.bend.map(|b| b * over);
-            // Least eigenvalue of the second derivatives' part.
-            let (mean, apart) = (0.5 * (bxx + byy), 0.5 * (bxx - byy));
-            let least = mean - (apart * apart + bxy * bxy).sqrt();
-            let part = if least < -0.75 { -0.75 / least } else { 1.0 };
-            let (jxx, jyy) = (1.0 + gx * gx + part * bxx, 1.0 + gy * gy + part * byy);
-            let jxy = gx * gy + part * bxy;
-            let (fx, fy) = (x[0] - c.x + over * gx, x[1] - c.y + over * gy);
-            let det = jxx * jyy - jxy * jxy;
-            let next = [
-                (x[0] - (jyy * fx - jxy * fy) / det).clamp(-half[0], half[0]),
-                (x[1] - (jxx * fy - jxy * fx) / det).clamp(-half[1], half[1]),
-            ];
-            if next.map(f64::to_bits) == x.map(f64::to_bits) {
-                break;
-            }
-            x = next;
-            let Some(there) = self.field.at(x[0], x[1]) else {
-                return;
-            };
-            local = there;
+        let mut nearest = Nearest::default();
+        if self.field.is_hollow(c, radius, radius + self.sink.reach) {
+            nearest.find_all(self.field, c, radius, self.sink.reach);
         }
-        let n = local.normal();
-        let at = Vec3::new(x[0], x[1], local.height);
-        let depth = radius - n.dot(&(c - at));
-        self.sink
-            .add(&n, point(c - n * (radius - 0.5 * depth), depth, share));
+        if nearest.count == 0
+            && let Some((place, _)) =
+                nearest_from(self.field, c, [c.x, c.y], (NEAREST_ON_FIELD, f64::INFINITY))
+        {
+            nearest.add(place);
+        }
+        for Place { at, n } in &nearest.list[..nearest.count] {
+            let depth = radius - n.dot(&(c - at));
+            self.sink
+                .add(n, point(c - n * (radius - 0.5 * depth), depth, share));
+        }
     }
 
     /// Both ends of a cylinder: the lowest point of each rim along the normal of the surface below
@@ -159,6 +140,9 @@ impl OnField<'_, '_> {
         let shape = self.shape;
         let mut ends = [1.0, -1.0].map(|s| {
             let center = shape.p + shape.axis() * (s * round.half);
+            if self.in_hollow(round, s, &center) {
+                return None;
+            }
             self.below(&center).map(|(n, _)| End { s, n, found: None })
         });
         for _ in 0..NEAREST_ON_FIELD {
@@ -190,6 +174,24 @@ impl OnField<'_, '_> {
                 self.sink.add(&n, PatchPoint { rim, ..halfway });
             }
         }
+    }
+
+    /// An end of a cylinder where the surface may be near it in several places: against the
+    /// tangent plane of each place that is nearest to its middle. None where there is no such.
+    fn in_hollow(&mut self, round: &Round, s: f64, center: &Vec3) -> bool {
+        let (radius, reach) = (round.radius, self.sink.reach);
+        if !self.field.is_hollow(center, radius, radius + reach) {
+            return false;
+        }
+        let mut nearest = Nearest::default();
+        nearest.find_all(self.field, center, radius, reach);
+        for Place { at, n } in &nearest.list[..nearest.count] {
+            let (x, rim) = Trace::new(self.shape, round, n, Side::First).end(s);
+            let depth = n.dot(&(at - x));
+            let halfway = point(x + n * (0.5 * depth), depth, 0.5);
+            self.sink.add(n, PatchPoint { rim, ..halfway });
+        }
+        nearest.count > 0
     }
 
     /// Sharp samples of the surface.
@@ -226,6 +228,87 @@ impl OnField<'_, '_> {
             self.sink.add(&peak.normal, found);
         }
     }
+}
+
+/// A place of the surface, m, and the normal there.
+#[derive(Clone, Copy, Default)]
+struct Place {
+    at: Vec3,
+    n: Vec3,
+}
+
+/// Places of the surface that are nearer to a point than what is around them.
+#[derive(Default)]
+struct Nearest {
+    list: [Place; MOST_NEAREST],
+    count: usize,
+}
+
+impl Nearest {
+    fn add(&mut self, place: Place) {
+        if self.count < MOST_NEAREST {
+            self.list[self.count] = place;
+            self.count += 1;
+        }
+    }
+
+    /// Those of a ball, each once.
+    fn find_all(&mut self, field: &Field, c: &Vec3, radius: f64, reach: f64) {
+        let apart = 2.0 * (radius + reach) / f64::from(u32::try_from(HOLLOW_LOOKS).unwrap_or(1));
+        field.each_nearest(c, radius + reach + apart, |start| {
+            let Some((place, left)) =
+                nearest_from(field, c, start, (NEAREST_IN_HOLLOW, 0.5 * apart))
+            else {
+                return;
+            };
+            let known = self.list[..self.count].iter();
+            if left <= SEAM
+                && known
+                    .map(|k| (k.at - place.at).norm())
+                    .all(|d| d > 0.5 * apart)
+            {
+                self.add(place);
+            }
+        });
+    }
+}
+
+/// The place of the surface nearest to `c`, found from another place by Newton's method on
+/// `x − c + (H − c_z) ∇H = 0` in so many steps, none longer than `most`, m; and how long the last
+/// one was. In a hollow that bends more than the ball the second derivatives count less, so that
+/// the matrix stays definite.
+fn nearest_from(
+    field: &Field,
+    c: &Vec3,
+    mut x: [f64; 2],
+    (steps, most): (usize, f64),
+) -> Option<(Place, f64)> {
+    let half = field.samples().size.map(|s| 0.5 * s);
+    let mut local = field.at(x[0], x[1])?;
+    let mut left = 0.0;
+    for _ in 0..steps {
+        let ([gx, gy], over) = (local.slope, local.height - c.z);
+        let [bxx, bxy, byy] = local.bend.map(|b| b * over);
+        // Least eigenvalue of the second derivatives' part.
+        let (mean, apart) = (0.5 * (bxx + byy), 0.5 * (bxx - byy));
+        let least = mean - (apart * apart + bxy * bxy).sqrt();
+        let part = if least < -0.75 { -0.75 / least } else { 1.0 };
+        let (jxx, jyy) = (1.0 + gx * gx + part * bxx, 1.0 + gy * gy + part * byy);
+        let jxy = gx * gy + part * bxy;
+        let (fx, fy) = (x[0] - c.x + over * gx, x[1] - c.y + over * gy);
+        let det = jxx * jyy - jxy * jxy;
+        let way = [(jyy * fx - jxy * fy) / det, (jxx * fy - jxy * fx) / det];
+        let next = [0, 1].map(|k| (x[k] - way[k].clamp(-most, most)).clamp(-half[k], half[k]));
+        left = (next[0] - x[0]).abs().max((next[1] - x[1]).abs());
+        if next.map(f64::to_bits) == x.map(f64::to_bits) {
+            break;
+        }
+        x = next;
+        local = field.at(x[0], x[1])?;
+    }
+    let n = local.normal();
+    let at = Vec3::new(x[0], x[1], local.height);
+    Some((Place { at, n }, left))
 }
 
 /// An end of a cylinder while the lowest point of its rim is being found.

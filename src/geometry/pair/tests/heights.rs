@@ -76,3 +76,60 @@ fn a_ball_touches_smooth_hills_at_the_nearest_place_alone() {
         );
     }
 }
+
+/// The middle of a ball that is `d` deep in both the floor before a slope and the slope is at the
+/// height `R − d` and at as much from the slope, so `(R − d) tan(θ/2)` before its foot. A wheel
+/// across the slope and a capsule touch it likewise, with both ends.
+#[test]
+fn a_ball_at_the_foot_of_a_slope_touches_both() {
+    use std::f64::consts::FRAC_PI_2;
+    let (radius, half_length, deep) = (0.1, 0.03, 1e-4);
+    let lying = *nalgebra::Rotation3::from_euler_angles(FRAC_PI_2, 0.0, 0.0).matrix();
+    let ball = Shape::Sphere { radius };
+    let capsule = Shape::Capsule {
+        radius,
+        half_length,
+    };
+    let wheel = Shape::Cylinder {
+        radius,
+        half_length,
+    };
+    for (cells, cell) in [(80, 0.025), (400, 0.005)] {
+        for angle in [0.35, FRAC_PI_2 / 2.0, 1.3] {
+            let slope = libm::tan(angle);
+            let field = heights(cells, |x, _| slope * (x - 0.2).max(0.0));
+            let hills = Shape::Field { field };
+            for (name, shape, R, count) in [
+                ("ball", &ball, Mat3::identity(), 1),
+                ("capsule", &capsule, lying, 2),
+                ("wheel", &wheel, lying, 2),
+            ] {
+                let ahead = (radius - deep) * libm::tan(0.5 * angle);
+                let middle = Vec3::new(0.2 - ahead, 0.013, radius - deep);
+                if ahead * libm::cos(angle) < 1.1 * cell {
+                    // It touches the cell in which the surface turns.
+                    continue;
+                }
+                let patch = find((shape, at(middle, R)), (&hills, Pose::IDENTITY), 1e-3);
+                let normals = [
+                    Vec3::z(),
+                    Vec3::new(-libm::sin(angle), 0.0, libm::cos(angle)),
+                ];
+                for normal in normals {
+                    let points = patch.points().iter();
+                    let own = points.filter(|p| (p.normal - normal).norm() < 1e-6);
+                    let depths: Vec<f64> = own.map(|p| p.depth).collect();
+                    assert!(
+                        depths.len() == count && depths.iter().all(|d| (d - deep).abs() < 1e-6),
+                        "{name}, {angle}, {cells} cells, {normal}: {depths:?}"
+                    );
+                }
+                assert_eq!(
+                    patch.points().len(),
+                    2 * count,
+                    "{name}, {angle}, {cells} cells"
+                );
+            }
+        }
+    }
+}
