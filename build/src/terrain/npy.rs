@@ -95,6 +95,7 @@ fn numbers(kind: &str, data: &[u8]) -> Result<Vec<f64>, Wrong> {
     Ok(match name {
         "f8" => all(data, big, f64::from_le_bytes),
         "f4" => all(data, big, |b| f64::from(f32::from_le_bytes(b))),
+        "f2" => all(data, big, |b| half(u16::from_le_bytes(b))),
         "i8" => all(data, big, |b| i64::from_le_bytes(b) as f64),
         "u8" => all(data, big, |b| u64::from_le_bytes(b) as f64),
         "i4" => all(data, big, |b| f64::from(i32::from_le_bytes(b))),
@@ -103,6 +104,18 @@ fn numbers(kind: &str, data: &[u8]) -> Result<Vec<f64>, Wrong> {
         "u2" => all(data, big, |b| f64::from(u16::from_le_bytes(b))),
         "i1" => all(data, big, |b| f64::from(i8::from_le_bytes(b))),
         "u1" => all(data, big, |[b]| f64::from(b)),
-        _ => return Err("its numbers are neither integers nor of 4 or 8 bytes with a point"),
+        _ => return Err("its numbers are neither integers nor of 2, 4 or 8 bytes with a point"),
     })
+}
+
+/// A number of the IEEE 754 format binary16.
+fn half(bits: u16) -> f64 {
+    let sign = if bits >> 15 == 1 { -1.0 } else { 1.0 };
+    let (exponent, fraction) = (i32::from(bits >> 10 & 31), f64::from(bits & 1023) / 1024.0);
+    match exponent {
+        0 => sign * fraction * 2.0_f64.powi(-14),
+        31 if fraction == 0.0 => sign * f64::INFINITY,
+        31 => f64::NAN,
+        _ => sign * (1.0 + fraction) * 2.0_f64.powi(exponent - 15),
+    }
 }

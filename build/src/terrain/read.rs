@@ -159,7 +159,8 @@ fn image(bytes: &[u8]) -> Result<Table, Wrong> {
 }
 
 fn array(bytes: &[u8]) -> Result<Table, Wrong> {
-    let help = "save it with numpy.save, of two dimensions: rows along y, columns along x";
+    let help = "save an array of floats of two dimensions, rows along y and columns along x: \
+                numpy.save(file, heights.astype(float))";
     let array = npy::read(bytes).map_err(|message| wrong(message, help))?;
     Ok(Table {
         counts: [array.columns, array.rows],
@@ -179,6 +180,13 @@ fn table(bytes: &[u8]) -> Result<Table, Wrong> {
             continue;
         }
         let line = line.trim_end_matches([',', ';']);
+        if line.contains(',') && line.contains(';') {
+            // In some countries 1,5;2,5 are two numbers, in others four.
+            return Err(wrong(
+                format!("line {} has commas and semicolons", k + 1),
+                "write numbers with a point, and one sign between them",
+            ));
+        }
         let separated: Vec<&str> = if line.contains([',', ';']) {
             line.split([',', ';']).map(str::trim).collect()
         } else {

@@ -103,6 +103,15 @@ fn heights_are_read_from_images_tables_and_arrays() {
     let array = npy(">i2", false, "(2, 2)", &data);
     let samples = heights_of(at("g.npy", &array), None).unwrap();
     assert_eq!(samples.heights, [1.0, -2.0, 3.0, 4.0]);
+    // What NumPy's float16 makes of these numbers.
+    let data: Vec<u8> = [0x3c00_u16, 0xc580, 0x0001, 0x7bff]
+        .iter()
+        .flat_map(|x| x.to_le_bytes())
+        .collect();
+    let array = npy("<f2", false, "(2, 2)", &data);
+    let samples = heights_of(at("h.npy", &array), None).unwrap();
+    let least = 5.960_464_477_539_063e-8;
+    assert_eq!(samples.heights, [1.0, -5.5, least, 65504.0]);
 }
 
 #[test]
@@ -135,7 +144,7 @@ fn files_without_usable_heights_are_errors_that_say_why() {
     };
     let broken = &png(2, &[0, 1, 2, 3], png::BitDepth::Eight)[..40];
     let row = png(4, &[0, 1, 2, 3], png::BitDepth::Eight);
-    let cases: [(&str, &[u8], &str, &str); 15] = [
+    let cases: [(&str, &[u8], &str, &str); 16] = [
         (
             "a.csv",
             b"1, 2\n3, x\n",
@@ -166,6 +175,12 @@ fn files_without_usable_heights_are_errors_that_say_why() {
         ("m.png", &row, "T002", "4 x 1 heights"),
         ("o.png", &palette, "T002", "palette has 7 bytes"),
         ("n.tif", b"II*\0", "T002", "'tif' is no kind of file"),
+        (
+            "p.csv",
+            b"1,5;2,5\n3,5;4,5\n",
+            "T002",
+            "line 1 has commas and semicolons",
+        ),
     ];
     for (name, bytes, code, part) in cases {
         let path = write(folder.path(), name, bytes);
