@@ -95,6 +95,8 @@ def arguments(options: Mapping[str, Option]) -> list[str]:
             out += [f"{k}:={v}" for k, v in value.items()] if isinstance(value, Mapping) else list(_list(value))
             continue
         flag = "--" + name.strip("_").replace("_", "-")
+        # numpy's truth values are not Python's, and its arrays no lists.
+        value = getattr(value, "tolist", lambda given=value: given)()
         if value is True:
             out.append(flag)
         elif value is not None and value is not False:
@@ -104,9 +106,21 @@ def arguments(options: Mapping[str, Option]) -> list[str]:
 
 
 def _list(value: Option) -> Iterator[str]:
-    several = isinstance(value, (list, tuple))
+    several = isinstance(value, Iterable) and not isinstance(value, (str, bytes))
     for item in value if several else [value]:  # type: ignore[union-attr]
         yield os.fspath(item) if isinstance(item, os.PathLike) else str(item)
+
+
+def file_name(robot: PathLike) -> str:
+    """A file's name that the command takes for no option.
+
+    Raises:
+        Error: if it is empty.
+    """
+    name = os.fspath(robot)
+    if not name:
+        raise Error("the name of the robot's file is empty")
+    return os.path.join(os.curdir, name) if name.startswith("-") else name
 
 
 @contextmanager
@@ -144,7 +158,7 @@ def export(robot: PathLike, output: PathLike | None = None, *, config: Settings 
     target = Path(output) if output is not None else Path(_without_ends(Path(robot))).with_suffix(".fmu")
     with settings(config) as file:
         try:
-            run("export", robot, "-o", target, *file, *arguments(options))
+            run("export", file_name(robot), "-o", target, *file, *arguments(options))
         except Error as error:
             raise _with_findings(error, robot, file, options) from None
     return target
@@ -159,7 +173,7 @@ def _with_findings(error: Error, robot: PathLike, file: list[str], options: Mapp
     """The same error with what `check` finds, for programs."""
     read = {name: value for name, value in options.items() if name != "platform"}
     try:
-        found = json.loads(run("check", robot, "--json", *file, *arguments(read), accept=(0, 1)))["findings"]
+        found = json.loads(run("check", file_name(robot), "--json", *file, *arguments(read), accept=(0, 1)))["findings"]
     except (Error, ValueError, KeyError):
         return error
     serious = [finding for finding in found if finding["severity"] == "error"]
@@ -179,11 +193,11 @@ def check(robot: PathLike, *, config: Settings | None = None, **options: Option)
         Error: if there is no such file, or for wrong options.
     """
     with settings(config) as file:
-        text = run("check", robot, "--json", *file, *arguments(options), accept=(0, 1))
+        text = run("check", file_name(robot), "--json", *file, *arguments(options), accept=(0, 1))
     if not text:
         # What is not about a robot: it cannot be read, or is another kind of file.
         with settings(config) as file:
-            run("check", robot, *file, *arguments(options))
+            run("check", file_name(robot), *file, *arguments(options))
     found: list[dict[str, Any]] = json.loads(text)["findings"]
     return found
 
@@ -202,6 +216,6 @@ def info(robot: PathLike, *, variables: bool = True, config: Settings | None = N
     """
     with settings(config) as file:
         more = ["--variables"] if variables else []
-        text = run("info", robot, "--json", *more, *file, *arguments(options))
+        text = run("info", file_name(robot), "--json", *more, *file, *arguments(options))
     found: dict[str, Any] = json.loads(text)
     return found

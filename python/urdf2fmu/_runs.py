@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+import csv
 import html
-import os
 import tempfile
 from collections.abc import Mapping, Sequence
 from contextlib import contextmanager
@@ -13,22 +13,23 @@ from typing import Any, Iterator, Union
 import numpy as np
 import numpy.typing as npt
 
-from ._command import Error, Option, PathLike, Settings, arguments, export, run, settings
+from ._command import Error, Option, PathLike, Settings, arguments, export, file_name, run, settings
 from ._fmu import is_fmu, read_description, read_variables
+from ._values import by_name, number, numbers
 
 Table = Union[npt.NDArray[Any], Mapping[str, npt.ArrayLike]]
 """Columns by their names, `time` first: a structured array, a dict of arrays, or a pandas DataFrame."""
 
 
 def simulate(robot: PathLike, *, input: Table | None = None, start_values: Mapping[str, float] | None = None,
-             output: Sequence[str] = (), config: Settings | None = None, **options: Option) -> npt.NDArray[Any]:
+             output: str | Sequence[str] = (), config: Settings | None = None, **options: Option) -> npt.NDArray[Any]:
     """Simulates from start to stop.
 
     Args:
         robot: an FMU, or a robot.
         input: inputs over time, `time` first; straight lines between the rows, two rows of one time are a jump.
         start_values: parameters and inputs by name.
-        output: variables that are wanted, as names or globs; without them all outputs.
+        output: variables that are wanted, as a name or glob or a list of them; without it all outputs.
         config: as of `export`.
         options: those of `urdf2fmu simulate`, such as `stop_time=2.0`, `output_interval=0.01`, `tolerance=1e-5`.
 
@@ -41,23 +42,23 @@ def simulate(robot: PathLike, *, input: Table | None = None, start_values: Mappi
     """
     with _fmu(robot, config, options) as (fmu, rest), tempfile.TemporaryDirectory(prefix="urdf2fmu-") as folder:
         more = ["--quiet"]
+        rest.pop("quiet", None)
         if input is not None:
             write_table(Path(folder, "in.csv"), input)
             more += ["--input-file", str(Path(folder, "in.csv"))]
-        for name, value in (start_values or {}).items():
-            try:
-                more += ["--start-value", name, repr(float(value))]
-            except (TypeError, ValueError):
-                raise Error(f"the start value of '{name}' must be a number, not {value!r}") from None
-        for name in output:
+        for name, value in by_name("start values", start_values).items():
+            more += ["--start-value", str(name), repr(number(f"the start value of '{name}'", value))]
+        for name in [output] if isinstance(output, str) else output:
             more += ["--output-variable", name]
-        out = Path(folder, "out.csv")
-        run("simulate", fmu, "--output-file", out, *more, *arguments(rest))
+        kept = rest.pop("output_file", None)
+        out = Path(folder, "out.csv") if kept is None else Path(str(kept))
+        run("simulate", file_name(fmu), "--output-file", out, *more, *arguments(rest))
         kinds = {v.name: v.kind for v in read_variables(read_description(fmu)).values()}
         return _read_table(out, kinds)
 
 
-_OF_SIMULATE = ("start_time", "stop_time", "output_interval", "tolerance", "set_input_derivatives", "debug_logging")
+_OF_SIMULATE = ("start_time", "stop_time", "output_interval", "tolerance", "set_input_derivatives", "debug_logging",
+                "input_file", "output_file", "plot", "report", "quiet")
 
 
 @contextmanager
@@ -89,10 +90,7 @@ def write_table(place: PathLike, table: Table) -> None:
         raise Error("a table has columns with names: a structured array, a dict of arrays, or a DataFrame")
     columns = {}
     for name, values in given.items():
-        try:
-            columns[name] = np.asarray(values, dtype=float)
-        except (TypeError, ValueError):
-            raise Error(f"the column '{name}' of a table must hold numbers") from None
+        columns[name] = numbers(f"the column '{name}' of a table", values)
     if not columns:
         raise Error("a table needs the column 'time' and one for each input that it gives")
     if len({values.shape for values in columns.values()}) != 1 or next(iter(columns.values())).ndim != 1:
@@ -106,7 +104,7 @@ def write_table(place: PathLike, table: Table) -> None:
 
 def _read_table(place: Path, kinds: Mapping[str, str]) -> npt.NDArray[Any]:
     with open(place, encoding="utf-8") as file:
-        names = [name.strip().strip('"') for name in file.readline().split(",")]
+        names = next(csv.reader([file.readline()]))  # such as "sensor.lidar.ray[1,2]"
         values = np.loadtxt(file, delimiter=",", ndmin=2)
     types = {"Boolean": np.bool_, "Integer": np.int32}
     result = np.empty(len(values), [(name, types.get(kinds.get(name, "Real"), np.float64)) for name in names])
@@ -155,8 +153,9 @@ def show(robot: PathLike, result: Table | None = None, *, height: int = 640, con
     with _fmu(robot, config, options) as (fmu, rest), tempfile.TemporaryDirectory(prefix="urdf2fmu-") as folder:
         page = Path(folder, "run.html")
         if result is None:
-            run("simulate", fmu, "--quiet", "--report", page, *arguments(rest))
+            rest.pop("quiet", None)
+            run("simulate", file_name(fmu), "--quiet", "--report", page, *arguments(rest))
         else:
             write_table(Path(folder, "run.csv"), result)
-            run("report", Path(folder, "run.csv"), "--model", os.fspath(fmu), "-o", page, *arguments(rest))
+            run("report", Path(folder, "run.csv"), "--model", file_name(fmu), "-o", page, *arguments(rest))
         return Page(page.read_text(encoding="utf-8"), height)

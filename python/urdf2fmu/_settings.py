@@ -31,6 +31,9 @@ def _is_list(value: Any) -> bool:
 
 
 def _value(value: Any) -> str:
+    # Those of numpy first: some of them are floats, too, and print otherwise.
+    if hasattr(value, "tolist"):
+        value = value.tolist()
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, (int, float)):
@@ -43,8 +46,6 @@ def _value(value: Any) -> str:
     if isinstance(value, Mapping):
         pairs = (f"{json.dumps(str(k), ensure_ascii=False)} = {_value(v)}" for k, v in value.items())
         return "{" + ", ".join(pairs) + "}"
-    if hasattr(value, "tolist"):
-        return _value(value.tolist())
     if _is_list(value):
         return "[" + ", ".join(map(_value, value)) + "]"
     raise TypeError(f"settings hold numbers, texts, lists and tables, and no {type(value).__name__}")

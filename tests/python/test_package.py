@@ -310,9 +310,9 @@ def test_bad_files_are_errors(rover, examples, tmp_path):
         urdf2fmu.simulate(rover, start_values={"x": 1.0})
     with pytest.raises(Error, match="one length"):
         urdf2fmu.simulate(rover, input={"time": [0, 1], "cmd.head_joint.velocity": [1]})
-    with pytest.raises(Error, match="must be a number"):
+    with pytest.raises(Error, match="takes one number"):
         urdf2fmu.simulate(rover, start_values={"initial.base.position.x": [1, 2]})
-    with pytest.raises(Error, match="must hold numbers"):
+    with pytest.raises(Error, match="takes numbers"):
         urdf2fmu.simulate(rover, input={"time": ["now"]})
     with pytest.raises(Error, match="needs the column 'time'"):
         urdf2fmu.simulate(rover, input={})
