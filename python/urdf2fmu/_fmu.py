@@ -129,9 +129,13 @@ class Fmu:
         """Of FMI: 2 or 3."""
         self.guid = root.get("guid" if self.version == 2 else "instantiationToken", "")
         self.variables = read_variables(root)
+        times = [int(element.get("valueReference", "0")) for element in root.find("ModelVariables") or ()
+                 if element.get("causality") == "independent"]
+        self.time = times[0] if times else None
+        """The reference of the time, of which FMI 3 demands a variable."""
         folder, end = _platform(self.version)
         self._place = tempfile.mkdtemp(prefix="urdf2fmu-")
-        remove = weakref.finalize(self, shutil.rmtree, self._place, True)
+        remove = weakref.finalize(self, shutil.rmtree, self._place, True)  # where what follows fails
         name = f"binaries/{folder}/{element.get('modelIdentifier')}.{end}"
         library = self._unpack(path, name)
         try:
@@ -140,8 +144,10 @@ class Fmu:
             raise Error(f"the FMU's library for {folder} cannot be loaded here: {error}") from None
         resources = Path(self._place, "resources")
         self.resources = resources.as_uri() if self.version == 2 else f"{resources}{os.sep}"
+        self.instances: set[int | None] = set()
+        """Those that are not freed; while there is one its thread may be in the library."""
         remove.detach()
-        weakref.finalize(self, _let_go, self.functions._handle, self._place)
+        weakref.finalize(self, _let_go, self.functions._handle, self._place, self.instances, os.getpid())
 
     def _unpack(self, path: PathLike, library: str) -> Path:
         with zipfile.ZipFile(path) as archive:
@@ -166,8 +172,16 @@ def _platform(version: int) -> tuple[str, str]:
     return f"{machine}-{system}", end
 
 
-def _let_go(handle: int, folder: str) -> None:
-    """Unloads the library, without which Windows could not remove its file."""
+def _let_go(handle: int, folder: str, instances: set[int | None], owner: int) -> None:
+    """Unloads the library, without which Windows could not remove its file.
+
+    A process that was forked ends with the same duties, and the files are still those of its parent.
+    """
+    if os.getpid() != owner:
+        return
+    if instances:
+        shutil.rmtree(folder, ignore_errors=True)
+        return
     import _ctypes
     if sys.platform == "win32":
         _ctypes.FreeLibrary(handle)

@@ -9,7 +9,11 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from ._command import Error
 from ._fmu import Fmu, Variable
+
+_LAST_SUCCESSFUL_TIME = 2
+"""`fmi2LastSuccessfulTime`"""
 
 Call = Callable[..., None]
 """Calls a function by its name without "fmi2" or "fmi3", and raises what it complains of."""
@@ -91,6 +95,15 @@ class Functions:
         """Takes a step."""
         call("DoStep", ctypes.c_double(time), ctypes.c_double(duration), 1)
 
+    def reached(self, call: Call, begin: float) -> float:
+        """s; the time that the instance has come to, of which `begin` is said where no step was taken yet."""
+        time = ctypes.c_double()
+        try:
+            call("GetRealStatus", _LAST_SUCCESSFUL_TIME, ctypes.byref(time))
+        except Error:
+            return begin
+        return time.value
+
     def get(self, call: Call, part: Part) -> Any:
         """The values of all elements of a part."""
         name, number = self.types[part.kind]
@@ -151,6 +164,14 @@ class Functions3(Functions):
         flag, reached = ctypes.c_bool(), ctypes.c_double()
         call("DoStep", ctypes.c_double(time), ctypes.c_double(duration), ctypes.c_bool(True), ctypes.byref(flag),
              ctypes.byref(flag), ctypes.byref(flag), ctypes.byref(reached))
+
+    def reached(self, call: Call, begin: float) -> float:
+        time = ctypes.c_double(begin)
+        if self.fmu.time is not None:
+            reference = ctypes.c_uint(self.fmu.time)
+            one = ctypes.c_size_t(1)
+            call("GetFloat64", ctypes.byref(reference), one, ctypes.byref(time), one)
+        return time.value
 
     def _more(self, part: Part) -> tuple[Any, ...]:
         return (ctypes.c_size_t(part.length),)

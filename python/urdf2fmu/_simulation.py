@@ -5,6 +5,7 @@ from __future__ import annotations
 import ctypes
 import difflib
 import math
+import re
 import tempfile
 import threading
 import warnings
@@ -21,9 +22,13 @@ import numpy.typing as npt
 from . import _functions
 from ._command import Error, Option, PathLike, Settings, export
 from ._fmu import Fmu, Variable, is_fmu, load
+from ._values import by_name, number, numbers, text
 
 _ENDS = ("x", "y", "z", "w"), ("x", "y", "z"), ("roll", "pitch", "yaw"), ("x", "y")
+_CAUSALITIES = "input", "output", "parameter", "calculatedParameter", "structuralParameter", "local", "independent"
 _WARNING = 1
+_PATIENCE = 1.0
+"""s, for which the end of Python waits for a call that is under way in another thread"""
 
 
 class State(NamedTuple):
@@ -91,9 +96,9 @@ class Simulation:
             with tempfile.TemporaryDirectory(prefix="urdf2fmu-") as folder:
                 self._fmu = load(export(robot, Path(folder, "robot.fmu"), config=config,
                                          **{"no_documentation": True, **options}))
-        self._start_values = dict(start_values or {})
-        self._start_time = float(start_time)
-        self._tolerance = tolerance
+        self._start_values = by_name("start values", start_values)
+        self._start_time = number("the start time", start_time)
+        self._tolerance = None if tolerance is None else number("the tolerance", tolerance)
         self.time = self._start_time
         """s; the time that the simulation has come to"""
         self._begin()
@@ -106,7 +111,8 @@ class Simulation:
             raise Error(self._told("instantiation"))
         self._instance = ctypes.c_void_p(made)
         # Holds the library until the instance is freed, also at the end of Python.
-        self._free = weakref.finalize(self, _free, self._functions, self._instance)
+        self._free = weakref.finalize(self, _free, self._functions, self._instance, self._lock)
+        self._fmu.instances.add(made)
         try:
             self._initialize()
         except BaseException:
@@ -128,7 +134,8 @@ class Simulation:
     def _call(self, function: str, *arguments: Any) -> None:
         name = self._functions.prefix + function
         with self._lock:
-            if self._instance is None:
+            # The end of Python frees it while threads go on.
+            if self._instance is None or not self._free.alive:
                 raise Error("the simulation is closed")
             self._messages.clear()
             status = getattr(self._fmu.functions, name)(self._instance, *arguments)
@@ -148,8 +155,13 @@ class Simulation:
 
         Args:
             pattern: a glob: `*` any characters, `?` one.
-            causality: "input", "output" or "parameter"; without it all.
+            causality: "input", "output", "parameter" or another of FMI's; without it all.
+
+        Raises:
+            Error: if there is no such causality. A pattern that nothing matches gives an empty list.
         """
+        if causality is not None and causality not in _CAUSALITIES:
+            raise Error(f"there is no causality {causality!r}; there are {', '.join(_CAUSALITIES)}")
         return [v.name for v in self._fmu.variables.values()
                 if fnmatchcase(v.name, pattern) and causality in (None, v.causality)]
 
@@ -161,7 +173,7 @@ class Simulation:
             return False
 
     def _place(self, name: str) -> _Place:
-        known = self._places.get(name)
+        known = self._places.get(text("a variable's name", name))
         if known is not None:
             return known
         names = self._meant(name)
@@ -177,9 +189,9 @@ class Simulation:
             vector = [f"{name}.{end}" for end in ends]
             if all(n in variables for n in vector):
                 return vector
-        numbered: list[str] = []
-        while f"{name}[{len(numbered) + 1}]" in variables:
-            numbered.append(f"{name}[{len(numbered) + 1}]")
+        # With a number each, or with row and column.
+        element = re.compile(re.escape(name) + r"\[\d+(,\d+)*\]")
+        numbered = [n for n in variables if element.fullmatch(n)]
         found = numbered or [n for n in variables if fnmatchcase(n, name)]
         if not found:
             near = difflib.get_close_matches(name, variables, 3, 0.5)
@@ -204,10 +216,7 @@ class Simulation:
     def __setitem__(self, name: str, value: npt.ArrayLike) -> None:
         """Sets one variable, or all behind a stem or glob: to one number, or to one each."""
         place = self._place(name)
-        try:
-            given = np.asarray(value, dtype=float)
-        except (TypeError, ValueError):
-            raise Error(f"'{name}' takes numbers, not {value!r}") from None
+        given = numbers(f"'{name}'", value)
         if given.shape not in ((), (len(place.names),)):
             many = "one number" if place.single else f"one number or {len(place.names)}"
             raise Error(f"'{name}' takes {many}; the given value has the shape {given.shape}")
@@ -216,9 +225,9 @@ class Simulation:
             some_given = given[part.where]
             if part.kind != "Real" and not np.all((some_given == np.round(some_given)) & (abs(some_given) < 2**31)):
                 raise Error(f"'{name}' takes whole numbers of 32 bits, not {value!r}")
-            numbers = some_given.tolist()
-            numbers = numbers if part.kind == "Real" else [int(number) for number in numbers]
-            self._functions.set(self._call, part, numbers)
+            values = some_given.tolist()
+            values = values if part.kind == "Real" else [int(one) for one in values]
+            self._functions.set(self._call, part, values)
 
     def step(self, duration: float) -> None:
         """Simulates so many seconds; inputs keep their values meanwhile.
@@ -226,35 +235,58 @@ class Simulation:
         Raises:
             Error: if the FMU refuses the step; after a failure only `reset`, `restore` and `close` help.
         """
-        if not (math.isfinite(duration) and duration > 0):
+        seconds = number("a step", duration)
+        if not (math.isfinite(seconds) and seconds > 0):
             raise Error(f"a step takes a positive time, not {duration!r} s")
-        self._functions.step(self._call, self.time, duration)
-        self.time += duration
+        with self._lock:
+            begin = self.time
+            try:
+                self._functions.step(self._call, begin, seconds)
+            except Error:
+                raise
+            except BaseException:
+                # Ctrl-C, or a warning that is made an error: only the FMU knows whether it has taken the step.
+                self.time = self._functions.reached(self._call, begin)
+                raise
+            self.time = begin + seconds
 
     def reset(self, start_values: Mapping[str, npt.ArrayLike] | None = None) -> None:
         """Back to the start.
 
         Args:
             start_values: in place of those of the constructor; they hold from now on.
+
+        Raises:
+            Error: if a start value is refused; the simulation is then at the start with those of before.
         """
-        if start_values is not None:
-            self._start_values = dict(start_values)
-        self._call("Reset")
-        self._initialize()
+        with self._lock:
+            before = self._start_values
+            if start_values is not None:
+                self._start_values = by_name("start values", start_values)
+            try:
+                self._call("Reset")
+                self._initialize()
+            except Error:
+                if self._start_values is not before:
+                    self._start_values = before
+                    self._call("Reset")
+                    self._initialize()
+                raise
 
     def save(self) -> State:
         """The present state, of which `restore` continues with the same bits."""
         get, length, write, _, _, free = self._functions.save
         pointer = ctypes.c_void_p()
-        self._call(get, ctypes.byref(pointer))
-        try:
-            size = ctypes.c_size_t()
-            self._call(length, pointer, ctypes.byref(size))
-            data = ctypes.create_string_buffer(size.value)
-            self._call(write, pointer, data, size)
-        finally:
-            self._call(free, ctypes.byref(pointer))
-        return State(self.time, data.raw)
+        with self._lock:
+            self._call(get, ctypes.byref(pointer))
+            try:
+                size = ctypes.c_size_t()
+                self._call(length, pointer, ctypes.byref(size))
+                data = ctypes.create_string_buffer(size.value)
+                self._call(write, pointer, data, size)
+            finally:
+                self._call(free, ctypes.byref(pointer))
+            return State(self.time, data.raw)
 
     def restore(self, state: State) -> None:
         """Back to a saved state, also of another simulation of the same FMU.
@@ -262,14 +294,18 @@ class Simulation:
         Raises:
             Error: if it is of another FMU, or damaged.
         """
+        if not isinstance(state, State):
+            raise Error(f"restore takes what save has given, not {state!r:.60}")
         _, _, _, read, put, free = self._functions.save
         pointer = ctypes.c_void_p()
-        self._call(read, state.data, ctypes.c_size_t(len(state.data)), ctypes.byref(pointer))
-        try:
-            self._call(put, pointer)
-        finally:
-            self._call(free, ctypes.byref(pointer))
-        self.time = state.time
+        data = bytes(state.data)
+        with self._lock:
+            self._call(read, data, ctypes.c_size_t(len(data)), ctypes.byref(pointer))
+            try:
+                self._call(put, pointer)
+                self.time = float(state.time)
+            finally:
+                self._call(free, ctypes.byref(pointer))
 
     def close(self) -> None:
         """Ends the simulation; a second time it does nothing."""
@@ -277,6 +313,10 @@ class Simulation:
             if self._instance is not None:
                 self._instance = None
                 self._free()
+
+    def __reduce__(self) -> str | tuple[Any, ...]:
+        # A copy would call the same instance, also when it is freed.
+        raise TypeError("a Simulation cannot be copied or pickled; what save() gives can, for another Simulation")
 
     def __enter__(self) -> Simulation:
         return self
@@ -286,5 +326,12 @@ class Simulation:
         self.close()
 
 
-def _free(functions: _functions.Functions, instance: ctypes.c_void_p) -> None:
-    getattr(functions.fmu.functions, functions.prefix + "FreeInstance")(instance)
+def _free(functions: _functions.Functions, instance: ctypes.c_void_p, lock: threading.RLock) -> None:
+    """Frees an instance, unless a thread is still in a call to it at the end of Python, which ends it anyway."""
+    if not lock.acquire(timeout=_PATIENCE):
+        return
+    try:
+        getattr(functions.fmu.functions, functions.prefix + "FreeInstance")(instance)
+        functions.fmu.instances.discard(instance.value)
+    finally:
+        lock.release()

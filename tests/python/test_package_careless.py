@@ -1,0 +1,248 @@
+"""The Python package in careless hands: wrong types, Ctrl-C, forks, threads that outlive Python, copies."""
+
+import copy
+import fractions
+import os
+import pickle
+import subprocess
+import sys
+import textwrap
+import warnings
+from pathlib import Path
+
+import fmpy
+import numpy as np
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "python"))
+import urdf2fmu  # noqa: E402
+from urdf2fmu import Error, Simulation  # noqa: E402
+
+WHEELS = "cmd.*_wheel_joint.velocity"
+ROWS = {"sensor": [{"type": "ray", "name": "lidar", "link": "base_link", "rays": 3, "rows": 2, "fov": 1.0,
+                    "vertical_fov": 0.2, "hits": True}]}
+
+
+@pytest.fixture(scope="module", params=[2, 3])
+def rover(request, examples, tmp_path_factory):
+    """The FMU of the example rover, of FMI 2 and of FMI 3."""
+    place = tmp_path_factory.mktemp("careless") / "rover.fmu"
+    return urdf2fmu.export(examples / "rover.urdf", place, fmi=request.param, no_documentation=True)
+
+
+def run_alone(code, *arguments):
+    """A program of its own that uses the package: its exit code, and what it says."""
+    environment = {**os.environ, "PYTHONPATH": str(ROOT / "python")}
+    return subprocess.run([sys.executable, "-X", "faulthandler", "-c", textwrap.dedent(code), *map(str, arguments)],
+                          env=environment, capture_output=True, text=True, timeout=120, check=False)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="there is no timer that raises signals")
+def test_after_ctrl_c_in_a_step_the_next_step_goes_on(rover):
+    # Python raises it before the call of the C function or when the step is done.
+    done = run_alone("""
+        import signal, sys, urdf2fmu
+
+        def interrupt(*_):
+            raise KeyboardInterrupt
+
+        signal.signal(signal.SIGALRM, interrupt)
+        with urdf2fmu.Simulation(sys.argv[1]) as robot:
+            for length in [100.0, 0.001] * 100:
+                try:
+                    signal.setitimer(signal.ITIMER_REAL, 0.002)
+                    while True:
+                        robot.step(length)
+                except KeyboardInterrupt:
+                    robot.step(0.01)
+            print("goes on")
+    """, rover)
+    assert done.stdout == "goes on\n", done.stderr
+
+
+def test_a_warning_that_is_made_an_error_leaves_the_time_right(rover):
+    with Simulation(rover) as robot, Simulation(rover) as other, warnings.catch_warnings():
+        warnings.simplefilter("error")
+        robot.step(0.25)
+        # A mistake of the caller that only warns: the step is done all the same.
+        call = robot._call
+
+        def warn(function, *arguments):
+            call(function, *arguments)
+            if function == "DoStep":
+                raise RuntimeWarning("as warnings.warn raises it")
+
+        robot._call = warn
+        with pytest.raises(RuntimeWarning):
+            robot.step(0.25)
+        robot._call = call
+        robot.step(0.25)
+        for _ in range(3):
+            other.step(0.25)
+        assert robot.time == other.time == 0.75
+        assert np.array_equal(robot["base.position"], other["base.position"])
+
+
+def test_steps_of_any_kind_of_number_add_up_as_float64(rover):
+    with Simulation(rover) as robot:
+        for duration in (np.float32(0.1), np.array(0.25), np.int64(1), fractions.Fraction(1, 8), True):
+            robot.step(duration)
+        assert type(robot.time) is float
+        assert robot.time == float(np.float32(0.1)) + 0.25 + 1 + 0.125 + 1
+
+
+@pytest.mark.parametrize("duration", ["0.1", None, 1 + 0j, [0.1, 0.1], np.array([0.1]), 10**400, {}])
+def test_a_step_that_is_no_number_is_refused_and_changes_nothing(rover, duration):
+    with Simulation(rover) as robot:
+        with pytest.raises(Error, match="^a step takes "):
+            robot.step(duration)
+        robot.step(0.1)
+        assert robot.time == 0.1
+
+
+@pytest.mark.parametrize("value", ["1", b"1", None, 1 + 2j, np.array(1 + 2j), 10**400, {}, object(), ["1"], [None] * 4,
+                                   np.ma.array([1.0, 2.0, 3.0, 4.0], mask=[0, 1, 0, 0])])
+def test_only_numbers_are_values(rover, value):
+    with Simulation(rover) as robot:
+        with pytest.raises(Error, match=r"^'cmd\.\*_wheel_joint\.velocity' takes numbers, not "):
+            robot[WHEELS] = value
+        with pytest.raises(Error, match="takes numbers"):
+            urdf2fmu.simulate(rover, stop_time=0.1, input={"time": [0, 1], "cmd.head_joint.velocity": value})
+        assert not robot[WHEELS].any()
+
+
+def test_arrays_of_any_kind_and_stride_are_values(rover):
+    with Simulation(rover) as robot:
+        for value in (np.arange(8.0)[::2], np.arange(4, dtype=np.int8) * 2, np.array([0, 2, 4, 6], ">f4"),
+                      np.array([0, 2, 4, 6], np.float16), [0, 2, 4, 6], range(0, 8, 2), np.arange(6.0, -1, -2)[::-1],
+                      [fractions.Fraction(n) for n in (0, 2, 4, 6)], np.ma.array([0, 2, 4, 6])):
+            robot[WHEELS] = 9
+            robot[WHEELS] = value
+            assert robot[WHEELS].tolist() == [0, 2, 4, 6], repr(value)
+
+
+def test_a_simulation_is_not_copied(rover):
+    # Two objects with one instance would call it after it is freed.
+    with Simulation(rover) as robot:
+        for how in (copy.copy, copy.deepcopy, pickle.dumps):
+            with pytest.raises(TypeError, match=r"cannot be copied or pickled; what save\(\) gives can"):
+                how(robot)
+
+
+def test_names_are_texts_and_causalities_exist(rover):
+    with Simulation(rover) as robot:
+        for name in (3, None, ("base.position.x", "base.position.y")):
+            with pytest.raises(Error, match="^a variable's name is a text, not "):
+                robot[name]
+        with pytest.raises(Error, match="there is no causality 'inputs'; there are input, output, parameter"):
+            robot.names(causality="inputs")
+        assert robot.names("nothing*") == []
+
+
+def test_a_state_is_what_save_gave(rover):
+    with Simulation(rover) as robot:
+        state = robot.save()
+        for wrong in (None, b"abc", state.data, (0.0, state.data), "state"):
+            with pytest.raises(Error, match="^restore takes what save has given, not "):
+                robot.restore(wrong)
+        robot.step(0.1)
+        robot.restore(state._replace(data=bytearray(state.data)))
+        assert robot.time == 0.0
+
+
+def test_a_reset_that_is_refused_is_one_to_the_start_values_of_before(rover):
+    with Simulation(rover, start_values={"initial.base.position.z": 1.0}) as robot:
+        for wrong in ({"foo": 1}, {"initial.base.position.z": "x"}, {"initial.base.position": [0, 0]}):
+            robot.step(0.1)
+            with pytest.raises(Error):
+                robot.reset(wrong)
+            assert robot["base.position.z"] == 1.0 and robot.time == 0.0
+            robot.step(0.1)
+        for wrong in (5, [1]):
+            with pytest.raises(Error, match="^start values are values by name, as a dict, not "):
+                robot.reset(wrong)
+        robot.reset()
+        assert robot["base.position.z"] == 1.0
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="there is no fork")
+def test_the_end_of_a_forked_process_leaves_the_parent_its_files(rover):
+    done = run_alone("""
+        import os, sys, urdf2fmu
+
+        robot = urdf2fmu.Simulation(sys.argv[1])
+        child = os.fork()
+        robot.step(0.1)
+        if child:
+            os.waitpid(child, 0)
+            # Reads the FMU's resources again.
+            print(urdf2fmu.Simulation(sys.argv[1])["base.position"].shape)
+    """, rover)
+    assert (done.returncode, done.stdout) == (0, "(3,)\n"), done.stderr
+
+
+@pytest.mark.parametrize("duration", [0.001, 1000.0])
+def test_python_ends_while_a_thread_still_steps(rover, duration):
+    done = run_alone("""
+        import sys, threading, time, urdf2fmu
+
+        robot = urdf2fmu.Simulation(sys.argv[1])
+
+        def run():
+            try:
+                while True:
+                    robot.step(float(sys.argv[2]))
+            except urdf2fmu.Error as error:
+                assert str(error) == "the simulation is closed", error
+
+        threading.Thread(target=run, daemon=True).start()
+        time.sleep(0.1)
+    """, rover, duration)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+def test_rays_in_rows_have_a_stem_and_columns(examples, tmp_path):
+    for fmi in (2, 3):
+        fmu = urdf2fmu.export(examples / "rover.urdf", tmp_path / "rays.fmu", config=ROWS, fmi=fmi,
+                              no_documentation=True)
+        names = [f"sensor.lidar.ray[{row},{column}]" for row in (1, 2) for column in (1, 2, 3)]
+        with Simulation(fmu) as robot:
+            assert robot["sensor.lidar.ray"].tolist() == [robot[name] for name in names]
+            assert robot["sensor.lidar.hit"].shape == (6,)
+        table = urdf2fmu.simulate(fmu, stop_time=0.1, output=["sensor.lidar.ray*"])
+        assert table.dtype.names == ("time", *names)
+        if fmi == 2:
+            other = fmpy.simulate_fmu(str(fmu), stop_time=0.1, output_interval=1 / 240, output=names)
+            assert all(np.array_equal(table[name], other[name]) for name in names)
+
+
+def test_numbers_and_arrays_of_numpy_are_settings_and_options(examples):
+    robot = examples / "rover.urdf"
+    config = {"robot": {"scale": np.float64(2.0), "self_collision": np.True_}, "initial": {"xyz": np.array([0, 0, 1.0])},
+              "sensor": [{"type": "ray", "link": "base_link", "rays": np.int64(3), "fov": np.float32(1.0)}]}
+    plain = {"robot": {"scale": 2.0, "self_collision": True}, "initial": {"xyz": [0, 0, 1.0]},
+             "sensor": [{"type": "ray", "link": "base_link", "rays": 3, "fov": 1.0}]}
+    assert urdf2fmu.info(robot, config=config) == urdf2fmu.info(robot, config=plain)
+    crates = [f"{examples}/worlds/crate.urdf@{x},0" for x in (1, 2)]
+    listed = urdf2fmu.info(robot, object=crates, fixed_base=True)
+    assert urdf2fmu.info(robot, object=np.array(crates), fixed_base=np.True_) == listed
+    assert urdf2fmu.info(robot, object=(crate for crate in crates), fixed_base=True, floating_base=np.False_) == listed
+
+
+def test_one_output_may_be_a_text_and_the_table_may_be_kept(rover, tmp_path):
+    kept = tmp_path / "kept.csv"
+    table = urdf2fmu.simulate(rover, stop_time=0.1, output="base.position.x", output_file=kept, quiet=True)
+    assert table.dtype.names == ("time", "base.position.x")
+    assert len(kept.read_text().splitlines()) == len(table) + 1
+
+
+def test_files_whose_names_look_like_options_or_are_empty(examples, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("-o.urdf").write_text((examples / "rover.urdf").read_text())
+    assert urdf2fmu.info("-o.urdf")["robot"] == urdf2fmu.info(examples / "rover.urdf")["robot"]
+    assert all(finding["severity"] != "error" for finding in urdf2fmu.check("-o.urdf"))
+    assert len(urdf2fmu.simulate("-o.urdf", stop_time=0.01)) > 1
+    for call in (urdf2fmu.check, urdf2fmu.info, urdf2fmu.simulate, urdf2fmu.Simulation, urdf2fmu.show):
+        with pytest.raises(Error, match="the name of the robot's file is empty"):
+            call("")
