@@ -6,6 +6,7 @@ XML reader (`tests/corpus/independent.py`).
 
 import json
 import math
+import subprocess
 import sys
 from pathlib import Path
 
@@ -62,3 +63,14 @@ def test_a_sample_of_the_corpus_loads_steps_and_loses_nothing(number, sample, co
             assert all(map(math.isfinite, robot.slave.getReal(outputs))), f"{urdf}: step {k + 1}"
     finally:
         robot.free()
+
+
+def test_the_scripts_that_documents_name_start():
+    # A script's folder comes first where Python looks for modules, so that a script named as one of Python's own hides
+    # that from all others of the folder.
+    scripts = sorted((Path(__file__).resolve().parents[1] / "corpus").glob("*.py"))
+    for script in scripts:
+        assert script.stem not in sys.stdlib_module_names, script
+    for script in ("public.py", "xacro.py"):
+        done = subprocess.run([sys.executable, scripts[0].with_name(script)], capture_output=True, text=True, check=False)
+        assert "not enough values to unpack" in done.stderr

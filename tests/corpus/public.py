@@ -1,6 +1,6 @@
 """Every URDF below some folders: what `check` says, what loads, whether anything is lost, how often a newcomer runs it.
 
-Usage: python collections.py URDF2FMU FOLDER…
+Usage: python public.py URDF2FMU FOLDER…
 
 A refused file is tried again with what the messages of the first run offer, once: the first of their options. What
 loads is compared with Python's XML reader (`independent.py`), as corpus.py does.
