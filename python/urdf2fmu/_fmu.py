@@ -41,7 +41,7 @@ class Variable(NamedTuple):
 
 
 _ELEMENTS = "io.github.urdf2fmu.elements"
-"""The annotation of an array that names its elements."""
+"""The annotation that names the elements of arrays: a line for each, its value reference first."""
 _KINDS = {"Float64": "Real", "Int32": "Integer", "Boolean": "Boolean"}
 """What the types of FMI 3 are called here, as in FMI 2."""
 
@@ -71,13 +71,15 @@ def read_variables(root: ElementTree.Element) -> dict[str, Variable]:
                                element.get("causality", "local"), element.get("variability", "continuous"),
                                kind.get("unit", ""), element.get("description", ""))
     arrays = [element for element in root.find("ModelVariables") or () if element.tag in _KINDS]
+    named = {line.split()[0]: line.split()[1:] for annotation in root.iterfind("Annotations/Annotation")
+             if annotation.get("type") == _ELEMENTS for line in (annotation.text or "").splitlines() if line.strip()}
     scalars = {element.get("name") for element in arrays if element.find("Dimension") is None}
     for element in arrays:
         causality = element.get("causality", "local")
         if causality == "independent":
             continue
         usual = "continuous" if element.tag == "Float64" else "discrete"
-        names = _elements(element)
+        names = _elements(element, named.get(element.get("valueReference", ""), []))
         for index, name in enumerate(names):
             # A name is that of a scalar, else that of the first array that has it.
             if len(names) > 1 and (name in scalars or name in found):
@@ -88,15 +90,14 @@ def read_variables(root: ElementTree.Element) -> dict[str, Variable]:
     return found
 
 
-def _elements(element: ElementTree.Element) -> list[str]:
-    """Names of the elements of a variable of FMI 3; those of a scalar are its own."""
+def _elements(element: ElementTree.Element, named: list[str]) -> list[str]:
+    """Names of the elements of a variable of FMI 3, `named` where these are known; those of a scalar are its own."""
     name = element.get("name", "")
     shape = [int(dimension.get("start", "1")) for dimension in element.iter("Dimension")]
     if not shape:
         return [name]
-    for annotation in element.iter("Annotation"):
-        if annotation.get("type") == _ELEMENTS:
-            return (annotation.text or "").split()
+    if len(named) == math.prod(shape):
+        return named
     names = []
     for index in range(math.prod(shape)):
         numbers = []

@@ -236,3 +236,22 @@ def test_a_set_of_one_element_keeps_the_others(command, export, pybullet_data, t
     assert done.returncode == 0, done.stderr
     first = out.read_text().splitlines()[1].split(",")
     assert float(first[1]) == 2 and float(first[3]) > 0.1
+
+
+@pytest.mark.parametrize("arrays", ["vectors", "all", "none"])
+def test_variables_hold_dimensions_alone_and_the_model_names_the_elements(arrays, command, examples, tmp_path):
+    # FMILibrary 3.0 skips a <Dimension> that follows <Annotations>, as the schema wants them, and sees a scalar.
+    fmu, flat = tmp_path / "three.fmu", tmp_path / "two.fmu"
+    for place, options in ((fmu, ("--fmi", "3", "--arrays", arrays)), (flat, ())):
+        command("export", examples / "quadruped.urdf", "-o", place, "--no-documentation", *options)
+    with zipfile.ZipFile(fmu) as archive:
+        root = etree.fromstring(archive.read("modelDescription.xml"))
+    variables = {variable.get("valueReference"): [int(inner.get("start")) for inner in variable]
+                 for variable in root.find("ModelVariables")}
+    assert {inner.tag for variable in root.find("ModelVariables") for inner in variable} <= {"Dimension"}
+    lines = [line.split() for annotation in root.findall("Annotations/Annotation") for line in annotation.text.splitlines()]
+    assert {reference: [len(names)] for reference, *names in lines} == {
+        reference: sizes for reference, sizes in variables.items() if sizes}
+    assert (lines == []) == (arrays == "none")
+    of_fmi_2 = {v.name for v in fmpy.read_model_description(str(flat)).modelVariables}
+    assert {name for _, *names in lines for name in names} <= of_fmi_2

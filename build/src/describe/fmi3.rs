@@ -1,7 +1,8 @@
 //! modelDescription.xml of FMI 3.0: a variable for each entry of the table.
 //!
-//! A vector's elements stand in an annotation by their own names, so that a reader can tell which
-//! is which; this program's importer shows them under these names.
+//! The elements of vectors stand in an annotation of the model by their own names, so that a reader
+//! can tell which is which; this program's importer shows them under these names. In annotations of
+//! the variables `FMILibrary` 3.0 would overlook the dimensions, which follow them.
 //!
 //! Source: FMI 3.0 specification, sections 2.4, 3.3 and 4.4.
 
@@ -22,7 +23,8 @@ use urdf2fmu_core::variables::{
     Causality, Entry, Kind, Slot, Unit, Variable, entries, time_reference,
 };
 
-/// Type of the annotation that names the elements of an array.
+/// Type of the annotation that names the elements of arrays: in each line the value reference of an
+/// array, then the names.
 pub const ELEMENTS: &str = "io.github.urdf2fmu.elements";
 
 /// The XML text.
@@ -78,7 +80,8 @@ pub fn model_description(
                         .iter()
                         .try_for_each(|entry| variable(xml, model, (table, &entries), entry))
                 })?;
-            model_structure(xml, model, table, &entries)
+            model_structure(xml, model, table, &entries)?;
+            elements(xml, table, &entries)
         })?;
     let mut text = xml.into_inner();
     text.push(b'\n');
@@ -243,14 +246,6 @@ fn variable(
         return Ok(());
     }
     element.write_inner_content(|xml| {
-        let names: Vec<String> = rows.iter().map(|row| clean(&row.name)).collect();
-        xml.create_element("Annotations")
-            .write_inner_content(|xml| {
-                xml.create_element("Annotation")
-                    .with_attribute(("type", ELEMENTS))
-                    .write_text_content(BytesText::new(&names.join(" ")))?;
-                Ok(())
-            })?;
         for size in &entry.shape {
             xml.create_element("Dimension")
                 .with_attribute(("start", size.to_string().as_str()))
@@ -258,6 +253,29 @@ fn variable(
         }
         Ok(())
     })?;
+    Ok(())
+}
+
+/// The names of the elements of all arrays.
+fn elements(xml: &mut Writer<Vec<u8>>, table: &[Variable], entries: &[Entry]) -> io::Result<()> {
+    let arrays = entries.iter().filter(|entry| !entry.shape.is_empty());
+    let lines: Vec<String> = arrays
+        .map(|entry| {
+            let names = entry.rows.iter().map(|row| &table[*row as usize].name);
+            let names: Vec<String> = names.map(|name| clean(name)).collect();
+            format!("{} {}", entry.value_reference, names.join(" "))
+        })
+        .collect();
+    if lines.is_empty() {
+        return Ok(());
+    }
+    xml.create_element("Annotations")
+        .write_inner_content(|xml| {
+            xml.create_element("Annotation")
+                .with_attribute(("type", ELEMENTS))
+                .write_text_content(BytesText::new(&lines.join("\n")))?;
+            Ok(())
+        })?;
     Ok(())
 }
 

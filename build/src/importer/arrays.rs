@@ -1,11 +1,11 @@
 //! FMI 3's arrays as lists of their elements.
 //!
-//! An FMU of this program names the elements in an annotation: they have the names of FMI 2's
-//! variables. Those of other FMUs are numbered from 1, `name[2]` or `name[1,2]`.
+//! An FMU of this program names the elements in an annotation of the model: they have the names of
+//! FMI 2's variables. Those of other FMUs are numbered from 1, `name[2]` or `name[1,2]`.
 
 use super::library::Element;
 use super::variable::{Kind, Variable};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Elements that are listed, of all variables.
 const MOST: u32 = 1_000_000;
@@ -15,8 +15,6 @@ pub(super) struct Array {
     pub variable: Variable,
     /// Empty for a scalar.
     pub shape: Vec<u32>,
-    /// Of the elements, if they have any.
-    pub names: Vec<String>,
 }
 
 /// All of them, while they are read.
@@ -27,6 +25,8 @@ pub(super) struct Arrays {
     pub inside: bool,
     /// Whether the next text names elements.
     pub named: bool,
+    /// Names of the elements of arrays, by their value references.
+    names: BTreeMap<u32, Vec<String>>,
 }
 
 /// Whether an element of the XML is a variable of FMI 3.
@@ -49,10 +49,16 @@ pub(super) fn is_type(name: &str) -> bool {
 impl Arrays {
     /// Text between tags.
     pub fn text(&mut self, text: &str) {
-        if let Some(array) = self.list.last_mut().filter(|_| self.named && self.inside) {
-            array.names = text.split_whitespace().map(str::to_owned).collect();
+        if std::mem::take(&mut self.named) {
+            self.names = text
+                .lines()
+                .filter_map(|line| {
+                    let mut words = line.split_whitespace();
+                    let reference = words.next()?.parse().ok()?;
+                    Some((reference, words.map(str::to_owned).collect()))
+                })
+                .collect();
         }
-        self.named = false;
     }
 
     /// A dimension of the last variable; one that a structural parameter gives is not known here,
@@ -84,7 +90,8 @@ impl Arrays {
                 let name = if array.shape.is_empty() || !simulated {
                     array.variable.name.clone()
                 } else {
-                    array.name(index)
+                    let reference = &array.variable.value_reference;
+                    array.name(index, self.names.get(reference))
                 };
                 if !array.shape.is_empty() && !names.insert(name.clone()) {
                     continue;
@@ -111,8 +118,8 @@ impl Arrays {
 }
 
 impl Array {
-    fn name(&self, index: u32) -> String {
-        if let Some(name) = self.names.get(index as usize) {
+    fn name(&self, index: u32, names: Option<&Vec<String>>) -> String {
+        if let Some(name) = names.and_then(|names| names.get(index as usize)) {
             return name.clone();
         }
         let mut rest = index;

@@ -276,7 +276,6 @@ fn array(name: &str, attributes: &Attributes) -> Result<Array, DescriptionError>
             unit: or("unit", ""),
         },
         shape: Vec::new(),
-        names: Vec::new(),
     })
 }
 
@@ -432,17 +431,18 @@ mod tests {
   <TypeDefinitions><Float64Type name="T" unit="m"/></TypeDefinitions>
   <ModelVariables>
     <Float64 name="time" valueReference="9" causality="independent" variability="continuous"/>
-    <Float64 name="p" valueReference="7" causality="output" unit="m"><Annotations><Annotation
-      type="io.github.urdf2fmu.elements">p.x p.y</Annotation></Annotations><Dimension start="2"/></Float64>
+    <Float64 name="p" valueReference="7" causality="output" unit="m"><Dimension start="2"/></Float64>
     <Float64 name="m" valueReference="3" causality="input" start="0 0 0 0">
       <Dimension start="2"/><Dimension start="2"/></Float64>
-    <Float64 name="both" valueReference="5" causality="output"><Annotations><Annotation
-      type="io.github.urdf2fmu.elements">on p.x</Annotation></Annotations><Dimension start="2"/></Float64>
+    <Float64 name="both" valueReference="5" causality="output"><Dimension start="2"/></Float64>
     <Boolean name="on" valueReference="8" causality="output"/>
     <Float64 name="unknown" valueReference="4" causality="output"><Dimension valueReference="1"/></Float64>
     <String name="s" valueReference="2" causality="output"/>
   </ModelVariables>
   <ModelStructure><Output valueReference="7"/></ModelStructure>
+  <Annotations><Annotation type="other">3 a b c d</Annotation>
+    <Annotation type="io.github.urdf2fmu.elements">7 p.x p.y
+5 on p.x</Annotation></Annotations>
 </fmiModelDescription>"#;
 
     #[test]
