@@ -9,8 +9,11 @@
 //! incomplete.
 #![allow(unsafe_code, reason = "runs before main and calls the C library")]
 
+use std::fs;
 use std::io;
-use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, AtomicI32, AtomicU8, Ordering};
+use std::sync::{Mutex, Once, PoisonError};
 
 /// Bit `1 << n` is set where stream `n` (1 output, 2 error) was closed.
 static CLOSED: AtomicU8 = AtomicU8::new(0);
@@ -51,15 +54,89 @@ pub fn check_open(stream: u8) -> io::Result<()> {
 /// Whether SIGINT, SIGTERM or SIGHUP has come.
 static ENDED: AtomicBool = AtomicBool::new(false);
 
+/// Whether somebody asks [`ended`] and finishes then.
+static FINISHES: AtomicBool = AtomicBool::new(false);
+
+/// The end of a pipe by which the handler wakes the thread that removes; -1 where there is none.
+static WAKES: AtomicI32 = AtomicI32::new(-1);
+
+/// What goes with the process.
+static PASSING: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+
 extern "C" fn end(signal: libc::c_int) {
     ENDED.store(true, Ordering::Relaxed);
-    // SAFETY: allowed in a handler. The next one ends the process at once, should it hang.
-    unsafe { libc::signal(signal, libc::SIG_DFL) };
+    let wakes = WAKES.load(Ordering::Relaxed);
+    // SAFETY: both calls are allowed in a handler. The next signal ends the process at once, should
+    // it hang.
+    unsafe {
+        libc::signal(signal, libc::SIG_DFL);
+        if wakes >= 0 {
+            let byte = signal.to_ne_bytes();
+            libc::write(wakes, byte.as_ptr().cast(), byte.len());
+        }
+    }
 }
 
 /// From now on Ctrl-C, and a terminal that is closed, are told by [`ended`] the first time, so that
 /// files can be finished.
 pub fn watch_end() {
+    FINISHES.store(true, Ordering::Relaxed);
+    handle();
+}
+
+/// Makes a folder that goes, too, where a signal ends the process before somebody asks [`ended`].
+///
+/// # Errors
+/// Those of `make`.
+pub fn passing<F: AsRef<Path>>(make: impl FnOnce() -> io::Result<F>) -> io::Result<F> {
+    static ONCE: Once = Once::new();
+    ONCE.call_once(|| {
+        let mut pipe = [-1; 2];
+        // SAFETY: fills both numbers, or fails; then all is as without this function.
+        if unsafe { libc::pipe(pipe.as_mut_ptr()) } != 0 {
+            return;
+        }
+        for stream in pipe {
+            // SAFETY: a browser that is opened shall not get it.
+            unsafe { libc::fcntl(stream, libc::F_SETFD, libc::FD_CLOEXEC) };
+        }
+        let remove = move || remove_at_signal(pipe[0]);
+        if std::thread::Builder::new().spawn(remove).is_ok() {
+            WAKES.store(pipe[1], Ordering::Relaxed);
+            handle();
+        }
+    });
+    // Who removes waits until a folder that is there is known.
+    let mut passing = PASSING.lock().unwrap_or_else(PoisonError::into_inner);
+    let folder = make()?;
+    passing.push(folder.as_ref().to_owned());
+    Ok(folder)
+}
+
+/// Waits for the handler's signal, and ends the process by it if nobody else does.
+fn remove_at_signal(pipe: libc::c_int) {
+    let mut byte = [0; size_of::<libc::c_int>()];
+    // SAFETY: reads at most so many bytes as there are.
+    while unsafe { libc::read(pipe, byte.as_mut_ptr().cast(), byte.len()) } > 0 {
+        if FINISHES.load(Ordering::Relaxed) {
+            continue;
+        }
+        let passing = PASSING.lock().unwrap_or_else(PoisonError::into_inner);
+        for folder in &*passing {
+            // The process may write into it while it goes.
+            for _ in 0..10 {
+                if fs::remove_dir_all(folder).is_ok() || !folder.exists() {
+                    break;
+                }
+            }
+        }
+        // SAFETY: the handler has set the action of this signal to the usual one, which ends the
+        // process.
+        unsafe { libc::raise(libc::c_int::from_ne_bytes(byte)) };
+    }
+}
+
+fn handle() {
     let handler = end as extern "C" fn(libc::c_int);
     for signal in [libc::SIGINT, libc::SIGTERM, libc::SIGHUP] {
         // SAFETY: the handler only stores to an atomic and sets a signal's action.

@@ -193,10 +193,12 @@ impl From<StageError> for CliError {
 /// A folder that goes with the command.
 pub(super) fn temporary() -> Result<TempDir, CliError> {
     let mut builder = tempfile::Builder::new();
-    builder
-        .prefix("urdf2fmu-")
-        .tempdir()
-        .map_err(CliError::Temporary)
+    let make = || builder.prefix("urdf2fmu-").tempdir();
+    #[cfg(unix)]
+    let folder = crate::process::passing(make);
+    #[cfg(not(unix))]
+    let folder = make();
+    folder.map_err(CliError::Temporary)
 }
 
 /// An FMU as it is, or that of a robot, written into `folder`; and the files that it comes from.
