@@ -74,6 +74,14 @@ pub enum ArchiveError {
         /// Why.
         source: zip::result::ZipError,
     },
+    /// A zip of something else.
+    #[error("'{}' is no FMU: it has no modelDescription.xml at its top{hint}", path.display())]
+    Other {
+        /// The file.
+        path: PathBuf,
+        /// Where else there is one.
+        hint: String,
+    },
     /// Its files could not be read or written.
     #[error("cannot unpack '{}' into '{}': {source}", path.display(), folder.display())]
     Extract {
@@ -199,6 +207,19 @@ const LARGEST_ENTRY: u64 = 1 << 30;
 /// What all files together may unpack to, bytes.
 const LARGEST_FMU: u64 = 4 << 30;
 
+/// What a file must have at its top to be an FMU.
+const DESCRIPTION: &str = "modelDescription.xml";
+
+fn open(path: &Path) -> Result<zip::ZipArchive<std::fs::File>, ArchiveError> {
+    let path = path.to_owned();
+    match std::fs::File::open(&path) {
+        Ok(file) => {
+            zip::ZipArchive::new(file).map_err(|source| ArchiveError::Unpack { path, source })
+        }
+        Err(source) => Err(ArchiveError::Read { path, source }),
+    }
+}
+
 /// One entry of a zip on disk; none where it has no such entry.
 ///
 /// # Errors
@@ -212,8 +233,7 @@ pub fn read_entry(path: &Path, name: &str) -> Result<Option<Vec<u8>>, ArchiveErr
         path: path.to_owned(),
         source,
     };
-    let file = std::fs::File::open(path).map_err(io)?;
-    let mut zip = zip::ZipArchive::new(file).map_err(unpack)?;
+    let mut zip = open(path)?;
     let mut entry = match zip.by_name(name) {
         Ok(entry) => entry,
         Err(zip::result::ZipError::FileNotFound) => return Ok(None),
@@ -223,10 +243,8 @@ pub fn read_entry(path: &Path, name: &str) -> Result<Option<Vec<u8>>, ArchiveErr
     let mut limited = (&mut entry).take(LARGEST_ENTRY + 1);
     limited.read_to_end(&mut bytes).map_err(io)?;
     if bytes.len() as u64 > LARGEST_ENTRY {
-        return Err(ArchiveError::Bomb {
-            path: path.to_owned(),
-            name: name.to_owned(),
-        });
+        let (path, name) = (path.to_owned(), name.to_owned());
+        return Err(ArchiveError::Bomb { path, name });
     }
     Ok(Some(bytes))
 }
@@ -238,16 +256,15 @@ pub fn read_entry(path: &Path, name: &str) -> Result<Option<Vec<u8>>, ArchiveErr
 pub fn heads(path: &Path, parent: &str) -> Result<Vec<(String, Vec<u8>)>, ArchiveError> {
     /// Enough for the headers of libraries.
     const FIRST: u64 = 4096;
-    let path = path.to_owned();
-    let file = match std::fs::File::open(&path) {
-        Ok(file) => file,
-        Err(source) => return Err(ArchiveError::Read { path, source }),
-    };
-    let unpack = |source| ArchiveError::Unpack {
-        path: path.clone(),
+    let io = |source| ArchiveError::Read {
+        path: path.to_owned(),
         source,
     };
-    let mut zip = zip::ZipArchive::new(file).map_err(unpack)?;
+    let unpack = |source| ArchiveError::Unpack {
+        path: path.to_owned(),
+        source,
+    };
+    let mut zip = open(path)?;
     let mut found = BTreeMap::new();
     for i in 0..zip.len() {
         let entry = zip.by_index(i).map_err(unpack)?;
@@ -257,10 +274,7 @@ pub fn heads(path: &Path, parent: &str) -> Result<Vec<(String, Vec<u8>)>, Archiv
             continue;
         };
         let mut head = Vec::new();
-        if let Err(source) = entry.take(FIRST).read_to_end(&mut head) {
-            let path = path.clone();
-            return Err(ArchiveError::Read { path, source });
-        }
+        entry.take(FIRST).read_to_end(&mut head).map_err(io)?;
         found.insert(folder.to_owned(), head);
     }
     Ok(found.into_iter().collect())
@@ -271,24 +285,32 @@ pub fn heads(path: &Path, parent: &str) -> Result<Vec<(String, Vec<u8>)>, Archiv
 /// # Errors
 /// [`ArchiveError::Read`], [`ArchiveError::Unpack`], [`ArchiveError::Extract`].
 pub fn unpack(path: &Path, folder: &Path) -> Result<(), ArchiveError> {
-    let file = std::fs::File::open(path).map_err(|source| ArchiveError::Read {
-        path: path.to_owned(),
-        source,
-    })?;
-    let mut zip = zip::ZipArchive::new(file).map_err(|source| ArchiveError::Unpack {
-        path: path.to_owned(),
-        source,
-    })?;
+    let mut zip = open(path)?;
+    if zip.index_for_name(DESCRIPTION).is_none() {
+        let below = |name: &str| {
+            Some(
+                name.strip_suffix(DESCRIPTION)?
+                    .strip_suffix('/')?
+                    .to_owned(),
+            )
+        };
+        let folder = zip.file_names().flatten().find_map(|name| below(&name));
+        let hint = folder.map_or_else(String::new, |folder| {
+            format!(", but in '{folder}': an FMU is a zip of what is in that folder")
+        });
+        let path = path.to_owned();
+        return Err(ArchiveError::Other { path, hint });
+    }
     // The sizes that the directory tells may be wrong: every byte is counted.
     let mut left = LARGEST_FMU;
+    let unpack = |source| ArchiveError::Unpack {
+        path: path.to_owned(),
+        source,
+    };
     for i in 0..zip.len() {
-        let unpack = |source| ArchiveError::Unpack {
-            path: path.to_owned(),
-            source,
-        };
         let mut entry = zip.by_index(i).map_err(unpack)?;
         let name = entry.name().unwrap_or_default().into_owned();
-        let own = if name == "modelDescription.xml" {
+        let own = if name == DESCRIPTION {
             LARGEST_DESCRIPTION
         } else {
             LARGEST_ENTRY
@@ -298,10 +320,8 @@ pub fn unpack(path: &Path, folder: &Path) -> Result<(), ArchiveError> {
         let size = std::io::copy(&mut limited, &mut std::io::sink());
         match size {
             Ok(size) if size > most => {
-                return Err(ArchiveError::Bomb {
-                    path: path.to_owned(),
-                    name,
-                });
+                let path = path.to_owned();
+                return Err(ArchiveError::Bomb { path, name });
             }
             Ok(size) => left -= size,
             // The reader says below what is wrong with it.
@@ -315,10 +335,7 @@ pub fn unpack(path: &Path, folder: &Path) -> Result<(), ArchiveError> {
             folder: folder.to_owned(),
             source,
         },
-        source => ArchiveError::Unpack {
-            path: path.to_owned(),
-            source,
-        },
+        source => unpack(source),
     })
 }
 

@@ -47,7 +47,7 @@ pub fn run(cli: &Cli) -> Result<(), CliError> {
 
 fn export(args: &Export) -> Result<(), CliError> {
     refuse_other_kinds(&args.urdf)?;
-    if is_fmu(&args.urdf) {
+    if is_fmu(&args.urdf) && args.urdf.exists() {
         let path = args.urdf.clone();
         let kind = "an FMU already: export takes the URDF; urdf2fmu simulate runs an FMU";
         return Err(CliError::Kind { path, kind });
@@ -171,7 +171,7 @@ fn explain(args: &Explain) -> Result<(), CliError> {
 
 fn check(args: &Check) -> Result<(), CliError> {
     refuse_other_kinds(&args.urdf)?;
-    if is_fmu(&args.urdf) {
+    if is_fmu(&args.urdf) && args.urdf.exists() {
         let path = args.urdf.clone();
         let kind = "an FMU: check takes the URDF; urdf2fmu info shows what is in an FMU";
         return Err(CliError::Kind { path, kind });

@@ -187,10 +187,10 @@ def check(robot: PathLike, *, config: Settings | None = None, **options: Option)
 
     Returns:
         Findings as dicts with `severity` ("error", "warning", "note"), `code`, `message`, `help`, `file`, `line`,
-        `column`. Errors are among them and are not raised.
+        `column`. Errors are among them and are not raised, that there is no such file (U001) included.
 
     Raises:
-        Error: if there is no such file, or for wrong options.
+        Error: if the file is no robot, or for wrong options.
     """
     with settings(config) as file:
         text = run("check", file_name(robot), "--json", *file, *arguments(options), accept=(0, 1))

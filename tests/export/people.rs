@@ -408,6 +408,31 @@ fn a_file_of_the_wrong_kind_is_told_what_it_is() {
             );
         }
     }
+    // One that is not there is no FMU.
+    for command in ["check", "export"] {
+        let done = urdf2fmu([command, text(&folder.path().join("none.fmu"))]);
+        assert!(done.code == 1 && done.err.contains("cannot be read: No such file"));
+    }
+    // A zip of something else, and one of the folder that the FMU was unpacked into.
+    let other = folder.path().join("other.fmu");
+    for (name, part) in [
+        ("readme.txt", "it has no modelDescription.xml at its top\n"),
+        (
+            "r/modelDescription.xml",
+            "at its top, but in 'r': an FMU is",
+        ),
+    ] {
+        let mut zip = zip::ZipWriter::new(fs::File::create(&other).unwrap());
+        zip.start_file(name, zip::write::SimpleFileOptions::default())
+            .unwrap();
+        zip.finish().unwrap();
+        let done = urdf2fmu(["simulate", text(&other)]);
+        let said = format!("error: '{}' is no FMU: ", text(&other));
+        assert!(
+            done.code == 1 && done.err.starts_with(&said) && done.err.contains(part),
+            "{done:?}"
+        );
+    }
     let done = urdf2fmu(["check", text(&fmu)]);
     assert!(
         done.code == 1 && done.err.contains("check takes the URDF"),

@@ -295,9 +295,10 @@ def test_bad_files_are_errors(rover, examples, tmp_path):
     broken.write_text('<robot name="r"><link name="a"/><link name="a"/></robot>')
     for call in (lambda: Simulation(tmp_path / "none.fmu"), lambda: urdf2fmu.simulate(tmp_path / "none.fmu"),
                  lambda: Simulation(text), lambda: urdf2fmu.info(text), lambda: urdf2fmu.show(text),
-                 lambda: urdf2fmu.check(tmp_path / "none.fmu"), lambda: urdf2fmu.export(tmp_path / "none.urdf")):
+                 lambda: urdf2fmu.check(text), lambda: urdf2fmu.export(tmp_path / "none.urdf")):
         with pytest.raises(Error, match=r"none|text"):
             call()
+    assert [f["code"] for f in urdf2fmu.check(tmp_path / "none.fmu")] == ["U001"]
     with pytest.raises(Error) as caught:
         urdf2fmu.export(broken)
     assert caught.value.exit_code == 1 and not broken.with_suffix(".fmu").exists()

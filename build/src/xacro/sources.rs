@@ -143,9 +143,14 @@ impl<'f> Sources<'f> {
         if let Some(known) = self.read.get(path) {
             return Ok(Rc::clone(known));
         }
+        let name = if path.as_os_str().is_empty() {
+            "a file without a name".to_owned()
+        } else {
+            path.display().to_string()
+        };
         let absent = |error: String| Problem {
             lacking: Some(Lacking::File),
-            ..self.problem(format!("{} cannot be read: {error}", path.display()))
+            ..self.problem(format!("{name} cannot be read: {error}"))
         };
         // Who opens a pipe waits for someone to write to it.
         if std::fs::metadata(path).is_ok_and(|data| !data.is_file()) {
