@@ -105,6 +105,7 @@ pub fn read(
             Ok((description, Some(text)))
         }
         Err(mut findings) => {
+            xacro::name_includers(path, &mut findings);
             findings.splice(0..0, notes);
             Err(findings)
         }

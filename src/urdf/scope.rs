@@ -16,6 +16,17 @@ use std::ops::Range;
 /// 1e16 for "none" are in use.
 pub(super) const LARGEST: f64 = 1e30;
 
+/// Tags that mean something to xacro alone.
+const XACRO: [&str; 7] = [
+    "include",
+    "property",
+    "macro",
+    "arg",
+    "if",
+    "unless",
+    "insert_block",
+];
+
 /// Findings about what is not used: many that are alike become one. Of the others, such as an
 /// inertia that is replaced, it matters which links they are about.
 const UNUSED: [&str; 3] = ["U019", "U020", "U022"];
@@ -302,7 +313,12 @@ impl<'r, 'a> Scope<'r, 'a> {
                 continue;
             }
             let message = format!("<{name}> is unknown here and ignored");
-            let help = did_you_mean(name, known.iter().copied());
+            // Files of ROS 1 had xacro's tags without a prefix.
+            let help = if XACRO.contains(&name) {
+                format!("as a tag of xacro it is written <xacro:{name}>, in a .xacro file")
+            } else {
+                did_you_mean(name, known.iter().copied())
+            };
             self.warning("U019", child.name_at(), &message, help);
         }
     }

@@ -298,6 +298,78 @@ fn a_file_of_macros_alone_names_the_files_that_call_them() {
     assert!(!ok && field(&list, "U010", "help").contains("only defines macros"));
 }
 
+/// Parts of NAO, Astrobee and a rover: what is missing in them stands in the file that includes them.
+#[test]
+fn a_part_of_a_robot_names_the_files_that_include_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let root = folder.path();
+    let robot = |content: &str| {
+        format!("<robot xmlns:xacro='http://wiki.ros.org/xacro' name='r'>{content}</robot>")
+    };
+    let joint = "<link name='l'/><joint name='j' type='fixed'><parent link='body'/>\
+                 <child link='l'/></joint>";
+    let parts = [
+        ("macro", "<xacro:wheel/><xacro:wheel/><xacro:tyre/>", "U006"),
+        ("property", "<link name='${side}_${front}'/>", "U006"),
+        ("argument", "<link name='$(arg side)'/>", "U006"),
+        ("joint", joint, "U016"),
+        ("colours", "<material name='blue'/>", "U010"),
+    ];
+    for (name, content, _) in parts {
+        let place = write(root, &format!("{name}.xacro"), robot(content));
+        let (ok, list) = findings(&place, &[]);
+        let told = || list.iter().map(|finding| finding["help"].to_string());
+        assert!(!ok && told().all(|help| !help.contains("that includes this one")));
+    }
+    let include = |name: &str| format!("<xacro:include filename='{name}.xacro'/>");
+    let of_all: String = parts.iter().map(|(name, ..)| include(name)).collect();
+    let whole = write(root, "whole.urdf.xacro", robot(&of_all));
+    for (name, _, code) in parts {
+        let (_, list) = findings(&root.join(format!("{name}.xacro")), &[]);
+        let named = list.iter().filter(|finding| {
+            let help = finding["help"].as_str().unwrap_or_default();
+            help.contains("give a file that includes this one:\n") && help.ends_with(text(&whole))
+        });
+        let named: Vec<_> = named.map(|finding| &finding["code"]).collect();
+        assert_eq!(named, [code], "{name}: {list:?}");
+        // The other program does not know what is missing either.
+        let told = list.iter().map(|finding| finding["help"].to_string());
+        assert!(
+            !told
+                .into_iter()
+                .any(|help| help.contains("pip install xacro"))
+        );
+    }
+    // A value can be given to the part, too.
+    let help = |list: &[Value]| field(list, "U006", "help");
+    let (_, list) = findings(&root.join("argument.xacro"), &[]);
+    assert!(help(&list).contains("side:=…\nor give a file"));
+    // What is wrong in the whole is not a part's.
+    let (_, list) = findings(&whole, &[]);
+    assert!(help(&list).contains("pip install xacro"));
+}
+
+/// The first description of NAO, for ROS 1: xacro of today reads none of its tags.
+#[test]
+fn a_tag_of_xacro_without_its_prefix_is_told_how_it_is_written() {
+    let folder = tempfile::tempdir().unwrap();
+    let robot = "<robot xmlns:xacro='http://wiki.ros.org/xacro' name='r'><link name='l'/>\
+                 <include filename='legs.xacro'/><propertys/></robot>";
+    let (ok, list) = findings(&write(folder.path(), "r.xacro", robot), &[]);
+    assert!(ok, "{list:?}");
+    let told = |name: &str| {
+        let mut of_name = list
+            .iter()
+            .filter(|f| f["message"].as_str().is_some_and(|m| m.contains(name)));
+        of_name.next().expect("told")["help"]
+            .as_str()
+            .unwrap_or_default()
+            .to_owned()
+    };
+    assert!(told("<include>").contains("written <xacro:include>"));
+    assert!(!told("<propertys>").contains("xacro"));
+}
+
 /// The table of the `TriFinger`: in another folder than the name says, and the only one so named.
 #[test]
 fn a_missing_mesh_names_the_one_file_of_its_name() {

@@ -1,6 +1,7 @@
 //! What is told of a file in xacro that cannot be expanded.
 
 use super::command;
+use super::includers;
 use super::problem::{Lacking, Problem};
 use super::texts::Texts;
 use std::collections::BTreeSet;
@@ -32,7 +33,17 @@ pub(super) fn all(
         _ => None,
     };
     let absent: Vec<String> = problems.iter().filter_map(absent).collect();
-    let (mut list, mut advised) = (Vec::new(), false);
+    // What a file that includes this one may have.
+    let of_others = |problem: &Problem| {
+        matches!(
+            problem.lacking,
+            Some(Lacking::Argument(_) | Lacking::Property(_) | Lacking::Macro(_))
+        )
+    };
+    let part = problems.iter().any(of_others);
+    let part = part.then(|| includers::advice(path)).flatten();
+    let mut list = Vec::new();
+    let (mut advised, mut parted) = (false, false);
     let mut of_arguments = 0;
     for problem in problems {
         if let Some(Lacking::Argument(_)) = problem.lacking {
@@ -42,7 +53,17 @@ pub(super) fn all(
             }
         }
         let mut finding = finding(path, arguments, texts, (problem, &absent));
-        // The other program is named once.
+        // The files that include this one, and the other program, are named once.
+        if let (Some(part), true) = (&part, of_others(problem)) {
+            finding.help = match (&problem.lacking, finding.help) {
+                (_, help) if parted => {
+                    help.filter(|help| *help != command::advice(path, arguments))
+                }
+                (Some(Lacking::Argument(_)), Some(help)) => Some(format!("{help}\nor {part}")),
+                _ => Some(part.clone()),
+            };
+            parted = true;
+        }
         if finding.help.as_deref() == Some(&command::advice(path, arguments)) {
             finding.help = finding.help.filter(|_| !advised);
             advised = true;

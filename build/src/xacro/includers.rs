@@ -1,5 +1,5 @@
-//! Files in xacro that include a file: which of them is the robot's, if the given file only defines
-//! macros.
+//! Files in xacro that include a file: which of them is the robot's, if the given file is only a
+//! part of it.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -17,9 +17,26 @@ const DEEPEST: usize = 8;
 /// Largest file that is looked into, bytes.
 const LARGEST: u64 = 4 << 20;
 
+/// What to give in place of a part: nothing, if no file includes it.
+pub fn advice(file: &Path) -> Option<String> {
+    /// More files than these are not shown.
+    const MOST: usize = 4;
+    let files = of(file);
+    let shown = files.iter().take(MOST);
+    let mut shown: Vec<String> = shown.map(|file| file.display().to_string()).collect();
+    if shown.is_empty() {
+        return None;
+    }
+    if let more @ 1.. = files.len().saturating_sub(MOST) {
+        shown.push(format!("and {more} more"));
+    }
+    let shown = shown.join("\n");
+    Some(format!("give a file that includes this one:\n{shown}"))
+}
+
 /// The files of the same package that include `file`, themselves or through others, and that no
 /// file includes in turn; the shortest names first.
-pub fn of(file: &Path) -> Vec<PathBuf> {
+fn of(file: &Path) -> Vec<PathBuf> {
     let Some(own) = file.file_name() else {
         return Vec::new();
     };

@@ -208,34 +208,32 @@ pub fn expand(
     }))
 }
 
+/// Names the files that include this one where a finding is about what they may have: links.
+pub fn name_includers(path: &Path, findings: &mut [Diagnostic]) {
+    let of_links = |finding: &&mut Diagnostic| ["U010", "U016"].contains(&finding.code);
+    if let Some(first) = findings.iter_mut().find(of_links)
+        && let Some(advice) = includers::advice(path)
+    {
+        first.help = Some(match (first.code, first.help.take()) {
+            // A name that is near to the one that does not exist.
+            ("U016", Some(help)) => format!("{help}\nor {advice}"),
+            _ => advice,
+        });
+    }
+}
+
 /// A file of macros is no robot: which files call them.
 fn only_macros(path: &Path, names: &[String]) -> Diagnostic {
-    /// More names or files than these are not shown.
+    /// More names than these are not shown.
     const MOST: usize = 8;
-    const MOST_FILES: usize = 4;
     let defined = names.iter().take(MOST).cloned().collect::<Vec<_>>();
     let more = if names.len() > MOST { ", …" } else { "" };
-    let files = includers::of(path);
-    let help = if files.is_empty() {
+    let help = includers::advice(path).unwrap_or_else(|| {
         format!(
             "give the file that includes this one and calls them, as <xacro:{} …/> does",
             names[0]
         )
-    } else {
-        let shown: Vec<String> = files
-            .iter()
-            .take(MOST_FILES)
-            .map(|file| file.display().to_string())
-            .collect();
-        let more = match files.len().saturating_sub(MOST_FILES) {
-            0 => String::new(),
-            n => format!("\nand {n} more"),
-        };
-        format!(
-            "give a file that includes this one:\n{}{more}",
-            shown.join("\n")
-        )
-    };
+    });
     Diagnostic {
         severity: Severity::Error,
         code: "U010",
