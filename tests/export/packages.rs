@@ -298,7 +298,7 @@ fn a_file_of_macros_alone_names_the_files_that_call_them() {
     assert!(!ok && field(&list, "U010", "help").contains("only defines macros"));
 }
 
-/// Parts of NAO, Astrobee and a rover: what is missing in them stands in the file that includes them.
+/// Parts of NAO, Astrobee and a rover: what is missing stands in the file that includes them.
 #[test]
 fn a_part_of_a_robot_names_the_files_that_include_it() {
     let folder = tempfile::tempdir().unwrap();
