@@ -462,7 +462,8 @@ pub const NEAREST_IN_HOLLOW: usize = 20;
 /// Parts of the width of a ball in which such places are told apart. At 2 fails
 /// `a_ball_at_the_foot_of_a_slope_touches_both`.
 pub const HOLLOW_LOOKS: usize = 16;
-/// Most such places: the ground, four walls, and what else is there.
+/// Most such places: the ground, four walls, and what else is there. At 1 fails
+/// `a_ball_at_the_foot_of_a_slope_touches_both`.
 pub const MOST_NEAREST: usize = 8;
 /// Cells along the longer side of heights that are generated. At 10 fails
 /// `terrain_is_a_plane_heights_or_a_mesh`.

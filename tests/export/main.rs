@@ -14,6 +14,7 @@ mod offers;
 #[cfg(unix)]
 mod output;
 mod packages;
+mod parts;
 mod people;
 mod ranges;
 mod world;
