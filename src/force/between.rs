@@ -59,7 +59,8 @@ pub(super) fn find_pairs(
         let mut surface = Surface::default();
         surface.combine([&a.own, &b.own], tree.contact.combination);
         // What bounces loses nothing in which an error of its rows would be lost, too.
-        let exact = patch.blended || surface.restitution > 0.0 && !part.uneven;
+        let bounces = surface.restitution > 0.0 && !part.uneven;
+        let exact = patch.blended || bounces && !pair.touches_in_a_point();
         if exact
             && contact.depth > 0.0
             && let place = (&part.normal, contact.depth)

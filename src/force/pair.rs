@@ -101,6 +101,12 @@ impl<'a> Pair<'a> {
         }
     }
 
+    /// Whether the row of their contact is the gradient of its depth as it is, as long as no inner
+    /// core takes part.
+    pub fn touches_in_a_point(&self) -> bool {
+        self.solids.iter().any(|solid| solid.is_ball())
+    }
+
     /// Whether they are nearer than `reach`, m.
     pub fn is_near(&self, reach: f64) -> bool {
         let [a, b] = [0, 1].map(|i| (self.solids[i], &self.poses[i]));

@@ -256,6 +256,12 @@ impl Solid {
         matches!(self.core, Core::HalfSpace | Core::Field(_))
     }
 
+    /// Whether it is a ball: what it touches, it touches in one point, in the direction in which
+    /// the depth grows most.
+    pub fn is_ball(&self) -> bool {
+        matches!(self.core, Core::Point)
+    }
+
     /// Whether it is a surface with everything below.
     pub fn is_terrain(&self) -> bool {
         matches!(
