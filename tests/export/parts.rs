@@ -1,7 +1,7 @@
 //! Files in xacro that are a part of a robot: they name the files that include them.
 
 use super::packages::field;
-use super::people::{findings, write};
+use super::people::{findings, of_severity, write};
 use super::*;
 
 #[test]
