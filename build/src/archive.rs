@@ -211,13 +211,14 @@ const LARGEST_FMU: u64 = 4 << 30;
 const DESCRIPTION: &str = "modelDescription.xml";
 
 fn open(path: &Path) -> Result<zip::ZipArchive<std::fs::File>, ArchiveError> {
-    let path = path.to_owned();
-    match std::fs::File::open(&path) {
-        Ok(file) => {
-            zip::ZipArchive::new(file).map_err(|source| ArchiveError::Unpack { path, source })
-        }
-        Err(source) => Err(ArchiveError::Read { path, source }),
-    }
+    let file = std::fs::File::open(path).map_err(|source| ArchiveError::Read {
+        path: path.to_owned(),
+        source,
+    })?;
+    zip::ZipArchive::new(file).map_err(|source| ArchiveError::Unpack {
+        path: path.to_owned(),
+        source,
+    })
 }
 
 /// One entry of a zip on disk; none where it has no such entry.

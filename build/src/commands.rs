@@ -8,7 +8,7 @@ mod shared;
 mod simulate;
 
 pub use shared::{CliError, print_findings};
-use shared::{is_fmu, refuse_ending, refuse_options, refuse_other_kinds};
+use shared::{is_fmu, refuse_ending, refuse_fmu, refuse_options, refuse_other_kinds};
 
 use crate::cli::{Check, Cli, Command, Deny, Expand, Explain, Export, Info, Init, Picture};
 use crate::diagnostics::{self, Style};
@@ -47,11 +47,10 @@ pub fn run(cli: &Cli) -> Result<(), CliError> {
 
 fn export(args: &Export) -> Result<(), CliError> {
     refuse_other_kinds(&args.urdf)?;
-    if is_fmu(&args.urdf) && args.urdf.exists() {
-        let path = args.urdf.clone();
-        let kind = "an FMU already: export takes the URDF; urdf2fmu simulate runs an FMU";
-        return Err(CliError::Kind { path, kind });
-    }
+    refuse_fmu(
+        &args.urdf,
+        "an FMU already: export takes the URDF; urdf2fmu simulate runs an FMU",
+    )?;
     let robot = stage::robot(&args.source.request(&args.urdf))?;
     print_findings(&robot.diagnostics, Severity::Warning)?;
     let output = args.output.clone().unwrap_or_else(|| {
@@ -171,11 +170,10 @@ fn explain(args: &Explain) -> Result<(), CliError> {
 
 fn check(args: &Check) -> Result<(), CliError> {
     refuse_other_kinds(&args.urdf)?;
-    if is_fmu(&args.urdf) && args.urdf.exists() {
-        let path = args.urdf.clone();
-        let kind = "an FMU: check takes the URDF; urdf2fmu info shows what is in an FMU";
-        return Err(CliError::Kind { path, kind });
-    }
+    refuse_fmu(
+        &args.urdf,
+        "an FMU: check takes the URDF; urdf2fmu info shows what is in an FMU",
+    )?;
     let findings = match stage::robot(&args.source.request(&args.urdf)) {
         Ok(Robot { diagnostics, .. }) => diagnostics,
         Err(StageError::Robot(findings)) => findings,

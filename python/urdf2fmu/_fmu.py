@@ -180,14 +180,12 @@ def _let_go(handle: int, folder: str, instances: set[int | None], owner: int) ->
     """
     if os.getpid() != owner:
         return
-    if instances:
-        shutil.rmtree(folder, ignore_errors=True)
-        return
-    import _ctypes
-    if sys.platform == "win32":
-        _ctypes.FreeLibrary(handle)
-    else:
-        _ctypes.dlclose(handle)
+    if not instances:
+        import _ctypes
+        if sys.platform == "win32":
+            _ctypes.FreeLibrary(handle)
+        else:
+            _ctypes.dlclose(handle)
     shutil.rmtree(folder, ignore_errors=True)
 
 

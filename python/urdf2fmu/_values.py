@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Mapping
 from typing import Any
 
@@ -67,4 +66,4 @@ def text(what: str, value: Any) -> str:
     """
     if not isinstance(value, str):
         raise Error(f"{what} is a text, not {value!r}")
-    return os.fspath(value)
+    return value

@@ -47,7 +47,7 @@ pub struct Field {
     upright: f64,
     /// Heights of the samples that are sharp.
     peaks: Pyramid,
-    /// How much the surface bends up over each cell, see [`Field::hollow`].
+    /// How much the surface bends up over each cell: what `√(1 + |∇H|²) ∇²H` does not exceed, 1/m.
     hollows: Pyramid,
 }
 
@@ -199,14 +199,21 @@ impl Field {
             hollows: Pyramid::default(),
         };
         field.ridges = (0..nx * ny).map(|k| field.ridge(k % nx, k / nx)).collect();
-        let bounds = (0..(nx - 1) * (ny - 1)).map(|k| field.bound(k % (nx - 1), k / (nx - 1)));
-        field.cells = Pyramid::new([nx - 1, ny - 1], bounds.collect());
-        let points = (0..(nx - 1) * (ny - 1)).map(|k| field.bezier(k % (nx - 1), k / (nx - 1)));
-        field.bottom = points.flatten().flatten().fold(lowest, f64::min);
-        let hollows = (0..(nx - 1) * (ny - 1)).map(|k| field.hollow(k % (nx - 1), k / (nx - 1)));
-        field.hollows = Pyramid::new([nx - 1, ny - 1], hollows.collect());
-        let slopes = (0..(nx - 1) * (ny - 1)).map(|k| field.steepest(k % (nx - 1), k / (nx - 1)));
-        let steepest = slopes.fold(0.0, f64::max);
+        let cells = [nx - 1, ny - 1];
+        let [mut bounds, mut hollows] = [(); 2].map(|()| Vec::with_capacity(cells[0] * cells[1]));
+        let mut steepest = 0.0_f64;
+        for k in 0..cells[0] * cells[1] {
+            let points = field.bezier(k % cells[0], k / cells[0]);
+            let heights = || points.as_flattened().iter().copied();
+            // The surface exceeds none of its Bézier points, and comes below none.
+            bounds.push(heights().fold(f64::NEG_INFINITY, f64::max));
+            field.bottom = heights().fold(field.bottom, f64::min);
+            let slope = field.steepest(&points);
+            steepest = steepest.max(slope);
+            hollows.push(field.hollow(&points) * (1.0 + slope).sqrt());
+        }
+        field.cells = Pyramid::new(cells, bounds);
+        field.hollows = Pyramid::new(cells, hollows);
         field.upright = 1.0 / (1.0 + steepest).sqrt();
         let peaks = field.ridges.iter().zip(&field.samples.heights);
         let peak = |(ridge, height): (&f64, &f64)| {
@@ -283,20 +290,9 @@ impl Field {
         points
     }
 
-    /// A height that no point of the surface over a cell exceeds: the highest of its Bézier points.
-    fn bound(&self, i: usize, j: usize) -> f64 {
-        let points = self.bezier(i, j);
-        points
-            .iter()
-            .flatten()
-            .copied()
-            .fold(f64::NEG_INFINITY, f64::max)
-    }
-
     /// What the square of the slope over a cell does not exceed: three times the differences of
     /// its Bézier points are those of the slopes per cell.
-    fn steepest(&self, i: usize, j: usize) -> f64 {
-        let points = self.bezier(i, j);
+    fn steepest(&self, points: &[[f64; 4]; 4]) -> f64 {
         let along_x = points
             .iter()
             .flat_map(|row| [0, 1, 2].map(|k| row[k + 1] - row[k]));

@@ -12,6 +12,7 @@ mod seams;
 pub use self::facet::{Beyond, Crest, Facet};
 
 use self::buried::Edges;
+use self::facet::area_of;
 use super::error::GeometryError;
 use crate::spatial::Vec3;
 use crate::tuning::{EVEN_EDGE, SEAM};
@@ -93,11 +94,6 @@ impl TryFrom<Triangles> for Surface {
     }
 }
 
-/// Along the normal; its length is twice the area, m².
-fn area_of([a, b, c]: [Vec3; 3]) -> Vec3 {
-    (b - a).cross(&(c - a))
-}
-
 impl From<Surface> for Triangles {
     fn from(surface: Surface) -> Self {
         surface.given
@@ -156,10 +152,8 @@ impl Surface {
         };
         let buried = buried::between(&surface.facets, (&triangles, &edges), near);
         if buried.contains(&true) {
-            let mut keep = buried.iter().map(|is| !is);
-            surface.facets.retain(|_| keep.next().unwrap_or(true));
-            let mut keep = buried.iter().map(|is| !is);
-            triangles.retain(|_| keep.next().unwrap_or(true));
+            leave_out(&mut surface.facets, &buried);
+            leave_out(&mut triangles, &buried);
             surface.build_tree();
             edges = self::edges(&triangles);
         }
@@ -400,6 +394,12 @@ fn distinct(list: &[[u32; 3]]) -> Vec<[u32; 3]> {
         known.insert(turned)
     };
     list.iter().filter(|t| first(t)).copied().collect()
+}
+
+/// Leaves out what is marked.
+fn leave_out<T>(list: &mut Vec<T>, marked: &[bool]) {
+    let mut marks = marked.iter();
+    list.retain(|_| !marks.next().is_some_and(|is| *is));
 }
 
 /// The edges of triangles.

@@ -4,14 +4,15 @@ use super::packages::field;
 use super::people::{findings, of_severity, write};
 use super::*;
 
+fn robot(content: &str) -> String {
+    format!("<robot xmlns:xacro='http://wiki.ros.org/xacro' name='r'>{content}</robot>")
+}
+
 #[test]
 fn a_file_of_macros_alone_names_the_files_that_call_them() {
     let folder = tempfile::tempdir().unwrap();
     let root = folder.path();
     let include = |name: &str| format!("<xacro:include filename=\"$(find arm)/urdf/{name}\"/>");
-    let robot = |content: &str| {
-        format!("<robot xmlns:xacro='http://wiki.ros.org/xacro' name='r'>{content}</robot>")
-    };
     write(
         root,
         "arm/package.xml",
@@ -61,9 +62,6 @@ fn a_file_of_macros_alone_names_the_files_that_call_them() {
 fn a_part_of_a_robot_names_the_files_that_include_it() {
     let folder = tempfile::tempdir().unwrap();
     let root = folder.path();
-    let robot = |content: &str| {
-        format!("<robot xmlns:xacro='http://wiki.ros.org/xacro' name='r'>{content}</robot>")
-    };
     let joint = "<link name='l'/><joint name='j' type='fixed'><parent link='body'/>\
                  <child link='l'/></joint>";
     let parts = [
@@ -91,12 +89,8 @@ fn a_part_of_a_robot_names_the_files_that_include_it() {
         let named: Vec<_> = named.map(|finding| &finding["code"]).collect();
         assert_eq!(named, [code], "{name}: {list:?}");
         // The other program does not know what is missing either.
-        let told = list.iter().map(|finding| finding["help"].to_string());
-        assert!(
-            !told
-                .into_iter()
-                .any(|help| help.contains("pip install xacro"))
-        );
+        let mut told = list.iter().map(|finding| finding["help"].to_string());
+        assert!(!told.any(|help| help.contains("pip install xacro")));
     }
     // A value can be given to the part, too.
     let help = |list: &[Value]| field(list, "U006", "help");
@@ -111,9 +105,8 @@ fn a_part_of_a_robot_names_the_files_that_include_it() {
 #[test]
 fn a_tag_of_xacro_without_its_prefix_is_told_how_it_is_written() {
     let folder = tempfile::tempdir().unwrap();
-    let robot = "<robot xmlns:xacro='http://wiki.ros.org/xacro' name='r'><link name='l'/>\
-                 <include filename='legs.xacro'/><propertys/></robot>";
-    let (ok, list) = findings(&write(folder.path(), "r.xacro", robot), &[]);
+    let tags = robot("<link name='l'/><include filename='legs.xacro'/><propertys/>");
+    let (ok, list) = findings(&write(folder.path(), "r.xacro", tags), &[]);
     assert!(ok, "{list:?}");
     let told = |name: &str| {
         let mut of_name = list

@@ -317,6 +317,15 @@ pub(super) fn is_fmu(path: &Path) -> bool {
         .is_some_and(|e| e.eq_ignore_ascii_case("fmu"))
 }
 
+/// Refuses an FMU, which is there, where a robot is meant; `kind`: what it is, and what takes it.
+pub(super) fn refuse_fmu(path: &Path, kind: &'static str) -> Result<(), CliError> {
+    if !is_fmu(path) || !path.exists() {
+        return Ok(());
+    }
+    let path = path.to_owned();
+    Err(CliError::Kind { path, kind })
+}
+
 /// Prints findings that are at least as bad as `least`.
 ///
 /// # Errors

@@ -42,6 +42,7 @@ pub(super) fn all(
     };
     let part = problems.iter().any(of_others);
     let part = part.then(|| includers::advice(path)).flatten();
+    let program = command::advice(path, arguments);
     let mut list = Vec::new();
     let (mut advised, mut parted) = (false, false);
     let mut of_arguments = 0;
@@ -56,15 +57,13 @@ pub(super) fn all(
         // The files that include this one, and the other program, are named once.
         if let (Some(part), true) = (&part, of_others(problem)) {
             finding.help = match (&problem.lacking, finding.help) {
-                (_, help) if parted => {
-                    help.filter(|help| *help != command::advice(path, arguments))
-                }
+                (_, help) if parted => help.filter(|help| *help != program),
                 (Some(Lacking::Argument(_)), Some(help)) => Some(format!("{help}\nor {part}")),
                 _ => Some(part.clone()),
             };
             parted = true;
         }
-        if finding.help.as_deref() == Some(&command::advice(path, arguments)) {
+        if finding.help.as_ref() == Some(&program) {
             finding.help = finding.help.filter(|_| !advised);
             advised = true;
         }

@@ -31,16 +31,15 @@ fn nearer(a: Foot, b: Foot) -> Foot {
 }
 
 impl Field {
-    /// What `√(1 + |∇H|²) ∇²H` does not exceed over a cell, 1/m: differences of its Bézier points
-    /// bound those of the slopes.
-    pub(super) fn hollow(&self, i: usize, j: usize) -> f64 {
-        let points = self.bezier(i, j);
+    /// What `∇²H` does not exceed over a cell, 1/m: differences of its Bézier points bound those of
+    /// the slopes.
+    pub(super) fn hollow(&self, points: &[[f64; 4]; 4]) -> f64 {
         let [px, py] = self.grid.per_metre;
         let (mut along, mut both) = (0.0_f64, 0.0_f64);
         for k in 0..4 {
             for l in 1..3 {
                 let bend = |at: fn(&[[f64; 4]; 4], usize, usize) -> f64| {
-                    6.0 * (at(&points, k, l - 1) - 2.0 * at(&points, k, l) + at(&points, k, l + 1))
+                    6.0 * (at(points, k, l - 1) - 2.0 * at(points, k, l) + at(points, k, l + 1))
                 };
                 along = along.max(bend(|p, k, l| p[k][l]) * px * px);
                 along = along.max(bend(|p, k, l| p[l][k]) * py * py);
@@ -51,7 +50,7 @@ impl Field {
                 both = both.max(9.0 * (b[k + 1] - b[k] - a[k + 1] + a[k]).abs() * px * py);
             }
         }
-        (along + both) * (1.0 + self.steepest(i, j)).sqrt()
+        along + both
     }
 
     /// Whether a ball about a point may touch the surface in several places within `around`, m.
@@ -66,6 +65,11 @@ impl Field {
         self.hollows.highest([columns, rows]) * radius >= 1.0
     }
 
+    /// How far places within `around`, m, of a point lie from each other if they are told apart, m.
+    pub fn looks_apart(around: f64) -> f64 {
+        2.0 * around / count(HOLLOW_LOOKS)
+    }
+
     /// Calls `take` with places, along x and y, near which the surface is nearer to a point than
     /// around them, and nearer than `around`, m: of lines between samples, or, with many samples
     /// around, of every second, third … of them.
@@ -74,7 +78,7 @@ impl Field {
         let mut places = [[0_usize; ROOM]; 2];
         let mut number = [0_usize; 2];
         for k in 0..2 {
-            let across = 2.0 * around * self.grid.per_metre[k] / count(HOLLOW_LOOKS);
+            let across = Self::looks_apart(around) * self.grid.per_metre[k];
             let [first, last] = self.around(c[k] - around, c[k] + around, k, counts[k]);
             // At most one in a cell of the field; a field has few samples enough for this.
             let step = (1..counts[k]).find(|n| count(*n) >= across);

@@ -23,9 +23,7 @@ use super::sink::Sink;
 use super::trace::Trace;
 use crate::geometry::field::Field;
 use crate::spatial::Vec3;
-use crate::tuning::{
-    CROWN, HOLLOW_LOOKS, MOST_NEAREST, MOST_PEAKS, NEAREST_IN_HOLLOW, NEAREST_ON_FIELD, SEAM,
-};
+use crate::tuning::{CROWN, MOST_NEAREST, MOST_PEAKS, NEAREST_IN_HOLLOW, NEAREST_ON_FIELD, SEAM};
 
 /// Adds the points of a shape, given in the axes of the terrain.
 pub(super) fn on_field(shape: &Placed, field: &Field, sink: &mut Sink) {
@@ -115,19 +113,17 @@ impl OnField<'_, '_> {
         }
     }
 
-    /// A ball about `c`.
+    /// A ball about `c`, against the tangent plane of each place of the surface that is nearest to
+    /// it.
     fn ball(&mut self, c: &Vec3, radius: f64, share: f64) {
-        let mut nearest = Nearest::default();
-        if self.field.is_hollow(c, radius, radius + self.sink.reach) {
-            nearest.find_all(self.field, c, radius, self.sink.reach);
-        }
+        let mut nearest = Nearest::in_hollow(self.field, c, radius, self.sink.reach);
         if nearest.count == 0
             && let Some((place, _)) =
                 nearest_from(self.field, c, [c.x, c.y], (NEAREST_ON_FIELD, f64::INFINITY))
         {
             nearest.add(place);
         }
-        for Place { at, n } in &nearest.list[..nearest.count] {
+        for Place { at, n } in nearest.found() {
             let depth = radius - n.dot(&(c - at));
             self.sink
                 .add(n, point(c - n * (radius - 0.5 * depth), depth, share));
@@ -177,15 +173,10 @@ impl OnField<'_, '_> {
     }
 
     /// An end of a cylinder where the surface may be near it in several places: against the
-    /// tangent plane of each place that is nearest to its middle. None where there is no such.
+    /// tangent plane of each place that is nearest to its middle. False where there is no such.
     fn in_hollow(&mut self, round: &Round, s: f64, center: &Vec3) -> bool {
-        let (radius, reach) = (round.radius, self.sink.reach);
-        if !self.field.is_hollow(center, radius, radius + reach) {
-            return false;
-        }
-        let mut nearest = Nearest::default();
-        nearest.find_all(self.field, center, radius, reach);
-        for Place { at, n } in &nearest.list[..nearest.count] {
+        let nearest = Nearest::in_hollow(self.field, center, round.radius, self.sink.reach);
+        for Place { at, n } in nearest.found() {
             let (x, rim) = Trace::new(self.shape, round, n, Side::First).end(s);
             let depth = n.dot(&(at - x));
             let halfway = point(x + n * (0.5 * depth), depth, 0.5);
@@ -252,24 +243,30 @@ impl Nearest {
         }
     }
 
-    /// Those of a ball, each once.
-    fn find_all(&mut self, field: &Field, c: &Vec3, radius: f64, reach: f64) {
-        let apart = 2.0 * (radius + reach) / f64::from(u32::try_from(HOLLOW_LOOKS).unwrap_or(1));
-        field.each_nearest(c, radius + reach + apart, |start| {
+    fn found(&self) -> &[Place] {
+        &self.list[..self.count]
+    }
+
+    /// Those of a ball that may touch several places within `reach`, m, each once; none elsewhere.
+    fn in_hollow(field: &Field, c: &Vec3, radius: f64, reach: f64) -> Self {
+        let mut nearest = Self::default();
+        let around = radius + reach;
+        if !field.is_hollow(c, radius, around) {
+            return nearest;
+        }
+        let apart = Field::looks_apart(around);
+        field.each_nearest(c, around + apart, |start| {
             let Some((place, left)) =
                 nearest_from(field, c, start, (NEAREST_IN_HOLLOW, 0.5 * apart))
             else {
                 return;
             };
-            let known = self.list[..self.count].iter();
-            if left <= SEAM
-                && known
-                    .map(|k| (k.at - place.at).norm())
-                    .all(|d| d > 0.5 * apart)
-            {
-                self.add(place);
+            let is_new = |known: &Place| (known.at - place.at).norm() > 0.5 * apart;
+            if left <= SEAM && nearest.found().iter().all(is_new) {
+                nearest.add(place);
             }
         });
+        nearest
     }
 }
 

@@ -49,7 +49,7 @@ mod sink;
 mod surface;
 mod terrain;
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 mod trace;
 mod view;
 

@@ -15,7 +15,7 @@
 use super::facet::Facet;
 use super::seams;
 use crate::spatial::Vec3;
-use crate::tuning::{EVEN_EDGE, SEAM};
+use crate::tuning::EVEN_EDGE;
 use std::collections::BTreeMap;
 
 /// Triangles at each edge: their indices and which of their edges it is.
@@ -41,12 +41,10 @@ pub(super) fn between(
             if !covered[wall[0]] || found[wall[0]] {
                 continue;
             }
-            let goes_on = |own: &&[usize; 2]| seams::beyond(facets, **own, &near).is_some();
-            if places
-                .iter()
-                .filter(|own| turns_down(facets, **own, *wall))
-                .any(|own| goes_on(&own))
-            {
+            let goes_on = |own: &[usize; 2]| {
+                turns_down(facets, *own, *wall) && seams::beyond(facets, *own, &near).is_some()
+            };
+            if places.iter().any(goes_on) {
                 found[wall[0]] = true;
                 ways.push(wall[0]);
             }
@@ -88,10 +86,8 @@ fn is_covered(facet: &Facet, near: &impl Fn(&Vec3, &mut dyn FnMut(usize, &Facet)
     std::iter::once(middle).chain(looks).all(|p| {
         let mut is = false;
         near(&p, &mut |_, other| {
-            is = is
-                || other.normal.dot(&facet.normal) < EVEN_EDGE - 1.0
-                    && other.height(&p).abs() <= SEAM
-                    && (0..3).all(|edge| other.inside(&p, edge) >= -0.5 * SEAM);
+            let faces = other.normal.dot(&facet.normal) < EVEN_EDGE - 1.0;
+            is = is || faces && other.carries(&p);
         });
         is
     })

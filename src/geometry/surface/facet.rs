@@ -73,12 +73,15 @@ impl Crest {
     }
 }
 
+/// Along the normal of a triangle; its length is twice the area, m².
+pub(super) fn area_of([a, b, c]: [Vec3; 3]) -> Vec3 {
+    (b - a).cross(&(c - a))
+}
+
 impl Facet {
     /// A triangle without neighbours.
     pub(super) fn new(corners: [Vec3; 3]) -> Self {
-        let [a, b, c] = corners;
-        let area = (b - a).cross(&(c - a));
-        let normal = area.try_normalize(0.0).unwrap_or_else(Vec3::z);
+        let normal = area_of(corners).try_normalize(0.0).unwrap_or_else(Vec3::z);
         let inward = [0, 1, 2].map(|edge: usize| {
             let along = corners[(edge + 1) % 3] - corners[edge];
             let across = normal.cross(&along);
@@ -99,6 +102,11 @@ impl Facet {
         // From the lower corner: both triangles of an edge find the same number.
         let from = if lower(&a, &b) { a } else { b };
         self.inward[edge].dot(&(x - from))
+    }
+
+    /// Whether a point lies on the triangle, as exactly as seams are known.
+    pub(super) fn carries(&self, x: &Vec3) -> bool {
+        self.height(x).abs() <= SEAM && (0..3).all(|edge| self.inside(x, edge) >= -0.5 * SEAM)
     }
 
     /// Whether no point of a ball is over the triangle and its plane, but for what lies beyond

@@ -65,11 +65,9 @@ pub(super) fn beyond(
         let p = a + (b - a) * share + facet.away(edge) * SEAM;
         let mut here = None;
         near(&p, &mut |other, next| {
-            let apart = next.height(&p).abs();
-            let over = (0..3).all(|edge| next.inside(&p, edge) >= -0.5 * SEAM);
             let on = next.normal.dot(&facet.normal) > 0.0;
             let up = next.normal.dot(&facet.inward[edge]) > EVEN_EDGE;
-            if other != index && over && apart <= SEAM && (on || up) {
+            if other != index && next.carries(&p) && (on || up) {
                 here = Some(other);
             }
         });

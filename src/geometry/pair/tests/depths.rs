@@ -86,27 +86,6 @@ impl Couple {
     }
 }
 
-/// A ball, a capsule, a cylinder, a box or a hull.
-fn any_shape(kind: usize, size: f64, random: &mut Random) -> Shape {
-    let mut extent = || random.uniform(0.3, 1.0) * size;
-    let (radius, half_length) = (extent(), extent());
-    match kind {
-        0 => Shape::Sphere { radius },
-        1 => Shape::Capsule {
-            radius,
-            half_length,
-        },
-        2 => Shape::Cylinder {
-            radius,
-            half_length,
-        },
-        3 => Shape::Box {
-            half: Vec3::new(radius, half_length, extent()),
-        },
-        _ => cloud(10 + random.below(20), 0.6 * size, random),
-    }
-}
-
 /// All pairs of kinds with 10 cm, and those of round shapes with 1 m, too: there the 16 sides that
 /// stand for the end of a cylinder are farther from it.
 fn kinds_and_sizes() -> impl Iterator<Item = ([usize; 2], f64)> {

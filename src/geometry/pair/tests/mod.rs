@@ -70,6 +70,27 @@ pub(super) fn cloud(count: usize, size: f64, random: &mut Random) -> Shape {
     }
 }
 
+/// A ball, a capsule, a cylinder, a box or a hull.
+pub(crate) fn any_shape(kind: usize, size: f64, random: &mut Random) -> Shape {
+    let mut extent = || random.uniform(0.3, 1.0) * size;
+    let (radius, half_length) = (extent(), extent());
+    match kind {
+        0 => Shape::Sphere { radius },
+        1 => Shape::Capsule {
+            radius,
+            half_length,
+        },
+        2 => Shape::Cylinder {
+            radius,
+            half_length,
+        },
+        3 => Shape::Box {
+            half: Vec3::new(radius, half_length, extent()),
+        },
+        _ => cloud(10 + random.below(20), 0.6 * size, random),
+    }
+}
+
 /// Depth of the fourth-power mean.
 pub(super) fn depth(points: &[PatchPoint]) -> f64 {
     let fourth: f64 = points
