@@ -1,31 +1,12 @@
-//! Forces of a contact on its bodies, and how its friction depends on the normal force.
+//! Forces of a contact on its bodies.
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
 use super::contact::{Contact, Response, normal_part};
 use super::point::{ContactPoint, PointResponse};
-use crate::law::ElastoPlastic;
 use crate::spatial::{Vec3, Vec6, angular};
 
 impl Contact {
-    /// Friction over `h` seconds at the velocity `u` with the cone that belongs to the normal force
-    /// of a response, minus the friction of that response, N; none where both are the same.
-    #[inline]
-    pub(super) fn lag(&self, u: &Vec3, r: &Response, h: f64) -> Option<Vec3> {
-        let cap = self.mu * r.load / h;
-        let force = &r.friction.force;
-        let sticks = !r.slips() && self.friction.cap > 0.0;
-        if sticks && force.norm_squared() <= cap * cap {
-            return None;
-        }
-        let friction = ElastoPlastic {
-            cap,
-            ..self.friction
-        };
-        let more = friction.respond(self.slid(u), h).force - force;
-        (more != Vec3::zeros()).then_some(more)
-    }
-
     /// Force, and moment about O, of friction `x` along what `u` is along: the transpose of
     /// [`Self::sliding`].
     #[inline]

@@ -10,6 +10,7 @@
 
 mod act;
 mod between;
+mod cones;
 mod contact;
 mod detect;
 mod drive;
@@ -26,6 +27,7 @@ mod spring;
 mod terms;
 mod turn;
 
+pub use cones::Growth;
 pub use contact::{Contact, Other, Response};
 pub use detect::{detect, held, is_clear};
 pub use drive::Drive;

@@ -440,51 +440,6 @@ impl Terms {
         }
     }
 
-    /// Sets the friction cones to the normal forces that responses over `h` seconds have.
-    pub fn carry(&mut self, responses: &Responses, h: f64) {
-        for (contact, response) in self.contacts.list.iter_mut().zip(&responses.contacts) {
-            contact.carry(response.load / h);
-        }
-        for turn in &mut self.turns {
-            turn.carry(responses.contacts[turn.contact].load / h);
-        }
-    }
-
-    /// Sets the friction in responses to that at the velocities `at`, after [`Self::carry`].
-    pub fn rub(&self, at: &Velocities, h: f64, responses: &mut Responses) {
-        let contacts = self.contacts.iter().zip(&at.contacts);
-        for ((contact, u), response) in contacts.zip(&mut responses.contacts) {
-            response.friction = contact.rub(u, h);
-        }
-        let turns = self.turns.iter().zip(&at.turns);
-        for ((turn, w), response) in turns.zip(&mut responses.turns) {
-            *response = turn.response(w, h);
-        }
-    }
-
-    /// Adds what friction would do more over `h` seconds with the cones that belong to the normal
-    /// forces of `responses`, N·s and N·m·s about O, to `F`; tells whether there is any.
-    ///
-    /// - `at`: velocities of the responses
-    pub fn add_lag(&self, at: &Velocities, responses: &Responses, h: f64, F: &mut [Vec6]) -> bool {
-        let mut any = false;
-        let contacts = self.contacts.iter().zip(&at.contacts);
-        for ((contact, u), response) in contacts.zip(&responses.contacts) {
-            if let Some(more) = contact.lag(u, response, h) {
-                contact.drag(&(more * -h), F);
-                any = true;
-            }
-        }
-        for ((turn, w), response) in self.turns.iter().zip(&at.turns).zip(&responses.turns) {
-            let mut turn = *turn;
-            turn.carry(responses.contacts[turn.contact].load / h);
-            let more = turn.response(w, h).impulse - response.impulse;
-            turn.act(&more, F);
-            any |= more != Vec3::zeros();
-        }
-        any
-    }
-
     /// Drops what contacts without load remember.
     pub fn drop_unloaded(&self, memory: &mut Memory) {
         memory.touches.retain(|touch| {

@@ -19,13 +19,13 @@
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
 mod balance;
+mod cones;
 mod factor;
 mod hessian;
-mod lag;
 mod line_search;
 
 use crate::closure::Rows;
-use crate::force::{ContactSet, Response, Responses, Solved, Terms, Velocities};
+use crate::force::{ContactSet, Growth, Response, Responses, Solved, Terms, Velocities};
 use crate::kinematics::{Kinematics, forward};
 use crate::spatial::{Vec6, add6, dot6};
 use crate::tree::{Span, Tree};
@@ -80,17 +80,23 @@ pub struct Newton {
     /// Bodies with contacts in their subtree, tips first.
     loaded: Vec<usize>,
     is_loaded: Vec<bool>,
-    /// Impulses of closed loops, one a row, N·s; those against what friction lags behind.
+    /// Impulses of closed loops, one a row, N·s; those against friction whose cones grow.
     forces: Vec<f64>,
     lagging: Vec<f64>,
     /// What the forces of loops leave of the gradient.
     left: Vec<f64>,
+    /// Impulses of friction whose cones grow along every degree of freedom, N·m·s, and what they
+    /// change of the direction.
+    pull: Vec<f64>,
+    turned: Vec<f64>,
+    /// By how much friction cones grow.
+    growth: Vec<Growth>,
 }
 
 #[cfg(test)]
 crate::spoil::spoil!(
     Newton: v at responses change gradient direction direction_momentum factor factored V
-    along F G loaded is_loaded forces left lagging;
+    along F G loaded is_loaded forces left lagging pull turned growth;
 );
 
 /// What a solve is about.
@@ -159,7 +165,10 @@ impl Newton {
             is_loaded: vec![false; nb],
             forces: Vec::with_capacity(Rows::most(tree)),
             left: vec![0.0; nv],
+            pull: vec![0.0; nv],
+            turned: vec![0.0; nv],
             lagging: Vec::with_capacity(Rows::most(tree)),
+            growth: Vec::with_capacity(contacts[0]),
         }
     }
 
@@ -195,13 +204,6 @@ impl Newton {
         self.factored = false;
         self.mark_loaded(p.tree, p.terms);
         p.terms.respond(&self.v, &self.at, p.h, &mut self.responses);
-    }
-
-    /// Sets the friction cones of `terms` to the normal forces of the responses over `h` seconds,
-    /// and the friction of these to the new cones.
-    pub fn carry(&mut self, terms: &mut Terms, h: f64) {
-        terms.carry(&self.responses, h);
-        terms.rub(&self.at, h, &mut self.responses);
     }
 
     /// Minimises from the guess.
@@ -247,6 +249,17 @@ impl Newton {
         run: &mut Run,
         factor: Option<&Factor>,
     ) -> Option<Outcome> {
+        let ended = self.aim(p, run, factor);
+        if ended.is_none() {
+            self.walk(p);
+        }
+        ended
+    }
+
+    /// Ends a run where the responses balance, or cannot be made to; else finds Newton's direction.
+    ///
+    /// - `factor`: does for that of the Hessian, if there is one
+    pub fn aim(&mut self, p: &Problem, run: &mut Run, factor: Option<&Factor>) -> Option<Outcome> {
         let Problem { tree, kin, h, .. } = *p;
         let D2 = &kin.inverse_diagonal;
         // Impulses set the scale: else free fall would stop accelerating in small steps.
@@ -300,6 +313,11 @@ impl Newton {
         }
         let factor = factor.unwrap_or(&self.factor);
         factor.solve((tree, &kin.loops), &mut self.direction, &mut self.forces);
+        None
+    }
+
+    /// Goes along the direction to the least cost.
+    pub fn walk(&mut self, p: &Problem) {
         let alpha = self.line_search(p);
         for (v, w) in self.v.iter_mut().zip(&self.direction) {
             *v += alpha * w;
@@ -308,7 +326,6 @@ impl Newton {
             *m += alpha * w;
         }
         self.at.combine(1.0, &self.along, alpha);
-        None
     }
 
     /// Squared scale of what velocities' round-off does to momenta, at the velocity that stands in

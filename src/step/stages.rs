@@ -28,9 +28,10 @@
 //! Displacements contain the drift, too: the second stage begins `(1 − γ) h` times that of the
 //! first one farther. As `Σ b_i (c_i − 1/2) = 0`, nothing of it is left after a whole step.
 //!
-//! A contact slips at `μ` times a normal force that is known before a Newton iteration: at first
-//! that of the guess. Where the normal forces that an iteration has found would change velocities,
-//! by the step's own matrix, the next one goes on with these.
+//! A contact slips at `μ` times a normal force that is known before the line search of a Newton
+//! iteration: that of the guess and what the direction changes of it, see [`super::convex`]. Where
+//! the normal forces that an iteration has found would change velocities, by the step's own matrix,
+//! the next one goes on with these.
 //!
 //! A guess is what the last step has done: a stage changes the velocity by as much as the same
 //! stage of the last step. So a motor that gets a new command at each step finds its transient.
@@ -409,9 +410,17 @@ impl Stages {
         let mut factor = shared;
         // What many short steps leave shall not add up to more than what few long ones do.
         let allowed = LAG_SHARE * (eta / (GAMMA * CONTACT_STEP)).min(1.0);
+        let bound = allowed * ctx.tolerance / VELOCITY_WEIGHT;
         let mut changed = true;
         loop {
-            let ended = solved.iterate(&problem!(), &mut run, factor.take());
+            let given = factor.take();
+            let ended = solved.aim(&problem!(), &mut run, given);
+            if ended.is_none() {
+                if ctx.rules.cones && run.iterations <= MAX_CARRIES {
+                    solved.foresee((tree, kin), (terms, eta), given, bound);
+                }
+                solved.walk(&problem!());
+            }
             // An iteration that ends the run moves nothing.
             if changed || ended.is_none() {
                 self.lag[stage] = if ctx.rules.cones {

@@ -296,3 +296,75 @@ fn the_minimum_does_not_depend_on_the_hessian_of_the_first_iteration() {
     // has been factorised.
     assert!(taken > 60, "{taken}");
 }
+
+/// Solves with friction cones that belong to their own normal forces.
+fn solve_with_own_cones(newton: &mut Newton, case: &mut Case) -> bool {
+    for _ in 0..60 {
+        newton.carry(&mut case.terms, case.h);
+        if !newton.solve(&case.problem()).converged {
+            return false;
+        }
+    }
+    true
+}
+
+/// From a guess that is off by `ε`, one iteration whose direction foresees its friction cones leaves
+/// an error of the order of `ε²` if one contact slips, where one with constant cones leaves a share
+/// of `ε`. Where several slip, it leaves a part of that share. The solution is that of many solves,
+/// each with the cones of the last one.
+#[test]
+fn a_direction_that_foresees_its_cones_finds_them() {
+    let (mut one, mut many) = ([0.0_f64; 2], Vec::new());
+    for (seed, alone) in (0..60).flat_map(|seed| [(seed, true), (seed, false)]) {
+        let mut case = Case::new(seed);
+        let mut newton = Newton::new(&case.tree, case.room());
+        case.terms.turns.clear();
+        for (i, contact) in case.terms.contacts.list.iter_mut().enumerate() {
+            contact.mu = if i == 0 || !alone { 0.4 } else { 0.0 };
+        }
+        let (h, v0) = (case.h, case.v0.clone());
+        newton.guess(&case.problem(), &v0, &v0);
+        if !solve_with_own_cones(&mut newton, &mut case) {
+            continue;
+        }
+        let solution = newton.v.clone();
+        let mut random = Random(3000 + seed);
+        let epsilon = 1e-5;
+        let guess: Vec<f64> = solution
+            .iter()
+            .map(|v| v + epsilon * random.uniform(-1.0, 1.0))
+            .collect();
+        let [constant, foreseen] = [false, true].map(|foresees| {
+            newton.guess(&case.problem(), &v0, &guess);
+            newton.carry(&mut case.terms, h);
+            let before = case.terms.clone();
+            assert!(
+                newton
+                    .aim(&case.problem(), &mut Run::default(), None)
+                    .is_none()
+            );
+            if foresees {
+                let parts = (&case.tree, &case.kin);
+                newton.foresee(parts, (&mut case.terms, h), None, 0.0);
+            }
+            newton.walk(&case.problem());
+            case.terms = before;
+            let error = solution.iter().zip(&newton.v).map(|(a, b)| (a - b).abs());
+            error.fold(0.0, f64::max) / epsilon
+        });
+        let slips = newton
+            .responses
+            .contacts
+            .iter()
+            .filter(|r| r.slips())
+            .count();
+        if alone && slips > 0 {
+            one = [one[0].max(constant), one[1].max(foreseen)];
+        } else if slips > 1 && constant > 1e-3 {
+            many.push(foreseen / constant);
+        }
+    }
+    assert!(one[0] > 1e-2 && one[1] < 1e-3, "{one:?}");
+    many.sort_by(f64::total_cmp);
+    assert!(many.len() > 20 && many[many.len() / 2] < 0.02, "{many:?}");
+}

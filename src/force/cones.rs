@@ -1,0 +1,254 @@
+//! Friction cones: how the force at which friction slips depends on the normal force.
+//!
+//! Within a Newton iteration of a step the cones are constant, which keeps the step a convex
+//! minimisation. Between iterations they are set to the normal forces that have been found
+//! ([`Terms::carry`]). Newton's direction may foresee what that will do, to first order: friction
+//! that slips along `ŝ` changes by `−μ δL ŝ` where the load of its contact changes by `δL`
+//! ([`Terms::foresee`]).
+
+#![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
+
+use super::contact::{Contact, Response};
+use super::point::{ContactPoint, PointResponse};
+use super::terms::{Responses, Terms, Velocities};
+use crate::law::ElastoPlastic;
+use crate::spatial::{Vec3, Vec6};
+
+/// By how much the friction cone of a contact that slips grows, N·s: along a direction, and along
+/// what that growth changes of the direction.
+pub type Growth = [f64; 2];
+
+impl Terms {
+    /// Sets the friction cones to the normal forces that responses over `h` seconds have.
+    pub fn carry(&mut self, responses: &Responses, h: f64) {
+        for (contact, response) in self.contacts.list.iter_mut().zip(&responses.contacts) {
+            contact.carry(response.load / h);
+        }
+        for turn in &mut self.turns {
+            turn.carry(responses.contacts[turn.contact].load / h);
+        }
+    }
+
+    /// Sets the friction in responses to that at the velocities `at`, after [`Self::carry`].
+    pub fn rub(&self, at: &Velocities, h: f64, responses: &mut Responses) {
+        let contacts = self.contacts.iter().zip(&at.contacts);
+        for ((contact, u), response) in contacts.zip(&mut responses.contacts) {
+            response.friction = contact.rub(u, h);
+        }
+        let turns = self.turns.iter().zip(&at.turns);
+        for ((turn, w), response) in turns.zip(&mut responses.turns) {
+            *response = turn.response(w, h);
+        }
+    }
+
+    /// Adds what friction would do more over `h` seconds with the cones that belong to the normal
+    /// forces of `responses`, N·s and N·m·s about O, to `F`; tells whether there is any.
+    ///
+    /// - `at`: velocities of the responses
+    pub fn add_lag(&self, at: &Velocities, responses: &Responses, h: f64, F: &mut [Vec6]) -> bool {
+        let mut any = false;
+        let contacts = self.contacts.iter().zip(&at.contacts);
+        for ((contact, u), response) in contacts.zip(&responses.contacts) {
+            if let Some(more) = contact.lag(u, response, h) {
+                contact.drag(&(more * -h), F);
+                any = true;
+            }
+        }
+        for ((turn, w), response) in self.turns.iter().zip(&at.turns).zip(&responses.turns) {
+            let mut turn = *turn;
+            turn.carry(responses.contacts[turn.contact].load / h);
+            let more = turn.response(w, h).impulse - response.impulse;
+            turn.act(&more, F);
+            any |= more != Vec3::zeros();
+        }
+        any
+    }
+
+    /// Finds by how much the cones of contacts that slip grow over `h` seconds where the velocities
+    /// of all bodies change by `V`, and tells whether any does.
+    ///
+    /// - `growth`: its first part is written, for each contact
+    pub fn foresee(
+        &self,
+        V: &[Vec6],
+        responses: &Responses,
+        h: f64,
+        growth: &mut Vec<Growth>,
+    ) -> bool {
+        growth.clear();
+        let points = &self.contacts.points;
+        let mut any = false;
+        for (contact, r) in self.contacts.iter().zip(&responses.contacts) {
+            let mut first = 0.0;
+            if r.slips() {
+                let of = &responses.points[contact.points.clone()];
+                let load = r.load + contact.load_along(points, (r, of), V, h);
+                first = contact.mu * load.max(0.0) - h * contact.friction.cap;
+                any |= first != 0.0;
+            }
+            growth.push([first, 0.0]);
+        }
+        any
+    }
+
+    /// Finds by how much they grow where the velocities change by `V` because of the first part `x`
+    /// of the growth, which is the second part `y`. With the linear map `C` from a growth to the
+    /// growth that it causes, the whole growth `z` is `z = x + C z`, and `y = C x`.
+    ///
+    /// Returns the share `α` for which `α x` leaves the least error `|x − α (x − y)|`, and that
+    /// error as a share of `|x|`. With `x + α y` the error is `C` times that.
+    pub fn foresee_next(
+        &self,
+        V: &[Vec6],
+        responses: &Responses,
+        h: f64,
+        growth: &mut [Growth],
+    ) -> [f64; 2] {
+        let points = &self.contacts.points;
+        let (mut along, mut apart, mut all) = (0.0, 0.0, 0.0);
+        let contacts = self.contacts.iter().zip(&responses.contacts);
+        for ((contact, r), [x, y]) in contacts.zip(growth) {
+            if r.slips() {
+                let of = &responses.points[contact.points.clone()];
+                *y = contact.mu * contact.load_along(points, (r, of), V, h);
+                let left = *x - *y;
+                along += *x * left;
+                apart += left * left;
+                all += *x * *x;
+            }
+        }
+        if apart <= 0.0 {
+            return [1.0, 0.0];
+        }
+        let share = along / apart;
+        [share, ((all - share * along).max(0.0) / all).sqrt()]
+    }
+
+    /// Adds what friction does more where its cones grow by a part of `growth` to the impulses `F`
+    /// on all bodies about O.
+    pub fn add_growth(
+        &self,
+        responses: &Responses,
+        (growth, part): (&[Growth], usize),
+        F: &mut [Vec6],
+    ) {
+        let contacts = self.contacts.iter().zip(&responses.contacts);
+        for ((contact, r), growth) in contacts.zip(growth) {
+            if r.slips() {
+                contact.drag(&(r.friction.slip * -growth[part]), F);
+            }
+        }
+    }
+
+    /// Lets the cones of contacts that slip grow by `shares` of both parts of `growth`, and sets
+    /// their friction at the velocities `at` anew.
+    pub fn grow(
+        &mut self,
+        at: &Velocities,
+        (growth, shares): (&[Growth], [f64; 2]),
+        h: f64,
+        responses: &mut Responses,
+    ) {
+        let contacts = self.contacts.list.iter_mut().zip(&at.contacts);
+        for (((contact, u), r), [x, y]) in contacts.zip(&mut responses.contacts).zip(growth) {
+            if r.slips() {
+                let cap = &mut contact.friction.cap;
+                *cap = (*cap + (shares[0] * x + shares[1] * y) / h).max(0.0);
+                r.friction = contact.rub(u, h);
+            }
+        }
+    }
+}
+
+impl Contact {
+    /// Friction over `h` seconds at the velocity `u` with the cone that belongs to the normal force
+    /// of a response, minus the friction of that response, N; none where both are the same.
+    #[inline]
+    fn lag(&self, u: &Vec3, r: &Response, h: f64) -> Option<Vec3> {
+        let cap = self.mu * r.load / h;
+        let force = &r.friction.force;
+        let sticks = !r.slips() && self.friction.cap > 0.0;
+        if sticks && force.norm_squared() <= cap * cap {
+            return None;
+        }
+        let friction = ElastoPlastic {
+            cap,
+            ..self.friction
+        };
+        let more = friction.respond(self.slid(u), h).force - force;
+        (more != Vec3::zeros()).then_some(more)
+    }
+
+    /// By how much its load `h N Σ w_i` changes over `h` seconds, N·s, to first order, where the
+    /// velocities of all bodies change by `V`. With `δ̇ = Σ w_i ḋ_i` the weights change by
+    /// `ẇ_i = b_i ḋ_i − 3 w_i δ̇/δ`, where `b_i = 3 m_i d_i²/δ³`.
+    fn load_along(
+        &self,
+        points: &[ContactPoint],
+        (r, of): (&Response, &[PointResponse]),
+        V: &[Vec6],
+        h: f64,
+    ) -> f64 {
+        if !r.presses() {
+            return 0.0;
+        }
+        let (mut deeper, mut bend, mut weights) = (0.0, 0.0, 0.0);
+        for (r, v) in of.iter().zip(self.velocities(points, V)) {
+            let change = -h * (v.along + r.lean.dot(&v.tilt));
+            deeper += r.weight * change;
+            bend += r.bend * change;
+            weights += r.weight;
+        }
+        let weights_change = bend - 3.0 * weights / r.depth * deeper;
+        h * (r.slope * deeper * weights + r.force * weights_change)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::random_contact;
+    use super::super::{ContactSet, PointVelocity};
+    use super::*;
+    use crate::testing::Random;
+
+    /// Against central differences of the load that the contact's own law gives.
+    #[test]
+    fn the_load_along_a_direction_is_the_derivative_of_the_load() {
+        let mut random = Random(21);
+        let mut compared = 0;
+        for _ in 0..300 {
+            let mut set = ContactSet::new([0, 0]);
+            let contact = random_contact(&mut random, 0, &mut set.points);
+            let h = libm::pow(10.0, random.uniform(-4.0, -2.0));
+            let mut spatial = |size: f64| -> Vec6 {
+                let (w, v) = (random.vector(size), random.vector(size));
+                [w.x, w.y, w.z, v.x, v.y, v.z]
+            };
+            let (W, along) = (spatial(0.1), spatial(1.0));
+            let respond = |W: Vec6| {
+                let V = [W];
+                let at: Vec<PointVelocity> = contact.velocities(&set.points, &V).collect();
+                let (mut of, u) = (Vec::new(), contact.sliding(&V));
+                let r = contact.response(&set.points, &u, |i| at[i], h, &mut of);
+                (r, of)
+            };
+            let moved = |step: f64| {
+                respond(std::array::from_fn(|i| W[i] + step * along[i]))
+                    .0
+                    .load
+            };
+            let (r, of) = respond(W);
+            let found = contact.load_along(&set.points, (&r, &of), &[along], h);
+            let [ahead, behind] = [1e-7, -1e-7].map(moved);
+            let expected = (ahead - behind) / 2e-7;
+            let size = r.load.max(expected.abs());
+            // Not where a kink lies within the difference: a point comes to the contact.
+            let bend = (ahead - 2.0 * r.load + behind).abs() / 1e-7;
+            if size > 0.0 && bend < 1e-4 * size {
+                compared += 1;
+                assert!((found - expected).abs() < 1e-4 * size, "{found} {expected}");
+            }
+        }
+        assert!(compared > 200, "{compared}");
+    }
+}

@@ -1,0 +1,127 @@
+//! Friction cones in a solve: what Newton's direction foresees of them, and the error that is left
+//! because they lag behind the normal forces.
+//!
+//! With cones that are constant, Newton's direction `d` solves `H d = −g`. But friction that slips
+//! changes with the load of its contact, and that load with `d`: with the rows `W` of what cones
+//! grow by and the impulses `U` of friction at cones that grow, `(H − U W) d = −g`. `H − U W` is
+//! not symmetric. Its solution is found from that of `H`: the growth `z = W d` of the cones solves
+//! `z = W d₀ + C z` with `d₀ = −H⁻¹ g` and `C = W H⁻¹ U`, see [`Terms::foresee_next`]; then
+//! `d = d₀ + H⁻¹ U z`. Taken before the line search, cones that have grown by `z` are those of a
+//! convex cost again, whose gradient is `g − U z`, so that `d` is Newton's direction for it.
+
+#![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
+
+use super::{Factor, Newton, Problem, project};
+use crate::force::{Response, Terms};
+use crate::kinematics::{Kinematics, forward};
+use crate::tree::Tree;
+
+impl Newton {
+    /// Sets the friction cones of `terms` to the normal forces of the responses over `h` seconds,
+    /// and the friction of these to the new cones.
+    pub fn carry(&mut self, terms: &mut Terms, h: f64) {
+        terms.carry(&self.responses, h);
+        terms.rub(&self.at, h, &mut self.responses);
+    }
+
+    /// Turns the direction to the one that foresees its own friction cones, and lets the cones of
+    /// `terms` grow to these.
+    ///
+    /// - `factor`: that of the direction, where it is not this solve's own
+    /// - `bound`: largest error of a velocity, weighted, that may be left to first order, rad/s
+    pub fn foresee(
+        &mut self,
+        (tree, kin): (&Tree, &Kinematics),
+        (terms, h): (&mut Terms, f64),
+        factor: Option<&Factor>,
+        bound: f64,
+    ) {
+        if !self.responses.contacts.iter().any(Response::slips) {
+            return;
+        }
+        forward(tree, &kin.S, &self.direction, &mut self.V);
+        let growth = &mut self.growth;
+        if !terms.foresee(&self.V, &self.responses, h, growth) {
+            return;
+        }
+        let most = self.follow((tree, kin), (terms, 0), factor);
+        let mut shares = [1.0, 0.0];
+        if most <= bound {
+            self.turn(1.0);
+        } else {
+            forward(tree, &kin.S, &self.turned, &mut self.V);
+            let [share, rest] = terms.foresee_next(&self.V, &self.responses, h, &mut self.growth);
+            if most * rest <= bound {
+                shares = [share, 0.0];
+            } else {
+                shares = [1.0, share];
+                self.turn(1.0);
+                self.follow((tree, kin), (terms, 1), factor);
+            }
+            self.turn(share);
+        }
+        let growth = (&self.growth[..], shares);
+        terms.grow(&self.at, growth, h, &mut self.responses);
+    }
+
+    /// Finds what a part of the growth of the cones changes of the direction, and returns the
+    /// largest of it, weighted, rad/s.
+    fn follow(
+        &mut self,
+        (tree, kin): (&Tree, &Kinematics),
+        (terms, part): (&Terms, usize),
+        factor: Option<&Factor>,
+    ) -> f64 {
+        self.clear_forces(tree);
+        let growth = (&self.growth[..], part);
+        terms.add_growth(&self.responses, growth, &mut self.F);
+        self.answer((tree, kin), factor)
+    }
+
+    /// Finds what the impulses in `F` change of velocities, and returns the largest of it, weighted,
+    /// rad/s.
+    fn answer(&mut self, (tree, kin): (&Tree, &Kinematics), factor: Option<&Factor>) -> f64 {
+        let Self { pull, turned, .. } = self;
+        pull.fill(0.0);
+        project((tree, kin), &self.loaded, &mut self.F, |dof, f| {
+            pull[dof] += f;
+        });
+        turned.copy_from_slice(pull);
+        let factor = factor.unwrap_or(&self.factor);
+        factor.solve((tree, &kin.loops), turned, &mut self.lagging);
+        let weighted = turned.iter().zip(&tree.dofs.weight);
+        weighted.fold(0.0, |most: f64, (v, w)| most.max(w * v.abs()))
+    }
+
+    /// Adds a share of what [`Self::follow`] has found to the direction.
+    fn turn(&mut self, share: f64) {
+        for (d, x) in self.direction.iter_mut().zip(&self.turned) {
+            *d += share * x;
+        }
+        for (g, f) in self.gradient.iter_mut().zip(&self.pull) {
+            *g -= share * f;
+        }
+        for (sum, x) in self.forces.iter_mut().zip(&self.lagging) {
+            *sum += share * x;
+        }
+    }
+
+    /// Largest error of a velocity, weighted and to first order, rad/s, that comes from friction
+    /// whose cones belong to other normal forces than those of the solution.
+    ///
+    /// - `factor`: that of the Hessian, where the solve has not needed one of its own
+    pub fn lag(&mut self, p: &Problem, factor: Option<&Factor>) -> f64 {
+        if p.terms.contacts.is_empty() {
+            return 0.0;
+        }
+        self.clear_forces(p.tree);
+        if !p.terms.add_lag(&self.at, &self.responses, p.h, &mut self.F) {
+            return 0.0;
+        }
+        let factor = factor.filter(|_| !self.factored);
+        if factor.is_none() {
+            self.factor(p);
+        }
+        self.answer((p.tree, p.kin), factor)
+    }
+}
