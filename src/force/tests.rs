@@ -285,7 +285,7 @@ fn two_bodies_push_each_other_with_opposite_wrenches() {
 }
 
 /// Two bodies with these shapes.
-fn two_bodies(shapes: &[Shape; 2]) -> Simulation {
+pub(super) fn two_bodies(shapes: &[Shape; 2]) -> Simulation {
     let body = |shape: &Shape| {
         let mut b = Builder::new(true, inertia(1.0, Vec3::zeros(), [0.01; 3]));
         b.shape(0usize.into(), shape.clone(), Pose::IDENTITY);
