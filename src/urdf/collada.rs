@@ -57,13 +57,21 @@ impl Known {
 ///
 /// - `known`: of the same file
 pub(super) fn read(bytes: &[u8], known: &Known) -> Result<Vec<Vec3>, MeshError> {
-    with_scene(bytes, known, |scene| scene.points(Scene::corners))
+    with_scene(bytes, known, |scene| {
+        scene.points(Scene::corners, |_, _| {})
+    })
 }
 
 /// All faces in the scene, cut into triangles.
 pub(super) fn triangles(bytes: &[u8]) -> Result<Vec<[Vec3; 3]>, MeshError> {
     let known = Known::default();
-    let corners = with_scene(bytes, &known, |scene| scene.points(Scene::triangle_corners))?;
+    let corners = with_scene(bytes, &known, |scene| {
+        scene.points(Scene::triangle_corners, |instance, corners| {
+            if instance.is_mirrored() {
+                corners.chunks_exact_mut(3).for_each(|t| t.swap(1, 2));
+            }
+        })
+    })?;
     Ok(corners
         .chunks_exact(3)
         .map(|t| [t[0], t[1], t[2]])
@@ -147,10 +155,11 @@ impl<'d> Scene<'d> {
             .copied()
     }
 
-    /// What `of` gives of every geometry, placed.
+    /// What `of` gives of every geometry, placed, after `turn`.
     fn points(
         &self,
         of: impl Fn(&Self, Node<'d>) -> Result<Vec<Vec3>, MeshError>,
+        turn: impl Fn(&Instance, &mut [Vec3]),
     ) -> Result<Vec<Vec3>, MeshError> {
         let mut all = Vec::new();
         // Points of a geometry, by the place of its tag.
@@ -163,7 +172,9 @@ impl<'d> Scene<'d> {
             if all.len() + points.len() > MOST_POINTS {
                 return Err(too_many_points());
             }
+            let first = all.len();
             all.extend(points.iter().map(|p| instance.point(p)));
+            turn(&instance, &mut all[first..]);
         }
         Ok(all)
     }
@@ -250,6 +261,12 @@ impl<'d> Scene<'d> {
 }
 
 impl Instance<'_> {
+    /// Whether it is seen in a mirror: then its triangles are written the other way round, and
+    /// would have their outside inwards.
+    fn is_mirrored(&self) -> bool {
+        self.placed.determinant() < 0.0
+    }
+
     /// A point of the geometry, m.
     fn point(&self, p: &Vec3) -> Vec3 {
         self.placed.transform_point(&Point3::from(*p)).coords
@@ -316,8 +333,8 @@ mod tests {
 
     /// A scene around one triangle with corners (1, 0, 0), (0, 1, 0), (0, 0, 1) and one unused
     /// point.
-    fn scene(asset: &str, nodes: &str) -> Result<Vec<Vec3>, MeshError> {
-        let text = format!(
+    fn text(asset: &str, nodes: &str) -> String {
+        format!(
             "<COLLADA xmlns='http://www.collada.org/2005/11/COLLADASchema' version='1.4.1'>
              <asset>{asset}</asset>
              <library_geometries><geometry id='g'><mesh>
@@ -332,8 +349,11 @@ mod tests {
              <library_nodes><node id='part'><instance_geometry url='#g'/></node></library_nodes>
              <library_visual_scenes><visual_scene id='a'>{nodes}</visual_scene></library_visual_scenes>
              <scene><instance_visual_scene url='#a'/></scene></COLLADA>"
-        );
-        read(text.as_bytes(), &Known::default())
+        )
+    }
+
+    fn scene(asset: &str, nodes: &str) -> Result<Vec<Vec3>, MeshError> {
+        read(text(asset, nodes).as_bytes(), &Known::default())
     }
 
     fn assert_close(found: Result<Vec<Vec3>, MeshError>, expected: [[f64; 3]; 3]) {
@@ -364,6 +384,18 @@ mod tests {
         let matrix = "<node><matrix>0 -1 0 5 2 0 0 0 0 0 1 0 0 0 0 1</matrix>
                       <instance_geometry url='#g'/></node>";
         assert_close(scene("", matrix), expected);
+    }
+
+    #[test]
+    fn mirrored_nodes_keep_their_outside() {
+        // The normal of the triangle is (1, 1, 1)/√3; a mirror at x = 0 makes it (−1, 1, 1)/√3.
+        let part = "<instance_geometry url='#g'/></node>";
+        for (mirror, x) in [("-1 1 1", -1.0), ("-1 -1 1", -1.0), ("1 1 1", 1.0)] {
+            let nodes = format!("<node><scale>{mirror}</scale>{part}");
+            let [a, b, c] = triangles(text("", &nodes).as_bytes()).expect("a triangle")[0];
+            let normal = (b - a).cross(&(c - a));
+            assert!(normal.x * x > 0.0 && normal.z > 0.0, "{mirror}: {normal}");
+        }
     }
 
     #[test]

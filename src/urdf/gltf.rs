@@ -178,13 +178,18 @@ impl File {
         *left = left
             .checked_sub(triangles)
             .ok_or_else(|| problem(format!("it has more than {MOST_TRIANGLES} triangles")))?;
+        // A mirror turns all of them over.
+        let mirrored = placed.determinant() < 0.0;
         for k in 0..triangles {
-            let places = match primitive.mode {
+            let mut places = match primitive.mode {
                 4 => [3 * k, 3 * k + 1, 3 * k + 2],
                 // A strip turns every second triangle over.
                 5 => [k, k + 1 + k % 2, k + 2 - k % 2],
                 _ => [0, k + 1, k + 2],
             };
+            if mirrored {
+                places.swap(1, 2);
+            }
             let corner = |at| {
                 let index = vertex(at)?;
                 Some((index, point(index)?))

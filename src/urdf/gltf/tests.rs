@@ -83,6 +83,19 @@ fn a_strip_is_placed_by_the_nodes_above_it() {
     assert!((green - 0.735_357).abs() < 1e-6, "{green}");
 }
 
+/// ISO/IEC 12113, 3.7.4: a node with a negative determinant turns the winding of its triangles over.
+/// The normal of the first triangle is z, which a mirror at x = 0 keeps.
+#[test]
+fn mirrored_nodes_keep_their_outside() {
+    for scale in ["[2, 2, 2]", "[-2, 2, 2]", "[-2, -2, 2]"] {
+        let json = scene(PRIMITIVE).replace("[2, 2, 2]", scale);
+        let found = triangles(&glb(&json, &CORNERS, &INDICES)).expect("two triangles");
+        let [a, b, c] = found[0];
+        let normal = (b - a).cross(&(c - a)).normalize();
+        assert!((normal - Vec3::z()).norm() < 1e-12, "{scale}: {normal}");
+    }
+}
+
 #[test]
 fn triangles_without_indices_and_fans_are_read() {
     let list = glb(
