@@ -5,12 +5,13 @@
 //! [`crate::readout`].
 //!
 //! The specific force of an inertial unit is acceleration minus gravity, so it is 0 in free fall.
-//! The wrench in a joint is the rate of momentum of all links beyond it minus weight, contacts and
-//! external wrenches (Newton and Euler, link by link), whether bearings, motors or a weld carry it.
+//! The wrench in a joint is the rate of momentum of all links beyond it minus weight, contacts,
+//! springs, closed loops and external wrenches (Newton and Euler, link by link), whether bearings, motors or a weld carry it.
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
 pub mod frame;
+mod held;
 pub mod noise;
 pub mod scan;
 
@@ -19,6 +20,7 @@ use crate::slots::{InputSlot, ParameterSlot};
 use crate::spatial::{Vec3, Vec6, angular, linear, velocity_at};
 use crate::step::point::{Context, Point};
 use frame::{link_pose, pose};
+use held::holds;
 use scan::Scans;
 
 /// Accelerations of bodies and wrenches in joints, computed when first read.
@@ -72,12 +74,18 @@ impl Sensors {
     /// the child unless the sensor tells the other.
     ///
     /// `point` is up to date with the state, forces included; `A` are the bodies' spatial
-    /// accelerations about O.
-    pub fn wrench(&mut self, ctx: &Context, point: &Point, A: &[Vec6], sensor: usize) -> [Vec3; 2] {
+    /// accelerations about O, and `loops` the forces of all rows of closed loops.
+    pub fn wrench(
+        &mut self,
+        ctx: &Context,
+        point: &Point,
+        (A, loops): (&[Vec6], &[f64]),
+        sensor: usize,
+    ) -> [Vec3; 2] {
         if !self.has_wrenches {
             for s in 0..self.wrench.len() {
                 if !self.beyond[s].is_empty() {
-                    self.wrench[s] = wrench_beyond(ctx, point, A, &self.beyond[s]);
+                    self.wrench[s] = wrench_beyond(ctx, point, (A, loops), &self.beyond[s]);
                 }
             }
             self.has_wrenches = true;
@@ -101,7 +109,12 @@ pub fn specific_force(ctx: &Context, point: &Point, A: &[Vec6], sensor: usize) -
 }
 
 /// `[τ; f]` that hold `links`, about the origin of the first, world axes.
-fn wrench_beyond(ctx: &Context, point: &Point, A: &[Vec6], links: &[usize]) -> Vec6 {
+fn wrench_beyond(
+    ctx: &Context,
+    point: &Point,
+    (A, loops): (&[Vec6], &[f64]),
+    links: &[usize],
+) -> Vec6 {
     let kin = &point.kin;
     let origin = links
         .first()
@@ -140,7 +153,8 @@ fn wrench_beyond(ctx: &Context, point: &Point, A: &[Vec6], links: &[usize]) -> V
         }
         if let Some(link) = contact.other_link.filter(|link| is_beyond(*link)) {
             couple += about;
-            add(&-contact.seen_from(link), &force, 1.0);
+            let from = contact.seen_from((ctx.model, ctx.tree), kin, link);
+            add(&from, &force, 1.0);
         }
     }
     for turn in &point.terms.turns {
@@ -152,6 +166,10 @@ fn wrench_beyond(ctx: &Context, point: &Point, A: &[Vec6], links: &[usize]) -> V
         if contact.other_link.is_some_and(is_beyond) {
             couple += moment;
         }
+    }
+    for hold in holds(ctx, point, loops, &is_beyond) {
+        add(&hold.x, &hold.force, -1.0);
+        couple -= hold.torque;
     }
     for &link in &ctx.model.outputs.external_wrenches {
         if !is_beyond(link.index()) {

@@ -4,8 +4,10 @@
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
 use super::contact::{Contact, normal_part};
+use crate::kinematics::Kinematics;
 use crate::model::{LinkId, Model};
 use crate::spatial::{Vec3, Vec6, velocity_at};
+use crate::tree::Tree;
 
 /// The side of each named pair that a link is on. It follows from the model and never changes.
 #[derive(Clone, Debug)]
@@ -75,12 +77,14 @@ impl Contact {
         }
     }
 
-    /// O of the tree of its first body, seen from O of the tree of `link`, one of its two, m.
-    pub fn seen_from(&self, link: usize) -> Vec3 {
-        match self.other {
-            Some(other) if self.link != link => other.from,
-            _ => Vec3::zeros(),
+    /// O of the tree of its first body, seen from O of the tree of `link`, one of its two, m. That
+    /// may be a link which never moves, too.
+    pub fn seen_from(&self, (model, tree): (&Model, &Tree), kin: &Kinematics, link: usize) -> Vec3 {
+        if self.link == link {
+            return Vec3::zeros();
         }
+        let body = model.links[link].body.index();
+        kin.origin(tree, self.body) - kin.origin(tree, body)
     }
 
     /// How fast its two shapes slide on each other at the centre of its load, m/s, for the

@@ -33,7 +33,10 @@ impl Readout {
     /// Whether anything presses on a link.
     #[inline(never)]
     pub(super) fn touches(&self, link: LinkId) -> bool {
-        self.normal_loads(link).any(|(load, _)| load > 0.0)
+        let Point { kin, terms, .. } = &self.point;
+        let points = &terms.contacts.points;
+        let mut own = terms.contacts.iter();
+        own.any(|c| c.share_of(link.index()) != 0.0 && c.normal_load(points, &kin.V) > 0.0)
     }
 
     /// Force of the contacts on a link at this moment along an axis of the world, N.
@@ -50,14 +53,14 @@ impl Readout {
     }
 
     /// Normal force, N, and centre of the load, from O, of each contact of a link at this moment.
-    fn normal_loads(&self, link: LinkId) -> impl Iterator<Item = (f64, Vec3)> + '_ {
+    fn normal_loads(&self, ctx: &Context, link: LinkId) -> impl Iterator<Item = (f64, Vec3)> {
         let Point { kin, terms, .. } = &self.point;
         let contacts = &terms.contacts;
         let own = contacts
             .iter()
             .filter(move |c| c.share_of(link.index()) != 0.0);
         own.map(move |c| {
-            let center = c.center + c.seen_from(link.index());
+            let center = c.center + c.seen_from((ctx.model, ctx.tree), kin, link.index());
             (c.normal_load(&contacts.points, &kin.V), center)
         })
     }
@@ -67,7 +70,7 @@ impl Readout {
     #[inline(never)]
     pub(super) fn contact_point(&self, ctx: &Context, link: LinkId) -> Vec3 {
         let (mut load, mut moment) = (0.0, Vec3::zeros());
-        for (force, center) in self.normal_loads(link) {
+        for (force, center) in self.normal_loads(ctx, link) {
             load += force;
             moment += center * force;
         }

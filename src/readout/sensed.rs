@@ -35,6 +35,7 @@ impl Readout {
         what: Sensed,
     ) -> f64 {
         let (sensors, point, A) = (&mut self.sensors, &self.point, &self.A);
+        let loads = (A.as_slice(), self.loops.as_slice());
         match what {
             Sensed::Orientation(axis) => {
                 let (_, X) = pose(ctx, point, id.index());
@@ -47,11 +48,11 @@ impl Readout {
                 sensor::specific_force(ctx, point, A, id.index())[axis as usize]
             }
             Sensed::Torque(axis) => {
-                let [torque, _] = sensors.wrench(ctx, point, A, id.index());
+                let [torque, _] = sensors.wrench(ctx, point, loads, id.index());
                 torque[axis as usize]
             }
             Sensed::Force(axis) => {
-                let [_, force] = sensors.wrench(ctx, point, A, id.index());
+                let [_, force] = sensors.wrench(ctx, point, loads, id.index());
                 force[axis as usize]
             }
             Sensed::Distance(ray) => {

@@ -35,7 +35,7 @@ impl Readout {
         let own = terms.contacts.iter().filter(|c| c.share_of(link) != 0.0);
         for contact in own {
             let load = contact.normal_load(&terms.contacts.points, &kin.V);
-            let from = contact.seen_from(link);
+            let from = contact.seen_from((ctx.model, ctx.tree), kin, link);
             for point in &terms.contacts.points[contact.points.clone()] {
                 let x = R_SW * (point.x + from - X.p);
                 if point.depth <= 0.0 || half.is_some_and(|half| (x.abs() - half).max() > 0.0) {

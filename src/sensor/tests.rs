@@ -13,6 +13,7 @@ use std::f64::consts::{FRAC_PI_2, FRAC_PI_3};
 use std::sync::Arc;
 
 mod balance;
+mod others;
 
 const G: f64 = 9.81;
 
