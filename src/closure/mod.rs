@@ -7,10 +7,12 @@
 //! The force between two bodies acts on both at the midpoint of the two points, so that momenta are
 //! kept to the last digit even where the points do not coincide exactly.
 
+mod felt;
 mod rows;
 mod schur;
 mod spare;
 
+pub use felt::{Carried, Felt};
 pub use rows::{Gap, Places, Rows};
 pub use schur::Schur;
 

@@ -54,32 +54,13 @@ impl Schur {
                 self.W[row * m + other] = rows.along(tree, other, y);
             }
         }
-        let trace: f64 = (0..m).map(|i| self.W[i * m + i]).sum();
-        #[expect(clippy::cast_precision_loss, reason = "a small count")]
-        let share = (LOOP_COMPLIANCE * trace / m as f64).max(f64::MIN_POSITIVE);
-        for i in 0..m {
-            self.W[i * m + i] += share;
-        }
+        soften(&mut self.W, m, LOOP_COMPLIANCE);
         cholesky(&mut self.W, m);
     }
 
     /// `λ = (J Y)⁻¹ λ`.
     pub fn solve(&self, forces: &mut [f64]) {
-        let m = self.count;
-        for i in 0..m {
-            let mut x = forces[i];
-            for (w, force) in self.W[i * m..].iter().zip(&forces[..i]) {
-                x -= w * force;
-            }
-            forces[i] = x * self.W[i * m + i];
-        }
-        for i in (0..m).rev() {
-            let mut x = forces[i];
-            for (j, force) in forces.iter().enumerate().skip(i + 1) {
-                x -= self.W[j * m + i] * force;
-            }
-            forces[i] = x * self.W[i * m + i];
-        }
+        divide(&self.W, self.count, forces);
     }
 
     /// Makes `x = H⁻¹ r` that with the forces of loops, `J x = b`; these stand in `forces` then.
@@ -111,8 +92,36 @@ impl Schur {
     }
 }
 
+/// Adds a share of the mean diagonal to the diagonal of a matrix by rows of `m`.
+pub(super) fn soften(W: &mut [f64], m: usize, share: f64) {
+    let trace: f64 = (0..m).map(|i| W[i * m + i]).sum();
+    #[expect(clippy::cast_precision_loss, reason = "a small count")]
+    let more = (share * trace / m as f64).max(f64::MIN_POSITIVE);
+    for i in 0..m {
+        W[i * m + i] += more;
+    }
+}
+
+/// Divides by the matrix of which [`cholesky`] has made the factor `W`.
+pub(super) fn divide(W: &[f64], m: usize, x: &mut [f64]) {
+    for i in 0..m {
+        let mut sum = x[i];
+        for (w, x) in W[i * m..].iter().zip(&x[..i]) {
+            sum -= w * x;
+        }
+        x[i] = sum * W[i * m + i];
+    }
+    for i in (0..m).rev() {
+        let mut sum = x[i];
+        for (j, x) in x.iter().enumerate().skip(i + 1) {
+            sum -= W[j * m + i] * x;
+        }
+        x[i] = sum * W[i * m + i];
+    }
+}
+
 /// Overwrites a symmetric matrix by its factor `L`, with reciprocals on the diagonal.
-fn cholesky(W: &mut [f64], m: usize) {
+pub(super) fn cholesky(W: &mut [f64], m: usize) {
     for i in 0..m {
         for j in 0..=i {
             let mut x = W[i * m + j];

@@ -11,6 +11,7 @@
 
 use super::drive::Drive;
 use super::memory::Memory;
+use crate::closure::Felt;
 use crate::inputs::{Command, Inputs};
 use crate::kinematics::Kinematics;
 use crate::law::{ElastoPlastic, HuntCrossley, SpeedLine, stribeck};
@@ -218,6 +219,8 @@ pub struct Start<'a> {
     pub memory: &'a Memory,
     /// Inverse inertia of each degree of freedom and bias, at the start.
     pub kin: &'a Kinematics,
+    /// What motors in closed loops move and carry there.
+    pub felt: &'a Felt,
 }
 
 impl JointTerm {
@@ -284,7 +287,10 @@ impl JointTerm {
             }
             ActuatorMode::Effort => Drive::Effort(effort(s.model, index, command)),
             ActuatorMode::Velocity => {
-                let (stiffness, damping) = s.tree.actuators.motors[index];
+                let (stiffness, mut damping) = s.tree.actuators.motors[index];
+                if let Some([mass, _]) = s.felt.of(index) {
+                    damping = damping.max(2.0 * (stiffness * mass).sqrt());
+                }
                 let mut element = ElastoPlastic {
                     cap,
                     stiffness,
@@ -305,9 +311,9 @@ impl JointTerm {
             ActuatorMode::Position => {
                 let reference = actuator.reference_effort;
                 let kp = reference / SERVO_DEFLECTION;
-                let inertia = 1.0 / s.kin.inverse_diagonal[self.dof];
+                let alone = [1.0 / s.kin.inverse_diagonal[self.dof], s.kin.bias[self.dof]];
+                let [inertia, load] = s.felt.of(index).unwrap_or(alone);
                 let gain = (2.0 * (kp * inertia).sqrt()).max(kp * MOTOR_RELAXATION);
-                let load = s.kin.bias[self.dof];
                 let free = (cap.min(reference) - load.abs()).max(LEAST_FREE * cap.min(reference));
                 let joint = &s.model.joints[actuator.joint.index()];
                 Drive::Position {

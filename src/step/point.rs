@@ -2,6 +2,7 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
+use crate::closure::{Carried, Felt};
 use crate::dynamics::{crba, rnea};
 use crate::force::{Start, Terms};
 use crate::inputs::Inputs;
@@ -56,18 +57,21 @@ pub struct Point {
     pub kin: Kinematics,
     /// What can act.
     pub terms: Terms,
+    /// What motors in closed loops move and carry.
+    felt: Felt,
     /// Whether mass matrix and bias have been found, too; see [`Self::begin`].
     complete: bool,
 }
 
 #[cfg(test)]
-crate::spoil::spoil!(Point: kin terms complete;);
+crate::spoil::spoil!(Point: kin terms felt complete;);
 
 impl Point {
     pub(crate) fn new(model: &Model, tree: &Tree) -> Self {
         Self {
             kin: Kinematics::new(tree),
             terms: Terms::new(model),
+            felt: Felt::new(model, tree),
             complete: false,
         }
     }
@@ -156,7 +160,27 @@ impl Point {
     /// Bias, contacts and joint terms, after poses, mass matrix and velocities are up to date.
     fn update_forces(&mut self, ctx: &Context, from: &Physical, h: f64) {
         self.find_bias(ctx, from);
+        self.find_felt(ctx);
         self.find_terms(ctx, from, h);
+    }
+
+    /// What motors in closed loops move and carry, after mass matrix and bias are up to date.
+    fn find_felt(&mut self, ctx: &Context) {
+        let acts = |index: usize| ctx.inputs.command(index, ctx.elapsed, 0.0).max_effort > 0.0;
+        let Kinematics {
+            M,
+            inverse_diagonal,
+            bias,
+            loops: rows,
+            ..
+        } = &self.kin;
+        let at = Carried {
+            M,
+            inverse_diagonal,
+            bias,
+            rows,
+        };
+        self.felt.find((ctx.model, ctx.tree), at, acts);
     }
 
     fn find_bias(&mut self, ctx: &Context, from: &Physical) {
@@ -179,6 +203,7 @@ impl Point {
         let Context { model, tree, .. } = *ctx;
         let memory = &from.memory;
         self.terms.find_contacts(model, tree, memory, &self.kin, h);
+        self.find_felt(ctx);
         self.set_joints(ctx, from, (q, [h, 0.5 * h]));
     }
 
@@ -199,6 +224,7 @@ impl Point {
             v: &from.v,
             memory: &from.memory,
             kin: &self.kin,
+            felt: &self.felt,
         });
     }
 
@@ -214,6 +240,7 @@ impl Point {
             v: &from.v,
             memory: &from.memory,
             kin: &self.kin,
+            felt: &self.felt,
         });
     }
 

@@ -31,6 +31,7 @@ mod order;
 mod pairs;
 mod properties;
 mod rolling;
+mod servos;
 mod standing;
 mod swings;
 mod terrain;
