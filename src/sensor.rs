@@ -6,7 +6,8 @@
 //!
 //! The specific force of an inertial unit is acceleration minus gravity, so it is 0 in free fall.
 //! The wrench in a joint is the rate of momentum of all links beyond it minus weight, contacts,
-//! springs, closed loops and external wrenches (Newton and Euler, link by link), whether bearings, motors or a weld carry it.
+//! springs, closed loops and external wrenches (Newton and Euler, link by link), whether bearings,
+//! motors or a weld carry it.
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 

@@ -83,8 +83,8 @@ fn a_strip_is_placed_by_the_nodes_above_it() {
     assert!((green - 0.735_357).abs() < 1e-6, "{green}");
 }
 
-/// ISO/IEC 12113, 3.7.4: a node with a negative determinant turns the winding of its triangles over.
-/// The normal of the first triangle is z, which a mirror at x = 0 keeps.
+/// ISO/IEC 12113, 3.7.4: a node with a negative determinant turns the winding of its triangles
+/// over. The normal of the first triangle is z, which a mirror at x = 0 keeps.
 #[test]
 fn mirrored_nodes_keep_their_outside() {
     for scale in ["[2, 2, 2]", "[-2, 2, 2]", "[-2, -2, 2]"] {
