@@ -591,11 +591,11 @@ pub const LOOP_COMPLIANCE: f64 = 1e-13;
 /// Share of the largest pivot below which a row of a loop is redundant: ten thousand times
 /// round-off (`bricards_mechanism_moves_and_keeps_its_energy`).
 pub const SPARE: f64 = 1e-12;
-/// What is added to the matrix of what motors in loops do to each other, as a share of its
-/// diagonal: motors that hold the same joints share their load, and near a singular place none
-/// counts on fifty times what it carries elsewhere; loads err by a ten-thousandth. At 0 fails
-/// `motors_that_hold_the_same_loop_share_its_load`.
-pub const SHARED_LOAD: f64 = 1e-4;
+/// Weight of the motors' forces in loops beside the accelerations that they leave, both in units of
+/// what a motor alone does: motors that hold the same joints share their load, near a singular
+/// place none counts on more than 500 times what it carries elsewhere, and loads err by a
+/// millionth. At 0 fails `motors_that_hold_the_same_loop_share_its_load`.
+pub const SHARED_LOAD: f64 = 1e-3;
 /// Least reach with which angles of a loop count, m: that of a tree. At 10 fails
 /// `the_force_of_a_loop_is_what_it_carries`.
 pub const LEAST_LEVER: f64 = 0.01;

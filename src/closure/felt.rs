@@ -11,8 +11,10 @@
 //! 2. Along the joint `j` the loops move like the mass `1/P_jj`. What is beyond the joint counts at
 //!    least, as in a tree.
 //! 3. The motors carry what holds their joints: `P_AA τ = −v̇₀_A` for the joints `A` that have one.
-//!    With more of them than the loops have freedoms `P_AA` has no inverse, so [`SHARED_LOAD`] of
-//!    its diagonal is added to that: such motors share their load.
+//!    With more of them than the loops have freedoms `P_AA` has no inverse, and joints that move
+//!    cannot all be without acceleration. So `τ` has the least sum of the squares of what is left
+//!    of the accelerations and, by [`SHARED_LOAD`], of forces, `(P_AA² + ε²) τ = −P_AA v̇₀_A`, in
+//!    units of the diagonal: such motors share their load.
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
@@ -38,10 +40,13 @@ pub struct Felt {
     Y: Vec<f64>,
     /// Factor of `W`.
     W: Vec<f64>,
-    /// Columns of `P` of the motors, one after the other, and the factor of `P_AA` in units of its
-    /// diagonal.
+    /// Columns of `P` of the motors, one after the other; `P_AA` in units of its diagonal, and the
+    /// factor of its square.
     P: Vec<f64>,
     shares: Vec<f64>,
+    squares: Vec<f64>,
+    /// `τ` in these units.
+    loads: Vec<f64>,
     /// `v̇₀`, and forces of rows or motors.
     free: Vec<f64>,
     forces: Vec<f64>,
@@ -51,7 +56,7 @@ pub struct Felt {
 }
 
 #[cfg(test)]
-crate::spoil::spoil!(Felt: dofs M J Y W P shares free forces column; of motors unit);
+crate::spoil::spoil!(Felt: dofs M J Y W P shares squares loads free forces column; of motors unit);
 
 /// What masses and loads are found from.
 #[derive(Clone, Copy, Debug)]
@@ -84,6 +89,8 @@ impl Felt {
             W: Vec::with_capacity(m * m),
             P: Vec::with_capacity(k * nv),
             shares: Vec::with_capacity(k * k),
+            squares: Vec::with_capacity(k * k),
+            loads: Vec::with_capacity(k),
             free: Vec::with_capacity(nv),
             forces: Vec::with_capacity(m.max(k)),
             unit: vec![0.0; nv],
@@ -218,18 +225,28 @@ impl Felt {
         let scale = |i: usize| 1.0 / P[i * n + motors[i].1].sqrt();
         self.shares.clear();
         self.forces.clear();
+        self.squares.clear();
+        self.loads.clear();
         for i in 0..k {
             let along = (0..k).map(|j| P[i * n + motors[j].1] * scale(i) * scale(j));
             self.shares.extend(along);
             self.forces.push(-self.free[motors[i].1] * scale(i));
         }
-        soften(&mut self.shares, k, SHARED_LOAD);
-        cholesky(&mut self.shares, k);
-        divide(&self.shares, k, &mut self.forces);
+        // Their square, and what it makes of the forces.
+        for i in 0..k {
+            let row = &self.shares[i * k..(i + 1) * k];
+            for other in self.shares[..k * k].chunks_exact(k) {
+                self.squares.push(dot(row, other));
+            }
+            self.squares[i * k + i] += SHARED_LOAD * SHARED_LOAD;
+            self.loads.push(dot(row, &self.forces));
+        }
+        cholesky(&mut self.squares, k);
+        divide(&self.squares, k, &mut self.loads);
         for (i, (index, place)) in motors.iter().enumerate() {
             let beyond = 1.0 / at.inverse_diagonal[self.dofs[*place]];
             let mass = (scale(i) * scale(i)).max(beyond);
-            self.of[*index] = Some([mass, self.forces[i] * scale(i)]);
+            self.of[*index] = Some([mass, self.loads[i] * scale(i)]);
         }
     }
 }

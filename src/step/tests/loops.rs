@@ -13,7 +13,7 @@ fn rod(length: f64) -> RigidInertia {
 }
 
 /// Crank, coupler and rocker of rods of 1 m, closed 1.2 m beside the crank: it whirls.
-fn four_bar(ends: impl Fn([Anchor; 2]) -> LoopKind) -> Builder {
+pub(super) fn four_bar(ends: impl Fn([Anchor; 2]) -> LoopKind) -> Builder {
     let mut b = Builder::new(false, RigidInertia::ZERO);
     let turn = Motion::Revolute(-Y);
     let crank = b.link(LinkId(0), Pose::IDENTITY, turn, rod(1.0));

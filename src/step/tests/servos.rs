@@ -1,6 +1,6 @@
 //! Motors in closed loops: they move and carry more than what is beyond their joint.
 
-use super::loops::gap;
+use super::loops::{four_bar, gap};
 use super::*;
 use crate::closure::testing::anchor;
 use crate::model::{JointId, LoopKind, Share};
@@ -106,5 +106,47 @@ fn motors_that_hold_the_same_loop_share_its_load() {
         assert!(off < 1e-6, "{off:e}");
         let effort = s.output(OutputSlot::JointEffort(JointId(k as u32)));
         assert!((effort - 4.0 * G).abs() < 1e-2, "{effort}");
+    }
+}
+
+/// Servos on both levers of a four-bar: the two cannot both be without acceleration while they
+/// move, so that no forces hold them. Two arms of three servos that carried one bar made energy
+/// from this without end while such accelerations counted as a load.
+#[test]
+fn servos_that_move_one_loop_together_come_to_their_targets() {
+    // The crank stands at 1.57 and goes to `crank`; where two circles of 1 m meet is the rocker.
+    for crank in [1.1, 1.3, 1.9] {
+        let tip = [libm::cos(crank), libm::sin(crank)];
+        let [x, z] = [1.2 - tip[0], -tip[1]];
+        let square = x * x + z * z;
+        let height = libm::sqrt((1.0 - 0.25 * square) / square);
+        let pin = [0.5 * x - height * z, 0.5 * z + height * x].map(|x| -x);
+        let pins = [pin, [-0.5 * x - height * z, -0.5 * z + height * x]];
+        let angles = pins.map(|[x, z]| libm::atan2(z, x));
+        for (step, tolerance) in [(0.0, 1e-3), (0.0, 1e-5), (1.0 / 240.0, 1e-3)] {
+            let mut b = four_bar(LoopKind::Ball);
+            b.model.initial.joint_velocities = vec![0.0; 3];
+            for lever in [1u32, 3] {
+                b.actuator(LinkId(lever), ActuatorMode::Position, 500.0);
+            }
+            b.model.solver.step_size = step;
+            let mut s = start(b.model, tolerance);
+            let from = s.state().physical.q[2];
+            let apart = |angle: &f64| (angle - from).abs();
+            let rocker = if apart(&angles[0]) < apart(&angles[1]) {
+                angles[0]
+            } else {
+                angles[1]
+            };
+            s.set_input(InputSlot::Position(ActuatorId(0)), crank);
+            s.set_input(InputSlot::Position(ActuatorId(1)), rocker);
+            run(&mut s, 2.0, 0.01);
+            let q = &s.state().physical.q;
+            let off = (q[0] - crank).abs().max((q[2] - rocker).abs());
+            assert!(
+                off < 1e-6,
+                "to {crank}, step {step}, {tolerance}: {off:e} off"
+            );
+        }
     }
 }
