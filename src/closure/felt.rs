@@ -7,7 +7,10 @@
 //! others held:
 //!
 //! 1. `P = M⁻¹ − Y W⁻¹ Yᵀ` with `Y = M⁻¹Jᵀ` and `W = J Y` is what forces make of accelerations
-//!    within the loops. Without forces of motors these are `v̇₀ = −P k − Y W⁻¹ J̇v`.
+//!    within the loops. Without forces of motors these are `v̇₀ = −P k − Y W⁻¹ J̇v`. With the
+//!    factors `M = L Lᵀ` and `W = C Cᵀ`, `Z = L⁻¹Jᵀ`, and for each motor `z = L⁻¹e` and
+//!    `w = C⁻¹Zᵀz`, it is `P_ab = z_a·z_b − w_a·w_b`. Likewise `v̇₀_a = z_a·z − w_a·w` with
+//!    `z = −L⁻¹k` and `w = C⁻¹(Zᵀz + J̇v)`.
 //! 2. Along the joint `j` the loops move like the mass `1/P_jj`. What is beyond the joint counts at
 //!    least, as in a tree.
 //! 3. The motors carry what holds their joints: `P_AA τ = −v̇₀_A` for the joints `A` that have one.
@@ -19,7 +22,7 @@
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
 use super::rows::Rows;
-use super::schur::{cholesky, divide, soften};
+use super::schur::{cholesky, divide, forward, soften};
 use crate::model::{ActuatorMode, Model};
 use crate::tree::Tree;
 use crate::tuning::{LOOP_COMPLIANCE, SHARED_LOAD, SPARE};
@@ -33,30 +36,30 @@ pub struct Felt {
     dofs: Vec<usize>,
     /// Actuators that hold joints of loops, and the places of these in `dofs`.
     motors: Vec<(usize, usize)>,
-    /// Factor of `M`, by rows of `n = dofs.len()`.
-    M: Vec<f64>,
-    /// `J` and `Y`, one row a row of the loops, `n` numbers each.
-    J: Vec<f64>,
-    Y: Vec<f64>,
-    /// Factor of `W`.
-    W: Vec<f64>,
-    /// Columns of `P` of the motors, one after the other; `P_AA` in units of its diagonal, and the
-    /// factor of its square.
+    /// By rows of `n = dofs.len()` numbers.
+    L: Vec<f64>,
+    /// One row a row of the loops, `n` numbers each.
+    Z: Vec<f64>,
+    /// By rows of as many numbers as the loops have rows.
+    C: Vec<f64>,
+    /// `z` and `w` of the motors, one after the other, and last those of `v̇₀`.
+    z: Vec<f64>,
+    w: Vec<f64>,
+    /// `P_AA` in units of its diagonal, the factor of its square, and what makes a force or an
+    /// acceleration of a unit.
     P: Vec<f64>,
-    shares: Vec<f64>,
-    squares: Vec<f64>,
-    /// `τ` in these units.
+    square: Vec<f64>,
+    scale: Vec<f64>,
+    /// `−v̇₀_A`, then `τ`, in these units.
+    asked: Vec<f64>,
     loads: Vec<f64>,
-    /// `v̇₀`, and forces of rows or motors.
-    free: Vec<f64>,
-    forces: Vec<f64>,
     /// `nv` numbers each: a vector of zeros, and a column of `M`.
     unit: Vec<f64>,
     column: Vec<f64>,
 }
 
 #[cfg(test)]
-crate::spoil::spoil!(Felt: dofs M J Y W P shares squares loads free forces column; of motors unit);
+crate::spoil::spoil!(Felt: dofs L Z C z w P square scale asked loads column; of motors unit);
 
 /// What masses and loads are found from.
 #[derive(Clone, Copy, Debug)]
@@ -83,16 +86,16 @@ impl Felt {
             of: vec![None; model.actuators.len()],
             dofs: Vec::with_capacity(nv),
             motors: Vec::with_capacity(k),
-            M: Vec::with_capacity(nv * nv),
-            J: Vec::with_capacity(m * nv),
-            Y: Vec::with_capacity(m * nv),
-            W: Vec::with_capacity(m * m),
-            P: Vec::with_capacity(k * nv),
-            shares: Vec::with_capacity(k * k),
-            squares: Vec::with_capacity(k * k),
+            L: Vec::with_capacity(nv * nv),
+            Z: Vec::with_capacity(m * nv),
+            C: Vec::with_capacity(m * m),
+            z: Vec::with_capacity((k + 1) * nv),
+            w: Vec::with_capacity((k + 1) * m),
+            P: Vec::with_capacity(k * k),
+            square: Vec::with_capacity(k * k),
+            scale: Vec::with_capacity(k),
+            asked: Vec::with_capacity(k),
             loads: Vec::with_capacity(k),
-            free: Vec::with_capacity(nv),
-            forces: Vec::with_capacity(m.max(k)),
             unit: vec![0.0; nv],
             column: vec![0.0; nv],
         }
@@ -117,34 +120,11 @@ impl Felt {
             return;
         }
         self.select(model, tree, acts);
-        if self.motors.is_empty() {
-            return;
+        if !self.motors.is_empty() {
+            self.factor(tree, at);
+            self.reduce(at);
+            self.share(at);
         }
-        let n = self.dofs.len();
-        self.factor(tree, at);
-        self.free.clear();
-        let bias = self.dofs.iter().map(|dof| -at.bias[*dof]);
-        self.free.extend(bias);
-        divide(&self.M, n, &mut self.free);
-        let mut x = std::mem::take(&mut self.free);
-        self.close(|row| -at.rows.bias[row], &mut x);
-        self.free = x;
-        let mut P = std::mem::take(&mut self.P);
-        P.clear();
-        P.resize(self.motors.len() * n, 0.0);
-        for ((_, place), column) in self.motors.iter().zip(P.chunks_exact_mut(n)) {
-            column[*place] = 1.0;
-        }
-        for (i, column) in P.chunks_exact_mut(n).enumerate() {
-            let place = self.motors[i].1;
-            divide(&self.M, n, column);
-            let alone = column[place];
-            self.close(|_| 0.0, column);
-            // What cannot move at all is heavy.
-            column[place] = column[place].max(SPARE * alone);
-        }
-        self.P = P;
-        self.share(at);
     }
 
     /// Which degrees of freedom and motors are in loops.
@@ -166,87 +146,101 @@ impl Felt {
         }
     }
 
-    /// Factors of `M` and `W`, and `J` and `Y`.
+    /// `L`, `Z` and `C`.
     fn factor(&mut self, tree: &Tree, at: Carried) {
-        let (n, rows) = (self.dofs.len(), at.rows);
-        let m = rows.len();
-        self.M.clear();
+        let (n, m) = (self.dofs.len(), at.rows.len());
+        self.L.clear();
         for dof in &self.dofs {
             self.unit[*dof] = 1.0;
             tree.sparsity.multiply(at.M, &self.unit, &mut self.column);
             self.unit[*dof] = 0.0;
             let column = &self.column;
-            self.M.extend(self.dofs.iter().map(|other| column[*other]));
+            self.L.extend(self.dofs.iter().map(|other| column[*other]));
         }
-        cholesky(&mut self.M, n);
-        self.J.clear();
-        self.J.resize(m * n, 0.0);
-        for (row, J) in self.J.chunks_exact_mut(n).enumerate() {
-            let (dofs, entries) = rows.entries(tree, row);
+        cholesky(&mut self.L, n);
+        self.Z.clear();
+        self.Z.resize(m * n, 0.0);
+        self.C.clear();
+        self.C.resize(m * m, 0.0);
+        for row in 0..m {
+            let (before, z) = self.Z.split_at_mut(row * n);
+            let z = &mut z[..n];
+            let (dofs, entries) = at.rows.entries(tree, row);
             for (dof, entry) in dofs.iter().zip(entries) {
-                J[self.dofs.partition_point(|other| other < dof)] += entry;
+                z[self.dofs.partition_point(|other| other < dof)] += entry;
+            }
+            forward(&self.L, n, z);
+            let places = &mut self.C[row * m..=row * m + row];
+            let others = before.chunks_exact(n).map(|other| dot(other, z));
+            for (place, product) in places.iter_mut().zip(others.chain([dot(z, z)])) {
+                *place = product;
             }
         }
-        self.Y.clear();
-        self.Y.extend_from_slice(&self.J);
-        self.W.clear();
-        self.W.resize(m * m, 0.0);
-        for (row, y) in self.Y.chunks_exact_mut(n).enumerate() {
-            divide(&self.M, n, y);
-            for (w, J) in self.W[row * m..=row * m + row]
-                .iter_mut()
-                .zip(self.J.chunks_exact(n))
-            {
-                *w = dot(J, y);
-            }
-        }
-        soften(&mut self.W, m, LOOP_COMPLIANCE);
-        cholesky(&mut self.W, m);
+        soften(&mut self.C, m, LOOP_COMPLIANCE);
+        cholesky(&mut self.C, m);
     }
 
-    /// Adds to the accelerations `x` what the loops' forces make of them, for `J x = b`.
-    fn close(&mut self, asked: impl Fn(usize) -> f64, x: &mut [f64]) {
-        let (n, forces) = (self.dofs.len(), &mut self.forces);
-        forces.clear();
-        let rows = self.J.chunks_exact(n).enumerate();
-        forces.extend(rows.map(|(row, J)| asked(row) - dot(J, x)));
-        divide(&self.W, forces.len(), forces);
-        for (y, force) in self.Y.chunks_exact(n).zip(forces.iter()) {
-            for (x, y) in x.iter_mut().zip(y) {
-                *x += force * y;
+    /// `z` and `w` of the motors and of `v̇₀`.
+    fn reduce(&mut self, at: Carried) {
+        let (n, m, k) = (self.dofs.len(), at.rows.len(), self.motors.len());
+        self.z.clear();
+        self.z.resize((k + 1) * n, 0.0);
+        self.w.clear();
+        self.w.resize((k + 1) * m, 0.0);
+        for i in 0..=k {
+            let z = &mut self.z[i * n..(i + 1) * n];
+            let w = &mut self.w[i * m..(i + 1) * m];
+            if let Some((_, place)) = self.motors.get(i) {
+                z[*place] = 1.0;
+            } else {
+                for (z, dof) in z.iter_mut().zip(&self.dofs) {
+                    *z = -at.bias[*dof];
+                }
+                w.copy_from_slice(&at.rows.bias[..m]);
             }
+            forward(&self.L, n, z);
+            for (w, row) in w.iter_mut().zip(self.Z.chunks_exact(n)) {
+                *w += dot(row, z);
+            }
+            forward(&self.C, m, w);
         }
     }
 
     /// Masses, and shares of the load.
     fn share(&mut self, at: Carried) {
-        let (n, k) = (self.dofs.len(), self.motors.len());
-        let (P, motors) = (&self.P, &self.motors);
-        let scale = |i: usize| 1.0 / P[i * n + motors[i].1].sqrt();
-        self.shares.clear();
-        self.forces.clear();
-        self.squares.clear();
+        let (n, m, k) = (self.dofs.len(), at.rows.len(), self.motors.len());
+        let (z, w) = (&self.z, &self.w);
+        let z = |i: usize| &z[i * n..(i + 1) * n];
+        let w = |i: usize| &w[i * m..(i + 1) * m];
+        let product = |a: usize, b: usize| dot(z(a), z(b)) - dot(w(a), w(b));
+        self.scale.clear();
+        for i in 0..k {
+            // What cannot move at all is heavy.
+            let mobility = product(i, i).max(SPARE * dot(z(i), z(i)));
+            self.scale.push(1.0 / mobility.sqrt());
+        }
+        self.P.clear();
+        self.asked.clear();
+        for i in 0..k {
+            let scale = &self.scale;
+            let along = (0..k).map(|j| product(i, j) * scale[i] * scale[j]);
+            self.P.extend(along);
+            self.asked.push(-product(i, k) * scale[i]);
+        }
+        self.square.clear();
         self.loads.clear();
-        for i in 0..k {
-            let along = (0..k).map(|j| P[i * n + motors[j].1] * scale(i) * scale(j));
-            self.shares.extend(along);
-            self.forces.push(-self.free[motors[i].1] * scale(i));
+        for (i, row) in self.P.chunks_exact(k).enumerate() {
+            let others = self.P.chunks_exact(k).map(|other| dot(row, other));
+            self.square.extend(others);
+            self.square[i * k + i] += SHARED_LOAD * SHARED_LOAD;
+            self.loads.push(dot(row, &self.asked));
         }
-        // Their square, and what it makes of the forces.
-        for i in 0..k {
-            let row = &self.shares[i * k..(i + 1) * k];
-            for other in self.shares[..k * k].chunks_exact(k) {
-                self.squares.push(dot(row, other));
-            }
-            self.squares[i * k + i] += SHARED_LOAD * SHARED_LOAD;
-            self.loads.push(dot(row, &self.forces));
-        }
-        cholesky(&mut self.squares, k);
-        divide(&self.squares, k, &mut self.loads);
-        for (i, (index, place)) in motors.iter().enumerate() {
+        cholesky(&mut self.square, k);
+        divide(&self.square, k, &mut self.loads);
+        for (i, (index, place)) in self.motors.iter().enumerate() {
             let beyond = 1.0 / at.inverse_diagonal[self.dofs[*place]];
-            let mass = (scale(i) * scale(i)).max(beyond);
-            self.of[*index] = Some([mass, self.loads[i] * scale(i)]);
+            let mass = (self.scale[i] * self.scale[i]).max(beyond);
+            self.of[*index] = Some([mass, self.loads[i] * self.scale[i]]);
         }
     }
 }

@@ -102,8 +102,8 @@ pub(super) fn soften(W: &mut [f64], m: usize, share: f64) {
     }
 }
 
-/// Divides by the matrix of which [`cholesky`] has made the factor `W`.
-pub(super) fn divide(W: &[f64], m: usize, x: &mut [f64]) {
+/// Divides by the factor `W` that [`cholesky`] has made, the first half of [`divide`].
+pub(super) fn forward(W: &[f64], m: usize, x: &mut [f64]) {
     for i in 0..m {
         let mut sum = x[i];
         for (w, x) in W[i * m..].iter().zip(&x[..i]) {
@@ -111,6 +111,11 @@ pub(super) fn divide(W: &[f64], m: usize, x: &mut [f64]) {
         }
         x[i] = sum * W[i * m + i];
     }
+}
+
+/// Divides by the matrix of which [`cholesky`] has made the factor `W`.
+pub(super) fn divide(W: &[f64], m: usize, x: &mut [f64]) {
+    forward(W, m, x);
     for i in (0..m).rev() {
         let mut sum = x[i];
         for (j, x) in x.iter().enumerate().skip(i + 1) {
