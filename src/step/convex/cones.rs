@@ -78,8 +78,8 @@ impl Newton {
         self.answer((tree, kin), factor)
     }
 
-    /// Finds what the impulses in `F` change of velocities, and returns the largest of it, weighted,
-    /// rad/s.
+    /// Finds what the impulses in `F` change of velocities, and returns the largest of it,
+    /// weighted, rad/s.
     fn answer(&mut self, (tree, kin): (&Tree, &Kinematics), factor: Option<&Factor>) -> f64 {
         let Self { pull, turned, .. } = self;
         pull.fill(0.0);

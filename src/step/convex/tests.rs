@@ -308,10 +308,10 @@ fn solve_with_own_cones(newton: &mut Newton, case: &mut Case) -> bool {
     true
 }
 
-/// From a guess that is off by `ε`, one iteration whose direction foresees its friction cones leaves
-/// an error of the order of `ε²` if one contact slips, where one with constant cones leaves a share
-/// of `ε`. Where several slip, it leaves a part of that share. The solution is that of many solves,
-/// each with the cones of the last one.
+/// From a guess that is off by `ε`, one iteration whose direction foresees its friction cones
+/// leaves an error of the order of `ε²` if one contact slips, where one with constant cones leaves
+/// a share of `ε`. Where several slip, it leaves a part of that share. The solution is that of
+/// many solves, each with the cones of the last one.
 #[test]
 fn a_direction_that_foresees_its_cones_finds_them() {
     let (mut one, mut many) = ([0.0_f64; 2], Vec::new());
