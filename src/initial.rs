@@ -4,7 +4,7 @@ pub(crate) mod closing;
 
 use crate::closure::Gap;
 use crate::kinematics::Kinematics;
-use crate::model::{JointId, Model, RootId};
+use crate::model::{Body, JointId, Model, RootId};
 use crate::parameters::Parameters;
 use crate::slots::ParameterSlot as P;
 #[cfg(feature = "urdf")]
@@ -47,6 +47,9 @@ pub(crate) fn initial_state(model: &Model, parameters: &Parameters, time: f64) -
 /// Closes the loops of the initial state that the parameters ask for: what they say otherwise than
 /// the model does, and velocities that are not 0, stay if they can. Returns the widest loop that
 /// stays open.
+///
+/// Spherical, planar and floating joints have no initial value. They begin where they close the
+/// loops of the model's own initial state, whose other joints are where they do.
 pub(crate) fn close(
     model: &Model,
     parameters: &Parameters,
@@ -64,8 +67,32 @@ pub(crate) fn close(
             given[1][dof] = parameters.get(P::InitialJointVelocity(id)) != 0.0;
         }
     }
+    follow(model, tree, kin, state);
     let [positions, velocities] = &given;
     closing::close(tree, kin, [&|k| positions[k], &|k| velocities[k]], state)
+}
+
+/// Puts joints that have no initial value to where they close the loops of the model's own initial
+/// state, with all others held.
+fn follow(model: &Model, tree: &Tree, kin: &mut Kinematics, state: &mut Physical) {
+    let follows = |body: &&Body| {
+        body.joint
+            .is_some_and(|joint| model.scalar_body(joint).is_none())
+    };
+    let mut followers = vec![false; model.nv()];
+    for body in model.bodies.iter().filter(follows) {
+        let dof = body.dof.index();
+        followers[dof..dof + body.motion.nv()].fill(true);
+    }
+    if tree.closures.is_empty() || !followers.contains(&true) {
+        return;
+    }
+    let mut own = initial_state(model, &Parameters::new(model), 0.0).physical;
+    closing::close(tree, kin, [&|k| !followers[k], &|_| false], &mut own);
+    for body in model.bodies.iter().filter(follows) {
+        let places = body.coordinate..body.coordinate + body.motion.nq();
+        state.q[places.clone()].copy_from_slice(&own.q[places]);
+    }
 }
 
 /// Closes the loops of a model's initial state, and makes the closed one the initial state; the

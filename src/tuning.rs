@@ -31,7 +31,7 @@ pub struct Rules {
     /// `the_communication_step_does_not_change_the_result_beyond_the_tolerance`.
     pub cones: bool,
     /// Steps end where a point touches down or a joint reaches its limit. Without it fails
-    /// `balls_that_meet_head_on_part_as_restitution_says`.
+    /// `bodies_without_losses_make_no_energy_whatever_they_meet_with`.
     pub touchdown: bool,
     /// A command that jumps caps the first step after it. Without it fails
     /// `s12_robots_under_changing_commands_are_off_by_two_tolerances`.
