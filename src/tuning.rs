@@ -27,8 +27,8 @@ pub struct Rules {
     /// Smooth steps reach beyond the communication point while no input changes. Without it fails
     /// `communication_points_do_not_change_a_smooth_motion`.
     pub look_ahead: bool,
-    /// The full solve is repeated with the normal forces that it has found. Without it fails
-    /// `the_communication_step_does_not_change_the_result_beyond_the_tolerance`.
+    /// Friction cones follow the normal forces that a solve finds, and its direction foresees them.
+    /// Without it fails `d5_axles_that_work_against_each_other_agree_with_short_steps`.
     pub cones: bool,
     /// Steps end where a point touches down or a joint reaches its limit. Without it fails
     /// `bodies_without_losses_make_no_energy_whatever_they_meet_with`.
