@@ -29,7 +29,7 @@ use crate::force::{ContactSet, Growth, Response, Responses, Solved, Terms, Veloc
 use crate::kinematics::{Kinematics, forward};
 use crate::spatial::{Vec6, add6, dot6};
 use crate::tree::{Span, Tree};
-use crate::tuning::{COARSEST, ITERATED, MAX_ITERATIONS, ROUND_OFF};
+use crate::tuning::{COARSEST, ITERATED, MAX_ITERATIONS};
 
 pub use factor::Factor;
 
@@ -286,7 +286,7 @@ impl Newton {
             let velocities = *run.round_off.get_or_insert_with(|| self.round_off(p));
             let of_impulse = *run
                 .impulse_round_off
-                .get_or_insert_with(|| impulse_round_off(p));
+                .get_or_insert_with(|| balance::impulse_round_off(p));
             let floor = velocities + of_impulse * self.impulses(p);
             norm <= floor && floor.is_finite()
         };
@@ -326,28 +326,6 @@ impl Newton {
             *m += alpha * w;
         }
         self.at.combine(1.0, &self.along, alpha);
-    }
-
-    /// Squared scale of what velocities' round-off does to momenta, at the velocity that stands in
-    /// `v`.
-    fn round_off(&self, p: &Problem) -> f64 {
-        let pattern = &p.tree.sparsity;
-        let energy = |k: usize| p.kin.M[pattern.diagonal(k)] * self.v[k] * self.v[k];
-        let sum: f64 = p.tree.worked_dofs().map(energy).sum();
-        ROUND_OFF * ROUND_OFF * sum
-    }
-
-    /// Squared impulses of all contacts, (N·s)².
-    fn impulses(&self, p: &Problem) -> f64 {
-        let Responses {
-            contacts, turns, ..
-        } = &self.responses;
-        let contacts = contacts.iter().map(|r| {
-            let friction = p.h * p.h * r.friction.force.norm_squared();
-            r.load * r.load + friction
-        });
-        let sum: f64 = turns.iter().map(|r| r.impulse.norm_squared()).sum();
-        contacts.sum::<f64>() + sum
     }
 
     /// Minus the gradient at the velocity `v` of a step that begins with it, N·m·s: forces and bias
@@ -471,16 +449,6 @@ fn project(
             take(dof, *F);
         }
     }
-}
-
-/// Squared scale of the round-off that contact impulses of 1 N·s leave where they cancel along
-/// every joint.
-fn impulse_round_off(p: &Problem) -> f64 {
-    let D2 = &p.kin.inverse_diagonal;
-    let dofs = p.tree.worked_dofs();
-    let lightest = dofs.fold(0.0, |m: f64, k| m.max(D2[k]));
-    let lever = 1.0 + p.tree.reach();
-    ROUND_OFF * ROUND_OFF * lightest * lever * lever
 }
 
 /// `Σ D² x²` over the degrees of freedom that a step works on.

@@ -1,9 +1,11 @@
-//! Closed loops in a solve: its initial velocity, the loops' forces, and whether all impulses
-//! balance.
+//! Whether all impulses balance, to the round-off of what they come from; and closed loops in a
+//! solve: its initial velocity, and the loops' forces.
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
 use super::{Factor, Newton, Problem, scaled_square};
+use crate::force::Responses;
+use crate::tuning::ROUND_OFF;
 
 impl Newton {
     /// Whether a robot that stands still stays: all impulses balance at `v = 0`.
@@ -24,6 +26,28 @@ impl Newton {
         let scale = impulse_scale.max(p.h * p.h * scaled_square(p.tree, p.bias, D2));
         let scale = scale.max(loop_scale);
         scale.is_finite() && norm <= p.accuracy * p.accuracy * scale
+    }
+
+    /// Squared scale of what velocities' round-off does to momenta, at the velocity that stands in
+    /// `v`.
+    pub(super) fn round_off(&self, p: &Problem) -> f64 {
+        let pattern = &p.tree.sparsity;
+        let energy = |k: usize| p.kin.M[pattern.diagonal(k)] * self.v[k] * self.v[k];
+        let sum: f64 = p.tree.worked_dofs().map(energy).sum();
+        ROUND_OFF * ROUND_OFF * sum
+    }
+
+    /// Squared impulses of all contacts, (N·s)².
+    pub(super) fn impulses(&self, p: &Problem) -> f64 {
+        let Responses {
+            contacts, turns, ..
+        } = &self.responses;
+        let contacts = contacts.iter().map(|r| {
+            let friction = p.h * p.h * r.friction.force.norm_squared();
+            r.load * r.load + friction
+        });
+        let sum: f64 = turns.iter().map(|r| r.impulse.norm_squared()).sum();
+        contacts.sum::<f64>() + sum
     }
 
     /// Squared scales of what the forces of loops leave of the gradient, and of these forces, in
@@ -86,4 +110,14 @@ impl Newton {
         self.stand(p);
         self.factored = factored;
     }
+}
+
+/// Squared scale of the round-off that contact impulses of 1 N·s leave where they cancel along
+/// every joint.
+pub(super) fn impulse_round_off(p: &Problem) -> f64 {
+    let D2 = &p.kin.inverse_diagonal;
+    let dofs = p.tree.worked_dofs();
+    let lightest = dofs.fold(0.0, |m: f64, k| m.max(D2[k]));
+    let lever = 1.0 + p.tree.reach();
+    ROUND_OFF * ROUND_OFF * lightest * lever * lever
 }
