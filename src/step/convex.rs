@@ -286,7 +286,7 @@ impl Newton {
             let velocities = *run.round_off.get_or_insert_with(|| self.round_off(p));
             let of_impulse = *run
                 .impulse_round_off
-                .get_or_insert_with(|| balance::impulse_round_off(p));
+                .get_or_insert_with(|| Self::impulse_round_off(p));
             let floor = velocities + of_impulse * self.impulses(p);
             norm <= floor && floor.is_finite()
         };

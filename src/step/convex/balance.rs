@@ -110,14 +110,14 @@ impl Newton {
         self.stand(p);
         self.factored = factored;
     }
-}
 
-/// Squared scale of the round-off that contact impulses of 1 N·s leave where they cancel along
-/// every joint.
-pub(super) fn impulse_round_off(p: &Problem) -> f64 {
-    let D2 = &p.kin.inverse_diagonal;
-    let dofs = p.tree.worked_dofs();
-    let lightest = dofs.fold(0.0, |m: f64, k| m.max(D2[k]));
-    let lever = 1.0 + p.tree.reach();
-    ROUND_OFF * ROUND_OFF * lightest * lever * lever
+    /// Squared scale of the round-off that contact impulses of 1 N·s leave where they cancel along
+    /// every joint.
+    pub(super) fn impulse_round_off(p: &Problem) -> f64 {
+        let D2 = &p.kin.inverse_diagonal;
+        let dofs = p.tree.worked_dofs();
+        let lightest = dofs.fold(0.0, |m: f64, k| m.max(D2[k]));
+        let lever = 1.0 + p.tree.reach();
+        ROUND_OFF * ROUND_OFF * lightest * lever * lever
+    }
 }
