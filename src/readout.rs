@@ -234,7 +234,7 @@ impl Readout {
             }
             O::ContactActive(link) => {
                 let known = self.at(ctx, state, Level::Forces);
-                f64::from(u8::from(known.touches(link)))
+                f64::from(u8::from(known.touches(ctx, link)))
             }
             O::ContactPoint(link, axis) => {
                 let known = self.at(ctx, state, Level::Forces);

@@ -145,6 +145,18 @@ impl Sparsity {
         self.start[i.max(j)] + self.depth[i.min(j)]
     }
 
+    /// Entry (i, j), 0 outside of the pattern.
+    pub fn entry(&self, a: &[f64], i: usize, j: usize) -> f64 {
+        let (row, column) = (i.max(j), i.min(j));
+        let place = self.place(i, j);
+        let is_ancestor = self.depth[column] <= self.depth[row];
+        if is_ancestor && self.column[place] as usize == column {
+            a[place]
+        } else {
+            0.0
+        }
+    }
+
     /// Place of the diagonal entry of row `k`.
     #[inline]
     pub fn diagonal(&self, k: usize) -> usize {

@@ -30,6 +30,8 @@ use crate::tuning::{LOOP_COMPLIANCE, SHARED_LOAD, SPARE};
 /// Mass and load of the motors in loops.
 #[derive(Clone, Debug)]
 pub struct Felt {
+    /// Whether a motor holds a joint, and there is a loop.
+    needed: bool,
     /// Of each actuator, kg·m² or kg, and N·m or N; none outside of loops.
     of: Vec<Option<[f64; 2]>>,
     /// Degrees of freedom of the loops, ascending.
@@ -53,13 +55,10 @@ pub struct Felt {
     /// `−v̇₀_A`, then `τ`, in these units.
     asked: Vec<f64>,
     loads: Vec<f64>,
-    /// `nv` numbers each: a vector of zeros, and a column of `M`.
-    unit: Vec<f64>,
-    column: Vec<f64>,
 }
 
 #[cfg(test)]
-crate::spoil::spoil!(Felt: dofs L Z C z w P square scale asked loads column; of motors unit);
+crate::spoil::spoil!(Felt: dofs L Z C z w P square scale asked loads; needed of motors);
 
 /// What masses and loads are found from.
 #[derive(Clone, Copy, Debug)]
@@ -83,6 +82,7 @@ impl Felt {
         let nv = room * tree.sparsity.len();
         let (m, k) = (room * Rows::most(tree), room * model.actuators.len());
         Self {
+            needed,
             of: vec![None; model.actuators.len()],
             dofs: Vec::with_capacity(nv),
             motors: Vec::with_capacity(k),
@@ -96,8 +96,6 @@ impl Felt {
             scale: Vec::with_capacity(k),
             asked: Vec::with_capacity(k),
             loads: Vec::with_capacity(k),
-            unit: vec![0.0; nv],
-            column: vec![0.0; nv],
         }
     }
 
@@ -116,7 +114,7 @@ impl Felt {
         acts: impl Fn(usize) -> bool,
     ) {
         self.of.fill(None);
-        if self.unit.is_empty() || !tree.is_closed() {
+        if !self.needed || !tree.is_closed() {
             return;
         }
         self.select(model, tree, acts);
@@ -151,11 +149,8 @@ impl Felt {
         let (n, m) = (self.dofs.len(), at.rows.len());
         self.L.clear();
         for dof in &self.dofs {
-            self.unit[*dof] = 1.0;
-            tree.sparsity.multiply(at.M, &self.unit, &mut self.column);
-            self.unit[*dof] = 0.0;
-            let column = &self.column;
-            self.L.extend(self.dofs.iter().map(|other| column[*other]));
+            let entry = |other: &usize| tree.sparsity.entry(at.M, *dof, *other);
+            self.L.extend(self.dofs.iter().map(entry));
         }
         cholesky(&mut self.L, n);
         self.Z.clear();

@@ -120,9 +120,9 @@ crate::spoil::spoil!(Secant: slot linear angular deeper;);
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::force::tests::two_bodies;
-    use crate::force::{ContactSet, detect};
+    use crate::force::tests::{met, two_bodies};
     use crate::geometry::Shape;
+    use crate::spatial::Pose;
 
     /// What turns in a step by `θ` moves its surface by `θ` times its own lever, however large that
     /// is which it turns on: a depth that errs by a fiftieth of that way has a secant, the same on
@@ -134,16 +134,15 @@ mod tests {
         let mut found = Vec::new();
         for large in [0.05, 0.5, 5.0] {
             let s = two_bodies(&[small, Vec3::repeat(large)].map(|half| Shape::Box { half }));
-            let mut q = s.state().physical.q.clone();
             // Flat on the top of the large one, near a corner of that.
             let at = Vec3::new(large - 0.02, large - 0.02, large + 0.01 - 1e-4);
-            q[..3].copy_from_slice(at.as_slice());
-            q[7..10].fill(0.0);
-            let mut kin = Kinematics::new(s.tree());
-            kin.update_poses(s.tree(), &q);
-            kin.update_velocities(s.tree(), &[0.0; 12]);
-            let mut list = ContactSet::of(s.model());
-            detect(s.model(), s.tree(), &[], &kin, 0.0, &mut list);
+            let (kin, list) = met(
+                &s,
+                &Pose {
+                    p: at,
+                    ..Pose::IDENTITY
+                },
+            );
             let contact = list
                 .iter()
                 .find(|c| c.other.is_some() && c.depth > 0.0)

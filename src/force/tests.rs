@@ -296,6 +296,22 @@ pub(super) fn two_bodies(shapes: &[Shape; 2]) -> Simulation {
     Simulation::new(std::sync::Arc::new(model))
 }
 
+/// Where two bodies stand, the first one at `pose` and the other one at the origin, and what
+/// touches.
+pub(super) fn met(s: &Simulation, pose: &Pose) -> (Kinematics, ContactSet) {
+    let turn = crate::spatial::quaternion_from_rotation(&pose.R);
+    let mut q = s.state().physical.q.clone();
+    q[..3].copy_from_slice(pose.p.as_slice());
+    q[3..7].copy_from_slice(&[turn.w, turn.i, turn.j, turn.k]);
+    q[7..10].fill(0.0);
+    let mut kin = Kinematics::new(s.tree());
+    kin.update_poses(s.tree(), &q);
+    kin.update_velocities(s.tree(), &[0.0; 12]);
+    let mut list = ContactSet::of(s.model());
+    detect(s.model(), s.tree(), &[], &kin, 0.0, &mut list);
+    (kin, list)
+}
+
 /// The contact of two bodies.
 struct Touching {
     depth: f64,
@@ -308,16 +324,7 @@ struct Touching {
 /// The contact of two bodies, the first one at `pose`, for the displacement `W` of this one about
 /// the origin.
 fn touching(s: &Simulation, pose: &Pose, W: &Vec6) -> Option<Touching> {
-    let turn = crate::spatial::quaternion_from_rotation(&pose.R);
-    let mut q = s.state().physical.q.clone();
-    q[..3].copy_from_slice(pose.p.as_slice());
-    q[3..7].copy_from_slice(&[turn.w, turn.i, turn.j, turn.k]);
-    q[7..10].fill(0.0);
-    let mut kin = Kinematics::new(s.tree());
-    kin.update_poses(s.tree(), &q);
-    kin.update_velocities(s.tree(), &[0.0; 12]);
-    let mut list = ContactSet::of(s.model());
-    detect(s.model(), s.tree(), &[], &kin, 0.0, &mut list);
+    let (_, list) = met(s, pose);
     let contact = list.iter().find(|c| c.other.is_some() && c.depth > 0.0)?;
     let own = &list.points[contact.points.clone()];
     // About the origin of the body that is pushed.

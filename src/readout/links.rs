@@ -32,11 +32,8 @@ impl Readout {
 
     /// Whether anything presses on a link.
     #[inline(never)]
-    pub(super) fn touches(&self, link: LinkId) -> bool {
-        let Point { kin, terms, .. } = &self.point;
-        let points = &terms.contacts.points;
-        let mut own = terms.contacts.iter();
-        own.any(|c| c.share_of(link.index()) != 0.0 && c.normal_load(points, &kin.V) > 0.0)
+    pub(super) fn touches(&self, ctx: &Context, link: LinkId) -> bool {
+        self.normal_loads(ctx, link).any(|(load, _)| load > 0.0)
     }
 
     /// Force of the contacts on a link at this moment along an axis of the world, N.
