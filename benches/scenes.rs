@@ -191,7 +191,7 @@ fn sweep() -> String {
 /// A rule of the method, and what switches it off.
 type Rule = (&'static str, fn(&mut Rules));
 
-const RULES: [Rule; 14] = [
+const RULES: [Rule; 13] = [
     ("rest", |rules| rules.rest = false),
     ("momentum", |rules| rules.momentum = false),
     ("explicit", |rules| rules.explicit = false),
@@ -199,7 +199,6 @@ const RULES: [Rule; 14] = [
     ("look_ahead", |rules| rules.look_ahead = false),
     ("cones", |rules| rules.cones = false),
     ("touchdown", |rules| rules.touchdown = false),
-    ("command", |rules| rules.command = false),
     ("bounce", |rules| rules.bounce = false),
     ("floor", |rules| rules.floor = false),
     ("energy", |rules| rules.energy = false),

@@ -26,7 +26,7 @@ pub struct SavedStateError {
 }
 
 const MAGIC: &[u8; 4] = b"U2FS";
-const VERSION: u32 = 12;
+const VERSION: u32 = 13;
 
 /// Bytes of a saved touch: slot and numbers.
 const TOUCH: usize = 64;

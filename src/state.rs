@@ -36,9 +36,6 @@ pub struct Physical {
 /// What the method remembers from step to step.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Stepping {
-    /// Commands (velocity, position, effort, limit of each actuator) of the last step, to see that
-    /// they jump.
-    pub commands: Vec<[f64; 4]>,
     /// Step sizes of the error control.
     pub sizes: Sizes,
     /// Accelerations of the last step, where it was an implicit one, else 0.
@@ -102,8 +99,6 @@ impl Trend {
 pub struct Sizes {
     /// Of the next step.
     pub proposed: Vec<f64>,
-    /// Of the next step just after inputs have jumped.
-    pub after_jump: Vec<f64>,
     /// The shortest that the error control may ask for; 0 before the first step.
     pub floor: Vec<f64>,
 }
@@ -150,9 +145,7 @@ macro_rules! fields {
             & $($mutable)? physical.v,
             & $($mutable)? physical.memory.motor,
             & $($mutable)? physical.memory.dry,
-            stepping.commands.$flat(),
             & $($mutable)? stepping.sizes.proposed,
-            & $($mutable)? stepping.sizes.after_jump,
             & $($mutable)? stepping.sizes.floor,
             & $($mutable)? stepping.trend.first,
             & $($mutable)? stepping.trend.whole,
@@ -170,7 +163,7 @@ macro_rules! fields {
 }
 
 /// Length of the list of fields.
-pub const FIELDS: usize = 20;
+pub const FIELDS: usize = 18;
 
 impl Physical {
     /// All zero, quaternions at identity.
@@ -207,10 +200,8 @@ impl State {
             time: 0.0,
             physical: Physical::new(model),
             stepping: Stepping {
-                commands: vec![[0.0; 4]; model.actuators.len()],
                 sizes: Sizes {
                     proposed: vec![INITIAL_STEP; model.roots.len()],
-                    after_jump: vec![INITIAL_STEP; model.roots.len()],
                     floor: vec![0.0; model.roots.len()],
                 },
                 trend: Trend::new(model.nv()),
@@ -260,25 +251,18 @@ impl State {
     /// the run would not end.
     pub fn lengths_are_positive(&self) -> bool {
         let Stepping { sizes, ahead, .. } = &self.stepping;
-        let sizes = [&sizes.proposed, &sizes.after_jump, &sizes.floor];
+        let sizes = [&sizes.proposed, &sizes.floor];
         let mut lengths = sizes.into_iter().chain([&ahead.length]).flatten();
         lengths.all(|length| *length >= 0.0) && self.stepping.last_step >= 0.0
     }
 
-    /// Whether every number is finite; the effort limits among the commands may be infinite: no
-    /// limit.
+    /// Whether every number is finite.
     pub fn is_finite(&self) -> bool {
-        let commands = &self.stepping.commands;
-        let caps = commands.as_flattened();
-        let is_finite =
-            |field: &[f64]| std::ptr::eq(field, caps) || field.iter().all(|x| x.is_finite());
+        let is_finite = |field: &[f64]| field.iter().all(|x| x.is_finite());
         let touches = self.physical.memory.touches.iter().flat_map(Touch::numbers);
         let coefficients = self.stepping.ahead.coefficients.iter().copied();
         let loads = self.stepping.loads.iter().flat_map(|load| load.force);
         self.fields().into_iter().all(is_finite)
             && touches.chain(coefficients).chain(loads).all(f64::is_finite)
-            && commands.iter().all(|[velocity, position, effort, cap]| {
-                [velocity, position, effort].iter().all(|x| x.is_finite()) && !cap.is_nan()
-            })
     }
 }

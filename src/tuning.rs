@@ -33,9 +33,6 @@ pub struct Rules {
     /// Steps end where a point touches down or a joint reaches its limit. Without it fails
     /// `bodies_without_losses_make_no_energy_whatever_they_meet_with`.
     pub touchdown: bool,
-    /// A command that jumps caps the first step after it. Without it fails
-    /// `s12_robots_under_changing_commands_are_off_by_two_tolerances`.
-    pub command: bool,
     /// A bounce is taken in parts of its own duration. Without it fails
     /// `c8_a_ball_rebounds_with_the_coefficient_of_restitution_at_every_speed`.
     pub bounce: bool,
@@ -66,7 +63,6 @@ impl Rules {
         look_ahead: true,
         cones: true,
         touchdown: true,
-        command: true,
         bounce: true,
         floor: true,
         energy: true,

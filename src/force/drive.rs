@@ -110,40 +110,6 @@ impl Drive {
             Self::Position { cap, .. } | Self::Pd { cap, .. } => *cap > 0.0,
         }
     }
-
-    /// Effort limit, and how far the velocity is from where the drive wants it: what a jump of the
-    /// command must cross.
-    pub fn velocity_error(&self, v: f64) -> (f64, f64) {
-        match *self {
-            Self::None | Self::Effort(_) => (f64::INFINITY, 0.0),
-            Self::Velocity {
-                target,
-                ref element,
-            } => (element.cap, (v - target).abs()),
-            Self::Position {
-                error,
-                rate,
-                slope,
-                braking,
-                speed,
-                cap,
-                ..
-            } => (
-                cap,
-                (servo_speed(error, rate, slope, braking, speed).0 - v).abs(),
-            ),
-            Self::Pd {
-                offset, kd, cap, ..
-            } => {
-                let gap = if kd > 0.0 {
-                    (offset / kd - v).abs()
-                } else {
-                    0.0
-                };
-                (cap, gap)
-            }
-        }
-    }
 }
 
 #[cfg(test)]

@@ -85,6 +85,18 @@ impl JointTerm {
         }
     }
 
+    /// By how much the displacement of a velocity motor that yields at the start of a step with the
+    /// velocity `v` differs, for each difference of that velocity: the time constant of its spring
+    /// and damper, s. 0 if it does not yield.
+    pub fn settling_time(&self, v: f64) -> f64 {
+        match self.drive {
+            Drive::Velocity { target, element } if element.yields(v - target) => {
+                element.damping / element.stiffness
+            }
+            _ => 0.0,
+        }
+    }
+
     /// How fast the elastic displacement of a velocity motor changes where no steps are taken, at
     /// the velocity `v`; a released one forgets.
     ///

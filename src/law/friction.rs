@@ -17,6 +17,7 @@
 //! dissipation); Armstrong-Hélouvry, Dupont & Canudas de Wit 1994 for the Stribeck curve.
 
 use crate::spatial::Vec3;
+use crate::tuning::ROUND_OFF;
 use std::ops::{Add, Div, Mul, Sub};
 
 /// A displacement, velocity or force along a line ([`f64`]) or in a plane or in space ([`Vec3`]).
@@ -198,6 +199,13 @@ impl<X: Vector> ElastoPlastic<X> {
 }
 
 impl ElastoPlastic<f64> {
+    /// Whether spring and damper give all of the force, but for round-off, that the cap leaves at
+    /// the relative velocity `u`.
+    pub fn yields(&self, u: f64) -> bool {
+        let force = self.stiffness * self.displacement + self.damping * u;
+        self.cap > 0.0 && force.abs() >= self.cap * (1.0 - ROUND_OFF)
+    }
+
     /// Displacement with which spring and damper give `force` at the velocity `u`, as far as the
     /// cap can hold it.
     #[inline]

@@ -39,9 +39,6 @@ impl Simulation {
         self.state = initial_state(&self.model, &self.parameters, self.start);
         self.scale_tree(&self.state.physical.q.clone());
         self.close();
-        for (index, last) in self.state.stepping.commands.iter_mut().enumerate() {
-            *last = self.inputs.values(index, 0.0);
-        }
         self.gather();
         self.applied.copy_from(&self.inputs);
         self.settle();

@@ -12,36 +12,6 @@ use crate::tuning::{
     REFERENCE_GRAVITY,
 };
 
-/// A step must not jump over what a changed command sets going: full and half steps would both
-/// arrive at the target and agree. At most `proposed` seconds, where `remaining` are left.
-pub(super) fn by_command(
-    ctx: &Context,
-    here: &Point,
-    state: &State,
-    [proposed, remaining]: [f64; 2],
-) -> f64 {
-    let mut capped = proposed;
-    if !ctx.rules.command {
-        return capped;
-    }
-    for term in &here.terms.joints {
-        let Some(index) = term.actuator else { continue };
-        let command = ctx.inputs.values(index, 0.0);
-        #[expect(clippy::float_cmp, reason = "any change counts")]
-        let unchanged = command == state.stepping.commands[index];
-        if unchanged && !ctx.inputs.varies() {
-            continue;
-        }
-        let (cap, error) = term.drive.velocity_error(state.physical.v[term.dof]);
-        let time = ctx.tree.dofs.inertia[term.dof] * error / cap;
-        let moved = error * capped.min(remaining) * ctx.tree.dofs.weight[term.dof];
-        if moved > ctx.tolerance && time < capped {
-            capped = time.max(MIN_STEP);
-        }
-    }
-    capped
-}
-
 /// Longest implicit step from where `here` stands, s.
 pub(super) fn longest(here: &Point) -> f64 {
     if here.terms.contacts.iter().any(|c| c.depth > 0.0) {

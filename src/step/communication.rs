@@ -47,7 +47,6 @@ impl Stepper {
         let sizes = &mut stepping.sizes;
         for (index, _) in tree.moved() {
             sizes.proposed[lead] = sizes.proposed[lead].min(sizes.proposed[index]);
-            sizes.after_jump[lead] = sizes.after_jump[lead].min(sizes.after_jump[index]);
             sizes.floor[lead] = sizes.floor[lead].max(sizes.floor[index]);
         }
         if !stepping.ahead.is_under_way(tree) {
@@ -68,7 +67,6 @@ impl Stepper {
         let lead = tree.island.lead;
         for (index, _) in tree.moved() {
             sizes.proposed[index] = sizes.proposed[lead];
-            sizes.after_jump[index] = sizes.after_jump[lead];
             sizes.floor[index] = sizes.floor[lead];
         }
         self.islands.take_back(&mut state.physical.memory.touches);
@@ -105,9 +103,6 @@ impl Stepper {
         let newton_max = &mut stepping.counters.newton_max;
         let iterations = self.implicit.iterations.max(self.stages.iterations);
         *newton_max = (*newton_max).max(iterations as u64);
-        for (index, last) in stepping.commands.iter_mut().enumerate() {
-            *last = ctx.inputs.values(index, stepping.last_step);
-        }
         Ok(())
     }
 

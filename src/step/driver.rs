@@ -124,11 +124,6 @@ impl Stepper {
         let flies = Flight::begin(ctx, state, &mut self.there.kin, flights);
         let (sizes, lead) = (&state.stepping.sizes, ctx.tree.island.lead);
         let mut way = Way::new(state.time, end, sizes.proposed[lead]);
-        way.jumped = state.stepping.ahead.has_changed(ctx.tree);
-        if way.jumped {
-            // Begin with what was good after the last jump.
-            way.proposed = way.proposed.min(sizes.after_jump[lead]);
-        }
         way.done = self.follow(ctx, state, end);
         if flies && way.done == 0.0 {
             way.standing = Standing::Posed;
@@ -233,9 +228,6 @@ impl Stepper {
             way.proposed.min(caps::longest(&self.here)),
             remaining,
         ));
-        if way.jumped {
-            way.proposed = caps::by_command(ctx, &self.here, state, [way.proposed, remaining]);
-        }
         h = h.min(way.proposed);
         let long = way.proposed.min(MAX_STEP);
         if caps::may_look_ahead(ctx, &self.here, state, long) {

@@ -30,9 +30,6 @@ pub(super) struct Way {
     pub done: f64,
     /// Step that the error control proposes, s.
     pub proposed: f64,
-    /// Whether inputs have jumped at its beginning and no step has been taken since: the first one
-    /// is shorter than those after it.
-    pub jumped: bool,
     /// What need not be computed anew.
     pub standing: Standing,
 }
@@ -71,7 +68,6 @@ impl Way {
             end,
             done: 0.0,
             proposed,
-            jumped: false,
             standing: Standing::Nowhere,
         }
     }
@@ -104,7 +100,8 @@ impl Way {
         if error <= 1.0 || (h <= floor && finite) {
             stepping.counters.forced += u64::from(error > 1.0);
             self.proposed = tried.next.max(floor);
-            self.book(ctx, stepping, h);
+            stepping.counters.steps += 1;
+            stepping.sizes.proposed[ctx.tree.island.lead] = self.proposed;
             Verdict::Accept
         } else if finite || h > MIN_STEP {
             stepping.counters.rejected += 1;
@@ -113,23 +110,6 @@ impl Way {
         } else {
             Verdict::Fail
         }
-    }
-
-    /// Enters an accepted step of `h` seconds, and what the controller proposes next.
-    fn book(&mut self, ctx: &Context, stepping: &mut Stepping, h: f64) {
-        let lead = ctx.tree.island.lead;
-        let Sizes {
-            proposed,
-            after_jump,
-            ..
-        } = &mut stepping.sizes;
-        stepping.counters.steps += 1;
-        proposed[lead] = self.proposed;
-        if self.jumped {
-            let h = h.min(self.remaining()).min(self.proposed);
-            after_jump[lead] = self.proposed.min(2.0 * after_jump[lead]).max(h);
-        }
-        self.jumped = false;
     }
 }
 
