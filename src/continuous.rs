@@ -64,6 +64,7 @@ impl Derivatives {
     ) {
         position_rates(ctx.tree, &at.q, &at.v, &mut self.positions);
         states.pick(&self.positions, vdot, &mut self.rates);
+        states.carry_rates(at, vdot, &mut self.rates);
         states.memory.rates(ctx, point, at, &mut self.rates);
     }
 }

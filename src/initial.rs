@@ -11,7 +11,7 @@ use crate::slots::ParameterSlot as P;
 use crate::spatial::{Vec3, rotation_from_quaternion, rpy_from_rotation};
 use crate::spatial::{quaternion_from_rotation, rotation_from_rpy};
 use crate::state::{Physical, State};
-use crate::tree::Tree;
+use crate::tree::{BaseFrame, Tree};
 
 /// The state that the parameters ask for at `time`, s.
 pub(crate) fn initial_state(model: &Model, parameters: &Parameters, time: f64) -> State {
@@ -30,6 +30,12 @@ pub(crate) fn initial_state(model: &Model, parameters: &Parameters, time: f64) -
         let v = &mut state.physical.v[body.dof.index()..];
         v[..3].copy_from_slice(axes(P::InitialBaseAngularVelocity).as_slice());
         v[3..6].copy_from_slice(axes(P::InitialBaseLinearVelocity).as_slice());
+        let base = BaseFrame {
+            coordinate: body.coordinate,
+            dof: body.dof.index(),
+            center: model.solver_frame(root.body).p,
+        };
+        base.take_link(&mut state.physical.q, &mut state.physical.v);
     }
     for (id, joint) in (0..).map(JointId).zip(&model.joints) {
         let Some(body) = model.scalar_body(id) else {
@@ -143,27 +149,30 @@ pub(crate) fn close_model(model: &mut Model, held: &[Vec<bool>; 2]) -> Option<(u
             }
         }
     }
-    for root in &mut model.roots {
-        let body = &model.bodies[root.body.index()];
-        if !body.motion.kind().is_free() {
+    for (id, root) in (0..).map(RootId).zip(&mut model.roots) {
+        let Some(base) = tree.base_frame(id) else {
             continue;
-        }
-        let (c, k) = (body.coordinate, body.dof.index());
-        let changes = |from: &[f64], to: &[f64], at: usize, n: usize| {
-            let mut pairs = from[at..at + n].iter().zip(&to[at..at + n]);
+        };
+        let (c, k) = (base.coordinate, base.dof);
+        let changes = |from: &[f64], to: &[f64]| {
+            let mut pairs = from.iter().zip(to);
             pairs.any(|(from, to)| moved(*from, *to))
         };
-        let vector = |x: &[f64], at: usize| Vec3::new(x[at], x[at + 1], x[at + 2]);
-        if changes(&before.q, &state.q, c, 3) {
-            root.position = vector(&state.q, c);
+        let position = base.position(&state.q);
+        if changes(base.position(&before.q).as_slice(), position.as_slice()) {
+            root.position = position;
         }
-        if changes(&before.q, &state.q, c + 3, 4) {
+        let turned = c + 3..c + 7;
+        if changes(&before.q[turned.clone()], &state.q[turned]) {
             let turn = [3, 4, 5, 6].map(|i| state.q[c + i]);
             root.rpy = rpy_from_rotation(&rotation_from_quaternion(&turn));
         }
-        if changes(&before.v, &state.v, k, 6) {
-            root.angular_velocity = vector(&state.v, k);
-            root.linear_velocity = vector(&state.v, k + 3);
+        let velocity = |at: &Physical| base.velocity(&at.q, &at.v);
+        if changes(&before.v[k..k + 3], &state.v[k..k + 3])
+            || changes(velocity(&before).as_slice(), velocity(&state).as_slice())
+        {
+            root.angular_velocity = Vec3::from_fn(|i, _| state.v[k + i]);
+            root.linear_velocity = velocity(&state);
         }
     }
     open

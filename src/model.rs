@@ -390,6 +390,32 @@ impl Model {
         &self.bodies[self.roots[root.index()].body.index()]
     }
 
+    /// Pose `X_BS` of the solver's frame of a body in the body's own: its z axis is the joint's
+    /// axis, and that of a floating base stands in its centre of mass.
+    pub fn solver_frame(&self, body: BodyId) -> Pose {
+        let motion = self.bodies[body.index()].motion;
+        Pose {
+            R: motion.solver_frame(),
+            p: if motion.kind().is_free() {
+                self.center_of_mass(body)
+            } else {
+                Vec3::zeros()
+            },
+        }
+    }
+
+    /// Centre of mass of a body in its own frame, m, with the masses of the model, whatever the
+    /// parameters make of them: a frame of the solver does not move; its origin if it has no mass.
+    fn center_of_mass(&self, body: BodyId) -> Vec3 {
+        let own = self.links.iter().filter(|link| link.body == body);
+        let (mut mass, mut moment) = (0.0, Vec3::zeros());
+        for link in own {
+            mass += link.inertia.mass;
+            moment += link.X_BL.point(&link.inertia.com) * link.inertia.mass;
+        }
+        if mass > 0.0 { moment / mass } else { moment }
+    }
+
     /// Length of `v`.
     pub fn nv(&self) -> usize {
         self.dofs.len()

@@ -177,25 +177,25 @@ impl Readout {
                 let known = self.at(ctx, state, Level::Forces);
                 known.joint_effort(model, state, joint)
             }
-            O::BasePosition(root, axis) if model.floats(root) => {
-                physical.q[model.base(root).coordinate + axis as usize]
-            }
             O::BaseOrientation(root, axis) if model.floats(root) => {
                 physical.q[model.base(root).coordinate + 3 + (axis as usize + 1) % 4]
             }
-            O::BaseLinearVelocity(root, axis) if model.floats(root) => {
-                physical.v[model.base(root).dof.index() + 3 + axis as usize]
-            }
-            O::BaseAngularVelocity(root, axis) if model.floats(root) => {
-                physical.v[model.base(root).dof.index() + axis as usize]
-            }
             // A fixed base does not move.
-            O::BaseLinearVelocity(..) | O::BaseAngularVelocity(..) => 0.0,
+            O::BaseLinearVelocity(root, axis) => ctx.tree.base_frame(root).map_or(0.0, |base| {
+                base.velocity(&physical.q, &physical.v)[axis as usize]
+            }),
+            O::BaseAngularVelocity(root, axis) => ctx
+                .tree
+                .base_frame(root)
+                .map_or(0.0, |base| physical.v[base.dof + axis as usize]),
             O::BaseRpy(root, axis) => {
                 let known = self.at(ctx, state, Level::Kinematics);
                 known.rpy(ctx, root)[axis as usize]
             }
             O::BasePosition(root, axis) => {
+                if let Some(base) = ctx.tree.base_frame(root) {
+                    return base.position(&physical.q)[axis as usize];
+                }
                 let known = self.at(ctx, state, Level::Kinematics);
                 known.point.kin.origins[root.index()][axis as usize]
             }

@@ -1,13 +1,19 @@
 //! The tree of the solver, which follows from a model and its parameters: inertias, stiffness and
 //! scales.
 //!
-//! Body frames are turned so that every turning or sliding joint acts along its own z axis; these
-//! frames do not appear outside the solver. One entry per body degree of freedom ("column"): a
+//! Body frames are turned so that every turning or sliding joint acts along its own z axis, and that
+//! of a floating base stands in its centre of mass; outputs, parameters and the states of Model
+//! Exchange are those of the links ([`BaseFrame`]).
+//!
+//! A step finds velocities with the inertia of its middle. With the base in another place than its
+//! centre of mass, momentum would depend on how this place turns within the step, and the error
+//! would grow with its distance, which is that of an origin that somebody has chosen in a drawing. One entry per body degree of freedom ("column"): a
 //! mimic joint's column is scaled by its ratio and belongs to the degree of freedom that it
 //! follows. What depends on the initial position is in `scale`.
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
+mod base;
 mod closure;
 mod closures;
 mod island;
@@ -15,6 +21,7 @@ mod pairs;
 mod parts;
 mod scale;
 
+pub use base::BaseFrame;
 pub use closure::{Closure, ClosureKind, End, TreeSpring};
 pub use parts::{
     Actuators, Contacts, Dofs, DryFriction, Extent, Island, Span, Surface, Tree, TreeBody,
@@ -24,13 +31,22 @@ pub use parts::{
 use crate::geometry::pair::Solid;
 use crate::geometry::{Faces, Shape};
 use crate::law::normal::Stiffening;
-use crate::model::{Body, Model, RootId};
+use crate::model::{Body, BodyId, Model, RootId};
 use crate::parameters::Parameters;
 use crate::slots::ParameterSlot as P;
 use crate::sparsity::Sparsity;
-use crate::spatial::{Mat3, Pose, RigidInertia, Vec3, rotation_from_rpy};
+use crate::spatial::{Pose, RigidInertia, Vec3, rotation_from_rpy};
 use crate::tuning::{FACE, WHEEL};
 use std::sync::Arc;
+
+/// A pose in the frame of the solver, whose pose in the same frame is `X_BS`.
+pub(crate) fn within(X_BS: &Pose, X_BG: &Pose) -> Pose {
+    let R_SB = X_BS.R.transpose();
+    Pose {
+        R: R_SB * X_BG.R,
+        p: R_SB * (X_BG.p - X_BS.p),
+    }
+}
 
 impl Tree {
     /// Derives the tree; masses, mounting and initial pose come from `parameters`.
@@ -92,13 +108,13 @@ impl Tree {
                 gains: vec![[0.0; 2]; model.actuators.len()],
             },
         };
-        let turned = tree.add_bodies(model, parameters);
-        tree.add_inertia(model, parameters, &turned);
+        let frames = tree.add_bodies(model, parameters);
+        tree.add_inertia(model, parameters, &frames);
         for b in 0..tree.bodies.len() {
             tree.bodies[b].wheel = tree.is_wheel(b);
         }
-        tree.add_closures(model, &turned);
-        tree.add_colliders(model, &turned, known);
+        tree.add_closures(model, &frames);
+        tree.add_colliders(model, &frames, known);
         tree.sparsity = tree.pattern();
         tree.select_all();
         for joint in &model.joints {
@@ -118,18 +134,20 @@ impl Tree {
         tree
     }
 
-    /// Bodies with their poses; returns the rotation of each solver frame in the model's body
-    /// frame.
-    fn add_bodies(&mut self, model: &Model, parameters: &Parameters) -> Vec<Mat3> {
-        let mut turned = Vec::with_capacity(model.bodies.len());
-        for body in &model.bodies {
-            let R_BS = body.motion.solver_frame();
+    /// Bodies with their poses; returns the pose of each solver frame in the model's body frame.
+    fn add_bodies(&mut self, model: &Model, parameters: &Parameters) -> Vec<Pose> {
+        let mut frames: Vec<Pose> = Vec::with_capacity(model.bodies.len());
+        for (id, body) in (0..).map(BodyId).zip(&model.bodies) {
+            let X_BS = model.solver_frame(id);
             let (b, kind) = (self.bodies.len(), body.motion.kind());
             if kind.is_base() {
-                self.add_tree(b, body, parameters);
+                self.add_tree(b, body, X_BS.p, parameters);
             }
             let parent = body.parent.map_or(b, super::model::BodyId::index);
-            let R_PS: Mat3 = body.parent.map_or(Mat3::identity(), |p| turned[p.index()]);
+            let X_PB = match body.parent {
+                Some(parent) => within(&frames[parent.index()], &body.X_PB),
+                None => body.X_PB,
+            };
             let column = self.dof.len();
             let columns = body.motion.nv();
             self.dof.extend((0..columns).map(|i| body.dof.index() + i));
@@ -140,8 +158,8 @@ impl Tree {
                 tree: self.trees.len() - 1,
                 kind,
                 X: Pose {
-                    R: R_PS.transpose() * body.X_PB.R * R_BS,
-                    p: R_PS.transpose() * body.X_PB.p,
+                    R: X_PB.R * X_BS.R,
+                    p: X_PB.p,
                 },
                 column,
                 columns,
@@ -154,7 +172,7 @@ impl Tree {
                 com: Vec3::zeros(),
                 I_cm: [0.0; 6],
             });
-            turned.push(R_BS);
+            frames.push(X_BS);
             if let Some(tree) = self.trees.last_mut() {
                 tree.bodies.end = b + 1;
                 // A mimic body has the place of the joint that it follows.
@@ -163,11 +181,11 @@ impl Tree {
                 tree.pure &= pure;
             }
         }
-        turned
+        frames
     }
 
     /// Begins the next tree with its base, the body `b`.
-    fn add_tree(&mut self, b: usize, base: &Body, parameters: &Parameters) {
+    fn add_tree(&mut self, b: usize, base: &Body, center: Vec3, parameters: &Parameters) {
         let root = RootId::from(self.trees.len());
         let axes = |slot| parameters.of_base(slot, root);
         let dof = base.dof.index();
@@ -180,6 +198,7 @@ impl Tree {
             dofs: dof..dof,
             coordinates: base.coordinate..base.coordinate,
             free: base.motion.kind().is_free(),
+            center,
             pure: true,
             closed: false,
             tied: false,
@@ -188,15 +207,11 @@ impl Tree {
         });
     }
 
-    fn add_inertia(&mut self, model: &Model, parameters: &Parameters, turned: &[Mat3]) {
+    fn add_inertia(&mut self, model: &Model, parameters: &Parameters, frames: &[Pose]) {
         let mut total = vec![RigidInertia::ZERO; self.bodies.len()];
         for (id, link) in (0..).map(crate::model::LinkId).zip(&model.links) {
             let b = link.body.index();
-            let R_SB = turned[b].transpose();
-            let X_SL = Pose {
-                R: R_SB * link.X_BL.R,
-                p: R_SB * link.X_BL.p,
-            };
+            let X_SL = within(&frames[b], &link.X_BL);
             self.link_pose.push(X_SL);
             let mut inertia = link.inertia;
             if inertia.mass > 0.0 {
@@ -228,7 +243,7 @@ impl Tree {
         }
     }
 
-    fn add_colliders(&mut self, model: &Model, turned: &[Mat3], known: &[TreeCollider]) {
+    fn add_colliders(&mut self, model: &Model, frames: &[Pose], known: &[TreeCollider]) {
         let ground = model.world.ground.as_ref();
         let others = model.has_pairs();
         if ground.is_none() && !others {
@@ -240,7 +255,6 @@ impl Tree {
             if !moves && !others {
                 continue;
             }
-            let R_SB = turned[b].transpose();
             let link = &model.links[collider.link.index()];
             let (shape, face) = (&collider.shape, FACE * model.contact.penetration);
             let place = self.contact.colliders.len();
@@ -260,10 +274,7 @@ impl Tree {
                 tree: self.bodies[b].tree,
                 moves,
                 link: collider.link.index(),
-                X: Pose {
-                    R: R_SB * collider.X_BG.R,
-                    p: R_SB * collider.X_BG.p,
-                },
+                X: within(&frames[b], &collider.X_BG),
                 radius: if shape.is_terrain() {
                     f64::INFINITY
                 } else {

@@ -9,7 +9,7 @@ use crate::dynamics::crba;
 use crate::force::{ContactSet, detect};
 use crate::initial::initial_state;
 use crate::kinematics::Kinematics;
-use crate::model::{Collider, JointId, LinkId, Model};
+use crate::model::{Collider, JointId, LinkId, Model, RootId};
 use crate::parameters::Parameters;
 use crate::pattern::Pattern;
 use crate::settings::Settings;
@@ -20,7 +20,7 @@ use crate::tree::{Tree, TreeCollider};
 /// numbers.
 const LIMIT_SLACK: f64 = 1e-6;
 
-/// Where everything is at the start, relative to the base's origin, in world axes.
+/// Where everything is at the start, from O of its tree, in world axes.
 pub(super) struct Poses {
     pub(super) tree: Tree,
     pub(super) kin: Kinematics,
@@ -49,6 +49,11 @@ impl Poses {
         self.link(model, collider.link)
             .compose(&link.X_BL.inverse())
             .compose(&collider.X_BG)
+    }
+
+    /// How much higher the origin of the robot's base link is than O, m.
+    fn base_height(&self, model: &Model) -> f64 {
+        self.link(model, model.base(RootId::ROBOT).link).p.z
     }
 
     /// Pose of a link.
@@ -300,18 +305,19 @@ fn static_depth(model: &Model) -> f64 {
 /// link.
 fn lowest_point(model: &Model, poses: &Poses, all: bool) -> Option<(LinkId, f64)> {
     let moving = |collider: &Collider| model.bodies[collider.body.index()].motion.kind().moves();
+    let base = poses.base_height(model);
     model
         .colliders
         .iter()
         .filter(|collider| all || moving(collider))
         .map(|collider| {
             let X = poses.collider(model, collider);
-            (collider.link, collider.shape.lowest(&X, &Vec3::z()))
+            (collider.link, collider.shape.lowest(&X, &Vec3::z()) - base)
         })
         .min_by(|a, b| a.1.total_cmp(&b.1))
 }
 
-/// Largest distance of a shape or centre of mass from the base's origin, m.
+/// Largest distance of a shape or centre of mass from O, m.
 pub(super) fn reach(model: &Model, poses: &Poses) -> f64 {
     let shapes = model.colliders.iter().map(|collider| {
         poses.collider(model, collider).p.norm() + collider.shape.bounding_radius()

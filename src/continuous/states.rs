@@ -3,8 +3,9 @@
 use super::memory::Remembered;
 use crate::model::{BodyId, JointId, Model, RootId};
 use crate::slots::OutputSlot;
+use crate::spatial::Vec3;
 use crate::state::Physical;
-use crate::tree::Tree;
+use crate::tree::{BaseFrame, Tree};
 
 /// A continuous state.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,6 +38,14 @@ pub struct Quaternion {
     pub places: [usize; 4],
 }
 
+/// A floating base whose link's origin is apart from the solver's frame.
+#[derive(Clone, Copy, Debug)]
+struct Carried {
+    frame: BaseFrame,
+    /// The first of its states of position and of linear velocity.
+    first: [usize; 2],
+}
+
 /// All states of a model, in FMI's order: positions, velocities, memory.
 #[derive(Clone, Debug)]
 pub struct States {
@@ -45,6 +54,8 @@ pub struct States {
     /// before all that is remembered.
     places: [Vec<usize>; 2],
     quaternions: Vec<Quaternion>,
+    /// Floating bases whose states are not those of the solver's frame.
+    bases: Vec<Carried>,
     /// What force elements remember.
     pub memory: Remembered,
 }
@@ -56,6 +67,7 @@ impl States {
             list: Vec::new(),
             places: [Vec::new(), Vec::new()],
             quaternions: Vec::new(),
+            bases: Vec::new(),
             memory: Remembered::none(),
         }
     }
@@ -84,6 +96,11 @@ impl States {
         let is_base = |body: &BodyId| floating.iter().any(|(_, base)| base == body);
         for &(id, body) in &floating {
             let first = model.bodies[body.index()].coordinate;
+            let frame = tree.base_frame(id);
+            if let Some(frame) = frame.filter(|frame| frame.center != Vec3::zeros()) {
+                let first = [states.list.len(), 0];
+                states.bases.push(Carried { frame, first });
+            }
             for axis in 0..3 {
                 let place = Place::Position(first + usize::from(axis));
                 states.add(place, OutputSlot::BasePosition(id, axis));
@@ -110,6 +127,11 @@ impl States {
         }
         for &(id, body) in &floating {
             let first = model.bodies[body.index()].dof.index();
+            let at = states.list.len();
+            let mut bases = states.bases.iter_mut();
+            if let Some(base) = bases.find(|base| base.frame.dof == first) {
+                base.first[1] = at;
+            }
             for axis in 0..3 {
                 let place = Place::Velocity(first + 3 + usize::from(axis));
                 states.add(place, OutputSlot::BaseLinearVelocity(id, axis));
@@ -192,6 +214,15 @@ impl States {
 
     /// The value of one of them.
     pub fn value(&self, index: usize, at: &Physical) -> f64 {
+        for base in &self.bases {
+            let [position, velocity] = base.first.map(|first| index.wrapping_sub(first));
+            if position < 3 {
+                return base.frame.position(&at.q)[position];
+            }
+            if velocity < 3 {
+                return base.frame.velocity(&at.q, &at.v)[velocity];
+            }
+        }
         match self.list[index].place {
             Place::Position(coordinate) => at.q[coordinate],
             Place::Velocity(dof) => at.v[dof],
@@ -216,7 +247,20 @@ impl States {
         for (dof, x) in velocities.iter().zip(rest) {
             to.v[*dof] = *x;
         }
+        for base in &self.bases {
+            base.frame.take_link(&mut to.q, &mut to.v);
+        }
         self.memory.write(x, &mut to.memory);
+    }
+
+    /// Puts the rates of link's origins in place of those of the solver's frames.
+    pub(super) fn carry_rates(&self, at: &Physical, vdot: &[f64], out: &mut [f64]) {
+        for Carried { frame, first } in &self.bases {
+            let velocity = frame.velocity(&at.q, &at.v);
+            let acceleration = frame.acceleration(&at.q, &at.v, vdot);
+            out[first[0]..first[0] + 3].copy_from_slice(velocity.as_slice());
+            out[first[1]..first[1] + 3].copy_from_slice(acceleration.as_slice());
+        }
     }
 
     /// Picks what belongs to each state that stands in `q` or `v` out of such lists.

@@ -31,15 +31,17 @@ impl Readout {
                 let omega = self.base_spin(ctx, state, root);
                 rpy_rate(&self.rpy(ctx, root), &omega, axis)
             }
-            O::BaseLinearVelocity(root, axis) if model.floats(root) => {
+            O::BaseLinearVelocity(root, axis) => {
                 self.at(ctx, state, Level::Accelerations);
-                self.vdot[model.base(root).dof.index() + 3 + axis as usize]
+                let (q, v) = (&state.physical.q, &state.physical.v);
+                let base = ctx.tree.base_frame(root);
+                base.map_or(0.0, |b| b.acceleration(q, v, &self.vdot)[axis as usize])
             }
-            O::BaseAngularVelocity(root, axis) if model.floats(root) => {
+            O::BaseAngularVelocity(root, axis) => {
                 self.at(ctx, state, Level::Accelerations);
-                self.vdot[model.base(root).dof.index() + axis as usize]
+                let base = ctx.tree.base_frame(root);
+                base.map_or(0.0, |base| self.vdot[base.dof + axis as usize])
             }
-            O::BaseLinearVelocity(..) | O::BaseAngularVelocity(..) => 0.0,
             O::JointPosition(joint, axis) => self.read(ctx, state, O::JointVelocity(joint, axis)),
             O::JointVelocity(joint, axis) => {
                 self.read(ctx, state, O::JointAcceleration(joint, axis))

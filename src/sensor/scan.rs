@@ -13,6 +13,7 @@ use crate::geometry::ray::{Ray, Target};
 use crate::model::{Collider, LinkId, Model, SensorKind};
 use crate::spatial::{Mat3, Pose, Vec3};
 use crate::step::point::{Context, Point};
+use crate::tree::within;
 
 /// What stands for the ground where a hit is told.
 const GROUND: f64 = -1.0;
@@ -63,19 +64,12 @@ struct Thing {
 
 impl Thing {
     fn new(model: &Model, collider: &Collider) -> Self {
-        let R_SB = model.bodies[collider.body.index()]
-            .motion
-            .solver_frame()
-            .transpose();
         let (center, radius) = collider.shape.ball_around();
         Self {
             target: Target::new(&collider.shape),
             body: collider.body.index(),
             link: collider.link,
-            X: Pose {
-                R: R_SB * collider.X_BG.R,
-                p: R_SB * collider.X_BG.p,
-            },
+            X: within(&model.solver_frame(collider.body), &collider.X_BG),
             center,
             radius,
         }

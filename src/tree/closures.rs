@@ -4,14 +4,15 @@
 
 use super::closure::{Closure, ClosureKind, End, TreeSpring};
 use super::parts::Tree;
+use super::within;
 use crate::model::{Anchor, Body, LoopKind, Model};
-use crate::spatial::{Mat3, Pose};
+use crate::spatial::Pose;
 
 impl Tree {
     /// Fills closures and springs; bodies are there.
     ///
-    /// - `turned`: rotation of each solver frame in the model's body frame
-    pub(super) fn add_closures(&mut self, model: &Model, turned: &[Mat3]) {
+    /// - `frames`: pose of each solver frame in the model's body frame
+    pub(super) fn add_closures(&mut self, model: &Model, frames: &[Pose]) {
         let end = |anchor: &Anchor| {
             let Some(link) = anchor.link else {
                 return End {
@@ -21,11 +22,7 @@ impl Tree {
             };
             let link = &model.links[link.index()];
             let body = link.body.index();
-            let R_SB = turned[body].transpose();
-            let X_SL = Pose {
-                R: R_SB * link.X_BL.R,
-                p: R_SB * link.X_BL.p,
-            };
+            let X_SL = within(&frames[body], &link.X_BL);
             End {
                 body: Some(body),
                 X: X_SL.compose(&anchor.X_LA),

@@ -89,6 +89,9 @@ pub struct Extent {
     pub coordinates: Range<usize>,
     /// Whether its base floats; filled by [`Tree::new`].
     pub free: bool,
+    /// Where the solver's frame of a floating base stands in that of its link, m: in its centre of
+    /// mass; filled by [`Tree::new`].
+    pub center: Vec3,
     /// Whether every column is its own degree of freedom: no joint mimics another; filled by
     /// [`Tree::new`].
     pub pure: bool,

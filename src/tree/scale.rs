@@ -2,6 +2,7 @@
 //! motors, error weights.
 
 use super::parts::Tree;
+use super::within;
 use crate::joint::Sweep;
 use crate::law::motor_constants;
 use crate::law::normal::Stiffening;
@@ -36,14 +37,8 @@ impl Tree {
             .iter()
             .map(|c| {
                 let b = c.body.index();
-                // The shape's place in the model's body frame and in the solver frame are equally
-                // far from the axis.
-                let X = &poses[b];
-                (
-                    b,
-                    X.p + X.R * (model.bodies[b].motion.solver_frame().transpose() * c.X_BG.p),
-                    c.shape.bounding_radius(),
-                )
+                let X_SG = within(&model.solver_frame(c.body), &c.X_BG);
+                (b, poses[b].point(&X_SG.p), c.shape.bounding_radius())
             })
             .collect();
         for (b, body) in self.bodies.iter().enumerate() {

@@ -36,7 +36,8 @@ fn a_robot_is_set_down_as_one_rigid_body() {
 fn what_tips_over_is_not_set_down() {
     let mut b = loaded(Vec3::repeat(0.1));
     b.model.links[0].inertia.com = X * 0.3;
-    let before = [0.0, 0.0, 0.1, 1.0, 0.0, 0.0, 0.0];
+    // In the centre of mass.
+    let before = [0.3, 0.0, 0.1, 1.0, 0.0, 0.0, 0.0];
     let s = start(b.model, 1e-3);
     assert_eq!(s.state().physical.q[..7], before);
 }
