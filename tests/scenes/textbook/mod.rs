@@ -10,8 +10,8 @@ mod vehicles;
 
 use super::{BASE, Run, Scene, Solver, figure, idle, play};
 use crate::testing::Builder;
-use urdf2fmu_core::model::{ActuatorId, ActuatorMode, LinkId, Model};
-use urdf2fmu_core::simulation::{InputSlot, Simulation};
+use urdf2fmu_core::model::{ActuatorId, ActuatorMode, LinkId, Model, RootId};
+use urdf2fmu_core::simulation::{InputSlot, OutputSlot, Simulation};
 
 /// All of them.
 pub fn all() -> Vec<Scene> {
@@ -112,9 +112,21 @@ fn compare(
     }
 }
 
-/// The coordinates at these places.
+/// The coordinates at these places; of a base that floats the position of its link.
 fn at_places<const N: usize>(places: [usize; N]) -> impl Fn(&mut Simulation) -> Vec<f64> {
-    move |s| places.map(|i| s.state().physical.q[i]).to_vec()
+    move |s| {
+        let floats = s.model().is_floating();
+        let of = |i: usize| match i {
+            0..3 if floats => base_place(s)[i],
+            _ => s.state().physical.q[i],
+        };
+        places.map(of).to_vec()
+    }
+}
+
+/// Where the origin of a floating base's link is, m.
+fn base_place(s: &mut Simulation) -> [f64; 3] {
+    [0, 1, 2].map(|axis| s.output(OutputSlot::BasePosition(RootId::ROBOT, axis)))
 }
 
 /// A motor of this mode on the joint of a link.

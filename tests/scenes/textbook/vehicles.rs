@@ -1,6 +1,8 @@
 //! A bicycle, a two-wheeled inverted pendulum, and carts that drive and brake.
 
-use super::{Allowed, BASE, Command, Plan, at_places, compare, motor, nothing, set, share};
+use super::{
+    Allowed, BASE, Command, Plan, at_places, base_place, compare, motor, nothing, set, share,
+};
 use crate::scenes::truth::runge_kutta;
 use crate::scenes::{G, H, Scene, Y, ground};
 use crate::testing::{Builder, at, inertia};
@@ -184,8 +186,9 @@ fn two_wheels() -> Scene {
         vec![x[0], x[1]]
     };
     let look = |s: &mut Simulation| {
+        let x = base_place(s)[0];
         let q = &s.state().physical.q;
-        vec![q[0], 2.0 * libm::atan2(q[5], q[3])]
+        vec![x, 2.0 * libm::atan2(q[5], q[3])]
     };
     let plan = Plan {
         name: "pendulum on two wheels, 2 s",
@@ -260,7 +263,7 @@ fn braking() -> Scene {
         };
         let front = of(s, 1) + of(s, 2);
         let all = front + of(s, 3) + of(s, 4);
-        vec![s.state().physical.q[0], front / all, all / (14.0 * G)]
+        vec![base_place(s)[0], front / all, all / (14.0 * G)]
     };
     let truth = move || {
         vec![
