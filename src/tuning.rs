@@ -150,6 +150,12 @@ pub const FLOOR_FALL: f64 = 0.5;
 /// `links_of_one_robot_press_each_other_with_their_motors_force`.
 pub const ADVANCE: f64 = 0.5;
 
+/// Product of the distances, in radii, of a load from the middle of a face of a cylinder on either
+/// side of it, beyond which a step is not taken in two stages: they would throw the load to and fro
+/// across the face. One solve instead is of first order. At 0, where every lean to the other side
+/// counts, fails `a_can_on_a_turntable_stays_where_it_stands`.
+pub const ACROSS: f64 = 0.1;
+
 /// Longest step of a contact that bounces, as a share of the time √(m/k) of its impact. A slow
 /// bounce is shallower than the tolerance, which would not notice that it is missing; but it has
 /// its restitution, too. Without it fails

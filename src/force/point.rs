@@ -140,6 +140,11 @@ impl Rim {
         self.q - self.crown
     }
 
+    /// `a/q`: where the load of the face is, from its middle, in radii.
+    pub fn place(&self) -> Vec3 {
+        self.e
+    }
+
     /// `a/q` where the point is.
     pub fn direction(&self) -> Vec3 {
         self.lever

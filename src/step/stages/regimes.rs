@@ -2,21 +2,26 @@
 
 use super::{GAMMA, Stages};
 use crate::force::JointTerm;
+use crate::spatial::Vec3;
 use crate::state::Physical;
+use crate::tuning::ACROSS;
 
 impl Stages {
     /// Whether a rim leans to another side in one of the stages up to `last` than in another or
     /// where the step begins: its load crosses the face, and two stages would throw it to and fro.
+    /// A load that stays near the middle of the face is not thrown: there the rim is as smooth as
+    /// its crown. The loads' places are `a/q` from that middle, in radii.
     pub(super) fn flips(&self, last: usize) -> bool {
         let [first, second] = self.solved.each_ref().map(|s| &s.responses.points);
         let starts = self.terms[0].contacts.points.iter().enumerate();
         let mut rims = starts.filter_map(|(i, point)| Some((i, point.rim.as_ref()?)));
         rims.any(|(i, rim)| {
-            let (start, one) = (rim.a, first[i].end.0);
-            start.dot(&one) < 0.0
+            let across = |from: &Vec3, to: &Vec3| from.dot(to) < -ACROSS;
+            let (start, one) = (rim.place(), first[i].end.0);
+            across(&start, &one)
                 || last > 0 && {
                     let two = second[i].end.0;
-                    start.dot(&two) < 0.0 || one.dot(&two) < 0.0
+                    across(&start, &two) || across(&one, &two)
                 }
         })
     }
