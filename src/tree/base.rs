@@ -70,7 +70,7 @@ impl Tree {
     #[inline]
     pub fn base_frame(&self, root: RootId) -> Option<BaseFrame> {
         let extent = &self.trees[root.index()];
-        extent.free.then(|| BaseFrame {
+        extent.free.then_some(BaseFrame {
             coordinate: extent.coordinates.start,
             dof: extent.dofs.start,
             center: extent.center,
