@@ -406,9 +406,13 @@ pub const EMERGENCE: f64 = 0.7;
 /// moment that jumps. With the centre of mass four radii high it tips at 0.995 of the force of a
 /// flat one. At 1 fails `a_can_that_was_nudged_comes_to_rest`.
 pub const CROWN: f64 = 5e-5;
-/// Mean distance of a load from its middle where it presses evenly, as a share of that of the
-/// corners: 1/2 on a line, 0.54 on a square. At 3 fails `a_peg_in_a_hole_comes_to_rest`.
-pub const EVEN_CORNERS: f64 = 0.55;
+/// Mean distance of a load from its middle where it presses evenly on a line, as a share of that of
+/// its ends. At 3 fails `what_turns_on_the_spot_is_braked_by_an_even_pressure`.
+pub const EVEN_LINE: f64 = 0.5;
+/// Fewest corners among which an even pressure is shared where three or more points carry. A box
+/// whose load leans to one side has fewer that count, but is no triangle: at 3, whose lever is 15 %
+/// less, fails `the_communication_step_does_not_change_the_result_beyond_the_tolerance`.
+pub const MIN_CORNERS: f64 = 4.0;
 /// The same on a disc, as a share of its radius: `∫ r² dr / ∫ r dr`
 /// (`a_spinning_disc_slows_down_by_friction_over_its_face`).
 pub const EVEN_DISC: f64 = 2.0 / 3.0;

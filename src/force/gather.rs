@@ -8,9 +8,46 @@ use super::point::{ContactPoint, norm};
 use crate::geometry::pair::MOST_PARTS;
 use crate::kinematics::Kinematics;
 use crate::model::Model;
-use crate::spatial::{Vec3, Vec6, angular};
+use crate::spatial::{Vec3, Vec6, across, angular};
 use crate::tree::Tree;
-use crate::tuning::{EVEN_CORNERS, EVEN_DISC};
+use crate::tuning::{EVEN_DISC, EVEN_LINE, MIN_CORNERS};
+
+/// Mean distance of an even pressure from its middle, as a share of that of the points that carry
+/// it, which are its corners: on a regular polygon of `n` corners, with `φ = π/n`,
+///
+/// ```text
+/// ∫∫ r² dr dα/∫∫ r dr dα = R/3 (1 + cos φ ln(sec φ + tan φ)/tan φ)
+/// ```
+///
+/// and half of the half length on a line. Between them it goes with `2 a b/(a² + b²)` of the root
+/// mean squares `a`, `b` of the distances along the principal axes, which for rectangles is right
+/// to 1 %. As many corners as carry count, `1/Σ load²`, at least four, so that it does not jump
+/// where one of them leaves. A triangle has 0.46 and is given 0.54.
+fn even_share(points: &[ContactPoint], center: &Vec3, normal: &Vec3) -> f64 {
+    if points.len() < 3 {
+        return EVEN_LINE;
+    }
+    let (mut squares, mut whole, mut turned) = (0.0, 0.0, [0.0; 2]);
+    let first = across(normal);
+    let second = normal.cross(&first);
+    for p in points {
+        let apart = p.x - center;
+        let (x, y) = (apart.dot(&first), apart.dot(&second));
+        squares += p.load * p.load;
+        whole += p.load * (x * x + y * y);
+        turned[0] += p.load * (x * x - y * y);
+        turned[1] += p.load * 2.0 * x * y;
+    }
+    let [a, b] = turned;
+    let round = (whole * whole - a * a - b * b) / (whole * whole);
+    if squares <= 0.0 || round.is_nan() {
+        return EVEN_LINE;
+    }
+    let corners = (1.0 / squares).max(MIN_CORNERS);
+    let (sin, cos) = libm::sincos(std::f64::consts::PI / corners);
+    let regular = (1.0 + cos * cos / sin * libm::log((1.0 + sin) / cos)) / 3.0;
+    EVEN_LINE + round.max(0.0).sqrt() * (regular - EVEN_LINE)
+}
 
 impl Contact {
     /// Moves its points by the displacement `way` of all bodies and by its rise over `risen`
@@ -151,9 +188,10 @@ impl Contact {
             center += p.x * p.load;
         }
         let mut radius = 0.0;
+        let even = even_share(own, &center, &self.normal);
         for p in own {
             let (_, apart) = normal_part(&self.normal, &(p.x - center));
-            radius += p.load * apart.norm() * EVEN_CORNERS;
+            radius += p.load * apart.norm() * even;
             if let Some(rim) = &p.rim {
                 radius += p.load * EVEN_DISC * rim.radius * rim.flatness;
             }
@@ -249,5 +287,48 @@ impl ContactSet {
     pub fn clear(&mut self) {
         self.list.clear();
         self.points.clear();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Closed forms: a line, a square and a hexagon of corners at the distance 1, a rectangle of
+    /// 5:1 (by a sum over its area: 0.5108) and a polygon that is nearly a disc. What stands on
+    /// one corner, nearly, has a lever, too.
+    #[test]
+    fn an_even_pressure_has_the_lever_of_its_corners() {
+        let share = |places: &[(f64, f64, f64)]| {
+            let point = |&(x, y, load): &(f64, f64, f64)| ContactPoint {
+                x: Vec3::new(x, y, 0.0),
+                load,
+                ..ContactPoint::default()
+            };
+            let points: Vec<ContactPoint> = places.iter().map(point).collect();
+            let center = points.iter().map(|p| p.x * p.load).sum();
+            even_share(&points, &center, &Vec3::z())
+        };
+        let polygon = |n: u32| {
+            let corner = |i: u32| {
+                let (sin, cos) = libm::sincos(std::f64::consts::TAU * f64::from(i) / f64::from(n));
+                (cos, sin, 1.0 / f64::from(n))
+            };
+            share(&(0..n).map(corner).collect::<Vec<_>>())
+        };
+        let corners = [(5.0, 1.0), (5.0, -1.0), (-5.0, 1.0), (-5.0, -1.0)];
+        let rectangle = share(&corners.map(|(x, y)| (x, y, 0.25)));
+        let edge = share(&corners.map(|(x, y)| (x, y, if y > 0.0 { 0.5 } else { 0.0 })));
+        for (found, expected, most) in [
+            (polygon(4), 0.541_075, 1e-6),
+            (polygon(6), 0.607_986, 1e-6),
+            (polygon(60), 2.0 / 3.0, 1e-3),
+            (rectangle, 0.5108, 6e-3),
+            (edge, 0.5, 1e-12),
+        ] {
+            assert!((found - expected).abs() < most, "{found} {expected}");
+        }
+        let one = share(&[(0.0, 0.0, 0.98), (1.0, 0.0, 0.01), (0.0, 1.0, 0.01)]);
+        assert!((0.3..0.7).contains(&one), "{one}");
     }
 }

@@ -144,6 +144,45 @@ fn a_spinning_ball_slows_down_by_its_torsional_friction_alone() {
     }
 }
 
+/// A body that turns on the spot is braked by `μ m g` times the mean distance of an even pressure:
+/// 0.5108 of the half diagonal of a plate of 5:1 (a sum over its area), and nearly ⅔ of the radius
+/// of a prism of 16 sides. Of both it was 0.55 of that of the corners, 8 % more and 16 % less.
+#[test]
+fn what_turns_on_the_spot_is_braked_by_an_even_pressure() {
+    let mu = 0.3;
+    let half = Vec3::new(0.1, 0.02, 5e-3);
+    let corner = |i: u32| {
+        let (sin, cos) = libm::sincos(std::f64::consts::TAU * f64::from(i) / 16.0);
+        let at = |z: f64| Vec3::new(RADIUS * cos, RADIUS * sin, z);
+        [at(-half.z), at(half.z)]
+    };
+    let vertices = (0..16).flat_map(corner).collect();
+    for (shape, lever, most) in [
+        (Shape::Box { half }, 0.5108 * half.xy().norm(), 0.01),
+        (Shape::Hull { vertices }, 0.6581 * RADIUS, 1e-3),
+    ] {
+        for mode in MODES {
+            let mut b = Builder::new(true, inertia(1.0, Vec3::zeros(), [2.5e-3, 2.5e-3, 5e-3]));
+            b.shape(0u32.into_link(), shape.clone(), Pose::IDENTITY);
+            b.model.roots[0].position.z = half.z - 0.5 * b.model.contact.penetration;
+            b.model.roots[0].angular_velocity.z = 30.0;
+            b.model.links[0].friction = mu;
+            b.model.world.ground = Some(crate::model::Ground {
+                friction: mu,
+                ..Default::default()
+            });
+            let mut s = started(b, mode);
+            run(&mut s, 0.1, 0.01);
+            let w = s.state().physical.v[2];
+            run(&mut s, 0.4, 0.01);
+            let found = (w - s.state().physical.v[2]) / 0.3;
+            let expected = mu * G * lever / 5e-3;
+            let error = (found - expected).abs() / expected;
+            assert!(error < most, "{mode:?}: {found} {expected}");
+        }
+    }
+}
+
 /// A disc that stands on its face: friction of a uniform pressure has the mean lever `∫ r² dr / ∫ r
 /// dr = 2/3 R`, and with `I = ½ m R²` it is `ω̇ = −4/3 μ g/R`.
 #[test]
