@@ -1,15 +1,17 @@
 //! The tree of the solver, which follows from a model and its parameters: inertias, stiffness and
 //! scales.
 //!
-//! Body frames are turned so that every turning or sliding joint acts along its own z axis, and that
-//! of a floating base stands in its centre of mass; outputs, parameters and the states of Model
-//! Exchange are those of the links ([`BaseFrame`]).
+//! Body frames are turned so that every turning or sliding joint acts along its own z axis, and
+//! that of a floating base stands in its centre of mass; outputs, parameters and the states of
+//! Model Exchange are those of the links ([`BaseFrame`]).
 //!
 //! A step finds velocities with the inertia of its middle. With the base in another place than its
 //! centre of mass, momentum would depend on how this place turns within the step, and the error
-//! would grow with its distance, which is that of an origin that somebody has chosen in a drawing. One entry per body degree of freedom ("column"): a
-//! mimic joint's column is scaled by its ratio and belongs to the degree of freedom that it
-//! follows. What depends on the initial position is in `scale`.
+//! would grow with its distance, which is that of an origin that somebody has chosen in a drawing.
+//!
+//! There is one entry per body degree of freedom ("column"): a mimic joint's column is scaled by
+//! its ratio and belongs to the degree of freedom that it follows. What depends on the initial
+//! position is in `scale`.
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
