@@ -10,6 +10,7 @@
 mod cubic;
 mod hollow;
 mod pyramid;
+mod rim;
 
 use self::cubic::Cell;
 use self::pyramid::Pyramid;

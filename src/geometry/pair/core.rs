@@ -132,6 +132,8 @@ pub struct Solid {
     pub(super) reach: f64,
     /// Shares of a hull's corners on a plane.
     pub(super) shares: Faces,
+    /// For each corner of a box or a hull that of the core which is nearest to it.
+    pub(super) core_corners: Vec<Vec3>,
 }
 
 impl Solid {
@@ -151,6 +153,7 @@ impl Solid {
             round: None,
             reach,
             shares: Faces::default(),
+            core_corners: Vec::new(),
         };
         match shape {
             Shape::Sphere { radius } => of(Core::Point, *radius, *radius),
@@ -192,8 +195,14 @@ impl Solid {
                 let core = |r: f64| Core::Box {
                     half: half.add_scalar(-r),
                 };
+                let mesh = box_mesh(half);
                 Self {
-                    mesh: box_mesh(half),
+                    core_corners: mesh
+                        .corners
+                        .iter()
+                        .map(|c| c - c.map(|x| r * x.signum()))
+                        .collect(),
+                    mesh,
                     inner: core(INNER * half.min()),
                     inner_radius: INNER * half.min(),
                     ..of(core(r), r, half.min())
@@ -208,6 +217,7 @@ impl Solid {
                 let (inner, inner_radius) = shrunk(&mesh, INNER * smallest);
                 Self {
                     shares: Faces::new(&corners, thickness),
+                    core_corners: mesh.corners.iter().map(|c| nearest_of(&core, c)).collect(),
                     mesh,
                     inner: Core::Corners(inner),
                     inner_radius,
@@ -282,6 +292,7 @@ impl Solid {
             round: None,
             reach: f64::INFINITY,
             shares: Faces::default(),
+            core_corners: Vec::new(),
         }
     }
 
@@ -439,6 +450,13 @@ fn thickness_of(mesh: &Mesh) -> f64 {
 fn shrunk(mesh: &Mesh, r: f64) -> (Vec<Vec3>, f64) {
     let core = if r > 0.0 { moved_in(mesh, r) } else { None };
     core.map_or_else(|| (mesh.corners.clone(), 0.0), |core| (core, r))
+}
+
+/// The one of some places that is nearest to another one.
+fn nearest_of(places: &[Vec3], to: &Vec3) -> Vec3 {
+    let apart = |place: &&Vec3| (*place - to).norm_squared();
+    let nearest = places.iter().min_by(|a, b| apart(a).total_cmp(&apart(b)));
+    nearest.copied().unwrap_or(*to)
 }
 
 /// Corners of the hull whose faces are all moved in by `r`.

@@ -16,14 +16,17 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
-use super::core::{Core, Round};
+use super::core::{Core, Round, Solid};
 use super::placed::Placed;
 use super::points::{PatchPoint, Side, point};
 use super::sink::Sink;
+use super::surface::part_between;
 use super::trace::Trace;
 use crate::geometry::field::Field;
 use crate::spatial::Vec3;
-use crate::tuning::{CROWN, MOST_NEAREST, MOST_PEAKS, NEAREST_IN_HOLLOW, NEAREST_ON_FIELD, SEAM};
+use crate::tuning::{
+    BESIDE, CROWN, MOST_NEAREST, MOST_PEAKS, NEAREST_IN_HOLLOW, NEAREST_ON_FIELD, SEAM,
+};
 
 /// Adds the points of a shape, given in the axes of the terrain.
 pub(super) fn on_field(shape: &Placed, field: &Field, sink: &mut Sink) {
@@ -82,15 +85,14 @@ impl OnField<'_, '_> {
         match shape.core {
             Core::Point => self.ball(&shape.p, shape.solid.radius, 1.0),
             Core::Box { .. } => {
-                for corner in &shape.solid.mesh.corners {
-                    self.corner(&shape.world(corner), |_| 0.25);
+                for i in 0..shape.solid.mesh.corners.len() {
+                    self.corner(i, |_| 0.25);
                 }
             }
             _ => {
                 let shares = &shape.solid.shares;
-                for (i, corner) in shape.solid.mesh.corners.iter().enumerate() {
-                    let share = |n: &Vec3| shares.share(i, &shape.R.tr_mul(&-n));
-                    self.corner(&shape.world(corner), share);
+                for i in 0..shape.solid.mesh.corners.len() {
+                    self.corner(i, |n| shares.share(i, &shape.R.tr_mul(&-n)));
                 }
             }
         }
@@ -102,11 +104,20 @@ impl OnField<'_, '_> {
         Some((n, (height - x.z) * n.z))
     }
 
-    fn corner(&mut self, x: &Vec3, share: impl Fn(&Vec3) -> f64) {
+    /// A corner of the shape; beyond the end of the surface as long as the corner of its core is
+    /// not.
+    fn corner(&mut self, index: usize, share: impl Fn(&Vec3) -> f64) {
+        let shape = self.shape;
+        let x = shape.world(&shape.solid.mesh.corners[index]);
         if x.z >= self.clear {
             return;
         }
-        if let Some((n, depth)) = self.below(x) {
+        let below = self.below(&x).or_else(|| {
+            let core = shape.world(&shape.solid.core_corners[index]);
+            let (height, n) = self.field.tangent(core.x, core.y)?;
+            Some((n, n.dot(&(Vec3::new(core.x, core.y, height) - x))))
+        });
+        if let Some((n, depth)) = below {
             let share = share(&n);
             self.sink
                 .add(&n, point(x + n * (0.5 * depth), depth, share));
@@ -196,9 +207,16 @@ impl OnField<'_, '_> {
             if field.passes([i, j], &shape.p, shape.solid.reach + reach) {
                 return f64::NEG_INFINITY;
             }
-            let (x, n, share) = field.sample(i, j);
-            if let Some((normal, depth)) = against(shape, &x, &n)
+            let (x, n, mut share) = field.sample(i, j);
+            if let Some((normal, depth, part)) = against(shape, &x, &n)
                 && depth > -reach
+                && {
+                    share *= part;
+                    if let Some(sides) = field.rim(i, j) {
+                        share *= part_at_end(&normal, &sides, (shape, &x));
+                    }
+                    share > 0.0
+                }
                 && (count < MOST_PEAKS || depth > best[MOST_PEAKS - 1].depth)
             {
                 let at = best[..count].partition_point(|b| b.depth >= depth);
@@ -221,7 +239,17 @@ impl OnField<'_, '_> {
     }
 }
 
-/// A place of the surface, m, and the normal there.
+/// What of a sample at the end of the surface acts in a direction, see [`part_between`]. A ball
+/// finds the end itself.
+fn part_at_end(n: &Vec3, sides: &[Vec3; 2], at: (&Placed, &Vec3)) -> f64 {
+    if let Core::Point = at.0.core {
+        return 0.0;
+    }
+    part_between(n, sides, at)
+}
+
+/// A place of the surface, m, and the normal there; at the end of the surface, of what is beyond
+/// it, the direction from that place.
 #[derive(Clone, Copy, Default)]
 struct Place {
     at: Vec3,
@@ -273,7 +301,7 @@ impl Nearest {
 /// The place of the surface nearest to `c`, found from another place by Newton's method on
 /// `x − c + (H − c_z) ∇H = 0` in so many steps, none longer than `most`, m; and how long the last
 /// one was. In a hollow that bends more than the ball the second derivatives count less, so that
-/// the matrix stays definite.
+/// the matrix stays definite. None for what is beside the surface and not above its end.
 fn nearest_from(
     field: &Field,
     c: &Vec3,
@@ -281,8 +309,10 @@ fn nearest_from(
     (steps, most): (usize, f64),
 ) -> Option<(Place, f64)> {
     let half = field.samples().size.map(|s| 0.5 * s);
+    let within = |x: [f64; 2]| [0, 1].map(|k| x[k].clamp(-half[k], half[k]));
+    x = within(x);
     let mut local = field.at(x[0], x[1])?;
-    let mut left = 0.0;
+    let (mut left, mut held) = (0.0, false);
     for _ in 0..steps {
         let ([gx, gy], over) = (local.slope, local.height - c.z);
         let [bxx, bxy, byy] = local.bend.map(|b| b * over);
@@ -295,7 +325,9 @@ fn nearest_from(
         let (fx, fy) = (x[0] - c.x + over * gx, x[1] - c.y + over * gy);
         let det = jxx * jyy - jxy * jxy;
         let way = [(jyy * fx - jxy * fy) / det, (jxx * fy - jxy * fx) / det];
-        let next = [0, 1].map(|k| (x[k] - way[k].clamp(-most, most)).clamp(-half[k], half[k]));
+        let free = [0, 1].map(|k| x[k] - way[k].clamp(-most, most));
+        let next = within(free);
+        held = next.map(f64::to_bits) != free.map(f64::to_bits);
         left = (next[0] - x[0]).abs().max((next[1] - x[1]).abs());
         if next.map(f64::to_bits) == x.map(f64::to_bits) {
             break;
@@ -303,8 +335,16 @@ fn nearest_from(
         x = next;
         local = field.at(x[0], x[1])?;
     }
-    let n = local.normal();
+    let mut n = local.normal();
     let at = Vec3::new(x[0], x[1], local.height);
+    if held {
+        let apart = c - at;
+        if apart.dot(&n) > 0.0 {
+            n = apart.normalize();
+        } else if !field.is_over(c) {
+            return None;
+        }
+    }
     Some((Place { at, n }, left))
 }
 
@@ -330,9 +370,10 @@ struct Peak {
 }
 
 /// How a point `x` of the surface, which has the normal `n` there, lies to the surface of a shape:
-/// the direction into the shape, and how deep in it the point is. None where the shape is not over
-/// the point.
-fn against(shape: &Placed, x: &Vec3, n: &Vec3) -> Option<(Vec3, f64)> {
+/// the direction into the shape, how deep in it the point is, and how much of it counts: 0 where the
+/// edge of the shape passes it, 1 from the rounding of that edge on, so that what slides over a
+/// sample does not come upon it at once. None where the shape is not over the point.
+fn against(shape: &Placed, x: &Vec3, n: &Vec3) -> Option<(Vec3, f64, f64)> {
     let solid = shape.solid;
     if let Core::Point | Core::Segment { .. } = shape.core {
         let half = match shape.core {
@@ -344,7 +385,7 @@ fn against(shape: &Placed, x: &Vec3, n: &Vec3) -> Option<(Vec3, f64)> {
         let apart = shape.p + axis * along - x;
         let distance = apart.norm();
         let normal = if distance > 0.0 { apart / distance } else { *n };
-        return Some((normal, solid.radius - distance));
+        return Some((normal, solid.radius - distance, 1.0));
     }
     // Where the line along `n` through the point enters the shape, and where it leaves.
     let (x, d) = (shape.R.tr_mul(&(x - shape.p)), shape.R.tr_mul(n));
@@ -403,5 +444,36 @@ fn against(shape: &Placed, x: &Vec3, n: &Vec3) -> Option<(Vec3, f64)> {
     if t > leave || !t.is_finite() {
         return None;
     }
-    Some((-(shape.R * normal), t * normal.dot(&d)))
+    let part = (inside(solid, &(x + d * t), (&normal, &d)) / solid.rounding()).clamp(0.0, 1.0);
+    Some((-(shape.R * normal), t * normal.dot(&d), part))
+}
+
+/// How far a place on the surface of a shape is from the faces around that do not look where the
+/// face does that it lies on, m; infinite without any.
+///
+/// - `normal`: of that face
+/// - `d`: the direction in which the shape is looked at
+fn inside(solid: &Solid, x: &Vec3, (normal, d): (&Vec3, &Vec3)) -> f64 {
+    let mut least = f64::INFINITY;
+    let mut cut = |face: &Vec3, height: f64| {
+        if face != normal && face.dot(d) > -BESIDE {
+            least = least.min(height - face.dot(x));
+        }
+    };
+    if let Some(round) = &solid.round {
+        cut(&Vec3::z(), round.half);
+        cut(&-Vec3::z(), round.half);
+        let across = Vec3::new(x.x, x.y, 0.0);
+        if let Some(side) = across.try_normalize(0.0)
+            && normal.z != 0.0
+        {
+            cut(&side, round.radius);
+        }
+        return least;
+    }
+    let mesh = &solid.mesh;
+    for (face, normal) in mesh.normals.iter().enumerate() {
+        cut(normal, normal.dot(&mesh.corners[mesh.face(face)[0]]));
+    }
+    least
 }

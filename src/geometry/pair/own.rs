@@ -2,7 +2,7 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
-use super::core::Core;
+use super::core::{Core, Round};
 use super::placed::Placed;
 use super::points::{PatchPoint, Rim, Side, point};
 use super::trace::{STANDING, Trace};
@@ -16,7 +16,9 @@ struct OwnPoint {
     x: Vec3,
     /// Of a hull not this one, but that of its faces.
     share: f64,
-    /// What must be over a triangle for the point to lie on it.
+    /// What must be over a triangle for the point to lie on it: of what is round its axis, of what
+    /// has edges the corner of its core. Where that leaves the triangle the crest of its edge
+    /// begins to act, which the core comes nearest to in the direction of the normal there.
     over: Vec3,
     /// The middle of the flat end of a cylinder that stands.
     end: Option<Vec3>,
@@ -119,10 +121,17 @@ impl OwnPoints {
         } = self;
         if let Some(round) = &shape.solid.round {
             let trace = Trace::new(shape, round, n, Side::First);
+            let r = shape.solid.radius;
+            let core = Round {
+                radius: round.radius - r,
+                half: round.half - r,
+                ..*round
+            };
+            let within = Trace::new(shape, &core, n, Side::First);
             for (own, s) in list.iter_mut().zip([1.0, -1.0]) {
                 let (x, over, rim) = if round.flat {
                     let (x, rim) = trace.end(s);
-                    (x, x, rim)
+                    (x, within.end(s).0, rim)
                 } else {
                     let c = shape.p + shape.axis() * (s * round.half);
                     (c - n * round.radius, c, None)
@@ -153,12 +162,12 @@ impl OwnPoints {
         }
         let corners = &shape.solid.mesh.corners;
         if !*placed {
-            for (own, corner) in list.iter_mut().zip(corners) {
-                let x = shape.world(corner);
+            let inside = &shape.solid.core_corners;
+            for (own, (corner, inside)) in list.iter_mut().zip(corners.iter().zip(inside)) {
                 *own = OwnPoint {
-                    x,
+                    x: shape.world(corner),
                     share: 0.25,
-                    over: x,
+                    over: shape.world(inside),
                     end: None,
                     rim: None,
                 };

@@ -13,13 +13,14 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
-use super::core::{Core, Round, Solid};
+use super::core::{Core, Solid};
 use super::meet::Meeting;
 use super::nearby::{Nearby, Parts};
 use super::own::{OwnPoints, is_far};
 use super::placed::{Placed, rank};
 use super::points::{PatchPoint, Points};
 use super::sink::Sink;
+use super::trace::STANDING;
 use crate::geometry::Shape;
 use crate::geometry::surface::{Crest, Facet, Surface};
 use crate::spatial::{Mat3, Vec3, across};
@@ -190,13 +191,14 @@ fn on_crest(
     };
     let outwards = |normal: &Vec3| if swapped { -normal } else { *normal };
     // Points are found only where the crest has a part.
-    let acts = |normal: &Vec3| part_between(&outwards(normal), crest, shape) > 0.0;
+    let acts =
+        |normal: &Vec3| part_between(&outwards(normal), &crest.sides, (shape, &middle)) > 0.0;
     let (normal, ..) = meeting.find_if(pair, sink.reach, acts, points);
     if points.list().is_empty() {
         return;
     }
     let n = outwards(&normal);
-    let share = part_between(&n, crest, shape);
+    let share = part_between(&n, &crest.sides, (shape, &middle));
     for found in points.list() {
         let mut rim = found.rim;
         if let (true, Some(rim)) = (swapped, &mut rim) {
@@ -215,9 +217,8 @@ fn on_crest(
 }
 
 /// How much of a direction is between the sides of a crest: 1 there, 0 beyond. What is round has
-/// left the crest where the triangle begins.
-fn part_between(n: &Vec3, crest: &Crest, shape: &Placed) -> f64 {
-    let [a, b] = &crest.sides;
+/// left the crest where the surface begins, but for a capsule or a cylinder that lies across it.
+pub(super) fn part_between(n: &Vec3, [a, b]: &[Vec3; 2], (shape, middle): (&Placed, &Vec3)) -> f64 {
     // Along the edge, so that turning from one side to the other is positive.
     let axis = a.cross(b);
     let length = axis.norm();
@@ -229,10 +230,27 @@ fn part_between(n: &Vec3, crest: &Crest, shape: &Placed) -> f64 {
     if n.dot(&(a + b)) <= 0.0 {
         return 0.0;
     }
-    let round = matches!(shape.solid.round, None | Some(Round { flat: false, .. }))
-        && matches!(shape.core, Core::Point | Core::Segment { .. });
-    if round {
+    let leaves = match (shape.core, &shape.solid.round) {
+        (Core::Point, _) => true,
+        (_, Some(round)) => {
+            let stands = round.flat && n.dot(&shape.axis()).abs() > STANDING;
+            !stands && !lies_across(shape, round.half, (middle, &(axis / length)))
+        }
+        _ => false,
+    };
+    if leaves {
         return f64::from(u8::from(excess < 0.0));
     }
     (1.0 - excess.max(0.0) / CREST_SLACK).max(0.0)
+}
+
+/// Whether the axis of a capsule or a cylinder comes nearest to an edge, given by one of its places
+/// and its direction, between its ends. The surface then carries its ends, and only the edge what
+/// is between them.
+fn lies_across(shape: &Placed, half: f64, (middle, along): (&Vec3, &Vec3)) -> bool {
+    let (axis, from) = (shape.axis(), shape.p - middle);
+    let facing = axis.dot(along);
+    // Of the nearest place of two lines, times the squared sine of the angle between them.
+    let place = facing * along.dot(&from) - axis.dot(&from);
+    place.abs() < half * (1.0 - facing * facing)
 }

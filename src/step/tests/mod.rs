@@ -16,6 +16,7 @@ use crate::testing::{Builder, Random, at, inertia, random_tree, run, shape_all_l
 
 mod agreement;
 mod collisions;
+mod ends;
 mod fixed;
 mod frames;
 mod free;
