@@ -330,6 +330,8 @@ impl Surroundings {
                         if let Some(file) = settings.file() {
                             self.source(file);
                         }
+                        let rpy = &object.initial.rpy;
+                        self.tell(terrain::findings(object.called(), &shape, rpy, place));
                         Some(assemble::solid(object.called(), &shape, 0.0))
                     }
                     Err(finding) => {

@@ -67,6 +67,8 @@ pub const CODES: &[Row] = &[
     ("S109", "`[fmu] platforms` names what is no platform, or one that the command has no library for.", "docs/platforms.md lists the names, and how to build the libraries."),
     ("T001", "A file of `[[world.terrain]]` cannot be read.", "Check its name: a relative one counts from the folder of the settings."),
     ("T002", "A file of `[[world.terrain]]` holds no heights or no triangles that could be used.", "Correct what the finding names."),
+    ("T003", "A mesh of `[[world.terrain]]` has its outside down, so that what comes from above falls through it; or it is a room, with its outside inwards, which is a note.", "Exchange two corners of each triangle, which modelling programs call to flip normals, unless robots are to be in the room."),
+    ("T004", "A mesh of `[[world.terrain]]` is kilometres wide.", "`scale = 0.001`, if it is in mm."),
     ("U001", "The file cannot be read, is a folder, or is too large.", "Name the URDF file."),
     ("U002", "The file is not UTF-8 text.", "Save it as UTF-8."),
     ("U003", "The file is not XML.", "Correct the place that is marked; often a tag is not closed."),

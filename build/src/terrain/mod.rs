@@ -2,6 +2,7 @@
 
 mod generate;
 mod npy;
+mod outside;
 mod read;
 
 use std::sync::Arc;
@@ -10,6 +11,7 @@ use urdf2fmu_core::geometry::Shape;
 use urdf2fmu_core::geometry::field::{Field, Samples};
 use urdf2fmu_core::geometry::surface::{Surface, Triangles};
 use urdf2fmu_core::settings::{HeightSource, TerrainSettings};
+use urdf2fmu_core::spatial::Vec3;
 use urdf2fmu_core::urdf;
 
 /// The shape that settings describe.
@@ -70,6 +72,17 @@ pub fn shape(
     Ok(Shape::Field {
         field: Arc::new(field),
     })
+}
+
+/// What looks wrong in a shape that can be used.
+///
+/// - `rpy`: how it is turned
+/// - `place`: where the settings say so
+pub fn findings(name: &str, shape: &Shape, rpy: &Vec3, place: Option<&Place>) -> Vec<Diagnostic> {
+    match shape {
+        Shape::Surface { surface } => outside::findings(name, surface, rpy, place),
+        _ => Vec::new(),
+    }
 }
 
 #[cfg(test)]

@@ -293,3 +293,39 @@ fn meshes_are_read_and_those_without_an_area_refused() {
         );
     }
 }
+
+/// Which way triangles look is the order of their corners, and the volume that a closed surface
+/// encloses is `Σ a·(b × c)/6`.
+#[test]
+fn meshes_that_look_down_or_are_in_millimetres_are_told_of() {
+    let folder = tempfile::tempdir().unwrap();
+    let told = |scale: f64, text: &str| {
+        let file = write(folder.path(), "a.obj", text.as_bytes());
+        let settings = TerrainSettings::Mesh { file, scale };
+        let shape = shape("hall", &settings, None).unwrap();
+        let found = findings("hall", &shape, &Vec3::new(0.1, 0.0, 2.0), None);
+        let brief = |f: &Diagnostic| (f.code, f.severity);
+        (
+            found.iter().map(brief).collect::<Vec<_>>(),
+            format!("{found:?}"),
+        )
+    };
+    let square = "v 0 0 0\nv 9 0 0\nv 9 9 0\nv 0 9 0\n";
+    let warned = vec![("T003", Severity::Warning)];
+    assert_eq!(told(1.0, &format!("{square}f 1 2 3 4\n")).0, []);
+    let down = told(1.0, &format!("{square}f 4 3 2 1\n"));
+    assert_eq!(down.0, warned);
+    assert!(down.1.contains("its outside is down"), "{}", down.1);
+    // One of two triangles.
+    let half = told(1.0, &format!("{square}f 1 2 3\nf 4 3 1\n"));
+    assert_eq!(half.0, warned);
+    assert!(half.1.contains("50 %"), "{}", half.1);
+    let large = told(1000.0, &format!("{square}f 1 2 3 4\n"));
+    assert_eq!(large.0, [("T004", Severity::Warning)]);
+    let cube = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n";
+    let outside = "f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
+    let inside = "f 1 2 3 4\nf 8 7 6 5\nf 5 6 2 1\nf 6 7 3 2\nf 7 8 4 3\nf 8 5 1 4\n";
+    assert_eq!(told(1.0, &format!("{cube}{outside}")).0, []);
+    let room = told(1.0, &format!("{cube}{inside}"));
+    assert_eq!(room.0, [("T003", Severity::Note)]);
+}
