@@ -64,8 +64,8 @@ fn sliding() -> [(&'static str, Shape, Vec3, f64); 5] {
 /// but upwards. The triangles let go of a corner where it had left them, and the edge took it up a
 /// millimetre later, where its rounding had left them, too: in between the front tipped by 0.1 mm,
 /// and then hit the edge. A box at 0.5 m/s had 0.15 m/s left, and a capsule that lay across the end
-/// was carried only while its front was down. On heights the corners let go where the samples at the
-/// end came in with twice their share, and a box at 3 m/s had 2.66 m/s left at 1e-5.
+/// was carried only while its front was down. On heights the corners let go where the samples at
+/// the end came in with twice their share, and a box at 3 m/s had 2.66 m/s left at 1e-5.
 #[test]
 fn what_slides_over_the_end_of_terrain_keeps_its_speed() {
     let even = |_: f64, _: f64| 0.0;
