@@ -370,9 +370,9 @@ struct Peak {
 }
 
 /// How a point `x` of the surface, which has the normal `n` there, lies to the surface of a shape:
-/// the direction into the shape, how deep in it the point is, and how much of it counts, which is 0
-/// where the edge of the shape passes it and 1 from the rounding of that edge on: what slides over a
-/// sample does not come upon it at once. None where the shape is not over the point.
+/// the direction into the shape, how deep in it the point is, and how much of it counts. That is 0
+/// where the edge of the shape passes it and 1 from the rounding of that edge on: what slides over
+/// a sample does not come upon it at once. None where the shape is not over the point.
 fn against(shape: &Placed, x: &Vec3, n: &Vec3) -> Option<(Vec3, f64, f64)> {
     let solid = shape.solid;
     if let Core::Point | Core::Segment { .. } = shape.core {
