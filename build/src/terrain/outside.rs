@@ -62,8 +62,10 @@ pub(super) fn findings(
             let (mut any, mut up) = (false, false);
             surface.each_along(&origin, &down, |facet, _| {
                 if is_met(facet, &origin, &down) {
-                    any = true;
-                    up |= facet.normal.dot(&down) < 0.0;
+                    // A wall that leans back covers what is behind it, and is itself no ground.
+                    let facing = facet.normal.dot(&down);
+                    any |= facing.abs() >= WALL;
+                    up |= facing < 0.0;
                 }
             });
             seen += u32::from(any);
@@ -104,10 +106,10 @@ fn extent(surface: &Surface, place: impl Fn(&Vec3) -> Vec3) -> [Vec3; 2] {
         .fold(start, |[low, high], c| [low.inf(&c), high.sup(&c)])
 }
 
-/// Whether a line meets a triangle that is no wall beside it.
+/// Whether a line meets a triangle.
 fn is_met(facet: &Facet, origin: &Vec3, along: &Vec3) -> bool {
     let facing = facet.normal.dot(along);
-    if facing.abs() < WALL {
+    if facing == 0.0 {
         return false;
     }
     let way = facet.normal.dot(&(facet.corners[0] - origin)) / facing;
