@@ -404,7 +404,7 @@ impl Stages {
         }
         solved.guess(&problem!(), &self.from, &self.guess);
         solved.carry(terms, eta);
-        let (mut run, mut carried) = (Run::default(), 0);
+        let (mut run, mut carried, mut last) = (Run::default(), 0, f64::INFINITY);
         let shared =
             before.and_then(|(first, contacts)| first.factor_for(contacts, solved, &problem!()));
         let mut factor = shared;
@@ -416,7 +416,7 @@ impl Stages {
             let given = factor.take();
             let ended = solved.aim(&problem!(), &mut run, given);
             if ended.is_none() {
-                if ctx.rules.cones && run.iterations <= MAX_CARRIES {
+                if ctx.rules.cones && carried < MAX_CARRIES {
                     solved.foresee((tree, kin), (terms, eta), given, bound);
                 }
                 solved.walk(&problem!());
@@ -431,8 +431,10 @@ impl Stages {
             }
             changed = self.lag[stage] > allowed && carried < MAX_CARRIES;
             if changed {
+                // Those that halve what cones lag behind lead to an end by themselves.
+                carried += usize::from(self.lag[stage] > 0.5 * last);
+                last = self.lag[stage];
                 solved.carry(terms, eta);
-                carried += 1;
             } else if let Some(outcome) = ended {
                 self.iterations = self.iterations.max(outcome.iterations);
                 return outcome.converged;

@@ -6,10 +6,13 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
+#[path = "base.rs"]
+mod base;
 #[path = "environment.rs"]
 mod environment;
 mod reader;
 
+use base::Base;
 use reader::model_on;
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -84,9 +87,9 @@ fn relative<'a>(
 /// factorisation.
 fn differences(robot: &Robot) -> [f64; 4] {
     let model = model_on(Path::new(&robot.urdf), robot.floating);
-    let base = if robot.floating { 6 } else { 0 };
+    let first = if robot.floating { 6 } else { 0 };
     assert_eq!(model.is_floating(), robot.floating);
-    assert_eq!(model.nv(), base + robot.joints.len(), "degrees of freedom");
+    assert_eq!(model.nv(), first + robot.joints.len(), "degrees of freedom");
     // Where a joint of the reference stands in our q and v.
     let bodies: Vec<_> = robot
         .joints
@@ -97,7 +100,7 @@ fn differences(robot: &Robot) -> [f64; 4] {
             &model.bodies[joint.bodies[0].index()]
         })
         .collect();
-    let place: Vec<usize> = (0..base)
+    let place: Vec<usize> = (0..first)
         .chain(bodies.iter().map(|body| body.dof.index()))
         .collect();
 
@@ -120,6 +123,7 @@ fn differences(robot: &Robot) -> [f64; 4] {
             v[ours] = state.v[k];
             tau[ours] = state.tau[k];
         }
+        let base = Base::enter(&tree, &mut q, &mut v, &mut tau);
 
         kin.update_poses(&tree, &q);
         kin.update_velocities(&tree, &v);
@@ -128,10 +132,7 @@ fn differences(robot: &Robot) -> [f64; 4] {
         // Column by column, so that the packing is checked along with the numbers.
         let mut rows = vec![vec![0.0; model.nv()]; model.nv()];
         for (k, row) in rows.iter_mut().enumerate() {
-            let mut unit = vec![0.0; model.nv()];
-            unit[place[k]] = 1.0;
-            let mut column = vec![0.0; model.nv()];
-            tree.sparsity.multiply(&kin.M, &unit, &mut column);
+            let column = base.column(&tree, &kin.M, place[k]);
             for (entry, &ours) in row.iter_mut().zip(&place) {
                 *entry = column[ours];
             }
@@ -149,9 +150,12 @@ fn differences(robot: &Robot) -> [f64; 4] {
         let ours = |x: &[f64]| place.iter().map(|&k| x[k]).collect::<Vec<_>>().into_iter();
         for (worst, now) in worst.iter_mut().zip([
             relative(rows.into_iter().flatten(), state.M.iter().flatten()),
-            relative(ours(&kin.bias), state.bias.iter()),
-            relative(ours(&by_bodies), state.vdot.iter()),
-            relative(ours(&by_factor), state.vdot.iter()),
+            relative(
+                ours(&base.bias(&tree, &kin.M, &kin.bias)),
+                state.bias.iter(),
+            ),
+            relative(ours(&base.leave(by_bodies)), state.vdot.iter()),
+            relative(ours(&base.leave(by_factor)), state.vdot.iter()),
         ]) {
             *worst = worst.max(now);
         }

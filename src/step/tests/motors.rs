@@ -361,7 +361,10 @@ fn a_stiff_motor_takes_one_step_for_each_new_speed() {
             stored = next;
         }
         let counters = s.state().stepping.counters;
-        assert!(counters.steps <= count as u64 + 5 && counters.rejected <= 3, "{counters:?}");
+        assert!(
+            counters.steps <= count as u64 + 5 && counters.rejected <= 3,
+            "{counters:?}"
+        );
         let error = (s.state().physical.q[0] - q).abs();
         assert!(error < 0.1 * tolerance, "{error} at {tolerance}");
     }

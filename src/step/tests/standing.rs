@@ -61,3 +61,27 @@ fn a_board_lies_on_four_nails_at_the_depth_of_the_law() {
     let tilt = q[4].abs().max(q[5].abs());
     assert!(tilt < 1e-9, "{tilt:e}");
 }
+
+/// A block of 0.2 m that is set upon stiff ground without a load and slides off at 1 m/s: its
+/// friction is that of the loads which the steps find, and Coulomb stops it after `v²/(2 μ g)`,
+/// without a hop.
+#[test]
+fn a_block_slides_on_stiff_ground_from_its_first_step_as_coulomb_says() {
+    let (mu, v, h) = (0.5, 1.0, 1.0 / 60.0);
+    for tolerance in [1e-2, 1e-3, 1e-4] {
+        let mut b = block(1.0, mu);
+        b.model.contact.penetration = 1e-6;
+        b.model.roots[0].linear_velocity = X * v;
+        let mut s = start(b.model, tolerance);
+        for i in 1..=30 {
+            s.advance_to(f64::from(i) * h).expect("finite");
+            let t = s.time().min(v / (mu * G));
+            let expected = v * t - 0.5 * mu * G * t * t;
+            let [x, z] = [0, 2].map(|k| s.state().physical.q[k]);
+            assert!(
+                (x - expected).abs() < 1e-4 && z < 0.1 + 1e-6,
+                "{x} {expected} {z} at {tolerance}"
+            );
+        }
+    }
+}
