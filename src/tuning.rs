@@ -457,8 +457,8 @@ pub const EVEN_EDGE: f64 = 1.7e-3;
 pub const SEAM: f64 = 1e-6;
 /// Cosine between the normal of a face and the direction in which a shape comes upon a sharp sample
 /// of heights up to which the face bounds the shape there: 60°. At 1, where all faces do, the many
-/// faces of a round hull would, each for its neighbours; at -1 none does, and what slides comes upon
-/// samples at once, see `what_slides_over_the_end_of_terrain_keeps_its_speed`.
+/// faces of a round hull would, each for its neighbours; at -1 none does, and what slides comes
+/// upon samples at once, see `what_slides_over_the_end_of_terrain_keeps_its_speed`.
 pub const BESIDE: f64 = 0.5;
 /// Sine of the angle beyond the directions of a crest from which on it no longer carries a shape
 /// with flat faces: a face that lies on the next triangle has the normal of that triangle,

@@ -102,14 +102,4 @@ impl Base {
         }
         vdot
     }
-
-    /// The inverse of [`Self::leave`].
-    pub fn accelerations(&self, mut vdot: Vec<f64>) -> Vec<f64> {
-        self.velocity(&mut vdot);
-        let drift = self.drift(vdot.len());
-        for (x, drift) in vdot.iter_mut().zip(drift) {
-            *x += drift;
-        }
-        vdot
-    }
 }

@@ -114,8 +114,8 @@ impl Stages {
     }
 
     /// Adds to the errors of positions what motors that yield where the step of `h` seconds begins
-    /// make of errors of velocities: their displacement follows what is left of a transient at once.
-    /// Positions are off by no more than they would be if nothing were filtered.
+    /// make of errors of velocities: their displacement follows at once what is left of a
+    /// transient. Positions are off by no more than they would be if nothing were filtered.
     fn add_yielding(&mut self, from: &Physical, h: f64) {
         let [first, second] = &self.solved;
         let [velocity, position] = &mut self.error;

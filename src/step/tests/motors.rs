@@ -334,8 +334,8 @@ fn a_spring_that_swings_too_fast_to_be_seen_comes_to_its_target() {
 }
 
 /// A rotor of 2e-4 kg·m² whose velocity motor (5 N·m, 1 mrad, 5 N·m·s/rad) gets a new speed at each
-/// communication step: `I v̇ = −k ς − d (v − w)`, `ς̇ = v − w`, with two real rates. The faster one is
-/// over within 4e-5 s. A step that does not resolve it is right to a hundredth of a tolerance, and
+/// communication step: `I v̇ = −k ς − d (v − w)`, `ς̇ = v − w`, with two real rates. The faster one
+/// is over within 4e-5 s. A step that does not resolve it is right to a tenth of a tolerance, and
 /// the estimate of its error must see that: nothing is to be taken in parts.
 #[test]
 fn a_stiff_motor_takes_one_step_for_each_new_speed() {
