@@ -19,10 +19,11 @@ use crate::tuning::{EVEN_DISC, EVEN_LINE, MIN_CORNERS};
 /// ∫∫ r² dr dα/∫∫ r dr dα = R/3 (1 + cos φ ln(sec φ + tan φ)/tan φ)
 /// ```
 ///
-/// and half of the half length on a line. Between them it goes with `2 a b/(a² + b²)` of the root
-/// mean squares `a`, `b` of the distances along the principal axes, which for rectangles is right
-/// to 1 %. As many corners as carry count, `1/Σ load²`, at least four, so that it does not jump
-/// where one of them leaves. A triangle has 0.46 and is given 0.54.
+/// and half of the half length on a line. Between them it goes with the square of `2 a b/(a² + b²)`
+/// of the root mean squares `a`, `b` of the distances along the principal axes, which for
+/// rectangles is right to 1 % and smooth where the corners come to stand in a line. As many
+/// corners as carry count, `1/Σ load²`, at least four, so that it does not jump where one of them
+/// leaves. A triangle has 0.46 and is given 0.54.
 fn even_share(points: &[ContactPoint], center: &Vec3, normal: &Vec3) -> f64 {
     if points.len() < 3 {
         return EVEN_LINE;
@@ -46,7 +47,7 @@ fn even_share(points: &[ContactPoint], center: &Vec3, normal: &Vec3) -> f64 {
     let corners = (1.0 / squares).max(MIN_CORNERS);
     let (sin, cos) = libm::sincos(std::f64::consts::PI / corners);
     let regular = (1.0 + cos * cos / sin * libm::log((1.0 + sin) / cos)) / 3.0;
-    EVEN_LINE + round.max(0.0).sqrt() * (regular - EVEN_LINE)
+    EVEN_LINE + round.max(0.0) * (regular - EVEN_LINE)
 }
 
 impl Contact {

@@ -100,6 +100,17 @@ impl Stepper {
                 self.settled.copy_from_slice(&state.physical.q);
                 let q = &mut state.physical.q;
                 advance(tree, &self.settled, &solved.v, SETTLING, q);
+                // It turns about its centre of mass, but the origin of its link stays above its
+                // place.
+                for (index, _) in tree.moved() {
+                    if let Some(base) = tree.base_frame(RootId::from(index))
+                        && is_set_down(ctx, index)
+                    {
+                        let back = base.position(&self.settled) - base.position(q);
+                        q[base.coordinate] += back.x;
+                        q[base.coordinate + 1] += back.y;
+                    }
+                }
             }
         }
         speed * SETTLING < SET_DOWN
