@@ -235,7 +235,8 @@ def test_a_set_of_one_element_keeps_the_others(command, export, pybullet_data, t
                    "--start-value", "initial.base.position.x", 2, "--output-variable", "base.position.*")
     assert done.returncode == 0, done.stderr
     first = out.read_text().splitlines()[1].split(",")
-    assert float(first[1]) == 2 and float(first[3]) > 0.1
+    # But for round-off: the solver's base stands in its centre of mass.
+    assert abs(float(first[1]) - 2) < 1e-14 and float(first[3]) > 0.1
 
 
 @pytest.mark.parametrize("arrays", ["vectors", "all", "none"])
