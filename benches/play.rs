@@ -19,7 +19,7 @@ use serde::{Deserialize, Serialize};
 use std::io::BufRead;
 use std::path::PathBuf;
 use std::sync::Arc;
-use urdf2fmu_core::model::{ActuatorId, ActuatorMode, Model};
+use urdf2fmu_core::model::{ActuatorId, ActuatorMode, Model, RootId};
 use urdf2fmu_core::settings::Settings;
 use urdf2fmu_core::simulation::{
     InputSlot, OutputSlot, ParameterSlot, Simulation, SimulationError,
@@ -153,7 +153,12 @@ impl Stage {
         } else {
             0
         };
+        let frame = self.simulation.tree().base_frame(RootId::ROBOT);
         for sample in &mut answer.samples {
+            if let Some(frame) = frame {
+                let origin = frame.position(sample);
+                sample[..3].copy_from_slice(origin.as_slice());
+            }
             let joints = self.coordinates.iter().map(|&c| sample[c]);
             *sample = sample[..base].iter().copied().chain(joints).collect();
         }

@@ -211,18 +211,6 @@ impl Inputs {
         }
     }
 
-    /// Velocity, position, effort and effort limit of actuator `a`, `t` seconds after the
-    /// communication point.
-    pub fn values(&self, a: usize, t: f64) -> [f64; 4] {
-        let command = self.command(a, t, 0.0);
-        [
-            command.velocity,
-            command.position,
-            command.effort,
-            command.max_effort,
-        ]
-    }
-
     /// Whether all inputs are finite `t` seconds after the communication point; start values may be
     /// infinite.
     pub fn is_finite_at(&self, t: f64) -> bool {

@@ -44,8 +44,7 @@ fn a2_the_centre_of_mass_falls_on_the_parabola_wherever_the_frame_is() {
         let mut s = start(b.model.clone(), tolerance);
         s.set_rules(rules);
         run(&mut s, 10.0, 0.01);
-        let place = [0, 1, 2].map(|i| s.output(OutputSlot::BasePosition(model::RootId::ROBOT, i)));
-        let com = vector(&place) + rotation(&s, 3) * X * 0.1;
+        let com = vector(&scenes::base_place(&mut s)) + rotation(&s, 3) * X * 0.1;
         let expected = X * 0.1 + omega.cross(&X) + Vec3::new(0.0, 0.0, -0.5 * G * 100.0);
         hold(
             "A2",

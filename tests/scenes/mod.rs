@@ -21,7 +21,7 @@ use crate::testing::{Builder, inertia};
 use std::cell::Cell;
 use std::sync::Arc;
 use urdf2fmu_core::geometry::Shape;
-use urdf2fmu_core::model::{ActuatorId, Ground, LinkId, Model};
+use urdf2fmu_core::model::{ActuatorId, Ground, LinkId, Model, RootId};
 use urdf2fmu_core::simulation::{InputSlot, OutputSlot, ParameterSlot, Simulation};
 use urdf2fmu_core::spatial::{Pose, RigidInertia, Vec3};
 use urdf2fmu_core::tuning::Rules;
@@ -260,6 +260,11 @@ pub fn last(
 /// All coordinates.
 pub fn coordinates(s: &Simulation) -> Vec<f64> {
     s.state().physical.q.clone()
+}
+
+/// Where the origin of the link of the robot's base is, m.
+pub fn base_place(s: &mut Simulation) -> [f64; 3] {
+    [0, 1, 2].map(|axis| s.output(OutputSlot::BasePosition(RootId::ROBOT, axis)))
 }
 
 /// A base that does not move and has no inertia: something to hang joints on.

@@ -1,10 +1,10 @@
 //! Cans, discs and coins that roll on their edge without slip.
 
 use super::truth::{Rolling, Rolls};
-use super::{H, Run, Scene, Solver, figure, idle, play, single};
+use super::{H, Run, Scene, Solver, base_place, figure, idle, play, single};
 use urdf2fmu_core::geometry::Shape;
-use urdf2fmu_core::model::{Model, RootId};
-use urdf2fmu_core::simulation::{OutputSlot, Simulation};
+use urdf2fmu_core::model::Model;
+use urdf2fmu_core::simulation::Simulation;
 use urdf2fmu_core::spatial::{Mat3, Vec3, rotation_from_quaternion, rpy_from_rotation};
 
 /// A body that starts as the exact motion does, sunk as deep as an edge sinks.
@@ -32,7 +32,7 @@ pub fn model(body: &Rolling, start: &Rolls, mu: f64) -> Model {
 
 /// The axis of the body, and where the origin of its link is.
 pub fn axis_and_centre(s: &mut Simulation) -> (Vec3, Vec3) {
-    let place = [0, 1, 2].map(|i| s.output(OutputSlot::BasePosition(RootId::ROBOT, i)));
+    let place = base_place(s);
     let q = &s.state().physical.q;
     let R = rotation_from_quaternion(&[q[3], q[4], q[5], q[6]]);
     (R.column(2).into(), Vec3::from(place))

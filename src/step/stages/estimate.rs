@@ -23,6 +23,11 @@ use crate::tuning::{ESTIMATE, START};
 /// what the velocities' estimate, filtered twice, is of it.
 const LEFT: f64 = (1.0 - 2.0 * GAMMA) / (ESTIMATE * (1.0 - GAMMA));
 
+/// What is of second order in three values, at the start and in both stages.
+fn difference([start, first, second]: [f64; 3]) -> f64 {
+    (1.0 - GAMMA) * start - first + GAMMA * second
+}
+
 impl Stages {
     /// Makes `self.aside` what acts at the start of the step of `h` seconds that has just been
     /// solved, with the commands and wrenches there: the first stage has those of its end.
@@ -61,14 +66,13 @@ impl Stages {
         let [first, second] = &self.solved;
         let [velocity, position] = &mut self.error;
         for i in 0..velocity.len() {
-            let (r0, r1, r2) = (
-                h * self.forces[i] / start,
-                first.change[i] / GAMMA,
-                second.change[i] / GAMMA,
-            );
-            velocity[i] = ESTIMATE * ((1.0 - GAMMA) * r0 - r1 + GAMMA * r2);
-            let (v0, v1, v2) = (from.v[i], first.v[i], second.v[i]);
-            position[i] = ESTIMATE * h * ((1.0 - GAMMA) * v0 - v1 + GAMMA * v2);
+            velocity[i] = ESTIMATE
+                * difference([
+                    h * self.forces[i] / start,
+                    first.change[i] / GAMMA,
+                    second.change[i] / GAMMA,
+                ]);
+            position[i] = ESTIMATE * h * difference([from.v[i], first.v[i], second.v[i]]);
         }
         // What the positions' error does to the forces of the second stage, times η.
         forward(tree, &kin.S, position, &mut self.way);
@@ -122,8 +126,8 @@ impl Stages {
         for term in &self.terms[0].joints {
             let (dof, time) = (term.dof, term.settling_time(from.v[term.dof]));
             if time > 0.0 {
-                let [v0, v1, v2] = [from.v[dof], first.v[dof], second.v[dof]];
-                let unfiltered = ESTIMATE * h * ((1.0 - GAMMA) * v0 - v1 + GAMMA * v2);
+                let all = [from.v[dof], first.v[dof], second.v[dof]];
+                let unfiltered = ESTIMATE * h * difference(all);
                 let stored = LEFT * time * velocity[dof].abs();
                 position[dof] = position[dof].abs() + stored.min(unfiltered.abs());
             }

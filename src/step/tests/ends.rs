@@ -60,6 +60,24 @@ fn sliding() -> [(&'static str, Shape, Vec3, f64); 5] {
     ]
 }
 
+/// Even terrain that ends at 1 m.
+fn even() -> [(&'static str, Shape); 2] {
+    let even = |_: f64, _: f64| 0.0;
+    [
+        ("mesh", mesh(&grid(2.0, 1, even))),
+        ("heights", field(2.0, 20, even)),
+    ]
+}
+
+/// A body of 1 kg without friction on terrain, at a place and an attitude, that goes along x.
+fn going((shape, surface): (&Shape, &Shape), [place, rpy]: [Vec3; 2], speed: f64) -> Model {
+    let mut one = body(1.0, shape.clone(), place);
+    one.links[0].friction = 0.0;
+    one.roots[0].rpy = rpy;
+    one.roots[0].linear_velocity = X * speed;
+    over(ground(surface.clone(), Vec3::zeros()), one)
+}
+
 /// Without friction a body goes on at its speed until its middle is over the end: nothing pushes it
 /// but upwards. The triangles let go of a corner where it had left them, and the edge took it up a
 /// millimetre later, where its rounding had left them, too: in between the front tipped by 0.1 mm,
@@ -68,21 +86,13 @@ fn sliding() -> [(&'static str, Shape, Vec3, f64); 5] {
 /// the end came in with twice their share, and a box at 3 m/s had 2.66 m/s left at 1e-5.
 #[test]
 fn what_slides_over_the_end_of_terrain_keeps_its_speed() {
-    let even = |_: f64, _: f64| 0.0;
-    let terrains = [
-        ("mesh", mesh(&grid(2.0, 1, even))),
-        ("heights", field(2.0, 20, even)),
-    ];
+    let terrains = even();
     for (name, shape, rpy, height) in sliding() {
         for (terrain, surface) in &terrains {
             for (speed, tolerance) in [0.5, 3.0].into_iter().flat_map(each_tolerance) {
                 let start_at = Vec3::new(0.8, 0.0, height - 5e-5);
-                let mut one = body(1.0, shape.clone(), start_at);
-                one.links[0].friction = 0.0;
-                one.roots[0].rpy = rpy;
-                one.roots[0].linear_velocity = Vec3::new(speed, 0.0, 0.0);
-                let terrain_model = ground(surface.clone(), Vec3::zeros());
-                let mut s = start(over(terrain_model, one), tolerance);
+                let model = going((&shape, surface), [start_at, rpy], speed);
+                let mut s = start(model, tolerance);
                 // Its middle is a centimetre before the end.
                 run(&mut s, 0.19 / speed, 1.0 / 240.0);
                 let x = s.state().physical.q[0];
@@ -104,11 +114,7 @@ fn each_tolerance(speed: f64) -> [(f64, f64); 3] {
 /// surface before the end and threw it up by 0.12 m/s in fixed steps.
 #[test]
 fn what_rolls_off_the_end_of_terrain_is_not_thrown_up() {
-    let even = |_: f64, _: f64| 0.0;
-    let terrains = [
-        ("mesh", mesh(&grid(2.0, 1, even))),
-        ("heights", field(2.0, 20, even)),
-    ];
+    let terrains = even();
     let lying = Vec3::new(FRAC_PI_2, 0.0, 0.0);
     let (radius, half_length) = (0.1, 0.15);
     let shapes = [
@@ -135,12 +141,7 @@ fn what_rolls_off_the_end_of_terrain_is_not_thrown_up() {
             for beside in [0.0, 0.03, 0.05] {
                 for tolerance in [0.0_f64, 1e-3, 1e-5] {
                     let start_at = Vec3::new(0.8, beside, radius - 5e-5);
-                    let mut one = body(1.0, shape.clone(), start_at);
-                    one.links[0].friction = 0.0;
-                    one.roots[0].rpy = rpy;
-                    one.roots[0].linear_velocity = Vec3::new(3.0, 0.0, 0.0);
-                    let terrain_model = ground(surface.clone(), Vec3::zeros());
-                    let mut model = over(terrain_model, one);
+                    let mut model = going((&shape, surface), [start_at, rpy], 3.0);
                     if tolerance == 0.0 {
                         model.solver.step_size = 1.0 / 240.0;
                     }

@@ -144,6 +144,27 @@ fn a_spinning_ball_slows_down_by_its_torsional_friction_alone() {
     }
 }
 
+/// By how much a body of 1 kg and 5e-3 kg·m² that turns on its face with 30 rad/s is braked from
+/// 0.1 s to `end`, rad/s².
+///
+/// - `half`: of its height, m
+fn braked((shape, half): (Shape, f64), mu: f64, mode: (f64, f64), end: f64) -> f64 {
+    let mut b = Builder::new(true, inertia(1.0, Vec3::zeros(), [2.5e-3, 2.5e-3, 5e-3]));
+    b.shape(0u32.into_link(), shape, Pose::IDENTITY);
+    b.model.roots[0].position.z = half - 0.5 * b.model.contact.penetration;
+    b.model.roots[0].angular_velocity.z = 30.0;
+    b.model.links[0].friction = mu;
+    b.model.world.ground = Some(crate::model::Ground {
+        friction: mu,
+        ..Default::default()
+    });
+    let mut s = started(b, mode);
+    run(&mut s, 0.1, 0.01);
+    let w = s.state().physical.v[2];
+    run(&mut s, end, 0.01);
+    (w - s.state().physical.v[2]) / (end - 0.1)
+}
+
 /// A body that turns on the spot is braked by `μ m g` times the mean distance of an even pressure:
 /// 0.5108 of the half diagonal of a plate of 5:1 (a sum over its area), and nearly ⅔ of the radius
 /// of a prism of 16 sides. Of both it was 0.55 of that of the corners, 8 % more and 16 % less.
@@ -162,20 +183,7 @@ fn what_turns_on_the_spot_is_braked_by_an_even_pressure() {
         (Shape::Hull { vertices }, 0.6581 * RADIUS, 1e-3),
     ] {
         for mode in MODES {
-            let mut b = Builder::new(true, inertia(1.0, Vec3::zeros(), [2.5e-3, 2.5e-3, 5e-3]));
-            b.shape(0u32.into_link(), shape.clone(), Pose::IDENTITY);
-            b.model.roots[0].position.z = half.z - 0.5 * b.model.contact.penetration;
-            b.model.roots[0].angular_velocity.z = 30.0;
-            b.model.links[0].friction = mu;
-            b.model.world.ground = Some(crate::model::Ground {
-                friction: mu,
-                ..Default::default()
-            });
-            let mut s = started(b, mode);
-            run(&mut s, 0.1, 0.01);
-            let w = s.state().physical.v[2];
-            run(&mut s, 0.4, 0.01);
-            let found = (w - s.state().physical.v[2]) / 0.3;
+            let found = braked((shape.clone(), half.z), mu, mode, 0.4);
             let expected = mu * G * lever / 5e-3;
             let error = (found - expected).abs() / expected;
             assert!(error < most, "{mode:?}: {found} {expected}");
@@ -189,24 +197,11 @@ fn what_turns_on_the_spot_is_braked_by_an_even_pressure() {
 fn a_spinning_disc_slows_down_by_friction_over_its_face() {
     let mu = 0.3;
     for mode in MODES {
-        let mut b = Builder::new(true, inertia(1.0, Vec3::zeros(), [2.5e-3, 2.5e-3, 5e-3]));
         let shape = Shape::Cylinder {
             radius: RADIUS,
             half_length: 5e-3,
         };
-        b.shape(0u32.into_link(), shape, Pose::IDENTITY);
-        b.model.roots[0].position.z = 5e-3 - 0.5 * b.model.contact.penetration;
-        b.model.roots[0].angular_velocity.z = 30.0;
-        b.model.links[0].friction = mu;
-        b.model.world.ground = Some(crate::model::Ground {
-            friction: mu,
-            ..Default::default()
-        });
-        let mut s = started(b, mode);
-        run(&mut s, 0.1, 0.01);
-        let w = s.state().physical.v[2];
-        run(&mut s, 0.5, 0.01);
-        let found = (w - s.state().physical.v[2]) / 0.4;
+        let found = braked((shape, 5e-3), mu, mode, 0.5);
         let expected = 4.0 / 3.0 * mu * G / RADIUS;
         let error = (found - expected).abs() / expected;
         assert!(error < 1e-3, "{mode:?}: {found} {expected}");

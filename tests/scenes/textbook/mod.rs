@@ -8,10 +8,10 @@ mod sliding;
 pub mod tops;
 mod vehicles;
 
-use super::{BASE, Run, Scene, Solver, figure, idle, play};
+use super::{BASE, Run, Scene, Solver, base_place, figure, idle, play};
 use crate::testing::Builder;
-use urdf2fmu_core::model::{ActuatorId, ActuatorMode, LinkId, Model, RootId};
-use urdf2fmu_core::simulation::{InputSlot, OutputSlot, Simulation};
+use urdf2fmu_core::model::{ActuatorId, ActuatorMode, LinkId, Model};
+use urdf2fmu_core::simulation::{InputSlot, Simulation};
 
 /// All of them.
 pub fn all() -> Vec<Scene> {
@@ -122,11 +122,6 @@ fn at_places<const N: usize>(places: [usize; N]) -> impl Fn(&mut Simulation) -> 
         };
         places.map(of).to_vec()
     }
-}
-
-/// Where the origin of a floating base's link is, m.
-fn base_place(s: &mut Simulation) -> [f64; 3] {
-    [0, 1, 2].map(|axis| s.output(OutputSlot::BasePosition(RootId::ROBOT, axis)))
 }
 
 /// A motor of this mode on the joint of a link.
