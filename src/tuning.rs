@@ -225,7 +225,7 @@ pub const REST_SPEED: f64 = 1e-7;
 pub const LAG_SHARE: f64 = 0.02;
 /// How often a solve takes its friction cones from its own normal forces, and its direction
 /// foresees them, at most, beside the times that halve what they lag behind: then they are
-/// constant, so that it converges. At 2 fails
+/// constant, so that it converges. At 1 fails
 /// `d5_axles_that_work_against_each_other_agree_with_short_steps`.
 pub const MAX_CARRIES: usize = 3;
 
