@@ -191,7 +191,7 @@ fn sweep() -> String {
 /// A rule of the method, and what switches it off.
 type Rule = (&'static str, fn(&mut Rules));
 
-const RULES: [Rule; 13] = [
+const RULES: [Rule; 14] = [
     ("rest", |rules| rules.rest = false),
     ("momentum", |rules| rules.momentum = false),
     ("explicit", |rules| rules.explicit = false),
@@ -203,6 +203,7 @@ const RULES: [Rule; 13] = [
     ("floor", |rules| rules.floor = false),
     ("energy", |rules| rules.energy = false),
     ("secants", |rules| rules.secants = false),
+    ("first_stage", |rules| rules.first_stage = false),
     ("parts", |rules| rules.parts = false),
     ("islands", |rules| rules.islands = false),
 ];

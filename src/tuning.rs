@@ -45,6 +45,9 @@ pub struct Rules {
     /// A step that makes some energy is solved again with contacts that agree with their depths at
     /// its ends. Without it fails `d8_a_passive_robot_never_gains_energy`.
     pub secants: bool,
+    /// A step that fails ends with its first stage, where that alone is good. Without it fails
+    /// `a_limb_that_comes_to_its_limit_takes_few_steps`.
+    pub first_stage: bool,
     /// Fixed steps are taken in parts where something turns far in one. Without it fails
     /// `fixed_steps_are_split_for_fast_limbs_but_not_for_wheels`.
     pub parts: bool,
@@ -67,6 +70,7 @@ impl Rules {
         floor: true,
         energy: true,
         secants: true,
+        first_stage: true,
         parts: true,
         islands: true,
     };

@@ -2,7 +2,7 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
-use super::contact::{Contact, Response};
+use super::contact::{Contact, Response, normal_part};
 use super::detect::detect;
 use super::drive::Drive;
 use super::gather::ContactSet;
@@ -375,6 +375,45 @@ impl Terms {
         self.joints.extend_from_slice(&base.joints);
         for term in &mut self.joints {
             term.shift(moved(term.dof));
+        }
+    }
+
+    /// Moves what elasto-plastic elements have stored by a displacement that no stage has gone: an
+    /// error of positions stretches them as it stretches springs.
+    ///
+    /// - `way`, `moved`: see [`Self::begin`]
+    pub fn strain(&mut self, way: &[Vec6], moved: &[f64]) {
+        for contact in &mut self.contacts.list {
+            contact.friction.displacement += contact.sliding(way);
+        }
+        for turn in &mut self.turns {
+            let (torsion, roll) = normal_part(&turn.normal, &turn.relative(way));
+            turn.torsional.displacement += torsion;
+            turn.rolling.displacement += roll;
+        }
+        for term in &mut self.joints {
+            let moved = moved[term.dof];
+            if let Drive::Velocity { element, .. } = &mut term.drive {
+                element.displacement += moved;
+            }
+            term.dry.displacement += moved;
+        }
+    }
+
+    /// Makes what meets in a step of `h` seconds press from its start on, as deep as at its end.
+    pub fn press(&mut self, solved: &Solved, h: f64) {
+        let ContactSet { list, points, .. } = &mut self.contacts;
+        for (contact, response) in list.iter_mut().zip(&solved.responses.contacts) {
+            let deeper = response.depth - contact.depth;
+            if response.presses() && deeper > 0.0 {
+                contact.sink(points, deeper / contact.weights);
+            }
+        }
+        for term in &mut self.joints {
+            let nearer = h * solved.v[term.dof];
+            for (gap, nearer) in term.gap.iter_mut().zip([nearer, -nearer]) {
+                *gap += nearer.min(0.0);
+            }
         }
     }
 

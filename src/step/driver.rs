@@ -11,6 +11,7 @@ use crate::state::State;
 use crate::step::attempt::Attempt;
 use crate::step::caps;
 use crate::step::closing::Closing;
+use crate::step::ends::By;
 use crate::step::explicit::{self, Explicit};
 use crate::step::fixed::{self, Fixed, Methods, Outcome, Part};
 use crate::step::flight::Flight;
@@ -276,10 +277,14 @@ impl Stepper {
                 self.implicit
                     .solve_alone(ctx, (here, from), trend, [h, accuracy])
             };
-            if error <= 1.0 {
-                error = self.complete(ctx, state, staged, ([h, accuracy], error));
-            }
+            let mut by = if staged { By::Stages } else { By::OneSolve };
             let beyond = h > remaining;
+            let mut first = None;
+            if error <= 1.0 {
+                error = self.complete(ctx, state, by, ([h, accuracy], error));
+            } else if staged && !beyond {
+                first = self.end_first(ctx, state, [h, accuracy]);
+            }
             if beyond && !staged {
                 // No polynomial leads there.
                 h = remaining;
@@ -297,8 +302,14 @@ impl Stepper {
                     continue;
                 }
             }
-            let factor = implicit_factor([h, error], before.replace([h, error]));
-            let next = grown(way.proposed, h, factor);
+            let mut factor = implicit_factor([h, error], before.replace([h, error]));
+            let mut next = grown(way.proposed, h, factor);
+            if let Some(found) = first {
+                by = By::FirstStage;
+                (h, error) = (by.length(h), found);
+                factor = implicit_factor([h, error], None);
+                next = next.max(h * factor);
+            }
             let tried = Tried {
                 h,
                 error,
@@ -324,7 +335,8 @@ impl Stepper {
                     let error = self.implicit.solve_alone(ctx, start, trend, [h, accuracy]);
                     error.is_finite()
                 };
-                self.finish(ctx, state, staged && !alone, h);
+                by = if alone { By::OneSolve } else { by };
+                self.finish(ctx, state, by, h);
                 self.there.pose(ctx, &self.attempt.end);
             }
             way.standing = Standing::Posed;

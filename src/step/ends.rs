@@ -4,8 +4,30 @@ use crate::state::State;
 use crate::step::driver::{Stepper, Stop};
 use crate::step::guards;
 use crate::step::point::Context;
-use crate::step::stages::secants::Ending;
+use crate::step::stages::{self, secants::Ending};
 use crate::tuning::{CONTROLLED_GAIN, HIT};
+
+/// What a step is taken by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum By {
+    /// Both stages.
+    Stages,
+    /// The first of them, where it ends.
+    FirstStage,
+    /// One solve over all of it.
+    OneSolve,
+}
+
+impl By {
+    /// Length of the step, s, of one of `h` seconds that has been solved.
+    pub(super) fn length(self, h: f64) -> f64 {
+        if self == Self::FirstStage {
+            stages::GAMMA * h
+        } else {
+            h
+        }
+    }
+}
 
 impl Stepper {
     /// Enters a try, and refuses it where there have been too many.
@@ -28,20 +50,20 @@ impl Stepper {
         moved / ctx.tolerance
     }
 
-    /// Puts the step of `h` seconds that has been solved, in two stages or alone, into
-    /// `self.attempt`; returns what closing its loops adds to its error.
-    pub(super) fn finish(&mut self, ctx: &Context, state: &State, staged: bool, h: f64) -> f64 {
+    /// Puts the step of `h` seconds that has been solved, as `by` says, into `self.attempt`;
+    /// returns what closing its loops adds to its error.
+    pub(super) fn finish(&mut self, ctx: &Context, state: &State, by: By, h: f64) -> f64 {
         self.attempt.begin(state);
         let (from, attempt) = (&state.physical, &mut self.attempt);
-        if staged {
-            self.stages.finish(ctx, (&self.here, from), h, attempt);
-        } else {
-            self.implicit.take_full(ctx, &self.here, from, h, attempt);
+        match by {
+            By::Stages => self.stages.finish(ctx, (&self.here, from), h, attempt),
+            By::FirstStage => self.stages.finish_first(ctx, from, h, attempt),
+            By::OneSolve => self.implicit.take_full(ctx, &self.here, from, h, attempt),
         }
-        self.close(ctx, h)
+        self.close(ctx, by.length(h))
     }
 
-    /// Puts a step that has been solved, in two stages or alone, into `self.attempt`; returns its
+    /// Puts a step that has been solved, as `by` says, into `self.attempt`; returns its
     /// error with that of its end: what closing its loops moves, energy out of nothing, and shapes
     /// that have met unnoticed.
     ///
@@ -51,13 +73,13 @@ impl Stepper {
         &mut self,
         ctx: &Context,
         state: &State,
-        staged: bool,
+        by: By,
         ([h, accuracy], mut error): ([f64; 2], f64),
     ) -> f64 {
         let from = &state.physical;
         let allowed = CONTROLLED_GAIN * ctx.tolerance;
         let books = guards::open_books(ctx, &self.here, from, allowed);
-        let gain = if staged {
+        let gain = if by == By::Stages {
             let Self {
                 here,
                 there,
@@ -85,19 +107,44 @@ impl Stepper {
             error = error.max(ended.added);
             ended.gain
         } else {
-            error = error.max(self.finish(ctx, state, false, h));
-            let parts = (&self.here.terms, &self.implicit.full);
-            let work = guards::work(ctx, &self.here.kin, parts, [h, ctx.elapsed]);
+            error = error.max(self.finish(ctx, state, by, h));
+            let work = if by == By::FirstStage {
+                self.stages.first_work(ctx, h)
+            } else {
+                let parts = (&self.here.terms, &self.implicit.full);
+                guards::work(ctx, &self.here.kin, parts, [h, ctx.elapsed])
+            };
             let (points, end) = ((&self.here, &mut self.there), &self.attempt.end);
             guards::gain(ctx, &books, points, end, work)
         };
         if gain.is_nan() {
             return f64::INFINITY;
         }
-        if guards::has_missed(ctx, (&self.here, &mut self.there), h) {
+        if guards::has_missed(ctx, (&self.here, &mut self.there), by.length(h)) {
             error = error.max(HIT);
         }
         error.max(gain)
+    }
+
+    /// Ends a step of `h` seconds whose two stages err by too much with the first of them, and puts
+    /// that into `self.attempt`; returns its error if that is good. The second stage throws back
+    /// what has met something in the first: its spring does not pull.
+    ///
+    /// - `accuracy`: of its solves
+    pub(super) fn end_first(
+        &mut self,
+        ctx: &Context,
+        state: &State,
+        [h, accuracy]: [f64; 2],
+    ) -> Option<f64> {
+        if !ctx.rules.first_stage {
+            return None;
+        }
+        let mut error = self.stages.first_error(ctx, &state.physical, h);
+        if error <= 1.0 {
+            error = self.complete(ctx, state, By::FirstStage, ([h, accuracy], error));
+        }
+        (error <= 1.0).then_some(error)
     }
 
     /// Puts the explicit step of `h` seconds that has been tried into `self.attempt`, closes its

@@ -36,13 +36,17 @@
 //! A guess is what the last step has done: a stage changes the velocity by as much as the same
 //! stage of the last step. So a motor that gets a new command at each step finds its transient.
 //!
-//! What it errs by is in [`estimate`].
+//! What it errs by is in [`estimate`]. Where that is too much, the first stage alone may be good:
+//! it is an implicit Euler step of `γ h`. A limb that comes to its limit rests there at its end; the
+//! second stage begins from where the first one leads by `1 + √2` of its change, a rebound, and a
+//! limit does not pull.
 //!
 //! Source: Alexander 1977.
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
 mod estimate;
+mod finish;
 mod regimes;
 pub(super) mod secants;
 
@@ -53,11 +57,10 @@ use crate::kinematics::{advance, forward};
 use crate::model::Model;
 use crate::spatial::Vec6;
 use crate::state::{Physical, Trend};
-use crate::step::attempt::{Attempt, mean_acceleration};
+use crate::step::attempt::mean_acceleration;
 use crate::step::convex::{Newton, Problem, Run};
 use crate::step::point::{Context, Point};
 use crate::step::size::{fastest_within, worst_error};
-use crate::step::{coast, guards};
 use crate::tree::Tree;
 use crate::tuning::{
     BOUNCE_SHARE, CONTACT_STEP, FIXED_ACCURACY, LAG_SHARE, MAX_CARRIES, MISPLACED, VELOCITY_WEIGHT,
@@ -65,7 +68,7 @@ use crate::tuning::{
 use std::f64::consts::SQRT_2;
 
 /// `γ`.
-const GAMMA: f64 = 1.0 - 0.5 * SQRT_2;
+pub(super) const GAMMA: f64 = 1.0 - 0.5 * SQRT_2;
 
 /// Time of each stage from the middle, in halves of the step.
 const DRIFT: [f64; 2] = [2.0 * GAMMA - 1.0, 1.0];
@@ -101,7 +104,9 @@ pub(super) struct Stages {
     guess: Vec<f64>,
     /// What terms remember after the first stage.
     memory: Memory,
-    /// Scratch of the estimate: forces at the start, errors of velocities and positions.
+    /// Forces at the start, N or N·m.
+    start: Vec<f64>,
+    /// Scratch of the estimate: forces, errors of velocities and positions.
     forces: Vec<f64>,
     error: [Vec<f64>; 2],
     probe: Newton,
@@ -117,7 +122,7 @@ pub(super) struct Stages {
 
 #[cfg(test)]
 crate::spoil::spoil!(
-    Stages: middle terms aside solved trend q v moved way from guess memory forces error probe loops lag secants iterations;
+    Stages: middle terms aside solved trend q v moved way from guess memory start forces error probe loops lag secants iterations;
 );
 
 impl Stages {
@@ -139,6 +144,7 @@ impl Stages {
             from: vec![0.0; nv],
             guess: vec![0.0; nv],
             memory: Memory::new(model),
+            start: vec![0.0; nv],
             forces: vec![0.0; nv],
             error: [vec![0.0; nv], vec![0.0; nv]],
             probe: newton(),
@@ -445,50 +451,5 @@ impl Stages {
     /// What friction cones still lag behind, as an error relative to the tolerance.
     pub fn lag(&self) -> f64 {
         self.lag[0].max(self.lag[1])
-    }
-
-    /// Work of motors and external wrenches over the step of `h` seconds, J.
-    pub fn work(&self, ctx: &Context, h: f64) -> f64 {
-        let eta = GAMMA * h;
-        let mut work = 0.0;
-        for ((terms, solved), [share, end]) in self
-            .terms
-            .iter()
-            .zip(&self.solved)
-            .zip([[(1.0 - GAMMA) * h, eta], [eta, h]])
-        {
-            let (parts, when) = ((terms, solved), ctx.elapsed + end);
-            work += share / eta * guards::work(ctx, &self.middle.kin, parts, [eta, when]);
-        }
-        work
-    }
-
-    /// Puts the result of the step of `h` seconds into `attempt`.
-    pub fn finish(
-        &mut self,
-        ctx: &Context,
-        (here, from): (&Point, &Physical),
-        h: f64,
-        attempt: &mut Attempt,
-    ) {
-        let eta = GAMMA * h;
-        let [first, second] = &self.solved;
-        let [before, terms] = &self.terms;
-        ctx.tree.copy_velocities(&second.v, &mut attempt.end.v);
-        terms.remember(&second.solved(), eta, &mut attempt.end.memory);
-        for (moved, (v1, v2)) in self.moved.iter_mut().zip(first.v.iter().zip(&second.v)) {
-            *moved = (1.0 - GAMMA) * v1 + GAMMA * v2;
-        }
-        advance(ctx.tree, &from.q, &self.moved, h, &mut attempt.end.q);
-        let step = coast::Step {
-            from,
-            h,
-            terms: &self.terms,
-            solved: &self.solved,
-        };
-        coast::go_on(ctx, &here.kin, step, &mut attempt.end);
-        attempt.add_impulses(before, first, [eta, 1.0 + SQRT_2]);
-        attempt.add_impulses(terms, second, [eta, 1.0]);
-        attempt.end_trend(ctx.tree, &from.v, h, (&first.v, eta));
     }
 }

@@ -10,14 +10,15 @@
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
 use super::{DRIFT, GAMMA, Stages, early};
-use crate::force::JointTerm;
+use crate::force::{JointTerm, Terms};
 use crate::joint::Sweep;
 use crate::kinematics::forward;
 use crate::state::Physical;
 use crate::step::convex::Problem;
 use crate::step::point::Context;
 use crate::step::size::{fastest_within, worst_error};
-use crate::tuning::{ESTIMATE, START};
+use crate::tree::Tree;
+use crate::tuning::{ESTIMATE, START, VELOCITY_WEIGHT};
 
 /// What two stages leave of a transient with the rate `λ`, `(1 − 2γ)/(γ² h λ)` of it, as a share of
 /// what the velocities' estimate, filtered twice, is of it.
@@ -44,43 +45,134 @@ impl Stages {
 
     /// Error of the step of `h` seconds that has just been solved, relative to the tolerance.
     pub fn error(&mut self, ctx: &Context, from: &Physical, h: f64) -> f64 {
-        let (tree, eta) = (ctx.tree, GAMMA * h);
         self.terms[0].scale_drift(-1.0 / DRIFT[0]);
-        let varies = ctx.inputs.varies();
-        if varies {
-            self.stand_at_start(ctx, from, h);
-        }
-        // Forces at the start, as the limit of a short step.
-        let start = START * h;
-        let terms = if varies { &self.aside } else { &self.terms[0] };
-        self.probe.forces_at(
-            &Problem::new((tree, &self.middle.kin), terms, start, 0.0),
-            &from.v,
-            &mut self.forces,
-        );
+        self.find_start(ctx, from, h, false);
         // That of the second stage again.
         self.follow_wrenches(ctx, h);
-        let pattern = &tree.sparsity;
-        let kin = &self.middle.kin;
-        let problem = |terms, h| Problem::new((tree, kin), terms, h, 0.0);
         let [first, second] = &self.solved;
         let [velocity, position] = &mut self.error;
         for i in 0..velocity.len() {
             velocity[i] = ESTIMATE
                 * difference([
-                    h * self.forces[i] / start,
+                    h * self.start[i],
                     first.change[i] / GAMMA,
                     second.change[i] / GAMMA,
                 ]);
             position[i] = ESTIMATE * h * difference([from.v[i], first.v[i], second.v[i]]);
         }
-        // What the positions' error does to the forces of the second stage, times η.
+        self.filter(ctx, (1, GAMMA * h), h);
+        let [first, second] = &self.solved;
+        let all = |dof: usize| [from.v[dof], first.v[dof], second.v[dof]];
+        let unfiltered = |dof| ESTIMATE * h * difference(all(dof));
+        let error = &mut self.error;
+        add_yielding(&self.terms[0], from, LEFT, unfiltered, error);
+        add_turning(ctx.tree, [&from.v, &second.v], [h, 0.0], error);
+        self.worst(ctx, h).max(self.lag())
+    }
+
+    /// Error of the first stage of the step of `h` seconds of which [`Self::error`] has just been
+    /// found, if the step ends there: implicit Euler, off by half of the change of force and of
+    /// velocity, where what dies within the stage is no error. Where something meets, all of its
+    /// velocity dies; what the law gives back of it is an error.
+    pub fn first_error(&mut self, ctx: &Context, from: &Physical, h: f64) -> f64 {
+        let eta = GAMMA * h;
+        self.find_start(ctx, from, h, true);
+        // That of the stage again.
+        self.terms[0].scale_drift(-DRIFT[0]);
+        self.follow_wrenches(ctx, eta);
+        let first = &self.solved[0];
+        let [velocity, position] = &mut self.error;
+        for i in 0..velocity.len() {
+            velocity[i] = 0.5 * (eta * self.start[i] - first.change[i]);
+            position[i] = 0.5 * eta * (from.v[i] - first.v[i]);
+        }
+        self.filter(ctx, (0, eta), eta);
+        let first = &self.solved[0];
+        let unfiltered = |dof: usize| 0.5 * eta * (from.v[dof] - first.v[dof]);
+        let error = &mut self.error;
+        add_yielding(&self.terms[0], from, 2.0, unfiltered, error);
+        // Its place is the middle of the whole step.
+        let ahead = 0.5 / GAMMA - 0.5;
+        add_turning(ctx.tree, [&from.v, &first.v], [eta, ahead], error);
+        let bounced = VELOCITY_WEIGHT * self.bounced(ctx.tree, from, eta) / ctx.tolerance;
+        self.worst(ctx, eta).max(self.lag[0]).max(bounced)
+    }
+
+    /// The largest velocity, weighted, that the law may give back of an impact in the first stage,
+    /// m/s: what meets with `u` leaves with less than `u` and than `1/d` of the dissipation `d`.
+    fn bounced(&mut self, tree: &Tree, from: &Physical, eta: f64) -> f64 {
+        let (kin, terms, first) = (&self.middle.kin, &self.terms[0], &self.solved[0]);
+        forward(tree, &kin.S, &from.v, &mut self.way);
+        let back = |speed: f64, dissipation: f64| speed.min(1.0 / dissipation);
+        let mut most: f64 = 0.0;
+        for (contact, response) in terms.contacts.iter().zip(&first.responses.contacts) {
+            if response.presses() {
+                let speed = -contact.normal_velocity(&terms.contacts.points, &self.way);
+                most = most.max(back(speed, contact.dissipation[1]));
+            }
+        }
+        for term in &terms.joints {
+            let (dof, acts) = (term.dof, term.at_limits(first.v[term.dof], eta));
+            for (acts, sign) in acts.into_iter().zip([-1.0, 1.0]) {
+                if acts {
+                    let speed = back(sign * from.v[dof], term.limit.dissipation);
+                    most = most.max(tree.dofs.weight[dof] * speed);
+                }
+            }
+        }
+        most
+    }
+
+    /// Finds the forces at the start of the step of `h` seconds, as the limit of a short step. The
+    /// drift is that of the start.
+    ///
+    /// - `pressed`: whether what presses at the end of the first stage does so here, too
+    fn find_start(&mut self, ctx: &Context, from: &Physical, h: f64, pressed: bool) {
+        let varies = ctx.inputs.varies();
+        if varies {
+            self.stand_at_start(ctx, from, h);
+        } else if pressed {
+            self.way.fill([0.0; 6]);
+            self.guess.fill(0.0);
+            let nowhere = (&*self.way, &*self.guess, 0.0);
+            self.aside.begin(&self.terms[0], nowhere, None);
+        }
+        if pressed {
+            self.aside.press(&self.solved[0].solved(), GAMMA * h);
+        }
+        let start = START * h;
+        let terms = if varies || pressed {
+            &self.aside
+        } else {
+            &self.terms[0]
+        };
+        let problem = Problem::new((ctx.tree, &self.middle.kin), terms, start, 0.0);
+        self.probe.forces_at(&problem, &from.v, &mut self.start);
+        for force in &mut self.start {
+            *force /= start;
+        }
+    }
+
+    /// Filters errors of momentum and of positions, `self.error`, by the matrix of a stage of `eta`
+    /// seconds.
+    ///
+    /// - `h`: length of the step, s
+    fn filter(&mut self, ctx: &Context, (stage, eta): (usize, f64), h: f64) {
+        let tree = ctx.tree;
+        let (kin, terms, solved) = (
+            &self.middle.kin,
+            &self.terms[stage],
+            &mut self.solved[stage],
+        );
+        let problem = |terms| Problem::new((tree, kin), terms, eta, 0.0);
+        let [velocity, position] = &mut self.error;
+        // What the positions' error does to the forces of the stage, times η.
         forward(tree, &kin.S, position, &mut self.way);
-        self.aside
-            .begin(&self.terms[1], (&self.way, position, 0.0), None);
+        self.aside.begin(terms, (&self.way, position, 0.0), None);
+        self.aside.strain(&self.way, position);
         self.probe
-            .forces_at(&problem(&self.aside, eta), &second.v, &mut self.forces);
-        second.forces_found(&mut self.guess);
+            .forces_at(&problem(&self.aside), &solved.v, &mut self.forces);
+        solved.forces_found(&mut self.guess);
         for (velocity, (moved, here)) in
             velocity.iter_mut().zip(self.forces.iter().zip(&self.guess))
         {
@@ -88,20 +180,20 @@ impl Stages {
         }
         // Friction that falls with the speed is, in the mean of the step, late by half of what it
         // changes by.
-        let late = |term: &JointTerm| 0.5 * h * term.late_friction(tree, second.v[term.dof], eta);
+        let late = |term: &JointTerm| 0.5 * h * term.late_friction(tree, solved.v[term.dof], eta);
         self.forces.fill(0.0);
-        for term in &self.terms[1].joints {
+        for term in &terms.joints {
             self.forces[term.dof] = late(term);
         }
         let is_late = self.forces.iter().any(|late| *late != 0.0);
-        let factor = self.solved[1].factor(&problem(&self.terms[1], eta));
+        let factor = solved.factor(&problem(terms));
         let rows = (tree, &kin.loops);
         factor.solve(rows, velocity, &mut self.loops);
         for (position, velocity) in position.iter_mut().zip(&*velocity) {
             *position += eta * velocity;
         }
         // Velocities once more: what dies within the step is no error of it.
-        pattern.multiply(&kin.M, velocity, &mut self.guess);
+        tree.sparsity.multiply(&kin.M, velocity, &mut self.guess);
         velocity.copy_from_slice(&self.guess);
         factor.solve(rows, velocity, &mut self.loops);
         if is_late {
@@ -110,47 +202,60 @@ impl Stages {
                 *velocity = velocity.abs() + late.abs();
             }
         }
-        self.add_yielding(from, h);
-        self.add_turning(ctx, from, h);
-        let [velocity, position] = &self.error;
-        let worst = worst_error(tree, h, |k| (position[k], velocity[k])) / ctx.tolerance;
-        worst.max(self.lag())
     }
 
-    /// Adds to the errors of positions what motors that yield where the step of `h` seconds begins
-    /// make of errors of velocities: their displacement follows at once what is left of a
-    /// transient. Positions are off by no more than they would be if nothing were filtered.
-    fn add_yielding(&mut self, from: &Physical, h: f64) {
-        let [first, second] = &self.solved;
-        let [velocity, position] = &mut self.error;
-        for term in &self.terms[0].joints {
-            let (dof, time) = (term.dof, term.settling_time(from.v[term.dof]));
-            if time > 0.0 {
-                let all = [from.v[dof], first.v[dof], second.v[dof]];
-                let unfiltered = ESTIMATE * h * difference(all);
-                let stored = LEFT * time * velocity[dof].abs();
-                position[dof] = position[dof].abs() + stored.min(unfiltered.abs());
-            }
+    /// The largest of `self.error` of a step of `h` seconds, relative to the tolerance.
+    fn worst(&self, ctx: &Context, h: f64) -> f64 {
+        let [velocity, position] = &self.error;
+        worst_error(ctx.tree, h, |k| (position[k], velocity[k])) / ctx.tolerance
+    }
+}
+
+/// Adds to the errors of positions what motors that yield where a step begins make of errors of
+/// velocities: their displacement follows at once what is left of a transient. Positions are off by
+/// no more than they would be if nothing were filtered.
+///
+/// - `left`: what is left, as a share of the velocity's error
+/// - `unfiltered`: error of the position of a degree of freedom, rad or m
+fn add_yielding(
+    terms: &Terms,
+    from: &Physical,
+    left: f64,
+    unfiltered: impl Fn(usize) -> f64,
+    [velocity, position]: &mut [Vec<f64>; 2],
+) {
+    for term in &terms.joints {
+        let (dof, time) = (term.dof, term.settling_time(from.v[term.dof]));
+        if time > 0.0 {
+            let stored = left * time * velocity[dof].abs();
+            position[dof] = position[dof].abs() + stored.min(unfiltered(dof).abs());
         }
     }
+}
 
-    /// Adds to the errors what one place for the whole step leaves where something turns, which the
-    /// stages do not see. What changes by `dv` in a step that turns by `θ` turns with it: by
-    /// quadrature over the step, the midpoint rule errs by `θ² dv/24`, and positions by `θ h dv/12`
-    /// along what turns.
-    fn add_turning(&mut self, ctx: &Context, from: &Physical, h: f64) {
-        let tree = ctx.tree;
-        let end = &self.solved[1].v;
-        let theta = h * fastest_within(tree, [&from.v, end]);
-        let [velocity, position] = &mut self.error;
-        for (_, body) in tree.worked_bodies() {
-            for column in 0..body.columns {
-                let i = tree.dof[body.column + column];
-                let change = (end[i] - from.v[i]).abs();
-                velocity[i] = velocity[i].abs().max(theta * theta * change / 24.0);
-                if !matches!(body.kind.sweep(column), Sweep::Along) {
-                    position[i] = position[i].abs().max(theta * h * change / 12.0);
-                }
+/// Adds to the errors what one place for a whole step of `h` seconds leaves where something turns,
+/// which the stages do not see. What changes by `dv` in a step that turns by `θ` turns with it: by
+/// quadrature over the step, the midpoint rule errs by `θ² dv/24`, and positions by `θ h dv/12`
+/// along what turns. A place that is `a` steps ahead of the middle errs by `a θ dv` besides.
+///
+/// - `from`, `end`: velocities at its ends
+/// - `ahead`: `a`
+fn add_turning(
+    tree: &Tree,
+    [from, end]: [&[f64]; 2],
+    [h, ahead]: [f64; 2],
+    [velocity, position]: &mut [Vec<f64>; 2],
+) {
+    let theta = h * fastest_within(tree, [from, end]);
+    for (_, body) in tree.worked_bodies() {
+        for column in 0..body.columns {
+            let i = tree.dof[body.column + column];
+            let change = (end[i] - from[i]).abs();
+            let off = ahead * theta * change;
+            velocity[i] = velocity[i].abs().max(theta * theta * change / 24.0 + off);
+            if !matches!(body.kind.sweep(column), Sweep::Along) {
+                let off = theta * h * change / 12.0 + 0.5 * h * off;
+                position[i] = position[i].abs().max(off);
             }
         }
     }
