@@ -410,6 +410,12 @@ pub const EMERGENCE: f64 = 0.7;
 /// moment that jumps. With the centre of mass four radii high it tips at 0.995 of the force of a
 /// flat one. At 1 fails `a_can_that_was_nudged_comes_to_rest`.
 pub const CROWN: f64 = 5e-5;
+/// Square of the sine of the angle between the face below a standing cylinder and the normal of
+/// their contact from which on the lowest place of a rim is that along the normal; where both
+/// agree it is that against the face. At 0.01 fails
+/// `depths_change_no_faster_than_shapes_move`, at 0
+/// `cans_that_stand_on_each_other_askew_come_to_rest`.
+pub const FACED: f64 = 1e-4;
 /// Mean distance of a load from its middle where it presses evenly on a line, as a share of that of
 /// its ends. At 3 fails `what_turns_on_the_spot_is_braked_by_an_even_pressure`.
 pub const EVEN_LINE: f64 = 0.5;

@@ -207,18 +207,16 @@ impl Meeting {
         points: &mut Points,
     ) {
         let n = apart.normal;
-        let (mut cut_a, mut cut_b, mut taken) = (0.0, 0.0, 0.0);
+        let (mut cut_a, mut cut_b, mut all) = (0.0, 0.0, Cover::default());
         if ra.flat && rb.flat {
             // How much of each end the other cuts off: once from each side, with what each would
             // cover of the plane of the other.
             let back = self.cover((b, a), (&-n, limits), points);
             points.scale(0, 0.0);
-            let all = self.cover((a, b), (&n, limits), points);
+            all = self.cover((a, b), (&n, limits), points);
             (cut_a, cut_b) = (cut_off(a, &n, &all), cut_off(b, &n, &back));
-            let share = all.part * cut_a * cut_b;
-            points.scale(0, per(share, all.weight));
-            taken += share;
         }
+        let ends = points.count();
         let mut lie = |(p, round): (&Placed, &Round), q: &Placed, n: &Vec3, side, cut: f64| {
             let first = points.count();
             let (part, weight, _) = self.line((p, round), q, (n, limits, side), points);
@@ -226,12 +224,18 @@ impl Meeting {
             points.scale(first, per(share, weight));
             share
         };
+        let (mut line_a, mut line_b) = (0.0, 0.0);
         if rb.flat {
-            taken += lie((a, ra), b, &n, Side::First, cut_a);
+            line_a = lie((a, ra), b, &n, Side::First, cut_a);
         }
         if ra.flat {
-            taken += lie((b, rb), a, &-n, Side::Second, cut_b);
+            line_b = lie((b, rb), a, &-n, Side::Second, cut_b);
         }
+        // What neither line has, the ends have, as far as they face each other.
+        let share = all.part * (facing(a, &n) * facing(b, &n)) * ((1.0 - line_a) * (1.0 - line_b));
+        points.scale_range(0, ends, per(share, all.weight));
+        points.drop_empty();
+        let taken = share + line_a + line_b;
         if taken < 1.0 {
             let first = points.count();
             along_axes((a, ra), (b, rb), apart, limits.reach, points);
@@ -251,9 +255,14 @@ fn per(share: f64, weight: f64) -> f64 {
 /// other shape and has something cut off within the blend of the deepest place. An end that leans
 /// is round.
 fn cut_off(p: &Placed, n: &Vec3, all: &Cover) -> f64 {
-    let facing = p.axis().dot(n);
-    let squared = facing * facing;
-    squared * squared * all.part * (CUT * all.cut).min(1.0)
+    facing(p, n) * all.part * (CUT * all.cut).min(1.0)
+}
+
+/// How much an end of the cylinder `p` faces along `n`, 0 … 1.
+fn facing(p: &Placed, n: &Vec3) -> f64 {
+    let cosine = p.axis().dot(n);
+    let squared = cosine * cosine;
+    squared * squared
 }
 
 /// The points of a shape on the plane `n·x = offset`.

@@ -18,7 +18,7 @@ use super::points::{PatchPoint, Points, Rim, Side, point};
 use super::polygon::Limits;
 use super::view::{Frame, Seen};
 use crate::spatial::Vec3;
-use crate::tuning::CROWN;
+use crate::tuning::{CROWN, FACED};
 
 /// Sine of 60°.
 pub(super) const STANDING: f64 = 0.866;
@@ -38,32 +38,41 @@ impl Trace {
     /// Of a solid that is a capsule or a cylinder.
     pub(super) fn new(placed: &Placed, round: &Round, n: &Vec3, side: Side) -> Self {
         let axis = placed.axis();
-        let mut trace = Self {
+        let crown = CROWN * round.radius;
+        let trace = Self {
             center: placed.p,
             half: axis * round.half,
             low: -n * round.radius,
-            rim: None,
-        };
-        if round.flat {
-            let up = n.dot(&axis);
-            let crown = CROWN * round.radius;
-            // So that a lying cylinder, whose `q` is `√(R² + s²)`, reaches down by its own radius.
-            let radius = (round.radius * (round.radius + 2.0 * crown)).sqrt();
-            let a = (axis - n * up) * radius;
-            // Once more: over the crown, what is left along the normal counts.
-            let a = a - n * n.dot(&a);
-            let q = (a.norm_squared() + crown * crown).sqrt();
-            trace.low = a * (radius * up / q) - n * (q - crown);
-            trace.rim = Some(Rim {
+            rim: round.flat.then(|| Rim {
                 side,
                 center: Vec3::zeros(),
                 axis,
-                a,
-                radius,
+                a: Vec3::zeros(),
+                // So that a lying cylinder, whose `q` is `√(R² + s²)`, reaches down by its own
+                // radius.
+                radius: (round.radius * (round.radius + 2.0 * crown)).sqrt(),
                 crown,
-            });
+            }),
+        };
+        trace.against(n)
+    }
+
+    /// The same of a cylinder along another direction, of any length; a capsule as it is.
+    fn against(&self, direction: &Vec3) -> Self {
+        let Some(rim) = self.rim else {
+            return *self;
+        };
+        let n = direction.normalize();
+        let up = n.dot(&rim.axis);
+        let a = (rim.axis - n * up) * rim.radius;
+        // Once more: over the crown, what is left along the normal counts.
+        let a = a - n * n.dot(&a);
+        let q = (a.norm_squared() + rim.crown * rim.crown).sqrt();
+        Self {
+            low: a * (rim.radius * up / q) - n * (q - rim.crown),
+            rim: Some(Rim { a, ..rim }),
+            ..*self
         }
-        trace
     }
 
     /// The point at `s`, −1 … 1.
@@ -114,7 +123,12 @@ impl Trace {
     /// middle is, the mean by the weights; their sum, m⁸, and the least gap, m.
     ///
     /// Where a line that stands leaves a face, this is no end of a contact: the upper end counts
-    /// fully up to 30° from lying, and no more from 60° on.
+    /// fully up to 30° from lying, and no more from 60° on. And the rim of what stands is lowest
+    /// against the face below it, whose normal may be another one than that of the contact: where
+    /// an edge of one touches the face of the other, that is the normal of this face. Two cans that
+    /// stand on each other askew touch with both edges by turns as they rock by microradians, which
+    /// is a part of what the crown leans by. With the normal of the contact the place of the load
+    /// jumped from the middle of an end to its rim each time, and they never came to rest.
     pub(super) fn cover(
         &self,
         (lower, mesh): (&Seen, &Mesh),
@@ -122,13 +136,16 @@ impl Trace {
         limits: Limits,
         points: &mut Points,
     ) -> (f64, f64, f64) {
-        let (middle, way) = (frame.see(&self.at(0.0)), frame.see(&self.half));
+        let way = frame.see(&self.half);
         let length = self.half.norm().max(self.low.norm());
         let (mut sum, mut total, mut least) = (0.0, 0.0, f64::INFINITY);
         let up = (way.z / way.norm().max(f64::MIN_POSITIVE)).abs();
         let left = ((STANDING - up) / (STANDING - 0.5)).clamp(0.0, 1.0);
         let first = points.count();
         for g in lower.fronts() {
+            let faces = (1.0 - left) * (1.0 - g.tilt / FACED).max(0.0);
+            let trace = self.against(&frame.n.lerp(&g.normal(frame), faces));
+            let middle = frame.see(&trace.at(0.0));
             let line = (&middle, &way);
             let (low, high, inside) = match lower.disc(g.index) {
                 Some(disc) => disc.clip(g, line),
@@ -155,11 +172,11 @@ impl Trace {
                 let depth = -gap(s);
                 let part = if is_high == (way.z > 0.0) { left } else { 1.0 };
                 if depth > -limits.reach {
-                    let x = self.at(s) + frame.n * (0.5 * depth);
+                    let x = trace.at(s) + frame.n * (0.5 * depth);
                     points.add(
                         first,
                         PatchPoint {
-                            rim: self.rim(s),
+                            rim: trace.rim(s),
                             ..point(x, depth, 0.5 * part * weight)
                         },
                     );

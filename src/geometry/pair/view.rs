@@ -69,6 +69,12 @@ impl Front {
         side(0) * side(1)
     }
 
+    /// Its unit normal, up.
+    pub(super) fn normal(&self, frame: &Frame) -> Vec3 {
+        let up = Vec3::new(-self.slope[0], -self.slope[1], 1.0);
+        frame.world(&up.normalize())
+    }
+
     /// Height at a place.
     pub(super) fn height(&self, x: &Vec3) -> f64 {
         self.h0 + self.slope[0] * x.x + self.slope[1] * x.y

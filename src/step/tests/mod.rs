@@ -15,6 +15,7 @@ use crate::spatial::{Pose, RigidInertia, Vec3};
 use crate::testing::{Builder, Random, at, inertia, random_tree, run, shape_all_links, start};
 
 mod agreement;
+mod cans;
 mod collisions;
 mod ends;
 mod fixed;
