@@ -475,13 +475,17 @@ pub const BESIDE: f64 = 0.5;
 /// give or take round-off. At 1e-9 fails
 /// `a_can_on_a_hill_of_small_triangles_stands_on_the_one_below_it`.
 pub const CREST_SLACK: f64 = 0.02;
-/// Iterations by which the place of terrain nearest to a ball is found. Always so many, so that it
-/// moves continuously; fewer only where another one would change nothing. At 1 fails
-/// `a_ball_touches_smooth_hills_at_the_nearest_place_alone`.
-pub const NEAREST_ON_FIELD: usize = 4;
+/// Looks by which the place of terrain nearest to a ball is found. Always so many, so that it
+/// moves continuously; fewer only where another one would change nothing: on smooth ground four.
+/// At 1 fails `a_ball_touches_smooth_hills_at_the_nearest_place_alone`.
+pub const NEAREST_ON_FIELD: usize = 12;
 /// The same where a ball may touch the surface in several places: each is looked for until it is
 /// found. At 2 fails `a_ball_at_the_foot_of_a_slope_touches_both`.
-pub const NEAREST_IN_HOLLOW: usize = 20;
+pub const NEAREST_IN_HOLLOW: usize = 40;
+/// Slope of the distance at the end of a step towards that place, as a share of the slope at its
+/// start, beyond which the step has gone too far over a crest. Infinite fails
+/// `what_rolls_over_a_step_of_heights_touches_it_all_the_way`.
+pub const TOO_FAR: f64 = 0.5;
 /// Parts of the width of a ball in which such places are told apart. At 2 fails
 /// `a_ball_at_the_foot_of_a_slope_touches_both`.
 pub const HOLLOW_LOOKS: usize = 16;

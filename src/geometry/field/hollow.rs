@@ -8,7 +8,7 @@
 
 use super::{Field, count};
 use crate::spatial::Vec3;
-use crate::tuning::HOLLOW_LOOKS;
+use crate::tuning::{HOLLOW_LOOKS, ROUND_OFF};
 
 /// Room for the samples that are looked at along x or y.
 const ROOM: usize = HOLLOW_LOOKS + 3;
@@ -119,6 +119,11 @@ impl Field {
                 }
             }
         }
+        // The next place of the same dip is within a cell of those that are looked at.
+        let apart = [0, 1].map(|k| {
+            let cells = places[k][..number[k]].windows(2).map(|two| two[1] - two[0]);
+            count(cells.max().unwrap_or(1)) * self.grid.cell[k] * (1.0 + ROUND_OFF)
+        });
         for j in 0..ny {
             for i in 0..nx {
                 let (least, place) = feet[j][i];
@@ -132,8 +137,10 @@ impl Field {
                 });
                 // Of cells whose common side is nearest, the first one.
                 let mut nearer = others.filter(|&(l, k)| {
-                    let by_distance = feet[l][k].0.total_cmp(&least);
-                    by_distance.then((l, k).cmp(&(j, i))).is_lt()
+                    let (distance, other) = feet[l][k];
+                    let by_distance = distance.total_cmp(&least);
+                    let beside = [0, 1].map(|a| (other[a] - place[a]).abs() <= apart[a]);
+                    beside == [true; 2] && by_distance.then((l, k).cmp(&(j, i))).is_lt()
                 });
                 if nearer.next().is_none() {
                     take(place);

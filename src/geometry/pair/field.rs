@@ -17,6 +17,7 @@
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
 use super::core::{Core, Round, Solid};
+use super::foot::{Nearest, Place, nearest_from};
 use super::placed::Placed;
 use super::points::{PatchPoint, Side, point};
 use super::sink::Sink;
@@ -24,9 +25,7 @@ use super::surface::part_between;
 use super::trace::Trace;
 use crate::geometry::field::Field;
 use crate::spatial::Vec3;
-use crate::tuning::{
-    BESIDE, CROWN, MOST_NEAREST, MOST_PEAKS, NEAREST_IN_HOLLOW, NEAREST_ON_FIELD, SEAM,
-};
+use crate::tuning::{BESIDE, CROWN, MOST_PEAKS, NEAREST_ON_FIELD};
 
 /// Adds the points of a shape, given in the axes of the terrain.
 pub(super) fn on_field(shape: &Placed, field: &Field, sink: &mut Sink) {
@@ -246,106 +245,6 @@ fn part_at_end(n: &Vec3, sides: &[Vec3; 2], at: (&Placed, &Vec3)) -> f64 {
         return 0.0;
     }
     part_between(n, sides, at)
-}
-
-/// A place of the surface, m, and the normal there; at the end of the surface, of what is beyond
-/// it, the direction from that place.
-#[derive(Clone, Copy, Default)]
-struct Place {
-    at: Vec3,
-    n: Vec3,
-}
-
-/// Places of the surface that are nearer to a point than what is around them.
-#[derive(Default)]
-struct Nearest {
-    list: [Place; MOST_NEAREST],
-    count: usize,
-}
-
-impl Nearest {
-    fn add(&mut self, place: Place) {
-        if self.count < MOST_NEAREST {
-            self.list[self.count] = place;
-            self.count += 1;
-        }
-    }
-
-    fn found(&self) -> &[Place] {
-        &self.list[..self.count]
-    }
-
-    /// Those of a ball that may touch several places within `reach`, m, each once; none elsewhere.
-    fn in_hollow(field: &Field, c: &Vec3, radius: f64, reach: f64) -> Self {
-        let mut nearest = Self::default();
-        let around = radius + reach;
-        if !field.is_hollow(c, radius, around) {
-            return nearest;
-        }
-        let apart = Field::looks_apart(around);
-        field.each_nearest(c, around + apart, |start| {
-            let Some((place, left)) =
-                nearest_from(field, c, start, (NEAREST_IN_HOLLOW, 0.5 * apart))
-            else {
-                return;
-            };
-            let is_new = |known: &Place| (known.at - place.at).norm() > 0.5 * apart;
-            if left <= SEAM && nearest.found().iter().all(is_new) {
-                nearest.add(place);
-            }
-        });
-        nearest
-    }
-}
-
-/// The place of the surface nearest to `c`, found from another place by Newton's method on
-/// `x − c + (H − c_z) ∇H = 0` in so many steps, none longer than `most`, m; and how long the last
-/// one was. In a hollow that bends more than the ball the second derivatives count less, so that
-/// the matrix stays definite. None for what is beside the surface and not above its end.
-fn nearest_from(
-    field: &Field,
-    c: &Vec3,
-    mut x: [f64; 2],
-    (steps, most): (usize, f64),
-) -> Option<(Place, f64)> {
-    let half = field.samples().size.map(|s| 0.5 * s);
-    let within = |x: [f64; 2]| [0, 1].map(|k| x[k].clamp(-half[k], half[k]));
-    x = within(x);
-    let mut local = field.at(x[0], x[1])?;
-    let (mut left, mut held) = (0.0, false);
-    for _ in 0..steps {
-        let ([gx, gy], over) = (local.slope, local.height - c.z);
-        let [bxx, bxy, byy] = local.bend.map(|b| b * over);
-        // Least eigenvalue of the second derivatives' part.
-        let (mean, apart) = (0.5 * (bxx + byy), 0.5 * (bxx - byy));
-        let least = mean - (apart * apart + bxy * bxy).sqrt();
-        let part = if least < -0.75 { -0.75 / least } else { 1.0 };
-        let (jxx, jyy) = (1.0 + gx * gx + part * bxx, 1.0 + gy * gy + part * byy);
-        let jxy = gx * gy + part * bxy;
-        let (fx, fy) = (x[0] - c.x + over * gx, x[1] - c.y + over * gy);
-        let det = jxx * jyy - jxy * jxy;
-        let way = [(jyy * fx - jxy * fy) / det, (jxx * fy - jxy * fx) / det];
-        let free = [0, 1].map(|k| x[k] - way[k].clamp(-most, most));
-        let next = within(free);
-        held = next.map(f64::to_bits) != free.map(f64::to_bits);
-        left = (next[0] - x[0]).abs().max((next[1] - x[1]).abs());
-        if next.map(f64::to_bits) == x.map(f64::to_bits) {
-            break;
-        }
-        x = next;
-        local = field.at(x[0], x[1])?;
-    }
-    let mut n = local.normal();
-    let at = Vec3::new(x[0], x[1], local.height);
-    if held {
-        let apart = c - at;
-        if apart.dot(&n) > 0.0 {
-            n = apart.normalize();
-        } else if !field.is_over(c) {
-            return None;
-        }
-    }
-    Some((Place { at, n }, left))
 }
 
 /// An end of a cylinder while the lowest point of its rim is being found.

@@ -36,6 +36,7 @@ mod core;
 mod cylinders;
 mod deep;
 mod field;
+mod foot;
 mod gjk;
 mod meet;
 mod nearby;
