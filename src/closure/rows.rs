@@ -430,7 +430,10 @@ impl Rows {
     }
 }
 
-/// What makes rad of a loop's turning, or the unit of a coupler, to metres.
+/// What makes rad of a loop's turning, or the unit of a coupler, to metres: the reach of what turns,
+/// or how far the loop's ends are from where their bodies turn. A body that is held 0.3 m beside
+/// itself turns about that place: angles that counted less, as those of a body without shapes, would
+/// be held by forces of fewer digits.
 fn lever(tree: &Tree, closure: &Closure) -> f64 {
     if let ClosureKind::Coupler { terms, .. } = &closure.kind {
         let most = terms.iter().fold((0, 0.0_f64), |most, (_, place, factor)| {
@@ -443,7 +446,8 @@ fn lever(tree: &Tree, closure: &Closure) -> f64 {
         return tree.dofs.weight[closure.dofs[most.0]] / most.1.max(f64::MIN_POSITIVE);
     }
     let trees = closure.trees.iter().flatten();
-    trees.fold(LEAST_LEVER, |most: f64, index| {
-        most.max(tree.trees[*index].reach)
-    })
+    let reaches = trees.map(|index| tree.trees[*index].reach);
+    let ends = closure.ends.iter().filter(|end| end.body.is_some());
+    let distances = ends.map(|end| end.X.p.norm());
+    reaches.chain(distances).fold(LEAST_LEVER, f64::max)
 }

@@ -145,13 +145,11 @@ fn the_force_of_a_loop_is_what_it_carries() {
         let mut s = start(b.model, 1e-6);
         run(&mut s, 0.5, 0.05);
         let id = crate::model::LoopId(0);
-        // A body without shapes has the least reach of 0.01 m, by which rows of angles are
-        // multiplied, so that a weld 0.3 m beside it is solved to fewer digits than others.
         let force = s.output(OutputSlot::LoopForce(id, 2));
-        assert!((force - 2.0 * G).abs() < 1e-7, "{weld}: {force}");
+        assert!((force - 2.0 * G).abs() < 1e-9, "{weld}: {force}");
         let torque = s.output(OutputSlot::LoopTorque(id, 1));
         let expected = if weld { -2.0 * G * 0.3 } else { 0.0 };
-        assert!((torque - expected).abs() < 1e-7, "{weld}: {torque}");
+        assert!((torque - expected).abs() < 1e-9, "{weld}: {torque}");
         assert!(s.output(OutputSlot::LoopGap(id)) < 1e-12);
     }
 }
