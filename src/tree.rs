@@ -22,6 +22,7 @@ mod island;
 mod pairs;
 mod parts;
 mod scale;
+mod seams;
 
 pub use base::BaseFrame;
 pub use closure::{Closure, ClosureKind, End, TreeSpring};
@@ -308,6 +309,7 @@ impl Tree {
         }
         if others {
             self.contact.pairs = self.pairs(model);
+            self.join_terrain(model);
         }
     }
 
