@@ -430,10 +430,10 @@ impl Rows {
     }
 }
 
-/// What makes rad of a loop's turning, or the unit of a coupler, to metres: the reach of what turns,
-/// or how far the loop's ends are from where their bodies turn. A body that is held 0.3 m beside
-/// itself turns about that place: angles that counted less, as those of a body without shapes, would
-/// be held by forces of fewer digits.
+/// What makes rad of a loop's turning, or the unit of a coupler, to metres: the reach of what
+/// turns, or how far the loop's ends are from where their bodies turn. A body that is held 0.3 m
+/// beside itself turns about that place: angles that counted less, as those of a body without
+/// shapes, would be held by forces of fewer digits.
 fn lever(tree: &Tree, closure: &Closure) -> f64 {
     if let ClosureKind::Coupler { terms, .. } = &closure.kind {
         let most = terms.iter().fold((0, 0.0_f64), |most, (_, place, factor)| {
