@@ -221,6 +221,26 @@ impl Surface {
         index
     }
 
+    /// The same where it ends beside other terrain in which it goes on, if there is such an edge: it
+    /// is a seam then, and nothing can lie on it or run against it. `goes_on` tells whether other
+    /// terrain carries a point of this one, with about its normal.
+    pub fn beside(&self, goes_on: impl Fn(&Vec3, &Vec3) -> bool) -> Option<Self> {
+        let seams = seams::beside((&self.facets, &self.crests), goes_on);
+        let mut joined = (!seams.is_empty()).then(|| self.clone())?;
+        for [index, edge] in seams {
+            joined.facets[index].crests[edge] = None;
+            joined.facets[index].beyond[edge] = Beyond::Seam;
+        }
+        Some(joined)
+    }
+
+    /// Whether a point lies on one of its triangles, with about that normal.
+    pub fn carries(&self, p: &Vec3, normal: &Vec3) -> bool {
+        self.is_any_near(p, 2.0 * SEAM, |facet| {
+            facet.carries(p) && (facet.normal - normal).norm() < EVEN_EDGE
+        })
+    }
+
     /// Its triangles.
     pub fn facets(&self) -> &[Facet] {
         &self.facets

@@ -8,7 +8,6 @@
 //!    beside a side that others divide (a T-junction), or behind a gap of less than [`SEAM`]. A
 //!    floor that ends at the middle of a wall goes on in the wall.
 
-use super::Surface;
 use super::facet::{Beyond, Crest, Facet};
 use crate::spatial::Vec3;
 use crate::tuning::{EVEN_EDGE, SEAM};
@@ -101,41 +100,24 @@ pub(super) fn go_on(
     };
 }
 
-impl Surface {
-    /// The same where it ends beside other terrain in which it goes on: such an edge is a seam, and
-    /// nothing can lie on it or run against it. None where there is no such edge.
-    ///
-    /// - `goes_on`: whether other terrain carries a point of this surface, with about its normal
-    pub fn beside(&self, goes_on: impl Fn(&Vec3, &Vec3) -> bool) -> Option<Self> {
-        let ends = |(index, facet): (usize, &Facet)| {
-            let own = (0..3).filter(|edge| {
-                let crest = facet.crests[*edge].map(|crest| &self.crests[crest]);
-                let away = facet.away(*edge);
-                crest.is_some_and(|crest| crest.sides == [facet.normal, away])
-                    && (0..LOOKS).all(|k| {
-                        let share = (f64::from(k) + 0.5) / f64::from(LOOKS);
-                        let [a, b] = facet.ends(*edge);
-                        goes_on(&(a + (b - a) * share + away * SEAM), &facet.normal)
-                    })
-            });
-            own.map(|edge| (index, edge)).collect::<Vec<_>>()
-        };
-        let seams: Vec<_> = self.facets.iter().enumerate().flat_map(ends).collect();
-        if seams.is_empty() {
-            return None;
-        }
-        let mut joined = self.clone();
-        for (index, edge) in seams {
-            joined.facets[index].crests[edge] = None;
-            joined.facets[index].beyond[edge] = Beyond::Seam;
-        }
-        Some(joined)
-    }
-
-    /// Whether a point lies on one of its triangles, with about that normal.
-    pub fn carries(&self, p: &Vec3, normal: &Vec3) -> bool {
-        self.is_any_near(p, 2.0 * SEAM, |facet| {
-            facet.carries(p) && (facet.normal - normal).norm() < EVEN_EDGE
-        })
-    }
+/// Edges at which a surface ends and other terrain goes on, by triangle and edge.
+///
+/// - `goes_on`: whether other terrain carries a point of this surface, with about its normal
+pub(super) fn beside(
+    (facets, crests): (&[Facet], &[Crest]),
+    goes_on: impl Fn(&Vec3, &Vec3) -> bool,
+) -> Vec<[usize; 2]> {
+    let places = (0..facets.len()).flat_map(|index| (0..3).map(move |edge| [index, edge]));
+    let is_seam = |[index, edge]: &[usize; 2]| {
+        let facet = &facets[*index];
+        let away = facet.away(*edge);
+        let crest = facet.crests[*edge].map(|crest| &crests[crest]);
+        crest.is_some_and(|crest| crest.sides == [facet.normal, away])
+            && (0..LOOKS).all(|k| {
+                let share = (f64::from(k) + 0.5) / f64::from(LOOKS);
+                let [a, b] = facet.ends(*edge);
+                goes_on(&(a + (b - a) * share + away * SEAM), &facet.normal)
+            })
+    };
+    places.filter(is_seam).collect()
 }
