@@ -14,6 +14,7 @@
 //! | S107 | a key that must be there is missing |
 //! | S108 | the file cannot be read |
 
+mod advice;
 mod closures;
 mod common;
 mod compat;
@@ -74,7 +75,7 @@ impl Settings {
     /// # Errors
     /// As [`Settings::read`].
     pub fn read_as(path: &Path, compat: Option<Compat>) -> Result<Self, Vec<Diagnostic>> {
-        match Self::read_rest(path, compat) {
+        match Self::read_rest(path, None, compat) {
             (Some(settings), findings) if findings.is_empty() => Ok(settings),
             (_, findings) => Err(findings),
         }
@@ -82,10 +83,20 @@ impl Settings {
 
     /// What is right of a settings file, none if it cannot be read, and everything that is wrong
     /// with it: for what can be told of a robot beside it.
-    pub fn read_rest(path: &Path, compat: Option<Compat>) -> (Option<Self>, Vec<Diagnostic>) {
+    ///
+    /// - `folder`: what relative names of files in it count from; none for its own folder
+    pub fn read_rest(
+        path: &Path,
+        folder: Option<&Path>,
+        compat: Option<Compat>,
+    ) -> (Option<Self>, Vec<Diagnostic>) {
         let name = path.display().to_string();
         match std::fs::read_to_string(path) {
-            Ok(text) => Self::inspect(&text, &name, compat),
+            Ok(text) => {
+                let mut reader = Reader::new(&name, &text);
+                reader.folder = folder.unwrap_or(reader.folder);
+                Self::read_by(reader, compat)
+            }
             Err(error) => {
                 let finding = Diagnostic {
                     severity: Severity::Error,
@@ -112,20 +123,15 @@ impl Settings {
         file_name: &str,
         compat: Option<Compat>,
     ) -> Result<Self, Vec<Diagnostic>> {
-        match Self::inspect(text, file_name, compat) {
+        match Self::read_by(Reader::new(file_name, text), compat) {
             (Some(settings), findings) if findings.is_empty() => Ok(settings),
             (_, findings) => Err(findings),
         }
     }
 
     /// What is right of a text, and everything that is wrong with it.
-    fn inspect(
-        text: &str,
-        file_name: &str,
-        compat: Option<Compat>,
-    ) -> (Option<Self>, Vec<Diagnostic>) {
-        let mut reader = Reader::new(file_name, text);
-        let root = if let Some(span) = xml(text) {
+    fn read_by(mut reader: Reader, compat: Option<Compat>) -> (Option<Self>, Vec<Diagnostic>) {
+        let root = if let Some(span) = xml(reader.text) {
             let help = "settings are TOML 1.0; a URDF is given without -c";
             reader.error("S101", &span, "the file is XML, not TOML", help);
             section::Section::default()

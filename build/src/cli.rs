@@ -69,6 +69,9 @@ pub(crate) struct Source {
     /// Settings file (TOML)
     #[arg(short, long, value_name = "FILE")]
     pub(crate) config: Option<PathBuf>,
+    /// Folder that names of files in the settings count from [default: that of the settings]
+    #[arg(long, value_name = "DIR", requires = "config")]
+    pub(crate) config_folder: Option<PathBuf>,
     /// Mount the base in the world
     #[arg(long, conflicts_with = "floating_base")]
     pub(crate) fixed_base: bool,
@@ -444,6 +447,7 @@ impl Source {
         Request {
             urdf: urdf.to_owned(),
             config: self.config.clone(),
+            config_folder: self.config_folder.clone(),
             base,
             mode: self.mode.map(|mode| match mode {
                 Mode::Velocity => ActuatorMode::Velocity,

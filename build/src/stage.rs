@@ -44,6 +44,8 @@ pub struct Robot {
     /// Files that it was read from: the URDF, its meshes, then the settings and the SRDF, then
     /// those of what is around it.
     pub sources: Vec<PathBuf>,
+    /// The settings among them, and where they would stand if names of files counted from there.
+    pub settled: Option<(PathBuf, PathBuf)>,
     /// As asked for.
     pub settings: Settings,
     /// The URDFs that xacro files expand to, by these files.
@@ -181,6 +183,9 @@ fn made(request: &Request, mut settings: Settings) -> Result<Robot, StageError> 
             sources.push(source);
         }
     }
+    let config = request.config.as_ref();
+    let moved = config.zip(request.config_folder.as_ref());
+    let settled = moved.and_then(|(file, to)| Some((file.clone(), to.join(file.file_name()?))));
     let own = expanded.map(|text| (request.urdf.clone(), text));
     let expanded = own.into_iter().chain(around.expanded).collect();
     Ok(Robot {
@@ -190,6 +195,7 @@ fn made(request: &Request, mut settings: Settings) -> Result<Robot, StageError> 
         table,
         diagnostics,
         sources,
+        settled,
         settings,
         expanded,
     })
@@ -384,7 +390,12 @@ fn add_sources(archive: &mut Archive, robot: &Robot) -> Result<Vec<String>, Stag
     let urdf = contents
         .first()
         .map(|c| String::from_utf8_lossy(c).into_owned());
-    let mut names = sources::layout(paths, &urdf.unwrap_or_default());
+    let place = |path: &PathBuf| match &robot.settled {
+        Some((settings, place)) if settings == path => place.clone(),
+        _ => path.clone(),
+    };
+    let places: Vec<PathBuf> = paths.iter().map(place).collect();
+    let mut names = sources::layout(&places, &urdf.unwrap_or_default());
     for (name, path) in names.iter_mut().zip(paths) {
         if text_of(path).is_some() {
             *name = xacro::urdf_name(name);

@@ -132,7 +132,7 @@ def settings(config: Settings | None) -> Iterator[list[str]]:
         with tempfile.TemporaryDirectory(prefix="urdf2fmu-") as folder:
             place = Path(folder, "settings.toml")
             place.write_text(to_toml(config), encoding="utf-8")
-            yield ["-c", str(place)]
+            yield ["-c", str(place), "--config-folder", os.getcwd()]
     else:
         yield ["-c", os.fspath(config)]
 
@@ -145,7 +145,7 @@ def export(robot: PathLike, output: PathLike | None = None, *, config: Settings 
         robot: a URDF, also one in xacro.
         output: the FMU to write; without it the robot's name with `.fmu`, beside it.
         config: a settings file (TOML), or the same as nested dicts: `{"robot": {"base": "fixed"}}`. Relative names of
-            files in a dict count from the folder for temporary files, so give whole ones.
+            files in a dict count from the current folder, those in a settings file from its own.
         options: those of `urdf2fmu export`, with `_` for `-`: `fixed_base=True`, `mode="velocity"`,
             `platform="linux64,win64"`, `package_path=[a, b]`, `object=["crate.urdf@1,0"]`.
 

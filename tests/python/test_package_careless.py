@@ -8,6 +8,7 @@ import subprocess
 import sys
 import textwrap
 import warnings
+import zipfile
 from pathlib import Path
 
 import fmpy
@@ -59,6 +60,31 @@ def test_after_ctrl_c_in_a_step_the_next_step_goes_on(rover):
             print("goes on")
     """, rover)
     assert done.stdout == "goes on\n", done.stderr
+
+
+def test_names_of_files_in_a_dict_count_from_the_current_folder(examples, tmp_path, monkeypatch):
+    """They were looked for beside the temporary file that the dict is written to. The FMU holds no name of this
+    machine and is the same each time, although that file is another one."""
+    near, far = tmp_path / "near", tmp_path / "far"
+    for folder in (near, far):
+        folder.mkdir()
+    (near / "cube.urdf").write_text((examples / "worlds/crate.urdf").read_text())
+    (near / "table.csv").write_text("0,0\n0,0\n")
+    (far / "rover.urdf").write_text((examples / "rover.urdf").read_text())
+    monkeypatch.chdir(near)
+    config = {"world": {"object": [{"urdf": "cube.urdf", "name": "cube", "xyz": [2, 0]}],
+                        "terrain": [{"name": "hill", "type": "heightfield", "file": "table.csv", "xyz": [0, 5, 0],
+                                     "size": [1, 1]}]}}
+    fmus = [urdf2fmu.export(far / "rover.urdf", tmp_path / f"{n}.fmu", config=config, no_documentation=True) for n in "ab"]
+    assert fmus[0].read_bytes() == fmus[1].read_bytes()
+    with zipfile.ZipFile(fmus[0]) as archive:
+        packed = [name for name in archive.namelist() if name.startswith("resources/source/")]
+        settings = next(name for name in packed if name.endswith("settings.toml"))
+        assert settings.rpartition("/")[0] + "/cube.urdf" in packed, packed
+        assert str(tmp_path) not in archive.read(settings).decode()
+    with Simulation(far / "rover.urdf", config=config) as robot:
+        assert abs(robot["object.cube.position.x"] - 2) < 1e-9
+    assert not [f for f in urdf2fmu.check(far / "rover.urdf", config=config) if f["severity"] == "error"]
 
 
 def test_a_warning_that_is_made_an_error_leaves_the_time_right(rover):

@@ -8,6 +8,7 @@ impl Source {
         // Each field is named, so that a new option cannot be forgotten.
         let Self {
             config,
+            config_folder,
             fixed_base,
             floating_base,
             mode,
@@ -29,6 +30,7 @@ impl Source {
         } = self;
         let all = [
             ("--config", config.is_some()),
+            ("--config-folder", config_folder.is_some()),
             ("--fixed-base", *fixed_base),
             ("--floating-base", *floating_base),
             ("--mode", mode.is_some()),

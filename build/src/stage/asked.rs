@@ -17,6 +17,8 @@ pub struct Request {
     pub urdf: PathBuf,
     /// The settings file.
     pub config: Option<PathBuf>,
+    /// `--config-folder`: what names of files in the settings count from, if not their own folder.
+    pub config_folder: Option<PathBuf>,
     /// `--fixed-base`, `--floating-base`.
     pub base: Option<BaseChoice>,
     /// `--mode`: for every joint that the settings file does not mention.
@@ -58,7 +60,7 @@ pub struct Request {
 /// wrong with the file.
 pub(super) fn settings_of(request: &Request) -> (Settings, Vec<Diagnostic>) {
     let (read, mut findings) = match &request.config {
-        Some(path) => Settings::read_rest(path, request.compat),
+        Some(path) => Settings::read_rest(path, request.config_folder.as_deref(), request.compat),
         None => (None, Vec::new()),
     };
     let mut settings = read.unwrap_or_else(|| Settings::of(request.compat.unwrap_or_default()));

@@ -106,7 +106,7 @@ fn what_a_sensor_was_told_to_be_wrong_in_is_left_out() {
     let text = "[[sensor]]\ntype = \"imu\"\nlink = \"a\"\nlinear_acceleration.noise = [1, 1, 1]\n\
                 [[sensor]]\ntype = \"ray\"\nlink = \"a\"\nname = \"b\"\nrange = 1\nmin_range = 2\n\
                 rays = 200\nrows = 200\n";
-    let (settings, findings) = Settings::inspect(text, "f", None);
+    let (settings, findings) = Settings::read_by(Reader::new("f", text), None);
     assert_eq!(findings.len(), 3, "{findings:?}");
     let sensors = settings.expect("the rest").sensors;
     assert_eq!(sensors[0].errors, [Errors::default(); 2]);

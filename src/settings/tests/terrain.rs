@@ -121,7 +121,7 @@ fn terrain_refuses_what_means_nothing() {
 fn heights_that_are_too_fine_are_told_and_not_computed() {
     let text = "[[world.terrain]]\nname = \"a\"\ntype = \"heightfield\"\ngenerate = \"noise\"\n\
                 size = [20, 20]\nresolution = 1e-5";
-    let (settings, findings) = Settings::inspect(text, "f", None);
+    let (settings, findings) = Settings::read_by(Reader::new("f", text), None);
     assert_eq!(findings.len(), 1, "{findings:?}");
     // What is right is built all the same, to find other errors: that must not take for ever.
     let settings = settings.expect("the rest");
