@@ -15,6 +15,8 @@
 pub mod codes;
 pub(crate) mod words;
 
+pub use words::nearest;
+
 use std::cell::OnceCell;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;

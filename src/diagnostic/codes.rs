@@ -97,6 +97,7 @@ pub const CODES: &[Row] = &[
     ("U032", "A number that is not finite or out of range. In a `<limit>` it counts as unlimited.", "Check its unit."),
     ("U033", "A number with an impossible sign, or a size of 0. Negative limits of effort and velocity count as none, shapes without size touch as points, lines or faces.", "Write the size in m, or remove the element."),
     ("U034", "The default of xacro's `optenv` is used.", "Name the file `.xacro`, so that it is expanded."),
+    ("U035", "An angle that looks like degrees: more than two turns in an `<origin>`, or round limits of five turns and more.", "Write it in radians: 90° are 1.5708."),
     ("U040", "An unknown type of joint.", "Use one of those that the finding lists."),
     ("U041", "An axis of zeros.", "Write its direction, such as `0 0 1`."),
     ("U043", "The lower limit is above the upper one: the range between them is used, or none where PyBullet's files write none so.", "Exchange them, or use `type=\"continuous\"`."),

@@ -5,7 +5,7 @@
 const MOST_COMPARED: (usize, usize) = (100, 5000);
 
 /// What other programs, formats and trades call a thing, and URDF's word for it.
-const SYNONYMS: [(&str, &str); 26] = [
+const SYNONYMS: [(&str, &str); 29] = [
     ("ball", "spherical"),
     ("damp", "damping"),
     ("file", "filename"),
@@ -22,7 +22,9 @@ const SYNONYMS: [(&str, &str); 26] = [
     ("name", "link"),
     ("path", "filename"),
     ("pos", "xyz"),
+    ("pose", "origin"),
     ("position", "xyz"),
+    ("rgb", "rgba"),
     ("rotary", "revolute"),
     ("rotation", "rpy"),
     ("rotational", "revolute"),
@@ -30,13 +32,14 @@ const SYNONYMS: [(&str, &str); 26] = [
     ("slider", "prismatic"),
     ("speed", "velocity"),
     ("torque", "effort"),
+    ("transform", "origin"),
     ("val", "value"),
     ("weld", "fixed"),
 ];
 
 /// The word of `known` that is nearest to `word`: the same in other capitals, what others call it,
 /// or one that differs by few letters only.
-pub(crate) fn nearest<'k>(word: &str, known: impl IntoIterator<Item = &'k str>) -> Option<&'k str> {
+pub fn nearest<'k>(word: &str, known: impl IntoIterator<Item = &'k str>) -> Option<&'k str> {
     let length = word.chars().count();
     if length > MOST_COMPARED.0 {
         return None;

@@ -2,6 +2,7 @@
 //!
 //! [`super::keys::KEYS`] defines the keys; this module contains no key names.
 
+use super::advice;
 use super::compat::Compat;
 use super::keys::{self, Key, Takes};
 use super::section::{Entry, Node, Section, Span, Value, whole};
@@ -88,7 +89,9 @@ fn default_value(key: &Key) -> Option<Value> {
 /// Reads one text; findings gather in `findings`.
 pub(super) struct Reader<'a> {
     file: &'a str,
-    text: &'a str,
+    pub(super) text: &'a str,
+    /// What relative names of files in the text count from.
+    pub(super) folder: &'a Path,
     pub(super) findings: Vec<Diagnostic>,
 }
 
@@ -97,6 +100,7 @@ impl<'a> Reader<'a> {
         Self {
             file,
             text,
+            folder: Path::new(file).parent().unwrap_or(Path::new("")),
             findings: Vec::new(),
         }
     }
@@ -105,10 +109,9 @@ impl<'a> Reader<'a> {
         Place::in_text(self.file, self.text, span.clone())
     }
 
-    /// A file that is named in the text: a relative name counts from the text's own folder.
+    /// A file that is named in the text.
     pub(super) fn beside(&self, name: &str) -> PathBuf {
-        let folder = Path::new(self.file).parent();
-        folder.map_or_else(|| name.into(), |folder| folder.join(name))
+        self.folder.join(name)
     }
 
     pub(super) fn error(
@@ -144,7 +147,9 @@ impl<'a> Reader<'a> {
         let (table, errors) = DeTable::parse_recoverable(self.text);
         for error in &errors {
             let span = error.span().unwrap_or(0..0);
-            self.error("S101", &span, error.message(), "the file must be TOML 1.0");
+            let found = self.text.get(span.clone()).unwrap_or_default();
+            let (message, help) = advice::syntax(found, error.message());
+            self.error("S101", &span, message, help);
         }
         self.section("", table.get_ref(), table.span())
     }
@@ -185,30 +190,8 @@ impl<'a> Reader<'a> {
     }
 
     fn unknown(&mut self, path: &str, name: &str, known: &[&str], span: &Span) {
-        let shown = |path: &str| {
-            if path.is_empty() {
-                "the settings".to_owned()
-            } else {
-                format!("[{}]", path.replace(".*", ".\"…\"").replace("[]", ""))
-            }
-        };
-        // The same key in another table is likelier meant than another key here.
-        let elsewhere = keys::KEYS.iter().find(|key| {
-            key.path
-                .rsplit_once('.')
-                .is_some_and(|(_, last)| last == name)
-        });
-        let help = match elsewhere {
-            Some(key) => {
-                let (table, last) = key.path.rsplit_once('.').unwrap_or(("", key.path));
-                format!("'{last}' belongs into {}", shown(table))
-            }
-            None => likeliest(name, known.iter().copied()).map_or_else(String::new, |nearest| {
-                format!("did you mean '{nearest}'? known are {}", known.join(", "))
-            }),
-        };
-        let message = format!("unknown key '{name}' in {}", shown(path));
-        self.error("S102", span, message, help);
+        let message = format!("unknown key '{name}' in {}", advice::shown(path));
+        self.error("S102", span, message, advice::key(name, known));
     }
 
     fn node(
@@ -487,11 +470,8 @@ fn ratio_of(text: &str) -> Option<f64> {
 }
 
 fn article(noun: &str) -> &'static str {
-    if noun.starts_with(['a', 'e', 'i', 'o', 'u']) {
-        "an"
-    } else {
-        "a"
-    }
+    let vowel = noun.starts_with(['a', 'e', 'i', 'o', 'u']);
+    if vowel { "an" } else { "a" }
 }
 
 fn one_of(words: &[&str]) -> String {

@@ -1,5 +1,6 @@
 //! Checks of `<joint>`: type, axis, limits, dynamics, mimic.
 
+use super::angles;
 use super::checked::{CheckedJoint, CheckedMimic, LinkReference, called};
 use super::scope::{LARGEST, Scope, Version};
 use super::xml::Node;
@@ -192,6 +193,9 @@ fn limit(scope: &mut Scope, node: Node, kind: JointKind) -> Limit {
     }
     if !limited {
         return (None, effort, velocity);
+    }
+    if kind == JointKind::Revolute {
+        angles::limits(scope, child, [lower, upper]);
     }
     (range(scope, child, lower, upper), effort, velocity)
 }

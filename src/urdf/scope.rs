@@ -2,6 +2,7 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
+use super::angles;
 use super::xml::{Attribute, Node};
 use crate::diagnostic::words::did_you_mean;
 use crate::diagnostic::{Report, Severity, times};
@@ -260,6 +261,7 @@ impl<'r, 'a> Scope<'r, 'a> {
                 self.within(origin, name, value, physical::Range::Position);
             }
         }
+        angles::attitude(self, origin, rpy.into());
         if let Some(attribute) = origin.attribute("quat_xyzw") {
             if self.version < Version(1, 1) {
                 let help = "write <robot version=\"1.1\"> or use rpy";

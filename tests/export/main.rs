@@ -9,6 +9,7 @@ mod export;
 mod faults;
 mod info;
 mod init;
+mod meant;
 mod model_description;
 mod offers;
 #[cfg(unix)]

@@ -2,7 +2,7 @@
 
 use super::expand::Expansion;
 use super::macros::Macro;
-use super::problem::Done;
+use super::problem::{Done, Problem};
 use super::symbols::Entry;
 use super::tree::{Element, Node};
 use super::value::Value;
@@ -17,7 +17,7 @@ impl Expansion<'_> {
         (macros, scope): (usize, usize),
         inner: usize,
     ) -> Done<()> {
-        let (mut given, mut unknown): (Vec<&str>, Vec<String>) = (Vec::new(), Vec::new());
+        let (mut given, mut unknown): (Vec<&str>, Vec<&str>) = (Vec::new(), Vec::new());
         for (key, text) in &call.attributes {
             if key == "xmlns:xacro" {
                 continue;
@@ -27,7 +27,7 @@ impl Expansion<'_> {
                 .iter()
                 .any(|parameter| parameter.name == *key)
             {
-                unknown.push(format!("'{key}'"));
+                unknown.push(key);
                 continue;
             }
             let entry = self.entry(text, scope)?;
@@ -61,7 +61,7 @@ impl Expansion<'_> {
         }
         if let Some(block) = blocks.next() {
             let message = format!("macro '{name}' has no use for the block <{}>", block.name);
-            self.pass(self.problem(message))?;
+            self.pass(self.no_parameter(message, found))?;
         }
         let mut lacking = Vec::new();
         for parameter in &found.parameters {
@@ -94,7 +94,8 @@ impl Expansion<'_> {
         // A name that is wrong makes both.
         let mut wrong = Vec::new();
         if !unknown.is_empty() {
-            wrong.push(format!("has no parameter {}", unknown.join(", ")));
+            let listed: Vec<String> = unknown.iter().map(|key| format!("'{key}'")).collect();
+            wrong.push(format!("has no parameter {}", listed.join(", ")));
         }
         if !lacking.is_empty() {
             wrong.push(format!("needs {}", lacking.join(", ")));
@@ -102,6 +103,21 @@ impl Expansion<'_> {
         if wrong.is_empty() {
             return Ok(());
         }
-        self.pass(self.problem(format!("macro '{name}' {}", wrong.join(" and "))))
+        let message = format!("macro '{name}' {}", wrong.join(" and "));
+        let left = found.parameters.iter().map(|parameter| &parameter.name[..]);
+        let left = left.filter(|key| !given.contains(key));
+        let problem = self.no_parameter(message, found);
+        let first = unknown.first().copied().unwrap_or_default();
+        self.pass(problem.meant(first, left))
+    }
+
+    /// That a macro has not the parameters with which it is called: its list of them may have
+    /// another name.
+    fn no_parameter(&self, message: String, found: &Macro) -> Problem {
+        let problem = self.problem(message);
+        if found.body.attribute("params").is_some() || !found.parameters.is_empty() {
+            return problem;
+        }
+        problem.misspelt("params", &found.body)
     }
 }

@@ -154,7 +154,7 @@ impl<'f> Expansion<'f> {
                     Some(Value::Block(block)) => (block, false),
                     _ => match self.texts.entry(scope, &format!("*{name}"))? {
                         Some(Value::Block(block)) => (block, true),
-                        _ => return Err(self.problem(format!("there is no block '{name}'"))),
+                        _ => return Err(self.no_block(&name, scope)),
                     },
                 };
                 if whole && block.name.starts_with("xacro:") {
@@ -217,7 +217,10 @@ impl<'f> Expansion<'f> {
 
     pub(super) fn required<'e>(&self, element: &'e Element, name: &str) -> Done<&'e str> {
         let found = element.attribute(name);
-        found.ok_or_else(|| self.problem(format!("<{}> has no attribute '{name}'", element.name)))
+        found.ok_or_else(|| {
+            let message = format!("<{}> has no attribute '{name}'", element.name);
+            self.problem(message).misspelt(name, element)
+        })
     }
 
     fn truth(&self, value: &Value, condition: &str) -> Done<bool> {

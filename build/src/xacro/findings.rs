@@ -6,7 +6,7 @@ use super::problem::{Lacking, Problem};
 use super::texts::Texts;
 use std::collections::BTreeSet;
 use std::path::Path;
-use urdf2fmu_core::diagnostic::{Diagnostic, Place, Severity};
+use urdf2fmu_core::diagnostic::{Diagnostic, Place, Severity, nearest};
 
 /// The words that follow `start` in a text, up to a bracket.
 pub(super) fn named(text: &str, start: &str) -> BTreeSet<String> {
@@ -55,10 +55,17 @@ pub(super) fn all(
         }
         let mut finding = finding(path, arguments, texts, (problem, &absent));
         // The files that include this one, and the other program, are named once.
+        if let Some(meant) = &problem.meant {
+            finding.help = Some(match (&problem.lacking, finding.help) {
+                (Some(Lacking::Argument(_)), Some(help)) => format!("{meant}\nor {help}"),
+                _ => meant.clone(),
+            });
+        }
         if let (Some(part), true) = (&part, of_others(problem)) {
             finding.help = match (&problem.lacking, finding.help) {
                 (_, help) if parted => help.filter(|help| *help != program),
                 (Some(Lacking::Argument(_)), Some(help)) => Some(format!("{help}\nor {part}")),
+                (_, Some(help)) if problem.meant.is_some() => Some(format!("{help}\nor {part}")),
                 _ => Some(part.clone()),
             };
             parted = true;
@@ -154,6 +161,39 @@ fn finding(
             Place::in_text(&problem.file.display().to_string(), text, problem.at..end)
         }),
     }
+}
+
+/// Warnings of arguments that are given and that no file asks for: a name that is wrong would change
+/// nothing.
+pub(super) fn unasked(arguments: &[String], texts: &Texts) -> Vec<Diagnostic> {
+    let read = || texts.sources.read.values();
+    let mut asked: BTreeSet<String> = read().flat_map(|text| declared_arguments(text)).collect();
+    asked.extend(read().flat_map(|text| named(text, "$(arg ")));
+    // Expressions ask for arguments in more ways.
+    let by_name = |name: &str| {
+        let mut texts = read().filter(|text| text.contains("eval ") || text.contains(".arg("));
+        texts.any(|text| text.contains(name))
+    };
+    let names = arguments
+        .iter()
+        .filter_map(|argument| argument.split_once(":="));
+    let names = names.map(|(name, _)| name.trim());
+    let unasked = names.filter(|name| !asked.contains(*name) && !by_name(name));
+    let warning = |name: &str| Diagnostic {
+        severity: Severity::Warning,
+        code: "U006",
+        message: format!("no file in xacro has an argument '{name}', so that it changes nothing"),
+        help: match (nearest(name, asked.iter().map(String::as_str)), asked.len()) {
+            (Some(near), _) => Some(format!("did you mean '{near}'?")),
+            (None, 0) => Some("leave it out".to_owned()),
+            (None, _) => {
+                let asked: Vec<&str> = asked.iter().map(String::as_str).collect();
+                Some(format!("there are: {}", asked.join(", ")))
+            }
+        },
+        place: None,
+    };
+    unasked.map(warning).collect()
 }
 
 /// Names of `<xacro:arg name="…">`.

@@ -135,6 +135,14 @@ pub fn global(name: &str) -> Option<Value> {
     }
 }
 
+/// The names that [`global`] knows, but for those of one letter.
+pub fn globals<'a>() -> Vec<&'a str> {
+    let mut all = vec!["True", "False", "None", "pi", "tau", "inf", "nan"];
+    all.extend(&OWN[..13]);
+    all.extend(MATH);
+    all
+}
+
 /// A function of a module.
 pub fn of_module(module: &str, name: &str) -> Option<Value> {
     match module {

@@ -43,6 +43,12 @@ impl Macros {
         self.tables[0].macros.keys().cloned().collect()
     }
 
+    /// Names of all macros of any scope.
+    pub fn all_names(&self) -> impl Iterator<Item = &str> {
+        let tables = self.tables.iter();
+        tables.flat_map(|table| table.macros.keys().map(String::as_str))
+    }
+
     /// A scope below another one.
     pub fn below(&mut self, parent: usize) -> usize {
         self.tables.push(Table {

@@ -153,9 +153,10 @@ pub fn expand(
     let mut packages = sources.packages.clone();
     let problems = &expansion.problems;
     if let (Some(root), []) = (&root, &problems[..]) {
-        let notes = vec![note(format!(
+        let mut notes = vec![note(format!(
             "expanded from xacro: lines are those of the expanded text, as of {shown}"
         ))];
+        notes.extend(findings::unasked(arguments, &expansion.texts));
         let names = expansion.macro_names();
         let lone = root.elements().all(|element| element.name != "link") && !names.is_empty();
         return Ok(Expanded {

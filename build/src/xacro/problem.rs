@@ -1,6 +1,8 @@
 //! What stands against the expansion of a file in xacro.
 
+use super::tree::Element;
 use std::path::PathBuf;
+use urdf2fmu_core::diagnostic::nearest;
 
 /// One thing that is wrong.
 #[derive(Debug)]
@@ -12,6 +14,8 @@ pub struct Problem {
     pub at: usize,
     /// What kind of thing is missing, where the advice depends on it.
     pub lacking: Option<Lacking>,
+    /// What may have been meant, as a sentence.
+    pub meant: Option<String>,
     pub weight: Weight,
 }
 
@@ -46,6 +50,22 @@ pub enum Weight {
 }
 
 impl Problem {
+    /// With the name of `known` that is nearest to `word`, if one is near.
+    pub fn meant<'k>(self, word: &str, known: impl IntoIterator<Item = &'k str>) -> Self {
+        let near = nearest(word, known);
+        let meant = near.map(|near| format!("did you mean '{near}'?"));
+        let meant = self.meant.clone().or(meant);
+        Self { meant, ..self }
+    }
+
+    /// With the attribute of an element that may be meant to be `name`.
+    pub fn misspelt(self, name: &str, element: &Element) -> Self {
+        let own = element.attributes.iter().map(|(own, _)| own.as_str());
+        let near = nearest(name, own.filter(|own| *own != "name"));
+        let meant = near.map(|near| format!("did you mean '{name}' by '{near}'?"));
+        Self { meant, ..self }
+    }
+
     /// Without an end, or too large.
     pub fn that_ends(self) -> Self {
         let weight = Weight::Ends;

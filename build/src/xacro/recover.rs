@@ -8,6 +8,20 @@ use super::tree::Element;
 /// Problems that are told of one document.
 const MOST_PROBLEMS: usize = 100;
 
+/// What follows `xacro:` in the tags of xacro itself.
+const TAGS: [&str; 10] = [
+    "arg",
+    "attribute",
+    "call",
+    "element",
+    "if",
+    "include",
+    "insert_block",
+    "macro",
+    "property",
+    "unless",
+];
+
 /// Attributes by which elements refer to each other.
 const NAMES: [&str; 4] = ["name", "link", "joint", "type"];
 
@@ -113,6 +127,15 @@ impl Expansion<'_> {
             lacking: Some(Lacking::Macro(name.to_owned())),
             ..self.problem(format!("there is no macro '{name}'"))
         }
+        .meant(name, self.macros.all_names().chain(TAGS))
+    }
+
+    /// That a macro puts in a block which it was not given.
+    pub(super) fn no_block(&self, name: &str, scope: usize) -> Problem {
+        let names = self.texts.symbols.names(scope);
+        let blocks = names.filter_map(|name| Some(name.strip_prefix('*')?.trim_start_matches('*')));
+        self.problem(format!("there is no block '{name}'"))
+            .meant(name, blocks)
     }
 }
 

@@ -101,6 +101,7 @@ impl<'f> Sources<'f> {
             file: self.written().to_path_buf(),
             at: self.at,
             lacking: None,
+            meant: None,
             weight: Weight::Own,
         }
     }

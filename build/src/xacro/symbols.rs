@@ -61,6 +61,12 @@ impl Symbols {
         None
     }
 
+    /// All names that are found from a scope upwards.
+    pub fn names(&self, scope: usize) -> impl Iterator<Item = &str> {
+        let scopes = std::iter::successors(Some(scope), |scope| self.tables[*scope].parent);
+        scopes.flat_map(|scope| self.tables[scope].entries.keys().map(String::as_str))
+    }
+
     pub fn set(&mut self, scope: usize, name: &str, entry: Entry) {
         self.tables[scope].entries.insert(name.to_owned(), entry);
     }

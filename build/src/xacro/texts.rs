@@ -1,7 +1,7 @@
 //! Texts with `${…}` and `$(…)` in them → their values.
 
 use super::evaluate::Evaluation;
-use super::functions::Names;
+use super::functions::{self, Names};
 use super::parse;
 use super::problem::{Done, Lacking, Problem};
 use super::sources::Sources;
@@ -159,15 +159,37 @@ impl<'f> Texts<'f> {
                 Meaning::Property => format!("${{{text}}}"),
                 Meaning::Argument => format!("$(eval {text})"),
             };
-            Problem {
-                lacking: unknown.map(Lacking::Property),
-                ..self.sources.problem(format!("{error}, in {shown}"))
-            }
+            let problem = self.sources.problem(format!("{error}, in {shown}"));
+            let Some(name) = unknown else {
+                return problem;
+            };
+            let problem = self.near(problem, scope, &name, meaning);
+            let lacking = Some(Lacking::Property(name));
+            Problem { lacking, ..problem }
         })?;
         if !value.fits(&mut LONGEST.clone(), DEEPEST) {
             return Err(self.too_large());
         }
         Ok(value)
+    }
+
+    /// A name that is not defined, with what it may stand for.
+    fn near(&self, problem: Problem, scope: usize, name: &str, meaning: Meaning) -> Problem {
+        if let Meaning::Argument = meaning {
+            return problem.meant(name, self.arguments.keys().map(String::as_str));
+        }
+        if self.symbols.find(scope, &format!("**{name}")).is_some() {
+            let meant = format!(
+                "<xacro:property name=\"{name}\"> has no attribute 'value', so that it is a block"
+            );
+            let meant = Some(meant);
+            return Problem { meant, ..problem };
+        }
+        let own = self
+            .symbols
+            .names(scope)
+            .filter(|own| !own.starts_with('*'));
+        problem.meant(name, own.chain(functions::globals()))
     }
 
     /// What stands in `$(…)`.
@@ -188,6 +210,7 @@ impl<'f> Texts<'f> {
                     ..self
                         .sources
                         .problem(format!("the argument '{name}' has no value"))
+                        .meant(name, self.arguments.keys().map(String::as_str))
                 })
             }
             ["find", package] => self.sources.package(package),

@@ -1,0 +1,176 @@
+//! Slips of the pen, one at a time, and the word that the advice must give: names in xacro, keys
+//! and values of settings, angles in degrees.
+
+use super::people::{findings, write};
+use super::*;
+
+/// A cart in xacro.
+const CART: &str = "<robot name='cart' xmlns:xacro='http://www.ros.org/wiki/xacro'>
+<xacro:arg name='prefix' default='my_'/>
+<xacro:arg name='with_arm' default='true'/>
+<xacro:property name='wheel_radius' value='0.1'/>
+<xacro:property name='wheel_width' value='0.04'/>
+<xacro:macro name='box_inertial' params='mass x y z'>
+  <inertial><mass value='${mass}'/><inertia ixx='${mass*(y*y+z*z)/12}' iyy='${mass*(x*x+z*z)/12}'
+    izz='${mass*(x*x+y*y)/12}' ixy='0' ixz='0' iyz='0'/></inertial>
+</xacro:macro>
+<xacro:macro name='wheel' params='side reflect:=1 *origin'>
+  <link name='$(arg prefix)${side}_wheel'>
+    <xacro:box_inertial mass='1.5' x='0.2' y='0.04' z='0.2'/>
+    <collision><origin rpy='${radians(90)} 0 0'/>
+      <geometry><cylinder radius='${wheel_radius}' length='${wheel_width}'/></geometry></collision>
+  </link>
+  <joint name='${side}_joint' type='continuous'><parent link='base_link'/>
+    <child link='$(arg prefix)${side}_wheel'/><xacro:insert_block name='origin'/><axis xyz='0 1 0'/></joint>
+</xacro:macro>
+<link name='base_link'><xacro:box_inertial mass='10' x='0.5' y='0.3' z='0.1'/>
+  <collision><geometry><box size='0.5 0.3 0.1'/></geometry></collision></link>
+<xacro:wheel side='left'><origin xyz='0 0.2 0'/></xacro:wheel>
+<xacro:wheel side='right' reflect='-1'><origin xyz='0 -0.2 0'/></xacro:wheel>
+<xacro:if value='$(arg with_arm)'>
+  <link name='arm'><xacro:box_inertial mass='1' x='0.1' y='0.1' z='0.3'/></link>
+  <joint name='shoulder' type='revolute'><parent link='base_link'/><child link='arm'/>
+    <origin xyz='0 0 0.1' rpy='0 0 1'/><axis xyz='0 1 0'/>
+    <limit lower='-1' upper='1' effort='10' velocity='2'/></joint>
+</xacro:if>
+</robot>";
+
+const SETTINGS: &str = "[robot]
+base = \"fixed\"
+[[actuator]]
+joint = \"shoulder\"
+[initial]
+xyz = [0, 0, 0.5]
+[outputs]
+links = [\"*\"]
+";
+
+/// What stands in one of the files, what a hand writes, and what the advice says.
+const SLIPS: [[&str; 3]; 23] = [
+    [
+        "<xacro:box_inertial mass='10'",
+        "<xacro:box_inertal mass='10'",
+        "did you mean 'box_inertial'?",
+    ],
+    [
+        "<xacro:box_inertial mass='10'",
+        "<xacro:BoxInertial mass='10'",
+        "did you mean 'box_inertial'?",
+    ],
+    [
+        "length='${wheel_width}'",
+        "length='${wheel_widht}'",
+        "did you mean 'wheel_width'?",
+    ],
+    [
+        "length='${wheel_width}'",
+        "length='${Wheel_Width}'",
+        "did you mean 'wheel_width'?",
+    ],
+    ["radians(90)", "radian(90)", "did you mean 'radians'?"],
+    [
+        "$(arg with_arm)",
+        "$(arg witharm)",
+        "did you mean 'with_arm'?",
+    ],
+    [
+        "<xacro:property name='wheel_width' value='0.04'/>",
+        "<xacro:propery name='wheel_width' value='0.04'/>",
+        "did you mean 'property'?",
+    ],
+    [
+        "<xacro:insert_block name",
+        "<xacro:insert_blok name",
+        "did you mean 'insert_block'?",
+    ],
+    [
+        "insert_block name='origin'",
+        "insert_block name='orign'",
+        "did you mean 'origin'?",
+    ],
+    ["reflect='-1'", "reflekt='-1'", "did you mean 'reflect'?"],
+    ["mass='10' x=", "mas='10' x=", "did you mean 'mass'?"],
+    [
+        "name='wheel_width' value",
+        "name='wheel_width' vale",
+        "has no attribute 'value'",
+    ],
+    [
+        "default='my_'",
+        "defualt='my_'",
+        "did you mean 'default' by 'defualt'?",
+    ],
+    [
+        "name='wheel' params",
+        "name='wheel' param",
+        "did you mean 'params' by 'param'?",
+    ],
+    ["rpy='0 0 1'", "rpy='0 0 90'", "90 degrees are 1.5708"],
+    [
+        "lower='-1' upper='1'",
+        "lower='-90' upper='90'",
+        "90 degrees are 1.5708",
+    ],
+    [
+        "<origin xyz='0 0 0.1' rpy='0 0 1'/>",
+        "<pose xyz='0 0 0.1' rpy='0 0 1'/>",
+        "did you mean 'origin'?",
+    ],
+    [
+        "base = \"fixed\"",
+        "base = fixed",
+        "a text stands in quotes: \"fixed\"",
+    ],
+    [
+        "base = \"fixed\"",
+        "self_collision = True",
+        "TOML writes it true",
+    ],
+    ["base = \"fixed\"", "self_collision = yes", "write true"],
+    [
+        "[[actuator]]",
+        "[[object]]\nurdf = \"a\"\n[[actuator]]",
+        "write [[world.object]]",
+    ],
+    ["links = ", "link = ", "did you mean 'links'?"],
+    ["[outputs]", "[output]", "did you mean 'outputs'?"],
+];
+
+#[test]
+fn slips_are_told_with_the_word_that_was_meant() {
+    let folder = tempfile::tempdir().unwrap();
+    let check = |slip: [&str; 2], arguments: &[&str]| {
+        let robot = write(
+            folder.path(),
+            "r.urdf.xacro",
+            CART.replacen(slip[0], slip[1], 1),
+        );
+        let config = write(
+            folder.path(),
+            "r.toml",
+            SETTINGS.replacen(slip[0], slip[1], 1),
+        );
+        let all = [arguments, &["--config", text(&config)]].concat();
+        findings(&robot, &all).1
+    };
+    let advice = |list: &[Value]| -> Vec<String> {
+        let serious = list.iter().filter(|finding| finding["severity"] != "note");
+        let help = |finding: &Value| finding["help"].as_str().unwrap_or_default().to_owned();
+        serious.map(help).collect()
+    };
+    assert_eq!(advice(&check(["", ""], &[])), [""; 0], "the sound robot");
+    for [old, new, word] in SLIPS {
+        assert!(CART.contains(old) || SETTINGS.contains(old), "{old}");
+        let list = check([old, new], &[]);
+        let told = advice(&list);
+        assert!(
+            told.iter().any(|help| help.contains(word)),
+            "{new}: {told:?}"
+        );
+    }
+    // An argument that nobody asks for would change nothing, and nobody would say so.
+    let told = advice(&check(["", ""], &["with_amr:=false"]));
+    assert_eq!(told, ["did you mean 'with_arm'?"]);
+    let told = advice(&check(["", ""], &["with_arm:=true"]));
+    assert_eq!(told, [""; 0]);
+}
