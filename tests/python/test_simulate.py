@@ -91,6 +91,7 @@ def test_a_urdf_is_simulated_by_way_of_its_fmu(command, examples, tmp_path):
     ("", "empty"),
     ("t,x\n0,1\n", "first column must be 'time'"),
     ("time,cmd.head_jont.velocity\n0,1\n", "did you mean 'cmd.head_joint.velocity'?"),
+    ("time,head_joint\n0,1\n", "did you mean 'cmd.head_joint.velocity'?"),
     ("time,joint.head_joint.velocity\n0,1\n", "not an input or a tunable parameter, but an output"),
     ("time,cmd.head_joint.velocity\n0,1\n1,fast\n", "line 3, column 2 ('cmd.head_joint.velocity'): 'fast'"),
     ("time,cmd.head_joint.velocity\n0,1\n1\n", "line 3: 1 values, but line 1 names 2 columns"),

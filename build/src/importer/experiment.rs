@@ -170,15 +170,15 @@ fn find<'d>(
             variable.causality
         )),
         None => {
-            let names = description.variables.iter().filter(|v| fit(v));
-            let nearest = names
-                .map(|v| (strsim::damerau_levenshtein(&v.name, name), &v.name))
-                .min();
-            let hint = match nearest {
-                Some((distance, nearest)) if distance <= 3 + name.len() / 3 => {
-                    format!("; did you mean '{nearest}'?")
-                }
-                _ => "; urdf2fmu info --variables lists all".to_owned(),
+            let names = || description.variables.iter().filter(|v| fit(v));
+            let distance = |name: &str, v: &Variable| strsim::damerau_levenshtein(&v.name, name);
+            let nearest = names().min_by_key(|v| (distance(name, v), v.name.clone()));
+            let near = nearest.filter(|v| distance(name, v) <= (name.len() / 3).clamp(1, 8));
+            // A part of a name, such as that of a joint.
+            let part = |v: &&Variable| name.len() > 2 && v.name.contains(name);
+            let hint = match near.or_else(|| names().find(part)) {
+                Some(meant) => format!("; did you mean '{}'?", meant.name),
+                None => "; urdf2fmu info --variables lists all".to_owned(),
             };
             Err(format!("there is no variable '{name}'{hint}"))
         }

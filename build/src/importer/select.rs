@@ -71,9 +71,15 @@ fn nearest(names: &[String], pattern: &Pattern) -> Vec<String> {
         };
         let Some(suggested) = suggested else { continue };
         let distance = strsim::damerau_levenshtein(text, &suggested);
-        if distance <= 3 + text.chars().count() / 3 && !near.iter().any(|(_, s)| *s == suggested) {
+        let most = (text.chars().count() / 3).clamp(1, 8);
+        if distance <= most && !near.iter().any(|(_, s)| *s == suggested) {
             near.push((distance, suggested));
         }
+    }
+    // A part of names, such as that of a joint.
+    if near.is_empty() && text.len() > 2 {
+        let with_it = names.iter().filter(|name| name.contains(text.as_str()));
+        near.extend(with_it.map(|name| (0, name.clone())));
     }
     // Of equally near ones the first in the table.
     near.sort_by_key(|(distance, _)| *distance);
@@ -143,6 +149,18 @@ mod tests {
             "--output-variable: there is no output or input 'base.position.w'; \
              did you mean 'base.position.x' or 'base.position.y'?"
         );
-        assert!(message("something else").ends_with("urdf2fmu info --variables lists all"));
+        // What is far from all is not guessed; a part of names is found.
+        for far in ["something else", "nope", "x"] {
+            let message = message(far);
+            assert!(
+                message.ends_with("urdf2fmu info --variables lists all"),
+                "{message}"
+            );
+        }
+        assert_eq!(
+            message("right"),
+            "--output-variable: there is no output or input 'right'; \
+             did you mean 'joint.right.position'?"
+        );
     }
 }
