@@ -39,6 +39,17 @@ class Running:
         return said
 
 
+    def stop(self):
+        """Ends it, however it is. What is killed leaves its temporary folder, so it is asked first."""
+        if self.process.poll() is None:
+            self.process.terminate()
+        try:
+            self.process.communicate(timeout=20)
+        except subprocess.TimeoutExpired:
+            self.process.kill()
+            self.process.communicate()
+
+
 @pytest.fixture
 def view():
     made = []
@@ -49,9 +60,7 @@ def view():
 
     yield start
     for running in made:
-        if running.process.poll() is None:
-            running.process.kill()
-        running.process.communicate()
+        running.stop()
 
 
 @pytest.fixture(scope="module")
