@@ -8,7 +8,7 @@ use crate::model::{ActuatorId, ActuatorMode, LinkId, Model};
 use crate::state::Physical;
 use crate::step::point::{Context, Point};
 use crate::tree::Tree;
-use crate::tuning::{FRICTION_DEFLECTION, MOTOR_DEFLECTION, TURN_DEFLECTION};
+use crate::tuning::{FRICTION_DEFLECTION, MOTOR_DEFLECTION, SLIP_NOMINAL, TURN_DEFLECTION};
 
 /// What of a state's element is remembered.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -164,7 +164,7 @@ impl Remembered {
     pub fn nominals<'a>(&'a self, model: &'a Model) -> impl Iterator<Item = f64> + 'a {
         self.elements.iter().flat_map(|element| {
             let nominal = match element.what {
-                Relaxing::Slip => model.contact.penetration,
+                Relaxing::Slip => SLIP_NOMINAL * model.contact.penetration,
                 Relaxing::Turn => TURN_DEFLECTION,
                 Relaxing::Motor(_) => MOTOR_DEFLECTION,
                 Relaxing::Dry(_) => FRICTION_DEFLECTION,

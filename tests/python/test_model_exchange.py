@@ -53,6 +53,20 @@ def test_r2d2_drives_as_in_co_simulation(r2d2):
     assert off[:3].max() < 1e-3 and off[3:].max() < 2e-3, off
 
 
+def test_r2d2_drives_as_in_co_simulation_at_any_tolerance_near_by(r2d2):
+    """Within 1 mm whatever the errors are by chance: six tolerances from 5e-5 to 2e-4. Where the nominal value of
+    friction's displacement was that at its cap, the worst was 1.4 mm off, and 1.5 mm off Model Exchange at 1e-8."""
+    table = commanded(fmpy.read_model_description(str(r2d2[2])), [(0, 1, 0, 0), (1, 3, 10.003, 10.003)])
+    names = [f"base.position.{axis}" for axis in "xyz"]
+    ends = {}
+    for kind, tolerance in [("CoSimulation", 1e-4), *(("ModelExchange", k * 1e-5) for k in (5, 8, 10, 12, 16, 20))]:
+        result = run(r2d2[2], kind, tolerance, input=table, output=names, stop_time=3)
+        ends[tolerance, kind] = np.array([result[name][-1] for name in names])
+    truth = ends.pop((1e-4, "CoSimulation"))
+    off = [np.abs(end - truth).max() for end in ends.values()]
+    assert max(off) < 1e-3, off
+
+
 def test_integrators_come_to_an_end_at_the_tolerance_of_the_fmu(examples, export):
     """Who names no tolerance gets that of the default experiment. At 1e-3 CVODE gives up on the quadruped at 0.02 s."""
     settings = next(examples.rglob("quadruped.toml")).read_text()
@@ -310,7 +324,7 @@ def test_view_and_report_run_a_model_exchange_fmu(pybullet_data, export, command
         viewer.close()
         said = running.end()
     finally:
-        running.process.kill()
+        running.stop()
     assert "error" not in said, said
     driven = read_csv(record)
     assert driven["time"][-1] > 0.5 and abs(driven["base.position.y"][-1]) > 0.01, driven["base.position.y"]
