@@ -87,6 +87,7 @@ pub fn read(
         text,
         mut notes,
         packages,
+        origins,
         lone,
     } = match xacro::expand(path, arguments, options) {
         Ok(expanded) => expanded,
@@ -98,14 +99,21 @@ pub fn read(
     }
     let mut options = options.clone();
     options.packages.extend(packages);
+    let tell = |findings: &mut [Diagnostic]| {
+        if let Some(origins) = &origins {
+            origins.tell(&name, findings);
+        }
+    };
     match urdf::read_str(&text, &name, folder, &options) {
         Ok(mut description) => {
             description.sources.insert(0, path.to_owned());
+            tell(&mut description.diagnostics);
             description.diagnostics.splice(0..0, notes);
             Ok((description, Some(text)))
         }
         Err(mut findings) => {
             xacro::name_includers(path, &mut findings);
+            tell(&mut findings);
             findings.splice(0..0, notes);
             Err(findings)
         }
@@ -162,6 +170,7 @@ fn unexpanded(
     let mut more = more.err().unwrap_or_default();
     more.retain(told);
     if !more.is_empty() {
+        rest.origins.tell(name, &mut more);
         findings.push(rest.note);
         findings.append(&mut more);
     }

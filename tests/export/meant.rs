@@ -174,3 +174,32 @@ fn slips_are_told_with_the_word_that_was_meant() {
     let told = advice(&check(["", ""], &["with_arm:=true"]));
     assert_eq!(told, [""; 0]);
 }
+
+/// The line of an expanded text is in no file of the user's: the advice names that which is.
+#[test]
+fn findings_in_an_expanded_text_say_where_it_is_written() {
+    let folder = tempfile::tempdir().unwrap();
+    let macros = "<robot xmlns:xacro='x'>\n<xacro:macro name='leg' params='name mass *at'>\n\
+        <link name='${name}'><inertial>\n<mass value='${mass}'/>\n\
+        <inertia ixx='1' ixy='0' ixz='0' iyy='1' iyz='0' izz='1'/></inertial></link>\n\
+        <joint name='${name}_joint' type='revolute'><parent link='body'/><child link='${name}'/>\n\
+        <xacro:insert_block name='at'/><limit lower='-1' upper='1' effort='1' velocity='1'/></joint>\n\
+        </xacro:macro></robot>";
+    let robot = "<robot name='r' xmlns:xacro='x'>\n<xacro:include filename='macros.xacro'/>\n\
+        <link name='body'><inertial><mass value='1'/>\n\
+        <inertia ixx='1' ixy='0' ixz='0' iyy='1' iyz='0' izz='1'/></inertial></link>\n\n\
+        <xacro:leg name='a' mass='1,5'><origin xyz='0 0 1'/></xacro:leg>\n\
+        <xacro:leg name='b' mass='2'>\n  <origin xyz='0 0'/></xacro:leg>\n</robot>";
+    let macros = write(folder.path(), "macros.xacro", macros);
+    let robot = write(folder.path(), "r.urdf.xacro", robot);
+    let (ok, list) = findings(&robot, &[]);
+    let told: Vec<&str> = list
+        .iter()
+        .filter(|finding| finding["severity"] == "error")
+        .filter_map(|finding| finding["help"].as_str()?.lines().next())
+        .collect();
+    // The number in the macro, and the block that stands in the call.
+    let written = |file: &Path, line: u32| format!("it is written in {}:{line}", file.display());
+    assert_eq!(told, [written(&macros, 4), written(&robot, 8)], "{list:?}");
+    assert!(!ok);
+}

@@ -103,6 +103,7 @@ impl<'f> Expansion<'f> {
             attributes,
             children,
             at: element.at,
+            file: element.file.clone(),
             faulty: std::mem::replace(&mut self.faulty, around),
         })
     }

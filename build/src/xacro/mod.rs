@@ -18,6 +18,7 @@ mod functions;
 mod includers;
 mod macros;
 mod numbers;
+mod origins;
 mod parameter;
 mod parse;
 mod problem;
@@ -32,6 +33,7 @@ mod yaml;
 pub use command::urdf_name;
 
 use expand::Expansion;
+use origins::Origins;
 use problem::Lacking;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -50,6 +52,8 @@ pub struct Expanded {
     pub notes: Vec<Diagnostic>,
     /// Packages that the files name.
     pub packages: Vec<(String, PathBuf)>,
+    /// Where its lines are written; none of what the xacro command has expanded.
+    pub origins: Option<Origins>,
     /// Why it is no robot, where the file only defines macros for others.
     pub lone: Option<Box<Diagnostic>>,
 }
@@ -74,6 +78,8 @@ pub struct Rest {
     pub whole: bool,
     /// Packages that the files name.
     pub packages: Vec<(String, PathBuf)>,
+    /// Where its lines are written.
+    pub origins: Origins,
     /// That lines are those of the text.
     pub note: Diagnostic,
 }
@@ -158,11 +164,17 @@ pub fn expand(
         ))];
         notes.extend(findings::unasked(arguments, &expansion.texts));
         let names = expansion.macro_names();
+        let written = tree::write(root);
+        let origins = Origins {
+            lines: written.origins,
+            texts: sources.read.clone(),
+        };
         let lone = root.elements().all(|element| element.name != "link") && !names.is_empty();
         return Ok(Expanded {
-            text: tree::write(root),
+            text: written.text,
             notes,
             packages: packages.into_iter().collect(),
+            origins: Some(origins),
             lone: lone.then(|| Box::new(only_macros(path, &names))),
         });
     }
@@ -187,16 +199,22 @@ pub fn expand(
                 "expanded by the xacro command: lines are those of the expanded text, see {shown}"
             ))],
             packages: packages.into_iter().collect(),
+            origins: None,
             lone: None,
         });
     }
     Err(Box::new(Refused {
         findings: findings::all(path, arguments, &expansion.texts, problems),
         rest: root.map(|root| {
-            let (text, faulty) = tree::write_marked(&root);
+            let written = tree::write(&root);
+            let origins = Origins {
+                lines: written.origins,
+                texts: expansion.texts.sources.read.clone(),
+            };
             Rest {
-                text,
-                faulty,
+                text: written.text,
+                faulty: written.faulty,
+                origins,
                 whole: expansion.whole,
                 packages: packages.into_iter().collect(),
                 note: note(

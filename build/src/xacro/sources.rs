@@ -109,7 +109,7 @@ impl<'f> Sources<'f> {
     /// The root element of a file, and what is wrong with its text.
     pub fn root(&mut self, path: &Path) -> Done<(Element, Vec<Problem>)> {
         let text = self.text(path)?;
-        let (root, wrong) = tree::parse(&text);
+        let (root, wrong) = tree::parse(&text, path);
         let problem = |wrong: tree::Wrong| Problem {
             file: path.to_owned(),
             at: wrong.at,

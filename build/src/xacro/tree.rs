@@ -5,6 +5,7 @@ use quick_xml::escape;
 use quick_xml::events::{BytesStart, Event};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
+use std::path::Path;
 use std::rc::Rc;
 
 /// Elements within each other that are read.
@@ -30,6 +31,8 @@ pub struct Element {
     pub children: Vec<Node>,
     /// Where its tag starts in its file, bytes.
     pub at: usize,
+    /// The file in which it is written.
+    pub file: Option<Rc<Path>>,
     /// Whether something of it could not be expanded and is left out.
     pub faulty: bool,
 }
@@ -91,7 +94,14 @@ impl Wrong {
 /// The root element of a text, and what is wrong with it. What is no XML is read as it may be
 /// meant: a tag that is not closed ends with the one around it, an attribute without quotes ends at
 /// the next space.
-pub fn parse(text: &str) -> (Option<Element>, Vec<Wrong>) {
+///
+/// - `file`: the name of the text
+pub fn parse(text: &str, file: &Path) -> (Option<Element>, Vec<Wrong>) {
+    let file: Rc<Path> = file.into();
+    let element = |tag: &BytesStart, at: usize, wrong: &mut Vec<Wrong>| Element {
+        file: Some(Rc::clone(&file)),
+        ..element(tag, at, wrong)
+    };
     let mut reader = Reader::from_str(text);
     reader.config_mut().check_end_names = false;
     reader.config_mut().allow_unmatched_ends = true;
@@ -240,72 +250,94 @@ fn element(tag: &BytesStart, at: usize, wrong: &mut Vec<Wrong>) -> Element {
         attributes,
         children: Vec::new(),
         at,
+        file: None,
         faulty: wrong.len() > before,
     }
 }
 
+/// The text of a document.
+#[derive(Debug, Default)]
+pub struct Written {
+    pub text: String,
+    /// Lines in which elements begin that are not whole, with their names.
+    pub faulty: BTreeMap<usize, String>,
+    /// File and place there, bytes, of the elements that begin in lines.
+    pub origins: BTreeMap<usize, (Rc<Path>, usize)>,
+    /// Lines of the text up to a place.
+    counted: (usize, usize),
+}
+
 /// The text of a document, two spaces for each level, attributes sorted as the xacro command does.
-pub fn write(root: &Element) -> String {
-    write_marked(root).0
+pub fn write(root: &Element) -> Written {
+    let mut written = Written::default();
+    let head = "<?xml version=\"1.0\" ?>\n<!-- expanded from xacro -->\n";
+    written.text.push_str(head);
+    written.element(root, 0);
+    written
 }
 
-/// The text of a document, and the lines in which elements begin that are not whole, with their
-/// names.
-pub fn write_marked(root: &Element) -> (String, BTreeMap<usize, String>) {
-    let mut out = String::from("<?xml version=\"1.0\" ?>\n<!-- expanded from xacro -->\n");
-    let mut faulty = BTreeMap::new();
-    write_element(root, 0, &mut out, &mut faulty);
-    (out, faulty)
-}
+impl Written {
+    /// The line that is written to, from 1.
+    fn line(&mut self) -> usize {
+        let (lines, at) = self.counted;
+        let more = self.text[at..]
+            .bytes()
+            .filter(|byte| *byte == b'\n')
+            .count();
+        self.counted = (lines + more, self.text.len());
+        lines + more + 1
+    }
 
-fn write_element(
-    element: &Element,
-    depth: usize,
-    out: &mut String,
-    faulty: &mut BTreeMap<usize, String>,
-) {
-    if element.faulty {
-        faulty.insert(out.split('\n').count(), element.name.clone());
-    }
-    let indent = "  ".repeat(depth);
-    out.push_str(&indent);
-    out.push('<');
-    out.push_str(&element.name);
-    let mut attributes: Vec<_> = element.attributes.iter().collect();
-    attributes.sort();
-    for (name, value) in attributes {
-        out.push(' ');
-        out.push_str(name);
-        out.push_str("=\"");
-        out.push_str(&escape::escape(value.as_str()));
-        out.push('"');
-    }
-    let blank = |node: &&Node| matches!(node, Node::Text(text) if text.trim().is_empty());
-    let children: Vec<&Node> = element
-        .children
-        .iter()
-        .filter(|node| !blank(node))
-        .collect();
-    match children[..] {
-        [] => out.push_str("/>\n"),
-        [Node::Text(text)] => {
-            out.push('>');
-            out.push_str(&escape::escape(text.as_str()));
-            _ = writeln!(out, "</{}>", element.name);
+    fn element(&mut self, element: &Element, depth: usize) {
+        let line = self.line();
+        if element.faulty {
+            self.faulty.insert(line, element.name.clone());
         }
-        _ => {
-            out.push_str(">\n");
-            for child in children {
-                match child {
-                    Node::Element(child) => write_element(child, depth + 1, out, faulty),
-                    Node::Text(text) => {
-                        out.push_str(&"  ".repeat(depth + 1));
-                        out.push_str(&escape::escape(text.trim()));
-                        out.push('\n');
+        if let Some(file) = &element.file {
+            self.origins.insert(line, (Rc::clone(file), element.at));
+        }
+        let indent = "  ".repeat(depth);
+        let out = &mut self.text;
+        out.push_str(&indent);
+        out.push('<');
+        out.push_str(&element.name);
+        let mut attributes: Vec<_> = element.attributes.iter().collect();
+        attributes.sort();
+        for (name, value) in attributes {
+            out.push(' ');
+            out.push_str(name);
+            out.push_str("=\"");
+            out.push_str(&escape::escape(value.as_str()));
+            out.push('"');
+        }
+        let blank = |node: &&Node| matches!(node, Node::Text(text) if text.trim().is_empty());
+        let children: Vec<&Node> = element
+            .children
+            .iter()
+            .filter(|node| !blank(node))
+            .collect();
+        match children[..] {
+            [] => out.push_str("/>\n"),
+            [Node::Text(text)] => {
+                out.push('>');
+                out.push_str(&escape::escape(text.as_str()));
+                _ = writeln!(out, "</{}>", element.name);
+            }
+            _ => {
+                out.push_str(">\n");
+                for child in children {
+                    match child {
+                        Node::Element(child) => self.element(child, depth + 1),
+                        Node::Text(text) => {
+                            let out = &mut self.text;
+                            out.push_str(&"  ".repeat(depth + 1));
+                            out.push_str(&escape::escape(text.trim()));
+                            out.push('\n');
+                        }
                     }
                 }
+                _ = writeln!(self.text, "{indent}</{}>", element.name);
             }
-            _ = writeln!(out, "{indent}</{}>", element.name);
         }
     }
 }

@@ -1,0 +1,40 @@
+//! Where the lines of an expanded text come from: findings of later stages are about that text,
+//! and who mends them needs the file that was written by hand.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::rc::Rc;
+use urdf2fmu_core::diagnostic::Diagnostic;
+
+/// The files of an expansion, and what of them stands in which line.
+#[derive(Debug)]
+pub struct Origins {
+    /// File and place there, bytes, of the element that begins in a line.
+    pub(super) lines: BTreeMap<usize, (Rc<Path>, usize)>,
+    /// Texts of the files.
+    pub(super) texts: BTreeMap<PathBuf, Rc<str>>,
+}
+
+impl Origins {
+    /// Adds to findings in the expanded text, which is called `name`, where it is written.
+    pub fn tell(&self, name: &str, findings: &mut [Diagnostic]) {
+        for finding in findings {
+            let place = finding.place.as_ref().filter(|place| place.file == name);
+            let Some(written) = place.and_then(|place| self.written(place.line)) else {
+                continue;
+            };
+            finding.help = Some(match finding.help.take() {
+                Some(help) => format!("{written}\n{help}"),
+                None => written,
+            });
+        }
+    }
+
+    fn written(&self, line: usize) -> Option<String> {
+        let (_, (file, at)) = self.lines.range(..=line).next_back()?;
+        let text = self.texts.get(file.as_ref())?;
+        let before = text.as_bytes().get(..*at)?;
+        let line = 1 + before.iter().filter(|byte| **byte == b'\n').count();
+        Some(format!("it is written in {}:{line}", file.display()))
+    }
+}
