@@ -194,8 +194,11 @@ fn limit(scope: &mut Scope, node: Node, kind: JointKind) -> Limit {
     if !limited {
         return (None, effort, velocity);
     }
-    if kind == JointKind::Revolute {
-        angles::limits(scope, child, [lower, upper]);
+    if kind == JointKind::Revolute
+        && let Some((name, message)) = angles::limits([lower, upper])
+        && let Some(attribute) = child.attribute(name)
+    {
+        scope.warning("U035", attribute.at.clone(), &message, angles::HELP);
     }
     (range(scope, child, lower, upper), effort, velocity)
 }

@@ -261,7 +261,9 @@ impl<'r, 'a> Scope<'r, 'a> {
                 self.within(origin, name, value, physical::Range::Position);
             }
         }
-        angles::attitude(self, origin, rpy.into());
+        if let (Some(message), Some(a)) = (angles::attitude(rpy.into()), origin.attribute("rpy")) {
+            self.warning("U035", a.at.clone(), &message, angles::HELP);
+        }
         if let Some(attribute) = origin.attribute("quat_xyzw") {
             if self.version < Version(1, 1) {
                 let help = "write <robot version=\"1.1\"> or use rpy";

@@ -163,8 +163,8 @@ fn finding(
     }
 }
 
-/// Warnings of arguments that are given and that no file asks for: a name that is wrong would change
-/// nothing.
+/// Warnings of arguments that are given and that no file asks for: a name that is wrong would
+/// change nothing.
 pub(super) fn unasked(arguments: &[String], texts: &Texts) -> Vec<Diagnostic> {
     let read = || texts.sources.read.values();
     let mut asked: BTreeSet<String> = read().flat_map(|text| declared_arguments(text)).collect();

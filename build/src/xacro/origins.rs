@@ -33,8 +33,7 @@ impl Origins {
     fn written(&self, line: usize) -> Option<String> {
         let (_, (file, at)) = self.lines.range(..=line).next_back()?;
         let text = self.texts.get(file.as_ref())?;
-        let before = text.as_bytes().get(..*at)?;
-        let line = 1 + before.iter().filter(|byte| **byte == b'\n').count();
+        let line = text.get(..*at)?.split('\n').count();
         Some(format!("it is written in {}:{line}", file.display()))
     }
 }
