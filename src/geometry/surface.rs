@@ -221,9 +221,9 @@ impl Surface {
         index
     }
 
-    /// The same where it ends beside other terrain in which it goes on, if there is such an edge: it
-    /// is a seam then, and nothing can lie on it or run against it. `goes_on` tells whether other
-    /// terrain carries a point of this one, with about its normal.
+    /// The same where it ends beside other terrain in which it goes on, if there is such an edge:
+    /// it is a seam then, and nothing can lie on it or run against it. `goes_on` tells whether
+    /// other terrain carries a point of this one, with about its normal.
     pub fn beside(&self, goes_on: impl Fn(&Vec3, &Vec3) -> bool) -> Option<Self> {
         let seams = seams::beside((&self.facets, &self.crests), goes_on);
         let mut joined = (!seams.is_empty()).then(|| self.clone())?;

@@ -11,7 +11,6 @@ use crate::state::State;
 use crate::step::attempt::Attempt;
 use crate::step::caps;
 use crate::step::closing::Closing;
-use crate::step::ends::By;
 use crate::step::explicit::{self, Explicit};
 use crate::step::fixed::{self, Fixed, Methods, Outcome, Part};
 use crate::step::flight::Flight;
@@ -20,6 +19,7 @@ use crate::step::islands::{Islands, is_moved};
 use crate::step::point::{Context, Point};
 use crate::step::size::{self, Standing, Tried, Verdict, Way, grown, implicit_factor, landing};
 use crate::step::stages::Stages;
+use crate::step::stages::finish::By;
 use crate::tree::Tree;
 use crate::tuning::{BALANCE, FIXED_ACCURACY, FLOOR_TOLERANCE, GUESS, GUESSES, MAX_STEP, MIN_STEP};
 

@@ -4,30 +4,9 @@ use crate::state::State;
 use crate::step::driver::{Stepper, Stop};
 use crate::step::guards;
 use crate::step::point::Context;
-use crate::step::stages::{self, secants::Ending};
+use crate::step::stages::finish::By;
+use crate::step::stages::secants::Ending;
 use crate::tuning::{CONTROLLED_GAIN, HIT};
-
-/// What a step is taken by.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum By {
-    /// Both stages.
-    Stages,
-    /// The first of them, where it ends.
-    FirstStage,
-    /// One solve over all of it.
-    OneSolve,
-}
-
-impl By {
-    /// Length of the step, s, of one of `h` seconds that has been solved.
-    pub(super) fn length(self, h: f64) -> f64 {
-        if self == Self::FirstStage {
-            stages::GAMMA * h
-        } else {
-            h
-        }
-    }
-}
 
 impl Stepper {
     /// Enters a try, and refuses it where there have been too many.

@@ -37,16 +37,16 @@
 //! stage of the last step. So a motor that gets a new command at each step finds its transient.
 //!
 //! What it errs by is in [`estimate`]. Where that is too much, the first stage alone may be good:
-//! it is an implicit Euler step of `γ h`. A limb that comes to its limit rests there at its end; the
-//! second stage begins from where the first one leads by `1 + √2` of its change, a rebound, and a
-//! limit does not pull.
+//! it is an implicit Euler step of `γ h`. A limb that comes to its limit rests there at its end;
+//! the second stage begins where `1 + √2` of the first one's change leads, which is a rebound, and
+//! a limit does not pull.
 //!
 //! Source: Alexander 1977.
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
 mod estimate;
-mod finish;
+pub(super) mod finish;
 mod regimes;
 pub(super) mod secants;
 
@@ -68,7 +68,7 @@ use crate::tuning::{
 use std::f64::consts::SQRT_2;
 
 /// `γ`.
-pub(super) const GAMMA: f64 = 1.0 - 0.5 * SQRT_2;
+const GAMMA: f64 = 1.0 - 0.5 * SQRT_2;
 
 /// Time of each stage from the middle, in halves of the step.
 const DRIFT: [f64; 2] = [2.0 * GAMMA - 1.0, 1.0];

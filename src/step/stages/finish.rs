@@ -8,6 +8,28 @@ use crate::step::point::{Context, Point};
 use crate::step::{coast, guards};
 use std::f64::consts::SQRT_2;
 
+/// What a step is taken by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::step) enum By {
+    /// Both stages.
+    Stages,
+    /// The first of them, where it ends.
+    FirstStage,
+    /// One solve over all of it.
+    OneSolve,
+}
+
+impl By {
+    /// Length of the step, s, of one of `h` seconds that has been solved.
+    pub(in crate::step) fn length(self, h: f64) -> f64 {
+        if self == Self::FirstStage {
+            GAMMA * h
+        } else {
+            h
+        }
+    }
+}
+
 impl Stages {
     /// Work of motors and external wrenches over the step of `h` seconds, J.
     pub fn work(&self, ctx: &Context, h: f64) -> f64 {
