@@ -6,6 +6,7 @@
 mod channels;
 mod closures;
 mod derivative;
+mod held;
 mod links;
 mod pair;
 mod sample;
@@ -52,7 +53,11 @@ pub struct Readout {
     vdot: Vec<f64>,
     /// Accelerations of the bodies about O, world axes; filled by [`Self::body_accelerations`].
     A: Vec<Vec6>,
-    /// Factor of the mass matrix; scratch of [`Self::accelerations`].
+    /// Accelerations in the later part of the last step, and what these are off by; scratch of
+    /// [`Self::hold_motors`].
+    late: Vec<f64>,
+    off: Vec<f64>,
+    /// Factor of the mass matrix, with stiff motors; scratch of [`Self::accelerations`].
     factor: Vec<f64>,
     /// Forces of closed loops, one a row; filled by [`Self::accelerations`], and its scratch.
     loops: Vec<f64>,
@@ -76,7 +81,7 @@ pub struct Readout {
 }
 
 #[cfg(test)]
-crate::spoil::spoil!(Readout: point vdot A factor loops closed sensors sampler; known rpy energies named states derivatives);
+crate::spoil::spoil!(Readout: point vdot A late off factor loops closed sensors sampler; known rpy energies named states derivatives);
 
 impl Readout {
     /// Buffers for a robot.
@@ -88,6 +93,8 @@ impl Readout {
             point: Point::new(model, tree),
             vdot: vec![0.0; model.nv()],
             A: vec![[0.0; 6]; tree.bodies.len()],
+            late: vec![0.0; model.nv()],
+            off: vec![0.0; model.nv()],
             factor: vec![0.0; tree.sparsity.entries()],
             loops: Vec::with_capacity(Rows::most(tree)),
             closed: Schur::new(tree),
@@ -346,7 +353,7 @@ impl Readout {
         }
     }
 
-    /// `M vdot = tau − k + Jᵀ f` with the forces of this moment.
+    /// `M vdot = tau − k + Jᵀ f` with the forces of this moment, but see [`held`].
     fn accelerations(&mut self, ctx: &Context, state: &State) {
         let tree = ctx.tree;
         let Point { kin, terms, .. } = &mut self.point;
@@ -385,7 +392,8 @@ impl Readout {
         self.factor.copy_from_slice(&kin.M);
         tree.sparsity.factor(&mut self.factor);
         tree.sparsity.solve(&self.factor, &mut self.vdot);
-        let (rows, factor) = (&kin.loops, &self.factor);
+        self.hold_motors(ctx, state);
+        let (rows, factor) = (&self.point.kin.loops, &self.factor);
         if !rows.is_empty() {
             let closed = &mut self.closed;
             closed.factor(tree, rows, |x| tree.sparsity.solve(factor, x));

@@ -39,5 +39,7 @@ mod settle;
 mod size;
 mod stages;
 
+pub use stages::late_acceleration;
+
 #[cfg(test)]
 mod tests;

@@ -79,6 +79,11 @@ fn early(v: f64, a: f64, h: f64) -> f64 {
     v + 0.25 * h * a
 }
 
+/// Mean acceleration of a degree of freedom from the first stage of a step to its end.
+pub fn late_acceleration(trend: &Trend, dof: usize) -> f64 {
+    (trend.whole[dof] - GAMMA * trend.first[dof]) / (1.0 - GAMMA)
+}
+
 /// The method and its scratch.
 #[derive(Clone, Debug)]
 pub(super) struct Stages {

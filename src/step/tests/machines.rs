@@ -213,3 +213,61 @@ fn a_gripper_of_parallelograms_holds_a_block() {
         .sum();
     assert!((load + 0.2 * G).abs() < 1e-3, "{load}");
 }
+
+/// A light crank of 0.3 m that a velocity motor turns at 6 rad/s moves coupler and rocker of 1 m and
+/// 1 kg, 1.2 m beside it. Its acceleration is 0, and that of the rocker is `φ″ ω²` of the angle
+/// `φ(θ)` that two triangles give. What the motor holds at the end of a step is not quite what
+/// balances the mechanism there; a light crank must not show it.
+#[test]
+fn what_a_motor_turns_evenly_has_the_acceleration_of_its_place() {
+    let (r, l, d, omega) = (0.3_f64, 1.0_f64, 1.2_f64, 6.0_f64);
+    let angle = |theta: f64| {
+        let (x, z) = (r * libm::cos(theta) - d, r * libm::sin(theta));
+        let apart = x.hypot(z);
+        libm::atan2(z, x) - libm::acos(0.5 * apart / l)
+    };
+    let bend = |theta: f64| {
+        let by = 1e-4;
+        (angle(theta + by) - 2.0 * angle(theta) + angle(theta - by)) / (by * by)
+    };
+    for (tolerance, step, allowed) in [
+        (1e-3, 0.0, 0.03),
+        (1e-5, 0.0, 0.015),
+        (1e-3, 1.0 / 240.0, 0.03),
+    ] {
+        let mut b = Builder::new(false, RigidInertia::ZERO);
+        let turn = Motion::Revolute(-Y);
+        let rod = inertia(1.0, X * 0.5, [1e-3, 1.0 / 12.0, 1.0 / 12.0]);
+        let light = inertia(0.01, X * 0.15, [1e-6, 1e-4, 1e-4]);
+        let crank = b.link(LinkId(0), Pose::IDENTITY, turn, light);
+        let coupler = b.link(crank, at(r, 0.0, 0.0), turn, rod);
+        let rocker = b.link(LinkId(0), at(d, 0.0, 0.0), turn, rod);
+        let tip = [l, 0.0, 0.0];
+        ball(&mut b, [(Some(coupler), tip), (Some(rocker), tip)]);
+        b.actuator(crank, ActuatorMode::Velocity, 100.0);
+        let phi = angle(0.0);
+        let reach = libm::atan2(l * libm::sin(phi), d - r + l * libm::cos(phi));
+        b.model.initial.joint_positions = vec![0.0, reach, phi];
+        b.model.solver.step_size = step;
+        let mut s = start(b.model, tolerance);
+        s.set_input(InputSlot::Velocity(ActuatorId(0)), omega);
+        run(&mut s, 0.5, 1.0 / 240.0);
+        let (mut worst, mut most) = ([0.0_f64; 2], 0.0_f64);
+        for i in 121..480 {
+            s.advance_to(f64::from(i) / 240.0).expect("finite");
+            let theta = s.state().physical.q[0];
+            let [own, other] = [crank, rocker].map(|link| {
+                let joint = s.model().links[link.index()].joint.expect("a joint");
+                s.output(OutputSlot::JointAcceleration(joint, 0))
+            });
+            let truth = bend(theta) * omega * omega;
+            most = most.max(truth.abs());
+            worst[0] = worst[0].max(own.abs());
+            worst[1] = worst[1].max((other - truth).abs());
+        }
+        assert!(
+            worst.iter().all(|off| *off < allowed * most),
+            "{worst:?} of {most}"
+        );
+    }
+}
