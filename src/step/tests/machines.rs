@@ -214,8 +214,8 @@ fn a_gripper_of_parallelograms_holds_a_block() {
     assert!((load + 0.2 * G).abs() < 1e-3, "{load}");
 }
 
-/// A light crank of 0.3 m that a velocity motor turns at 6 rad/s moves coupler and rocker of 1 m and
-/// 1 kg, 1.2 m beside it. Its acceleration is 0, and that of the rocker is `φ″ ω²` of the angle
+/// A light crank of 0.3 m that a velocity motor turns at 6 rad/s moves coupler and rocker of 1 m
+/// and 1 kg, 1.2 m beside it. Its acceleration is 0, and that of the rocker is `φ″ ω²` of the angle
 /// `φ(θ)` that two triangles give. What the motor holds at the end of a step is not quite what
 /// balances the mechanism there; a light crank must not show it.
 #[test]
