@@ -207,8 +207,10 @@ fn declared_arguments(text: &str) -> BTreeSet<String> {
             .trim_start()
             .strip_prefix('=')?
             .trim_start();
+        // What is searched may be a comment, with quotes of several bytes.
         let quote = value.chars().next()?;
-        Some(value[1..].split(quote).next()?.to_owned())
+        let mut rest = value.split(quote).skip(1);
+        Some(rest.next()?.to_owned())
     });
     names.collect()
 }

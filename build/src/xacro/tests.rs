@@ -56,3 +56,19 @@ fn numbers_at_the_ends_of_their_range_are_told_or_taken() {
     let slice = value_of("[1, 2, 3][1:3:9223372036854775807]");
     assert_eq!(slice.as_deref(), Ok("[2]"));
 }
+
+/// Comments are no XML: their quotes may be of any alphabet. A curly one ended the program, in any
+/// file that could be expanded.
+#[test]
+fn quotes_in_comments_may_be_of_any_alphabet() {
+    let comment = "<!-- <xacro:arg name=\u{201c}a\u{201d}/> or <xacro:arg name=\u{e9}/> -->";
+    let inside = "<xacro:property name='p' value='1'/><link name='a'/>";
+    let text = format!("<robot name='r' xmlns:xacro='x'>{comment}{inside}</robot>");
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("r.xacro");
+    std::fs::write(&file, text).expect("written");
+    let arguments = ["a:=1".to_owned()];
+    let expanded = expand(&file, &arguments, &ReadOptions::default()).expect("expanded");
+    let text = expanded.text;
+    assert!(text.contains("<link name=\"a\"/>"), "{text}");
+}
