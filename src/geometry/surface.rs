@@ -222,10 +222,13 @@ impl Surface {
     }
 
     /// The same where it ends beside other terrain in which it goes on, if there is such an edge:
-    /// it is a seam then, and nothing can lie on it or run against it. `goes_on` tells whether
-    /// other terrain carries a point of this one, with about its normal.
-    pub fn beside(&self, goes_on: impl Fn(&Vec3, &Vec3) -> bool) -> Option<Self> {
-        let seams = seams::beside((&self.facets, &self.crests), goes_on);
+    /// it is a seam then, and nothing can lie on it or run against it. An edge that goes on in part
+    /// stays an end.
+    ///
+    /// - `carried`: adds the parts of a segment, from 0 to 1, that other terrain carries with about
+    ///   the given normal
+    pub fn beside(&self, carried: impl Fn([Vec3; 2], &Vec3, &mut Vec<[f64; 2]>)) -> Option<Self> {
+        let seams = seams::beside((&self.facets, &self.crests), carried);
         let mut joined = (!seams.is_empty()).then(|| self.clone())?;
         for [index, edge] in seams {
             joined.facets[index].crests[edge] = None;
@@ -234,11 +237,15 @@ impl Surface {
         Some(joined)
     }
 
-    /// Whether a point lies on one of its triangles, with about that normal.
-    pub fn carries(&self, p: &Vec3, normal: &Vec3) -> bool {
-        self.is_any_near(p, 2.0 * SEAM, |facet| {
-            facet.carries(p) && (facet.normal - normal).norm() < EVEN_EDGE
-        })
+    /// Adds the parts of a segment, from 0 to 1, that lie on its triangles, with about that normal.
+    pub fn carried(&self, [a, b]: [Vec3; 2], normal: &Vec3, parts: &mut Vec<[f64; 2]>) {
+        let around = 0.5 * (b - a).norm() + 2.0 * SEAM;
+        self.is_any_near(&((a + b) * 0.5), around, |facet| {
+            if (facet.normal - normal).norm() < EVEN_EDGE {
+                parts.extend(facet.carried([a, b]));
+            }
+            false
+        });
     }
 
     /// Its triangles.

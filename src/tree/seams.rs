@@ -35,15 +35,17 @@ impl Tree {
             let Shape::Surface { surface } = shape else {
                 continue;
             };
-            let goes_on = |p: &Vec3, n: &Vec3| {
-                let (p, n) = (X.point(p), X.R * n);
+            let carried = |ends: [Vec3; 2], n: &Vec3, parts: &mut Vec<[f64; 2]>| {
+                let (ends, n) = (ends.map(|p| X.point(&p)), X.R * n);
                 let others = terrain.iter().filter(|(other, ..)| other != place);
-                let mut all = others.chain(has_ground.then_some(&ground));
-                all.any(|(_, X, shape)| carries(shape, &X.inverse().point(&p), &X.R.tr_mul(&n)))
+                for (_, X, shape) in others.chain(has_ground.then_some(&ground)) {
+                    let ends = ends.map(|p| X.inverse().point(&p));
+                    carry(shape, ends, &X.R.tr_mul(&n), parts);
+                }
             };
             // Also where there is no seam: other parameters may have moved it there before.
             let surface = surface
-                .beside(goes_on)
+                .beside(carried)
                 .map_or_else(|| surface.clone(), Arc::new);
             let solid = Solid::new(&Shape::Surface { surface }, 0.0);
             joined.push((*place, Arc::new(solid)));
@@ -54,17 +56,36 @@ impl Tree {
     }
 }
 
-/// Whether a point lies on terrain, with about that normal.
-fn carries(shape: &Shape, p: &Vec3, n: &Vec3) -> bool {
-    let near = |height: f64, normal: &Vec3| {
+/// Adds the parts of a segment, from 0 to 1, that lie on terrain, with about that normal.
+fn carry(shape: &Shape, [a, b]: [Vec3; 2], n: &Vec3, parts: &mut Vec<[f64; 2]>) {
+    let near = |p: &Vec3, height: f64, normal: &Vec3| {
         (p.z - height).abs() <= SEAM && (normal - n).norm() < EVEN_EDGE
     };
     match shape {
-        Shape::Plane => near(0.0, &Vec3::z()),
-        Shape::Field { field } => field
-            .tangent(p.x, p.y)
-            .is_some_and(|(height, normal)| near(height, &normal)),
-        Shape::Surface { surface } => surface.carries(p, n),
-        _ => false,
+        Shape::Plane if [a, b].iter().all(|p| near(p, 0.0, &Vec3::z())) => parts.push([0.0, 1.0]),
+        Shape::Field { field } => {
+            // Looked at in each cell.
+            let (cell, way) = (
+                field.cell().into_iter().fold(f64::INFINITY, f64::min),
+                b - a,
+            );
+            let looks = (way.norm() / cell).ceil().max(1.0);
+            let slack = (SEAM / way.norm()).min(0.5);
+            let is_near = |k: f64| {
+                let p = a + way * (k / looks).clamp(slack, 1.0 - slack);
+                let tangent = field.tangent(p.x, p.y);
+                tangent.is_some_and(|(height, normal)| near(&p, height, &normal))
+            };
+            let (mut k, mut last) = (0.0, is_near(0.0));
+            while k < looks {
+                let next = is_near(k + 1.0);
+                if last && next {
+                    parts.push([k / looks, (k + 1.0) / looks]);
+                }
+                (k, last) = (k + 1.0, next);
+            }
+        }
+        Shape::Surface { surface } => surface.carried([a, b], n, parts),
+        _ => {}
     }
 }

@@ -109,6 +109,26 @@ impl Facet {
         self.height(x).abs() <= SEAM && (0..3).all(|edge| self.inside(x, edge) >= -0.5 * SEAM)
     }
 
+    /// The part of a segment, from 0 to 1, that lies on the triangle, as exactly as seams are
+    /// known.
+    pub(super) fn carried(&self, [a, b]: [Vec3; 2]) -> Option<[f64; 2]> {
+        let mut part = [0.0_f64, 1.0_f64];
+        for edge in 0..3 {
+            let [from, to] = [a, b].map(|x| self.inside(&x, edge) + 0.5 * SEAM);
+            if from < 0.0 && to < 0.0 {
+                return None;
+            }
+            let crossed = from / (from - to);
+            if from < 0.0 {
+                part[0] = part[0].max(crossed);
+            } else if to < 0.0 {
+                part[1] = part[1].min(crossed);
+            }
+        }
+        let on = |t: f64| self.height(&(a + (b - a) * t)).abs() <= SEAM;
+        (part[0] < part[1] && part.into_iter().all(on)).then_some(part)
+    }
+
     /// Whether no point of a ball is over the triangle and its plane, but for what lies beyond
     /// hollow edges.
     pub fn is_beside(&self, center: &Vec3, radius: f64) -> bool {

@@ -100,24 +100,39 @@ pub(super) fn go_on(
     };
 }
 
-/// Edges at which a surface ends and other terrain goes on, by triangle and edge.
+/// Edges at which a surface ends and other terrain goes on along all of them, by triangle and edge.
 ///
-/// - `goes_on`: whether other terrain carries a point of this surface, with about its normal
+/// - `carried`: adds the parts of a segment, from 0 to 1, that other terrain carries with about the
+///   given normal
 pub(super) fn beside(
     (facets, crests): (&[Facet], &[Crest]),
-    goes_on: impl Fn(&Vec3, &Vec3) -> bool,
+    carried: impl Fn([Vec3; 2], &Vec3, &mut Vec<[f64; 2]>),
 ) -> Vec<[usize; 2]> {
     let places = (0..facets.len()).flat_map(|index| (0..3).map(move |edge| [index, edge]));
+    let mut parts = Vec::new();
     let is_seam = |[index, edge]: &[usize; 2]| {
         let facet = &facets[*index];
         let away = facet.away(*edge);
         let crest = facet.crests[*edge].map(|crest| &crests[crest]);
-        crest.is_some_and(|crest| crest.sides == [facet.normal, away])
-            && (0..LOOKS).all(|k| {
-                let share = (f64::from(k) + 0.5) / f64::from(LOOKS);
-                let [a, b] = facet.ends(*edge);
-                goes_on(&(a + (b - a) * share + away * SEAM), &facet.normal)
-            })
+        crest.is_some_and(|crest| crest.sides == [facet.normal, away]) && {
+            let ends = facet.ends(*edge).map(|end| end + away * SEAM);
+            parts.clear();
+            carried(ends, &facet.normal, &mut parts);
+            cover(&mut parts, SEAM / (ends[1] - ends[0]).norm())
+        }
     };
     places.filter(is_seam).collect()
+}
+
+/// Whether parts of a segment cover all of it, from 0 to 1, but for gaps of less than `slack`.
+fn cover(parts: &mut [[f64; 2]], slack: f64) -> bool {
+    parts.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    let mut reached = 0.0;
+    for [begin, end] in parts {
+        if *begin > reached + slack {
+            return false;
+        }
+        reached = end.max(reached);
+    }
+    reached >= 1.0 - slack
 }

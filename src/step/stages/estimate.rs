@@ -95,7 +95,21 @@ impl Stages {
         let ahead = 0.5 / GAMMA - 0.5;
         add_turning(ctx.tree, [&from.v, &first.v], [eta, ahead], error);
         let bounced = VELOCITY_WEIGHT * self.bounced(ctx.tree, from, eta) / ctx.tolerance;
-        self.worst(ctx, eta).max(self.lag[0]).max(bounced)
+        let placed = self.first_misplaced(ctx, from, eta);
+        self.worst(ctx, eta)
+            .max(self.lag[0])
+            .max(bounced)
+            .max(placed)
+    }
+
+    /// Error of the first stage, relative to the tolerance, because bias and lever arms are those
+    /// of the velocities in the middle of the whole step: what happens behind it is in these.
+    /// See [`Self::misplaced`].
+    fn first_misplaced(&self, ctx: &Context, from: &Physical, eta: f64) -> f64 {
+        let (tree, end) = (ctx.tree, &self.solved[0].v);
+        let turned = eta * fastest_within(tree, [&from.v, end]);
+        let off = |k: usize| (0.0, turned * (self.v[k] - 0.5 * (from.v[k] + end[k])));
+        worst_error(tree, eta, off) / ctx.tolerance
     }
 
     /// The largest velocity, weighted, that the law may give back of an impact in the first stage,
@@ -236,7 +250,8 @@ fn add_yielding(
 /// Adds to the errors what one place for a whole step of `h` seconds leaves where something turns,
 /// which the stages do not see. What changes by `dv` in a step that turns by `θ` turns with it: by
 /// quadrature over the step, the midpoint rule errs by `θ² dv/24`, and positions by `θ h dv/12`
-/// along what turns. A place that is `a` steps ahead of the middle errs by `a θ dv` besides.
+/// along what turns. A place that is `a` steps ahead of the middle errs by `a θ dv` besides, and by
+/// `a θ² v` of what turns with `v`: its centrifugal force pulls along another way.
 ///
 /// - `from`, `end`: velocities at its ends
 /// - `ahead`: `a`
@@ -251,9 +266,11 @@ fn add_turning(
         for column in 0..body.columns {
             let i = tree.dof[body.column + column];
             let change = (end[i] - from[i]).abs();
-            let off = ahead * theta * change;
+            let turns = !matches!(body.kind.sweep(column), Sweep::Along);
+            let pulled = if turns { theta * end[i].abs() } else { 0.0 };
+            let off = ahead * theta * (change + pulled);
             velocity[i] = velocity[i].abs().max(theta * theta * change / 24.0 + off);
-            if !matches!(body.kind.sweep(column), Sweep::Along) {
+            if turns {
                 let off = theta * h * change / 12.0 + 0.5 * h * off;
                 position[i] = position[i].abs().max(off);
             }
