@@ -69,7 +69,7 @@ fn carry(shape: &Shape, [a, b]: [Vec3; 2], n: &Vec3, parts: &mut Vec<[f64; 2]>) 
                 field.cell().into_iter().fold(f64::INFINITY, f64::min),
                 b - a,
             );
-            let looks = (way.norm() / cell).ceil().max(1.0);
+            let looks = libm::ceil(way.norm() / cell).max(1.0);
             let slack = (SEAM / way.norm()).min(0.5);
             let is_near = |k: f64| {
                 let p = a + way * (k / looks).clamp(slack, 1.0 - slack);
