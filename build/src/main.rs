@@ -63,6 +63,8 @@ fn main() -> ExitCode {
     let Err(error) = ended else {
         return ExitCode::SUCCESS;
     };
+    #[cfg(unix)]
+    process::leave_to_signal();
     // A standard error that cannot be written changes no exit code: it is not 0 already.
     if let CliError::Findings { findings, .. } = &error {
         _ = commands::print_findings(findings, Severity::Note);

@@ -136,6 +136,15 @@ fn remove_at_signal(pipe: libc::c_int) {
     }
 }
 
+/// Waits for the end where a signal has come and what goes with the process is being removed: what
+/// fails meanwhile fails for that, and the signal is how the process ends.
+pub fn leave_to_signal() {
+    let removes = WAKES.load(Ordering::Relaxed) >= 0 && !FINISHES.load(Ordering::Relaxed);
+    if removes && ended() {
+        std::thread::sleep(std::time::Duration::from_secs(10));
+    }
+}
+
 fn handle() {
     let handler = end as extern "C" fn(libc::c_int);
     for signal in [libc::SIGINT, libc::SIGTERM, libc::SIGHUP] {
