@@ -24,6 +24,10 @@ use crate::tuning::{ESTIMATE, START, VELOCITY_WEIGHT};
 /// what the velocities' estimate, filtered twice, is of it.
 const LEFT: f64 = (1.0 - 2.0 * GAMMA) / (ESTIMATE * (1.0 - GAMMA));
 
+/// The same of the first stage alone: it leaves `1/(γ h λ)` of a transient, and its estimate,
+/// filtered twice, is half of that.
+const LEFT_BY_FIRST: f64 = 2.0;
+
 /// What is of second order in three values, at the start and in both stages.
 fn difference([start, first, second]: [f64; 3]) -> f64 {
     (1.0 - GAMMA) * start - first + GAMMA * second
@@ -90,7 +94,7 @@ impl Stages {
         let first = &self.solved[0];
         let unfiltered = |dof: usize| 0.5 * eta * (from.v[dof] - first.v[dof]);
         let error = &mut self.error;
-        add_yielding(&self.terms[0], from, 2.0, unfiltered, error);
+        add_yielding(&self.terms[0], from, LEFT_BY_FIRST, unfiltered, error);
         // Its place is the middle of the whole step.
         let ahead = 0.5 / GAMMA - 0.5;
         add_turning(ctx.tree, [&from.v, &first.v], [eta, ahead], error);
