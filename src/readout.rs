@@ -53,10 +53,10 @@ pub struct Readout {
     vdot: Vec<f64>,
     /// Accelerations of the bodies about O, world axes; filled by [`Self::body_accelerations`].
     A: Vec<Vec6>,
-    /// Accelerations in the later part of the last step, and what these are off by; scratch of
+    /// Accelerations in the later part of the last step, and the forces that make them; scratch of
     /// [`Self::hold_motors`].
     late: Vec<f64>,
-    off: Vec<f64>,
+    held: Vec<f64>,
     /// Factor of the mass matrix, with stiff motors; scratch of [`Self::accelerations`].
     factor: Vec<f64>,
     /// Forces of closed loops, one a row; filled by [`Self::accelerations`], and its scratch.
@@ -81,7 +81,7 @@ pub struct Readout {
 }
 
 #[cfg(test)]
-crate::spoil::spoil!(Readout: point vdot A late off factor loops closed sensors sampler; known rpy energies named states derivatives);
+crate::spoil::spoil!(Readout: point vdot A late held factor loops closed sensors sampler; known rpy energies named states derivatives);
 
 impl Readout {
     /// Buffers for a robot.
@@ -94,7 +94,7 @@ impl Readout {
             vdot: vec![0.0; model.nv()],
             A: vec![[0.0; 6]; tree.bodies.len()],
             late: vec![0.0; model.nv()],
-            off: vec![0.0; model.nv()],
+            held: vec![0.0; model.nv()],
             factor: vec![0.0; tree.sparsity.entries()],
             loops: Vec::with_capacity(Rows::most(tree)),
             closed: Schur::new(tree),
@@ -390,9 +390,14 @@ impl Readout {
             add6(&mut F[body.parent], &f);
         }
         self.factor.copy_from_slice(&kin.M);
+        let held = self.hold_motors(ctx, state);
         tree.sparsity.factor(&mut self.factor);
         tree.sparsity.solve(&self.factor, &mut self.vdot);
-        self.hold_motors(ctx, state);
+        if held {
+            for (a, late) in self.vdot.iter_mut().zip(&self.late) {
+                *a += late;
+            }
+        }
         let (rows, factor) = (&self.point.kin.loops, &self.factor);
         if !rows.is_empty() {
             let closed = &mut self.closed;

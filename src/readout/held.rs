@@ -21,42 +21,31 @@ use crate::step::point::Context;
 use crate::tuning::MOTOR_RELAXATION;
 
 impl Readout {
-    /// Finds accelerations, with the forces of closed loops, where `self.vdot` is `M⁻¹ r` without
-    /// these, and `self.factor` the factor of `M`.
-    pub(super) fn hold_motors(&mut self, ctx: &Context, state: &State) {
-        let (tree, tau) = (ctx.tree, MOTOR_RELAXATION);
+    /// Where motors hold joints, makes `r − M a_s` of `r` in `self.vdot`, `M + G` of `M` in
+    /// `self.factor`, and leaves `a_s` in `self.late`; tells whether any motor does.
+    pub(super) fn hold_motors(&mut self, ctx: &Context, state: &State) -> bool {
+        let tau = MOTOR_RELAXATION;
+        let sparsity = &ctx.tree.sparsity;
+        let mut any = false;
         if state.stepping.last_step <= 0.0 {
-            return;
+            return false;
         }
-        let Self {
-            point,
-            vdot,
-            factor,
-            late,
-            off,
-            ..
-        } = self;
-        let motors = point.terms.joints.iter().filter_map(|term| {
-            let is_motor = matches!(term.drive, Drive::Velocity { .. });
+        for term in &self.point.terms.joints {
             let (_, slope) = term.drive_force(state.physical.v[term.dof], tau);
-            (is_motor && slope < 0.0).then_some((term.dof, -tau * slope))
-        });
-        if motors.clone().next().is_none() {
-            return;
+            if matches!(term.drive, Drive::Velocity { .. }) && slope < 0.0 {
+                self.factor[sparsity.diagonal(term.dof)] -= tau * slope;
+                any = true;
+            }
         }
-        for (dof, (late, a)) in late.iter_mut().zip(vdot.iter()).enumerate() {
-            *late = late_acceleration(&state.stepping.trend, dof);
-            off[dof] = a - *late;
+        if any {
+            for (dof, late) in self.late.iter_mut().enumerate() {
+                *late = late_acceleration(&state.stepping.trend, dof);
+            }
+            sparsity.multiply(&self.point.kin.M, &self.late, &mut self.held);
+            for (r, held) in self.vdot.iter_mut().zip(&self.held) {
+                *r -= held;
+            }
         }
-        tree.sparsity.multiply(&point.kin.M, off, vdot);
-        factor.copy_from_slice(&point.kin.M);
-        for (dof, stiffness) in motors {
-            factor[tree.sparsity.diagonal(dof)] += stiffness;
-        }
-        tree.sparsity.factor(factor);
-        tree.sparsity.solve(factor, vdot);
-        for (a, late) in vdot.iter_mut().zip(late.iter()) {
-            *a += late;
-        }
+        any
     }
 }
