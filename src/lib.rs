@@ -64,6 +64,7 @@ pub mod closure;
 pub mod continuous;
 #[cfg(feature = "urdf")]
 pub mod diagnostic;
+pub mod digits;
 pub mod dynamics;
 pub mod force;
 pub mod geometry;

@@ -62,7 +62,7 @@ fn export(args: &Export) -> Result<(), CliError> {
     let documented = !(args.no_documentation || robot.settings.fmu.undocumented);
     let fmu = stage::fmu(&robot, &args.urdf, &args.platforms, documented)?;
     target.write(&fmu.bytes)?;
-    print(&summary::text(&output, &fmu, &robot))?;
+    target.describe(&summary::text(target.named(), &fmu, &robot))?;
     Ok(())
 }
 
@@ -241,7 +241,12 @@ fn picture(args: &Picture) -> Result<(), CliError> {
         let poses = scene::link_poses(&scene.head, |_| None);
         let (bytes, camera) = picture::still(&scene, &poses, &look);
         target.write(&bytes)?;
-        print(&summary::picture(&output, bytes.len(), &look, &camera))?;
+        target.describe(&summary::picture(
+            target.named(),
+            bytes.len(),
+            &look,
+            &camera,
+        ))?;
         return Ok(());
     };
     if matches!(look.theme, picture::Theme::Clear | picture::Theme::Cutout) {
@@ -262,6 +267,11 @@ fn picture(args: &Picture) -> Result<(), CliError> {
     let delay = (1000.0 / args.rate).round() as u16;
     let bytes = picture::film(&scene, &shown, delay, &look);
     target.write(&bytes)?;
-    print(&summary::film(&output, bytes.len(), &look, shown.len()))?;
+    target.describe(&summary::film(
+        target.named(),
+        bytes.len(),
+        &look,
+        shown.len(),
+    ))?;
     Ok(())
 }

@@ -8,7 +8,7 @@
 #[cfg(unix)]
 use crate::process;
 use std::fs::{FileType, Metadata, Permissions};
-use std::io::{self, ErrorKind, Write};
+use std::io::{self, ErrorKind, IsTerminal as _, Write};
 use std::path::{Path, PathBuf};
 
 /// Why something could not be written.
@@ -55,6 +55,20 @@ pub enum OutputError {
         /// Why.
         source: io::Error,
     },
+    /// Standard output, where something else goes.
+    #[error("{option} - is standard output, where {other} goes; give the name of a file")]
+    Taken {
+        /// Of the output.
+        option: &'static str,
+        /// What goes there.
+        other: &'static str,
+    },
+    /// Standard output, which is a terminal.
+    #[error(
+        "'-' is standard output, here a terminal, on which this is no text; give the name of a \
+         file, or lead standard output to one: > FILE"
+    )]
+    Terminal,
     /// Standard output or standard error.
     #[error("cannot write to standard {stream}: {source}; what was written is not complete")]
     Stream {
@@ -71,14 +85,15 @@ pub enum OutputError {
 pub struct Target {
     /// As asked for.
     asked: PathBuf,
-    /// Where symbolic links lead.
-    place: PathBuf,
+    /// Where symbolic links lead; none is standard output.
+    place: Option<PathBuf>,
     /// Of the file that is there already.
     permissions: Option<Permissions>,
 }
 
 impl Target {
-    /// The place that `path` names. Symbolic links stay, and what they lead to is written.
+    /// The place that `path` names; `-` is standard output. Symbolic links stay, and what they lead
+    /// to is written.
     ///
     /// - `inputs`: files that must not be overwritten
     ///
@@ -89,6 +104,13 @@ impl Target {
         inputs: impl IntoIterator<Item = &'p Path>,
     ) -> Result<Self, OutputError> {
         let asked = path.to_owned();
+        if is_stdout(path) {
+            return Ok(Self {
+                asked,
+                place: None,
+                permissions: None,
+            });
+        }
         let failed = |source| OutputError::File {
             path: path.to_owned(),
             source,
@@ -110,7 +132,7 @@ impl Target {
             }
             return Ok(Self {
                 asked,
-                place,
+                place: Some(place),
                 permissions: None,
             });
         };
@@ -130,7 +152,7 @@ impl Target {
         }
         Ok(Self {
             asked,
-            place,
+            place: Some(place),
             permissions: Some(there.permissions()),
         })
     }
@@ -138,15 +160,43 @@ impl Target {
     /// Writes the whole file.
     ///
     /// # Errors
-    /// [`OutputError::File`]; what was there before is then still there.
+    /// [`OutputError::File`]; what was there before is then still there. [`OutputError::Stream`] for
+    /// standard output, [`OutputError::Terminal`] where that is a terminal and the bytes no text.
     pub fn write(&self, bytes: &[u8]) -> Result<(), OutputError> {
-        self.try_write(bytes).map_err(|error| OutputError::File {
-            path: self.asked.clone(),
-            source: plain(error),
-        })
+        let Some(place) = &self.place else {
+            if io::stdout().is_terminal() && std::str::from_utf8(bytes).is_err() {
+                return Err(OutputError::Terminal);
+            }
+            return quiet("output", write_to(1, &io::stdout(), bytes));
+        };
+        self.try_write(place, bytes)
+            .map_err(|error| OutputError::File {
+                path: self.asked.clone(),
+                source: plain(error),
+            })
     }
 
-    fn try_write(&self, bytes: &[u8]) -> io::Result<()> {
+    /// What it is called.
+    pub fn named(&self) -> &Path {
+        match self.place {
+            Some(_) => &self.asked,
+            None => Path::new("standard output"),
+        }
+    }
+
+    /// Says what has been written: where it does not get into the result itself.
+    ///
+    /// # Errors
+    /// As [`print()`].
+    pub fn describe(&self, text: &str) -> Result<(), OutputError> {
+        if self.place.is_some() {
+            print(text)
+        } else {
+            tell(text)
+        }
+    }
+
+    fn try_write(&self, place: &Path, bytes: &[u8]) -> io::Result<()> {
         let mut builder = tempfile::Builder::new();
         builder.prefix(".urdf2fmu-").suffix(".part");
         #[cfg(unix)]
@@ -155,15 +205,20 @@ impl Target {
             // As for any new file; a temporary file is private by default.
             builder.permissions(Permissions::from_mode(0o666));
         }
-        let mut file = builder.tempfile_in(folder_of(&self.place))?;
+        let mut file = builder.tempfile_in(folder_of(place))?;
         file.write_all(bytes)?;
         if let Some(permissions) = &self.permissions {
             file.as_file().set_permissions(permissions.clone())?;
         }
         file.as_file().sync_all()?;
-        file.persist(&self.place).map_err(|error| error.error)?;
+        file.persist(place).map_err(|error| error.error)?;
         Ok(())
     }
+}
+
+/// Whether a name of an output means standard output, as for other commands.
+pub fn is_stdout(path: &Path) -> bool {
+    path == Path::new("-")
 }
 
 /// Only the system's message: the library adds the name of the temporary file, which the user does
@@ -223,7 +278,7 @@ fn special(_: FileType) -> Option<&'static str> {
 /// # Errors
 /// [`OutputError::Stream`] for anything but a closed pipe.
 pub fn print(text: &str) -> Result<(), OutputError> {
-    quiet("output", write_to(1, &io::stdout(), text))
+    quiet("output", write_to(1, &io::stdout(), text.as_bytes()))
 }
 
 /// Prints findings and problems to standard error.
@@ -231,7 +286,7 @@ pub fn print(text: &str) -> Result<(), OutputError> {
 /// # Errors
 /// As [`print()`].
 pub fn tell(text: &str) -> Result<(), OutputError> {
-    quiet("error", write_to(2, &io::stderr(), text))
+    quiet("error", write_to(2, &io::stderr(), text.as_bytes()))
 }
 
 fn quiet(stream: &'static str, written: io::Result<()>) -> Result<(), OutputError> {
@@ -246,22 +301,22 @@ fn quiet(stream: &'static str, written: io::Result<()>) -> Result<(), OutputErro
 /// Writes without a buffer to a copy of the stream: the standard library's own stream keeps a
 /// buffer, and takes a stream that cannot be written for one that swallows everything.
 #[cfg(unix)]
-fn write_to(number: u8, stream: &impl std::os::fd::AsFd, text: &str) -> io::Result<()> {
-    if text.is_empty() {
+fn write_to(number: u8, stream: &impl std::os::fd::AsFd, bytes: &[u8]) -> io::Result<()> {
+    if bytes.is_empty() {
         return Ok(());
     }
     process::check_open(number)?;
     let copy = stream.as_fd().try_clone_to_owned()?;
-    std::fs::File::from(copy).write_all(text.as_bytes())
+    std::fs::File::from(copy).write_all(bytes)
 }
 
 #[cfg(windows)]
-fn write_to<S>(_: u8, stream: &S, text: &str) -> io::Result<()>
+fn write_to<S>(_: u8, stream: &S, bytes: &[u8]) -> io::Result<()>
 where
     for<'s> &'s S: Write,
 {
     let mut stream = stream;
-    stream.write_all(text.as_bytes())?;
+    stream.write_all(bytes)?;
     stream.flush()
 }
 

@@ -2,6 +2,7 @@
 
 use crate::common::{Interface, Status, Version};
 use crate::uri::UriError;
+use urdf2fmu_core::digits::Digits;
 use urdf2fmu_core::prepared::PreparedModelError;
 use urdf2fmu_core::simulation::SimulationError;
 use urdf2fmu_core::variables::TableError;
@@ -56,7 +57,7 @@ pub(crate) enum FmiError {
         given: usize,
         expected: usize,
     },
-    #[error("continuous state {index} must be a finite number, not {value}")]
+    #[error("continuous state {index} must be a finite number, not {}", Digits(*value))]
     StateValue { index: usize, value: f64 },
     #[error(
         "partial derivatives by '{name}' are not offered: they are by continuous states and inputs"
@@ -64,13 +65,16 @@ pub(crate) enum FmiError {
     NotKnown { name: String },
     #[error("partial derivatives of '{name}' are not offered: they are of outputs and derivatives")]
     NotUnknown { name: String },
-    #[error("variable '{name}' must be {expected}, not {value}")]
+    #[error("variable '{name}' must be {expected}, not {}", Digits(*value))]
     Value {
         name: String,
         expected: &'static str,
         value: f64,
     },
-    #[error("derivative of order {order} of variable '{name}' must be {expected}, not {value}")]
+    #[error(
+        "derivative of order {order} of variable '{name}' must be {expected}, not {}",
+        Digits(*value)
+    )]
     Derivative {
         name: String,
         order: i32,
@@ -79,16 +83,20 @@ pub(crate) enum FmiError {
     },
     #[error("output '{name}' is not finite: masses, forces or speeds are out of proportion")]
     NotFinite { name: String },
-    #[error("argument '{argument}' is {value}; it must be {expected}")]
+    #[error("argument '{argument}' is {}; it must be {expected}", Digits(*value))]
     Argument {
         argument: &'static str,
         value: f64,
         expected: &'static str,
     },
-    #[error("the step would begin at {given} s, but the instance is at {expected} s")]
+    #[error(
+        "the step would begin at {} s, but the instance is at {} s",
+        Digits(*given), Digits(*expected)
+    )]
     CommunicationPoint { given: f64, expected: f64 },
     #[error(
-        "the step would begin at {begin} s, at or after the stop time {stop} s of {}", fmi.setup()
+        "the step would begin at {} s, at or after the stop time {} s of {}",
+        Digits(*begin), Digits(*stop), fmi.setup()
     )]
     StopTime { begin: f64, stop: f64, fmi: Version },
     #[error("{0}")]

@@ -5,6 +5,7 @@ use super::checked::{CheckedJoint, CheckedMimic, LinkReference, called};
 use super::scope::{LARGEST, Scope, Version};
 use super::xml::Node;
 use crate::diagnostic::words::did_you_mean;
+use crate::digits::Digits;
 use crate::model::JointKind;
 use crate::range::Range as Physical;
 use crate::spatial::Vec3;
@@ -281,6 +282,7 @@ fn limit_size(scope: &mut Scope, node: Node, name: &str) -> Option<f64> {
     let at = node
         .attribute(name)
         .map_or_else(|| node.tag_at(), |a| a.at.clone());
+    let value = Digits(value);
     let message = format!("<limit> {name} {value} is negative: it counts as unlimited");
     scope.warning("U033", at, &message, "write its size, or leave it out");
     None
@@ -294,7 +296,7 @@ fn not_negative(scope: &mut Scope, node: Node, name: &str) -> Option<f64> {
     let at = node
         .attribute(name)
         .map_or_else(|| node.tag_at(), |a| a.at.clone());
-    let message = format!("<{}> {name} {value} is negative", node.name());
+    let message = format!("<{}> {name} {} is negative", node.name(), Digits(value));
     scope.problem("U033", at, &message, "write its size; 0 or above");
     None
 }

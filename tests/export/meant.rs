@@ -173,6 +173,11 @@ fn slips_are_told_with_the_word_that_was_meant() {
     assert_eq!(told, ["did you mean 'with_arm'?"]);
     let told = advice(&check(["", ""], &["with_arm:=true"]));
     assert_eq!(told, [""; 0]);
+    // A default may stand before the name, and may hold whatever an attribute may.
+    let sound = "<xacro:arg name='with_arm' default='true'/>";
+    let turned = format!("{sound}<xacro:arg default='a > b, name' name='color' />");
+    let told = advice(&check([sound, &turned], &["colr:=red"]));
+    assert_eq!(told, ["did you mean 'color'?"]);
 }
 
 /// The line of an expanded text is in no file of the user's: the advice names that which is.

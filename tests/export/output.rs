@@ -123,6 +123,33 @@ fn a_target_that_is_no_regular_file_is_refused_and_not_changed() {
     assert!(kind("/dev/null").is_char_device() && kind("/dev/full").is_char_device());
 }
 
+/// `-` is standard output, as for other commands, and what is said about the result goes elsewhere.
+#[test]
+fn a_dash_is_standard_output() {
+    let folder = with_fmu();
+    let before = names(folder.path());
+    let here = |line: &str| shell(folder.path(), &format!("to=-; {line}"));
+    for writer in WRITERS {
+        let run = here(&format!("{writer} > piped"));
+        assert_eq!((run.code, run.out.as_str()), (0, ""), "{writer}: {run:?}");
+        let run = shell(folder.path(), &format!("to=named; {writer}"));
+        assert_eq!(run.code, 0, "{writer}: {run:?}");
+        let read = |name: &str| fs::read(folder.path().join(name)).unwrap();
+        assert!(read("piped") == read("named"), "{writer}");
+        fs::remove_file(folder.path().join("piped")).unwrap();
+        fs::remove_file(folder.path().join("named")).unwrap();
+        assert_eq!(names(folder.path()), before, "{writer}");
+    }
+    for wrong in [
+        "\"$urdf2fmu\" view \"$fmu\" --no-open --record -",
+        "\"$urdf2fmu\" simulate \"$fmu\" --output-file - --plot -",
+    ] {
+        let run = here(wrong);
+        assert_eq!(run.code, 1, "{wrong}: {run:?}");
+        assert!(run.err.contains("- is standard output, where"), "{run:?}");
+    }
+}
+
 #[test]
 fn a_failed_write_leaves_what_was_there_and_nothing_else() {
     let folder = with_fmu();

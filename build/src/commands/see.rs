@@ -4,7 +4,7 @@ use super::shared::{CliError, as_fmu, refuse_ending, refuse_options, temporary};
 use crate::archive;
 use crate::cli::{Report, View};
 use crate::events::Event;
-use crate::output::{OutputError, Target, print, tell};
+use crate::output::{OutputError, Target, is_stdout, print, tell};
 use crate::report;
 use crate::results::Table;
 use crate::run_summary;
@@ -117,6 +117,13 @@ pub(super) fn view(args: &View) -> Result<(), CliError> {
     let (fmu, mut inputs) = made?;
     inputs.extend(args.input_file.clone());
     if let Some(record) = &args.record {
+        if is_stdout(record) {
+            return Err(OutputError::Taken {
+                option: "--record",
+                other: "the address of the view",
+            }
+            .into());
+        }
         // Only whether it may be written: the file grows while the simulation runs.
         Target::new(record, inputs.iter().map(PathBuf::as_path))?;
         refuse_ending(Some(record), "--record", ["a table", "csv"])?;

@@ -8,7 +8,7 @@ use crate::cost::{Costs, Touching};
 use crate::events;
 use crate::importer::experiment::Experiment;
 use crate::importer::run::{self, Outcome};
-use crate::output::{OutputError, Target, print, tell};
+use crate::output::{OutputError, Target, is_stdout, print, tell};
 use crate::plot::{self, Curve};
 use crate::progress::Progress;
 use crate::results::Table;
@@ -37,6 +37,19 @@ pub(super) fn simulate(args: &Simulate) -> Result<(), CliError> {
         let target = |path| Target::new(path, inputs.iter().map(PathBuf::as_path));
         path.as_deref().map(target).transpose()
     };
+    let outputs = [&args.output_file, &args.plot, &args.report];
+    let to_stdout = |path: &&&Option<PathBuf>| path.as_deref().is_some_and(is_stdout);
+    if outputs.iter().filter(to_stdout).count() > 1 {
+        return Err(OutputError::Taken {
+            option: if args.report.as_deref().is_some_and(is_stdout) {
+                "--report"
+            } else {
+                "--plot"
+            },
+            other: "another output",
+        }
+        .into());
+    }
     let targets = Targets {
         page: target(&args.report)?,
         plot: target(&args.plot)?,

@@ -63,7 +63,11 @@ pub enum CsvError {
         text: String,
     },
     /// Times that go back.
-    #[error("line {line}: time {time} s comes after {before} s; times must not go back")]
+    #[error(
+        "line {line}: time {} s comes after {} s; times must not go back",
+        urdf2fmu_core::digits::Digits(*time),
+        urdf2fmu_core::digits::Digits(*before)
+    )]
     Back {
         /// From 1.
         line: u64,

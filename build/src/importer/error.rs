@@ -4,6 +4,7 @@ use super::csv::CsvError;
 use super::description::DescriptionError;
 use super::library::LibraryError;
 use std::path::PathBuf;
+use urdf2fmu_core::digits::Digits;
 
 /// Where a name on the command line stands.
 pub(super) const START_VALUE: &str = "--start-value";
@@ -71,7 +72,7 @@ pub enum RunError {
     #[error(transparent)]
     Library(#[from] LibraryError),
     /// A step.
-    #[error("the simulation stopped at {time} s of {stop} s: {why}")]
+    #[error("the simulation stopped at {} s of {} s: {why}", Digits(*time), Digits(*stop))]
     Stopped {
         /// s
         time: f64,
@@ -81,7 +82,7 @@ pub enum RunError {
         why: String,
     },
     /// Ctrl-C.
-    #[error("ended by the user at {time} s of {stop} s")]
+    #[error("ended by the user at {} s of {} s", Digits(*time), Digits(*stop))]
     Ended {
         /// s
         time: f64,

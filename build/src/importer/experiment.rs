@@ -6,6 +6,7 @@ use super::error::{RunError, START_VALUE};
 use super::signals::{Signal, Signals};
 use super::variable::{Kind, Variable};
 use std::path::{Path, PathBuf};
+use urdf2fmu_core::digits::Digits;
 
 /// Longest table of results, in rows: a longer one is probably a typing error in an interval.
 const MOST_ROWS: f64 = 1e8;
@@ -57,13 +58,16 @@ impl Times {
         let interval = interval.unwrap_or((stop - start) / 500.0);
         if !(start.is_finite() && stop.is_finite() && stop > start) {
             return Err(RunError::Times(format!(
-                "the stop time must be after the start time, not {stop} s after {start} s"
+                "the stop time must be after the start time, not {} s after {} s",
+                Digits(stop),
+                Digits(start)
             )));
         }
         if !(interval.is_finite() && interval > 0.0 && (stop - start) / interval <= MOST_ROWS) {
             return Err(RunError::Times(format!(
-                "the output interval must be above 0 s and not too short for {} s, not {interval} s",
-                stop - start
+                "the output interval must be above 0 s and not too short for {} s, not {} s",
+                Digits(stop - start),
+                Digits(interval)
             )));
         }
         Ok(Self {

@@ -199,18 +199,24 @@ pub(super) fn unasked(arguments: &[String], texts: &Texts) -> Vec<Diagnostic> {
 /// Names of `<xacro:arg name="…">`.
 fn declared_arguments(text: &str) -> BTreeSet<String> {
     let tags = text.split("<xacro:arg").skip(1);
-    let names = tags.filter_map(|tag| {
-        let tag = tag.split('>').next()?;
-        let value = tag
-            .split_once("name")?
-            .1
-            .trim_start()
-            .strip_prefix('=')?
-            .trim_start();
-        // What is searched may be a comment, with quotes of several bytes.
-        let quote = value.chars().next()?;
-        let mut rest = value.split(quote).skip(1);
-        Some(rest.next()?.to_owned())
-    });
-    names.collect()
+    tags.filter_map(|tag| attribute(tag, "name")).collect()
+}
+
+/// The value of an attribute in the text of a tag behind its name. What is searched may be a
+/// comment, and anything may stand there.
+fn attribute(mut tag: &str, wanted: &str) -> Option<String> {
+    loop {
+        let (before, rest) = tag.split_once('=')?;
+        // The tag ends before it.
+        if before.contains('>') {
+            return None;
+        }
+        let rest = rest.trim_start();
+        let quote = rest.chars().next().filter(|c| ['"', '\''].contains(c))?;
+        let (value, behind) = rest[1..].split_once(quote)?;
+        if before.trim() == wanted {
+            return Some(value.to_owned());
+        }
+        tag = behind;
+    }
 }

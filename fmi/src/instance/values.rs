@@ -5,6 +5,7 @@ use crate::error::FmiError;
 use crate::layout::Place;
 use crate::phase::Phase;
 use crate::pointers::{In, Out};
+use urdf2fmu_core::digits::Digits;
 use urdf2fmu_core::inputs::INPUT_ORDERS;
 use urdf2fmu_core::range::Range;
 use urdf2fmu_core::simulation::SimulationError;
@@ -114,7 +115,9 @@ impl Instance {
                     Slot::Input(slot) => self.simulation.set_input(slot, number),
                     Slot::Parameter(slot) => {
                         self.simulation.set_parameter(slot, number);
-                        self.event(|| format!("parameter '{}' is set to {number}", variable.name));
+                        self.event(|| {
+                            format!("parameter '{}' is set to {}", variable.name, Digits(number))
+                        });
                     }
                     Slot::Output(_) => {}
                 }
@@ -178,9 +181,9 @@ impl Instance {
         }
         self.range_logged[index] = true;
         self.warn(&format!(
-            "variable '{}' is set to {value}, outside its range [{min}, {max}]; the value is used, and this is \
+            "variable '{}' is set to {}, outside its range [{}, {}]; the value is used, and this is \
              said once",
-            variable.name
+            variable.name, Digits(value), Digits(min), Digits(max)
         ));
     }
 

@@ -1,0 +1,275 @@
+//! What is around the robot.
+
+use super::Takes::{Count, File, Flag, Name, Number, Numbers, Word};
+use super::{Key, key};
+use crate::range::Range::{
+    Flight, Friction, Gravity, Length, Mass, Position, Restitution, Scale, Spin,
+};
+
+/// Their keys, in the order of a file.
+pub(super) const KEYS: &[Key] = &[
+    key(
+        "world.gravity",
+        Numbers(3, 3, Gravity),
+        Some("[0, 0, -9.81]"),
+        "m/s²",
+    ),
+    key(
+        "world.ground.type",
+        Word(&["plane", "none"]),
+        Some("\"plane\""),
+        "what there is to stand on: the plane z = 0, or nothing; other ground is [[world.terrain]]",
+    ),
+    key(
+        "world.ground.friction",
+        Number(Friction),
+        Some("0.8"),
+        "Coulomb coefficient; combined with the link's by the harmonic mean",
+    ),
+    key(
+        "world.ground.static_friction",
+        Number(Friction),
+        None,
+        "Coulomb coefficient at rest, not below friction; without it the same; combined likewise",
+    ),
+    key(
+        "world.ground.rolling_friction",
+        Number(Friction),
+        Some("0"),
+        "m: moment against rolling over normal force; combined with the link's by the larger of the two",
+    ),
+    key(
+        "world.ground.torsional_friction",
+        Number(Friction),
+        Some("0"),
+        "m: moment against turning about the normal over normal force; combined likewise",
+    ),
+    key(
+        "world.ground.restitution",
+        Number(Restitution),
+        Some("0.0"),
+        "Newton's coefficient; combined with the link's by the larger of the two",
+    ),
+    key(
+        "world.object[].name",
+        Name,
+        None,
+        "a name of its own, in the names of its variables: object.<name>.…",
+    ),
+    key(
+        "world.object[].urdf",
+        File,
+        None,
+        "the file that says what it is, from the folder of the settings; its joints are passive",
+    ),
+    key(
+        "world.object[].shape.box",
+        Numbers(3, 3, Length),
+        None,
+        "m, instead of urdf: the sides along x, y, z",
+    ),
+    key(
+        "world.object[].shape.sphere",
+        Number(Length),
+        None,
+        "m, instead of urdf: the radius",
+    ),
+    key(
+        "world.object[].shape.cylinder",
+        Numbers(2, 2, Length),
+        None,
+        "m, instead of urdf: radius and length along z",
+    ),
+    key(
+        "world.object[].shape.capsule",
+        Numbers(2, 2, Length),
+        None,
+        "m, instead of urdf: radius and length along z without the round ends",
+    ),
+    key(
+        "world.object[].mass",
+        Number(Mass),
+        None,
+        "kg, of a shape; its inertia is that of a solid. A static one needs none",
+    ),
+    key(
+        "world.object[].xyz",
+        Numbers(2, 3, Position),
+        None,
+        "m, base position; z, or all of it, may be left out: the lowest collision point then touches the ground, but a static one of a file is mounted at z = 0",
+    ),
+    key(
+        "world.object[].rpy",
+        Numbers(3, 3, Position),
+        None,
+        "rad, base roll, pitch, yaw; without it 0",
+    ),
+    key(
+        "world.object[].linear_velocity",
+        Numbers(3, 3, Flight),
+        None,
+        "m/s at the start, world axes; without it 0",
+    ),
+    key(
+        "world.object[].angular_velocity",
+        Numbers(3, 3, Spin),
+        None,
+        "rad/s at the start, world axes; without it 0",
+    ),
+    key(
+        "world.object[].static",
+        Flag,
+        None,
+        "whether it stands still whatever pushes it; without it false, but what has no mass stands still",
+    ),
+    key(
+        "world.object[].conveyor",
+        Flag,
+        None,
+        "whether its surface moves: inputs object.<name>.surface.velocity.{x,y,z} in m/s, along its own axes, held over each communication step; without it false",
+    ),
+    key(
+        "world.object[].friction",
+        Number(Friction),
+        None,
+        "Coulomb coefficient of all its links; without it the file's, else 0.8",
+    ),
+    key(
+        "world.object[].restitution",
+        Number(Restitution),
+        None,
+        "Newton's coefficient of all its links; without it the file's, else 0",
+    ),
+    key(
+        "world.terrain[].name",
+        Name,
+        None,
+        "a name of its own, as of an object",
+    ),
+    key(
+        "world.terrain[].type",
+        Word(&["plane", "heightfield", "mesh"]),
+        None,
+        "a plane without an end, heights over a rectangle about its origin, or a triangle mesh; it never moves, and below its surface all is solid. With terrain there is no ground but that of a [world.ground]",
+    ),
+    key(
+        "world.terrain[].file",
+        File,
+        None,
+        "from the folder of the settings. Heights: a grey PNG of 8 or 16 bits, seen from above with y upwards; or a table of heights in m, as CSV or NPY, the first row at the lowest y. Mesh: STL, OBJ, PLY, COLLADA or glTF in m, with its outside upwards",
+    ),
+    key(
+        "world.terrain[].generate",
+        Word(&["ramp", "steps", "waves", "noise"]),
+        None,
+        "heights without a file, from 0 up to height: up along x over the middle third; up along x in steps; ½ height · (1 − cos(2π x/wavelength)); smooth noise",
+    ),
+    key(
+        "world.terrain[].size",
+        Numbers(2, 2, Length),
+        None,
+        "m, of heights: extent along x and y; the origin is in the middle",
+    ),
+    key(
+        "world.terrain[].height",
+        Number(Length),
+        None,
+        "m, of an image: of white over black; of what is generated: from the lowest to the highest; a factor on the heights of a table; without it 1",
+    ),
+    key(
+        "world.terrain[].resolution",
+        Number(Length),
+        None,
+        "m, of what is generated: distance between samples; without it a hundredth of the longer side",
+    ),
+    key(
+        "world.terrain[].wavelength",
+        Number(Length),
+        None,
+        "m, of waves and noise; without it a tenth of the longer side",
+    ),
+    key(
+        "world.terrain[].seed",
+        Count(1_000_000),
+        None,
+        "of noise; without it 1",
+    ),
+    key(
+        "world.terrain[].steps",
+        Count(10_000),
+        None,
+        "how many steps; without it 5",
+    ),
+    key(
+        "world.terrain[].scale",
+        Number(Scale),
+        None,
+        "of a mesh: factor on its lengths; without it 1",
+    ),
+    key(
+        "world.terrain[].xyz",
+        Numbers(2, 3, Position),
+        None,
+        "m, its origin; without it 0",
+    ),
+    key(
+        "world.terrain[].rpy",
+        Numbers(3, 3, Position),
+        None,
+        "rad, roll, pitch, yaw; without it 0",
+    ),
+    key(
+        "world.terrain[].conveyor",
+        Flag,
+        None,
+        "whether its surface moves: inputs object.<name>.surface.velocity.{x,y,z} in m/s, along its own axes, held over each communication step; without it false",
+    ),
+    key(
+        "world.terrain[].friction",
+        Number(Friction),
+        None,
+        "Coulomb coefficient; without it 0.8",
+    ),
+    key(
+        "world.terrain[].restitution",
+        Number(Restitution),
+        None,
+        "Newton's coefficient; without it 0",
+    ),
+    key(
+        "world.robot[].name",
+        Name,
+        None,
+        "what the names of its variables begin with: <name>.cmd.…",
+    ),
+    key(
+        "world.robot[].urdf",
+        File,
+        None,
+        "the file that says what it is, from the folder of the settings",
+    ),
+    key(
+        "world.robot[].config",
+        File,
+        None,
+        "its own settings: [robot], [initial], [[actuator]], [joint], [link], [outputs] … as in this file",
+    ),
+    key(
+        "world.robot[].xyz",
+        Numbers(2, 3, Position),
+        None,
+        "m, base position; without it that of its own settings, see initial.xyz",
+    ),
+    key(
+        "world.robot[].rpy",
+        Numbers(3, 3, Position),
+        None,
+        "rad, base roll, pitch, yaw; without it those of its own settings",
+    ),
+    key(
+        "world.robot[].fixed_base",
+        Flag,
+        None,
+        "whether its base is mounted in the world; without it as its own settings say",
+    ),
+];
