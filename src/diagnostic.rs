@@ -12,8 +12,9 @@
 //! | U070–U079 | shapes and surfaces |
 //! | U100–U119 | meshes |
 
+pub(crate) mod angles;
 pub mod codes;
-pub(crate) mod words;
+pub mod words;
 
 pub use words::nearest;
 

@@ -41,6 +41,7 @@ pub use types::{
 pub(crate) use fill::{STATIC_FRICTION_HELP, static_excess};
 pub use world::is_taken;
 
+use crate::diagnostic::words::instead_of;
 use crate::diagnostic::{Diagnostic, Severity};
 use fill::fill;
 use reader::Reader;
@@ -102,7 +103,9 @@ impl Settings {
                     severity: Severity::Error,
                     code: "S108",
                     message: format!("cannot read the settings '{name}': {error}"),
-                    help: Some("the settings are a TOML file in UTF-8".to_owned()),
+                    help: Some(instead_of(path, &error))
+                        .filter(|help| !help.is_empty())
+                        .or(Some("the settings are a TOML file in UTF-8".to_owned())),
                     place: None,
                 };
                 (None, vec![finding])
@@ -131,9 +134,8 @@ impl Settings {
 
     /// What is right of a text, and everything that is wrong with it.
     fn read_by(mut reader: Reader, compat: Option<Compat>) -> (Option<Self>, Vec<Diagnostic>) {
-        let root = if let Some(span) = xml(reader.text) {
-            let help = "settings are TOML 1.0; a URDF is given without -c";
-            reader.error("S101", &span, "the file is XML, not TOML", help);
+        let root = if let Some((span, kind, help)) = foreign(reader.text) {
+            reader.error("S101", &span, format!("the file is {kind}, not TOML"), help);
             section::Section::default()
         } else {
             reader.read()
@@ -145,12 +147,39 @@ impl Settings {
     }
 }
 
-/// The first line of a text that begins like a robot: what a parser of TOML says of it is noise.
-fn xml(text: &str) -> Option<std::ops::Range<usize>> {
-    let solid = text.trim_start_matches('\u{feff}').trim_start();
-    let start = text.len() - solid.len();
-    let line = solid.lines().next().unwrap_or_default().trim_end();
-    solid.starts_with('<').then(|| start..start + line.len())
+/// The first line of a text that begins like a robot, JSON or YAML, its kind and what to do: what a
+/// parser of TOML says of it is noise.
+fn foreign(text: &str) -> Option<(std::ops::Range<usize>, &'static str, &'static str)> {
+    let blank = |line: &&str| {
+        let line = line.trim_start_matches('\u{feff}').trim();
+        line.is_empty() || line.starts_with('#')
+    };
+    let before: usize = text
+        .split_inclusive('\n')
+        .take_while(blank)
+        .map(str::len)
+        .sum();
+    let line = text[before..].lines().next()?;
+    let solid = line.trim_start_matches('\u{feff}').trim();
+    let start = before + line.find(solid)?;
+    let word = solid.strip_suffix(':').unwrap_or_default();
+    let is_word = |c: char| c.is_alphanumeric() || "_-".contains(c);
+    let (kind, help) = if solid.starts_with('<') {
+        ("XML", "settings are TOML 1.0; a URDF is given without -c")
+    } else if solid.starts_with('{') {
+        (
+            "JSON",
+            "settings are TOML 1.0: [robot], and below it base = \"fixed\"",
+        )
+    } else if solid == "---" || !word.is_empty() && word.chars().all(is_word) {
+        (
+            "YAML",
+            "settings are TOML 1.0: [robot], and below it base = \"fixed\"",
+        )
+    } else {
+        return None;
+    };
+    Some((start..start + solid.len(), kind, help))
 }
 
 /// Findings that do not follow from a line that is no TOML: what stands in such a line, and what is

@@ -1,6 +1,18 @@
 //! The table of all variables of the FMU. modelDescription.xml, the C functions and the
 //! documentation use this one table.
 
+/// A description. The FMU's library has none: no function of FMI tells it, and texts for some
+/// hundred variables of each kind would be a twentieth of its code.
+macro_rules! about {
+    ($($text:tt)*) => {
+        if cfg!(feature = "urdf") {
+            format!($($text)*)
+        } else {
+            String::new()
+        }
+    };
+}
+
 mod build;
 mod closures;
 mod entries;

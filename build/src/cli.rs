@@ -12,8 +12,8 @@ use std::path::{Path, PathBuf};
 use urdf2fmu_core::model::{ActuatorMode, Arrays, Interface};
 use urdf2fmu_core::settings::{BaseChoice, Compat, FmiVersion, InertiaSource, ObjectSettings};
 use values::{
-    ArrayStyle, InterfaceChoice, density, factor, package, place, rate, size, speed, tolerance,
-    xacro_argument,
+    ArrayStyle, InterfaceChoice, density, factor, package, place, rate, seconds, size, speed,
+    tolerance, xacro_argument,
 };
 
 /// Any URDF robot in, a self-contained FMI co-simulation FMU out.
@@ -91,10 +91,10 @@ pub(crate) struct Source {
     #[arg(long, value_name = "SOURCE")]
     pub(crate) sensors: Option<Sensors>,
     /// kg/m³, of links that the file gives no mass: they weigh what their collision shapes weigh
-    #[arg(long, value_name = "DENSITY", value_parser = density, allow_negative_numbers = true)]
+    #[arg(long, value_name = "DENSITY", value_parser = density, allow_hyphen_values = true)]
     pub(crate) density: Option<f64>,
     /// Factor on every length; masses stay
-    #[arg(long, value_name = "FACTOR", value_parser = factor, allow_negative_numbers = true)]
+    #[arg(long, value_name = "FACTOR", value_parser = factor, allow_hyphen_values = true)]
     pub(crate) scale: Option<f64>,
     /// Names of variables: `joint.elbow.position` or `joint_elbow_position`
     #[arg(long, value_name = "STYLE")]
@@ -282,7 +282,7 @@ pub(crate) struct Picture {
     #[arg(long, value_name = "FILE.csv")]
     pub(crate) run: Option<PathBuf>,
     /// Pictures of the run a second
-    #[arg(long, value_name = "HZ", value_parser = rate, default_value = "20", allow_negative_numbers = true)]
+    #[arg(long, value_name = "HZ", value_parser = rate, default_value = "20", allow_hyphen_values = true)]
     pub(crate) rate: f64,
     /// Width and height in pixels, or one number for both [default: 512, of a run 320x240]
     #[arg(long, value_name = "WxH", value_parser = size)]
@@ -368,19 +368,19 @@ pub(crate) struct Simulate {
     pub(crate) quiet: bool,
     /// Sets a parameter or an input at the start; may be repeated
     #[arg(long, num_args = 2, value_names = ["NAME", "VALUE"], action = clap::ArgAction::Append,
-          allow_negative_numbers = true)]
+          allow_hyphen_values = true)]
     pub(crate) start_value: Vec<String>,
     /// s [default: the FMU's]
-    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    #[arg(long, value_name = "S", value_parser = seconds, allow_hyphen_values = true)]
     pub(crate) start_time: Option<f64>,
     /// s [default: the FMU's]
-    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    #[arg(long, value_name = "S", value_parser = seconds, allow_hyphen_values = true)]
     pub(crate) stop_time: Option<f64>,
     /// Communication step, s [default: the FMU's]
-    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    #[arg(long, value_name = "S", value_parser = seconds, allow_hyphen_values = true)]
     pub(crate) output_interval: Option<f64>,
     /// Relative tolerance [default: the FMU's]
-    #[arg(long, value_name = "TOL", value_parser = tolerance, allow_negative_numbers = true)]
+    #[arg(long, value_name = "TOL", value_parser = tolerance, allow_hyphen_values = true)]
     pub(crate) tolerance: Option<f64>,
     /// Tell the FMU the slopes of its inputs, too: they then change within the steps
     #[arg(long)]
@@ -419,7 +419,7 @@ pub(crate) struct View {
     #[arg(long)]
     pub(crate) no_open: bool,
     /// Simulated seconds for each second
-    #[arg(long, value_name = "FACTOR", value_parser = speed, default_value = "1", allow_negative_numbers = true)]
+    #[arg(long, value_name = "FACTOR", value_parser = speed, default_value = "1", allow_hyphen_values = true)]
     pub(crate) speed: f64,
     /// Inputs over time: CSV, `time` first, then inputs by name; straight lines between the rows
     #[arg(long, value_name = "FILE.csv")]

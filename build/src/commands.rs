@@ -121,6 +121,10 @@ fn show(args: &Info) -> Result<(), CliError> {
 }
 
 fn init(args: &Init) -> Result<(), CliError> {
+    refuse_fmu(
+        &args.urdf,
+        "an FMU: init takes the URDF that it was made from",
+    )?;
     if args.ssv {
         let robot = stage::robot(&args.source.request(&args.urdf))?;
         print_findings(&robot.diagnostics, Severity::Warning)?;
@@ -147,6 +151,7 @@ fn init(args: &Init) -> Result<(), CliError> {
 }
 
 fn expand(args: &Expand) -> Result<(), CliError> {
+    refuse_fmu(&args.file, "an FMU: expand takes a file in xacro")?;
     let mut options = ReadOptions::from_environment();
     options
         .package_paths

@@ -109,6 +109,25 @@ fn names() -> Vec<&'static str> {
 }
 
 fn meant(asked: &str) -> String {
+    const OTHERS: [(&str, &str); 8] = [
+        ("windows", "win64"),
+        ("win", "win64"),
+        ("linux", "linux64"),
+        ("mac", "darwin64"),
+        ("macos", "darwin64"),
+        ("darwin", "darwin64"),
+        ("arm64", "aarch64-linux"),
+        ("aarch64", "aarch64-linux"),
+    ];
+    if asked.eq_ignore_ascii_case("all") {
+        return " (without platforms an FMU has all that this command carries)".to_owned();
+    }
+    let called = OTHERS
+        .iter()
+        .find(|(other, _)| asked.eq_ignore_ascii_case(other));
+    if let Some((_, name)) = called {
+        return format!(" (did you mean '{name}'?)");
+    }
     let alike = names().into_iter().map(|n| (jaro_winkler(asked, n), n));
     let best = alike.max_by(|a, b| a.0.total_cmp(&b.0));
     best.filter(|(likeness, _)| *likeness > 0.85)

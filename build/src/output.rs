@@ -121,6 +121,17 @@ impl Target {
             Err(error) => return Err(failed(error)),
         };
         let Some(there) = there else {
+            if path
+                .as_os_str()
+                .to_string_lossy()
+                .ends_with(std::path::is_separator)
+            {
+                let folder = path.to_owned();
+                return Err(OutputError::Folder {
+                    path: asked,
+                    folder,
+                });
+            }
             let place = end_of_links(path);
             let folder = folder_of(&place);
             if !folder.is_dir() {

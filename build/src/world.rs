@@ -3,7 +3,7 @@
 use crate::{terrain, xacro};
 use std::path::{Path, PathBuf};
 use urdf2fmu_core::assemble::{self, Guest};
-use urdf2fmu_core::diagnostic::{Diagnostic, Severity};
+use urdf2fmu_core::diagnostic::{Diagnostic, Place, Severity};
 use urdf2fmu_core::model::{JointKind, RootKind};
 use urdf2fmu_core::settings::{
     BaseChoice, ObjectSettings, ObjectSource, RobotSettings, Settings, is_taken,
@@ -293,7 +293,14 @@ impl Surroundings {
     }
 
     /// None after an error was told.
-    fn urdf(&mut self, path: &Path, options: &ReadOptions) -> Option<Description> {
+    ///
+    /// - `place`: where the file is named
+    fn urdf(
+        &mut self,
+        path: &Path,
+        options: &ReadOptions,
+        place: Option<&Place>,
+    ) -> Option<Description> {
         match read(path, &[], options) {
             Ok((description, expanded)) => {
                 self.tell(description.diagnostics.clone());
@@ -305,7 +312,10 @@ impl Surroundings {
                 }
                 Some(description)
             }
-            Err(findings) => {
+            Err(mut findings) => {
+                for finding in findings.iter_mut().filter(|finding| finding.code == "U001") {
+                    finding.place = finding.place.take().or(place.cloned());
+                }
                 self.tell(findings);
                 None
             }
@@ -327,7 +337,7 @@ impl Surroundings {
         match &object.source {
             ObjectSource::Urdf(path) => {
                 let options = options(&assemble::of_object(object, world), packages);
-                self.urdf(path, &options)
+                self.urdf(path, &options, object.place.as_ref())
             }
             ObjectSource::Solid { shape, mass } => {
                 Some(assemble::solid(object.called(), shape, *mass))
@@ -368,7 +378,8 @@ impl Surroundings {
         let own = own.and_then(|own| assemble::of_robot(robot, own, world));
         match own {
             Ok(own) => {
-                let description = self.urdf(&robot.urdf, &options(&own, packages))?;
+                let description =
+                    self.urdf(&robot.urdf, &options(&own, packages), robot.place.as_ref())?;
                 Some((own, description))
             }
             Err(findings) => {

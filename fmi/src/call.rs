@@ -135,8 +135,13 @@ pub(crate) unsafe fn call<F: Function>(
     function: F,
     body: impl FnOnce(&mut Instance) -> Result<Status, FmiError>,
 ) -> Status {
+    let mut body = Some(body);
     // SAFETY: the caller's promise.
-    unsafe { call_if(c, function, |phase| function.allowed_in(phase), body) }
+    unsafe {
+        call_if(c, function, false, &mut |instance| {
+            once(&mut body, instance)
+        })
+    }
 }
 
 /// Runs `body` on the instance behind `c` after the importer's callback within a call of
@@ -149,44 +154,51 @@ pub(crate) unsafe fn resume<F: Function>(
     function: F,
     body: impl FnOnce(&mut Instance) -> Result<Status, FmiError>,
 ) -> Status {
+    let mut body = Some(body);
     // SAFETY: the caller's promise.
-    unsafe {
-        call_if(
-            c,
-            function,
-            |phase| phase == Phase::IntermediateUpdate,
-            body,
-        )
-    }
+    unsafe { call_if(c, function, true, &mut |instance| once(&mut body, instance)) }
 }
 
-unsafe fn call_if<F: Function>(
-    c: *mut c_void,
-    function: F,
-    allowed: impl FnOnce(Phase) -> bool,
-    body: impl FnOnce(&mut Instance) -> Result<Status, FmiError>,
-) -> Status {
+/// What is done with an instance, behind a pointer: the guard of a hundred functions is one then,
+/// and not a copy for each.
+type Body<'b> = &'b mut dyn FnMut(&mut Instance) -> Result<Status, FmiError>;
+
+/// Runs a body that may run once.
+fn once(
+    body: &mut Option<impl FnOnce(&mut Instance) -> Result<Status, FmiError>>,
+    instance: &mut Instance,
+) -> Result<Status, FmiError> {
+    body.take().map_or(Ok(Status::Error), |body| body(instance))
+}
+
+/// - `resumed`: after a callback, see [`resume`]
+///
+/// # Safety
+/// As [`call`].
+#[inline(never)]
+unsafe fn call_if<F: Function>(c: *mut c_void, function: F, resumed: bool, body: Body) -> Status {
     // SAFETY: the caller's promise.
     let Some(mut instance) = (unsafe { handle(c) }).and_then(Handle::take) else {
         return Status::Error;
     };
     let _word = control_word::Guard::new();
-    guarded(&mut instance, function, allowed, body)
+    guarded(&mut instance, function, resumed, body)
 }
 
 /// [`call`] behind the pointer. Not inlined, so that no arithmetic moves before the control word is
 /// set.
 #[inline(never)]
-fn guarded<F: Function>(
-    instance: &mut Instance,
-    function: F,
-    allowed: impl FnOnce(Phase) -> bool,
-    body: impl FnOnce(&mut Instance) -> Result<Status, FmiError>,
-) -> Status {
+fn guarded<F: Function>(instance: &mut Instance, function: F, resumed: bool, body: Body) -> Status {
     let is_for = instance.version() == F::VERSION;
     let only = function.only();
     let is_for = is_for && only.is_none_or(|only| only == instance.integrated_by());
-    if !(is_for && allowed(instance.phase())) {
+    let phase = instance.phase();
+    let allowed = if resumed {
+        phase == Phase::IntermediateUpdate
+    } else {
+        function.allowed_in(phase)
+    };
+    if !(is_for && allowed) {
         return refuse(instance, function);
     }
     match catch_unwind(AssertUnwindSafe(|| body(instance))) {
@@ -195,8 +207,7 @@ fn guarded<F: Function>(
     }
 }
 
-/// Says why a function may not be called now. Apart from [`guarded`], of which there is one for
-/// each function.
+/// Says why a function may not be called now.
 #[cold]
 #[inline(never)]
 fn refuse<F: Function>(instance: &mut Instance, function: F) -> Status {
@@ -279,18 +290,13 @@ mod tests {
     fn after_a_panic_only_reset_helps() {
         let mut instance = instance();
         let mut run = |function: Row, panic: bool| {
-            guarded(
-                &mut instance,
-                function,
-                |phase| function.allowed_in(phase),
-                |instance| {
-                    assert!(!panic, "bug");
-                    if function == Row::Reset {
-                        instance.reset();
-                    }
-                    Ok(Status::OK)
-                },
-            )
+            guarded(&mut instance, function, false, &mut |instance| {
+                assert!(!panic, "bug");
+                if function == Row::Reset {
+                    instance.reset();
+                }
+                Ok(Status::OK)
+            })
         };
         assert_eq!(run(Row::GetReal, true), Status::Error);
         assert_eq!(run(Row::GetReal, false), Status::Error);

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import html
+import os
 import tempfile
 from collections.abc import Mapping, Sequence
 from contextlib import contextmanager
@@ -21,13 +22,14 @@ Table = Union[npt.NDArray[Any], Mapping[str, npt.ArrayLike]]
 """Columns by their names, `time` first: a structured array, a dict of arrays, or a pandas DataFrame."""
 
 
-def simulate(robot: PathLike, *, input: Table | None = None, start_values: Mapping[str, float] | None = None,
+def simulate(robot: PathLike, *, input: Table | PathLike | None = None, start_values: Mapping[str, float] | None = None,
              output: str | Sequence[str] = (), config: Settings | None = None, **options: Option) -> npt.NDArray[Any]:
     """Simulates from start to stop.
 
     Args:
         robot: an FMU, or a robot.
-        input: inputs over time, `time` first; straight lines between the rows, two rows of one time are a jump.
+        input: inputs over time, `time` first, or a CSV file of them; straight lines between the rows, two rows of
+            one time are a jump.
         start_values: parameters and inputs by name.
         output: variables that are wanted, as a name or glob or a list of them; without it all outputs.
         config: as of `export`.
@@ -43,7 +45,9 @@ def simulate(robot: PathLike, *, input: Table | None = None, start_values: Mappi
     with _fmu(robot, config, options) as (fmu, rest), tempfile.TemporaryDirectory(prefix="urdf2fmu-") as folder:
         more = ["--quiet"]
         rest.pop("quiet", None)
-        if input is not None:
+        if isinstance(input, (str, os.PathLike)):
+            more += ["--input-file", file_name(input)]
+        elif input is not None:
             write_table(Path(folder, "in.csv"), input)
             more += ["--input-file", str(Path(folder, "in.csv"))]
         for name, value in by_name("start values", start_values).items():

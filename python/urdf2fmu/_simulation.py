@@ -10,7 +10,7 @@ import tempfile
 import threading
 import warnings
 import weakref
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from fnmatch import fnmatchcase
 from pathlib import Path
 from types import TracebackType
@@ -162,6 +162,7 @@ class Simulation:
         """
         if causality is not None and causality not in _CAUSALITIES:
             raise Error(f"there is no causality {causality!r}; there are {', '.join(_CAUSALITIES)}")
+        pattern = text("a pattern", pattern)
         return [v.name for v in self._fmu.variables.values()
                 if fnmatchcase(v.name, pattern) and causality in (None, v.causality)]
 
@@ -171,6 +172,10 @@ class Simulation:
             return isinstance(name, str) and bool(self._place(name).names)
         except Error:
             return False
+
+    def __iter__(self) -> Iterator[str]:
+        """Names of all variables."""
+        return iter(self.names())
 
     def _place(self, name: str) -> _Place:
         known = self._places.get(text("a variable's name", name))

@@ -5,6 +5,7 @@
 use crate::force::{Memory, Touch, light_touch};
 use crate::geometry::pair::MOST_PARTS;
 use crate::model::{ActuatorId, ActuatorMode, LinkId, Model};
+use crate::sort;
 use crate::state::Physical;
 use crate::step::point::{Context, Point};
 use crate::tree::Tree;
@@ -101,7 +102,7 @@ impl Remembered {
                 slots.extend((first..first + parts).map(|slot| (slot, [a, b])));
             }
         }
-        slots.sort_unstable();
+        sort::once(&mut slots, |a, b| a < b);
         for (slot, places) in slots {
             let links = model.links_of(slot);
             let same = |e: &&Element| e.links == links && e.what == Relaxing::Slip;

@@ -1,40 +1,98 @@
 //! Words that a misspelt name may have meant.
 
+use std::path::{Path, PathBuf};
+
 /// Words longer than this, and more candidates than this, are not compared: the work is their
 /// product.
 const MOST_COMPARED: (usize, usize) = (100, 5000);
 
-/// What other programs, formats and trades call a thing, and URDF's word for it.
-const SYNONYMS: [(&str, &str); 29] = [
+/// What other programs, formats and trades call a thing, and the word of URDF or of settings for it.
+const SYNONYMS: &[(&str, &str)] = &[
+    ("accelerometer", "imu"),
     ("ball", "spherical"),
+    ("ball", "sphere"),
+    ("body", "link"),
+    ("bodies", "links"),
+    ("body1", "links"),
+    ("body2", "links"),
+    ("bounce", "restitution"),
+    ("box", "size"),
+    ("bumper", "contact"),
+    ("cube", "box"),
+    ("d", "kd"),
     ("damp", "damping"),
+    ("dt", "step_size"),
+    ("euler", "rpy"),
     ("file", "filename"),
     ("fix", "fixed"),
+    ("fixed", "static"),
+    ("fixed", "weld"),
+    ("fixed_base", "base"),
     ("force", "effort"),
+    ("force_torque", "ft"),
     ("free", "floating"),
+    ("frequency", "rate"),
+    ("gpu_lidar", "ray"),
+    ("gpu_ray", "ray"),
+    ("gyro", "imu"),
+    ("heightmap", "heightfield"),
+    ("heights", "heightfield"),
     ("height", "length"),
     ("hinge", "revolute"),
+    ("k", "stiffness"),
     ("kind", "type"),
+    ("laser", "ray"),
+    ("lidar", "ray"),
     ("linear", "prismatic"),
+    ("link1", "links"),
+    ("link2", "links"),
+    ("link_a", "links"),
+    ("link_b", "links"),
+    ("location", "xyz"),
     ("max", "upper"),
     ("max_effort", "effort"),
+    ("max_range", "range"),
+    ("max_step_size", "step_size"),
     ("min", "lower"),
+    ("mu", "friction"),
+    ("mu1", "friction"),
     ("name", "link"),
+    ("orientation", "rpy"),
+    ("origin", "xyz"),
+    ("p", "kp"),
     ("path", "filename"),
+    ("path", "file"),
+    ("pin", "hinge"),
+    ("pitch", "rpy"),
     ("pos", "xyz"),
     ("pose", "origin"),
     ("position", "xyz"),
+    ("ppr", "counts"),
+    ("resolution", "counts"),
+    ("revolute", "hinge"),
     ("rgb", "rgba"),
+    ("rigid", "weld"),
+    ("roll", "rpy"),
     ("rotary", "revolute"),
     ("rotation", "rpy"),
     ("rotational", "revolute"),
+    ("samples", "rays"),
     ("slide", "prismatic"),
     ("slider", "prismatic"),
     ("speed", "velocity"),
+    ("step", "step_size"),
+    ("time_step", "step_size"),
+    ("timestep", "step_size"),
     ("torque", "effort"),
+    ("touch", "contact"),
     ("transform", "origin"),
+    ("update_rate", "rate"),
     ("val", "value"),
     ("weld", "fixed"),
+    ("x", "xyz"),
+    ("y", "xyz"),
+    ("yaw", "rpy"),
+    ("z", "xyz"),
 ];
 
 /// The word of `known` that is nearest to `word`: the same in other capitals, what others call it,
@@ -51,10 +109,7 @@ pub fn nearest<'k>(word: &str, known: impl IntoIterator<Item = &'k str>) -> Opti
             .copied()
             .find(|k| k.eq_ignore_ascii_case(other))
     };
-    let mut called = SYNONYMS
-        .iter()
-        .filter(|(own, _)| own.eq_ignore_ascii_case(word));
-    if let Some(found) = same(word).or_else(|| called.find_map(|(_, other)| same(other))) {
+    if let Some(found) = same(word).or_else(|| called(word, &known)) {
         return Some(found);
     }
     let slips = length.div_ceil(3).max(1);
@@ -66,6 +121,60 @@ pub fn nearest<'k>(word: &str, known: impl IntoIterator<Item = &'k str>) -> Opti
         .filter(|&(distance, _)| distance <= slips)
         .min_by_key(|&(distance, _)| distance)
         .map(|(_, k)| k)
+}
+
+/// The word of `known` for what others call `word`.
+pub(crate) fn called<'k>(word: &str, known: &[&'k str]) -> Option<&'k str> {
+    let mut others = SYNONYMS
+        .iter()
+        .filter(|(own, _)| own.eq_ignore_ascii_case(word));
+    let same = |other: &str| {
+        known
+            .iter()
+            .copied()
+            .find(|k| k.eq_ignore_ascii_case(other))
+    };
+    others.find_map(|(_, other)| same(other))
+}
+
+/// What stands in the folder of a file that is not there, with nearly its name.
+pub fn near_file(path: &Path) -> Option<PathBuf> {
+    let folder = match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    };
+    let entries = std::fs::read_dir(folder).ok()?.take(MOST_COMPARED.1);
+    let names = entries.filter_map(|entry| entry.ok()?.file_name().into_string().ok());
+    let mut names: Vec<String> = names.collect();
+    // Whatever order the system gives them in.
+    names.sort_unstable();
+    let near = nearest(
+        path.file_name()?.to_str()?,
+        names.iter().map(String::as_str),
+    )?;
+    Some(path.with_file_name(near))
+}
+
+/// What is said after "cannot be read" of a file that is not there: which one may be meant.
+pub fn instead_of(path: &Path, error: &std::io::Error) -> String {
+    if path == Path::new("-") && cfg!(unix) {
+        return "the name of standard input is /dev/stdin".to_owned();
+    }
+    let missing = error.kind() == std::io::ErrorKind::NotFound;
+    let near = near_file(path).filter(|_| missing);
+    near.map_or_else(String::new, |near| {
+        format!("did you mean '{}'?", near.display())
+    })
+}
+
+/// [`instead_of`] at the end of a message.
+pub fn or_meant(path: &Path, error: &std::io::Error) -> String {
+    let meant = instead_of(path, error);
+    if meant.is_empty() {
+        meant
+    } else {
+        format!("; {meant}")
+    }
 }
 
 /// ` did you mean 'x'?`, or nothing.

@@ -1,7 +1,7 @@
 //! What may have been meant by a key that does not exist, and by text that is no TOML.
 
 use super::keys;
-use crate::diagnostic::words::likeliest;
+use crate::diagnostic::words::{called, nearest};
 
 /// A table as a file writes it.
 pub(super) fn shown(path: &str) -> String {
@@ -13,6 +13,16 @@ pub(super) fn shown(path: &str) -> String {
     }
 }
 
+/// What a table takes, where something else stands in its place.
+pub(super) fn table(path: &str) -> String {
+    let known = keys::children(path);
+    if known == ["*"] {
+        let header = shown(&format!("{path}.*"));
+        return format!("write {header}, and below it the keys of one");
+    }
+    format!("{} has the keys {}", shown(path), known.join(", "))
+}
+
 /// What a key may mean that is none of `known`.
 pub(super) fn key(name: &str, known: &[&str]) -> String {
     let one_of_many = |known: &&&str| {
@@ -20,6 +30,10 @@ pub(super) fn key(name: &str, known: &[&str]) -> String {
     };
     if let Some(known) = known.iter().find(one_of_many) {
         return format!("did you mean '{known}'?");
+    }
+    let all = format!("known are {}", known.join(", "));
+    if let Some(own) = called(name, known) {
+        return format!("did you mean '{own}'? {all}");
     }
     // The same key in another table is likelier meant than another key here.
     for key in keys::KEYS {
@@ -41,10 +55,18 @@ pub(super) fn key(name: &str, known: &[&str]) -> String {
     if let Some(table) = inside {
         return format!("write {}", shown(table));
     }
-    let near = likeliest(name, known.iter().copied());
-    near.map_or_else(String::new, |near| {
-        format!("did you mean '{near}'? known are {}", known.join(", "))
-    })
+    match nearest(name, known.iter().copied()) {
+        Some(near) => format!("did you mean '{near}'? {all}"),
+        // A guess that is far away would mislead.
+        None => all,
+    }
+}
+
+/// Such as `1/240`.
+fn is_ratio(word: &str) -> bool {
+    let number = |text: &str| text.trim().parse::<f64>().is_ok();
+    word.split_once('/')
+        .is_some_and(|(above, below)| number(above) && number(below))
 }
 
 /// The message and the advice for text that is no TOML.
@@ -67,6 +89,16 @@ pub(super) fn syntax(found: &str, message: &str) -> (String, String) {
                 format!("write {truth}, or \"{word}\" for a text"),
             )
         }
+        _ if is_ratio(word) => (
+            format!("'{word}' is no value of TOML"),
+            format!("a ratio stands in quotes: \"{word}\""),
+        ),
+        _ if message.contains("escape") => (
+            message.to_owned(),
+            "in \"…\" a backslash begins a character that is written with it; write it twice, \
+             or write '…' around the text"
+                .to_owned(),
+        ),
         _ if is_word => (
             format!("'{word}' is no value of TOML"),
             format!("a text stands in quotes: \"{word}\""),

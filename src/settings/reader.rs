@@ -6,7 +6,8 @@ use super::advice;
 use super::compat::Compat;
 use super::keys::{self, Key, Takes};
 use super::section::{Entry, Node, Section, Span, Value, whole};
-use crate::diagnostic::words::likeliest;
+use crate::diagnostic::angles;
+use crate::diagnostic::words::did_you_mean;
 use crate::diagnostic::{Diagnostic, Place, Severity};
 use crate::range::Range;
 use std::collections::BTreeMap;
@@ -207,13 +208,14 @@ impl<'a> Reader<'a> {
         let element = format!("{path}[]");
         if keys::children(&element).is_empty() {
             let Some(table) = value.get_ref().as_table() else {
-                self.wrong_type(name, "a table", value);
+                let help = advice::table(path);
+                self.wrong_type_with(name, "a table", value, &help);
                 return None;
             };
             return Some(Node::Table(self.section(path, table, name_span.clone())));
         }
         let Some(array) = value.get_ref().as_array() else {
-            let expected = format!("an array of tables, [[{name}]]");
+            let expected = format!("an array of tables, {}", advice::shown(&element));
             self.wrong_type(name, &expected, value);
             return None;
         };
@@ -229,12 +231,22 @@ impl<'a> Reader<'a> {
     }
 
     fn wrong_type(&mut self, name: &str, expected: &str, value: &Spanned<DeValue>) {
+        self.wrong_type_with(name, expected, value, "");
+    }
+
+    fn wrong_type_with(
+        &mut self,
+        name: &str,
+        expected: &str,
+        value: &Spanned<DeValue>,
+        help: &str,
+    ) {
         let found = value.get_ref().type_str();
         let message = format!(
             "'{name}' must be {expected}, not {} {found}",
             article(found)
         );
-        self.error("S103", &value.span(), message, "");
+        self.error("S103", &value.span(), message, help);
     }
 
     fn value(&mut self, key: &Key, name: &str, value: &Spanned<DeValue>) -> Option<Value> {
@@ -345,8 +357,7 @@ impl<'a> Reader<'a> {
         if words.contains(&word) {
             return Some(Value::Word(word.to_owned()));
         }
-        let help = likeliest(word, words.iter().copied())
-            .map_or_else(String::new, |nearest| format!("did you mean '{nearest}'?"));
+        let help = did_you_mean(word, words.iter().copied());
         let message = format!("'{name}' must be {}, not '{word}'", one_of(words));
         self.error("S104", &value.span(), message, help);
         None
@@ -369,7 +380,9 @@ impl<'a> Reader<'a> {
             return self.word(name, words, word, value);
         }
         let Some(array) = value.get_ref().as_array() else {
-            self.wrong_type(name, &expected, value);
+            let one = value.get_ref().as_str();
+            let help = one.map_or_else(String::new, |one| format!("write {name} = [\"{one}\"]"));
+            self.wrong_type_with(name, &expected, value, &help);
             return None;
         };
         let mut texts = Vec::new();
@@ -413,6 +426,10 @@ impl<'a> Reader<'a> {
             .iter()
             .filter_map(|element| self.number(name, range, false, element))
             .collect();
+        if let (true, Some(message)) = (name == "rpy", angles::attitude("'rpy'", &numbers)) {
+            self.error("S104", &value.span(), message, angles::HELP);
+            return None;
+        }
         (numbers.len() == array.len()).then_some(Value::Numbers(numbers))
     }
 

@@ -8,6 +8,9 @@ use std::sync::Arc;
 /// Mesh files larger than this, in bytes, are refused. Five million triangles.
 pub(super) const LARGEST_FILE: u64 = 256 << 20;
 
+/// What a text in UTF-8 may begin with.
+pub(super) const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
+
 /// What a file starts with that Git LFS keeps elsewhere.
 pub const LFS_POINTER: &[u8] = b"version https://git-lfs.github.com/";
 
@@ -23,10 +26,14 @@ pub(super) enum MeshError {
     TooLarge(u64),
     #[error("it is a pointer of Git LFS, not the mesh itself")]
     Pointer,
+    #[error("it is {0}, not the mesh itself")]
+    Other(&'static str),
     #[error("the file is empty")]
     Empty,
     #[error("'{0}' files are not read; {FORMATS} are")]
     Format(String),
+    #[error("its name has no ending, which tells the format; {FORMATS} are read")]
+    NoFormat,
     #[error(
         "the file is cut short: {expected} bytes for {triangles} triangles, but it has {found}"
     )]
@@ -49,6 +56,27 @@ pub(super) enum MeshError {
     NoFaces,
     #[error("a coordinate is not finite")]
     NotFinite,
+}
+
+/// What a file is that stands in the place of a mesh, by its first bytes.
+pub(super) fn other_kind(bytes: &[u8]) -> Option<&'static str> {
+    let text = bytes
+        .strip_prefix(BYTE_ORDER_MARK)
+        .unwrap_or(bytes)
+        .trim_ascii_start();
+    let starts = |with: &str| {
+        let start = text.get(..with.len());
+        start.is_some_and(|start| start.eq_ignore_ascii_case(with.as_bytes()))
+    };
+    if starts("<!doctype html") || starts("<html") {
+        Some("a web page")
+    } else if bytes.starts_with(b"PK\x03\x04") || bytes.starts_with(b"\x1f\x8b") {
+        Some("a compressed file")
+    } else if bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff") {
+        Some("text in UTF-16")
+    } else {
+        None
+    }
 }
 
 /// The lines of an OBJ text or of its materials with their numbers: a line that ends with a

@@ -1,5 +1,6 @@
 //! A file of text, or why it is none.
 
+use crate::diagnostic::words::instead_of;
 use crate::diagnostic::{Diagnostic, Place, Severity};
 use std::fs::File;
 use std::io::Read;
@@ -51,7 +52,10 @@ pub(super) fn text(path: &Path) -> Result<String, Box<Diagnostic>> {
         })
     };
     let name = path.display();
-    let io = |error: std::io::Error| problem("U001", format!("{name} cannot be read: {error}"), "");
+    let io = |error: std::io::Error| {
+        let message = format!("{name} cannot be read: {error}");
+        problem("U001", message, &instead_of(path, &error))
+    };
     let file = File::open(path).map_err(io)?;
     let metadata = file.metadata().map_err(io)?;
     if metadata.is_dir() {

@@ -353,6 +353,8 @@ fn read_mesh(
                     "fetch the files where the robot was cloned: git lfs install && git lfs pull"
                         .to_owned(),
                 ),
+                MeshError::Other(_) => ("U105", "put the mesh itself there".to_owned()),
+                MeshError::NoFormat => ("U106", "give the file its ending".to_owned()),
                 MeshError::Format(_) => ("U106", "convert the mesh to STL or OBJ".to_owned()),
                 _ => ("U105", format!("export the mesh again; {FORMATS} are read")),
             };

@@ -4,6 +4,7 @@ use super::angles;
 use super::checked::{CheckedJoint, CheckedMimic, LinkReference, called};
 use super::scope::{LARGEST, Scope, Version};
 use super::xml::Node;
+use crate::diagnostic::angles::HELP;
 use crate::diagnostic::words::did_you_mean;
 use crate::digits::Digits;
 use crate::model::JointKind;
@@ -199,7 +200,7 @@ fn limit(scope: &mut Scope, node: Node, kind: JointKind) -> Limit {
         && let Some((name, message)) = angles::limits([lower, upper])
         && let Some(attribute) = child.attribute(name)
     {
-        scope.warning("U035", attribute.at.clone(), &message, angles::HELP);
+        scope.warning("U035", attribute.at.clone(), &message, HELP);
     }
     (range(scope, child, lower, upper), effort, velocity)
 }

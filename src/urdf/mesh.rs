@@ -4,7 +4,9 @@
 //! the two plain formats, a page each: `stl_io` takes binary files that start with `solid` for text
 //! and refuses text that is not laid out line by line as it expects; both happen.
 
-use super::faces::{self, LARGEST_FILE, LFS_POINTER, MeshError, obj_lines};
+use super::faces::{
+    self, BYTE_ORDER_MARK, LARGEST_FILE, LFS_POINTER, MeshError, obj_lines, other_kind,
+};
 use super::{collada, gltf, ply};
 use crate::spatial::Vec3;
 use std::ffi::OsStr;
@@ -60,6 +62,9 @@ impl MeshFile {
             .extension()
             .map(|e| e.to_string_lossy().to_ascii_lowercase())
             .unwrap_or_default();
+        if kind.is_empty() {
+            return Err(MeshError::NoFormat);
+        }
         if !KINDS.contains(&kind.as_str()) {
             return Err(MeshError::Format(format!(".{kind}")));
         }
@@ -69,6 +74,9 @@ impl MeshFile {
         }
         if own.starts_with(LFS_POINTER) {
             return Err(MeshError::Pointer);
+        }
+        if let Some(what) = other_kind(&own) {
+            return Err(MeshError::Other(what));
         }
         let mut used = Vec::new();
         let mut file = Self::made(kind, own, |name| {
@@ -88,9 +96,12 @@ impl MeshFile {
 
     fn made(
         kind: String,
-        bytes: Vec<u8>,
+        mut bytes: Vec<u8>,
         beside: impl FnMut(&str) -> Option<Result<Vec<u8>, MeshError>>,
     ) -> Result<Self, MeshError> {
+        if bytes.starts_with(BYTE_ORDER_MARK) {
+            bytes.drain(..BYTE_ORDER_MARK.len());
+        }
         let scene = is_gltf(&kind).then(|| gltf::File::read(&bytes, beside));
         Ok(Self {
             gltf: scene.transpose()?,

@@ -7,6 +7,7 @@
 //! robot's own folders are the URDF's, the one of the `package.xml` above it, and its parent where
 //! its name says that it is one part of a robot's (`urdf`, `robots` …).
 
+use crate::diagnostic::words::near_file;
 use not_found::same_name;
 
 pub(super) use not_found::NotFound;
@@ -211,10 +212,15 @@ impl<'o> Resolver<'o> {
             None => (String::new(), name.to_owned()),
         };
         match scheme.as_str() {
-            "" => (
-                self.plain(&rest),
-                "a relative name counts from the URDF's folder".to_owned(),
-            ),
+            "" => {
+                let plain = self.plain(&rest);
+                let near = plain.first().and_then(|found| near_file(&found.path));
+                let near = near.map_or_else(String::new, |near| {
+                    format!("did you mean '{}'? ", near.display())
+                });
+                let advice = format!("{near}a relative name counts from the URDF's folder");
+                (plain, advice)
+            }
             "file" => {
                 let path = percent_decoded(&rest);
                 let path = path.strip_prefix("localhost").unwrap_or(&path);

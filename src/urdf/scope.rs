@@ -2,8 +2,8 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
-use super::angles;
 use super::xml::{Attribute, Node};
+use crate::diagnostic::angles;
 use crate::diagnostic::words::did_you_mean;
 use crate::diagnostic::{Report, Severity, times};
 use crate::range as physical;
@@ -261,7 +261,8 @@ impl<'r, 'a> Scope<'r, 'a> {
                 self.within(origin, name, value, physical::Range::Position);
             }
         }
-        if let (Some(message), Some(a)) = (angles::attitude(rpy.into()), origin.attribute("rpy")) {
+        let told = angles::attitude("<origin> rpy", rpy.as_slice());
+        if let (Some(message), Some(a)) = (told, origin.attribute("rpy")) {
             self.warning("U035", a.at.clone(), &message, angles::HELP);
         }
         if let Some(attribute) = origin.attribute("quat_xyzw") {

@@ -151,7 +151,12 @@ impl<'r, 't> Reader<'r, 't> {
         self.states(root, state, &virtual_joints, semantics);
         for (name, (count, at)) in unused {
             let message = format!("<{name}> is not used{}", times(count));
-            self.report.note("R106", at, message, "");
+            if name.starts_with("xacro:") {
+                let help = "expand it first: urdf2fmu expand robot.srdf.xacro > robot.srdf";
+                self.report.warning("R101", at, message, help);
+            } else {
+                self.report.note("R106", at, message, "");
+            }
         }
     }
 

@@ -6,6 +6,7 @@ use crate::model::{
 };
 use crate::slots::{Axis, InputSlot, OutputSlot, ParameterSlot};
 use std::collections::{BTreeMap, BTreeSet};
+use std::fmt;
 
 pub(super) const XYZ: [&str; 3] = ["x", "y", "z"];
 pub(super) const XYZW: [&str; 4] = ["x", "y", "z", "w"];
@@ -39,6 +40,7 @@ pub(super) struct Row {
 }
 
 impl Row {
+    #[inline(never)]
     pub(super) fn input(slot: InputSlot, unit: Unit, start: f64, description: String) -> Self {
         Self {
             slot: Slot::Input(slot),
@@ -51,6 +53,7 @@ impl Row {
         }
     }
 
+    #[inline(never)]
     pub(super) fn output(slot: OutputSlot, unit: Unit, description: String) -> Self {
         Self {
             slot: Slot::Output(slot),
@@ -63,6 +66,7 @@ impl Row {
         }
     }
 
+    #[inline(never)]
     pub(super) fn parameter(
         slot: ParameterSlot,
         unit: Unit,
@@ -85,6 +89,7 @@ impl Row {
     }
 
     /// Velocities of joints that turn without end are read in turns a minute.
+    #[inline(never)]
     pub(super) fn of_joint(self, kind: JointKind) -> Self {
         let turns = kind == JointKind::Continuous && self.unit == Unit::RadianPerSecond;
         Self {
@@ -98,6 +103,7 @@ impl Row {
     }
 
     /// Bounds, moved to the start value where they exclude it: FMI wants the start inside.
+    #[inline(never)]
     pub(super) fn within(self, min: Option<f64>, max: Option<f64>) -> Self {
         let start = self.start.unwrap_or(0.0);
         Self {
@@ -234,9 +240,11 @@ impl<'m> Table<'m> {
         }
     }
 
-    /// Adds a row; `owner` says whose it is in the URDF's own names.
-    pub(super) fn add(&mut self, name: String, owner: &str, row: Row) {
-        let name = styled(self.model, name);
+    /// Adds a row; `owner` says whose it is in the URDF's own names. It is not inlined, like others
+    /// here, because dozens of lines call it, and all of them run once.
+    #[inline(never)]
+    pub(super) fn add(&mut self, name: fmt::Arguments<'_>, owner: &str, row: Row) {
+        let name = styled(self.model, name.to_string());
         let value_reference =
             u32::try_from(self.rows.len()).expect("a robot has fewer than 2^32 variables");
         let (min, max) = row.range;
@@ -262,6 +270,7 @@ impl<'m> Table<'m> {
     }
 
     /// The rows from `first` on are the elements of a whole of this name and shape.
+    #[inline(never)]
     pub(super) fn whole(&mut self, first: usize, name: &str, shape: &[u32], description: &str) {
         let name = styled(self.model, name.to_owned());
         for (index, row) in (0..).zip(&mut self.rows[first..]) {
@@ -275,6 +284,7 @@ impl<'m> Table<'m> {
     }
 
     /// As [`Self::whole`], for a vector of all rows from `first` on.
+    #[inline(never)]
     pub(super) fn vector(&mut self, first: usize, name: &str, description: &str) {
         let len = u32::try_from(self.rows.len() - first).expect("a part of the table");
         self.whole(first, name, &[len], description);
@@ -296,16 +306,16 @@ impl<'m> Table<'m> {
     /// is the last element of a whole, they are a whole, too.
     pub(super) fn derivative_of(&mut self, row: usize, id: StateId) {
         let (state, owner) = (self.rows[row].clone(), self.owners[row].clone());
-        let about = format!("Derivative of {}", state.name);
+        let about = about!("Derivative of {}", state.name);
         let slot = OutputSlot::Rate(id);
         let unit = state.unit.rate();
         let first = self.rows.len();
         // The name has its style already.
-        self.add(String::new(), &owner, Row::output(slot, unit, about));
+        self.add(format_args!(""), &owner, Row::output(slot, unit, about));
         self.rows[first].name = format!("der({})", state.name);
         self.rows[first].nominal = None;
         self.rows[first].part = state.part.map(|part| Part {
-            description: format!("Derivative of {}", part.whole),
+            description: about!("Derivative of {}", part.whole),
             whole: format!("der({})", part.whole),
             ..part
         });
@@ -350,6 +360,7 @@ impl<'m> Table<'m> {
     }
 
     /// What the names of a tree's variables begin with: nothing for the robot itself.
+    #[inline(never)]
     pub(super) fn scope(&self, root: RootId) -> String {
         let root = &self.model.roots[root.index()];
         match (root.name.is_empty(), root.kind) {
@@ -370,6 +381,7 @@ impl<'m> Table<'m> {
         self.of_part(group, link.body, &link.name)
     }
 
+    #[inline(never)]
     fn of_part(&self, group: &str, body: BodyId, name: &str) -> String {
         let root = self.model.root_of(body);
         let own = &self.model.roots[root.index()].name;

@@ -45,14 +45,14 @@ impl Table<'_> {
                         .map(|t| self.model.joints[t.joint.index()].kind);
                     let units = units(kind.unwrap_or(JointKind::Revolute));
                     unit = units.position;
-                    let about = format!("Effort along the sum of positions of {owner}");
+                    let about = about!("Effort along the sum of positions of {owner}");
                     let row = Row::output(OutputSlot::LoopEffort(id), units.effort, about);
-                    self.add(format!("{prefix}.effort"), &owner, row);
+                    self.add(format_args!("{prefix}.effort"), &owner, row);
                 }
             }
-            let about = format!("How far the points, or the sum, are off in {owner}");
+            let about = about!("How far the points, or the sum, are off in {owner}");
             let row = Row::output(OutputSlot::LoopGap(id), unit, about);
-            self.add(format!("{prefix}.gap"), &owner, row);
+            self.add(format_args!("{prefix}.gap"), &owner, row);
         }
         let force: [Group<OfSpring>; 1] = [group(
             "force",
@@ -66,9 +66,9 @@ impl Table<'_> {
                 let owner = format!("spring '{}'", part.name);
                 let prefix = format!("spring.{}", identifier(&part.name));
                 self.groups(&force, |of, axis| of(id, axis), &owner, &prefix);
-                let about = format!("Length of {owner}");
+                let about = about!("Length of {owner}");
                 let row = Row::output(OutputSlot::SpringLength(id), Unit::Meter, about);
-                self.add(format!("{prefix}.length"), &owner, row);
+                self.add(format_args!("{prefix}.length"), &owner, row);
             }
         }
     }

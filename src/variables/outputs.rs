@@ -80,11 +80,11 @@ impl Table<'_> {
         for group in groups {
             let first = self.len();
             for (axis, letter) in axes(group.axes) {
-                let about = format!("{} {owner}, {letter}", group.about);
+                let about = about!("{} {owner}, {letter}", group.about);
                 let row = Row::output(slot(group.slot, axis), group.unit, about);
-                self.add(format!("{prefix}.{}.{letter}", group.name), owner, row);
+                self.add(format_args!("{prefix}.{}.{letter}", group.name), owner, row);
             }
-            let about = format!("{} {owner}", group.about);
+            let about = about!("{} {owner}", group.about);
             self.vector(first, &format!("{prefix}.{}", group.name), &about);
         }
     }
@@ -124,9 +124,9 @@ impl Table<'_> {
                         ),
                     ];
                     for (quantity, slot, unit, about) in rows {
-                        let row = Row::output(slot, unit, format!("{about} {owner}"));
+                        let row = Row::output(slot, unit, about!("{about} {owner}"));
                         let row = row.of_joint(joint.kind);
-                        self.add(format!("{prefix}.{quantity}"), &owner, row);
+                        self.add(format_args!("{prefix}.{quantity}"), &owner, row);
                     }
                 }
                 JointKind::Planar => self.planar_outputs(id, &owner, &prefix),
@@ -160,9 +160,9 @@ impl Table<'_> {
                 let row = Row::output(
                     slot(id, axis),
                     unit,
-                    format!("Planar {group} of {owner}, {name}"),
+                    about!("Planar {group} of {owner}, {name}"),
                 );
-                self.add(format!("{prefix}.{group}.{name}"), owner, row);
+                self.add(format_args!("{prefix}.{group}.{name}"), owner, row);
             }
         }
     }
@@ -259,10 +259,10 @@ impl Table<'_> {
         } in groups
         {
             let first = self.len();
-            let about = format!("{kind} {} of {owner}, {about}", group.replace('_', " "));
+            let about = about!("{kind} {} of {owner}, {about}", group.replace('_', " "));
             for (axis, name) in axes(names) {
-                let row = Row::output(slot(id, axis), *unit, format!("{about}, {name}"));
-                self.add(format!("{prefix}.{group}.{name}"), owner, row);
+                let row = Row::output(slot(id, axis), *unit, about!("{about}, {name}"));
+                self.add(format_args!("{prefix}.{group}.{name}"), owner, row);
             }
             self.vector(first, &format!("{prefix}.{group}"), &about);
         }
@@ -313,17 +313,21 @@ impl Table<'_> {
             let link = &self.model.links[id.index()];
             let owner = format!("link '{}'", link.name);
             let prefix = self.of_link("contact", link);
-            let about = format!("Whether {owner} touches something");
+            let about = about!("Whether {owner} touches something");
             let row = Row::output(OutputSlot::ContactActive(id), Unit::One, about);
-            self.add(format!("{prefix}.active"), &owner, row.kind(Kind::Boolean));
+            self.add(
+                format_args!("{prefix}.active"),
+                &owner,
+                row.kind(Kind::Boolean),
+            );
             let first = self.len();
-            let about = format!(
+            let about = about!(
                 "Net contact force on {owner} in world axes, mean over the communication step"
             );
             for (axis, letter) in axes(&XYZ) {
                 let slot = OutputSlot::ContactForce(id, axis);
-                let row = Row::output(slot, Unit::Newton, format!("{about}, {letter}"));
-                self.add(format!("{prefix}.force.{letter}"), &owner, row);
+                let row = Row::output(slot, Unit::Newton, about!("{about}, {letter}"));
+                self.add(format_args!("{prefix}.force.{letter}"), &owner, row);
             }
             self.vector(first, &format!("{prefix}.force"), &about);
             let points: &[Group<OfLink>] = &[group(
@@ -367,18 +371,21 @@ impl Table<'_> {
             let id = PairId::from(p);
             let owner = format!("pair '{}'", pair.name);
             let prefix = format!("pair.{}", identifier(&pair.name));
-            let about = format!("Whether the two sides press on each other: {owner}");
+            let about = about!("Whether the two sides press on each other: {owner}");
             let row = Row::output(OutputSlot::PairActive(id), Unit::One, about);
-            self.add(format!("{prefix}.active"), &owner, row.kind(Kind::Boolean));
+            self.add(
+                format_args!("{prefix}.active"),
+                &owner,
+                row.kind(Kind::Boolean),
+            );
             self.groups(&groups, |of, axis| of(id, axis), &owner, &prefix);
-            let about = format!("Deepest overlap of the two sides, else 0: {owner}");
+            let about = about!("Deepest overlap of the two sides, else 0: {owner}");
             let row = Row::output(OutputSlot::PairDepth(id), Unit::Meter, about);
-            self.add(format!("{prefix}.depth"), &owner, row);
-            let about =
-                format!("Speed at which the two sides slide on each other, else 0: {owner}");
+            self.add(format_args!("{prefix}.depth"), &owner, row);
+            let about = about!("Speed at which the two sides slide on each other, else 0: {owner}");
             let slot = OutputSlot::PairSlipSpeed(id);
             let row = Row::output(slot, Unit::MeterPerSecond, about);
-            self.add(format!("{prefix}.slip_speed"), &owner, row);
+            self.add(format_args!("{prefix}.slip_speed"), &owner, row);
         }
     }
 
@@ -398,7 +405,7 @@ impl Table<'_> {
         ];
         for (name, slot, about) in energies {
             let row = Row::output(slot, Unit::Joule, about.to_owned());
-            self.add(format!("energy.{name}"), owner, row);
+            self.add(format_args!("energy.{name}"), owner, row);
         }
         if !self.model.outputs.interface.steps() {
             return;
@@ -422,7 +429,7 @@ impl Table<'_> {
         ];
         for (name, slot, about) in counters {
             let row = Row::output(slot, Unit::One, about.to_owned()).kind(Kind::Integer);
-            self.add(format!("solver.{name}"), owner, row);
+            self.add(format_args!("solver.{name}"), owner, row);
         }
     }
 }

@@ -74,14 +74,14 @@ impl Table<'_> {
                     &[]
                 }
                 SensorKind::Contact { .. } => {
-                    let about = format!("Sum of the normal forces on {owner}");
+                    let about = about!("Sum of the normal forces on {owner}");
                     let slot = OutputSlot::Sensor(id, Sensed::NormalForce);
                     let row = Row::output(slot, Unit::Newton, about);
-                    self.add(format!("{prefix}.force"), &owner, row);
-                    let about = format!("Deepest overlap, else 0, at {owner}");
+                    self.add(format_args!("{prefix}.force"), &owner, row);
+                    let about = about!("Deepest overlap, else 0, at {owner}");
                     let row =
                         Row::output(OutputSlot::Sensor(id, Sensed::Depth), Unit::Meter, about);
-                    self.add(format!("{prefix}.depth"), &owner, row);
+                    self.add(format_args!("{prefix}.depth"), &owner, row);
                     &CONTACT
                 }
             };
@@ -118,7 +118,7 @@ impl Table<'_> {
         let first = self.len();
         for ray in (0..).take(directions.len()) {
             let number = number(ray);
-            let about = format!(
+            let about = about!(
                 "Distance to the first thing along ray {number} of {owner}, {range} m where there is none"
             );
             let row = Row::output(
@@ -126,23 +126,23 @@ impl Table<'_> {
                 Unit::Meter,
                 about,
             );
-            self.add(format!("{prefix}.ray[{number}]"), owner, row);
+            self.add(format_args!("{prefix}.ray[{number}]"), owner, row);
         }
-        let about = format!(
+        let about = about!(
             "Distances to the first thing along each ray of {owner}, {range} m where there is none"
         );
         self.whole(first, &format!("{prefix}.ray"), &shape, &about);
         let first = self.len();
         for ray in (0..).take(if *hits { directions.len() } else { 0 }) {
             let number = number(ray);
-            let about = format!(
+            let about = about!(
                 "What ray {number} of {owner} hits: 0 nothing, -1 the ground, n the n-th link of the model"
             );
             let row = Row::output(OutputSlot::Sensor(id, Sensed::Hit(ray)), Unit::One, about);
             let row = row.kind(Kind::Integer);
-            self.add(format!("{prefix}.hit[{number}]"), owner, row);
+            self.add(format_args!("{prefix}.hit[{number}]"), owner, row);
         }
-        let about = format!(
+        let about = about!(
             "What each ray of {owner} hits: 0 nothing, -1 the ground, n the n-th link of the model"
         );
         self.whole(first, &format!("{prefix}.hit"), &shape, &about);
@@ -151,16 +151,16 @@ impl Table<'_> {
     fn encoder_outputs(&mut self, id: SensorId, joint: JointId, owner: &str, prefix: &str) {
         let joint = &self.model.joints[joint.index()];
         let units = units(joint.kind);
-        let about = format!("Position of joint '{}' in steps of {owner}", joint.name);
+        let about = about!("Position of joint '{}' in steps of {owner}", joint.name);
         let row = Row::output(
             OutputSlot::Sensor(id, Sensed::Position),
             units.position,
             about,
         );
-        self.add(format!("{prefix}.position"), owner, row);
+        self.add(format_args!("{prefix}.position"), owner, row);
         let sampling = &self.model.outputs.sensors[id.index()].sampling;
         if sampling.rate.is_some() {
-            let about = format!(
+            let about = about!(
                 "Velocity of joint '{}' from the last two samples of {owner}",
                 joint.name
             );
@@ -170,7 +170,7 @@ impl Table<'_> {
                 about,
             );
             let row = row.of_joint(joint.kind);
-            self.add(format!("{prefix}.velocity"), owner, row);
+            self.add(format_args!("{prefix}.velocity"), owner, row);
         }
     }
 }

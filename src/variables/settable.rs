@@ -29,21 +29,21 @@ impl Table<'_> {
             let owner = format!("link '{}'", link.name);
             let prefix = self.of_link("ext", link);
             let first = self.len();
-            let whole = format!("Force on {owner} at its centre of mass, world");
+            let whole = about!("Force on {owner} at its centre of mass, world");
             for (axis, letter) in axes(&XYZ) {
                 let slot = InputSlot::ExternalForce(id, axis);
-                let row = Row::input(slot, Unit::Newton, 0.0, format!("{whole} {letter}"));
-                self.add(format!("{prefix}.force.{letter}"), &owner, row);
+                let row = Row::input(slot, Unit::Newton, 0.0, about!("{whole} {letter}"));
+                self.add(format_args!("{prefix}.force.{letter}"), &owner, row);
             }
-            self.vector(first, &format!("{prefix}.force"), &format!("{whole} axes"));
+            self.vector(first, &format!("{prefix}.force"), &about!("{whole} axes"));
             let first = self.len();
-            let whole = format!("Torque on {owner}, world");
+            let whole = about!("Torque on {owner}, world");
             for (axis, letter) in axes(&XYZ) {
                 let slot = InputSlot::ExternalTorque(id, axis);
-                let row = Row::input(slot, Unit::NewtonMeter, 0.0, format!("{whole} {letter}"));
-                self.add(format!("{prefix}.torque.{letter}"), &owner, row);
+                let row = Row::input(slot, Unit::NewtonMeter, 0.0, about!("{whole} {letter}"));
+                self.add(format_args!("{prefix}.torque.{letter}"), &owner, row);
             }
-            self.vector(first, &format!("{prefix}.torque"), &format!("{whole} axes"));
+            self.vector(first, &format!("{prefix}.torque"), &about!("{whole} axes"));
         }
     }
 
@@ -53,15 +53,19 @@ impl Table<'_> {
             let owner = format!("'{}'", self.model.roots[id.index()].name);
             let scope = self.scope(id);
             let first = self.len();
-            let whole = format!("Velocity of the surface of {owner} along its own");
+            let whole = about!("Velocity of the surface of {owner} along its own");
             for (axis, letter) in axes(&XYZ) {
                 let slot = InputSlot::SurfaceVelocity(id, axis);
-                let about = format!("{whole} {letter}");
+                let about = about!("{whole} {letter}");
                 let row = Row::input(slot, Unit::MeterPerSecond, 0.0, about);
-                self.add(format!("{scope}surface.velocity.{letter}"), &owner, row);
+                self.add(
+                    format_args!("{scope}surface.velocity.{letter}"),
+                    &owner,
+                    row,
+                );
             }
             let name = format!("{scope}surface.velocity");
-            self.vector(first, &name, &format!("{whole} axes"));
+            self.vector(first, &name, &about!("{whole} axes"));
         }
     }
 
@@ -116,30 +120,42 @@ impl Table<'_> {
         let mode = actuator.mode;
         let pd = mode == ActuatorMode::Pd;
         if pd || mode == ActuatorMode::Position {
-            let about = format!("Commanded position of {owner}");
+            let about = about!("Commanded position of {owner}");
             let row = Row::input(InputSlot::Position(id), units.position, start, about);
-            self.add(format!("{prefix}.position"), owner, row.limits(*limits));
+            self.add(
+                format_args!("{prefix}.position"),
+                owner,
+                row.limits(*limits),
+            );
         }
         if pd || mode == ActuatorMode::Velocity {
-            let about = format!("Commanded velocity of {owner}");
+            let about = about!("Commanded velocity of {owner}");
             let row = Row::input(InputSlot::Velocity(id), units.velocity, 0.0, about);
             let row = row.of_joint(joint.kind);
             self.add(
-                format!("{prefix}.velocity"),
+                format_args!("{prefix}.velocity"),
                 owner,
                 row.symmetric(*velocity),
             );
         }
         if pd || mode == ActuatorMode::Effort {
-            let about = format!("Commanded effort of {owner}");
+            let about = about!("Commanded effort of {owner}");
             let row = Row::input(InputSlot::Effort(id), units.effort, 0.0, about);
-            self.add(format!("{prefix}.effort"), owner, row.symmetric(*effort));
+            self.add(
+                format_args!("{prefix}.effort"),
+                owner,
+                row.symmetric(*effort),
+            );
         }
         if mode != ActuatorMode::Effort {
-            let about = format!("Most effort that the motor of {owner} gives; 0 lets it go");
+            let about = about!("Most effort that the motor of {owner} gives; 0 lets it go");
             let start = actuator.max_effort;
             let row = Row::input(InputSlot::MaxEffort(id), units.effort, start, about);
-            self.add(format!("{prefix}.max_effort"), owner, row.not_negative());
+            self.add(
+                format_args!("{prefix}.max_effort"),
+                owner,
+                row.not_negative(),
+            );
         }
     }
 
@@ -213,11 +229,11 @@ impl Table<'_> {
         ) in groups.into_iter().take(count)
         {
             let first = self.len();
-            let about = format!("{about} {owner}");
+            let about = about!("{about} {owner}");
             for ((axis, axis_name), start) in axes(names).zip(starts) {
                 let row =
-                    Row::parameter(slot(id, axis), unit, start, format!("{about}, {axis_name}"));
-                self.add(format!("{name}.{group}.{axis_name}"), &owner, row);
+                    Row::parameter(slot(id, axis), unit, start, about!("{about}, {axis_name}"));
+                self.add(format_args!("{name}.{group}.{axis_name}"), &owner, row);
             }
             self.vector(first, &format!("{name}.{group}"), &about);
         }
@@ -231,19 +247,19 @@ impl Table<'_> {
             let units = units(joint.kind);
             let start = initial.joint_positions[id.index()];
             let slot = ParameterSlot::InitialJointPosition(id);
-            let about = format!("Initial position of {owner}");
+            let about = about!("Initial position of {owner}");
             let row = Row::parameter(slot, units.position, start, about);
             self.add(
-                format!("{prefix}.position"),
+                format_args!("{prefix}.position"),
                 &owner,
                 row.limits(self.limits(joint)),
             );
             let start = initial.joint_velocities[id.index()];
             let slot = ParameterSlot::InitialJointVelocity(id);
-            let about = format!("Initial velocity of {owner}");
+            let about = about!("Initial velocity of {owner}");
             let row = Row::parameter(slot, units.velocity, start, about).of_joint(joint.kind);
             self.add(
-                format!("{prefix}.velocity"),
+                format_args!("{prefix}.velocity"),
                 &owner,
                 row.symmetric(joint.velocity),
             );
@@ -279,8 +295,8 @@ impl Table<'_> {
                 ),
             ];
             for (name, slot, unit, start, about) in rows {
-                let row = Row::parameter(slot, unit, start, format!("{about} {owner}"));
-                self.add(format!("{prefix}.{name}"), &owner, row.not_negative());
+                let row = Row::parameter(slot, unit, start, about!("{about} {owner}"));
+                self.add(format_args!("{prefix}.{name}"), &owner, row.not_negative());
             }
         }
         for (id, joint) in self.joints().filter(|(_, joint)| is_scalar(joint)) {
@@ -304,29 +320,29 @@ impl Table<'_> {
                 ),
             ];
             for (name, slot, unit, start, about) in rows {
-                let row = Row::parameter(slot, unit, start, format!("{about} {owner}"));
-                self.add(format!("{prefix}.{name}"), &owner, row.not_negative());
+                let row = Row::parameter(slot, unit, start, about!("{about} {owner}"));
+                self.add(format_args!("{prefix}.{name}"), &owner, row.not_negative());
             }
         }
         self.link_parameters();
         let first = self.len();
         for ((axis, letter), start) in axes(&XYZ).zip(model.world.gravity.iter().copied()) {
             let slot = ParameterSlot::Gravity(axis);
-            let about = format!("Gravity, world {letter}");
+            let about = about!("Gravity, world {letter}");
             let row = Row::parameter(slot, Unit::MeterPerSecondSquared, start, about);
-            self.add(format!("world.gravity.{letter}"), "the world", row);
+            self.add(format_args!("world.gravity.{letter}"), "the world", row);
         }
         self.vector(first, "world.gravity", "Gravity, world axes");
         if let Some(ground) = &model.world.ground {
             let about = "Coulomb coefficient of the ground".to_owned();
             let slot = ParameterSlot::GroundFriction;
             let row = Row::parameter(slot, Unit::One, ground.friction, about).not_negative();
-            self.add("world.ground.friction".to_owned(), "the ground", row);
+            self.add(format_args!("world.ground.friction"), "the ground", row);
             let about = "Newton's coefficient of restitution of the ground".to_owned();
             let slot = ParameterSlot::GroundRestitution;
             let row = Row::parameter(slot, Unit::One, ground.restitution, about);
             let row = row.within(Some(0.0), Some(1.0));
-            self.add("world.ground.restitution".to_owned(), "the ground", row);
+            self.add(format_args!("world.ground.restitution"), "the ground", row);
         }
     }
 
@@ -337,16 +353,20 @@ impl Table<'_> {
             let owner = format!("link '{}'", link.name);
             let prefix = self.of_link("link", link);
             if model.colliders.iter().any(|collider| collider.link == id) {
-                let about = format!("Coulomb coefficient of the surface of {owner}");
+                let about = about!("Coulomb coefficient of the surface of {owner}");
                 let slot = ParameterSlot::LinkFriction(id);
                 let row = Row::parameter(slot, Unit::One, link.friction, about);
-                self.add(format!("{prefix}.friction"), &owner, row.not_negative());
+                self.add(
+                    format_args!("{prefix}.friction"),
+                    &owner,
+                    row.not_negative(),
+                );
             }
             if link.inertia.mass > 0.0 {
-                let about = format!("Mass of {owner}; its rotational inertia scales with it");
+                let about = about!("Mass of {owner}; its rotational inertia scales with it");
                 let slot = ParameterSlot::LinkMass(id);
                 let row = Row::parameter(slot, Unit::Kilogram, link.inertia.mass, about);
-                self.add(format!("{prefix}.mass"), &owner, row.not_negative());
+                self.add(format_args!("{prefix}.mass"), &owner, row.not_negative());
             }
         }
     }
@@ -364,7 +384,7 @@ impl Table<'_> {
             about,
         );
         self.add(
-            "solver.step_size".to_owned(),
+            format_args!("solver.step_size"),
             "the solver",
             row.not_negative(),
         );
@@ -373,7 +393,7 @@ impl Table<'_> {
         let slot = ParameterSlot::Tolerance;
         let row = Row::parameter(slot, Unit::One, solver.tolerance, about.to_owned());
         self.add(
-            "solver.tolerance".to_owned(),
+            format_args!("solver.tolerance"),
             "the solver",
             row.not_negative(),
         );
@@ -382,7 +402,7 @@ impl Table<'_> {
         let slot = ParameterSlot::MaxSteps;
         let row = Row::parameter(slot, Unit::One, solver.max_steps, about.to_owned());
         self.add(
-            "solver.max_steps".to_owned(),
+            format_args!("solver.max_steps"),
             "the solver",
             row.not_negative(),
         );

@@ -58,10 +58,10 @@ impl Table<'_> {
                 let first = self.len();
                 for (axis, letter) in axes(&XYZ) {
                     let slot = OutputSlot::State(id(usize::from(axis)));
-                    let row = Row::output(slot, unit, format!("{about} {owner}, {letter}"));
-                    self.add(format!("{name}.{letter}"), &owner, row);
+                    let row = Row::output(slot, unit, about!("{about} {owner}, {letter}"));
+                    self.add(format_args!("{name}.{letter}"), &owner, row);
                 }
-                self.vector(first, &name, &format!("{about} {owner}"));
+                self.vector(first, &name, &about!("{about} {owner}"));
             }
             Relaxing::Motor(actuator) => {
                 let joint = self.model.actuators[actuator.index()].joint;
@@ -95,9 +95,9 @@ impl Table<'_> {
         if let Some(place) = place {
             name = format!("{name}[{}]", place + 1);
         }
-        let about = format!("Elastic displacement of the {what} of {owner}");
+        let about = about!("Elastic displacement of the {what} of {owner}");
         let row = Row::output(OutputSlot::State(state), units(joint.kind).position, about);
-        self.add(name, &owner, row);
+        self.add(format_args!("{name}"), &owner, row);
     }
 
     /// Name and owner of what the contact of two links remembers; none is the ground.

@@ -46,6 +46,11 @@ fn urdf2fmu<const N: usize>(args: [&str; N]) -> Run {
     run_in(Path::new("."), &args, &[])
 }
 
+/// As many arguments as there are.
+fn run(args: &[&str]) -> Run {
+    run_in(Path::new("."), args, &[])
+}
+
 fn run_in(folder: &Path, args: &[&str], environment: &[(&str, &str)]) -> Run {
     let output = Command::new(env!("CARGO_BIN_EXE_urdf2fmu"))
         .args(args)

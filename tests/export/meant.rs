@@ -208,3 +208,183 @@ fn findings_in_an_expanded_text_say_where_it_is_written() {
     assert_eq!(told, [written(&macros, 4), written(&robot, 8)], "{list:?}");
     assert!(!ok);
 }
+
+/// Names of files that are nearly right, also in settings, and files that are something else.
+#[test]
+fn files_that_are_not_there_are_told_with_the_one_that_is() {
+    let folder = tempfile::tempdir().unwrap();
+    let rover = write(
+        folder.path(),
+        "rover.urdf",
+        fs::read_to_string(example("rover.urdf")).unwrap(),
+    );
+    let near = |name: &str| folder.path().join(name);
+    write(folder.path(), "crate.urdf", "<robot name='c'/>");
+    write(folder.path(), "drive.csv", "time\n0\n");
+    let settings = "[[world.object]]\nname = \"a\"\nurdf = \"craet.urdf\"\n";
+    let settings = write(folder.path(), "rover.toml", settings);
+    for (arguments, part) in [
+        (["check", text(&near("rovr.urdf"))].to_vec(), "rover.urdf'?"),
+        (
+            ["simulate", text(&near("rovr.urdf"))].to_vec(),
+            "rover.urdf'?",
+        ),
+        (
+            ["check", text(&rover), "-c", text(&near("rovr.toml"))].to_vec(),
+            "rover.toml'?",
+        ),
+        (
+            ["check", text(&rover), "-c", text(&settings)].to_vec(),
+            "crate.urdf'?",
+        ),
+        (
+            ["check", text(&rover), "-c", text(&settings)].to_vec(),
+            "rover.toml:1:1]",
+        ),
+        (
+            [
+                "simulate",
+                text(&rover),
+                "--input-file",
+                text(&near("drvie.csv")),
+            ]
+            .to_vec(),
+            "drive.csv'?",
+        ),
+        (
+            ["report", text(&near("drvie.csv")), "--model", text(&rover)].to_vec(),
+            "drive.csv'?",
+        ),
+        (["check", "-"].to_vec(), "/dev/stdin"),
+        (
+            ["export", text(&rover), "-o", "nowhere/"].to_vec(),
+            "there is no folder 'nowhere/'",
+        ),
+        (
+            ["export", text(&rover), "--platform", "windows"].to_vec(),
+            "'win64'",
+        ),
+        (
+            ["export", text(&rover), "--platform", "all"].to_vec(),
+            "without platforms",
+        ),
+    ] {
+        let done = run(&arguments);
+        assert!(
+            done.code != 0 && done.err.contains(part),
+            "{arguments:?}: {done:?}"
+        );
+    }
+    let fmu = write(folder.path(), "rover.fmu", "PK");
+    for command in ["init", "expand"] {
+        let done = urdf2fmu([command, text(&fmu)]);
+        assert!(done.err.contains("is an FMU: "), "{command}: {done:?}");
+    }
+}
+
+/// Times as settings take them, and tables as pandas writes them.
+#[test]
+fn times_are_ratios_too_and_an_index_is_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let rover = example("rover.urdf");
+    let out = folder.path().join("out.csv");
+    let tenth = [
+        "simulate",
+        text(&rover),
+        "--stop-time",
+        "1/10",
+        "--output-file",
+        text(&out),
+    ];
+    let done = run(&[&tenth[..], &["--output-interval", "1/100"]].concat());
+    assert_eq!(done.code, 0, "{done:?}");
+    assert_eq!(fs::read_to_string(&out).unwrap().lines().count(), 12);
+    let done = run(&[&tenth[..], &["--output-interval", "10ms"]].concat());
+    assert!(done.err.contains("such as 0.01 or 1/240"), "{done:?}");
+    let wide = format!("time,cmd.head_joint.velocity\n0,{}\n", "1".repeat(9999));
+    for (table, part) in [
+        (",time\n0,0\n", "index=False"),
+        (wide.as_str(), "1…' is no finite"),
+    ] {
+        let table = write(folder.path(), "in.csv", table);
+        let done = run(&[&tenth[..], &["--input-file", text(&table)]].concat());
+        assert!(
+            done.code == 1 && done.err.contains(part) && done.err.len() < 400,
+            "{done:?}"
+        );
+    }
+}
+
+/// What lies in a mesh's place, and an SRDF that is to be expanded.
+#[test]
+fn meshes_that_are_something_else_are_told_as_what_they_are() {
+    let folder = tempfile::tempdir().unwrap();
+    let solid = "solid s\nfacet normal 0 0 0\nouter loop\nvertex 0 0 0\nvertex 0 1 0\nvertex 1 0 0\n\
+        endloop\nendfacet\nfacet normal 0 0 0\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 0 1\n\
+        endloop\nendfacet\nendsolid\n";
+    let wide: Vec<u8> = solid.encode_utf16().flat_map(u16::to_le_bytes).collect();
+    write(folder.path(), "near.stl", solid);
+    for (name, content, told) in [
+        ("m.stl", format!("\u{feff}{solid}").into_bytes(), ""),
+        ("m.stl", [b"\xff\xfe", &wide[..]].concat(), "text in UTF-16"),
+        (
+            "m.stl",
+            b"\n<!DOCTYPE html><html></html>".to_vec(),
+            "a web page",
+        ),
+        ("m.obj", b"PK\x03\x04zip".to_vec(), "a compressed file"),
+        ("m", solid.into(), "no ending"),
+        ("naer.stl", Vec::new(), "near.stl'?"),
+    ] {
+        let robot = format!(
+            "<robot name='r'><link name='a'><inertial><mass value='1'/>\
+             <inertia ixx='1' ixy='0' ixz='0' iyy='1' iyz='0' izz='1'/></inertial>\
+             <collision><geometry><mesh filename='{name}'/></geometry></collision></link></robot>"
+        );
+        let robot = write(folder.path(), "r.urdf", robot);
+        if !content.is_empty() {
+            fs::write(folder.path().join(name), content).unwrap();
+        }
+        let (ok, list) = findings(&robot, &[]);
+        let errors: Vec<String> = list
+            .iter()
+            .filter(|finding| finding["severity"] == "error")
+            .map(|finding| format!("{} {}", finding["message"], finding["help"]))
+            .collect();
+        assert_eq!(ok, told.is_empty(), "{name}: {errors:?}");
+        assert!(
+            errors.iter().all(|error| error.contains(told)),
+            "{told}: {errors:?}"
+        );
+    }
+    let srdf = "<robot name='rover' xmlns:xacro='x'><xacro:include filename='b.xacro'/></robot>";
+    let srdf = write(folder.path(), "a.srdf", srdf);
+    let (_, list) = findings(&example("rover.urdf"), &["--srdf", text(&srdf)]);
+    let mut told = list
+        .iter()
+        .filter(|finding| finding["severity"] == "warning");
+    assert!(
+        told.any(|f| f["help"].as_str().unwrap_or("").contains("urdf2fmu expand")),
+        "{list:?}"
+    );
+}
+
+/// Files of arguments whose defaults are empty, as Universal Robots' are.
+#[test]
+fn an_argument_that_is_an_empty_name_of_a_file_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let robot = "<robot name='r' xmlns:xacro='http://www.ros.org/wiki/xacro'>\n\
+        <xacro:arg name='limits' default=''/>\n<xacro:arg default='' name='masses'/>\n\
+        <xacro:property name='of' value=\"${xacro.load_yaml('$(arg limits)')}\"/>\n\
+        <link name='${of.name}'/></robot>";
+    let robot = write(folder.path(), "r.urdf.xacro", robot);
+    let (_, list) = findings(&robot, &["masses:=m.yaml"]);
+    let help = list
+        .iter()
+        .find_map(|finding| finding["help"].as_str())
+        .unwrap_or_default();
+    assert!(
+        help.contains("limits:=FILE") && !help.contains("masses:="),
+        "{list:?}"
+    );
+}

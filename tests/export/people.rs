@@ -448,13 +448,32 @@ fn a_file_of_the_wrong_kind_is_told_what_it_is() {
 /// `- 1` is a value and no option, whatever comes of it.
 #[test]
 fn negative_numbers_are_values() {
+    let rover = example("rover.urdf");
     for option in ["--output-interval", "--tolerance", "--scale", "--density"] {
-        let done = urdf2fmu(["simulate", text(&example("rover.urdf")), option, "-1"]);
-        assert!(
-            !done.err.contains("unexpected argument") && done.code != 0,
-            "{option}: {done:?}"
-        );
+        for value in ["-1", "-1e-3", "-.5", "-1E+2"] {
+            let done = urdf2fmu(["simulate", text(&rover), option, value]);
+            assert!(
+                !done.err.contains("unexpected argument") && done.code != 0,
+                "{option} {value}: {done:?}"
+            );
+        }
     }
+    let start = "initial.joint.head_joint.velocity";
+    let moved = [
+        "simulate",
+        text(&rover),
+        "--stop-time",
+        "0.01",
+        "--start-value",
+        start,
+    ];
+    for value in ["-1e-3", "-.5", "-5E-1"] {
+        let done = run(&[&moved[..], &[value]].concat());
+        assert_eq!(done.code, 0, "{value}: {done:?}");
+    }
+    // Numbers of any size are short, too.
+    let done = run(&[&moved[..], &["-1e300"]].concat());
+    assert!(done.err.contains("not -1e300"), "{done:?}");
 }
 
 #[test]

@@ -39,6 +39,24 @@ def run_alone(code, *arguments):
                           env=environment, capture_output=True, text=True, timeout=120, check=False)
 
 
+def test_a_table_may_be_a_file_and_a_small_number_a_start_value(rover, tmp_path):
+    """The name of a file was taken for a table without columns, and -1e-05 for an option of the command."""
+    file = tmp_path / "drive.csv"
+    file.write_text("time,cmd.head_joint.velocity\n0,0.5\n")
+    options = {"stop_time": 0.1, "start_values": {"cmd.right_rear_wheel_joint.velocity": -1e-5}}
+    of_file = urdf2fmu.simulate(rover, input=file, **options)
+    of_dict = urdf2fmu.simulate(rover, input={"time": [0.0], "cmd.head_joint.velocity": [0.5]}, **options)
+    assert of_file["joint.head_joint.velocity"][-1] > 0.1
+    assert np.array_equal(of_file, of_dict)
+
+
+def test_a_simulation_lists_its_names(rover):
+    with Simulation(rover) as robot:
+        assert list(robot) == robot.names() and "base.position" in robot
+        with pytest.raises(Error, match="a pattern is a text, not 3"):
+            robot.names(3)
+
+
 @pytest.mark.skipif(sys.platform == "win32", reason="there is no timer that raises signals")
 def test_after_ctrl_c_in_a_step_the_next_step_goes_on(rover):
     # Python raises it before the call of the C function or when the step is done.

@@ -51,6 +51,17 @@ pub(super) fn tolerance(text: &str) -> Result<f64, String> {
     number(Range::Tolerance, text)
 }
 
+/// A time in s: a number, or a ratio such as `1/240`.
+pub(super) fn seconds(text: &str) -> Result<f64, String> {
+    let number = |text: &str| text.trim().parse::<f64>().ok();
+    let time = match text.split_once('/') {
+        Some((above, below)) => number(above).zip(number(below)).map(|(a, b)| a / b),
+        None => number(text),
+    };
+    time.filter(|time| !time.is_nan())
+        .ok_or_else(|| "must be a number of seconds, such as 0.01 or 1/240".to_owned())
+}
+
 /// `640x480`, or `512` for a square.
 pub(super) fn size(text: &str) -> Result<[usize; 2], String> {
     let side = |text: &str| {

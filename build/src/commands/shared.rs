@@ -12,6 +12,7 @@ use crate::stage::{self, Request, StageError};
 use crate::view::ViewError;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
+use urdf2fmu_core::diagnostic::words::or_meant;
 use urdf2fmu_core::diagnostic::{Diagnostic, Severity};
 use urdf2fmu_core::prepared::{FILE_NAME, PreparedModelError};
 use urdf2fmu_core::variables::TableError;
@@ -100,7 +101,7 @@ pub enum CliError {
     #[error(transparent)]
     View(#[from] ViewError),
     /// A file that cannot be read.
-    #[error("cannot read '{}': {source}", path.display())]
+    #[error("cannot read '{}': {source}{}", path.display(), or_meant(path, source))]
     Read {
         /// The file.
         path: PathBuf,

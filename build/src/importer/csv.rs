@@ -25,7 +25,8 @@ pub enum CsvError {
     NotText,
     /// The first column.
     #[error(
-        "line 1: the first column must be 'time', not '{found}'{}",
+        "line 1: the first column must be 'time', not '{}'{}",
+        cut(found),
         separators(found)
     )]
     NoTime {
@@ -51,7 +52,10 @@ pub enum CsvError {
         expected: usize,
     },
     /// Not a finite number.
-    #[error("line {line}, column {column} ('{name}'): '{text}' is no finite number")]
+    #[error(
+        "line {line}, column {column} ('{name}'): '{}' is no finite number",
+        cut(text)
+    )]
     Number {
         /// From 1.
         line: u64,
@@ -87,9 +91,22 @@ pub enum CsvError {
     NoRows,
 }
 
+/// Letters of a file that a message shows at most.
+const MOST_SHOWN: usize = 80;
+
+/// The beginning of a text of any length.
+fn cut(text: &str) -> String {
+    match text.char_indices().nth(MOST_SHOWN) {
+        Some((end, _)) => format!("{}…", &text[..end]),
+        None => text.to_owned(),
+    }
+}
+
 /// What to do about other signs between the columns.
 fn separators(found: &str) -> &'static str {
-    if found.contains([';', '\t']) {
+    if found.is_empty() {
+        "; tables of pandas are saved without their index, index=False"
+    } else if found.contains([';', '\t']) {
         "; columns are separated by commas, and the decimal sign is a point"
     } else {
         ""
@@ -120,7 +137,7 @@ impl Table {
         let names: Vec<String> = header.iter().map(unquoted).collect();
         if names[0] != "time" {
             let found = names[0].clone();
-            return Err(if found.is_empty() {
+            return Err(if header.iter().all(str::is_empty) {
                 CsvError::Empty
             } else {
                 CsvError::NoTime { found }

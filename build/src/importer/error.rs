@@ -4,6 +4,7 @@ use super::csv::CsvError;
 use super::description::DescriptionError;
 use super::library::LibraryError;
 use std::path::PathBuf;
+use urdf2fmu_core::diagnostic::words::or_meant;
 use urdf2fmu_core::digits::Digits;
 
 /// Where a name on the command line stands.
@@ -20,7 +21,7 @@ pub enum RunError {
     #[error(transparent)]
     Description(#[from] DescriptionError),
     /// A file that cannot be read.
-    #[error("cannot read '{}': {source}", path.display())]
+    #[error("cannot read '{}': {source}{}", path.display(), or_meant(path, source))]
     Read {
         /// The file.
         path: PathBuf,

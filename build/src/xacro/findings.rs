@@ -3,6 +3,7 @@
 use super::command;
 use super::includers;
 use super::problem::{Lacking, Problem};
+use super::sources::NAMELESS;
 use super::texts::Texts;
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -135,8 +136,18 @@ fn finding(
             ),
         )
     } else {
+        let empty = empty_arguments(texts, arguments);
         let help = match problem.lacking {
             // No other program finds it either.
+            Some(Lacking::File) if !empty.is_empty() && problem.message.contains(NAMELESS) => {
+                let call: Vec<String> = empty.iter().map(|name| format!("{name}:=FILE")).collect();
+                format!(
+                    "arguments that are empty unless they are given: {}; call {name} {}, or give a \
+                     file that includes this one with names of files",
+                    empty.join(", "),
+                    call.join(" ")
+                )
+            }
             Some(Lacking::File) => {
                 "put the file there, or correct the path; a relative one counts from the folder \
                  of the file that is read"
@@ -194,6 +205,20 @@ pub(super) fn unasked(arguments: &[String], texts: &Texts) -> Vec<Diagnostic> {
         place: None,
     };
     unasked.map(warning).collect()
+}
+
+/// Arguments that nobody gives and whose default is empty.
+fn empty_arguments(texts: &Texts, arguments: &[String]) -> Vec<String> {
+    let read = texts.sources.read.values();
+    let tags = read.flat_map(|text| text.split("<xacro:arg").skip(1));
+    let empty = tags.filter(|tag| attribute(tag, "default").is_some_and(|value| value.is_empty()));
+    let names: BTreeSet<String> = empty.filter_map(|tag| attribute(tag, "name")).collect();
+    let given = |name: &str| {
+        arguments
+            .iter()
+            .any(|a| a.starts_with(&format!("{name}:=")))
+    };
+    names.into_iter().filter(|name| !given(name)).collect()
 }
 
 /// Names of `<xacro:arg name="…">`.

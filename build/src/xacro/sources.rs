@@ -7,6 +7,9 @@ use std::io::Read as _;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
+/// What a file is called whose name is empty.
+pub(super) const NAMELESS: &str = "a file without a name";
+
 /// Files within each other.
 const DEEPEST: usize = 100;
 
@@ -144,8 +147,10 @@ impl<'f> Sources<'f> {
         if let Some(known) = self.read.get(path) {
             return Ok(Rc::clone(known));
         }
-        let name = if path.as_os_str().is_empty() {
-            "a file without a name".to_owned()
+        // An empty name counts from the folder of the file that is read, too.
+        let shown = path.to_string_lossy();
+        let name = if shown.is_empty() || shown.ends_with(std::path::is_separator) {
+            NAMELESS.to_owned()
         } else {
             path.display().to_string()
         };
