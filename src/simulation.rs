@@ -7,7 +7,6 @@ pub use crate::slots::{Axis, InputSlot, OutputSlot, ParameterSlot, Sensed};
 pub use crate::snapshot::{SavedStateError, Snapshot};
 
 use crate::closure::Gap;
-use crate::digits::Digits;
 use crate::inputs::Inputs;
 use crate::model::Model;
 use crate::parameters::Parameters;
@@ -64,7 +63,7 @@ pub struct Simulation {
 #[non_exhaustive]
 pub enum SimulationError {
     /// A value that cannot be set.
-    #[error("{what} must be {expected}, not {}", Digits(*value))]
+    #[error("{what} must be {expected}, not {}", crate::digits::Digits(*value))]
     Value {
         /// Which quantity.
         what: String,

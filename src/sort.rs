@@ -44,6 +44,8 @@ mod tests {
     use super::*;
     use crate::testing::Random;
 
+    type Sort = fn(&mut [(u8, usize)]);
+
     /// The standard library's stable sort, on lists with equal elements.
     #[test]
     fn lists_are_sorted_as_the_standard_library_sorts_them() {
@@ -59,7 +61,7 @@ mod tests {
                 .collect();
             let mut sound = list.clone();
             sound.sort_by_key(|(key, _)| *key);
-            let sorts: [fn(&mut [(u8, usize)]); 2] = [
+            let sorts: [Sort; 2] = [
                 |list| short(list, |a, b| a.0 < b.0),
                 |list| once(list, |a, b| a.0 < b.0),
             ];

@@ -171,8 +171,9 @@ impl Target {
     /// Writes the whole file.
     ///
     /// # Errors
-    /// [`OutputError::File`]; what was there before is then still there. [`OutputError::Stream`] for
-    /// standard output, [`OutputError::Terminal`] where that is a terminal and the bytes no text.
+    /// [`OutputError::File`]; what was there before is then still there. Of standard output
+    /// [`OutputError::Stream`], and [`OutputError::Terminal`] where that is one and these are no
+    /// text.
     pub fn write(&self, bytes: &[u8]) -> Result<(), OutputError> {
         let Some(place) = &self.place else {
             if io::stdout().is_terminal() && std::str::from_utf8(bytes).is_err() {

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 /// product.
 const MOST_COMPARED: (usize, usize) = (100, 5000);
 
-/// What other programs, formats and trades call a thing, and the word of URDF or of settings for it.
+/// What other programs, formats and trades call a thing, and the word of URDF or settings for it.
 const SYNONYMS: &[(&str, &str)] = &[
     ("accelerometer", "imu"),
     ("ball", "spherical"),

@@ -78,7 +78,15 @@ pub(super) fn syntax(found: &str, message: &str) -> (String, String) {
         && word
             .chars()
             .all(|c| c.is_alphanumeric() || "_-./".contains(c));
+    if message.contains("duplicate") {
+        let help = "it stands twice: leave one out, or put all keys of a table below one header";
+        return (message.to_owned(), help.to_owned());
+    }
     match word.to_lowercase().as_str() {
+        "null" | "none" | "nil" => (
+            format!("'{word}' is no value of TOML"),
+            "leave the key out".to_owned(),
+        ),
         flag @ ("true" | "false") if flag != word => {
             (message.to_owned(), format!("TOML writes it {flag}"))
         }
@@ -103,6 +111,26 @@ pub(super) fn syntax(found: &str, message: &str) -> (String, String) {
             format!("'{word}' is no value of TOML"),
             format!("a text stands in quotes: \"{word}\""),
         ),
-        _ => (message.to_owned(), "the file must be TOML 1.0".to_owned()),
+        _ => (message.to_owned(), habit(word, message).to_owned()),
+    }
+}
+
+/// What to do about the habits of other languages.
+fn habit(word: &str, message: &str) -> &'static str {
+    let number = ["mantissa", "fraction", "float", "leading zero"];
+    if word.contains(['“', '”', '„', '‘', '’', '`']) {
+        "write straight quotes: \"…\""
+    } else if word.starts_with("//") || word.starts_with(';') {
+        "a comment begins with #"
+    } else if word.starts_with('*') {
+        "a name with signs in it stands in quotes, as in [joint.\"*\"]"
+    } else if word.starts_with(':') {
+        "a key and its value are joined by ="
+    } else if word.starts_with(|c: char| c.is_ascii_digit() || ".,".contains(c))
+        || number.iter().any(|number| message.contains(number))
+    {
+        "a number is written as 0.5 or 1e-3: with a point between digits, without a unit"
+    } else {
+        "the file must be TOML 1.0"
     }
 }

@@ -1,9 +1,9 @@
 //! The start, joints and what drives them, and outputs.
 
-use super::Takes::{
+use super::kinds::Takes::{
     Flag, Name, Number, Numbers, Pattern, PatternOrPatterns, Patterns, Word, WordOrPatterns,
 };
-use super::{Key, key};
+use super::kinds::{Key, key};
 use crate::range::Range::{
     Coefficient, Flight, Limit, LimitSize, Position, ReferenceSpeed, Spin, Velocity,
 };

@@ -1,7 +1,7 @@
 //! Loops, springs, sensors, wrenches and links.
 
-use super::Takes::{Count, Flag, Name, Number, Numbers, Pattern, Patterns, Vectors, Word};
-use super::{Key, key};
+use super::kinds::Takes::{Count, Flag, Name, Number, Numbers, Pattern, Patterns, Vectors, Word};
+use super::kinds::{Key, key};
 use crate::range::Range::{
     Bias, Coefficient, Dissipation, Friction, Length, Mass, Near, Noise, Position, Rate, Ratio,
     Restitution, Steps, Stiffness, View,

@@ -1,7 +1,7 @@
 //! The robot as a whole, its FMU, the solver and contacts.
 
-use super::Takes::{Flag, Name, Number, NumberOrRatio, Patterns, Version, Word};
-use super::{Key, key};
+use super::kinds::Takes::{Flag, Name, Number, NumberOrRatio, Patterns, Version, Word};
+use super::kinds::{Key, key};
 use crate::range::Range::{
     Density, Dissipation, Duration, Penetration, ReferenceSpeed, Scale, Step, Stiffness, Tolerance,
     Work,

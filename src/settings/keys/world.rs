@@ -1,7 +1,7 @@
 //! What is around the robot.
 
-use super::Takes::{Count, File, Flag, Name, Number, Numbers, Word};
-use super::{Key, key};
+use super::kinds::Takes::{Count, File, Flag, Name, Number, Numbers, Word};
+use super::kinds::{Key, key};
 use crate::range::Range::{
     Flight, Friction, Gravity, Length, Mass, Position, Restitution, Scale, Spin,
 };

@@ -1,0 +1,72 @@
+//! What the advice says was meant.
+
+use super::*;
+
+/// What other programs call a key or a word; what is like none of them is not guessed.
+#[test]
+fn words_of_other_programs_lead_to_the_own_ones() {
+    for (text, help) in [
+        ("[[world.object]]\nshape = { ball = 1 }", "'sphere'"),
+        ("[[world.object]]\nposition = [0, 0, 1]", "'xyz'"),
+        ("[[world.object]]\nfixed = true", "'static'"),
+        ("[world.ground]\nmu = 0.5", "'friction'"),
+        ("[robot]\nfixed_base = true", "'base'"),
+        ("[solver]\ntimestep = 1e-3", "'step_size'"),
+        ("[initial]\nyaw = 1", "'rpy'"),
+        ("[[loop]]\nlink1 = \"a\"", "'links'"),
+        ("[[spring]]\nk = 100", "'stiffness'"),
+        ("[[sensor]]\ntype = \"lidar\"", "'ray'"),
+        ("[[sensor]]\nppr = 1000", "'counts'"),
+        ("[[actuator]]\nmode = \"torque\"", "'effort'"),
+        ("[joint.a]\nmimic = \"b\"", "known are damping"),
+    ] {
+        let found = Settings::parse(text, "robot.toml").expect_err(text);
+        let advice = found.iter().filter_map(|f| f.help.as_deref());
+        let advice: Vec<&str> = advice.filter(|h| h.contains(help)).collect();
+        assert_eq!(advice.len(), 1, "{text}: {found:?}");
+        assert!(
+            help.starts_with('\'') || !advice[0].contains("did you"),
+            "{found:?}"
+        );
+    }
+    let found = finding("[[sensor]]\ntype = \"camera\"\nlink = \"a\"");
+    assert_eq!(found.help, None, "a guess would mislead: {found:?}");
+}
+
+/// What stands in place of a table or a list says how that is written; degrees are no attitude.
+#[test]
+fn advice_shows_how_a_value_is_written() {
+    for (text, part) in [
+        ("[world.object]\nname = \"a\"", "[[world.object]]"),
+        (
+            "[world]\nground = false",
+            "[world.ground] has the keys type, friction",
+        ),
+        ("link = 1", "write [link.\"…\"]"),
+        ("[outputs]\nlinks = \"head\"", "links = [\"head\"]"),
+        ("[solver]\nstep_size = 1/240", "\"1/240\""),
+        (
+            "[[world.object]]\nname = \"a\"\nurdf = \"C:\\robots\\a.urdf\"",
+            "twice",
+        ),
+        ("[robot]\nscale = 2\n[solver]\n[robot]\n", "one header"),
+        ("[robot]\nscale = null", "leave the key out"),
+        ("[robot]\nbase = “fixed”", "straight quotes"),
+        ("[robot]\nbase: \"fixed\"", "joined by ="),
+        ("[robot]\nscale = .5", "0.5 or 1e-3"),
+        ("[robot]\nscale = 2 m", "without a unit"),
+        ("[joint.*]\ndamping = 1", "in quotes"),
+        ("; settings\n[robot]", "begins with #"),
+        ("[initial]\nrpy = [0, 0, 90]", "degrees"),
+        ("{\"robot\": {}}", "JSON"),
+        ("# settings\nrobot:\n  base: fixed\n", "YAML"),
+    ] {
+        let found = Settings::parse(text, "robot.toml").expect_err(text);
+        let told = format!(
+            "{} {}",
+            found[0].message,
+            found[0].help.as_deref().unwrap_or_default()
+        );
+        assert!(told.contains(part), "{text}: {found:?}");
+    }
+}
