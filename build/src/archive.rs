@@ -10,7 +10,6 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::{Cursor, Read, Write};
 use std::path::{Path, PathBuf};
-use urdf2fmu_core::diagnostic::words::or_meant;
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipWriter};
 
@@ -106,7 +105,7 @@ pub enum ArchiveError {
         name: String,
     },
     /// The file could not be read.
-    #[error("cannot read '{}': {source}{}", path.display(), or_meant(path, source))]
+    #[error("cannot read '{}': {source}{}", path.display(), urdf2fmu_core::diagnostic::words::or_meant(path, source))]
     Read {
         /// The file.
         path: PathBuf,
