@@ -27,6 +27,7 @@ use crate::state::State;
 use crate::step::point::{Context, Point};
 use crate::tree::Tree;
 use channels::Sampler;
+use held::Held;
 
 /// How much of a state has been computed; each level needs the ones before it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -53,11 +54,9 @@ pub struct Readout {
     vdot: Vec<f64>,
     /// Accelerations of the bodies about O, world axes; filled by [`Self::body_accelerations`].
     A: Vec<Vec6>,
-    /// Accelerations in the later part of the last step, and the forces that make them; scratch of
-    /// [`Self::hold_motors`].
-    late: Vec<f64>,
-    held: Vec<f64>,
-    /// Factor of the mass matrix, with stiff motors; scratch of [`Self::accelerations`].
+    /// What something stiff holds; filled by [`Self::hold`].
+    held: Held,
+    /// Factor of the mass matrix; scratch of [`Self::accelerations`].
     factor: Vec<f64>,
     /// Forces of closed loops, one a row; filled by [`Self::accelerations`], and its scratch.
     loops: Vec<f64>,
@@ -81,7 +80,7 @@ pub struct Readout {
 }
 
 #[cfg(test)]
-crate::spoil::spoil!(Readout: point vdot A late held factor loops closed sensors sampler; known rpy energies named states derivatives);
+crate::spoil::spoil!(Readout: point vdot A held factor loops closed sensors sampler; known rpy energies named states derivatives);
 
 impl Readout {
     /// Buffers for a robot.
@@ -93,8 +92,7 @@ impl Readout {
             point: Point::new(model, tree),
             vdot: vec![0.0; model.nv()],
             A: vec![[0.0; 6]; tree.bodies.len()],
-            late: vec![0.0; model.nv()],
-            held: vec![0.0; model.nv()],
+            held: Held::new(model, tree),
             factor: vec![0.0; tree.sparsity.entries()],
             loops: Vec::with_capacity(Rows::most(tree)),
             closed: Schur::new(tree),
@@ -181,7 +179,7 @@ impl Readout {
                 joint_rate(model, &known.vdot, joint, axis)
             }
             O::JointEffort(joint) => {
-                let known = self.at(ctx, state, Level::Forces);
+                let known = self.at(ctx, state, Level::Accelerations);
                 known.joint_effort(model, state, joint)
             }
             O::BaseOrientation(root, axis) if model.floats(root) => {
@@ -318,8 +316,12 @@ impl Readout {
             return 0.0;
         }
         let dof = model.bodies[body.index()].dof.index();
-        let term = self.point.terms.along(dof);
-        term.map_or(0.0, |term| term.drive_force(state.physical.v[dof], 0.0).0)
+        let joints = &self.point.terms.joints;
+        let Ok(place) = joints.binary_search_by_key(&dof, |term| term.dof) else {
+            return 0.0;
+        };
+        let (force, _) = joints[place].drive_force(state.physical.v[dof], 0.0);
+        force + self.drive_change(place)
     }
 
     /// Roll, pitch, yaw of the base of a tree.
@@ -389,15 +391,12 @@ impl Readout {
             }
             add6(&mut F[body.parent], &f);
         }
-        self.factor.copy_from_slice(&kin.M);
-        let held = self.hold_motors(ctx, state);
+        if self.hold(ctx, state) {
+            return;
+        }
+        self.factor.copy_from_slice(&self.point.kin.M);
         tree.sparsity.factor(&mut self.factor);
         tree.sparsity.solve(&self.factor, &mut self.vdot);
-        if held {
-            for (a, late) in self.vdot.iter_mut().zip(&self.late) {
-                *a += late;
-            }
-        }
         let (rows, factor) = (&self.point.kin.loops, &self.factor);
         if !rows.is_empty() {
             let closed = &mut self.closed;

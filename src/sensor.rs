@@ -75,18 +75,19 @@ impl Sensors {
     /// the child unless the sensor tells the other.
     ///
     /// `point` is up to date with the state, forces included; `A` are the bodies' spatial
-    /// accelerations about O, and `loops` the forces of all rows of closed loops.
+    /// accelerations about O, `loops` the forces of all rows of closed loops, and `pushed` what each
+    /// contact pushes its body more by, about O, if anything.
     pub fn wrench(
         &mut self,
         ctx: &Context,
         point: &Point,
-        (A, loops): (&[Vec6], &[f64]),
+        (A, loops, pushed): (&[Vec6], &[f64], &[Vec6]),
         sensor: usize,
     ) -> [Vec3; 2] {
         if !self.has_wrenches {
             for s in 0..self.wrench.len() {
                 if !self.beyond[s].is_empty() {
-                    self.wrench[s] = wrench_beyond(ctx, point, (A, loops), &self.beyond[s]);
+                    self.wrench[s] = wrench_beyond(ctx, point, (A, loops, pushed), &self.beyond[s]);
                 }
             }
             self.has_wrenches = true;
@@ -113,7 +114,7 @@ pub fn specific_force(ctx: &Context, point: &Point, A: &[Vec6], sensor: usize) -
 fn wrench_beyond(
     ctx: &Context,
     point: &Point,
-    (A, loops): (&[Vec6], &[f64]),
+    (A, loops, pushed): (&[Vec6], &[f64], &[Vec6]),
     links: &[usize],
 ) -> Vec6 {
     let kin = &point.kin;
@@ -146,8 +147,12 @@ fn wrench_beyond(
     }
     let is_beyond = |link: usize| links.binary_search(&link).is_ok();
     let contacts = &point.terms.contacts;
-    for contact in contacts.iter() {
-        let (force, about) = contact.wrench(&contacts.points, &kin.V);
+    for (i, contact) in contacts.iter().enumerate() {
+        let (mut force, mut about) = contact.wrench(&contacts.points, &kin.V);
+        if let Some(more) = pushed.get(i) {
+            force += linear(more);
+            about += angular(more);
+        }
         if is_beyond(contact.link) {
             couple -= about;
             add(&Vec3::zeros(), &force, -1.0);

@@ -54,19 +54,25 @@ pub(crate) fn within(X_BS: &Pose, X_BG: &Pose) -> Pose {
 impl Tree {
     /// Derives the tree; masses, mounting and initial pose come from `parameters`.
     pub fn new(model: &Model, parameters: &Parameters) -> Self {
-        Self::derive(model, parameters, &[])
+        Self::derive(model, parameters, (&[], &[]))
     }
 
     /// Derives the tree of the same model anew, from other parameters.
     pub fn renew(&mut self, model: &Model, parameters: &Parameters) {
         let shapes = std::mem::take(&mut self.contact.colliders);
-        *self = Self::derive(model, parameters, &shapes);
+        let bases: Vec<Pose> = self.trees.iter().map(|tree| tree.base).collect();
+        *self = Self::derive(model, parameters, (&shapes, &bases));
     }
 
     /// The same.
     ///
-    /// - `known`: colliders of the same model, whose shapes are prepared, or none
-    fn derive(model: &Model, parameters: &Parameters, known: &[TreeCollider]) -> Self {
+    /// - `known`: colliders of the same model, whose shapes are prepared, and the poses of the bases
+    ///   with which they are; or none
+    fn derive(
+        model: &Model,
+        parameters: &Parameters,
+        known: (&[TreeCollider], &[Pose]),
+    ) -> Self {
         let nv = model.nv();
         let mut tree = Self {
             bodies: Vec::with_capacity(model.bodies.len()),
@@ -246,7 +252,12 @@ impl Tree {
         }
     }
 
-    fn add_colliders(&mut self, model: &Model, frames: &[Pose], known: &[TreeCollider]) {
+    fn add_colliders(
+        &mut self,
+        model: &Model,
+        frames: &[Pose],
+        (known, bases): (&[TreeCollider], &[Pose]),
+    ) {
         let ground = model.world.ground.as_ref();
         let others = model.has_pairs();
         if ground.is_none() && !others {
@@ -309,7 +320,7 @@ impl Tree {
         }
         if others {
             self.contact.pairs = self.pairs(model);
-            self.join_terrain(model);
+            self.join_terrain(model, bases);
         }
     }
 

@@ -12,12 +12,14 @@ mod hollow;
 mod pyramid;
 mod rim;
 
+pub use self::rim::Rim;
+
 use self::cubic::Cell;
 use self::pyramid::Pyramid;
 use super::error::GeometryError;
 use crate::spatial::Vec3;
-use crate::tuning::{RIDGE, RIDGE_LEAST};
 use serde::{Deserialize, Serialize};
+use std::sync::Arc;
 
 /// Most samples of a field.
 pub const MOST_SAMPLES: usize = 4_000_000;
@@ -31,15 +33,15 @@ const STEEPEST: f64 = 3.0;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "Samples", into = "Samples")]
 pub struct Field {
-    samples: Samples,
+    samples: Arc<Samples>,
     grid: Grid,
     /// At each sample the height, m, and the slopes of the surface in m per cell: along x, along y,
     /// and of both.
-    nodes: Vec<[f64; 4]>,
+    nodes: Arc<[[f64; 4]]>,
     /// How sharp the surface is at each sample, 0 … 1, see [`Field::ridge`].
-    ridges: Vec<f64>,
+    ridges: Arc<[f64]>,
     /// No point of the surface over a cell is higher.
-    cells: Pyramid,
+    cells: Arc<Pyramid>,
     /// The lowest sample, m.
     lowest: f64,
     /// No point of the surface is lower, m.
@@ -47,9 +49,12 @@ pub struct Field {
     /// No normal of the surface has a smaller z.
     upright: f64,
     /// Heights of the samples that are sharp.
-    peaks: Pyramid,
+    peaks: Arc<Pyramid>,
     /// How much the surface bends up over each cell: what `√(1 + |∇H|²) ∇²H` does not exceed, 1/m.
-    hollows: Pyramid,
+    hollows: Arc<Pyramid>,
+    /// Whether it goes on in other terrain at each cell of its sides: of the lowest x, the highest
+    /// x, the lowest y, the highest y; empty where it does nowhere, see [`Field::beside`].
+    seams: [Vec<bool>; 4],
 }
 
 /// Along x and y.
@@ -138,7 +143,7 @@ impl TryFrom<Samples> for Field {
 
 impl From<Field> for Samples {
     fn from(field: Field) -> Self {
-        field.samples
+        Arc::unwrap_or_clone(field.samples)
     }
 }
 
@@ -189,15 +194,16 @@ impl Field {
             .fold(f64::INFINITY, f64::min);
         let mut field = Self {
             grid: Grid::new(&samples),
-            samples,
+            samples: Arc::new(samples),
             lowest,
             bottom: lowest,
             upright: 0.0,
-            nodes,
-            ridges: Vec::new(),
-            cells: Pyramid::default(),
-            peaks: Pyramid::default(),
-            hollows: Pyramid::default(),
+            nodes: nodes.into(),
+            ridges: Arc::new([]),
+            cells: Arc::default(),
+            peaks: Arc::default(),
+            hollows: Arc::default(),
+            seams: [const { Vec::new() }; 4],
         };
         field.ridges = (0..nx * ny).map(|k| field.ridge(k % nx, k / nx)).collect();
         let cells = [nx - 1, ny - 1];
@@ -213,8 +219,8 @@ impl Field {
             steepest = steepest.max(slope);
             hollows.push(field.hollow(&points) * (1.0 + slope).sqrt());
         }
-        field.cells = Pyramid::new(cells, bounds);
-        field.hollows = Pyramid::new(cells, hollows);
+        field.cells = Arc::new(Pyramid::new(cells, bounds));
+        field.hollows = Arc::new(Pyramid::new(cells, hollows));
         field.upright = 1.0 / (1.0 + steepest).sqrt();
         let peaks = field.ridges.iter().zip(&field.samples.heights);
         let peak = |(ridge, height): (&f64, &f64)| {
@@ -224,7 +230,8 @@ impl Field {
                 f64::NEG_INFINITY
             }
         };
-        field.peaks = Pyramid::new([nx, ny], peaks.map(peak).collect());
+        let peaks = peaks.map(peak).collect();
+        field.peaks = Arc::new(Pyramid::new([nx, ny], peaks));
         field
     }
 
@@ -253,24 +260,6 @@ impl Field {
     /// A height that no point of the surface is below, m.
     pub fn bottom(&self) -> f64 {
         self.bottom
-    }
-
-    /// How much of the sharpness of a point a sample has: the share with which it carries a shape
-    /// that lies on it alone. 0 where the surface is even or hollow, 1 where it turns down by
-    /// [`RIDGE`] from one cell to the next, or ends.
-    fn ridge(&self, i: usize, j: usize) -> f64 {
-        let [nx, ny] = self.samples.counts;
-        if i == 0 || j == 0 || i + 1 == nx || j + 1 == ny {
-            return 1.0;
-        }
-        let [dx, dy] = self.cell();
-        let height = |i: usize, j: usize| self.samples.heights[j * nx + i];
-        let angle = |from: f64, to: f64, by: f64| libm::atan((to - from) / by);
-        let h = height(i, j);
-        let along_x = angle(height(i - 1, j), h, dx) - angle(h, height(i + 1, j), dx);
-        let along_y = angle(height(i, j - 1), h, dy) - angle(h, height(i, j + 1), dy);
-        let excess = (along_x.max(along_y) - RIDGE_LEAST).max(0.0) / (RIDGE - RIDGE_LEAST);
-        (excess * excess).min(1.0)
     }
 
     /// The sixteen Bézier points of a cell, m: first along x, row by row.
@@ -416,7 +405,7 @@ impl Field {
 
     /// Where a sample is, m.
     pub fn place(&self, i: usize, j: usize) -> [f64; 2] {
-        let Samples { size, counts, .. } = &self.samples;
+        let Samples { size, counts, .. } = &*self.samples;
         let along = |k: usize, i: usize| (count(i) / count(counts[k] - 1) - 0.5) * size[k];
         [along(0, i), along(1, j)]
     }

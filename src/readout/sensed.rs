@@ -35,7 +35,7 @@ impl Readout {
         what: Sensed,
     ) -> f64 {
         let (sensors, point, A) = (&mut self.sensors, &self.point, &self.A);
-        let loads = (A.as_slice(), self.loops.as_slice());
+        let loads = (A.as_slice(), self.loops.as_slice(), self.held.pushed());
         match what {
             Sensed::Orientation(axis) => {
                 let (_, X) = pose(ctx, point, id.index());

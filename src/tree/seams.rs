@@ -11,9 +11,12 @@ use crate::tuning::{EVEN_EDGE, SEAM};
 use std::sync::Arc;
 
 impl Tree {
-    /// Lets meshes go on in the ground and in other terrain that begins where they end. Each of
-    /// them has a crest there, at which what slides across would stumble.
-    pub(super) fn join_terrain(&mut self, model: &Model) {
+    /// Lets meshes and heights go on in the ground and in other terrain that begins where they end.
+    /// Each of them has a crest there, at which what slides across would stumble. Terrain that
+    /// stands where it stood, with the same shapes, is joined already.
+    ///
+    /// - `before`: poses of the bases with which the shapes were joined, or none
+    pub(super) fn join_terrain(&mut self, model: &Model, before: &[Pose]) {
         let is_fixed = |place: &usize| {
             let collider = &self.contact.colliders[*place];
             !collider.moves && model.colliders[collider.index].shape.is_terrain()
@@ -28,13 +31,18 @@ impl Tree {
                 (place, base.compose(&collider.X), shape)
             })
             .collect();
+        let stood = |(place, X, _): &(usize, Pose, &Shape)| {
+            let collider = &self.contact.colliders[*place];
+            let base = before.get(collider.tree);
+            base.is_some_and(|base| base.compose(&collider.X) == *X)
+        };
+        if terrain.iter().all(stood) {
+            return;
+        }
         let ground = (usize::MAX, Pose::IDENTITY, &Shape::Plane);
         let has_ground = self.contact.has_ground;
         let mut joined = Vec::new();
         for (place, X, shape) in &terrain {
-            let Shape::Surface { surface } = shape else {
-                continue;
-            };
             let carried = |ends: [Vec3; 2], n: &Vec3, parts: &mut Vec<[f64; 2]>| {
                 let (ends, n) = (ends.map(|p| X.point(&p)), X.R * n);
                 let others = terrain.iter().filter(|(other, ..)| other != place);
@@ -44,10 +52,20 @@ impl Tree {
                 }
             };
             // Also where there is no seam: other parameters may have moved it there before.
-            let surface = surface
-                .beside(carried)
-                .map_or_else(|| surface.clone(), Arc::new);
-            let solid = Solid::new(&Shape::Surface { surface }, 0.0);
+            let shape = match shape {
+                Shape::Surface { surface } => Shape::Surface {
+                    surface: surface
+                        .beside(carried)
+                        .map_or_else(|| surface.clone(), Arc::new),
+                },
+                Shape::Field { field } => Shape::Field {
+                    field: field
+                        .beside(carried)
+                        .map_or_else(|| field.clone(), Arc::new),
+                },
+                _ => continue,
+            };
+            let solid = Solid::new(&shape, 0.0);
             joined.push((*place, Arc::new(solid)));
         }
         for (place, solid) in joined {

@@ -23,7 +23,7 @@ use super::points::{PatchPoint, Side, point};
 use super::sink::Sink;
 use super::surface::part_between;
 use super::trace::Trace;
-use crate::geometry::field::Field;
+use crate::geometry::field::{Field, Rim};
 use crate::spatial::Vec3;
 use crate::tuning::{BESIDE, CROWN, MOST_PEAKS, NEAREST_ON_FIELD};
 
@@ -103,6 +103,32 @@ impl OnField<'_, '_> {
         Some((n, (height - x.z) * n.z))
     }
 
+    /// The same, with the surface continued where other terrain goes on beyond its end.
+    fn below_or_beyond(&self, x: &Vec3) -> Option<(Vec3, f64)> {
+        self.below(x).or_else(|| {
+            let over = [x.x, x.y];
+            if !self.field.goes_on(over) {
+                return None;
+            }
+            let [a, b] = self.field.within(over);
+            let (height, n) = self.field.tangent(a, b)?;
+            Some((n, n.dot(&(Vec3::new(a, b, height) - x))))
+        })
+    }
+
+    /// The place that says on which terrain an end of a cylinder lies: the lowest one of the rim of
+    /// its core, as on a mesh.
+    fn over(&self, round: &Round, end: &End) -> [f64; 2] {
+        let r = self.shape.solid.radius;
+        let core = Round {
+            radius: round.radius - r,
+            half: round.half - r,
+            ..*round
+        };
+        let (x, _) = Trace::new(self.shape, &core, &end.n, Side::First).end(end.s);
+        [x.x, x.y]
+    }
+
     /// A corner of the shape; beyond the end of the surface as long as the corner of its core is
     /// not.
     fn corner(&mut self, index: usize, share: impl Fn(&Vec3) -> f64) {
@@ -110,6 +136,12 @@ impl OnField<'_, '_> {
         let x = shape.world(&shape.solid.mesh.corners[index]);
         if x.z >= self.clear {
             return;
+        }
+        if self.field.has_seams() {
+            let core = shape.world(&shape.solid.core_corners[index]);
+            if self.field.goes_on([core.x, core.y]) {
+                return;
+            }
         }
         let below = self.below(&x).or_else(|| {
             let core = shape.world(&shape.solid.core_corners[index]);
@@ -149,7 +181,8 @@ impl OnField<'_, '_> {
             if self.in_hollow(round, s, &center) {
                 return None;
             }
-            self.below(&center).map(|(n, _)| End { s, n, found: None })
+            let (n, _) = self.below_or_beyond(&center)?;
+            Some(End { s, n, found: None })
         });
         for _ in 0..NEAREST_ON_FIELD {
             let mut changes = false;
@@ -159,7 +192,9 @@ impl OnField<'_, '_> {
                     continue;
                 }
                 let (x, _) = Trace::new(shape, round, &end.n, Side::First).end(end.s);
-                if let Some((next, depth)) = self.below(&x) {
+                if let Some((next, depth)) = self.below_or_beyond(&x)
+                    && !self.field.goes_on(self.over(round, end))
+                {
                     end.found = Some((end.n, depth, x));
                     changes |= end.n != next;
                     end.n = next;
@@ -211,9 +246,11 @@ impl OnField<'_, '_> {
                 && depth > -reach
                 && {
                     share *= part;
-                    if let Some(sides) = field.rim(i, j) {
-                        share *= part_at_end(&normal, &sides, (shape, &x));
-                    }
+                    share *= match field.rim(i, j) {
+                        Rim::Inside => 1.0,
+                        Rim::Seam => 0.0,
+                        Rim::End(sides) => part_at_end(&normal, &sides, (shape, &x)),
+                    };
                     share > 0.0
                 }
                 && (count < MOST_PEAKS || depth > best[MOST_PEAKS - 1].depth)

@@ -56,7 +56,8 @@ impl Nearest {
 
 /// The place of the surface nearest to `c`, found from another place by Newton's method on
 /// `x − c + (H − c_z) ∇H = 0` in so many looks at the surface, with no step longer than `most`, m;
-/// and how long the last one was. None for what is beside the surface and not above its end.
+/// and how long the last one was. None for what is beside the surface and not above its end, and for
+/// what other terrain carries in which it goes on.
 ///
 /// In a hollow that bends more than the ball the second derivatives count less, so that the matrix
 /// stays definite and each step leads downhill. Over a crest that bends more than the ball a step
@@ -69,15 +70,14 @@ pub(super) fn nearest_from(
     (looks, most): (usize, f64),
 ) -> Option<(Place, f64)> {
     let half = field.samples().size.map(|s| 0.5 * s);
-    let within = |x: [f64; 2]| [0, 1].map(|k| x[k].clamp(-half[k], half[k]));
-    let mut here = Foot::at(field, c, within(start))?;
-    let (mut left, mut held) = (0.0, false);
+    let mut here = Foot::at(field, c, field.within(start))?;
+    let (mut left, mut held) = (0.0, None);
     let mut look = 0;
     while look < looks {
         let way = here.step();
         let free = [0, 1].map(|k| here.x[k] - way[k].clamp(-most, most));
-        let next = within(free);
-        held = next.map(f64::to_bits) != free.map(f64::to_bits);
+        let next = field.within(free);
+        held = (next.map(f64::to_bits) != free.map(f64::to_bits)).then_some(free);
         let step = [0, 1].map(|k| next[k] - here.x[k]);
         left = step[0].abs().max(step[1].abs());
         if left <= ROUND_OFF * half[0].max(half[1]) {
@@ -112,7 +112,10 @@ pub(super) fn nearest_from(
     }
     let mut n = here.local.normal();
     let at = Vec3::new(here.x[0], here.x[1], here.local.height);
-    if held {
+    if let Some(free) = held {
+        if field.goes_on(free) {
+            return None;
+        }
         let apart = c - at;
         if apart.dot(&n) > 0.0 {
             n = apart.normalize();

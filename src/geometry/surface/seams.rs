@@ -126,7 +126,7 @@ pub(super) fn beside(
 }
 
 /// Whether parts of a segment cover all of it, from 0 to 1, but for gaps of less than `slack`.
-fn cover(parts: &mut [[f64; 2]], slack: f64) -> bool {
+pub(in crate::geometry) fn cover(parts: &mut [[f64; 2]], slack: f64) -> bool {
     sort::once(parts, |a, b| a[0].total_cmp(&b[0]).is_lt());
     let mut reached = 0.0;
     for [begin, end] in parts {
