@@ -320,8 +320,7 @@ impl Readout {
         let Ok(place) = joints.binary_search_by_key(&dof, |term| term.dof) else {
             return 0.0;
         };
-        let (force, _) = joints[place].drive_force(state.physical.v[dof], 0.0);
-        force + self.drive_change(place)
+        self.drive_effort(state, place)
     }
 
     /// Roll, pitch, yaw of the base of a tree.

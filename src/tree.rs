@@ -68,11 +68,7 @@ impl Tree {
     ///
     /// - `known`: colliders of the same model, whose shapes are prepared, and the poses of the bases
     ///   with which they are; or none
-    fn derive(
-        model: &Model,
-        parameters: &Parameters,
-        known: (&[TreeCollider], &[Pose]),
-    ) -> Self {
+    fn derive(model: &Model, parameters: &Parameters, known: (&[TreeCollider], &[Pose])) -> Self {
         let nv = model.nv();
         let mut tree = Self {
             bodies: Vec::with_capacity(model.bodies.len()),

@@ -102,6 +102,16 @@ impl Drive {
         }
     }
 
+    /// The largest force that it can give.
+    pub fn most(&self) -> f64 {
+        match self {
+            Self::None => 0.0,
+            Self::Effort(effort) => effort.abs(),
+            Self::Velocity { element, .. } => element.cap,
+            Self::Position { cap, .. } | Self::Pd { cap, .. } => *cap,
+        }
+    }
+
     /// Whether the force changes with position or velocity: then steps must be implicit.
     pub fn is_stiff(&self) -> bool {
         match self {

@@ -20,7 +20,7 @@
 //! soon is 0, and `a_s` is `−z/(1 + γ z)²/h`: with the weights `1` and `β z − 1` both cancel.
 //! `g²/(m + g)` is nearly that where an element is stiff. Where it is soft it counts nothing, and
 //! `M v̇ = r` is exact. Springs between two points do not count; what explicit steps resolve, pd
-//! laws and damping, counts only where the last step was none.
+//! laws and damping, counts only where the last step was none and ends at this moment.
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
@@ -28,7 +28,7 @@ use super::Readout;
 use crate::closure::Rows;
 use crate::force::{Drive, JointTerm, Responses, SpringTerm, Velocities};
 use crate::kinematics::forward;
-use crate::model::Model;
+use crate::model::{Model, Sensor, SensorKind};
 use crate::slots::ParameterSlot;
 use crate::spatial::{Vec6, add_scaled6};
 use crate::state::State;
@@ -115,7 +115,10 @@ impl Readout {
         let tree = ctx.tree;
         self.held.any = false;
         self.held.pushed.clear();
-        if state.stepping.last_step <= 0.0 || !self.find_stiff(ctx, state) {
+        // What rests is in balance.
+        let mut trees = ctx.tree.trees.iter().zip(&state.stepping.rested);
+        let rests = trees.all(|(tree, rested)| *rested > 0.0 || !tree.moves());
+        if rests || state.stepping.last_step <= 0.0 || !self.find_stiff(ctx, state) {
             return false;
         }
         let Self {
@@ -131,6 +134,8 @@ impl Readout {
         let problem = Problem {
             accuracy: 0.0,
             iterated: 0.0,
+            // Velocities satisfy their rows already, and stay as they are.
+            ahead: 0.0,
             ..Problem::new((tree, &point.kin), &point.terms, held.tau, 0.0)
         };
         held.newton.guess_start(&problem, &state.physical.v);
@@ -183,12 +188,14 @@ impl Readout {
         for (index, extent) in ctx.tree.trees.iter().enumerate() {
             let h = longest.min(next_step(ctx, state, index));
             let mut dofs = extent.dofs.clone();
-            let staged = dofs.any(|dof| trend.first[dof].to_bits() != trend.whole[dof].to_bits());
+            // Not within a step that goes on: its accelerations are those of another time.
+            let ended = state.stepping.ahead.length[index] == 0.0;
+            let staged =
+                ended && dofs.any(|dof| trend.first[dof].to_bits() != trend.whole[dof].to_bits());
             let first = terms.joints.partition_point(|t| t.dof < extent.dofs.start);
             let own = terms.joints[first..].iter();
             for term in own.take_while(|t| t.dof < extent.dofs.end) {
                 let counts = staged || term.is_stiff_beside_pd();
-                any |= term.is_stiff_beside_pd();
                 let [mut motor, mut all] = [0.0; 2];
                 if counts {
                     motor = LEFT * motor_stiffness(term, v[term.dof], h);
@@ -196,6 +203,7 @@ impl Readout {
                     let share = all * inverse[term.dof];
                     let share = share / (1.0 + share);
                     (motor, all) = (share * motor, share * all);
+                    any |= all > 0.0;
                 }
                 held.motors.push(motor);
                 held.joints.push(JointTerm {
@@ -213,7 +221,7 @@ impl Readout {
         any
     }
 
-    /// Finds what contacts push more by, after the accelerations.
+    /// Finds what contacts push more by, after the accelerations: force sensors want to know.
     fn push_on(&mut self, ctx: &Context, state: &State) {
         let Self {
             point, held, vdot, ..
@@ -223,7 +231,8 @@ impl Readout {
             *change = a - late;
         }
         let terms = &point.terms;
-        if terms.contacts.is_empty() {
+        let is_felt = |sensor: &Sensor| matches!(sensor.kind, SensorKind::ForceTorque { .. });
+        if terms.contacts.is_empty() || !ctx.model.outputs.sensors.iter().any(is_felt) {
             return;
         }
         forward(ctx.tree, &point.kin.S, &held.change, &mut held.V);
@@ -245,17 +254,30 @@ impl Readout {
             }
             held.pushed.push(pushed);
         }
+        for (i, turn) in terms.turns.iter().enumerate() {
+            let [more, less] =
+                [&held.responses, &held.newton.responses].map(|found| found.turns[i].impulse);
+            let moment = (more - less) / h;
+            for (sum, x) in held.pushed[turn.contact].iter_mut().zip(&moment) {
+                *sum += x;
+            }
+        }
     }
 
-    /// What a motor pushes more by than its state says, N·m or N.
+    /// What a motor gives, N·m or N.
     ///
     /// - `place`: that of its term
-    pub(super) fn drive_change(&self, place: usize) -> f64 {
-        let held = &self.held;
-        if !held.any {
-            return 0.0;
-        }
-        -held.motors[place] * held.change[self.point.terms.joints[place].dof]
+    pub(super) fn drive_effort(&self, state: &State, place: usize) -> f64 {
+        let term = &self.point.terms.joints[place];
+        let v = state.physical.v[term.dof];
+        let (force, _) = term.drive_force(v, 0.0);
+        let (held, change) = (&self.held, self.held.motors.get(place));
+        let Some(stiffness) = change.filter(|stiffness| held.any && **stiffness > 0.0) else {
+            return force;
+        };
+        let most = term.drive.most();
+        let effort = force - stiffness * held.change[term.dof];
+        term.line.cut((effort.clamp(-most, most), 0.0), v).0
     }
 }
 
@@ -268,18 +290,16 @@ fn next_step(ctx: &Context, state: &State, tree: usize) -> f64 {
     }
 }
 
-/// Stiffness of a motor over a step of `h` seconds, kg·m² or kg; 0 of one that yields now.
+/// Stiffness of a motor over a step of `h` seconds, kg·m² or kg; 0 of one that gives all it can.
 fn motor_stiffness(term: &JointTerm, v: f64, h: f64) -> f64 {
+    let (asked, slope) = term.drive.force(v, 0.0);
+    let (given, _) = term.drive_force(v, 0.0);
+    if slope == 0.0 || given.to_bits() != asked.to_bits() {
+        return 0.0;
+    }
     match &term.drive {
-        Drive::Velocity { element, .. } => {
-            let (_, slope) = term.drive_force(v, 0.0);
-            if slope < 0.0 {
-                h * (element.damping + h * element.stiffness)
-            } else {
-                0.0
-            }
-        }
-        _ => -h * term.drive_force(v, h).1,
+        Drive::Velocity { element, .. } => h * (element.damping + h * element.stiffness),
+        drive => -h * drive.force(v, h).1,
     }
 }
 
@@ -291,3 +311,6 @@ fn rest_stiffness(term: &JointTerm, v: f64, h: f64) -> f64 {
     };
     rest.response(v, h).stiffness
 }
+
+#[cfg(test)]
+mod tests;

@@ -144,8 +144,9 @@ fn an_axle_is_loaded_by_what_rides_on_its_turntable() {
         carried + Vec3::new(0.0, 0.0, alpha * (inertia + ride)),
         0.02,
     );
-    // In steps of 5 ms the load that the box leaves to friction alternates: at communication points
-    // of 10 ms the acceleration along the table's edge is 0.159 to 0.190 m/s², at every tolerance.
+    // By the forces of the moment this was 0.159 to 0.190 m/s² along the table's edge at
+    // communication points of 10 ms: in steps of 5 ms the load that the box leaves to friction
+    // alternates.
     let felt = Vec3::new(-omega * omega * r, alpha * r, G);
-    near(read(&mut s, Sensed::Acceleration, 1), felt, 0.05);
+    near(read(&mut s, Sensed::Acceleration, 1), felt, 2e-3);
 }
