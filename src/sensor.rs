@@ -75,8 +75,8 @@ impl Sensors {
     /// the child unless the sensor tells the other.
     ///
     /// `point` is up to date with the state, forces included; `A` are the bodies' spatial
-    /// accelerations about O, `loops` the forces of all rows of closed loops, and `pushed` what each
-    /// contact pushes its body more by, about O, if anything.
+    /// accelerations about O, `loops` the forces of all rows of closed loops, and `pushed` what
+    /// each contact pushes its body more by, about O, if anything.
     pub fn wrench(
         &mut self,
         ctx: &Context,

@@ -66,8 +66,8 @@ impl Tree {
 
     /// The same.
     ///
-    /// - `known`: colliders of the same model, whose shapes are prepared, and the poses of the bases
-    ///   with which they are; or none
+    /// - `known`: colliders of the same model, whose shapes are prepared, and the poses of the
+    ///   bases with which they are; or none
     fn derive(model: &Model, parameters: &Parameters, known: (&[TreeCollider], &[Pose])) -> Self {
         let nv = model.nv();
         let mut tree = Self {

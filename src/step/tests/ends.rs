@@ -190,10 +190,10 @@ fn what_slides_over_the_seam_of_two_meshes_does_not_stumble() {
     }
 }
 
-/// Terrain of heights goes on in heights and in a mesh beside it, and a mesh in heights: what slides
-/// or rolls over the seam goes on at its speed, and no deeper. The end of heights was a crest, and a
-/// can whose lowest point was over the other terrain than its middle was carried by neither: one of
-/// four fell through, others were 0.14 m beside their way.
+/// Terrain of heights goes on in heights and in a mesh beside it, and a mesh in heights: what
+/// slides or rolls over the seam goes on at its speed, and no deeper. The end of heights was a
+/// crest, and a can whose lowest point was over the other terrain than its middle was carried by
+/// neither: one of four fell through, others were 0.14 m beside their way.
 #[test]
 fn what_goes_over_the_seam_of_heights_does_not_stumble() {
     let heights = || field(2.0, 8, |_, _| 0.0);
