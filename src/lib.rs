@@ -89,7 +89,6 @@ pub mod settings;
 pub mod simulation;
 pub mod slots;
 mod snapshot;
-mod sort;
 pub mod sparsity;
 pub mod spatial;
 #[cfg(test)]

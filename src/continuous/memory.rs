@@ -5,7 +5,6 @@
 use crate::force::{Memory, Touch, light_touch};
 use crate::geometry::pair::MOST_PARTS;
 use crate::model::{ActuatorId, ActuatorMode, LinkId, Model};
-use crate::sort;
 use crate::state::Physical;
 use crate::step::point::{Context, Point};
 use crate::tree::Tree;
@@ -102,7 +101,7 @@ impl Remembered {
                 slots.extend((first..first + parts).map(|slot| (slot, [a, b])));
             }
         }
-        sort::once(&mut slots, |a, b| a < b);
+        slots.sort_unstable();
         for (slot, places) in slots {
             let links = model.links_of(slot);
             let same = |e: &&Element| e.links == links && e.what == Relaxing::Slip;

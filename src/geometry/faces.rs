@@ -9,7 +9,6 @@
 //! hardly curved side are one face.
 
 use super::hull::{Simplices, hull};
-use crate::sort;
 use crate::spatial::{Vec3, across};
 use crate::tuning::FACING;
 
@@ -142,7 +141,11 @@ fn shares(corners: &[Vec3], list: &[usize], normal: &Vec3) -> Vec<f64> {
 /// Indices of the points on the convex outline, counter-clockwise (Andrew's monotone chain).
 pub(super) fn outline(points: &[(f64, f64)]) -> Vec<usize> {
     let mut order: Vec<usize> = (0..points.len()).collect();
-    sort::once(&mut order, |&a, &b| points[a] < points[b]);
+    order.sort_by(|&a, &b| {
+        points[a]
+            .partial_cmp(&points[b])
+            .unwrap_or(std::cmp::Ordering::Equal)
+    });
     let left = |a: usize, b: usize, c: usize| {
         let (a, b, c) = (points[a], points[b], points[c]);
         (b.0 - a.0) * (c.1 - b.1) - (b.1 - a.1) * (c.0 - b.0) > 0.0

@@ -11,7 +11,6 @@
 //! Source: Barber, Dobkin and Huhdanpaa 1996, The Quickhull Algorithm for Convex Hulls.
 
 use super::nearest::{on_segment, on_triangle};
-use crate::sort;
 use crate::spatial::Vec3;
 use std::collections::{BTreeMap, BinaryHeap};
 
@@ -459,7 +458,7 @@ impl<'p> Solid<'p> {
             .collect();
         // What is likely to be the furthest comes first. Most others can then be left out: a point
         // is no further from the solid than from any one of its faces.
-        sort::once(&mut left, |a, b| b.0.total_cmp(&a.0).is_lt());
+        left.sort_by(|a, b| b.0.total_cmp(&a.0));
         let mut error = 0.0;
         for (_, own, i) in left.into_iter().filter(|(height, ..)| *height > 0.0) {
             let p = &self.points[i];

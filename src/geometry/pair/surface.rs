@@ -23,7 +23,6 @@ use super::sink::Sink;
 use super::trace::STANDING;
 use crate::geometry::Shape;
 use crate::geometry::surface::{Crest, Facet, Surface};
-use crate::sort;
 use crate::spatial::{Mat3, Vec3, across};
 use crate::tuning::{CREST_SLACK, EVEN_EDGE, SEAM};
 
@@ -113,10 +112,9 @@ pub(super) fn on_surface(
         });
     }
     let found = &mut found[..count];
-    sort::short(found, |a, b| {
+    found.sort_unstable_by(|a, b| {
         let by_depth = a.point.depth.total_cmp(&b.point.depth);
-        let order = a.own.cmp(&b.own).then(by_depth).then(a.facet.cmp(&b.facet));
-        order.is_lt()
+        a.own.cmp(&b.own).then(by_depth).then(a.facet.cmp(&b.facet))
     });
     let facet = |this: &OnFacet| &surface.facets()[this.facet];
     for i in 0..found.len() {
