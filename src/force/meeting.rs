@@ -50,7 +50,12 @@ impl Meeting<'_> {
                 gravity: self.gravity,
                 speed: (speed * speed + gained).max(0.0).sqrt(),
             };
-            let lands = contact.bounce == 0.0 && speed < 0.0 && impact.speed > BOUNCE_THRESHOLD;
+            // Speed with which a body comes in that the spring has taken up.
+            let kept = (2.0 * contact.spring.stored(contact.depth) / mass).sqrt();
+            // Shapes that hold more than they come with are not meeting, but are in each other,
+            // and leave as such: mostly they have begun so.
+            let least = kept.max(BOUNCE_THRESHOLD);
+            let lands = contact.bounce == 0.0 && speed < 0.0 && impact.speed > least;
             if lands || contact.bounce > 0.0 {
                 // A corner has a share of a face: the spring feels it come by less than its way,
                 // and pushes it with less than its force.
@@ -61,8 +66,7 @@ impl Meeting<'_> {
                     contact.bounce = felt.dissipation(surface.restitution, number);
                 }
                 // What it has come in with is in the spring by now.
-                let kept = 2.0 * contact.spring.stored(contact.depth) / felt.mass;
-                felt.speed = libm::hypot(felt.speed, kept.sqrt());
+                felt.speed = libm::hypot(felt.speed, weights * kept);
                 contact.duration = felt.duration();
             }
         }
