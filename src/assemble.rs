@@ -85,13 +85,13 @@ mod ways;
 mod wheels;
 mod world;
 
-use crate::settings::{Compat, InertiaSource, Settings};
-use crate::urdf::ReadOptions;
+use crate::settings::{Compat, InertiaSource, MeshCollision, Settings};
+use crate::urdf::{MeshShapes, ReadOptions};
 pub use alone::{Assembled, build, inspect};
 pub use world::{Guest, of_object, of_robot, solid, take_ground, world};
 
 /// What the settings mean for the reader of the URDF: `options` with scale, source of inertia and
-/// links whose meshes become several parts.
+/// what meshes become.
 pub fn read_options(settings: &Settings, options: ReadOptions) -> ReadOptions {
     ReadOptions {
         scale: settings.scale,
@@ -99,10 +99,17 @@ pub fn read_options(settings: &Settings, options: ReadOptions) -> ReadOptions {
         pybullet: settings.compat == Compat::PyBullet
             || settings.inertia == InertiaSource::PyBullet,
         sensors: settings.described_sensors,
-        decomposed: settings
+        meshes: settings
             .links
             .iter()
-            .filter_map(|entry| Some((entry.link.clone(), entry.decompose?)))
+            .filter_map(|entry| {
+                let shapes = match entry.collision? {
+                    MeshCollision::Hull => MeshShapes::Hull,
+                    MeshCollision::Objects => MeshShapes::Objects,
+                    MeshCollision::Decomposition => MeshShapes::Decomposition,
+                };
+                Some((entry.link.clone(), shapes))
+            })
             .collect(),
         ..options
     }

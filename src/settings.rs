@@ -34,8 +34,9 @@ pub use fmu::{FmiVersion, FmuSettings};
 pub use sensor::{Errors, Fan, SensorSettings, SensorSettingsKind};
 pub use types::{
     ActuatorSettings, BaseChoice, ContactOutputs, GeneratedHeights, GroupSettings, HeightForm,
-    HeightSource, InertiaSource, InitialSettings, JointSettings, LinkSettings, ModeChoice,
-    ObjectSettings, ObjectSource, PairSettings, RobotSettings, Settings, TerrainSettings, WheelFit,
+    HeightSource, InertiaSource, InitialSettings, JointSettings, LinkSettings, MeshCollision,
+    ModeChoice, ObjectSettings, ObjectSource, PairSettings, RobotSettings, Settings,
+    TerrainSettings, WheelFit,
 };
 
 pub(crate) use fill::{STATIC_FRICTION_HELP, static_excess};

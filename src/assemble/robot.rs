@@ -265,7 +265,7 @@ fn link_overrides(
                 .collisions
                 .iter()
                 .any(|c| c.mesh.is_some());
-            if entry.decompose.is_some() && !meshes {
+            if entry.collision.is_some() && !meshes {
                 return Some("has no collision mesh".to_owned());
             }
             let massless =

@@ -13,7 +13,7 @@ use super::reader::Reader;
 use super::section::{Node, Section, Value};
 use super::types::{
     ActuatorSettings, BaseChoice, ContactOutputs, GroupSettings, InertiaSource, InitialSettings,
-    JointSettings, LinkSettings, ModeChoice, PairSettings, Settings, WheelFit,
+    JointSettings, LinkSettings, MeshCollision, ModeChoice, PairSettings, Settings, WheelFit,
 };
 use super::{sensor, world};
 use crate::model::{
@@ -89,9 +89,9 @@ pub(super) fn fill(reader: &mut Reader, root: &Section, compat: Option<Compat>) 
                 wheel_fit: section
                     .word("wheel_fit")
                     .and_then(|word| WheelFit::from_word(&word)),
-                decompose: section
+                collision: section
                     .word("collision")
-                    .map(|word| word == "decomposition"),
+                    .and_then(|word| MeshCollision::from_word(&word)),
             })
             .collect(),
         contact_outputs: match outputs.value("contacts") {

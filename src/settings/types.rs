@@ -355,6 +355,29 @@ impl WheelFit {
     }
 }
 
+/// What a collision mesh becomes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MeshCollision {
+    /// Its hull.
+    Hull,
+    /// The hulls of the objects in its file.
+    Objects,
+    /// Several convex parts.
+    Decomposition,
+}
+
+impl MeshCollision {
+    /// From its word in the settings.
+    pub fn from_word(word: &str) -> Option<Self> {
+        Some(match word {
+            "hull" => Self::Hull,
+            "objects" => Self::Objects,
+            "decomposition" => Self::Decomposition,
+            _ => return None,
+        })
+    }
+}
+
 /// Overrides of the file's links.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LinkSettings {
@@ -378,8 +401,8 @@ pub struct LinkSettings {
     pub mass: Option<f64>,
     /// What its collision meshes roll as.
     pub wheel_fit: Option<WheelFit>,
-    /// Whether its collision meshes become several convex parts each, not one.
-    pub decompose: Option<bool>,
+    /// What its collision meshes become.
+    pub collision: Option<MeshCollision>,
 }
 
 impl LinkSettings {
@@ -396,7 +419,7 @@ impl LinkSettings {
             dissipation: None,
             mass: None,
             wheel_fit: None,
-            decompose: None,
+            collision: None,
         }
     }
 }

@@ -67,15 +67,29 @@ pub(super) fn triangles(bytes: &[u8]) -> Result<Vec<[Vec3; 3]>, MeshError> {
     let known = Known::default();
     let corners = with_scene(bytes, &known, |scene| {
         scene.points(Scene::triangle_corners, |instance, corners| {
-            if instance.is_mirrored() {
-                corners.chunks_exact_mut(3).for_each(|t| t.swap(1, 2));
-            }
+            instance.turn(corners);
         })
     })?;
-    Ok(corners
-        .chunks_exact(3)
-        .map(|t| [t[0], t[1], t[2]])
-        .collect())
+    Ok(in_threes(&corners))
+}
+
+/// The same by the geometries that the scene places.
+///
+/// - `known`: of the same file
+pub(super) fn objects(bytes: &[u8], known: &Known) -> Result<Vec<Vec<[Vec3; 3]>>, MeshError> {
+    with_scene(bytes, known, |scene| {
+        let mut list = Vec::new();
+        scene.points(Scene::triangle_corners, |instance, corners| {
+            instance.turn(corners);
+            list.push(in_threes(corners));
+        })?;
+        Ok(list)
+    })
+}
+
+fn in_threes(corners: &[Vec3]) -> Vec<[Vec3; 3]> {
+    let triangles = corners.chunks_exact(3);
+    triangles.map(|t| [t[0], t[1], t[2]]).collect()
 }
 
 /// All faces in the scene, cut into triangles, by what they are painted with.
@@ -159,7 +173,7 @@ impl<'d> Scene<'d> {
     fn points(
         &self,
         of: impl Fn(&Self, Node<'d>) -> Result<Vec<Vec3>, MeshError>,
-        turn: impl Fn(&Instance, &mut [Vec3]),
+        mut turn: impl FnMut(&Instance, &mut [Vec3]),
     ) -> Result<Vec<Vec3>, MeshError> {
         let mut all = Vec::new();
         // Points of a geometry, by the place of its tag.
@@ -265,6 +279,13 @@ impl Instance<'_> {
     /// would have their outside inwards.
     fn is_mirrored(&self) -> bool {
         self.placed.determinant() < 0.0
+    }
+
+    /// Turns its triangles with their outside outwards.
+    fn turn(&self, corners: &mut [Vec3]) {
+        if self.is_mirrored() {
+            corners.chunks_exact_mut(3).for_each(|t| t.swap(1, 2));
+        }
     }
 
     /// A point of the geometry, m.

@@ -105,7 +105,7 @@ pub(super) fn parts_of(triangles: &[[Vec3; 3]], voxels: u32) -> Result<Decomposi
 }
 
 /// The volume that triangles enclose, m³; none where they leave gaps.
-fn enclosed(triangles: &[[Vec3; 3]]) -> Option<f64> {
+pub(super) fn enclosed(triangles: &[[Vec3; 3]]) -> Option<f64> {
     let top = triangles.first()?[0];
     let (mut volume, mut open, mut area) = (0.0, Vec3::zeros(), 0.0);
     for [a, b, c] in triangles {

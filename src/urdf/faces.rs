@@ -102,6 +102,28 @@ pub(super) fn obj_lines(text: &str) -> impl Iterator<Item = (usize, Cow<'_, str>
     })
 }
 
+/// The next three words as the coordinates of a point.
+pub(super) fn three<'w>(words: &mut impl Iterator<Item = &'w str>) -> Result<Vec3, String> {
+    let mut point = Vec3::zeros();
+    for coordinate in point.iter_mut() {
+        let word = words.next().ok_or("three numbers are needed")?;
+        *coordinate = word
+            .parse()
+            .map_err(|_| format!("'{word}' is not a number"))?;
+    }
+    Ok(point)
+}
+
+/// OBJ counts from 1, or backwards from -1.
+pub(super) fn vertex_index(word: &str, count: usize) -> Option<usize> {
+    let index: i64 = word.parse().ok()?;
+    let count = i64::try_from(count).ok()?;
+    let index = if index < 0 { count + index } else { index - 1 };
+    (0..count)
+        .contains(&index)
+        .then(|| usize::try_from(index).ok())?
+}
+
 /// Triangles from the first corner of a polygon to its other sides.
 pub(super) fn fan<T: Copy>(corners: &[T]) -> impl Iterator<Item = [T; 3]> + '_ {
     let sides = corners.get(1..).unwrap_or_default().windows(2);

@@ -78,7 +78,7 @@ impl File {
     pub(super) fn parts(&self) -> Result<Vec<Part>, MeshError> {
         let mut parts = Parts::default();
         let mut images = vec![None; self.scenes.images.len()];
-        self.place(|primitive, placed, left| {
+        self.place(|_, primitive, placed, left| {
             let (paint, shown) = self.paint(primitive.material, &mut images);
             let uv = shown
                 .map(|shown| self.coordinates(&primitive.attributes, shown))
@@ -93,19 +93,35 @@ impl File {
         parts.finish()
     }
 
+    /// All triangles in the scene, by the nodes that show them.
+    pub(super) fn objects(&self) -> Result<Vec<Vec<[Vec3; 3]>>, MeshError> {
+        let (mut list, mut last) = (Vec::<Vec<_>>::new(), None);
+        self.place(|node, primitive, placed, left| {
+            if last.replace(node) != Some(node) {
+                list.push(Vec::new());
+            }
+            self.triangles_of(primitive, placed, left, |_, triangle| {
+                list.last_mut()
+                    .into_iter()
+                    .for_each(|own| own.push(triangle));
+            })
+        })?;
+        Ok(list)
+    }
+
     fn each(&self, mut show: impl FnMut(&Primitive, [Vec3; 3])) -> Result<(), MeshError> {
-        self.place(|primitive, placed, left| {
+        self.place(|_, primitive, placed, left| {
             self.triangles_of(primitive, placed, left, |_, triangle| {
                 show(primitive, triangle);
             })
         })
     }
 
-    /// Shows every primitive of the scene that has triangles, with where it stands; it counts its
-    /// triangles down from what is left.
+    /// Shows every primitive of the scene that has triangles, with its node and where it stands; it
+    /// counts its triangles down from what is left.
     fn place(
         &self,
-        mut show: impl FnMut(&Primitive, &Matrix4<f64>, &mut usize) -> Result<(), MeshError>,
+        mut show: impl FnMut(usize, &Primitive, &Matrix4<f64>, &mut usize) -> Result<(), MeshError>,
     ) -> Result<(), MeshError> {
         let scenes = &self.scenes;
         let mut left = MOST_TRIANGLES;
@@ -130,7 +146,7 @@ impl File {
             // Not points and lines.
             let solid = |primitive: &&Primitive| (4..=6).contains(&primitive.mode);
             for primitive in mesh.primitives.iter().filter(solid) {
-                show(primitive, &placed, &mut left)?;
+                show(index, primitive, &placed, &mut left)?;
             }
         }
         Ok(())

@@ -7,7 +7,8 @@ use super::decompose;
 use super::faces::{FORMATS, MeshError};
 use super::mesh::{self, MeshFile};
 use super::missing::{self, Lost};
-use super::options::ReadOptions;
+use super::objects;
+use super::options::{MeshShapes, ReadOptions};
 use super::painted;
 use super::resolve::{Found, Missing, Resolver};
 use super::scope::Scope;
@@ -16,6 +17,7 @@ use crate::geometry::{BoundedHull, GeometryError, MOST_CORNERS, bounded_hull};
 use crate::hash::Quick;
 use crate::model::JointKind;
 use crate::parallel;
+use crate::pattern::Pattern;
 use crate::spatial::Vec3;
 use std::collections::{BTreeSet, HashMap, HashSet};
 use std::hash::BuildHasherDefault;
@@ -25,6 +27,9 @@ use std::sync::Arc;
 
 /// Part of a mesh's size by which its hull may be off without a note.
 const SILENT_ERROR: f64 = 1e-3;
+
+/// For meshes of which no parts can be made.
+const CUT_HELP: &str = "set collision = \"hull\" for this link, or give it several simpler meshes";
 
 /// Corners that are kept of the hull of what may be a wheel.
 const MOST_OUTLINE: usize = 1024;
@@ -42,7 +47,7 @@ pub(super) struct ReadMesh {
     error: f64,
     /// Least and greatest coordinates of all that the file has.
     pub(super) bounds: [Vec3; 2],
-    /// Convex parts in place of the hull, where they are wanted.
+    /// Convex parts in place of the hull: of a decomposition, or of the objects of the file.
     pub(super) parts: Option<Arc<[Vec<Vec3>]>>,
     /// More of them, where the mesh may be a wheel.
     pub(super) outline: Option<Arc<[Vec3]>>,
@@ -60,8 +65,8 @@ pub(super) struct Meshes {
 }
 
 /// What is made of a mesh, once for all shapes that ask for the same: its file, the bits of the
-/// factors on its coordinates, and whether it is cut into convex parts.
-type Key = (PathBuf, [u64; 3], bool);
+/// factors on its coordinates, and what it is to become.
+type Key = (PathBuf, [u64; 3], Option<MeshShapes>);
 
 /// A mesh of a collision shape.
 struct Wanted<'r, 'd> {
@@ -70,14 +75,15 @@ struct Wanted<'r, 'd> {
     filename: &'d str,
     /// On all coordinates.
     factors: Vec3,
-    decompose: bool,
+    /// What it is to become, where somebody says so.
+    shapes: Option<MeshShapes>,
     at: &'r Range<usize>,
 }
 
 impl Wanted<'_, '_> {
     fn key(&self, path: &Path) -> Key {
         let factors: [f64; 3] = self.factors.into();
-        (path.to_owned(), factors.map(f64::to_bits), self.decompose)
+        (path.to_owned(), factors.map(f64::to_bits), self.shapes)
     }
 }
 
@@ -85,11 +91,12 @@ impl Wanted<'_, '_> {
 fn wanted<'r, 'd>(robot: &'r CheckedRobot<'d>, options: &ReadOptions) -> Vec<Wanted<'r, 'd>> {
     let mut list = Vec::new();
     for (i, link) in robot.links.iter().enumerate() {
-        let decompose = options
-            .decomposed
+        let named = |&&(ref pattern, _): &&(Pattern, _)| pattern.matches(link.name);
+        let shapes = options
+            .meshes
             .iter()
-            .rfind(|(pattern, _)| pattern.matches(link.name))
-            .is_some_and(|&(_, decompose)| decompose);
+            .rfind(named)
+            .map(|&(_, shapes)| shapes);
         for (k, collision) in link.collisions.iter().enumerate() {
             if let Geometry::Mesh {
                 filename,
@@ -101,7 +108,7 @@ fn wanted<'r, 'd>(robot: &'r CheckedRobot<'d>, options: &ReadOptions) -> Vec<Wan
                     place: (i, k),
                     filename,
                     factors: Vec3::from(scale.map(|f| f * options.scale)),
-                    decompose,
+                    shapes,
                     at,
                 });
             }
@@ -165,14 +172,37 @@ pub(super) fn read_meshes(
     }
     missing::report(scope, robot, resolver, lost);
     report_rough_hulls(scope, robot, &meshes);
-    let mut hulls = wanted.iter().filter(|mesh| !mesh.decompose);
+    report_hulls(scope, &wanted, &meshes);
+    meshes
+}
+
+/// Tells how many meshes became their hulls, and how many those of their objects.
+fn report_hulls(scope: &mut Scope, wanted: &[Wanted], meshes: &Meshes) {
+    let parts = |mesh: &Wanted| meshes.hulls.get(&mesh.place)?.parts.as_deref();
+    let cut = |mesh: &Wanted| mesh.shapes == Some(MeshShapes::Decomposition);
+    let mut hulls = wanted.iter().filter(|m| !cut(m) && parts(m).is_none());
     if let Some(first) = hulls.next() {
         let count = 1 + hulls.count();
         let message =
             format!("collision meshes are replaced by their convex hulls ({count}, first here)");
         scope.report.note("U110", first.at.clone(), message, "");
     }
-    meshes
+    let several: Vec<_> = wanted
+        .iter()
+        .filter(|m| !cut(m) && parts(m).is_some())
+        .collect();
+    if let Some(first) = several.first() {
+        let count = several.len();
+        let objects: usize = several
+            .iter()
+            .filter_map(|m| parts(m))
+            .map(<[_]>::len)
+            .sum();
+        let message = format!(
+            "collision meshes of several objects are the convex hulls of these ({count} of {objects} objects in all, first here)"
+        );
+        scope.report.note("U119", first.at.clone(), message, "");
+    }
 }
 
 /// Tells how far the hulls are off that do not keep all corners, once for all of them, at the
@@ -188,7 +218,7 @@ fn report_rough_hulls(scope: &mut Scope, robot: &CheckedRobot, meshes: &Meshes) 
             };
             let size = (mesh.bounds[1] - mesh.bounds[0]).norm();
             let known = rough.iter().any(|(path, ..)| *path == mesh.path);
-            if mesh.error > SILENT_ERROR * size && mesh.parts.is_none() && !known {
+            if mesh.error > SILENT_ERROR * size && !known {
                 rough.push((&mesh.path, mesh.error, at, link.name));
             }
         }
@@ -225,6 +255,8 @@ struct Enclosed {
     outline: Option<Arc<[Vec3]>>,
     /// Files that were read beside the mesh's own.
     beside: Vec<PathBuf>,
+    /// Hulls of the file's objects, or why there are none although they were asked for.
+    objects: Option<Result<Vec<BoundedHull>, String>>,
     /// For a mesh that is cut into parts.
     file: Option<MeshFile>,
 }
@@ -320,7 +352,13 @@ fn enclosed(
             .and_then(Result::ok)
             .map(|hull| hull.vertices.into()),
         beside: file.beside().to_vec(),
-        file: mesh.decompose.then_some(file),
+        objects: match mesh.shapes {
+            // What may be a wheel stays whole.
+            None if !wheel => objects::convex(&file, &mesh.factors).map(Ok),
+            Some(MeshShapes::Objects) => Some(objects::all(&file, &mesh.factors)),
+            _ => None,
+        },
+        file: (mesh.shapes == Some(MeshShapes::Decomposition)).then_some(file),
     })
 }
 
@@ -379,18 +417,26 @@ fn read_mesh(
         let message = format!("mesh {name} has no volume: it is used as it is");
         scope.warning("U109", at.clone(), &message, "");
     }
-    let parts = match &enclosed.file {
-        Some(file) if !hull.flat => {
-            Some(convex_parts(scope, file, &name, mesh.factors, at)?.into())
-        }
-        _ => None,
-    };
+    let (mut parts, mut error) = (None, hull.error);
+    if let Some(objects) = enclosed.objects {
+        let list = objects.map_err(|error| {
+            let message = format!("mesh {name} has no hulls of its objects: {error}");
+            scope.problem("U115", at.clone(), &message, CUT_HELP);
+        });
+        let list = list.ok()?;
+        error = list.iter().fold(0.0, |most: f64, own| most.max(own.error));
+        parts = Some(list.into_iter().map(|own| own.vertices).collect());
+    }
+    if let Some(file) = enclosed.file.as_ref().filter(|_| !hull.flat) {
+        error = 0.0;
+        parts = Some(convex_parts(scope, file, &name, mesh.factors, at)?.into());
+    }
     Some(ReadMesh {
         path: path.clone(),
         linked: *linked,
         beside: enclosed.beside,
         vertices: hull.vertices,
-        error: hull.error,
+        error,
         bounds: enclosed.bounds,
         parts,
         outline: enclosed.outline,
@@ -435,8 +481,7 @@ fn convex_parts(
         }
         Err(error) => {
             let message = format!("mesh {name} cannot be decomposed: {error}");
-            let help = "set collision = \"hull\" for this link, or give it several simpler meshes";
-            scope.problem("U115", at.clone(), &message, help);
+            scope.problem("U115", at.clone(), &message, CUT_HELP);
             None
         }
     }

@@ -4,10 +4,8 @@
 //! the two plain formats, a page each: `stl_io` takes binary files that start with `solid` for text
 //! and refuses text that is not laid out line by line as it expects; both happen.
 
-use super::faces::{
-    self, BYTE_ORDER_MARK, LARGEST_FILE, LFS_POINTER, MeshError, obj_lines, other_kind,
-};
-use super::{collada, gltf, ply};
+use super::faces::{BYTE_ORDER_MARK, LARGEST_FILE, LFS_POINTER, MeshError, other_kind, three};
+use super::{collada, gltf, obj, ply};
 use crate::spatial::Vec3;
 use std::ffi::OsStr;
 use std::fs::File;
@@ -159,6 +157,16 @@ impl MeshFile {
             None => triangles_of(&self.kind, &self.bytes),
         }
     }
+
+    /// The triangles of each object of the file; none where its format knows of none.
+    pub(super) fn objects(&self) -> Result<Vec<Vec<[Vec3; 3]>>, MeshError> {
+        match &self.gltf {
+            Some(scene) => scene.objects(),
+            None if self.kind == "obj" => obj::objects(&String::from_utf8_lossy(&self.bytes)),
+            None if self.kind == "dae" => collada::objects(&self.bytes, &self.known),
+            None => Ok(Vec::new()),
+        }
+    }
 }
 
 fn is_gltf(kind: &str) -> bool {
@@ -172,7 +180,7 @@ pub(super) fn triangles_of(kind: &str, bytes: &[u8]) -> Result<Vec<[Vec3; 3]>, M
             .chunks_exact(3)
             .map(|t| [t[0], t[1], t[2]])
             .collect()),
-        "obj" => obj_triangles(&String::from_utf8_lossy(bytes)),
+        "obj" => obj::triangles(&String::from_utf8_lossy(bytes)),
         "ply" => ply::triangles(bytes),
         kind if is_gltf(kind) => gltf::File::read(bytes, |_| None)?.triangles(),
         _ => collada::triangles(bytes),
@@ -184,7 +192,7 @@ pub(super) fn triangles_of(kind: &str, bytes: &[u8]) -> Result<Vec<[Vec3; 3]>, M
 pub(super) fn parse(kind: &str, bytes: &[u8]) -> Result<Vec<Vec3>, MeshError> {
     checked(match kind {
         "stl" => stl(bytes)?,
-        "obj" => obj(&String::from_utf8_lossy(bytes))?,
+        "obj" => obj::corners(&String::from_utf8_lossy(bytes))?,
         "ply" => ply::read(bytes)?,
         kind if is_gltf(kind) => gltf::File::read(bytes, |_| None)?.corners()?,
         _ => collada::read(bytes, &collada::Known::default())?,
@@ -301,62 +309,6 @@ fn stl_text(text: &str) -> Result<Vec<Vec3>, MeshError> {
     Ok(points)
 }
 
-pub(super) fn three<'w>(words: &mut impl Iterator<Item = &'w str>) -> Result<Vec3, String> {
-    let mut point = Vec3::zeros();
-    for coordinate in point.iter_mut() {
-        let word = words.next().ok_or("three numbers are needed")?;
-        *coordinate = word
-            .parse()
-            .map_err(|_| format!("'{word}' is not a number"))?;
-    }
-    Ok(point)
-}
-
-/// Vertices that a face names; all of them where there is no face.
-fn obj(text: &str) -> Result<Vec<Vec3>, MeshError> {
-    faces::named(|face| obj_faces(text, face))
-}
-
-/// Faces of a file that [`obj`] has read.
-fn obj_triangles(text: &str) -> Result<Vec<[Vec3; 3]>, MeshError> {
-    faces::triangles(|face| obj_faces(text, face))
-}
-
-/// All vertices; shows each face with the vertices before it and the indices of its corners among
-/// them.
-fn obj_faces(text: &str, mut face: impl FnMut(&[Vec3], &[usize])) -> Result<Vec<Vec3>, MeshError> {
-    let (mut vertices, mut corners) = (Vec::new(), Vec::new());
-    for (number, line) in obj_lines(text) {
-        let problem = |what: String| MeshError::Line { line: number, what };
-        let mut words = line.split_whitespace();
-        match words.next() {
-            Some("v") => vertices.push(three(&mut words).map_err(problem)?),
-            Some("f") => {
-                corners.clear();
-                for corner in words.take_while(|word| !word.starts_with('#')) {
-                    let word = corner.split('/').next().unwrap_or(corner);
-                    let index = vertex_index(word, vertices.len())
-                        .ok_or_else(|| problem(format!("there is no vertex '{word}' yet")))?;
-                    corners.push(index);
-                }
-                face(&vertices, &corners);
-            }
-            _ => {}
-        }
-    }
-    Ok(vertices)
-}
-
-/// OBJ counts from 1, or backwards from -1.
-pub(super) fn vertex_index(word: &str, count: usize) -> Option<usize> {
-    let index: i64 = word.parse().ok()?;
-    let count = i64::try_from(count).ok()?;
-    let index = if index < 0 { count + index } else { index - 1 };
-    (0..count)
-        .contains(&index)
-        .then(|| usize::try_from(index).ok())?
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -432,15 +384,18 @@ mod tests {
             [0.0, 1.0, 0.0],
             [0.0, 0.0, 1.0],
         ];
-        assert_eq!(obj(text), Ok(expected.map(Vec3::from).to_vec()));
-        assert_eq!(obj("v 1 2 3\n"), Ok(vec![Vec3::new(1.0, 2.0, 3.0)]));
+        assert_eq!(obj::corners(text), Ok(expected.map(Vec3::from).to_vec()));
+        assert_eq!(
+            obj::corners("v 1 2 3\n"),
+            Ok(vec![Vec3::new(1.0, 2.0, 3.0)])
+        );
         // A byte order mark, and a face over three lines: the same corners.
         let text = text.replace("f 1/1/1 2//1 -1", "f 1/1/1 \\\r\n 2//1\\\n -1");
         assert_eq!(
-            obj(&format!("\u{feff}{text}")),
+            obj::corners(&format!("\u{feff}{text}")),
             Ok(expected.map(Vec3::from).to_vec())
         );
-        let whole = obj_triangles(&text).map(|triangles| triangles.len());
+        let whole = obj::triangles(&text).map(|triangles| triangles.len());
         assert_eq!(whole, Ok(2));
         for wrong in [
             "f 1 2 3",
@@ -451,7 +406,7 @@ mod tests {
             "v 0 0 0\nf -2",
             "v 0 0 0\nf x",
         ] {
-            assert!(obj(wrong).is_err(), "{wrong}");
+            assert!(obj::corners(wrong).is_err(), "{wrong}");
         }
     }
 
@@ -481,7 +436,7 @@ mod tests {
                 }
                 let points = match kind {
                     0 | 1 => stl(&bytes),
-                    2 => obj(&String::from_utf8_lossy(&bytes)),
+                    2 => obj::corners(&String::from_utf8_lossy(&bytes)),
                     _ => collada::read(&bytes, &collada::Known::default()),
                 };
                 if let Ok(points) = points {

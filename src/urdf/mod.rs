@@ -2,8 +2,8 @@
 //!
 //! Way of a file: XML with places (`xml`), checks of links (`link`, `inertia`), joints (`joint`)
 //! and the whole (`tree`), which give a `checked` robot; meshes found (`resolve`), read (`mesh`,
-//! `ply`, `collada`, `gltf`) and enclosed in hulls (`hulls`) or cut into parts (`decompose`);
-//! visuals with their colours and textures (`visuals`, `painted`); all put together (`assemble`).
+//! `obj`, `ply`, `collada`, `gltf`) and enclosed in hulls (`hulls`), each or each of its objects
+//! (`objects`), or cut into parts (`decompose`); visuals with their colours and textures (`visuals`, `painted`); all put together (`assemble`).
 //! All problems of a file are found in one run.
 //!
 //! Not here: merging massless links, initial pose, defaults for what the file leaves out. Expanding
@@ -28,6 +28,8 @@ mod link;
 mod mesh;
 mod missing;
 mod nearby;
+mod obj;
+mod objects;
 mod options;
 mod order;
 mod painted;
@@ -48,7 +50,7 @@ pub use description::{
     VisualShape,
 };
 pub use faces::LFS_POINTER;
-pub use options::ReadOptions;
+pub use options::{MeshShapes, ReadOptions};
 pub use sensed::{SensedKind, SensorDescription};
 pub use srdf::{Semantics, read_srdf, read_srdf_str};
 

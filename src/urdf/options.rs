@@ -3,6 +3,17 @@
 use crate::pattern::Pattern;
 use std::path::PathBuf;
 
+/// What a collision mesh becomes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum MeshShapes {
+    /// Its hull.
+    Hull,
+    /// The hulls of the objects in its file.
+    Objects,
+    /// Several convex parts.
+    Decomposition,
+}
+
 /// How to read a URDF.
 #[derive(Clone, Debug, PartialEq)]
 #[expect(clippy::struct_excessive_bools, reason = "each is switched by itself")]
@@ -27,9 +38,10 @@ pub struct ReadOptions {
     /// A file with errors gives what is left of it, without meshes: for what can be told of it
     /// beside its errors.
     pub rest: bool,
-    /// Links whose collision meshes become several convex parts each (true) or their hulls (false);
-    /// of those that match, the last holds.
-    pub decomposed: Vec<(Pattern, bool)>,
+    /// What the collision meshes of links become; of those that match, the last holds. Without one
+    /// a mesh becomes the hulls of its objects where it has several and each is convex, else its
+    /// hull.
+    pub meshes: Vec<(Pattern, MeshShapes)>,
 }
 
 impl Default for ReadOptions {
@@ -43,7 +55,7 @@ impl Default for ReadOptions {
             sensors: false,
             drawn: false,
             rest: false,
-            decomposed: Vec::new(),
+            meshes: Vec::new(),
         }
     }
 }

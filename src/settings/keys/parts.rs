@@ -359,9 +359,9 @@ pub(super) const KEYS: &[Key] = &[
     ),
     key(
         "link.*.collision",
-        Word(&["hull", "decomposition"]),
+        Word(&["hull", "objects", "decomposition"]),
         None,
-        "what the link's collision meshes become: their convex hulls, or a few convex parts each (at most 16, of 32 corners) that leave notches open; without it hull",
+        "what the link's collision meshes become: their convex hulls, those of the objects in their files, or a few convex parts each (at most 16, of 32 corners) that leave notches open; without it objects, where there are up to 128 and each is convex, else hull, as on a continuous joint",
     ),
     key(
         "link.*.mass",
