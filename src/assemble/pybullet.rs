@@ -20,7 +20,16 @@ const MARGIN: f64 = 0.001;
 /// in `PyBullet`, and so do not count.)
 pub(super) fn inertia(mass: f64, X_LI: &Pose, shapes: &[CollisionDescription]) -> Mat3 {
     let X_IL = X_LI.inverse();
-    let own = match shapes {
+    // The parts of a mesh share its box, and count once.
+    let same = |a: &CollisionDescription, b: &CollisionDescription| {
+        a.part && b.part && a.mesh == b.mesh && a.X_LG.p == b.X_LG.p && a.X_LG.R == b.X_LG.R
+    };
+    let first = |i: &usize| *i == 0 || !same(&shapes[*i - 1], &shapes[*i]);
+    let wholes: Vec<&CollisionDescription> = (0..shapes.len())
+        .filter(first)
+        .map(|i| &shapes[i])
+        .collect();
+    let own = match wholes[..] {
         [one] => {
             let turned = X_LI.R != Mat3::identity() || one.X_LG.R != Mat3::identity();
             let same = one.X_LG.p == X_LI.p && !turned;
@@ -30,7 +39,7 @@ pub(super) fn inertia(mass: f64, X_LI: &Pose, shapes: &[CollisionDescription]) -
     };
     let moments = own.unwrap_or_else(|| {
         let (mut least, mut most) = (Vec3::repeat(f64::MAX), Vec3::repeat(f64::MIN));
-        for collision in shapes {
+        for collision in wholes {
             let (low, high) = bounds(&X_IL.compose(&collision.X_LG), collision);
             least = least.inf(&low);
             most = most.sup(&high);

@@ -17,7 +17,6 @@ use crate::geometry::{BoundedHull, GeometryError, MOST_CORNERS, bounded_hull};
 use crate::hash::Quick;
 use crate::model::JointKind;
 use crate::parallel;
-use crate::pattern::Pattern;
 use crate::spatial::Vec3;
 use std::collections::{BTreeSet, HashMap, HashSet};
 use std::hash::BuildHasherDefault;
@@ -91,12 +90,9 @@ impl Wanted<'_, '_> {
 fn wanted<'r, 'd>(robot: &'r CheckedRobot<'d>, options: &ReadOptions) -> Vec<Wanted<'r, 'd>> {
     let mut list = Vec::new();
     for (i, link) in robot.links.iter().enumerate() {
-        let named = |&&(ref pattern, _): &&(Pattern, _)| pattern.matches(link.name);
-        let shapes = options
-            .meshes
-            .iter()
-            .rfind(named)
-            .map(|&(_, shapes)| shapes);
+        let mut named = options.meshes.iter().rev();
+        let shapes = named.find(|(pattern, _)| pattern.matches(link.name));
+        let shapes = shapes.map(|&(_, shapes)| shapes);
         for (k, collision) in link.collisions.iter().enumerate() {
             if let Geometry::Mesh {
                 filename,

@@ -1,7 +1,7 @@
 //! Objects of a mesh file → a hull for each.
 //!
 //! Programs that decompose meshes write the convex parts as objects of one file. Each part is
-//! exactly convex: of 1,000 such files of pybullet_data the volumes of all 10,600 objects are those
+//! exactly convex: of 1,000 such files of `pybullet_data` the volumes of all objects are those
 //! of their hulls to 1e-4. Of the public robots whose collision meshes are those that are drawn
 //! none has only closed, convex objects. So a file tells by itself whether its objects are parts.
 
@@ -11,7 +11,7 @@ use crate::geometry::{BoundedHull, MOST_CORNERS, Shape, bounded_hull};
 use crate::spatial::Vec3;
 
 /// Most objects of a file that have hulls of their own: decompositions have 64 or fewer by default,
-/// those of pybullet_data up to 127, and a contact is looked for between all of them.
+/// those of `pybullet_data` up to 127, and a contact is looked for between all of them.
 pub(super) const MOST_OBJECTS: usize = 128;
 
 /// Share of its volume by which the hull of a convex object may be larger: what rounded coordinates
@@ -137,21 +137,20 @@ mod tests {
 
     #[test]
     fn more_objects_than_are_of_use_become_one_hull() {
-        let many = |count: usize| -> String {
-            (0..count)
-                .map(|i| {
-                    #[expect(clippy::cast_precision_loss, reason = "a few")]
-                    let x = 2.0 * i as f64;
-                    format!(
-                        "o b{i}\n{}",
-                        block(8 * i, [x, 0.0, 0.0], [x + 1.0, 1.0, 1.0])
-                    )
-                })
-                .collect()
+        let many = |count: u32| {
+            let mut text = String::new();
+            for i in 0..count {
+                let x = 2.0 * f64::from(i);
+                let first = 8 * usize::try_from(i).expect("few");
+                let own = block(first, [x, 0.0, 0.0], [x + 1.0, 1.0, 1.0]);
+                let _ = write!(text, "o b{i}\n{own}");
+            }
+            text
         };
-        assert_eq!(parts("obj", &many(MOST_OBJECTS)), Some(MOST_OBJECTS));
-        assert_eq!(parts("obj", &many(MOST_OBJECTS + 2)), None);
-        let file = MeshFile::of("obj", many(MOST_OBJECTS + 2).as_bytes()).expect("a file");
+        let most = u32::try_from(MOST_OBJECTS).expect("few");
+        assert_eq!(parts("obj", &many(most)), Some(MOST_OBJECTS));
+        assert_eq!(parts("obj", &many(most + 2)), None);
+        let file = MeshFile::of("obj", many(most + 2).as_bytes()).expect("a file");
         assert!(all(&file, &Vec3::repeat(1.0)).is_err());
     }
 
@@ -242,6 +241,16 @@ mod tests {
         let (hulls, notes) = build("fixed", "[link.\"*\"]\ncollision = \"hull\"\n");
         assert!((volume(&hulls) - 32e-3).abs() < 1e-12);
         assert!(!notes.contains(&"U119") && notes.contains(&"U110"));
+        // PyBullet takes the box around the mesh, whatever it is divided into.
+        let of = |settings: &str| {
+            let settings = format!("[robot]\ninertia = \"pybullet\"\n{settings}");
+            let settings = Settings::parse(&settings, "s").expect("settings");
+            let options = crate::assemble::read_options(&settings, ReadOptions::default());
+            let robot = read_str(&text("revolute"), "r", &folder, &options).expect("a robot");
+            let built = crate::assemble::build(&robot, &settings).expect("a model");
+            built.model.links[0].inertia
+        };
+        assert_eq!(of(""), of("[link.\"*\"]\ncollision = \"hull\"\n"));
     }
 
     #[test]
