@@ -4,10 +4,13 @@
 //! part is the hull of the mesh's own surface within its voxels and not of the voxels, so that the
 //! soles of feet keep their shape.
 
+use super::mesh::MeshFile;
+use super::scope::Scope;
 use crate::geometry::{Shape, bounded_hull};
 use crate::spatial::Vec3;
 use parry3d_f64::math::Vector;
 use parry3d_f64::transformation::vhacd::{VHACD, VHACDParameters};
+use std::ops::Range;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 /// Most parts of a mesh.
@@ -21,6 +24,10 @@ const RESOLUTION: u32 = 64;
 
 /// Share of the hull's volume by which a part may be larger than what it stands for.
 const CONCAVITY: f64 = 0.002;
+
+/// For meshes of which no parts can be made.
+pub(super) const CUT_HELP: &str =
+    "set collision = \"hull\" for this link, or give it several simpler meshes";
 
 /// A decomposed mesh.
 #[derive(Debug, PartialEq)]
@@ -102,6 +109,42 @@ pub(super) fn parts_of(triangles: &[[Vec3; 3]], voxels: u32) -> Result<Decomposi
         [filled, volume(&whole.vertices)].map(|volume| volume / solid - 1.0)
     });
     Ok(Decomposition { parts, excess })
+}
+
+/// The convex parts of a mesh; says how many, and how much they fill that the mesh does not.
+pub(super) fn convex_parts(
+    scope: &mut Scope,
+    mesh: &MeshFile,
+    name: &str,
+    factors: Vec3,
+    at: &Range<usize>,
+) -> Option<Vec<Vec<Vec3>>> {
+    let triangles = mesh.triangles().map_err(|error| error.to_string());
+    let scaled = triangles.map(|triangles| {
+        let scaled = |p: Vec3| p.component_mul(&factors);
+        triangles.into_iter().map(|t| t.map(scaled)).collect()
+    });
+    match scaled.and_then(|triangles: Vec<_>| parts(&triangles)) {
+        Ok(found) => {
+            let volume = match found.excess {
+                Some([parts, hull]) => format!(
+                    "their volume is off the mesh's by {:.1} %, its hull's would be by {:.1} %",
+                    parts * 100.0,
+                    hull * 100.0
+                ),
+                None => "it is not closed, so its volume is not known".to_owned(),
+            };
+            let count = found.parts.len();
+            let message = format!("mesh {name} becomes {count} convex parts; {volume}");
+            scope.note("U114", at.clone(), &message, "");
+            Some(found.parts)
+        }
+        Err(error) => {
+            let message = format!("mesh {name} cannot be decomposed: {error}");
+            scope.problem("U115", at.clone(), &message, CUT_HELP);
+            None
+        }
+    }
 }
 
 /// The volume that triangles enclose, m³; none where they leave gaps.

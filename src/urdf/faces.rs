@@ -11,6 +11,10 @@ pub(super) const LARGEST_FILE: u64 = 256 << 20;
 /// What a text in UTF-8 may begin with.
 pub(super) const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 
+/// Most objects of a file that have hulls of their own: decompositions have 64 or fewer by default,
+/// those of `pybullet_data` up to 127, and a contact is looked for between all of them.
+pub(super) const MOST_OBJECTS: usize = 128;
+
 /// What a file starts with that Git LFS keeps elsewhere.
 pub const LFS_POINTER: &[u8] = b"version https://git-lfs.github.com/";
 

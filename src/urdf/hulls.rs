@@ -27,9 +27,6 @@ use std::sync::Arc;
 /// Part of a mesh's size by which its hull may be off without a note.
 const SILENT_ERROR: f64 = 1e-3;
 
-/// For meshes of which no parts can be made.
-const CUT_HELP: &str = "set collision = \"hull\" for this link, or give it several simpler meshes";
-
 /// Corners that are kept of the hull of what may be a wheel.
 const MOST_OUTLINE: usize = 1024;
 
@@ -417,7 +414,7 @@ fn read_mesh(
     if let Some(objects) = enclosed.objects {
         let list = objects.map_err(|error| {
             let message = format!("mesh {name} has no hulls of its objects: {error}");
-            scope.problem("U115", at.clone(), &message, CUT_HELP);
+            scope.problem("U115", at.clone(), &message, decompose::CUT_HELP);
         });
         let list = list.ok()?;
         error = list.iter().fold(0.0, |most: f64, own| most.max(own.error));
@@ -425,7 +422,7 @@ fn read_mesh(
     }
     if let Some(file) = enclosed.file.as_ref().filter(|_| !hull.flat) {
         error = 0.0;
-        parts = Some(convex_parts(scope, file, &name, mesh.factors, at)?.into());
+        parts = Some(decompose::convex_parts(scope, file, &name, mesh.factors, at)?.into());
     }
     Some(ReadMesh {
         path: path.clone(),
@@ -445,42 +442,6 @@ fn distinct(points: impl ExactSizeIterator<Item = Vec3>) -> Vec<Vec3> {
         HashSet::with_capacity_and_hasher(points.len() / 4, BuildHasherDefault::default());
     let bits = |p: &Vec3| [p.x, p.y, p.z].map(f64::to_bits);
     points.filter(|p| known.insert(bits(p))).collect()
-}
-
-/// The convex parts of a mesh; says how many, and how much they fill that the mesh does not.
-fn convex_parts(
-    scope: &mut Scope,
-    mesh: &MeshFile,
-    name: &str,
-    factors: Vec3,
-    at: &Range<usize>,
-) -> Option<Vec<Vec<Vec3>>> {
-    let triangles = mesh.triangles().map_err(|error| error.to_string());
-    let scaled = triangles.map(|triangles| {
-        let scaled = |p: Vec3| p.component_mul(&factors);
-        triangles.into_iter().map(|t| t.map(scaled)).collect()
-    });
-    match scaled.and_then(|triangles: Vec<_>| decompose::parts(&triangles)) {
-        Ok(found) => {
-            let volume = match found.excess {
-                Some([parts, hull]) => format!(
-                    "their volume is off the mesh's by {:.1} %, its hull's would be by {:.1} %",
-                    parts * 100.0,
-                    hull * 100.0
-                ),
-                None => "it is not closed, so its volume is not known".to_owned(),
-            };
-            let count = found.parts.len();
-            let message = format!("mesh {name} becomes {count} convex parts; {volume}");
-            scope.note("U114", at.clone(), &message, "");
-            Some(found.parts)
-        }
-        Err(error) => {
-            let message = format!("mesh {name} cannot be decomposed: {error}");
-            scope.problem("U115", at.clone(), &message, CUT_HELP);
-            None
-        }
-    }
 }
 
 /// Files of the meshes that turn with a continuous joint.

@@ -1,7 +1,6 @@
 //! OBJ text → points and triangles, all of them or by object.
 
-use super::faces::{self, MeshError, fan, obj_lines, three, vertex_index};
-use super::objects::MOST_OBJECTS;
+use super::faces::{self, MOST_OBJECTS, MeshError, fan, obj_lines, three, vertex_index};
 use crate::spatial::Vec3;
 use std::cell::Cell;
 

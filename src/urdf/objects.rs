@@ -6,13 +6,10 @@
 //! none has only closed, convex objects. So a file tells by itself whether its objects are parts.
 
 use super::decompose::enclosed;
+use super::faces::MOST_OBJECTS;
 use super::mesh::MeshFile;
 use crate::geometry::{BoundedHull, MOST_CORNERS, Shape, bounded_hull};
 use crate::spatial::Vec3;
-
-/// Most objects of a file that have hulls of their own: decompositions have 64 or fewer by default,
-/// those of `pybullet_data` up to 127, and a contact is looked for between all of them.
-pub(super) const MOST_OBJECTS: usize = 128;
 
 /// Share of its volume by which the hull of a convex object may be larger: what rounded coordinates
 /// make, and far from the quarter that a mug's handle leaves open.
