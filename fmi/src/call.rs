@@ -249,7 +249,7 @@ fn fail(
 mod tests {
     use super::{Status, call, free, guarded, into_pointer};
     use crate::instance::tests::instance;
-    use crate::phase::{Function as _, Phase, table};
+    use crate::phase::{Phase, table};
 
     table! {
         V2 "fmi2", [Instantiated "instantiated", Error "error"], |_| "", |_| None;
