@@ -3,8 +3,9 @@
 //! Way of a file: XML with places (`xml`), checks of links (`link`, `inertia`), joints (`joint`)
 //! and the whole (`tree`), which give a `checked` robot; meshes found (`resolve`), read (`mesh`,
 //! `obj`, `ply`, `collada`, `gltf`) and enclosed in hulls (`hulls`), each or each of its objects
-//! (`objects`), or cut into parts (`decompose`); visuals with their colours and textures (`visuals`, `painted`); all put together (`assemble`).
-//! All problems of a file are found in one run.
+//! (`objects`), or cut into parts (`decompose`); visuals with their colours and textures
+//! (`visuals`, `painted`); all put together (`assemble`). All problems of a file are found in one
+//! run.
 //!
 //! Not here: merging massless links, initial pose, defaults for what the file leaves out. Expanding
 //! xacro is not done here either.

@@ -56,8 +56,8 @@ impl Nearest {
 
 /// The place of the surface nearest to `c`, found from another place by Newton's method on
 /// `x − c + (H − c_z) ∇H = 0` in so many looks at the surface, with no step longer than `most`, m;
-/// and how long the last one was. None for what is beside the surface and not above its end, and for
-/// what other terrain carries in which it goes on.
+/// and how long the last one was. None for what is beside the surface and not above its end, and
+/// for what other terrain carries in which it goes on.
 ///
 /// In a hollow that bends more than the ball the second derivatives count less, so that the matrix
 /// stays definite and each step leads downhill. Over a crest that bends more than the ball a step
