@@ -12,6 +12,7 @@ mod hull;
 mod nearest;
 pub mod pair;
 pub mod ray;
+mod segment;
 mod solid;
 mod stored;
 pub mod surface;

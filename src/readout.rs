@@ -7,6 +7,7 @@ mod channels;
 mod closures;
 mod derivative;
 mod held;
+mod hold;
 mod links;
 mod pair;
 mod sample;
@@ -354,7 +355,7 @@ impl Readout {
         }
     }
 
-    /// `M vdot = tau − k + Jᵀ f` with the forces of this moment, but see [`held`].
+    /// `M vdot = tau − k + Jᵀ f` with the forces of this moment, but see [`hold`].
     fn accelerations(&mut self, ctx: &Context, state: &State) {
         let tree = ctx.tree;
         let Point { kin, terms, .. } = &mut self.point;

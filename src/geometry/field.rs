@@ -12,8 +12,6 @@ mod hollow;
 mod pyramid;
 mod rim;
 
-pub use self::rim::Rim;
-
 use self::cubic::Cell;
 use self::pyramid::Pyramid;
 use super::error::GeometryError;
@@ -27,6 +25,18 @@ pub const MOST_SAMPLES: usize = 4_000_000;
 /// Slope at a sample over the smaller slope of the cells beside it, at most: with more a cubic
 /// between two samples may leave the range of their heights.
 const STEEPEST: f64 = 3.0;
+
+/// How a sample lies to the end of the surface.
+#[derive(Clone, Copy, Debug)]
+pub enum Rim {
+    /// The surface goes on around it.
+    Inside,
+    /// The surface ends there, but other terrain goes on.
+    Seam,
+    /// What bounds the directions in which it carries: the normal there and, in the plane of the
+    /// surface, the direction out of it, unit vectors.
+    End([Vec3; 2]),
+}
 
 /// A surface `z = H(x, y)` over a rectangle about the origin. What is below is solid; beyond the
 /// rectangle there is nothing.

@@ -10,7 +10,6 @@ mod facet;
 mod seams;
 
 pub use self::facet::{Beyond, Crest, Facet};
-pub(super) use self::seams::cover;
 
 use self::buried::Edges;
 use self::facet::area_of;

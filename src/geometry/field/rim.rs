@@ -2,22 +2,10 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
-use super::Field;
-use crate::geometry::surface::cover;
+use super::{Field, Rim};
+use crate::geometry::segment::cover;
 use crate::spatial::Vec3;
 use crate::tuning::{EVEN_EDGE, RIDGE, RIDGE_LEAST, SEAM};
-
-/// How a sample lies to the end of the surface.
-#[derive(Clone, Copy, Debug)]
-pub enum Rim {
-    /// The surface goes on around it.
-    Inside,
-    /// The surface ends there, but other terrain goes on.
-    Seam,
-    /// What bounds the directions in which it carries: the normal there and, in the plane of the
-    /// surface, the direction out of it, unit vectors.
-    End([Vec3; 2]),
-}
 
 /// Along which axis a side of the surface is the lowest or the highest place: 0, 1, and −1, 1.
 const SIDES: [(usize, f64); 4] = [(0, -1.0), (0, 1.0), (1, -1.0), (1, 1.0)];

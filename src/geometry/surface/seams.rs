@@ -9,6 +9,7 @@
 //!    floor that ends at the middle of a wall goes on in the wall.
 
 use super::facet::{Beyond, Crest, Facet};
+use crate::geometry::segment::cover;
 use crate::spatial::Vec3;
 use crate::tuning::{EVEN_EDGE, SEAM};
 use std::f64::consts::TAU;
@@ -122,17 +123,4 @@ pub(super) fn beside(
         }
     };
     places.filter(is_seam).collect()
-}
-
-/// Whether parts of a segment cover all of it, from 0 to 1, but for gaps of less than `slack`.
-pub(in crate::geometry) fn cover(parts: &mut [[f64; 2]], slack: f64) -> bool {
-    parts.sort_by(|a, b| a[0].total_cmp(&b[0]));
-    let mut reached = 0.0;
-    for [begin, end] in parts {
-        if *begin > reached + slack {
-            return false;
-        }
-        reached = end.max(reached);
-    }
-    reached >= 1.0 - slack
 }
