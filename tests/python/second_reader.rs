@@ -15,8 +15,9 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use urdf2fmu_core::geometry::Shape;
 use urdf2fmu_core::model::JointKind;
+use urdf2fmu_core::pattern::Pattern;
 use urdf2fmu_core::spatial::{Pose, Vec3, rotation_from_rpy};
-use urdf2fmu_core::urdf::{self, Description, ReadOptions};
+use urdf2fmu_core::urdf::{self, Description, MeshShapes, ReadOptions};
 
 /// Files that urdf-rs refuses, and why they are read all the same.
 const REFUSED: [(&str, &str); 6] = [
@@ -217,8 +218,13 @@ fn urdf_rs_reads_the_same_robots() {
     let Some(files) = files() else { return };
     let mut compared = 0;
     let mut refused = Vec::new();
+    // One shape for each <collision>, as there.
+    let options = ReadOptions {
+        meshes: vec![(Pattern::from("*"), MeshShapes::Hull)],
+        ..ReadOptions::default()
+    };
     for path in files {
-        let Ok(ours) = urdf::read(&path, &ReadOptions::default()) else {
+        let Ok(ours) = urdf::read(&path, &options) else {
             continue;
         };
         let file = path
