@@ -3,6 +3,7 @@
 import csv
 import json
 import math
+import re
 import subprocess
 import tempfile
 from pathlib import Path
@@ -25,10 +26,15 @@ def contents(robot, findings):
         "joints": [joint["name"] for joint in robot["joints"]],
         "colliders": {link["name"]: len(link["collision"]) for link in robot["links"] if link["collision"]},
         "inertials": {link["name"]: (link["mass"], link["com"], link["inertia"]) for link in robot["links"]},
-        # Meshes of several objects are several colliders each, which a finding says.
-        "split": any(finding["code"] == "U119" for finding in findings),
+        "split": split(findings),
         "replaced": [finding["message"] for finding in findings if finding["code"] in ("A123", "U063", "U064")],
     }
+
+
+def split(findings):
+    """How many colliders more there are because meshes of several objects are several, as a finding says."""
+    told = [re.search(r"\((\d+) of (\d+) objects", f["message"]) for f in findings if f["code"] == "U119"]
+    return sum(int(found[2]) - int(found[1]) for found in told)
 
 
 def judge(command, urdf):
@@ -69,10 +75,14 @@ def lost(said, told):
     for kind, have in (("links", set(told["links"])), ("joints", set(told["joints"]))):
         if missing := set(said[kind]) ^ have:
             wrong.append(f"{kind}: {sorted(missing)}")
+    more = 0
     for link, value in said["colliders"].items():
         have = told["colliders"].get(link, 0)
-        if have < value or (have > value and not told["split"]):
+        more += have - value
+        if have < value or (have > value and told["split"] == 0):
             wrong.append(f"colliders of {link}: {have}, not {value}")
+    if more != told["split"]:
+        wrong.append(f"colliders: {more} more than the file has, not {told['split']}")
     for link, (mass, place, inertia) in said["inertials"].items():
         if link not in told["inertials"]:
             continue
