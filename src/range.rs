@@ -172,6 +172,15 @@ ranges! {
     Count 1.0 to 1e9;
 }
 
+/// The number that a text like `1/240` or `0.01` means.
+pub fn number_or_ratio(text: &str) -> Option<f64> {
+    let number = |text: &str| text.trim().parse::<f64>().ok();
+    match text.split_once('/') {
+        Some((above, below)) => Some(number(above)? / number(below)?),
+        None => number(text),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

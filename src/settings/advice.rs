@@ -2,6 +2,7 @@
 
 use super::keys;
 use crate::diagnostic::words::{called, nearest};
+use crate::range::number_or_ratio;
 
 /// A table as a file writes it.
 pub(super) fn shown(path: &str) -> String {
@@ -64,9 +65,7 @@ pub(super) fn key(name: &str, known: &[&str]) -> String {
 
 /// Such as `1/240`.
 fn is_ratio(word: &str) -> bool {
-    let number = |text: &str| text.trim().parse::<f64>().is_ok();
-    word.split_once('/')
-        .is_some_and(|(above, below)| number(above) && number(below))
+    word.contains('/') && number_or_ratio(word).is_some()
 }
 
 /// The message and the advice for text that is no TOML.

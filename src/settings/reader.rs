@@ -9,7 +9,7 @@ use super::section::{Entry, Node, Section, Span, Value, whole};
 use crate::diagnostic::angles;
 use crate::diagnostic::words::did_you_mean;
 use crate::diagnostic::{Diagnostic, Place, Severity};
-use crate::range::Range;
+use crate::range::{Range, number_or_ratio};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
@@ -451,7 +451,7 @@ impl<'a> Reader<'a> {
                 .ok()
                 .map(|integer| integer as f64),
             DeValue::String(text) if ratio => {
-                let number = ratio_of(text);
+                let number = number_or_ratio(text);
                 if number.is_none() {
                     let message = format!("'{name}' must be a number or a text like \"1/240\"");
                     self.error("S104", &value.span(), message, "");
@@ -474,15 +474,6 @@ impl<'a> Reader<'a> {
                 None
             }
         }
-    }
-}
-
-/// `"1/240"` or `"0.01"`.
-fn ratio_of(text: &str) -> Option<f64> {
-    let number = |text: &str| text.trim().parse::<f64>().ok();
-    match text.split_once('/') {
-        Some((above, below)) => Some(number(above)? / number(below)?),
-        None => number(text),
     }
 }
 

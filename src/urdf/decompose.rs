@@ -4,6 +4,7 @@
 //! part is the hull of the mesh's own surface within its voxels and not of the voxels, so that the
 //! soles of feet keep their shape.
 
+use super::faces::scaled;
 use super::mesh::MeshFile;
 use super::scope::Scope;
 use crate::geometry::{Shape, bounded_hull};
@@ -120,11 +121,7 @@ pub(super) fn convex_parts(
     at: &Range<usize>,
 ) -> Option<Vec<Vec<Vec3>>> {
     let triangles = mesh.triangles().map_err(|error| error.to_string());
-    let scaled = triangles.map(|triangles| {
-        let scaled = |p: Vec3| p.component_mul(&factors);
-        triangles.into_iter().map(|t| t.map(scaled)).collect()
-    });
-    match scaled.and_then(|triangles: Vec<_>| parts(&triangles)) {
+    match triangles.and_then(|triangles| parts(&scaled(&triangles, &factors))) {
         Ok(found) => {
             let volume = match found.excess {
                 Some([parts, hull]) => format!(

@@ -128,6 +128,12 @@ pub(super) fn vertex_index(word: &str, count: usize) -> Option<usize> {
         .then(|| usize::try_from(index).ok())?
 }
 
+/// Triangles with factors on their coordinates.
+pub(super) fn scaled(triangles: &[[Vec3; 3]], factors: &Vec3) -> Vec<[Vec3; 3]> {
+    let scaled = |p: Vec3| p.component_mul(factors);
+    triangles.iter().map(|t| t.map(scaled)).collect()
+}
+
 /// Triangles from the first corner of a polygon to its other sides.
 pub(super) fn fan<T: Copy>(corners: &[T]) -> impl Iterator<Item = [T; 3]> + '_ {
     let sides = corners.get(1..).unwrap_or_default().windows(2);

@@ -6,7 +6,7 @@
 //! none has only closed, convex objects. So a file tells by itself whether its objects are parts.
 
 use super::decompose::enclosed;
-use super::faces::MOST_OBJECTS;
+use super::faces::{MOST_OBJECTS, scaled};
 use super::mesh::MeshFile;
 use crate::geometry::{BoundedHull, MOST_CORNERS, Shape, bounded_hull};
 use crate::spatial::Vec3;
@@ -59,11 +59,6 @@ pub(super) fn all(file: &MeshFile, factors: &Vec3) -> Result<Vec<BoundedHull>, S
         .filter(|own| !own.is_empty())
         .map(hull)
         .collect()
-}
-
-fn scaled(triangles: &[[Vec3; 3]], factors: &Vec3) -> Vec<[Vec3; 3]> {
-    let scaled = |p: Vec3| p.component_mul(factors);
-    triangles.iter().map(|t| t.map(scaled)).collect()
 }
 
 #[cfg(test)]

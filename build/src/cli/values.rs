@@ -3,7 +3,7 @@
 use crate::picture::{Look, Toward};
 use clap::ValueEnum;
 use std::path::PathBuf;
-use urdf2fmu_core::range::Range;
+use urdf2fmu_core::range::{Range, number_or_ratio};
 
 /// Longest side of a picture, pixels.
 const LONGEST_SIDE: usize = 4096;
@@ -53,13 +53,8 @@ pub(super) fn tolerance(text: &str) -> Result<f64, String> {
 
 /// A time in s: a number, or a ratio such as `1/240`.
 pub(super) fn seconds(text: &str) -> Result<f64, String> {
-    let number = |text: &str| text.trim().parse::<f64>().ok();
-    let time = match text.split_once('/') {
-        Some((above, below)) => number(above).zip(number(below)).map(|(a, b)| a / b),
-        None => number(text),
-    };
-    time.filter(|time| !time.is_nan())
-        .ok_or_else(|| "must be a number of seconds, such as 0.01 or 1/240".to_owned())
+    let time = number_or_ratio(text).filter(|time| !time.is_nan());
+    time.ok_or_else(|| "must be a number of seconds, such as 0.01 or 1/240".to_owned())
 }
 
 /// `640x480`, or `512` for a square.

@@ -19,6 +19,15 @@ fn begun(mut model: Model, tolerance: f64, step: f64) -> Simulation {
     start(model, tolerance)
 }
 
+/// A rod that a velocity motor of so much effort, N·m, turns about a fixed axis, and its link.
+fn turned(effort: f64, tolerance: f64, step: f64) -> (Simulation, LinkId) {
+    let mut b = Builder::new(false, RigidInertia::ZERO);
+    let turn = Motion::Revolute(Vec3::y());
+    let link = b.link(LinkId(0), Pose::IDENTITY, turn, rod(0.5, 0.4));
+    b.actuator(link, ActuatorMode::Velocity, effort);
+    (begun(b.model, tolerance, step), link)
+}
+
 fn read(s: &mut Simulation, link: LinkId) -> [f64; 2] {
     let joint = s.model().links[link.index()].joint.expect("a joint");
     let slots = [
@@ -37,11 +46,7 @@ const KINDS: [(f64, f64); 3] = [(1e-3, 0.0), (1e-5, 0.0), (1e-3, TICK)];
 fn the_effort_of_a_motor_is_what_its_joint_asks_for() {
     for (jumps, allowed) in [(false, 6e-3), (true, 0.3)] {
         for (tolerance, step) in KINDS {
-            let mut b = Builder::new(false, RigidInertia::ZERO);
-            let turn = Motion::Revolute(Vec3::y());
-            let link = b.link(LinkId(0), Pose::IDENTITY, turn, rod(0.5, 0.4));
-            b.actuator(link, ActuatorMode::Velocity, 200.0);
-            let mut s = begun(b.model, tolerance, step);
+            let (mut s, link) = turned(200.0, tolerance, step);
             let (mut worst, mut whirl) = (0.0_f64, 0.0_f64);
             for i in 0..480 {
                 let t = f64::from(i) * TICK;
@@ -98,11 +103,7 @@ fn what_a_pd_law_holds_has_the_acceleration_of_its_yielding() {
 #[test]
 fn a_motor_at_its_limit_gives_what_it_can() {
     for (tolerance, step) in KINDS {
-        let mut b = Builder::new(false, RigidInertia::ZERO);
-        let turn = Motion::Revolute(Vec3::y());
-        let link = b.link(LinkId(0), Pose::IDENTITY, turn, rod(0.5, 0.4));
-        b.actuator(link, ActuatorMode::Velocity, 0.9);
-        let mut s = begun(b.model, tolerance, step);
+        let (mut s, link) = turned(0.9, tolerance, step);
         for i in 0..480 {
             let t = f64::from(i) * TICK;
             s.set_input(

@@ -2,8 +2,9 @@
 //!
 //! Of a material the diffuse colour `Kd` and the texture `map_Kd` are read.
 
-use super::super::faces::{Image, MeshError, Paint, Part, Parts, fan, obj_lines};
-use super::super::faces::{three, vertex_index};
+use super::super::faces::{
+    Image, MeshError, Paint, Part, Parts, fan, obj_lines, three, vertex_index,
+};
 use std::collections::HashMap;
 
 /// The painted triangles of an OBJ text; `library` gives the text of a material library.
