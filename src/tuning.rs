@@ -548,11 +548,19 @@ pub const NUDGE: f64 = 1e-5;
 /// to twice the way. At 0 fails
 /// `bodies_without_losses_make_no_energy_whatever_they_meet_with`.
 pub const LIGHT: f64 = 4.0;
+/// By how many times its way a shape that moves may change a depth that has a gradient: of random
+/// pairs by up to 8. What changes more has jumped. At 1e9 fails
+/// `what_begins_deep_in_others_is_not_thrown_out_whatever_its_restitution`.
+pub const STEEPEST: f64 = 10.0;
 /// Depth, in penetrations, up to which a contact stiffens: that of a load which is a million times
 /// the weight. Beyond, forces would exceed what the digits of a solve can balance. At 0.1 fails
 /// `nothing_passes_through_a_thin_plate`.
 pub const STIFFEST: f64 = 30.0;
 
+/// Least dissipation number: what loses nothing is damped by it all the same, so that the speed it
+/// has come with can be told from its dissipation. At 0 fails
+/// `balls_that_meet_head_on_part_as_restitution_says`.
+pub const LEAST_NUMBER: f64 = 1e-12;
 /// Relative accuracy of the speed with which a bounce ends. At 1e-2 fails
 /// `a_body_that_its_weight_pushes_in_leaves_at_its_restitution`.
 pub const RESTITUTION_ACCURACY: f64 = 1e-4;

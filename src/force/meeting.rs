@@ -52,6 +52,13 @@ impl Meeting<'_> {
             };
             // Speed with which a body comes in that the spring has taken up.
             let kept = (2.0 * contact.spring.stored(contact.depth) / mass).sqrt();
+            // The speed with which it has come in is its number over its dissipation, or less. So
+            // deep in each other only others can have pressed them, out of which they push: to
+            // give all of that back would throw them out.
+            let pressed = contact.bounce * kept > number;
+            if pressed && contact.depth > DEEP_OVERLAP * contact.spring.reference {
+                contact.bounce = 0.0;
+            }
             // Shapes that hold more than they come with are not meeting, but are in each other,
             // and leave as such: mostly they have begun so.
             let least = kept.max(BOUNCE_THRESHOLD);
@@ -109,5 +116,56 @@ fn friction(tree: &Tree, surface: &Surface, u: &Vec3) -> f64 {
         stribeck(surface.mu_at_rest, surface.mu, u.norm(), reference)
     } else {
         surface.mu
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::force::tests::{met, two_bodies};
+    use crate::force::{ContactSet, detect};
+    use crate::geometry::Shape;
+    use crate::law::dissipation_number;
+    use crate::simulation::Simulation;
+    use crate::spatial::Pose;
+
+    /// A spring that is 60 penetrations deep and holds more than the shapes have come in with has
+    /// been pressed by others, and bounces no more; one that has taken up an impact goes on, and so
+    /// does what is as deep as loads press. Before, what was pressed in among bodies that began in
+    /// each other was resolved by 12,000 steps a communication step, and thrown out.
+    #[test]
+    fn what_is_pressed_into_others_bounces_no_more() {
+        let radius = 0.05;
+        for e in [0.3, 0.9, 1.0] {
+            let shapes = [0; 2].map(|_| Shape::Sphere { radius });
+            let mut model = two_bodies(&shapes).model().clone();
+            for link in &mut model.links {
+                link.restitution = e;
+            }
+            let s = Simulation::new(std::sync::Arc::new(model));
+            for (depth, came, bounces) in [(60.0, 0.9, false), (60.0, 1.1, true), (30.0, 0.9, true)]
+            {
+                let pose = |depth: f64| Pose {
+                    p: Vec3::z() * (2.0 * radius - depth),
+                    ..Pose::IDENTITY
+                };
+                let between = |list: &ContactSet| {
+                    let mut all = list.iter();
+                    all.find(|c| c.other.is_some()).expect("they touch").clone()
+                };
+                let reference = between(&met(&s, &pose(0.01)).1).spring.reference;
+                let (kin, mut list) = met(&s, &pose(depth * reference));
+                let first = between(&list);
+                let kept = (2.0 * first.spring.stored(first.depth) / first.mass).sqrt();
+                let touch = Touch {
+                    slot: first.slot,
+                    bounce: dissipation_number(e) / (came * kept),
+                    ..Touch::default()
+                };
+                detect(s.model(), s.tree(), &[touch], &kin, 0.0, &mut list);
+                let bounce = between(&list).bounce;
+                assert_eq!(bounce > 0.0, bounces, "{e}, {depth}, {came}: {bounce}");
+            }
+        }
     }
 }

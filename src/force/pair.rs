@@ -8,7 +8,7 @@ use crate::kinematics::Kinematics;
 use crate::law::normal::Stiffening;
 use crate::spatial::{Pose, Vec3, quaternion_normalized, rotation_from_quaternion};
 use crate::tree::{Tree, TreeCollider};
-use crate::tuning::{LIGHT, NUDGE, TANGENTIAL_RATIO};
+use crate::tuning::{LIGHT, NUDGE, STEEPEST, TANGENTIAL_RATIO};
 
 /// Two shapes as they meet: the first one moves, and is pushed along the normal.
 pub(super) struct Pair<'a> {
@@ -58,8 +58,9 @@ impl<'a> Pair<'a> {
 
     /// How the depth grows with displacements of the first one along the axes, and with rotations,
     /// m, about `center`, in shares of how it grows where all points sink. By differences; none of
-    /// shapes that are too thin for these. A light touch is looked at as if it were so deep that no
-    /// nudge ends it.
+    /// shapes that are too thin for these, or whose depth jumps there: that of shapes whose inner
+    /// cores meet may, and a jump over a nudge would be a slope of thousands. A light touch is
+    /// looked at as if it were so deep that no nudge ends it.
     ///
     /// - `normal`, `depth`: as they touch, m
     pub fn gradient(
@@ -81,8 +82,10 @@ impl<'a> Pair<'a> {
                 slopes[kind][axis] = (there - here) / (by * weights);
             }
         }
-        let finite = |slope: &Vec3| slope.iter().all(|x| x.is_finite());
-        slopes.iter().all(finite).then_some(slopes)
+        // What is not a number is not less, either.
+        let smooth = |(slope, lever): (&Vec3, f64)| slope.norm() < STEEPEST * lever;
+        let all = slopes.iter().zip([1.0, lever]).all(smooth);
+        all.then_some(slopes)
     }
 
     /// The same after the first one has moved by `way` and turned by the rotation vector `turn`

@@ -7,7 +7,7 @@
 //! Source: Hunt & Crossley 1975.
 
 use crate::tuning::{
-    LIMIT_DEFLECTION, RESTITUTION_ACCURACY, RESTITUTION_STEP, RESTITUTION_STEPS,
+    LEAST_NUMBER, LIMIT_DEFLECTION, RESTITUTION_ACCURACY, RESTITUTION_STEP, RESTITUTION_STEPS,
     RESTITUTION_TRIALS, STIFFEST,
 };
 
@@ -183,11 +183,11 @@ impl Impact {
     /// with `γ = g T/v₀`, `κ = (v₀ T/δ₁)³` and `a = D v₀`. The speed at which it leaves falls with
     /// `a`: from 1 at `a = 0` (energy is kept) to below `e` at the number. The root is found by
     /// regula falsi (the Illinois form). Never 0, which would stand for a contact that does not
-    /// bounce.
+    /// bounce, see [`LEAST_NUMBER`].
     pub fn dissipation(&self, e: f64, number: f64) -> f64 {
         let (mut low, mut high) = ((0.0, 1.0 - e), (number, self.leaving(number) - e));
         if high.1 >= 0.0 {
-            return (number / self.speed).max(f64::MIN_POSITIVE);
+            return number / self.speed;
         }
         let mut root = number;
         for _ in 0..RESTITUTION_TRIALS {
@@ -204,7 +204,7 @@ impl Impact {
                 low.1 *= 0.5;
             }
         }
-        (root / self.speed).max(f64::MIN_POSITIVE)
+        root.max(LEAST_NUMBER) / self.speed
     }
 
     /// Time scale of the impact, s: `√(m/K)` of a light one; one that is deep enough for the spring
@@ -257,7 +257,7 @@ impl Impact {
 
 /// Hunt–Crossley dissipation times approach speed that gives the coefficient of restitution `e`:
 /// the root of `a − ln(1+a) = −e a − ln(1−e a)`; independent of mass and stiffness. Infinite for `e
-/// = 0`.
+/// = 0`, and never less than [`LEAST_NUMBER`].
 pub fn dissipation_number(e: f64) -> f64 {
     if e <= 0.0 {
         return f64::INFINITY;
@@ -273,7 +273,7 @@ pub fn dissipation_number(e: f64) -> f64 {
             high = middle;
         }
     }
-    0.5 * (low + high)
+    (0.5 * (low + high)).max(LEAST_NUMBER)
 }
 
 #[cfg(test)]

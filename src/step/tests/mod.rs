@@ -17,6 +17,7 @@ use crate::testing::{Builder, Random, at, inertia, random_tree, run, shape_all_l
 mod agreement;
 mod cans;
 mod collisions;
+mod deep;
 mod ends;
 mod fixed;
 mod frames;
