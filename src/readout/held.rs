@@ -21,8 +21,9 @@ pub(super) struct Held {
     /// Stiffness of the joint terms as damping, and springs, of which there are none.
     pub joints: Vec<JointTerm>,
     pub springs: Vec<SpringTerm>,
-    /// Stiffness of the motor of each joint term, kg·m² or kg, as far as it counts.
-    pub motors: Vec<f64>,
+    /// Of the motor of each joint term its stiffness, kg·m² or kg, as far as it counts, and what
+    /// it pulls towards the acceleration that it asks for, N·m or N.
+    pub motors: Vec<[f64; 2]>,
     /// Stiffness of the springs of contacts, N/m, and the loads that damp them, N, N·s/m.
     pub normal: Vec<[f64; 3]>,
     /// `a_s`, and `M a_s`; then `v̇ − a_s`.

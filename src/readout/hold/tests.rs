@@ -1,6 +1,7 @@
 //! Expected values: the equation of motion of a rod that turns about its end, statics.
 
-use crate::model::{ActuatorId, ActuatorMode, LinkId, Model, Motion};
+use crate::closure::testing::anchor;
+use crate::model::{ActuatorId, ActuatorMode, LinkId, LoopKind, Model, Motion};
 use crate::simulation::{InputSlot, OutputSlot, Simulation};
 use crate::spatial::{Pose, RigidInertia, Vec3};
 use crate::testing::{Builder, at, inertia, start};
@@ -114,5 +115,62 @@ fn a_motor_at_its_limit_gives_what_it_can() {
             let [effort, _] = read(&mut s, link);
             assert!(effort.abs() <= 0.9, "{tolerance:e}, {step}: {effort} N·m");
         }
+    }
+}
+
+/// A crank of 0.1 m that a velocity motor turns at 20 rad/s pushes a slider by a rod of 0.3 m. It
+/// has less than 0.02 rad/s², and the slider what `x = r cos θ + √(l² − r² sin² θ)` says. By what
+/// the step has done alone it had 1.5 rad/s²: after each step the loop is closed, which moves the
+/// crank, and the motor brings it back in the next one.
+#[test]
+fn a_crank_that_is_turned_evenly_has_no_acceleration() {
+    let (r, l, omega) = (0.1_f64, 0.3_f64, 20.0_f64);
+    for (tolerance, step) in KINDS {
+        let mut b = Builder::new(false, RigidInertia::ZERO);
+        let turn = Motion::Revolute(-Vec3::y());
+        let crank = b.link(LinkId(0), Pose::IDENTITY, turn, rod(0.3, r));
+        let coupler = b.link(crank, at(r, 0.0, 0.0), turn, rod(0.4, l));
+        let slide = Motion::Prismatic(Vec3::x());
+        let slider = inertia(0.5, Vec3::zeros(), [1e-3; 3]);
+        let slider = b.link(LinkId(0), at(r + l, 0.0, 0.0), slide, slider);
+        let ends = [(coupler, at(l, 0.0, 0.0)), (slider, Pose::IDENTITY)];
+        let ends = ends.map(|(link, place)| anchor(Some(link), place));
+        b.close(LoopKind::Ball(ends));
+        b.actuator(crank, ActuatorMode::Velocity, 1000.0);
+        let (mut s, mut worst) = (begun(b.model, tolerance, step), [0.0_f64; 2]);
+        s.set_input(InputSlot::Velocity(ActuatorId(0)), omega);
+        for i in 1..288 {
+            s.advance_to(f64::from(i) * TICK).expect("finite");
+            let (sin, cos) = libm::sincos(s.state().physical.q[0]);
+            let way = (l * l - r * r * sin * sin).sqrt();
+            let pull = cos * cos - sin * sin + r * r * sin * sin * cos * cos / (way * way);
+            let truth = -omega * omega * r * (cos + r * pull / way);
+            let [[_, own], [_, other]] = [crank, slider].map(|link| read(&mut s, link));
+            if i > 120 {
+                worst = [worst[0].max(own.abs()), worst[1].max((other - truth).abs())];
+            }
+        }
+        let what = format!("{tolerance:e}, {step}: {worst:?}");
+        assert!(worst[0] < 0.3 && worst[1] < 0.6, "{what}");
+    }
+}
+
+/// A motor that is told to go faster by 6 rad/s² turns its joint by 6 rad/s², and not evenly.
+#[test]
+fn a_motor_whose_command_rises_has_the_acceleration_of_its_command() {
+    for (tolerance, step) in KINDS {
+        let (mut s, link) = turned(200.0, tolerance, step);
+        let mut worst = 0.0_f64;
+        for i in 0..240 {
+            let t = f64::from(i) * TICK;
+            s.set_input(InputSlot::Velocity(ActuatorId(0)), 6.0 * t);
+            s.set_input_derivative(InputSlot::Velocity(ActuatorId(0)), 1, 6.0);
+            s.advance_to(t + TICK).expect("finite");
+            let [_, acceleration] = read(&mut s, link);
+            if i > 60 {
+                worst = worst.max((acceleration - 6.0).abs());
+            }
+        }
+        assert!(worst < 0.1, "{tolerance:e}, {step}: {worst} rad/s²");
     }
 }
