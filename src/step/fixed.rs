@@ -126,7 +126,7 @@ impl Fixed {
     ) -> Outcome {
         let from = &state.physical;
         let turning = fastest(ctx.tree, &from.v) * part.whole > TURN;
-        let gain = turning.then(|| GAIN * part.h / part.whole);
+        let gain = (turning || ctx.tree.is_closed()).then(|| GAIN * part.h / part.whole);
         let explicit = &mut *methods.explicit;
         if let Some(free) = explicit.coast(ctx, methods.here, state, part.h, attempt) {
             if free {
