@@ -131,7 +131,9 @@ pub struct Contact {
     /// Place of its memory in the state: the index of the shape, or of the pair of shapes after
     /// those of all shapes.
     pub slot: usize,
-    /// Half of the least extent of the thinner of its two shapes, m; infinite with the ground.
+    /// Half of the least extent of its two shapes, m, as a mean: their middles pass each other
+    /// twice as deep, where one of them is a point as where they are equal. Infinite with the
+    /// ground.
     pub thickness: f64,
     /// Mass that takes part: that of the body's tree, reduced by that of the other one, kg.
     pub mass: f64,
@@ -251,9 +253,9 @@ impl Contact {
         speeds.sum()
     }
 
-    /// Longest step, s, in which the shapes come nearer by no more than [`ADVANCE`] of the thinner
-    /// one: what is expected in its middle still lies on the side that it has come from. Infinite
-    /// where they do not come nearer, or not yet touch in `h` seconds.
+    /// Longest step, s, in which the shapes come nearer by no more than [`ADVANCE`] of their
+    /// thickness: what is expected in its middle still lies on the side that it has come from.
+    /// Infinite where they do not come nearer, or not yet touch in `h` seconds.
     pub fn longest_step(&self, points: &[ContactPoint], V: &[Vec6], h: f64) -> f64 {
         let W = self.relative(V);
         let own = points[self.points.clone()].iter();

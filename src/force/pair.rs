@@ -132,8 +132,10 @@ impl<'a> Pair<'a> {
         if b.is_endless() {
             // There is no other side.
             f64::INFINITY
+        } else if b.is_terrain() {
+            a.thickness()
         } else {
-            a.thickness().min(b.thickness())
+            0.5 * (a.thickness() + b.thickness())
         }
     }
 
@@ -226,3 +228,6 @@ fn contact_point(point: &PatchPoint, landing: f64) -> ContactPoint {
         ..ContactPoint::new(None, x, &normal, [depth, share])
     }
 }
+
+#[cfg(test)]
+mod tests;
