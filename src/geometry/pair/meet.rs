@@ -1,6 +1,7 @@
 //! Which rules apply to a pair of shapes, and the transitions between them.
 
 use super::core::{Core, Round};
+use super::edges::along_edges;
 use super::nearest::{Apart, nearest};
 use super::placed::Placed;
 use super::points::{Points, Side, point};
@@ -132,6 +133,12 @@ impl Meeting {
                 left -= all.part;
             }
             _ => {}
+        }
+        if left > 0.0 && faces(b) && (a.solid.round.is_some() || faces(a)) {
+            let first = points.count();
+            let along = along_edges((a, b), &apart, limits, points);
+            points.scale(first, left);
+            left *= 1.0 - along;
         }
         // Of the nearest points is what nothing else has.
         if left > 0.0 && gap <= reach {

@@ -35,6 +35,7 @@
 mod core;
 mod cylinders;
 mod deep;
+mod edges;
 mod field;
 mod foot;
 mod gjk;

@@ -12,6 +12,7 @@
 //! `q = √(|a|² + s²)`, and lies at `c + R (n·k) a/q` over it.
 
 use super::core::{Mesh, Round};
+use super::edges::Bar;
 use super::nearest::Apart;
 use super::placed::Placed;
 use super::points::{PatchPoint, Points, Rim, Side, point};
@@ -220,7 +221,7 @@ fn clip(
 }
 
 /// Mean of `x₊` where `x` goes evenly from `a` to `b`.
-fn ramp([a, b]: [f64; 2]) -> f64 {
+pub(super) fn ramp([a, b]: [f64; 2]) -> f64 {
     let (low, high) = (a.min(b), a.max(b));
     if high <= 0.0 {
         0.0
@@ -254,28 +255,10 @@ pub(super) fn along_axes(
             points.add(first, point(x, depth, share));
         }
     };
-    let (k, other) = (a.axis(), b.axis());
-    let cosine = k.dot(&other);
-    let other = if cosine < 0.0 { -other } else { other };
-    let mut beta = (2.0 * cosine.abs() - 1.0).max(0.0);
-    if beta > 0.0 {
-        let along = (k + other).normalize();
-        let range = |p: &Vec3, k: &Vec3, half: f64| {
-            let (middle, half) = (along.dot(p), along.dot(k) * half);
-            (middle - half, middle + half)
-        };
-        let (u, v) = (range(&a.p, &k, ra.half), range(&b.p, &other, rb.half));
-        let (low, high) = (u.0.max(v.0), u.1.min(v.1));
-        beta *= ((high - low) / blend).clamp(0.0, 1.0);
-        let ends = [low, high].map(|c| {
-            let on = |p: &Vec3, k: &Vec3| p + k * ((c - along.dot(p)) / along.dot(k));
-            let (x, y) = (on(&a.p, &k), on(&b.p, &other));
-            let middle = ((x - n * ra.radius) + (y + n * rb.radius)) * 0.5;
-            (middle, ra.radius + rb.radius - (x - y).norm())
-        });
-        let rise = (depth - ends[0].1).abs().max((depth - ends[1].1).abs());
-        beta *= (1.0 - rise / blend).max(0.0);
-        for (x, depth) in ends {
+    let mut beta = 0.0;
+    if let Some(common) = Bar::axis(a, ra).common(&Bar::axis(b, rb), &n) {
+        beta = common.part(depth, blend);
+        for (x, depth) in common.ends {
             take(x, depth, 0.5 * beta);
         }
     }

@@ -1,5 +1,6 @@
 //! Tests of contact between two shapes.
 
+mod along;
 mod cases;
 mod depths;
 mod distances;

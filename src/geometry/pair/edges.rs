@@ -1,0 +1,170 @@
+//! What lies along an edge.
+//!
+//! Of two lines that are parallel, all places are equally near, and by a tilt of a microradian the
+//! nearest one is at the one end or at the other. So they lie on each other between two ends, as
+//! parallel capsules do (`along_axes` in `trace.rs`): here an edge of a polyhedron, rounded as its
+//! core is, and the axis of something round or an edge of another one.
+//!
+//! With the nearest point alone, a can along an edge of a finger rocked by a microradian, and its
+//! load went to and fro by centimetres in each of a hundred steps: it never came to rest.
+
+use super::core::Round;
+use super::nearest::Apart;
+use super::placed::Placed;
+use super::points::{Points, point};
+use super::polygon::Limits;
+use super::trace::ramp;
+use crate::spatial::Vec3;
+
+/// A segment with a ball about each of its points.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Bar {
+    middle: Vec3,
+    /// Unit vector along it.
+    along: Vec3,
+    half: f64,
+    radius: f64,
+}
+
+/// What two bars have in common.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Common {
+    /// How parallel they are: 1 where they are, 0 from 60° on.
+    pub(super) parallel: f64,
+    /// How long it is, m.
+    pub(super) length: f64,
+    /// Its two ends: places half way, and depths, m.
+    pub(super) ends: [(Vec3, f64); 2],
+}
+
+impl Bar {
+    /// The whole of a capsule, or a cylinder as if it were one.
+    pub(super) fn axis(placed: &Placed, round: &Round) -> Self {
+        Self {
+            middle: placed.p,
+            along: placed.axis(),
+            half: round.half,
+            radius: round.radius,
+        }
+    }
+
+    /// An edge between two corners of the core; none where they are one.
+    fn edge(placed: &Placed, [from, to]: [usize; 2]) -> Option<Self> {
+        let [x, y] = [from, to].map(|i| placed.world(&placed.solid.core_corners[i]));
+        let half = 0.5 * (y - x).norm();
+        Some(Self {
+            middle: (x + y) * 0.5,
+            along: (y - x).try_normalize(0.0)?,
+            half,
+            radius: placed.solid.radius,
+        })
+    }
+
+    /// What it has in common with another one, in the direction `n` from that to it.
+    pub(super) fn common(&self, other: &Self, n: &Vec3) -> Option<Common> {
+        let cosine = self.along.dot(&other.along);
+        let k = if cosine < 0.0 {
+            -other.along
+        } else {
+            other.along
+        };
+        let parallel = 2.0 * cosine.abs() - 1.0;
+        if parallel <= 0.0 {
+            return None;
+        }
+        let along = (self.along + k).normalize();
+        let range = |p: &Vec3, k: &Vec3, half: f64| {
+            let (middle, half) = (along.dot(p), along.dot(k) * half);
+            (middle - half, middle + half)
+        };
+        let u = range(&self.middle, &self.along, self.half);
+        let v = range(&other.middle, &k, other.half);
+        let (low, high) = (u.0.max(v.0), u.1.min(v.1));
+        (low < high).then(|| Common {
+            parallel,
+            length: high - low,
+            ends: [low, high].map(|c| {
+                let on = |p: &Vec3, k: &Vec3| p + k * ((c - along.dot(p)) / along.dot(k));
+                let (x, y) = (on(&self.middle, &self.along), on(&other.middle, &k));
+                let middle = ((x - n * self.radius) + (y + n * other.radius)) * 0.5;
+                (middle, self.radius + other.radius - (x - y).norm())
+            }),
+        })
+    }
+}
+
+impl Common {
+    /// What part of a contact its ends have whose nearest point is `depth` deep: less as they rise
+    /// above it, and where they are near each other.
+    pub(super) fn part(&self, depth: f64, blend: f64) -> f64 {
+        let [a, b] = self.ends.map(|(_, end)| (depth - end).abs());
+        let long = (self.length / blend).clamp(0.0, 1.0);
+        self.parallel * long * (1.0 - a.max(b) / blend).max(0.0)
+    }
+}
+
+/// The edges of a polyhedron that reach up to `level` along `n`.
+fn edges<'a>(placed: &'a Placed, n: &'a Vec3, level: f64) -> impl Iterator<Item = Bar> + 'a {
+    let mesh = &placed.solid.mesh;
+    let height = move |i: usize| n.dot(&placed.world(&placed.solid.core_corners[i]));
+    let faces = 0..mesh.normals.len();
+    faces.flat_map(move |face| {
+        let list = mesh.face(face);
+        let ends = list.iter().zip(list.iter().cycle().skip(1));
+        // Each edge once: the face on its other side has it the other way round.
+        let once = ends.filter(|(from, to)| from < to);
+        once.filter_map(move |(&from, &to)| {
+            let high = height(from).max(height(to)) >= level;
+            high.then(|| Bar::edge(placed, [from, to])).flatten()
+        })
+    })
+}
+
+/// Adds the ends of what lies along edges of `b`, the axis or the edges of `a`; returns how much of
+/// the contact they have, see [`Common::part`], the mean by the weights `(∫ (ℓ − t)₊ ds)⁴` as of
+/// faces. Shares sum up to that.
+pub(super) fn along_edges(
+    (a, b): (&Placed, &Placed),
+    apart: &Apart,
+    limits: Limits,
+    points: &mut Points,
+) -> f64 {
+    let n = apart.normal;
+    let depth = a.solid.radius + b.solid.radius - apart.distance;
+    let first = points.count();
+    let (mut sum, mut total) = (0.0, 0.0);
+    let mut take = |bar: &Bar| {
+        let level = n.dot(&b.support(&n)) - limits.blend;
+        for edge in edges(b, &n, level) {
+            let Some(common) = bar.common(&edge, &n) else {
+                continue;
+            };
+            let over = common.ends.map(|(_, depth)| limits.level + depth);
+            let area = common.length * ramp(over);
+            let weight = (area * area) * (area * area);
+            let part = common.part(depth, limits.blend);
+            total += weight;
+            sum += weight * part;
+            for (x, depth) in common.ends {
+                if depth > -limits.reach {
+                    points.add(first, point(x, depth, 0.5 * part * weight));
+                }
+            }
+        }
+    };
+    if let Some(round) = &a.solid.round {
+        take(&Bar::axis(a, round));
+    } else {
+        let down = -n;
+        let level = down.dot(&a.support(&down)) - limits.blend;
+        for bar in edges(a, &down, level) {
+            take(&bar);
+        }
+    }
+    if total <= 0.0 {
+        return 0.0;
+    }
+    // Where inner cores have a part in the direction, what is nearest is not along an edge.
+    points.scale(first, apart.part / total);
+    apart.part * sum / total
+}
