@@ -13,7 +13,6 @@ use super::nearest::Apart;
 use super::placed::Placed;
 use super::points::{Points, point};
 use super::polygon::Limits;
-use super::trace::ramp;
 use crate::spatial::Vec3;
 
 /// A segment with a ball about each of its points.
@@ -167,4 +166,16 @@ pub(super) fn along_edges(
     // Where inner cores have a part in the direction, what is nearest is not along an edge.
     points.scale(first, apart.part / total);
     apart.part * sum / total
+}
+
+/// Mean of `x₊` where `x` goes evenly from `a` to `b`.
+pub(super) fn ramp([a, b]: [f64; 2]) -> f64 {
+    let (low, high) = (a.min(b), a.max(b));
+    if high <= 0.0 {
+        0.0
+    } else if low >= 0.0 {
+        0.5 * (low + high)
+    } else {
+        0.5 * high * high / (high - low)
+    }
 }

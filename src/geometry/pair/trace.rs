@@ -12,7 +12,7 @@
 //! `q = √(|a|² + s²)`, and lies at `c + R (n·k) a/q` over it.
 
 use super::core::{Mesh, Round};
-use super::edges::Bar;
+use super::edges::{Bar, ramp};
 use super::nearest::Apart;
 use super::placed::Placed;
 use super::points::{PatchPoint, Points, Rim, Side, point};
@@ -218,18 +218,6 @@ fn clip(
     let half = 0.5 * (low + high);
     let depths = sides.map(|(inside, rate, width)| (inside + half * rate) / width);
     (low, high, depths.fold(f64::INFINITY, f64::min))
-}
-
-/// Mean of `x₊` where `x` goes evenly from `a` to `b`.
-pub(super) fn ramp([a, b]: [f64; 2]) -> f64 {
-    let (low, high) = (a.min(b), a.max(b));
-    if high <= 0.0 {
-        0.0
-    } else if low >= 0.0 {
-        0.5 * (low + high)
-    } else {
-        0.5 * high * high / (high - low)
-    }
 }
 
 /// Adds what two round solids have in common along their axes, with shares that sum up to one.
