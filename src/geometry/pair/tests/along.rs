@@ -29,7 +29,7 @@ fn what_lies_along_an_edge_carries_with_both_ends() {
     let radius = 0.02;
     let prism = (0..32).map(|i: u32| {
         let (sin, cos) = (std::f64::consts::TAU * (f64::from(i / 2) + 0.5) / 16.0).sin_cos();
-        let z = if i % 2 == 0 { half } else { -half };
+        let z = if i.is_multiple_of(2) { half } else { -half };
         Vec3::new(radius * cos, radius * sin, z)
     });
     let round = [
