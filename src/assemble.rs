@@ -61,6 +61,7 @@
 //! | A140 | loops and springs |
 //! | A141 | the initial pose that closes the loops |
 //! | A142 | what Model Exchange has no equations for |
+//! | A143 | gravity that points upwards |
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 

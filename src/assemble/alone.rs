@@ -9,6 +9,7 @@ use super::{
 use crate::diagnostic::Diagnostic;
 use crate::model::{BodyId, Initial, Model, OutputSelection, Root};
 use crate::settings::{InertiaSource, Settings};
+use crate::spatial::Vec3;
 use crate::urdf::Description;
 
 /// A robot, ready to simulate.
@@ -111,6 +112,7 @@ fn assemble(
     let (shapes, lines) = (&robot.shapes, &robot.lines);
     let poses = inertia::complete(&mut model, poses, shapes, lines, of_shapes, findings);
     initial::height(&mut model, &poses, settings, findings);
+    warn_of_gravity(&model.world.gravity, findings);
     actuators::add(&mut model, &poses, &robot.lines, settings, findings);
     actuators::report_velocity_limits(&model, findings);
     wheels::warn(&model, &poses, &polygons, findings);
@@ -132,4 +134,18 @@ fn assemble(
         exchange::check(&model, findings);
     }
     Some(model)
+}
+
+/// Warns of gravity that points up rather than down or sideways: nearly always its sign is
+/// forgotten.
+fn warn_of_gravity(gravity: &Vec3, findings: &mut Findings) {
+    let (x, y, z) = (gravity.x, gravity.y, gravity.z);
+    if z > libm::hypot(x, y) {
+        let message = format!("gravity points upwards: it is [{x}, {y}, {z}] m/s², and z is up");
+        let help = format!(
+            "write gravity = [{x}, {y}, -{z}] in [world]; what hangs from a ceiling is turned by \
+             [initial] rpy = [3.14159265, 0, 0] instead"
+        );
+        findings.warning("A143", None, message, &help);
+    }
 }

@@ -189,6 +189,10 @@ fn called(kind: RootKind, name: &str) -> String {
 /// A finding in a guest as it is told: it says whose it is, and advises what can be done in the
 /// settings of the world. None for what goes without saying.
 fn told(mut finding: Diagnostic, guest: &Guest) -> Option<Diagnostic> {
+    // Gravity is the world's, and has been told of the robot.
+    if finding.code == "A143" {
+        return None;
+    }
     if guest.kind == RootKind::Object {
         if finding.code == "A107" {
             if finding.message.starts_with("the base is floating") {

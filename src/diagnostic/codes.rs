@@ -51,6 +51,7 @@ pub const CODES: &[Row] = &[
     ("A140", "A `[[loop]]` or `[[spring]]` that is not valid: a name that means nothing, two links that do not move against each other, or a second one of the same name.", "Correct what the finding names."),
     ("A141", "The initial pose was moved so that the loops close, or cannot be.", "Correct the places where a loop holds its links, or `[initial] joints`."),
     ("A142", "What Model Exchange has no equations for: a rebound, a sensor that takes samples or errs, a closed loop, more continuous states than importers can work with.", "Leave it out, or export with `--interface cs`."),
+    ("A143", "Gravity points upwards, nearly always because its sign was forgotten.", "`[world] gravity = [0, 0, -9.81]`. What hangs from a ceiling is turned by `[initial] rpy` instead."),
     ("R101", "The SRDF cannot be read.", "Give the SRDF of this robot."),
     ("R102", "The SRDF names a link or joint that the URDF does not have.", "Check that both belong together."),
     ("R103", "A pair of the SRDF stands twice, or is of a link with itself.", "Remove it."),

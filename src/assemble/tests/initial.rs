@@ -105,6 +105,23 @@ fn a_start_inside_the_ground_is_warned_about_with_its_depth() {
 }
 
 #[test]
+fn gravity_that_points_up_is_warned_about_with_what_was_meant() {
+    for (gravity, meant) in [
+        ("[0, 0, 9.81]", "gravity = [0, 0, -9.81]"),
+        ("[1.5, 0, 9]", "gravity = [1.5, 0, -9]"),
+    ] {
+        let found = assembled(&cart(), &format!("world.gravity = {gravity}"));
+        let help = note(&found, "A143").help.expect("a remedy");
+        assert!(help.contains(meant), "{help}");
+    }
+    // Weightless, on a wall, and on one that leans over.
+    for gravity in ["[0, 0, 0]", "[9.81, 0, 0]", "[0, -9, 3]", "[0, 0, -1.62]"] {
+        let found = assembled(&cart(), &format!("world.gravity = {gravity}"));
+        assert!(!has(&found, "A143"), "{gravity}");
+    }
+}
+
+#[test]
 fn without_shapes_or_ground_the_base_starts_at_zero() {
     for (description, settings) in [
         (robot(mass("satellite", 1.0)), ""),

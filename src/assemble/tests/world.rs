@@ -44,6 +44,17 @@ pub(super) fn names(model: &Model) -> Vec<String> {
 }
 
 #[test]
+fn gravity_that_points_up_is_told_once_for_all_that_is_in_the_world() {
+    let built = built(
+        "world.gravity = [0, 0, 9.81]\n[[world.object]]\nname = \"cube\"\n\
+         shape = { box = [0.2, 0.4, 0.6] }\nmass = 3\nxyz = [1, 2]",
+        None,
+    );
+    let told = built.diagnostics.iter().filter(|d| d.code == "A143");
+    assert_eq!(told.count(), 1);
+}
+
+#[test]
 fn a_cube_beside_a_cart_has_its_own_variables_and_stands_on_the_ground() {
     let built = built(
         "[[world.object]]\nname = \"cube\"\nshape = { box = [0.2, 0.4, 0.6] }\nmass = 3\n\
