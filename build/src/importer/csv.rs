@@ -1,8 +1,10 @@
-//! Tables of numbers as comma-separated text: a row of names, `time` first, then one row a time.
+//! Tables of numbers as separated text: a row of names, `time` first, then one row a time.
 //!
-//! Written as `FMPy` writes them: quoted names, the shortest digits that read back to the same
-//! number. Read with or without quotes; Boolean values may be `true` and `false`, too, and are
-//! written as 1 and 0.
+//! Written as `FMPy` writes them: commas, quoted names, the shortest digits that read back to the
+//! same number. Read with or without quotes; Boolean values may be `true` and `false`, too, and are
+//! written as 1 and 0. Semicolons and tabs may stand in place of the commas, as spreadsheets write
+//! them where the comma is the decimal sign. A decimal comma is refused: the command of a motor
+//! must not depend on whether `1,234` is somewhat more than one or somewhat more than a thousand.
 
 /// A table in columns.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -53,8 +55,9 @@ pub enum CsvError {
     },
     /// Not a finite number.
     #[error(
-        "line {line}, column {column} ('{name}'): '{}' is no finite number",
-        cut(text)
+        "line {line}, column {column} ('{name}'): '{}' is no finite number{}",
+        cut(text),
+        decimal_comma(text)
     )]
     Number {
         /// From 1.
@@ -80,8 +83,8 @@ pub enum CsvError {
         /// s
         before: f64,
     },
-    /// Not comma-separated text.
-    #[error("line {line}: this cannot be read as comma-separated values")]
+    /// Not separated text.
+    #[error("line {line}: this cannot be read as separated values")]
     Unreadable {
         /// From 1.
         line: u64,
@@ -106,11 +109,40 @@ fn cut(text: &str) -> String {
 fn separators(found: &str) -> &'static str {
     if found.is_empty() {
         "; tables of pandas are saved without their index, index=False"
-    } else if found.contains([';', '\t']) {
-        "; columns are separated by commas, and the decimal sign is a point"
+    } else if found.contains(' ') {
+        "; columns are separated by commas, semicolons or tabs"
     } else {
         ""
     }
+}
+
+/// What to do about a number such as `0,5`.
+fn decimal_comma(text: &str) -> &'static str {
+    if number(&text.replacen(',', ".", 1)).is_some() {
+        "; the decimal sign of these tables is a point: save it with one, or replace the commas"
+    } else {
+        ""
+    }
+}
+
+/// What stands between the columns: of comma, semicolon and tab the one that is most frequent
+/// between the names, outside of quotes.
+pub fn delimiter(text: &str) -> u8 {
+    let header = text.lines().find(|line| !line.trim().is_empty());
+    let mut quoted = false;
+    let mut counts = [(b',', 0), (b';', 0), (b'\t', 0)];
+    for byte in header.unwrap_or_default().bytes() {
+        quoted ^= byte == b'"';
+        for (delimiter, count) in &mut counts {
+            *count += i32::from(!quoted && byte == *delimiter);
+        }
+    }
+    // The first of equals: a comma.
+    counts
+        .iter()
+        .rev()
+        .max_by_key(|(_, count)| *count)
+        .map_or(b',', |(delimiter, _)| *delimiter)
 }
 
 impl Table {
@@ -127,6 +159,7 @@ impl Table {
             .has_headers(false)
             .flexible(true)
             .trim(csv::Trim::All)
+            .delimiter(delimiter(text))
             .from_reader(text.as_bytes());
         let mut records = reader.records().map(|record| {
             record.map_err(|error| CsvError::Unreadable {
@@ -299,13 +332,40 @@ mod tests {
     }
 
     #[test]
-    fn other_separators_are_told() {
-        for text in ["time;a\n0;1\n", "time\ta\n0\t1\n"] {
-            let told = Table::parse(text).expect_err("one column").to_string();
-            assert!(told.contains("separated by commas"), "{told}");
+    fn tables_of_spreadsheets_are_read_whatever_separates_their_columns() {
+        let expected = Table::parse("time,a,b\n0,1,2\n0.5,-1,3\n").expect("commas");
+        for text in [
+            "time;a;b\r\n0;1;2\r\n0.5;-1;3\r\n",
+            "time\ta\tb\n0\t1\t2\n0.5\t-1\t3\n",
+            "\u{feff}\r\n\"time\";\"a\";\"b\"\r\n0;1;2\r\n0.5;-1;3",
+        ] {
+            assert_eq!(Table::parse(text), Ok(expected.clone()), "{text:?}");
         }
-        let told = Table::parse("t,a\n0,1\n").expect_err("no time").to_string();
-        assert!(!told.contains("commas"), "{told}");
+        // What is in quotes belongs to a name.
+        let table = Table::parse("time,\"a;b;c\"\n0,1\n").expect("two columns");
+        assert_eq!(table.names, ["time", "a;b;c"]);
+    }
+
+    #[test]
+    fn a_decimal_comma_is_refused_and_a_lack_of_separators_told() {
+        let told = |text: &str| Table::parse(text).expect_err("faulty").to_string();
+        for text in [
+            "time;a\n0;1,5\n",
+            "time\ta\n0\t1,234\n",
+            "time,a\n0,\"1,5\"\n",
+        ] {
+            let told = told(text);
+            assert!(told.starts_with("line 2, column 2 ('a'): '1,"), "{told}");
+            assert!(
+                told.contains("the decimal sign of these tables is a point"),
+                "{told}"
+            );
+        }
+        for text in ["time;a\n0;on\n", "time;a\n0;1,5,0\n"] {
+            assert!(!told(text).contains("decimal"), "{}", told(text));
+        }
+        assert!(told("time a\n0 1\n").contains("by commas, semicolons or tabs"));
+        assert!(!told("t,a\n0,1\n").contains("commas"));
     }
 
     #[test]

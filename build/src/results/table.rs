@@ -5,6 +5,7 @@
 //! Notes say what is left out or corrected.
 
 use super::names;
+use crate::importer::csv::delimiter;
 use crate::scene::Scene;
 
 /// Columns of numbers; what is missing is NaN.
@@ -77,7 +78,7 @@ impl Table {
         if text.contains('\0') {
             return Err(ResultsError::NotText);
         }
-        let delimiter = delimiter(text.lines().next().unwrap_or_default());
+        let delimiter = delimiter(text);
         let mut reader = csv::ReaderBuilder::new()
             .has_headers(false)
             .flexible(true)
@@ -258,24 +259,6 @@ impl Reading {
             *values = order.iter().map(|&row| values[row]).collect();
         }
     }
-}
-
-/// What stands between the names, outside of quotes.
-fn delimiter(header: &str) -> u8 {
-    let mut quoted = false;
-    let mut counts = [(b',', 0), (b';', 0), (b'\t', 0)];
-    for byte in header.bytes() {
-        quoted ^= byte == b'"';
-        for (delimiter, count) in &mut counts {
-            *count += i32::from(!quoted && byte == *delimiter);
-        }
-    }
-    // The first of equals: a comma.
-    counts
-        .iter()
-        .rev()
-        .max_by_key(|(_, count)| *count)
-        .map_or(b',', |(delimiter, _)| *delimiter)
 }
 
 /// A name without quotes and without its unit in brackets behind it.
