@@ -25,6 +25,8 @@ const LEAST_PARTS: usize = 2;
 #[derive(Debug, Default)]
 pub(super) struct Files {
     by_name: BTreeMap<String, Vec<PathBuf>>,
+    /// Folders that hold some of them.
+    folders: BTreeSet<PathBuf>,
 }
 
 impl Files {
@@ -42,7 +44,7 @@ impl Files {
             let Ok(entries) = fs::read_dir(&folder) else {
                 continue;
             };
-            seen.insert(folder);
+            seen.insert(folder.clone());
             let mut entries: Vec<fs::DirEntry> = entries.take(left).flatten().collect();
             left -= entries.len().min(left);
             entries.sort_by_key(fs::DirEntry::file_name);
@@ -56,6 +58,7 @@ impl Files {
                 } else if kind.is_file() {
                     let list = files.by_name.entry(name.to_lowercase()).or_default();
                     list.push(entry.path());
+                    files.folders.insert(folder.clone());
                 }
             }
         }
@@ -63,7 +66,9 @@ impl Files {
     }
 
     /// The one file that ends with more parts of `name` than every other, at least its own name and
-    /// that of its folder; where there is none, without regard to upper and lower case.
+    /// that of its folder; where there is none, without regard to upper and lower case. None where
+    /// the folder that `name` means is there without the file: what has its name in another folder
+    /// is of another robot of the series.
     pub(super) fn like(&self, name: &str) -> Option<&Path> {
         let same = |a: &String, b: &String| a == b;
         let folded = |a: &String, b: &String| a.to_lowercase() == b.to_lowercase();
@@ -72,18 +77,22 @@ impl Files {
 
     fn alike(&self, name: &str, same: impl Fn(&String, &String) -> bool) -> Option<&Path> {
         let wanted = parts(Path::new(name));
-        let list = self.by_name.get(&wanted.last()?.to_lowercase())?;
-        let common = |file: &PathBuf| {
-            let have = parts(file);
+        let (own, folder) = wanted.split_last()?;
+        let list = self.by_name.get(&own.to_lowercase())?;
+        let common = |wanted: &[String], path: &Path| {
+            let have = parts(path);
             let pairs = wanted.iter().rev().zip(have.iter().rev());
             pairs.take_while(|(a, b)| same(a, b)).count()
         };
-        let most = list.iter().map(common).max()?;
-        let mut best = list.iter().filter(|file| common(file) == most);
+        let most = list.iter().map(|file| common(&wanted, file)).max()?;
+        let mut best = list.iter().filter(|file| common(&wanted, file) == most);
         let found = best.next()?;
         // A bare name has no folder to compare.
         let enough = most >= LEAST_PARTS.min(wanted.len());
-        (enough && best.next().is_none()).then_some(found.as_path())
+        // The folder of the file has one part less in common than the file itself.
+        let mut others = self.folders.iter();
+        let missing = others.any(|other| common(folder, other) >= most);
+        (enough && !missing && best.next().is_none()).then_some(found.as_path())
     }
 
     /// The one file with the last part of `name`.
@@ -124,4 +133,36 @@ fn parts(path: &Path) -> Vec<String> {
         _ => None,
     });
     parts.collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// As in the packages of robot makers, which hold a series with a folder for each robot, where
+    /// single files stand in other packages or in Git LFS.
+    #[test]
+    fn a_mesh_of_another_robot_of_the_series_is_not_taken() {
+        let root = std::env::temp_dir().join(format!("urdf2fmu-series-{}", std::process::id()));
+        for file in [
+            "kr240/visual/link_1.dae",
+            "kr560/visual/link_1.dae",
+            "kr560/visual/link_3.dae",
+        ] {
+            let file = root.join("meshes").join(file);
+            fs::create_dir_all(file.parent().expect("a folder")).expect("folder");
+            fs::write(file, "").expect("file");
+        }
+        let files = Files::below(&[root.join("meshes")]);
+        let like = |name: &str| {
+            let found = files.like(name)?.strip_prefix(&root).ok()?;
+            Some(found.to_string_lossy().replace('\\', "/"))
+        };
+        assert_eq!(like("arms/meshes/kr240/visual/link_3.dae"), None);
+        // The folder that is meant has another name here, and the file is in it.
+        let other = Some("meshes/kr560/visual/link_3.dae".to_owned());
+        assert_eq!(like("arms/meshes/kr560_r3100/visual/link_3.dae"), other);
+        assert_eq!(like("old/kr560/visual/link_3.dae"), other);
+        fs::remove_dir_all(&root).expect("removed");
+    }
 }
