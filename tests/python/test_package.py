@@ -31,9 +31,10 @@ def rover(examples, tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def wheel(tmp_path_factory):
-    """A wheel with the command under test."""
-    folder = tmp_path_factory.mktemp("wheel")
-    environment = {**os.environ, "URDF2FMU_BINARY": os.environ["URDF2FMU"], "SOURCE_DATE_EPOCH": "1600000000"}
+    """A wheel with the command under test, which is named as docs/python.md does: without its folder."""
+    folder, command = tmp_path_factory.mktemp("wheel"), Path(os.environ["URDF2FMU"])
+    environment = {**os.environ, "URDF2FMU_BINARY": command.stem, "SOURCE_DATE_EPOCH": "1600000000",
+                   "PATH": f"{command.parent}{os.pathsep}{os.environ['PATH']}"}
     done = subprocess.run([sys.executable, "-m", "hatchling", "build", "-t", "wheel", "-d", folder], cwd=ROOT,
                           env=environment, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
