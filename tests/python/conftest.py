@@ -5,6 +5,7 @@ import hashlib
 import json
 import os
 import subprocess
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
@@ -67,22 +68,33 @@ def command():
 
 
 @pytest.fixture(scope="session")
-def export(command, tmp_path_factory):
+def shared(tmp_path_factory):
+    """A folder for what is made once for all tests, also those in other processes of the same run."""
+    base = tmp_path_factory.getbasetemp()
+    folder = (base.parent if "PYTEST_XDIST_WORKER" in os.environ else base) / "shared"
+    folder.mkdir(exist_ok=True)
+    return folder
+
+
+@pytest.fixture(scope="session")
+def export(command, shared):
     """Exports a URDF with settings (TOML text) and further arguments; the same export is made once.
 
     Without pictures and pages for people, which take most of an export's time, unless a test looks at them.
     """
-    folder = tmp_path_factory.mktemp("fmu")
 
     def run(urdf: Path, settings: str = "", *arguments, documented=False) -> Path:
         arguments = arguments if documented else (*arguments, "--no-documentation")
         key = hashlib.sha256(repr((str(urdf), settings, arguments)).encode()).hexdigest()[:12]
-        fmu = folder / f"{urdf.stem}_{key}.fmu"
+        fmu = shared / f"{urdf.stem}_{key}.fmu"
         if not fmu.exists():
-            config = fmu.with_suffix(".toml")
+            # Another process may be at it: the file appears whole.
+            own = fmu.with_suffix(f".{os.getpid()}.fmu")
+            config = own.with_suffix(".toml")
             config.write_text(settings)
-            done = command("export", urdf, "-o", fmu, "-c", config, *arguments)
+            done = command("export", urdf, "-o", own, "-c", config, *arguments)
             assert done.returncode == 0, done.stderr
+            own.replace(fmu)
         return fmu
 
     return run
@@ -105,18 +117,19 @@ def load():
 
 
 @pytest.fixture(scope="session")
-def made(command, export, pybullet_data, examples, tmp_path_factory):
+def made(command, export, pybullet_data, examples, shared, tmp_path_factory):
     """Simulates a robot that is commanded here and there; gives FMU, results and report. Each is made once."""
-    done = {}
 
     def make(name, seconds=1.0):
-        if name in done:
-            return done[name]
-        folder = tmp_path_factory.mktemp("report")
+        ready = shared / f"report_{name}_{seconds}"
         urdf = {"r2d2": pybullet_data / "r2d2.urdf", "iiwa": pybullet_data / "kuka_iiwa/model.urdf",
                 "quadruped": examples / "quadruped.urdf", "humanoid": examples.parent / "tests/robots/humanoid.urdf",
                 "joints": examples.parent / "tests/robots/every_joint.urdf"}[name]
         fmu = export(urdf, "[outputs]\nlinks = [\"*\"]\n")
+        results = fmu, ready / "out.csv", ready / "r.html"
+        if ready.exists():
+            return results
+        folder = tmp_path_factory.mktemp("report")
         listing = json.loads(command("info", fmu, "--json", "--variables").stdout)
         inputs = [v for v in listing["variables"] if v["causality"] == "input" and "max_effort" not in v["name"]]
         rng = np.random.default_rng(5)
@@ -128,7 +141,9 @@ def made(command, export, pybullet_data, examples, tmp_path_factory):
         run = command("simulate", fmu, "--input-file", folder / "in.csv", "--stop-time", seconds,
                       "--output-file", folder / "out.csv", "--report", folder / "r.html")
         assert run.returncode == 0, run.stderr
-        done[name] = fmu, folder / "out.csv", folder / "r.html"
-        return done[name]
+        with suppress(OSError):
+            # Unless another process was faster, with the same files.
+            folder.rename(ready)
+        return results
 
     return make

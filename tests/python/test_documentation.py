@@ -57,18 +57,21 @@ def in_robot_html(file):
     return f"file://{file.parent / 'robot.html'}?quality=3"
 
 
-@pytest.mark.parametrize("width,height", [(1440, 900), (390, 844)])
-def test_the_documentation_shows_the_robot_in_3d(browser, export, examples, tmp_path, width, height):
+def test_the_documentation_shows_the_robot_in_3d(browser, export, examples, tmp_path):
     file = documentation(export(examples / "rover.urdf", documented=True), tmp_path)
-    with Local(browser, file, width=width, height=height) as page:
+    with Local(browser, file, width=1440, height=900) as page:
         page.until(f"{FRAME}?.contentDocument?.body?.dataset.ready")
-        # Nothing but the robot: no bar, no panel.
-        shown = page.evaluate(f"['side', 'bar', 'canvas', 'tools'].filter(id => {FRAME}.contentDocument"
-                              ".getElementById(id).getBoundingClientRect().height > 0)")
-        assert shown == ["canvas", "tools"]
+        for width, height in (1440, 900), (390, 844):
+            page.call("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1,
+                      mobile=width < 760)
+            page.until(f"innerWidth === {width}")
+            # Nothing but the robot: no bar, no panel.
+            shown = page.evaluate(f"['side', 'bar', 'canvas', 'tools'].filter(id => {FRAME}.contentDocument"
+                                  ".getElementById(id).getBoundingClientRect().height > 0)")
+            assert shown == ["canvas", "tools"]
+            assert page.evaluate("document.documentElement.scrollWidth") <= width
         labels = f"[...{FRAME}.contentDocument.querySelectorAll('#tools button')].map(n => n.textContent)"
         assert page.evaluate(labels)[:2] == ["Frames", "Shapes"]
-        assert page.evaluate("document.documentElement.scrollWidth") <= width
         assert page.evaluate("document.querySelector('#robot img')") is None
         assert page.evaluate(f"{INSIDE}.page.view.stage.controls.enableZoom") is False, "the wheel scrolls"
         assert page.evaluate("[...document.images].every(n => n.naturalWidth === 512)")

@@ -20,10 +20,15 @@ def test_a_signal_leaves_no_folder_behind(name, command, examples, tmp_path):
     with open(os.devnull, "wb") as nowhere:
         # Before the folder is there, while the robot is exported into it, while it is simulated.
         for delay in (0.0, 0.02, 0.05, 0.1, 0.2, 0.4, 0.8):
+            # Under nohup these tests ignore SIGHUP, and what they start would do so, too.
             running = subprocess.Popen([os.environ["URDF2FMU"], command, examples / "rover.urdf", *options],
                                        env={**os.environ, "TMPDIR": str(folder)}, stdin=nowhere, stdout=nowhere,
-                                       stderr=nowhere)
-            time.sleep(delay)
-            running.send_signal(number)
-            assert running.wait(20) in (-number, 130, 0), delay
+                                       stderr=nowhere, preexec_fn=lambda: signal.signal(number, signal.SIG_DFL))
+            try:
+                time.sleep(delay)
+                running.send_signal(number)
+                assert running.wait(20) in (-number, 130, 0), delay
+            finally:
+                running.kill()
+                running.wait()
             assert list(folder.iterdir()) == [], delay

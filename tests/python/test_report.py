@@ -38,6 +38,11 @@ def open_report(browser, file, more="", **options):
     return browser.page(f"file://{file}?{SMALL}&{more}", **options).ready()
 
 
+def poses_at(page, time):
+    """The poses of all links at a time."""
+    return page.evaluate(f"(window.page.page.player.seek({float(time)}), window.page.page.view.draw(), window.page.poses())")
+
+
 @pytest.mark.parametrize("name", ["r2d2", "iiwa", "quadruped", "humanoid", "joints"])
 def test_poses_are_those_of_the_simulator(browser, made, name):
     _, results, file = made(name)
@@ -45,9 +50,12 @@ def test_poses_are_those_of_the_simulator(browser, made, name):
     links = [c[5:-11] for c in table.dtype.names if c.startswith("link.") and c.endswith(".position.x")]
     assert len(links) > 2
     moved = 0
-    for row in 0, 77, len(table) - 1:
-        with open_report(browser, file, f"t={float(table['time'][row])}") as page:
-            poses = page.evaluate("window.page.poses()")
+    rows = 0, 77, len(table) - 1
+    with open_report(browser, file, f"t={float(table['time'][77])}") as page:
+        opened = page.evaluate("window.page.poses()")
+        shown = [poses_at(page, table["time"][row]) for row in rows]
+    assert opened == shown[1], "at a time of the address as at that of the slider"
+    for row, poses in zip(rows, shown):
         for link in links:
             expected = [table[f"link.{link}.position.{a}"][row] for a in "xyz"]
             turned = np.array([table[f"link.{link}.orientation.{a}"][row] for a in "xyzw"])
@@ -90,14 +98,19 @@ def test_the_notes_begin_with_what_happened_in_the_words_of_the_terminal(browser
     assert told == " ".join(f"- {note}" for note in notes)
 
 
+@pytest.fixture(scope="module")
+def expected(browser, made):
+    """The poses of R2D2 at 0.7 s of its run."""
+    with open_report(browser, made("r2d2")[2], "t=0.7") as page:
+        return page.evaluate("window.page.poses()")
+
+
 @pytest.mark.parametrize("style", FOREIGN)
-def test_tables_of_other_programs_show_the_same(browser, made, command, tmp_path, style):
-    fmu, results, file = made("r2d2")
+def test_tables_of_other_programs_show_the_same(browser, made, expected, command, tmp_path, style):
+    fmu, results, _ = made("r2d2")
     foreign = rewritten(results, tmp_path, FOREIGN[style])
     run = command("report", foreign, "--model", fmu, "-o", tmp_path / "r.html")
     assert run.returncode == 0, run.stderr
-    with open_report(browser, file, "t=0.7") as page:
-        expected = page.evaluate("window.page.poses()")
     with open_report(browser, tmp_path / "r.html", "t=0.7") as page:
         found = page.evaluate("window.page.poses()")
     for link, pose in expected.items():
@@ -399,9 +412,10 @@ def test_every_tree_is_drawn_at_its_own_base(browser, command, export, pybullet_
                   "--report", tmp_path / "r.html")
     assert run.returncode == 0, run.stderr
     table = read_csv(tmp_path / "out.csv")
-    for row in 0, 60, len(table) - 1:
-        with open_report(browser, tmp_path / "r.html", f"t={float(table['time'][row])}") as page:
-            poses = page.evaluate("window.page.poses()")
+    rows = 0, 60, len(table) - 1
+    with open_report(browser, tmp_path / "r.html") as page:
+        shown = [poses_at(page, table["time"][row]) for row in rows]
+    for row, poses in zip(rows, shown):
         for link, name in ("base_link", "base"), ("cube.baseLink", "object.cube"):
             expected = [table[f"{name}.position.{axis}"][row] for axis in "xyz"]
             assert np.allclose(poses[link][:3], expected, atol=1e-4), link
