@@ -7,6 +7,7 @@ use super::{
     ways, wheels,
 };
 use crate::diagnostic::Diagnostic;
+use crate::digits::Digits;
 use crate::model::{BodyId, Initial, Model, OutputSelection, Root};
 use crate::settings::{InertiaSource, Settings};
 use crate::spatial::Vec3;
@@ -139,8 +140,8 @@ fn assemble(
 /// Warns of gravity that points up rather than down or sideways: nearly always its sign is
 /// forgotten.
 fn warn_of_gravity(gravity: &Vec3, findings: &mut Findings) {
-    let (x, y, z) = (gravity.x, gravity.y, gravity.z);
-    if z > libm::hypot(x, y) {
+    if gravity.z > libm::hypot(gravity.x, gravity.y) {
+        let [x, y, z] = [gravity.x, gravity.y, gravity.z].map(Digits);
         let message = format!("gravity points upwards: it is [{x}, {y}, {z}] m/s², and z is up");
         let help = format!(
             "write gravity = [{x}, {y}, -{z}] in [world]; what hangs from a ceiling is turned by \

@@ -122,7 +122,7 @@ def test_the_picture_stays_without_scripts(browser, export, examples, tmp_path):
 def test_names_of_robots_are_text(browser, export, tmp_path):
     (tmp_path / "hostile.urdf").write_text(HOSTILE)
     file = documentation(export(tmp_path / "hostile.urdf", documented=True), tmp_path)
-    with Local(browser, file) as page:
+    with Local(browser, file, width=480, height=360) as page:
         page.until(f"{FRAME}?.contentDocument?.body?.dataset.ready")
         name = "<script>alert(1)</script> ロボット"
         assert page.evaluate("document.querySelector('h1').textContent") == name
