@@ -55,8 +55,8 @@ fn fastest(model: Model, (tolerance, step): (f64, f64)) -> (f64, u64) {
 /// What begins deep in others leaves them slowly, at 0.7 of the speed of a fall through the overlap
 /// at most, and pinches what is light out of between a few times as fast: by 5 m/s at most in these
 /// piles, and without restitution just so. The depth of two shapes whose inner cores meet jumps in
-/// some places. While the jump over a nudge of some 0.1 µm counted as a slope, a contact pushed with
-/// thousands of times its force, and bodies flew away at 500 to 2,700 m/s.
+/// some places. While the jump over a nudge of some 0.1 µm counted as a slope, a contact pushed
+/// with thousands of times its force, and bodies flew away at 500 to 2,700 m/s.
 #[test]
 fn what_begins_deep_in_others_is_not_thrown_out_whatever_its_restitution() {
     for seed in [13, 29, 33] {
