@@ -69,6 +69,8 @@ pub(super) struct Mesh {
     first: Vec<usize>,
     /// Directions of its edges, each once, unit vectors.
     pub(super) edges: Vec<Vec3>,
+    /// Corners at both ends of each edge of a polyhedron.
+    pub(super) ends: Vec<[usize; 2]>,
 }
 
 impl Mesh {
@@ -82,7 +84,13 @@ impl Mesh {
             self.first.push(0);
         }
         self.normals.push(normal);
+        let first = self.loops.len();
         self.loops.extend(corners);
+        let own = &self.loops[first..];
+        let edges = own.iter().zip(own.iter().cycle().skip(1));
+        // The face on the other side has it the other way round.
+        let once = edges.filter(|(from, to)| from < to);
+        self.ends.extend(once.map(|(&from, &to)| [from, to]));
         self.first.push(self.loops.len());
     }
 

@@ -103,20 +103,13 @@ impl Common {
 }
 
 /// The edges of a polyhedron that reach up to `level` along `n`.
-fn edges<'a>(placed: &'a Placed, n: &'a Vec3, level: f64) -> impl Iterator<Item = Bar> + 'a {
-    let mesh = &placed.solid.mesh;
-    let height = move |i: usize| n.dot(&placed.world(&placed.solid.core_corners[i]));
-    let faces = 0..mesh.normals.len();
-    faces.flat_map(move |face| {
-        let list = mesh.face(face);
-        let ends = list.iter().zip(list.iter().cycle().skip(1));
-        // Each edge once: the face on its other side has it the other way round.
-        let once = ends.filter(|(from, to)| from < to);
-        once.filter_map(move |(&from, &to)| {
-            let high = height(from).max(height(to)) >= level;
-            high.then(|| Bar::edge(placed, [from, to])).flatten()
-        })
-    })
+fn edges<'a>(placed: &'a Placed, n: &Vec3, level: f64) -> impl Iterator<Item = Bar> + 'a {
+    let (ends, corners) = (&placed.solid.mesh.ends, &placed.solid.core_corners);
+    // In the axes of the shape, in which most edges are left out.
+    let (up, level) = (placed.R.tr_mul(n), level - n.dot(&placed.p));
+    let high = move |i: &usize| up.dot(&corners[*i]) >= level;
+    let reaching = ends.iter().filter(move |ends| ends.iter().any(high));
+    reaching.filter_map(|ends| Bar::edge(placed, *ends))
 }
 
 /// Adds the ends of what lies along edges of `b`, the axis or the edges of `a`; returns how much of
@@ -132,9 +125,9 @@ pub(super) fn along_edges(
     let depth = a.solid.radius + b.solid.radius - apart.distance;
     let first = points.count();
     let (mut sum, mut total) = (0.0, 0.0);
+    let highest = n.dot(&b.support(&n)) - limits.blend;
     let mut take = |bar: &Bar| {
-        let level = n.dot(&b.support(&n)) - limits.blend;
-        for edge in edges(b, &n, level) {
+        for edge in edges(b, &n, highest) {
             let Some(common) = bar.common(&edge, &n) else {
                 continue;
             };

@@ -134,7 +134,7 @@ impl Meeting {
             }
             _ => {}
         }
-        if left > 0.0 && faces(b) && (a.solid.round.is_some() || faces(a)) {
+        if left > 0.0 && gap <= reach && faces(b) && (a.solid.round.is_some() || faces(a)) {
             let first = points.count();
             let along = along_edges((a, b), &apart, limits, points);
             points.scale(first, left);
