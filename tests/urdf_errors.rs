@@ -319,6 +319,27 @@ fn hostile_files_are_refused_quickly() {
     }
 }
 
+/// Programs write the largest number that they know where there is no limit. A rover of a public
+/// repository has a hundred of these, which hid its only error.
+#[test]
+fn limits_beyond_all_numbers_are_told_once() {
+    let mut text = String::from("<robot name='r'><link name='l0'/>");
+    for i in 1..30 {
+        let kind = if i == 29 { "hinge" } else { "continuous" };
+        write!(
+            text,
+            "<link name='l{i}'/><joint name='j{i}' type='{kind}'><parent link='l0'/><child link='l{i}'/>\
+             <limit effort='1.8e308' velocity='1'/></joint>"
+        )
+        .expect("a string");
+    }
+    text.push_str("</robot>");
+    let list = read_str(&text, "r.urdf", Path::new("."), &ReadOptions::default())
+        .expect_err("there is no joint of this type");
+    let with = |code: &str| list.iter().filter(|d| d.code == code).count();
+    assert_eq!((with("U032"), with("U040")), (1, 1), "{list:#?}");
+}
+
 /// A chain of five thousand links: no pass may recurse or go through all pairs.
 #[test]
 fn a_long_chain_is_read_in_order() {

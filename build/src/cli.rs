@@ -243,6 +243,9 @@ pub(crate) struct Init {
     /// Write the FMU's parameters with their values as an SSV file instead, for tools of SSP 1.0
     #[arg(long)]
     pub(crate) ssv: bool,
+    /// Where it goes [default: standard output]
+    #[arg(short, long, value_name = "FILE")]
+    pub(crate) output: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) source: Source,
 }
@@ -258,6 +261,9 @@ pub(crate) struct Expand {
     /// Folder of one package; may be repeated
     #[arg(long = "package", value_name = "NAME=DIR", value_parser = package)]
     pub(crate) packages: Vec<(String, PathBuf)>,
+    /// Where it goes [default: standard output]
+    #[arg(short, long, value_name = "FILE")]
+    pub(crate) output: Option<PathBuf>,
     /// Its arguments
     #[arg(value_name = "NAME:=VALUE", value_parser = xacro_argument)]
     pub(crate) xacro_arguments: Vec<String>,

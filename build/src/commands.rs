@@ -14,12 +14,12 @@ use crate::cli::{Check, Cli, Command, Deny, Expand, Explain, Export, Info, Init,
 use crate::diagnostics::{self, Style};
 use crate::importer::description::Description;
 use crate::importer::error::RunError;
-use crate::output::{Target, print};
+use crate::output::{OutputError, Target, print};
 use crate::scene::{self, Scene};
 use crate::stage::{self, Robot, StageError};
 use crate::{archive, info, init, library, listing, picture, ssv, summary, xacro};
 use serde_json::json;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use urdf2fmu_core::diagnostic::Severity;
 use urdf2fmu_core::diagnostic::codes;
 use urdf2fmu_core::prepared::{FILE_NAME, PreparedModel};
@@ -125,10 +125,12 @@ fn init(args: &Init) -> Result<(), CliError> {
         &args.urdf,
         "an FMU: init takes the URDF that it was made from",
     )?;
+    let target = text_target(args.output.as_deref(), &args.urdf)?;
     if args.ssv {
         let robot = stage::robot(&args.source.request(&args.urdf))?;
         print_findings(&robot.diagnostics, Severity::Warning)?;
-        print(&ssv::text(&robot.model, &robot.table).map_err(CliError::Ssv)?)?;
+        let text = ssv::text(&robot.model, &robot.table).map_err(CliError::Ssv)?;
+        target.write(text.as_bytes())?;
         return Ok(());
     }
     if args.source.config.is_some() {
@@ -140,18 +142,25 @@ fn init(args: &Init) -> Result<(), CliError> {
     let robot = stage::robot(&request)?;
     print_findings(&robot.diagnostics, Severity::Warning)?;
     let urdf = args.urdf.file_name().unwrap_or(args.urdf.as_os_str());
-    print(&init::text(&init::Subject {
+    let text = init::text(&init::Subject {
         model: &robot.model,
         settings: &robot.settings,
         diagnostics: &robot.diagnostics,
         urdf: &urdf.to_string_lossy(),
         objects: &objects,
-    }))?;
+    });
+    target.write(text.as_bytes())?;
     Ok(())
+}
+
+/// Where a text goes that is made from `input`: standard output unless a file is asked for.
+fn text_target(output: Option<&Path>, input: &Path) -> Result<Target, OutputError> {
+    Target::new(output.unwrap_or(Path::new("-")), [input])
 }
 
 fn expand(args: &Expand) -> Result<(), CliError> {
     refuse_fmu(&args.file, "an FMU: expand takes a file in xacro")?;
+    let target = text_target(args.output.as_deref(), &args.file)?;
     let mut options = ReadOptions::from_environment();
     options
         .package_paths
@@ -159,7 +168,7 @@ fn expand(args: &Expand) -> Result<(), CliError> {
     options.packages.clone_from(&args.packages);
     let expanded = xacro::expand(&args.file, &args.xacro_arguments, &options);
     let expanded = expanded.map_err(|refused| StageError::Robot(refused.findings))?;
-    print(&expanded.text)?;
+    target.write(expanded.text.as_bytes())?;
     Ok(())
 }
 
