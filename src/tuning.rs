@@ -149,8 +149,8 @@ pub const FLOOR_FALL: f64 = 0.5;
 
 // Where a step must end: `step/caps.rs`.
 
-/// By how much of their half thickness, the mean of both, two shapes may come nearer in a step:
-/// what a step expects in its middle must not lie beyond. Without it fails
+/// By how much of the thickness of their contact two shapes may come nearer in a step: what a step
+/// expects in its middle must not lie beyond. Without it fails
 /// `links_of_one_robot_press_each_other_with_their_motors_force`.
 pub const ADVANCE: f64 = 0.5;
 
@@ -540,9 +540,8 @@ pub const LIMIT_REACH: (f64, f64) = (2.0, 1e-6);
 
 // Stiffness and restitution of contacts: `law/normal.rs`.
 
-/// By how far a shape is moved to find the gradient of a depth, as a share of half of their least
-/// extents, the mean of both shapes. At 0.1 fails
-/// `rows_of_deep_contacts_are_the_gradient_of_their_depth`.
+/// By how far a shape is moved to find the gradient of a depth, as a share of the thickness of the
+/// contact. At 0.1 fails `rows_of_deep_contacts_are_the_gradient_of_their_depth`.
 pub const NUDGE: f64 = 1e-5;
 /// Least depth of two shapes, in ways of [`NUDGE`], at which the gradient of their depth is looked
 /// for: a depth that a nudge ends has no slope there, and a rotation moves a place of contact by up

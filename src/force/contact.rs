@@ -131,9 +131,9 @@ pub struct Contact {
     /// Place of its memory in the state: the index of the shape, or of the pair of shapes after
     /// those of all shapes.
     pub slot: usize,
-    /// Half of the least extent of its two shapes, m, as a mean: their middles pass each other
-    /// twice as deep, where one of them is a point as where they are equal. Infinite with the
-    /// ground.
+    /// Half of the least extent of the thinner of its two shapes, m; of a ball, which may be a
+    /// point, and another one the mean of both: the middles pass each other at twice this depth.
+    /// Infinite with the ground.
     pub thickness: f64,
     /// Mass that takes part: that of the body's tree, reduced by that of the other one, kg.
     pub mass: f64,

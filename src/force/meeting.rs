@@ -52,10 +52,10 @@ impl Meeting<'_> {
             };
             // Speed with which a body comes in that the spring has taken up.
             let kept = (2.0 * contact.spring.stored(contact.depth) / mass).sqrt();
-            // The speed with which it has come in is its number over its dissipation, or less. So
-            // deep in each other only others can have pressed them, out of which they push: to
-            // give all of that back would throw them out.
-            let pressed = contact.bounce * kept > number;
+            // Its spring has felt it come in with its number over its dissipation, or less. What
+            // holds four times that energy, so deep, has been pressed in by others that it is in:
+            // to give all of that back would throw it out.
+            let pressed = contact.bounce * contact.weights * kept > 2.0 * number;
             if pressed && contact.depth > DEEP_OVERLAP * contact.spring.reference {
                 contact.bounce = 0.0;
             }
@@ -143,7 +143,8 @@ mod tests {
                 link.restitution = e;
             }
             let s = Simulation::new(std::sync::Arc::new(model));
-            for (depth, came, bounces) in [(60.0, 0.9, false), (60.0, 1.1, true), (30.0, 0.9, true)]
+            // The share of the speed that it holds with which it has come in.
+            for (depth, came, bounces) in [(60.0, 0.4, false), (60.0, 0.6, true), (30.0, 0.4, true)]
             {
                 let pose = |depth: f64| Pose {
                     p: Vec3::z() * (2.0 * radius - depth),

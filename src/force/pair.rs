@@ -134,8 +134,10 @@ impl<'a> Pair<'a> {
             f64::INFINITY
         } else if b.is_terrain() {
             a.thickness()
-        } else {
+        } else if a.is_ball() || b.is_ball() {
             0.5 * (a.thickness() + b.thickness())
+        } else {
+            a.thickness().min(b.thickness())
         }
     }
 

@@ -248,13 +248,14 @@ fn next_step(ctx: &Context, state: &State, tree: usize) -> f64 {
 }
 
 /// By what the acceleration that a velocity motor asks of its joint is more than `a_s`, rad/s² or
-/// m/s², and one over the mass for which it was made, or less, 1/(kg·m²) or 1/kg; none of others.
+/// m/s², and one over the mass for which it is damped critically, 1/(kg·m²) or 1/kg; none of
+/// others.
 fn asked(ctx: &Context, term: &JointTerm, (trend, h): (&Trend, f64)) -> Option<(f64, f64)> {
     let Drive::Velocity { element, .. } = term.drive else {
         return None;
     };
     let mut even = 0.0;
-    if ctx.inputs.varies() {
+    if ctx.inputs.varies() && h > 0.0 {
         // Exact for polynomials of the second order.
         let index = term.actuator?;
         let speed = |t| ctx.inputs.command(index, ctx.elapsed + t, 0.0).velocity;

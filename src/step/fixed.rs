@@ -126,6 +126,7 @@ impl Fixed {
     ) -> Outcome {
         let from = &state.physical;
         let turning = fastest(ctx.tree, &from.v) * part.whole > TURN;
+        // A loop that is nearly stretched out begins slowly and whirls within the step.
         let gain = (turning || ctx.tree.is_closed()).then(|| GAIN * part.h / part.whole);
         let explicit = &mut *methods.explicit;
         if let Some(free) = explicit.coast(ctx, methods.here, state, part.h, attempt) {

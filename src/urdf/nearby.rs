@@ -45,6 +45,7 @@ impl Files {
                 continue;
             };
             seen.insert(folder.clone());
+            files.folders.insert(folder.clone());
             let mut entries: Vec<fs::DirEntry> = entries.take(left).flatten().collect();
             left -= entries.len().min(left);
             entries.sort_by_key(fs::DirEntry::file_name);
@@ -58,7 +59,6 @@ impl Files {
                 } else if kind.is_file() {
                     let list = files.by_name.entry(name.to_lowercase()).or_default();
                     list.push(entry.path());
-                    files.folders.insert(folder.clone());
                 }
             }
         }
@@ -79,20 +79,20 @@ impl Files {
         let wanted = parts(Path::new(name));
         let (own, folder) = wanted.split_last()?;
         let list = self.by_name.get(&own.to_lowercase())?;
-        let common = |wanted: &[String], path: &Path| {
-            let have = parts(path);
-            let pairs = wanted.iter().rev().zip(have.iter().rev());
-            pairs.take_while(|(a, b)| same(a, b)).count()
-        };
-        let most = list.iter().map(|file| common(&wanted, file)).max()?;
-        let mut best = list.iter().filter(|file| common(&wanted, file) == most);
+        let common = |file: &Path| shared(&wanted, file, &same);
+        let most = list.iter().map(|file| common(file)).max()?;
+        let mut best = list.iter().filter(|file| common(file) == most);
         let found = best.next()?;
         // A bare name has no folder to compare.
         let enough = most >= LEAST_PARTS.min(wanted.len());
+        if !enough || best.next().is_some() {
+            return None;
+        }
         // The folder of the file has one part less in common than the file itself.
+        let alike = |a: &String, b: &String| a.to_lowercase() == b.to_lowercase();
         let mut others = self.folders.iter();
-        let missing = others.any(|other| common(folder, other) >= most);
-        (enough && !missing && best.next().is_none()).then_some(found.as_path())
+        let missing = others.any(|other| shared(folder, other, alike) >= most);
+        (!missing).then_some(found.as_path())
     }
 
     /// The one file with the last part of `name`.
@@ -124,6 +124,13 @@ pub(super) fn package_of(file: &Path, rest: &str) -> Option<PathBuf> {
         folder = folder.parent()?;
     }
     Some(folder.to_owned())
+}
+
+/// How many parts the end of a path shares with the end of a name.
+fn shared(wanted: &[String], path: &Path, same: impl Fn(&String, &String) -> bool) -> usize {
+    let have = parts(path);
+    let pairs = wanted.iter().rev().zip(have.iter().rev());
+    pairs.take_while(|(a, b)| same(a, b)).count()
 }
 
 /// Names of folders and files, without `.`, `..` and roots.

@@ -28,9 +28,9 @@ const XACRO: [&str; 7] = [
     "insert_block",
 ];
 
-/// Warnings about what is not used: many that are alike become one. Of the others, such as an
-/// inertia that is replaced, it matters which links they are about.
-const UNUSED: [&str; 4] = ["U019", "U020", "U022", "U032"];
+/// Warnings of which many that are alike become one. Of the others, such as an inertia that is
+/// replaced, it matters which links they are about.
+const ALIKE: [&str; 4] = ["U019", "U020", "U022", "U032"];
 
 /// URDF versions that change how a file is read.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
@@ -112,7 +112,7 @@ impl<'r, 'a> Scope<'r, 'a> {
         message: &str,
         help: String,
     ) {
-        if severity < Severity::Error && UNUSED.contains(&code) {
+        if severity < Severity::Error && ALIKE.contains(&code) {
             let owner = &self.owner;
             self.report.about(owner, severity, code, at, message, help);
         } else {

@@ -42,7 +42,7 @@ fn names(folder: &Path) -> Vec<String> {
 }
 
 /// All commands that write a file, to `$to`, but for `view`, which does not end by itself.
-const WRITERS: [&str; 7] = [
+const WRITERS: [&str; 8] = [
     "\"$urdf2fmu\" export \"$rover\" -o \"$to\"",
     "\"$urdf2fmu\" simulate \"$fmu\" --stop-time 0.01 --output-file \"$to\"",
     "\"$urdf2fmu\" simulate \"$fmu\" --stop-time 0.01 --plot \"$to\"",
@@ -50,6 +50,7 @@ const WRITERS: [&str; 7] = [
     "\"$urdf2fmu\" report run.csv --model \"$fmu\" -o \"$to\"",
     "\"$urdf2fmu\" picture \"$rover\" --size 32 -o \"$to\"",
     "\"$urdf2fmu\" init \"$rover\" -o \"$to\"",
+    "\"$urdf2fmu\" init \"$rover\" --ssv -o \"$to\"",
 ];
 
 fn write_to(folder: &Path, writer: &str, to: &str) -> Run {

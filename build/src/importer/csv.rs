@@ -125,24 +125,17 @@ fn decimal_comma(text: &str) -> &'static str {
     }
 }
 
-/// What stands between the columns: of comma, semicolon and tab the one that is most frequent
-/// between the names, outside of quotes.
+/// What stands between the columns: the comma, semicolon or tab behind the first name. Names of
+/// arrays, `m[1,1]`, have commas in them, but no table begins with one.
 pub fn delimiter(text: &str) -> u8 {
     let header = text.lines().find(|line| !line.trim().is_empty());
     let mut quoted = false;
-    let mut counts = [(b',', 0), (b';', 0), (b'\t', 0)];
-    for byte in header.unwrap_or_default().bytes() {
-        quoted ^= byte == b'"';
-        for (delimiter, count) in &mut counts {
-            *count += i32::from(!quoted && byte == *delimiter);
-        }
-    }
-    // The first of equals: a comma.
-    counts
-        .iter()
-        .rev()
-        .max_by_key(|(_, count)| *count)
-        .map_or(b',', |(delimiter, _)| *delimiter)
+    let mut bytes = header.unwrap_or_default().trim().bytes();
+    let first = bytes.find(|byte| {
+        quoted ^= *byte == b'"';
+        !quoted && matches!(byte, b',' | b';' | b'\t')
+    });
+    first.unwrap_or(b',')
 }
 
 impl Table {
@@ -185,8 +178,8 @@ impl Table {
         let mut rows: Vec<Vec<f64>> = Vec::new();
         for record in records {
             let record = record?;
-            // A line of spaces.
-            if record.len() == 1 && record[0].is_empty() {
+            // A line of spaces, or of empty cells behind the last row.
+            if record.iter().all(str::is_empty) {
                 continue;
             }
             let line = line_of(&record, text);

@@ -87,10 +87,13 @@ impl Mesh {
         let first = self.loops.len();
         self.loops.extend(corners);
         let own = &self.loops[first..];
-        let edges = own.iter().zip(own.iter().cycle().skip(1));
-        // The face on the other side has it the other way round.
-        let once = edges.filter(|(from, to)| from < to);
-        self.ends.extend(once.map(|(&from, &to)| [from, to]));
+        for (&from, &to) in own.iter().zip(own.iter().cycle().skip(1)) {
+            let ends = [from.min(to), from.max(to)];
+            // The face on the other side has it, too.
+            if !self.ends.contains(&ends) {
+                self.ends.push(ends);
+            }
+        }
         self.first.push(self.loops.len());
     }
 

@@ -125,21 +125,26 @@ pub(super) fn along_edges(
     let depth = a.solid.radius + b.solid.radius - apart.distance;
     let first = points.count();
     let (mut sum, mut total) = (0.0, 0.0);
-    let highest = n.dot(&b.support(&n)) - limits.blend;
+    let level = n.dot(&b.support(&n)) - limits.blend;
     let mut take = |bar: &Bar| {
-        for edge in edges(b, &n, highest) {
+        for edge in edges(b, &n, level) {
             let Some(common) = bar.common(&edge, &n) else {
                 continue;
             };
             let over = common.ends.map(|(_, depth)| limits.level + depth);
             let area = common.length * ramp(over);
             let weight = (area * area) * (area * area);
-            let part = common.part(depth, limits.blend);
+            let share = weight * common.part(depth, limits.blend);
             total += weight;
-            sum += weight * part;
-            for (x, depth) in common.ends {
-                if depth > -limits.reach {
-                    points.add(first, point(x, depth, 0.5 * part * weight));
+            sum += share;
+            if share <= 0.0 {
+                continue;
+            }
+            for (x, end) in common.ends {
+                // The end of a cylinder that leans is lower than that of a capsule.
+                let end = end.min(depth);
+                if end > -limits.reach {
+                    points.add(first, point(x, end, 0.5 * share));
                 }
             }
         }

@@ -11,7 +11,8 @@
 //! 2. Depths of faces are those of the sharp shapes along the normal, so a face that lies on a face
 //!    has the depths that it has on a plane. Balls meet what is rounded at its edges.
 //! 3. Each point has its share in a face, so that the fourth-power mean of the depths is
-//!    continuous, too: `polygon.rs` for faces, `trace.rs` for the lines and rims of round shapes.
+//!    continuous, too: `polygon.rs` for faces, `trace.rs` for the lines and rims of round shapes,
+//!    `edges.rs` for what lies along an edge.
 //! 4. A cylinder's flat end that lies within a face has the law of a rim. Where a side of the face
 //!    cuts it, a polygon of 16 corners takes over, by four times the part that is cut off.
 //!
@@ -22,6 +23,7 @@
 //! | two capsules | skew one, 1; parallel two, ½ |
 //! | box, hull on plane | corners, exterior angle / 2π |
 //! | box, hull on box, hull | corners of the polygon that both cover, exterior angle / 2π |
+//! | capsule, cylinder or edge along an edge | two ends of what both have in common, ½ |
 //! | cylinder on plane or face | two circles, ½ each; standing one of them is high above |
 //! | cylinder on cylinder | as on a face where an end takes part, as two capsules otherwise |
 //! | all on heights | those on a plane, and sharp samples of the heights, see `field.rs` |

@@ -12,7 +12,7 @@ fn place(patch: &Patch, k: &Vec3) -> f64 {
     moment / load
 }
 
-/// A can, a capsule, a box and a prism of 16 sides lie along the upper edge of a cube on its edge,
+/// A can, a capsule and, with an edge of its own, a prism of 16 sides lie along the upper edge of a cube on its edge,
 /// 0.05 mm deep. All have their load in the middle of what they have in common, as statics says of
 /// even ones, and while they rock by a microradian, which lifts an end by 0.03 µm, a thousandth of
 /// their depth, the load moves by some thousandths of the length.
@@ -28,7 +28,7 @@ fn what_lies_along_an_edge_carries_with_both_ends() {
     let top = edge * 2.0_f64.sqrt();
     let radius = 0.02;
     let prism = (0..32).map(|i: u32| {
-        let (sin, cos) = (std::f64::consts::TAU * (f64::from(i / 2) + 0.5) / 16.0).sin_cos();
+        let (sin, cos) = (std::f64::consts::TAU * f64::from(i / 2) / 16.0).sin_cos();
         let z = if i.is_multiple_of(2) { half } else { -half };
         Vec3::new(radius * cos, radius * sin, z)
     });
@@ -45,11 +45,10 @@ fn what_lies_along_an_edge_carries_with_both_ends() {
     let prism = Shape::Hull {
         vertices: prism.collect(),
     };
-    // Its z axis along the edge, and a flat side of the prism down.
+    // Its z axis along the edge, and an edge of the prism down.
     let lies = turned(Vec3::x(), 0.5 * std::f64::consts::PI);
-    let inradius = radius * (std::f64::consts::PI / 16.0).cos();
     let shapes = round.iter().map(|s| (s, radius, lies));
-    let shapes = shapes.chain([(&prism, inradius, lies)]);
+    let shapes = shapes.chain([(&prism, radius, lies)]);
     let mut patch = Patch::new();
     for (shape, low, R) in shapes {
         let upper = solid(shape);
