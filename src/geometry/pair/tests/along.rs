@@ -12,10 +12,10 @@ fn place(patch: &Patch, k: &Vec3) -> f64 {
     moment / load
 }
 
-/// A can, a capsule and, with an edge of its own, a prism of 16 sides lie along the upper edge of a cube on its edge,
-/// 0.05 mm deep. All have their load in the middle of what they have in common, as statics says of
-/// even ones, and while they rock by a microradian, which lifts an end by 0.03 µm, a thousandth of
-/// their depth, the load moves by some thousandths of the length.
+/// A can, a capsule and, with an edge of its own, a prism of 16 sides lie along the upper edge of a
+/// cube on its edge, 0.05 mm deep. All have their load in the middle of what they have in common,
+/// as statics says of even ones, and while they rock by a microradian, which lifts an end by 0.03
+/// µm, a thousandth of their depth, the load moves by some thousandths of the length.
 #[test]
 fn what_lies_along_an_edge_carries_with_both_ends() {
     let (half, depth) = (0.03, 5e-5);
