@@ -2,6 +2,7 @@
 
 mod given;
 mod object;
+mod texts;
 mod values;
 
 use crate::picture::{self, Look, Toward};
@@ -9,6 +10,7 @@ use crate::stage::Request;
 use crate::world::Packages;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::{Path, PathBuf};
+pub(crate) use texts::{Expand, Explain};
 use urdf2fmu_core::model::{ActuatorMode, Arrays, Interface};
 use urdf2fmu_core::settings::{BaseChoice, Compat, FmiVersion, InertiaSource, ObjectSettings};
 use values::{
@@ -248,32 +250,6 @@ pub(crate) struct Init {
     pub(crate) output: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) source: Source,
-}
-
-#[derive(Debug, Args)]
-pub(crate) struct Expand {
-    /// The file in xacro
-    #[arg(value_name = "ROBOT.xacro")]
-    pub(crate) file: PathBuf,
-    /// Folder to look in for `$(find …)`; may be repeated
-    #[arg(long = "package-path", value_name = "DIR")]
-    pub(crate) package_paths: Vec<PathBuf>,
-    /// Folder of one package; may be repeated
-    #[arg(long = "package", value_name = "NAME=DIR", value_parser = package)]
-    pub(crate) packages: Vec<(String, PathBuf)>,
-    /// Where it goes [default: standard output]
-    #[arg(short, long, value_name = "FILE")]
-    pub(crate) output: Option<PathBuf>,
-    /// Its arguments
-    #[arg(value_name = "NAME:=VALUE", value_parser = xacro_argument)]
-    pub(crate) xacro_arguments: Vec<String>,
-}
-
-#[derive(Debug, Args)]
-pub(crate) struct Explain {
-    /// Such as U063; without it all are listed
-    #[arg(value_name = "CODE")]
-    pub(crate) code: Option<String>,
 }
 
 #[derive(Debug, Args)]

@@ -84,15 +84,13 @@ impl Mesh {
             self.first.push(0);
         }
         self.normals.push(normal);
-        let first = self.loops.len();
         self.loops.extend(corners);
-        let own = &self.loops[first..];
+        let own = &self.loops[self.first[self.normals.len() - 1]..];
         for (&from, &to) in own.iter().zip(own.iter().cycle().skip(1)) {
             let ends = [from.min(to), from.max(to)];
-            // The face on the other side has it, too.
-            if !self.ends.contains(&ends) {
-                self.ends.push(ends);
-            }
+            // Once: the face on the other side has it, too.
+            self.ends.retain(|known| *known != ends);
+            self.ends.push(ends);
         }
         self.first.push(self.loops.len());
     }
