@@ -25,7 +25,7 @@ const LEAST_PARTS: usize = 2;
 #[derive(Debug, Default)]
 pub(super) struct Files {
     by_name: BTreeMap<String, Vec<PathBuf>>,
-    /// Folders that hold some of them.
+    /// The folders that have been looked into.
     folders: BTreeSet<PathBuf>,
 }
 
@@ -36,16 +36,14 @@ impl Files {
         let mut left = MOST_ENTRIES;
         let mut open: Vec<(PathBuf, usize)> = roots.iter().map(|root| (root.clone(), 0)).collect();
         open.reverse();
-        let mut seen: BTreeSet<PathBuf> = BTreeSet::new();
         while let Some((folder, depth)) = open.pop() {
-            if seen.contains(&folder) {
+            if files.folders.contains(&folder) {
                 continue;
             }
             let Ok(entries) = fs::read_dir(&folder) else {
                 continue;
             };
-            seen.insert(folder.clone());
-            files.folders.insert(folder.clone());
+            files.folders.insert(folder);
             let mut entries: Vec<fs::DirEntry> = entries.take(left).flatten().collect();
             left -= entries.len().min(left);
             entries.sort_by_key(fs::DirEntry::file_name);
@@ -71,7 +69,6 @@ impl Files {
     /// is of another robot of the series.
     pub(super) fn like(&self, name: &str) -> Option<&Path> {
         let same = |a: &String, b: &String| a == b;
-        let folded = |a: &String, b: &String| a.to_lowercase() == b.to_lowercase();
         self.alike(name, same).or_else(|| self.alike(name, folded))
     }
 
@@ -89,9 +86,8 @@ impl Files {
             return None;
         }
         // The folder of the file has one part less in common than the file itself.
-        let alike = |a: &String, b: &String| a.to_lowercase() == b.to_lowercase();
         let mut others = self.folders.iter();
-        let missing = others.any(|other| shared(folder, other, alike) >= most);
+        let missing = others.any(|other| shared(folder, other, folded) >= most);
         (!missing).then_some(found.as_path())
     }
 
@@ -124,6 +120,15 @@ pub(super) fn package_of(file: &Path, rest: &str) -> Option<PathBuf> {
         folder = folder.parent()?;
     }
     Some(folder.to_owned())
+}
+
+/// Whether two names differ in upper and lower case alone.
+#[expect(
+    clippy::ptr_arg,
+    reason = "for parts of paths, as they are compared otherwise"
+)]
+fn folded(a: &String, b: &String) -> bool {
+    a.to_lowercase() == b.to_lowercase()
 }
 
 /// How many parts the end of a path shares with the end of a name.

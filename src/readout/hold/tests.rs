@@ -121,8 +121,8 @@ fn a_motor_at_its_limit_gives_what_it_can() {
 /// A crank of 0.1 m that a velocity motor turns at 20 rad/s pushes a slider by a rod of 0.3 m. It
 /// has less than 0.02 rad/s², and the slider what `x = r cos θ + √(l² − r² sin² θ)` says. By what
 /// the step has done alone it had 1.5 rad/s²: after each step the loop is closed, which moves the
-/// crank, and the motor brings it back in the next one. The bounds are shares of
-/// that: a fifth of it for the crank, two fifths for the slider.
+/// crank, and the motor brings it back in the next one. The bounds are shares of that: a
+/// fifth of it for the crank, two fifths for the slider.
 #[test]
 fn a_crank_that_is_turned_evenly_has_no_acceleration() {
     let (r, l, omega) = (0.1_f64, 0.3_f64, 20.0_f64);

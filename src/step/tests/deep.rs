@@ -1,6 +1,6 @@
 //! Bodies that begin inside each other, put there by initial poses.
 
-use super::worlds::{body, world};
+use super::worlds::{body, speeds, world};
 use super::*;
 use crate::testing::Random;
 
@@ -34,18 +34,15 @@ fn pile(seed: u64, restitution: f64) -> Model {
     world(bodies)
 }
 
-/// Fastest velocity of any body in the first 0.1 s, m/s, that of its surface included.
-fn fastest(model: Model, (tolerance, step): (f64, f64)) -> f64 {
-    let mut model = model;
+/// Fastest velocity of any body in the first 0.1 s, m/s, that of places 0.1 m beside it included.
+fn fastest(mut model: Model, (tolerance, step): (f64, f64)) -> f64 {
     model.solver.step_size = step;
     let mut s = start(model, tolerance);
     let mut fastest: f64 = 0.0;
     for i in 1..=24 {
         s.advance_to(f64::from(i) / 240.0).expect("finite");
-        let v = &s.state().physical.v;
-        for v in v.chunks(6) {
-            let speed = |v: &[f64]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
-            fastest = fastest.max(speed(&v[3..])).max(0.1 * speed(&v[..3]));
+        for [turning, speed] in speeds(&s) {
+            fastest = fastest.max(speed).max(0.1 * turning);
         }
     }
     fastest

@@ -57,6 +57,13 @@ pub(super) fn world(models: impl IntoIterator<Item = Model>) -> Model {
     all
 }
 
+/// Angular and linear speed of each body, rad/s and m/s, where all are free.
+pub(super) fn speeds(s: &Simulation) -> Vec<[f64; 2]> {
+    let norm = |v: &[f64]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
+    let bodies = s.state().physical.v.chunks(6);
+    bodies.map(|v| [norm(&v[..3]), norm(&v[3..])]).collect()
+}
+
 /// Momentum about the world's origin, angular and linear, and energy but that of springs.
 pub(super) fn books(s: &Simulation) -> (Vec3, Vec3, f64) {
     let (tree, state) = (s.tree(), &s.state().physical);
