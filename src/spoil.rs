@@ -9,7 +9,7 @@ use crate::force::{
 };
 use crate::kinematics::Kinematics;
 use crate::law::normal::Stiffening;
-use crate::law::{ElastoPlastic, HuntCrossley, Resistance, SpeedLine};
+use crate::law::{Damping, ElastoPlastic, HuntCrossley, Resistance, SpeedLine};
 use crate::spatial::{Mat3, Pose, SpatialInertia, Vec3};
 use crate::state::{Physical, State, Trend};
 
@@ -152,12 +152,13 @@ spoil!(Terms: contacts turns joints springs;);
 spoil!(Other: body from axes;);
 spoil!(
     Contact: body other link other_link slot thickness mass normal uneven points depth weights
-    spring dissipation load tilting bounce duration center radius drift rise carried mu friction;
+    spring damping load tilting bounce duration center radius drift rise carried mu friction;
 );
 spoil!(ContactPoint: corner x normal row arm depth share load rim;);
 
 spoil!(ContactSet: list points depths; pairs);
 spoil!(Stiffening: stiffness reference;);
+spoil!(Damping: dissipation emergence;);
 spoil!(Turn: contact body other slot normal coefficient torsional rolling;);
 impl Spoil for JointTerm {
     /// What is the same in every step stays: which degree of freedom it is, and whether it has

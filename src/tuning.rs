@@ -407,6 +407,10 @@ pub const TANGENTIAL_RATIO: f64 = 0.8;
 /// Overlap, in penetrations under the robot's weight, beyond which a point leaves the ground faster
 /// than its damping alone would let it. Without it fails `c13_an_initial_overlap_leaves_gently`.
 pub const DEEP_OVERLAP: f64 = 50.0;
+/// How many times the speed with which it has come in a contact with such an overlap holds in its
+/// spring where others have pressed it in: what has come in alone holds once that speed, or less.
+/// At 1e9 fails `what_is_pressed_into_others_bounces_no_more`.
+pub const PRESSED_IN: f64 = 2.0;
 /// Separation speed of such an overlap, as a share of the speed that would carry it out
 /// ballistically: at 1 it would hop, and `c13_an_initial_overlap_leaves_gently` fails.
 pub const EMERGENCE: f64 = 0.7;

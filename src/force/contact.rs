@@ -13,7 +13,8 @@
 //!    Where no point is inside, `δ = max d_i`. A norm of convex functions is convex.
 //! 3. The force is `N(δ) = F(δ) (1 + D δ̇)₊`, with the spring `F` of [`Stiffening`], the
 //!    dissipation `D` of Hunt & Crossley and `δ̇ = (δ − δ₀)/h`, where `δ₀` is the depth at the
-//!    start. It rises with `δ`, so the cost `∫ N dδ` is convex.
+//!    start; deep overlaps leave otherwise, see [`Damping`]. It rises with `δ`, so the cost
+//!    `∫ N dδ` is convex.
 //! 4. With `w_i = ∂δ/∂d_i = m_i (d_i/δ)³` point `i` pushes with `N w_i`.
 //! 5. `δ` alone does not feel a face rock about its middle, nor one corner touch down while others
 //!    leave. Each point is therefore damped against the mean of all, `ȳ = Σ ŵ_i y_i` with `ŵ =
@@ -63,7 +64,7 @@
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 use super::point::{ContactPoint, PointResponse, PointVelocity};
 use crate::law::normal::Stiffening;
-use crate::law::{ElastoPlastic, Resistance};
+use crate::law::{Damping, ElastoPlastic, Resistance};
 use crate::spatial::{Mat3, Vec3, Vec6, angular, velocity_at};
 use crate::tuning::ADVANCE;
 use std::ops::Range;
@@ -149,8 +150,8 @@ pub struct Contact {
     pub weights: f64,
     /// Spring of the normal force.
     pub spring: Stiffening,
-    /// Hunt–Crossley dissipation while it comes nearer, and while it leaves, s/m.
-    pub dissipation: [f64; 2],
+    /// Damping of that force.
+    pub damping: Damping,
     /// Load `L` at the start that rocking is damped by, N.
     pub load: f64,
     /// Damping `c` of a tilting rim, N·s/m.
@@ -295,13 +296,12 @@ impl Contact {
     /// `depth` that grows at `rate`; `h`: time in which a change of the depth changes the rate.
     #[inline]
     pub(super) fn normal_force(&self, depth: f64, rate: f64, h: f64) -> (f64, f64) {
-        let dissipation = self.dissipation[usize::from(rate < 0.0)];
-        let damping = 1.0 + dissipation * rate;
+        let (damping, change) = self.damping.factor(rate);
         if depth <= 0.0 || damping <= 0.0 {
             return (0.0, 0.0);
         }
         let elastic = self.spring.force(depth);
-        let slope = self.spring.slope(depth) * damping + elastic * dissipation / h;
+        let slope = self.spring.slope(depth) * damping + elastic * change / h;
         (elastic * damping, slope)
     }
 
@@ -408,11 +408,12 @@ impl Contact {
     /// `L ψ(z)` and its slope.
     #[inline]
     pub(super) fn rocking(&self, z: f64) -> (f64, f64) {
-        let damping = self.dissipation[0] * z;
+        let dissipation = self.damping.dissipation;
+        let damping = dissipation * z;
         if damping > 1.0 {
             (self.load, 0.0)
         } else {
-            (self.load * damping, self.load * self.dissipation[0])
+            (self.load * damping, self.load * dissipation)
         }
     }
 

@@ -7,10 +7,10 @@ use super::memory::Touch;
 use super::point::{ContactPoint, norm};
 use crate::kinematics::Kinematics;
 use crate::law::normal::Impact;
-use crate::law::{ElastoPlastic, stribeck};
+use crate::law::{Damping, ElastoPlastic, stribeck};
 use crate::spatial::Vec3;
 use crate::tree::{Surface, Tree};
-use crate::tuning::{BOUNCE_THRESHOLD, DEEP_OVERLAP, EMERGENCE, TANGENTIAL_RATIO};
+use crate::tuning::{BOUNCE_THRESHOLD, DEEP_OVERLAP, EMERGENCE, PRESSED_IN, TANGENTIAL_RATIO};
 
 /// How two shapes meet.
 pub(super) struct Meeting<'a> {
@@ -55,7 +55,7 @@ impl Meeting<'_> {
             // Its spring has felt it come in with its number over its dissipation, or less. What
             // holds four times that energy, so deep, has been pressed in by others that it is in:
             // to give all of that back would throw it out.
-            let pressed = contact.bounce * contact.weights * kept > 2.0 * number;
+            let pressed = contact.bounce * contact.weights * kept > PRESSED_IN * number;
             if pressed && contact.depth > DEEP_OVERLAP * contact.spring.reference {
                 contact.bounce = 0.0;
             }
@@ -77,16 +77,7 @@ impl Meeting<'_> {
                 contact.duration = felt.duration();
             }
         }
-        contact.dissipation = if contact.bounce > 0.0 {
-            [contact.bounce; 2]
-        } else {
-            // A deep initial overlap leaves faster than a light touch, but slower than it would
-            // hop.
-            let excess = contact.depth - DEEP_OVERLAP * contact.spring.reference;
-            let emergence = EMERGENCE * (2.0 * g * excess.max(0.0)).sqrt();
-            let leaving = 1.0 / (1.0 / self.dissipation).max(emergence);
-            [self.dissipation, leaving]
-        };
+        contact.damping = self.damping(contact, g);
         let slope = TANGENTIAL_RATIO * contact.spring.slope(contact.depth);
         let (_, tangential) = normal_part(&contact.normal, &(u + contact.carried));
         contact.mu = friction(tree, surface, &tangential);
@@ -100,11 +91,34 @@ impl Meeting<'_> {
         contact.carry(load);
         contact.load = load.min(elastic);
         if contact.load > 0.0 {
-            let dissipation = contact.dissipation[0];
+            let dissipation = contact.damping.dissipation;
             let speed = contact.tilt_speed(points, V);
             contact.tilting = dissipation * contact.load / (1.0 + dissipation * speed);
         }
         contact.let_swing(points, h);
+    }
+
+    /// Damping of a contact whose bounce is known.
+    ///
+    /// - `gravity`: m/s²
+    fn damping(&self, contact: &Contact, gravity: f64) -> Damping {
+        if contact.bounce > 0.0 {
+            return Damping {
+                dissipation: contact.bounce,
+                emergence: 0.0,
+            };
+        }
+        let excess = contact.depth - DEEP_OVERLAP * contact.spring.reference;
+        let emergence = if excess > 0.0 {
+            // It leaves faster than a light touch, but slower than it would hop.
+            (1.0 / self.dissipation).max(EMERGENCE * (2.0 * gravity * excess).sqrt())
+        } else {
+            0.0
+        };
+        Damping {
+            dissipation: self.dissipation,
+            emergence,
+        }
     }
 }
 

@@ -4,8 +4,8 @@ use super::*;
 use crate::geometry::Shape;
 use crate::geometry::pair::tests::any_shape;
 use crate::kinematics::{Kinematics, advance};
-use crate::law::ElastoPlastic;
 use crate::law::normal::Stiffening;
+use crate::law::{Damping, ElastoPlastic};
 use crate::simulation::Simulation;
 use crate::spatial::{Mat3, Pose, Vec3, Vec6, angular, dot6, linear, velocity_at};
 use crate::testing::{Builder, Random, inertia, start};
@@ -107,7 +107,10 @@ pub(crate) fn random_contact(
             stiffness: 1e4,
             reference: 4e-3,
         },
-        dissipation: [0.2; 2],
+        damping: Damping {
+            dissipation: 0.2,
+            emergence: 0.0,
+        },
         load: random.uniform(0.0, 100.0),
         tilting: random.uniform(0.0, 20.0),
         friction: ElastoPlastic {

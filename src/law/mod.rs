@@ -5,9 +5,11 @@
 //! [`crate::force`].
 
 pub mod friction;
+pub mod leaving;
 pub mod motor;
 pub mod normal;
 
 pub use friction::{ElastoPlastic, Resistance, stribeck};
+pub use leaving::Damping;
 pub use motor::{SpeedLine, motor_constants};
 pub use normal::{HuntCrossley, dissipation_number};

@@ -121,19 +121,18 @@ impl Stages {
     fn bounced(&mut self, tree: &Tree, from: &Physical, eta: f64) -> f64 {
         let (kin, terms, first) = (&self.middle.kin, &self.terms[0], &self.solved[0]);
         forward(tree, &kin.S, &from.v, &mut self.way);
-        let back = |speed: f64, dissipation: f64| speed.min(1.0 / dissipation);
         let mut most: f64 = 0.0;
         for (contact, response) in terms.contacts.iter().zip(&first.responses.contacts) {
             if response.presses() {
                 let speed = -contact.normal_velocity(&terms.contacts.points, &self.way);
-                most = most.max(back(speed, contact.dissipation[1]));
+                most = most.max(speed.min(contact.damping.fastest()));
             }
         }
         for term in &terms.joints {
             let (dof, acts) = (term.dof, term.at_limits(first.v[term.dof], eta));
             for (acts, sign) in acts.into_iter().zip([-1.0, 1.0]) {
                 if acts {
-                    let speed = back(sign * from.v[dof], term.limit.dissipation);
+                    let speed = (sign * from.v[dof]).min(1.0 / term.limit.dissipation);
                     most = most.max(tree.dofs.weight[dof] * speed);
                 }
             }

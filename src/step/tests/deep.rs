@@ -34,7 +34,8 @@ fn pile(seed: u64, restitution: f64) -> Model {
     world(bodies)
 }
 
-/// Fastest velocity of any body in the first 0.1 s, m/s, that of places 0.1 m beside it included.
+/// Fastest velocity of any body in the first 0.1 s, m/s; turning counts by half of the least size of
+/// a body, 15 mm.
 fn fastest(mut model: Model, (tolerance, step): (f64, f64)) -> f64 {
     model.solver.step_size = step;
     let mut s = start(model, tolerance);
@@ -42,17 +43,17 @@ fn fastest(mut model: Model, (tolerance, step): (f64, f64)) -> f64 {
     for i in 1..=24 {
         s.advance_to(f64::from(i) / 240.0).expect("finite");
         for [turning, speed] in speeds(&s) {
-            fastest = fastest.max(speed).max(0.1 * turning);
+            fastest = fastest.max(speed).max(0.015 * turning);
         }
     }
     fastest
 }
 
 /// What begins deep in others leaves them slowly, at 0.7 of the speed of a fall through the overlap
-/// at most, and pinches what is light out of between a few times as fast: by 5 m/s at most in these
-/// piles, and without restitution just so. The depth of two shapes whose inner cores meet jumps in
-/// some places. While the jump over a nudge of some 0.1 µm counted as a slope, a contact pushed
-/// with thousands of times its force, and bodies flew away at 500 to 2,700 m/s.
+/// at most, and pinches what is light out of between a few times as fast: by 4.1 m/s at most in
+/// these piles, and without restitution just so. The depth of two shapes whose inner cores meet
+/// jumps in some places. While the jump over a nudge of some 0.1 µm counted as a slope, a contact
+/// pushed with thousands of times its force, and bodies flew away at 500 to 2,700 m/s.
 #[test]
 fn what_begins_deep_in_others_is_not_thrown_out_whatever_its_restitution() {
     for seed in [13, 29, 33] {
@@ -60,5 +61,33 @@ fn what_begins_deep_in_others_is_not_thrown_out_whatever_its_restitution() {
             let speed = fastest(pile(seed, e), (1e-3, 1.0 / 240.0));
             assert!(speed < 6.0, "{seed}, {e}: {speed} m/s");
         }
+    }
+}
+
+/// A box of 20 cm that begins 3 cm and more in the ground, leaning: where it is after 0.1 s does not
+/// depend on the steps. While the spring's factor fell evenly to 0 at the speed with which an overlap
+/// leaves, its corners took turns: at 1e-5 it ended 4e-3 m or rad from where it ends at 1e-7 and
+/// took 1,500 tries, at 1e-4 2.3e-2. Expected is the end at 1e-7; errors of the tolerance in each
+/// 0.1 s grow tenfold where an edge tips.
+#[test]
+fn what_begins_deep_in_the_ground_emerges_alike_in_all_steps() {
+    let end = |tolerance: f64| {
+        let half = Vec3::new(0.1, 0.1, 0.1);
+        let mut model = body(2.0, Shape::Box { half }, Vec3::z() * 0.07);
+        model.roots[0].rpy = Vec3::new(0.2, 0.1, 0.0);
+        let mut s = start(world(vec![model]), tolerance);
+        for i in 1..=24 {
+            s.advance_to(f64::from(i) / 240.0).expect("finite");
+        }
+        let tries = s.output(OutputSlot::Steps) + s.output(OutputSlot::Rejected);
+        (s.state().physical.q.clone(), tries)
+    };
+    let (expected, _) = end(1e-7);
+    for (tolerance, most) in [(1e-4, 150.0), (1e-5, 300.0)] {
+        let (q, tries) = end(tolerance);
+        let off = q.iter().zip(&expected).map(|(a, b)| (a - b).abs());
+        let off = off.fold(0.0, f64::max);
+        assert!(off < 50.0 * tolerance, "{tolerance}: {off}");
+        assert!(tries < most, "{tolerance}: {tries} tries");
     }
 }
