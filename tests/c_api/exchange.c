@@ -98,6 +98,27 @@ static void wrong_directions(fmi2Component c)
     CHECK(found == 7.0, "a refused call wrote %g", found);
 }
 
+/* Seeds of any finite size: the derivative grows with them, and the instance keeps every bit. */
+static void large_and_small_directions(fmi2Component c)
+{
+    const fmi2ValueReference speed = ME_LEFT_ACCELERATION, knowns[] = {ME_LEFT_VELOCITY, ME_BASE_VX, ME_BASE_QW};
+    const double sizes[] = {1.0, -2.0, 1e-300, 1e-320, 5e-324, 1e300, 1.7e308};
+    for (size_t k = 0; k < sizeof knowns / sizeof *knowns; k++) {
+        double one = 0.0, found;
+        unsigned long long before = hash_state(c);
+        for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
+            fmi2Status got = fmu.GetDirectionalDerivative(c, &speed, 1, &knowns[k], 1, &sizes[i], &found);
+            CHECK(hash_state(c) == before, "state after a seed of %g", sizes[i]);
+            CHECK(got == fmi2OK || (got == fmi2Discard && fabs(sizes[i]) > 1e200), "%d for %g", got, sizes[i]);
+            if (i == 0)
+                one = found;
+            if (got == fmi2OK)
+                CHECK(fabs(found - one * sizes[i]) <= 1e-9 * fabs(one * sizes[i]) + 1e-320, "%g for %g", found,
+                      sizes[i]);
+        }
+    }
+}
+
 /* Sizes that no robot has: an answer or none, never a crash; afterwards all is as before. */
 static void monstrous(fmi2Component c, const double *x, const double *rates)
 {
@@ -147,6 +168,7 @@ void test_exchange(void)
     wrong_lengths(c);
     same(c, x, rates, "wrong lengths");
     wrong_directions(c);
+    large_and_small_directions(c);
     same(c, x, rates, "wrong directions");
 
     /* All states or none. */

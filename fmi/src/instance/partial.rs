@@ -49,7 +49,7 @@ impl Instance {
         }
         let mut direction = Vec::new();
         let mut given = seeds.iter();
-        let mut reach = 0.0_f64;
+        let mut size = 0.0_f64;
         for reference in knowns.iter() {
             let place = self.layout.of_kind(reference, Kind::Real)?;
             for element in place.elements() {
@@ -62,7 +62,7 @@ impl Instance {
                         value: seed,
                     });
                 }
-                reach = reach.max((seed / self.nominal(known)).abs());
+                size = size.max(seed.abs());
                 direction.push((known, seed));
             }
         }
@@ -72,13 +72,25 @@ impl Instance {
             .sum();
         super::values::check_count(seeds.len(), wanted)?;
         super::values::check_count(sensitivities.len(), sources.len())?;
-        if reach == 0.0 {
+        if size == 0.0 {
             for index in 0..sources.len() {
                 sensitivities.set(index, 0.0);
             }
             return Ok(());
         }
-        let found = self.differences(&sources, &direction, DIFFERENCE / reach);
+        // The derivative is linear in the seeds: of seeds of size 1 every step is finite.
+        let mut reach = 0.0_f64;
+        for (known, seed) in &mut direction {
+            *seed /= size;
+            reach = reach.max((*seed / self.nominal(*known)).abs());
+        }
+        // Writing states back is not exact: bases are kept at another point than the link's origin.
+        let before = self.simulation.save();
+        let mut found = self.differences(&sources, &direction, DIFFERENCE / reach);
+        self.simulation.restore(&before)?;
+        for value in &mut found {
+            *value *= size;
+        }
         if let Some(place) = found.iter().position(|value| !value.is_finite()) {
             return Err(self.not_finite(self.layout.all_rows()[sources[place]]));
         }
@@ -118,7 +130,8 @@ impl Instance {
         }
     }
 
-    /// Richardson's extrapolation of the central differences over `h` and `h/2`.
+    /// Richardson's extrapolation of the central differences over `h` and `h/2`; leaves states and
+    /// inputs elsewhere.
     fn differences(&mut self, sources: &[usize], direction: &[(Known, f64)], h: f64) -> Vec<f64> {
         let mut x = vec![0.0; self.state_count()];
         self.simulation.read_states(&mut x);
@@ -135,8 +148,6 @@ impl Instance {
             (-h, 1.0 / (6.0 * h)),
             (0.5 * h, 8.0 / (6.0 * h)),
             (-0.5 * h, -8.0 / (6.0 * h)),
-            // Back to where it was.
-            (0.0, 0.0),
         ] {
             let mut moves = false;
             for ((known, seed), base) in direction.iter().zip(&base) {
@@ -151,9 +162,6 @@ impl Instance {
             }
             if moves {
                 self.simulation.set_states(&x);
-            }
-            if weight == 0.0 {
-                break;
             }
             let mut reading = self.simulation.reading();
             for (sum, element) in sum.iter_mut().zip(sources) {
