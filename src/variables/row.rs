@@ -46,6 +46,13 @@ impl Variable {
             Slot::Output(_) => Causality::Output,
         }
     }
+
+    /// Whether an importer of FMI 3 may ask for it within a step. By the standard only continuous
+    /// variables may be asked for; flags and held samples are answered, too, because there are
+    /// importers, fmusim for one, that record all outputs there.
+    pub fn within_steps(&self) -> bool {
+        matches!(self.causality(), Causality::Input | Causality::Output)
+    }
 }
 
 /// Whose a value is, in FMI's terms.

@@ -7,7 +7,7 @@ use crate::error::{FmiError, InstantiateError};
 use crate::logger::Category;
 use crate::phase::Phase;
 use urdf2fmu_core::simulation::{ParameterSlot, SimulationError};
-use urdf2fmu_core::variables::{Kind, Slot};
+use urdf2fmu_core::variables::Variable;
 
 /// How far the beginning of a step may lie from the instance's time, relative to max(1, |t|), and
 /// as a part of the step. Masters add up their times in their own way (1e-16 relative per step) and
@@ -24,7 +24,7 @@ impl Instance {
     /// The importer wants to be called within steps, to get and set these variables there.
     ///
     /// # Errors
-    /// [`InstantiateError`] for one that is no continuous input or output.
+    /// [`InstantiateError`] for one that is no input or output.
     pub(crate) fn call_within_steps(
         &mut self,
         callback: Callback,
@@ -36,18 +36,18 @@ impl Instance {
                 let text = format!("requiredIntermediateVariables: {why}");
                 InstantiateError::Arguments(text)
             };
-            let place = self.layout.of_kind(value_reference, Kind::Real);
-            let place = place.map_err(|error| refused(error.to_string()))?;
-            let rows = self.layout.rows(place);
-            let continuous = |row: &u32| {
+            let place = self.layout.find(value_reference);
+            if place.len() == 0 {
+                let error = self.layout.wrong(value_reference, "a variable");
+                return Err(refused(error.to_string()));
+            }
+            let known = |row: &u32| {
                 let row = self.variables.get(*row as usize);
-                row.is_some_and(|row| !row.stepped && !matches!(row.slot, Slot::Parameter(_)))
+                row.is_some_and(Variable::within_steps)
             };
-            if !rows.iter().all(continuous) {
+            if !self.layout.rows(place).iter().all(known) {
                 let name = self.layout.name(place);
-                return Err(refused(format!(
-                    "'{name}' has no intermediateUpdate=\"true\" in modelDescription.xml"
-                )));
+                return Err(refused(format!("'{name}' is no input or output")));
             }
             required[place.number as usize] = true;
         }

@@ -81,12 +81,15 @@ static void update(fmi3InstanceEnvironment environment, double time, bool set, b
 {
     double position[3], rate[3];
     const int32_t one = 1;
+    const fmi3ValueReference active = CONTACT_ACTIVE;
+    bool touches = false;
     CHECK(environment == &heard && set && get && finished && may_end == told.may_end, "arguments");
     CHECK(time > told.last, "%.17g after %.17g", time, told.last);
     CHECK(!*end && *when == time, "%d %g", *end, *when);
     told.last = time;
     told.calls++;
     CHECK_OK(fmu3.GetFloat64(told.c, &base, 1, position, 3));
+    CHECK_OK(fmu3.GetBoolean(told.c, &active, 1, &touches, 1));
     CHECK_OK(fmu3.GetOutputDerivatives(told.c, &base, 1, &one, rate, 3));
     if (told.calls == 1) {
         const double heavy = 3.0;
@@ -106,8 +109,8 @@ static void update(fmi3InstanceEnvironment environment, double time, bool set, b
 
 static fmi3Instance updating(bool may_end)
 {
-    const fmi3ValueReference required[] = {BASE_X, LEFT_VELOCITY};
-    fmi3Instance c = fmu3.InstantiateCoSimulation("robot", guid, resources, false, false, false, may_end, required, 2,
+    const fmi3ValueReference required[] = {BASE_X, LEFT_VELOCITY, CONTACT_ACTIVE};
+    fmi3Instance c = fmu3.InstantiateCoSimulation("robot", guid, resources, false, false, false, may_end, required, 3,
                                                   &heard, logger3, update);
     CHECK(c != NULL, "instance");
     CHECK_OK(fmu3.EnterInitializationMode(c, false, 0.0, 0.0, false, 0.0));
