@@ -66,6 +66,8 @@ pub mod continuous;
 pub mod diagnostic;
 pub mod digits;
 pub mod dynamics;
+#[cfg(feature = "urdf")]
+pub mod encoding;
 pub mod force;
 pub mod geometry;
 pub mod hash;

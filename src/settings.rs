@@ -44,6 +44,7 @@ pub use world::is_taken;
 
 use crate::diagnostic::words::instead_of;
 use crate::diagnostic::{Diagnostic, Severity};
+use crate::encoding::{NoText, text};
 use fill::fill;
 use reader::Reader;
 use section::Section;
@@ -93,7 +94,12 @@ impl Settings {
         compat: Option<Compat>,
     ) -> (Option<Self>, Vec<Diagnostic>) {
         let name = path.display().to_string();
-        match std::fs::read_to_string(path) {
+        let no_text = |refused: NoText| {
+            let line = refused.bytes[..refused.at].iter();
+            let line = line.filter(|byte| **byte == b'\n').count() + 1;
+            std::io::Error::other(format!("line {line} is no text in UTF-8"))
+        };
+        match std::fs::read(path).and_then(|bytes| text(bytes).map_err(no_text)) {
             Ok(text) => {
                 let mut reader = Reader::new(&name, &text);
                 reader.folder = folder.unwrap_or(reader.folder);

@@ -9,12 +9,16 @@ use crate::dynamics::crba;
 use crate::force::{ContactSet, detect};
 use crate::initial::initial_state;
 use crate::kinematics::Kinematics;
-use crate::model::{Collider, JointId, LinkId, Model, RootId};
+use crate::model::{Collider, JointId, JointKind, LinkId, Model, RootId};
 use crate::parameters::Parameters;
 use crate::pattern::Pattern;
 use crate::settings::Settings;
 use crate::spatial::{Pose, Vec3, rpy_from_rotation};
 use crate::tree::{Tree, TreeCollider};
+
+/// Smallest angle that counts as one in degrees, where it is possible as such alone; round angles
+/// in degrees are steps of this.
+const LEAST_DEGREES: f64 = 5.0;
 
 /// How far outside its limits an initial position may be and is moved onto them: files round their
 /// numbers.
@@ -92,7 +96,14 @@ pub(super) fn joints(model: &mut Model, settings: &Settings, findings: &mut Find
                         "the initial position {position} of joint '{}' is outside its limits {} … {}",
                         joint.name, limits.lower, limits.upper
                     );
-                    let help = format!("the nearest possible one is {inside}");
+                    let radians = position.to_radians();
+                    let meant = joint.kind == JointKind::Revolute
+                        && (limits.lower..=limits.upper).contains(&radians);
+                    let help = if meant && position.abs() >= LEAST_DEGREES {
+                        format!("angles are in radians; {position} degrees are {radians:.5}")
+                    } else {
+                        format!("the nearest possible one is {inside}")
+                    };
                     findings.error("A106", pattern.place.clone(), message, &help);
                 }
                 None if (position - inside).abs() > slack => {

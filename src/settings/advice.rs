@@ -24,6 +24,28 @@ pub(super) fn table(path: &str) -> String {
     format!("{} has the keys {}", shown(path), known.join(", "))
 }
 
+/// What to do about a text in quotes that may be meant as a number or a flag.
+pub(super) fn quoted(name: &str, text: &str) -> String {
+    let plain = text.trim();
+    let unit = plain.find(|c: char| !(c.is_ascii_digit() || "+-.eE".contains(c)));
+    let digits = &plain[..unit.unwrap_or(plain.len())];
+    let is_number = |text: &str| text.parse::<f64>().is_ok_and(f64::is_finite);
+    let flag = match plain.to_ascii_lowercase().as_str() {
+        "true" | "yes" | "on" => Some("true"),
+        "false" | "no" | "off" => Some("false"),
+        _ => None,
+    };
+    if is_number(plain) {
+        format!("write {name} = {plain}, without quotes")
+    } else if is_number(digits) {
+        format!("write the number alone, without quotes, in SI units: {name} = {digits}")
+    } else if let Some(flag) = flag {
+        format!("write {name} = {flag}, without quotes")
+    } else {
+        String::new()
+    }
+}
+
 /// What a key may mean that is none of `known`.
 pub(super) fn key(name: &str, known: &[&str]) -> String {
     let one_of_many = |known: &&&str| {

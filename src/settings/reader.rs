@@ -231,7 +231,11 @@ impl<'a> Reader<'a> {
     }
 
     fn wrong_type(&mut self, name: &str, expected: &str, value: &Spanned<DeValue>) {
-        self.wrong_type_with(name, expected, value, "");
+        let help = value
+            .get_ref()
+            .as_str()
+            .map(|text| advice::quoted(name, text));
+        self.wrong_type_with(name, expected, value, &help.unwrap_or_default());
     }
 
     fn wrong_type_with(

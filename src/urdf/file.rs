@@ -2,6 +2,7 @@
 
 use crate::diagnostic::words::instead_of;
 use crate::diagnostic::{Diagnostic, Place, Severity};
+use crate::encoding::{NoText, xml_text};
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
@@ -20,13 +21,6 @@ pub(super) fn lossy_text(path: &Path) -> Option<String> {
 /// What a file is that begins like none of XML in UTF-8, and what to do.
 fn other_kind(bytes: &[u8]) -> Option<(&'static str, &'static str)> {
     let begins = |start: &[u8]| bytes.starts_with(start);
-    // Two bytes for each letter, with a mark of their order or without.
-    if begins(&[0xff, 0xfe]) || begins(&[0xfe, 0xff]) || begins(b"<\0") || begins(b"\0<") {
-        return Some((
-            "the file is UTF-16 text, not UTF-8",
-            "save the file as UTF-8",
-        ));
-    }
     if begins(&[0x1f, 0x8b]) || begins(b"PK\x03\x04") {
         return Some(("the file is compressed", "unpack it first"));
     }
@@ -80,15 +74,19 @@ pub(super) fn text(path: &Path) -> Result<String, Box<Diagnostic>> {
         finding.place = Some(Place::in_text(&name.to_string(), &shown, 0..1));
         return Err(finding);
     }
-    String::from_utf8(bytes).map_err(|error| {
-        let valid = error.utf8_error().valid_up_to();
-        let bytes = error.as_bytes();
-        let message = format!("the file is not UTF-8 text: byte 0x{:02x}", bytes[valid]);
-        let shown = String::from_utf8_lossy(bytes);
+    xml_text(bytes).map_err(|refused| {
+        let NoText { bytes, at, .. } = refused;
+        let message = format!("the file is not UTF-8 text: byte 0x{:02x}", bytes[at]);
+        let help = match refused.declared {
+            Some(encoding) => format!("save the file as UTF-8; it says that it is {encoding}"),
+            None => "save the file as UTF-8, or let it say what it is, such as <?xml \
+                     version=\"1.0\" encoding=\"windows-1252\"?> in its first line"
+                .to_owned(),
+        };
+        let shown = String::from_utf8_lossy(&bytes);
         // What stands before the bad byte is the same in both.
-        let mut finding = problem("U002", message, "save the file as UTF-8");
-        let place = Place::in_text(&name.to_string(), &shown, valid..valid + 1);
-        finding.place = Some(place);
+        let mut finding = problem("U002", message, &help);
+        finding.place = Some(Place::in_text(&name.to_string(), &shown, at..at + 1));
         finding
     })
 }

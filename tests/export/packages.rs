@@ -415,12 +415,12 @@ fn faults_of_files_of_settings_and_of_names_are_told_in_one_run() {
 /// Files that are something else, as people have them.
 #[test]
 fn files_that_are_no_text_or_a_web_page_are_told_what_they_are() {
-    let two_bytes: Vec<u8> = "<robot/>"
-        .encode_utf16()
-        .flat_map(u16::to_le_bytes)
+    let four_bytes: Vec<u8> = "\u{feff}<robot/>"
+        .chars()
+        .flat_map(|c| u32::from(c).to_le_bytes())
         .collect();
     for (content, what) in [
-        (two_bytes, "UTF-16"),
+        (four_bytes, "byte 0xff"),
         (b"\x1f\x8b\x08\0".to_vec(), "compressed"),
         (
             b"\n<!DOCTYPE html>\n<html>404</html>".to_vec(),

@@ -6,6 +6,7 @@ use std::collections::BTreeMap;
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
+use urdf2fmu_core::encoding::xml_text;
 
 /// What a file is called whose name is empty.
 pub(super) const NAMELESS: &str = "a file without a name";
@@ -172,8 +173,13 @@ impl<'f> Sources<'f> {
         if bytes.len() as u64 > LARGEST_FILE {
             return Err(self.problem(format!("{} is too large", path.display())));
         }
-        let text = String::from_utf8(bytes)
-            .map_err(|_| self.problem(format!("{} is not UTF-8", path.display())))?;
+        let text = xml_text(bytes).map_err(|refused| {
+            let what = match refused.declared {
+                Some(encoding) => format!("is in {encoding}: save it as UTF-8"),
+                None => "is not UTF-8".to_owned(),
+            };
+            self.problem(format!("{} {what}", path.display()))
+        })?;
         let text: Rc<str> = text.strip_prefix('\u{feff}').unwrap_or(&text).into();
         self.read.insert(path.to_owned(), Rc::clone(&text));
         Ok(text)

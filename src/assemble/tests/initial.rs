@@ -33,6 +33,13 @@ fn joint_zero_outside_the_limits_moves_to_the_nearest_limit() {
         found.place.as_ref().map(|p| (p.line, p.column)),
         Some((1, 20))
     );
+    let help = |value: &str| {
+        let settings = format!("initial.joints = {{ knee = {value} }}");
+        error(&description, &settings).help.unwrap_or_default()
+    };
+    assert_eq!(help("1"), "the nearest possible one is -0.9");
+    let degrees = help("-90");
+    assert!(degrees.contains("-90 degrees are -1.5708"), "{degrees}");
 }
 
 #[test]
