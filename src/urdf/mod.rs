@@ -39,6 +39,7 @@ mod resolve;
 mod scope;
 mod sensed;
 mod sensors;
+mod sizes;
 pub(crate) mod solids;
 mod srdf;
 mod tree;
@@ -240,6 +241,8 @@ fn describe(
     }
     let mut description = assemble::description(&robot, &order, &meshes, drawn, options.scale)?;
     description.sensors = sensors;
-    inertia::compare_with_shapes(&mut scope, &robot, &order, &description);
+    if !sizes::compare_with_masses(&mut scope, &robot, &order, &description) {
+        inertia::compare_with_shapes(&mut scope, &robot, &order, &description);
+    }
     Some(description)
 }

@@ -1,0 +1,128 @@
+//! Lengths in another unit than m.
+//!
+//! Meshes in mm, as programs for design write them, and whole files in mm make a robot a thousand
+//! times as large, and so a thousand million times less dense. No robot is lighter than the air
+//! that it displaces.
+
+use super::checked::{CheckedRobot, Geometry, Order};
+use super::description::Description;
+use super::scope::Scope;
+
+/// kg/m³, of air at 15 °C and 1013 hPa. Collision shapes are simplified, but real robots have tens
+/// to thousands of kg in each m³ of them.
+const AIR: f64 = 1.225;
+
+/// Warns of a robot whose shapes together are lighter than air. Gives whether it has warned:
+/// whatever compares sizes says nothing new then.
+pub(super) fn compare_with_masses(
+    scope: &mut Scope,
+    robot: &CheckedRobot,
+    order: &Order,
+    description: &Description,
+) -> bool {
+    // Links without mass are frames or scenery.
+    let heavy = description
+        .links
+        .iter()
+        .enumerate()
+        .filter_map(|(i, link)| {
+            let mass = link.inertial.map_or(0.0, |inertial| inertial.mass);
+            let volume: f64 = link.collisions.iter().map(|c| c.shape.volume()).sum();
+            (mass > 0.0 && volume > 0.0).then_some((i, mass, volume))
+        });
+    let heavy: Vec<(usize, f64, f64)> = heavy.collect();
+    let mass: f64 = heavy.iter().map(|(_, mass, _)| mass).sum();
+    let volume: f64 = heavy.iter().map(|(_, _, volume)| volume).sum();
+    let largest = heavy.iter().max_by(|a, b| a.2.total_cmp(&b.2));
+    let Some(&(i, ..)) = largest.filter(|_| mass < AIR * volume) else {
+        return false;
+    };
+    let link = &description.links[i];
+    let balls = link.collisions.iter().map(|c| c.shape.ball_around().1);
+    let size = 2.0 * balls.fold(0.0, f64::max);
+    let checked = &robot.links[order.links[i]];
+    let mesh = checked.collisions.iter().find_map(|c| match &c.geometry {
+        Geometry::Mesh { at, .. } => Some(at.clone()),
+        _ => None,
+    });
+    let all = "--scale 0.001, if all lengths of the file are in mm";
+    let help = match &mesh {
+        Some(_) => {
+            format!(
+                "write scale=\"0.001 0.001 0.001\" in <mesh>, if meshes are in mm, or pass {all}"
+            )
+        }
+        None => format!("lengths are in m; pass {all}"),
+    };
+    let message = format!(
+        "link '{}': it is {size:.1} m large, so that the robot is lighter than air: {mass:.3} kg in \
+         {volume:.1} m³; its lengths look like mm",
+        link.name
+    );
+    let at = mesh.unwrap_or_else(|| checked.node.tag_at());
+    scope.report.warning("U067", at, message, help);
+    true
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::diagnostic::Diagnostic;
+    use crate::urdf::{ReadOptions, read_str};
+    use std::path::Path;
+
+    fn findings(scale: f64, size: &str, mass: f64, mesh: Option<&str>) -> Vec<Diagnostic> {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/robots");
+        let shape = mesh.map_or(format!("<box size='{size}'/>"), |scale| {
+            format!("<mesh filename='meshes/far_off.obj' scale='{scale}'/>")
+        });
+        // A cube of 0.1 m and 1 kg: m a²/6.
+        let text = format!(
+            "<robot name='r'><link name='a'><inertial><mass value='{mass}'/><inertia ixx='0.00167' \
+             iyy='0.00167' izz='0.00167' ixy='0' ixz='0' iyz='0'/></inertial><collision><geometry>\
+             {shape}</geometry></collision></link></robot>"
+        );
+        let options = ReadOptions {
+            scale,
+            ..ReadOptions::default()
+        };
+        let robot = read_str(&text, "r.urdf", &folder, &options).expect("legal");
+        let told = robot.diagnostics.into_iter();
+        told.filter(|d| d.code == "U067" || d.code == "U065")
+            .collect()
+    }
+
+    #[test]
+    fn a_robot_in_millimetres_is_told_by_how_light_it_is() {
+        assert!(findings(1.0, "0.1 0.1 0.1", 1.0, None).is_empty());
+        let told = findings(1.0, "100 100 100", 1.0, None);
+        let [told] = &told[..] else {
+            panic!("one finding: {told:?}")
+        };
+        assert!(told.message.contains("it is 173.2 m large"), "{told:?}");
+        let help = told.help.as_deref().unwrap_or_default();
+        assert!(help.contains("pass --scale 0.001"), "{help}");
+        // That option mends it.
+        assert!(
+            findings(0.001, "100 100 100", 1.0, None)
+                .iter()
+                .all(|d| d.code != "U067")
+        );
+        // A balloon of 1 m that is as heavy as its air and skin is none.
+        assert!(
+            findings(1.0, "1 1 1", 1.3, None)
+                .iter()
+                .all(|d| d.code != "U067")
+        );
+    }
+
+    #[test]
+    fn a_mesh_in_millimetres_is_told_with_its_scale_and_not_with_an_inertia_of_its_size() {
+        let told = findings(1.0, "", 1.0, Some("1000 1000 1000"));
+        let [told] = &told[..] else {
+            panic!("one finding: {told:?}")
+        };
+        assert_eq!(told.code, "U067");
+        let help = told.help.as_deref().unwrap_or_default();
+        assert!(help.contains("scale=\"0.001 0.001 0.001\""), "{help}");
+    }
+}
