@@ -200,13 +200,24 @@ pub(super) fn is_scalar(joint: &Joint) -> bool {
     )
 }
 
-/// Characters outside `[A-Za-z0-9_]` become `_`; a leading digit gets one in front, so does nothing
-/// at all.
+/// Characters outside `[A-Za-z0-9_]` become `_`, and those outside of ASCII also their code point,
+/// because names in other alphabets would all become the same; a leading digit gets a `_` in front,
+/// so does nothing at all.
 pub(crate) fn identifier(name: &str) -> String {
-    let mut identifier: String = name
-        .chars()
-        .map(|c| if c.is_ascii_alphanumeric() { c } else { '_' })
-        .collect();
+    let mut identifier = String::with_capacity(name.len());
+    for c in name.chars() {
+        if c.is_ascii_alphanumeric() {
+            identifier.push(c);
+            continue;
+        }
+        identifier.push('_');
+        if !c.is_ascii() {
+            let code = u32::from(c);
+            let digits = (0..8).rev().map(|place| (code >> (4 * place)) & 0xf);
+            let digits = digits.skip_while(|digit| *digit == 0);
+            identifier.extend(digits.filter_map(|digit| char::from_digit(digit, 16)));
+        }
+    }
     if identifier.is_empty() || identifier.starts_with(|c: char| c.is_ascii_digit()) {
         identifier.insert(0, '_');
     }
