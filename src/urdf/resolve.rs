@@ -209,6 +209,8 @@ impl<'o> Resolver<'o> {
         }
         let (scheme, rest) = match name.split_once("://") {
             Some((scheme, rest)) => (scheme.to_ascii_lowercase(), rest.to_owned()),
+            // The short form of a file's address, RFC 8089.
+            None if name.starts_with("file:/") => ("file".to_owned(), name[5..].to_owned()),
             None => (String::new(), name.to_owned()),
         };
         match scheme.as_str() {

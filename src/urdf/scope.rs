@@ -201,7 +201,7 @@ impl<'r, 'a> Scope<'r, 'a> {
                 "<{}> {name}: the default '{value}' of xacro's optenv is used",
                 node.name()
             );
-            let help = "expand the file with the xacro command to use the environment";
+            let help = "name the file .xacro, so that it is expanded with the environment";
             self.warning("U034", attribute.at.clone(), &message, help);
         }
         let mut words = value.split_whitespace();
@@ -407,9 +407,9 @@ fn parse(word: &str) -> Result<f64, Unread> {
         }
         Err(_) if word.contains(';') => no_number("numbers are separated by spaces"),
         Err(_) if word.to_ascii_lowercase().contains("0x") => no_number("write it in decimal"),
-        Err(_) if word.contains("${") || word.contains("$(") => {
-            no_number("this is xacro code: expand the file with the xacro command first")
-        }
+        Err(_) if word.contains("${") || word.contains("$(") => no_number(
+            "this is xacro code: give the file a name that ends in .xacro, and it is expanded",
+        ),
         Err(_) if number_with_letters(word) => {
             no_number("write the number alone: lengths are in m, angles in rad, masses in kg")
         }

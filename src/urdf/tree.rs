@@ -35,7 +35,7 @@ pub(super) fn check<'d>(
         let help = match root.name() {
             "sdf" => "this is an SDF file: convert it to URDF first",
             "mujoco" => "this is an MJCF file: convert it to URDF first",
-            "xacro" => "expand the file with the xacro command first",
+            "xacro" => "name the file .xacro, so that it is expanded",
             _ => "a URDF starts with <robot name=\"…\">",
         };
         scope.report.error("U007", root.name_at(), message, help);

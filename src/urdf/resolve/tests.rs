@@ -62,6 +62,8 @@ fn every_form_of_mesh_name_is_found() {
     assert_eq!(from(&[], "b c.stl"), spaced);
     let url = format!("file://{}/ws/my-robot/urdf/b%20c.stl", folder.0.display());
     assert_eq!(from(&[], &url), spaced);
+    // The same address without the empty name of its machine (RFC 8089).
+    assert_eq!(from(&[], &url.replacen("file://", "file:", 1)), spaced);
     // up to a folder that holds one of that name
     assert_eq!(
         from(&[], "package://other/meshes/o.stl").as_deref(),
