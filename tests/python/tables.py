@@ -16,7 +16,15 @@ def joined(rows, separator=","):
     return "\n".join(separator.join(row) for row in rows) + "\n"
 
 
+def arrays(rows):
+    """Vectors as FMPy's write_csv and fmusim have those of FMI 3: the elements in one cell, with spaces between them."""
+    stems = [n[:-2] if n[-2:] in (".x", ".y", ".z", ".w") else n for n in rows[0]]
+    parts = {stem: [i for i, other in enumerate(stems) if other == stem] for stem in stems}
+    return joined([list(parts)] + [[" ".join(row[i] for i in part) for part in parts.values()] for row in rows[1:]])
+
+
 FOREIGN = {
+    "arrays of FMI 3": arrays,
     "flat names": lambda rows: joined([[n.replace(".", "_") for n in rows[0]], *rows[1:]]),
     "a path in front": lambda rows: joined([[n if n == "time" else f"plant.root.{n}" for n in rows[0]], *rows[1:]]),
     "any order": lambda rows: joined([row[::-1] for row in rows]),

@@ -149,14 +149,19 @@ def test_faulty_tables_are_refused_with_their_place(made, command, tmp_path):
 
 
 def test_files_that_are_no_tables_are_named_and_not_printed(made, command, tmp_path):
-    """An FMU in place of its table, and a table as some shells write it, in two bytes for each letter."""
+    """An FMU in place of its table, and a table as some shells write it, in two bytes for each letter, which is read."""
     fmu, results, _ = made("r2d2")
+    for run in (command("report", fmu, "--model", fmu, "-o", tmp_path / "r.html"),
+                command("simulate", fmu, "--input-file", fmu, "--output-file", tmp_path / "out.csv")):
+        assert run.returncode == 1
+        assert run.stderr.splitlines() == [f"error: '{fmu}': it is no text in UTF-8, as tables have to be"]
     (tmp_path / "wide.csv").write_text(results.read_text(), encoding="utf-16")
-    for file in fmu, tmp_path / "wide.csv":
-        for run in (command("report", file, "--model", fmu, "-o", tmp_path / "r.html"),
-                    command("simulate", fmu, "--input-file", file, "--output-file", tmp_path / "out.csv")):
-            assert run.returncode == 1
-            assert run.stderr.splitlines() == [f"error: '{file}': it is no text in UTF-8, as tables have to be"]
+    pages = []
+    for file in results, tmp_path / "wide.csv":
+        run = command("report", file, "--model", fmu, "-o", tmp_path / "r.html")
+        assert run.returncode == 0, run.stderr
+        pages.append((tmp_path / "r.html").read_bytes())
+    assert pages[0] == pages[1]
     assert [file.name for file in tmp_path.iterdir()] == ["wide.csv"]
 
 

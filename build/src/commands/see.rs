@@ -4,6 +4,7 @@ use super::shared::{CliError, as_fmu, refuse_ending, refuse_options, temporary};
 use crate::archive;
 use crate::cli::{Report, View};
 use crate::events::Event;
+use crate::importer::tabular::decoded;
 use crate::output::{OutputError, Target, is_stdout, print, tell};
 use crate::report;
 use crate::results::Table;
@@ -68,7 +69,7 @@ pub(super) fn run(path: &Path, scene: &Scene) -> Result<Table, CliError> {
         Ok(bytes) => bytes,
         Err(source) => return Err(CliError::Read { path, source }),
     };
-    match Table::parse(&String::from_utf8_lossy(&bytes)) {
+    match Table::parse(&decoded(bytes)) {
         Ok(table) => Ok(table.named(scene)),
         Err(source) => Err(CliError::Results { path, source }),
     }

@@ -3,8 +3,12 @@
 //! Written as `FMPy` writes them: commas, quoted names, the shortest digits that read back to the
 //! same number. Read with or without quotes; Boolean values may be `true` and `false`, too, and are
 //! written as 1 and 0. Semicolons and tabs may stand in place of the commas, as spreadsheets write
-//! them where the comma is the decimal sign. A decimal comma is refused: the command of a motor
-//! must not depend on whether `1,234` is somewhat more than one or somewhat more than a thousand.
+//! them where the comma is the decimal sign, see `tabular.rs`. A decimal comma is refused: the
+//! command of a motor must not depend on whether `1,234` is somewhat more than one or somewhat more
+//! than a thousand.
+
+use super::advice;
+use super::tabular::{delimiter, is_announcement, name_and_unit};
 
 /// A table in columns.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -27,27 +31,33 @@ pub enum CsvError {
     NotText,
     /// The first column.
     #[error(
-        "line 1: the first column must be 'time', not '{}'{}",
-        cut(found),
-        separators(found)
+        "line {line}: the first column must be 'time', not '{}'{}",
+        advice::cut(found),
+        advice::first_name(found)
     )]
     NoTime {
+        /// From 1.
+        line: u64,
         /// As written.
         found: String,
     },
     /// A column twice.
-    #[error("line 1, column {column}: '{name}' stands there twice")]
+    #[error("line {line}, column {column}: '{name}' stands there twice")]
     Twice {
+        /// From 1.
+        line: u64,
         /// From 1.
         column: usize,
         /// Which.
         name: String,
     },
     /// A row that is too short or too long.
-    #[error("line {line}: {found} values, but line 1 names {expected} columns")]
+    #[error("line {line}: {found} values, but line {header} names {expected} columns")]
     Width {
         /// From 1.
         line: u64,
+        /// That of the names, from 1.
+        header: u64,
         /// Values.
         found: usize,
         /// Names.
@@ -55,13 +65,14 @@ pub enum CsvError {
     },
     /// Not a finite number.
     #[error(
-        "line {line}, column {column} ('{name}'): '{}' is no finite number{}",
-        cut(text),
-        decimal_comma(text)
+        "line {line}, column {column} ('{name}'): {}",
+        advice::no_number(text, *column, *line == header + 1)
     )]
     Number {
         /// From 1.
         line: u64,
+        /// That of the names, from 1.
+        header: u64,
         /// From 1.
         column: usize,
         /// Of the column.
@@ -90,52 +101,8 @@ pub enum CsvError {
         line: u64,
     },
     /// Names alone.
-    #[error("it has no values: line 1 must be followed by at least one row")]
+    #[error("it has no values: the line of names must be followed by at least one row")]
     NoRows,
-}
-
-/// Letters of a file that a message shows at most.
-const MOST_SHOWN: usize = 80;
-
-/// The beginning of a text of any length.
-fn cut(text: &str) -> String {
-    match text.char_indices().nth(MOST_SHOWN) {
-        Some((end, _)) => format!("{}…", &text[..end]),
-        None => text.to_owned(),
-    }
-}
-
-/// What to do about other signs between the columns.
-fn separators(found: &str) -> &'static str {
-    if found.is_empty() {
-        "; tables of pandas are saved without their index, index=False"
-    } else if found.contains(' ') {
-        "; columns are separated by commas, semicolons or tabs"
-    } else {
-        ""
-    }
-}
-
-/// What to do about a number such as `0,5`.
-fn decimal_comma(text: &str) -> &'static str {
-    if number(&text.replacen(',', ".", 1)).is_some() {
-        "; the decimal sign of these tables is a point: save it with one, or replace the commas"
-    } else {
-        ""
-    }
-}
-
-/// What stands between the columns: the comma, semicolon or tab behind the first name. Names of
-/// arrays, `m[1,1]`, have commas in them, but no table begins with one.
-pub fn delimiter(text: &str) -> u8 {
-    let header = text.lines().find(|line| !line.trim().is_empty());
-    let mut quoted = false;
-    let mut bytes = header.unwrap_or_default().trim().bytes();
-    let first = bytes.find(|byte| {
-        quoted ^= *byte == b'"';
-        !quoted && matches!(byte, b',' | b';' | b'\t')
-    });
-    first.unwrap_or(b',')
 }
 
 impl Table {
@@ -159,20 +126,28 @@ impl Table {
                 line: error.position().map_or(1, csv::Position::line),
             })
         });
-        let header = records.next().ok_or(CsvError::Empty)??;
-        let names: Vec<String> = header.iter().map(unquoted).collect();
-        if names[0] != "time" {
-            let found = names[0].clone();
-            return Err(if header.iter().all(str::is_empty) {
-                CsvError::Empty
-            } else {
-                CsvError::NoTime { found }
-            });
+        let mut names = records.next().ok_or(CsvError::Empty)??;
+        if is_announcement(&names) {
+            names = records.next().ok_or(CsvError::Empty)??;
+        }
+        let header = line_of(&names, text);
+        let mut names: Vec<String> = names.iter().map(unquoted).collect();
+        // Separators behind the last name are no columns; neither are those of the rows below.
+        let named = names.iter().rposition(|name| !name.is_empty());
+        names.truncate(named.ok_or(CsvError::Empty)? + 1);
+        match name_and_unit(&names[0]) {
+            (time, None | Some("s")) if time.eq_ignore_ascii_case("time") => {
+                "time".clone_into(&mut names[0]);
+            }
+            _ => {
+                let (line, found) = (header, names[0].clone());
+                return Err(CsvError::NoTime { line, found });
+            }
         }
         for (index, name) in names.iter().enumerate() {
             if names[..index].contains(name) {
-                let (column, name) = (index + 1, name.clone());
-                return Err(CsvError::Twice { column, name });
+                let (line, column, name) = (header, index + 1, name.clone());
+                return Err(CsvError::Twice { line, column, name });
             }
         }
         let mut rows: Vec<Vec<f64>> = Vec::new();
@@ -183,18 +158,21 @@ impl Table {
                 continue;
             }
             let line = line_of(&record, text);
-            if record.len() != names.len() {
+            let more = record.iter().skip(names.len());
+            if record.len() < names.len() || more.into_iter().any(|cell| !cell.is_empty()) {
                 let (found, expected) = (record.len(), names.len());
                 return Err(CsvError::Width {
                     line,
+                    header,
                     found,
                     expected,
                 });
             }
             let mut row = Vec::with_capacity(names.len());
             for (column, (cell, name)) in record.iter().zip(&names).enumerate() {
-                row.push(number(cell).ok_or_else(|| CsvError::Number {
+                row.push(advice::number(cell).ok_or_else(|| CsvError::Number {
                     line,
+                    header,
                     column: column + 1,
                     name: name.clone(),
                     text: cell.to_owned(),
@@ -258,16 +236,6 @@ fn line_of(record: &csv::StringRecord, text: &str) -> u64 {
 fn unquoted(cell: &str) -> String {
     let inner = cell.strip_prefix('"').and_then(|c| c.strip_suffix('"'));
     inner.unwrap_or(cell).to_owned()
-}
-
-fn number(text: &str) -> Option<f64> {
-    if text.eq_ignore_ascii_case("true") {
-        return Some(1.0);
-    }
-    if text.eq_ignore_ascii_case("false") {
-        return Some(0.0);
-    }
-    text.parse().ok().filter(|x: &f64| x.is_finite())
 }
 
 /// The shortest digits that read back to `value`, as Python writes them: `0.1`, `1e-05`, `1.5e+16`.
@@ -359,6 +327,31 @@ mod tests {
         }
         assert!(told("time a\n0 1\n").contains("by commas, semicolons or tabs"));
         assert!(!told("t,a\n0,1\n").contains("commas"));
+    }
+
+    #[test]
+    fn what_spreadsheets_add_to_a_table_is_no_part_of_it() {
+        let expected = Table::parse("time,a,b\n0,1,2\n0.5,-1,3\n").expect("commas");
+        for text in [
+            "sep=;\ntime;a;b\n0;1;2\n0.5;-1;3\n",
+            "\u{feff}\"sep=\t\"\r\ntime\ta\tb\r\n0\t1\t2\r\n0.5\t-1\t3\r\n",
+            "SEP=,\ntime,a,b\n0,1,2\n0.5,-1,3\n",
+            "time,a,b,,\n0,1,2,,\n0.5,-1,3,,\n,,,,\n",
+            "Time [s],a,b\n0,1,2,\n0.5,-1,3\n",
+        ] {
+            assert_eq!(Table::parse(text), Ok(expected.clone()), "{text:?}");
+        }
+        let told = |text: &str| Table::parse(text).expect_err("faulty").to_string();
+        assert_eq!(
+            told("sep=;\ntime;a;a\n0;1;1\n"),
+            "line 2, column 3: 'a' stands there twice"
+        );
+        assert_eq!(
+            told("time,a\n0,1,2\n"),
+            "line 2: 3 values, but line 1 names 2 columns"
+        );
+        // Milliseconds must not become seconds.
+        assert!(told("time [ms],a\n0,1\n").contains("must be 'time', not 'time [ms]'"));
     }
 
     #[test]

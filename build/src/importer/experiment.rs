@@ -4,6 +4,7 @@ use super::csv::Table;
 use super::description::Description;
 use super::error::{RunError, START_VALUE};
 use super::signals::{Signal, Signals};
+use super::tabular::{decoded, name_and_unit, same_unit};
 use super::variable::{Kind, Variable};
 use std::path::{Path, PathBuf};
 use urdf2fmu_core::digits::Digits;
@@ -84,7 +85,7 @@ pub(super) fn read(path: &Path) -> Result<String, RunError> {
         source,
     };
     let bytes = std::fs::read(path).map_err(failed)?;
-    Ok(String::from_utf8_lossy(&bytes).into_owned())
+    Ok(decoded(bytes))
 }
 
 /// The file of inputs, its columns matched with variables.
@@ -97,16 +98,31 @@ pub(super) fn signals(description: &Description, path: &Path) -> Result<Signals,
     for (column, name) in table.names.iter().enumerate().skip(1) {
         let place = || format!("'{}', line 1, column {}", path.display(), column + 1);
         let settable = |v: &Variable| v.is_input() || v.variability == "tunable";
+        let failed = |what| RunError::Name {
+            place: place(),
+            what,
+        };
+        // A unit behind a name must be that of the variable: values are never converted.
+        let (stem, unit) = match description.find(name) {
+            Some(_) => (name.as_str(), None),
+            None => name_and_unit(name),
+        };
         let variable = find(
             description,
-            name,
+            stem,
             settable,
             "an input or a tunable parameter",
         )
-        .map_err(|what| RunError::Name {
-            place: place(),
-            what,
-        })?;
+        .map_err(failed)?;
+        if let Some(unit) = unit.filter(|unit| !same_unit(unit, &variable.unit)) {
+            return Err(failed(format!(
+                "the values of '{stem}' must be in {}, not in {unit}",
+                match variable.unit.as_str() {
+                    "" => "no unit",
+                    unit => unit,
+                }
+            )));
+        }
         list.push(Signal {
             variable: variable.clone(),
             column,

@@ -11,6 +11,8 @@
 //! | `description` | what modelDescription.xml says |
 //! | `library` | the C functions: the only unsafe code of this package |
 //! | `csv` | tables of numbers as text |
+//! | `tabular` | encodings, separators and units of tables |
+//! | `advice` | what to do about cells that are no numbers |
 //! | `signals` | inputs between the rows of a table |
 //! | `experiment` | what to simulate: times, start values, files of inputs |
 //! | `select` | which variables are written |
@@ -23,6 +25,7 @@
 //! Steps and inputs of co-simulation are those of `FMPy`'s `simulate_fmu` for the same arguments,
 //! to the bit.
 
+mod advice;
 mod arrays;
 pub mod csv;
 pub mod description;
@@ -36,4 +39,5 @@ pub mod run;
 mod select;
 mod signals;
 mod states;
+pub mod tabular;
 mod variable;

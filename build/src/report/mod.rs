@@ -35,6 +35,7 @@ pub fn make(scene: &Scene, packed: &[u8], table: Table, changed: &BTreeMap<Strin
         mut time,
         mut columns,
         mut notes,
+        ..
     } = table;
     notes.extend(forces_without_columns(scene, &columns));
     let events = events::find(scene, &time, &columns, changed);

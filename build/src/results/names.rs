@@ -11,6 +11,30 @@ use std::fmt::Write as _;
 /// Names that a note lists, at most.
 const LISTED: usize = 6;
 
+/// Gives elements of arrays, `name[1]` and so on, the names of the scene's variables that follow
+/// each other under the array's name: `base.position.x`, `.y`, `.z`.
+pub(super) fn rename_lists(
+    columns: &mut [(String, Vec<f64>)],
+    lists: &[(String, usize)],
+    scene: &Scene,
+) {
+    for (name, count) in lists {
+        let whole = plain(name) + "_";
+        let variables = scene.head.variables.iter().map(|v| v.name.as_str());
+        let elements: Vec<&str> = variables.filter(|v| plain(v).starts_with(&whole)).collect();
+        // Of other arrays the numbers of the elements stay.
+        if elements.len() != *count {
+            continue;
+        }
+        for (k, element) in (1..).zip(elements) {
+            let own = format!("{name}[{k}]");
+            if let Some(column) = columns.iter_mut().find(|column| column.0 == own) {
+                element.clone_into(&mut column.0);
+            }
+        }
+    }
+}
+
 /// Gives columns the names of the scene's variables, and says what is missing and what is unknown.
 pub(super) fn rename(columns: &mut [(String, Vec<f64>)], scene: &Scene, notes: &mut Vec<String>) {
     let head = &scene.head;

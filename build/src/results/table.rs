@@ -2,10 +2,11 @@
 //!
 //! Commas, semicolons (then a comma may be the decimal sign) or tabs separate; units in brackets
 //! behind names, quotes, empty cells, columns in any order and rows out of order are understood.
-//! Notes say what is left out or corrected.
+//! So are arrays of FMI 3 as FMPy and fmusim write them: the elements in one cell, with spaces
+//! between them. Notes say what is left out or corrected.
 
 use super::names;
-use crate::importer::csv::delimiter;
+use crate::importer::tabular::{delimiter, is_announcement, name_and_unit};
 use crate::scene::Scene;
 
 /// Columns of numbers; what is missing is NaN.
@@ -17,6 +18,9 @@ pub struct Table {
     pub columns: Vec<(String, Vec<f64>)>,
     /// Sentences about what was left out or mended.
     pub notes: Vec<String>,
+    /// Names of columns whose cells held several numbers, and how many; their columns are called
+    /// `name[1]` and so on.
+    pub lists: Vec<(String, usize)>,
 }
 
 /// Why a table cannot be used.
@@ -65,6 +69,7 @@ const GREATEST: f64 = 1e38;
 impl Table {
     /// The same with the names of the scene's variables.
     pub fn named(mut self, scene: &Scene) -> Self {
+        names::rename_lists(&mut self.columns, &self.lists, scene);
         names::rename(&mut self.columns, scene, &mut self.notes);
         self
     }
@@ -89,7 +94,10 @@ impl Table {
             let line = |error: &csv::Error| error.position().map_or(1, csv::Position::line);
             record.map_err(|error| ResultsError::Unreadable { line: line(&error) })
         });
-        let header = records.next().ok_or(ResultsError::Empty)??;
+        let mut header = records.next().ok_or(ResultsError::Empty)??;
+        if is_announcement(&header) {
+            header = records.next().ok_or(ResultsError::Empty)??;
+        }
         let names: Vec<String> = header.iter().map(name).collect();
         let time = TIMES
             .iter()
@@ -99,8 +107,9 @@ impl Table {
             })?;
         let mut reading = Reading {
             decimal_comma: delimiter != b',',
-            columns: vec![Vec::new(); names.len()],
-            strange: vec![None; names.len()],
+            widths: Vec::new(),
+            columns: Vec::new(),
+            strange: Vec::new(),
             untimed: 0,
         };
         let mut notes = Vec::new();
@@ -131,7 +140,26 @@ impl Table {
                 "Line {line}, the last one, is not complete and is left out."
             ));
         }
-        reading.finish(&names, time, notes)
+        let lists = names.iter().zip(&reading.widths);
+        let lists: Vec<(String, usize)> = lists
+            .filter(|(_, width)| **width > 1)
+            .map(|(name, width)| (name.clone(), *width))
+            .collect();
+        // Elements are columns of their own.
+        let elements = |(name, width): (&String, &usize)| -> Vec<String> {
+            match width {
+                1 => vec![name.clone()],
+                _ => (1..=*width).map(|k| format!("{name}[{k}]")).collect(),
+            }
+        };
+        let time = reading.widths.iter().take(time).sum();
+        let names: Vec<String> = names
+            .iter()
+            .zip(&reading.widths)
+            .flat_map(elements)
+            .collect();
+        let table = reading.finish(&names, time, notes)?;
+        Ok(Self { lists, ..table })
     }
 
     /// The result of a simulation: `time` first, all numbers there.
@@ -143,12 +171,15 @@ impl Table {
                 .map(|i| (names[i].clone(), column(i)))
                 .collect(),
             notes: Vec::new(),
+            lists: Vec::new(),
         }
     }
 }
 
 struct Reading {
     decimal_comma: bool,
+    /// Numbers in each cell of a row, by the first row.
+    widths: Vec<usize>,
     columns: Vec<Vec<f64>>,
     /// For each column how many cells are no numbers, and the first of them with its line.
     strange: Vec<Option<(usize, String, u64)>>,
@@ -158,12 +189,25 @@ struct Reading {
 
 impl Reading {
     fn row(&mut self, record: &csv::StringRecord, time: usize, line: u64) {
+        if self.widths.is_empty() {
+            self.widths = record.iter().map(|cell| self.width(cell)).collect();
+            let count = self.widths.iter().sum();
+            self.columns = vec![Vec::new(); count];
+            self.strange = vec![None; count];
+        }
         let moment = self.number(&record[time]).flatten();
         if moment.is_none() {
             self.untimed += 1;
             return;
         }
-        for (i, cell) in record.iter().enumerate() {
+        let widths = self.widths.clone();
+        let cells = record.iter().zip(widths).flat_map(|(cell, width)| {
+            let words = cell.split_whitespace();
+            let fits = width > 1 && words.clone().count() == width;
+            let list = words.take(if fits { width } else { 0 });
+            list.chain(std::iter::repeat_n(cell, if fits { 0 } else { width }))
+        });
+        for (i, cell) in cells.enumerate() {
             let value = self.number(cell);
             if value.is_none() {
                 let entry = self.strange[i].get_or_insert_with(|| (0, cell.to_owned(), line));
@@ -193,13 +237,23 @@ impl Reading {
         Some(Some(parsed).filter(|x| x.abs() < GREATEST))
     }
 
+    /// How many numbers a cell has: several with spaces between them, or one.
+    fn width(&self, cell: &str) -> usize {
+        let words = cell.split_whitespace();
+        if words.clone().all(|word| self.number(word).is_some()) {
+            words.count().max(1)
+        } else {
+            1
+        }
+    }
+
     fn finish(
         mut self,
         names: &[String],
         time: usize,
         mut notes: Vec<String>,
     ) -> Result<Table, ResultsError> {
-        let rows = self.columns[time].len();
+        let rows = self.columns.get(time).map_or(0, Vec::len);
         if rows == 0 {
             return Err(ResultsError::NoRows);
         }
@@ -243,6 +297,7 @@ impl Reading {
             time: std::mem::take(&mut self.columns[time]),
             columns,
             notes,
+            lists: Vec::new(),
         })
     }
 
@@ -267,14 +322,7 @@ fn name(cell: &str) -> String {
         .strip_prefix('"')
         .and_then(|c| c.strip_suffix('"'))
         .unwrap_or(cell);
-    let unit = [" [", " ("]
-        .iter()
-        .filter_map(|open| inner.rfind(open))
-        .max();
-    match unit {
-        Some(at) if inner.ends_with([']', ')']) => inner[..at].trim().to_owned(),
-        _ => inner.trim().to_owned(),
-    }
+    name_and_unit(inner).0.trim().to_owned()
 }
 
 #[cfg(test)]
@@ -296,7 +344,22 @@ mod tests {
         same("time,a.b\n0,1\n0.5,-0.25\n");
         same("\u{feff}\"time\", \"a.b\"\r\n0.0,1.0\r\n\r\n5e-1,-2.5e-01\r\n");
         same("a.b;time\n1;0\n-0,25;0,5\n");
+        same("sep=;\ntime;a.b\n0;1\n0,5;-0,25\n");
         same("Time [s]\ta.b [m]\n0\ttrue\n.5\t-.25\n");
+    }
+
+    /// FMPy's `write_csv` and fmusim's `--output-file`, of FMI 3.
+    #[test]
+    fn arrays_in_one_cell_are_columns_of_their_elements() {
+        let table = Table::parse("time,p,on\n0,1 -2 3e-1,true\n1,4 5 6,false\n2,7 8,true\n");
+        let table = table.expect("legal");
+        assert_eq!(table.lists, [("p".to_owned(), 3)]);
+        let names: Vec<&str> = table.columns.iter().map(|c| c.0.as_str()).collect();
+        assert_eq!(names, ["p[1]", "p[2]", "p[3]", "on"]);
+        assert_eq!(table.columns[1].1[..2], [-2.0, 5.0]);
+        assert!(table.columns[1].1[2].is_nan());
+        assert_eq!(table.columns[3].1, [1.0, 0.0, 1.0]);
+        assert!(table.notes[0].contains("'7 8'"), "{:?}", table.notes);
     }
 
     #[test]
