@@ -24,7 +24,7 @@ use urdf2fmu_core::diagnostic::Severity;
 use urdf2fmu_core::diagnostic::codes;
 use urdf2fmu_core::prepared::{FILE_NAME, PreparedModel};
 use urdf2fmu_core::urdf::ReadOptions;
-use urdf2fmu_core::variables;
+use urdf2fmu_core::variables::{self, Slot, Variable};
 
 /// Does what was asked.
 ///
@@ -129,6 +129,15 @@ fn init(args: &Init) -> Result<(), CliError> {
     if args.ssv {
         let robot = stage::robot(&args.source.request(&args.urdf))?;
         print_findings(&robot.diagnostics, Severity::Warning)?;
+        // Names of what is no variable of the FMU would set nothing, without a word.
+        let listed = listing::listed(robot.settings.fmu.fmi, &robot.model, &robot.table)?;
+        let is_parameter = |row: &&Variable| matches!(row.slot, Slot::Parameter(_));
+        let array = listed.into_iter().find(|listed| {
+            !listed.shape.is_empty() && listed.rows.first().is_some_and(is_parameter)
+        });
+        if let Some(array) = array {
+            return Err(CliError::Arrays { name: array.name });
+        }
         let text = ssv::text(&robot.model, &robot.table).map_err(CliError::Ssv)?;
         target.write(text.as_bytes())?;
         return Ok(());

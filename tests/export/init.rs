@@ -47,6 +47,27 @@ fn init_writes_settings_that_change_nothing() {
     assert_eq!(run.code, 2, "{run:?}");
 }
 
+/// SSP 1.0 has no arrays, and a file with names of elements would set nothing of such an FMU.
+#[test]
+fn parameters_that_are_arrays_of_fmi_3_are_no_file_of_ssp() {
+    let urdf = example("rover.urdf");
+    let ssv = |options: &[&str]| {
+        let line = [&["init", text(&urdf), "--ssv", "--fmi", "3"], options].concat();
+        urdf2fmu(line)
+    };
+    let refused = ssv(&[]);
+    assert_eq!(refused.code, 2, "{}", refused.err);
+    assert!(
+        refused.err.contains("'initial.base.position' is an array"),
+        "{}",
+        refused.err
+    );
+    assert!(refused.err.contains("--arrays none"), "{}", refused.err);
+    let scalars = ssv(&["--arrays", "none"]);
+    assert_eq!(scalars.code, 0, "{}", scalars.err);
+    assert!(scalars.out.contains("name=\"initial.base.position.x\""));
+}
+
 #[test]
 fn the_parameters_are_written_for_tools_of_ssp_with_values_and_units() {
     let urdf = example("rover.urdf");

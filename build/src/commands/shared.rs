@@ -55,6 +55,15 @@ pub enum CliError {
     /// `init -c`.
     #[error("init writes new settings: leave -c out")]
     InitFromSettings,
+    /// `init --ssv` of an FMU whose parameters are arrays.
+    #[error(
+        "'{name}' is an array in this FMU of FMI 3, and SSP 1.0 has none: pass --arrays none here \
+         and to export"
+    )]
+    Arrays {
+        /// The first of them.
+        name: String,
+    },
     /// The simulation of an FMU.
     #[error(transparent)]
     Run(#[from] RunError),
@@ -163,6 +172,7 @@ impl CliError {
         match self {
             Self::Stage(StageError::Library(error)) if error.is_usage() => 2,
             Self::InitFromSettings
+            | Self::Arrays { .. }
             | Self::FilmTheme
             | Self::Code { .. }
             | Self::MadeAlready { .. }
