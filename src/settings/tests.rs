@@ -9,7 +9,6 @@ mod pairs;
 mod sensors;
 mod terrain;
 mod world;
-mod written;
 
 fn parse(text: &str) -> Settings {
     Settings::parse(text, "robot.toml").unwrap_or_else(|findings| panic!("{findings:?}"))
