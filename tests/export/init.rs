@@ -51,11 +51,7 @@ fn init_writes_settings_that_change_nothing() {
 #[test]
 fn parameters_that_are_arrays_of_fmi_3_are_no_file_of_ssp() {
     let urdf = example("rover.urdf");
-    let ssv = |options: &[&str]| {
-        let line = [&["init", text(&urdf), "--ssv", "--fmi", "3"], options].concat();
-        urdf2fmu(line)
-    };
-    let refused = ssv(&[]);
+    let refused = urdf2fmu(["init", text(&urdf), "--ssv", "--fmi", "3"]);
     assert_eq!(refused.code, 2, "{}", refused.err);
     assert!(
         refused.err.contains("'initial.base.position' is an array"),
@@ -63,7 +59,8 @@ fn parameters_that_are_arrays_of_fmi_3_are_no_file_of_ssp() {
         refused.err
     );
     assert!(refused.err.contains("--arrays none"), "{}", refused.err);
-    let scalars = ssv(&["--arrays", "none"]);
+    let fmi = ["--fmi", "3", "--arrays", "none"];
+    let scalars = urdf2fmu(["init", text(&urdf), "--ssv", fmi[0], fmi[1], fmi[2], fmi[3]]);
     assert_eq!(scalars.code, 0, "{}", scalars.err);
     assert!(scalars.out.contains("name=\"initial.base.position.x\""));
 }
