@@ -95,8 +95,8 @@ impl Settings {
     ) -> (Option<Self>, Vec<Diagnostic>) {
         let name = path.display().to_string();
         let no_text = |refused: NoText| {
-            let line = refused.bytes[..refused.at].iter();
-            let line = line.filter(|byte| **byte == b'\n').count() + 1;
+            let before = &refused.bytes[..refused.at];
+            let line = before.split(|byte| *byte == b'\n').count();
             std::io::Error::other(format!("line {line} is no text in UTF-8"))
         };
         match std::fs::read(path).and_then(|bytes| text(bytes).map_err(no_text)) {
