@@ -18,7 +18,7 @@ fn variables_say_whose_they_are_how_large_and_what_people_read_them_in() {
     assert_eq!(of("joint.grip.velocity").1, Some(Display::DegreePerSecond));
 }
 
-/// Robots of SolidWorks and others have the names of their parts, in any alphabet.
+/// Robots of `SolidWorks` and others have the names of their parts, in any alphabet.
 #[test]
 fn names_in_other_alphabets_stay_apart() {
     for (name, expected) in [("手臂", "_624b_81c2"), ("\u{1f916}", "_1f916")] {
