@@ -200,9 +200,9 @@ pub(super) fn is_scalar(joint: &Joint) -> bool {
     )
 }
 
-/// Characters outside `[A-Za-z0-9_]` become `_`, and those outside of ASCII also their code point,
-/// because names in other alphabets would all become the same; a leading digit gets a `_` in front,
-/// so does nothing at all.
+/// Characters outside `[A-Za-z0-9_]` become `_`, and those that are not of the Latin alphabet, from
+/// U+0250 on, also their code point, because names in other alphabets would all become the same; a
+/// leading digit gets a `_` in front, so does nothing at all.
 pub(crate) fn identifier(name: &str) -> String {
     let mut identifier = String::with_capacity(name.len());
     for c in name.chars() {
@@ -211,8 +211,8 @@ pub(crate) fn identifier(name: &str) -> String {
             continue;
         }
         identifier.push('_');
-        if !c.is_ascii() {
-            let code = u32::from(c);
+        let code = u32::from(c);
+        if code >= 0x250 {
             let digits = (0..8).rev().map(|place| (code >> (4 * place)) & 0xf);
             let digits = digits.skip_while(|digit| *digit == 0);
             identifier.extend(digits.filter_map(|digit| char::from_digit(digit, 16)));
