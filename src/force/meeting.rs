@@ -62,18 +62,19 @@ impl Meeting<'_> {
             // Shapes that hold more than they come with are not meeting, but are in each other,
             // and leave as such: mostly they have begun so.
             let least = kept.max(BOUNCE_THRESHOLD);
-            let lands = contact.bounce == 0.0 && speed < 0.0 && impact.speed > least;
-            if lands || contact.bounce > 0.0 {
+            let meets = speed < 0.0 && impact.speed > least;
+            if meets || contact.bounce > 0.0 {
                 // A corner has a share of a face: the spring feels it come by less than its way,
                 // and pushes it with less than its force.
                 let reach = above + impact.speed * impact.duration();
                 let (_, weights) = norm(&points[contact.points.clone()], reach);
                 let mut felt = impact.felt(weights);
-                if lands {
-                    contact.bounce = felt.dissipation(surface.restitution, number);
-                }
                 // What it has come in with is in the spring by now.
-                felt.speed = libm::hypot(felt.speed, weights * kept);
+                let whole = libm::hypot(felt.speed, weights * kept);
+                if meets {
+                    contact.bounce = self.landing(contact, &felt, whole);
+                }
+                felt.speed = whole;
                 contact.duration = felt.duration();
             }
         }
@@ -120,6 +121,29 @@ impl Meeting<'_> {
             emergence,
         }
     }
+
+    /// Dissipation of a contact that bounces, s/m, while its shapes come in as `felt` by its
+    /// spring; `whole`: the same speed with all that the spring has taken up, m/s.
+    ///
+    /// It is that of their touch-down, unless others have thrown them against each other since:
+    /// then the impact is the one that has come through these. Of balls that lie side by side the
+    /// first one moves the second one slowly before the third one feels it. With the dissipation
+    /// of this slow touch nothing came back: a break of billiard balls lost 0.86 of its energy at
+    /// a restitution of 0.9, and 0.40 where gaps of 1 mm lay between them.
+    fn landing(&self, contact: &Contact, felt: &Impact, whole: f64) -> f64 {
+        let (e, number) = (self.surface.restitution, self.surface.dissipation_number);
+        if contact.bounce == 0.0 {
+            return felt.dissipation(e, number);
+        }
+        // What the weight gives on the way counts with the dissipation itself.
+        let given = 2.0 * felt.gravity * contact.depth.max(0.0);
+        let speed = (whole * whole - given).max(0.0).sqrt();
+        if contact.bounce * speed > number {
+            Impact { speed, ..*felt }.dissipation(e, number)
+        } else {
+            contact.bounce
+        }
+    }
 }
 
 /// Coulomb coefficient of a contact that slides at `u`.
@@ -134,53 +158,4 @@ fn friction(tree: &Tree, surface: &Surface, u: &Vec3) -> f64 {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::force::tests::{met, two_bodies};
-    use crate::force::{ContactSet, detect};
-    use crate::geometry::Shape;
-    use crate::law::dissipation_number;
-    use crate::simulation::Simulation;
-    use crate::spatial::Pose;
-
-    /// A spring that is 60 penetrations deep and holds more than the shapes have come in with has
-    /// been pressed by others, and bounces no more; one that has taken up an impact goes on, and so
-    /// does what is as deep as loads press. Before, what was pressed in among bodies that began in
-    /// each other was resolved by 12,000 steps a communication step, and thrown out.
-    #[test]
-    fn what_is_pressed_into_others_bounces_no_more() {
-        let radius = 0.05;
-        for e in [0.3, 0.9, 1.0] {
-            let shapes = [0; 2].map(|_| Shape::Sphere { radius });
-            let mut model = two_bodies(&shapes).model().clone();
-            for link in &mut model.links {
-                link.restitution = e;
-            }
-            let s = Simulation::new(std::sync::Arc::new(model));
-            // The share of the speed that it holds with which it has come in.
-            for (depth, came, bounces) in [(60.0, 0.4, false), (60.0, 0.6, true), (30.0, 0.4, true)]
-            {
-                let pose = |depth: f64| Pose {
-                    p: Vec3::z() * (2.0 * radius - depth),
-                    ..Pose::IDENTITY
-                };
-                let between = |list: &ContactSet| {
-                    let mut all = list.iter();
-                    all.find(|c| c.other.is_some()).expect("they touch").clone()
-                };
-                let reference = between(&met(&s, &pose(0.01)).1).spring.reference;
-                let (kin, mut list) = met(&s, &pose(depth * reference));
-                let first = between(&list);
-                let kept = (2.0 * first.spring.stored(first.depth) / first.mass).sqrt();
-                let touch = Touch {
-                    slot: first.slot,
-                    bounce: dissipation_number(e) / (came * kept),
-                    ..Touch::default()
-                };
-                detect(s.model(), s.tree(), &[touch], &kin, 0.0, &mut list);
-                let bounce = between(&list).bounce;
-                assert_eq!(bounce > 0.0, bounces, "{e}, {depth}, {came}: {bounce}");
-            }
-        }
-    }
-}
+mod tests;

@@ -18,7 +18,8 @@ pub struct Touch {
     pub displacement: [f64; 3],
     /// Elastic angle of the friction against turning, in the same axes, rad.
     pub turn: [f64; 3],
-    /// Dissipation with which it bounces, chosen at touch-down, s/m; 0 for a contact that does not.
+    /// Dissipation with which it bounces, of its touch-down or of a faster impact that has come
+    /// through others since, s/m; 0 for a contact that does not.
     pub bounce: f64,
 }
 
