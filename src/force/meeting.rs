@@ -81,7 +81,10 @@ impl Meeting<'_> {
         contact.damping = self.damping(contact, g);
         let slope = TANGENTIAL_RATIO * contact.spring.slope(contact.depth);
         let (_, tangential) = normal_part(&contact.normal, &(u + contact.carried));
-        contact.mu = friction(tree, surface, &tangential);
+        // What pushes apart shapes that have begun in each other is no load that they carry: it is
+        // a million times their weight, and its friction would throw out what is light.
+        let overlap = contact.depth / (DEEP_OVERLAP * contact.spring.reference);
+        contact.mu = friction(tree, surface, &tangential) * (2.0 - overlap).clamp(0.0, 1.0);
         contact.friction = ElastoPlastic {
             stiffness: slope,
             damping: 2.0 * (slope * mass).sqrt(),
