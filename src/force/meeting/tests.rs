@@ -92,15 +92,15 @@ fn parted(e: f64, places: &[[f64; 2]], tolerance: f64) -> Vec<f64> {
 #[test]
 fn an_impact_goes_through_balls_that_touch_with_their_restitution() {
     let e = 0.9;
-    for (n, last, kept) in [(3, 0.898, 0.839), (5, 0.814, 0.735)] {
-        let x = |i: usize| 0.100_001 * i as f64 - if i == 0 { 0.02 } else { 0.0 };
+    for (n, last, kept) in [(3_u32, 0.898, 0.839), (5, 0.814, 0.735)] {
+        let x = |i: u32| 0.100_001 * f64::from(i) - if i == 0 { 0.02 } else { 0.0 };
         let places: Vec<[f64; 2]> = (0..n).map(|i| [x(i), 0.0]).collect();
         for tolerance in [1e-3, 1e-5] {
             let v = parted(e, &places, tolerance);
             let energy: f64 = v.iter().map(|v| v * v).sum();
             assert!((v.iter().sum::<f64>() - 1.0).abs() < 1e-9, "{v:?}");
             assert!(
-                (v[n - 1] - last).abs() < 0.05,
+                (v[places.len() - 1] - last).abs() < 0.05,
                 "{n}, {tolerance:.0e}: {v:?}"
             );
             assert!(
