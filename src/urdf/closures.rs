@@ -60,6 +60,19 @@ impl Names {
         own.or_else(|| (name == "world").then_some(Pose::IDENTITY))
     }
 
+    /// A frame of SDF in the axes of a link, at joint zero.
+    fn frame(&self, name: &str, link: &str) -> Result<Pose, Refused> {
+        let found = match name {
+            "__model__" => Some(Pose::IDENTITY),
+            _ => self.pose(name),
+        };
+        let found = found.ok_or(format!(
+            "there is no link '{name}' that it could be seen from"
+        ))?;
+        let link = self.pose(link).ok_or("its links hang nowhere")?;
+        Ok(link.inverse().compose(&found))
+    }
+
     /// A frame on the first of two links as one on the second, at joint zero.
     fn across(&self, [from, to]: [&str; 2], X: &Pose) -> Option<Pose> {
         let (from, to) = (self.pose(from)?, self.pose(to)?);
@@ -185,6 +198,8 @@ fn loop_joint(scope: &mut Scope, names: &Names, node: Node) -> Result<Kind, Refu
     joined(kind, [a, b], [X_a, X_b], axis)
 }
 
+/// The pose of a joint is that in its child, and its axis is in its own axes, where no frames are
+/// named.
 fn sdf_joint(names: &Names, node: Node) -> Result<Kind, Refused> {
     let text = |name: &'static str| {
         let child = node.child(name).ok_or(format!("it has no <{name}>"))?;
@@ -194,13 +209,27 @@ fn sdf_joint(names: &Names, node: Node) -> Result<Kind, Refused> {
         known(names, link.trim())
     };
     let (parent, child) = (text("parent")?, text("child")?);
+    let within = |frame: Option<&str>, default: Pose| match frame {
+        None | Some("") => Ok(default),
+        Some(frame) => names.frame(frame, &child),
+    };
     let pose = node.child("pose").or_else(|| node.child("origin"));
-    let pose = pose.map_or(Ok([0.0; 6]), |pose| numbers(&pose.content()))?;
-    let [x, y, z, roll, pitch, yaw] = pose;
-    let X = Pose::from_xyz_rpy(Vec3::new(x, y, z), Vec3::new(roll, pitch, yaw));
-    let axis = node.child("axis").and_then(|axis| axis.child("xyz"));
-    let axis = axis.map_or(Ok([0.0, 0.0, 1.0]), |axis| numbers(&axis.content()))?;
-    // The joint's pose is that in its child.
+    let given = pose.map_or(Ok([0.0; 6]), |pose| numbers(&pose.content()))?;
+    let [x, y, z, roll, pitch, yaw] = given;
+    let frame = pose.and_then(|pose| pose.value("relative_to"));
+    let X = within(frame, Pose::IDENTITY)?.compose(&Pose::from_xyz_rpy(
+        Vec3::new(x, y, z),
+        Vec3::new(roll, pitch, yaw),
+    ));
+    let axis = node.child("axis");
+    let xyz = axis.and_then(|axis| axis.child("xyz"));
+    let given = xyz.map_or(Ok([0.0, 0.0, 1.0]), |xyz| numbers(&xyz.content()))?;
+    // Of SDF before 1.7.
+    let old = axis.and_then(|axis| axis.child("use_parent_model_frame"));
+    let old = old.is_some_and(|old| ["true", "1"].contains(&old.content().trim()));
+    let frame = xyz.and_then(|xyz| xyz.value("expressed_in"));
+    let frame = within(frame.or(old.then_some("__model__")), X)?;
+    let axis = X.R.tr_mul(&(frame.R * Vec3::from(given))).into();
     let across = names.across([&child, &parent], &X);
     let other = across.ok_or("its links hang nowhere")?;
     let kind = node.value("type").unwrap_or_default();

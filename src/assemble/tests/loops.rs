@@ -231,6 +231,18 @@ fn notes_for_other_programs_close_loops() {
             "hinge",
         ),
         (
+            "<gazebo><joint name=\"tip\" type=\"revolute\"><parent>rocker</parent><child>coupler</child>\
+          <pose relative_to=\"rocker\">0.8 0 0 0.5 0 0</pose>\
+          <axis><xyz expressed_in=\"crank\">0 1 0</xyz></axis></joint></gazebo>",
+            "hinge",
+        ),
+        (
+            "<gazebo><joint name=\"tip\" type=\"revolute\"><parent>rocker</parent><child>coupler</child>\
+          <pose relative_to=\"__model__\">2 0 0 0.5 0 0</pose><axis><xyz>0 1 0</xyz>\
+          <use_parent_model_frame>true</use_parent_model_frame></axis></joint></gazebo>",
+            "hinge",
+        ),
+        (
             "<gazebo><joint name=\"tip\" type=\"ball\"><parent>rocker</parent><child>coupler</child>\
           <pose>1 0 0 0 0 0</pose></joint></gazebo>",
             "ball",
@@ -325,6 +337,11 @@ fn notes_that_are_not_used_are_warned_of_by_name() {
         (
             "<gazebo><joint name=\"x\" type=\"gearbox\"><parent>crank</parent><child>rocker</child></joint></gazebo>",
             "gearbox",
+        ),
+        (
+            "<gazebo><joint name=\"x\" type=\"ball\"><parent>crank</parent><child>rocker</child>\
+          <pose relative_to=\"nothing\">0 0 0 0 0 0</pose></joint></gazebo>",
+            "nothing",
         ),
         (
             "<mujoco><equality><joint joint1=\"a\" joint2=\"c\" polycoef=\"0 1 3 0 0\"/></equality></mujoco>",
