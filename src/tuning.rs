@@ -596,7 +596,7 @@ pub const SET_DOWN: f64 = 1e-10;
 /// `a_cube_on_a_tilted_table_sticks_below_the_cone_and_slides_above`.
 pub const SETTLING_STEPS: usize = 12;
 
-// Outputs: `readout/pair.rs`, `readout/sample.rs`.
+// Outputs: `readout/pair.rs`, `readout/sample.rs`, `readout/touch.rs`.
 
 /// Length of the mean of a pair's unit normals, weighted with the normal forces, below which they
 /// cancel: fingers that press from two sides with forces that differ by round-off have no common
@@ -606,6 +606,10 @@ pub const OPPOSED: f64 = 1e-6;
 /// communication points are sums, whose round-off would put it off to the next one. Test:
 /// `a_sensor_takes_one_sample_at_each_of_its_times`.
 pub const SAMPLE_EARLY: f64 = 1e-6;
+/// How far beyond the box of a contact sensor places belong to it, as a share of its half extents:
+/// the corners of a face lie on the border of a box as large as the face, and a load moves them by
+/// micrometres. At 0 fails `the_border_of_a_box_belongs_to_it`.
+pub const SENSED_BORDER: f64 = 1e-3;
 
 // The convex solve: `step/convex`.
 

@@ -7,6 +7,7 @@ use crate::model::{SensorId, SensorKind};
 use crate::sensor::frame::pose;
 use crate::spatial::Vec3;
 use crate::step::point::{Context, Point};
+use crate::tuning::SENSED_BORDER;
 
 /// What a contact sensor feels at this moment.
 #[derive(Clone, Copy, Debug, Default)]
@@ -38,7 +39,8 @@ impl Readout {
             let from = contact.seen_from((ctx.model, ctx.tree), kin, link);
             for point in &terms.contacts.points[contact.points.clone()] {
                 let x = R_SW * (point.x + from - X.p);
-                if point.depth <= 0.0 || half.is_some_and(|half| (x.abs() - half).max() > 0.0) {
+                let beyond = |half: Vec3| (x.abs() - half * (1.0 + SENSED_BORDER)).max() > 0.0;
+                if point.depth <= 0.0 || half.is_some_and(beyond) {
                     continue;
                 }
                 let force = load * point.load;

@@ -87,6 +87,16 @@ fn patches_of_a_face_share_its_load() {
     assert_eq!(rest(&mut s, 4), (0.0, Vec3::zeros(), 0.0));
 }
 
+/// A box as large as the face: the corners lie on its border, to round-off and to what the tilt
+/// under the load makes of that.
+#[test]
+fn the_border_of_a_box_belongs_to_it() {
+    let sensors = "[[sensor]]\ntype = \"contact\"\nlink = \"plate\"\nxyz = [0, 0, -0.05]\nsize = [0.4, 0.4, 0.1]\n";
+    let mut s = standing(sensors);
+    let (force, ..) = rest(&mut s, 0);
+    assert!((force - 3.0 * G).abs() < 1e-6, "{force}");
+}
+
 #[test]
 fn a_contact_sensor_in_the_air_feels_nothing() {
     let sensors = "initial.xyz = [0, 0, 5]\n[[sensor]]\ntype = \"contact\"\nlink = \"plate\"\n";
