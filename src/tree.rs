@@ -18,6 +18,7 @@
 mod base;
 mod closure;
 mod closures;
+mod flush;
 mod island;
 mod pairs;
 mod parts;
@@ -317,6 +318,7 @@ impl Tree {
         if others {
             self.contact.pairs = self.pairs(model);
             self.join_terrain(model, bases);
+            self.join_solids();
         }
     }
 

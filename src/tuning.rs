@@ -476,6 +476,14 @@ pub const EVEN_EDGE: f64 = 1.7e-3;
 /// on from one to the other, m: files are written in single precision. At 0 fails
 /// `meshes_that_are_no_clean_surfaces_carry_like_clean_ones`.
 pub const SEAM: f64 = 1e-6;
+/// Sine up to which a direction out of a solid does not lean to a wall of it: round-off. At 1 fails
+/// `what_slides_over_plates_side_by_side_slides_as_on_one`.
+pub const LEAN: f64 = 1e-9;
+/// What is left of a direction out of a solid without what leans to covered walls, at least: one
+/// that points into a wall itself stays. What comes along a floor may be a step away, so that the
+/// direction to it is nearly level: at 0.5 fails
+/// `what_slides_over_plates_side_by_side_slides_as_on_one`.
+pub const STRAIGHT: f64 = 1e-3;
 /// Cosine between the normal of a face and the direction in which a shape comes upon a sharp sample
 /// of heights up to which the face bounds the shape there: 60°. At 1, where all faces do, the many
 /// faces of a round hull would, each for its neighbours; at -1 none does, and what slides comes

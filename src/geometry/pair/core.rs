@@ -11,6 +11,7 @@
 use super::super::faces::{Faces, outline};
 use super::super::hull::{Simplices, hull};
 use super::super::{MOST_CORNERS, Shape, bounded_hull};
+use super::beside::Beside;
 use crate::geometry::field::Field;
 use crate::geometry::surface::Surface;
 use crate::spatial::{Mat3, Pose, Vec3, across};
@@ -143,6 +144,8 @@ pub struct Solid {
     pub(super) shares: Faces,
     /// For each corner of a box or a hull that of the core which is nearest to it.
     pub(super) core_corners: Vec<Vec3>,
+    /// What stands against it, see `flush.rs`.
+    pub(super) beside: Vec<Beside>,
 }
 
 impl Solid {
@@ -163,6 +166,7 @@ impl Solid {
             reach,
             shares: Faces::default(),
             core_corners: Vec::new(),
+            beside: Vec::new(),
         };
         match shape {
             Shape::Sphere { radius } => of(Core::Point, *radius, *radius),
@@ -269,18 +273,6 @@ impl Solid {
         }
     }
 
-    /// Whether it goes on below its surface without an end: what is deep in it is still pushed out.
-    /// Of a mesh, what is behind a triangle is not known.
-    pub fn is_endless(&self) -> bool {
-        matches!(self.core, Core::HalfSpace | Core::Field(_))
-    }
-
-    /// Whether it is a ball: what it touches, it touches in one point, in the direction in which
-    /// the depth grows most.
-    pub fn is_ball(&self) -> bool {
-        matches!(self.core, Core::Point)
-    }
-
     /// Whether it is a surface with everything below.
     pub fn is_terrain(&self) -> bool {
         matches!(
@@ -302,6 +294,7 @@ impl Solid {
             reach: f64::INFINITY,
             shares: Faces::default(),
             core_corners: Vec::new(),
+            beside: Vec::new(),
         }
     }
 

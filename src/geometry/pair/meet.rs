@@ -2,8 +2,9 @@
 
 use super::core::{Core, Round};
 use super::edges::along_edges;
+use super::flush;
 use super::nearest::{Apart, nearest};
-use super::placed::Placed;
+use super::placed::{Placed, separation};
 use super::points::{Points, Side, point};
 use super::polygon::{Cover, Limits, Polygons, cover};
 use super::trace::{Trace, along_axes};
@@ -80,11 +81,20 @@ impl Meeting {
             }
             return (n, false, false);
         }
-        let (apart, gap, sharp) = gap(a, b, reach);
-        let n = apart.normal;
-        if gap > reach + sharp || !acts(&n) {
-            return (n, apart.part < 1.0, apart.deep);
+        let (mut apart, mut gap, sharp) = gap(a, b, reach);
+        if gap > reach + sharp || !acts(&apart.normal) {
+            return (apart.normal, apart.part < 1.0, apart.deep);
         }
+        let kept = flush::between(a, b, &apart.normal, &apart.middle);
+        if let Some(kept) = &kept {
+            apart.normal = if kept.first {
+                -kept.outward
+            } else {
+                kept.outward
+            };
+            gap += separation(a, b, &apart.normal) - apart.distance;
+        }
+        let n = apart.normal;
         let blend = a.solid.blend + b.solid.blend;
         let mut limits = Limits {
             level: gap + blend,
@@ -133,6 +143,12 @@ impl Meeting {
                 left -= all.part;
             }
             _ => {}
+        }
+        if let Some(kept) = kept {
+            if left > 0.0 && gap <= reach {
+                flush::lowest((a, b), &kept, (gap, left), blend, points);
+            }
+            return (n, blended, apart.deep);
         }
         if left > 0.0 && gap <= reach && faces(b) && (a.solid.round.is_some() || faces(a)) {
             let first = points.count();

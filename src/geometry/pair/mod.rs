@@ -34,11 +34,13 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
+mod beside;
 mod core;
 mod cylinders;
 mod deep;
 mod edges;
 mod field;
+mod flush;
 mod foot;
 mod gjk;
 mod meet;
@@ -57,6 +59,7 @@ pub(crate) mod tests;
 mod trace;
 mod view;
 
+pub use self::beside::Beside;
 pub use self::core::Solid;
 pub use self::nearby::Nearby;
 pub use self::points::{MOST_POINTS, PatchPoint, Rim, Side};

@@ -90,3 +90,17 @@ pub(super) fn rank(s: &Solid) -> usize {
         Core::HalfSpace | Core::Field(_) | Core::Surface(_) => 3,
     }
 }
+
+impl Solid {
+    /// Whether it goes on below its surface without an end: what is deep in it is still pushed out.
+    /// Of a mesh, what is behind a triangle is not known.
+    pub fn is_endless(&self) -> bool {
+        matches!(self.core, Core::HalfSpace | Core::Field(_))
+    }
+
+    /// Whether it is a ball: what it touches, it touches in one point, in the direction in which
+    /// the depth grows most.
+    pub fn is_ball(&self) -> bool {
+        matches!(self.core, Core::Point)
+    }
+}
