@@ -104,7 +104,6 @@ mod tests {
                 let one = slides(&shape, height, 6.0, fixed_step);
                 for length in [0.5, 0.1] {
                     let off = (slides(&shape, height, length, fixed_step) - one).norm();
-                    println!("{shape:?} {length} {fixed_step}: {off:.2e}");
                     assert!(off < 2e-2, "{shape:?} {length} {fixed_step}: {off}");
                 }
             }
