@@ -405,10 +405,12 @@ pub const BOUNCED: f64 = 1e-3;
 /// `a_sliding_block_stops_after_the_distance_of_its_dynamic_friction`.
 pub const TANGENTIAL_RATIO: f64 = 0.8;
 /// Overlap, in penetrations under the robot's weight, beyond which a point leaves the ground faster
-/// than its damping alone would let it, and loses its friction up to twice that. Without it fail
-/// `c13_an_initial_overlap_leaves_gently` and
-/// `what_begins_deep_in_others_is_not_thrown_out_by_friction`.
+/// than its damping alone would let it. Without it fails `c13_an_initial_overlap_leaves_gently`.
 pub const DEEP_OVERLAP: f64 = 50.0;
+/// Overlap, in the same, from which on nothing rubs: between the two friction fades, so that what
+/// comes out of the ground is not held at once. At 1e9 fails
+/// `what_begins_deep_in_others_is_not_thrown_out_by_friction`.
+pub const SMOOTH_OVERLAP: f64 = 100.0;
 /// How many times the speed with which it has come in a contact with such an overlap holds in its
 /// spring where others have pressed it in: what has come in alone holds once that speed, or less.
 /// At 1e9 fails `what_is_pressed_into_others_bounces_no_more`.

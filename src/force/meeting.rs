@@ -10,7 +10,9 @@ use crate::law::normal::Impact;
 use crate::law::{Damping, ElastoPlastic, stribeck};
 use crate::spatial::Vec3;
 use crate::tree::{Surface, Tree};
-use crate::tuning::{BOUNCE_THRESHOLD, DEEP_OVERLAP, EMERGENCE, PRESSED_IN, TANGENTIAL_RATIO};
+use crate::tuning::{
+    BOUNCE_THRESHOLD, DEEP_OVERLAP, EMERGENCE, PRESSED_IN, SMOOTH_OVERLAP, TANGENTIAL_RATIO,
+};
 
 /// How two shapes meet.
 pub(super) struct Meeting<'a> {
@@ -83,8 +85,9 @@ impl Meeting<'_> {
         let (_, tangential) = normal_part(&contact.normal, &(u + contact.carried));
         // What pushes apart shapes that have begun in each other is no load that they carry: it is
         // a million times their weight, and its friction would throw out what is light.
-        let overlap = contact.depth / (DEEP_OVERLAP * contact.spring.reference);
-        contact.mu = friction(tree, surface, &tangential) * (2.0 - overlap).clamp(0.0, 1.0);
+        let overlap = contact.depth / contact.spring.reference;
+        let carried = (SMOOTH_OVERLAP - overlap) / (SMOOTH_OVERLAP - DEEP_OVERLAP);
+        contact.mu = friction(tree, surface, &tangential) * carried.clamp(0.0, 1.0);
         contact.friction = ElastoPlastic {
             stiffness: slope,
             damping: 2.0 * (slope * mass).sqrt(),
