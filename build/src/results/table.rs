@@ -2,7 +2,7 @@
 //!
 //! Commas, semicolons (then a comma may be the decimal sign) or tabs separate; units in brackets
 //! behind names, quotes, empty cells, columns in any order and rows out of order are understood.
-//! So are arrays of FMI 3 as FMPy and fmusim write them: the elements in one cell, with spaces
+//! So are arrays of FMI 3 as `FMPy` and fmusim write them: the elements in one cell, with spaces
 //! between them. Notes say what is left out or corrected.
 
 use super::names;
@@ -348,7 +348,7 @@ mod tests {
         same("Time [s]\ta.b [m]\n0\ttrue\n.5\t-.25\n");
     }
 
-    /// FMPy's `write_csv` and fmusim's `--output-file`, of FMI 3.
+    /// `FMPy`'s `write_csv` and fmusim's `--output-file`, of FMI 3.
     #[test]
     fn arrays_in_one_cell_are_columns_of_their_elements() {
         let table = Table::parse("time,p,on\n0,1 -2 3e-1,true\n1,4 5 6,false\n2,7 8,true\n");
