@@ -16,9 +16,9 @@ use crate::settings::Settings;
 use crate::spatial::{Pose, Vec3, rpy_from_rotation};
 use crate::tree::{Tree, TreeCollider};
 
-/// Smallest angle that counts as one in degrees, where it is possible as such alone; round angles
-/// in degrees are steps of this.
-const LEAST_DEGREES: f64 = 5.0;
+/// Smallest angle outside of the limits that may be meant in degrees: up to a turn it may as well
+/// be in radians.
+const LEAST_DEGREES: f64 = 7.0;
 
 /// How far outside its limits an initial position may be and is moved onto them: files round their
 /// numbers.

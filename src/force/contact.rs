@@ -171,6 +171,8 @@ pub struct Contact {
     pub rise: f64,
     /// What the sliding velocity is more because a surface moves, m/s: tangential.
     pub carried: Vec3,
+    /// Share of its friction that it has: less than 1 of a deep overlap.
+    pub rubbing: f64,
     /// Coulomb coefficient at the sliding speed at the start of the step.
     pub mu: f64,
     /// Friction in the tangent plane, and along the normal against drilling; world axes. It slips

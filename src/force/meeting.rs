@@ -86,8 +86,9 @@ impl Meeting<'_> {
         // What pushes apart shapes that have begun in each other is no load that they carry: it is
         // a million times their weight, and its friction would throw out what is light.
         let overlap = contact.depth / contact.spring.reference;
-        let carried = (SMOOTH_OVERLAP - overlap) / (SMOOTH_OVERLAP - DEEP_OVERLAP);
-        contact.mu = friction(tree, surface, &tangential) * carried.clamp(0.0, 1.0);
+        let rubbing = (SMOOTH_OVERLAP - overlap) / (SMOOTH_OVERLAP - DEEP_OVERLAP);
+        contact.rubbing = rubbing.clamp(0.0, 1.0);
+        contact.mu = friction(tree, surface, &tangential) * contact.rubbing;
         contact.friction = ElastoPlastic {
             stiffness: slope,
             damping: 2.0 * (slope * mass).sqrt(),

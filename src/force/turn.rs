@@ -70,7 +70,7 @@ pub fn find_turns(
             other: contact.other.map(|other| other.body),
             slot: contact.slot,
             normal: contact.normal,
-            coefficient: turning.coefficient,
+            coefficient: turning.coefficient.map(|c| c * contact.rubbing),
             torsional: ElastoPlastic {
                 cap: 0.0,
                 stiffness: torsional.0,

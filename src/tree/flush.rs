@@ -140,4 +140,29 @@ mod tests {
             assert!((farthest - 0.15).abs() < 1e-3, "{farthest}");
         }
     }
+
+    /// A ball on a mat of 1 mm that covers all of a table, 2 mm beyond the edge of both: it rolls off
+    /// with 5/7 g sin θ. The mat covers the top of the table, and beside the edge there would only
+    /// be a wall left to point to, in which the ball is half of its width deep.
+    #[test]
+    fn what_lies_on_a_mat_at_the_edge_of_a_table_rolls_off_slowly() {
+        let mut b = Builder::new(true, inertia(1.0, Vec3::zeros(), [1e-3; 3]));
+        b.shape(LinkId(0), Shape::Sphere { radius: 0.05 }, Pose::IDENTITY);
+        let mut model = b.model;
+        model.roots[0].position = Vec3::new(0.302, 0.0, 0.051);
+        model.join(plate(-0.3, 0.3), "table", RootKind::Object);
+        let mut b = Builder::new(false, RigidInertia::ZERO);
+        let half = Vec3::new(0.3, 1.0, 5e-4);
+        b.shape(LinkId(0), Shape::Box { half }, Pose::IDENTITY);
+        b.model.roots[0].position.z = 5e-4;
+        model.join(b.model, "mat", RootKind::Object);
+        model.world.ground = None;
+        for fixed_step in [0.0, 1.0 / 240.0] {
+            model.solver.step_size = fixed_step;
+            let mut s = start(model.clone(), 1e-3);
+            run(&mut s, 0.1, 1.0 / 240.0);
+            let v = &s.state().physical.v;
+            assert!((0.0..0.1).contains(&v[3]), "{fixed_step}: {v:?}");
+        }
+    }
 }

@@ -12,7 +12,11 @@ use super::scope::Scope;
 /// to thousands of kg in each m³ of them.
 const AIR: f64 = 1.225;
 
-/// Warns of a robot whose shapes together are lighter than air. Gives whether it has warned:
+/// kg/m³, of osmium, than which nothing is denser.
+const DENSEST: f64 = 22_590.0;
+
+/// Warns of a robot whose shapes together are lighter than air, and would be as dense as things are
+/// if their lengths were mm: others have masses that nobody has measured. Gives whether it has warned:
 /// whatever compares sizes says nothing new then.
 pub(super) fn compare_with_masses(
     scope: &mut Scope,
@@ -34,7 +38,9 @@ pub(super) fn compare_with_masses(
     let mass: f64 = heavy.iter().map(|(_, mass, _)| mass).sum();
     let volume: f64 = heavy.iter().map(|(_, _, volume)| volume).sum();
     let largest = heavy.iter().max_by(|a, b| a.2.total_cmp(&b.2));
-    let Some(&(i, ..)) = largest.filter(|_| mass < AIR * volume) else {
+    let in_mm = AIR * volume..DENSEST * volume;
+    let Some(&(i, ..)) = largest.filter(|_| in_mm.contains(&(1e9 * mass)) && mass < in_mm.start)
+    else {
         return false;
     };
     let link = &description.links[i];
@@ -113,6 +119,15 @@ mod tests {
                 .iter()
                 .all(|d| d.code != "U067")
         );
+    }
+
+    /// A room of 300 m³ with a mass of 1 kg, and a link with a placeholder of 1e-5 kg.
+    #[test]
+    fn masses_that_nobody_has_measured_are_no_millimetres() {
+        for (size, mass) in [("10 10 3", 1.0), ("0.1 0.1 0.1", 1e-5)] {
+            let told = findings(1.0, size, mass, None);
+            assert!(told.iter().all(|d| d.code != "U067"), "{told:?}");
+        }
     }
 
     #[test]

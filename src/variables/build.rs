@@ -200,9 +200,9 @@ pub(super) fn is_scalar(joint: &Joint) -> bool {
     )
 }
 
-/// Characters outside `[A-Za-z0-9_]` become `_`, and those that are not of the Latin alphabet, from
-/// U+0250 on, also their code point, because names in other alphabets would all become the same; a
-/// leading digit gets a `_` in front, so does nothing at all.
+/// Characters outside `[A-Za-z0-9_]` become `_`, and letters of other alphabets than the Latin one
+/// also their code point, because names in these would all become the same; a leading digit gets a
+/// `_` in front, so does nothing at all.
 pub(crate) fn identifier(name: &str) -> String {
     let mut identifier = String::with_capacity(name.len());
     for c in name.chars() {
@@ -212,7 +212,9 @@ pub(crate) fn identifier(name: &str) -> String {
         }
         identifier.push('_');
         let code = u32::from(c);
-        if code >= 0x250 {
+        // Latin letters with marks end at U+024F, and go on from U+1E00 to U+1EFF.
+        let is_latin = matches!(code, 0..=0x24f | 0x1e00..=0x1eff);
+        if c.is_alphabetic() && !is_latin {
             let digits = (0..8).rev().map(|place| (code >> (4 * place)) & 0xf);
             let digits = digits.skip_while(|digit| *digit == 0);
             identifier.extend(digits.filter_map(|digit| char::from_digit(digit, 16)));

@@ -17,6 +17,8 @@ pub struct Table {
     pub names: Vec<String>,
     /// Rows; each has as many numbers as there are names.
     pub rows: Vec<Vec<f64>>,
+    /// Line of the names, from 1.
+    pub header: u64,
 }
 
 /// What is wrong with a file, and where.
@@ -187,7 +189,11 @@ impl Table {
         if rows.is_empty() {
             return Err(CsvError::NoRows);
         }
-        Ok(Self { names, rows })
+        Ok(Self {
+            names,
+            rows,
+            header,
+        })
     }
 
     /// As text.
@@ -281,6 +287,7 @@ mod tests {
     #[test]
     fn a_written_table_reads_back_to_the_same_bits() {
         let table = Table {
+            header: 1,
             names: vec!["time".into(), "a.b[1]".into()],
             rows: vec![vec![0.0, 1.0 / 3.0], vec![0.1, -2e-300], vec![0.1, 5e22]],
         };

@@ -96,7 +96,8 @@ pub(super) fn signals(description: &Description, path: &Path) -> Result<Signals,
     })?;
     let mut list = Vec::new();
     for (column, name) in table.names.iter().enumerate().skip(1) {
-        let place = || format!("'{}', line 1, column {}", path.display(), column + 1);
+        let (file, line) = (path.display(), table.header);
+        let place = || format!("'{file}', line {line}, column {}", column + 1);
         let settable = |v: &Variable| v.is_input() || v.variability == "tunable";
         let failed = |what| RunError::Name {
             place: place(),
@@ -122,6 +123,12 @@ pub(super) fn signals(description: &Description, path: &Path) -> Result<Signals,
                     unit => unit,
                 }
             )));
+        }
+        let mut others = list
+            .iter()
+            .map(|signal: &Signal| signal.variable.name.as_str());
+        if others.any(|other| other == variable.name) {
+            return Err(failed(format!("'{stem}' has a column of its own before")));
         }
         list.push(Signal {
             variable: variable.clone(),

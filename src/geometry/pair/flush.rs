@@ -10,7 +10,8 @@
 
 use super::beside::{Beside, Face};
 use super::core::{Core, Solid};
-use super::placed::Placed;
+use super::nearest::Apart;
+use super::placed::{Placed, separation};
 use super::points::{Points, point};
 use crate::spatial::{Pose, Vec3};
 use crate::tuning::{LEAN, SEAM, STRAIGHT};
@@ -68,6 +69,8 @@ pub(super) struct Kept {
     pub(super) first: bool,
     /// Unit vector out of the solid.
     pub(super) outward: Vec3,
+    /// Between both cores along it, m.
+    pub(super) distance: f64,
 }
 
 /// The direction out of `p` about the place `x`, in place of `n`; none where it stays.
@@ -100,12 +103,24 @@ fn is_covered(solid: &Solid, (n, height): Face, x: &Vec3) -> bool {
 
 /// The direction between two solids, from `b` to `a`, where one of them has covered walls to which
 /// `n` leans.
-pub(super) fn between(a: &Placed, b: &Placed, n: &Vec3, x: &Vec3) -> Option<Kept> {
-    let of = |p: &Placed, n: &Vec3, first| {
-        let outward = kept(p, n, x)?;
-        Some(Kept { first, outward })
+///
+/// Along it they are no deeper than before by more than the rounding of that solid, which is what
+/// its edge takes away. Beside the edge of a table whose top a mat covers there would be a wall
+/// left to point to, and what lies on the mat would be half its width deep in that.
+///
+/// - `apart`: how they are along `n`
+pub(super) fn between(a: &Placed, b: &Placed, n: &Vec3, apart: &Apart) -> Option<Kept> {
+    let radii = a.solid.radius + b.solid.radius;
+    let of = |(p, o): (&Placed, &Placed), n: &Vec3, first| {
+        let outward = kept(p, n, &apart.middle)?;
+        let distance = separation(o, p, &outward);
+        (distance >= apart.distance.min(radii) - p.solid.radius).then_some(Kept {
+            first,
+            outward,
+            distance,
+        })
     };
-    of(b, n, false).or_else(|| of(a, &-n, true))
+    of((b, a), n, false).or_else(|| of((a, b), &-n, true))
 }
 
 /// Whether a place is on the solid's own side of all its covered walls.

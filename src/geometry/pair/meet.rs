@@ -4,7 +4,7 @@ use super::core::{Core, Round};
 use super::edges::along_edges;
 use super::flush;
 use super::nearest::{Apart, nearest};
-use super::placed::{Placed, separation};
+use super::placed::Placed;
 use super::points::{Points, Side, point};
 use super::polygon::{Cover, Limits, Polygons, cover};
 use super::trace::{Trace, along_axes};
@@ -85,14 +85,14 @@ impl Meeting {
         if gap > reach + sharp || !acts(&apart.normal) {
             return (apart.normal, apart.part < 1.0, apart.deep);
         }
-        let kept = flush::between(a, b, &apart.normal, &apart.middle);
+        let kept = flush::between(a, b, &apart.normal, &apart);
         if let Some(kept) = &kept {
             apart.normal = if kept.first {
                 -kept.outward
             } else {
                 kept.outward
             };
-            gap += separation(a, b, &apart.normal) - apart.distance;
+            gap += kept.distance - apart.distance;
         }
         let n = apart.normal;
         let blend = a.solid.blend + b.solid.blend;

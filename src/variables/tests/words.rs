@@ -21,7 +21,11 @@ fn variables_say_whose_they_are_how_large_and_what_people_read_them_in() {
 /// Robots of `SolidWorks` and others have the names of their parts, in any alphabet.
 #[test]
 fn names_in_other_alphabets_stay_apart() {
-    for (name, expected) in [("手臂", "_624b_81c2"), ("\u{1f916}", "_1f916")] {
+    for (name, expected) in [
+        ("手臂", "_624b_81c2"),
+        ("\u{1f916}", "_"),
+        ("kính ế", "k_nh__"),
+    ] {
         assert_eq!(build::identifier(name), expected);
     }
     let description = robot(body("底座", 5.0))
