@@ -203,11 +203,13 @@ def main():
         executor, workers = executor_for(options.scheduler, options.threads, fmu)
 
         def progress(done, failed):
-            print(f"\r{done} of {options.runs} runs, {failed} failed", end="", file=sys.stderr, flush=True)
+            if sys.stderr.isatty():
+                print(f"\r{done} of {options.runs} runs, {failed} failed", end="", file=sys.stderr, flush=True)
 
         rows = sweep(executor, options.runs, job, ahead=4 * workers + 50, progress=progress)
         executor.shutdown()
-    print(file=sys.stderr)
+    if sys.stderr.isatty():
+        print(file=sys.stderr)
     write(rows, options.result)
     bad = [row for row in rows if row["error"]]
     for row in bad[:10]:

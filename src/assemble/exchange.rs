@@ -51,14 +51,21 @@ pub(super) fn check(model: &Model, findings: &mut Findings) {
     let tree = Tree::new(model, &Parameters::new(model));
     let states = States::new(model, &tree).len();
     if states > MOST_STATES {
+        let own = if model.roots.iter().any(|root| root.self_collision) {
+            "set robot.self_collision = false, "
+        } else {
+            ""
+        };
         refuse(
             format!(
                 "the model has {states} continuous states, most of them of pairs of shapes that may \
                  touch; importers factor matrices of that size, and at most {MOST_STATES} are \
                  exported"
             ),
-            "set robot.self_collision = false, leave out pairs by ignore_contact, use fewer shapes, \
-             or export with --interface cs",
+            &format!(
+                "{own}leave out pairs by ignore_contact, use fewer shapes, or export with \
+                 --interface cs"
+            ),
         );
     }
 }

@@ -7,11 +7,13 @@
 /// 2. An overlap that an initial pose has put there is deeper than any load would make it. It
 ///    leaves with a speed `v` below its own `v_e`. There the spring has the force `F` of a million
 ///    weights `W`. With the factor `1 − v/v_e` it would be in balance with the weight within the
-///    last millionth of `v_e`, with the slope `10⁶ W/v_e`. On a light link two such contacts, or one
-///    and its joints, then take turns for as long as they are deep, in steps of microseconds.
+///    last millionth of `v_e`, with the slope `10⁶ W/v_e`. On a light link two such contacts, or
+///    one and its joints, then take turns for as long as they are deep, in steps of microseconds.
 /// 3. With `(1 − v/v_e)ⁿ` the slope at the weight is `n (F/W)^(1/n) W/v_e`. It is least for
-///    `n = ln(F/W)`, which is 14 here: 38 weights. [`Self::factor`] has `n = 8`, which three squares
-///    make: 45 weights, and the weight leaves with `0.82 v_e`.
+///    `n = ln(F/W)`, which is 14 here: 38 weights. [`Self::factor`] has `n = 8`, which three
+///    squares make: 45 weights, and the weight leaves with `0.82 v_e`.
+/// 4. Where an overlap begins to be deep, `v_e` is `1/D`: with a weight it leaves with `1/D` on the
+///    one side and with 0.82 of that on the other.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Damping {
     /// `D`, s/m.
