@@ -82,8 +82,8 @@ mod tests {
         }
     }
 
-    /// Of all powers of `1 − v/v_e` the one of the natural logarithm of `F/W` has the least slope at
-    /// the weight, `e ln(F/W) W/v_e`.
+    /// Of all powers of `1 − v/v_e` the one of the natural logarithm of `F/W` has the least slope
+    /// at the weight, `e ln(F/W) W/v_e`.
     #[test]
     fn a_deep_overlap_meets_the_weight_as_softly_as_it_can() {
         let damping = Damping {

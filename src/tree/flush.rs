@@ -141,9 +141,9 @@ mod tests {
         }
     }
 
-    /// A ball on a mat of 1 mm that covers all of a table, 2 mm beyond the edge of both: it rolls off
-    /// with 5/7 g sin θ. The mat covers the top of the table, and beside the edge there would only
-    /// be a wall left to point to, in which the ball is half of its width deep.
+    /// A ball on a mat of 1 mm that covers all of a table, 2 mm beyond the edge of both: it rolls
+    /// off with 5/7 g sin θ. The mat covers the top of the table, and beside the edge there would
+    /// only be a wall left to point to, in which the ball is half of its width deep.
     #[test]
     fn what_lies_on_a_mat_at_the_edge_of_a_table_rolls_off_slowly() {
         let mut b = Builder::new(true, inertia(1.0, Vec3::zeros(), [1e-3; 3]));

@@ -16,8 +16,8 @@ const AIR: f64 = 1.225;
 const DENSEST: f64 = 22_590.0;
 
 /// Warns of a robot whose shapes together are lighter than air, and would be as dense as things are
-/// if their lengths were mm: others have masses that nobody has measured. Gives whether it has warned:
-/// whatever compares sizes says nothing new then.
+/// if their lengths were mm: others have masses that nobody has measured. Gives whether it has
+/// warned: whatever compares sizes says nothing new then.
 pub(super) fn compare_with_masses(
     scope: &mut Scope,
     robot: &CheckedRobot,

@@ -63,11 +63,11 @@ fn what_begins_deep_in_others_is_not_thrown_out_whatever_its_restitution() {
     }
 }
 
-/// A box of 20 cm that begins 3 cm and more in the ground, leaning: where it is after 0.1 s does not
-/// depend on the steps. While the spring's factor fell evenly to 0 at the speed with which an overlap
-/// leaves, its corners took turns: at 1e-5 it ended 4e-3 m or rad from where it ends at 1e-7 and
-/// took 1,500 tries, at 1e-4 2.3e-2. Expected is the end at 1e-7; errors of the tolerance in each
-/// 0.1 s grow tenfold where an edge tips.
+/// A box of 20 cm that begins 3 cm and more in the ground, leaning: where it is after 0.1 s does
+/// not depend on the steps. While the spring's factor fell evenly to 0 at the speed with which an
+/// overlap leaves, its corners took turns: at 1e-5 it ended 4e-3 m or rad from where it ends at
+/// 1e-7 and took 1,500 tries, at 1e-4 2.3e-2. Expected is the end at 1e-7; errors of the tolerance
+/// in each 0.1 s grow tenfold where an edge tips.
 #[test]
 fn what_begins_deep_in_the_ground_emerges_alike_in_all_steps() {
     let end = |tolerance: f64| {
