@@ -17,8 +17,6 @@ pub struct Table {
     pub names: Vec<String>,
     /// Rows; each has as many numbers as there are names.
     pub rows: Vec<Vec<f64>>,
-    /// Line of the names, from 1.
-    pub header: u64,
 }
 
 /// What is wrong with a file, and where.
@@ -108,11 +106,11 @@ pub enum CsvError {
 }
 
 impl Table {
-    /// Reads a table.
+    /// Reads a table; gives the line of its names, from 1, too.
     ///
     /// # Errors
     /// [`CsvError`] with line and column.
-    pub fn parse(text: &str) -> Result<Self, CsvError> {
+    pub fn parse(text: &str) -> Result<(Self, u64), CsvError> {
         let text = text.trim_start_matches('\u{feff}');
         if text.contains('\0') {
             return Err(CsvError::NotText);
@@ -189,11 +187,7 @@ impl Table {
         if rows.is_empty() {
             return Err(CsvError::NoRows);
         }
-        Ok(Self {
-            names,
-            rows,
-            header,
-        })
+        Ok((Self { names, rows }, header))
     }
 
     /// As text.
@@ -287,7 +281,6 @@ mod tests {
     #[test]
     fn a_written_table_reads_back_to_the_same_bits() {
         let table = Table {
-            header: 1,
             names: vec!["time".into(), "a.b[1]".into()],
             rows: vec![vec![0.0, 1.0 / 3.0], vec![0.1, -2e-300], vec![0.1, 5e22]],
         };
@@ -296,27 +289,27 @@ mod tests {
                 .to_text()
                 .starts_with("\"time\",\"a.b[1]\"\n0.0,0.3333333333333333\n")
         );
-        assert_eq!(Table::parse(&table.to_text()), Ok(table));
+        assert_eq!(Table::parse(&table.to_text()), Ok((table, 1)));
     }
 
     /// What is in a table, wherever it stands.
-    fn read(text: &str) -> (Vec<String>, Vec<Vec<f64>>) {
-        let table = Table::parse(text).unwrap_or_else(|error| panic!("{text:?}: {error}"));
-        (table.names, table.rows)
+    fn read(text: &str) -> Table {
+        let read = Table::parse(text).unwrap_or_else(|error| panic!("{text:?}: {error}"));
+        read.0
     }
 
     #[test]
     fn tables_of_spreadsheets_are_read_whatever_separates_their_columns() {
-        let expected = Table::parse("time,a,b\n0,1,2\n0.5,-1,3\n").expect("commas");
+        let expected = read("time,a,b\n0,1,2\n0.5,-1,3\n");
         for text in [
             "time;a;b\r\n0;1;2\r\n0.5;-1;3\r\n",
             "time\ta\tb\n0\t1\t2\n0.5\t-1\t3\n",
             "\u{feff}\r\n\"time\";\"a\";\"b\"\r\n0;1;2\r\n0.5;-1;3",
         ] {
-            assert_eq!(read(text), (expected.names.clone(), expected.rows.clone()));
+            assert_eq!(read(text), expected, "{text:?}");
         }
         // What is in quotes belongs to a name.
-        let table = Table::parse("time,\"a;b;c\"\n0,1\n").expect("two columns");
+        let table = read("time,\"a;b;c\"\n0,1\n");
         assert_eq!(table.names, ["time", "a;b;c"]);
     }
 
@@ -344,7 +337,7 @@ mod tests {
 
     #[test]
     fn what_spreadsheets_add_to_a_table_is_no_part_of_it() {
-        let expected = Table::parse("time,a,b\n0,1,2\n0.5,-1,3\n").expect("commas");
+        let expected = read("time,a,b\n0,1,2\n0.5,-1,3\n");
         for text in [
             "sep=;\ntime;a;b\n0;1;2\n0.5;-1;3\n",
             "\u{feff}\"sep=\t\"\r\ntime\ta\tb\r\n0\t1\t2\r\n0.5\t-1\t3\r\n",
@@ -352,9 +345,9 @@ mod tests {
             "time,a,b,,\n0,1,2,,\n0.5,-1,3,,\n,,,,\n",
             "Time [s],a,b\n0,1,2,\n0.5,-1,3\n",
         ] {
-            assert_eq!(read(text), (expected.names.clone(), expected.rows.clone()));
+            assert_eq!(read(text), expected, "{text:?}");
         }
-        let line = |text: &str| Table::parse(text).expect("a table").header;
+        let line = |text: &str| Table::parse(text).expect("a table").1;
         assert_eq!(line("sep=;\n\ntime;a\n0;1\n"), 3);
         assert_eq!(line("time,a\n0,1\n"), 1);
         let told = |text: &str| Table::parse(text).expect_err("faulty").to_string();
@@ -373,7 +366,7 @@ mod tests {
     #[test]
     fn spaces_quotes_line_ends_and_booleans_of_others_are_read() {
         let text = "\u{feff}\"time\", \"on\" ,x\r\n0,True,1\r\n1,false,+2.5E1\r\n\r\n";
-        let table = Table::parse(text).expect("legal");
+        let (table, _) = Table::parse(text).expect("legal");
         assert_eq!(table.names, ["time", "on", "x"]);
         assert_eq!(table.rows, [[0.0, 1.0, 1.0], [1.0, 0.0, 25.0]]);
     }

@@ -90,14 +90,13 @@ pub(super) fn read(path: &Path) -> Result<String, RunError> {
 
 /// The file of inputs, its columns matched with variables.
 pub(super) fn signals(description: &Description, path: &Path) -> Result<Signals, RunError> {
-    let table = Table::parse(&read(path)?).map_err(|source| RunError::Csv {
+    let (table, line) = Table::parse(&read(path)?).map_err(|source| RunError::Csv {
         path: path.to_owned(),
         source,
     })?;
     let mut list = Vec::new();
     for (column, name) in table.names.iter().enumerate().skip(1) {
-        let (file, line) = (path.display(), table.header);
-        let place = || format!("'{file}', line {line}, column {}", column + 1);
+        let place = || format!("'{}', line {line}, column {}", path.display(), column + 1);
         let settable = |v: &Variable| v.is_input() || v.variability == "tunable";
         let failed = |what| RunError::Name {
             place: place(),

@@ -252,7 +252,6 @@ impl Run {
             slopes: false,
             signals,
             table: Table {
-                header: 1,
                 names: recorded.names.clone(),
                 rows: Vec::new(),
             },

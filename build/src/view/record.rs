@@ -39,7 +39,6 @@ impl Recording {
 
     fn head(&mut self) {
         let table = Table {
-            header: 1,
             names: self.names.clone(),
             rows: Vec::new(),
         };
