@@ -315,6 +315,9 @@ fn urdf_names_become_identifiers() {
         ("left wheel-1", "left_wheel_1"),
         ("1st", "_1st"),
         ("größe", "gr__e"),
+        ("kính ế", "k_nh__"),
+        ("手臂", "_624b_81c2"),
+        ("\u{1f916}", "_"),
         ("a.b[1]", "a_b_1_"),
         ("", "_"),
     ] {
