@@ -1,12 +1,13 @@
 #!/usr/bin/env bash
 # Builds the FMU's library for several systems, on one Debian machine.
 #
-#     build/platforms.sh [--all | --only LIST] [FOLDER]
+#     build/platforms.sh [--all | --only LIST] [--quick] [FOLDER]
 #
 # Without options for Linux and Windows on x86-64; with --all for 64-bit ARM Linux and both Macs, too, and smaller, with
 # a standard library of their own (see build/platforms/tools.sh); --only takes names such as
-# x86_64-linux,aarch64-darwin, or FMI 2's: linux64, win64, darwin64. Writes FOLDER/<platform>/<library> (FOLDER:
-# target/libraries). A command that packs them into FMUs is then built by
+# x86_64-linux,aarch64-darwin, or FMI 2's: linux64, win64, darwin64. With --quick they are not optimised as a whole, for
+# tests: they are made in less time, are larger and a little slower, and give the same bits. Writes
+# FOLDER/<platform>/<library> (FOLDER: target/libraries). A command that packs them into FMUs is then built by
 #
 #     URDF2FMU_LIBRARY_DIR=$PWD/target/libraries cargo build --release
 #
@@ -19,6 +20,7 @@ root=$(cd "$(dirname "$0")/.." && pwd)
 . "$root/build/platforms/tools.sh"
 wanted=(x86_64-linux x86_64-windows)
 folder=
+quick=()
 
 while [ $# -gt 0 ]; do
   case $1 in
@@ -30,7 +32,8 @@ while [ $# -gt 0 ]; do
       select_platforms "${2:-}"
       shift
       ;;
-    -*) wrong "there is no option '$1'; there are --all and --only LIST" ;;
+    --quick) quick=(--config 'profile.release.lto="off"' --config profile.release.codegen-units=4) ;;
+    -*) wrong "there is no option '$1'; there are --all, --only LIST and --quick" ;;
     *) folder=$1 ;;
   esac
   shift
@@ -59,7 +62,7 @@ for platform in "${wanted[@]}"; do
       made=liburdf2fmu_fmi.dylib
       ;;
   esac
-  compile "$platform" --lib --crate-type cdylib --manifest-path "$root/fmi/Cargo.toml" -- "${link[@]}"
+  compile "$platform" --lib --crate-type cdylib --manifest-path "$root/fmi/Cargo.toml" "${quick[@]}" -- "${link[@]}"
   # One file a platform, and no other.
   rm -rf "${folder:?}/$platform"
   mkdir -p "$folder/$platform"

@@ -77,12 +77,12 @@ fn s4_a_satellite_keeps_its_energy_and_its_momentum() {
     );
     let spins = [spin::SPIN, [2.0, 0.1, 0.2], [0.1, 1.5, 0.1]];
     for (gains, held) in [
-        (&[1.0, 8.0, 200.0][..], "pd of 1, 8, 200 N·m/rad without kd"),
-        (&[0.0], "a motor"),
+        ([1.0, 8.0, 200.0], "pd of 1, 8, 200 N·m/rad without kd"),
+        ([0.0; 3], "a motor"),
     ] {
-        let all: Vec<Scene> = gains
-            .iter()
-            .flat_map(|kp| spins.map(|spin| spin::satellite(*kp, spin)))
+        let scenes = gains.iter().zip(spins);
+        let all: Vec<Scene> = scenes
+            .map(|(kp, spin)| spin::satellite(*kp, spin))
             .collect();
         rows.judge(
             &format!("three spins, wheel held by {held}"),
