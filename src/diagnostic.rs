@@ -177,7 +177,7 @@ fn excerpt(place: &Place) -> (String, String) {
 /// So many findings that differ in their link or joint alone are told one by one; of more the first
 /// tells their number. A name that is misspelt in two places is mended in both, but what a program
 /// writes into each joint fills the screen and hides what matters.
-const TOLD: usize = 3;
+pub(crate) const TOLD: usize = 3;
 
 /// What findings have in common that differ in their link or joint alone: the kind of that, code,
 /// message and help.

@@ -348,7 +348,7 @@ pub(crate) struct Simulate {
     /// Tell neither progress nor a summary
     #[arg(long)]
     pub(crate) quiet: bool,
-    /// Sets a parameter or an input at the start; may be repeated
+    /// Sets a parameter or an input at the start, or all that a glob matches; may be repeated
     #[arg(long, num_args = 2, value_names = ["NAME", "VALUE"], action = clap::ArgAction::Append,
           allow_hyphen_values = true)]
     pub(crate) start_value: Vec<String>,

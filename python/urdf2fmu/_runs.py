@@ -16,13 +16,13 @@ import numpy.typing as npt
 
 from ._command import Error, Option, PathLike, Settings, arguments, export, file_name, run, settings
 from ._fmu import is_fmu, read_description, read_variables
-from ._values import by_name, number, numbers
+from ._values import by_name, meant, numbers, one_each, text
 
 Table = Union[npt.NDArray[Any], Mapping[str, npt.ArrayLike]]
 """Columns by their names, `time` first: a structured array, a dict of arrays, or a pandas DataFrame."""
 
 
-def simulate(robot: PathLike, *, input: Table | PathLike | None = None, start_values: Mapping[str, float] | None = None,
+def simulate(robot: PathLike, *, input: Table | PathLike | None = None, start_values: Mapping[str, npt.ArrayLike] | None = None,
              output: str | Sequence[str] = (), config: Settings | None = None, **options: Option) -> npt.NDArray[Any]:
     """Simulates from start to stop.
 
@@ -30,7 +30,7 @@ def simulate(robot: PathLike, *, input: Table | PathLike | None = None, start_va
         robot: an FMU, or a robot.
         input: inputs over time, `time` first, or a CSV file of them; straight lines between the rows, two rows of
             one time are a jump.
-        start_values: parameters and inputs by name.
+        start_values: parameters and inputs by name, stem or glob, as of `Simulation`.
         output: variables that are wanted, as a name or glob or a list of them; without it all outputs.
         config: as of `export`.
         options: those of `urdf2fmu simulate`, such as `stop_time=2.0`, `output_interval=0.01`, `tolerance=1e-5`.
@@ -50,14 +50,18 @@ def simulate(robot: PathLike, *, input: Table | PathLike | None = None, start_va
         elif input is not None:
             write_table(Path(folder, "in.csv"), input)
             more += ["--input-file", str(Path(folder, "in.csv"))]
+        variables = read_variables(read_description(fmu))
         for name, value in by_name("start values", start_values).items():
-            more += ["--start-value", str(name), repr(number(f"the start value of '{name}'", value))]
+            names = meant(variables, text("a variable's name", name))
+            for each, start in zip(names, one_each(name, names, value).tolist()):
+                # Booleans and whole numbers without a point.
+                more += ["--start-value", each, repr(start) if variables[each].kind == "Real" else f"{start:.17g}"]
         for name in [output] if isinstance(output, str) else output:
             more += ["--output-variable", name]
         kept = rest.pop("output_file", None)
         out = Path(folder, "out.csv") if kept is None else Path(str(kept))
         run("simulate", file_name(fmu), "--output-file", out, *more, *arguments(rest))
-        kinds = {v.name: v.kind for v in read_variables(read_description(fmu)).values()}
+        kinds = {v.name: v.kind for v in variables.values()}
         return _read_table(out, kinds)
 
 

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import ctypes
-import difflib
 import math
-import re
 import tempfile
 import threading
 import warnings
@@ -22,9 +20,8 @@ import numpy.typing as npt
 from . import _functions
 from ._command import Error, Option, PathLike, Settings, export
 from ._fmu import Fmu, Variable, is_fmu, load
-from ._values import by_name, number, numbers, text
+from ._values import by_name, meant, number, one_each, text
 
-_ENDS = ("x", "y", "z", "w"), ("x", "y", "z"), ("roll", "pitch", "yaw"), ("x", "y")
 _CAUSALITIES = "input", "output", "parameter", "calculatedParameter", "structuralParameter", "local", "independent"
 _WARNING = 1
 _PATIENCE = 1.0
@@ -181,28 +178,10 @@ class Simulation:
         known = self._places.get(text("a variable's name", name))
         if known is not None:
             return known
-        names = self._meant(name)
+        names = meant(self._fmu.variables, name)
         variables = [self._fmu.variables[n] for n in names]
         self._places[name] = place = _Place(names, _functions.parts(variables), names == [name])
         return place
-
-    def _meant(self, name: str) -> list[str]:
-        variables = self._fmu.variables
-        if name in variables:
-            return [name]
-        for ends in _ENDS:
-            vector = [f"{name}.{end}" for end in ends]
-            if all(n in variables for n in vector):
-                return vector
-        # With a number each, or with row and column.
-        element = re.compile(re.escape(name) + r"\[\d+(,\d+)*\]")
-        numbered = [n for n in variables if element.fullmatch(n)]
-        found = numbered or [n for n in variables if fnmatchcase(n, name)]
-        if not found:
-            near = difflib.get_close_matches(name, variables, 3, 0.5)
-            advice = " (did you mean " + " or ".join(f"'{n}'" for n in near) + "?)" if near else ""
-            raise Error(f"there is no variable '{name}'{advice}")
-        return found
 
     def __getitem__(self, name: str) -> Any:
         """The value of one variable, or an array of those behind a stem or glob."""
@@ -221,11 +200,7 @@ class Simulation:
     def __setitem__(self, name: str, value: npt.ArrayLike) -> None:
         """Sets one variable, or all behind a stem or glob: to one number, or to one each."""
         place = self._place(name)
-        given = numbers(f"'{name}'", value)
-        if given.shape not in ((), (len(place.names),)):
-            many = "one number" if place.single else f"one number or {len(place.names)}"
-            raise Error(f"'{name}' takes {many}; the given value has the shape {given.shape}")
-        given = np.broadcast_to(given, len(place.names))
+        given = one_each(name, place.names, value)
         for part in place.parts:
             some_given = given[part.where]
             if part.kind != "Real" and not np.all((some_given == np.round(some_given)) & (abs(some_given) < 2**31)):

@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import difflib
+import re
+from collections.abc import Collection, Mapping
+from fnmatch import fnmatchcase
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from ._command import Error
+
+_ENDS = ("x", "y", "z", "w"), ("x", "y", "z"), ("roll", "pitch", "yaw"), ("x", "y")
 
 
 def numbers(what: str, value: Any) -> npt.NDArray[np.float64]:
@@ -67,3 +72,39 @@ def text(what: str, value: Any) -> str:
     if not isinstance(value, str):
         raise Error(f"{what} is a text, not {value!r}")
     return value
+
+
+def meant(variables: Collection[str], name: str) -> list[str]:
+    """Variables that a name means: itself, those of a vector by their stem, or all that match a glob.
+
+    Raises:
+        Error: if there is none, with the nearest names.
+    """
+    if name in variables:
+        return [name]
+    for ends in _ENDS:
+        vector = [f"{name}.{end}" for end in ends]
+        if all(n in variables for n in vector):
+            return vector
+    # With a number each, or with row and column.
+    element = re.compile(re.escape(name) + r"\[\d+(,\d+)*\]")
+    numbered = [n for n in variables if element.fullmatch(n)]
+    found = numbered or [n for n in variables if fnmatchcase(n, name)]
+    if not found:
+        near = difflib.get_close_matches(name, variables, 3, 0.5)
+        advice = " (did you mean " + " or ".join(f"'{n}'" for n in near) + "?)" if near else ""
+        raise Error(f"there is no variable '{name}'{advice}")
+    return found
+
+
+def one_each(name: str, names: list[str], value: Any) -> npt.NDArray[np.float64]:
+    """A number for each of the variables that a name means, from one for all or from one each.
+
+    Raises:
+        Error: if these are neither.
+    """
+    given = numbers(f"'{name}'", value)
+    if given.shape not in ((), (len(names),)):
+        many = "one number" if names == [name] else f"one number or {len(names)}"
+        raise Error(f"'{name}' takes {many}; the given value has the shape {given.shape}")
+    return np.broadcast_to(given, len(names))

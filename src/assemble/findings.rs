@@ -1,9 +1,10 @@
 //! Findings of the assembly, and selection of joints and links by pattern.
 
 use crate::diagnostic::words::likeliest;
-use crate::diagnostic::{Diagnostic, Place, Severity};
+use crate::diagnostic::{Diagnostic, Place, Severity, TOLD, times};
 use crate::pattern::Pattern;
 use crate::urdf::Description;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 /// Findings so far.
@@ -142,6 +143,36 @@ impl Findings {
         }
         suitable
     }
+}
+
+/// Of notes that differ in names and numbers alone, such as where each of twenty objects starts,
+/// the first tells how many there are.
+pub(super) fn first_of_many(findings: Vec<Diagnostic>) -> Vec<Diagnostic> {
+    let key = |note: &Diagnostic| {
+        let said = note.message.split('\'').step_by(2);
+        let words: String = said
+            .flat_map(str::chars)
+            .filter(|c| !c.is_ascii_digit())
+            .collect();
+        (note.code, note.help.clone(), words)
+    };
+    let free = |d: &Diagnostic| d.severity == Severity::Note && d.place.is_none();
+    let mut counts = BTreeMap::new();
+    for note in findings.iter().filter(|d| free(d)) {
+        *counts.entry(key(note)).or_insert(0_usize) += 1;
+    }
+    counts.retain(|_, count| *count > TOLD);
+    let mut told = BTreeSet::new();
+    let brief = findings.into_iter().filter_map(|mut finding| {
+        if let Some(&count) = free(&finding).then(|| counts.get(&key(&finding))).flatten() {
+            if !told.insert(key(&finding)) {
+                return None;
+            }
+            finding.message += &times(count);
+        }
+        Some(finding)
+    });
+    brief.collect()
 }
 
 /// Up to five names in quotes, and how many more there are.

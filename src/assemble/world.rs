@@ -6,7 +6,7 @@
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
 use super::alone::{Assembled, attempt, build};
-use super::findings::Findings;
+use super::findings::{Findings, first_of_many};
 use super::terrain::{self, has_terrain};
 use super::touch::overlaps;
 use super::{exchange, loops, outputs, pairs};
@@ -134,7 +134,7 @@ pub fn world(
     findings.extend(warnings(&model));
     Ok(Assembled {
         model,
-        diagnostics: findings,
+        diagnostics: first_of_many(findings),
     })
 }
 

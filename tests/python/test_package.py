@@ -122,6 +122,17 @@ def test_simulate_gives_the_table_of_fmpy_to_the_bit(name, examples, tmp_path):
         assert ours[column].tobytes() == theirs[column].tobytes(), column
 
 
+def test_start_values_of_a_run_are_those_of_a_simulation(rover):
+    """By name, stem and glob, one for all or one each."""
+    start = {"initial.base.position": [1.0, 2.0, 0.5], "cmd.*_wheel_joint.velocity": 5, "world.ground.friction": 0.4}
+    table = urdf2fmu.simulate(rover, stop_time=0.5, output_interval=0.1, start_values=start)
+    assert [table[f"base.position.{axis}"][0] for axis in "xyz"] == [1.0, 2.0, 0.5]
+    with Simulation(rover, start_values=start) as robot:
+        for row in table[1:]:
+            robot.step(row["time"] - robot.time)
+        assert robot["base.position.x"] == pytest.approx(table["base.position.x"][-1], abs=1e-9) and robot[WHEELS].all()
+
+
 def test_steps_give_the_bits_of_fmpy(rover):
     folder = fmpy.extract(str(rover))
     model = fmpy.read_model_description(folder)

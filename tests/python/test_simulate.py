@@ -87,6 +87,24 @@ def test_a_urdf_is_simulated_by_way_of_its_fmu(command, examples, tmp_path):
     assert rows[-1].startswith("0.1,") and len(rows) == 25
 
 
+def test_start_values_are_given_by_name_or_glob(command, export, examples, tmp_path):
+    """A glob gives its value to all parameters and inputs that match; of two values of one variable the later counts."""
+    fmu = export(examples / "rover.urdf")
+
+    def table(*pairs):
+        values = [part for pair in pairs for part in ("--start-value", *pair)]
+        done = command("simulate", fmu, "--stop-time", "0.2", "--output-file", tmp_path / "out.csv", *values)
+        assert done.returncode == 0, done.stderr
+        return read_csv(tmp_path / "out.csv")
+
+    wheels = [f"cmd.{side}_{end}_wheel_joint.velocity" for side in ("left", "right") for end in ("front", "rear")]
+    all_ahead = table(*[(name, "5") for name in wheels])
+    assert all_ahead["base.position.x"][-1] > 0.05
+    assert table(("cmd.*_wheel_joint.velocity", "5")).tobytes() == all_ahead.tobytes()
+    left_back = table(("cmd.*_wheel_joint.velocity", "5"), ("cmd.left_*_wheel_joint.velocity", "-5"))
+    assert abs(left_back["base.rpy.yaw"][-1]) > 0.05
+
+
 @pytest.mark.parametrize("text, words", [
     ("", "empty"),
     ("t,x\n0,1\n", "first column must be 'time'"),
@@ -107,6 +125,8 @@ def test_faulty_inputs_are_told_with_their_place(command, export, examples, tmp_
     (["--start-value", "world.gravty.z", "1"], 2, "did you mean 'world.gravity.z'?"),
     (["--start-value", "world.gravity.z", "down"], 2, "no finite number"),
     (["--start-value", "base.position.z", "1"], 2, "an output"),
+    (["--start-value", "cmd.*.speed", "1"], 2, "no parameter or input matches 'cmd.*.speed'"),
+    (["--start-value", "cmd.*.max_effort", "strong"], 2, "--start-value cmd.left_front_wheel_joint.max_effort: 'strong'"),
     (["--stop-time", "-1"], 2, "after the start time"),
     (["--output-interval", "0"], 2, "output interval"),
     (["--start-value", "world.gravity.z"], 2, "2 values"),

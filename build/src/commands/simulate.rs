@@ -68,14 +68,14 @@ pub(super) fn simulate(args: &Simulate) -> Result<(), CliError> {
         // An FMU of another program has none.
         seen => seen.ok(),
     };
-    if let Some(seen) = &mut seen {
-        let path = args.file.clone();
-        seen.mount(&changed(args))
-            .map_err(|source| CliError::Scene { path, source })?;
-    }
     let unpacked = folder.path().join("fmu");
     archive::unpack(&fmu, &unpacked)?;
     let outcome = run(args, &unpacked)?;
+    if let Some(seen) = &mut seen {
+        let path = args.file.clone();
+        seen.mount(&outcome.started)
+            .map_err(|source| CliError::Scene { path, source })?;
+    }
     // What was reached is of use even if the end was not.
     let written = write(args, &targets, &outcome, seen.as_ref());
     match (outcome.failure, written) {
@@ -134,13 +134,6 @@ fn write(
     tell(&summary)
 }
 
-/// Parameters and inputs that the command line sets to numbers.
-fn changed(args: &Simulate) -> BTreeMap<String, f64> {
-    let pairs = args.start_value.chunks_exact(2);
-    let changed = pairs.filter_map(|p| Some((p[0].clone(), p[1].trim().parse().ok()?)));
-    changed.collect()
-}
-
 /// Writes the results; gives the summary, empty with `--quiet`.
 fn results(
     args: &Simulate,
@@ -162,18 +155,18 @@ fn results(
         }
         target.write(picture.svg.as_bytes())?;
     }
-    let changed = changed(args);
+    let changed = &outcome.started;
     let timed = std::io::stderr().is_terminal();
     let hint = seen.filter(|_| timed && !args.quiet);
-    let hint = hint.and_then(|seen| costs(outcome, &table, seen, &changed).hint());
+    let hint = hint.and_then(|seen| costs(outcome, &table, seen, changed).hint());
     let events = match (&targets.page, seen) {
         (Some(target), Some(seen)) => {
             let table = table.named(&seen.scene);
-            Some(see::write(target, seen, table, &changed)?)
+            Some(see::write(target, seen, table, changed)?)
         }
         (None, Some(seen)) if !args.quiet => {
             let Table { time, columns, .. } = &table;
-            Some(events::find(&seen.scene, time, columns, &changed))
+            Some(events::find(&seen.scene, time, columns, changed))
         }
         _ => None,
     };

@@ -8,6 +8,7 @@ use super::tabular::{decoded, name_and_unit, same_unit};
 use super::variable::{Kind, Variable};
 use std::path::{Path, PathBuf};
 use urdf2fmu_core::digits::Digits;
+use urdf2fmu_core::pattern::Pattern;
 
 /// Longest table of results, in rows: a longer one is probably a typing error in an interval.
 const MOST_ROWS: f64 = 1e8;
@@ -23,7 +24,7 @@ pub struct Experiment {
     pub output_interval: Option<f64>,
     /// Relative tolerance.
     pub tolerance: Option<f64>,
-    /// Names and values of parameters and inputs.
+    /// Names or globs of parameters and inputs, and their values.
     pub start_values: Vec<(String, String)>,
     /// Inputs over time.
     pub inputs: Option<PathBuf>,
@@ -137,44 +138,57 @@ pub(super) fn signals(description: &Description, path: &Path) -> Result<Signals,
     Ok(Signals::new(table, list))
 }
 
-/// `--start-value`
+/// `--start-value`: what a name or glob means, with its value.
 pub(super) fn starts<'d>(
     description: &'d Description,
     values: &[(String, String)],
 ) -> Result<Vec<(&'d Variable, f64)>, RunError> {
     let mut starts = Vec::new();
     for (name, text) in values {
-        let variable = find(
-            description,
-            name,
-            Variable::can_start,
-            "a parameter or an input",
-        )
-        .map_err(|what| RunError::Name {
+        let failed = |what| RunError::Name {
             place: START_VALUE.to_owned(),
             what,
-        })?;
-        let bad = |expected| RunError::Value {
-            name: name.clone(),
-            text: text.clone(),
-            expected,
         };
-        let value = match (variable.kind, text.trim()) {
-            (Kind::Boolean, "true" | "True" | "1") => 1.0,
-            (Kind::Boolean, "false" | "False" | "0") => 0.0,
-            (Kind::Boolean, _) => return Err(bad("true or false")),
-            (Kind::Integer, text) => {
-                f64::from(text.parse::<i32>().map_err(|_| bad("whole number"))?)
-            }
-            (_, text) => text
-                .parse()
-                .ok()
-                .filter(|x: &f64| x.is_finite())
-                .ok_or_else(|| bad("finite number"))?,
-        };
-        starts.push((variable, value));
+        for variable in meant(description, name).map_err(failed)? {
+            let bad = |expected| RunError::Value {
+                name: variable.name.clone(),
+                text: text.clone(),
+                expected,
+            };
+            let value = match (variable.kind, text.trim()) {
+                (Kind::Boolean, "true" | "True" | "1") => 1.0,
+                (Kind::Boolean, "false" | "False" | "0") => 0.0,
+                (Kind::Boolean, _) => return Err(bad("true or false")),
+                (Kind::Integer, text) => {
+                    f64::from(text.parse::<i32>().map_err(|_| bad("whole number"))?)
+                }
+                (_, text) => text
+                    .parse()
+                    .ok()
+                    .filter(|x: &f64| x.is_finite())
+                    .ok_or_else(|| bad("finite number"))?,
+            };
+            starts.push((variable, value));
+        }
     }
     Ok(starts)
+}
+
+/// Parameters and inputs that a name or glob means; the error tells the nearest name.
+fn meant<'d>(description: &'d Description, name: &str) -> Result<Vec<&'d Variable>, String> {
+    let pattern = Pattern::from(name);
+    if !pattern.is_glob() || description.find(name).is_some() {
+        let what = "a parameter or an input";
+        return Ok(vec![find(description, name, Variable::can_start, what)?]);
+    }
+    let fit = |v: &&Variable| v.can_start() && v.kind != Kind::Text && pattern.matches(&v.name);
+    let found: Vec<&Variable> = description.variables.iter().filter(fit).collect();
+    if found.is_empty() {
+        return Err(format!(
+            "no parameter or input matches '{name}'; urdf2fmu info --variables lists all"
+        ));
+    }
+    Ok(found)
 }
 
 /// The variable called `name`, if it is `fit`; otherwise the error, with the nearest suitable name.

@@ -38,6 +38,8 @@ pub struct Outcome {
     pub took: Vec<Duration>,
     /// What the FMU said: status and text.
     pub messages: Vec<(i32, String)>,
+    /// Parameters and inputs that were given values at the start.
+    pub started: BTreeMap<String, f64>,
     /// Why it ended early, if it did.
     pub failure: Option<RunError>,
 }
@@ -62,6 +64,8 @@ pub fn simulate(
         None => None,
     };
     let starts = starts(&description, &experiment.start_values)?;
+    let named = starts.iter().map(|(v, value)| (v.name.clone(), *value));
+    let started = named.collect();
     // Local variables are written only where they are asked for.
     let seen = ["output", "input", "local"];
     let recorded = Recorded::new(&description, |v| seen.contains(&v.causality.as_str()));
@@ -95,6 +99,7 @@ pub fn simulate(
             v.kind != Kind::Real || v.variability == "discrete"
         }),
         table: run.table,
+        started,
         written,
         times,
         tolerance,

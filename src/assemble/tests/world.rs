@@ -55,6 +55,35 @@ fn gravity_that_points_up_is_told_once_for_all_that_is_in_the_world() {
 }
 
 #[test]
+fn notes_that_are_alike_for_many_objects_are_told_once_with_their_number() {
+    let notes = |count: usize| {
+        let cubes = (0..count).map(|i| {
+            format!(
+                "[[world.object]]\nname = \"b{i}\"\nmass = 1\nxyz = [{}, 2]\n\
+                 shape = {{ box = [0.1, 0.1, {}] }}\n",
+                0.5 * i as f64,
+                0.1 + 0.01 * i as f64
+            )
+        });
+        let text: String = cubes.collect();
+        let starts = |d: &&Diagnostic| d.code == "A111" && d.message.contains("object");
+        let built = built(&text, None);
+        let told: Vec<String> = built
+            .diagnostics
+            .iter()
+            .filter(starts)
+            .map(|d| d.message.clone())
+            .collect();
+        told
+    };
+    assert_eq!(notes(3).len(), 3);
+    let told = notes(20);
+    assert_eq!(told.len(), 1, "{told:?}");
+    assert!(told[0].starts_with("object 'b0': it starts"), "{told:?}");
+    assert!(told[0].ends_with("(20 times, first here)"), "{told:?}");
+}
+
+#[test]
 fn a_cube_beside_a_cart_has_its_own_variables_and_stands_on_the_ground() {
     let built = built(
         "[[world.object]]\nname = \"cube\"\nshape = { box = [0.2, 0.4, 0.6] }\nmass = 3\n\
