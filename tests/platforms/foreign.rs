@@ -5,6 +5,7 @@ use super::{
     Fmu, assert_all_of_fmi, assert_glibc_2_17_and_nothing_else, assert_same_bits, compile_trace,
     example, folder, made, output, skipped, wine,
 };
+use std::collections::BTreeSet;
 use std::fs;
 use std::process::Command;
 
@@ -141,5 +142,15 @@ fn an_fmu_for_all_platforms_is_small() {
         output(command.args(["--fmi", fmi, "-o"]).arg(&fmu));
         let size = fs::metadata(&fmu).unwrap().len();
         assert!(size <= most, "FMI {fmi}: {size} bytes");
+        let zip = zip::ZipArchive::new(fs::File::open(&fmu).unwrap()).unwrap();
+        let inside = zip.file_names().filter_map(|name| {
+            let (folder, file) = name.strip_prefix("binaries/")?.split_once('/')?;
+            (!file.is_empty()).then_some(folder)
+        });
+        let inside: BTreeSet<&str> = inside.collect();
+        assert!(
+            inside.into_iter().eq(platforms.iter().copied()),
+            "FMI {fmi}"
+        );
     }
 }

@@ -53,14 +53,42 @@ def commanded(fmu, seed=3):
     return np.array(rows, dtype=[(name, float) for name in ("time", *names)])
 
 
+WORLD = """
+[outputs]
+contact_points = true
+[[sensor]]
+type = "ray"
+name = "lidar"
+link = "head"
+rays = 9
+fov = 3.0
+range = 5
+hits = true
+[[world.object]]
+name = "step"
+shape = { box = [0.4, 0.4, 0.2] }
+mass = 20
+xyz = [0.6, 0.0]
+[[world.object]]
+name = "ball"
+shape = { sphere = 0.1 }
+mass = 1
+xyz = [0.62, 0.0, 0.32]
+[[outputs.pair]]
+name = "stand"
+first = "ball"
+second = "step"
+"""
 ROBOTS = {"r2d2": ("r2d2.urdf", ""), "iiwa": ("kuka_iiwa/model.urdf", "[outputs]\nlinks = [\"*\"]\n"),
-          "quadruped": (None, "")}
+          "quadruped": ("quadruped.urdf", ""), "world": ("rover.urdf", WORLD)}
+OWN = ("quadruped", "world")
+"""Those of our examples; the others are PyBullet's."""
 
 
 @pytest.mark.parametrize("name", ROBOTS)
 def test_fmi_3_is_valid_and_gives_the_bits_of_fmi_2(name, pybullet_data, examples, export):
     file, settings = ROBOTS[name]
-    urdf = pybullet_data / file if file else examples / "quadruped.urdf"
+    urdf = (examples if name in OWN else pybullet_data) / file
     old, new = export(urdf, settings), export(urdf, settings, "--fmi", "3")
     description = valid(new)
     assert description.fmiVersion == "3.0"

@@ -301,6 +301,20 @@ fn what_cannot_be_exchanged_is_refused() {
                 xyz = [1, 2]\n";
     for (line, told) in [
         ("restitution = 0.1\n", "link 'cube.cube' has a restitution"),
+        (
+            "[[sensor]]\ntype = \"imu\"\nname = \"gyro\"\nlink = \"left_wheel\"\nrate = 100\n",
+            "sensor 'gyro' takes samples or errs",
+        ),
+        (
+            "[[sensor]]\ntype = \"imu\"\nname = \"drift\"\nlink = \"left_wheel\"\n\
+             angular_velocity = { bias = [0.1, 0, 0] }\n",
+            "sensor 'drift' takes samples or errs",
+        ),
+        (
+            "[[loop]]\nname = \"pin\"\ntype = \"ball\"\nlinks = [\"left_wheel\", \"world\"]\n",
+            "loop 'pin' closes a chain",
+        ),
+        ("[[sensor]]\ntype = \"imu\"\nlink = \"left_wheel\"\n", ""),
         ("", ""),
     ] {
         for interface in ["cs", "me", "both"] {
