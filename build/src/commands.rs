@@ -69,7 +69,7 @@ fn export(args: &Export) -> Result<(), CliError> {
 fn show(args: &Info) -> Result<(), CliError> {
     refuse_other_kinds(&args.file)?;
     refuse_options(&args.file, &args.source)?;
-    let (model, table, platforms, fmi) = if is_fmu(&args.file) {
+    let (model, table, platforms, fmi, guid) = if is_fmu(&args.file) {
         let path = args.file.clone();
         let Some(bytes) = archive::read_entry(&path, &format!("resources/{FILE_NAME}"))? else {
             return Err(CliError::ForeignFmu { path });
@@ -80,12 +80,13 @@ fn show(args: &Info) -> Result<(), CliError> {
             .map(|(folder, head)| (folder, library::header::platforms(&head)))
             .collect();
         let text = archive::read_entry(&path, "modelDescription.xml")?.unwrap_or_default();
-        let fmi = Description::parse(&String::from_utf8_lossy(&text));
-        let fmi = fmi.map_err(RunError::from)?.fmi;
+        let description = Description::parse(&String::from_utf8_lossy(&text));
+        let description = description.map_err(RunError::from)?;
         let prepared = PreparedModel::from_json(&String::from_utf8_lossy(&bytes))
             .map_err(|source| CliError::Prepared { path, source })?;
         let table = variables::table(&prepared.model)?;
-        (prepared.model, table, platforms, fmi)
+        let Description { fmi, guid, .. } = description;
+        (prepared.model, table, platforms, fmi, Some(guid))
     } else {
         let robot = stage::robot(&args.source.request(&args.file))?;
         print_findings(&robot.diagnostics, Severity::Warning)?;
@@ -93,7 +94,8 @@ fn show(args: &Info) -> Result<(), CliError> {
         let platforms = stage::libraries(&robot, &[])?.into_iter();
         let platforms = platforms.map(|l| (l.folder.to_owned(), l.platforms));
         let platforms = platforms.collect();
-        (robot.model, robot.table, platforms, robot.settings.fmu.fmi)
+        let fmi = robot.settings.fmu.fmi;
+        (robot.model, robot.table, platforms, fmi, None)
     };
     let listed = listing::listed(fmi, &model, &table)?;
     if args.json {
@@ -112,9 +114,13 @@ fn show(args: &Info) -> Result<(), CliError> {
             text += "\nVariables\n";
             text += &listing::text(&listed);
         }
+        value["fmi"] = json!(fmi.to_string());
+        value["interfaces"] = json!(info::elements(&model));
+        value["guid"] = json!(guid);
         let inside = platforms.iter();
         let inside = inside.map(|(folder, systems)| library::describe(folder, systems));
         let inside = inside.collect::<Vec<_>>().join(" ");
+        text += &info::interface(&model, fmi, guid.as_deref());
         print(&format!("{text}\nPlatforms\n  {inside}\n"))?;
     }
     Ok(())

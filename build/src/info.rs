@@ -12,6 +12,7 @@ use std::sync::Arc;
 use urdf2fmu_core::model::{
     Interface, Joint, JointId, JointKind, LinkId, Model, Root, RootId, RootKind,
 };
+use urdf2fmu_core::settings::FmiVersion;
 use urdf2fmu_core::simulation::{OutputSlot, Simulation};
 use urdf2fmu_core::spatial::{Mat3, Vec3, quaternion_from_rotation};
 use urdf2fmu_core::variables::{Kind, Variable};
@@ -48,6 +49,27 @@ pub fn interfaces(model: &Model) -> &'static str {
         Interface::Me => "Model Exchange",
         Interface::Both => "co-simulation and Model Exchange",
     }
+}
+
+/// The same as the elements of modelDescription.xml.
+pub fn elements(model: &Model) -> &'static [&'static str] {
+    match model.outputs.interface {
+        Interface::Cs => &["CoSimulation"],
+        Interface::Me => &["ModelExchange"],
+        Interface::Both => &["CoSimulation", "ModelExchange"],
+    }
+}
+
+/// Which standard an FMU holds to, how it is run, and what identifies it.
+///
+/// - `guid`: none where there is no FMU yet, since it depends on the libraries inside
+pub fn interface(model: &Model, fmi: FmiVersion, guid: Option<&str>) -> String {
+    let name = match fmi {
+        FmiVersion::V2 => "guid",
+        FmiVersion::V3 => "instantiation token",
+    };
+    let guid = guid.map_or_else(String::new, |guid| format!(", {name} {guid}"));
+    format!("\nInterface\n  FMI {fmi}, {}{guid}\n", interfaces(model))
 }
 
 /// `1 link`, `2 links`, `2 degrees of freedom`.

@@ -393,6 +393,8 @@ fn export_says_what_it_made_and_what_it_assumed() {
     ] {
         assert!(run.out.contains(word), "{word:?} not in\n{}", run.out);
     }
+        "FMI 2.0 co-simulation, ",
+        platform(),
     // The wheels' lowest point: axle 0.05 m below the base's origin, radius 0.1 m; the ground gives
     // way by 14 micrometres.
     assert!(

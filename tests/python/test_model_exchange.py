@@ -2,6 +2,7 @@
 
 import ctypes
 import io
+import json
 import sys
 from contextlib import redirect_stdout
 from pathlib import Path
@@ -139,8 +140,8 @@ class Field:
 
 
 def test_directional_derivatives_are_those_of_differences(r2d2, tmp_path):
-    """Of every derivative by every state and by every input, on R2D2 as it stands: beside
-    differences that this test takes, with steps of several sizes and the best of them."""
+    """Of every derivative by every state, on R2D2 as it stands: beside differences that this test takes, with steps of
+    several sizes and the best of them. Inputs, outputs and other robots: test_derivatives.py."""
     model, description = instance(r2d2[2], tmp_path)
     field = Field(model, description)
     x = field.states()
@@ -304,13 +305,16 @@ def test_simulate_swings_a_pole_as_cvode_does(fmi, command, tmp_path):
     model.freeInstance()
 
 
-def test_view_and_report_run_a_model_exchange_fmu(pybullet_data, export, command, tmp_path):
-    """The page of a run has it whole; the view is driven by an input that a viewer sets, and back at the start after a
-    reset; a start value that Model Exchange refuses is named."""
-    fmu = export(pybullet_data / "r2d2.urdf", "", "--interface", "me")
-    page, record = tmp_path / "run.html", tmp_path / "record.csv"
-    done = command("simulate", fmu, "--stop-time", 0.1, "--report", page)
+@pytest.mark.parametrize(("fmi", "interface"), [(2, "me"), (3, "me"), (3, "cs")])
+def test_view_report_and_simulate_run_it(fmi, interface, pybullet_data, export, command, tmp_path):
+    """The page of a run has it whole, and so has one that is made of its table; the view is driven by an input that a
+    viewer sets, and back at the start after a reset; a start value that Model Exchange refuses is named."""
+    fmu = export(pybullet_data / "r2d2.urdf", "", "--interface", interface, "--fmi", str(fmi))
+    page, table, later, record = (tmp_path / name for name in ("run.html", "run.csv", "later.html", "record.csv"))
+    done = command("simulate", fmu, "--stop-time", 0.1, "--report", page, "--output-file", table)
     assert done.returncode == 0 and page.stat().st_size > 1e5, done.stderr
+    done = command("report", table, "--model", fmu, "-o", later)
+    assert done.returncode == 0 and later.stat().st_size > 1e5, done.stderr
     running = Running(fmu, "--record", record)
     try:
         viewer = running.viewer()
@@ -328,8 +332,34 @@ def test_view_and_report_run_a_model_exchange_fmu(pybullet_data, export, command
     assert "error" not in said, said
     driven = read_csv(record)
     assert driven["time"][-1] > 0.5 and abs(driven["base.position.y"][-1]) > 0.01, driven["base.position.y"]
-    done = command("simulate", fmu, "--start-value", "world.ground.restitution", 0.5)
-    assert done.returncode == 3 and "world.ground.restitution" in done.stderr, done.stderr
+    done = command("simulate", fmu, "--stop-time", 0.1, "--start-value", "world.ground.restitution", 0.5)
+    if interface == "me":
+        assert done.returncode == 3 and "world.ground.restitution" in done.stderr, done.stderr
+    else:
+        assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.parametrize("fmi", (2, 3))
+@pytest.mark.parametrize(("interface", "words"), [
+    ("cs", "co-simulation"), ("me", "Model Exchange"), ("both", "co-simulation and Model Exchange")])
+def test_info_says_version_interface_and_guid(fmi, interface, words, examples, export, command):
+    """As modelDescription.xml has them, by FMPy; of a URDF, what its FMU would have."""
+    options = "--interface", interface, "--fmi", str(fmi)
+    fmu = export(examples / "arm.urdf", "", *options)
+    description = fmpy.read_model_description(str(fmu))
+    elements = [name for name, there in (("CoSimulation", description.coSimulation),
+                                         ("ModelExchange", description.modelExchange)) if there]
+    version = f"{fmi}.0"
+    assert description.fmiVersion == version
+    told = json.loads(command("info", fmu, "--json").stdout)
+    assert (told["fmi"], told["interfaces"], told["guid"]) == (version, elements, description.guid)
+    named = {2: "guid", 3: "instantiation token"}[fmi]
+    shown = f"\nInterface\n  FMI {version}, {words}"
+    assert f"{shown}, {named} {description.guid}\n" in command("info", fmu).stdout
+    urdf = examples / "arm.urdf"
+    told = json.loads(command("info", urdf, "--json", *options).stdout)
+    assert (told["fmi"], told["interfaces"], told["guid"]) == (version, elements, None)
+    assert f"{shown}\n" in command("info", urdf, *options).stdout
 
 
 def test_what_needs_events_is_refused_by_name(examples, command, tmp_path):
