@@ -11,6 +11,7 @@ import zipfile
 from pathlib import Path
 
 import fmpy
+import installed
 import numpy as np
 import pytest
 from fmpy.fmi2 import FMU2Slave
@@ -30,34 +31,19 @@ def rover(examples, tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def wheel(tmp_path_factory):
-    """A wheel with the command under test, which is named as docs/python.md does: without its folder."""
-    folder, command = tmp_path_factory.mktemp("wheel"), Path(os.environ["URDF2FMU"])
-    environment = {**os.environ, "URDF2FMU_BINARY": command.stem, "SOURCE_DATE_EPOCH": "1600000000",
-                   "PATH": f"{command.parent}{os.pathsep}{os.environ['PATH']}"}
-    done = subprocess.run([sys.executable, "-m", "hatchling", "build", "-t", "wheel", "-d", folder], cwd=ROOT,
-                          env=environment, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr
-    return next(folder.glob("*.whl"))
+def wheel(shared):
+    return installed.wheel(shared)
 
 
 @pytest.fixture(scope="module")
 def fresh(wheel, tmp_path_factory):
     """The interpreter of an environment that has this wheel and numpy, and nothing of the repository."""
-    folder = tmp_path_factory.mktemp("fresh")
-    subprocess.run([sys.executable, "-m", "venv", "--without-pip", folder], check=True)
-    python = folder / ("Scripts/python.exe" if os.name == "nt" else "bin/python")
-    pip = [sys.executable, "-m", "pip", "--disable-pip-version-check", "--python", python]
-    subprocess.run([*pip, "install", "--quiet", "--no-index", "--no-deps", wheel], check=True)
-    asked = subprocess.run([python, "-c", "import sysconfig; print(sysconfig.get_path('purelib'))"],
-                           capture_output=True, text=True, check=True)
-    Path(asked.stdout.strip(), "numpy.pth").write_text(str(Path(np.__file__).parents[1]))
-    return python
+    return installed.environment(wheel, tmp_path_factory.mktemp("fresh"), Path(np.__file__).parents[1])
 
 
 def run_fresh(python, *arguments, cwd):
-    environment = {k: v for k, v in os.environ.items() if k not in ("URDF2FMU", "PYTHONPATH")}
-    done = subprocess.run([python, *arguments], cwd=cwd, env=environment, capture_output=True, text=True, check=False)
+    done = subprocess.run([python, *arguments], cwd=cwd, env=installed.variables(), capture_output=True, text=True,
+                          check=False)
     assert done.returncode == 0, done.stderr
     return done.stdout
 
@@ -83,12 +69,30 @@ def test_the_example_of_the_documentation_runs_in_a_fresh_environment(fresh, exa
     assert said.splitlines()[1:] == expected.splitlines()[1:]
 
 
+def test_the_example_of_the_readme_runs_in_a_fresh_environment(fresh, examples, rover, tmp_path):
+    """And drives the rover to where FMPy drives it."""
+    blocks = re.findall(r"^```\w*\n(.*?)^```$", (ROOT / "README.md").read_text(), re.M | re.S)
+    [code] = [block for block in blocks if block.startswith("import urdf2fmu")]
+    for file in "rover.urdf", "rover.toml":
+        shutil.copy(examples / file, tmp_path)
+    script = tmp_path / "example.py"
+    script.write_text(code)
+    printed = np.fromstring(run_fresh(fresh, "-W", "error", script, cwd=tmp_path).strip().strip("[]"), sep=" ")
+    speeds = {v.name: 5.0 for v in fmpy.read_model_description(str(rover)).modelVariables
+              if v.causality == "input" and v.name.endswith("_wheel_joint.velocity")}
+    assert len(speeds) == 4
+    names = [f"base.position.{axis}" for axis in "xyz"]
+    there = fmpy.simulate_fmu(str(rover), stop_time=1.0, output_interval=1 / 240, start_values=speeds, output=names)[-1]
+    assert list(printed) == [round(there[name], 3) for name in names] and printed[0] > 0.3
+
+
 def test_the_environment_runs_its_own_command(fresh, tmp_path):
     place = run_fresh(fresh, "-c", "import urdf2fmu; print(urdf2fmu.command())", cwd=tmp_path).strip()
     assert Path(place).is_relative_to(Path(fresh).parent), place
 
 
-def test_types_are_complete(tmp_path):
+def test_types_are_complete(fresh, tmp_path):
+    """Of the package that the wheel has installed, and of a program that uses it there."""
     user = tmp_path / "user.py"
     user.write_text("""import numpy as np
 import urdf2fmu
@@ -99,10 +103,11 @@ with urdf2fmu.Simulation(path, start_values={"a": 1.0}) as robot:
     state: urdf2fmu.State = robot.save()
     names: list[str] = robot.names("c.*", causality="output")
 """)
-    done = subprocess.run([sys.executable, "-m", "mypy", "--strict", "--cache-dir", tmp_path / "cache",
-                           ROOT / "python/urdf2fmu", user], env={**os.environ, "MYPYPATH": str(ROOT / "python")},
-                          cwd=tmp_path, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stdout
+    for checked in (["-p", "urdf2fmu"], [user]):
+        done = subprocess.run([sys.executable, "-m", "mypy", "--strict", "--cache-dir", tmp_path / "cache",
+                               "--python-executable", fresh, *checked], cwd=tmp_path, capture_output=True, text=True,
+                              env=installed.variables(), check=False)
+        assert done.returncode == 0, done.stdout
 
 
 @pytest.mark.parametrize("name", ["rover.urdf", "arm.urdf"])
