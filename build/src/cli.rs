@@ -203,6 +203,9 @@ pub(crate) struct Export {
     /// Leave out pictures and pages for people, which take two thirds of the time of an export
     #[arg(long)]
     pub(crate) no_documentation: bool,
+    /// Put in what the FMU gives in two seconds in which its commands rise, for whoever imports it
+    #[arg(long)]
+    pub(crate) reference_run: bool,
     #[command(flatten)]
     pub(crate) source: Source,
 }

@@ -8,7 +8,7 @@ mod shared;
 mod simulate;
 
 pub use shared::{CliError, print_findings};
-use shared::{is_fmu, refuse_ending, refuse_fmu, refuse_options, refuse_other_kinds};
+use shared::{is_fmu, refuse_ending, refuse_fmu, refuse_options, refuse_other_kinds, temporary};
 
 use crate::cli::{Check, Cli, Command, Deny, Expand, Explain, Export, Info, Init, Picture};
 use crate::diagnostics::{self, Style};
@@ -16,15 +16,16 @@ use crate::importer::description::Description;
 use crate::importer::error::RunError;
 use crate::output::{OutputError, Target, print};
 use crate::scene::{self, Scene};
-use crate::stage::{self, Robot, StageError};
+use crate::stage::{self, Extras, Robot, StageError};
 use crate::{archive, info, init, library, listing, picture, ssv, summary, xacro};
 use serde_json::json;
 use std::path::{Path, PathBuf};
+use tempfile::TempDir;
 use urdf2fmu_core::diagnostic::Severity;
 use urdf2fmu_core::diagnostic::codes;
 use urdf2fmu_core::prepared::{FILE_NAME, PreparedModel};
 use urdf2fmu_core::urdf::ReadOptions;
-use urdf2fmu_core::variables::{self, Slot, Variable};
+use urdf2fmu_core::variables;
 
 /// Does what was asked.
 ///
@@ -59,8 +60,14 @@ fn export(args: &Export) -> Result<(), CliError> {
     });
     let target = Target::new(&output, robot.sources.iter().map(PathBuf::as_path))?;
     refuse_ending(args.output.as_ref(), "--output", ["an FMU", "fmu"])?;
-    let documented = !(args.no_documentation || robot.settings.fmu.undocumented);
-    let fmu = stage::fmu(&robot, &args.urdf, &args.platforms, documented)?;
+    let about = &robot.settings.fmu;
+    let wanted = args.reference_run || about.reference_run;
+    let folder = wanted.then(temporary).transpose()?;
+    let extras = Extras {
+        documented: !(args.no_documentation || about.undocumented),
+        reference_run: folder.as_ref().map(TempDir::path),
+    };
+    let fmu = stage::fmu(&robot, &args.urdf, &args.platforms, &extras)?;
     target.write(&fmu.bytes)?;
     target.describe(&summary::text(target.named(), &fmu, &robot))?;
     Ok(())
@@ -107,20 +114,20 @@ fn show(args: &Info) -> Result<(), CliError> {
         let systems: Vec<_> = platforms.iter().flat_map(|(_, systems)| systems).collect();
         value["platforms"] = json!(folders);
         value["systems"] = json!(systems);
+        value["fmi"] = json!(fmi.to_string());
+        value["interfaces"] = json!(info::elements(&model));
+        value["guid"] = json!(guid);
         print(&format!("{value:#}\n"))?;
     } else {
         let mut text = info::text(&model);
+        text += &info::interface(&model, fmi, guid.as_deref());
         if args.variables {
             text += "\nVariables\n";
             text += &listing::text(&listed);
         }
-        value["fmi"] = json!(fmi.to_string());
-        value["interfaces"] = json!(info::elements(&model));
-        value["guid"] = json!(guid);
         let inside = platforms.iter();
         let inside = inside.map(|(folder, systems)| library::describe(folder, systems));
         let inside = inside.collect::<Vec<_>>().join(" ");
-        text += &info::interface(&model, fmi, guid.as_deref());
         print(&format!("{text}\nPlatforms\n  {inside}\n"))?;
     }
     Ok(())
@@ -135,16 +142,8 @@ fn init(args: &Init) -> Result<(), CliError> {
     if args.ssv {
         let robot = stage::robot(&args.source.request(&args.urdf))?;
         print_findings(&robot.diagnostics, Severity::Warning)?;
-        // Names of what is no variable of the FMU would set nothing, without a word.
         let listed = listing::listed(robot.settings.fmu.fmi, &robot.model, &robot.table)?;
-        let is_parameter = |row: &&Variable| matches!(row.slot, Slot::Parameter(_));
-        let array = listed.into_iter().find(|listed| {
-            !listed.shape.is_empty() && listed.rows.first().is_some_and(is_parameter)
-        });
-        if let Some(array) = array {
-            return Err(CliError::Arrays { name: array.name });
-        }
-        let text = ssv::text(&robot.model, &robot.table).map_err(CliError::Ssv)?;
+        let text = ssv::text(&robot.model, &listed).map_err(CliError::Ssv)?;
         target.write(text.as_bytes())?;
         return Ok(());
     }

@@ -198,6 +198,9 @@ fn robot(out: &mut String, subject: &Subject) {
     if about.undocumented {
         choice(out, "fmu", "documentation", "false", true);
     }
+    if about.reference_run {
+        choice(out, "fmu", "reference_run", "true", true);
+    }
     if !about.platforms.is_empty() {
         let names = about.platforms.iter().map(|name| quoted(&name.text));
         let list = format!("[{}]", names.collect::<Vec<_>>().join(", "));

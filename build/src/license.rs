@@ -1,4 +1,5 @@
-//! documentation/licenses/license.txt: the licences of everything in `binaries/`.
+//! documentation/licenses: the licences of everything in `binaries/`, as text for people and as
+//! SPDX for programs.
 
 use std::fmt::Write as _;
 
@@ -40,11 +41,60 @@ and zig's compiler runtime (MIT, Copyright (c) Zig contributors). macOS: zig's c
 ZPL-2.1, Copyright (c) 2009-2022 by the mingw-w64 project) and libgcc (GPL-3.0-or-later WITH GCC-exception-3.1).
 ";
 
+/// The same for programs: what is linked, its licence as an SPDX expression, and where.
+const COMPILERS: [(&str, &str, &str); 5] = [
+    (
+        "rust-std",
+        "MIT OR Apache-2.0",
+        "Rust's standard library, in all libraries",
+    ),
+    (
+        "llvm-libunwind",
+        "Apache-2.0 WITH LLVM-exception",
+        "in libraries for Linux",
+    ),
+    ("zig-compiler-rt", "MIT", "in libraries for Linux and macOS"),
+    (
+        "mingw-w64-runtime",
+        "ZPL-2.1",
+        "in libraries for Windows; parts are in the public domain",
+    ),
+    (
+        "libgcc",
+        "GPL-3.0-or-later WITH GCC-exception-3.1",
+        "in libraries for Windows",
+    ),
+];
+
 #[derive(Clone, Copy, Debug)]
 enum License {
     Mit,
     Apache,
     Both,
+}
+
+impl License {
+    /// In SPDX's words.
+    fn expression(self) -> &'static str {
+        match self {
+            Self::Mit => "MIT",
+            Self::Apache => "Apache-2.0",
+            Self::Both => "MIT OR Apache-2.0",
+        }
+    }
+}
+
+/// Whose licences a document of SPDX is about.
+#[derive(Clone, Copy, Debug)]
+pub struct Subject<'a> {
+    /// Of the FMU.
+    pub name: &'a str,
+    /// Of the FMU: a UUID in braces.
+    pub guid: &'a str,
+    /// When it was made.
+    pub date: &'a str,
+    /// What its author says of the model's own licence.
+    pub license: Option<&'a str>,
 }
 
 /// The text.
@@ -57,12 +107,7 @@ pub fn text() -> String {
         env!("CARGO_PKG_VERSION")
     );
     for (name, license) in PARTS {
-        let license = match license {
-            License::Mit => "MIT",
-            License::Apache => "Apache-2.0",
-            License::Both => "MIT OR Apache-2.0",
-        };
-        _ = writeln!(out, "  {name:<16} {license}");
+        _ = writeln!(out, "  {name:<16} {}", license.expression());
     }
     out.push_str(NOTICES);
     for (title, license) in [
@@ -71,6 +116,56 @@ pub fn text() -> String {
     ] {
         let line = "-".repeat(78);
         _ = write!(out, "\n{line}\n{title}\n{line}\n\n{license}");
+    }
+    out
+}
+
+/// The same as SPDX 2.3, in its form of tags and values: the FMU, of whose own files only their
+/// authors can tell, and the parts of its libraries.
+pub fn spdx(subject: &Subject) -> String {
+    let Subject {
+        name,
+        guid,
+        date,
+        license,
+    } = subject;
+    let name = name.replace(['\n', '\r'], " ");
+    let mut out = format!(
+        "SPDXVersion: SPDX-2.3\nDataLicense: CC0-1.0\nSPDXID: SPDXRef-DOCUMENT\n\
+         DocumentName: {name}\nDocumentNamespace: urn:uuid:{}\n\
+         Creator: Tool: urdf2fmu-{}\nCreated: {date}\n",
+        guid.trim_matches(['{', '}']),
+        env!("CARGO_PKG_VERSION"),
+    );
+    let mut package = |id: &str, name: &str, license: &str, comment: &str| {
+        _ = write!(
+            out,
+            "\nPackageName: {name}\nSPDXID: SPDXRef-{id}\nPackageDownloadLocation: NOASSERTION\n\
+             FilesAnalyzed: false\nPackageLicenseConcluded: NOASSERTION\n\
+             PackageLicenseDeclared: {license}\nPackageCopyrightText: NOASSERTION\n"
+        );
+        if !comment.is_empty() {
+            _ = writeln!(out, "PackageComment: <text>{comment}</text>");
+        }
+        if id == "fmu" {
+            out.push_str("Relationship: SPDXRef-DOCUMENT DESCRIBES SPDXRef-fmu\n");
+        } else {
+            _ = writeln!(out, "Relationship: SPDXRef-fmu CONTAINS SPDXRef-{id}");
+        }
+    };
+    let own = "The robot's description, settings and meshes belong to their authors.";
+    let told = license.map_or_else(String::new, |license| {
+        // A tag would end the text.
+        let license = license.replace(['<', '>'], " ");
+        format!(" The licence of the model, as its author tells it: {license}")
+    });
+    package("fmu", &name, "NOASSERTION", &format!("{own}{told}"));
+    package("urdf2fmu", "urdf2fmu", "MIT OR Apache-2.0", "");
+    for (name, license) in PARTS {
+        package(&name.replace('_', "."), name, license.expression(), "");
+    }
+    for (name, license, place) in COMPILERS {
+        package(name, name, license, place);
     }
     out
 }

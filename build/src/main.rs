@@ -31,6 +31,7 @@ mod plot;
 #[cfg(unix)]
 mod process;
 mod progress;
+mod related;
 mod report;
 mod results;
 mod run_summary;

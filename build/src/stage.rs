@@ -15,8 +15,9 @@ use crate::describe::{self, DescribeError, Header};
 use crate::documentation::{self, Page, Remark};
 use crate::identifier::{guid, model_identifier};
 use crate::library::{self, Binary, LibraryError};
+use crate::related::{self, RelatedError};
 use crate::scene::{self, Scene, SceneError};
-use crate::{date, license, page, picture, sources, world, xacro};
+use crate::{date, license, listing, page, picture, sources, world, xacro};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use urdf2fmu_core::assemble::{self, Guest};
@@ -61,6 +62,15 @@ pub struct Fmu {
     pub platforms: Vec<String>,
 }
 
+/// What an FMU has beyond what it needs to run; one that is used at once does without.
+#[derive(Debug, Default)]
+pub struct Extras<'a> {
+    /// Pictures and documentation.
+    pub documented: bool,
+    /// A reference run, which is made in this folder.
+    pub reference_run: Option<&'a Path>,
+}
+
 /// Why no FMU could be made.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -86,6 +96,9 @@ pub enum StageError {
     /// The scene.
     #[error("{FILE}: {0}", FILE = scene::FILE_NAME)]
     Scene(#[from] SceneError),
+    /// The parameters and the reference run.
+    #[error(transparent)]
+    Related(#[from] RelatedError),
     /// The zip.
     #[error(transparent)]
     Archive(#[from] ArchiveError),
@@ -204,16 +217,13 @@ fn made(request: &Request, mut settings: Settings) -> Result<Robot, StageError> 
 /// Makes an FMU of a robot, with the libraries of the platforms asked for, or of all that there
 /// are.
 ///
-/// - `documented`: whether it has pictures and documentation, which one that is used at once can do
-///   without
-///
 /// # Errors
 /// [`StageError`].
 pub fn fmu(
     robot: &Robot,
     urdf: &Path,
     platforms: &[String],
-    documented: bool,
+    extras: &Extras,
 ) -> Result<Fmu, StageError> {
     let libraries = libraries(robot, platforms)?;
     let stem = urdf.file_stem().unwrap_or_default().to_string_lossy();
@@ -231,18 +241,33 @@ pub fn fmu(
     trial(&prepared)?;
 
     let mut archive = Archive::default();
+    let date = date::text(std::env::var("SOURCE_DATE_EPOCH").ok().as_deref());
     let xml = describe::model_description(
         &Header {
             model_name,
             model_identifier: &model_identifier,
             guid: &guid,
-            date: &date::text(std::env::var("SOURCE_DATE_EPOCH").ok().as_deref()),
+            date: &date,
             description: &sentence(robot),
             about,
         },
         &robot.model,
         &robot.table,
     )?;
+    let subject = related::Subject {
+        description: &xml,
+        prepared: &prepared,
+        model_identifier: &model_identifier,
+        fmi: about.fmi,
+        table: &robot.table,
+    };
+    let reference = extras.reference_run;
+    let reference = reference.map(|folder| related::reference(&subject, folder));
+    let reference = reference.transpose()?;
+    let listed = listing::listed(about.fmi, &robot.model, &robot.table)?;
+    for (name, bytes) in related::files(&robot.model, &listed, reference.as_ref())? {
+        archive.add(name, bytes)?;
+    }
     archive.add("modelDescription.xml", xml)?;
     if about.fmi == FmiVersion::V3 {
         let terminals = describe::terminals(&robot.model, &robot.table)?;
@@ -262,11 +287,18 @@ pub fn fmu(
     let scene_name = format!("resources/{}", scene::FILE_NAME);
     archive.add(scene_name, scene.clone())?;
     archive.add("documentation/licenses/license.txt", license::text())?;
+    let licences = license::spdx(&license::Subject {
+        name: model_name,
+        guid: &guid,
+        date: &date,
+        license: about.license.as_deref(),
+    });
+    archive.add("documentation/licenses/license.spdx", licences)?;
     let inside = libraries.iter();
     let platforms: Vec<String> = inside
         .map(|l| library::describe(l.folder, &l.platforms))
         .collect();
-    if documented {
+    if extras.documented {
         let page = Page {
             model_identifier: &model_identifier,
             guid: &guid,

@@ -357,6 +357,7 @@ fn fmu(reader: &Reader, section: &Section) -> FmuSettings {
             _ => Vec::new(),
         },
         undocumented: !section.flag("documentation"),
+        reference_run: section.flag("reference_run"),
         fmi: match section.number("fmi") {
             Some(3.0) => FmiVersion::V3,
             _ => FmiVersion::V2,

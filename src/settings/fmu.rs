@@ -29,6 +29,8 @@ pub struct FmuSettings {
     pub platforms: Vec<Pattern>,
     /// Without the pictures and pages that people look at.
     pub undocumented: bool,
+    /// With what it gives in a run of two seconds.
+    pub reference_run: bool,
 }
 
 /// Version of the Functional Mock-up Interface.

@@ -112,7 +112,10 @@ fn fmu_holds_the_files_of_the_interface_in_order() {
         "documentation/frames.png",
         "documentation/index.html",
         "documentation/robot.html",
+        "documentation/licenses/license.spdx",
         "documentation/licenses/license.txt",
+        "extra/org.fmi-standard.fmi-ls-ref/fmi-ls-manifest.xml",
+        "extra/org.fmi-standard.fmi-ls-ref/parameters.ssv",
         "model.png",
         "modelDescription.xml",
         "resources/model.json",
@@ -390,11 +393,11 @@ fn export_says_what_it_made_and_what_it_assumed() {
         "14.2 kg",
         "10 inputs",
         "assumed",
+        "FMI 2.0 co-simulation, ",
+        platform(),
     ] {
         assert!(run.out.contains(word), "{word:?} not in\n{}", run.out);
     }
-        "FMI 2.0 co-simulation, ",
-        platform(),
     // The wheels' lowest point: axle 0.05 m below the base's origin, radius 0.1 m; the ground gives
     // way by 14 micrometres.
     assert!(

@@ -47,22 +47,25 @@ fn init_writes_settings_that_change_nothing() {
     assert_eq!(run.code, 2, "{run:?}");
 }
 
-/// SSP 1.0 has no arrays, and a file with names of elements would set nothing of such an FMU.
+/// SSP 2.0 has arrays, and names of elements would set nothing of such an FMU.
 #[test]
-fn parameters_that_are_arrays_of_fmi_3_are_no_file_of_ssp() {
+fn parameters_that_are_arrays_of_fmi_3_are_arrays_of_ssp_2() {
     let urdf = example("rover.urdf");
-    let refused = urdf2fmu(["init", text(&urdf), "--ssv", "--fmi", "3"]);
-    assert_eq!(refused.code, 2, "{}", refused.err);
-    assert!(
-        refused.err.contains("'initial.base.position' is an array"),
-        "{}",
-        refused.err
-    );
-    assert!(refused.err.contains("--arrays none"), "{}", refused.err);
+    let arrays = urdf2fmu(["init", text(&urdf), "--ssv", "--fmi", "3"]);
+    assert_eq!(arrays.code, 0, "{}", arrays.err);
+    for words in [
+        "version=\"2.0\"",
+        "<ssv:Parameter name=\"initial.base.position\">",
+        "<ssc:Dimension size=\"3\"/>",
+    ] {
+        assert!(arrays.out.contains(words), "{words} not in\n{}", arrays.out);
+    }
+    assert!(!arrays.out.contains("initial.base.position.x"));
     let fmi = ["--fmi", "3", "--arrays", "none"];
     let scalars = urdf2fmu(["init", text(&urdf), "--ssv", fmi[0], fmi[1], fmi[2], fmi[3]]);
     assert_eq!(scalars.code, 0, "{}", scalars.err);
     assert!(scalars.out.contains("name=\"initial.base.position.x\""));
+    assert!(scalars.out.contains("version=\"1.0\"") && !scalars.out.contains("Dimension"));
 }
 
 #[test]

@@ -8,7 +8,7 @@ use crate::output::{OutputError, Target, tell};
 use crate::picture::ShowError;
 use crate::results::ResultsError;
 use crate::scene::{self, SceneError};
-use crate::stage::{self, Request, StageError};
+use crate::stage::{self, Extras, Request, StageError};
 use crate::view::ViewError;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
@@ -55,15 +55,6 @@ pub enum CliError {
     /// `init -c`.
     #[error("init writes new settings: leave -c out")]
     InitFromSettings,
-    /// `init --ssv` of an FMU whose parameters are arrays.
-    #[error(
-        "'{name}' is an array in this FMU of FMI 3, and SSP 1.0 has none: pass --arrays none here \
-         and to export"
-    )]
-    Arrays {
-        /// The first of them.
-        name: String,
-    },
     /// The simulation of an FMU.
     #[error(transparent)]
     Run(#[from] RunError),
@@ -172,7 +163,6 @@ impl CliError {
         match self {
             Self::Stage(StageError::Library(error)) if error.is_usage() => 2,
             Self::InitFromSettings
-            | Self::Arrays { .. }
             | Self::FilmTheme
             | Self::Code { .. }
             | Self::MadeAlready { .. }
@@ -226,7 +216,7 @@ pub(super) fn as_fmu(
     let robot = stage::robot(request)?;
     print_findings(&robot.diagnostics, Severity::Warning)?;
     let path = folder.join("robot.fmu");
-    let fmu = stage::fmu(&robot, file, &[], false)?;
+    let fmu = stage::fmu(&robot, file, &[], &Extras::default())?;
     Target::new(&path, [])?.write(&fmu.bytes)?;
     inputs.extend(robot.sources);
     Ok((path, inputs))

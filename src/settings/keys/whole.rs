@@ -124,6 +124,12 @@ pub(super) const KEYS: &[Key] = &[
         "whether the FMU has pictures and pages for people, which take two thirds of the time of an export and 0.3 MB; the licences stay",
     ),
     key(
+        "fmu.reference_run",
+        Flag,
+        Some("false"),
+        "whether the FMU has a run of two seconds, inputs and outputs, for whoever imports it, see fmi.md; it takes 0.1 to 1 MB",
+    ),
+    key(
         "solver.step_size",
         NumberOrRatio(Step),
         Some("0"),
