@@ -6,7 +6,7 @@
 //! It is made from the same table as modelDescription.xml. It lists the assumptions and names no
 //! path of the machine that made the FMU.
 
-use crate::info::{around, count, interfaces, role, short, total_mass};
+use crate::info::{around, count, interfaces, parts, role, short, total_mass};
 use crate::listing::{Listed, listed};
 use std::fmt::{Display, Write as _};
 use urdf2fmu_core::diagnostic::Severity;
@@ -153,15 +153,7 @@ fn facts(out: &mut String, page: &Page, model: &Model, table: &[Variable]) {
             }
             .to_owned(),
         ),
-        (
-            "Parts",
-            format!(
-                "{}, {}, {}",
-                count(model.links.len(), "link"),
-                count(model.joints.len(), "joint"),
-                count(model.nv(), "degree of freedom")
-            ),
-        ),
+        ("Parts", parts(model)),
         ("Mass", format!("{} kg", short(total_mass(model)))),
         (
             "Gravity",

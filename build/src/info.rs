@@ -20,16 +20,14 @@ use urdf2fmu_core::variables::{Kind, Variable};
 /// The robot in a few lines, then its joints and links.
 pub fn text(model: &Model) -> String {
     let mut out = format!(
-        "{}: {}, {}, {}, {}, {} kg\n",
+        "{}: {}, {}, {} kg\n",
         model.name,
         if model.is_floating() {
             "floating base"
         } else {
             "fixed base"
         },
-        count(model.links.len(), "link"),
-        count(model.joints.len(), "joint"),
-        count(model.nv(), "degree of freedom"),
+        parts(model),
         short(total_mass(model)),
     );
     if model.roots.len() > 1 {
@@ -152,6 +150,20 @@ pub fn around(model: &Model) -> String {
         others.push(format!("and {more} more"));
     }
     others.join(", ")
+}
+
+/// What the robot consists of, without what is around it.
+pub fn parts(model: &Model) -> String {
+    let own = |body| model.root_of(body) == RootId::ROBOT;
+    let links = model.links.iter().filter(|link| own(link.body));
+    let child = |joint: &&Joint| own(model.links[joint.child.index()].body);
+    let freedom = model.dofs.iter().filter(|dof| own(dof.body));
+    format!(
+        "{}, {}, {}",
+        count(links.count(), "link"),
+        count(model.joints.iter().filter(child).count(), "joint"),
+        count(freedom.count(), "degree of freedom")
+    )
 }
 
 /// kg, all links of the robot together, without what is around it.

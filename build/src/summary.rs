@@ -1,6 +1,6 @@
 //! The report of `export`: the file, the robot, every assumption.
 
-use crate::info::{around, count, interfaces, short, total_mass};
+use crate::info::{around, count, interfaces, parts, short, total_mass};
 use crate::picture::{Camera, Look};
 use crate::stage::{Fmu, Robot};
 use std::fmt::Write as _;
@@ -50,16 +50,14 @@ pub fn text(output: &Path, fmu: &Fmu, robot: &Robot) -> String {
     );
     _ = writeln!(
         out,
-        "  robot      {}: {} base, {}, {}, {}, {} kg",
+        "  robot      {}: {} base, {}, {} kg",
         model.name,
         if model.is_floating() {
             "floating"
         } else {
             "fixed"
         },
-        count(model.links.len(), "link"),
-        count(model.joints.len(), "joint"),
-        count(model.nv(), "degree of freedom"),
+        parts(model),
         short(total_mass(model)),
     );
     let around = around(model);
