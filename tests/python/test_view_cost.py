@@ -14,7 +14,7 @@ from socket_client import Viewer
 SECONDS = 5.0
 """Of real time that are measured: a hundredth of them is three frames."""
 
-ROBOTS = ["r2d2", "quadruped", "humanoid"]
+ROBOTS = ["r2d2", "humanoid"]
 
 
 def memory(process):
@@ -33,7 +33,7 @@ def core_seconds(process):
 @pytest.mark.parametrize("kind", ["fmu", "urdf"])
 @pytest.mark.parametrize("name", ROBOTS)
 def test_a_view_is_there_at_once_keeps_time_on_one_core_and_stays_small(name, kind, export, examples, pybullet_data):
-    urdf = {"r2d2": pybullet_data / "r2d2.urdf", "quadruped": examples / "quadruped.urdf",
+    urdf = {"r2d2": pybullet_data / "r2d2.urdf",
             "humanoid": examples.parent / "tests/robots/humanoid.urdf"}[name]
     shown = urdf if kind == "urdf" else export(urdf)
     core = {max(os.sched_getaffinity(0))}
