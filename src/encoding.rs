@@ -117,6 +117,12 @@ pub fn xml_text(bytes: Vec<u8>) -> Result<String, NoText> {
     Ok(bytes.iter().map(letter).collect())
 }
 
+/// The same for a file that is searched and not read: what fits no letter is replaced.
+pub fn xml_replaced(bytes: Vec<u8>) -> String {
+    let replaced = |refused: NoText| String::from_utf8_lossy(&refused.bytes).into_owned();
+    xml_text(bytes).unwrap_or_else(replaced)
+}
+
 /// The encoding that the XML declaration names, where it is not UTF-8.
 fn declared_of(bytes: &[u8]) -> Option<String> {
     let start = bytes.strip_prefix(b"<?xml")?;

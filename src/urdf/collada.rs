@@ -12,6 +12,7 @@ mod words;
 use super::faces::{MeshError, Part};
 use super::xml::{Document, Node};
 use crate::diagnostic::Report;
+use crate::encoding::xml_text;
 use crate::spatial::Vec3;
 use nalgebra::{Matrix4, Point3, Rotation3, Unit};
 use std::cell::RefCell;
@@ -104,7 +105,12 @@ fn with_scene<T>(
     known: &Known,
     work: impl FnOnce(&Scene) -> Result<T, MeshError>,
 ) -> Result<T, MeshError> {
-    let text = std::str::from_utf8(bytes).map_err(|_| problem("the file is not UTF-8"))?;
+    let text = xml_text(bytes.to_vec()).map_err(|refused| match refused.declared {
+        None => problem("the file is not UTF-8"),
+        Some(name) => problem(&format!(
+            "the file is in the encoding '{name}', which is not read, or not in it"
+        )),
+    })?;
     let text = text.trim_start_matches('\u{feff}');
     let mut report = Report::new("", text);
     let document = Document::parse(text, &mut report);
@@ -417,6 +423,29 @@ mod tests {
             let normal = (b - a).cross(&(c - a));
             assert!(normal.x * x > 0.0 && normal.z > 0.0, "{mirror}: {normal}");
         }
+    }
+
+    #[test]
+    fn files_in_the_encoding_that_they_declare_are_read() {
+        let scene = text(
+            "<contributor><author>José</author></contributor>",
+            "<node><instance_geometry url='#g'/></node>",
+        );
+        let latin = |declared: &str| {
+            let whole = format!("<?xml version='1.0' encoding='{declared}'?>{scene}");
+            let byte = |letter| u8::try_from(u32::from(letter)).expect("of ISO 8859-1");
+            read(
+                &whole.chars().map(byte).collect::<Vec<_>>(),
+                &Known::default(),
+            )
+        };
+        assert_close(
+            latin("ISO-8859-1"),
+            [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+        );
+        let refused = latin("KOI8-R").expect_err("another alphabet").to_string();
+        assert!(refused.contains("KOI8-R"), "{refused}");
+        assert!(latin("utf-8").is_err());
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use crate::diagnostic::words::instead_of;
 use crate::diagnostic::{Diagnostic, Place, Severity};
-use crate::encoding::{NoText, xml_text};
+use crate::encoding::{NoText, xml_replaced, xml_text};
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
@@ -10,12 +10,12 @@ use std::path::Path;
 /// URDF files larger than this, in bytes, are refused.
 const LARGEST_FILE: u64 = 64 << 20;
 
-/// The text of a file that another one names; what is not UTF-8 in it is replaced.
+/// The text of a file that another one names; what fits no letter in it is replaced.
 pub(super) fn lossy_text(path: &Path) -> Option<String> {
     let mut bytes = Vec::new();
     let file = File::open(path).ok()?;
     file.take(LARGEST_FILE).read_to_end(&mut bytes).ok()?;
-    Some(String::from_utf8_lossy(&bytes).into_owned())
+    Some(xml_replaced(bytes))
 }
 
 /// What a file is that begins like none of XML in UTF-8, and what to do.

@@ -4,6 +4,7 @@ use super::npy;
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
+use urdf2fmu_core::encoding;
 use urdf2fmu_core::geometry::field::MOST_SAMPLES;
 use urdf2fmu_core::urdf::LFS_POINTER;
 
@@ -170,7 +171,7 @@ fn array(bytes: &[u8]) -> Result<Table, Wrong> {
 
 /// Numbers between commas, semicolons, blanks or tabs; lines that begin with # are comments.
 fn table(bytes: &[u8]) -> Result<Table, Wrong> {
-    let text = std::str::from_utf8(bytes);
+    let text = encoding::text(bytes.to_vec());
     let text = text.map_err(|_| wrong("it is no text", "save the heights as a CSV file"))?;
     let text = text.trim_start_matches('\u{feff}');
     let (mut values, mut columns, mut rows) = (Vec::new(), 0, 0);

@@ -4,6 +4,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
+use urdf2fmu_core::encoding::xml_replaced;
 
 /// How far above a file the folder of its package may be.
 const HIGHEST: usize = 6;
@@ -96,8 +97,8 @@ fn included_names(folder: &Path) -> BTreeMap<PathBuf, BTreeSet<String>> {
                 && (named("xacro") || named("urdf"))
                 && entry.metadata().is_ok_and(|file| file.len() <= LARGEST)
             {
-                let text = fs::read(&path).unwrap_or_default();
-                found.insert(path, includes(&String::from_utf8_lossy(&text)));
+                let text = xml_replaced(fs::read(&path).unwrap_or_default());
+                found.insert(path, includes(&text));
             }
         }
     }

@@ -38,6 +38,7 @@ use problem::Lacking;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use urdf2fmu_core::diagnostic::{Diagnostic, Severity};
+use urdf2fmu_core::encoding::xml_replaced;
 use urdf2fmu_core::urdf::{self, ReadOptions};
 
 /// Largest file that is looked into for xacro code, bytes.
@@ -97,8 +98,7 @@ pub fn is_xacro(path: &Path) -> bool {
     if !small || !named("urdf") && !named("xml") {
         return false;
     }
-    let text = std::fs::read(path).unwrap_or_default();
-    defines(&String::from_utf8_lossy(&text))
+    defines(&xml_replaced(std::fs::read(path).unwrap_or_default()))
 }
 
 /// Whether a text has tags that only xacro understands. A call alone cannot be expanded: what it
