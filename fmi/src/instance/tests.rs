@@ -9,6 +9,7 @@
 )]
 
 mod limits;
+mod messages;
 
 use super::*;
 use crate::common::{Interface, Status};
@@ -476,58 +477,6 @@ fn the_tolerance_of_the_experiment_decides_accuracy_and_steps() {
     // Without one, or with 0, it is 1e-3.
     assert_eq!(drive(None), drive(Some(1e-3)));
     assert_eq!(drive(Some(0.0)), drive(Some(1e-3)));
-}
-
-/// The wheel's lowest point, as export says it of a start that the settings give.
-#[test]
-fn a_start_in_the_ground_is_told_with_its_depth() {
-    let mut instance = instance();
-    assert_eq!(instance.simulation.deepest_in_ground(), None);
-    instance.enter_initialization_mode();
-    let height = get(&mut instance, &[START_HEIGHT]).expect("known")[0];
-    let free = {
-        // High enough to be in the air: then nothing is told.
-        set(&mut instance, &[START_HEIGHT], &[height + 1.0]).expect("legal");
-        instance.exit_initialization_mode().expect("legal");
-        instance.simulation.deepest_in_ground().is_none()
-    };
-    assert!(free);
-    let mut deep = crate::instance::tests::instance();
-    deep.enter_initialization_mode();
-    set(&mut deep, &[START_HEIGHT], &[height - 1.0]).expect("legal");
-    deep.exit_initialization_mode().expect("legal");
-    let (_, depth) = deep.simulation.deepest_in_ground().expect("in the ground");
-    let mut deeper = crate::instance::tests::instance();
-    deeper.enter_initialization_mode();
-    set(&mut deeper, &[START_HEIGHT], &[height - 1.5]).expect("legal");
-    deeper.exit_initialization_mode().expect("legal");
-    let (_, more) = deeper
-        .simulation
-        .deepest_in_ground()
-        .expect("in the ground");
-    assert!((more - depth - 0.5).abs() < 1e-12, "{depth} {more}");
-}
-
-/// An importer's tolerance for all of its units costs ten times the steps for each decade.
-#[test]
-fn a_tolerance_finer_than_the_contacts_is_raised_and_said_once() {
-    for (asked, taken) in [
-        (1e-3, 1e-3),
-        (1e-6, 1e-6),
-        (1e-10, 1e-6),
-        (0.0, 0.0),
-        (7.0, 1.0),
-    ] {
-        let mut instance = instance();
-        instance
-            .setup_experiment(Some(asked), 0.0, None)
-            .expect("legal");
-        assert_eq!(
-            instance.experiment.tolerance.to_bits(),
-            f64::to_bits(taken),
-            "{asked}"
-        );
-    }
 }
 
 #[test]
