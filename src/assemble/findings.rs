@@ -120,7 +120,8 @@ impl Findings {
             let message = format!("no {kind} matches '{}'", pattern.text);
             // Settings for all there are may be meant for other robots, too.
             if pattern.text == "*" {
-                self.note("A101", message, "");
+                let place = pattern.place.clone();
+                self.add(Severity::Note, "A101", place, message, "");
                 return Vec::new();
             }
             self.error("A101", pattern.place.clone(), message, &help);
@@ -136,7 +137,8 @@ impl Findings {
         {
             let message = format!("{kind} '{}' {reason}", names[first]);
             if pattern.text == "*" {
-                self.note("A102", message, "");
+                let place = pattern.place.clone();
+                self.add(Severity::Note, "A102", place, message, "");
                 return Vec::new();
             }
             self.error("A102", pattern.place.clone(), message, "choose another one");

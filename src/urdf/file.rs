@@ -3,7 +3,7 @@
 use crate::diagnostic::words::instead_of;
 use crate::diagnostic::{Diagnostic, Place, Severity};
 use crate::encoding::{NoText, xml_replaced, xml_text};
-use std::fs::File;
+use std::fs::{File, FileType};
 use std::io::Read;
 use std::path::Path;
 
@@ -16,6 +16,25 @@ pub(super) fn lossy_text(path: &Path) -> Option<String> {
     let file = File::open(path).ok()?;
     file.take(LARGEST_FILE).read_to_end(&mut bytes).ok()?;
     Some(xml_replaced(bytes))
+}
+
+/// What something is that is no regular file.
+pub(super) fn kind(file: FileType) -> &'static str {
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::FileTypeExt as _;
+        if file.is_fifo() {
+            return "a pipe";
+        }
+        if file.is_socket() {
+            return "a socket";
+        }
+    }
+    if file.is_dir() {
+        "a folder"
+    } else {
+        "a device"
+    }
 }
 
 /// What a file is that begins like none of XML in UTF-8, and what to do.

@@ -12,6 +12,7 @@ use not_found::same_name;
 
 pub(super) use not_found::NotFound;
 
+use super::file;
 use super::nearby::Files;
 use super::options::ReadOptions;
 use std::cell::{OnceCell, RefCell};
@@ -130,12 +131,10 @@ impl<'o> Resolver<'o> {
         }
         let there = candidates.iter().find_map(|candidate| {
             let kind = fs::metadata(&candidate.path).ok()?;
-            let what = if kind.is_dir() {
-                "a folder"
-            } else {
-                "no regular file"
-            };
-            Some(Missing::NoFile(tidy(&candidate.path), what))
+            Some(Missing::NoFile(
+                tidy(&candidate.path),
+                file::kind(kind.file_type()),
+            ))
         });
         if let Some(there) = there {
             return Err(there);
@@ -158,6 +157,11 @@ impl<'o> Resolver<'o> {
                     .map_or(advice, |path| same_name(&path)),
             },
         };
+        let apart = |c: &Candidate| !self.holds(&normal(&tidy(&c.path)), c.package.as_deref());
+        let first = candidates.first().filter(|_| candidates.iter().all(apart));
+        let advice = first.map_or(advice.clone(), |c| {
+            not_found::outside(&tidy(&c.path), &advice)
+        });
         Err(Missing::NotFound(NotFound { tried, advice }))
     }
 

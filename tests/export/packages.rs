@@ -435,3 +435,25 @@ fn files_that_are_no_text_or_a_web_page_are_told_what_they_are() {
         );
     }
 }
+
+/// The Jaco of differentiable-robot-model: who puts the meshes where their names say would have been
+/// told in a second run that they lie outside of the robot's folders.
+#[test]
+fn a_mesh_that_is_missing_outside_of_the_robot_s_folders_comes_with_the_option_that_reads_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let root = folder.path();
+    let robot = write(root, "ws/bot/r.urdf", mesh_robot(&["../meshes/a.stl"]));
+    let (ok, list) = findings(&robot, &[]);
+    assert!(!ok);
+    let help = field(&list, "U104", "help");
+    let option = "with the file, pass --package-path ";
+    let folder = help.lines().find_map(|line| line.split(option).nth(1));
+    let folder = folder.unwrap_or_else(|| panic!("{help}"));
+    write(root, "ws/meshes/a.stl", tetrahedron());
+    let (ok, list) = findings(&robot, &["--package-path", folder]);
+    assert!(ok, "{list:?}");
+    // A file that is missing in the robot's own folder needs no option.
+    let robot = write(root, "ws/bot/own.urdf", mesh_robot(&["b.stl"]));
+    let (_, list) = findings(&robot, &[]);
+    assert!(!field(&list, "U104", "help").contains("--package-path"));
+}

@@ -35,6 +35,15 @@ impl NotFound {
     }
 }
 
+/// Advice on a name that means only places outside of the robot's folders: who puts the file there
+/// would be told next that it is not read from there.
+pub(super) fn outside(path: &Path, advice: &str) -> String {
+    let folder = path.parent().unwrap_or(path).display();
+    format!(
+        "{advice}\nthat is outside of the robot's folders: with the file, pass --package-path {folder}"
+    )
+}
+
 /// Advice on a name whose last part alone is that of one of the robot's files.
 pub(super) fn same_name(path: &Path) -> String {
     format!(
