@@ -67,6 +67,7 @@
 
 mod actuators;
 mod alone;
+mod base;
 mod bodies;
 mod exchange;
 mod findings;

@@ -35,7 +35,7 @@ pub use sensor::{Errors, Fan, SensorSettings, SensorSettingsKind};
 pub use types::{
     ActuatorSettings, BaseChoice, ContactOutputs, GeneratedHeights, GroupSettings, HeightForm,
     HeightSource, InertiaSource, InitialSettings, JointSettings, LinkSettings, MeshCollision,
-    ModeChoice, ObjectSettings, ObjectSource, PairSettings, RobotSettings, Settings,
+    ModeChoice, Mounting, ObjectSettings, ObjectSource, PairSettings, RobotSettings, Settings,
     TerrainSettings, WheelFit,
 };
 

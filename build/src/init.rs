@@ -144,12 +144,10 @@ fn robot(out: &mut String, subject: &Subject) {
         &quoted(base),
         settings.base != default.base,
     );
-    let arm = subject
-        .diagnostics
-        .iter()
-        .find(|finding| finding.code == "A107" && finding.message.contains("bolted down"));
-    if arm.is_some() {
-        out.push_str("# it looks like an arm that is bolted down: base = \"fixed\" mounts it\n");
+    let bolted =
+        |finding: &&Diagnostic| finding.code == "A107" && finding.message.contains("bolted down");
+    if let Some(finding) = subject.diagnostics.iter().find(bolted) {
+        _ = writeln!(out, "# {}\n# base = \"fixed\" mounts it", finding.message);
     }
     #[expect(clippy::float_cmp, reason = "the default itself, or another number")]
     let scaled = settings.scale != default.scale;

@@ -24,7 +24,7 @@ use urdf2fmu_core::assemble::{self, Guest};
 use urdf2fmu_core::diagnostic::Diagnostic;
 use urdf2fmu_core::model::Model;
 use urdf2fmu_core::prepared::{FILE_NAME, PreparedModel, PreparedModelError};
-use urdf2fmu_core::settings::{ActuatorSettings, FmiVersion, Settings};
+use urdf2fmu_core::settings::{ActuatorSettings, FmiVersion, Mounting, Settings};
 use urdf2fmu_core::simulation::{Simulation, SimulationError};
 use urdf2fmu_core::urdf::{self, Description};
 use urdf2fmu_core::variables::{self, TableError, Variable};
@@ -146,6 +146,11 @@ fn made(request: &Request, mut settings: Settings) -> Result<Robot, StageError> 
                 let name = |link: usize| description.links[link].name.clone();
                 let pairs = semantics.disabled_pairs.iter();
                 settings.disabled_contacts = pairs.map(|pair| pair.map(name)).collect();
+                settings.mounting = semantics.virtual_joint.map(|joint| Mounting {
+                    name: joint.name,
+                    frame: joint.frame,
+                    fixed: joint.fixed,
+                });
                 // Whatever the settings say comes later, and wins.
                 let passive = semantics.passive.into_iter().map(ActuatorSettings::passive);
                 settings.actuators.splice(0..0, passive);

@@ -3,8 +3,8 @@
 use super::findings::Findings;
 use super::robot::Robot;
 use super::{
-    actuators, bodies, exchange, inertia, initial, loops, mimic, outputs, pairs, sensors, touch,
-    ways, wheels,
+    actuators, base, bodies, exchange, inertia, initial, loops, mimic, outputs, pairs, sensors,
+    touch, ways, wheels,
 };
 use crate::diagnostic::Diagnostic;
 use crate::digits::Digits;
@@ -65,7 +65,7 @@ fn assemble(
     findings: &mut Findings,
 ) -> Option<Model> {
     let mut robot = Robot::new(description, settings, findings);
-    let base = bodies::choose_base(&mut robot, settings, findings);
+    let base = base::choose_base(&mut robot, settings, findings);
     // A fault is told, and what is left goes on, so that the others are told with it.
     mimic::resolve(&mut robot, findings);
     let mut model = Model {

@@ -2,7 +2,7 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
-use super::bodies::Base;
+use super::base::Base;
 use super::findings::{Findings, listed};
 use super::robot::{is_scalar, kind_name};
 use crate::dynamics::crba;

@@ -58,6 +58,7 @@ pub(super) fn fill(reader: &mut Reader, root: &Section, compat: Option<Compat>) 
             })
             .collect(),
         disabled_contacts: Vec::new(),
+        mounting: None,
         fmu: fmu(reader, &root.table("fmu")),
         flat_names: root.table("fmu").word("naming").as_deref() == Some("flat"),
         solver: solver(&root.table("solver"), compat),

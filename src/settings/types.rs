@@ -38,6 +38,8 @@ pub struct Settings {
     pub ignored_contacts: Vec<Vec<Pattern>>,
     /// Pairs of names of links that do not touch each other, of an SRDF.
     pub disabled_contacts: Vec<[String; 2]>,
+    /// What an SRDF says of the base.
+    pub mounting: Option<Mounting>,
     /// What the FMU says of itself.
     pub fmu: FmuSettings,
     /// Variable names with `_` instead of `.`.
@@ -181,6 +183,17 @@ pub enum BaseChoice {
     Floating,
     /// It cannot.
     Fixed,
+}
+
+/// The virtual joint of an SRDF, by which a robot is joined to what is around it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mounting {
+    /// Its name, and where it stands.
+    pub name: Pattern,
+    /// The frame that it is joined to.
+    pub frame: String,
+    /// Whether it holds the robot; else the robot moves by it.
+    pub fixed: bool,
 }
 
 /// Where rotational inertia comes from.

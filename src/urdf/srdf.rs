@@ -3,10 +3,11 @@
 //! - `<group_state>`: joint positions to start with, by name
 //! - `<passive_joint>`: a joint without actuator
 //! - `<disable_collisions>`: pairs of links that do not touch each other where `self_collision` is
-//!   on.
+//!   on
+//! - `<virtual_joint>`: whether others bolt the robot down.
 //!
-//! Planning groups, end effectors and the virtual joint are reported and not used. Faults of the
-//! file are warnings, except if the requested state cannot be used.
+//! Planning groups and end effectors are reported and not used. Faults of the file are warnings,
+//! except if the requested state cannot be used.
 //!
 //! | code | meaning |
 //! |---|---|
@@ -28,6 +29,14 @@ use std::collections::{BTreeMap, HashMap, HashSet};
 use std::ops::Range;
 use std::path::Path;
 
+/// Tags that are read.
+const USED: [&str; 4] = [
+    "disable_collisions",
+    "group_state",
+    "passive_joint",
+    "virtual_joint",
+];
+
 /// What an SRDF says.
 #[derive(Clone, Debug, Default)]
 pub struct Semantics {
@@ -40,8 +49,21 @@ pub struct Semantics {
     pub disabled_pairs: Vec<[usize; 2]>,
     /// Names of the states, each once.
     pub states: Vec<String>,
+    /// How the robot is joined to what is around it.
+    pub virtual_joint: Option<VirtualJoint>,
     /// Findings that are no errors.
     pub diagnostics: Vec<Diagnostic>,
+}
+
+/// A virtual joint of the base.
+#[derive(Clone, Debug, PartialEq)]
+pub struct VirtualJoint {
+    /// Its name, and where it stands.
+    pub name: Pattern,
+    /// The frame that the base is joined to.
+    pub frame: String,
+    /// Whether it is fixed.
+    pub fixed: bool,
 }
 
 /// Reads an SRDF for a robot.
@@ -119,13 +141,10 @@ impl<'r, 't> Reader<'r, 't> {
     }
 
     fn read(&mut self, root: Node, state: Option<&str>, semantics: &mut Semantics) {
-        let mut virtual_joints = HashSet::new();
+        let virtual_joints = self.mounting(root, semantics);
         let mut unused: BTreeMap<&str, (usize, Range<usize>)> = BTreeMap::new();
         for node in root.children() {
-            if node.name() == "virtual_joint" {
-                virtual_joints.extend(node.value("name"));
-            }
-            if !["disable_collisions", "group_state", "passive_joint"].contains(&node.name()) {
+            if !USED.contains(&node.name()) {
                 let entry = unused.entry(node.name()).or_insert((0, node.tag_at()));
                 entry.0 += 1;
             }
@@ -158,6 +177,55 @@ impl<'r, 't> Reader<'r, 't> {
                 self.report.note("R106", at, message, "");
             }
         }
+    }
+
+    /// Reads the virtual joints; gives their names.
+    pub(super) fn mounting<'n>(
+        &mut self,
+        root: Node<'n>,
+        semantics: &mut Semantics,
+    ) -> HashSet<&'n str> {
+        let mut names = HashSet::new();
+        for node in root.children_named("virtual_joint") {
+            names.extend(node.value("name"));
+            let name = node.value("name").unwrap_or_default();
+            let Some((link, child)) = self.named(node, "child_link", "link") else {
+                continue;
+            };
+            let kind = node.value("type").unwrap_or_default();
+            if !on_base(self.robot, link) {
+                let message = format!(
+                    "virtual joint '{name}' holds '{}', which is not the base: it is not used",
+                    child.text
+                );
+                self.report.note("R106", node.tag_at(), message, "");
+                continue;
+            }
+            if !["fixed", "planar", "floating"].contains(&kind) {
+                let message = format!("virtual joint '{name}' of type '{kind}' is not used");
+                let help = "its type is \"fixed\", \"planar\" or \"floating\"";
+                self.report.warning("R106", node.tag_at(), message, help);
+                continue;
+            }
+            let fixed = kind == "fixed";
+            let frame = node.value("parent_frame").unwrap_or("world");
+            let message = if fixed {
+                format!("virtual joint '{name}' says that the base is fixed to '{frame}'")
+            } else {
+                format!("virtual joint '{name}' says that the base moves ({kind})")
+            };
+            self.report.note("R106", node.tag_at(), message, "");
+            let place = self.report.place(node.tag_at());
+            semantics.virtual_joint.get_or_insert(VirtualJoint {
+                name: Pattern {
+                    text: name.to_owned(),
+                    place: Some(place),
+                },
+                frame: frame.to_owned(),
+                fixed,
+            });
+        }
+        names
     }
 
     /// A link or joint of the URDF that an attribute names; `None` after reporting that there is
@@ -336,161 +404,17 @@ impl<'r, 't> Reader<'r, 't> {
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::settings::Settings;
-    use crate::urdf::{ReadOptions, read_str};
-    use crate::{assemble, model::Model};
-    use std::fmt::Write as _;
-
-    /// A base, two arms, a wheel, and a finger that follows another one.
-    fn robot() -> Description {
-        let inertial = r#"<inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>"#;
-        let mut text = String::from(r#"<robot name="r">"#);
-        for link in ["base", "upper", "fore", "wheel", "a", "b"] {
-            _ = write!(text, r#"<link name="{link}">{inertial}</link>"#);
+/// Whether a link is the root, or fixed to it.
+fn on_base(robot: &Description, mut link: usize) -> bool {
+    // The joint of a link stands before it.
+    while let Some(j) = link.checked_sub(1) {
+        if robot.joints[j].kind != JointKind::Fixed {
+            return false;
         }
-        let limit = r#"<limit lower="-1" upper="2" effort="1" velocity="1"/>"#;
-        for (joint, kind, parent, child, rest) in [
-            ("shoulder", "revolute", "base", "upper", limit),
-            ("elbow", "revolute", "upper", "fore", limit),
-            ("caster", "continuous", "base", "wheel", ""),
-            ("finger", "prismatic", "fore", "a", limit),
-            (
-                "thumb",
-                "prismatic",
-                "fore",
-                "b",
-                &format!(r#"{limit}<mimic joint="finger"/>"#),
-            ),
-        ] {
-            _ = write!(
-                text,
-                r#"<joint name="{joint}" type="{kind}"><parent link="{parent}"/><child link="{child}"/>{rest}</joint>"#
-            );
-        }
-        text += "</robot>";
-        read_str(&text, "r.urdf", Path::new("."), &ReadOptions::default()).expect("a robot")
+        link = robot.joints[j].parent;
     }
-
-    const SRDF: &str = r#"<robot name="r">
-<virtual_joint name="world_joint" type="floating" parent_frame="world" child_link="base"/>
-<group name="arm"><chain base_link="base" tip_link="fore"/></group>
-<group_state name="home" group="arm"><joint name="world_joint" value="0 0 1 0 0 0 1"/>
-<joint name="shoulder" value="0.5"/>
-<joint name="elbow" value="-1.5"/></group_state>
-<group_state name="home" group="hand"><joint name="finger" value="0.25"/><joint name="thumb" value="0.25"/></group_state>
-<group_state name="away" group="arm"><joint name="shoulder" value="1"/></group_state>
-<passive_joint name="caster"/>
-<disable_collisions link1="base" link2="upper" reason="Adjacent"/>
-<disable_collisions link1="upper" link2="base" reason="Never"/>
-<disable_collisions link1="fore" link2="fore"/>
-<disable_collisions link1="base" link2="for"/>
-</robot>"#;
-
-    fn has(findings: &[Diagnostic], code: &str, line: usize, part: &str) -> bool {
-        findings.iter().any(|d| {
-            d.code == code
-                && d.place.as_ref().is_some_and(|p| p.line == line)
-                && d.message.contains(part)
-        })
-    }
-
-    fn model(semantics: &Semantics, settings: &str) -> Model {
-        let mut settings = Settings::parse(settings, "s.toml").expect("settings");
-        settings.initial.state.clone_from(&semantics.positions);
-        let passive = semantics.passive.iter().cloned();
-        settings.actuators.splice(
-            0..0,
-            passive.map(crate::settings::ActuatorSettings::passive),
-        );
-        assemble::build(&robot(), &settings).expect("a model").model
-    }
-
-    #[test]
-    fn the_groups_of_a_state_add_up_and_stay_within_limits() {
-        let semantics = read_srdf_str(SRDF, "r.srdf", Some("home"), &robot()).expect("an SRDF");
-        let found = &semantics.diagnostics;
-        assert_eq!(semantics.states, ["home", "away"]);
-        assert_eq!(
-            model(&semantics, "").initial.joint_positions,
-            [0.5, -1.0, 0.25, 0.0, 0.0]
-        );
-        assert!(
-            has(found, "R105", 6, "outside its limits -1 … 2"),
-            "{found:#?}"
-        );
-        assert!(
-            has(found, "R105", 7, "'thumb' follows another one"),
-            "{found:#?}"
-        );
-        assert!(has(found, "R106", 4, "place of the base"), "{found:#?}");
-        assert!(has(found, "R106", 3, "<group> is not used"), "{found:#?}");
-    }
-
-    #[test]
-    fn initial_joints_of_the_settings_take_precedence_over_the_group_state() {
-        let semantics = read_srdf_str(SRDF, "r.srdf", Some("home"), &robot()).expect("an SRDF");
-        let model = model(
-            &semantics,
-            "[initial]\njoints = { \"e*\" = 0.75 }\n[[actuator]]\njoint = \"caster\"\nmode = \"effort\"\n",
-        );
-        assert_eq!(model.initial.joint_positions[..2], [0.5, 0.75]);
-        assert_eq!(model.actuators.len(), 4);
-    }
-
-    #[test]
-    fn a_passive_joint_is_not_driven() {
-        let semantics = read_srdf_str(SRDF, "r.srdf", None, &robot()).expect("an SRDF");
-        let model = model(&semantics, "");
-        let driven = model
-            .actuators
-            .iter()
-            .map(|a| model.joints[a.joint.index()].name.as_str());
-        assert_eq!(driven.collect::<Vec<_>>(), ["shoulder", "elbow", "finger"]);
-        assert_eq!(model.initial.joint_positions, [0.0; 5]);
-    }
-
-    #[test]
-    fn disabled_collision_pairs_are_compared_with_the_links_of_the_robot() {
-        let semantics = read_srdf_str(SRDF, "r.srdf", None, &robot()).expect("an SRDF");
-        let found = &semantics.diagnostics;
-        assert_eq!(semantics.disabled_pairs, [[0, 1]]);
-        assert!(has(found, "R106", 10, "1 pairs of links"), "{found:#?}");
-        assert!(
-            has(
-                found,
-                "R103",
-                11,
-                "'base', 'upper' stands here a second time (1 such pairs"
-            ),
-            "{found:#?}"
-        );
-        assert!(has(found, "R103", 12, "'fore' with itself"), "{found:#?}");
-        assert!(has(found, "R102", 13, "names link 'for'"), "{found:#?}");
-        let help = found
-            .iter()
-            .find(|d| d.message.contains("'for'"))
-            .and_then(|d| d.help.as_deref());
-        assert_eq!(help, Some("did you mean 'fore'?"));
-    }
-
-    #[test]
-    fn a_missing_group_state_and_a_urdf_in_place_of_an_srdf_are_errors() {
-        let findings =
-            read_srdf_str(SRDF, "r.srdf", Some("hom"), &robot()).expect_err("no such state");
-        let error = findings
-            .iter()
-            .find(|d| d.code == "R104")
-            .expect("an error");
-        assert_eq!(error.help.as_deref(), Some("it has home, away"));
-        let urdf = r#"<robot name="r"><link name="base"/></robot>"#;
-        let findings = read_srdf_str(urdf, "r.urdf", None, &robot()).expect_err("a URDF");
-        assert_eq!(findings[0].code, "R101");
-        let number = SRDF.replace("\"0.5\"", "\"0.5 rad\"");
-        let findings =
-            read_srdf_str(&number, "r.srdf", Some("home"), &robot()).expect_err("no number");
-        assert!(has(&findings, "R105", 5, "'0.5 rad'"), "{findings:#?}");
-    }
+    true
 }
+
+#[cfg(test)]
+mod tests;

@@ -114,3 +114,56 @@ fn the_parameters_are_written_for_tools_of_ssp_with_values_and_units() {
         }
     }
 }
+
+/// As MoveIt's setup assistant writes it for an arm on a table.
+#[test]
+fn an_srdf_that_bolts_a_robot_down_stands_out_and_init_proposes_its_base() {
+    let folder = tempfile::tempdir().unwrap();
+    let body = "<inertial><mass value='1'/>\
+                <inertia ixx='1' ixy='0' ixz='0' iyy='1' iyz='0' izz='1'/></inertial>";
+    // One joint, and no name that says so.
+    let robot = people::write(
+        folder.path(),
+        "r.urdf",
+        format!(
+            "<robot name='r'><link name='a'>{body}</link><link name='b'>{body}</link>\
+             <joint name='j' type='continuous'><parent link='a'/><child link='b'/></joint></robot>"
+        ),
+    );
+    let srdf = |kind: &str| {
+        let text = format!(
+            "<robot name='r'>\n<virtual_joint name='v' type='{kind}' parent_frame='table' \
+             child_link='a'/>\n</robot>"
+        );
+        people::write(folder.path(), &format!("{kind}.srdf"), text)
+    };
+    let [fixed, floating] = ["fixed", "floating"].map(srdf);
+    let warnings = |options: &[&str]| {
+        let (ok, list) = people::findings(&robot, options);
+        assert!(ok, "{list:?}");
+        list.into_iter()
+            .filter(|f| f["severity"] == "warning" && f["code"] == "A107")
+            .collect::<Vec<_>>()
+    };
+    let told = warnings(&["--srdf", text(&fixed)]);
+    assert_eq!(told.len(), 1, "{told:?}");
+    assert_eq!(told[0]["line"], 2);
+    assert!(
+        told[0]["file"].as_str().unwrap().ends_with("fixed.srdf"),
+        "{told:?}"
+    );
+    assert!(told[0]["help"].as_str().unwrap().contains("--fixed-base"));
+    for options in [
+        &["--srdf", text(&fixed), "--fixed-base"][..],
+        &["--srdf", text(&fixed), "--floating-base"],
+        &["--srdf", text(&floating)],
+        &[],
+    ] {
+        assert_eq!(warnings(options), [0; 0].map(Value::from), "{options:?}");
+    }
+    let proposed = "# base = \"fixed\" mounts it";
+    let done = urdf2fmu(["init", text(&robot), "--srdf", text(&fixed)]);
+    assert!(done.code == 0 && done.out.contains(proposed), "{done:?}");
+    let done = urdf2fmu(["init", text(&robot), "--srdf", text(&floating)]);
+    assert!(done.code == 0 && !done.out.contains(proposed), "{done:?}");
+}

@@ -15,6 +15,7 @@ use std::sync::Arc;
 use JointKind::{Continuous, Fixed, Floating, Planar, Prismatic, Revolute, Spherical};
 
 mod actuators;
+mod base;
 mod bodies;
 mod inertia;
 mod initial;

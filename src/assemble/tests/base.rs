@@ -1,0 +1,167 @@
+//! Whether a base floats, and whether the finding about it stands out.
+
+use super::*;
+use crate::settings::{Mounting, Settings};
+
+/// A robot with a base of 1 kg and limbs: each a list of joints with their links, in series.
+fn with_limbs(base: &str, limbs: &[&[&str]]) -> Description {
+    let mut built = robot(mass(base, 1.0));
+    for limb in limbs {
+        let mut parent = base;
+        for link in *limb {
+            let (kind, name) = match link.strip_prefix('=') {
+                Some(name) => (Fixed, name),
+                None => (Revolute, *link),
+            };
+            let joint = format!("{name}_joint");
+            built = built.with(parent, &joint, kind, at(0.1, 0.0, 0.0), mass(name, 1.0));
+            parent = name;
+        }
+    }
+    built
+}
+
+/// Robots of public collections made small. `=`: on a fixed joint.
+#[test]
+fn what_others_bolt_down_stands_out_by_its_limbs_or_names() {
+    let bolted: [(&str, &[&[&str]]); 10] = [
+        // kinova, panda; a double pendulum, PyBullet's TwoJointRobot.
+        ("base", &[&["l1", "l2", "l3", "l4", "l5", "l6"]]),
+        ("base_link", &[&["link1", "link2"]]),
+        // Sawyer: its feet do not move.
+        (
+            "base",
+            &[&["=pedestal", "=pedestal_feet"], &["l0", "l1", "l2"]],
+        ),
+        // Baxter, Nextage, YuMi, the upper body of G1.
+        (
+            "base",
+            &[
+                &["=pedestal"],
+                &["head"],
+                &["left_e0", "left_e1"],
+                &["right_e0", "right_e1"],
+            ],
+        ),
+        (
+            "WAIST",
+            &[&["HEAD_Link"], &["RARM_JOINT0_Link"], &["LARM_JOINT0_Link"]],
+        ),
+        (
+            "yumi_body",
+            &[&["link_1_r", "gripper_r"], &["link_1_l", "gripper_l"]],
+        ),
+        (
+            "waist_yaw_link",
+            &[
+                &["left_shoulder", "left_hand"],
+                &["right_shoulder", "right_hand"],
+            ],
+        ),
+        // The Allegro hand, grippers of the PR2 and of Franka.
+        ("palm_link", &[&["a1", "a2"], &["b1", "b2"], &["c1", "c2"]]),
+        ("gripper_pole", &[&["left"], &["right"]]),
+        ("base", &[&["LeftFingers"], &["RightFingers"]]),
+    ];
+    let free: [(&str, &[&[&str]]); 9] = [
+        // PR2, whose wheels are not in the file; TIAGo.
+        ("base_footprint", &[&["torso", "arm_1", "arm_2", "arm_3"]]),
+        (
+            "base_link",
+            &[
+                &["wheel_left"],
+                &["wheel_right"],
+                &["arm_1", "arm_2", "gripper"],
+            ],
+        ),
+        // TALOS, Spot with an arm, a hopper.
+        (
+            "pelvis",
+            &[
+                &["LHipYaw", "l2"],
+                &["RHipYaw", "r2"],
+                &["left_arm", "left_hand"],
+            ],
+        ),
+        (
+            "body",
+            &[&["fl_upperleg"], &["fr_upperleg"], &["arm0", "arm1"]],
+        ),
+        ("trunk", &[&["thigh", "shank", "foot"]]),
+        // Flying arms, drones, a crawler with a bucket, what has a lid, a table of drawers.
+        (
+            "hextilt",
+            &[&["flying_arm_1", "flying_arm_2", "flying_arm_3"]],
+        ),
+        ("chassis", &[&["swing", "boom", "stick"]]),
+        ("box", &[&["lid"]]),
+        ("kitchen", &[&["drawer_1"], &["drawer_2"], &["handle"]]),
+    ];
+    for (robots, severity) in [
+        (&bolted[..], Severity::Warning),
+        (&free[..], Severity::Note),
+    ] {
+        for (base, limbs) in robots {
+            let description = with_limbs(base, limbs);
+            let built = assembled(&description, "");
+            assert!(built.model.is_floating(), "{base} {limbs:?}");
+            let found = note(&built, "A107");
+            assert_eq!(
+                found.severity, severity,
+                "{base} {limbs:?}: {}",
+                found.message
+            );
+            let said = found.message.contains("bolted down");
+            assert_eq!(said, severity == Severity::Warning, "{}", found.message);
+            // What is said is no longer guessed.
+            let meant = assembled(&description, "robot.base = \"floating\"");
+            assert!(!has(&meant, "A107"), "{base}");
+        }
+    }
+}
+
+/// MoveIt's setup assistant writes it for arms; a planar or floating one is that of what drives,
+/// walks or flies.
+#[test]
+fn the_virtual_joint_of_an_srdf_says_whether_the_base_is_bolted_down() {
+    let mounted = |description: &Description, fixed: bool| {
+        let mut settings = Settings::default();
+        settings.mounting = Some(Mounting {
+            name: "to_world".into(),
+            frame: "table".to_owned(),
+            fixed,
+        });
+        crate::assemble::build(description, &settings).expect("a robot")
+    };
+    // It is told whatever else the names say.
+    for limbs in [&[&["lid"][..]][..], &[&["wheel_left"], &["wheel_right"]]] {
+        let built = mounted(&with_limbs("box", limbs), true);
+        let found = note(&built, "A107");
+        assert_eq!(found.severity, Severity::Warning);
+        let message = &found.message;
+        assert!(
+            message.contains("virtual joint 'to_world'")
+                && message.contains("bolted down to 'table'"),
+            "{message}"
+        );
+        assert!(
+            found
+                .help
+                .as_deref()
+                .is_some_and(|help| help.contains("--fixed-base"))
+        );
+    }
+    // An arm that is said to move is meant to.
+    let arm = with_limbs("base", &[&["l1", "l2", "l3", "l4"]]);
+    assert_eq!(note(&mounted(&arm, false), "A107").severity, Severity::Note);
+    assert_eq!(
+        note(&mounted(&arm, true), "A107").severity,
+        Severity::Warning
+    );
+    // A base that is fixed anyway has nothing to be warned of.
+    let world =
+        robot(mass("world", 1.0)).with("world", "j", Revolute, at(0.0, 0.0, 0.0), mass("tip", 1.0));
+    let built = mounted(&world, true);
+    assert!(!built.model.is_floating());
+    assert_eq!(note(&built, "A107").severity, Severity::Note);
+}
