@@ -21,7 +21,7 @@ while getopts n:m option; do
 done
 shift $((OPTIND - 1))
 if [ $# -eq 0 ]; then
-  set -- stl obj ply collada gltf urdf settings model states calls calls3 viewer scene xacro heights surface image decomposition
+  set -- stl obj ply collada gltf urdf srdf settings model states calls calls3 viewer scene xacro heights surface image decomposition
 fi
 work=$PWD/target/fuzz
 host=$(rustc -vV | sed -n 's/^host: //p')
@@ -38,6 +38,7 @@ for target in "$@"; do
     gltf) folder=fuzz/readers length=1500 words=fuzz/readers/gltf.dict ;;
     collada) folder=fuzz/readers length=900 words=fuzz/readers/collada.dict ;;
     urdf) folder=fuzz/readers length=500 words=fuzz/readers/urdf.dict ;;
+    srdf) folder=fuzz/readers length=500 words=fuzz/readers/srdf.dict ;;
     decomposition) folder=fuzz/readers length=73 count=$((executions < 10000 ? executions : 10000)) ;;
     scene) folder=fuzz/readers length=900 words=fuzz/readers/scene.dict ;;
     xacro) folder=fuzz/readers length=500 words=fuzz/readers/xacro.dict ;;

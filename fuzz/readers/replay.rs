@@ -79,6 +79,11 @@ fn the_corpus_of_urdfs_does_no_harm() {
 }
 
 #[test]
+fn the_corpus_of_srdfs_does_no_harm() {
+    replay_corpus("srdf", targets::srdf);
+}
+
+#[test]
 fn the_corpus_of_scenes_does_no_harm() {
     replay_corpus("scene", targets::scene);
 }

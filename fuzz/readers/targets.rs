@@ -4,6 +4,7 @@
 //! | target | bytes are |
 //! |---|---|
 //! | `urdf` | a URDF; what is accepted is made a model of, with the settings' defaults |
+//! | `srdf` | the SRDF of a small robot, which starts in the state that it gives |
 //! | `stl`, `obj`, `ply`, `collada`, `gltf` | a mesh, read as corners and as triangles, glTF with
 //! its colours, too; some of the accepted are enclosed in their hull |
 //! | `decomposition` | the corners of a small mesh, which is cut into convex parts |
@@ -23,6 +24,8 @@
 mod image;
 #[path = "targets/scene.rs"]
 mod scene;
+#[path = "targets/srdf.rs"]
+mod srdf;
 #[path = "targets/terrain.rs"]
 mod terrain;
 #[path = "targets/xacro.rs"]
@@ -30,6 +33,7 @@ mod xacro;
 
 pub use image::image;
 pub use scene::scene;
+pub use srdf::srdf;
 pub use terrain::{heights, surface};
 pub use xacro::xacro;
 
