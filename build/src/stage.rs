@@ -119,12 +119,19 @@ pub enum StageError {
 pub fn robot(request: &Request) -> Result<Robot, StageError> {
     let (settings, mut findings) = asked::settings_of(request);
     if findings.is_empty() {
-        return made(request, settings);
+        return made(request, settings).map_err(|error| match error {
+            StageError::Robot(mut findings) => {
+                later::gather(&mut findings);
+                StageError::Robot(findings)
+            }
+            other => other,
+        });
     }
     if let Err(StageError::Robot(more)) = made(request, settings) {
         let more = later::beside_settings(&findings, more);
         findings.extend(more);
     }
+    later::gather(&mut findings);
     Err(StageError::Robot(findings))
 }
 

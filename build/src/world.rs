@@ -78,10 +78,7 @@ pub fn read(
         }
         return urdf::read(path, options).map(|description| (description, None));
     }
-    let folder = match path.parent() {
-        Some(parent) if !parent.as_os_str().is_empty() => parent,
-        _ => Path::new("."),
-    };
+    let folder = folder_of(path);
     let name = path.display().to_string();
     let xacro::Expanded {
         text,
@@ -91,7 +88,7 @@ pub fn read(
         lone,
     } = match xacro::expand(path, arguments, options) {
         Ok(expanded) => expanded,
-        Err(refused) => return unexpanded(*refused, &name, folder, options),
+        Err(refused) => return Err(unexpanded(*refused, &name, folder, options)),
     };
     if let Some(lone) = lone {
         notes.push(*lone);
@@ -128,53 +125,90 @@ const OF_ALL: [&str; 9] = [
 /// Elements by which links have mass.
 const OF_MASS: [&str; 4] = ["link", "inertial", "mass", "inertia"];
 
-/// What is wrong with a file in xacro that cannot be expanded: of the part that can be, too, but
-/// for what follows from what is left out. With [`ReadOptions::rest`], the description of that
-/// part.
+/// What is wrong with a file in xacro that cannot be expanded: of the part that can be, too. What
+/// may follow from what is left out is told as such.
 fn unexpanded(
     refused: xacro::Refused,
     name: &str,
     folder: &Path,
     options: &ReadOptions,
-) -> Result<(Description, Option<String>), Vec<Diagnostic>> {
+) -> Vec<Diagnostic> {
     let mut findings = refused.findings;
     let Some(rest) = refused.rest else {
-        return Err(findings);
+        return findings;
     };
     let mut options = options.clone();
     options.packages.extend(rest.packages);
-    if options.rest {
-        // Names are of use only where none is left out.
-        let read = rest
-            .whole
-            .then(|| urdf::read_str(&rest.text, name, folder, &options));
-        let description = read.and_then(Result::ok).ok_or(findings)?;
-        return Ok((description, None));
-    }
     let weighed = rest.whole
         && !rest
             .faulty
             .values()
             .any(|name| OF_MASS.contains(&name.as_str()));
-    let told = |finding: &Diagnostic| {
+    let told = |mut finding: Diagnostic| {
         let line = finding.place.as_ref().map(|place| place.line);
         let of_faulty = line.is_some_and(|line| rest.faulty.contains_key(&line));
         match finding.severity {
             // U066 tells what would come next.
-            Severity::Warning => finding.code == "U066" && weighed,
-            Severity::Error => !of_faulty && (rest.whole || !OF_ALL.contains(&finding.code)),
-            Severity::Note => false,
+            Severity::Warning if finding.code == "U066" && weighed => Some(finding),
+            Severity::Warning if finding.code == "U068" => Some(finding),
+            Severity::Error if of_faulty => None,
+            Severity::Error if !rest.whole && OF_ALL.contains(&finding.code) => {
+                may_follow(&mut finding);
+                Some(finding)
+            }
+            Severity::Error => Some(finding),
+            Severity::Warning | Severity::Note => None,
         }
     };
     let more = urdf::read_str(&rest.text, name, folder, &options);
-    let mut more = more.err().unwrap_or_default();
-    more.retain(told);
+    let more = more.err().unwrap_or_default();
+    let mut more: Vec<Diagnostic> = more.into_iter().filter_map(told).collect();
     if !more.is_empty() {
         rest.origins.tell(name, &mut more);
         findings.push(rest.note);
         findings.append(&mut more);
     }
-    Err(findings)
+    findings
+}
+
+/// Makes an error what may be wrong, too, or follow from another one.
+pub fn may_follow(finding: &mut Diagnostic) {
+    (finding.severity, finding.code) = (Severity::Warning, "U068");
+}
+
+/// What can be read of a file, whatever is wrong with it, and whether that has all its names.
+pub fn rest(
+    path: &Path,
+    arguments: &[String],
+    options: &ReadOptions,
+) -> Option<(Description, bool)> {
+    let mut options = ReadOptions {
+        rest: true,
+        drawn: false,
+        ..options.clone()
+    };
+    if !xacro::is_xacro(path) {
+        return Some((urdf::read(path, &options).ok()?, true));
+    }
+    let (text, packages, whole) = match xacro::expand(path, arguments, &options) {
+        Ok(expanded) => (expanded.text, expanded.packages, true),
+        Err(refused) => {
+            let rest = refused.rest?;
+            (rest.text, rest.packages, rest.whole)
+        }
+    };
+    options.packages.extend(packages);
+    let name = path.display().to_string();
+    let read = urdf::read_str(&text, &name, folder_of(path), &options);
+    Some((read.ok()?, whole))
+}
+
+/// The folder that a file is in.
+fn folder_of(path: &Path) -> &Path {
+    match path.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
+    }
 }
 
 /// Reads all that the settings place around the robot. An object that is nothing but a ground

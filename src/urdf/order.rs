@@ -60,14 +60,19 @@ pub(super) fn order(scope: &mut Scope, robot: &CheckedRobot) -> Option<Order> {
         let mut index = |reference: &Option<LinkReference>, what: &str| -> Option<usize> {
             let reference = reference.as_ref()?;
             let found = links.get(reference.name).copied();
-            if found.is_none() && told {
+            if found.is_none() {
                 let message = format!("{what} link '{}' does not exist", reference.name);
                 let known = robot.links.iter().filter(|link| link.own_name);
                 let known = known.map(|link| link.name);
                 // Not the link on the joint's other side.
                 let known = known.filter(|name| !own.contains(&Some(name)));
                 let help = did_you_mean(reference.name, known);
-                scope.problem("U016", reference.at.clone(), &message, help);
+                if told {
+                    scope.problem("U016", reference.at.clone(), &message, help);
+                } else {
+                    let message = format!("{message}, unless a link without a name is meant");
+                    scope.warning("U068", reference.at.clone(), &message, help);
+                }
             }
             found
         };
@@ -100,6 +105,12 @@ pub(super) fn order(scope: &mut Scope, robot: &CheckedRobot) -> Option<Order> {
         .collect();
     if roots.len() > 1 + loose {
         report_roots(scope, robot, &roots, loose);
+    } else if roots.len() > 1 && !told && nameless > 0 {
+        let root = &robot.links[roots[1]];
+        scope.owner = format!("link '{}'", root.name);
+        let message = "no joint holds it, unless one is meant whose child is not known";
+        let help = "only one link may be no joint's child";
+        scope.warning("U068", root.node.tag_at(), message, help);
     }
     let (order, reached) = tree.walk(&roots);
     let lost = (0..reached.len()).filter(|&link| !reached[link] && robot.links[link].own_name);

@@ -266,7 +266,8 @@ fn what_a_xacro_file_lacks_is_told_with_the_call_that_gives_it() {
 }
 
 /// What is Python beyond what is known here is left to the command, with an index of packages such
-/// as ROS 2's.
+/// as ROS 2's. Here a script says what it is given; `tests/python/test_xacro.py` runs the command
+/// itself.
 #[test]
 fn expressions_that_are_not_known_are_left_to_the_command() {
     use std::os::unix::fs::PermissionsExt;
@@ -348,4 +349,38 @@ fn a_xacro_file_that_grows_without_bound_is_told() {
         assert_eq!(done.code, 1, "{expected}");
         assert!(done.err.contains(expected), "{expected}: {}", done.err);
     }
+}
+
+/// Universal Robots' description: its default names a folder that is not there, and that the file
+/// is missing says nothing of the argument.
+#[test]
+fn a_file_that_is_missing_by_the_value_of_an_argument_is_told_with_the_argument() {
+    let folder = tempfile::tempdir().unwrap();
+    for name in ["ur10e", "ur3e"] {
+        fs::create_dir_all(folder.path().join("config").join(name)).unwrap();
+        let file = folder.path().join("config").join(name).join("limits.yaml");
+        fs::write(file, "mass: 2\n").unwrap();
+    }
+    let robot = folder.path().join("ur.urdf.xacro");
+    fs::write(
+        &robot,
+        "<robot name='ur' xmlns:xacro='http://www.ros.org/wiki/xacro'>\
+         <xacro:arg name='ur_type' default='ur5x'/>\
+         <xacro:property name='file' value='config/$(arg ur_type)/limits.yaml'/>\
+         <xacro:property name='limits' value='${xacro.load_yaml(file)}'/>\
+         <link name='base'><inertial><mass value='${limits[\"mass\"]}'/>\
+         <inertia ixx='1' ixy='0' ixz='0' iyy='1' iyz='0' izz='1'/></inertial></link></robot>",
+    )
+    .unwrap();
+    let done = urdf2fmu(["check", text(&robot)]);
+    assert_eq!(done.code, 1, "{done:?}");
+    for part in [
+        "the argument 'ur_type' is 'ur5x'",
+        "ur_type:=…",
+        "has ur10e, ur3e",
+    ] {
+        assert!(done.err.contains(part), "{part}: {}", done.err);
+    }
+    let done = urdf2fmu(["check", text(&robot), "ur_type:=ur3e"]);
+    assert_eq!(done.code, 0, "{done:?}");
 }

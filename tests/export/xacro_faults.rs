@@ -129,8 +129,8 @@ joint = 'hind_joint'
 mode = 'velocity'
 ";
 
-/// Messages of the errors of the robot with these faults.
-fn errors(folder: &Path, faults: &[&[&str; 3]]) -> Vec<String> {
+/// What is told of the robot with these faults.
+fn told(folder: &Path, faults: &[&[&str; 3]]) -> Vec<Value> {
     let mut found = 0;
     let mut text = |sound: &str| {
         faults.iter().fold(sound.to_owned(), |text, [old, new, _]| {
@@ -143,10 +143,15 @@ fn errors(folder: &Path, faults: &[&[&str; 3]]) -> Vec<String> {
     let config = write(folder, "r.toml", text(SETTINGS));
     assert_eq!(found, faults.len(), "{faults:?}");
     let (ok, list) = findings(&robot, &["--config", super::text(&config)]);
-    let told = of_severity(&list, "error");
-    assert_eq!(ok, told.is_empty());
+    assert_eq!(ok, of_severity(&list, "error").is_empty());
+    list
+}
+
+/// Messages of the errors among it.
+fn errors(folder: &Path, faults: &[&[&str; 3]]) -> Vec<String> {
+    let list = told(folder, faults);
     let message = |finding: &&Value| finding["message"].as_str().unwrap().to_owned();
-    told.iter().map(message).collect()
+    of_severity(&list, "error").iter().map(message).collect()
 }
 
 #[test]
@@ -190,4 +195,49 @@ fn what_a_missing_file_of_macros_may_define_is_not_told() {
     let division = ["radius='${1 / 2}'", "radius='${1 / 0}'", ""];
     let told = errors(folder.path(), &[&missing, &number, &division]);
     assert_eq!(told.len(), 3, "{told:?}");
+}
+
+/// One warning lists it: names that a file may define which is not there, and names of what is left
+/// out. Whoever mends the first fault has seen the second one.
+#[test]
+fn what_may_follow_from_a_fault_or_be_wrong_too_is_listed() {
+    let folder = tempfile::tempdir().unwrap();
+    let missing = ["filename='macros.xacro'", "filename='no.xacro'", "no.xacro"];
+    let call = [
+        "<xacro:leg name='hind'/>",
+        "<xacro:legg name='hind'/>",
+        "no macro 'legg'",
+    ];
+    let property = ["length='${(2)}'", "length='${mm}'", "'mm' is not defined"];
+    let setting = [
+        "joint = 'hind_joint'",
+        "joint = 'hint_joint'",
+        "'hint_joint'",
+    ];
+    let parent = ["<parent link='hind'/>", "<parent link='hint'/>", "'hint'"];
+    for faults in [
+        &[missing, call][..],
+        &[missing, property],
+        &[missing, setting],
+        &[missing, parent],
+        &[missing, call, property, setting, parent],
+        // A call that is left out may hold what is named.
+        &[call, setting],
+        &[call, parent],
+    ] {
+        let list = told(folder.path(), &faults.iter().collect::<Vec<_>>());
+        let errors = of_severity(&list, "error");
+        let [error] = &errors[..] else {
+            panic!("{faults:?}: {errors:?}");
+        };
+        let first = error["message"].as_str().unwrap();
+        assert!(first.contains(faults[0][2]), "{faults:?}: {first}");
+        let may: Vec<_> = list.iter().filter(|f| f["code"] == "U068").collect();
+        assert_eq!(may.len(), 1, "{list:?}");
+        assert_eq!(may[0]["severity"], "warning");
+        let help = may[0]["help"].as_str().unwrap();
+        for fault in &faults[1..] {
+            assert!(help.contains(fault[2]), "{fault:?}: {help}");
+        }
+    }
 }

@@ -50,7 +50,11 @@ pub(super) fn beside_settings(
                 of_file || !(unread || syntax)
             }
     };
-    more.retain(|finding| holds(finding) && !settings.contains(finding));
+    let counts = |finding: &Diagnostic| is_error(finding) || finding.code == "U068";
+    more.retain(|finding| counts(finding) && !settings.contains(finding));
+    for finding in more.iter_mut().filter(|finding| !holds(finding)) {
+        world::may_follow(finding);
+    }
     more
 }
 
@@ -61,16 +65,11 @@ pub(super) fn beside_robot(
     settings: &Settings,
     options: &ReadOptions,
 ) -> Vec<Diagnostic> {
-    let options = ReadOptions {
-        rest: true,
-        drawn: false,
-        ..options.clone()
-    };
-    let read = world::read(&request.urdf, &request.xacro_arguments, &options);
+    let read = world::rest(&request.urdf, &request.xacro_arguments, options);
     let mut settings = settings.clone();
     let (guests, mut list) = around(&mut settings, &request.packages);
-    list.retain(is_error);
-    let Ok((description, _)) = read else {
+    list.retain(|finding| is_error(finding) || finding.code == "U068");
+    let Some((description, whole)) = read else {
         return list;
     };
     if let Some(path) = &request.srdf {
@@ -80,8 +79,12 @@ pub(super) fn beside_robot(
     }
     // Shapes may be left out.
     let of_shapes = |finding: &Diagnostic| finding.message.contains("no collision shape");
-    let names = of(&description, &settings, &guests);
-    list.extend(names.into_iter().filter(|name| !of_shapes(name)));
+    let mut names = of(&description, &settings, &guests);
+    names.retain(|name| !of_shapes(name));
+    if !whole {
+        names.iter_mut().for_each(world::may_follow);
+    }
+    list.extend(names);
     list
 }
 
@@ -122,6 +125,45 @@ pub(super) fn known(settings: &Settings, unread: &Unread) -> Settings {
     let of_known = springs.filter(|spring| spring.links.iter().all(|name| sound(&name)));
     known.springs = of_known.cloned().collect();
     known
+}
+
+/// Makes one warning of all that may be wrong, too, or follow from the errors.
+pub(super) fn gather(findings: &mut Vec<Diagnostic>) {
+    /// More are counted.
+    const MOST: usize = 20;
+    let may = findings.extract_if(.., |finding| finding.code == "U068");
+    let mut may: Vec<Diagnostic> = may.collect();
+    may.dedup();
+    let mut lines: Vec<String> = may
+        .iter()
+        .map(|finding| {
+            let place = finding.place.as_ref();
+            let place = place.map_or(String::new(), |place| {
+                format!("{}:{}: ", place.file, place.line)
+            });
+            let advice = finding
+                .help
+                .as_deref()
+                .filter(|help| help.starts_with("did you mean"));
+            let advice = advice.map_or(String::new(), |advice| format!(" ({advice})"));
+            format!("{place}{}{advice}", finding.message)
+        })
+        .collect();
+    let Some(first) = may.into_iter().next() else {
+        return;
+    };
+    if lines.len() > MOST {
+        let more = lines.len() - MOST;
+        lines.truncate(MOST);
+        lines.push(format!("and {more} more"));
+    }
+    let count = lines.len();
+    findings.push(Diagnostic {
+        message: "this may be wrong, too, if it does not follow from the errors".to_owned(),
+        help: Some(lines.join("\n")),
+        place: if count == 1 { first.place } else { None },
+        ..first
+    });
 }
 
 fn is_error(finding: &Diagnostic) -> bool {

@@ -30,6 +30,10 @@ pub struct Expansion<'f> {
     pub texts: Texts<'f>,
     /// What is wrong, in the order in which it was met.
     pub problems: Vec<Problem>,
+    /// What may follow from these.
+    pub maybe: Vec<Problem>,
+    /// Whether what is looked at is left out, as far as is known.
+    pub(super) supposed: bool,
     /// Whether all elements are there and have their names, whatever is wrong.
     pub whole: bool,
     pub(super) macros: Macros,
@@ -44,6 +48,8 @@ impl<'f> Expansion<'f> {
         Self {
             texts: Texts::new(arguments, Sources::new(find)),
             problems: Vec::new(),
+            maybe: Vec::new(),
+            supposed: false,
             whole: true,
             macros: Macros::new(),
             elements: 0,
@@ -60,7 +66,12 @@ impl<'f> Expansion<'f> {
             self.texts.sources.enter(path.to_owned())?;
             self.element(&root, 0, 0)
         });
-        done.map_err(|problem| self.tell(problem)).ok()
+        let root = done.map_err(|problem| self.tell(problem)).ok();
+        // What has ended the expansion may be a property without an end.
+        if root.is_some() && !self.problems.is_empty() {
+            self.suppose_properties();
+        }
+        root
     }
 
     /// Names of macros that the file defines.
@@ -73,7 +84,12 @@ impl<'f> Expansion<'f> {
     }
 
     /// An element with all that is in it, expanded.
-    fn element(&mut self, element: &Element, macros: usize, scope: usize) -> Done<Element> {
+    pub(super) fn element(
+        &mut self,
+        element: &Element,
+        macros: usize,
+        scope: usize,
+    ) -> Done<Element> {
         self.texts.sources.at = element.at;
         self.elements += 1;
         if self.elements > MOST_ELEMENTS {
@@ -197,8 +213,12 @@ impl<'f> Expansion<'f> {
             }
             "if" | "unless" => {
                 let condition = self.required(child, "value")?.to_owned();
-                let value = self.texts.value(&condition, scope)?;
-                if self.truth(&value, &condition)? == (name == "if") {
+                let value = self.texts.value(&condition, scope);
+                let truth = value.and_then(|value| self.truth(&value, &condition));
+                if truth.is_err() {
+                    self.suppose(child, macros, scope);
+                }
+                if truth? == (name == "if") {
                     let found = self.element(child, macros, scope)?;
                     self.faulty |= found.faulty;
                     out.extend(found.children);
@@ -382,7 +402,9 @@ impl<'f> Expansion<'f> {
             .macros
             .resolve(name, (macros, scope), &self.texts.symbols);
         let Some((found, own_macros, own_scope)) = found else {
-            return Err(self.no_macro(name));
+            let problem = self.no_macro(name);
+            self.suppose(call, macros, scope);
+            return Err(problem);
         };
         let inner = self.texts.symbols.below(own_scope, false);
         let inner_macros = self.macros.below(own_macros);

@@ -80,6 +80,57 @@ pub(super) fn all(
     list
 }
 
+/// What may follow from the problems that are told: names that a file may define which cannot be
+/// read.
+pub(super) fn maybe(texts: &Texts, problems: &[Problem]) -> Vec<Diagnostic> {
+    let finding = |problem: &Problem| Diagnostic {
+        severity: Severity::Warning,
+        code: "U068",
+        message: problem.message.clone(),
+        help: problem.meant.clone(),
+        place: place(texts, problem),
+    };
+    problems.iter().map(finding).collect()
+}
+
+/// Advice on a file that is not there, where a part of its path is the value of an argument.
+fn of_argument(texts: &Texts, message: &str) -> Option<String> {
+    /// More names than these are not shown.
+    const MOST: usize = 8;
+    let (path, _) = message.split_once(" cannot be read")?;
+    let path = Path::new(path.strip_prefix("the included file ").unwrap_or(path));
+    // The first part that is not there.
+    let there = path.ancestors().find(|folder| folder.is_dir())?;
+    let part = path.strip_prefix(there).ok()?.iter().next()?;
+    let part = part.to_string_lossy();
+    let mut arguments = texts.arguments.iter();
+    let (name, value) = arguments.find(|(_, value)| {
+        let stem = part.strip_prefix(value.as_str());
+        !value.is_empty() && stem.is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
+    })?;
+    let entries = std::fs::read_dir(there).ok()?.flatten();
+    let known = entries.map(|entry| entry.file_name().to_string_lossy().into_owned());
+    let known: BTreeSet<String> = known.filter(|name| !name.starts_with('.')).collect();
+    let mut listed: Vec<&str> = known.iter().take(MOST).map(String::as_str).collect();
+    if known.len() > MOST {
+        listed.push("…");
+    }
+    Some(format!(
+        "the argument '{name}' is '{value}': give another one after the file, {name}:=…; {} has {}",
+        there.display(),
+        listed.join(", ")
+    ))
+}
+
+/// The tag of a problem.
+fn place(texts: &Texts, problem: &Problem) -> Option<Place> {
+    let text = texts.sources.read.get(&problem.file)?;
+    let end = text[problem.at.min(text.len())..].find('>');
+    let end = end.map_or(problem.at + 1, |end| problem.at + end + 1);
+    let file = problem.file.display().to_string();
+    Some(Place::in_text(&file, text, problem.at..end))
+}
+
 fn finding(
     path: &Path,
     arguments: &[String],
@@ -148,6 +199,9 @@ fn finding(
                     call.join(" ")
                 )
             }
+            Some(Lacking::File) if of_argument(texts, &problem.message).is_some() => {
+                of_argument(texts, &problem.message).unwrap_or_default()
+            }
             Some(Lacking::File) => {
                 "put the file there, or correct the path; a relative one counts from the folder \
                  of the file that is read"
@@ -160,17 +214,12 @@ fn finding(
             help,
         )
     };
-    let text = texts.sources.read.get(&problem.file);
     Diagnostic {
         severity: Severity::Error,
         code: "U006",
         message,
         help: Some(help),
-        place: text.map(|text| {
-            let end = text[problem.at.min(text.len())..].find('>');
-            let end = end.map_or(problem.at + 1, |end| problem.at + end + 1);
-            Place::in_text(&problem.file.display().to_string(), text, problem.at..end)
-        }),
+        place: place(texts, problem),
     }
 }
 

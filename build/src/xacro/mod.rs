@@ -62,7 +62,7 @@ pub struct Expanded {
 /// Why a file in xacro cannot be expanded.
 #[derive(Debug)]
 pub struct Refused {
-    /// All that is wrong with it.
+    /// All that is wrong with it, and what may follow from it.
     pub findings: Vec<Diagnostic>,
     /// What can be expanded of it.
     pub rest: Option<Rest>,
@@ -203,8 +203,10 @@ pub fn expand(
             lone: None,
         });
     }
+    let mut findings = findings::all(path, arguments, &expansion.texts, problems);
+    findings.extend(findings::maybe(&expansion.texts, &expansion.maybe));
     Err(Box::new(Refused {
-        findings: findings::all(path, arguments, &expansion.texts, problems),
+        findings,
         rest: root.map(|root| {
             let written = tree::write(&root);
             let origins = Origins {

@@ -43,6 +43,8 @@ pub enum Weight {
     Own,
     /// The expansion goes on. It is not told, because it follows from one that was.
     Follows,
+    /// The expansion goes on. It is told as what may follow from another one that was told.
+    May,
     /// It is told, and the expansion ends: there would be no end, or no end of memory.
     Ends,
     /// The expansion ends, because enough was told.

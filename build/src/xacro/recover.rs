@@ -28,9 +28,17 @@ const NAMES: [&str; 4] = ["name", "link", "joint", "type"];
 impl Expansion<'_> {
     /// Tells a problem, unless it follows from another one or is the same again.
     pub(super) fn tell(&mut self, problem: Problem) {
-        let told = matches!(problem.weight, Weight::Own | Weight::Ends);
-        if told && !self.problems.iter().any(|known| known.is_as(&problem)) {
+        let own = matches!(problem.weight, Weight::Own | Weight::Ends);
+        let may = self.supposed && problem.weight == Weight::Own || problem.weight == Weight::May;
+        let known = |list: &[Problem]| list.iter().any(|known| known.is_as(&problem));
+        if own && !self.supposed && !known(&self.problems) {
             self.problems.push(problem);
+        } else if may
+            && self.maybe.len() < MOST_PROBLEMS
+            && !known(&self.problems)
+            && !known(&self.maybe)
+        {
+            self.maybe.push(problem);
         }
     }
 
@@ -83,6 +91,37 @@ impl Expansion<'_> {
         Ok(())
     }
 
+    /// Looks into what is left out: what is wrong in it may be a fault of its own.
+    pub(super) fn suppose(&mut self, element: &Element, macros: usize, scope: usize) {
+        // What is supposed within that could go on without an end.
+        if self.supposed {
+            return;
+        }
+        self.supposed = true;
+        let (depth, faulty, whole) = (self.depth, self.faulty, self.whole);
+        let place = self.texts.sources.place();
+        if let Err(problem) = self.element(element, macros, scope) {
+            self.tell(problem);
+        }
+        (self.depth, self.faulty, self.whole) = (depth, faulty, whole);
+        self.texts.sources.go_back(place);
+        self.supposed = false;
+    }
+
+    /// Looks at the properties of a document that nothing needs which could be expanded.
+    pub(super) fn suppose_properties(&mut self) {
+        self.supposed = true;
+        for (scope, name, text) in self.texts.symbols.unread() {
+            let sources = &mut self.texts.sources;
+            let whole = sources.read.get(&*sources.written());
+            sources.at = whole.and_then(|whole| whole.find(&text)).unwrap_or(0);
+            if let Err(problem) = self.texts.entry(scope, &name) {
+                self.tell(problem);
+            }
+        }
+        self.supposed = false;
+    }
+
     /// Notes that an element is not there.
     pub(super) fn leave_out(&mut self, child: &Element) {
         (self.faulty, self.whole) = (true, false);
@@ -120,11 +159,9 @@ impl Expansion<'_> {
 
     /// That a macro is called which is not defined.
     pub(super) fn no_macro(&self, name: &str) -> Problem {
-        if self.texts.blind {
-            return self.texts.sources.follows();
-        }
         Problem {
             lacking: Some(Lacking::Macro(name.to_owned())),
+            weight: self.texts.weight_of_missing(),
             ..self.problem(format!("there is no macro '{name}'"))
         }
         .meant(name, self.macros.all_names().chain(TAGS))

@@ -81,6 +81,22 @@ impl Symbols {
         }
     }
 
+    /// Properties of files that nothing has needed so far: their scopes, names and texts.
+    pub fn unread(&self) -> Vec<(usize, String, String)> {
+        let mut found = Vec::new();
+        for (scope, table) in self.tables.iter().enumerate() {
+            if table.parent.is_some() && !table.named {
+                continue;
+            }
+            for (name, entry) in &table.entries {
+                if let Entry::Text(text) = entry {
+                    found.push((scope, name.clone(), text.clone()));
+                }
+            }
+        }
+        found
+    }
+
     /// The uppermost scope.
     pub fn top(&self, scope: usize) -> usize {
         let mut top = scope;

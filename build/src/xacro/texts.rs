@@ -3,7 +3,7 @@
 use super::evaluate::Evaluation;
 use super::functions::{self, Names};
 use super::parse;
-use super::problem::{Done, Lacking, Problem};
+use super::problem::{Done, Lacking, Problem, Weight};
 use super::sources::Sources;
 use super::symbols::{Entry, Symbols};
 use super::value::{Value, number_of};
@@ -49,6 +49,11 @@ impl<'f> Texts<'f> {
             lost: BTreeSet::new(),
             open: 0,
         }
+    }
+
+    /// What becomes of a name that is not defined.
+    pub fn weight_of_missing(&self) -> Weight {
+        if self.blind { Weight::May } else { Weight::Own }
     }
 
     /// The value of a name, evaluated where it must be.
@@ -152,9 +157,6 @@ impl<'f> Texts<'f> {
             return Err(problem);
         }
         let value = value.map_err(|error| {
-            if self.blind && unknown.is_some() {
-                return self.sources.follows();
-            }
             let shown = match meaning {
                 Meaning::Property => format!("${{{text}}}"),
                 Meaning::Argument => format!("$(eval {text})"),
@@ -165,7 +167,12 @@ impl<'f> Texts<'f> {
             };
             let problem = self.near(problem, scope, &name, meaning);
             let lacking = Some(Lacking::Property(name));
-            Problem { lacking, ..problem }
+            let weight = self.weight_of_missing();
+            Problem {
+                lacking,
+                weight,
+                ..problem
+            }
         })?;
         if !value.fits(&mut LONGEST.clone(), DEEPEST) {
             return Err(self.too_large());
@@ -202,11 +209,12 @@ impl<'f> Texts<'f> {
         match words[..] {
             ["arg", name] => {
                 let known = self.arguments.get(name).cloned();
-                if self.blind || self.lost.contains(name) {
+                if self.lost.contains(name) {
                     return known.ok_or_else(|| self.sources.follows());
                 }
                 known.ok_or_else(|| Problem {
                     lacking: Some(Lacking::Argument(name.to_owned())),
+                    weight: self.weight_of_missing(),
                     ..self
                         .sources
                         .problem(format!("the argument '{name}' has no value"))

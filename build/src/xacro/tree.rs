@@ -192,9 +192,33 @@ fn end(place: usize, open: &mut Vec<Element>, root: &mut Option<Element>, wrong:
         });
     }
     while open.len() > place {
-        if let Some(whole) = open.pop() {
+        if let Some(mut whole) = open.pop() {
+            // Where it should have ended is not known: at the latest where a link or joint begins.
+            let rest = if open.len() > place {
+                beyond(&mut whole)
+            } else {
+                Vec::new()
+            };
             close(whole, open, root);
+            if let Some(parent) = open.last_mut() {
+                parent.children.extend(rest);
+            }
         }
+    }
+}
+
+/// Takes out of an element what cannot be in it.
+fn beyond(element: &mut Element) -> Vec<Node> {
+    // Tags of hardware name joints.
+    let holds = ["robot", "transmission", "ros2_control"].contains(&element.name.as_str())
+        || element.name.starts_with("xacro:");
+    let part = |node: &Node| match node {
+        Node::Element(inner) => ["link", "joint"].contains(&inner.name.as_str()),
+        Node::Text(_) => false,
+    };
+    match element.children.iter().position(part) {
+        Some(first) if !holds => element.children.split_off(first),
+        _ => Vec::new(),
     }
 }
 

@@ -44,7 +44,10 @@ impl<'t> Document<'t> {
             return document;
         }
         report.clear();
-        Builder::new(text, &["link", "joint"]).run(report)
+        let unclosed = std::mem::take(&mut builder.unclosed);
+        let mut builder = Builder::new(text, &["link", "joint"]);
+        builder.unclosed = unclosed;
+        builder.run(report)
     }
 }
 
@@ -57,6 +60,10 @@ struct Builder<'t> {
     closed: bool,
     /// Children of the root that never lie in each other.
     apart: &'static [&'static str],
+    /// Where elements begin that are never closed, as far as another run has found.
+    unclosed: Vec<usize>,
+    /// Where the element begins of which it was told that its end is another one.
+    told: Option<usize>,
     /// Whether the tags do not match somewhere: what follows from that is not told again.
     unmatched: bool,
     /// Whether entities may be declared that are not read.
@@ -98,6 +105,8 @@ impl<'t> Builder<'t> {
             open: Vec::new(),
             closed: false,
             apart,
+            unclosed: Vec::new(),
+            told: None,
             unmatched: false,
             declared: false,
             resume: None,
@@ -196,7 +205,9 @@ impl<'t> Builder<'t> {
             self.open.pop();
         } else {
             if !std::mem::replace(&mut self.unmatched, true) {
-                let line = report.line(self.elements[last].tag.start);
+                let begins = self.elements[last].tag.start;
+                self.told = Some(begins);
+                let line = report.line(begins);
                 let message =
                     format!("not XML: expected `</{expected}>`, but `</{name}>` was found");
                 let help = format!("<{expected}> of line {line} is still open");
@@ -205,7 +216,11 @@ impl<'t> Builder<'t> {
             let meant = |&&open: &&usize| self.name(open) == name;
             match self.open.iter().rposition(|open| meant(&open)) {
                 // What lies between is not closed.
-                Some(depth) => self.open.truncate(depth),
+                Some(depth) => {
+                    let inner = self.open.drain(depth..).skip(1);
+                    let starts = inner.map(|open| self.elements[open].tag.start);
+                    self.unclosed.extend(starts);
+                }
                 None if alike(name, expected) => _ = self.open.pop(),
                 None => {}
             }
@@ -219,14 +234,20 @@ impl<'t> Builder<'t> {
             return;
         };
         let outer = self.name(around);
-        if !(self.apart.contains(&outer) && self.apart.contains(&name)) {
+        // Tags of hardware name joints.
+        let holds = ["transmission", "ros2_control"].contains(&outer);
+        let begins = self.elements[around].tag.start;
+        let ends = self.apart.contains(&outer) || self.unclosed.contains(&begins) && !holds;
+        if !(ends && self.apart.contains(&name)) {
             return;
         }
-        if !std::mem::replace(&mut self.unmatched, true) {
+        // Each is a fault of its own.
+        if self.told != Some(begins) {
             let message = format!("not XML: <{outer}> is never closed");
             let help = format!("add </{outer}> before the next <{name}>");
             report.error("U003", self.elements[around].tag.clone(), message, help);
         }
+        self.unmatched = true;
         self.open.truncate(1);
     }
 
