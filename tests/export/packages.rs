@@ -436,8 +436,8 @@ fn files_that_are_no_text_or_a_web_page_are_told_what_they_are() {
     }
 }
 
-/// The Jaco of differentiable-robot-model: who puts the meshes where their names say would have been
-/// told in a second run that they lie outside of the robot's folders.
+/// The Jaco of differentiable-robot-model: who puts the meshes where their names say would have
+/// been told in a second run that they lie outside of the robot's folders.
 #[test]
 fn a_mesh_that_is_missing_outside_of_the_robot_s_folders_comes_with_the_option_that_reads_it() {
     let folder = tempfile::tempdir().unwrap();
