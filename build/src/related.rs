@@ -15,6 +15,7 @@ use crate::ssv;
 use quick_xml::Writer;
 use quick_xml::events::{BytesDecl, Event};
 use std::collections::HashMap;
+use std::fmt::Write as _;
 use std::io;
 use std::path::Path;
 use urdf2fmu_core::model::Model;
@@ -46,8 +47,8 @@ const STANDARD: [(&str, &str); 3] = [
 /// jump, which needs a row of its own, is not needed.
 const STOP: f64 = 2.0;
 const RISE: [f64; 2] = [0.5, 1.0];
-/// By how much they rise: a tenth of the limit, so that no robot falls over by it, or where there is
-/// no limit this, rad/s and m/s.
+/// By how much they rise: a tenth of the limit, so that no robot falls over by it, or where there
+/// is no limit this, rad/s and m/s.
 const SHARE: f64 = 0.1;
 const SPEED: f64 = 0.5;
 /// rad and m
@@ -220,7 +221,7 @@ pub fn files(
 }
 
 /// A table with a column for each variable of the file that it has values of: numbers of an array
-/// stand in one cell, with blanks between them, as FMPy and fmusim write and read them.
+/// stand in one cell, with blanks between them, as `FMPy` and fmusim write and read them.
 fn text<'a>(table: &Table, listed: impl Iterator<Item = &'a Listed<'a>>) -> String {
     let places: HashMap<&str, usize> = (1..table.names.len())
         .map(|place| (table.names[place].as_str(), place))
@@ -231,7 +232,7 @@ fn text<'a>(table: &Table, listed: impl Iterator<Item = &'a Listed<'a>>) -> Stri
         .collect();
     let mut text = String::from("\"time\"");
     for column in &columns {
-        text.push_str(&format!(",\"{}\"", column.name));
+        _ = write!(text, ",\"{}\"", column.name);
     }
     for row in &table.rows {
         text.push('\n');
