@@ -3,6 +3,7 @@
 use crate::force::{NamedPairs, Terms};
 use crate::model::Model;
 use crate::state::{Physical, State, Trend};
+use crate::step::company::Company;
 use crate::step::convex::Newton;
 use crate::step::point::Point;
 use crate::tree::Tree;
@@ -22,10 +23,12 @@ pub struct Attempt {
     named: NamedPairs,
     /// Its accelerations; their mean for a step without stages.
     pub trend: Trend,
+    /// Who has pushed whom.
+    pub(super) company: Company,
 }
 
 #[cfg(test)]
-crate::spoil::spoil!(Attempt: end impulse pair_impulse trend; named);
+crate::spoil::spoil!(Attempt: end impulse pair_impulse trend company; named);
 
 impl Attempt {
     /// Room for a robot.
@@ -36,6 +39,7 @@ impl Attempt {
             pair_impulse: vec![[0.0; 3]; model.outputs.pairs.len()],
             named: NamedPairs::new(model),
             trend: Trend::new(model.nv()),
+            company: Company::new(model),
         }
     }
 
@@ -44,6 +48,7 @@ impl Attempt {
         self.impulse.copy_from_slice(&state.stepping.impulse);
         self.pair_impulse
             .copy_from_slice(&state.stepping.pair_impulse);
+        self.company.begin();
     }
 
     /// Begins a try that leaves everything as it is in `state`.
@@ -70,6 +75,9 @@ impl Attempt {
     /// Adds an impulse, N·s, on the first of two links, of which none is the ground, and its
     /// reaction on the other one to what these and named pairs have.
     pub(super) fn add_impulse(&mut self, links: [Option<usize>; 2], impulse: &[f64; 3]) {
+        if impulse.iter().any(|x| *x != 0.0) {
+            self.company.join_links(links);
+        }
         let add = |sum: &mut [f64; 3], sign: f64| {
             for (sum, x) in sum.iter_mut().zip(impulse) {
                 *sum += sign * x;
@@ -131,6 +139,7 @@ impl Attempt {
         std::mem::swap(&mut self.end, &mut state.physical);
         self.give_impulses(state);
         std::mem::swap(&mut self.trend, &mut state.stepping.trend);
+        self.company.accept();
     }
 }
 

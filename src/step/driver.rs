@@ -122,7 +122,8 @@ impl Stepper {
         end: f64,
     ) -> Result<(), Stop> {
         let flights = &mut self.flights;
-        let flies = Flight::begin(ctx, state, &mut self.there.kin, flights);
+        let scratch = (&mut self.there.kin, &mut self.attempt.company);
+        let flies = Flight::begin(ctx, state, scratch, flights);
         let (sizes, lead) = (&state.stepping.sizes, ctx.tree.island.lead);
         let mut way = Way::new(state.time, end, sizes.proposed[lead]);
         way.done = self.follow(ctx, state, end);

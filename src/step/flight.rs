@@ -2,20 +2,26 @@
 //!
 //! While nothing but gravity acts on a robot from outside, its centre of mass follows a parabola,
 //! its linear momentum grows by its weight, and its angular momentum about the centre of mass
-//! stays, whatever motors, limits and friction inside do. A step knows this to its own error only.
-//! Here the base takes up what the steps of a communication step have lost or made: its velocity
-//! and its place change, joints and orientation do not. This is done under error control alone,
-//! where it is little: fixed steps that lose momentum lose energy with it, and restoring the
-//! momentum would add energy.
+//! stays, whatever motors, limits and friction inside do. The same is true of several trees that
+//! push each other and nothing else, as a gripper in space and what it holds: see
+//! [`super::company`]. A step knows this to its own error only: its lever arms and inertias are
+//! those of its middle, and what turns or slides within it gets the impulse of a contact in
+//! another place.
+//!
+//! Here the bases take up what the steps of a communication step have lost or made: velocities and
+//! places change, joints and orientations do not. All trees of a company turn and move as one rigid
+//! body, which of all changes of velocity that restore the momentum has the least kinetic energy.
+//! This is done under error control alone, where it is little: fixed steps that lose momentum lose
+//! energy with it, and restoring the momentum would add energy.
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
 use crate::dynamics::energy::momentum;
-use crate::force::Touch;
 use crate::kinematics::Kinematics;
 use crate::spatial::{Mat3, SpatialInertia, Vec3, angular, linear};
 use crate::state::{Physical, State};
 use crate::step::attempt::Attempt;
+use crate::step::company::Company;
 use crate::step::point::Context;
 use crate::tree::Tree;
 use crate::tuning::THIN;
@@ -39,24 +45,30 @@ pub(super) struct Flight {
 
 impl Flight {
     /// Which trees fly from `state` on, and what they keep, into `flights`: nothing holds them,
-    /// nothing pushes them, and they touch nothing. Poses and velocities of `kin` then stand at
-    /// `state`; tells whether there are any.
+    /// nothing pushes them, and they touch nothing but what flies with them. Poses and velocities
+    /// of `kin` then stand at `state`; tells whether there are any.
     pub fn begin(
         ctx: &Context,
         state: &State,
-        kin: &mut Kinematics,
+        (kin, company): (&mut Kinematics, &mut Company),
         flights: &mut Vec<Self>,
     ) -> bool {
         flights.clear();
         let tree = ctx.tree;
         let undisturbed = tree.world.drag == 0.0 && ctx.inputs.wrenches.is_empty();
-        if !ctx.rules.momentum || !undisturbed {
-            return false;
+        let may_fly = |index: usize| {
+            let extent = &tree.trees[index];
+            tree.takes(index) && extent.free && !extent.tied
+        };
+        company.part(|index| ctx.rules.momentum && undisturbed && may_fly(index));
+        for touch in &state.physical.memory.touches {
+            company.join(ctx.model.touches_of(touch.slot));
         }
-        let touches = &state.physical.memory.touches;
-        for (index, extent) in tree.moved() {
-            let held = |touch: &Touch| ctx.model.touches_of(touch.slot).contains(&Some(index));
-            if !extent.free || extent.tied || touches.iter().any(held) {
+        company.accept();
+        company.ground();
+        company.separate();
+        for (index, _) in tree.moved() {
+            if !company.flies(index) {
                 continue;
             }
             if flights.is_empty() {
@@ -68,7 +80,7 @@ impl Flight {
     }
 
     /// What trees should be in that have flown, `h` seconds later in `state`, into `attempt`; tells
-    /// whether that is known of any: nothing has touched it since.
+    /// whether that is known of any: nothing that is held has touched it since.
     pub fn keep(
         flights: &[Self],
         ctx: &Context,
@@ -76,51 +88,68 @@ impl Flight {
         h: f64,
         (kin, attempt): (&mut Kinematics, &mut Attempt),
     ) -> bool {
-        let (impulse, rested) = (&state.stepping.impulse, &state.stepping.rested);
-        let touched = |flight: &Self| {
+        let company = &mut attempt.company;
+        for flight in flights {
             // Something carries what has come to rest, with or without friction.
-            if rested[flight.tree] > 0.0 {
-                return true;
+            if state.stepping.rested[flight.tree] > 0.0 {
+                company.keep_down(flight.tree);
             }
-            let bodies = &ctx.tree.trees[flight.tree].bodies;
-            let mut links = ctx.model.links.iter().zip(impulse);
-            links
-                .any(|(link, J)| bodies.contains(&link.body.index()) && J.iter().any(|x| *x != 0.0))
-        };
-        if flights.iter().all(touched) {
+        }
+        company.ground();
+        if !flights.iter().any(|flight| company.flies(flight.tree)) {
             return false;
         }
         pose(kin, ctx.tree, &state.physical);
         attempt.stay(state);
+        let Attempt { company, end, .. } = attempt;
         let mut kept = false;
-        for flight in flights.iter().filter(|flight| !touched(flight)) {
-            kept |= flight.keep_one(ctx, h, kin, &mut attempt.end);
+        for first in flights {
+            if company.flies(first.tree) && company.leader(first.tree) == first.tree {
+                let members = flights.iter();
+                let members = members.filter(|f| company.leader(f.tree) == first.tree);
+                kept |= Self::keep_all(members, ctx, h, kin, end);
+            }
         }
         kept
     }
 
-    /// The same for one tree.
-    fn keep_one(&self, ctx: &Context, h: f64, kin: &Kinematics, end: &mut Physical) -> bool {
-        let now = Self::of(ctx.tree, kin, self.tree);
-        let (mass, gravity) = (now.inertia.mass, ctx.tree.world.gravity);
-        let way = self.linear * (h / mass) + gravity * (0.5 * h * h);
-        // Differences first: far from the world's origin its digits are few.
-        let moved = (self.origin - now.origin) + (self.center - now.center) + way;
-        let linear = self.linear + gravity * (mass * h) - now.linear;
-        let lost = self.angular - now.angular;
-        let turn = now.turn(&lost).unwrap_or_default();
-        let velocity = linear / mass - turn.cross(&now.center);
+    /// The same for the trees of one company.
+    fn keep_all<'a>(
+        members: impl Iterator<Item = &'a Self> + Clone,
+        ctx: &Context,
+        h: f64,
+        kin: &Kinematics,
+        end: &mut Physical,
+    ) -> bool {
+        let now = |flight: &Self| Self::of(ctx.tree, kin, flight.tree);
+        let before = Together::of(members.clone().copied());
+        let after = Together::of(members.clone().map(now));
+        let (mass, gravity) = (before.mass, ctx.tree.world.gravity);
+        let mut moved = before.linear * (h / mass) + gravity * (0.5 * h * h);
+        for flight in members.clone() {
+            // Differences first: far from the world's origin its digits are few.
+            let now = now(flight);
+            let back = (flight.origin - now.origin) + (flight.center - now.center);
+            moved += back * (flight.inertia.mass / mass);
+        }
+        let linear = before.linear + gravity * (mass * h) - after.linear;
+        let lost = before.angular - after.angular;
+        let turn = inverse(&after.inertia).map_or_else(Vec3::zeros, |inverse| inverse * lost);
         let finite = |v: &Vec3| v.iter().all(|x| x.is_finite());
-        if !(finite(&moved) && finite(&turn) && finite(&velocity)) {
+        if ![moved, turn, linear].iter().all(finite) {
             return false;
         }
-        let base = &ctx.tree.bodies[ctx.tree.trees[self.tree].bodies.start];
-        let q = &mut end.q[base.coordinate..];
-        let v = &mut end.v[base.dof..];
-        for i in 0..3 {
-            q[i] += moved[i];
-            v[i] += turn[i];
-            v[3 + i] += velocity[i];
+        for flight in members {
+            let now = now(flight);
+            let velocity = linear / mass - turn.cross(&(now.center - after.lever(&now)));
+            let base = &ctx.tree.bodies[ctx.tree.trees[flight.tree].bodies.start];
+            let q = &mut end.q[base.coordinate..];
+            let v = &mut end.v[base.dof..];
+            for i in 0..3 {
+                q[i] += moved[i];
+                v[i] += turn[i];
+                v[3 + i] += velocity[i];
+            }
         }
         true
     }
@@ -144,11 +173,52 @@ impl Flight {
             angular: angular(&momentum) - center.cross(&linear),
         }
     }
+}
 
-    /// Angular velocity, rad/s, that gives the robot `angular` more angular momentum, N·m·s; none
-    /// if it is thin.
-    fn turn(&self, angular: &Vec3) -> Option<Vec3> {
-        inverse(&self.inertia.about_center()).map(|inverse| inverse * angular)
+/// What several trees are together.
+struct Together {
+    /// kg
+    mass: f64,
+    /// Origin of the base of the first one, m, and the common centre of mass from there, m.
+    origin: Vec3,
+    center: Vec3,
+    /// About the common centre of mass.
+    inertia: Mat3,
+    /// Linear momentum, N·s.
+    linear: Vec3,
+    /// Angular momentum about the common centre of mass, N·m·s.
+    angular: Vec3,
+}
+
+impl Together {
+    fn of(trees: impl Iterator<Item = Flight> + Clone) -> Self {
+        let zero = Vec3::zeros();
+        let mut whole = Self {
+            mass: trees.clone().map(|tree| tree.inertia.mass).sum(),
+            origin: trees.clone().next().map_or(zero, |first| first.origin),
+            center: zero,
+            inertia: Mat3::zeros(),
+            linear: zero,
+            angular: zero,
+        };
+        let share = |tree: Flight| whole.lever(&tree) * (tree.inertia.mass / whole.mass);
+        whole.center = trees
+            .clone()
+            .map(share)
+            .fold(zero, |sum, lever| sum + lever);
+        for tree in trees {
+            let lever = whole.lever(&tree);
+            let across = lever.cross_matrix();
+            whole.inertia += tree.inertia.about_center() - across * across * tree.inertia.mass;
+            whole.linear += tree.linear;
+            whole.angular += tree.angular + lever.cross(&tree.linear);
+        }
+        whole
+    }
+
+    /// Centre of mass of one of them, from the common one, m.
+    fn lever(&self, tree: &Flight) -> Vec3 {
+        (tree.origin - self.origin) + tree.center - self.center
     }
 }
 

@@ -8,6 +8,7 @@
 //! | `size` | lengths of steps; what becomes of a try |
 //! | `caps` | where a step must end |
 //! | `guards`, `flight` | what a try must not do: make energy, lose momentum |
+//! | `company` | who has pushed whom |
 //! | `coast` | bodies on which nothing acts |
 //! | `going` | steps in which nothing touches |
 //! | `ends`, `closing` | loops are closed at the end of a step |
@@ -24,6 +25,7 @@ mod caps;
 mod closing;
 mod coast;
 pub mod communication;
+mod company;
 pub mod convex;
 pub mod driver;
 mod ends;
