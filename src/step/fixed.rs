@@ -278,6 +278,12 @@ impl Fixed {
         let mut found = found.list.iter().peekable();
         let ContactSet { list, points, .. } = &mut terms.contacts;
         for contact in list {
+            // Points between shapes have no names by which they are found again. Where both bodies
+            // move, all lever arms stay those of the start: half of them would be seen from where
+            // the other body is no more.
+            if contact.other.is_some() {
+                continue;
+            }
             let Some(f) = seek(&mut found, contact.slot, |f| f.slot) else {
                 continue;
             };
