@@ -14,8 +14,8 @@ use crate::diagnostic::{Diagnostic, Place, Severity};
 use crate::geometry::Shape;
 use crate::model::{Ground, Interface, JointKind, Model, RootKind};
 use crate::settings::{
-    BaseChoice, ContactOutputs, LinkSettings, ModeChoice, ObjectSettings, ObjectSource,
-    RobotSettings, Settings, static_excess,
+    BaseChoice, ContactOutputs, ModeChoice, ObjectSettings, ObjectSource, RobotSettings, Settings,
+    static_excess,
 };
 use crate::spatial::{Pose, Vec3};
 use crate::urdf::{
@@ -244,13 +244,7 @@ pub fn of_object(object: &ObjectSettings, world: &Settings) -> Settings {
     own.inertia = world.inertia;
     own.default_mode = Some(ModeChoice::Passive);
     own.conveyor = object.conveyor;
-    if object.friction.is_some() || object.restitution.is_some() {
-        own.links.push(LinkSettings {
-            friction: object.friction,
-            restitution: object.restitution,
-            ..LinkSettings::new("*")
-        });
-    }
+    own.links.push(object.surface.clone());
     own
 }
 
@@ -361,18 +355,30 @@ pub fn take_ground(
     let link = large_box(description)?;
     let plain = Settings::of(world.compat).world.ground.unwrap_or_default();
     let before = world.world.ground.clone().unwrap_or(plain);
-    let friction = object.friction.or(link.friction);
-    let at_rest = link.static_friction.filter(|_| object.friction.is_none());
+    let own = &object.surface;
+    let friction = own.friction.or(link.friction);
+    let at_rest = link.static_friction.filter(|_| own.friction.is_none());
+    let at_rest = own.static_friction.or(at_rest);
     let excess = friction.map(|friction| static_excess(friction, at_rest.unwrap_or(friction)));
+    if own.static_friction.is_some() && excess == Some(None) {
+        // An object, of which this is told.
+        return None;
+    }
     let ground = Ground {
         friction: friction.unwrap_or(before.friction),
-        restitution: object
+        restitution: own
             .restitution
             .or(link.restitution)
             .unwrap_or(before.restitution),
         static_excess: excess.map_or(before.static_excess, |excess| excess.unwrap_or(0.0)),
-        rolling_friction: link.rolling_friction.unwrap_or(before.rolling_friction),
-        torsional_friction: link.torsional_friction.unwrap_or(before.torsional_friction),
+        rolling_friction: own
+            .rolling_friction
+            .or(link.rolling_friction)
+            .unwrap_or(before.rolling_friction),
+        torsional_friction: own
+            .torsional_friction
+            .or(link.torsional_friction)
+            .unwrap_or(before.torsional_friction),
     };
     let message = format!(
         "{} is nothing but a ground: it becomes that of the world, the plane z = 0 without an end, with the friction {}; its own picture is not drawn",

@@ -6,8 +6,8 @@ use super::common::{file, is_rejected, place, required, vector, whole};
 use super::reader::Reader;
 use super::section::Section;
 use super::types::{
-    GeneratedHeights, HeightForm, HeightSource, InitialSettings, ObjectSettings, ObjectSource,
-    TerrainSettings,
+    GeneratedHeights, HeightForm, HeightSource, InitialSettings, LinkSettings, ObjectSettings,
+    ObjectSource, TerrainSettings,
 };
 use crate::tuning::{FINEST_TERRAIN, TERRAIN_CELLS};
 use std::path::PathBuf;
@@ -73,10 +73,23 @@ fn one(reader: &mut Reader, section: &Section) -> Option<ObjectSettings> {
         },
         fixed: true,
         conveyor: section.flag("conveyor"),
-        friction: section.number("friction"),
-        restitution: section.number("restitution"),
+        surface: surface(reader, section),
         place: Some(reader.place(&section.span)),
     })
+}
+
+/// Friction and restitution of all that a table describes.
+pub(super) fn surface(reader: &Reader, section: &Section) -> LinkSettings {
+    let mut all = LinkSettings::new("*");
+    all.link.place = Some(reader.place(&section.span));
+    LinkSettings {
+        friction: section.number("friction"),
+        static_friction: section.number("static_friction"),
+        rolling_friction: section.number("rolling_friction"),
+        torsional_friction: section.number("torsional_friction"),
+        restitution: section.number("restitution"),
+        ..all
+    }
 }
 
 /// Tells of keys that mean nothing for this kind of terrain.

@@ -104,10 +104,8 @@ pub struct ObjectSettings {
     pub fixed: bool,
     /// Whether its surface moves, by an input.
     pub conveyor: bool,
-    /// Coulomb coefficient of all its links; none: its file's.
-    pub friction: Option<f64>,
-    /// Newton's coefficient of all its links; none: its file's.
-    pub restitution: Option<f64>,
+    /// Friction and restitution of all its links; none: its file's.
+    pub surface: LinkSettings,
     /// Where it was asked for; none for one from the command line.
     pub place: Option<Place>,
 }

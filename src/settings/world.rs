@@ -115,8 +115,7 @@ fn object(reader: &mut Reader, section: &Section) -> Option<ObjectSettings> {
         },
         fixed,
         conveyor: conveyor(reader, section, fixed),
-        friction: section.number("friction"),
-        restitution: section.number("restitution"),
+        surface: terrain::surface(reader, section),
         place: Some(reader.place(&section.span)),
     })
 }

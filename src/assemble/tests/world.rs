@@ -347,3 +347,53 @@ fn a_model_of_too_many_states_is_refused() {
     let told = findings.iter().find(|finding| finding.code == "A142");
     assert!(told.is_some_and(|finding| finding.message.contains("continuous states")));
 }
+
+/// What an object's surface has beside its friction, of a shape, of a file and as the ground; and
+/// friction at rest below that of sliding is an error at the object's line.
+#[test]
+fn objects_roll_turn_and_stick_as_their_settings_say() {
+    let start = "[[world.object]]\nname = \"cube\"\n";
+    let keys = "friction = 0.4\nstatic_friction = 0.6\nrolling_friction = 1e-3\n\
+                torsional_friction = 2e-3\n";
+    let shape = "shape = { box = [0.2, 0.4, 0.6] }\nmass = 3\nxyz = [3, 2]\n";
+    let mut file = body("thing", 1.0);
+    (file.friction, file.rolling_friction) = (Some(0.9), Some(0.1));
+    for (source, file) in [
+        (shape, None),
+        ("urdf = \"a\"\nxyz = [3, 2, 1]\n", Some(robot(file))),
+    ] {
+        let model = built(&format!("{start}{source}{keys}"), file.as_ref()).model;
+        let link = model.links.last().expect("a link");
+        assert_eq!(link.friction.to_bits(), 0.4_f64.to_bits());
+        assert!(close(link.static_excess, 0.5), "{link:?}");
+        assert_eq!(
+            (link.rolling_friction, link.torsional_friction),
+            (1e-3, 2e-3)
+        );
+    }
+    let wrong = format!("{start}{shape}friction = 0.4\nstatic_friction = 0.3");
+    let findings = surrounded(&wrong, None).expect_err("less at rest than sliding");
+    let told = findings
+        .iter()
+        .find(|d| d.code == "A125")
+        .expect("an error");
+    let place = told.place.as_ref().map(|place| place.line);
+    assert_eq!(place, Some(1), "{told:?}");
+    let half = Vec3::new(15.0, 15.0, 5.0);
+    let mut plane = frame("planeLink");
+    plane.collisions = vec![collision(at(0.0, 0.0, -5.0), Shape::Box { half })];
+    let text = format!("[[world.object]]\nname = \"plane\"\nurdf = \"a\"\n{keys}");
+    let mut settings = Settings::parse(&text, "test.toml").expect("legal settings");
+    let object = settings.objects[0].clone();
+    take_ground("plane", &object, &robot(plane.clone()), &mut settings).expect("a ground");
+    let ground = settings.world.ground.clone().expect("a ground");
+    assert!(close(ground.static_excess, 0.5), "{ground:?}");
+    assert_eq!(
+        (ground.rolling_friction, ground.torsional_friction),
+        (1e-3, 2e-3)
+    );
+    let text = text.replace("0.6", "0.2");
+    let mut settings = Settings::parse(&text, "test.toml").expect("legal settings");
+    let object = settings.objects[0].clone();
+    assert!(take_ground("plane", &object, &robot(plane), &mut settings).is_none());
+}

@@ -135,6 +135,24 @@ pub(super) const KEYS: &[Key] = &[
         "Coulomb coefficient of all its links; without it the file's, else 0.8",
     ),
     key(
+        "world.object[].static_friction",
+        Number(Friction),
+        None,
+        "Coulomb coefficient at rest, not below friction; without it the file's, else the same",
+    ),
+    key(
+        "world.object[].rolling_friction",
+        Number(Friction),
+        None,
+        "m: moment against rolling over normal force; without it the file's, else 0",
+    ),
+    key(
+        "world.object[].torsional_friction",
+        Number(Friction),
+        None,
+        "m: moment against turning about the normal over normal force; without it the file's, else 0",
+    ),
+    key(
         "world.object[].restitution",
         Number(Restitution),
         None,
@@ -229,6 +247,24 @@ pub(super) const KEYS: &[Key] = &[
         Number(Friction),
         None,
         "Coulomb coefficient; without it 0.8",
+    ),
+    key(
+        "world.terrain[].static_friction",
+        Number(Friction),
+        None,
+        "Coulomb coefficient at rest, not below friction; without it the same",
+    ),
+    key(
+        "world.terrain[].rolling_friction",
+        Number(Friction),
+        None,
+        "m: moment against rolling over normal force; without it 0",
+    ),
+    key(
+        "world.terrain[].torsional_friction",
+        Number(Friction),
+        None,
+        "m: moment against turning about the normal over normal force; without it 0",
     ),
     key(
         "world.terrain[].restitution",

@@ -54,7 +54,11 @@ fn an_object_is_a_file_or_a_shape_at_a_place() {
     assert_eq!((ball.initial.xy, ball.initial.z), ([1.0, 2.0], None));
     assert_eq!(ball.initial.linear_velocity, Vec3::new(0.0, 0.0, 3.0));
     assert_eq!(ball.initial.angular_velocity, Vec3::new(4.0, 0.0, 0.0));
-    assert_eq!((ball.friction, ball.restitution), (Some(0.3), Some(0.5)));
+    let surface = &ball.surface;
+    assert_eq!(
+        (surface.friction, surface.restitution),
+        (Some(0.3), Some(0.5))
+    );
 }
 
 #[test]
