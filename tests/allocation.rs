@@ -5,17 +5,18 @@ use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 use std::path::Path;
 use std::sync::Arc;
+use urdf2fmu_core::assemble::{self, Guest};
 use urdf2fmu_core::geometry::Shape;
 use urdf2fmu_core::geometry::field::{Field, Samples};
 use urdf2fmu_core::geometry::pair::{Patch, Solid};
 use urdf2fmu_core::geometry::surface::{Surface, Triangles};
-use urdf2fmu_core::model::{ActuatorId, LoopId, Model, PairId, RootId};
-use urdf2fmu_core::settings::Settings;
+use urdf2fmu_core::model::{ActuatorId, LoopId, Model, PairId, RootId, RootKind};
+use urdf2fmu_core::settings::{ObjectSource, Settings};
 use urdf2fmu_core::simulation::{InputSlot, OutputSlot, ParameterSlot, Simulation};
 use urdf2fmu_core::spatial::{Pose, Vec3};
+use urdf2fmu_core::urdf;
 use urdf2fmu_core::urdf::ReadOptions;
 use urdf2fmu_core::variables::{Slot, table};
-use urdf2fmu_core::{assemble, urdf};
 
 #[path = "acceptance/claim.rs"]
 mod claim;
@@ -198,7 +199,7 @@ fn do_step_save_and_read_do_not_allocate() {
             (1.0 / 240.0, 0.0),
             (1.0 / 240.0, 0.3),
         ] {
-            let count = allocations(&model, fixed, slope);
+            let count = allocations(&model, (fixed, slope), STEPS);
             assert_eq!(count, 0, "{name}, step size {fixed}, slope {slope}");
             (steps, all) = (steps + STEPS, all + count);
         }
@@ -236,8 +237,78 @@ fn closed_loops_and_springs_do_not_allocate() {
             .expect("an example")
             .model;
         for fixed in [0.0, 1.0 / 240.0] {
-            let count = allocations(&model, fixed, 0.0);
+            let count = allocations(&model, (fixed, 0.0), STEPS);
             assert_eq!(count, 0, "{name}{more}, step size {fixed}");
+        }
+    }
+}
+
+/// The robot of a world of `examples/worlds` with all that is around it; what the file generates
+/// as terrain is [`hills`] here.
+fn surrounded(robot: &str, world: &str) -> Model {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/worlds");
+    let read = |file: &Path, settings: &Settings| {
+        let options = assemble::read_options(settings, ReadOptions::default());
+        urdf::read(file, &options).expect("an example")
+    };
+    let settings = Settings::read(&folder.join(world).with_extension("toml")).expect("an example");
+    let robots = settings.robots.iter().map(|entry| {
+        let own = entry
+            .config
+            .as_ref()
+            .map(|file| Settings::read(file).expect("an example"));
+        let own = assemble::of_robot(entry, own.unwrap_or_default(), &settings);
+        let settings = own.expect("no contradiction");
+        let description = read(&entry.urdf, &settings);
+        (
+            entry.name.text.clone(),
+            RootKind::Robot,
+            description,
+            settings,
+        )
+    });
+    let objects = settings.objects.iter().map(|entry| {
+        let (name, own) = (entry.called(), assemble::of_object(entry, &settings));
+        let description = match &entry.source {
+            ObjectSource::Solid { shape, mass } => assemble::solid(name, shape, *mass),
+            ObjectSource::Urdf(file) => read(file, &own),
+            ObjectSource::Terrain(_) => assemble::solid(name, &hills(), 0.0),
+        };
+        (name.to_owned(), RootKind::Object, description, own)
+    });
+    let guests: Vec<Guest> = robots
+        .chain(objects)
+        .map(|(name, kind, description, settings)| Guest {
+            name,
+            kind,
+            description,
+            settings,
+        })
+        .collect();
+    let description = read(&folder.join(robot), &settings);
+    assemble::world(&description, &settings, &guests)
+        .expect("an example")
+        .model
+}
+
+/// Several trees that meet, part into islands, rest and are pushed: boxes of a pile, what a gripper
+/// holds, a chair, dominoes, balls that bounce, terrain, links of one robot that touch.
+#[test]
+fn worlds_of_several_trees_do_not_allocate() {
+    for (robot, world) in [
+        ("gripper.urdf", "gripper_cup"),
+        ("humanoid.urdf", "humanoid_chair"),
+        ("cradle.urdf", "newtons_cradle"),
+        ("pusher.urdf", "domino_row"),
+        ("../quadruped.urdf", "rough_ground"),
+        ("../rover.urdf", "rover_box_ramp"),
+    ] {
+        let mut model = surrounded(robot, world);
+        model.roots[0].self_collision = true;
+        // Long enough to fall, to meet and to be put back.
+        for fixed in [0.0, 1.0 / 240.0] {
+            let count = allocations(&model, (fixed, 0.0), 120);
+            assert_eq!(count, 0, "{world}, step size {fixed}");
         }
     }
 }
@@ -250,7 +321,8 @@ const STEPS: u32 = 720;
 ///
 /// - `fixed`: fixed step, s; 0: error control
 /// - `slope`: by how much commands rise between communication points, 1/s
-fn allocations(model: &Model, fixed: f64, slope: f64) -> usize {
+/// - `steps`: how many communication steps
+fn allocations(model: &Model, (fixed, slope): (f64, f64), steps: u32) -> usize {
     let actuators = model.actuators.len();
     let mut simulation = Simulation::new(Arc::new(model.clone()));
     simulation.set_parameter(ParameterSlot::StepSize, fixed);
@@ -272,7 +344,7 @@ fn allocations(model: &Model, fixed: f64, slope: f64) -> usize {
         })
         .collect();
     counted(|| {
-        for step in 1..=STEPS {
+        for step in 1..=steps {
             for a in (0..actuators).map(ActuatorId::from) {
                 let phase = f64::from(step) * 0.01;
                 let target = if step < 480 { libm::sin(phase) } else { 0.0 };

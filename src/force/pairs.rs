@@ -335,3 +335,6 @@ pub(super) fn is_apart(tree: &Tree, kin: &Kinematics, h: f64) -> bool {
         })
     })
 }
+
+#[cfg(test)]
+mod tests;

@@ -24,6 +24,7 @@ mod mimic;
 mod outputs;
 mod pairs;
 mod robot;
+mod touch;
 mod world;
 
 /// Whether a robot that is set down stands at a height: it sinks by up to the penetration of a

@@ -52,7 +52,7 @@ fn ten_thousand_even_triangles_are_a_plane_for_what_rolls() {
         assert!((plane.x + 0.8123 - 2.0 * along.x).abs() < 0.05, "{plane}");
         for terrain in [field(4.0, 70, |_, _| 0.0), mesh(&grid(4.0, 70, |_, _| 0.0))] {
             let (end, ripple) = roll(terrain);
-            assert!((end - plane).norm() < 1e-6, "{name}: {}", end - plane);
+            assert!((end - plane).norm() < 1e-9, "{name}: {}", end - plane);
             assert!(ripple < 1e-9, "{name}: {ripple:e}");
         }
     }

@@ -208,6 +208,47 @@ fn a_spinning_disc_slows_down_by_friction_over_its_face() {
     }
 }
 
+/// What turns on its face comes to rest, for good: a disc after `ω₀/ω̇` with the mean lever ⅔ R, a
+/// square box with that of an even pressure, `(√2 + ln(1 + √2))/3 = 0.7652` of half its side.
+#[test]
+fn what_turns_on_its_face_stands_after_the_time_of_its_friction() {
+    let (mu, half_length) = (0.3, 5e-3);
+    let half = Vec3::new(RADIUS, RADIUS, half_length);
+    let disc = Shape::Cylinder {
+        radius: RADIUS,
+        half_length,
+    };
+    for (shape, lever) in [
+        (disc, 2.0 / 3.0 * RADIUS),
+        (Shape::Box { half }, 0.7652 * RADIUS),
+    ] {
+        for mode in MODES {
+            let mut b = Builder::new(true, inertia(1.0, Vec3::zeros(), [2.5e-3, 2.5e-3, 5e-3]));
+            b.shape(0u32.into_link(), shape.clone(), Pose::IDENTITY);
+            b.model.roots[0].position.z = half_length - 0.5 * b.model.contact.penetration;
+            b.model.roots[0].angular_velocity.z = 30.0;
+            b.model.links[0].friction = mu;
+            b.model.world.ground = Some(crate::model::Ground {
+                friction: mu,
+                ..Default::default()
+            });
+            let expected = 30.0 * 5e-3 / (mu * G * lever);
+            let mut s = started(b, mode);
+            run(&mut s, expected - 0.02, 0.01);
+            assert!(s.state().physical.v[2] > 0.1, "{shape:?} {mode:?}");
+            run(&mut s, expected + 0.5, 0.01);
+            let rest = s.state().physical.clone();
+            assert!(
+                rest.v.iter().all(|v| *v == 0.0),
+                "{shape:?} {mode:?}: {:?}",
+                rest.v
+            );
+            run(&mut s, expected + 10.0, 0.1);
+            assert_eq!(s.state().physical.q, rest.q, "{shape:?} {mode:?}");
+        }
+    }
+}
+
 #[test]
 fn of_two_surfaces_the_larger_resistance_to_turning_counts() {
     let mut b = ball(2e-3, 5e-4);

@@ -118,7 +118,9 @@ fn a_stack_stands_for_an_hour_at_the_depths_of_the_law() {
             cube.roots[0].rpy.z = [0.0, turn, -0.7 * turn][i];
         }
         let mut s = start(world(cubes), tolerance);
-        s.advance_to(5.0).expect("finite");
+        // What lies askew creeps by parts of a nanometre for another second.
+        let settled = if shift > 0.0 { 5.0 } else { 1.0 };
+        s.advance_to(settled).expect("finite");
         let rest = s.state().physical.q.clone();
         // Tilted by an uneven load, a cube's middle is not quite as deep.
         let close = if shift > 0.0 { 5e-6 } else { 1e-9 };
@@ -134,6 +136,22 @@ fn a_stack_stands_for_an_hour_at_the_depths_of_the_law() {
         }
         run(&mut s, 3600.0, 10.0);
         assert_eq!(s.state().physical.q, rest, "{shift} {turn} {tolerance}");
+        assert!(speed(&s) <= 0.0);
+    }
+}
+
+/// A box as wide as the table lies on it, turned by 45°: they have eight corners in common, and it
+/// is as deep as one of four.
+#[test]
+fn a_box_is_as_deep_with_eight_corners_as_with_four() {
+    for yaw in [0.0, std::f64::consts::FRAC_PI_4] {
+        let half = Vec3::new(0.2, 0.2, 0.05);
+        let mut board = body(1.0, Shape::Box { half }, Vec3::new(0.0, 0.0, 1.05));
+        board.roots[0].rpy.z = yaw;
+        let mut s = start(world([table(), board]), 1e-3);
+        s.advance_to(2.0).expect("finite");
+        let sunk = 1.05 - s.state().physical.q[2];
+        assert!((sunk - depth(1.0)).abs() < 1e-9, "{yaw}: {sunk}");
         assert!(speed(&s) <= 0.0);
     }
 }
@@ -336,7 +354,7 @@ fn a_cube_between_two_fingers_is_lifted_and_held() {
     assert!((lifted - 0.05).abs() < 1e-4, "{lifted}");
     run(&mut s, 63.0, 0.1);
     let crept = (height(&s) - lifted).abs();
-    assert!(crept < 2e-9, "{crept}");
+    assert!(crept <= 0.0, "{crept:e}");
 }
 
 /// Two slides of a robot that floats in space press their pads on each other with the motors'
