@@ -3,8 +3,9 @@
 //!
 //! `cargo bench -p urdf2fmu-core --bench drops -- [drops] [drops per extreme] robot.urdf…` prints
 //! the two tables of `docs/robustness.md`, and lists the worst drops. A robot whose meshes lie
-//! elsewhere needs `ROS_PACKAGE_PATH`. Every second seed is limp, and seeds 6 and 7 of every eight
-//! take fixed steps: of eight drops three are limp under error control and one in fixed steps.
+//! elsewhere needs `ROS_PACKAGE_PATH`; with `--self-collision` its links touch each other. Every
+//! second seed is limp, and seeds 6 and 7 of every eight take fixed steps: of eight drops three are
+//! limp under error control and one in fixed steps.
 //! `tests/acceptance/campaign.rs` defines a drop.
 
 #[path = "../tests/acceptance/campaign.rs"]
@@ -19,9 +20,12 @@ use urdf2fmu_core::model::Model;
 use urdf2fmu_core::settings::Settings;
 use urdf2fmu_core::{assemble, urdf};
 
-/// Reads a robot with default settings.
-fn robot(file: &str) -> Result<Model, String> {
-    let settings = Settings::default();
+/// Reads a robot with default settings, but for whether its links touch each other.
+fn robot(file: &str, self_collision: bool) -> Result<Model, String> {
+    let settings = Settings {
+        self_collision,
+        ..Settings::default()
+    };
     let options = assemble::read_options(&settings, urdf::ReadOptions::from_environment());
     let first = |findings: Vec<urdf2fmu_core::diagnostic::Diagnostic>| findings[0].message.clone();
     let description = urdf::read(Path::new(file), &options).map_err(first)?;
@@ -29,6 +33,9 @@ fn robot(file: &str) -> Result<Model, String> {
         .map_err(first)?
         .model)
 }
+
+/// Lets the links of each robot touch each other.
+const SELF_COLLISION: &str = "--self-collision";
 
 /// Most energy gained by limp robots under error control and in fixed steps: in all, over the
 /// lowest before, and that with all that friction elements have in store; see `Ledger`.
@@ -57,14 +64,16 @@ fn main() {
         .collect();
     let mut counts = arguments.iter().filter_map(|a| a.parse::<u64>().ok());
     let (count, each) = (counts.next().unwrap_or(20), counts.next().unwrap_or(4));
+    let touching = arguments.iter().any(|a| a == SELF_COLLISION);
     let (mut robots, mut notes) = (Vec::new(), Vec::new());
     println!(
         "| robot | degrees of freedom | drops | failed | {GAINS} | share of steps at the floor | µs per 1/240 s, mean | \
          slowest drop |"
     );
     println!("|---|---|---|---|---|---|---|---|---|---|---|");
-    for file in arguments.iter().filter(|a| a.parse::<u64>().is_err()) {
-        let model = match robot(file) {
+    let files = arguments.iter().filter(|a| a.parse::<u64>().is_err());
+    for file in files.filter(|a| *a != SELF_COLLISION) {
+        let model = match robot(file, touching) {
             Ok(model) => model,
             Err(message) => {
                 println!("| {file} | refused: {message} |");
