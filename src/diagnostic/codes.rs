@@ -70,6 +70,7 @@ pub const CODES: &[Row] = &[
     ("T002", "A file of `[[world.terrain]]` holds no heights or no triangles that could be used.", "Correct what the finding names."),
     ("T003", "A mesh of `[[world.terrain]]` has its outside down, so that what comes from above falls through it; or it is a room, with its outside inwards, which is a note.", "Exchange two corners of each triangle, which modelling programs call to flip normals, unless robots are to be in the room."),
     ("T004", "A mesh of `[[world.terrain]]` is kilometres wide.", "`scale = 0.001`, if it is in mm."),
+    ("T005", "A mesh of `[[world.terrain]]` has holes: edges that belong to one triangle alone go round a place that no triangle covers.", "Close them, unless things are to fall through. The finding says where the largest is."),
     ("U001", "The file cannot be read, is a folder, or is too large.", "Name the URDF file."),
     ("U002", "The file is not UTF-8 text.", "Save it as UTF-8."),
     ("U003", "The file is not XML.", "Correct the place that is marked; often a tag is not closed."),

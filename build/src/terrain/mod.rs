@@ -1,6 +1,7 @@
 //! Terrain: surfaces from images, tables and formulas.
 
 mod generate;
+mod holes;
 mod npy;
 mod outside;
 mod read;

@@ -1,10 +1,12 @@
-//! Which way a mesh looks, and how large it is: what can be read and is still not what was meant.
+//! Which way a mesh looks, how large it is, and where it has holes: what can be read and is still
+//! not what was meant.
 //!
 //! A triangle carries what is in front of it. A file whose triangles go round clockwise lets
 //! everything fall through without a word, and one in millimetres is a thousand times too large.
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
+use super::holes::holes;
 use urdf2fmu_core::diagnostic::{Diagnostic, Place, Severity};
 use urdf2fmu_core::geometry::surface::{Facet, Surface};
 use urdf2fmu_core::spatial::{Vec3, rotation_from_rpy};
@@ -38,6 +40,27 @@ pub(super) fn findings(
     };
     let R = rotation_from_rpy(rpy);
     let mut found = Vec::new();
+    if let [largest, others @ ..] = &holes(surface)[..] {
+        let at = R * largest.middle;
+        let what = if others.is_empty() {
+            "a hole".to_owned()
+        } else {
+            format!("{} holes, the largest", 1 + others.len())
+        };
+        found.push(told(
+            Severity::Warning,
+            "T005",
+            format!(
+                "the mesh has {what} of {} m² about {}, {}, {} m from its origin: what comes there \
+                 falls through",
+                brief(largest.area),
+                brief(at.x),
+                brief(at.y),
+                brief(at.z)
+            ),
+            "close it, unless things are to fall through it".to_owned(),
+        ));
+    }
     let [low, high] = extent(surface, |c| R * c);
     let size = high - low;
     let widest = size.x.max(size.y);
@@ -95,6 +118,11 @@ pub(super) fn findings(
         ));
     }
     found
+}
+
+/// A number with three digits.
+fn brief(x: f64) -> f64 {
+    format!("{x:.2e}").parse().unwrap_or(x)
 }
 
 /// The lowest and the highest coordinates of its corners, m.

@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a test may fail")]
 
 use super::*;
+use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use urdf2fmu_core::geometry::field::Samples;
 use urdf2fmu_core::settings::{GeneratedHeights, HeightForm};
@@ -264,6 +265,76 @@ fn heights_that_are_generated_are_what_their_words_say() {
     assert_ne!(noise, heights(HeightForm::Noise, 2));
 }
 
+/// One square of 1 m at the height 0.5 m in each format: binary STL as Marshall Burns gives it,
+/// ASCII STL, OBJ, PLY, and COLLADA 1.4 with the square placed by the matrix of a node.
+#[test]
+fn each_format_of_meshes_gives_the_same_terrain() {
+    let folder = tempfile::tempdir().unwrap();
+    let corners = [
+        [0.0_f32, 0.0, 0.5],
+        [1.0, 0.0, 0.5],
+        [1.0, 1.0, 0.5],
+        [0.0, 1.0, 0.5],
+    ];
+    let triangles = [[0, 1, 2], [0, 2, 3]];
+    let mut binary = vec![0_u8; 80];
+    binary.extend(2_u32.to_le_bytes());
+    let mut ascii = "solid square\n".to_owned();
+    for triangle in triangles {
+        let normal = [0.0_f32, 0.0, 1.0];
+        let places = triangle.map(|i: usize| corners[i]);
+        for x in normal.iter().chain(places.iter().flatten()) {
+            binary.extend(x.to_le_bytes());
+        }
+        binary.extend([0, 0]);
+        ascii += "facet normal 0 0 1\nouter loop\n";
+        for [x, y, z] in places {
+            writeln!(ascii, "vertex {x} {y} {z}").unwrap();
+        }
+        ascii += "endloop\nendfacet\n";
+    }
+    ascii += "endsolid square\n";
+    let obj = "v 0 0 0.5\nv 1 0 0.5\nv 1 1 0.5\nv 0 1 0.5\nf 1 2 3\nf 1 3 4\n";
+    let ply = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n\
+               property float z\nelement face 2\nproperty list uchar int vertex_indices\n\
+               end_header\n0 0 0.5\n1 0 0.5\n1 1 0.5\n0 1 0.5\n3 0 1 2\n3 0 2 3\n";
+    let dae = r##"<COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
+<asset><unit meter="1"/><up_axis>Z_UP</up_axis></asset>
+<library_geometries><geometry id="g"><mesh>
+<source id="p"><float_array id="a" count="12">0 0 0 1 0 0 1 1 0 0 1 0</float_array>
+<technique_common><accessor source="#a" count="4" stride="3"><param name="X" type="float"/>
+<param name="Y" type="float"/><param name="Z" type="float"/></accessor></technique_common></source>
+<vertices id="v"><input semantic="POSITION" source="#p"/></vertices>
+<triangles count="2"><input semantic="VERTEX" source="#v" offset="0"/><p>0 1 2 0 2 3</p></triangles>
+</mesh></geometry></library_geometries>
+<library_visual_scenes><visual_scene id="s"><node>
+<matrix>1 0 0 0 0 1 0 0 0 0 1 0.5 0 0 0 1</matrix>
+<instance_geometry url="#g"/></node></visual_scene></library_visual_scenes>
+<scene><instance_visual_scene url="#s"/></scene></COLLADA>"##;
+    for (name, bytes) in [
+        ("a.stl", &binary[..]),
+        ("b.stl", ascii.as_bytes()),
+        ("c.obj", obj.as_bytes()),
+        ("d.ply", ply.as_bytes()),
+        ("e.dae", dae.as_bytes()),
+    ] {
+        let file = write(folder.path(), name, bytes);
+        let settings = TerrainSettings::Mesh { file, scale: 1.0 };
+        let Shape::Surface { surface } = shape("hall", &settings, None).unwrap() else {
+            panic!("{name}");
+        };
+        let facets = surface.facets();
+        assert_eq!(facets.len(), 2, "{name}");
+        for (facet, triangle) in facets.iter().zip(triangles) {
+            for (found, i) in facet.corners.iter().zip(triangle) {
+                let expected = Vec3::from(corners[i].map(f64::from));
+                assert!((found - expected).norm() < 1e-15, "{name}: {found}");
+            }
+            assert!((facet.normal - Vec3::z()).norm() < 1e-15, "{name}");
+        }
+    }
+}
+
 #[test]
 fn meshes_are_read_and_those_without_an_area_refused() {
     let folder = tempfile::tempdir().unwrap();
@@ -328,4 +399,60 @@ fn meshes_that_look_down_or_are_in_millimetres_are_told_of() {
     assert_eq!(told(1.0, &format!("{cube}{outside}")).0, []);
     let room = told(1.0, &format!("{cube}{inside}"));
     assert_eq!(room.0, [("T003", Severity::Note)]);
+}
+
+/// A floor of 9 by 9 squares of 1 m ends at its border, which is no hole. Of squares that are left
+/// out, the larger hole is told of with its area and its middle, turned as the mesh is. A box
+/// without a lid has no hole, and triangles that meet a longer edge leave none.
+#[test]
+fn holes_of_meshes_are_told_of_with_their_place() {
+    let folder = tempfile::tempdir().unwrap();
+    let told = |text: &str, rpy: Vec3| {
+        let file = write(folder.path(), "a.obj", text.as_bytes());
+        let settings = TerrainSettings::Mesh { file, scale: 1.0 };
+        let shape = shape("hall", &settings, None).unwrap();
+        let found = findings("hall", &shape, &rpy, None);
+        let found = found.iter().filter(|f| f.code == "T005");
+        found.map(|f| f.message.clone()).collect::<Vec<_>>()
+    };
+    let floor = |left_out: &[(usize, usize)]| {
+        let mut text = String::new();
+        for (j, i) in (0..10).flat_map(|j| (0..10).map(move |i| (j, i))) {
+            writeln!(text, "v {i} {j} 0.1").unwrap();
+        }
+        for (j, i) in (0..9).flat_map(|j| (0..9).map(move |i| (j, i))) {
+            if !left_out.contains(&(i, j)) {
+                let at = 10 * j + i + 1;
+                let [b, c, d] = [at + 1, at + 11, at + 10];
+                writeln!(text, "f {at} {b} {c} {d}").unwrap();
+            }
+        }
+        text
+    };
+    let level = Vec3::zeros();
+    assert!(told(&floor(&[]), level).is_empty());
+    // At the border it is a bay.
+    assert!(told(&floor(&[(0, 4)]), level).is_empty());
+    let one = told(
+        &floor(&[(2, 3)]),
+        Vec3::new(0.0, 0.0, 0.5 * std::f64::consts::PI),
+    );
+    assert_eq!(one.len(), 1);
+    assert!(
+        one[0].contains("a hole of 1 m² about -3.5, 2.5, 0.1 m"),
+        "{one:?}"
+    );
+    let two = told(&floor(&[(2, 3), (6, 6), (7, 6)]), level);
+    assert!(
+        two[0].contains("2 holes, the largest of 2 m² about 7, 6.5, 0.1 m"),
+        "{two:?}"
+    );
+    let corners = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n";
+    let sides = "f 4 3 2 1\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
+    assert!(told(&format!("{corners}{sides}"), level).is_empty());
+    assert!(told(&format!("{corners}{sides}f 5 6 7 8\n"), level).is_empty());
+    // Two squares beside one of twice their side.
+    let joint = "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 3 0 0\nv 3 1 0\nv 2 1 0\nv 3 2 0\n\
+                 f 1 2 3 4\nf 2 5 6 7\nf 7 6 8 3\n";
+    assert!(told(joint, level).is_empty());
 }
