@@ -281,6 +281,46 @@ def test_a_robot_of_a_hundred_links_with_textures_is_drawn(take, tmp_path):
     assert len({tuple(pixel // 24) for pixel in solid[:, :3]}) > 60
 
 
+@pytest.mark.parametrize("kind", ["heights", "mesh"])
+def test_terrain_is_drawn_where_it_is(kind, command, tmp_path):
+    """A slope that rises by 1 m over 4 m, off the middle, and turned: where rays through the pixels meet it."""
+    turn, size = 0.5, 2.0
+    if kind == "heights":
+        name, keys = "slope.csv", 'type = "heightfield"\nsize = [4, 4]'
+        (tmp_path / name).write_text("0,0.5,1\n0,0.5,1\n0,0.5,1\n")
+    else:
+        name, keys = "slope.obj", 'type = "mesh"'
+        (tmp_path / name).write_text("v -2 -2 0\nv 2 -2 1\nv 2 2 1\nv -2 2 0\nf 1 2 3 4\n")
+    (tmp_path / "ball.urdf").write_text(
+        '<robot name="ball"><link name="ball"><inertial><mass value="1"/>'
+        '<inertia ixx="0.01" iyy="0.01" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial>'
+        '<collision><geometry><sphere radius="0.1"/></geometry></collision></link></robot>')
+    (tmp_path / "ball.toml").write_text(
+        f'[initial]\nxyz = [1, 0]\n[[world.terrain]]\nname = "slope"\nfile = "{name}"\n{keys}\n'
+        f"xyz = [1, 0, 0.2]\nrpy = [0, 0, {turn}]\n")
+    picture = tmp_path / "slope.png"
+    run = command("picture", tmp_path / "ball.urdf", "-c", tmp_path / "ball.toml", "-o", picture, "--theme", "cutout",
+                  "--size", f"{SIZE}x{SIZE}", "--from", "200,35")
+    assert run.returncode == 0, run.stderr
+    drawn = png.read(picture)[:, :, 3] > 127
+    eye, target, field = camera(run.stdout)
+    forward = numpy.subtract(target, eye) / numpy.linalg.norm(numpy.subtract(target, eye))
+    right = numpy.cross(forward, [0, 0, 1])
+    right /= numpy.linalg.norm(right)
+    up = numpy.cross(right, forward)
+    steps = (2 * (numpy.arange(SIZE) + 0.5) / SIZE - 1) * numpy.tan(numpy.radians(field) / 2)
+    rays = forward + steps[None, :, None] * right - steps[:, None, None] * up
+    back = numpy.array([[numpy.cos(turn), numpy.sin(turn), 0], [-numpy.sin(turn), numpy.cos(turn), 0], [0, 0, 1]])
+    origin, rays = back @ numpy.subtract(eye, [1, 0, 0.2]), rays @ back.T
+    # On the slope z = (x + 2)/4.
+    way = (origin[2] - (origin[0] + size) / 4) / (rays[..., 0] / 4 - rays[..., 2])
+    hits = origin + way[..., None] * rays
+    expected = (way > 0) & (abs(hits[..., 0]) < size) & (abs(hits[..., 1]) < size)
+    assert expected.mean() > 0.2
+    # The ball stands before a part of its border at most.
+    assert (drawn != expected).mean() < 0.005
+
+
 def test_a_robot_without_visuals_shows_what_it_collides_with(take):
     ball = '<geometry><sphere radius="0.5"/></geometry>'
     pixels, _ = take(f'<link name="a">{INERTIAL}<collision>{ball}</collision></link>', "--theme", "cutout",

@@ -37,6 +37,7 @@ mod moving_ground;
 mod order;
 mod pairs;
 mod properties;
+mod regions;
 mod rolling;
 mod servos;
 mod standing;

@@ -162,58 +162,6 @@ fn depth_of_share(root: f64) -> f64 {
     depth(1.0 / root) / root
 }
 
-#[test]
-fn a_ball_rolls_over_waves_as_the_equation_of_one_freedom_says() {
-    // The path of the centre is the curve at the distance R from the surface; a ball that rolls
-    // has the kinetic energy 0.7 m v², so v² = v₀² − (g/0.7)(z − z₀).
-    let (a, k, R) = (0.03, std::f64::consts::TAU, 0.1);
-    let surface = move |x: f64| a * libm::cos(k * x);
-    let slope = move |x: f64| -a * k * libm::sin(k * x);
-    let center = move |x: f64| {
-        let c = 1.0 / (1.0 + slope(x) * slope(x)).sqrt();
-        (x - R * slope(x) * c, surface(x) + R * c)
-    };
-    // What is left at any tolerance, 3.3e-4 m with the default penetration, is that the ball yields
-    // on its contact and the spring of friction stretches.
-    for (penetration, tolerance, most) in
-        [(1e-4, 1e-3, 4e-4), (1e-4, 1e-5, 4e-4), (1e-5, 1e-5, 1.5e-4)]
-    {
-        let terrain = field(8.0, 1600, |x, _| surface(x));
-        let mut one = body(1.0, Shape::Sphere { radius: R }, Vec3::new(0.0, 0.0, 0.0));
-        let start_at = center(-2.0);
-        one.roots[0].position = Vec3::new(start_at.0, 0.0, start_at.1 - depth(1.0));
-        let v0 = 1.0;
-        one.roots[0].linear_velocity = Vec3::new(v0, 0.0, 0.0);
-        one.roots[0].angular_velocity = Vec3::new(0.0, v0 / R, 0.0);
-        let mut model = over(ground(terrain, Vec3::zeros()), one);
-        model.contact.penetration = penetration;
-        let mut s = start(model, tolerance);
-        let (mut x, mut time, mut worst) = (-2.0, 0.0, 0.0_f64);
-        let n = 100_000;
-        let dt = 3.0 / f64::from(n);
-        for i in 1..=n {
-            // Time to the next place of the contact, by the midpoint rule.
-            let speed = |x: f64| {
-                let d = 1e-6;
-                let (p, q) = (center(x - d), center(x + d));
-                let way = libm::hypot(q.0 - p.0, q.1 - p.1) / (2.0 * d);
-                let v2 = v0 * v0 - G / 0.7 * (center(x).1 - start_at.1);
-                v2.sqrt() / way
-            };
-            let middle = x + 0.5 * dt * speed(x);
-            x += dt * speed(middle);
-            time += dt;
-            if i % 5000 == 0 {
-                run(&mut s, time, 0.01);
-                let q = &s.state().physical.q;
-                let c = center(x);
-                worst = worst.max(libm::hypot(q[0] - c.0, q[2] - c.1));
-            }
-        }
-        assert!(worst < most, "{worst:e} at {penetration:e}, {tolerance:e}");
-    }
-}
-
 /// A box of a room: floor z = 0 and two walls x = 0, y = 0, all to the positive side.
 fn room() -> Shape {
     let quad = |o: Vec3, u: Vec3, v: Vec3| [[o, o + u, o + u + v], [o, o + u + v, o + v]];
@@ -363,11 +311,23 @@ fn a_box_on_a_conveyor_takes_its_speed_as_coulomb_says() {
         let (slip, end): (f64, f64) = (v / (mu * G), 1.0);
         // Along the belt: half of the way of the belt while it slips, all of it after.
         let expected = v * (end - slip) + 0.5 * v * slip;
+        let (sin, cos) = libm::sincos(turned);
         for i in 1..=100 {
-            run(&mut s, 1.0 + 0.01 * f64::from(i), 0.01);
+            let t = 0.01 * f64::from(i);
+            run(&mut s, 1.0 + t, 0.01);
+            // It takes the speed of the belt after v/(μ g), evenly, having slipped v²/(2 μ g).
+            let (q, w) = (&s.state().physical.q, &s.state().physical.v);
+            let speed = w[3] * cos + w[4] * sin;
+            assert!(
+                (speed - v * (t / slip).min(1.0)).abs() < 0.01 * v,
+                "{t}: {speed}"
+            );
+            let slipped = v * t - ((q[0] - before) * cos + q[1] * sin);
+            let fall = (slip - t).max(0.0);
+            let truth = 0.5 * v * (slip - fall * fall / slip);
+            assert!((slipped - truth).abs() < 2e-3 * v, "{t}: {slipped} {truth}");
         }
         let q = &s.state().physical.q;
-        let (sin, cos) = libm::sincos(turned);
         let (along, across) = (
             (q[0] - before) * cos + q[1] * sin,
             q[1] * cos - (q[0] - before) * sin,
