@@ -47,7 +47,8 @@ impl InputSlot {
             Self::Position(_) => Range::Position,
             Self::Effort(_) | Self::ExternalForce(..) | Self::ExternalTorque(..) => Range::Load,
             Self::MaxEffort(_) => Range::LimitSize,
-            Self::SurfaceVelocity(..) => Range::Flight,
+            Self::SurfaceVelocity(..) | Self::BaseLinearVelocity(..) => Range::Flight,
+            Self::BaseAngularVelocity(..) => Range::Spin,
         }
     }
 }
@@ -65,6 +66,8 @@ pub struct Inputs {
     wrench: Vec<Option<u32>>,
     /// What has a surface that moves.
     conveyors: Vec<RootId>,
+    /// What has a base that moves as inputs say.
+    driven: Vec<RootId>,
     /// All values in the order that `Self::index` gives, then all first derivatives, and so on.
     pub numbers: Vec<f64>,
     /// Whether a derivative is not 0.
@@ -97,8 +100,17 @@ impl Inputs {
             wrench[link.index()] = Some(place);
         }
         let wrenches = model.outputs.external_wrenches.len();
-        let count = 4 * n + 6 * wrenches + 3 * model.outputs.conveyors.len();
+        let outputs = &model.outputs;
+        let bases = 4 * n + 6 * wrenches + 3 * outputs.conveyors.len();
+        let count = bases + 6 * outputs.driven.len();
         let mut numbers = vec![0.0; count * (1 + INPUT_ORDERS)];
+        for (place, root) in outputs.driven.iter().enumerate() {
+            // It goes on as it begins.
+            let root = &model.roots[root.index()];
+            let start = bases + 6 * place;
+            numbers[start..start + 3].copy_from_slice(root.angular_velocity.as_slice());
+            numbers[start + 3..start + 6].copy_from_slice(root.linear_velocity.as_slice());
+        }
         for (a, actuator) in model.actuators.iter().enumerate() {
             numbers[n + a] = model.initial.joint_positions[actuator.joint.index()];
             numbers[3 * n + a] = actuator.max_effort;
@@ -108,7 +120,8 @@ impl Inputs {
             leader: model.leaders(),
             count,
             wrench,
-            conveyors: model.outputs.conveyors.clone(),
+            conveyors: outputs.conveyors.clone(),
+            driven: outputs.driven.clone(),
             numbers,
             varies: false,
             wrenches: Vec::with_capacity(wrenches),
@@ -119,6 +132,11 @@ impl Inputs {
         let n = self.actuators;
         let wrench = |link: LinkId| self.wrench[link.index()].map(|w| 4 * n + 6 * w as usize);
         let leader = |a: ActuatorId| self.leader[a.index()];
+        let bases = self.count - 6 * self.driven.len();
+        let base = |root: RootId| {
+            let place = self.driven.iter().position(|known| *known == root)?;
+            Some(bases + 6 * place)
+        };
         match slot {
             InputSlot::Velocity(a) => Some(leader(a)),
             InputSlot::Position(a) => Some(n + leader(a)),
@@ -128,8 +146,10 @@ impl Inputs {
             InputSlot::ExternalForce(link, axis) => wrench(link).map(|w| w + 3 + axis as usize),
             InputSlot::SurfaceVelocity(root, axis) => {
                 let place = self.conveyors.iter().position(|known| *known == root)?;
-                Some(self.count - 3 * (self.conveyors.len() - place) + axis as usize)
+                Some(bases - 3 * (self.conveyors.len() - place) + axis as usize)
             }
+            InputSlot::BaseAngularVelocity(root, axis) => base(root).map(|b| b + axis as usize),
+            InputSlot::BaseLinearVelocity(root, axis) => base(root).map(|b| b + 3 + axis as usize),
         }
     }
 
@@ -274,6 +294,13 @@ impl Inputs {
             let along = |axis| self.get(InputSlot::SurfaceVelocity(root, axis));
             Vec3::new(along(0), along(1), along(2))
         })
+    }
+
+    /// Velocity `[ω; v]` of a driven base `t` seconds after the communication point, rad/s and
+    /// m/s, world axes; none of what is not driven.
+    pub fn base_velocity(&self, root: RootId, t: f64) -> Option<Vec6> {
+        let first = self.index(InputSlot::BaseAngularVelocity(root, 0))?;
+        Some(std::array::from_fn(|i| self.taylor(first + i, 0, t)))
     }
 
     /// Lists the external wrenches that are not 0, or will not be.

@@ -379,6 +379,11 @@ impl Model {
         self.base(root).motion.kind().is_free()
     }
 
+    /// Whether the base of a tree moves as inputs say.
+    pub fn is_driven(&self, root: RootId) -> bool {
+        self.outputs.driven.contains(&root)
+    }
+
     /// The tree of a body.
     pub fn root_of(&self, body: BodyId) -> RootId {
         let before = self.roots.partition_point(|root| root.body <= body);
@@ -391,12 +396,12 @@ impl Model {
     }
 
     /// Pose `X_BS` of the solver's frame of a body in the body's own: its z axis is the joint's
-    /// axis, and that of a floating base stands in its centre of mass.
+    /// axis, and that of a floating base stands in its centre of mass unless it is driven.
     pub fn solver_frame(&self, body: BodyId) -> Pose {
         let motion = self.bodies[body.index()].motion;
         Pose {
             R: motion.solver_frame(),
-            p: if motion.kind().is_free() {
+            p: if motion.kind().is_free() && !self.is_driven(self.root_of(body)) {
                 self.center_of_mass(body)
             } else {
                 Vec3::zeros()

@@ -17,7 +17,7 @@ use crate::state::State;
 use crate::step::driver::Stepper;
 use crate::step::point::Context;
 use crate::tree::Tree;
-use crate::tuning::{DEFAULT_TOLERANCE, Rules, TOLERANCES};
+use crate::tuning::Rules;
 use std::sync::Arc;
 
 /// A robot that runs.
@@ -322,7 +322,8 @@ impl Simulation {
     /// What hangs on an input follows it. Outputs do not, once a simulation runs.
     fn input_changed(&mut self, slot: InputSlot) {
         use InputSlot::{
-            Effort, ExternalForce, ExternalTorque, MaxEffort, Position, SurfaceVelocity, Velocity,
+            BaseAngularVelocity, BaseLinearVelocity, Effort, ExternalForce, ExternalTorque,
+            MaxEffort, Position, SurfaceVelocity, Velocity,
         };
         let model = &self.model;
         let body = match slot {
@@ -333,7 +334,9 @@ impl Simulation {
                 self.inputs.gather(model, &self.tree);
                 model.links[link.index()].body
             }
-            SurfaceVelocity(root, _) => {
+            SurfaceVelocity(root, _)
+            | BaseLinearVelocity(root, _)
+            | BaseAngularVelocity(root, _) => {
                 let inputs = &self.inputs;
                 self.tree
                     .run_conveyors(|root| inputs.surface_velocity(root));
@@ -391,19 +394,6 @@ impl Simulation {
     /// Reads a parameter back.
     pub fn parameter(&self, slot: ParameterSlot) -> f64 {
         self.parameters.get(slot)
-    }
-
-    /// Error allowed per step, as parameter, importer and default say.
-    pub fn tolerance(&self) -> f64 {
-        let own = self.parameters.get(ParameterSlot::Tolerance);
-        let tolerance = if own > 0.0 {
-            own
-        } else if self.importer_tolerance > 0.0 {
-            self.importer_tolerance
-        } else {
-            DEFAULT_TOLERANCE
-        };
-        tolerance.clamp(TOLERANCES.0, TOLERANCES.1)
     }
 
     /// Current time, s.
@@ -474,6 +464,7 @@ impl Simulation {
         self.applied.restore(&snapshot.applied);
         self.applied.gather(&self.model, &self.tree);
         self.state.copy_from(&snapshot.state);
+        self.drive_on();
         // Before initialisation the state follows from the parameters.
         self.stale = !self.initialized;
         self.forget();

@@ -26,6 +26,10 @@ pub enum InputSlot {
     ExternalTorque(LinkId, Axis),
     /// m/s, axes of the base of something that stands still: how fast its surface moves.
     SurfaceVelocity(RootId, Axis),
+    /// m/s, world axes: how fast the origin of a driven base moves at the end of the next step.
+    BaseLinearVelocity(RootId, Axis),
+    /// rad/s, world axes: how fast it turns then.
+    BaseAngularVelocity(RootId, Axis),
 }
 
 /// A quantity that a user may set.

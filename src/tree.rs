@@ -18,6 +18,7 @@
 mod base;
 mod closure;
 mod closures;
+mod driven;
 mod flush;
 mod island;
 mod pairs;
@@ -208,6 +209,7 @@ impl Tree {
             pure: true,
             closed: false,
             tied: false,
+            driven: None,
             moving_mass: 0.0,
             reach: 0.0,
         });
@@ -239,6 +241,13 @@ impl Tree {
                 I[(0, 2)],
                 I[(1, 2)],
             ];
+        }
+        for root in &model.outputs.driven {
+            // No force moves it: the step knows its acceleration.
+            let tree = &mut self.trees[root.index()];
+            tree.driven = Some([0.0; 6]);
+            let base = &mut self.bodies[tree.bodies.start];
+            (base.mass, base.com, base.I_cm) = (0.0, Vec3::zeros(), [0.0; 6]);
         }
         for tree in &mut self.trees {
             for body in &self.bodies[tree.bodies.clone()] {
@@ -284,6 +293,7 @@ impl Tree {
                 body: b,
                 tree: self.bodies[b].tree,
                 moves,
+                driven: self.is_driven(b),
                 link: collider.link.index(),
                 X: within(&frames[b], &collider.X_BG),
                 radius: if shape.is_terrain() {

@@ -598,6 +598,10 @@ pub const SETTLING: f64 = 0.02;
 /// How much heavier a joint becomes that does not move while the robot is set down. At 1000 fails
 /// `a_robot_is_set_down_as_one_rigid_body`.
 pub const LOCKED: f64 = 1e12;
+/// Mass and inertia with which a driven base stands in the mass matrix, kg and kg·m²: 2¹⁰⁰, so that
+/// no force changes a digit of what it does, and none is lost of its own acceleration. At 1e3 fails
+/// `a_pendulum_hangs_on_what_is_driven`, whose loop would open.
+pub const DRIVEN_MASS: f64 = 1_267_650_600_228_229_401_496_703_205_376.0;
 /// Movement, m or rad, in the last of these steps below which a robot stands: a tenth of a
 /// nanometre. One that tips over moves by millimetres. At 0 fails
 /// `a_robot_is_set_down_as_one_rigid_body`, at 1 `what_tips_over_is_not_set_down`.

@@ -46,6 +46,7 @@ fn filled(model: &Model) -> Table<'_> {
     let mut table = Table::new(model);
     table.inputs();
     table.conveyors();
+    table.driven_bases();
     table.base_outputs();
     table.joint_outputs();
     table.link_outputs();

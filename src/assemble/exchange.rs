@@ -39,6 +39,16 @@ pub(super) fn check(model: &Model, findings: &mut Findings) {
             );
         }
     }
+    if let Some(root) = model.outputs.driven.first() {
+        refuse(
+            format!(
+                "object '{}' is driven, and Model Exchange has no steps at whose ends it would \
+                 have the velocity of its inputs",
+                model.roots[root.index()].name
+            ),
+            "leave out driven, or export with --interface cs",
+        );
+    }
     if let Some(part) = model.loops.first() {
         refuse(
             format!(

@@ -244,6 +244,10 @@ pub fn of_object(object: &ObjectSettings, world: &Settings) -> Settings {
     own.inertia = world.inertia;
     own.default_mode = Some(ModeChoice::Passive);
     own.conveyor = object.conveyor;
+    own.driven = object.driven;
+    if object.driven {
+        own.base = BaseChoice::Floating;
+    }
     own.links.push(object.surface.clone());
     own
 }

@@ -232,6 +232,14 @@ impl Articulated {
             if body.kind.is_base() {
                 let dofs = body.dof..body.dof + body.columns;
                 let (armature, tau) = (&armature[dofs.clone()], &tau[dofs.clone()]);
+                if let (true, Some(a)) = (tree.is_driven(b), &tree.trees[body.tree].driven) {
+                    vdot[dofs].copy_from_slice(a);
+                    self.A[b] = std::array::from_fn(|i| self.c[b][i] + a[i]);
+                    for i in 0..3 {
+                        self.A[b][3 + i] -= g[i];
+                    }
+                    continue;
+                }
                 self.release(b, &g, armature, tau, &mut vdot[dofs]);
                 continue;
             }

@@ -7,6 +7,7 @@
 use crate::kinematics::Kinematics;
 use crate::spatial::dot6;
 use crate::tree::Tree;
+use crate::tuning::DRIVEN_MASS;
 
 /// Fills `kin.M` (with armature) and `kin.inverse_diagonal` from `kin.I` and `kin.S`, and the rows
 /// of closed loops.
@@ -72,6 +73,13 @@ pub fn mass_matrix(tree: &Tree, kin: &mut Kinematics) {
         *diagonal += tree.dofs.armature[k];
         inverse_diagonal[k] = 1.0 / diagonal.max(f64::MIN_POSITIVE);
     }
+    for (_, first, _) in tree.driven() {
+        for k in first..first + 6 {
+            M[pattern.diagonal(k)] = DRIVEN_MASS;
+            // Its scale is that of nothing else.
+            inverse_diagonal[k] = 0.0;
+        }
+    }
     kin.update_loops(tree);
 }
 
@@ -94,6 +102,9 @@ pub fn diagonal(tree: &Tree, kin: &mut Kinematics) {
             let sub = composite[b];
             composite[body.parent].add(&sub);
         }
+    }
+    for (_, first, _) in tree.driven() {
+        inverse_diagonal[first..first + 6].fill(0.0);
     }
 }
 

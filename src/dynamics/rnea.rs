@@ -8,6 +8,7 @@ use crate::inputs::ExternalWrench;
 use crate::kinematics::Kinematics;
 use crate::spatial::{Vec3, Vec6, add6, angular, cross_force, dot6, linear};
 use crate::tree::Tree;
+use crate::tuning::DRIVEN_MASS;
 
 /// Fills `kin.bias` with `k(q, v)`, so that `M vdot + k = tau`, from `kin.S`, `kin.V` and `kin.I`,
 /// and `J̇v` of closed loops.
@@ -44,6 +45,11 @@ pub fn bias(tree: &Tree, kin: &mut Kinematics, v: &[f64], wrenches: &[ExternalWr
                 }
             }
             add6(&mut force[body.parent], &F);
+        }
+    }
+    for (_, first, acceleration) in tree.driven() {
+        for (bias, a) in bias[first..].iter_mut().zip(acceleration) {
+            *bias = -DRIVEN_MASS * a;
         }
     }
     kin.update_loop_bias(tree);

@@ -164,9 +164,10 @@ impl<'a> Pair<'a> {
     }
 }
 
-/// The shapes at two places as they meet: the first one moves.
+/// The shapes at two places as they meet: the first one moves and is not driven.
 fn in_order(tree: &Tree, [a, b]: [usize; 2]) -> [&TreeCollider; 2] {
-    let places = if tree.contact.colliders[b].moves {
+    let second = &tree.contact.colliders[b];
+    let places = if second.moves && !second.driven {
         [b, a]
     } else {
         [a, b]
@@ -177,7 +178,7 @@ fn in_order(tree: &Tree, [a, b]: [usize; 2]) -> [&TreeCollider; 2] {
 /// See [`Pair::mass`].
 fn mass_of(tree: &Tree, colliders: [&TreeCollider; 2]) -> f64 {
     let [a, b] = colliders.map(|c| tree.mass_with(c.body));
-    if colliders[1].moves {
+    if colliders[1].moves && !colliders[1].driven {
         a * b / (a + b)
     } else {
         a

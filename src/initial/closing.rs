@@ -102,7 +102,13 @@ impl Search<'_> {
                 1.0 / (weight * weight)
             };
         }
-        for body in self.tree.bodies.iter().filter(|body| body.kind.is_free()) {
+        for (b, body) in self.tree.bodies.iter().enumerate() {
+            if !body.kind.is_free() {
+                continue;
+            }
+            if self.tree.is_driven(b) {
+                self.freedom[body.dof..body.dof + 6].fill(0.0);
+            }
             for free in &mut self.freedom[body.dof..body.dof + 6] {
                 *free /= BASE_WEIGHT * BASE_WEIGHT;
             }

@@ -82,6 +82,7 @@ impl Model {
             links: shown,
             external_wrenches,
             conveyors,
+            driven,
             groups,
             sensors,
             ..
@@ -96,6 +97,9 @@ impl Model {
         let conveyors = conveyors.into_iter();
         let conveyors = conveyors.map(|id| RootId::from(roots + id.index()));
         outputs.conveyors.extend(conveyors);
+        let driven = driven.into_iter();
+        let driven = driven.map(|id| RootId::from(roots + id.index()));
+        outputs.driven.extend(driven);
         outputs.groups.extend(groups.into_iter().map(|group| Group {
             name: own(&group.name),
             actuators: group.actuators.into_iter().map(actuator).collect(),

@@ -30,6 +30,9 @@ pub struct OutputSelection {
     /// What stands still and has a `surface.velocity` input.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub conveyors: Vec<RootId>,
+    /// What floats and has a base that moves as inputs say, whatever pushes it.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub driven: Vec<RootId>,
     /// Actuators that share their inputs.
     pub groups: Vec<Group>,
     /// Sensors with `sensor.*` outputs.

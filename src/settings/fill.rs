@@ -111,6 +111,7 @@ pub(super) fn fill(reader: &mut Reader, root: &Section, compat: Option<Compat>) 
             _ => Vec::new(),
         },
         conveyor: false,
+        driven: false,
         external_wrenches: root
             .tables("external_wrench")
             .iter()

@@ -73,6 +73,7 @@ fn one(reader: &mut Reader, section: &Section) -> Option<ObjectSettings> {
         },
         fixed: true,
         conveyor: section.flag("conveyor"),
+        driven: false,
         surface: surface(reader, section),
         place: Some(reader.place(&section.span)),
     })

@@ -77,6 +77,8 @@ pub struct Settings {
     pub external_wrenches: Vec<Pattern>,
     /// Whether its surface moves, by an input; of what stands still.
     pub conveyor: bool,
+    /// Whether its base moves as inputs say.
+    pub driven: bool,
     /// Joints that share a command.
     pub groups: Vec<GroupSettings>,
     /// Whether the URDF's sensors are read.
@@ -104,6 +106,8 @@ pub struct ObjectSettings {
     pub fixed: bool,
     /// Whether its surface moves, by an input.
     pub conveyor: bool,
+    /// Whether it moves as inputs say, whatever pushes it.
+    pub driven: bool,
     /// Friction and restitution of all its links; none: its file's.
     pub surface: LinkSettings,
     /// Where it was asked for; none for one from the command line.

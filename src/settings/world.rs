@@ -91,7 +91,8 @@ fn robot(reader: &mut Reader, section: &Section) -> Option<RobotSettings> {
 fn object(reader: &mut Reader, section: &Section) -> Option<ObjectSettings> {
     let name = required(reader, section, "name", "world.object");
     let fixed = section.flag("static");
-    let source = source(reader, section, fixed);
+    let driven = driven(reader, section, fixed);
+    let source = source(reader, section, [fixed, driven]);
     let velocity = section
         .entry("linear_velocity")
         .or_else(|| section.entry("angular_velocity"));
@@ -115,6 +116,7 @@ fn object(reader: &mut Reader, section: &Section) -> Option<ObjectSettings> {
         },
         fixed,
         conveyor: conveyor(reader, section, fixed),
+        driven,
         surface: terrain::surface(reader, section),
         place: Some(reader.place(&section.span)),
     })
@@ -131,8 +133,21 @@ fn conveyor(reader: &mut Reader, section: &Section, fixed: bool) -> bool {
     conveyor
 }
 
+/// Whether an object moves as inputs say.
+fn driven(reader: &mut Reader, section: &Section, fixed: bool) -> bool {
+    let driven = section.flag("driven");
+    if let (true, true, Some(entry)) = (driven, fixed, section.entry("driven")) {
+        let message = "a static object is not driven";
+        let help = "leave out static: what is driven yields to nothing, either";
+        reader.error("S106", &entry.span, message, help);
+    }
+    driven
+}
+
 /// What an object is; none after an error.
-fn source(reader: &mut Reader, section: &Section, fixed: bool) -> Option<ObjectSource> {
+///
+/// - `firm`: whether it stands still, or is driven, so that it needs no mass
+fn source(reader: &mut Reader, section: &Section, firm: [bool; 2]) -> Option<ObjectSource> {
     let rejected = |key: &str| section.rejected.iter().any(|rejected| rejected == key);
     match (section.entry("urdf"), section.entry("shape")) {
         (Some(_), Some(shape)) => {
@@ -151,12 +166,13 @@ fn source(reader: &mut Reader, section: &Section, fixed: bool) -> Option<ObjectS
         (None, Some(_)) => {
             let shape = shape(reader, &section.table("shape"))?;
             let mass = section.number("mass");
-            if mass.is_none() && !fixed && !rejected("mass") {
+            if mass.is_none() && firm == [false; 2] && !rejected("mass") {
                 let message = "an object of a shape needs 'mass'";
                 let help = "mass = 1.0, or static = true for one that stands still";
                 reader.error("S107", &section.span, message, help);
             }
-            let mass = mass.unwrap_or(0.0);
+            // That of what is driven plays no part.
+            let mass = mass.unwrap_or(f64::from(u8::from(firm[1])));
             Some(ObjectSource::Solid { shape, mass })
         }
         (None, None) => {

@@ -5,7 +5,7 @@ use crate::range::SHORTEST_FIXED_STEP;
 use crate::slots::ParameterSlot;
 use crate::step::driver::{Stepper, Stop};
 use crate::step::point::Context;
-use crate::tuning::{WIDER, WIDEST};
+use crate::tuning::{DEFAULT_TOLERANCE, TOLERANCES, WIDER, WIDEST};
 
 impl Simulation {
     /// Simulates up to exactly `end`, s; does nothing unless it lies after [`Self::time`].
@@ -35,7 +35,9 @@ impl Simulation {
             reason = "a whole number above 0; one beyond the type saturates"
         )]
         let budget = most as u64;
+        self.drive(span);
         let result = self.advance_islands(end, budget);
+        self.drive_on();
         self.forget();
         let time = self.state.time;
         match result {
@@ -54,6 +56,46 @@ impl Simulation {
         }
         self.sample();
         Ok(())
+    }
+
+    /// Gives driven bases the accelerations that take them to the velocities of their inputs within
+    /// `span` seconds.
+    fn drive(&mut self, span: f64) {
+        let (inputs, v) = (&self.inputs, &self.state.physical.v);
+        self.tree.drive(|root, dof| {
+            let target = inputs.base_velocity(root, span).unwrap_or_default();
+            std::array::from_fn(|i| (target[i] - v[dof + i]) / span)
+        });
+        let stepping = &mut self.state.stepping;
+        for (_, first, a) in self.tree.driven() {
+            // What is expected of it.
+            for trend in [&mut stepping.trend.first, &mut stepping.trend.whole] {
+                trend[first..first + 6].copy_from_slice(a);
+            }
+            if a.iter().any(|a| *a != 0.0) {
+                stepping.ahead.all_changed();
+            }
+        }
+    }
+
+    /// Gives driven bases the accelerations of the last step: outputs are those of its end.
+    pub(super) fn drive_on(&mut self) {
+        let trend = &self.state.stepping.trend.whole;
+        self.tree
+            .drive(|_, dof| std::array::from_fn(|i| trend[dof + i]));
+    }
+
+    /// Error allowed per step, as parameter, importer and default say.
+    pub fn tolerance(&self) -> f64 {
+        let own = self.parameters.get(ParameterSlot::Tolerance);
+        let tolerance = if own > 0.0 {
+            own
+        } else if self.importer_tolerance > 0.0 {
+            self.importer_tolerance
+        } else {
+            DEFAULT_TOLERANCE
+        };
+        tolerance.clamp(TOLERANCES.0, TOLERANCES.1)
     }
 
     /// Where a step that all trees take together would end on the way to `end`, s: as long as the

@@ -2,8 +2,8 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
-use crate::model::LinkId;
-use crate::state::State;
+use crate::model::{LinkId, RootId};
+use crate::state::{Physical, State};
 use crate::step::driver::{Stepper, Stop};
 use crate::step::fixed::fixed_count;
 use crate::step::point::Context;
@@ -88,6 +88,7 @@ impl Stepper {
             return result;
         }
         state.time = end;
+        self.arrive(ctx, state);
         if !state.stepping.loads.is_empty() {
             self.attempt.begin(state);
             for load in &state.stepping.loads {
@@ -104,6 +105,27 @@ impl Stepper {
         let iterations = self.implicit.iterations.max(self.stages.iterations);
         *newton_max = (*newton_max).max(iterations as u64);
         Ok(())
+    }
+
+    /// Puts driven bases where their velocities, which have changed evenly, lead from the last
+    /// communication point.
+    fn arrive(&self, ctx: &Context, state: &mut State) {
+        let (tree, from) = (ctx.tree, &self.backup);
+        let span = state.time - from.time;
+        for (b, first, _) in tree.driven() {
+            let root = RootId::from(tree.bodies[b].tree);
+            let Some(target) = ctx.inputs.base_velocity(root, span) else {
+                continue;
+            };
+            let start = &from.physical.v[first..first + 6];
+            let mean: [f64; 6] = std::array::from_fn(|i| 0.5 * (start[i] + target[i]));
+            let (place, Physical { q, v, .. }) = (tree.bodies[b].coordinate, &mut state.physical);
+            let before = &from.physical.q[place..];
+            tree.bodies[b]
+                .kind
+                .advance(before, &mean, span, &mut q[place..]);
+            v[first..first + 6].copy_from_slice(&target);
+        }
     }
 
     /// Length of a step that all trees take together on the way to a communication point, s: what

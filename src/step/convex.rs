@@ -176,6 +176,9 @@ impl Newton {
     pub fn guess_start(&mut self, p: &Problem, v0: &[f64]) {
         self.v.copy_from_slice(v0);
         self.change.fill(0.0);
+        if p.tree.driven().next().is_some() {
+            return self.guess(p, v0, v0);
+        }
         self.at.set(p.terms, &p.kin.V);
         self.respond(p);
     }
@@ -185,9 +188,22 @@ impl Newton {
         for ((change, v), v0) in self.v.iter_mut().zip(v).zip(v0) {
             *change = v - v0;
         }
+        // Of driven bases the end is known. Their gradient is then exactly 0, so that the large
+        // mass by which nothing else moves them takes no digits from anything.
+        for (_, first, acceleration) in p.tree.driven() {
+            for (change, a) in self.v[first..].iter_mut().zip(acceleration) {
+                *change = p.h * a;
+            }
+        }
         let pattern = &p.tree.sparsity;
         pattern.multiply(&p.kin.M, &self.v, &mut self.change);
         self.v.copy_from_slice(v);
+        for (_, first, acceleration) in p.tree.driven() {
+            for (k, a) in (first..).zip(acceleration) {
+                self.v[k] = v0[k] + p.h * a;
+                self.change[k] = -(p.h * p.bias[k]);
+            }
+        }
         self.stand(p);
     }
 

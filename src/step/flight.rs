@@ -58,7 +58,7 @@ impl Flight {
         let undisturbed = tree.world.drag == 0.0 && ctx.inputs.wrenches.is_empty();
         let may_fly = |index: usize| {
             let extent = &tree.trees[index];
-            tree.takes(index) && extent.free && !extent.tied
+            tree.takes(index) && extent.free && !extent.tied && extent.driven.is_none()
         };
         company.part(|index| ctx.rules.momentum && undisturbed && may_fly(index));
         for touch in &state.physical.memory.touches {

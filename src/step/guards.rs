@@ -15,7 +15,7 @@ use crate::spatial::dot6;
 use crate::state::Physical;
 use crate::step::convex::Newton;
 use crate::step::point::{Context, Point};
-use crate::tree::Tree;
+use crate::tree::{Extent, Tree};
 use crate::tuning::{MENDED_GAIN, REFERENCE_GRAVITY};
 
 /// Energies at the start of a step, J.
@@ -87,11 +87,20 @@ pub(super) fn gain(
         + force::held(ctx.model, tree, kin, &mut terms.contacts)
         + force::held_by_springs(tree, kin)
         + limits(tree, here, &end.q);
-    if ctx.rules.energy {
+    if ctx.rules.energy && is_booked(tree) {
         (held - books.held - work) / books.allowed
     } else {
         0.0
     }
+}
+
+/// Whether all work is known: what drives a base works on the joints and loops that hang on it,
+/// too, which nothing counts.
+fn is_booked(tree: &Tree) -> bool {
+    let bare = |(_, tree): (usize, &Extent)| {
+        tree.driven.is_none() || tree.bodies.len() == 1 && !tree.closed
+    };
+    tree.moved().all(bare)
 }
 
 /// The same for an explicit step of `h` seconds: nothing touches.
@@ -122,7 +131,8 @@ pub(super) fn gains_explicitly(
     let held = kinetic(ctx.tree, kin, &end.v)
         + potential(ctx.tree, kin)
         + force::held_by_springs(ctx.tree, kin);
-    ctx.rules.energy && held - books.held - work > books.allowed
+    let booked = ctx.tree.driven().next().is_none();
+    ctx.rules.energy && booked && held - books.held - work > books.allowed
 }
 
 /// What the joint limits hold at `q`, J.
@@ -138,7 +148,7 @@ fn limits(tree: &Tree, here: &Point, q: &[f64]) -> f64 {
     sum
 }
 
-/// Work of motors, external wrenches and surfaces that move over a solved step, J.
+/// Work of motors, external wrenches, surfaces that move and driven bases over a solved step, J.
 ///
 /// - `h`: its length, s
 /// - `when`: time since the communication point of which it has taken the external wrenches, s
@@ -149,6 +159,7 @@ pub(super) fn work(
     [h, when]: [f64; 2],
 ) -> f64 {
     let mut power = push(ctx, (kin, &newton.v), when);
+    power += newton.driving_power((ctx.tree, terms), h);
     for term in &terms.joints {
         let v = newton.v[term.dof];
         power += term.drive_force(v, h).0 * v;

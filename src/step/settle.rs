@@ -15,6 +15,7 @@ use crate::force::Terms;
 use crate::kinematics::advance;
 use crate::model::{LinkId, Model, RootId};
 use crate::slots::ParameterSlot;
+use crate::spatial::Vec6;
 use crate::state::{Load, State, Stepping};
 use crate::step::convex::Newton;
 use crate::step::driver::Stepper;
@@ -130,7 +131,9 @@ impl Stepper {
     ) -> bool {
         let speed = fastest(ctx.tree, &state.physical.v);
         // Forces that balance now need not balance later if a command changes.
-        if !ctx.rules.rest || speed >= REST_SPEED || ctx.inputs.varies() {
+        let still = |(_, _, a): (usize, usize, &Vec6)| a.iter().all(|a| *a == 0.0);
+        let driven = !ctx.tree.driven().all(still);
+        if !ctx.rules.rest || speed >= REST_SPEED || driven || ctx.inputs.varies() {
             return false;
         }
         let (here, attempt) = (&mut self.here, &mut self.attempt);

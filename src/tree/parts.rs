@@ -9,7 +9,7 @@ use crate::joint::Kind;
 use crate::law::normal::Stiffening;
 use crate::model::{Combination, Joint, Limits, RootId};
 use crate::sparsity::Sparsity;
-use crate::spatial::{Pose, Vec3};
+use crate::spatial::{Pose, Vec3, Vec6};
 use crate::tuning::TURN_DEFLECTION;
 use std::ops::Range;
 use std::sync::Arc;
@@ -100,7 +100,10 @@ pub struct Extent {
     /// Whether a loop or a spring holds it to another tree or to the world; filled by
     /// [`Tree::new`].
     pub tied: bool,
-    /// Mass of all its moving bodies, kg; filled by [`Tree::new`].
+    /// Acceleration `[ω̇; p̈]` of a base that moves as inputs say, rad/s² and m/s², world axes;
+    /// none of another one; set by [`Tree::drive`].
+    pub driven: Option<Vec6>,
+    /// Mass of all its moving bodies but a driven base, kg; filled by [`Tree::new`].
     pub moving_mass: f64,
     /// Its largest extent from its base in the initial position, m; filled by [`Tree::scale`].
     pub reach: f64,
@@ -229,6 +232,8 @@ pub struct TreeCollider {
     pub tree: usize,
     /// Whether the body moves.
     pub moves: bool,
+    /// Whether it moves as inputs say, so that nothing can push it.
+    pub driven: bool,
     /// Index of the link.
     pub link: usize,
     /// Pose in the body's solver frame.
@@ -446,7 +451,7 @@ impl Tree {
     /// Shapes that can touch the ground in a step: those that it moves, if there is one.
     pub fn on_ground(&self) -> impl Iterator<Item = &TreeCollider> + '_ {
         let colliders = self.worked_colliders().map(|(_, collider)| collider);
-        colliders.filter(|c| c.moves && self.contact.has_ground)
+        colliders.filter(|c| c.moves && !c.driven && self.contact.has_ground)
     }
 
     /// Sets how fast surfaces move, by the inputs.
@@ -458,9 +463,12 @@ impl Tree {
         }
     }
 
-    /// Mass of all moving bodies of a body's tree, kg.
+    /// Mass of all moving bodies of a body's tree, kg; 0 of a driven base, which no contact moves.
     #[inline]
     pub fn mass_with(&self, body: usize) -> f64 {
+        if self.is_driven(body) {
+            return 0.0;
+        }
         self.trees[self.bodies[body].tree].moving_mass
     }
 

@@ -69,6 +69,46 @@ impl Table<'_> {
         }
     }
 
+    /// Inputs of bases that move as they say.
+    pub(super) fn driven_bases(&mut self) {
+        type OfBase = fn(RootId, Axis) -> InputSlot;
+        let kinds: [(OfBase, Unit, &str, &str); 2] = [
+            (
+                InputSlot::BaseLinearVelocity,
+                Unit::MeterPerSecond,
+                "linear",
+                "Velocity of the origin",
+            ),
+            (
+                InputSlot::BaseAngularVelocity,
+                Unit::RadianPerSecond,
+                "angular",
+                "Angular velocity",
+            ),
+        ];
+        for &id in &self.model.outputs.driven {
+            let root = &self.model.roots[id.index()];
+            let owner = format!("'{}'", root.name);
+            let scope = self.scope(id);
+            for (slot, unit, kind, what) in kinds {
+                let start = match kind {
+                    "linear" => root.linear_velocity,
+                    _ => root.angular_velocity,
+                };
+                let first = self.len();
+                let whole = about!("{what} of {owner} at the end of the next step, world");
+                for (axis, letter) in axes(&XYZ) {
+                    let about = about!("{whole} {letter}");
+                    let row = Row::input(slot(id, axis), unit, start[usize::from(axis)], about);
+                    let name = format_args!("{scope}cmd.{kind}_velocity.{letter}");
+                    self.add(name, &owner, row);
+                }
+                let name = format!("{scope}cmd.{kind}_velocity");
+                self.vector(first, &name, &about!("{whole} axes"));
+            }
+        }
+    }
+
     /// What an actuator's inputs drive: its joint, or its group if it is the first of it, else
     /// none.
     fn driven(&self, actuator: usize) -> Option<Driven> {

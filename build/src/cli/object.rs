@@ -41,6 +41,7 @@ pub(super) fn parse(text: &str) -> Result<ObjectSettings, String> {
         name: None,
         source: ObjectSource::Urdf(PathBuf::from(file)),
         conveyor: false,
+        driven: false,
         initial: InitialSettings {
             xy: [or_zero(0), or_zero(1)],
             z: at(2),

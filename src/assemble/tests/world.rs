@@ -397,3 +397,42 @@ fn objects_roll_turn_and_stick_as_their_settings_say() {
     let object = settings.objects[0].clone();
     assert!(take_ground("plane", &object, &robot(plane), &mut settings).is_none());
 }
+
+/// What is driven has inputs for the velocity of its origin, which begin with that of its start; a
+/// model that others integrate has no steps at whose ends they could be reached.
+#[test]
+fn what_is_driven_has_inputs_of_its_velocity() {
+    let text = "[[world.object]]\nname = \"table\"\nshape = { box = [1, 1, 0.1] }\n\
+                xyz = [0, 3, 1]\nlinear_velocity = [0.5, 0, 0]\ndriven = true";
+    let built_up = built(text, None);
+    let model = &built_up.model;
+    assert_eq!(model.outputs.driven, [crate::model::RootId(1)]);
+    let table = variables::table(model).expect("a table");
+    for (name, start) in [("linear_velocity.x", 0.5), ("angular_velocity.z", 0.0)] {
+        let name = format!("object.table.cmd.{name}");
+        let row = table.iter().find(|row| row.name == name).expect("an input");
+        assert!(format!("{row:?}").contains("Input"), "{row:?}");
+        let simulation = crate::simulation::Simulation::new(model.clone().into());
+        let crate::variables::Slot::Input(slot) = row.slot else {
+            panic!("{row:?}");
+        };
+        assert!((simulation.input(slot) - start).abs() < 1e-15);
+    }
+    assert!(
+        names(model)
+            .iter()
+            .any(|name| name == "object.table.position.x")
+    );
+    // Once it is read back.
+    let bytes = serde_json::to_string(model).expect("a model");
+    let read: Model = serde_json::from_str(&bytes).expect("a model");
+    assert_eq!(&read, model);
+    let findings =
+        surrounded(&format!("fmu.interface = \"me\"\n{text}"), None).expect_err("it has no steps");
+    let told = findings.iter().find(|finding| finding.code == "A142");
+    assert!(
+        told.expect("a finding")
+            .message
+            .contains("'table' is driven")
+    );
+}

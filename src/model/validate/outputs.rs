@@ -34,6 +34,16 @@ pub(super) fn validate(model: &Model) -> Check {
         || "the selection of inputs".to_owned(),
         "gives something that moves a surface that moves",
     )?;
+    let floats = |id: &RootId| {
+        let root = model.roots.get(id.index());
+        let body = root.and_then(|root| model.bodies.get(root.body.index()));
+        body.is_some_and(|body| body.motion.kind().is_free())
+    };
+    require(
+        outputs.driven.iter().all(floats),
+        || "the selection of inputs".to_owned(),
+        "drives something that stands still",
+    )?;
     pairs(model)?;
     groups(model)?;
     sensors(model)

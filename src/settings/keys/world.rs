@@ -129,6 +129,12 @@ pub(super) const KEYS: &[Key] = &[
         "whether its surface moves: inputs object.<name>.surface.velocity.{x,y,z} in m/s, along its own axes, held over each communication step; without it false",
     ),
     key(
+        "world.object[].driven",
+        Flag,
+        None,
+        "whether it moves as inputs say, whatever pushes it: object.<name>.cmd.linear_velocity.{x,y,z} of its origin in m/s and .angular_velocity.{x,y,z} in rad/s, world axes, reached at the end of each communication step; without it false",
+    ),
+    key(
         "world.object[].friction",
         Number(Friction),
         None,

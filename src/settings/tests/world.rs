@@ -131,3 +131,20 @@ fn names_that_hide_variables_or_that_two_have_are_errors_at_the_name() {
     let robot = "[[world.robot]]\nname = \"a\"\nurdf = \"a\"\n";
     assert_eq!(message(&format!("{robot}{}", thing("a"))).1, 5);
 }
+
+/// What is driven needs no mass, and yields as little as what is static: it is one of the two.
+#[test]
+fn what_is_driven_has_no_need_of_a_mass() {
+    let table = object("shape = { box = [1, 1, 0.1] }\ndriven = true\nlinear_velocity = [1, 0, 0]");
+    assert!(table.driven && !table.fixed);
+    assert!(matches!(table.source, ObjectSource::Solid { mass, .. } if mass > 0.0));
+    assert!(!object("shape = { sphere = 1 }\nmass = 2").driven);
+    for other in ["static", "conveyor"] {
+        let text = format!(
+            "[[world.object]]\nname = \"a\"\nshape = {{ sphere = 1 }}\n{other} = true\ndriven = true"
+        );
+        let (code, line, told) = message(&text);
+        assert_eq!(code, "S106");
+        assert_eq!(line, if other == "static" { 5 } else { 4 }, "{told}");
+    }
+}

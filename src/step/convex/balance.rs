@@ -4,7 +4,9 @@
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
 use super::{Factor, Newton, Problem, scaled_square};
-use crate::force::Responses;
+use crate::force::{Responses, Terms};
+use crate::spatial::Vec6;
+use crate::tree::Tree;
 use crate::tuning::ROUND_OFF;
 
 impl Newton {
@@ -32,7 +34,12 @@ impl Newton {
     /// `v`.
     pub(super) fn round_off(&self, p: &Problem) -> f64 {
         let pattern = &p.tree.sparsity;
-        let energy = |k: usize| p.kin.M[pattern.diagonal(k)] * self.v[k] * self.v[k];
+        let energy = |k: usize| {
+            if p.kin.inverse_diagonal[k] == 0.0 {
+                return 0.0;
+            }
+            p.kin.M[pattern.diagonal(k)] * self.v[k] * self.v[k]
+        };
         let sum: f64 = p.tree.worked_dofs().map(energy).sum();
         ROUND_OFF * ROUND_OFF * sum
     }
@@ -82,6 +89,21 @@ impl Newton {
         let along = (0..rows.len()).map(|row| rows.along(tree, row, &self.left));
         self.forces.extend(along);
         self.factor.closed.solve(&mut self.forces);
+    }
+
+    /// Power of what drives bases against contacts and springs at the solution, W: what these do to
+    /// a base is taken from it.
+    pub(in crate::step) fn driving_power(&self, p: (&Tree, &Terms), h: f64) -> f64 {
+        let (tree, terms) = p;
+        if terms.is_free() {
+            return 0.0;
+        }
+        let power = |(body, first, _): (usize, usize, &Vec6)| {
+            let v = &self.v[first..first + 6];
+            let along: f64 = self.F[body].iter().zip(v).map(|(F, v)| F * v).sum();
+            -along / h
+        };
+        tree.driven().map(power).sum()
     }
 
     /// Changes the velocity, by forces of loops alone, to one that fulfils the rows of loops at the

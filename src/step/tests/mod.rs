@@ -18,6 +18,7 @@ mod agreement;
 mod cans;
 mod collisions;
 mod deep;
+mod driven;
 mod dropped;
 mod ends;
 mod fixed;
