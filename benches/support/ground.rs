@@ -57,6 +57,7 @@ pub fn object(
         },
         fixed: mass <= 0.0,
         conveyor: false,
+        driven: false,
         friction,
         restitution,
         place: None,

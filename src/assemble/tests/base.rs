@@ -125,12 +125,14 @@ fn what_others_bolt_down_stands_out_by_its_limbs_or_names() {
 #[test]
 fn the_virtual_joint_of_an_srdf_says_whether_the_base_is_bolted_down() {
     let mounted = |description: &Description, fixed: bool| {
-        let mut settings = Settings::default();
-        settings.mounting = Some(Mounting {
-            name: "to_world".into(),
-            frame: "table".to_owned(),
-            fixed,
-        });
+        let settings = Settings {
+            mounting: Some(Mounting {
+                name: "to_world".into(),
+                frame: "table".to_owned(),
+                fixed,
+            }),
+            ..Settings::default()
+        };
         crate::assemble::build(description, &settings).expect("a robot")
     };
     // It is told whatever else the names say.

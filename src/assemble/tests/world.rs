@@ -56,13 +56,13 @@ fn gravity_that_points_up_is_told_once_for_all_that_is_in_the_world() {
 
 #[test]
 fn notes_that_are_alike_for_many_objects_are_told_once_with_their_number() {
-    let notes = |count: usize| {
+    let notes = |count: u32| {
         let cubes = (0..count).map(|i| {
             format!(
                 "[[world.object]]\nname = \"b{i}\"\nmass = 1\nxyz = [{}, 2]\n\
                  shape = {{ box = [0.1, 0.1, {}] }}\n",
-                0.5 * i as f64,
-                0.1 + 0.01 * i as f64
+                0.5 * f64::from(i),
+                0.1 + 0.01 * f64::from(i)
             )
         });
         let text: String = cubes.collect();
