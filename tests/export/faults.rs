@@ -361,9 +361,13 @@ fn errors(folder: &Path, faults: &[&Fault]) -> Vec<(String, String)> {
         f["severity"] == "error" || f["code"] == "U066" || f["code"] == "U068"
     });
     let word = |f: &Value, key: &str| f[key].as_str().unwrap().to_owned();
-    let text = |f: &Value| match f["code"] == "U068" {
-        true => word(f, "help"),
-        false => word(f, "message"),
+    let text = |f: &Value| {
+        let part = if f["code"] == "U068" {
+            "help"
+        } else {
+            "message"
+        };
+        word(f, part)
     };
     let told: Vec<_> = told.map(|f| (word(f, "code"), text(f))).collect();
     assert_eq!(ok, of_severity(&list, "error").is_empty());

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 use urdf2fmu_core::range::Range;
-use urdf2fmu_core::settings::{InitialSettings, ObjectSettings, ObjectSource};
+use urdf2fmu_core::settings::{InitialSettings, LinkSettings, ObjectSettings, ObjectSource};
 use urdf2fmu_core::spatial::Vec3;
 
 /// `cube.urdf`, `cube.urdf@1,0` or `cube.urdf@1,0,0.5,0,0,1.57`.
@@ -49,8 +49,7 @@ pub(super) fn parse(text: &str) -> Result<ObjectSettings, String> {
             ..InitialSettings::default()
         },
         fixed: false,
-        friction: None,
-        restitution: None,
+        surface: LinkSettings::new("*"),
         place: None,
     })
 }
