@@ -110,10 +110,14 @@ impl Expansion<'_> {
 
     /// Looks at the properties of a document that nothing needs which could be expanded.
     pub(super) fn suppose_properties(&mut self) {
+        /// More properties, and larger files in bytes, are not searched.
+        const MOST: (usize, usize) = (1000, 1 << 20);
         self.supposed = true;
-        for (scope, name, text) in self.texts.symbols.unread() {
+        let unread = self.texts.symbols.unread();
+        for (scope, name, text) in unread.into_iter().take(MOST.0) {
             let sources = &mut self.texts.sources;
             let whole = sources.read.get(&*sources.written());
+            let whole = whole.filter(|whole| whole.len() <= MOST.1);
             sources.at = whole.and_then(|whole| whole.find(&text)).unwrap_or(0);
             if let Err(problem) = self.texts.entry(scope, &name) {
                 self.tell(problem);
