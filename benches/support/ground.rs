@@ -5,7 +5,9 @@ use urdf2fmu_core::assemble::{self, Guest};
 use urdf2fmu_core::geometry::Shape;
 use urdf2fmu_core::geometry::surface::{Surface, Triangles};
 use urdf2fmu_core::model::RootKind;
-use urdf2fmu_core::settings::{InitialSettings, ObjectSettings, ObjectSource, Settings};
+use urdf2fmu_core::settings::{
+    InitialSettings, LinkSettings, ObjectSettings, ObjectSource, Settings,
+};
 use urdf2fmu_core::spatial::Vec3;
 
 /// Triangles over a square grid about the origin.
@@ -58,8 +60,11 @@ pub fn object(
         fixed: mass <= 0.0,
         conveyor: false,
         driven: false,
-        friction,
-        restitution,
+        surface: LinkSettings {
+            friction,
+            restitution,
+            ..LinkSettings::new("*")
+        },
         place: None,
     };
     Guest {

@@ -13,7 +13,7 @@ use crate::force::{ContactSet, detect, seek};
 use crate::kinematics::{advance, forward};
 use crate::model::Model;
 use crate::range::SHORTEST_FIXED_STEP;
-use crate::spatial::Vec6;
+use crate::spatial::{Vec3, Vec6, linear, velocity_at};
 use crate::state::{Counters, Physical, State};
 use crate::step::attempt::Attempt;
 use crate::step::caps::still_bounces;
@@ -278,10 +278,24 @@ impl Fixed {
         let mut found = found.list.iter().peekable();
         let ContactSet { list, points, .. } = &mut terms.contacts;
         for contact in list {
-            // Points between shapes have no names by which they are found again. Where both bodies
-            // move, all lever arms stay those of the start: half of them would be seen from where
-            // the other body is no more.
-            if contact.other.is_some() {
+            if let Some(other) = &mut contact.other {
+                // Points between shapes have no names by which they are found again. Each goes half
+                // of its way with the mean of both bodies, which is the same seen from either.
+                let base = |body: usize| tree.trees[tree.bodies[body].tree].bodies.start;
+                let way = |body: usize| linear(&kin.V[base(body)]) * (0.5 * h);
+                let [own, others] = [contact.body, other.body].map(way);
+                let moved = |x: &Vec3| {
+                    let first = velocity_at(&kin.V[contact.body], x);
+                    let second = velocity_at(&kin.V[other.body], &(x + other.from));
+                    (first + second) * (0.25 * h) - own
+                };
+                for point in &mut points[contact.points.clone()] {
+                    let moved = moved(&point.x);
+                    point.x += moved;
+                    point.arm += moved.cross(&point.row);
+                }
+                contact.center += moved(&contact.center);
+                other.from += own - others;
                 continue;
             }
             let Some(f) = seek(&mut found, contact.slot, |f| f.slot) else {

@@ -74,13 +74,13 @@ samples! {
     unmodified_robots_fall_without_a_failure: None, 8, Some([[5e-10, 5e-10, 5e-9], [0.0, 0.0, 0.0]]);
     robots_with_masses_over_six_decades_fall_without_a_failure: MassRatio, 8, Some([[2e-4, 1.5e-4, 1.5e-4], [0.0, 0.0, 0.0]]);
     robots_with_stiff_unlimited_gains_fall_without_a_failure: StiffGains, 8, None;
-    robots_that_begin_in_the_ground_move_without_a_failure: Overlap, 4, Some([[1e-12, 1e-12, 1e-9], [1e-9, 1e-9, 1e-9]]);
+    robots_that_begin_in_the_ground_move_without_a_failure: Overlap, 8, Some([[1e-12, 1e-12, 1e-9], [1e-9, 1e-9, 1e-9]]);
     robots_with_shapes_without_size_fall_without_a_failure: Points, 8, Some([[2e-6, 2e-6, 2e-6], [5e-5, 5e-5, 0.0]]);
     robots_with_shapes_a_thousand_times_as_large_fall_without_a_failure: Huge, 8, Some([[6e-11, 6e-11, 6e-11], [0.0, 0.0, 0.0]]);
     robots_without_gravity_move_without_a_failure: NoGravity, 8, Some([[9e-10, 9e-10, 4e-8], [1e-4, 1e-4, 0.0]]);
     robots_with_motors_without_limit_fall_without_a_failure: LimitlessEffort, 8, None;
     robots_without_friction_fall_without_a_failure: NoFriction, 8, Some([[4e-6, 4e-6, 4e-6], [0.0, 0.0, 0.0]]);
-    robots_with_friction_of_a_million_fall_without_a_failure: HugeFriction, 4, Some([[7e-6, 7e-6, 2e-4], [0.0, 0.0, 0.0]]);
+    robots_with_friction_of_a_million_fall_without_a_failure: HugeFriction, 8, Some([[7e-6, 7e-6, 2e-4], [0.0, 0.0, 0.0]]);
     robots_with_restitution_1_bounce_without_a_failure: Bouncing, 2, Some([[5e-10, 5e-10, 9e-10], [3e-5, 3e-5, 0.0]]);
     robots_fall_without_a_failure_at_any_communication_step: AnyStep, 8, Some([[9e-9, 9e-9, 3e-7], [0.0, 0.0, 0.0]]);
 }

@@ -474,17 +474,6 @@ fn broken_robots_are_refused_with_file_and_line_and_nothing_is_written() {
 }
 
 #[test]
-fn failed_export_leaves_the_old_fmu_alone() {
-    let folder = tempfile::tempdir().unwrap();
-    let (urdf, target) = (folder.path().join("a.urdf"), folder.path().join("a.fmu"));
-    fs::write(&urdf, "<robot/>").unwrap();
-    fs::write(&target, "precious").unwrap();
-    let run = urdf2fmu(["export", text(&urdf), "-o", text(&target)]);
-    assert_eq!(run.code, 1, "{run:?}");
-    assert_eq!(fs::read_to_string(&target).unwrap(), "precious");
-}
-
-#[test]
 fn an_export_never_overwrites_what_it_is_made_from() {
     let folder = tempfile::tempdir().unwrap();
     let (urdf, config) = (folder.path().join("a.urdf"), folder.path().join("a.toml"));

@@ -360,3 +360,14 @@ fn an_fmu_that_cannot_be_unpacked_is_reported() {
     assert_eq!(run.code, 1, "{run:?}");
     assert!(run.err.contains("temporary folder"), "{}", run.err);
 }
+
+#[test]
+fn failed_export_leaves_the_old_fmu_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    let (urdf, target) = (folder.path().join("a.urdf"), folder.path().join("a.fmu"));
+    fs::write(&urdf, "<robot/>").unwrap();
+    fs::write(&target, "precious").unwrap();
+    let run = urdf2fmu(["export", text(&urdf), "-o", text(&target)]);
+    assert_eq!(run.code, 1, "{run:?}");
+    assert_eq!(fs::read_to_string(&target).unwrap(), "precious");
+}
