@@ -13,7 +13,7 @@ use crate::force::{ContactSet, detect, seek};
 use crate::kinematics::{advance, forward};
 use crate::model::Model;
 use crate::range::SHORTEST_FIXED_STEP;
-use crate::spatial::{Vec3, Vec6, linear, velocity_at};
+use crate::spatial::Vec6;
 use crate::state::{Counters, Physical, State};
 use crate::step::attempt::Attempt;
 use crate::step::caps::still_bounces;
@@ -278,26 +278,6 @@ impl Fixed {
         let mut found = found.list.iter().peekable();
         let ContactSet { list, points, .. } = &mut terms.contacts;
         for contact in list {
-            if let Some(other) = &mut contact.other {
-                // Points between shapes have no names by which they are found again. Each goes half
-                // of its way with the mean of both bodies, which is the same seen from either.
-                let base = |body: usize| tree.trees[tree.bodies[body].tree].bodies.start;
-                let way = |body: usize| linear(&kin.V[base(body)]) * (0.5 * h);
-                let [own, others] = [contact.body, other.body].map(way);
-                let moved = |x: &Vec3| {
-                    let first = velocity_at(&kin.V[contact.body], x);
-                    let second = velocity_at(&kin.V[other.body], &(x + other.from));
-                    (first + second) * (0.25 * h) - own
-                };
-                for point in &mut points[contact.points.clone()] {
-                    let moved = moved(&point.x);
-                    point.x += moved;
-                    point.arm += moved.cross(&point.row);
-                }
-                contact.center += moved(&contact.center);
-                other.from += own - others;
-                continue;
-            }
             let Some(f) = seek(&mut found, contact.slot, |f| f.slot) else {
                 continue;
             };
@@ -312,6 +292,12 @@ impl Fixed {
                 }
             }
             (contact.center, contact.radius) = (f.center, f.radius);
+            if let (Some(other), Some(then)) = (&contact.other, &f.other) {
+                // Points between shapes have no names by which they are found again and stay where
+                // they were at the start, and so does the way between the origins of both bodies.
+                // By how much that has changed, the centre is off from each of them half.
+                contact.center += (then.from - other.from) * 0.5;
+            }
         }
     }
 }
