@@ -334,9 +334,10 @@ impl Simulation {
                 self.inputs.gather(model, &self.tree);
                 model.links[link.index()].body
             }
-            SurfaceVelocity(root, _)
-            | BaseLinearVelocity(root, _)
-            | BaseAngularVelocity(root, _) => {
+            BaseLinearVelocity(root, _) | BaseAngularVelocity(root, _) => {
+                model.roots[root.index()].body
+            }
+            SurfaceVelocity(root, _) => {
                 let inputs = &self.inputs;
                 self.tree
                     .run_conveyors(|root| inputs.surface_velocity(root));

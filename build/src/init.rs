@@ -147,7 +147,9 @@ fn robot(out: &mut String, subject: &Subject) {
     let bolted =
         |finding: &&Diagnostic| finding.code == "A107" && finding.message.contains("bolted down");
     if let Some(finding) = subject.diagnostics.iter().find(bolted) {
-        _ = writeln!(out, "# {}\n# base = \"fixed\" mounts it", finding.message);
+        // A comment has one line, whatever a name in it has.
+        let message = finding.message.replace(char::is_control, " ");
+        _ = writeln!(out, "# {message}\n# base = \"fixed\" mounts it");
     }
     #[expect(clippy::float_cmp, reason = "the default itself, or another number")]
     let scaled = settings.scale != default.scale;

@@ -41,29 +41,48 @@ and zig's compiler runtime (MIT, Copyright (c) Zig contributors). macOS: zig's c
 ZPL-2.1, Copyright (c) 2009-2022 by the mingw-w64 project) and libgcc (GPL-3.0-or-later WITH GCC-exception-3.1).
 ";
 
-/// The same for programs: what is linked, its licence as an SPDX expression, and where.
-const COMPILERS: [(&str, &str, &str); 5] = [
-    (
-        "rust-std",
-        "MIT OR Apache-2.0",
-        "Rust's standard library, in all libraries",
-    ),
-    (
-        "llvm-libunwind",
-        "Apache-2.0 WITH LLVM-exception",
-        "in libraries for Linux",
-    ),
-    ("zig-compiler-rt", "MIT", "in libraries for Linux and macOS"),
-    (
-        "mingw-w64-runtime",
-        "ZPL-2.1",
-        "in libraries for Windows; parts are in the public domain",
-    ),
-    (
-        "libgcc",
-        "GPL-3.0-or-later WITH GCC-exception-3.1",
-        "in libraries for Windows",
-    ),
+/// A part of a library that a compiler has added.
+struct Added {
+    name: &'static str,
+    /// As an expression of SPDX.
+    license: &'static str,
+    /// Endings of the libraries in which it is.
+    endings: &'static [&'static str],
+    comment: &'static str,
+}
+
+/// The same for programs.
+const COMPILERS: [Added; 5] = [
+    Added {
+        name: "rust-std",
+        license: "MIT OR Apache-2.0",
+        endings: &["so", "dll", "dylib"],
+        comment: "Rust's standard library, in all libraries",
+    },
+    Added {
+        name: "llvm-libunwind",
+        license: "Apache-2.0 WITH LLVM-exception",
+        endings: &["so"],
+        comment: "in libraries for Linux",
+    },
+    Added {
+        name: "zig-compiler-rt",
+        license: "MIT",
+        endings: &["so", "dylib"],
+        comment: "in libraries for Linux and macOS",
+    },
+    Added {
+        name: "mingw-w64-runtime",
+        license: "ZPL-2.1",
+        endings: &["dll"],
+        comment: "in libraries for Windows; parts are in the public domain",
+    },
+    Added {
+        name: "libgcc",
+        license: "GPL-3.0-or-later WITH GCC-exception-3.1",
+        endings: &["dll"],
+        comment: "in libraries for Windows",
+    },
 ];
 
 #[derive(Clone, Copy, Debug)]
@@ -95,6 +114,8 @@ pub struct Subject<'a> {
     pub date: &'a str,
     /// What its author says of the model's own licence.
     pub license: Option<&'a str>,
+    /// Endings of the libraries in it: `so`, `dll`, `dylib`.
+    pub endings: &'a [&'a str],
 }
 
 /// The text.
@@ -128,6 +149,7 @@ pub fn spdx(subject: &Subject) -> String {
         guid,
         date,
         license,
+        endings,
     } = subject;
     let name = name.replace(['\n', '\r'], " ");
     let mut out = format!(
@@ -164,8 +186,10 @@ pub fn spdx(subject: &Subject) -> String {
     for (name, license) in PARTS {
         package(&name.replace('_', "."), name, license.expression(), "");
     }
-    for (name, license, place) in COMPILERS {
-        package(name, name, license, place);
+    for part in COMPILERS {
+        if part.endings.iter().any(|ending| endings.contains(ending)) {
+            package(part.name, part.name, part.license, part.comment);
+        }
     }
     out
 }

@@ -299,11 +299,13 @@ pub fn fmu(
     let scene_name = format!("resources/{}", scene::FILE_NAME);
     archive.add(scene_name, scene.clone())?;
     archive.add("documentation/licenses/license.txt", license::text())?;
+    let endings: Vec<&str> = libraries.iter().map(|l| l.extension).collect();
     let licences = license::spdx(&license::Subject {
         name: model_name,
         guid: &guid,
         date: &date,
         license: about.license.as_deref(),
+        endings: &endings,
     });
     archive.add("documentation/licenses/license.spdx", licences)?;
     let inside = libraries.iter();

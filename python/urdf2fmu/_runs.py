@@ -51,8 +51,11 @@ def simulate(robot: PathLike, *, input: Table | PathLike | None = None, start_va
             write_table(Path(folder, "in.csv"), input)
             more += ["--input-file", str(Path(folder, "in.csv"))]
         variables = read_variables(read_description(fmu))
+        # A glob means what can be set, as in the command.
+        settable = [name for name, v in variables.items() if v.causality in ("input", "parameter")]
         for name, value in by_name("start values", start_values).items():
-            names = meant(variables, text("a variable's name", name))
+            glob = any(sign in text("a variable's name", name) for sign in "*?[")
+            names = meant(settable if glob and name not in variables else variables, name)
             for each, start in zip(names, one_each(name, names, value).tolist()):
                 # Booleans and whole numbers without a point.
                 more += ["--start-value", each, repr(start) if variables[each].kind == "Real" else f"{start:.17g}"]

@@ -1,7 +1,7 @@
 //! Findings of the assembly, and selection of joints and links by pattern.
 
 use crate::diagnostic::words::likeliest;
-use crate::diagnostic::{Diagnostic, Place, Severity, TOLD, times};
+use crate::diagnostic::{Diagnostic, Place, Severity, TOLD};
 use crate::pattern::Pattern;
 use crate::urdf::Description;
 use std::collections::{BTreeMap, BTreeSet};
@@ -147,8 +147,8 @@ impl Findings {
     }
 }
 
-/// Of notes that differ in names and numbers alone, such as where each of twenty objects starts,
-/// the first tells how many there are.
+/// Of notes on where each thing starts and how it rubs, which differ in names and numbers alone,
+/// the first tells how many there are: those of twenty objects hide all others.
 pub(super) fn first_of_many(findings: Vec<Diagnostic>) -> Vec<Diagnostic> {
     let key = |note: &Diagnostic| {
         let said = note.message.split('\'').step_by(2);
@@ -158,7 +158,8 @@ pub(super) fn first_of_many(findings: Vec<Diagnostic>) -> Vec<Diagnostic> {
             .collect();
         (note.code, note.help.clone(), words)
     };
-    let free = |d: &Diagnostic| d.severity == Severity::Note && d.place.is_none();
+    let of_each = |d: &Diagnostic| d.code == "A111" || d.code == "A116";
+    let free = |d: &Diagnostic| d.severity == Severity::Note && d.place.is_none() && of_each(d);
     let mut counts = BTreeMap::new();
     for note in findings.iter().filter(|d| free(d)) {
         *counts.entry(key(note)).or_insert(0_usize) += 1;
@@ -170,7 +171,7 @@ pub(super) fn first_of_many(findings: Vec<Diagnostic>) -> Vec<Diagnostic> {
             if !told.insert(key(&finding)) {
                 return None;
             }
-            finding.message += &times(count);
+            finding.message = format!("{} (and alike for {} others)", finding.message, count - 1);
         }
         Some(finding)
     });

@@ -249,7 +249,7 @@ pub(super) fn height(
         && touching.roots[0].position.z - static_depth(&touching) == model.roots[0].position.z;
     model.roots[0].set_down = own;
     // A robot at rest is this deep in the ground.
-    if depth > model.contact.penetration {
+    if depth > model.contact.penetration && !settings.driven {
         let message = format!(
             "the robot starts {:.3} mm inside the ground, with link '{}'",
             1e3 * depth,

@@ -353,7 +353,8 @@ pub fn take_ground(
     let mass = |link: &LinkDescription| link.inertial.map_or(0.0, |inertial| inertial.mass);
     let still = object.fixed || description.stands_still;
     let light = still || description.links.iter().all(|link| mass(link) <= 0.0);
-    if placed || !welded || !light {
+    let moved = object.driven || object.conveyor;
+    if placed || !welded || !light || moved {
         return None;
     }
     let link = large_box(description)?;

@@ -14,6 +14,15 @@ impl Simulation {
     /// [`SimulationError::NotFinite`], [`SimulationError::Work`]; the state is then that of
     /// [`Self::time`].
     pub fn advance_to(&mut self, end: f64) -> Result<(), SimulationError> {
+        self.advance_part(end, end)
+    }
+
+    /// The same for a part of a communication step that ends at `whole`, s, where driven bases
+    /// reach the velocities of their inputs.
+    ///
+    /// # Errors
+    /// As [`Self::advance_to`].
+    pub fn advance_part(&mut self, end: f64, whole: f64) -> Result<(), SimulationError> {
         if self.stale {
             self.place();
         }
@@ -35,8 +44,7 @@ impl Simulation {
             reason = "a whole number above 0; one beyond the type saturates"
         )]
         let budget = most as u64;
-        self.drive(span);
-        let result = self.advance_islands(end, budget);
+        let result = self.advance_islands([end, whole], budget);
         self.drive_on();
         self.forget();
         let time = self.state.time;
@@ -58,22 +66,24 @@ impl Simulation {
         Ok(())
     }
 
-    /// Gives driven bases the accelerations that take them to the velocities of their inputs within
-    /// `span` seconds.
-    fn drive(&mut self, span: f64) {
+    /// Gives driven bases the accelerations that take them to the velocities of their inputs at
+    /// `whole`, s.
+    fn drive(&mut self, whole: f64) {
+        let span = whole - self.state.time;
         let (inputs, v) = (&self.inputs, &self.state.physical.v);
         self.tree.drive(|root, dof| {
             let target = inputs.base_velocity(root, span).unwrap_or_default();
             std::array::from_fn(|i| (target[i] - v[dof + i]) / span)
         });
         let stepping = &mut self.state.stepping;
-        for (_, first, a) in self.tree.driven() {
+        for (body, first, a) in self.tree.driven() {
             // What is expected of it.
             for trend in [&mut stepping.trend.first, &mut stepping.trend.whole] {
                 trend[first..first + 6].copy_from_slice(a);
             }
             if a.iter().any(|a| *a != 0.0) {
-                stepping.ahead.all_changed();
+                let index = self.tree.bodies[body].tree;
+                stepping.ahead.input_changed(&self.tree, index);
             }
         }
     }
@@ -107,9 +117,10 @@ impl Simulation {
     }
 
     /// Takes all trees up to `end`, by at most `budget` tries of a step.
-    fn advance_islands(&mut self, end: f64, budget: u64) -> Result<(), Stop> {
+    fn advance_islands(&mut self, [end, whole]: [f64; 2], budget: u64) -> Result<(), Stop> {
         let span = end - self.state.time;
         self.stepper.begin(&mut self.state, end);
+        self.drive(whole);
         let mut share = 1.0;
         let result = loop {
             let result = self.each_island(span, share, |simulation| {
@@ -123,10 +134,12 @@ impl Simulation {
                 break result;
             }
             self.stepper.begin_again(&mut self.state, end);
+            self.drive(whole);
             share *= if share < WIDEST { WIDER } else { f64::INFINITY };
         };
         let ctx = context!(self, inputs);
-        self.stepper.end(&ctx, &mut self.state, end, result)
+        self.stepper
+            .end(&ctx, &mut self.state, [end, whole], result)
     }
 
     /// Stretches springs of friction in the initial state and sets down what is to be.

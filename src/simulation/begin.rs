@@ -14,8 +14,9 @@ impl Simulation {
         let mut kin = Kinematics::new(&self.tree);
         kin.update_poses(&self.tree, &self.state.physical.q);
         let depths = self.model.colliders.iter().filter(|collider| {
-            let motion = self.model.bodies[collider.body.index()].motion;
-            motion.kind().moves()
+            let body = collider.body.index();
+            // What is driven does not touch the ground.
+            self.model.bodies[body].motion.kind().moves() && !self.tree.is_driven(body)
         });
         let depths = depths.map(|collider| {
             // From the tree's frame of the body to that of the model.

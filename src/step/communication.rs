@@ -3,6 +3,7 @@
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
 use crate::model::{LinkId, RootId};
+use crate::spatial::{Vec3, Vec6, angular};
 use crate::state::{Physical, State};
 use crate::step::driver::{Stepper, Stop};
 use crate::step::fixed::fixed_count;
@@ -72,7 +73,8 @@ impl Stepper {
         self.islands.take_back(&mut state.physical.memory.touches);
     }
 
-    /// Ends a communication step that has led to `result` at `end`.
+    /// Ends a communication step that has led to `result` at `end`, and which is a part of one up
+    /// to `whole`.
     ///
     /// # Errors
     /// [`Stop`] of `result`; `state` is then what it was.
@@ -80,7 +82,7 @@ impl Stepper {
         &mut self,
         ctx: &Context,
         state: &mut State,
-        end: f64,
+        [end, whole]: [f64; 2],
         result: Result<(), Stop>,
     ) -> Result<(), Stop> {
         if result.is_err() {
@@ -88,7 +90,7 @@ impl Stepper {
             return result;
         }
         state.time = end;
-        self.arrive(ctx, state);
+        self.arrive(ctx, state, whole);
         if !state.stepping.loads.is_empty() {
             self.attempt.begin(state);
             for load in &state.stepping.loads {
@@ -109,16 +111,25 @@ impl Stepper {
 
     /// Puts driven bases where their velocities, which have changed evenly, lead from the last
     /// communication point.
-    fn arrive(&self, ctx: &Context, state: &mut State) {
+    ///
+    /// With the angular velocity `ω₀ + (ω₁ − ω₀) t/h` they turn by `½ (ω₀ + ω₁) h + h²/12 ω₁ × ω₀`,
+    /// but for `h⁵`: the Magnus expansion (Iserles and Nørsett 1999).
+    fn arrive(&self, ctx: &Context, state: &mut State, whole: f64) {
         let (tree, from) = (ctx.tree, &self.backup);
         let span = state.time - from.time;
-        for (b, first, _) in tree.driven() {
+        for (b, first, acceleration) in tree.driven() {
             let root = RootId::from(tree.bodies[b].tree);
-            let Some(target) = ctx.inputs.base_velocity(root, span) else {
-                continue;
-            };
             let start = &from.physical.v[first..first + 6];
-            let mean: [f64; 6] = std::array::from_fn(|i| 0.5 * (start[i] + target[i]));
+            let mut target: Vec6 = std::array::from_fn(|i| start[i] + span * acceleration[i]);
+            if state.time >= whole {
+                // To the last digit.
+                target = ctx.inputs.base_velocity(root, span).unwrap_or(target);
+            }
+            let mut mean: Vec6 = std::array::from_fn(|i| 0.5 * (start[i] + target[i]));
+            let turned = angular(&target).cross(&Vec3::new(start[0], start[1], start[2]));
+            for (mean, turned) in mean.iter_mut().zip(turned.iter()) {
+                *mean += span / 12.0 * turned;
+            }
             let (place, Physical { q, v, .. }) = (tree.bodies[b].coordinate, &mut state.physical);
             let before = &from.physical.q[place..];
             tree.bodies[b]

@@ -131,7 +131,10 @@ impl Stepper {
     ) -> bool {
         let speed = fastest(ctx.tree, &state.physical.v);
         // Forces that balance now need not balance later if a command changes.
-        let still = |(_, _, a): (usize, usize, &Vec6)| a.iter().all(|a| *a == 0.0);
+        let v = &state.physical.v;
+        let still = |(_, first, a): (usize, usize, &Vec6)| {
+            a.iter().chain(&v[first..first + 6]).all(|x| *x == 0.0)
+        };
         let driven = !ctx.tree.driven().all(still);
         if !ctx.rules.rest || speed >= REST_SPEED || driven || ctx.inputs.varies() {
             return false;

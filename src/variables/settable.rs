@@ -255,8 +255,10 @@ impl Table<'_> {
                 initial.angular_velocity.into(),
             ),
         ];
-        // A fixed base can be mounted anywhere, but does not move.
-        let count = if self.model.floats(id) { 4 } else { 2 };
+        // A fixed base can be mounted anywhere, but does not move; a driven one moves as its inputs
+        // say.
+        let moved = self.model.floats(id) && !self.model.is_driven(id);
+        let count = if moved { 4 } else { 2 };
         for (
             Group {
                 name: group,

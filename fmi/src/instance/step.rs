@@ -177,7 +177,7 @@ impl Instance {
             Err(SimulationError::Work { time, most })
         } else {
             let next = self.simulation.common_step_to(way.end);
-            self.simulation.advance_to(next)
+            self.simulation.advance_part(next, way.asked)
         };
         if let Err(error) = advanced {
             let status = self.give_up(&error, way.asked);

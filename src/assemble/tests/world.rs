@@ -80,7 +80,7 @@ fn notes_that_are_alike_for_many_objects_are_told_once_with_their_number() {
     let told = notes(20);
     assert_eq!(told.len(), 1, "{told:?}");
     assert!(told[0].starts_with("object 'b0': it starts"), "{told:?}");
-    assert!(told[0].ends_with("(20 times, first here)"), "{told:?}");
+    assert!(told[0].ends_with("(and alike for 19 others)"), "{told:?}");
 }
 
 #[test]

@@ -1,7 +1,9 @@
 //! What is selected as output or input: links, pairs, groups, sensors.
 
 use super::check::{Check, pose, positive, require, unit};
-use crate::model::{ActuatorMode, JointId, JointKind, LinkId, Model, RootId, SensorKind};
+use crate::model::{
+    ActuatorMode, Interface, JointId, JointKind, LinkId, Model, RootId, SensorKind,
+};
 use std::collections::BTreeSet;
 
 /// Most rays of one sensor.
@@ -43,6 +45,12 @@ pub(super) fn validate(model: &Model) -> Check {
         outputs.driven.iter().all(floats),
         || "the selection of inputs".to_owned(),
         "drives something that stands still",
+    )?;
+    let rising = outputs.driven.is_sorted_by(|a, b| a < b);
+    require(
+        rising && (outputs.driven.is_empty() || outputs.interface == Interface::Cs),
+        || "the selection of inputs".to_owned(),
+        "drives something twice, or in Model Exchange",
     )?;
     pairs(model)?;
     groups(model)?;

@@ -90,7 +90,7 @@ pub(super) const KEYS: &[Key] = &[
         "world.object[].mass",
         Number(Mass),
         None,
-        "kg, of a shape; its inertia is that of a solid. A static one needs none",
+        "kg, of a shape; its inertia is that of a solid. One that is static or driven needs none",
     ),
     key(
         "world.object[].xyz",

@@ -6,6 +6,7 @@ use crate::closure::testing::{add, anchor};
 use crate::model::LoopKind;
 use crate::simulation::Snapshot;
 use crate::slots::InputSlot::{BaseAngularVelocity, BaseLinearVelocity};
+use crate::spatial::rotation_from_quaternion;
 use std::f64::consts::TAU;
 
 /// What is driven in these worlds.
@@ -270,4 +271,71 @@ fn a_driven_world_goes_on_with_the_same_bits() {
         assert_eq!(both[0], both[1]);
         assert_eq!(other.state(), s.state());
     }
+}
+
+/// A step that an importer watches is taken in parts; the table still reaches its velocity at the
+/// end of the whole, with an even acceleration.
+#[test]
+fn a_step_in_parts_drives_as_one() {
+    let mut s = start(on_table(0.8, [resting(1.0, 0.2)]), 1e-3);
+    drive(&mut s, Vec3::x(), Vec3::zeros());
+    for (now, x) in [(0.002, 0.2e-3), (0.007, 2.45e-3), (0.01, 5e-3)] {
+        s.advance_part(now, 0.01).expect("finite");
+        // ½ a t² with a = 100 m/s².
+        assert!((place(&mut s, 1).x - x).abs() < 1e-15, "{now}");
+    }
+    let v = s.output(OutputSlot::BaseLinearVelocity(TABLE, 0));
+    assert_eq!(v.to_bits(), 1.0_f64.to_bits());
+}
+
+/// A turn about an axis that turns itself, in one step of 0.1 s beside a thousand: the mean of both
+/// angular velocities alone would be off by 0.02 rad.
+#[test]
+fn an_axis_that_turns_is_followed() {
+    let turned = |steps: u32| {
+        let mut s = start(on_table(0.8, [cube(1.0, Vec3::new(9.0, 0.0, 9.0))]), 1e-3);
+        drive(&mut s, Vec3::zeros(), Vec3::x() * 5.0);
+        s.advance_to(1.0).expect("finite");
+        for k in 1..=steps {
+            let t = f64::from(k) / f64::from(steps);
+            drive(
+                &mut s,
+                Vec3::zeros(),
+                Vec3::new(5.0 * (1.0 - t), 5.0 * t, 0.0),
+            );
+            s.advance_to(1.0 + 0.1 * t).expect("finite");
+        }
+        let place = s.tree().bodies[s.model().roots[1].body.index()].coordinate;
+        let q = &s.state().physical.q[place..];
+        rotation_from_quaternion(&[q[3], q[4], q[5], q[6]])
+    };
+    let apart = (turned(1).transpose() * turned(1000)).trace();
+    let cosine: f64 = 0.5 * (apart - 1.0);
+    let angle = libm::acos(cosine.clamp(-1.0, 1.0));
+    assert!(angle < 1e-3, "{angle:e} rad");
+}
+
+/// However slowly the table sinks, what stands on it sinks with it, and does not rest.
+#[test]
+fn what_stands_on_a_creeping_table_creeps_with_it() {
+    let mut s = start(on_table(0.8, [resting(1.0, 0.2)]), 1e-3);
+    run(&mut s, 0.5, 1.0 / 60.0);
+    let before = place(&mut s, 0).z;
+    drive(&mut s, Vec3::z() * -9e-8, Vec3::zeros());
+    run(&mut s, 10.5, 0.1);
+    let sunk = place(&mut s, 0).z - before;
+    assert!((sunk / -9e-7 - 1.0).abs() < 0.02, "{sunk:e}");
+}
+
+/// A step that is refused leaves the state as it was, accelerations included.
+#[test]
+fn a_refused_step_leaves_what_is_driven_alone() {
+    let mut s = start(on_table(0.8, [resting(1.0, 0.2)]), 1e-3);
+    drive(&mut s, Vec3::x(), Vec3::zeros());
+    run(&mut s, 0.1, 0.01);
+    s.set_parameter(ParameterSlot::MaxSteps, 1.0);
+    drive(&mut s, Vec3::x() * -5.0, Vec3::y() * 3.0);
+    let before = s.save().to_bytes();
+    assert!(s.advance_to(0.6).is_err());
+    assert!(before == s.save().to_bytes());
 }
