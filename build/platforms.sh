@@ -5,8 +5,8 @@
 #
 # Without options for Linux and Windows on x86-64; with --all for 64-bit ARM Linux and both Macs, too, and smaller, with
 # a standard library of their own (see build/platforms/tools.sh); --only takes names such as
-# x86_64-linux,aarch64-darwin, or FMI 2's: linux64, win64, darwin64. With --quick they are not optimised as a whole, for
-# tests: they are made in less time, are larger and a little slower, and give the same bits. Writes
+# x86_64-linux,aarch64-darwin, or FMI 2's: linux64, win64, darwin64. With --quick they are optimised less, for tests:
+# they are made in less time, are larger and slower, and give the same bits. Writes
 # FOLDER/<platform>/<library> (FOLDER: target/libraries). A command that packs them into FMUs is then built by
 #
 #     URDF2FMU_LIBRARY_DIR=$PWD/target/libraries cargo build --release
@@ -20,7 +20,7 @@ root=$(cd "$(dirname "$0")/.." && pwd)
 . "$root/build/platforms/tools.sh"
 wanted=(x86_64-linux x86_64-windows)
 folder=
-quick=()
+quick=
 
 while [ $# -gt 0 ]; do
   case $1 in
@@ -32,7 +32,7 @@ while [ $# -gt 0 ]; do
       select_platforms "${2:-}"
       shift
       ;;
-    --quick) quick=(--config 'profile.release.lto="off"' --config profile.release.codegen-units=4) ;;
+    --quick) quick=yes ;;
     -*) wrong "there is no option '$1'; there are --all, --only LIST and --quick" ;;
     *) folder=$1 ;;
   esac
@@ -45,8 +45,10 @@ prepare
 rm -rf "${folder:?}"/{linux64,win64}
 
 for platform in "${wanted[@]}"; do
+  faster=()
   case $platform in
     *-linux)
+      [ -z "$quick" ] || faster=(--config 'profile.release.lto="off"' --config profile.release.codegen-units=4)
       unwinder=$work/unwinder-$platform.o
       "$work/tools/bin/python" -m ziglang cc -target "$platform-gnu.$glibc" -O2 -fPIC -Wall -Wextra -Werror \
         -c "$root/build/platforms/unwinder.c" -o "$unwinder"
@@ -54,6 +56,8 @@ for platform in "${wanted[@]}"; do
       made=liburdf2fmu_fmi.so
       ;;
     *-windows)
+      # Whatever is not optimised as a whole needs bcryptprimitives.dll, which older versions of Wine lack.
+      [ -z "$quick" ] || faster=(--config profile.release.opt-level=1)
       link=()
       made=urdf2fmu_fmi.dll
       ;;
@@ -62,7 +66,7 @@ for platform in "${wanted[@]}"; do
       made=liburdf2fmu_fmi.dylib
       ;;
   esac
-  compile "$platform" --lib --crate-type cdylib --manifest-path "$root/fmi/Cargo.toml" "${quick[@]}" -- "${link[@]}"
+  compile "$platform" --lib --crate-type cdylib --manifest-path "$root/fmi/Cargo.toml" "${faster[@]}" -- "${link[@]}"
   # One file a platform, and no other.
   rm -rf "${folder:?}/$platform"
   mkdir -p "$folder/$platform"
