@@ -5,8 +5,8 @@
 #
 # Without options for Linux and Windows on x86-64; with --all for 64-bit ARM Linux and both Macs, too, and smaller, with
 # a standard library of their own (see build/platforms/tools.sh); --only takes names such as
-# x86_64-linux,aarch64-darwin, or FMI 2's: linux64, win64, darwin64. With --quick they are optimised less, for tests:
-# they are made in less time, are larger and slower, and give the same bits. Writes
+# x86_64-linux,aarch64-darwin, or FMI 2's: linux64, win64, darwin64. With --quick that for Windows is optimised less,
+# for tests: it is made in less time, is larger and slower, and gives the same bits. Writes
 # FOLDER/<platform>/<library> (FOLDER: target/libraries). A command that packs them into FMUs is then built by
 #
 #     URDF2FMU_LIBRARY_DIR=$PWD/target/libraries cargo build --release
@@ -48,7 +48,6 @@ for platform in "${wanted[@]}"; do
   faster=()
   case $platform in
     *-linux)
-      [ -z "$quick" ] || faster=(--config 'profile.release.lto="off"' --config profile.release.codegen-units=4)
       unwinder=$work/unwinder-$platform.o
       "$work/tools/bin/python" -m ziglang cc -target "$platform-gnu.$glibc" -O2 -fPIC -Wall -Wextra -Werror \
         -c "$root/build/platforms/unwinder.c" -o "$unwinder"
@@ -56,7 +55,8 @@ for platform in "${wanted[@]}"; do
       made=liburdf2fmu_fmi.so
       ;;
     *-windows)
-      # Whatever is not optimised as a whole needs bcryptprimitives.dll, which older versions of Wine lack.
+      # Optimised as a whole all the same: else it needs bcryptprimitives.dll, which older versions of Wine lack, by
+      # code that nothing calls, and a library for Linux libpthread.
       [ -z "$quick" ] || faster=(--config profile.release.opt-level=1)
       link=()
       made=urdf2fmu_fmi.dll
