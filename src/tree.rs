@@ -293,7 +293,7 @@ impl Tree {
                 body: b,
                 tree: self.bodies[b].tree,
                 moves,
-                driven: self.is_driven(b),
+                yields: moves && !self.is_driven(b),
                 link: collider.link.index(),
                 X: within(&frames[b], &collider.X_BG),
                 radius: if shape.is_terrain() {

@@ -99,13 +99,14 @@ fn only_limb<'r>(robot: &'r Robot, on_base: &[bool]) -> Option<&'r str> {
     alone.then_some(joint.name.as_str())
 }
 
-/// Why it seems that a base is bolted down, which would float: the end of a sentence.
+/// Why it seems that the base of a robot whose joints move is bolted down, which would float: the
+/// end of a sentence.
 fn seems_bolted(robot: &Robot, on_base: &[bool]) -> Option<String> {
     let links = robot.links.iter().zip(on_base);
     let links = links.map(|(link, still)| (link.name.as_str(), *still));
     let joints = robot.joints.iter();
     let joints = joints.map(|joint| (joint.name.as_str(), on_base[joint.child.index()]));
-    let names = links.chain(joints).chain([(robot.name.as_str(), true)]);
+    let mut names = links.chain(joints).chain([(robot.name.as_str(), true)]);
     let carried =
         |(name, still): (&str, bool)| has_word(name, &CARRIERS) || !still && has_word(name, &LEGS);
     if names.clone().any(carried) {
@@ -117,13 +118,7 @@ fn seems_bolted(robot: &Robot, on_base: &[bool]) -> Option<String> {
              fall over"
         ));
     }
-    let moves = robot
-        .joints
-        .iter()
-        .any(|joint| joint.kind != JointKind::Fixed);
-    let (held, _) = names
-        .filter(|_| moves)
-        .find(|(name, _)| has_word(name, &HELD))?;
+    let (held, _) = names.find(|(name, _)| has_word(name, &HELD))?;
     Some(format!(
         "no name is that of a wheel or a foot, and '{held}' is one of an arm or a hand, which is \
          bolted down: it will fall over"
@@ -201,7 +196,10 @@ pub(super) fn choose_base(robot: &mut Robot, settings: &Settings, findings: &mut
                 );
                 let place = joint.name.place.clone();
                 findings.warning("A107", place, message, MOUNT);
-            } else if let (None, Some(why)) = (&settings.mounting, seems_bolted(robot, &on_base)) {
+            } else if settings.mounting.is_none()
+                && has_moving_child
+                && let Some(why) = seems_bolted(robot, &on_base)
+            {
                 let message = format!("the base '{name}' is floating, but {why}");
                 let place = findings.line(robot.lines.links[0]);
                 findings.warning("A107", place, message, MOUNT);

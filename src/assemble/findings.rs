@@ -149,7 +149,7 @@ impl Findings {
 
 /// Of notes on where each thing starts and how it rubs, which differ in names and numbers alone,
 /// the first tells how many there are: those of twenty objects hide all others.
-pub(super) fn first_of_many(findings: Vec<Diagnostic>) -> Vec<Diagnostic> {
+pub(super) fn first_of_many(mut findings: Vec<Diagnostic>) -> Vec<Diagnostic> {
     let key = |note: &Diagnostic| {
         let said = note.message.split('\'').step_by(2);
         let words: String = said
@@ -158,24 +158,23 @@ pub(super) fn first_of_many(findings: Vec<Diagnostic>) -> Vec<Diagnostic> {
             .collect();
         (note.code, note.help.clone(), words)
     };
-    let of_each = |d: &Diagnostic| d.code == "A111" || d.code == "A116";
-    let free = |d: &Diagnostic| d.severity == Severity::Note && d.place.is_none() && of_each(d);
-    let mut counts = BTreeMap::new();
-    for note in findings.iter().filter(|d| free(d)) {
-        *counts.entry(key(note)).or_insert(0_usize) += 1;
+    let counts = |d: &Diagnostic| {
+        d.severity == Severity::Note && d.place.is_none() && ["A111", "A116"].contains(&d.code)
+    };
+    let mut alike: BTreeMap<_, Vec<usize>> = BTreeMap::new();
+    for (at, note) in findings.iter().enumerate().filter(|(_, d)| counts(d)) {
+        alike.entry(key(note)).or_default().push(at);
     }
-    counts.retain(|_, count| *count > TOLD);
-    let mut told = BTreeSet::new();
-    let brief = findings.into_iter().filter_map(|mut finding| {
-        if let Some(&count) = free(&finding).then(|| counts.get(&key(&finding))).flatten() {
-            if !told.insert(key(&finding)) {
-                return None;
-            }
-            finding.message = format!("{} (and alike for {} others)", finding.message, count - 1);
-        }
-        Some(finding)
-    });
-    brief.collect()
+    let mut left_out: BTreeSet<usize> = BTreeSet::new();
+    for places in alike.into_values().filter(|places| places.len() > TOLD) {
+        let message = &mut findings[places[0]].message;
+        *message = format!("{message} (and alike for {} others)", places.len() - 1);
+        left_out.extend(&places[1..]);
+    }
+    let told = findings.into_iter().enumerate();
+    told.filter(|(at, _)| !left_out.contains(at))
+        .map(|(_, finding)| finding)
+        .collect()
 }
 
 /// Up to five names in quotes, and how many more there are.

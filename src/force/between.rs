@@ -75,7 +75,7 @@ pub(super) fn find_pairs(
         let meeting = Meeting {
             surface: &surface,
             dissipation: a.dissipation.max(b.dissipation),
-            gravity: if b.moves && !b.driven {
+            gravity: if b.yields {
                 0.0
             } else {
                 -contact.normal.dot(&tree.world.gravity)

@@ -164,10 +164,9 @@ impl<'a> Pair<'a> {
     }
 }
 
-/// The shapes at two places as they meet: the first one moves and is not driven.
+/// The shapes at two places as they meet: the first one yields.
 fn in_order(tree: &Tree, [a, b]: [usize; 2]) -> [&TreeCollider; 2] {
-    let second = &tree.contact.colliders[b];
-    let places = if second.moves && !second.driven {
+    let places = if tree.contact.colliders[b].yields {
         [b, a]
     } else {
         [a, b]
@@ -178,7 +177,7 @@ fn in_order(tree: &Tree, [a, b]: [usize; 2]) -> [&TreeCollider; 2] {
 /// See [`Pair::mass`].
 fn mass_of(tree: &Tree, colliders: [&TreeCollider; 2]) -> f64 {
     let [a, b] = colliders.map(|c| tree.mass_with(c.body));
-    if colliders[1].moves && !colliders[1].driven {
+    if colliders[1].yields {
         a * b / (a + b)
     } else {
         a

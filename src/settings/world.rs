@@ -146,8 +146,12 @@ fn driven(reader: &mut Reader, section: &Section, fixed: bool) -> bool {
 
 /// What an object is; none after an error.
 ///
-/// - `firm`: whether it stands still, or is driven, so that it needs no mass
-fn source(reader: &mut Reader, section: &Section, firm: [bool; 2]) -> Option<ObjectSource> {
+/// - `fixed`, `driven`: such a one needs no mass
+fn source(
+    reader: &mut Reader,
+    section: &Section,
+    [fixed, driven]: [bool; 2],
+) -> Option<ObjectSource> {
     let rejected = |key: &str| section.rejected.iter().any(|rejected| rejected == key);
     match (section.entry("urdf"), section.entry("shape")) {
         (Some(_), Some(shape)) => {
@@ -166,13 +170,13 @@ fn source(reader: &mut Reader, section: &Section, firm: [bool; 2]) -> Option<Obj
         (None, Some(_)) => {
             let shape = shape(reader, &section.table("shape"))?;
             let mass = section.number("mass");
-            if mass.is_none() && firm == [false; 2] && !rejected("mass") {
+            if mass.is_none() && !(fixed || driven || rejected("mass")) {
                 let message = "an object of a shape needs 'mass'";
                 let help = "mass = 1.0, or static = true for one that stands still";
                 reader.error("S107", &section.span, message, help);
             }
-            // That of what is driven plays no part.
-            let mass = mass.unwrap_or(f64::from(u8::from(firm[1])));
+            // That of what is driven plays no part, but what has none stands still.
+            let mass = mass.unwrap_or(if driven { 1.0 } else { 0.0 });
             Some(ObjectSource::Solid { shape, mass })
         }
         (None, None) => {

@@ -54,7 +54,7 @@ pub(super) struct Step<'a> {
 fn is_rigid(ctx: &Context, index: usize) -> bool {
     let tree = ctx.tree;
     let extent = &tree.trees[index];
-    let rigid = extent.free && !extent.tied && extent.bodies.len() == 1 && extent.driven.is_none();
+    let rigid = extent.is_loose() && extent.bodies.len() == 1;
     if !ctx.rules.coast || !rigid || tree.world.drag != 0.0 {
         return false;
     }

@@ -56,10 +56,7 @@ impl Flight {
         flights.clear();
         let tree = ctx.tree;
         let undisturbed = tree.world.drag == 0.0 && ctx.inputs.wrenches.is_empty();
-        let may_fly = |index: usize| {
-            let extent = &tree.trees[index];
-            tree.takes(index) && extent.free && !extent.tied && extent.driven.is_none()
-        };
+        let may_fly = |index: usize| tree.takes(index) && tree.trees[index].is_loose();
         company.part(|index| ctx.rules.momentum && undisturbed && may_fly(index));
         for touch in &state.physical.memory.touches {
             company.join(ctx.model.touches_of(touch.slot));

@@ -22,7 +22,7 @@ impl Tree {
                 let meet = if a.tree == b.tree {
                     model.roots[a.tree].self_collision && self.is_between(&bare, a, b)
                 } else {
-                    a.moves && !a.driven || b.moves && !b.driven
+                    a.yields || b.yields
                 };
                 let joined = self.is_closed_between([a.body, b.body]);
                 pairs[i * n + j] = meet && !joined && !apart.contains(&links);

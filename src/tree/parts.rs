@@ -110,6 +110,12 @@ pub struct Extent {
 }
 
 impl Extent {
+    /// Whether it floats, and nothing but its weight, contacts and what pushes from outside moves
+    /// it.
+    pub fn is_loose(&self) -> bool {
+        self.free && !self.tied && self.driven.is_none()
+    }
+
     /// Whether any of its bodies moves; else it is scenery.
     pub fn moves(&self) -> bool {
         !self.dofs.is_empty()
@@ -232,8 +238,8 @@ pub struct TreeCollider {
     pub tree: usize,
     /// Whether the body moves.
     pub moves: bool,
-    /// Whether it moves as inputs say, so that nothing can push it.
-    pub driven: bool,
+    /// Whether what pushes the body moves it: not of one that stands still or moves as inputs say.
+    pub yields: bool,
     /// Index of the link.
     pub link: usize,
     /// Pose in the body's solver frame.
@@ -451,7 +457,7 @@ impl Tree {
     /// Shapes that can touch the ground in a step: those that it moves, if there is one.
     pub fn on_ground(&self) -> impl Iterator<Item = &TreeCollider> + '_ {
         let colliders = self.worked_colliders().map(|(_, collider)| collider);
-        colliders.filter(|c| c.moves && !c.driven && self.contact.has_ground)
+        colliders.filter(|c| c.yields && self.contact.has_ground)
     }
 
     /// Sets how fast surfaces move, by the inputs.

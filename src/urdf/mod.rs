@@ -55,6 +55,7 @@ pub use faces::LFS_POINTER;
 pub use options::{MeshShapes, ReadOptions};
 pub use sensed::{SensedKind, SensorDescription};
 pub use srdf::{Semantics, VirtualJoint, read_srdf, read_srdf_str};
+pub use xml::HARDWARE;
 
 use crate::diagnostic::{Diagnostic, Report};
 use crate::spatial::Vec3;

@@ -8,6 +8,10 @@ use quick_xml::escape;
 use std::borrow::Cow;
 use std::ops::Range;
 
+/// Tags of hardware, whose `<joint>` names a joint and does not describe one: one that begins in
+/// them does not show that they are not closed.
+pub const HARDWARE: [&str; 2] = ["transmission", "ros2_control"];
+
 /// A tree of elements over the text that it was read from. Element 0 is the root.
 pub(super) struct Document<'t> {
     text: &'t str,

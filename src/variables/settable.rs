@@ -72,29 +72,27 @@ impl Table<'_> {
     /// Inputs of bases that move as they say.
     pub(super) fn driven_bases(&mut self) {
         type OfBase = fn(RootId, Axis) -> InputSlot;
-        let kinds: [(OfBase, Unit, &str, &str); 2] = [
-            (
-                InputSlot::BaseLinearVelocity,
-                Unit::MeterPerSecond,
-                "linear",
-                "Velocity of the origin",
-            ),
-            (
-                InputSlot::BaseAngularVelocity,
-                Unit::RadianPerSecond,
-                "angular",
-                "Angular velocity",
-            ),
-        ];
         for &id in &self.model.outputs.driven {
             let root = &self.model.roots[id.index()];
             let owner = format!("'{}'", root.name);
             let scope = self.scope(id);
-            for (slot, unit, kind, what) in kinds {
-                let start = match kind {
-                    "linear" => root.linear_velocity,
-                    _ => root.angular_velocity,
-                };
+            let kinds: [(OfBase, Unit, &str, &str, _); 2] = [
+                (
+                    InputSlot::BaseLinearVelocity,
+                    Unit::MeterPerSecond,
+                    "linear",
+                    "Velocity of the origin",
+                    root.linear_velocity,
+                ),
+                (
+                    InputSlot::BaseAngularVelocity,
+                    Unit::RadianPerSecond,
+                    "angular",
+                    "Angular velocity",
+                    root.angular_velocity,
+                ),
+            ];
+            for (slot, unit, kind, what, start) in kinds {
                 let first = self.len();
                 let whole = about!("{what} of {owner} at the end of the next step, world");
                 for (axis, letter) in axes(&XYZ) {

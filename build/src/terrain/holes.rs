@@ -73,18 +73,20 @@ fn borders(facets: &[Facet]) -> BTreeMap<Key, Vec<[Vec3; 3]>> {
             .iter()
             .flat_map(|facet| (0..3).map(move |edge| (facet, edge)))
     };
-    let mut shared: BTreeMap<[Key; 2], u32> = BTreeMap::new();
-    for (facet, edge) in edges() {
+    // Whichever of its triangles goes along it.
+    let name = |facet: &Facet, edge: usize| {
         let mut both = ends(facet, edge).map(|end| key(&end));
         both.sort_unstable();
-        *shared.entry(both).or_default() += 1;
+        both
+    };
+    let mut shared: BTreeMap<[Key; 2], u32> = BTreeMap::new();
+    for (facet, edge) in edges() {
+        *shared.entry(name(facet, edge)).or_default() += 1;
     }
     let mut borders: BTreeMap<Key, Vec<[Vec3; 3]>> = BTreeMap::new();
     for (facet, edge) in edges().filter(|(facet, edge)| facet.beyond[*edge] == Beyond::Crest) {
-        let [a, b] = ends(facet, edge);
-        let mut both = [key(&a), key(&b)];
-        both.sort_unstable();
-        if shared.get(&both) == Some(&1) {
+        if shared.get(&name(facet, edge)) == Some(&1) {
+            let [a, b] = ends(facet, edge);
             let weighted = facet.normal * (b - a).norm();
             borders.entry(key(&a)).or_default().push([a, b, weighted]);
         }

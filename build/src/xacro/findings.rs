@@ -199,14 +199,11 @@ fn finding(
                     call.join(" ")
                 )
             }
-            Some(Lacking::File) if of_argument(texts, &problem.message).is_some() => {
-                of_argument(texts, &problem.message).unwrap_or_default()
-            }
-            Some(Lacking::File) => {
+            Some(Lacking::File) => of_argument(texts, &problem.message).unwrap_or_else(|| {
                 "put the file there, or correct the path; a relative one counts from the folder \
                  of the file that is read"
                     .to_owned()
-            }
+            }),
             _ => command::advice(path, arguments),
         };
         (

@@ -7,6 +7,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::Path;
 use std::rc::Rc;
+use urdf2fmu_core::urdf::HARDWARE;
 
 /// Elements within each other that are read.
 const DEEPEST: usize = 200;
@@ -209,9 +210,8 @@ fn end(place: usize, open: &mut Vec<Element>, root: &mut Option<Element>, wrong:
 
 /// Takes out of an element what cannot be in it.
 fn beyond(element: &mut Element) -> Vec<Node> {
-    // Tags of hardware name joints.
-    let holds = ["robot", "transmission", "ros2_control"].contains(&element.name.as_str())
-        || element.name.starts_with("xacro:");
+    let name = element.name.as_str();
+    let holds = name == "robot" || HARDWARE.contains(&name) || name.starts_with("xacro:");
     let part = |node: &Node| match node {
         Node::Element(inner) => ["link", "joint"].contains(&inner.name.as_str()),
         Node::Text(_) => false,

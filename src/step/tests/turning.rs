@@ -144,11 +144,10 @@ fn a_spinning_ball_slows_down_by_its_torsional_friction_alone() {
     }
 }
 
-/// By how much a body of 1 kg and 5e-3 kg·m² that turns on its face with 30 rad/s is braked from
-/// 0.1 s to `end`, rad/s².
+/// A body of 1 kg and 5e-3 kg·m² that turns on its face with 30 rad/s.
 ///
 /// - `half`: of its height, m
-fn braked((shape, half): (Shape, f64), mu: f64, mode: (f64, f64), end: f64) -> f64 {
+fn on_its_face((shape, half): (Shape, f64), mu: f64, mode: (f64, f64)) -> Simulation {
     let mut b = Builder::new(true, inertia(1.0, Vec3::zeros(), [2.5e-3, 2.5e-3, 5e-3]));
     b.shape(0u32.into_link(), shape, Pose::IDENTITY);
     b.model.roots[0].position.z = half - 0.5 * b.model.contact.penetration;
@@ -158,7 +157,12 @@ fn braked((shape, half): (Shape, f64), mu: f64, mode: (f64, f64), end: f64) -> f
         friction: mu,
         ..Default::default()
     });
-    let mut s = started(b, mode);
+    started(b, mode)
+}
+
+/// By how much such a body is braked from 0.1 s to `end`, rad/s².
+fn braked(body: (Shape, f64), mu: f64, mode: (f64, f64), end: f64) -> f64 {
+    let mut s = on_its_face(body, mu, mode);
     run(&mut s, 0.1, 0.01);
     let w = s.state().physical.v[2];
     run(&mut s, end, 0.01);
@@ -223,17 +227,8 @@ fn what_turns_on_its_face_stands_after_the_time_of_its_friction() {
         (Shape::Box { half }, 0.7652 * RADIUS),
     ] {
         for mode in MODES {
-            let mut b = Builder::new(true, inertia(1.0, Vec3::zeros(), [2.5e-3, 2.5e-3, 5e-3]));
-            b.shape(0u32.into_link(), shape.clone(), Pose::IDENTITY);
-            b.model.roots[0].position.z = half_length - 0.5 * b.model.contact.penetration;
-            b.model.roots[0].angular_velocity.z = 30.0;
-            b.model.links[0].friction = mu;
-            b.model.world.ground = Some(crate::model::Ground {
-                friction: mu,
-                ..Default::default()
-            });
             let expected = 30.0 * 5e-3 / (mu * G * lever);
-            let mut s = started(b, mode);
+            let mut s = on_its_face((shape.clone(), half_length), mu, mode);
             run(&mut s, expected - 0.02, 0.01);
             assert!(s.state().physical.v[2] > 0.1, "{shape:?} {mode:?}");
             run(&mut s, expected + 0.5, 0.01);

@@ -6,7 +6,7 @@
 //! Over 500 lines because each construct that is no XML has its finding and its recovery beside the
 //! one that is.
 
-use super::{Attribute, Document, Element};
+use super::{Attribute, Document, Element, HARDWARE};
 use crate::diagnostic::Report;
 use quick_xml::Reader;
 use quick_xml::errors::{Error, SyntaxError};
@@ -234,8 +234,7 @@ impl<'t> Builder<'t> {
             return;
         };
         let outer = self.name(around);
-        // Tags of hardware name joints.
-        let holds = ["transmission", "ros2_control"].contains(&outer);
+        let holds = HARDWARE.contains(&outer);
         let begins = self.elements[around].tag.start;
         let ends = self.apart.contains(&outer) || self.unclosed.contains(&begins) && !holds;
         if !(ends && self.apart.contains(&name)) {
