@@ -13,9 +13,6 @@ samples; the best round counts.
 
 import argparse
 import math
-import shutil
-import subprocess
-import tempfile
 import time
 import xml.etree.ElementTree as xml
 from dataclasses import dataclass
@@ -24,10 +21,9 @@ from pathlib import Path
 
 import mujoco
 import numpy as np
-from fmpy import extract, read_model_description
-from fmpy.fmi2 import FMU2Slave
 
 from page import machine, write
+from world_ours import POSE, Exported
 
 ROOT = Path(__file__).resolve().parents[2]
 G, RATE, PER_ROW = 9.81, 60, 4
@@ -175,36 +171,20 @@ def scenes():
                 sat)
 
 
-class Ours:
+class Ours(Exported):
     """An FMU of the scene."""
 
     def __init__(self, scene, command):
+        super().__init__(command, scene.urdf, scene.settings, [("thing.urdf", scene.thing)])
         self.scene = scene
-        with tempfile.TemporaryDirectory() as folder:
-            path = Path(folder)
-            (path / "robot.urdf").write_text(scene.urdf)
-            (path / "thing.urdf").write_text(scene.thing)
-            (path / "world.toml").write_text(scene.settings)
-            files = [path / "robot.urdf", "-c", path / "world.toml", "-o", path / "world.fmu", "--no-documentation"]
-            subprocess.run([command, "export", *files], check=True, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
-            self.folder = extract(str(path / "world.fmu"))
-        self.model = read_model_description(self.folder)
-        self.ref = {v.name: v.valueReference for v in self.model.modelVariables}
-        pose = [f"position.{c}" for c in "xyz"] + [f"orientation.{c}" for c in "wxyz"]
-        base = [self.ref[f"base.{part}"] for part in pose] if scene.floating else []
-        self.read = base + [self.ref[f"object.thing.{part}"] for part in pose]
+        base = [self.ref[f"base.{part}"] for part in POSE] if scene.floating else []
+        self.read = base + [self.ref[f"object.thing.{part}"] for part in POSE]
         self.inputs = [self.ref[f"cmd.{name}.position"] for name, _ in scene.inputs]
         self.pull = [self.ref[f"world.gravity.{c}"] for c in "xyz"]
 
     def run(self, step=0.0, tolerance=1e-3):
         """CPU seconds, samples, steps taken and tried in vain."""
-        fmu = FMU2Slave(guid=self.model.guid, modelIdentifier=self.model.coSimulation.modelIdentifier,
-                        unzipDirectory=self.folder)
-        fmu.instantiate()
-        fmu.setReal([self.ref["solver.step_size"], self.ref["solver.tolerance"]], [step, tolerance])
-        fmu.setupExperiment()
-        fmu.enterInitializationMode()
-        fmu.exitInitializationMode()
+        fmu = self.begin(step, tolerance)
         samples, taken, before = [], 0.0, None
         for i in range(round(self.scene.end * RATE) + 1):
             found = fmu.getReal(self.read)
@@ -220,14 +200,7 @@ class Ours:
             taken += time.thread_time() - start
             if status > 1:
                 raise RuntimeError(f"{self.scene.name}: our step failed")
-        counts = fmu.getInteger([self.ref["solver.steps"], self.ref["solver.rejected"]])
-        fmu.terminate()
-        fmu.freeInstance()
-        return taken, np.array(samples), sum(counts)
-
-    def close(self):
-        """Removes what was unpacked."""
-        shutil.rmtree(self.folder, ignore_errors=True)
+        return taken, np.array(samples), sum(self.end(fmu))
 
 
 class MuJoCo:

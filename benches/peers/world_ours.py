@@ -75,28 +75,27 @@ def settings(world):
     return "\n".join(lines) + "\n"
 
 
-class Ours:
-    """A world, exported once, run as often as wanted."""
+POSE = [f"position.{c}" for c in "xyz"] + [f"orientation.{c}" for c in "wxyz"]
+"""The outputs of a pose."""
 
-    def __init__(self, world, command):
-        self.world, self.rows = world, world.rows()
+
+class Exported:
+    """A robot in a world as an FMU: exported once, run as often as wanted."""
+
+    def __init__(self, command, urdf, settings, others=()):
+        """`others`: names and texts of files that the settings name."""
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder)
-            (path / "slides.urdf").write_text(robot(world))
-            (path / "world.toml").write_text(settings(world))
-            files = [path / "slides.urdf", "-c", path / "world.toml", "-o", path / "world.fmu"]
+            for name, text in {"robot.urdf": urdf, "world.toml": settings, **dict(others)}.items():
+                (path / name).write_text(text)
+            files = [path / "robot.urdf", "-c", path / "world.toml", "-o", path / "world.fmu", "--no-documentation"]
             subprocess.run([command, "export", *files], check=True, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
             self.folder = extract(str(path / "world.fmu"))
         self.model = read_model_description(self.folder)
         self.ref = {v.name: v.valueReference for v in self.model.modelVariables}
-        parts = [f"position.{c}" for c in "xyz"] + [f"orientation.{c}" for c in "wxyz"]
-        self.read = [self.ref[f"object.{b.name}.{part}"] for b in world.moving() for part in parts]
-        self.places = [self.ref[f"joint.{s.body.name}.position"] for s in world.slides]
-        kind = "position" if world.kp else "effort"
-        self.inputs = [self.ref[f"cmd.{s.body.name}.{kind}"] for s in world.slides]
 
-    def run(self, step=0.0, tolerance=1e-3):
-        """CPU seconds, samples."""
+    def begin(self, step, tolerance):
+        """An instance that has been initialised."""
         fmu = FMU2Slave(guid=self.model.guid, modelIdentifier=self.model.coSimulation.modelIdentifier,
                         unzipDirectory=self.folder)
         fmu.instantiate()
@@ -104,6 +103,34 @@ class Ours:
         fmu.setupExperiment()
         fmu.enterInitializationMode()
         fmu.exitInitializationMode()
+        return fmu
+
+    def end(self, fmu):
+        """Steps taken and tried in vain by an instance, which is then freed."""
+        counts = fmu.getInteger([self.ref["solver.steps"], self.ref["solver.rejected"]])
+        fmu.terminate()
+        fmu.freeInstance()
+        return counts
+
+    def close(self):
+        """Removes what was unpacked."""
+        shutil.rmtree(self.folder, ignore_errors=True)
+
+
+class Ours(Exported):
+    """A world of the scenes."""
+
+    def __init__(self, world, command):
+        super().__init__(command, robot(world), settings(world))
+        self.world, self.rows = world, world.rows()
+        self.read = [self.ref[f"object.{b.name}.{part}"] for b in world.moving() for part in POSE]
+        self.places = [self.ref[f"joint.{s.body.name}.position"] for s in world.slides]
+        kind = "position" if world.kp else "effort"
+        self.inputs = [self.ref[f"cmd.{s.body.name}.{kind}"] for s in world.slides]
+
+    def run(self, step=0.0, tolerance=1e-3):
+        """CPU seconds, samples."""
+        fmu = self.begin(step, tolerance)
         poses, slides, taken, clock = [], [], 0.0, time.thread_time
         do_step, component = fmu.dll.fmi2DoStep, fmu.component
 
@@ -121,11 +148,5 @@ class Ours:
             if status > 1:
                 raise RuntimeError(f"{self.world.name}: our step failed")
             sample()
-        counts = fmu.getInteger([self.ref["solver.steps"], self.ref["solver.rejected"]])
-        fmu.terminate()
-        fmu.freeInstance()
-        return taken, Samples(np.array(poses).reshape(len(poses), -1, 7), np.array(slides)), counts
-
-    def close(self):
-        """Removes what was unpacked."""
-        shutil.rmtree(self.folder, ignore_errors=True)
+        samples = Samples(np.array(poses).reshape(len(poses), -1, 7), np.array(slides))
+        return taken, samples, self.end(fmu)
