@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from browser import Browser
 from fmpy.util import read_csv
+from scipy.spatial.transform import Rotation
 
 from tables import FOREIGN, joined, rewritten
 
@@ -41,6 +42,28 @@ def open_report(browser, file, more="", **options):
 def poses_at(page, time):
     """The poses of all links at a time."""
     return page.evaluate(f"(window.page.page.player.seek({float(time)}), window.page.page.view.draw(), window.page.poses())")
+
+
+def test_rods_of_a_delta_robot_go_from_its_arms_to_its_platform(browser, command, examples, tmp_path):
+    worlds = examples / "worlds"
+    run = command("simulate", worlds / "delta.urdf", "-c", worlds / "delta.toml", "--input-file", worlds / "delta.csv",
+                  "--stop-time", 1, "--report", tmp_path / "r.html")
+    assert run.returncode == 0, run.stderr
+    loops = []
+    for part in (worlds / "delta.toml").read_text().split("[[loop]]")[1:]:
+        pairs = (line.split(" = ") for line in part.split("\n") if " = " in line)
+        loops.append({key: json.loads(value) for key, value in pairs})
+    with open_report(browser, tmp_path / "r.html") as page:
+        for time in 0.0, 0.5, 1.0:
+            poses = poses_at(page, time)
+            spans = page.evaluate("window.page.spans()")
+            assert sorted(spans) == sorted(loop["name"] for loop in loops)
+            for loop in loops:
+                for link, origin, end in zip(loop["links"], loop["origins"], spans[loop["name"]]):
+                    position, quaternion = poses[link][:3], poses[link][3:]
+                    expected = position + Rotation.from_quat(quaternion).apply(origin)
+                    assert end == pytest.approx(expected, abs=1e-5), (time, loop["name"], link)
+                assert np.linalg.norm(np.subtract(*spans[loop["name"]])) == pytest.approx(loop["length"], abs=1e-4)
 
 
 @pytest.mark.parametrize("name", ["r2d2", "iiwa", "humanoid", "joints"])

@@ -355,6 +355,7 @@ async function start() {
   // For tests and the curious.
   window.page = {
     poses: () => page.view.robot.poses(),
+    spans: () => page.view.robot.spans(),
     value: (name) => page.run.value(name),
     page,
   };

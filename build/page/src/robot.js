@@ -8,6 +8,9 @@ import { maker } from "./shapes.js";
 /** Opacity of the robot while something inside of it is shown. */
 const FADED = 0.3;
 
+/** Along what is drawn between two points. */
+const UP = new Vector3(0, 0, 1);
+
 export class Robot {
   constructor(scene) {
     const { head } = scene;
@@ -54,7 +57,18 @@ export class Robot {
       hull.visible = false;
       this.hulls.push(hull);
     }
-    for (const body of this.bodies) body.castShadow = body.receiveShadow = true;
+    this.ties = (head.ties ?? []).map(({ ends, ...drawn }) => {
+      const mesh = new Mesh(geometry(drawn), this.#material(drawn, textures));
+      mesh.name = drawn.name;
+      this.root.add(mesh);
+      return { mesh, ends, scale: drawn.scale ?? [1, 1, 1] };
+    });
+    for (const body of this.#seen()) body.castShadow = body.receiveShadow = true;
+  }
+
+  /** All that is seen. */
+  #seen() {
+    return [...this.bodies, ...this.ties.map(({ mesh }) => mesh)];
   }
 
   #place(drawn, geometry, material) {
@@ -123,14 +137,37 @@ export class Robot {
       else moved.quaternion.setFromAxisAngle(axis, x);
     }
     this.root.updateMatrixWorld(true);
+    for (const tie of this.ties) this.#stretch(tie);
+  }
+
+  /** Puts a rod or a spring between its ends: its z axis goes from the first to the second. */
+  #stretch({ mesh, ends, scale: [x, y, z] }) {
+    const [from, to] = ends.map(({ link, position }) => {
+      const point = new Vector3(...position);
+      return link === undefined ? point : point.applyMatrix4(this.links[link].matrixWorld);
+    });
+    const way = to.clone().sub(from);
+    const length = way.length();
+    mesh.position.copy(from).addScaledVector(way, 0.5);
+    if (length > 0) mesh.quaternion.setFromUnitVectors(UP, way.divideScalar(length));
+    mesh.scale.set(x, y, z * length);
+    mesh.updateMatrixWorld(true);
   }
 
   /** The box around all that is seen, in the pose that it has. */
   box(into = new Box3()) {
     into.makeEmpty();
-    for (const body of this.bodies) into.expandByObject(body);
+    for (const body of this.#seen()) into.expandByObject(body);
     if (into.isEmpty()) into.expandByPoint(this.base.node.position);
     return into;
+  }
+
+  /** Ends of all rods and springs by name, as they are drawn. */
+  spans() {
+    return Object.fromEntries(this.ties.map(({ mesh }) => {
+      const ends = [-0.5, 0.5].map((z) => new Vector3(0, 0, z).applyMatrix4(mesh.matrixWorld));
+      return [mesh.name, ends.map((end) => end.toArray())];
+    }));
   }
 
   /** Positions and quaternions of all links by name, for whoever wants to compare them. */

@@ -43,6 +43,7 @@ pub(super) fn axes(head: &Head, size: f64) -> Scene {
     Scene {
         head: Head {
             visuals: axes.collect(),
+            ties: Vec::new(),
             meshes: Vec::new(),
             textures: Vec::new(),
             ..head.clone()

@@ -9,7 +9,7 @@
 use super::camera::count;
 use super::texture::{ALL_PIXELS, Image};
 use crate::image::linear;
-use crate::scene::{Drawn, Scene, Shape, Triangles, pose};
+use crate::scene::{Drawn, End, Scene, Shape, Triangles, between, pose};
 use std::collections::HashMap;
 use std::hash::BuildHasherDefault;
 use std::ops::Range;
@@ -27,8 +27,26 @@ const SIDES: usize = 64;
 pub(super) struct Stage {
     pub(super) surfaces: Vec<Surface>,
     pub(super) images: Vec<Option<Image>>,
-    /// One for each surface: its link, its pose there, and its triangles.
-    shapes: Vec<(usize, Pose, Solid)>,
+    /// One for each surface: where it is, and its triangles.
+    shapes: Vec<(Place, Solid)>,
+}
+
+/// Where a shape is.
+enum Place {
+    /// On a link, with a pose there.
+    Link(usize, Pose),
+    /// Between two points, and stretched to their distance.
+    Between([End; 2]),
+}
+
+impl Place {
+    /// Its pose where the links have these, and by what it is stretched along z.
+    fn find(&self, poses: &[Pose]) -> (Pose, f64) {
+        match self {
+            Self::Link(link, X_LG) => (poses[*link].compose(X_LG), 1.0),
+            Self::Between(ends) => between(ends, poses),
+        }
+    }
 }
 
 /// What triangles look like.
@@ -38,6 +56,17 @@ pub(super) struct Surface {
     pub(super) alpha: f32,
     /// In [`Stage::images`].
     pub(super) image: Option<usize>,
+}
+
+impl Surface {
+    fn new([red, green, blue, alpha]: [f64; 4], image: Option<usize>) -> Self {
+        Self {
+            color: [red, green, blue].map(|x| linear(soft(x))),
+            #[allow(clippy::cast_possible_truncation, reason = "0 … 1")]
+            alpha: alpha as f32,
+            image,
+        }
+    }
 }
 
 /// Triangles in a shape's frame.
@@ -87,24 +116,25 @@ impl Stage {
             Shape::Mesh(mesh) => scene.head.meshes[mesh].triangles,
             _ => 0,
         };
-        let solids =
-            parallel::map_largest_first(scene.shown(), triangles, |drawn| solid(scene, drawn));
+        let solids = parallel::map_largest_first(scene.shown(), triangles, |drawn| {
+            solid(scene, &drawn.shape, drawn.scale)
+        });
         let mut stage = Self {
             surfaces: Vec::new(),
             images,
             shapes: Vec::new(),
         };
         for (drawn, solid) in scene.shown().iter().zip(solids) {
-            let [red, green, blue, alpha] = drawn.color;
             let image = drawn.texture.filter(|&t| stage.images[t].is_some());
-            stage.surfaces.push(Surface {
-                color: [red, green, blue].map(|x| linear(soft(x))),
-                #[allow(clippy::cast_possible_truncation, reason = "0 … 1")]
-                alpha: alpha as f32,
-                image,
-            });
+            stage.surfaces.push(Surface::new(drawn.color, image));
             let X_LG = pose(&drawn.position, &drawn.orientation);
-            stage.shapes.push((drawn.link, X_LG, solid));
+            let place = Place::Link(drawn.link, X_LG);
+            stage.shapes.push((place, solid));
+        }
+        for tie in &scene.head.ties {
+            stage.surfaces.push(Surface::new(tie.color, None));
+            let solid = solid(scene, &tie.shape, tie.scale);
+            stage.shapes.push((Place::Between(tie.ends), solid));
         }
         stage
     }
@@ -113,9 +143,10 @@ impl Stage {
     pub(super) fn corners<'s>(&'s self, poses: &'s [Pose]) -> impl Iterator<Item = Vec3> + 's {
         let seen = self.shapes.iter().zip(&self.surfaces);
         let seen = seen.filter(|(_, surface)| surface.alpha > 0.0);
-        seen.flat_map(|((link, X_LG, solid), _)| {
-            let X_WG = poses[*link].compose(X_LG);
-            solid.positions.iter().map(move |p| X_WG.point(p))
+        seen.flat_map(|((place, solid), _)| {
+            let (X_WG, stretch) = place.find(poses);
+            let positions = solid.positions.iter();
+            positions.map(move |p| X_WG.point(&Vec3::new(p.x, p.y, p.z * stretch)))
         })
     }
 }
@@ -133,17 +164,18 @@ pub(super) struct World<'s> {
 
 impl<'s> World<'s> {
     pub(super) fn new(stage: &'s Stage, poses: &[Pose]) -> Self {
-        let solids = || stage.shapes.iter().map(|(_, _, solid)| solid);
+        let solids = || stage.shapes.iter().map(|(_, solid)| solid);
         let mut world = Self {
             stage,
             positions: Vec::with_capacity(solids().map(|solid| solid.positions.len()).sum()),
             faces: Vec::with_capacity(solids().map(|solid| solid.faces.len()).sum()),
             shapes: Vec::with_capacity(stage.shapes.len()),
         };
-        for (link, X_LG, solid) in &stage.shapes {
-            let X_WG = poses[*link].compose(X_LG);
+        for (at, solid) in &stage.shapes {
+            let (X_WG, stretch) = at.find(poses);
             let (base, first) = (place(world.positions.len()), world.faces.len());
-            let positions = solid.positions.iter().map(|p| X_WG.point(p));
+            let positions = solid.positions.iter();
+            let positions = positions.map(|p| X_WG.point(&Vec3::new(p.x, p.y, p.z * stretch)));
             world.positions.extend(positions);
             let faces = solid.faces.iter().map(|face| face.map(|i| base + i));
             world.faces.extend(faces);
@@ -162,7 +194,7 @@ impl<'s> World<'s> {
     pub(super) fn triangle(&self, face: usize) -> Triangle {
         let surface = self.shapes.partition_point(|(_, faces)| faces.end <= face);
         let (X_WG, faces) = &self.shapes[surface];
-        let (normals, uv) = self.stage.shapes[surface].2.corners(face - faces.start);
+        let (normals, uv) = self.stage.shapes[surface].1.corners(face - faces.start);
         let middle = normals[0] + normals[1] + normals[2];
         let facing = middle.try_normalize(0.0).unwrap_or_else(Vec3::z);
         Triangle {
@@ -221,15 +253,15 @@ fn soft(x: f64) -> f64 {
     0.045 + 0.855 * x
 }
 
-fn solid(scene: &Scene, drawn: &Drawn) -> Solid {
-    match drawn.shape {
+fn solid(scene: &Scene, shape: &Shape, scale: Option<[f64; 3]>) -> Solid {
+    match *shape {
         Shape::Box(sides) => cuboid(&Vec3::from(sides)),
         Shape::Sphere(radius) => turned(&capsule(radius, 0.0)),
         Shape::Cylinder([radius, length]) => turned(&cylinder(radius, length)),
         Shape::Capsule([radius, length]) => turned(&capsule(radius, length)),
         Shape::Mesh(mesh) => {
             let mesh = scene.triangles(&scene.head.meshes[mesh]);
-            mesh.map_or_else(Solid::default, |mesh| Mesh::solid(&mesh, drawn.scale))
+            mesh.map_or_else(Solid::default, |mesh| Mesh::solid(&mesh, scale))
         }
     }
 }

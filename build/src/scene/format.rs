@@ -61,6 +61,9 @@ pub struct Head {
     pub visuals: Vec<Drawn>,
     /// What touches the ground in the simulation.
     pub collisions: Vec<Drawn>,
+    /// What is seen between two points.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub ties: Vec<Tie>,
     /// Blocks of the body.
     pub meshes: Vec<Mesh>,
     /// Blocks of the body.
@@ -178,6 +181,32 @@ pub struct Drawn {
     /// In the list of textures; multiplied by the colour.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub texture: Option<usize>,
+}
+
+/// A rod or a spring between two points.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Tie {
+    /// That of the loop or the spring.
+    pub name: String,
+    /// The points.
+    pub ends: [End; 2],
+    /// What is drawn: 1 m long along z, and stretched to the distance of the points.
+    pub shape: Shape,
+    /// Factors on the shape's coordinates, where they are not 1.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub scale: Option<[f64; 3]>,
+    /// Red, green, blue (sRGB), alpha, each 0 … 1.
+    pub color: [f64; 4],
+}
+
+/// Where a rod or a spring ends.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct End {
+    /// In the list of links; none: the world.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub link: Option<usize>,
+    /// In the link's frame, or in the world.
+    pub position: [f64; 3],
 }
 
 /// Geometry about the shape's own origin; cylinders and capsules stand along z.
@@ -368,6 +397,7 @@ impl Scene {
             roots,
             links,
             joints,
+            ties,
             meshes,
             textures,
             ..
@@ -390,14 +420,20 @@ impl Scene {
             }
             placed[joint.child] = true;
         }
+        let known = |shape: &Shape| match shape {
+            Shape::Mesh(mesh) => *mesh < meshes.len(),
+            _ => true,
+        };
         for drawn in self.head.visuals.iter().chain(&self.head.collisions) {
-            let mesh = match drawn.shape {
-                Shape::Mesh(mesh) => mesh < meshes.len(),
-                _ => true,
-            };
             let texture = drawn.texture.is_none_or(|texture| texture < textures.len());
-            if drawn.link >= links.len() || !mesh || !texture {
+            if drawn.link >= links.len() || !known(&drawn.shape) || !texture {
                 return fail("a shape refers to what is not there");
+            }
+        }
+        for tie in ties {
+            let held = |end: &End| end.link.is_none_or(|link| link < links.len());
+            if !tie.ends.iter().all(held) || !known(&tie.shape) {
+                return fail("a rod or a spring refers to what is not there");
             }
         }
         for mesh in meshes {

@@ -9,6 +9,7 @@ use super::format::{
 use super::mesh;
 use super::pose;
 use super::texture;
+use super::tie;
 use crate::describe::{causality, variability};
 use crate::units;
 use std::collections::{BTreeMap, HashMap};
@@ -92,6 +93,7 @@ pub fn make(
         joints,
         visuals: Vec::new(),
         collisions,
+        ties: Vec::new(),
         meshes: body.meshes,
         textures: body.textures,
         contacts: names.contacts(model),
@@ -103,10 +105,10 @@ pub fn make(
         visuals = skeleton(&head);
     }
     head.visuals = visuals;
-    Ok(Scene {
-        head,
-        body: body.bytes,
-    })
+    let body = body.bytes;
+    let mut scene = Scene { head, body };
+    tie::add(&mut scene, model);
+    Ok(scene)
 }
 
 fn variable(row: &variables::Variable) -> Variable {

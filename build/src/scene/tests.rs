@@ -1,4 +1,5 @@
 #![allow(clippy::unwrap_used, reason = "a test may fail")]
+#![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
 use super::format::*;
 use super::{mesh, pose};
@@ -56,6 +57,7 @@ fn scene(triangles: &[[[f64; 3]; 3]], uv: &[[[f64; 2]; 3]]) -> Scene {
             texture: Some(0),
         }],
         collisions: Vec::new(),
+        ties: Vec::new(),
         meshes,
         textures,
         contacts: Vec::new(),
@@ -273,4 +275,113 @@ fn damaged_scenes_are_refused_without_a_panic() {
     };
     let refused = Scene::from_bytes(&later.to_bytes().unwrap()).unwrap_err();
     assert!(refused.to_string().contains("export again"), "{refused}");
+}
+
+/// A frame of four rods of which one is the distance of two points, and a spring to the world.
+fn four_bar() -> Scene {
+    let link = |name: &str| {
+        format!(
+            "<link name=\"{name}\"><inertial><mass value=\"1\"/><inertia ixx=\"1\" iyy=\"1\" \
+             izz=\"1\" ixy=\"0\" ixz=\"0\" iyz=\"0\"/></inertial></link>"
+        )
+    };
+    let joint = |name: &str, child: &str, xyz: &str| {
+        format!(
+            "<joint name=\"{name}\" type=\"continuous\"><parent link=\"frame\"/>\
+             <child link=\"{child}\"/><origin xyz=\"{xyz}\"/><axis xyz=\"0 1 0\"/></joint>"
+        )
+    };
+    let text = [
+        "<robot name=\"bars\">".to_owned(),
+        link("frame"),
+        link("left"),
+        link("right"),
+        joint("a", "left", "0 0 0"),
+        joint("b", "right", "2 0 0"),
+        "</robot>".to_owned(),
+    ]
+    .concat();
+    let settings = "[robot]\nbase = \"fixed\"\n[initial]\nxyz = [0, 0, 3]\n\
+         [[loop]]\nname = \"rod\"\ntype = \"distance\"\nlinks = [\"left\", \"right\"]\n\
+         origins = [[0, 0, 1], [0, 0, 1]]\nlength = 2.0\n\
+         [[spring]]\nname = \"coil\"\nlinks = [\"world\", \"right\"]\n\
+         origins = [[2, 0, 6], [0, 0, 1]]\nlength = 1.5\nstiffness = 10.0\n";
+    let settings = urdf2fmu_core::settings::Settings::parse(settings, "bars.toml").unwrap();
+    let options = urdf2fmu_core::urdf::ReadOptions::default();
+    let read =
+        urdf2fmu_core::urdf::read_str(&text, "bars.urdf", std::path::Path::new(""), &options)
+            .unwrap();
+    let model = urdf2fmu_core::assemble::build(&read, &settings)
+        .unwrap()
+        .model;
+    let table = urdf2fmu_core::variables::table(&model).unwrap();
+    super::make(&[("", &read)], &model, &table, Vec::new(), "").unwrap()
+}
+
+/// A rod goes from point to point, as long as the loop says, wherever the joints are, and so does
+/// a spring, whose other end stays in the world.
+#[test]
+fn rods_and_springs_go_from_point_to_point() {
+    let scene = four_bar();
+    let again = Scene::from_bytes(&scene.to_bytes().unwrap()).unwrap();
+    assert_eq!(again, scene);
+    let ties = &scene.head.ties;
+    let names: Vec<&str> = ties.iter().map(|tie| tie.name.as_str()).collect();
+    assert_eq!(names, ["rod", "coil"]);
+    for angle in [0.0, 0.3, -1.2, 2.0] {
+        let value = |name: &str| name.starts_with("joint.").then_some(angle);
+        let poses = pose::link_poses(&scene.head, value);
+        let (sin, cos) = f64::sin_cos(angle);
+        // About y the tip goes from z to x.
+        let tips = [0.0, 2.0].map(|x| Vec3::new(x + sin, 0.0, 3.0 + cos));
+        let ends = [[tips[0], tips[1]], [Vec3::new(2.0, 0.0, 6.0), tips[1]]];
+        for (tie, [from, to]) in ties.iter().zip(ends) {
+            let (X_WT, length) = super::between(&tie.ends, &poses);
+            let along = X_WT.R * Vec3::z() * (0.5 * length);
+            assert!(
+                (X_WT.p - along - from).norm() < 1e-6,
+                "{} {angle}",
+                tie.name
+            );
+            assert!((X_WT.p + along - to).norm() < 1e-6, "{} {angle}", tie.name);
+        }
+        let (_, length) = super::between(&ties[0].ends, &poses);
+        assert!((length - 2.0).abs() < 1e-6);
+    }
+}
+
+/// What is drawn is 1 m long along z, so that stretching makes it reach both ends.
+#[test]
+fn the_coil_of_a_spring_is_a_metre_long_and_ends_on_its_axis() {
+    let scene = four_bar();
+    let Shape::Mesh(mesh) = scene.head.ties[1].shape else {
+        panic!("{:?}", scene.head.ties[1].shape);
+    };
+    let coil = scene.triangles(&scene.head.meshes[mesh]).unwrap();
+    let heights = coil.positions.iter().map(|p| p[2]);
+    let [low, high] = [
+        heights.clone().fold(0.0, f64::min),
+        heights.fold(0.0, f64::max),
+    ];
+    assert!(
+        (low + 0.5).abs() < 0.01 && (high - 0.5).abs() < 0.01,
+        "{low} {high}"
+    );
+    // Across, from the axis: of the corners of its ends, and of all.
+    let across = |p: &[f64; 3]| p[0].hypot(p[1]);
+    let ends = coil.positions.iter().filter(|p| p[2].abs() > 0.49);
+    assert!(ends.map(across).fold(0.0, f64::max) < 0.3);
+    let all = coil.positions.iter().map(across).fold(0.0, f64::max);
+    assert!((1.0..1.2).contains(&all), "{all}");
+}
+
+#[test]
+fn rods_that_hang_on_nothing_are_refused() {
+    let scene = four_bar();
+    let mut broken = scene.clone();
+    broken.head.ties[0].ends[1].link = Some(3);
+    assert!(Scene::from_bytes(&broken.to_bytes().unwrap()).is_err());
+    let mut broken = scene;
+    broken.head.ties[1].shape = Shape::Mesh(9);
+    assert!(Scene::from_bytes(&broken.to_bytes().unwrap()).is_err());
 }
