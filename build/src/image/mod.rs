@@ -4,6 +4,7 @@
 //! of `libm`.
 
 mod color;
+pub mod palette;
 pub mod png;
 mod read;
 mod reduce;
