@@ -8,24 +8,26 @@
 //! | variable | effect |
 //! |---|---|
 //! | `URDF2FMU_LIBRARY` | a ready library for the target platform; `none`: this platform is left out |
-//! | `URDF2FMU_LIBRARY_DIR` | a folder with `<platform>/` folders, named as FMI 3.0 or 2.0 does, each with one library, such as `platforms.sh` makes; all are embedded |
+//! | `URDF2FMU_LIBRARY_DIR` | a folder with `<platform>/` folders, named as FMI 3.0 or 2.0 does, each with one library, such as `platforms.sh` makes; all are embedded, deflated as they lie there, if they do |
 
 #[path = "src/library/header.rs"]
 #[allow(dead_code, reason = "the command uses the rest")]
 mod header;
+mod pack;
 #[path = "src/library/target.rs"]
 #[allow(dead_code, reason = "the command uses the rest")]
 mod target;
 
-use flate2::Compression;
-use flate2::write::DeflateEncoder;
+use pack::deflated;
 use std::env;
 use std::error::Error;
 use std::fmt::Write as _;
 use std::fs;
-use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
+
+/// The code of the page, deflated by `platforms.sh`, in the folder of libraries.
+const PAGE: &str = "page.js.deflate";
 
 /// A library to embed.
 struct Library {
@@ -92,16 +94,17 @@ fn run() -> Result<(), Box<dyn Error>> {
     let out = PathBuf::from(env::var("OUT_DIR")?);
     fs::write(out.join("libraries.rs"), source(&libraries, &out)?)?;
     println!("cargo::rerun-if-changed=page/dist/page.js");
-    let page = deflated(Path::new("page/dist/page.js"))?;
+    let ready = variable("URDF2FMU_LIBRARY_DIR").map(|folder| Path::new(&folder).join(PAGE));
+    let page = deflated(Path::new("page/dist/page.js"), ready.as_deref())?;
     fs::write(out.join("page.deflate"), page)?;
     Ok(())
 }
 
-/// A file, deflated: less than half of its size in the command, and in every page.
-fn deflated(file: &Path) -> Result<Vec<u8>, Box<dyn Error>> {
-    let mut encoder = DeflateEncoder::new(Vec::new(), Compression::best());
-    encoder.write_all(&fs::read(file)?)?;
-    Ok(encoder.finish()?)
+/// Where a library lies that `platforms.sh` has deflated.
+fn beside(library: &Path) -> PathBuf {
+    let mut name = library.as_os_str().to_owned();
+    name.push(".deflate");
+    name.into()
 }
 
 /// An environment variable on which the result depends; empty counts as unset.
@@ -471,7 +474,7 @@ fn source(libraries: &[Library], out: &Path) -> Result<String, Box<dyn Error>> {
             ..
         } = platform;
         let packed = out.join(format!("{platform}.deflate"));
-        fs::write(&packed, deflated(file)?)?;
+        fs::write(&packed, deflated(file, Some(&beside(file)))?)?;
         let path = packed
             .to_str()
             .ok_or("the path of a library is not Unicode")?;

@@ -4,7 +4,7 @@
 #     build/platforms.sh [--all | --only LIST] [--quick] [FOLDER]
 #
 # Without options for Linux and Windows on x86-64; with --all for 64-bit ARM Linux and both Macs, too, and smaller, with
-# a standard library of their own (see build/platforms/tools.sh); --only takes names such as
+# a standard library of their own (see build/platforms/tools.sh) and deflated by zopfli; --only takes names such as
 # x86_64-linux,aarch64-darwin, or FMI 2's: linux64, win64, darwin64. With --quick that for Windows is optimised less,
 # for tests: it is made in less time, is larger and slower, and gives the same bits. Writes
 # FOLDER/<platform>/<library> (FOLDER: target/libraries). A command that packs them into FMUs is then built by
@@ -75,4 +75,6 @@ for platform in "${wanted[@]}"; do
     "$work/tools/bin/python" "$root/build/platforms/uuid.py" "$folder/$platform/$made"
   fi
   say "$folder/$platform/$made, $(stat -c %s "$folder/$platform/$made") bytes"
+  pack "$folder/$platform/$made" "$folder/$platform/$made.deflate"
 done
+pack "$root/build/page/dist/page.js" "$folder/page.js.deflate"

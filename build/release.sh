@@ -73,7 +73,7 @@ for platform in "${wanted[@]}"; do
   (cd "$root" && SOURCE_DATE_EPOCH=315532800 URDF2FMU_BINARY=$binary URDF2FMU_WHEEL=$(wheel "$platform") \
     "$work/tools/bin/python" -m hatchling build -t wheel -d "$folder" >&2)
 done
-for file in "$URDF2FMU_LIBRARY_DIR"/*/*; do
+for file in "$URDF2FMU_LIBRARY_DIR"/*/*.{so,dll,dylib}; do
   cp "$file" "$folder/library-$(basename "$(dirname "$file")").${file##*.}"
 done
 (cd "$folder" && sha256sum -- * >SHA256SUMS && cat SHA256SUMS)

@@ -8,6 +8,7 @@ glibc=2.17
 # The first macOS for Apple's own processors.
 macos=11.0
 pinned=(ziglang==0.17.0 cargo-zigbuild==0.24.0)
+packer=zopfli==0.4.3
 all=(x86_64-linux x86_64-windows aarch64-linux x86_64-darwin aarch64-darwin)
 
 say() { printf '%s: %s\n' "$(basename "$0" .sh)" "$*" >&2; }
@@ -86,6 +87,13 @@ prepare() {
     fi
     echo "${pinned[*]}" >"$work/tools/pinned"
   fi
+  if [ -n "${small:-}" ] && [ "$(cat "$work/tools/packer" 2>/dev/null)" != "$packer" ]; then
+    if ! "$work/tools/bin/pip" --disable-pip-version-check install --quiet --only-binary :all: "$packer" >&2; then
+      say "pip cannot install $packer"
+      exit 3
+    fi
+    echo "$packer" >"$work/tools/packer"
+  fi
   own=$(dirname "$(command -v cargo)")
   # As build.rs: no flag of this machine counts, and messages name no folder of it.
   for name in $(compgen -e | grep -E '^(CARGO_BUILD_|CARGO_PROFILE_|CARGO_TARGET_.*_RUSTFLAGS$|RUSTFLAGS$)' || true); do
@@ -115,6 +123,16 @@ rust_for() {
     rust=/usr/bin
   fi
   build_std=(-Zbuild-std=std,panic_unwind -Zbuild-std-features=default)
+}
+
+# pack FILE OUTPUT: with `small` a file as a zip has it, in as few bytes as it takes; the command then packs it no more.
+pack() {
+  if [ -n "${small:-}" ]; then
+    "$work/tools/bin/python" "$root/build/platforms/pack.py" "$work/packed" "$1" "$2"
+    say "$2, $(stat -c %s "$2") bytes"
+  else
+    rm -f "$2"
+  fi
 }
 
 # compile PLATFORM ARGUMENTS… -- LINK_ARGUMENTS…: `cargo rustc` for a platform. Sets `triple`, under which it works.

@@ -45,6 +45,8 @@ pub struct Binary {
     pub platforms: Vec<&'static str>,
     /// The file.
     pub file: Vec<u8>,
+    /// The same, deflated, if it is as this program carries it.
+    pub deflated: Option<&'static [u8]>,
 }
 
 /// Why an FMU cannot have the libraries that were asked for.
@@ -168,11 +170,13 @@ pub fn pack(
                 extension: library.extension,
                 platforms: vec![library.platform],
                 file,
+                deflated: Some(library.deflated),
             });
             continue;
         };
         if library.extension == "dylib" {
             other.file = universal::universal(&[&other.file, &file]);
+            other.deflated = None;
             other.platforms.push(library.platform);
         } else if by_name {
             let (first, second) = (other.platforms[0], library.platform);

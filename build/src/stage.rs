@@ -290,7 +290,7 @@ pub fn fmu(
             "binaries/{}/{model_identifier}.{}",
             library.folder, library.extension
         );
-        archive.add_executable(name, library.file.clone())?;
+        archive.add_executable(name, library.file.clone(), library.deflated)?;
     }
     archive.add(format!("resources/{FILE_NAME}"), prepared)?;
     let names = add_sources(&mut archive, robot)?;

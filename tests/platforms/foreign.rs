@@ -7,6 +7,8 @@ use super::{
 };
 use std::collections::BTreeSet;
 use std::fs;
+use std::io::Read as _;
+use std::path::Path;
 use std::process::Command;
 
 #[test]
@@ -126,6 +128,32 @@ fn the_libraries_for_macs_need_macos_11_and_nothing_else() {
     assert!(fs::read(other).unwrap() == file, "as lipo makes it");
 }
 
+/// Libraries lie in an FMU as `platforms.sh` has deflated them; in a universal file lie two.
+fn copied(fmu: &Path, fmi: &str) {
+    let mut zip = zip::ZipArchive::new(fs::File::open(fmu).unwrap()).unwrap();
+    for (platform, of_fmi_2) in [
+        ("x86_64-linux", Some("linux64")),
+        ("x86_64-windows", Some("win64")),
+        ("aarch64-linux", None),
+        ("x86_64-darwin", None),
+        ("aarch64-darwin", None),
+    ] {
+        let Some(folder) = (if fmi == "2" { of_fmi_2 } else { Some(platform) }) else {
+            continue;
+        };
+        let library = made(platform).unwrap();
+        let packed = fs::metadata(format!("{library}.deflate")).unwrap().len();
+        let ending = Path::new(library).extension().unwrap().to_str().unwrap();
+        let name = format!("binaries/{folder}/rover.{ending}");
+        let mut entry = zip.by_name(&name).unwrap();
+        assert_eq!(entry.compressed_size(), packed, "{name}");
+        // The reader checks its sum.
+        let mut file = Vec::new();
+        entry.read_to_end(&mut file).unwrap();
+        assert!(file == fs::read(library).unwrap(), "{name}");
+    }
+}
+
 #[test]
 fn an_fmu_for_all_platforms_is_small() {
     if made("aarch64-darwin").is_none() {
@@ -151,6 +179,7 @@ fn an_fmu_for_all_platforms_is_small() {
         let size = fs::metadata(&fmu).unwrap().len();
         assert!(size <= most, "FMI {fmi}: {size} bytes");
         let zip = zip::ZipArchive::new(fs::File::open(&fmu).unwrap()).unwrap();
+        copied(&fmu, fmi);
         let names: Vec<_> = zip.file_names().map(|name| name.unwrap()).collect();
         let inside = names.iter().filter_map(|name| {
             let (folder, file) = name.strip_prefix("binaries/")?.split_once('/')?;
