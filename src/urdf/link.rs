@@ -73,22 +73,7 @@ fn check_inertial(scope: &mut Scope, node: Node) -> Option<CheckedInertial> {
     }
     let mass = mass(scope, mass_node);
     let inertia_node = scope.single(node, "inertia");
-    let inertia = inertia_node.map(|i| {
-        inertia::known_attributes(scope, i);
-        inertia::NAMES.map(|name| {
-            if name == "ixx" || name == "iyy" || name == "izz" {
-                let moment = scope.required_number(i, name)?;
-                return scope.within(i, name, moment, Physical::Inertia);
-            }
-            if i.attribute(name).is_none() {
-                let message = format!("<inertia> has no {name}");
-                scope.warning("U063", i.tag_at(), &message, "0 is used");
-                return Some(0.0);
-            }
-            let product = scope.number(i, name)?;
-            scope.within(i, name, product, Physical::Inertia)
-        })
-    });
+    let inertia = inertia_node.map(|i| moments(scope, i));
     let mass = mass?;
     let Some(inertia_node) = inertia_node else {
         let help =
@@ -132,6 +117,24 @@ fn check_inertial(scope: &mut Scope, node: Node) -> Option<CheckedInertial> {
     };
     inertia::check(scope, &mut inertial, mass_node, inertia_node);
     Some(inertial)
+}
+
+/// The numbers of `<inertia>` in URDF's order.
+fn moments(scope: &mut Scope, i: Node) -> [Option<f64>; 6] {
+    inertia::known_attributes(scope, i);
+    inertia::NAMES.map(|name| {
+        if name == "ixx" || name == "iyy" || name == "izz" {
+            let moment = scope.required_number(i, name)?;
+            return scope.within(i, name, moment, Physical::Inertia);
+        }
+        if i.attribute(name).is_none() {
+            let message = format!("<inertia> has no {name}");
+            scope.warning("U063", i.tag_at(), &message, "0 is used");
+            return Some(0.0);
+        }
+        let product = scope.number(i, name)?;
+        scope.within(i, name, product, Physical::Inertia)
+    })
 }
 
 /// The value of `<mass>`, kg.
@@ -194,6 +197,8 @@ fn without_mass(
             message,
             "add <mass value=\"…\"/>, in kg",
         );
+        // What is wrong with it, too, comes next.
+        inertia.map(|inertia| moments(scope, inertia));
     }
     None
 }

@@ -5,7 +5,7 @@
 
 use super::checked::{CheckedJoint, CheckedLink, CheckedRobot, LinkReference, Order, Surface};
 use super::scope::Scope;
-use crate::diagnostic::words::did_you_mean;
+use crate::diagnostic::words::nearest;
 use crate::model::JointKind;
 use crate::spatial::Vec3;
 use std::collections::{HashMap, HashSet};
@@ -42,6 +42,12 @@ pub(super) fn order(scope: &mut Scope, robot: &CheckedRobot) -> Option<Order> {
         .map(|end| end.name)
         .filter(|name| !links.contains_key(name))
         .collect();
+    let held: HashSet<&str> = robot
+        .joints
+        .iter()
+        .filter_map(|j| Some(j.child.as_ref()?.name))
+        .collect();
+    let rootless = robot.links.iter().all(|link| held.contains(link.name));
     // As many may be meant for those that have no name.
     let told = unknown.len() > nameless;
     let mut complete = robot.links.iter().all(|link| link.own_name)
@@ -66,7 +72,10 @@ pub(super) fn order(scope: &mut Scope, robot: &CheckedRobot) -> Option<Order> {
                 let known = known.map(|link| link.name);
                 // Not the link on the joint's other side.
                 let known = known.filter(|name| !own.contains(&Some(name)));
-                let help = did_you_mean(reference.name, known);
+                let help = match nearest(reference.name, known) {
+                    Some(near) => format!("did you mean '{near}'?"),
+                    None => declared(reference.name, what, &unknown, rootless),
+                };
                 if told {
                     scope.problem("U016", reference.at.clone(), &message, help);
                 } else {
@@ -122,6 +131,25 @@ pub(super) fn order(scope: &mut Scope, robot: &CheckedRobot) -> Option<Order> {
         }
     }
     (complete && roots.len() == 1).then_some(order)
+}
+
+/// Advice on a link that does not exist, where none has a name that is near.
+///
+/// - `unknown`: all names of links that do not exist
+/// - `rootless`: whether each link that exists is some joint's child
+fn declared(name: &str, what: &str, unknown: &HashSet<&str>, rootless: bool) -> String {
+    match (what, unknown.len()) {
+        ("child", _) => format!("write <link name=\"{name}\"/>, or correct the name"),
+        (_, 1) if rootless => format!(
+            "write <link name=\"{name}\"/> for a root, or give the file of the whole robot if this \
+             is a part of it"
+        ),
+        (_, _) if rootless => {
+            "give the file of the whole robot if this is a part of it, or correct the names"
+                .to_owned()
+        }
+        _ => String::new(),
+    }
 }
 
 impl Tree {

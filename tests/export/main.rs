@@ -5,6 +5,7 @@
 
 mod check;
 mod cli;
+mod elsewhere;
 mod export;
 mod faults;
 mod info;
@@ -18,6 +19,7 @@ mod packages;
 mod parts;
 mod people;
 mod ranges;
+mod unclosed;
 mod world;
 #[cfg(unix)]
 mod xacro;

@@ -98,7 +98,7 @@ fn a_part_of_a_robot_names_the_files_that_include_it() {
     assert!(help(&list).contains("side:=…\nor give a file"));
     // What is wrong in the whole is not a part's.
     let (_, list) = findings(&whole, &[]);
-    assert!(help(&list).contains("pip install xacro"));
+    assert!(help(&list).contains("define it, or include the file that does"));
 }
 
 /// The first description of NAO, for ROS 1: xacro of today reads none of its tags.

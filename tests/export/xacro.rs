@@ -361,6 +361,9 @@ fn a_file_that_is_missing_by_the_value_of_an_argument_is_told_with_the_argument(
         let file = folder.path().join("config").join(name).join("limits.yaml");
         fs::write(file, "mass: 2\n").unwrap();
     }
+    // With these the file would be missing, too.
+    fs::create_dir_all(folder.path().join("config/docs")).unwrap();
+    fs::write(folder.path().join("config/initial.yaml"), "").unwrap();
     let robot = folder.path().join("ur.urdf.xacro");
     fs::write(
         &robot,
@@ -377,7 +380,7 @@ fn a_file_that_is_missing_by_the_value_of_an_argument_is_told_with_the_argument(
     for part in [
         "the argument 'ur_type' is 'ur5x'",
         "ur_type:=…",
-        "has ur10e, ur3e",
+        "has ur10e, ur3e\n",
     ] {
         assert!(done.err.contains(part), "{part}: {}", done.err);
     }

@@ -7,6 +7,7 @@ use super::symbols::Entry;
 use super::tree::{Element, Node};
 use super::value::Value;
 use std::rc::Rc;
+use urdf2fmu_core::diagnostic::Place;
 
 impl Expansion<'_> {
     /// Gives the parameters of a macro their values, in the scope `inner`.
@@ -107,8 +108,36 @@ impl Expansion<'_> {
         let left = found.parameters.iter().map(|parameter| &parameter.name[..]);
         let left = left.filter(|key| !given.contains(key));
         let problem = self.no_parameter(message, found);
-        let first = unknown.first().copied().unwrap_or_default();
-        self.pass(problem.meant(first, left))
+        let problem = match unknown.first() {
+            Some(first) => problem.meant(first, left),
+            None => problem,
+        };
+        let meant = problem.meant.clone();
+        let meant = meant.or_else(|| self.parameters_of(found, &unknown, &lacking));
+        self.pass(Problem { meant, ..problem })
+    }
+
+    /// What a call lacks or has too much, and where the macro says so.
+    fn parameters_of(&self, found: &Macro, unknown: &[&str], lacking: &[String]) -> Option<String> {
+        let text = self.texts.sources.read.get(&*found.file)?;
+        let shown = found.file.display().to_string();
+        let at = found.body.at;
+        let line = Place::in_text(&shown, text, at..at + 1).line;
+        let give: Vec<String> = lacking
+            .iter()
+            .map(|key| format!("{}=\"…\"", key.trim_matches('\'')))
+            .collect();
+        let mut advice = Vec::new();
+        if !give.is_empty() {
+            advice.push(format!("write {} into the call", give.join(" ")));
+        }
+        if !unknown.is_empty() {
+            advice.push(format!("leave out {}", unknown.join(", ")));
+        }
+        Some(format!(
+            "{}: the macro is defined in {shown}:{line}",
+            advice.join(" and ")
+        ))
     }
 
     /// That a macro has not the parameters with which it is called: its list of them may have

@@ -141,7 +141,10 @@ impl<'f> Expansion<'f> {
                 Node::Element(child) => {
                     self.texts.sources.at = child.at;
                     let (around, out) = (&mut *attributes, &mut out);
-                    let found = self.attempt(|this| this.child(child, macros, scope, around, out));
+                    let found = self.attempt(|this| {
+                        let done = this.child(child, macros, scope, around, out);
+                        done.map_err(|problem| problem.after_that_of(child))
+                    });
                     if found?.is_none() {
                         self.leave_out(child);
                     }
@@ -240,7 +243,10 @@ impl<'f> Expansion<'f> {
         let found = element.attribute(name);
         found.ok_or_else(|| {
             let message = format!("<{}> has no attribute '{name}'", element.name);
-            self.problem(message).misspelt(name, element)
+            let problem = self.problem(message).misspelt(name, element);
+            let meant = problem.meant.clone();
+            let meant = meant.or_else(|| Some(format!("write {name}=\"…\"")));
+            Problem { meant, ..problem }
         })
     }
 
@@ -295,6 +301,11 @@ impl<'f> Expansion<'f> {
         };
         for path in files {
             let at = self.texts.sources.at;
+            let path = if optional {
+                path
+            } else {
+                self.texts.sources.there(path)
+            };
             let (root, wrong) = match self.texts.sources.root(&path) {
                 Err(problem) if matches!(problem.lacking, Some(Lacking::File)) => {
                     if optional {
@@ -389,7 +400,7 @@ impl<'f> Expansion<'f> {
         Ok(())
     }
 
-    fn call(
+    pub(super) fn call(
         &mut self,
         name: &str,
         call: &Element,
@@ -403,7 +414,7 @@ impl<'f> Expansion<'f> {
             .resolve(name, (macros, scope), &self.texts.symbols);
         let Some((found, own_macros, own_scope)) = found else {
             let problem = self.no_macro(name);
-            self.suppose(call, macros, scope);
+            self.suppose_call(name, call, macros, scope);
             return Err(problem);
         };
         let inner = self.texts.symbols.below(own_scope, false);

@@ -1,6 +1,8 @@
 //! What is told of a file in xacro that cannot be expanded.
 
 use super::command;
+use super::definitions::{self, Unread, attribute};
+use super::folders;
 use super::includers;
 use super::problem::{Lacking, Problem};
 use super::sources::NAMELESS;
@@ -8,6 +10,9 @@ use super::texts::Texts;
 use std::collections::BTreeSet;
 use std::path::Path;
 use urdf2fmu_core::diagnostic::{Diagnostic, Place, Severity, nearest};
+
+/// What helps where a macro is nowhere to be found.
+const DEFINE: &str = "define it, or include the file that does";
 
 /// The words that follow `start` in a text, up to a bracket.
 pub(super) fn named(text: &str, start: &str) -> BTreeSet<String> {
@@ -41,11 +46,18 @@ pub(super) fn all(
             Some(Lacking::Argument(_) | Lacking::Property(_) | Lacking::Macro(_))
         )
     };
-    let part = problems.iter().any(of_others);
+    // Nor is it known what a package or a file that is missing has of it.
+    let of_files =
+        |problem: &Problem| matches!(problem.lacking, Some(Lacking::Package(_) | Lacking::File));
+    let part = problems
+        .iter()
+        .any(|problem| of_others(problem) || of_files(problem));
     let part = part.then(|| includers::advice(path)).flatten();
+    let certain = problems.iter().any(of_others);
+    let mut unread = Unread::default();
     let program = command::advice(path, arguments);
     let mut list = Vec::new();
-    let (mut advised, mut parted) = (false, false);
+    let (mut advised, mut define, mut parted) = (false, false, false);
     let mut of_arguments = 0;
     for problem in problems {
         if let Some(Lacking::Argument(_)) = problem.lacking {
@@ -62,11 +74,21 @@ pub(super) fn all(
                 _ => meant.clone(),
             });
         }
+        let defined = definitions::advice(path, texts, problem, part.is_some(), &mut unread);
+        let known = defined.is_some();
+        finding.help = defined.or(finding.help);
+        if let (Some(part), false, false, true) = (&part, certain, parted, of_files(problem)) {
+            let help = finding.help.unwrap_or_default();
+            finding.help = Some(format!("{help}\nor, if this is a part of a robot, {part}"));
+            parted = true;
+        }
         if let (Some(part), true) = (&part, of_others(problem)) {
             finding.help = match (&problem.lacking, finding.help) {
-                (_, help) if parted => help.filter(|help| *help != program),
+                (_, help) if parted => help.filter(|help| *help != program && help != DEFINE),
                 (Some(Lacking::Argument(_)), Some(help)) => Some(format!("{help}\nor {part}")),
-                (_, Some(help)) if problem.meant.is_some() => Some(format!("{help}\nor {part}")),
+                (_, Some(help)) if problem.meant.is_some() || known => {
+                    Some(format!("{help}\nor {part}"))
+                }
                 _ => Some(part.clone()),
             };
             parted = true;
@@ -74,6 +96,9 @@ pub(super) fn all(
         if finding.help.as_ref() == Some(&program) {
             finding.help = finding.help.filter(|_| !advised);
             advised = true;
+        } else if finding.help.as_deref() == Some(DEFINE) {
+            finding.help = finding.help.filter(|_| !define);
+            define = true;
         }
         list.push(finding);
     }
@@ -93,12 +118,62 @@ pub(super) fn maybe(texts: &Texts, problems: &[Problem]) -> Vec<Diagnostic> {
     problems.iter().map(finding).collect()
 }
 
+/// The path in a problem of a file that cannot be read.
+fn unreadable(message: &str) -> Option<&Path> {
+    let (path, _) = message.split_once(" cannot be read")?;
+    Some(Path::new(
+        path.strip_prefix("the included file ").unwrap_or(path),
+    ))
+}
+
+/// Advice on a file that is not there, where files of its name are, or one of a name that is near.
+fn of_its_name(message: &str) -> Option<String> {
+    /// More files than these are not shown.
+    const MOST: usize = 4;
+    let path = unreadable(message)?;
+    let found = folders::namesakes(path);
+    match &found[..] {
+        [] => {
+            let folder = path.parent()?;
+            let entries = std::fs::read_dir(folder).ok()?.flatten();
+            let names = entries.filter_map(|entry| entry.file_name().into_string().ok());
+            let names: BTreeSet<String> = names.collect();
+            let own = path.file_name()?.to_string_lossy();
+            let near = nearest(&own, names.iter().map(String::as_str))?;
+            Some(format!("did you mean '{}'?", folder.join(near).display()))
+        }
+        [only] => Some(format!("did you mean '{}'?", only.display())),
+        _ => {
+            let shown = found.iter().take(MOST);
+            let shown: Vec<String> = shown.map(|file| file.display().to_string()).collect();
+            Some(format!(
+                "did you mean one of the files of this name?\n{}",
+                shown.join("\n")
+            ))
+        }
+    }
+}
+
+/// Warnings of files that are at other places than their names say.
+pub(super) fn moved(texts: &Texts) -> Vec<Diagnostic> {
+    let finding = |problem: &Problem| Diagnostic {
+        severity: Severity::Warning,
+        code: "U118",
+        message: problem.message.clone(),
+        help: Some(
+            "correct the path in the file, or pass --package NAME=DIR to say where the package is"
+                .to_owned(),
+        ),
+        place: place(texts, problem),
+    };
+    texts.sources.moved.iter().map(finding).collect()
+}
+
 /// Advice on a file that is not there, where a part of its path is the value of an argument.
 fn of_argument(texts: &Texts, message: &str) -> Option<String> {
     /// More names than these are not shown.
     const MOST: usize = 8;
-    let (path, _) = message.split_once(" cannot be read")?;
-    let path = Path::new(path.strip_prefix("the included file ").unwrap_or(path));
+    let path = unreadable(message)?;
     // The first part that is not there.
     let there = path.ancestors().find(|folder| folder.is_dir())?;
     let part = path.strip_prefix(there).ok()?.iter().next()?;
@@ -109,8 +184,20 @@ fn of_argument(texts: &Texts, message: &str) -> Option<String> {
         !value.is_empty() && stem.is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
     })?;
     let entries = std::fs::read_dir(there).ok()?.flatten();
+    // What stands behind the part: only some of the names may lead to it.
+    let rest = path.strip_prefix(there.join(&*part)).ok()?;
+    let stem = |name: String| match part.strip_prefix(value.as_str()) {
+        Some("") | None => there.join(&name).join(rest).is_file().then_some(name),
+        Some(ending) => name.strip_suffix(ending).map(str::to_owned),
+    };
     let known = entries.map(|entry| entry.file_name().to_string_lossy().into_owned());
-    let known: BTreeSet<String> = known.filter(|name| !name.starts_with('.')).collect();
+    let known: BTreeSet<String> = known
+        .filter(|name| !name.starts_with('.'))
+        .filter_map(stem)
+        .collect();
+    if known.is_empty() {
+        return None;
+    }
     let mut listed: Vec<&str> = known.iter().take(MOST).map(String::as_str).collect();
     if known.len() > MOST {
         listed.push("…");
@@ -199,11 +286,15 @@ fn finding(
                     call.join(" ")
                 )
             }
-            Some(Lacking::File) => of_argument(texts, &problem.message).unwrap_or_else(|| {
-                "put the file there, or correct the path; a relative one counts from the folder \
-                 of the file that is read"
-                    .to_owned()
-            }),
+            Some(Lacking::File) => of_argument(texts, &problem.message)
+                .or_else(|| of_its_name(&problem.message))
+                .unwrap_or_else(|| {
+                    "put the file there, or correct the path; a relative one counts from the \
+                     folder of the file that is read"
+                        .to_owned()
+                }),
+            // No other program knows it either.
+            Some(Lacking::Macro(_)) => DEFINE.to_owned(),
             _ => command::advice(path, arguments),
         };
         (
@@ -271,23 +362,4 @@ fn empty_arguments(texts: &Texts, arguments: &[String]) -> Vec<String> {
 fn declared_arguments(text: &str) -> BTreeSet<String> {
     let tags = text.split("<xacro:arg").skip(1);
     tags.filter_map(|tag| attribute(tag, "name")).collect()
-}
-
-/// The value of an attribute in the text of a tag behind its name. What is searched may be a
-/// comment, and anything may stand there.
-fn attribute(mut tag: &str, wanted: &str) -> Option<String> {
-    loop {
-        let (before, rest) = tag.split_once('=')?;
-        // The tag ends before it.
-        if before.contains('>') {
-            return None;
-        }
-        let rest = rest.trim_start();
-        let quote = rest.chars().next().filter(|c| ['"', '\''].contains(c))?;
-        let (value, behind) = rest[1..].split_once(quote)?;
-        if before.trim() == wanted {
-            return Some(value.to_owned());
-        }
-        tag = behind;
-    }
 }

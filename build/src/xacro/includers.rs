@@ -1,19 +1,11 @@
 //! Files in xacro that include a file: which of them is the robot's, if the given file is only a
 //! part of it.
 
+use super::folders::{self, HIGHEST};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 use urdf2fmu_core::encoding::xml_replaced;
-
-/// How far above a file the folder of its package may be.
-const HIGHEST: usize = 6;
-
-/// Files and folders that are looked at.
-const MOST_ENTRIES: usize = 5000;
-
-/// Folders below each other that are looked into.
-const DEEPEST: usize = 8;
 
 /// Largest file that is looked into, bytes.
 const LARGEST: u64 = 4 << 20;
@@ -75,34 +67,17 @@ fn of(file: &Path) -> Vec<PathBuf> {
 
 /// The files in xacro below a folder, and the names of the files that each includes.
 fn included_names(folder: &Path) -> BTreeMap<PathBuf, BTreeSet<String>> {
-    let mut found = BTreeMap::new();
-    let mut open = vec![(folder.to_owned(), 0)];
-    let mut left = MOST_ENTRIES;
-    while let Some((folder, depth)) = open.pop() {
-        let Ok(entries) = fs::read_dir(&folder) else {
-            continue;
-        };
-        for entry in entries.flatten() {
-            let Some(rest) = left.checked_sub(1) else {
-                return found;
-            };
-            left = rest;
-            let (path, Ok(kind)) = (entry.path(), entry.file_type()) else {
-                continue;
-            };
-            let named = |ending| path.extension().is_some_and(|own| own == ending);
-            if kind.is_dir() && depth < DEEPEST {
-                open.push((path, depth + 1));
-            } else if kind.is_file()
-                && (named("xacro") || named("urdf"))
-                && entry.metadata().is_ok_and(|file| file.len() <= LARGEST)
-            {
-                let text = xml_replaced(fs::read(&path).unwrap_or_default());
-                found.insert(path, includes(&text));
-            }
-        }
-    }
-    found
+    let in_xacro = |path: &PathBuf| {
+        let named = |ending| path.extension().is_some_and(|own| own == ending);
+        (named("xacro") || named("urdf"))
+            && fs::metadata(path).is_ok_and(|file| file.len() <= LARGEST)
+    };
+    let files = folders::files(folder).into_iter().filter(in_xacro);
+    let included = files.map(|path| {
+        let text = xml_replaced(fs::read(&path).unwrap_or_default());
+        (path, includes(&text))
+    });
+    included.collect()
 }
 
 /// Names of the files that a text includes, without their folders.

@@ -9,10 +9,12 @@
 
 mod bind;
 mod command;
+mod definitions;
 mod evaluate;
 mod expand;
 mod files;
 mod findings;
+mod folders;
 mod format;
 mod functions;
 mod includers;
@@ -162,6 +164,7 @@ pub fn expand(
         let mut notes = vec![note(format!(
             "expanded from xacro: lines are those of the expanded text, as of {shown}"
         ))];
+        notes.extend(findings::moved(&expansion.texts));
         notes.extend(findings::unasked(arguments, &expansion.texts));
         let names = expansion.macro_names();
         let written = tree::write(root);
@@ -204,6 +207,7 @@ pub fn expand(
         });
     }
     let mut findings = findings::all(path, arguments, &expansion.texts, problems);
+    findings.extend(findings::moved(&expansion.texts));
     findings.extend(findings::maybe(&expansion.texts, &expansion.maybe));
     Err(Box::new(Refused {
         findings,

@@ -68,6 +68,17 @@ impl Problem {
         Self { meant, ..self }
     }
 
+    /// As what follows, if it is of an element of whose tag it was told that it is no XML.
+    pub fn after_that_of(self, element: &Element) -> Self {
+        let own = self.weight == Weight::Own && self.at == element.at;
+        let weight = if element.faulty && own {
+            Weight::Follows
+        } else {
+            self.weight
+        };
+        Self { weight, ..self }
+    }
+
     /// Without an end, or too large.
     pub fn that_ends(self) -> Self {
         let weight = Weight::Ends;

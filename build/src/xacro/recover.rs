@@ -4,6 +4,7 @@ use super::expand::Expansion;
 use super::problem::{Done, Lacking, Problem, Weight};
 use super::symbols::Entry;
 use super::tree::Element;
+use urdf2fmu_core::diagnostic::nearest;
 
 /// Problems that are told of one document.
 const MOST_PROBLEMS: usize = 100;
@@ -93,6 +94,31 @@ impl Expansion<'_> {
 
     /// Looks into what is left out: what is wrong in it may be a fault of its own.
     pub(super) fn suppose(&mut self, element: &Element, macros: usize, scope: usize) {
+        self.supposing(|this| this.element(element, macros, scope).map(drop));
+    }
+
+    /// Looks into a call of a macro that there is not: that of the name which is nearest, or what
+    /// stands in the call.
+    pub(super) fn suppose_call(&mut self, name: &str, call: &Element, macros: usize, scope: usize) {
+        let symbols = &self.texts.symbols;
+        let near = nearest(name, self.macros.all_names()).map(str::to_owned);
+        let near = near.filter(|near| {
+            self.macros
+                .resolve(near, (macros, scope), symbols)
+                .is_some()
+        });
+        let Some(near) = near else {
+            self.suppose(call, macros, scope);
+            return;
+        };
+        self.supposing(|this| {
+            let (mut attributes, mut out) = (Vec::new(), Vec::new());
+            this.call(&near, call, macros, scope, &mut attributes, &mut out)
+        });
+    }
+
+    /// Tells what is wrong with a part as what may be wrong, too.
+    fn supposing(&mut self, part: impl FnOnce(&mut Self) -> Done<()>) {
         // What is supposed within that could go on without an end.
         if self.supposed {
             return;
@@ -100,7 +126,7 @@ impl Expansion<'_> {
         self.supposed = true;
         let (depth, faulty, whole) = (self.depth, self.faulty, self.whole);
         let place = self.texts.sources.place();
-        if let Err(problem) = self.element(element, macros, scope) {
+        if let Err(problem) = part(self) {
             self.tell(problem);
         }
         (self.depth, self.faulty, self.whole) = (depth, faulty, whole);

@@ -1,5 +1,6 @@
 //! Files that an expansion reads, and the place in them where it is.
 
+use super::folders;
 use super::problem::{Done, Lacking, Problem, Weight};
 use super::tree::{self, Element};
 use std::collections::BTreeMap;
@@ -31,6 +32,8 @@ pub struct Sources<'f> {
     pub read: BTreeMap<PathBuf, Rc<str>>,
     /// Packages that were found.
     pub packages: BTreeMap<String, PathBuf>,
+    /// That files are at other places than their names say.
+    pub moved: Vec<Problem>,
 }
 
 /// A file that is read.
@@ -55,6 +58,7 @@ impl<'f> Sources<'f> {
             at: 0,
             read: BTreeMap::new(),
             packages: BTreeMap::new(),
+            moved: Vec::new(),
         }
     }
 
@@ -118,6 +122,7 @@ impl<'f> Sources<'f> {
             file: path.to_owned(),
             at: wrong.at,
             lacking: wrong.of_tags.then_some(Lacking::Tag),
+            meant: wrong.help,
             ..self.problem(wrong.message)
         };
         let mut wrong = wrong.into_iter().map(problem);
@@ -183,6 +188,28 @@ impl<'f> Sources<'f> {
         let text: Rc<str> = text.strip_prefix('\u{feff}').unwrap_or(&text).into();
         self.read.insert(path.to_owned(), Rc::clone(&text));
         Ok(text)
+    }
+
+    /// The path of a file, or of the one that is meant where there is none at it.
+    pub fn there(&mut self, path: PathBuf) -> PathBuf {
+        if self.read.contains_key(&path) || path.exists() {
+            return path;
+        }
+        let Some(meant) = folders::meant(&path) else {
+            return path;
+        };
+        let moved = Problem {
+            lacking: Some(Lacking::File),
+            ..self.problem(format!(
+                "there is no file {}: {} is read in its place",
+                path.display(),
+                meant.display()
+            ))
+        };
+        if !self.moved.iter().any(|known| known.is_as(&moved)) {
+            self.moved.push(moved);
+        }
+        meant
     }
 
     /// A path that counts from the folder of the file that is read.

@@ -290,6 +290,7 @@ impl Names for Scoped<'_, '_> {
 
     fn yaml(&mut self, name: &str) -> Result<Value, String> {
         let path = self.texts.sources.beside(name);
+        let path = self.texts.sources.there(path);
         let text = self.texts.sources.text(&path);
         let text = self.told(text)?;
         let mut evaluate = |text: &str| {

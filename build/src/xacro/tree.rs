@@ -1,6 +1,7 @@
 //! XML as a tree that can be taken apart and put together: what xacro works on.
 
 use quick_xml::Reader;
+use quick_xml::errors::{Error, SyntaxError};
 use quick_xml::escape;
 use quick_xml::events::{BytesStart, Event};
 use std::collections::BTreeMap;
@@ -11,6 +12,9 @@ use urdf2fmu_core::urdf::HARDWARE;
 
 /// Elements within each other that are read.
 const DEEPEST: usize = 200;
+
+/// What helps against an entity that there is not.
+const ENTITIES: &str = "write '&' as &amp; and '<' as &lt;";
 
 /// What stands in an element.
 #[derive(Clone, Debug)]
@@ -70,25 +74,29 @@ pub struct Wrong {
     pub at: usize,
     /// Whether a tag is missing, so that elements may be in others than was meant.
     pub of_tags: bool,
+    pub help: Option<String>,
 }
 
 impl Wrong {
     fn new(message: String, at: usize) -> Self {
-        let of_tags = false;
         Self {
             message,
             at,
-            of_tags,
+            of_tags: false,
+            help: None,
         }
     }
 
     fn of_tags(message: String, at: usize) -> Self {
-        let of_tags = true;
         Self {
-            message,
-            at,
-            of_tags,
+            of_tags: true,
+            ..Self::new(message, at)
         }
+    }
+
+    fn with(self, help: impl Into<String>) -> Self {
+        let help = Some(help.into());
+        Self { help, ..self }
     }
 }
 
@@ -103,23 +111,48 @@ pub fn parse(text: &str, file: &Path) -> (Option<Element>, Vec<Wrong>) {
         file: Some(Rc::clone(&file)),
         ..element(tag, at, wrong)
     };
-    let mut reader = Reader::from_str(text);
-    reader.config_mut().check_end_names = false;
-    reader.config_mut().allow_unmatched_ends = true;
+    let mut reader = reader(text);
+    // Where the reader began, and where it is to go on behind what is no tag.
+    let (mut base, mut resume) = (0, None);
     let mut open: Vec<Element> = Vec::new();
+    // Where elements of a name end themselves, the last of each.
+    let mut empty: BTreeMap<String, usize> = BTreeMap::new();
     let (mut root, mut wrong, mut broken) = (None, Vec::new(), false);
     loop {
-        let before = usize::try_from(reader.buffer_position()).unwrap_or(0);
+        if let Some(next) = resume.take() {
+            base = next;
+            reader = self::reader(&text[next..]);
+        }
+        let position = |of_reader: u64| base + usize::try_from(of_reader).unwrap_or(0);
+        let before = position(reader.buffer_position());
         let event = match reader.read_event() {
             Ok(event) => event,
             Err(error) => {
-                let at = usize::try_from(reader.error_position()).unwrap_or(0);
-                wrong.push(Wrong::of_tags(format!("not XML: {error}"), at));
-                broken = true;
-                break;
+                let at = position(reader.error_position()).min(text.len());
+                let problem = Wrong::of_tags(format!("not XML: {error}"), at);
+                wrong.push(problem.with(malformed(&error)));
+                resume = put(text, before, &file, &mut open, &mut root);
+                broken = resume.is_none();
+                if broken {
+                    break;
+                }
+                continue;
             }
         };
         match event {
+            Event::Start(tag) | Event::Empty(tag)
+                if tag.contains('<') && tag.attributes().any(|found| found.is_err()) =>
+            {
+                // A quotation mark or a bracket that is missing takes in the tags behind it.
+                let name = tag.name().as_ref().to_owned();
+                let message = format!("not XML: <{name}> has no end before the next tag");
+                let problem = Wrong::new(message, before);
+                wrong.push(Wrong {
+                    of_tags: holds_names(&name),
+                    ..problem.with("a quotation mark or > is missing in it")
+                });
+                resume = put(text, before, &file, &mut open, &mut root);
+            }
             Event::Start(tag) => {
                 if open.len() >= DEEPEST {
                     let message = format!("more than {DEEPEST} elements in each other");
@@ -129,44 +162,35 @@ pub fn parse(text: &str, file: &Path) -> (Option<Element>, Vec<Wrong>) {
                 open.push(element(&tag, before, &mut wrong));
             }
             Event::Empty(tag) => {
+                empty.insert(tag.name().as_ref().to_owned(), before);
                 let whole = element(&tag, before, &mut wrong);
                 close(whole, &mut open, &mut root);
             }
             Event::End(tag) => {
                 let name = tag.name();
                 let name: &str = name.as_ref();
-                let Some(place) = open.iter().rposition(|element| element.name == name) else {
-                    wrong.push(Wrong {
-                        message: format!("not XML: </{name}> ends nothing"),
-                        at: before,
-                        of_tags: holds_names(name),
-                    });
-                    continue;
-                };
-                end(place, &mut open, &mut root, &mut wrong);
-            }
-            Event::Text(part) => {
-                let part = part.to_string();
-                add_text(&mut open, &part);
-            }
-            Event::CData(part) => {
-                let part = part.to_string();
-                add_text(&mut open, &part);
-            }
-            Event::GeneralRef(name) => {
-                let name = name.to_string();
-                match escape::unescape(&format!("&{name};")) {
-                    Ok(text) => add_text(&mut open, &text),
-                    Err(error) => wrong.push(Wrong::new(format!("not XML: {error}"), before)),
+                match open.iter().rposition(|element| element.name == name) {
+                    Some(place) => end(place, &mut open, &mut root, &mut wrong),
+                    None => wrong.push(stray(text, name, before, empty.get(name))),
                 }
             }
+            Event::Text(part) => add_text(&mut open, &part),
+            Event::CData(part) => add_text(&mut open, &part),
+            Event::GeneralRef(name) => match escape::unescape(&format!("&{};", &*name)) {
+                Ok(text) => add_text(&mut open, &text),
+                Err(error) => {
+                    let problem = Wrong::new(format!("not XML: {error}"), before);
+                    wrong.push(problem.with(ENTITIES));
+                }
+            },
             Event::Eof => break,
             Event::Comment(_) | Event::Decl(_) | Event::PI(_) | Event::DocType(_) => {}
         }
     }
     if let Some(outermost) = open.first() {
         let message = format!("not XML: <{}> is never closed", outermost.name);
-        let mut unclosed = vec![Wrong::of_tags(message, outermost.at)];
+        let help = format!("add </{}>; is the file complete?", outermost.name);
+        let mut unclosed = vec![Wrong::of_tags(message, outermost.at).with(help)];
         end(0, &mut open, &mut root, &mut unclosed);
         if !broken {
             wrong.extend(unclosed);
@@ -178,6 +202,81 @@ pub fn parse(text: &str, file: &Path) -> (Option<Element>, Vec<Wrong>) {
     (root, wrong)
 }
 
+/// That an end belongs to no beginning.
+///
+/// - `empty`: where an element of its name ends itself
+fn stray(text: &str, name: &str, at: usize, empty: Option<&usize>) -> Wrong {
+    let help = empty.map_or_else(
+        || "remove it, or begin the element".to_owned(),
+        |&at| {
+            format!(
+                "write > in place of /> at the end of <{name} …/> in line {}, if it begins what \
+                 this ends, or remove it",
+                text[..at].matches('\n').count() + 1
+            )
+        },
+    );
+    let problem = Wrong::new(format!("not XML: </{name}> ends nothing"), at);
+    Wrong {
+        of_tags: holds_names(name),
+        ..problem.with(help)
+    }
+}
+
+/// Names of ends are compared here.
+fn reader(text: &str) -> Reader<&[u8]> {
+    let mut reader = Reader::from_str(text);
+    reader.config_mut().check_end_names = false;
+    reader.config_mut().allow_unmatched_ends = true;
+    reader
+}
+
+/// What helps against what the reader refuses.
+fn malformed(error: &Error) -> &'static str {
+    match error {
+        Error::Syntax(
+            SyntaxError::UnclosedSingleQuotedAttributeValue
+            | SyntaxError::UnclosedDoubleQuotedAttributeValue,
+        ) => "a quotation mark is missing here or before; or is the file cut off?",
+        _ => "is the file complete?",
+    }
+}
+
+/// Adds an element whose tag is not whole, up to the next tag: it holds what comes next if an end
+/// of its name comes before another beginning of it. Gives the place of the next tag.
+fn put(
+    text: &str,
+    start: usize,
+    file: &Rc<Path>,
+    open: &mut Vec<Element>,
+    root: &mut Option<Element>,
+) -> Option<usize> {
+    let behind = text.get(start + 1..)?;
+    let next = behind.find('<')?;
+    let content = behind[..next].trim_end().trim_end_matches(['/', '>']);
+    let part = |c: char| c.is_alphanumeric() || "_-:.".contains(c);
+    let length = content.find(|c| !part(c)).unwrap_or(content.len());
+    let next = start + 1 + next;
+    if !text[start..].starts_with('<') || length == 0 || open.len() >= DEEPEST {
+        return Some(next);
+    }
+    let tag = BytesStart::from_content(content, length);
+    let found = Element {
+        file: Some(Rc::clone(file)),
+        faulty: true,
+        ..element(&tag, start, &mut Vec::new())
+    };
+    let behind = &text[next..];
+    let begins = behind.find(&format!("<{}", found.name));
+    let ends = behind.find(&format!("</{}", found.name));
+    if ends.is_some_and(|ends| begins.is_none_or(|begins| ends < begins)) {
+        open.push(found);
+    } else {
+        close(found, open, root);
+    }
+    Some(next)
+}
+
 /// Whether links, joints or what defines them may be in such an element.
 fn holds_names(name: &str) -> bool {
     ["robot", "link", "joint"].contains(&name) || name.starts_with("xacro:")
@@ -186,10 +285,14 @@ fn holds_names(name: &str) -> bool {
 /// Closes the element at `place` with all in it, which are not closed.
 fn end(place: usize, open: &mut Vec<Element>, root: &mut Option<Element>, wrong: &mut Vec<Wrong>) {
     for unclosed in &open[place + 1..] {
+        let name = &unclosed.name;
+        let message = format!("not XML: <{name}> is never closed");
+        let problem = Wrong::new(message, unclosed.at);
         wrong.push(Wrong {
-            message: format!("not XML: <{}> is never closed", unclosed.name),
-            at: unclosed.at,
-            of_tags: holds_names(&unclosed.name),
+            of_tags: holds_names(name),
+            ..problem.with(format!(
+                "add </{name}> before the end of the element around it"
+            ))
         });
     }
     while open.len() > place {
@@ -249,7 +352,8 @@ fn element(tag: &BytesStart, at: usize, wrong: &mut Vec<Wrong>) -> Element {
     let before = wrong.len();
     let mut strict = tag.attributes();
     if let Some(error) = strict.find_map(Result::err) {
-        wrong.push(Wrong::new(format!("not XML: <{name}>: {error}"), at));
+        let problem = Wrong::new(format!("not XML: <{name}>: {error}"), at);
+        wrong.push(problem.with("an attribute is written name=\"value\", once per element"));
     }
     for attribute in tag.html_attributes().with_checks(false).flatten() {
         let key: &str = attribute.key.as_ref();
@@ -258,7 +362,7 @@ fn element(tag: &BytesStart, at: usize, wrong: &mut Vec<Wrong>) -> Element {
             Ok(value) => value.into_owned(),
             Err(error) => {
                 let message = format!("not XML: <{name}> {key}: {error}");
-                wrong.push(Wrong::new(message, at));
+                wrong.push(Wrong::new(message, at).with(ENTITIES));
                 value.to_owned()
             }
         };

@@ -8,6 +8,8 @@ mod evaluate;
 mod expand;
 #[path = "../../../build/src/xacro/files.rs"]
 mod files;
+#[path = "../../../build/src/xacro/folders.rs"]
+mod folders;
 #[path = "../../../build/src/xacro/format.rs"]
 mod format;
 #[path = "../../../build/src/xacro/functions.rs"]

@@ -64,6 +64,8 @@ struct Builder<'t> {
     unclosed: Vec<usize>,
     /// Where the element begins of which it was told that its end is another one.
     told: Option<usize>,
+    /// Where the link or joint begins in which this was told last.
+    told_in: Option<usize>,
     /// Whether the tags do not match somewhere: what follows from that is not told again.
     unmatched: bool,
     /// Whether entities may be declared that are not read.
@@ -107,6 +109,7 @@ impl<'t> Builder<'t> {
             apart,
             unclosed: Vec::new(),
             told: None,
+            told_in: None,
             unmatched: false,
             declared: false,
             resume: None,
@@ -204,7 +207,12 @@ impl<'t> Builder<'t> {
         if expected == name {
             self.open.pop();
         } else {
-            if !std::mem::replace(&mut self.unmatched, true) {
+            // Each link and joint ends what is open in the one before it.
+            let around = self.open.get(1).map(|&part| self.elements[part].tag.start);
+            let around = around.filter(|_| !self.apart.is_empty());
+            let other = around.is_some() && around != self.told_in;
+            if !std::mem::replace(&mut self.unmatched, true) || other {
+                self.told_in = around;
                 let begins = self.elements[last].tag.start;
                 self.told = Some(begins);
                 let line = report.line(begins);

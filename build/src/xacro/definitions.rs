@@ -1,0 +1,153 @@
+//! Where a name is defined that a file in xacro uses and does not know.
+
+use super::folders;
+use super::problem::{Lacking, Problem};
+use super::texts::Texts;
+use std::fs;
+use std::path::{Path, PathBuf};
+use urdf2fmu_core::diagnostic::Place;
+use urdf2fmu_core::encoding::xml_replaced;
+
+/// Largest file that is looked into, bytes.
+const LARGEST: u64 = 4 << 20;
+
+/// How a property begins.
+const PROPERTY: &str = "<xacro:property";
+
+/// Files of a package that are not read, with their texts, once they are asked for.
+#[derive(Default)]
+pub(super) struct Unread(Option<Vec<(PathBuf, String)>>);
+
+impl Unread {
+    fn all(&mut self, path: &Path, texts: &Texts) -> &[(PathBuf, String)] {
+        let list = || {
+            let package = folders::package(path);
+            let beside = path.parent().map(Path::to_owned);
+            let folder = package.or(beside).unwrap_or_default();
+            let known = |file: &PathBuf| {
+                let read = &mut texts.sources.read.keys();
+                read.any(|read| std::path::absolute(read).is_ok_and(|read| read == *file))
+            };
+            let wanted = |file: &PathBuf| {
+                let ending = file.extension().unwrap_or_default();
+                let small = fs::metadata(file).is_ok_and(|file| file.len() <= LARGEST);
+                (ending == "xacro" || ending == "urdf") && small && !known(file)
+            };
+            let mut files: Vec<PathBuf> = folders::files(&folder);
+            files.retain(wanted);
+            files.sort();
+            let text = |file: PathBuf| {
+                let text = xml_replaced(fs::read(&file).unwrap_or_default());
+                (file, text)
+            };
+            files.into_iter().map(text).collect()
+        };
+        self.0.get_or_insert_with(list)
+    }
+}
+
+/// Where the macro or property is defined that a problem lacks, as advice.
+///
+/// - `path`: the file that is expanded
+/// - `part`: whether files include it, which have what it lacks
+pub(super) fn advice(
+    path: &Path,
+    texts: &Texts,
+    problem: &Problem,
+    part: bool,
+    unread: &mut Unread,
+) -> Option<String> {
+    let (tag, name) = match &problem.lacking {
+        Some(Lacking::Macro(name)) => ("<xacro:macro", name),
+        Some(Lacking::Property(name)) => (PROPERTY, name),
+        _ => return None,
+    };
+    for (file, text) in &texts.sources.read {
+        let Some(at) = definition(text, tag, name) else {
+            continue;
+        };
+        let shown = file.display().to_string();
+        let line = Place::in_text(&shown, text, at..at + 1).line;
+        return Some(if *file == problem.file && at > problem.at {
+            format!("it is defined behind this, in line {line}: put the definition before its use")
+        } else {
+            format!(
+                "{shown}:{line} defines it, but later, in another macro or under a condition that \
+                 does not hold: put the definition before its use"
+            )
+        });
+    }
+    if part {
+        return None;
+    }
+    let texts = unread.all(path, texts).iter();
+    let defines = texts.filter(|(_, text)| definition(text, tag, name).is_some());
+    let files: Vec<&PathBuf> = defines.map(|(file, _)| file).collect();
+    let [file] = files[..] else {
+        /// More files than these are not shown.
+        const MOST: usize = 4;
+        if files.is_empty() {
+            return None;
+        }
+        let mut shown: Vec<String> = files
+            .iter()
+            .map(|file| file.display().to_string())
+            .collect();
+        if let more @ 1.. = shown.len().saturating_sub(MOST) {
+            shown.truncate(MOST);
+            shown.push(format!("and {more} more"));
+        }
+        return Some(format!(
+            "include one of the files that define it:\n{}",
+            shown.join("\n")
+        ));
+    };
+    let folder = path
+        .parent()
+        .and_then(|folder| std::path::absolute(folder).ok());
+    let below = folder.and_then(|folder| file.strip_prefix(folder).ok());
+    Some(format!(
+        "it is defined in a file that is not included, put before its use: \
+         <xacro:include filename=\"{}\"/>",
+        below.unwrap_or(file).display()
+    ))
+}
+
+/// Where a text defines a name, bytes, if it does outside of comments.
+fn definition(text: &str, tag: &str, name: &str) -> Option<usize> {
+    let mut tags = text.match_indices(tag);
+    let found = tags.find(|(at, _)| {
+        let behind = &text[at + tag.len()..];
+        let own = attribute(behind, "name");
+        let own = own
+            .as_deref()
+            .map(|own| own.strip_prefix("xacro:").unwrap_or(own));
+        let comment = text[..*at].rfind("<!--");
+        // Without a value a property is a block.
+        let block = tag == PROPERTY
+            && ["value", "default"]
+                .iter()
+                .all(|key| attribute(behind, key).is_none());
+        own == Some(name) && !block && comment.is_none_or(|open| text[open..*at].contains("-->"))
+    });
+    found.map(|(at, _)| at)
+}
+
+/// The value of an attribute in the text of a tag behind its name. What is searched may be a
+/// comment, and anything may stand there.
+pub(super) fn attribute(mut tag: &str, wanted: &str) -> Option<String> {
+    loop {
+        let (before, rest) = tag.split_once('=')?;
+        // The tag ends before it.
+        if before.contains('>') {
+            return None;
+        }
+        let rest = rest.trim_start();
+        let quote = rest.chars().next().filter(|c| ['"', '\''].contains(c))?;
+        let (value, behind) = rest[1..].split_once(quote)?;
+        if before.trim() == wanted {
+            return Some(value.to_owned());
+        }
+        tag = behind;
+    }
+}

@@ -1,0 +1,78 @@
+//! The files of a package, and those that are meant by a path at which there is none.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// How far above a file the folder of its package may be.
+pub const HIGHEST: usize = 6;
+
+/// Files and folders that are looked at.
+const MOST_ENTRIES: usize = 5000;
+
+/// Folders below each other that are looked into.
+const DEEPEST: usize = 8;
+
+/// The folder of the package in which a path is, whether or not there is something at it.
+pub fn package(path: &Path) -> Option<PathBuf> {
+    let path = std::path::absolute(path).ok()?;
+    let above = path.ancestors().skip(1).take(HIGHEST);
+    let mut packages = above.filter(|folder| folder.join("package.xml").is_file());
+    packages.next().map(Path::to_owned)
+}
+
+/// The files below a folder, no more than are looked at.
+pub fn files(folder: &Path) -> Vec<PathBuf> {
+    let mut found = Vec::new();
+    let mut open = vec![(folder.to_owned(), 0)];
+    let mut left = MOST_ENTRIES;
+    while let Some((folder, depth)) = open.pop() {
+        let Ok(entries) = fs::read_dir(&folder) else {
+            continue;
+        };
+        for entry in entries.flatten() {
+            let Some(rest) = left.checked_sub(1) else {
+                return found;
+            };
+            left = rest;
+            match entry.file_type() {
+                Ok(kind) if kind.is_dir() && depth < DEEPEST => {
+                    open.push((entry.path(), depth + 1));
+                }
+                Ok(kind) if kind.is_file() => found.push(entry.path()),
+                _ => {}
+            }
+        }
+    }
+    found
+}
+
+/// The one file that a path means at which there is none: with the other slash, or below another
+/// folder of the package, where it is before the package is installed.
+pub fn meant(path: &Path) -> Option<PathBuf> {
+    let shown = path.to_string_lossy();
+    if shown.contains('\\') {
+        let turned = PathBuf::from(shown.replace('\\', "/"));
+        if turned.is_file() {
+            return Some(turned);
+        }
+    }
+    let package = package(path)?;
+    let path = std::path::absolute(path).ok()?;
+    let rest = path.strip_prefix(&package).ok()?;
+    let mut found = files(&package)
+        .into_iter()
+        .filter(|file| file.ends_with(rest));
+    let only = found.next()?;
+    found.next().is_none().then_some(only)
+}
+
+/// Files of the package in which a path is that have its name.
+pub fn namesakes(path: &Path) -> Vec<PathBuf> {
+    let Some(package) = package(path) else {
+        return Vec::new();
+    };
+    let named = |file: &PathBuf| file.file_name() == path.file_name();
+    let mut found: Vec<PathBuf> = files(&package).into_iter().filter(named).collect();
+    found.sort();
+    found
+}
