@@ -1,4 +1,4 @@
-"""Reads the PNG files of the tests: 8 bits, colour, with alpha, or a palette, not interlaced (ISO/IEC 15948)."""
+"""Reads the PNG files of the tests: 8 bits, colour with or without alpha, not interlaced (ISO/IEC 15948)."""
 
 import struct
 import zlib
@@ -28,7 +28,7 @@ def read(path: Path) -> numpy.ndarray:
     content = chunks(path)
     width, height, depth, kind, _, _, interlaced = struct.unpack(">IIBBBBB", content[0][1])
     assert (depth, interlaced) == (8, 0)
-    size = {2: 3, 3: 1, 6: 4}[kind]
+    size = {2: 3, 6: 4}[kind]
     raw = zlib.decompress(b"".join(data for name, data in content if name == "IDAT"))
     rows = numpy.frombuffer(raw, dtype=numpy.uint8).reshape(height, 1 + width * size)
     # What a pixel is filtered with stands at its left, above it, and left above it. The pixels of a diagonal need only
@@ -47,21 +47,4 @@ def read(path: Path) -> numpy.ndarray:
         expected = a * by_left[here] + b * by_above[here] + (a + b) // 2 * by_mean[here] + paeth * by_paeth[here]
         found[diagonal + 2, inside] = (found[diagonal + 2, inside] + expected) & 255
     pixels = [found[y + 2:y + 2 + width, y + 1] for y in range(height)]
-    pixels = numpy.array(pixels, dtype=numpy.uint8)
-    if kind != 3:
-        return pixels
-    parts = dict(content)
-    palette = numpy.frombuffer(parts["PLTE"], dtype=numpy.uint8).reshape(-1, 3)
-    alpha = numpy.full(len(palette), 255, dtype=numpy.uint8)
-    told = numpy.frombuffer(parts.get("tRNS", b""), dtype=numpy.uint8)
-    alpha[:len(told)] = told
-    return numpy.column_stack((palette, alpha))[pixels[:, :, 0]]
-
-
-def apart(a: Path, b: Path) -> float:
-    """Root of the mean square of what two pictures with alpha differ by, as they are seen on black and in alpha."""
-    def seen(path):
-        pixels = read(path).astype(float)
-        pixels[:, :, :3] *= pixels[:, :, 3:] / 255
-        return pixels
-    return float(numpy.sqrt(((seen(a) - seen(b)) ** 2).mean()))
+    return numpy.array(pixels, dtype=numpy.uint8)

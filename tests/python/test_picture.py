@@ -393,16 +393,12 @@ def test_an_fmu_holds_its_picture_and_an_icon(export, examples, command, tmp_pat
             assert pixels.shape == (side, side, 4)
             alpha = pixels[:, :, 3] / 255
             assert 0.1 < (alpha == 1).mean() < 0.7 and (alpha == 0).mean() > 0.1
-        (tmp_path / "model.png").write_bytes(archive.read("model.png"))
-        assert len(archive.read("model.png")) < 25_000
+        whole = archive.read("model.png")
         assert b'src="../model.png"' in archive.read("documentation/index.html")
     # The same picture is taken of the FMU and of the URDF, by one thread and by several.
-    assert command("picture", fmu, "-o", tmp_path / "whole.png").returncode == 0
-    whole = (tmp_path / "whole.png").read_bytes()
-    # That in the FMU has 256 colours, which is not seen.
-    assert png.apart(tmp_path / "model.png", tmp_path / "whole.png") < 2
-    assert command("picture", examples / "rover.urdf", "-o", tmp_path / "again.png").returncode == 0
-    assert (tmp_path / "again.png").read_bytes() == whole
+    for source in (fmu, examples / "rover.urdf"):
+        assert command("picture", source, "-o", tmp_path / "again.png").returncode == 0
+        assert (tmp_path / "again.png").read_bytes() == whole
     if hasattr(os, "sched_setaffinity"):
         one = {min(os.sched_getaffinity(0))}
         subprocess.run([os.environ["URDF2FMU"], "picture", fmu, "-o", tmp_path / "one.png"], check=True,

@@ -4,7 +4,6 @@
 //! of `libm`.
 
 mod color;
-pub mod palette;
 pub mod png;
 mod read;
 mod reduce;

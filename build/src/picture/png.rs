@@ -1,7 +1,6 @@
 //! A picture as a PNG.
 
 use super::look::Picture;
-use crate::image::palette;
 use crate::image::png::{self, Rows};
 use std::collections::BTreeMap;
 use std::sync::mpsc::{Receiver, Sender, channel};
@@ -12,12 +11,6 @@ pub fn encode(picture: &Picture) -> Vec<u8> {
     let channels = channels(picture);
     let raw = raw(&picture.pixels, channels);
     png::encode(picture.width, picture.height, channels, &raw)
-}
-
-/// The same in a third of the bytes, with 256 colours, where that is not seen.
-pub fn small(picture: &Picture) -> Vec<u8> {
-    let file = palette::encode(picture.width, picture.height, &picture.pixels);
-    file.unwrap_or_else(|| encode(picture))
 }
 
 /// Numbers of a pixel that are written.

@@ -4,7 +4,7 @@ use super::camera::Camera;
 use super::frames;
 use super::light::Lights;
 use super::look::{Look, Picture, SAMPLES, Theme};
-use super::png::{encode, small, while_drawn};
+use super::png::{encode, while_drawn};
 use super::raster::Layer;
 use super::shade::{self, Seen};
 use super::solid::{Stage, World};
@@ -20,7 +20,7 @@ const ALL: [(&str, usize, bool); 3] = [
     ("documentation/frames.png", 512, true),
 ];
 
-/// Names and contents of the pictures in a robot's FMU, which show it as it starts, in few bytes.
+/// Names and contents of the pictures in a robot's FMU, which show it as it starts.
 pub fn all(scene: &Scene) -> impl Iterator<Item = (&'static str, Vec<u8>)> {
     let poses = scene::link_poses(&scene.head, |_| None);
     ALL.into_iter().map(move |(name, side, frames)| {
@@ -30,10 +30,7 @@ pub fn all(scene: &Scene) -> impl Iterator<Item = (&'static str, Vec<u8>)> {
             frames,
             ..Look::default()
         };
-        let stage = Stage::new(scene);
-        let camera = Camera::fit(stage.corners(&poses), &look);
-        let subject = Subject::new(scene, stage, &camera, &look);
-        (name, small(&subject.draw(&poses, &camera, &look)))
+        (name, still(scene, &poses, &look).0)
     })
 }
 
