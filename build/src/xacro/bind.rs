@@ -112,9 +112,7 @@ impl Expansion<'_> {
             Some(first) => problem.meant(first, left),
             None => problem,
         };
-        let meant = problem.meant.clone();
-        let meant = meant.or_else(|| self.parameters_of(found, &unknown, &lacking));
-        self.pass(Problem { meant, ..problem })
+        self.pass(problem.or_meant(|| self.parameters_of(found, &unknown, &lacking)))
     }
 
     /// What a call lacks or has too much, and where the macro says so.

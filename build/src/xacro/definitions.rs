@@ -3,46 +3,29 @@
 use super::folders;
 use super::problem::{Lacking, Problem};
 use super::texts::Texts;
-use std::fs;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use urdf2fmu_core::diagnostic::Place;
-use urdf2fmu_core::encoding::xml_replaced;
-
-/// Largest file that is looked into, bytes.
-const LARGEST: u64 = 4 << 20;
 
 /// How a property begins.
 const PROPERTY: &str = "<xacro:property";
 
 /// Files of a package that are not read, with their texts, once they are asked for.
 #[derive(Default)]
-pub(super) struct Unread(Option<Vec<(PathBuf, String)>>);
+pub(super) struct Unread(Option<BTreeMap<PathBuf, String>>);
 
 impl Unread {
-    fn all(&mut self, path: &Path, texts: &Texts) -> &[(PathBuf, String)] {
-        let list = || {
+    fn all(&mut self, path: &Path, texts: &Texts) -> &BTreeMap<PathBuf, String> {
+        self.0.get_or_insert_with(|| {
             let package = folders::package(path);
             let beside = path.parent().map(Path::to_owned);
-            let folder = package.or(beside).unwrap_or_default();
-            let known = |file: &PathBuf| {
-                let read = &mut texts.sources.read.keys();
-                read.any(|read| std::path::absolute(read).is_ok_and(|read| read == *file))
-            };
-            let wanted = |file: &PathBuf| {
-                let ending = file.extension().unwrap_or_default();
-                let small = fs::metadata(file).is_ok_and(|file| file.len() <= LARGEST);
-                (ending == "xacro" || ending == "urdf") && small && !known(file)
-            };
-            let mut files: Vec<PathBuf> = folders::files(&folder);
-            files.retain(wanted);
-            files.sort();
-            let text = |file: PathBuf| {
-                let text = xml_replaced(fs::read(&file).unwrap_or_default());
-                (file, text)
-            };
-            files.into_iter().map(text).collect()
-        };
-        self.0.get_or_insert_with(list)
+            let mut files = folders::in_xacro(&package.or(beside).unwrap_or_default());
+            let read = texts.sources.read.keys();
+            for read in read.filter_map(|read| std::path::absolute(read).ok()) {
+                files.remove(&read);
+            }
+            files
+        })
     }
 }
 
@@ -82,25 +65,10 @@ pub(super) fn advice(
     }
     let texts = unread.all(path, texts).iter();
     let defines = texts.filter(|(_, text)| definition(text, tag, name).is_some());
-    let files: Vec<&PathBuf> = defines.map(|(file, _)| file).collect();
-    let [file] = files[..] else {
-        /// More files than these are not shown.
-        const MOST: usize = 4;
-        if files.is_empty() {
-            return None;
-        }
-        let mut shown: Vec<String> = files
-            .iter()
-            .map(|file| file.display().to_string())
-            .collect();
-        if let more @ 1.. = shown.len().saturating_sub(MOST) {
-            shown.truncate(MOST);
-            shown.push(format!("and {more} more"));
-        }
-        return Some(format!(
-            "include one of the files that define it:\n{}",
-            shown.join("\n")
-        ));
+    let files: Vec<PathBuf> = defines.map(|(file, _)| file.clone()).collect();
+    let [file] = &files[..] else {
+        let files = (!files.is_empty()).then(|| folders::listed(&files));
+        return files.map(|files| format!("include one of the files that define it:\n{files}"));
     };
     let folder = path
         .parent()

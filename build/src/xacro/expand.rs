@@ -244,9 +244,7 @@ impl<'f> Expansion<'f> {
         found.ok_or_else(|| {
             let message = format!("<{}> has no attribute '{name}'", element.name);
             let problem = self.problem(message).misspelt(name, element);
-            let meant = problem.meant.clone();
-            let meant = meant.or_else(|| Some(format!("write {name}=\"…\"")));
-            Problem { meant, ..problem }
+            problem.or_meant(|| Some(format!("write {name}=\"…\"")))
         })
     }
 

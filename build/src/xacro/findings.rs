@@ -49,15 +49,16 @@ pub(super) fn all(
     // Nor is it known what a package or a file that is missing has of it.
     let of_files =
         |problem: &Problem| matches!(problem.lacking, Some(Lacking::Package(_) | Lacking::File));
-    let part = problems
-        .iter()
-        .any(|problem| of_others(problem) || of_files(problem));
-    let part = part.then(|| includers::advice(path)).flatten();
     let certain = problems.iter().any(of_others);
+    let part = certain || problems.iter().any(of_files);
+    let part = part.then(|| includers::advice(path)).flatten();
     let mut unread = Unread::default();
     let program = command::advice(path, arguments);
+    // What is said of every problem of its kind is said once.
+    let general = |help: &String| *help == program || help == DEFINE;
+    let mut told = BTreeSet::new();
     let mut list = Vec::new();
-    let (mut advised, mut define, mut parted) = (false, false, false);
+    let mut parted = false;
     let mut of_arguments = 0;
     for problem in problems {
         if let Some(Lacking::Argument(_)) = problem.lacking {
@@ -67,7 +68,6 @@ pub(super) fn all(
             }
         }
         let mut finding = finding(path, arguments, texts, (problem, &absent));
-        // The files that include this one, and the other program, are named once.
         if let Some(meant) = &problem.meant {
             finding.help = Some(match (&problem.lacking, finding.help) {
                 (Some(Lacking::Argument(_)), Some(help)) => format!("{meant}\nor {help}"),
@@ -84,7 +84,7 @@ pub(super) fn all(
         }
         if let (Some(part), true) = (&part, of_others(problem)) {
             finding.help = match (&problem.lacking, finding.help) {
-                (_, help) if parted => help.filter(|help| *help != program && help != DEFINE),
+                (_, help) if parted => help.filter(|help| !general(help)),
                 (Some(Lacking::Argument(_)), Some(help)) => Some(format!("{help}\nor {part}")),
                 (_, Some(help)) if problem.meant.is_some() || known => {
                     Some(format!("{help}\nor {part}"))
@@ -93,13 +93,8 @@ pub(super) fn all(
             };
             parted = true;
         }
-        if finding.help.as_ref() == Some(&program) {
-            finding.help = finding.help.filter(|_| !advised);
-            advised = true;
-        } else if finding.help.as_deref() == Some(DEFINE) {
-            finding.help = finding.help.filter(|_| !define);
-            define = true;
-        }
+        let help = finding.help;
+        finding.help = help.filter(|help| !general(help) || told.insert(help.clone()));
         list.push(finding);
     }
     list
@@ -128,8 +123,6 @@ fn unreadable(message: &str) -> Option<&Path> {
 
 /// Advice on a file that is not there, where files of its name are, or one of a name that is near.
 fn of_its_name(message: &str) -> Option<String> {
-    /// More files than these are not shown.
-    const MOST: usize = 4;
     let path = unreadable(message)?;
     let found = folders::namesakes(path);
     match &found[..] {
@@ -143,14 +136,10 @@ fn of_its_name(message: &str) -> Option<String> {
             Some(format!("did you mean '{}'?", folder.join(near).display()))
         }
         [only] => Some(format!("did you mean '{}'?", only.display())),
-        _ => {
-            let shown = found.iter().take(MOST);
-            let shown: Vec<String> = shown.map(|file| file.display().to_string()).collect();
-            Some(format!(
-                "did you mean one of the files of this name?\n{}",
-                shown.join("\n")
-            ))
-        }
+        _ => Some(format!(
+            "did you mean one of the files of this name?\n{}",
+            folders::listed(&found)
+        )),
     }
 }
 

@@ -1,10 +1,12 @@
 //! The files of a package, and those that are meant by a path at which there is none.
 
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
+use urdf2fmu_core::encoding::xml_replaced;
 
 /// How far above a file the folder of its package may be.
-pub const HIGHEST: usize = 6;
+const HIGHEST: usize = 6;
 
 /// Files and folders that are looked at.
 const MOST_ENTRIES: usize = 5000;
@@ -12,12 +14,19 @@ const MOST_ENTRIES: usize = 5000;
 /// Folders below each other that are looked into.
 const DEEPEST: usize = 8;
 
+/// Largest file that is looked into, bytes.
+const LARGEST: u64 = 4 << 20;
+
 /// The folder of the package in which a path is, whether or not there is something at it.
 pub fn package(path: &Path) -> Option<PathBuf> {
     let path = std::path::absolute(path).ok()?;
-    let above = path.ancestors().skip(1).take(HIGHEST);
-    let mut packages = above.filter(|folder| folder.join("package.xml").is_file());
-    packages.next().map(Path::to_owned)
+    package_of(path.parent()?).map(Path::to_owned)
+}
+
+/// The folder of the package to which a folder belongs, by the names in its path alone.
+pub fn package_of(folder: &Path) -> Option<&Path> {
+    let mut above = folder.ancestors().take(HIGHEST);
+    above.find(|folder| folder.join("package.xml").is_file())
 }
 
 /// The files below a folder, no more than are looked at.
@@ -44,6 +53,32 @@ pub fn files(folder: &Path) -> Vec<PathBuf> {
         }
     }
     found
+}
+
+/// The files in xacro below a folder, and their texts.
+pub fn in_xacro(folder: &Path) -> BTreeMap<PathBuf, String> {
+    let wanted = |path: &PathBuf| {
+        let named = |ending| path.extension().is_some_and(|own| own == ending);
+        (named("xacro") || named("urdf"))
+            && fs::metadata(path).is_ok_and(|file| file.len() <= LARGEST)
+    };
+    let files = files(folder).into_iter().filter(wanted);
+    let texts = files.map(|path| {
+        let text = xml_replaced(fs::read(&path).unwrap_or_default());
+        (path, text)
+    });
+    texts.collect()
+}
+
+/// Paths below each other; the first four, and how many more there are.
+pub fn listed(files: &[PathBuf]) -> String {
+    const MOST: usize = 4;
+    let shown = files.iter().take(MOST);
+    let mut shown: Vec<String> = shown.map(|file| file.display().to_string()).collect();
+    if let more @ 1.. = files.len().saturating_sub(MOST) {
+        shown.push(format!("and {more} more"));
+    }
+    shown.join("\n")
 }
 
 /// The one file that a path means at which there is none: with the other slash, or below another

@@ -1,30 +1,20 @@
 //! Files in xacro that include a file: which of them is the robot's, if the given file is only a
 //! part of it.
 
-use super::folders::{self, HIGHEST};
+use super::folders;
 use std::collections::{BTreeMap, BTreeSet};
-use std::fs;
 use std::path::{Path, PathBuf};
-use urdf2fmu_core::encoding::xml_replaced;
-
-/// Largest file that is looked into, bytes.
-const LARGEST: u64 = 4 << 20;
 
 /// What to give in place of a part: nothing, if no file includes it.
 pub fn advice(file: &Path) -> Option<String> {
-    /// More files than these are not shown.
-    const MOST: usize = 4;
     let files = of(file);
-    let shown = files.iter().take(MOST);
-    let mut shown: Vec<String> = shown.map(|file| file.display().to_string()).collect();
-    if shown.is_empty() {
-        return None;
-    }
-    if let more @ 1.. = files.len().saturating_sub(MOST) {
-        shown.push(format!("and {more} more"));
-    }
-    let shown = shown.join("\n");
-    Some(format!("give a file that includes this one:\n{shown}"))
+    let shown = || {
+        format!(
+            "give a file that includes this one:\n{}",
+            folders::listed(&files)
+        )
+    };
+    (!files.is_empty()).then(shown)
 }
 
 /// The files of the same package that include `file`, themselves or through others, and that no
@@ -37,11 +27,11 @@ fn of(file: &Path) -> Vec<PathBuf> {
         Some(parent) if !parent.as_os_str().is_empty() => parent,
         _ => Path::new("."),
     };
-    let package = folder
-        .ancestors()
-        .take(HIGHEST)
-        .find(|above| above.join("package.xml").is_file());
-    let included = included_names(package.unwrap_or(folder));
+    let texts = folders::in_xacro(folders::package_of(folder).unwrap_or(folder));
+    let included = texts
+        .into_iter()
+        .map(|(path, text)| (path, includes(&text)));
+    let included: BTreeMap<PathBuf, BTreeSet<String>> = included.collect();
     let mut reached: BTreeSet<&PathBuf> = BTreeSet::new();
     let mut open = vec![own.to_string_lossy().into_owned()];
     while let Some(name) = open.pop() {
@@ -63,21 +53,6 @@ fn of(file: &Path) -> Vec<PathBuf> {
         .collect();
     tops.sort_by_key(|path| (path.as_os_str().len(), path.clone()));
     tops
-}
-
-/// The files in xacro below a folder, and the names of the files that each includes.
-fn included_names(folder: &Path) -> BTreeMap<PathBuf, BTreeSet<String>> {
-    let in_xacro = |path: &PathBuf| {
-        let named = |ending| path.extension().is_some_and(|own| own == ending);
-        (named("xacro") || named("urdf"))
-            && fs::metadata(path).is_ok_and(|file| file.len() <= LARGEST)
-    };
-    let files = folders::files(folder).into_iter().filter(in_xacro);
-    let included = files.map(|path| {
-        let text = xml_replaced(fs::read(&path).unwrap_or_default());
-        (path, includes(&text))
-    });
-    included.collect()
 }
 
 /// Names of the files that a text includes, without their folders.

@@ -55,8 +55,12 @@ impl Problem {
     /// With the name of `known` that is nearest to `word`, if one is near.
     pub fn meant<'k>(self, word: &str, known: impl IntoIterator<Item = &'k str>) -> Self {
         let near = nearest(word, known);
-        let meant = near.map(|near| format!("did you mean '{near}'?"));
-        let meant = self.meant.clone().or(meant);
+        self.or_meant(|| near.map(|near| format!("did you mean '{near}'?")))
+    }
+
+    /// With what may be meant, where nothing is known of it yet.
+    pub fn or_meant(self, meant: impl FnOnce() -> Option<String>) -> Self {
+        let meant = self.meant.clone().or_else(meant);
         Self { meant, ..self }
     }
 

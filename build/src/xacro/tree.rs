@@ -8,6 +8,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::Path;
 use std::rc::Rc;
+use urdf2fmu_core::diagnostic::Place;
 use urdf2fmu_core::urdf::HARDWARE;
 
 /// Elements within each other that are read.
@@ -212,7 +213,7 @@ fn stray(text: &str, name: &str, at: usize, empty: Option<&usize>) -> Wrong {
             format!(
                 "write > in place of /> at the end of <{name} …/> in line {}, if it begins what \
                  this ends, or remove it",
-                text[..at].matches('\n').count() + 1
+                Place::in_text("", text, at..at + 1).line
             )
         },
     );
