@@ -40,12 +40,15 @@ enum Place {
 }
 
 impl Place {
-    /// Its pose where the links have these, and by what it is stretched along z.
-    fn find(&self, poses: &[Pose]) -> (Pose, f64) {
-        match self {
+    /// Its pose where the links have these, and the corners of the shape there.
+    fn put<'s>(&self, solid: &'s Solid, poses: &[Pose]) -> (Pose, impl Iterator<Item = Vec3> + 's) {
+        let (X_WG, stretch) = match self {
             Self::Link(link, X_LG) => (poses[*link].compose(X_LG), 1.0),
             Self::Between(ends) => between(ends, poses),
-        }
+        };
+        let positions = solid.positions.iter();
+        let corners = positions.map(move |p| X_WG.point(&Vec3::new(p.x, p.y, p.z * stretch)));
+        (X_WG, corners)
     }
 }
 
@@ -143,11 +146,7 @@ impl Stage {
     pub(super) fn corners<'s>(&'s self, poses: &'s [Pose]) -> impl Iterator<Item = Vec3> + 's {
         let seen = self.shapes.iter().zip(&self.surfaces);
         let seen = seen.filter(|(_, surface)| surface.alpha > 0.0);
-        seen.flat_map(|((place, solid), _)| {
-            let (X_WG, stretch) = place.find(poses);
-            let positions = solid.positions.iter();
-            positions.map(move |p| X_WG.point(&Vec3::new(p.x, p.y, p.z * stretch)))
-        })
+        seen.flat_map(|((place, solid), _)| place.put(solid, poses).1)
     }
 }
 
@@ -172,11 +171,9 @@ impl<'s> World<'s> {
             shapes: Vec::with_capacity(stage.shapes.len()),
         };
         for (at, solid) in &stage.shapes {
-            let (X_WG, stretch) = at.find(poses);
             let (base, first) = (place(world.positions.len()), world.faces.len());
-            let positions = solid.positions.iter();
-            let positions = positions.map(|p| X_WG.point(&Vec3::new(p.x, p.y, p.z * stretch)));
-            world.positions.extend(positions);
+            let (X_WG, corners) = at.put(solid, poses);
+            world.positions.extend(corners);
             let faces = solid.faces.iter().map(|face| face.map(|i| base + i));
             world.faces.extend(faces);
             world.shapes.push((X_WG, first..world.faces.len()));

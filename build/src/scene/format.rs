@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+use urdf2fmu_core::spatial::Vec3;
 
 /// Name in an FMU, below `resources/`.
 pub const FILE_NAME: &str = "scene.bin";
@@ -466,4 +467,9 @@ impl Scene {
 /// A number with as many digits as anyone sees: seven places, no "-0".
 pub(super) fn short(x: f64) -> f64 {
     (x * 1e7).round() / 1e7 + 0.0
+}
+
+/// A place with such numbers.
+pub(super) fn vector(v: &Vec3) -> [f64; 3] {
+    [short(v.x), short(v.y), short(v.z)]
 }

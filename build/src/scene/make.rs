@@ -4,7 +4,7 @@
 
 use super::format::{
     Contact, Drawn, FORMAT, Head, Joint, Link, Mesh, Motion, MotionKind, Note, Root, Scene, Shape,
-    Texture, Track, Variable, Wrench, short,
+    Texture, Track, Variable, Wrench, short, vector,
 };
 use super::mesh;
 use super::pose;
@@ -487,10 +487,6 @@ fn skeleton(head: &Head) -> Vec<Drawn> {
         }
     }
     list
-}
-
-fn vector(v: &Vec3) -> [f64; 3] {
-    [short(v.x), short(v.y), short(v.z)]
 }
 
 /// x, y, z, w.

@@ -2,7 +2,7 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
-use super::format::{End, Scene, Shape, Tie, short};
+use super::format::{End, Scene, Shape, Tie, short, vector};
 use super::mesh;
 use super::pose::link_poses;
 use urdf2fmu_core::model::{Anchor, LinkId, LoopKind, Model};
@@ -39,27 +39,24 @@ pub(super) fn add(scene: &mut Scene, model: &Model) {
             ties.push(tie(&held.name, ends, shape, None));
         }
     }
-    let mut coils = None;
-    for spring in &model.springs {
-        // One mesh is the coil of all springs.
-        let Some(mesh) = *coils.get_or_insert_with(|| {
-            let packed = mesh::pack_whole(&coil(), &[])?;
-            let mesh = mesh::append(&mut scene.body, &packed);
-            scene.head.meshes.push(mesh);
-            Some(scene.head.meshes.len() - 1)
-        }) else {
-            break;
-        };
-        let ends = spring.ends.each_ref().map(end);
-        // One without a length of its own is as long as it is at the start.
-        let length = if spring.length > 0.0 {
-            spring.length
-        } else {
-            between(&ends, &poses).1
-        };
-        let radius = short(COIL * length);
-        let scale = Some([radius, radius, 1.0]);
-        ties.push(tie(&spring.name, &spring.ends, Shape::Mesh(mesh), scale));
+    // One mesh is the coil of all springs.
+    let packed = (!model.springs.is_empty()).then(|| mesh::pack_whole(&coil(), &[]));
+    if let Some(packed) = packed.flatten() {
+        let coil = Shape::Mesh(scene.head.meshes.len());
+        let mesh = mesh::append(&mut scene.body, &packed);
+        scene.head.meshes.push(mesh);
+        for spring in &model.springs {
+            let ends = spring.ends.each_ref().map(end);
+            // One without a length of its own is as long as it is at the start.
+            let length = if spring.length > 0.0 {
+                spring.length
+            } else {
+                between(&ends, &poses).1
+            };
+            let radius = short(COIL * length);
+            let scale = Some([radius, radius, 1.0]);
+            ties.push(tie(&spring.name, &spring.ends, coil, scale));
+        }
     }
     scene.head.ties = ties;
 }
@@ -75,10 +72,9 @@ fn tie(name: &str, ends: &[Anchor; 2], shape: Shape, scale: Option<[f64; 3]>) ->
 }
 
 fn end(anchor: &Anchor) -> End {
-    let p = &anchor.X_LA.p;
     End {
         link: anchor.link.map(LinkId::index),
-        position: [short(p.x), short(p.y), short(p.z)],
+        position: vector(&anchor.X_LA.p),
     }
 }
 
@@ -103,19 +99,14 @@ pub fn between(ends: &[End; 2], poses: &[Pose]) -> (Pose, f64) {
 
 /// The triangles of a coil of the radius 1 from −½ to ½ along z, which begins and ends on the axis.
 fn coil() -> Vec<[Vec3; 3]> {
-    let place = |along: f64| {
-        // Out of the axis, and into it again, within the straight ends.
-        let out = (along.min(1.0 - along) / STRAIGHT).clamp(0.0, 1.0);
-        let angle = std::f64::consts::TAU * TURNS * along;
-        let (sin, cos) = libm::sincos(angle);
-        Vec3::new(out * cos, out * sin, along - 0.5)
-    };
     let ring = |i: u32| {
         let along = f64::from(i) / f64::from(RINGS);
-        let center = place(along);
-        // Across the wire, which goes around the axis: outwards, and along it.
         let (sin, cos) = libm::sincos(std::f64::consts::TAU * TURNS * along);
         let outwards = Vec3::new(cos, sin, 0.0);
+        // Out of the axis, and into it again, within the straight ends.
+        let out = (along.min(1.0 - along) / STRAIGHT).clamp(0.0, 1.0);
+        let center = outwards * out + Vec3::z() * (along - 0.5);
+        // Across the wire, which goes around the axis: outwards, and along it.
         (0..CORNERS).map(move |j| {
             let (sin, cos) =
                 libm::sincos(std::f64::consts::TAU * f64::from(j) / f64::from(CORNERS));
