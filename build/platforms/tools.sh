@@ -66,6 +66,15 @@ has_std() { compgen -G "$("$1" --print target-libdir --target "$2" 2>/dev/null)/
 # The standard library's sources, from which cargo can build it for any target.
 has_source() { [ -f "$("$1" --print sysroot)/lib/rustlib/src/rust/library/std/Cargo.toml" ]; }
 
+# provide NOTE PACKAGES…: installs Python packages, and notes that in a file.
+provide() {
+  if ! "$work/tools/bin/pip" --disable-pip-version-check install --quiet --only-binary :all: "${@:2}" >&2; then
+    say "pip cannot install ${*:2}"
+    exit 3
+  fi
+  echo "${*:2}" >"$work/tools/$1"
+}
+
 # What is needed for the wanted platforms, in place.
 prepare() {
   local packages=() flags name
@@ -81,18 +90,10 @@ prepare() {
   if [ "$(cat "$work/tools/pinned" 2>/dev/null)" != "${pinned[*]}" ]; then
     rm -rf "$work/tools"
     python3 -m venv "$work/tools"
-    if ! "$work/tools/bin/pip" --disable-pip-version-check install --quiet --only-binary :all: "${pinned[@]}" >&2; then
-      say "pip cannot install ${pinned[*]}"
-      exit 3
-    fi
-    echo "${pinned[*]}" >"$work/tools/pinned"
+    provide pinned "${pinned[@]}"
   fi
   if [ -n "${small:-}" ] && [ "$(cat "$work/tools/packer" 2>/dev/null)" != "$packer" ]; then
-    if ! "$work/tools/bin/pip" --disable-pip-version-check install --quiet --only-binary :all: "$packer" >&2; then
-      say "pip cannot install $packer"
-      exit 3
-    fi
-    echo "$packer" >"$work/tools/packer"
+    provide packer "$packer"
   fi
   own=$(dirname "$(command -v cargo)")
   # As build.rs: no flag of this machine counts, and messages name no folder of it.

@@ -128,12 +128,10 @@ impl Archive {
         name: impl Into<String>,
         bytes: impl Into<Vec<u8>>,
     ) -> Result<(), ArchiveError> {
-        let (bytes, deflated) = (bytes.into(), None);
-        let mode = 0o644;
         let entry = Entry {
-            bytes,
-            deflated,
-            mode,
+            bytes: bytes.into(),
+            deflated: None,
+            mode: 0o644,
         };
         self.insert(name.into(), entry)
     }
@@ -150,12 +148,10 @@ impl Archive {
         bytes: impl Into<Vec<u8>>,
         deflated: Option<&'static [u8]>,
     ) -> Result<(), ArchiveError> {
-        let bytes = bytes.into();
-        let mode = 0o755;
         let entry = Entry {
-            bytes,
+            bytes: bytes.into(),
             deflated,
-            mode,
+            mode: 0o755,
         };
         self.insert(name.into(), entry)
     }
