@@ -384,6 +384,13 @@ impl Model {
         self.outputs.driven.contains(&root)
     }
 
+    /// Whether forces can move a body: it moves, and not as inputs say.
+    pub fn yields(&self, body: BodyId) -> bool {
+        let root = self.root_of(body);
+        let driven = self.is_driven(root) && self.roots[root.index()].body == body;
+        self.bodies[body.index()].motion.kind().moves() && !driven
+    }
+
     /// The tree of a body.
     pub fn root_of(&self, body: BodyId) -> RootId {
         let before = self.roots.partition_point(|root| root.body <= body);

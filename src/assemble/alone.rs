@@ -93,6 +93,9 @@ fn assemble(
         },
     };
     bodies::add(&mut model, &base, &robot.shapes, findings);
+    if settings.driven {
+        inertia::of_driven(&mut model);
+    }
     let polygons = wheels::fit(&mut model, &robot.shapes, &robot.wheels, findings);
     initial::joints(&mut model, settings, findings);
     initial::base(&mut model, &base, settings, findings);

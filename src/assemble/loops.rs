@@ -124,13 +124,12 @@ fn unique(model: &Model, name: &str) -> String {
         .unwrap_or_default()
 }
 
-/// What a loop joins that does not move against each other; none if it does.
+/// What a loop joins that no force moves against each other; none if one does.
 fn welded(model: &Model, kind: &LoopKind) -> Option<String> {
     let ends = kind.ends()?;
     let bodies = ends.each_ref().map(|end| {
         let body = model.links[end.link?.index()].body;
-        let moves = model.bodies[body.index()].motion.kind().moves();
-        moves.then_some(body)
+        model.yields(body).then_some(body)
     });
     let called = |end: &Anchor| {
         end.link.map_or_else(
@@ -139,7 +138,8 @@ fn welded(model: &Model, kind: &LoopKind) -> Option<String> {
         )
     };
     let [a, b] = ends.each_ref().map(called);
-    (bodies[0] == bodies[1]).then(|| format!("{a} and {b}, which do not move against each other"))
+    (bodies[0] == bodies[1])
+        .then(|| format!("{a} and {b}, which no force can move against each other"))
 }
 
 /// Adds the loops and springs of the settings to a model, which is complete but for them, and

@@ -206,13 +206,8 @@ fn apart(
 ) -> Option<(&'static str, &'static str)> {
     let colliders = || tree.contact.colliders.iter().enumerate();
     let of = |link: LinkId| colliders().filter(move |(_, c)| c.link == link.index());
-    let moves = |link: LinkId| {
-        model.bodies[model.links[link.index()].body.index()]
-            .motion
-            .kind()
-            .moves()
-    };
-    let still = ("neither of them moves", "choose others");
+    let moves = |link: LinkId| model.yields(model.links[link.index()].body);
+    let still = ("no force can move either of them", "choose others");
     let (Some(a), Some(b)) = (a, b) else {
         let moving = a.or(b).is_some_and(moves);
         return (!moving).then_some(still);

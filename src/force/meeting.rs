@@ -89,13 +89,17 @@ impl Meeting<'_> {
         let rubbing = (SMOOTH_OVERLAP - overlap) / (SMOOTH_OVERLAP - DEEP_OVERLAP);
         contact.rubbing = rubbing.clamp(0.0, 1.0);
         contact.mu = friction(tree, surface, &tangential) * contact.rubbing;
+        let [load, elastic] = contact.loads(speed);
+        // An impact presses with more than the spring does, and its friction is as much quicker:
+        // with the damper of a load at rest it gave way sideways first, and when it had caught up
+        // no load was left to stop the slip.
+        let pressing = if load > elastic { load / elastic } else { 1.0 };
         contact.friction = ElastoPlastic {
             stiffness: slope,
-            damping: 2.0 * (slope * mass).sqrt(),
+            damping: 2.0 * (slope * pressing * mass).sqrt(),
             ..ElastoPlastic::default()
         };
         contact.friction.displacement = contact.recall_slip(&stored.displacement);
-        let [load, elastic] = contact.loads(speed);
         contact.carry(load);
         contact.load = load.min(elastic);
         if contact.load > 0.0 {

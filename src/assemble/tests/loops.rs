@@ -125,7 +125,7 @@ fn broken_loops_are_errors_with_their_place() {
         (
             "[[loop]]\ntype = \"ball\"\nlinks = [\"base\", \"world\"]",
             "A140",
-            "do not move",
+            "no force can move",
         ),
         (
             "[[loop]]\ntype = \"gear\"\njoints = [\"a\", \"a\"]\nratio = 2",

@@ -144,7 +144,7 @@ fn pairs_that_cannot_be_are_errors_with_their_place() {
         (
             pair("p", "\"table\"", "\"ground\""),
             "A137",
-            "neither of them moves",
+            "no force can move either of them",
         ),
         (wheels.clone(), "A137", "self_collision"),
         (apart.to_owned() + &wheels, "A137", "kept apart"),

@@ -436,3 +436,38 @@ fn what_is_driven_has_inputs_of_its_velocity() {
             .contains("'table' is driven")
     );
 }
+
+/// What is driven goes where its inputs say: it may come from a file without masses, and what could
+/// only pull it elsewhere is refused.
+#[test]
+fn what_is_driven_needs_no_mass_and_takes_no_loop_to_what_stands() {
+    let text = "[[world.object]]\nname = \"lift\"\nurdf = \"lift.urdf\"\nxyz = [2, 0, 0.5]\n\
+                driven = true";
+    let mut lift = solid(
+        "deck",
+        &Shape::Box {
+            half: Vec3::new(0.5, 0.5, 0.05),
+        },
+        0.0,
+    );
+    lift.name = "lift".into();
+    let built_up = built(text, Some(&lift));
+    assert_eq!(built_up.model.outputs.driven, [crate::model::RootId(1)]);
+    let table = "[[world.object]]\nname = \"table\"\nshape = { box = [1, 1, 0.1] }\n\
+                 xyz = [0, 3, 1]\ndriven = true";
+    let loops = [
+        "links = [\"table\", \"world\"]\ntype = \"weld\"",
+        "links = [\"lift\", \"table\"]\ntype = \"distance\"",
+    ];
+    for part in loops {
+        let text = format!("{text}\n{table}\n[[loop]]\n{part}");
+        let findings = surrounded(&text, Some(&lift)).expect_err("nothing gives way");
+        let told = findings.iter().find(|finding| finding.code == "A140");
+        let told = told.unwrap_or_else(|| panic!("{findings:?}"));
+        assert!(told.message.contains("no force can move"), "{told:?}");
+    }
+    let pair = format!("{table}\n[[outputs.pair]]\nfirst = \"table\"\nsecond = \"ground\"");
+    let findings = surrounded(&pair, None).expect_err("they never touch");
+    let told = findings.iter().find(|finding| finding.code == "A137");
+    assert!(told.is_some(), "{findings:?}");
+}
