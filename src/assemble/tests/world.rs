@@ -466,7 +466,8 @@ fn what_is_driven_needs_no_mass_and_takes_no_loop_to_what_stands() {
         let told = told.unwrap_or_else(|| panic!("{findings:?}"));
         assert!(told.message.contains("no force can move"), "{told:?}");
     }
-    let pair = format!("{table}\n[[outputs.pair]]\nfirst = \"table\"\nsecond = \"ground\"");
+    let pair =
+        format!("{table}\n[[outputs.pair]]\nname = \"p\"\nfirst = \"table\"\nsecond = \"ground\"");
     let findings = surrounded(&pair, None).expect_err("they never touch");
     let told = findings.iter().find(|finding| finding.code == "A137");
     assert!(told.is_some(), "{findings:?}");
