@@ -238,6 +238,11 @@ pub(super) fn geometries<'d>(scope: &mut Scope, node: Node<'d>) -> Vec<Geometry<
             shapes.push(child);
         }
     }
+    // What another program adds to a shape, or its own shape: `<drake:capsule>`.
+    if shapes.is_empty() {
+        let prefixed = |child: &Node| child.name().contains(':');
+        shapes.extend(geometry.children().filter(prefixed));
+    }
     if shapes.is_empty() {
         let help = format!(
             "put one of {} into it",
@@ -261,7 +266,8 @@ pub(super) fn geometries<'d>(scope: &mut Scope, node: Node<'d>) -> Vec<Geometry<
 
 /// One shape.
 fn shape<'d>(scope: &mut Scope, shape: Node<'d>) -> Option<Geometry<'d>> {
-    match shape.name() {
+    let name = shape.name();
+    match name.rsplit_once(':').map_or(name, |(_, own)| own) {
         "box" => {
             scope.known_attributes(shape, &["size"]);
             require_attribute(scope, shape, "size", "size=\"x y z\", in m");
@@ -278,14 +284,14 @@ fn shape<'d>(scope: &mut Scope, shape: Node<'d>) -> Option<Geometry<'d>> {
             let radius = length(scope, shape, "radius")?;
             Some(Geometry::Sphere { radius })
         }
-        "cylinder" | "capsule" => {
+        kind @ ("cylinder" | "capsule") => {
             scope.known_attributes(shape, &["radius", "length"]);
             let (radius, length) = (
                 length(scope, shape, "radius"),
                 length(scope, shape, "length"),
             );
             let (radius, length) = (radius?, length?);
-            Some(if shape.name() == "capsule" {
+            Some(if kind == "capsule" {
                 Geometry::Capsule { radius, length }
             } else {
                 Geometry::Cylinder { radius, length }
@@ -293,7 +299,7 @@ fn shape<'d>(scope: &mut Scope, shape: Node<'d>) -> Option<Geometry<'d>> {
         }
         "mesh" => mesh(scope, shape),
         other => {
-            let message = format!("unknown shape <{other}>");
+            let message = format!("unknown shape <{name}>");
             let help = match did_you_mean(other, SHAPES) {
                 help if help.is_empty() => format!("known shapes are {}", SHAPES.join(", ")),
                 help => help,
