@@ -132,3 +132,30 @@ fn what_a_wrong_name_leaves_out_is_looked_into() {
         .collect();
     assert_eq!(codes, ["U017", "U015"], "{list:?}");
 }
+
+/// A `<collision>` behind a `<visual>` without its end was a part of it, and so was its fault.
+#[test]
+fn a_part_of_a_link_behind_one_without_an_end_is_looked_into() {
+    let folder = tempfile::tempdir().unwrap();
+    let lines = [
+        "<robot name='r'><link name='a'><visual>",
+        "<geometry><box size='1 1 1'/></geometry></visual>",
+        "<collision><geometry><sphere radius='1'/></geometry></collision></link>",
+        "</robot>",
+    ];
+    let whole = lines.join("\n");
+    assert!(findings(&write(folder.path(), "r.urdf", &whole), &[]).0);
+    let open = whole.replace("</visual>", "");
+    let list = findings(&write(folder.path(), "r.urdf", &open), &[]).1;
+    let errors = of_severity(&list, "error");
+    assert_eq!(errors.len(), 1, "{list:?}");
+    assert_eq!(errors[0]["line"], 1);
+    assert_eq!(
+        errors[0]["help"],
+        "add </visual> before the next <collision>"
+    );
+    // Its own fault is told in the same run.
+    let both = open.replace("radius", "raduis");
+    let list = findings(&write(folder.path(), "r.urdf", both), &[]).1;
+    assert_eq!(places(&list), [1, 3], "{list:?}");
+}

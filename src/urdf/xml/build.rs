@@ -51,6 +51,9 @@ impl<'t> Document<'t> {
     }
 }
 
+/// Parts of a link, which never lie in each other.
+const PARTS: [&str; 3] = ["inertial", "visual", "collision"];
+
 #[expect(clippy::struct_excessive_bools, reason = "each is found out by itself")]
 struct Builder<'t> {
     text: &'t str,
@@ -242,6 +245,20 @@ impl<'t> Builder<'t> {
             return;
         };
         let outer = self.name(around);
+        if let Some(&part) = self.open.get(2)
+            && self.apart.contains(&outer)
+            && [name, self.name(part)]
+                .iter()
+                .all(|name| PARTS.contains(name))
+        {
+            let outer = self.name(part);
+            let message = format!("not XML: <{outer}> is never closed");
+            let help = format!("add </{outer}> before the next <{name}>");
+            report.error("U003", self.elements[part].tag.clone(), message, help);
+            self.unmatched = true;
+            self.open.truncate(2);
+            return;
+        }
         let holds = HARDWARE.contains(&outer);
         let begins = self.elements[around].tag.start;
         let ends = self.apart.contains(&outer) || self.unclosed.contains(&begins) && !holds;
