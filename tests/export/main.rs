@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a test may fail")]
 #![allow(missing_docs, reason = "tests say it in their names")]
 
+mod arguments;
 mod check;
 mod cli;
 mod elsewhere;

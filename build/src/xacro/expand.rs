@@ -305,7 +305,7 @@ impl<'f> Expansion<'f> {
                 self.texts.sources.there(path)
             };
             let (root, wrong) = match self.texts.sources.root(&path) {
-                Err(problem) if matches!(problem.lacking, Some(Lacking::File)) => {
+                Err(problem) if matches!(problem.lacking, Some(Lacking::File(_))) => {
                     if optional {
                         continue;
                     }

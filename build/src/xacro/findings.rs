@@ -7,6 +7,7 @@ use super::includers;
 use super::problem::{Lacking, Problem};
 use super::sources::NAMELESS;
 use super::texts::Texts;
+use super::values::Launches;
 use std::collections::BTreeSet;
 use std::path::Path;
 use urdf2fmu_core::diagnostic::{Diagnostic, Place, Severity, nearest};
@@ -47,8 +48,12 @@ pub(super) fn all(
         )
     };
     // Nor is it known what a package or a file that is missing has of it.
-    let of_files =
-        |problem: &Problem| matches!(problem.lacking, Some(Lacking::Package(_) | Lacking::File));
+    let of_files = |problem: &Problem| {
+        matches!(
+            problem.lacking,
+            Some(Lacking::Package(_) | Lacking::File(_))
+        )
+    };
     let certain = problems.iter().any(of_others);
     let part = certain || problems.iter().any(of_files);
     let part = part.then(|| includers::advice(path)).flatten();
@@ -113,17 +118,8 @@ pub(super) fn maybe(texts: &Texts, problems: &[Problem]) -> Vec<Diagnostic> {
     problems.iter().map(finding).collect()
 }
 
-/// The path in a problem of a file that cannot be read.
-fn unreadable(message: &str) -> Option<&Path> {
-    let (path, _) = message.split_once(" cannot be read")?;
-    Some(Path::new(
-        path.strip_prefix("the included file ").unwrap_or(path),
-    ))
-}
-
 /// Advice on a file that is not there, where files of its name are, or one of a name that is near.
-fn of_its_name(message: &str) -> Option<String> {
-    let path = unreadable(message)?;
+fn of_its_name(path: &Path) -> Option<String> {
     let found = folders::namesakes(path);
     match &found[..] {
         [] => {
@@ -159,10 +155,9 @@ pub(super) fn moved(texts: &Texts) -> Vec<Diagnostic> {
 }
 
 /// Advice on a file that is not there, where a part of its path is the value of an argument.
-fn of_argument(texts: &Texts, message: &str) -> Option<String> {
+fn of_argument(texts: &Texts, path: &Path) -> Option<String> {
     /// More names than these are not shown.
     const MOST: usize = 8;
-    let path = unreadable(message)?;
     // The first part that is not there.
     let there = path.ancestors().find(|folder| folder.is_dir())?;
     let part = path.strip_prefix(there).ok()?.iter().next()?;
@@ -237,7 +232,19 @@ fn finding(
             })
             .collect();
         let listed: Vec<String> = lacking.iter().map(|name| format!("'{name}'")).collect();
-        let call: Vec<String> = lacking.iter().map(|name| format!("{name}:=…")).collect();
+        let mut launches = Launches::default();
+        let mut reasons = String::new();
+        let mut call = Vec::new();
+        for name in &lacking {
+            let read = texts.sources.read.values().map(|text| &**text);
+            let known = launches.known(path, name, read);
+            let value = known.as_ref().map_or("…", |known| &known.value);
+            call.push(format!("{name}:={value}"));
+            if let Some(known) = known {
+                reasons.push('\n');
+                reasons.push_str(&known.reason);
+            }
+        }
         let before: String = arguments
             .iter()
             .flat_map(|argument| [" ", argument])
@@ -251,22 +258,28 @@ fn finding(
             format!("{name}: {}", problem.message)
         };
         let help = format!(
-            "give them after the file: {name}{before} {}",
+            "give them after the file: {name}{before} {}{reasons}",
             call.join(" ")
         );
         (message, help)
     } else if let Some(Lacking::Package(package)) = &problem.lacking {
         (
             format!("{name} cannot be expanded: {}", problem.message),
-            format!(
-                "pass --package {package}=DIR, or --package-path DIR where DIR holds the folder '{package}'"
+            texts.sources.package_in_small_letters(package).map_or_else(
+                || {
+                    format!(
+                        "pass --package {package}=DIR, or --package-path DIR where DIR holds the \
+                         folder '{package}'"
+                    )
+                },
+                |folder| format!("pass --package {package}={}", folder.display()),
             ),
         )
     } else {
         let empty = empty_arguments(texts, arguments);
-        let help = match problem.lacking {
+        let help = match &problem.lacking {
             // No other program finds it either.
-            Some(Lacking::File) if !empty.is_empty() && problem.message.contains(NAMELESS) => {
+            Some(Lacking::File(_)) if !empty.is_empty() && problem.message.contains(NAMELESS) => {
                 let call: Vec<String> = empty.iter().map(|name| format!("{name}:=FILE")).collect();
                 format!(
                     "arguments that are empty unless they are given: {}; call {name} {}, or give a \
@@ -275,8 +288,8 @@ fn finding(
                     call.join(" ")
                 )
             }
-            Some(Lacking::File) => of_argument(texts, &problem.message)
-                .or_else(|| of_its_name(&problem.message))
+            Some(Lacking::File(path)) => of_argument(texts, path)
+                .or_else(|| of_its_name(path))
                 .unwrap_or_else(|| {
                     "put the file there, or correct the path; a relative one counts from the \
                      folder of the file that is read"

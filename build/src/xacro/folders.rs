@@ -81,8 +81,9 @@ pub fn listed(files: &[PathBuf]) -> String {
     shown.join("\n")
 }
 
-/// The one file that a path means at which there is none: with the other slash, or below another
-/// folder of the package, where it is before the package is installed.
+/// The one file that a path means at which there is none: with the other slash, below another
+/// folder of the package, where it is before the package is installed, or in other upper and lower
+/// case.
 pub fn meant(path: &Path) -> Option<PathBuf> {
     let shown = path.to_string_lossy();
     if shown.contains('\\') {
@@ -91,12 +92,29 @@ pub fn meant(path: &Path) -> Option<PathBuf> {
             return Some(turned);
         }
     }
-    let package = package(path)?;
     let path = std::path::absolute(path).ok()?;
+    let Some(package) = package(&path) else {
+        return in_other_case(&path);
+    };
     let rest = path.strip_prefix(&package).ok()?;
     let mut found = files(&package)
         .into_iter()
         .filter(|file| file.ends_with(rest));
+    match (found.next(), found.next()) {
+        (None, _) => in_other_case(&path),
+        (only, None) => only,
+        _ => None,
+    }
+}
+
+/// The one file of a folder whose name is that of a path in other upper and lower case.
+fn in_other_case(path: &Path) -> Option<PathBuf> {
+    let own = path.file_name()?.to_string_lossy().to_lowercase();
+    let entries = fs::read_dir(path.parent()?).ok()?.flatten();
+    let mut found = entries.map(|entry| entry.path()).filter(|path| {
+        let name = path.file_name();
+        path.is_file() && name.is_some_and(|name| name.to_string_lossy().to_lowercase() == own)
+    });
     let only = found.next()?;
     found.next().is_none().then_some(only)
 }

@@ -30,6 +30,7 @@ mod symbols;
 mod texts;
 mod tree;
 mod value;
+mod values;
 mod yaml;
 
 pub use command::urdf_name;
@@ -235,13 +236,13 @@ pub fn expand(
 
 /// Names the files that include this one where a finding is about what they may have: links.
 pub fn name_includers(path: &Path, findings: &mut [Diagnostic]) {
-    let of_links = |finding: &&mut Diagnostic| ["U010", "U016"].contains(&finding.code);
+    let of_links = |finding: &&mut Diagnostic| ["U007", "U010", "U016"].contains(&finding.code);
     if let Some(first) = findings.iter_mut().find(of_links)
         && let Some(advice) = includers::advice(path)
     {
         first.help = Some(match (first.code, first.help.take()) {
-            // A name that is near to the one that does not exist.
-            ("U016", Some(help)) => format!("{help}\nor {advice}"),
+            // A name that is near to the one that does not exist, or what else the file may be.
+            ("U007" | "U016", Some(help)) => format!("{help}\nor {advice}"),
             _ => advice,
         });
     }

@@ -24,8 +24,8 @@ pub struct Problem {
 pub enum Lacking {
     /// The value of an argument, by its name.
     Argument(String),
-    /// A file.
-    File,
+    /// A file, by its path.
+    File(PathBuf),
     /// A package, by its name.
     Package(String),
     /// A property.
@@ -95,7 +95,7 @@ impl Problem {
         self.lacking == other.lacking
             && match self.lacking {
                 None | Some(Lacking::Tag) => here && self.message == other.message,
-                Some(Lacking::File) => self.message == other.message,
+                Some(Lacking::File(_)) => self.message == other.message,
                 Some(_) => true,
             }
     }

@@ -161,7 +161,7 @@ impl<'f> Sources<'f> {
             path.display().to_string()
         };
         let absent = |error: String| Problem {
-            lacking: Some(Lacking::File),
+            lacking: Some(Lacking::File(path.to_owned())),
             ..self.problem(format!("{name} cannot be read: {error}"))
         };
         // Who opens a pipe waits for someone to write to it.
@@ -199,7 +199,7 @@ impl<'f> Sources<'f> {
             return path;
         };
         let moved = Problem {
-            lacking: Some(Lacking::File),
+            lacking: Some(Lacking::File(path.clone())),
             ..self.problem(format!(
                 "there is no file {}: {} is read in its place",
                 path.display(),
@@ -224,6 +224,13 @@ impl<'f> Sources<'f> {
         let folder = std::path::absolute(&folder).unwrap_or(folder);
         let shown = folder.display().to_string();
         shown.trim_end_matches('/').to_owned()
+    }
+
+    /// The folder of the package whose name is another one in small letters, as all are named.
+    pub fn package_in_small_letters(&self, name: &str) -> Option<PathBuf> {
+        let small = name.to_lowercase();
+        let folder = (small != name).then(|| (self.find)(&small))??;
+        Some(std::path::absolute(&folder).unwrap_or(folder))
     }
 
     /// The folder of a package.

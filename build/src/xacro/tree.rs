@@ -198,7 +198,10 @@ pub fn parse(text: &str, file: &Path) -> (Option<Element>, Vec<Wrong>) {
         }
     }
     if root.is_none() && wrong.is_empty() {
-        wrong.push(Wrong::new("not XML: there is no element".to_owned(), 0));
+        let none = Wrong::new("not XML: there is no element".to_owned(), 0);
+        wrong.push(none.with(
+            "a file in xacro has one element around all others: <robot name=\"…\">…</robot>",
+        ));
     }
     (root, wrong)
 }

@@ -1,0 +1,125 @@
+//! Values for arguments that have none: those that the launch files of the package give.
+
+use super::definitions::attribute;
+use super::folders;
+use std::fs;
+use std::path::{Path, PathBuf};
+use urdf2fmu_core::encoding::xml_replaced;
+
+/// Larger files are not looked into, bytes.
+const LARGEST: u64 = 1 << 20;
+
+/// How a condition of xacro begins.
+const CONDITIONS: [&str; 2] = ["<xacro:if", "<xacro:unless"];
+
+/// A value that an argument may have.
+#[derive(Debug, PartialEq)]
+pub(super) struct Known {
+    pub value: String,
+    /// Why it may have it.
+    pub reason: String,
+}
+
+/// Files of a package that may give values, with their texts, once they are asked for.
+#[derive(Default)]
+pub(super) struct Launches(Option<Vec<(PathBuf, String)>>);
+
+impl Launches {
+    fn all(&mut self, path: &Path) -> &[(PathBuf, String)] {
+        self.0.get_or_insert_with(|| {
+            let folder = folders::package(path);
+            let mut files = folders::files(&folder.unwrap_or_default());
+            files.sort();
+            let wanted = |path: &PathBuf| {
+                let named = |ending| path.extension().is_some_and(|own| own == ending);
+                ["launch", "xml", "py", "xacro"].into_iter().any(named)
+                    && fs::metadata(path).is_ok_and(|file| file.len() <= LARGEST)
+            };
+            let texts = files.into_iter().filter(wanted).map(|path| {
+                let text = xml_replaced(fs::read(&path).unwrap_or_default());
+                (path, text)
+            });
+            texts.collect()
+        })
+    }
+
+    /// A value of the argument `name` of the file `path`.
+    ///
+    /// - `read`: texts that use the argument
+    pub(super) fn known<'t>(
+        &mut self,
+        path: &Path,
+        name: &str,
+        mut read: impl Iterator<Item = &'t str>,
+    ) -> Option<Known> {
+        for way in [called, declared, of_xacro] {
+            let found = self.all(path).iter().find_map(|(file, text)| {
+                let value = way(text, name)?;
+                let reason = format!("{name}:={value} is what {} gives", file.display());
+                Some(Known { value, reason })
+            });
+            if found.is_some() {
+                return found;
+            }
+        }
+        read.any(|text| is_condition(text, name)).then(|| Known {
+            value: "false".to_owned(),
+            reason: format!("{name} is a condition: true or false"),
+        })
+    }
+}
+
+/// What a call of the xacro program gives.
+fn called(text: &str, name: &str) -> Option<String> {
+    places(text, &format!("{name}:=")).find_map(|behind| {
+        let behind = behind.strip_prefix(['"', '\'']).unwrap_or(behind);
+        let end = behind.find(|c: char| c.is_whitespace() || "\"'>,)".contains(c));
+        plain(&behind[..end?])
+    })
+}
+
+/// The default of an argument of a launch file that a call passes on.
+fn declared(text: &str, name: &str) -> Option<String> {
+    places(text, &format!("{name}:=")).next()?;
+    let quoted = ['"', '\''].map(|quote| format!("{quote}{name}{quote}"));
+    let mut behind = quoted.iter().flat_map(|name| text.split(name).skip(1));
+    behind.find_map(|behind| {
+        let own = behind.split(['>', ')']).next()?;
+        let value = own.split_once("default")?.1;
+        let value = value.strip_prefix("_value").unwrap_or(value).trim_start();
+        let value = value.strip_prefix('=')?.trim_start();
+        let quote = value.chars().next().filter(|c| "\"'".contains(*c))?;
+        plain(value[1..].split(quote).next()?)
+    })
+}
+
+/// The default that another file in xacro declares.
+fn of_xacro(text: &str, name: &str) -> Option<String> {
+    let mut tags = text.split("<xacro:arg").skip(1);
+    tags.find_map(|tag| {
+        let own = attribute(tag, "name").as_deref() == Some(name);
+        plain(&own.then(|| attribute(tag, "default"))??)
+    })
+}
+
+/// Whether a text has a condition that is an argument and nothing else.
+fn is_condition(text: &str, name: &str) -> bool {
+    let wanted = format!("$(arg {name})");
+    CONDITIONS.iter().any(|start| {
+        let mut tags = text.split(start).skip(1);
+        tags.any(|tag| attribute(tag, "value").as_ref() == Some(&wanted))
+    })
+}
+
+/// What stands behind a word, not behind another one that ends alike.
+fn places<'t>(text: &'t str, word: &'t str) -> impl Iterator<Item = &'t str> {
+    let whole = |at: usize| !text[..at].ends_with(|c: char| c.is_alphanumeric() || c == '_');
+    let found = text.match_indices(word).filter(move |(at, _)| whole(*at));
+    found.map(|(at, word)| &text[at + word.len()..])
+}
+
+/// A value that is neither empty nor computed.
+fn plain(value: &str) -> Option<String> {
+    let letters = |c: char| c.is_alphanumeric() || "_-+./".contains(c);
+    (!value.is_empty() && value.chars().all(letters)).then(|| value.to_owned())
+}
