@@ -1,8 +1,8 @@
 //! What a file in xacro lacks, with what its package says of it: values of arguments, files and
-//! packages in other letters, and a file without an element.
+//! packages in other letters, a file without an element, and macros without an end.
 
 use super::packages::field;
-use super::people::{findings, write};
+use super::people::{findings, of_severity, write};
 use super::*;
 
 const ROOT: &str = "<robot xmlns:xacro='http://wiki.ros.org/xacro' name='r'>";
@@ -114,4 +114,24 @@ fn a_file_without_an_element_and_one_with_another_root_are_told_as_such() {
         "{help}"
     );
     assert!(help.contains("whole.xacro"), "{help}");
+}
+
+/// Macros that call themselves within calls that are wrong went on for seconds: each wrong call was
+/// told, or known, and the next looked into.
+#[test]
+fn macros_that_call_themselves_within_wrong_calls_end_soon() {
+    let folder = tempfile::tempdir().unwrap();
+    let wrong = "<xacro:none/>".repeat(3);
+    let calls = "<xacro:ab><xacro:b/></xacro:ab>".repeat(3);
+    let content = format!(
+        "<xacro:macro name='a' params='*k'>{calls}<xacro:a/></xacro:macro>\
+         <xacro:macro name='b' params='*k'>{wrong}</xacro:macro>\
+         <xacro:macro name='ab' params=''><xacro:none y='${{y}}'/></xacro:macro><xacro:a/>"
+    );
+    let file = write(folder.path(), "r.xacro", robot(&content));
+    let start = std::time::Instant::now();
+    let (ok, list) = findings(&file, &[]);
+    assert!(!ok && !of_severity(&list, "error").is_empty(), "{list:?}");
+    let seconds = start.elapsed().as_secs_f64();
+    assert!(seconds < 20.0, "{seconds} s");
 }

@@ -9,7 +9,7 @@
 use super::files::matching;
 use super::macros::{Macro, Macros};
 use super::parameter::parameters;
-use super::problem::{Done, Lacking, Problem};
+use super::problem::{Done, Lacking, Problem, Weight};
 use super::sources::{Find, Sources};
 use super::symbols::Entry;
 use super::texts::Texts;
@@ -25,6 +25,10 @@ const DEEPEST: usize = 100;
 /// Elements that a document may grow to.
 const MOST_ELEMENTS: usize = 1_000_000;
 
+/// Elements and calls that are looked into after something wrong was met. Macros that call
+/// themselves within calls which are wrong would go on for seconds, without anything new to tell.
+const MOST_AFTER: usize = 20_000;
+
 /// The state of an expansion.
 pub struct Expansion<'f> {
     pub texts: Texts<'f>,
@@ -38,6 +42,8 @@ pub struct Expansion<'f> {
     pub whole: bool,
     pub(super) macros: Macros,
     elements: usize,
+    /// Elements and calls since something wrong was met.
+    after: usize,
     pub(super) depth: usize,
     /// Whether something of the present element is left out.
     pub(super) faulty: bool,
@@ -53,6 +59,7 @@ impl<'f> Expansion<'f> {
             whole: true,
             macros: Macros::new(),
             elements: 0,
+            after: 0,
             depth: 0,
             faulty: false,
         }
@@ -83,6 +90,25 @@ impl<'f> Expansion<'f> {
         self.texts.sources.problem(message)
     }
 
+    /// Counts an element or a call.
+    ///
+    /// # Errors
+    /// After too many of them since something wrong was met: enough was told.
+    fn step(&mut self) -> Done<()> {
+        if self.problems.is_empty() && !self.supposed {
+            return Ok(());
+        }
+        self.after += 1;
+        if self.after <= MOST_AFTER {
+            return Ok(());
+        }
+        let weight = Weight::Enough;
+        Err(Problem {
+            weight,
+            ..self.texts.sources.follows()
+        })
+    }
+
     /// An element with all that is in it, expanded.
     pub(super) fn element(
         &mut self,
@@ -91,6 +117,7 @@ impl<'f> Expansion<'f> {
         scope: usize,
     ) -> Done<Element> {
         self.texts.sources.at = element.at;
+        self.step()?;
         self.elements += 1;
         if self.elements > MOST_ELEMENTS {
             let problem = self.problem(format!("more than {MOST_ELEMENTS} elements"));
@@ -407,6 +434,7 @@ impl<'f> Expansion<'f> {
         attributes: &mut Vec<(String, String)>,
         out: &mut Vec<Node>,
     ) -> Done<()> {
+        self.step()?;
         let found = self
             .macros
             .resolve(name, (macros, scope), &self.texts.symbols);
