@@ -1,7 +1,9 @@
 //! What each output depends on while the FMU initialises.
 //!
 //! Positions and velocities depend on the initial values only; accelerations, efforts, contact
-//! forces and energies follow from the dynamics and may depend on everything. Outputs between steps
+//! forces and energies follow from the dynamics and may depend on everything. So does the pose of a
+//! base that is set down: it sinks and tilts as the ground carries it, by its weight and whatever
+//! else acts on it. Outputs between steps
 //! depend on nothing that an importer sets at that time (see [`crate::describe`]).
 
 use urdf2fmu_core::model::{BodyId, JointId, JointKind, Model};
@@ -16,6 +18,9 @@ pub fn initial_dependencies(
     output: OutputSlot,
 ) -> Option<Vec<usize>> {
     let follows = Follows::new(model, output)?;
+    if follows.has_pose() && model.roots.iter().any(|root| root.set_down) {
+        return None;
+    }
     Some(
         (1..)
             .zip(table)
@@ -58,7 +63,7 @@ pub fn dependencies(table: &[Variable], row: &Variable) -> Option<Vec<usize>> {
                 _ => None,
             }
         }
-        // What follows from positions and velocities.
+        // What follows from positions and velocities alone; gravity counts for energies, too.
         O::BasePosition(..)
         | O::BaseOrientation(..)
         | O::BaseRpy(..)
@@ -71,8 +76,6 @@ pub fn dependencies(table: &[Variable], row: &Variable) -> Option<Vec<usize>> {
         | O::LinkOrientation(..)
         | O::LinkLinearVelocity(..)
         | O::LinkAngularVelocity(..)
-        | O::EnergyKinetic
-        | O::EnergyPotential
         | O::SpringLength(_)
         | O::SpringForce(..)
         | O::Sensor(
@@ -235,6 +238,11 @@ impl Follows {
         })
     }
 
+    /// Whether the pose of a base matters.
+    fn has_pose(self) -> bool {
+        self.base_position || self.base_rpy
+    }
+
     fn parameter(self, slot: ParameterSlot) -> bool {
         match slot {
             ParameterSlot::InitialBasePosition(..) => self.base_position,
@@ -245,5 +253,70 @@ impl Follows {
             ParameterSlot::InitialJointVelocity(joint) => self.joint_velocities.has(joint),
             _ => false,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{dependencies, initial_dependencies};
+    use std::path::Path;
+    use urdf2fmu_core::model::Interface;
+    use urdf2fmu_core::settings::Settings;
+    use urdf2fmu_core::simulation::OutputSlot;
+    use urdf2fmu_core::urdf::{ReadOptions, read};
+    use urdf2fmu_core::variables::{Slot, Variable, table};
+    use urdf2fmu_core::{assemble, model::Model};
+
+    /// The rover, whose base begins at a height, m, or is set down.
+    fn rover(height: Option<f64>) -> (Model, Vec<Variable>) {
+        let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/rover.urdf");
+        let robot = read(&file, &ReadOptions::default()).expect("a robot");
+        let mut settings = Settings::default();
+        settings.fmu.interface = Interface::Both;
+        settings.initial.z = height;
+        let model = assemble::build(&robot, &settings).expect("a model").model;
+        let table = table(&model).expect("a table");
+        (model, table)
+    }
+
+    fn slot(table: &[Variable], name: &str) -> OutputSlot {
+        match table
+            .iter()
+            .find(|v| v.name == name)
+            .expect("a variable")
+            .slot
+        {
+            Slot::Output(slot) => slot,
+            other => panic!("{name} is {other:?}"),
+        }
+    }
+
+    #[test]
+    fn the_initial_pose_of_a_base_that_is_set_down_follows_everything() {
+        let count = |height: Option<f64>, name: &str| {
+            let (model, table) = rover(height);
+            let found = initial_dependencies(&model, &table, slot(&table, name));
+            found.map(|list| list.len())
+        };
+        for name in ["base.position.x", "base.orientation.x", "base.rpy.roll"] {
+            assert_eq!(count(None, name), None, "{name}");
+            assert_eq!(count(Some(1.0), name), Some(3), "{name}");
+        }
+        // No joint moves while it sinks.
+        let joint = "joint.left_front_wheel_joint.position";
+        assert_eq!(count(None, joint), Some(1));
+        assert_eq!(count(None, "base.linear_velocity.x"), Some(3));
+    }
+
+    #[test]
+    fn energies_may_follow_everything_and_poses_follow_states() {
+        let (_, table) = rover(None);
+        let found = |name: &str| {
+            let row = table.iter().find(|v| v.name == name).expect("a variable");
+            dependencies(&table, row)
+        };
+        assert_eq!(found("energy.kinetic"), None);
+        assert_eq!(found("energy.potential"), None);
+        assert!(found("base.rpy.roll").is_some());
     }
 }

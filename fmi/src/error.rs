@@ -60,7 +60,8 @@ pub(crate) enum FmiError {
     #[error("continuous state {index} must be a finite number, not {}", Digits(*value))]
     StateValue { index: usize, value: f64 },
     #[error(
-        "partial derivatives by '{name}' are not offered: they are by continuous states and inputs"
+        "partial derivatives by '{name}' are not offered here: they are by continuous states and inputs, \
+         and in initialization mode by inputs and parameters that may change"
     )]
     NotKnown { name: String },
     #[error("partial derivatives of '{name}' are not offered: they are of outputs and derivatives")]

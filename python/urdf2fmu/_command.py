@@ -15,11 +15,11 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, Union
 
-from ._settings import to_toml
+from ._settings import plain, to_toml
 
 PathLike = Union[str, "os.PathLike[str]"]
 """A file's name."""
-Option = Union[None, bool, float, str, "os.PathLike[str]", Sequence[Any]]
+Option = Union[None, bool, float, str, "os.PathLike[str]", Sequence[Any], Mapping[str, Any]]
 """A value of an option of the command."""
 Settings = Union[str, "os.PathLike[str]", Mapping[str, Any]]
 """A settings file, or what would stand in it."""
@@ -75,8 +75,12 @@ def run(*arguments: str | os.PathLike[str], accept: Sequence[int] = (0,)) -> str
     """
     # Colours and the progress of a terminal are not for programs.
     environment = {**os.environ, "NO_COLOR": "1"}
-    done = subprocess.run([command(), *(os.fspath(a) for a in arguments)], capture_output=True, text=True, encoding="utf-8",
-                          errors="replace", stdin=subprocess.DEVNULL, env=environment, check=False)
+    try:
+        done = subprocess.run([command(), *(os.fspath(a) for a in arguments)], capture_output=True, text=True,
+                              encoding="utf-8", errors="replace", stdin=subprocess.DEVNULL, env=environment, check=False)
+    except (OSError, ValueError) as error:
+        # A name with a zero in it, or half of a letter, is that of no file and no option.
+        raise Error(f"the command cannot be run with what it is given: {error}") from None
     if done.returncode not in accept:
         text = done.stderr.strip() or f"urdf2fmu ended with exit code {done.returncode}"
         raise Error(text, exit_code=done.returncode)
@@ -88,6 +92,9 @@ def arguments(options: Mapping[str, Option]) -> list[str]:
 
     `fixed_base=True` becomes `--fixed-base`, a list repeats its option, and None and False are left out.
     `xacro_arguments` is a mapping or a list of `name:=value`.
+
+    Raises:
+        Error: for what only the command line has, and for a mapping elsewhere.
     """
     out: list[str] = []
     for name, value in options.items():
@@ -95,29 +102,35 @@ def arguments(options: Mapping[str, Option]) -> list[str]:
             out += [f"{k}:={v}" for k, v in value.items()] if isinstance(value, Mapping) else list(_list(value))
             continue
         flag = "--" + name.strip("_").replace("_", "-")
+        if flag in ("--help", "--version"):
+            raise Error(f"{flag} is for the command line; in Python, help(urdf2fmu) tells of the package")
+        if isinstance(value, Mapping):
+            raise Error(f"{name} takes one value or a list of them, and no dict: {value!r}")
         # numpy's truth values are not Python's, and its arrays no lists.
         value = getattr(value, "tolist", lambda given=value: given)()
         if value is True:
             out.append(flag)
         elif value is not None and value is not False:
-            for item in _list(value):
-                out += [flag, item]
+            # In one word, so that the command names the option whose value it refuses.
+            out += [f"{flag}={item}" for item in _list(value)]
     return out
 
 
 def _list(value: Option) -> Iterator[str]:
     several = isinstance(value, Iterable) and not isinstance(value, (str, bytes))
     for item in value if several else [value]:  # type: ignore[union-attr]
-        yield os.fspath(item) if isinstance(item, os.PathLike) else str(item)
+        yield os.fspath(item) if isinstance(item, os.PathLike) else str(plain(item))
 
 
 def file_name(robot: PathLike) -> str:
     """A file's name that the command takes for no option.
 
     Raises:
-        Error: if it is empty.
+        Error: if it is empty, or neither a text nor a path.
     """
-    name = os.fspath(robot)
+    name = os.fspath(robot) if isinstance(robot, (str, os.PathLike)) else None
+    if not isinstance(name, str):
+        raise Error(f"the name of a file is a text or a path, not {robot!r}")
     if not name:
         raise Error("the name of the robot's file is empty")
     return os.path.join(os.curdir, name) if name.startswith("-") else name
@@ -131,10 +144,13 @@ def settings(config: Settings | None) -> Iterator[list[str]]:
     elif isinstance(config, Mapping):
         with tempfile.TemporaryDirectory(prefix="urdf2fmu-") as folder:
             place = Path(folder, "settings.toml")
-            place.write_text(to_toml(config), encoding="utf-8")
+            try:
+                place.write_text(to_toml(config), encoding="utf-8")
+            except (TypeError, ValueError) as error:
+                raise Error(f"the settings cannot be written as TOML: {error}") from None
             yield ["-c", str(place), "--config-folder", os.getcwd()]
     else:
-        yield ["-c", os.fspath(config)]
+        yield ["-c", file_name(config)]
 
 
 def export(robot: PathLike, output: PathLike | None = None, *, config: Settings | None = None,
@@ -155,10 +171,11 @@ def export(robot: PathLike, output: PathLike | None = None, *, config: Settings 
     Raises:
         Error: if the robot or an option is refused; `findings` has the reasons one by one.
     """
-    target = Path(output) if output is not None else Path(_without_ends(Path(robot))).with_suffix(".fmu")
+    robot = file_name(robot)
+    target = Path(_without_ends(Path(robot)).with_suffix(".fmu") if output is None else file_name(output))
     with settings(config) as file:
         try:
-            run("export", file_name(robot), "-o", target, *file, *arguments(options))
+            run("export", robot, "-o", file_name(target), *file, *arguments(options))
         except Error as error:
             raise _with_findings(error, robot, file, options) from None
     return target

@@ -16,7 +16,7 @@ from pathlib import Path, PurePosixPath
 from typing import NamedTuple
 from xml.etree import ElementTree
 
-from ._command import Error, PathLike
+from ._command import Error, PathLike, file_name
 
 
 class Variable(NamedTuple):
@@ -110,7 +110,7 @@ def _elements(element: ElementTree.Element, named: list[str]) -> list[str]:
 
 def is_fmu(robot: PathLike) -> bool:
     """Whether a file's name is that of an FMU."""
-    return os.fspath(robot).lower().endswith(".fmu")
+    return file_name(robot).lower().endswith(".fmu")
 
 
 class Fmu:

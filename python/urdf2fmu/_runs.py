@@ -6,7 +6,7 @@ import csv
 import html
 import os
 import tempfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, Iterator, Union
@@ -16,7 +16,7 @@ import numpy.typing as npt
 
 from ._command import Error, Option, PathLike, Settings, arguments, export, file_name, run, settings
 from ._fmu import is_fmu, read_description, read_variables
-from ._values import by_name, meant, numbers, one_each, text
+from ._values import by_name, numbers, one_each, start_names, text
 
 Table = Union[npt.NDArray[Any], Mapping[str, npt.ArrayLike]]
 """Columns by their names, `time` first: a structured array, a dict of arrays, or a pandas DataFrame."""
@@ -51,19 +51,19 @@ def simulate(robot: PathLike, *, input: Table | PathLike | None = None, start_va
             write_table(Path(folder, "in.csv"), input)
             more += ["--input-file", str(Path(folder, "in.csv"))]
         variables = read_variables(read_description(fmu))
-        # A glob means what can be set, as in the command.
-        settable = [name for name, v in variables.items() if v.causality in ("input", "parameter")]
+        causalities = {name: v.causality for name, v in variables.items()}
         for name, value in by_name("start values", start_values).items():
-            glob = any(sign in text("a variable's name", name) for sign in "*?[")
-            names = meant(settable if glob and name not in variables else variables, name)
+            names = start_names(causalities, name)
             for each, start in zip(names, one_each(name, names, value).tolist()):
                 # Booleans and whole numbers without a point.
                 more += ["--start-value", each, repr(start) if variables[each].kind == "Real" else f"{start:.17g}"]
+        if not isinstance(output, Iterable):
+            raise Error(f"output is a name or a list of names, not {output!r}")
         for name in [output] if isinstance(output, str) else output:
-            more += ["--output-variable", name]
+            more += ["--output-variable", text("the name of an output", name)]
         kept = rest.pop("output_file", None)
-        out = Path(folder, "out.csv") if kept is None else Path(str(kept))
-        run("simulate", file_name(fmu), "--output-file", out, *more, *arguments(rest))
+        out = Path(folder, "out.csv") if kept is None else Path(file_name(str(kept)))
+        run("simulate", file_name(fmu), "--output-file", file_name(out), *more, *arguments(rest))
         kinds = {v.name: v.kind for v in variables.values()}
         return _read_table(out, kinds)
 

@@ -26,6 +26,11 @@ def to_toml(table: Mapping[str, Any], path: str = "") -> str:
     return "".join(lines) + "".join(tables)
 
 
+def plain(value: Any) -> Any:
+    """A number of Python's other kinds, such as a fraction or a decimal, as a float; whatever else as it is."""
+    return float(value) if hasattr(value, "__float__") and not isinstance(value, (int, float)) else value
+
+
 def _is_list(value: Any) -> bool:
     return isinstance(value, Sequence) and not isinstance(value, (str, bytes))
 
@@ -34,6 +39,7 @@ def _value(value: Any) -> str:
     # Those of numpy first: some of them are floats, too, and print otherwise.
     if hasattr(value, "tolist"):
         value = value.tolist()
+    value = plain(value)
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, (int, float)):

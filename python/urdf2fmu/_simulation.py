@@ -20,7 +20,7 @@ import numpy.typing as npt
 from . import _functions
 from ._command import Error, Option, PathLike, Settings, export
 from ._fmu import Fmu, Variable, is_fmu, load
-from ._values import by_name, meant, number, one_each, text
+from ._values import by_name, meant, number, one_each, start_names, text
 
 _CAUSALITIES = "input", "output", "parameter", "calculatedParameter", "structuralParameter", "local", "independent"
 _WARNING = 1
@@ -121,8 +121,10 @@ class Simulation:
         self.time = self._start_time
 
     def _set_start_values(self) -> None:
+        causalities = {name: v.causality for name, v in self._fmu.variables.items()}
         for name, value in self._start_values.items():
-            self[name] = value
+            names = start_names(causalities, name)
+            self._set(name, self._place_of(names, names == [name]), value)
 
     def _told(self, function: str) -> str:
         """What the FMU has said, as one text."""
@@ -136,10 +138,14 @@ class Simulation:
                 raise Error("the simulation is closed")
             self._messages.clear()
             status = getattr(self._fmu.functions, name)(self._instance, *arguments)
-            told = self._told(name) if status else ""
-        if status > _WARNING:
-            raise Error(told)
-        if status == _WARNING:
+            failed = self._told(name) if status > _WARNING else ""
+            # What the FMU warns of is no failure: most functions return OK with it.
+            warned = [told for said, told in self._messages if said == _WARNING]
+            if status == _WARNING and not warned:
+                warned = [self._told(name)]
+        if failed:
+            raise Error(failed)
+        for told in warned:
             warnings.warn(told, RuntimeWarning, stacklevel=3)
 
     @property
@@ -179,9 +185,11 @@ class Simulation:
         if known is not None:
             return known
         names = meant(self._fmu.variables, name)
-        variables = [self._fmu.variables[n] for n in names]
-        self._places[name] = place = _Place(names, _functions.parts(variables), names == [name])
+        self._places[name] = place = self._place_of(names, names == [name])
         return place
+
+    def _place_of(self, names: list[str], single: bool) -> _Place:
+        return _Place(names, _functions.parts([self._fmu.variables[name] for name in names]), single)
 
     def __getitem__(self, name: str) -> Any:
         """The value of one variable, or an array of those behind a stem or glob."""
@@ -199,7 +207,9 @@ class Simulation:
 
     def __setitem__(self, name: str, value: npt.ArrayLike) -> None:
         """Sets one variable, or all behind a stem or glob: to one number, or to one each."""
-        place = self._place(name)
+        self._set(name, self._place(name), value)
+
+    def _set(self, name: str, place: _Place, value: npt.ArrayLike) -> None:
         given = one_each(name, place.names, value)
         for part in place.parts:
             some_given = given[part.where]

@@ -97,6 +97,24 @@ def meant(variables: Collection[str], name: str) -> list[str]:
     return found
 
 
+_SETTABLE = "input", "parameter"
+"""Causalities of what can be set."""
+
+
+def start_names(causalities: Mapping[str, str], name: str) -> list[str]:
+    """Variables that the name of a start value means: as of `meant`, but a glob means what can be set.
+
+    Args:
+        causalities: of all variables, by name.
+
+    Raises:
+        Error: if there is none, with the nearest names.
+    """
+    glob = any(sign in text("a variable's name", name) for sign in "*?[") and name not in causalities
+    settable = [known for known, causality in causalities.items() if causality in _SETTABLE]
+    return meant(settable if glob else causalities, name)
+
+
 def one_each(name: str, names: list[str], value: Any) -> npt.NDArray[np.float64]:
     """A number for each of the variables that a name means, from one for all or from one each.
 

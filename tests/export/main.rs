@@ -7,6 +7,8 @@ mod arguments;
 mod check;
 mod cli;
 mod elsewhere;
+#[cfg(target_os = "linux")]
+mod ends;
 mod export;
 mod faults;
 mod info;

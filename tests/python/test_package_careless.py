@@ -1,6 +1,7 @@
 """The Python package in careless hands: wrong types, Ctrl-C, forks, threads that outlive Python, copies."""
 
 import copy
+import decimal
 import fractions
 import os
 import pickle
@@ -290,3 +291,64 @@ def test_files_whose_names_look_like_options_or_are_empty(examples, tmp_path, mo
     for call in (urdf2fmu.check, urdf2fmu.info, urdf2fmu.simulate, urdf2fmu.Simulation, urdf2fmu.show):
         with pytest.raises(Error, match="the name of the robot's file is empty"):
             call("")
+
+
+def test_what_the_fmu_warns_of_is_a_python_warning(rover):
+    """Its functions return OK with it, and nothing was heard of it."""
+    with pytest.warns(RuntimeWarning, match="is taken as 1e-6|inside the ground") as said:
+        robot = Simulation(rover, tolerance=1e-9, start_values={"initial.base.position.z": 0.1})
+    assert len(said) == 2, [str(one.message) for one in said]
+    with robot:
+        with pytest.warns(RuntimeWarning, match="outside its range"):
+            robot["cmd.head_joint.velocity"] = 1e4
+        with warnings.catch_warnings():
+            # Once is enough.
+            warnings.simplefilter("error")
+            robot["cmd.head_joint.velocity"] = 2e4
+            robot.step(0.01)
+
+
+def test_globs_of_start_values_mean_what_can_be_set(rover):
+    values = {"*head_joint.velocity": 0.25}
+    with Simulation(rover, start_values=values) as robot:
+        assert robot["cmd.head_joint.velocity"] == robot["initial.joint.head_joint.velocity"] == 0.25
+    table = urdf2fmu.simulate(rover, stop_time=0.01, start_values=values)
+    assert table["joint.head_joint.velocity"][0] == 0.25
+
+
+@pytest.mark.parametrize("name", ["-", "-o.fmu"])
+def test_a_file_may_be_called_like_an_option(name, examples, rover, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    made = urdf2fmu.export(examples / "rover.urdf", name, no_documentation=True)
+    assert made == Path(name) and zipfile.is_zipfile(tmp_path / name)
+    table = urdf2fmu.simulate(rover, stop_time=0.01, output_file=name.replace("fmu", "csv"))
+    assert len(table) > 1 and (tmp_path / name.replace("fmu", "csv")).read_text().startswith('"time"')
+
+
+@pytest.mark.parametrize(("options", "said"), [
+    ({"help": True}, "--help is for the command line"),
+    ({"mode": {"a": 1}}, "mode takes one value or a list of them, and no dict"),
+    ({"fixed_base": 1}, "--fixed-base"),
+    ({"config": {"robot": {"base": {1, 2}}}}, "cannot be written as TOML: settings hold numbers"),
+    ({"config": {"robot": {"base": "\ud800"}}}, "cannot be written as TOML"),
+    ({"mode": "a\0b"}, "cannot be run with what it is given"),
+    ({"output": 3}, "the name of a file is a text or a path, not 3"),
+])
+def test_wrong_options_are_errors_of_the_package(options, said, examples, tmp_path):
+    options = {"output": tmp_path / "a.fmu", **options}
+    with pytest.raises(Error, match=said):
+        urdf2fmu.export(examples / "rover.urdf", **options)
+    for wrong in (3, b"rover.urdf", None):
+        for function in (urdf2fmu.export, urdf2fmu.check, urdf2fmu.info, urdf2fmu.simulate, Simulation):
+            with pytest.raises(Error, match="the name of a file is a text or a path"):
+                function(wrong)
+    with pytest.raises(Error, match="--help is for the command line"):
+        urdf2fmu.check(examples / "rover.urdf", help=True)
+
+
+def test_fractions_and_decimals_are_numbers_in_settings_and_options(examples, tmp_path):
+    step = {"solver": {"step_size": fractions.Fraction(1, 256)}}
+    fmu = urdf2fmu.export(examples / "rover.urdf", tmp_path / "a.fmu", config=step, scale=decimal.Decimal("0.5"),
+                          no_documentation=True)
+    with Simulation(fmu) as robot:
+        assert robot["solver.step_size"] == 1 / 256

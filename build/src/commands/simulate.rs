@@ -110,7 +110,14 @@ fn run(args: &Simulate, unpacked: &Path) -> Result<Outcome, CliError> {
         !see::ended()
     });
     progress.clear();
-    Ok(outcome?)
+    let outcome = outcome?;
+    if args.set_input_derivatives && !outcome.slopes && !args.quiet {
+        tell(
+            "note: --set-input-derivatives has no effect: the FMU takes no slopes of inputs, which FMI 3.0 \
+             does not have, nor Model Exchange\n",
+        )?;
+    }
+    Ok(outcome)
 }
 
 /// Writes the results and says what happened.

@@ -82,6 +82,14 @@ pub enum RunError {
         /// What the FMU said.
         why: String,
     },
+    /// The FMU's wish.
+    #[error("the FMU asked to end the simulation at {} s of {} s", Digits(*time), Digits(*stop))]
+    Over {
+        /// s
+        time: f64,
+        /// s
+        stop: f64,
+    },
     /// Ctrl-C.
     #[error("ended by the user at {} s of {} s", Digits(*time), Digits(*stop))]
     Ended {
@@ -104,6 +112,15 @@ impl RunError {
 
     /// Whether the simulation failed, rather than what it was to be made of.
     pub fn is_simulation(&self) -> bool {
-        matches!(self, Self::Library(_) | Self::Stopped { .. })
+        matches!(
+            self,
+            Self::Library(_) | Self::Stopped { .. } | Self::Over { .. }
+        )
     }
+}
+
+/// The error of a simulation until `stop` that came to `time`, s.
+pub(super) fn stopped(time: f64, stop: f64, why: &impl ToString) -> RunError {
+    let why = why.to_string();
+    RunError::Stopped { time, stop, why }
 }

@@ -4,6 +4,7 @@
 //! Between events the inputs of a table follow it continuously. What is set at once, by a jump of
 //! the table or by a person, is an event. State events are refused when the description is read.
 
+use super::error::{RunError, stopped};
 use super::library::{Interface, LibraryError, Slave};
 use super::rodas::{Equations, Rodas, Taken};
 use super::signals::{Signal, Signals};
@@ -44,6 +45,16 @@ pub(super) enum ExchangeError {
     /// The FMU's wish.
     #[error("the FMU asked to end the simulation")]
     Ended,
+}
+
+impl ExchangeError {
+    /// As the end at `time`, s, of a simulation until `stop`.
+    pub fn at(&self, time: f64, stop: f64) -> RunError {
+        match self {
+            Self::Ended => RunError::Over { time, stop },
+            other => stopped(time, stop, other),
+        }
+    }
 }
 
 /// The inputs between two events.

@@ -2,16 +2,15 @@
 
 use super::csv::Table;
 use super::description::Description;
-use super::error::RunError;
+use super::error::{RunError, stopped};
 use super::exchange::{self, Exchange, Inputs};
 use super::experiment::{Experiment, Times, read, signals, starts};
-use super::library::{LibraryError, Slave, Stepped};
+use super::library::{LibraryError, Slave, Stepped, uri};
 use super::select::selection;
 use super::signals::{Signals, is_close};
 use super::variable::{Kind, Variable};
 use crate::library::target;
 use std::collections::BTreeMap;
-use std::fmt::Write as _;
 use std::path::{MAIN_SEPARATOR, Path, PathBuf};
 use std::time::{Duration, Instant};
 use urdf2fmu_core::settings::FmiVersion;
@@ -40,6 +39,8 @@ pub struct Outcome {
     pub messages: Vec<(i32, String)>,
     /// Parameters and inputs that were given values at the start.
     pub started: BTreeMap<String, f64>,
+    /// Whether inputs had slopes.
+    pub slopes: bool,
     /// Why it ended early, if it did.
     pub failure: Option<RunError>,
 }
@@ -90,7 +91,12 @@ pub fn simulate(
     run.sample(times.start)?;
     let stepped = run.steps(&times, description.variable_step, watch);
     // A failure at the end leaves the results, too.
-    let failure = stepped.and_then(|()| Ok(run.slave.terminate()?)).err();
+    let failure = match stepped {
+        Err(error @ (RunError::Over { .. } | RunError::Ended { .. })) => {
+            Some(run.slave.terminate().err().map_or(error, RunError::from))
+        }
+        other => other.and_then(|()| Ok(run.slave.terminate()?)).err(),
+    };
     let messages = run.slave.messages().into_iter();
     Ok(Outcome {
         messages: messages.map(|m| (m.status, m.text)).collect(),
@@ -98,6 +104,7 @@ pub fn simulate(
         discrete: of_each(&description, &run.table.names, |v| {
             v.kind != Kind::Real || v.variability == "discrete"
         }),
+        slopes: run.slopes,
         table: run.table,
         started,
         written,
@@ -144,31 +151,6 @@ fn library(folder: &Path, description: &Description) -> Result<PathBuf, RunError
             found.join(", ")
         },
     })
-}
-
-/// A `file:` URI (RFC 3986, RFC 8089) of an absolute path.
-fn uri(path: &Path) -> String {
-    let path = path.to_string_lossy().replace('\\', "/");
-    let mut uri = String::from(if path.starts_with('/') {
-        "file://"
-    } else {
-        "file:///"
-    });
-    for byte in path.bytes() {
-        match byte {
-            b'a'..=b'z' | b'A'..=b'Z' | b'0'..=b'9' | b'-' | b'.' | b'_' | b'~' | b'/' | b':' => {
-                uri.push(char::from(byte));
-            }
-            _ => _ = write!(uri, "%{byte:02X}"),
-        }
-    }
-    uri
-}
-
-/// The error of a simulation until `stop` that came to `time`, s.
-fn stopped(time: f64, stop: f64, why: &impl ToString) -> RunError {
-    let why = why.to_string();
-    RunError::Stopped { time, stop, why }
 }
 
 /// Something of each variable by its name, and a default for `time`.
@@ -295,7 +277,7 @@ impl Run {
             return Ok(());
         };
         let begun = exchange.begin(&mut self.slave, time);
-        begun.map_err(|error| stopped(time, stop, &error))
+        begun.map_err(|error| error.at(time, stop))
     }
 
     /// Takes inputs from the table at a communication point; in Model Exchange that is an event
@@ -348,7 +330,7 @@ impl Run {
             return Ok(());
         };
         let settled = exchange.settle(&mut self.slave, time);
-        settled.map_err(|error| stopped(time, stop, &error))
+        settled.map_err(|error| error.at(time, stop))
     }
 
     /// Simulates from `time` to `end`, s; the whole simulation ends at `stop`.
@@ -362,15 +344,25 @@ impl Run {
                 next,
             };
             let advanced = exchange.advance(&mut self.slave, inputs, end);
-            return advanced.map_err(|(reached, error)| stopped(reached, stop, &error));
+            return advanced.map_err(|(reached, error)| error.at(reached, stop));
         }
-        let stepped = self.slave.do_step(time, end - time);
-        match stepped.map_err(|error| stopped(time, stop, &error))? {
-            Stepped::Done => Ok(()),
-            Stepped::Discarded(reached) => {
-                let said = self.slave.messages().pop();
-                let why = said.map_or("the FMU discarded the step".to_owned(), |m| m.text);
-                Err(stopped(reached, stop, &why))
+        let mut now = time;
+        loop {
+            let stepped = self.slave.do_step(now, end - now);
+            match stepped.map_err(|error| stopped(now, stop, &error))? {
+                Stepped::Done => return Ok(()),
+                Stepped::Early(reached) if reached >= end => return Ok(()),
+                Stepped::Early(reached) if reached > now => now = reached,
+                Stepped::Early(reached) => {
+                    let why = "the FMU returned from the step without having begun it";
+                    return Err(stopped(reached, stop, &why));
+                }
+                Stepped::Over(time) => return Err(RunError::Over { time, stop }),
+                Stepped::Discarded(reached) => {
+                    let said = self.slave.messages().pop();
+                    let why = said.map_or("the FMU discarded the step".to_owned(), |m| m.text);
+                    return Err(stopped(reached, stop, &why));
+                }
             }
         }
     }
@@ -473,11 +465,20 @@ impl Run {
             }
             self.follow_table(time, stop)?;
             let begun = Instant::now();
-            self.step(time, next, stop)?;
+            let stepped = self.step(time, next, stop);
             let took = begun.elapsed();
-            time = next;
-            self.sample(time)?;
-            self.took.push(took);
+            let reached = match &stepped {
+                Ok(()) => next,
+                // Its last values count, too.
+                Err(RunError::Over { time, .. }) => *time,
+                Err(_) => return stepped,
+            };
+            if reached > time {
+                time = reached;
+                self.sample(time)?;
+                self.took.push(took);
+            }
+            stepped?;
             if is_close(time, regular) {
                 count += 1;
             }

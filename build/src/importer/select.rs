@@ -47,7 +47,11 @@ fn nothing(description: &Description, names: &[String], pattern: &Pattern) -> St
     let text = &pattern.text;
     let known = description.find(text).map(|v| v.causality.as_str());
     let what = match known {
-        Some(causality) => format!("'{text}' is neither an output nor an input, but a {causality}"),
+        Some(causality) => {
+            let vowel = causality.starts_with(['a', 'e', 'i', 'o', 'u']);
+            let article = if vowel { "an" } else { "a" };
+            format!("'{text}' is neither an output nor an input, but {article} {causality}")
+        }
         None if pattern.is_glob() => format!("no output or input matches '{text}'"),
         None => format!("there is no output or input '{text}'"),
     };
@@ -105,6 +109,7 @@ fn mended(glob: &str, name: &str) -> Option<String> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::variable::{Kind, Variable};
     use super::*;
 
     const NAMES: [&str; 7] = [
@@ -162,5 +167,25 @@ mod tests {
             "--output-variable: there is no output or input 'right'; \
              did you mean 'joint.right.position'?"
         );
+    }
+
+    #[test]
+    fn the_time_is_said_to_be_an_independent_variable() {
+        let time = Variable {
+            name: "t".to_owned(),
+            value_reference: 0,
+            kind: Kind::Real,
+            causality: "independent".to_owned(),
+            variability: "continuous".to_owned(),
+            initial: String::new(),
+            unit: "s".to_owned(),
+        };
+        let description = Description {
+            variables: vec![time],
+            ..Description::default()
+        };
+        let (names, wanted) = (["time".to_owned()], ["t".to_owned()]);
+        let error = selection(&description, &names, &wanted).expect_err("not recorded");
+        assert!(error.to_string().contains("but an independent"), "{error}");
     }
 }

@@ -210,6 +210,7 @@ impl Instance {
             tolerance,
         };
         self.simulation.set_importer_tolerance(tolerance);
+        self.simulation.set_start(start);
         Ok(())
     }
 

@@ -10,6 +10,7 @@
 
 mod limits;
 mod messages;
+mod partial;
 
 use super::*;
 use crate::common::{Interface, Status};
@@ -43,8 +44,12 @@ pub(crate) fn instance() -> Instance {
 
 /// One that speaks a version of FMI. All rows are scalars.
 pub(crate) fn instance_of(version: Version) -> Instance {
+    instance_with(version, rows())
+}
+
+fn instance_with(version: Version, rows: Vec<Variable>) -> Instance {
     let logger = Logger::new(Sink::None, std::ptr::null_mut(), false);
-    let (model, rows) = (rover(), rows());
+    let model = rover();
     let layout = Layout::new(version, &model, &rows).expect("no clash");
     let guid = GuidHash::new("{test}");
     let prepared = PreparedModel::new(String::new(), model);
@@ -397,6 +402,21 @@ fn a_step_below_the_resolution_of_time_succeeds_without_work() {
     // Doubles near 1e6 are 1.2e-10 apart.
     assert_eq!(instance.do_step(1e6, 1e-12), Ok(Status::OK));
     assert_eq!(instance.last_successful_time(), 1e6);
+}
+
+/// The independent variable begins at the start time.
+#[test]
+fn time_stands_at_the_start_from_the_beginning_of_the_initialisation_on() {
+    const TIME: u32 = 9;
+    let mut instance = instance_of(Version::V3);
+    instance.setup_experiment(None, 3.0, None).expect("legal");
+    instance.enter_initialization_mode();
+    assert_eq!(get(&mut instance, &[TIME]), Ok(vec![3.0]));
+    assert_eq!(instance.last_successful_time(), 3.0);
+    set(&mut instance, &[START_HEIGHT], &[0.5]).expect("initialization mode");
+    assert_eq!(get(&mut instance, &[TIME, HEIGHT]), Ok(vec![3.0, 0.5]));
+    instance.exit_initialization_mode().expect("legal");
+    assert_eq!(get(&mut instance, &[TIME]), Ok(vec![3.0]));
 }
 
 #[test]

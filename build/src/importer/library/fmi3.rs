@@ -236,7 +236,12 @@ impl Slave {
         if status == DISCARD {
             return Ok(Stepped::Discarded(reached));
         }
-        self.check("fmi3DoStep", status).map(|()| Stepped::Done)
+        self.check("fmi3DoStep", status)?;
+        Ok(match (end != 0, early != 0) {
+            (true, _) => Stepped::Over(reached),
+            (false, true) => Stepped::Early(reached),
+            (false, false) => Stepped::Done,
+        })
     }
 
     /// fmi3GetFloat64

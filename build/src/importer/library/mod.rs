@@ -10,7 +10,7 @@ mod fmi3;
 mod shared;
 
 pub use elements::Element;
-pub use shared::{Completed, Interface, LibraryError, Message, Stepped, Update};
+pub use shared::{Completed, Interface, LibraryError, Message, Stepped, Update, uri};
 use std::path::Path;
 
 /// An instance of an FMU, with its library.

@@ -4,6 +4,7 @@
 use libloading::Library;
 use std::cell::RefCell;
 use std::ffi::{CStr, CString, c_char, c_int, c_void};
+use std::fmt::Write as _;
 use std::path::Path;
 
 /// What an FMU has said.
@@ -97,6 +98,10 @@ pub struct Completed {
 pub enum Stepped {
     /// It is done.
     Done,
+    /// It ended before its end, at this time, s; the simulation goes on from there.
+    Early(f64),
+    /// It is done so far, to this time, s, at which the FMU asks to end the simulation.
+    Over(f64),
     /// It was discarded; the simulation stands at this time, s.
     Discarded(f64),
 }
@@ -166,6 +171,25 @@ pub(super) unsafe fn hear(
 /// Text for a C function.
 pub(super) fn c_text(text: &str) -> CString {
     CString::new(text.replace('\0', "")).unwrap_or_default()
+}
+
+/// A `file:` URI (RFC 3986, RFC 8089) of an absolute path.
+pub fn uri(path: &Path) -> String {
+    let path = path.to_string_lossy().replace('\\', "/");
+    let mut uri = String::from(if path.starts_with('/') {
+        "file://"
+    } else {
+        "file:///"
+    });
+    for byte in path.bytes() {
+        match byte {
+            b'a'..=b'z' | b'A'..=b'Z' | b'0'..=b'9' | b'-' | b'.' | b'_' | b'~' | b'/' | b':' => {
+                uri.push(char::from(byte));
+            }
+            _ => _ = write!(uri, "%{byte:02X}"),
+        }
+    }
+    uri
 }
 
 /// Loads a library.

@@ -1,0 +1,125 @@
+//! How `simulate` ends where an FMU of another program asks for it, or returns early from a step.
+
+use super::*;
+
+/// FMUs of FMI 3.0 whose state grows by 1 in a second. By steps they take at most 0.06 s at once,
+/// and both want to end at 0.3125 s. The end of the simulation is written to a file.
+const SOURCE: &str = r#"
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdio.h>
+typedef void *I;
+typedef const unsigned *R;
+static double now, x;
+static bool stepped;
+I fmi3InstantiateCoSimulation(const char *n, const char *t, const char *r, bool v, bool l, bool e,
+    bool a, R q, size_t nq, void *m, void *f, void *u) { stepped = true; return &now; }
+I fmi3InstantiateModelExchange(const char *n, const char *t, const char *r, bool v, bool l, void *m,
+    void *f) { return &now; }
+void fmi3FreeInstance(I i) {}
+int fmi3EnterInitializationMode(I i, bool t, double e, double start, bool s, double stop)
+{ now = start; return 0; }
+int fmi3ExitInitializationMode(I i) { return 0; }
+int fmi3Reset(I i) { return 0; }
+int fmi3Terminate(I i)
+{ FILE *f = fopen(TOLD, "w"); if (!f) return 3; fputs("ended", f); fclose(f); return 0; }
+int fmi3GetFloat64(I i, R r, size_t n, double *v, size_t nv)
+{ for (size_t k = 0; k < n; k++) v[k] = r[k] == 2 ? 1 : r[k] == 0 || stepped ? now : x; return 0; }
+int fmi3GetInt32(I i, R r, size_t n, int *v, size_t nv) { return 0; }
+int fmi3GetBoolean(I i, R r, size_t n, bool *v, size_t nv) { return 0; }
+int fmi3SetFloat64(I i, R r, size_t n, const double *v, size_t nv) { return 0; }
+int fmi3SetInt32(I i, R r, size_t n, const int *v, size_t nv) { return 0; }
+int fmi3SetBoolean(I i, R r, size_t n, const bool *v, size_t nv) { return 0; }
+int fmi3DoStep(I i, double t, double h, bool s, bool *event, bool *end, bool *early, double *last)
+{
+    *event = false;
+    *early = h > 0.06;
+    now = *early ? t + 0.06 : t + h;
+    *end = now >= 0.3125;
+    if (*end) { now = 0.3125; *early = true; }
+    *last = now;
+    return 0;
+}
+int fmi3EnterEventMode(I i) { return 0; }
+int fmi3UpdateDiscreteStates(I i, bool *a, bool *e, bool *n, bool *s, bool *d, double *t)
+{ *a = *e = *n = *s = *d = false; return 0; }
+int fmi3EnterContinuousTimeMode(I i) { return 0; }
+int fmi3CompletedIntegratorStep(I i, bool s, bool *event, bool *end)
+{ *event = false; *end = now >= 0.3125; return 0; }
+int fmi3SetTime(I i, double t) { now = t; return 0; }
+int fmi3SetContinuousStates(I i, const double *v, size_t n) { x = v[0]; return 0; }
+int fmi3GetContinuousStates(I i, double *v, size_t n) { v[0] = x; return 0; }
+int fmi3GetContinuousStateDerivatives(I i, double *v, size_t n) { v[0] = 1; return 0; }
+int fmi3GetNominalsOfContinuousStates(I i, double *v, size_t n) { v[0] = 1; return 0; }
+"#;
+
+/// The FMU in `folder`, and the file that tells its end; none without a compiler.
+fn foreign(folder: &Path, interface: &str) -> Option<(PathBuf, PathBuf)> {
+    let [source, library, told, fmu] =
+        ["foreign.c", "foreign.so", "told", "foreign.fmu"].map(|name| folder.join(name));
+    fs::write(&source, SOURCE).unwrap();
+    let compiler = std::env::var("CC").unwrap_or_else(|_| "cc".into());
+    let done = Command::new(compiler)
+        .args(["-shared", "-fPIC", "-o"])
+        .arg(&library)
+        .arg(format!("-DTOLD=\"{}\"", told.display()))
+        .arg(&source)
+        .output()
+        .ok()?;
+    assert!(done.status.success(), "{done:?}");
+    let description = format!(
+        "<fmiModelDescription fmiVersion='3.0' modelName='foreign' instantiationToken='t'>\
+         <{interface} modelIdentifier='foreign' canHandleVariableCommunicationStepSize='true'/>\
+         <DefaultExperiment startTime='0' stopTime='1' stepSize='0.125'/><ModelVariables>\
+         <Float64 name='time' valueReference='0' causality='independent'/>\
+         <Float64 name='x' valueReference='1' causality='output' initial='exact' start='0'/>\
+         <Float64 name='der(x)' valueReference='2' causality='local' derivative='1'/>\
+         </ModelVariables><ModelStructure><Output valueReference='1'/>\
+         <ContinuousStateDerivative valueReference='2'/></ModelStructure></fmiModelDescription>"
+    );
+    let mut zip = zip::ZipWriter::new(fs::File::create(&fmu).unwrap());
+    let place = format!("binaries/{}-linux/foreign.so", std::env::consts::ARCH);
+    let library = fs::read(library).unwrap();
+    for (name, content) in [
+        ("modelDescription.xml", description.as_bytes()),
+        (&place, &library),
+    ] {
+        let options = zip::write::SimpleFileOptions::default();
+        zip.start_file(name, options).unwrap();
+        std::io::Write::write_all(&mut zip, content).unwrap();
+    }
+    zip.finish().unwrap();
+    Some((fmu, told))
+}
+
+#[test]
+fn an_fmu_that_asks_for_the_end_is_terminated_and_its_last_values_are_written() {
+    for (interface, times) in [
+        // It goes on where it has returned early, to the end of the step.
+        ("CoSimulation", [0.0, 0.125, 0.25, 0.3125]),
+        // Its integrator goes from one output to the next.
+        ("ModelExchange", [0.0, 0.125, 0.25, 0.375]),
+    ] {
+        let folder = tempfile::tempdir().unwrap();
+        let Some((fmu, told)) = foreign(folder.path(), interface) else {
+            continue;
+        };
+        let table = folder.path().join("out.csv");
+        let done = urdf2fmu(["simulate", text(&fmu), "--output-file", text(&table)]);
+        let end = times[3];
+        let message = format!("the FMU asked to end the simulation at {end} s of 1 s");
+        assert!(done.code == 3 && done.err.contains(&message), "{done:?}");
+        let written = fs::read_to_string(&table).unwrap();
+        let rows = written.lines().skip(1).map(|line| {
+            let numbers = line.split(',').map(|number| number.parse::<f64>().unwrap());
+            numbers.collect::<Vec<_>>()
+        });
+        let rows: Vec<Vec<f64>> = rows.collect();
+        assert_eq!(rows.len(), 4, "{interface}: {written}");
+        for (row, time) in rows.iter().zip(times) {
+            let near = |x: f64| (x - time).abs() < 1e-9;
+            assert!(near(row[0]) && near(row[1]), "{interface}: {written}");
+        }
+        assert_eq!(fs::read_to_string(told).unwrap(), "ended", "{interface}");
+    }
+}
