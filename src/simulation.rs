@@ -246,16 +246,6 @@ impl Simulation {
         self.rules = rules;
     }
 
-    /// Sets the time at which the simulation is to begin, s, before [`Self::initialize`]: time
-    /// stands there from now on.
-    pub fn set_start(&mut self, start: f64) {
-        self.start = start;
-        self.state.time = start;
-        // What the initial state knows of the time follows from it.
-        self.stale = true;
-        self.forget();
-    }
-
     /// Puts the robot into its initial state at time `start`, s, and derives what follows from the
     /// parameters. Before it, outputs follow parameters and inputs as set so far.
     ///

@@ -7,6 +7,16 @@ use crate::kinematics::Kinematics;
 use crate::spatial::Vec3;
 
 impl Simulation {
+    /// Sets the time at which the simulation is to begin, s, before [`Self::initialize`]: time
+    /// stands there from now on.
+    pub fn set_start(&mut self, start: f64) {
+        self.start = start;
+        self.state.time = start;
+        // What the initial state knows of the time follows from it.
+        self.stale = true;
+        self.forget();
+    }
+
     /// The link of the robot that is deepest in the ground, and how deep, m; none where nothing is
     /// deeper than what carries its weight.
     pub fn deepest_in_ground(&self) -> Option<(&str, f64)> {
