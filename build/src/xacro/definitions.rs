@@ -19,7 +19,7 @@ impl Unread {
         self.0.get_or_insert_with(|| {
             let package = folders::package(path);
             let beside = path.parent().map(Path::to_owned);
-            let mut files = folders::in_xacro(&package.or(beside).unwrap_or_default());
+            let mut files = folders::texts(&package.or(beside).unwrap_or_default(), folders::XACRO);
             let read = texts.sources.read.keys();
             for read in read.filter_map(|read| std::path::absolute(read).ok()) {
                 files.remove(&read);

@@ -55,11 +55,14 @@ pub fn files(folder: &Path) -> Vec<PathBuf> {
     found
 }
 
-/// The files in xacro below a folder, and their texts.
-pub fn in_xacro(folder: &Path) -> BTreeMap<PathBuf, String> {
+/// Endings of files that may be in xacro.
+pub const XACRO: &[&str] = &["xacro", "urdf"];
+
+/// The files below a folder that have one of these endings, and their texts.
+pub fn texts(folder: &Path, endings: &[&str]) -> BTreeMap<PathBuf, String> {
     let wanted = |path: &PathBuf| {
-        let named = |ending| path.extension().is_some_and(|own| own == ending);
-        (named("xacro") || named("urdf"))
+        let own = path.extension().unwrap_or_default();
+        endings.iter().any(|ending| own == *ending)
             && fs::metadata(path).is_ok_and(|file| file.len() <= LARGEST)
     };
     let files = files(folder).into_iter().filter(wanted);

@@ -27,7 +27,10 @@ fn of(file: &Path) -> Vec<PathBuf> {
         Some(parent) if !parent.as_os_str().is_empty() => parent,
         _ => Path::new("."),
     };
-    let texts = folders::in_xacro(folders::package_of(folder).unwrap_or(folder));
+    let texts = folders::texts(
+        folders::package_of(folder).unwrap_or(folder),
+        folders::XACRO,
+    );
     let included = texts
         .into_iter()
         .map(|(path, text)| (path, includes(&text)));

@@ -2,12 +2,11 @@
 
 use super::definitions::attribute;
 use super::folders;
-use std::fs;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use urdf2fmu_core::encoding::xml_replaced;
 
-/// Larger files are not looked into, bytes.
-const LARGEST: u64 = 1 << 20;
+/// Endings of files that may give values.
+const GIVING: &[&str] = &["launch", "xml", "py", "xacro"];
 
 /// How a condition of xacro begins.
 const CONDITIONS: [&str; 2] = ["<xacro:if", "<xacro:unless"];
@@ -22,24 +21,13 @@ pub(super) struct Known {
 
 /// Files of a package that may give values, with their texts, once they are asked for.
 #[derive(Default)]
-pub(super) struct Launches(Option<Vec<(PathBuf, String)>>);
+pub(super) struct Launches(Option<BTreeMap<PathBuf, String>>);
 
 impl Launches {
-    fn all(&mut self, path: &Path) -> &[(PathBuf, String)] {
+    fn all(&mut self, path: &Path) -> &BTreeMap<PathBuf, String> {
         self.0.get_or_insert_with(|| {
             let folder = folders::package(path);
-            let mut files = folders::files(&folder.unwrap_or_default());
-            files.sort();
-            let wanted = |path: &PathBuf| {
-                let named = |ending| path.extension().is_some_and(|own| own == ending);
-                ["launch", "xml", "py", "xacro"].into_iter().any(named)
-                    && fs::metadata(path).is_ok_and(|file| file.len() <= LARGEST)
-            };
-            let texts = files.into_iter().filter(wanted).map(|path| {
-                let text = xml_replaced(fs::read(&path).unwrap_or_default());
-                (path, text)
-            });
-            texts.collect()
+            folders::texts(&folder.unwrap_or_default(), GIVING)
         })
     }
 
