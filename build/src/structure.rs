@@ -3,8 +3,8 @@
 //! Positions and velocities depend on the initial values only; accelerations, efforts, contact
 //! forces and energies follow from the dynamics and may depend on everything. So does the pose of a
 //! base that is set down: it sinks and tilts as the ground carries it, by its weight and whatever
-//! else acts on it. Outputs between steps
-//! depend on nothing that an importer sets at that time (see [`crate::describe`]).
+//! else acts on it. Outputs between steps depend on nothing that an importer sets at that time (see
+//! [`crate::describe`]).
 
 use urdf2fmu_core::model::{BodyId, JointId, JointKind, Model};
 use urdf2fmu_core::simulation::{OutputSlot, ParameterSlot, Sensed};

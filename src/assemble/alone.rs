@@ -8,7 +8,7 @@ use super::{
 };
 use crate::diagnostic::Diagnostic;
 use crate::digits::Digits;
-use crate::model::{BodyId, Initial, Model, OutputSelection, Root};
+use crate::model::{BodyId, Initial, Model, OutputSelection, Root, RootId};
 use crate::settings::{InertiaSource, Settings};
 use crate::spatial::Vec3;
 use crate::urdf::Description;
@@ -89,13 +89,12 @@ fn assemble(
             flat_names: settings.flat_names,
             arrays: settings.fmu.arrays,
             interface: settings.fmu.interface,
+            // From the start: what is driven needs no mass, and no force moves it.
+            driven: settings.driven.then_some(RootId(0)).into_iter().collect(),
             ..OutputSelection::default()
         },
     };
     bodies::add(&mut model, &base, &robot.shapes, findings);
-    if settings.driven {
-        inertia::of_driven(&mut model);
-    }
     let polygons = wheels::fit(&mut model, &robot.shapes, &robot.wheels, findings);
     initial::joints(&mut model, settings, findings);
     initial::base(&mut model, &base, settings, findings);

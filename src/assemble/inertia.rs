@@ -22,19 +22,6 @@ const SMALLEST_SHARE: f64 = 1e-11;
 /// Smallest inertia of a degree of freedom, kg·m² or kg: a grain of sand at its own radius.
 const SMALLEST_INERTIA: f64 = 1e-16;
 
-/// Gives the base of what is driven an inertia, if it has none: it goes where its inputs say,
-/// whatever it weighs, and nothing feels what stands here.
-pub(super) fn of_driven(model: &mut Model) {
-    let link = model.bodies[0].link;
-    let own = &mut model.links[link.index()].inertia;
-    if own.mass <= 0.0 {
-        own.mass = 1.0;
-    }
-    if is_singular(&own.I_cm) {
-        own.I_cm = Mat3::identity() * own.mass;
-    }
-}
-
 /// Gives links whose `<inertia>` is singular that of their shapes where the robot could not move
 /// otherwise, and reports degrees of freedom that have none even so. Returns the poses of the model
 /// as it is then; `of_shapes` says whether inertias are computed from the shapes in any case.

@@ -33,9 +33,6 @@ pub(super) fn select(model: &mut Model, settings: &Settings, findings: &mut Find
     if settings.conveyor {
         model.outputs.conveyors = vec![RootId::from(0)];
     }
-    if settings.driven {
-        model.outputs.driven = vec![RootId::from(0)];
-    }
     for group in &settings.groups {
         if let Some(group) = self::group(model, group, findings) {
             model.outputs.groups.push(group);

@@ -23,11 +23,9 @@ impl Simulation {
         self.model.world.ground.as_ref()?;
         let mut kin = Kinematics::new(&self.tree);
         kin.update_poses(&self.tree, &self.state.physical.q);
-        let depths = self.model.colliders.iter().filter(|collider| {
-            let body = collider.body.index();
-            // What is driven does not touch the ground.
-            self.model.bodies[body].motion.kind().moves() && !self.tree.is_driven(body)
-        });
+        // What no force moves does not touch the ground.
+        let colliders = self.model.colliders.iter();
+        let depths = colliders.filter(|collider| self.model.yields(collider.body));
         let depths = depths.map(|collider| {
             // From the tree's frame of the body to that of the model.
             let link = &self.model.links[collider.link.index()];
