@@ -5,6 +5,7 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
+mod around;
 mod error;
 mod faces;
 pub mod field;

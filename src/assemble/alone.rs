@@ -96,6 +96,7 @@ fn assemble(
     };
     bodies::add(&mut model, &base, &robot.shapes, findings);
     let polygons = wheels::fit(&mut model, &robot.shapes, &robot.wheels, findings);
+    bodies::center(&mut model);
     initial::joints(&mut model, settings, findings);
     initial::base(&mut model, &base, settings, findings);
     if let Err(error) = model.validate() {

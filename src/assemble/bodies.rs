@@ -264,3 +264,12 @@ fn add_colliders(model: &mut Model, shapes: &[Vec<CollisionDescription>]) {
         }
     }
 }
+
+/// Gives each mesh its origin in its middle, where its link's does not matter.
+pub(super) fn center(model: &mut Model) {
+    for collider in &mut model.colliders {
+        let (shape, center) = collider.shape.centered();
+        collider.X_BG.p = collider.X_BG.point(&center);
+        collider.shape = shape;
+    }
+}

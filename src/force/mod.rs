@@ -9,6 +9,7 @@
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
 mod act;
+mod apart;
 mod between;
 mod cones;
 mod contact;

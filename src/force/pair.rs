@@ -49,6 +49,18 @@ impl<'a> Pair<'a> {
         patch.find_near(a, b, reach, nearby)
     }
 
+    /// Whether they are certainly farther apart than `reach`, m, along a direction that is given in
+    /// the axes of the first one, see [`Patch::are_apart`].
+    pub fn is_apart_along(&self, direction: &Vec3, reach: f64) -> bool {
+        let [a, b] = [0, 1].map(|i| (self.solids[i], &self.poses[i]));
+        Patch::are_apart(a, b, reach, &(self.poses[0].R * direction))
+    }
+
+    /// A direction in the axes of the first one.
+    pub fn seen_from_first(&self, direction: &Vec3) -> Vec3 {
+        self.poses[0].R.tr_mul(direction)
+    }
+
     /// Depth, m, and how much it grows where all points sink by one unit; 0 where nothing is
     /// inside. Not of terrain, where several parts may touch.
     fn depth(&self, patch: &mut Patch) -> (f64, f64) {

@@ -6,6 +6,7 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
+use super::apart::Apart;
 use super::pair::Pair;
 use crate::geometry::Shape;
 use crate::geometry::pair::{Nearby, Patch};
@@ -29,6 +30,8 @@ pub struct Pairs {
     known: Vec<KnownGround>,
     /// Pairs of places that come near, the lower one first.
     near: Vec<[usize; 2]>,
+    /// Along what those are apart that do not touch.
+    apart: Apart,
     /// None where no shapes touch each other.
     patch: Option<Box<Patch>>,
 }
@@ -141,6 +144,7 @@ impl Pairs {
             grounds: Vec::with_capacity(shapes),
             known: KnownGround::of(model, shapes),
             near: Vec::with_capacity(shapes * shapes.saturating_sub(1) / 2),
+            apart: Apart::new(shapes),
             patch: (shapes > 0).then(Box::default),
         }
     }
@@ -165,6 +169,7 @@ impl Pairs {
             near,
             grounds,
             known,
+            apart,
             ..
         } = self;
         let enough = near.iter().any(|&places| {
@@ -176,7 +181,13 @@ impl Pairs {
                         let shape = usize::from(grounds[ground].0 == places[0]);
                         known[ground].shapes[places[shape]].nearby.as_mut()
                     });
-                    pair.touch(&mut patch, h * speed + margin, nearby)
+                    let reach = h * speed + margin;
+                    let touch = if ground.is_some() {
+                        pair.touch(&mut patch, reach, nearby)
+                    } else {
+                        apart.touch(places, &pair, &mut patch, reach)
+                    };
+                    touch
                         && (0..patch.parts().len()).any(|at| {
                             let slot = tree.contact.slot(places) + patch.parts()[at].index;
                             take(slot, &pair, &mut patch, at)

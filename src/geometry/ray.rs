@@ -171,22 +171,6 @@ impl Target {
     }
 }
 
-impl Shape {
-    /// Centre and radius of a ball that holds the shape, m.
-    pub fn ball_around(&self) -> (Vec3, f64) {
-        let Self::Hull { vertices } = self else {
-            return (Vec3::zeros(), self.bounding_radius());
-        };
-        let first = vertices.first().copied().unwrap_or_else(Vec3::zeros);
-        let (low, high) = vertices
-            .iter()
-            .fold((first, first), |(low, high), v| (low.inf(v), high.sup(v)));
-        let center = (low + high) * 0.5;
-        let reach = vertices.iter().map(|v| (v - center).norm());
-        (center, reach.fold(0.0, f64::max))
-    }
-}
-
 /// Both of them.
 fn within((a, b): Span, (c, d): Span) -> Option<Span> {
     let (enter, exit) = (a.max(c), b.min(d));

@@ -8,18 +8,18 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
-use super::super::faces::{Faces, outline};
+use super::super::faces::Faces;
 use super::super::hull::{Simplices, hull};
 use super::super::{MOST_CORNERS, Shape, bounded_hull};
 use super::beside::Beside;
+use super::corners::Corners;
+use super::edges::Bar;
+use super::mesh::{Mesh, box_mesh, ends, hull_mesh};
 use crate::geometry::field::Field;
 use crate::geometry::surface::Surface;
-use crate::spatial::{Mat3, Pose, Vec3, across};
+use crate::spatial::{Mat3, Pose, Vec3};
 use crate::tuning::{ROUNDING, ROUNDING_SHARE};
 use std::sync::Arc;
-
-/// Corners of the polygon that stands for the flat end of a cylinder where something cuts it.
-pub(super) const END_CORNERS: usize = 16;
 
 /// Rounding of the inner core, as a share of the smallest half extent. The less, the less the
 /// direction turns over to that of a rounder shape: at 0.3 the corner of a box that came 2 mm deep
@@ -33,9 +33,6 @@ const LEAST_BLEND: f64 = 1e-4;
 
 /// Part of the rounding within which two corners of a core are one.
 const SAME: f64 = 1e-6;
-
-/// Part of a hull's size within which corners count as in one plane.
-const IN_PLANE: f64 = 1e-7;
 
 /// The convex set that directions between shapes are found from.
 #[derive(Clone, Debug)]
@@ -55,63 +52,7 @@ pub(super) enum Core {
     /// Half extents.
     Box { half: Vec3 },
     /// The hull of these.
-    Corners(Vec<Vec3>),
-}
-
-/// Flat faces of a shape.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Mesh {
-    pub(super) corners: Vec<Vec3>,
-    /// Unit normals outwards, one per face.
-    pub(super) normals: Vec<Vec3>,
-    /// Indices of corners, counter-clockwise from outside; those of face `i` from `first[i]` to
-    /// `first[i + 1]`.
-    loops: Vec<usize>,
-    first: Vec<usize>,
-    /// Directions of its edges, each once, unit vectors.
-    pub(super) edges: Vec<Vec3>,
-    /// Corners at both ends of each edge of a polyhedron.
-    pub(super) ends: Vec<[usize; 2]>,
-}
-
-impl Mesh {
-    /// Corners of a face in order.
-    pub(super) fn face(&self, index: usize) -> &[usize] {
-        &self.loops[self.first[index]..self.first[index + 1]]
-    }
-
-    fn push(&mut self, normal: Vec3, corners: impl IntoIterator<Item = usize>) {
-        if self.first.is_empty() {
-            self.first.push(0);
-        }
-        self.normals.push(normal);
-        self.loops.extend(corners);
-        let own = &self.loops[self.first[self.normals.len() - 1]..];
-        for (&from, &to) in own.iter().zip(own.iter().cycle().skip(1)) {
-            let ends = [from.min(to), from.max(to)];
-            // Once: the face on the other side has it, too.
-            self.ends.retain(|known| *known != ends);
-            self.ends.push(ends);
-        }
-        self.first.push(self.loops.len());
-    }
-
-    /// Finds the directions of the edges from the faces.
-    fn find_edges(&mut self) {
-        for face in 0..self.normals.len() {
-            let list = self.face(face).to_vec();
-            for (i, &a) in list.iter().enumerate() {
-                let b = list[(i + 1) % list.len()];
-                let Some(along) = (self.corners[b] - self.corners[a]).try_normalize(0.0) else {
-                    continue;
-                };
-                let known = |e: &Vec3| e.cross(&along).norm() < 1e-9;
-                if !self.edges.iter().any(known) {
-                    self.edges.push(along);
-                }
-            }
-        }
-    }
+    Corners(Corners),
 }
 
 /// What a capsule or a cylinder is along its z axis.
@@ -144,6 +85,8 @@ pub struct Solid {
     pub(super) shares: Faces,
     /// For each corner of a box or a hull that of the core which is nearest to it.
     pub(super) core_corners: Vec<Vec3>,
+    /// The edges of the core of a box or a hull, in its own axes.
+    pub(super) bars: Vec<Bar>,
     /// What stands against it, see `flush.rs`.
     pub(super) beside: Vec<Beside>,
 }
@@ -166,6 +109,7 @@ impl Solid {
             reach,
             shares: Faces::default(),
             core_corners: Vec::new(),
+            bars: Vec::new(),
             beside: Vec::new(),
         };
         match shape {
@@ -209,12 +153,11 @@ impl Solid {
                     half: half.add_scalar(-r),
                 };
                 let mesh = box_mesh(half);
+                let within = |c: &Vec3| c - c.map(|x| r * x.signum());
+                let core_corners: Vec<Vec3> = mesh.corners.iter().map(within).collect();
                 Self {
-                    core_corners: mesh
-                        .corners
-                        .iter()
-                        .map(|c| c - c.map(|x| r * x.signum()))
-                        .collect(),
+                    bars: Bar::edges(&mesh, &core_corners, r),
+                    core_corners,
                     mesh,
                     inner: core(INNER * half.min()),
                     inner_radius: INNER * half.min(),
@@ -228,13 +171,16 @@ impl Solid {
                 let smallest = thickness_of(&mesh);
                 let (core, r) = shrunk(&mesh, rounding(smallest));
                 let (inner, inner_radius) = shrunk(&mesh, INNER * smallest);
+                let within = |c: &Vec3| nearest_of(&core, c);
+                let core_corners: Vec<Vec3> = mesh.corners.iter().map(within).collect();
                 Self {
                     shares: Faces::new(&corners, thickness),
-                    core_corners: mesh.corners.iter().map(|c| nearest_of(&core, c)).collect(),
+                    bars: Bar::edges(&mesh, &core_corners, r),
+                    core_corners,
                     mesh,
-                    inner: Core::Corners(inner),
+                    inner: Core::Corners(Corners::new(inner)),
                     inner_radius,
-                    ..of(Core::Corners(core), r, smallest)
+                    ..of(Core::Corners(Corners::new(core)), r, smallest)
                 }
             }
             Shape::Plane => Self::half_space(),
@@ -294,6 +240,7 @@ impl Solid {
             reach: f64::INFINITY,
             shares: Faces::default(),
             core_corners: Vec::new(),
+            bars: Vec::new(),
             beside: Vec::new(),
         }
     }
@@ -322,105 +269,6 @@ impl Solid {
 /// By how much edges of a shape with this smallest half extent are rounded.
 fn rounding(smallest: f64) -> f64 {
     ROUNDING.min(ROUNDING_SHARE * smallest)
-}
-
-/// Both ends of a cylinder.
-fn ends(radius: f64, half: f64) -> Mesh {
-    let mut mesh = Mesh::default();
-    for z in [half, -half] {
-        for i in 0..END_CORNERS {
-            #[expect(clippy::cast_precision_loss, reason = "a small count")]
-            let angle = std::f64::consts::TAU * (i as f64 / END_CORNERS as f64);
-            let (sin, cos) = libm::sincos(angle);
-            mesh.corners.push(Vec3::new(radius * cos, radius * sin, z));
-        }
-    }
-    mesh.push(Vec3::z(), 0..END_CORNERS);
-    mesh.push(-Vec3::z(), (END_CORNERS..2 * END_CORNERS).rev());
-    mesh
-}
-
-/// A box's corner `i` is on the positive side of axis `k` where bit `k` of `i` is set.
-fn box_mesh(half: &Vec3) -> Mesh {
-    let mut mesh = Mesh::default();
-    for i in 0..8 {
-        let sign = |bit: usize| if i & bit == 0 { -1.0 } else { 1.0 };
-        mesh.corners
-            .push(half.component_mul(&Vec3::new(sign(1), sign(2), sign(4))));
-    }
-    for axis in 0..3 {
-        let (u, v) = (1 << ((axis + 1) % 3), 1 << ((axis + 2) % 3));
-        let mut normal = Vec3::zeros();
-        normal[axis] = 1.0;
-        let top = 1 << axis;
-        mesh.push(normal, [top, top + u, top + u + v, top + v]);
-        mesh.push(-normal, [0, v, u + v, u]);
-    }
-    mesh.edges = vec![Vec3::x(), Vec3::y(), Vec3::z()];
-    mesh
-}
-
-/// Faces of a hull, those in one plane as one.
-fn hull_mesh(corners: &[Vec3], size: f64) -> Mesh {
-    let mut mesh = Mesh {
-        corners: corners.to_vec(),
-        ..Mesh::default()
-    };
-    let Some(hull) = hull(corners, corners.len().max(4)) else {
-        return mesh;
-    };
-    let plane = |[a, b, c]: [usize; 3]| {
-        let [a, b, c] = [a, b, c].map(|i| hull.corners[i]);
-        (b - a).cross(&(c - a)).try_normalize(0.0)
-    };
-    let mut known: Vec<Vec<usize>> = Vec::new();
-    let mut add = |mesh: &mut Mesh, normal: Vec3| {
-        let height = |i: usize| normal.dot(&corners[i]);
-        let top = (0..corners.len())
-            .map(height)
-            .fold(f64::NEG_INFINITY, f64::max);
-        let list: Vec<usize> = (0..corners.len())
-            .filter(|&i| height(i) > top - IN_PLANE * size)
-            .collect();
-        let x = across(&normal);
-        let y = normal.cross(&x);
-        let flat: Vec<(f64, f64)> = list
-            .iter()
-            .map(|&i| (x.dot(&corners[i]), y.dot(&corners[i])))
-            .collect();
-        let order: Vec<usize> = outline(&flat).into_iter().map(|i| list[i]).collect();
-        if order.len() > 2 && !known.contains(&list) {
-            // Of all corners: more exact than that of a thin triangle.
-            let sum = (0..order.len()).fold(Vec3::zeros(), |sum, i| {
-                let (a, b) = (corners[order[i]], corners[order[(i + 1) % order.len()]]);
-                sum + (a - corners[order[0]]).cross(&(b - corners[order[0]]))
-            });
-            mesh.push(sum.try_normalize(0.0).unwrap_or(normal), order);
-            known.push(list);
-        }
-    };
-    match &hull.simplices {
-        Simplices::Faces(triangles) => {
-            for triangle in triangles {
-                if let Some(normal) = plane(*triangle) {
-                    add(&mut mesh, normal);
-                }
-            }
-        }
-        Simplices::Polygon(order) if order.len() > 2 => {
-            if let Some(normal) = plane([order[0], order[1], order[2]]) {
-                let x = across(&normal);
-                let y = normal.cross(&x);
-                let flat: Vec<(f64, f64)> = corners.iter().map(|c| (x.dot(c), y.dot(c))).collect();
-                let order = outline(&flat);
-                mesh.push(normal, order.clone());
-                mesh.push(-normal, order.into_iter().rev());
-            }
-        }
-        _ => {}
-    }
-    mesh.find_edges();
-    mesh
 }
 
 /// The middle of a hull's corners.

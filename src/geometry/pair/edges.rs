@@ -9,6 +9,7 @@
 //! load went to and fro by centimetres in each of a hundred steps: it never came to rest.
 
 use super::core::Round;
+use super::mesh::Mesh;
 use super::nearest::Apart;
 use super::placed::Placed;
 use super::points::{Points, point};
@@ -47,16 +48,39 @@ impl Bar {
         }
     }
 
-    /// An edge between two corners of the core; none where they are one.
-    fn edge(placed: &Placed, [from, to]: [usize; 2]) -> Option<Self> {
-        let [x, y] = [from, to].map(|i| placed.world(&placed.solid.core_corners[i]));
-        let half = 0.5 * (y - x).norm();
-        Some(Self {
-            middle: (x + y) * 0.5,
-            along: (y - x).try_normalize(0.0)?,
-            half,
-            radius: placed.solid.radius,
-        })
+    /// The edges of a mesh whose corners are at other places, but for those without a length.
+    pub(super) fn edges(mesh: &Mesh, corners: &[Vec3], radius: f64) -> Vec<Self> {
+        let bar = |&[from, to]: &[usize; 2]| {
+            let (x, y) = (corners[from], corners[to]);
+            Some(Self {
+                middle: (x + y) * 0.5,
+                along: (y - x).try_normalize(0.0)?,
+                half: 0.5 * (y - x).norm(),
+                radius,
+            })
+        };
+        mesh.ends.iter().filter_map(bar).collect()
+    }
+
+    /// How far it reaches along `n`, without the ball about its points.
+    fn height(&self, n: &Vec3) -> f64 {
+        n.dot(&self.middle) + n.dot(&self.along).abs() * self.half
+    }
+
+    /// How parallel it is to a line along a unit vector, see [`Common::parallel`]; none from 60°
+    /// on.
+    fn parallel(&self, along: &Vec3) -> Option<f64> {
+        let parallel = 2.0 * self.along.dot(along).abs() - 1.0;
+        (parallel > 0.0).then_some(parallel)
+    }
+
+    /// Of a shape where it stands.
+    fn of(&self, placed: &Placed) -> Self {
+        Self {
+            middle: placed.world(&self.middle),
+            along: placed.R * self.along,
+            ..*self
+        }
     }
 
     /// What it has in common with another one, in the direction `n` from that to it.
@@ -67,10 +91,7 @@ impl Bar {
         } else {
             other.along
         };
-        let parallel = 2.0 * cosine.abs() - 1.0;
-        if parallel <= 0.0 {
-            return None;
-        }
+        let parallel = self.parallel(&other.along)?;
         let along = (self.along + k).normalize();
         let range = |p: &Vec3, k: &Vec3, half: f64| {
             let (middle, half) = (along.dot(p), along.dot(k) * half);
@@ -102,14 +123,15 @@ impl Common {
     }
 }
 
-/// The edges of a polyhedron that reach up to `level` along `n`.
-fn edges<'a>(placed: &'a Placed, n: &Vec3, level: f64) -> impl Iterator<Item = Bar> + 'a {
-    let (ends, corners) = (&placed.solid.mesh.ends, &placed.solid.core_corners);
-    // In the axes of the shape, in which most edges are left out.
+/// The edges of a polyhedron that reach up to `level` along `n`, in its own axes, in which most
+/// edges are left out.
+fn reaching<'a>(placed: &'a Placed, n: &Vec3, level: f64) -> impl Iterator<Item = &'a Bar> {
     let (up, level) = (placed.R.tr_mul(n), level - n.dot(&placed.p));
-    let high = move |i: &usize| up.dot(&corners[*i]) >= level;
-    let reaching = ends.iter().filter(move |ends| ends.iter().any(high));
-    reaching.filter_map(|ends| Bar::edge(placed, *ends))
+    placed
+        .solid
+        .bars
+        .iter()
+        .filter(move |bar| bar.height(&up) >= level)
 }
 
 /// Adds the ends of what lies along edges of `b`, the axis or the edges of `a`; returns how much of
@@ -127,8 +149,12 @@ pub(super) fn along_edges(
     let (mut sum, mut total) = (0.0, 0.0);
     let level = n.dot(&b.support(&n)) - limits.blend;
     let mut take = |bar: &Bar| {
-        for edge in edges(b, &n, level) {
-            let Some(common) = bar.common(&edge, &n) else {
+        let along = b.R.tr_mul(&bar.along);
+        for edge in reaching(b, &n, level) {
+            if edge.parallel(&along).is_none() {
+                continue;
+            }
+            let Some(common) = bar.common(&edge.of(b), &n) else {
                 continue;
             };
             let over = common.ends.map(|(_, depth)| limits.level + depth);
@@ -154,8 +180,8 @@ pub(super) fn along_edges(
     } else {
         let down = -n;
         let level = down.dot(&a.support(&down)) - limits.blend;
-        for bar in edges(a, &down, level) {
-            take(&bar);
+        for bar in reaching(a, &down, level) {
+            take(&bar.of(a));
         }
     }
     if total <= 0.0 {

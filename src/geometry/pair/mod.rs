@@ -36,6 +36,7 @@
 
 mod beside;
 mod core;
+mod corners;
 mod cylinders;
 mod deep;
 mod edges;
@@ -44,6 +45,7 @@ mod flush;
 mod foot;
 mod gjk;
 mod meet;
+mod mesh;
 mod nearby;
 mod nearest;
 mod own;
@@ -67,9 +69,14 @@ pub use self::terrain::{MOST_PARTS, Part};
 
 use self::core::Core;
 use self::meet::Meeting;
-use self::placed::{Placed, rank};
+use self::placed::{Placed, rank, separation};
 use self::points::Points;
 use crate::spatial::{Pose, Vec3};
+
+/// By which share of two shapes' reach they must be farther apart than a query looks, so that it is
+/// certain that this finds nothing: much more than what round-off makes of either.
+/// (`what_is_known_to_be_apart_is_found_to_be` in `tests/apart.rs`)
+const CERTAIN: f64 = 1e-9;
 
 /// What two shapes have in common. One is filled again and again: it holds the memory of a query,
 /// too.
@@ -111,6 +118,19 @@ impl Patch {
         let couple = Couple::new((a, X_WA), (b, X_WB));
         let (above, below) = couple.ranked();
         Meeting::are_near(above, below, reach)
+    }
+
+    /// Whether along the unit vector `n`, from `b` to `a`, the shapes are certainly so far apart that
+    /// [`Self::find`] finds nothing within `reach`, m. Not of terrain.
+    pub fn are_apart(
+        (a, X_WA): (&Solid, &Pose),
+        (b, X_WB): (&Solid, &Pose),
+        reach: f64,
+        n: &Vec3,
+    ) -> bool {
+        let couple = Couple::new((a, X_WA), (b, X_WB));
+        let gap = separation(&couple.first, &couple.second, n) - (a.radius + b.radius);
+        gap > reach + a.rounding() + b.rounding() + CERTAIN * (a.reach + b.reach)
     }
 
     /// Finds what `a` at `X_WA` and `b` at `X_WB` have in common, as far as it is nearer than

@@ -428,7 +428,8 @@ fn search_round(p: &Placed, cylinder: &Placed, (rough, share): (&Vec3, f64)) -> 
                 }
             }
         }
-        Core::Corners(list) => {
+        Core::Corners(corners) => {
+            let list = corners.list();
             // Segments within the core do no harm: nothing in it is nearer than its surface.
             let local = p.R.tr_mul(rough);
             let limit = p.support_local(&-rough).dot(&local) + share * p.solid.reach * local.norm();

@@ -62,16 +62,7 @@ impl<'a> Placed<'a> {
                 Vec3::new(local.x * out, local.y * out, signed(*half, local.z))
             }
             Core::Box { half } => half.zip_map(&local, signed),
-            Core::Corners(list) => {
-                let mut best = (f64::NEG_INFINITY, Vec3::zeros());
-                for corner in list {
-                    let height = local.dot(corner);
-                    if height > best.0 {
-                        best = (height, *corner);
-                    }
-                }
-                best.1
-            }
+            Core::Corners(corners) => corners.farthest(&local),
         }
     }
 }

@@ -15,7 +15,7 @@
 //! 3. Angles are those in the plane of the face that is more tilted against the normal: the corner
 //!    of a box has a quarter at any lean.
 
-use super::core::Mesh;
+use super::mesh::Mesh;
 use super::points::{Points, point};
 use super::view::{Frame, Front, Seen};
 use crate::spatial::Vec3;

@@ -11,8 +11,9 @@
 //! `R`, `a = R (k − (k·n) n)` and the crown `s` it is `q − s` below the circle's centre, with
 //! `q = √(|a|² + s²)`, and lies at `c + R (n·k) a/q` over it.
 
-use super::core::{Mesh, Round};
+use super::core::Round;
 use super::edges::{Bar, ramp};
+use super::mesh::Mesh;
 use super::nearest::Apart;
 use super::placed::Placed;
 use super::points::{PatchPoint, Points, Rim, Side, point};

@@ -3,7 +3,7 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
-use super::core::Mesh;
+use super::mesh::Mesh;
 use super::placed::Placed;
 use crate::geometry::MOST_CORNERS;
 use crate::spatial::{Vec3, across};

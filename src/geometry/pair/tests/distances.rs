@@ -69,8 +69,8 @@ fn their_core(solid: &Solid, unit: f64) -> Theirs {
             std::boxed::Box::new(theirs::Cuboid::new(v(half))),
             Mat3::identity(),
         ),
-        Core::Corners(list) => {
-            let points: Vec<Vector> = list.iter().map(v).collect();
+        Core::Corners(corners) => {
+            let points: Vec<Vector> = corners.list().iter().map(v).collect();
             let hull = theirs::ConvexPolyhedron::from_convex_hull(&points).expect("a hull");
             (std::boxed::Box::new(hull), Mat3::identity())
         }
@@ -107,7 +107,7 @@ fn simplices(placed: &Placed) -> Option<Vec<Vec<Vec3>>> {
                 half.component_mul(&Vec3::new(sign(1), sign(2), sign(4)))
             })
             .collect(),
-        Core::Corners(list) => list.clone(),
+        Core::Corners(corners) => corners.list().to_vec(),
         _ => return None,
     };
     let found = hull(&list, list.len())?;

@@ -1,6 +1,7 @@
 //! Tests of contact between two shapes.
 
 mod along;
+mod apart;
 mod cases;
 mod depths;
 mod distances;
