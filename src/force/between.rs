@@ -55,7 +55,7 @@ pub(super) fn find_pairs(
             spring: pair.spring(tree),
             ..Contact::default()
         };
-        contact.gather(points);
+        contact.gather(points, &kin.V, h);
         let mut surface = Surface::default();
         surface.combine([&a.own, &b.own], tree.contact.combination);
         // What bounces loses nothing in which an error of its rows would be lost, too.

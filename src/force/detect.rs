@@ -58,7 +58,7 @@ pub fn detect(
             spring: collider.spring,
             ..Contact::default()
         };
-        contact.gather(&mut contacts.points);
+        contact.gather(&mut contacts.points, &kin.V, h);
         let meet = Meeting {
             surface: &collider.ground,
             dissipation: collider.dissipation,

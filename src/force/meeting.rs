@@ -96,7 +96,7 @@ impl Meeting<'_> {
         let pressing = if load > elastic { load / elastic } else { 1.0 };
         contact.friction = ElastoPlastic {
             stiffness: slope,
-            damping: 2.0 * (slope * pressing * mass).sqrt(),
+            damping: (2.0 * (slope * pressing * mass).sqrt()).max(self.dissipation * load),
             ..ElastoPlastic::default()
         };
         contact.friction.displacement = contact.recall_slip(&stored.displacement);

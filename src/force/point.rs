@@ -23,7 +23,7 @@ pub struct ContactPoint {
     pub depth: f64,
     /// Share `m_i` in a face.
     pub share: f64,
-    /// Share `ŵ_i` of the load at the start; 0 of all points where none is inside.
+    /// Share `ŵ_i` of the load at the start, or of the load to come where none is inside.
     pub load: f64,
     /// The rim whose lowest point it is, of a cylinder.
     pub rim: Option<Rim>,

@@ -121,7 +121,7 @@ pub(crate) fn random_contact(
         },
         ..Contact::default()
     };
-    contact.gather(points);
+    contact.gather(points, &vec![Vec6::default(); body + 1], 0.0);
     contact
 }
 

@@ -1,7 +1,7 @@
 //! Whether the same acts throughout a step: rims lean alike, contacts press, motors yield.
 
 use super::{GAMMA, Stages};
-use crate::force::JointTerm;
+use crate::force::{JointTerm, Response};
 use crate::spatial::Vec3;
 use crate::state::Physical;
 use crate::tuning::ACROSS;
@@ -27,13 +27,19 @@ impl Stages {
     }
 
     /// Whether a contact or a limit presses in one of the stages of `eta` seconds up to `last` and
-    /// not in another, or not where the step begins.
+    /// not in another, or not where the step begins, or friction that has ended a slip in the first
+    /// stage slips the other way in the second. That stage begins beyond the first, with the slip
+    /// turned around; friction that sticks ends this, too, but not where the load is gone by then.
     pub(super) fn changes(&self, last: usize, eta: f64) -> bool {
         let [first, second] = self.solved.each_ref().map(|s| &s.responses.contacts);
+        let turns = |one: &Response, two: &Response| {
+            two.slips() && one.friction.force.dot(&two.friction.force) < 0.0
+        };
         let mut contacts = self.terms[0].contacts.iter().enumerate();
         contacts.any(|(i, contact)| {
             let one = first[i].presses();
-            one != (contact.depth > 0.0) || last > 0 && one != second[i].presses()
+            one != (contact.depth > 0.0)
+                || last > 0 && (one != second[i].presses() || turns(&first[i], &second[i]))
         }) || self.leaves_limit(last, eta)
     }
 

@@ -28,6 +28,7 @@ mod impacts;
 mod inputs;
 mod islands;
 mod joints;
+mod landings;
 mod listed;
 mod loops;
 mod machines;
