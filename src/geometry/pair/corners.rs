@@ -61,7 +61,7 @@ mod tests {
         let mut random = Random(0x1B87_3593_CC9E_2D51);
         for count in 1..40 {
             // Of few different places, so that some are equally far.
-            let place = |random: &mut Random| random.vector(2.0).map(|x| x.round());
+            let place = |random: &mut Random| random.vector(2.0).map(f64::round);
             let list: Vec<Vec3> = (0..count).map(|_| place(&mut random)).collect();
             let corners = Corners::new(list.clone());
             for _ in 0..50 {

@@ -171,7 +171,7 @@ fn a_box_that_lands_flat_and_slides_is_not_turned_by_round_off() {
                 let mut model =
                     world([body(mass, Shape::Box { half }, Vec3::z() * (half.z + gap))]);
                 let root = &mut model.roots[0];
-                root.rpy = Vec3::new(lean * side.cos(), lean * side.sin(), 0.7);
+                root.rpy = Vec3::new(lean * libm::cos(side), lean * libm::sin(side), 0.7);
                 root.linear_velocity = Vec3::new(aside, 0.0, -down);
                 rub(&mut model, friction);
                 model.solver.step_size = mode.1;
