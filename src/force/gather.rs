@@ -110,8 +110,8 @@ impl Contact {
         }
     }
 
-    /// Finds depth and shares of the load, and what follows from these for the normal. Where nothing
-    /// presses, the shares stay.
+    /// Finds depth and shares of the load, and what follows from these for the normal. Where
+    /// nothing presses, the shares stay.
     pub(crate) fn share_load(&mut self, points: &mut [ContactPoint]) {
         let own = &mut points[self.points.clone()];
         let (depth, weights) = norm(own, 0.0);

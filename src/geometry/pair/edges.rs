@@ -9,22 +9,12 @@
 //! load went to and fro by centimetres in each of a hundred steps: it never came to rest.
 
 use super::core::Round;
-use super::mesh::Mesh;
+use super::mesh::Bar;
 use super::nearest::Apart;
 use super::placed::Placed;
 use super::points::{Points, point};
 use super::polygon::Limits;
 use crate::spatial::Vec3;
-
-/// A segment with a ball about each of its points.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Bar {
-    middle: Vec3,
-    /// Unit vector along it.
-    along: Vec3,
-    half: f64,
-    radius: f64,
-}
 
 /// What two bars have in common.
 #[derive(Clone, Copy, Debug)]
@@ -46,32 +36,6 @@ impl Bar {
             half: round.half,
             radius: round.radius,
         }
-    }
-
-    /// The edges of a mesh whose corners are at other places, but for those without a length.
-    pub(super) fn edges(mesh: &Mesh, corners: &[Vec3], radius: f64) -> Vec<Self> {
-        let bar = |&[from, to]: &[usize; 2]| {
-            let (x, y) = (corners[from], corners[to]);
-            Some(Self {
-                middle: (x + y) * 0.5,
-                along: (y - x).try_normalize(0.0)?,
-                half: 0.5 * (y - x).norm(),
-                radius,
-            })
-        };
-        mesh.ends.iter().filter_map(bar).collect()
-    }
-
-    /// How far it reaches along `n`, without the ball about its points.
-    fn height(&self, n: &Vec3) -> f64 {
-        n.dot(&self.middle) + n.dot(&self.along).abs() * self.half
-    }
-
-    /// How parallel it is to a line along a unit vector, see [`Common::parallel`]; none from 60°
-    /// on.
-    fn parallel(&self, along: &Vec3) -> Option<f64> {
-        let parallel = 2.0 * self.along.dot(along).abs() - 1.0;
-        (parallel > 0.0).then_some(parallel)
     }
 
     /// Of a shape where it stands.

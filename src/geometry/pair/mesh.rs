@@ -164,3 +164,41 @@ pub(super) fn hull_mesh(corners: &[Vec3], size: f64) -> Mesh {
     mesh.find_edges();
     mesh
 }
+
+/// A segment with a ball about each of its points.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Bar {
+    pub(super) middle: Vec3,
+    /// Unit vector along it.
+    pub(super) along: Vec3,
+    pub(super) half: f64,
+    pub(super) radius: f64,
+}
+
+impl Bar {
+    /// The edges of a mesh whose corners are at other places, but for those without a length.
+    pub(super) fn edges(mesh: &Mesh, corners: &[Vec3], radius: f64) -> Vec<Self> {
+        let bar = |&[from, to]: &[usize; 2]| {
+            let (x, y) = (corners[from], corners[to]);
+            Some(Self {
+                middle: (x + y) * 0.5,
+                along: (y - x).try_normalize(0.0)?,
+                half: 0.5 * (y - x).norm(),
+                radius,
+            })
+        };
+        mesh.ends.iter().filter_map(bar).collect()
+    }
+
+    /// How far it reaches along `n`, without the ball about its points.
+    pub(super) fn height(&self, n: &Vec3) -> f64 {
+        n.dot(&self.middle) + n.dot(&self.along).abs() * self.half
+    }
+
+    /// How parallel it is to a line along a unit vector, 1 where it is, none from 60°
+    /// on.
+    pub(super) fn parallel(&self, along: &Vec3) -> Option<f64> {
+        let parallel = 2.0 * self.along.dot(along).abs() - 1.0;
+        (parallel > 0.0).then_some(parallel)
+    }
+}

@@ -12,8 +12,8 @@
 //! `q = √(|a|² + s²)`, and lies at `c + R (n·k) a/q` over it.
 
 use super::core::Round;
-use super::edges::{Bar, ramp};
-use super::mesh::Mesh;
+use super::edges::ramp;
+use super::mesh::{Bar, Mesh};
 use super::nearest::Apart;
 use super::placed::Placed;
 use super::points::{PatchPoint, Points, Rim, Side, point};
