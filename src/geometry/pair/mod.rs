@@ -120,8 +120,8 @@ impl Patch {
         Meeting::are_near(above, below, reach)
     }
 
-    /// Whether along the unit vector `n`, from `b` to `a`, the shapes are certainly so far apart that
-    /// [`Self::find`] finds nothing within `reach`, m. Not of terrain.
+    /// Whether along the unit vector `n`, from `b` to `a`, the shapes are certainly so far apart
+    /// that [`Self::find`] finds nothing within `reach`, m. Not of terrain.
     pub fn are_apart(
         (a, X_WA): (&Solid, &Pose),
         (b, X_WB): (&Solid, &Pose),

@@ -5,8 +5,8 @@ use crate::geometry::pair::Patch;
 use crate::spatial::Vec3;
 use crate::testing::Random;
 
-/// Of random pairs: along the normal of a look that finds nothing and along others, which are off by
-/// little or much, and within a reach that is less than the gap by some units of round-off.
+/// Of random pairs: along the normal of a look that finds nothing and along others, which are off
+/// by little or much, and within a reach that is less than the gap by some units of round-off.
 #[test]
 fn what_is_known_to_be_apart_is_found_to_be() {
     let mut random = Random(0x94D0_49BB_1331_11EB);
