@@ -50,11 +50,13 @@ fn even_share(points: &[ContactPoint], center: &Vec3, normal: &Vec3) -> f64 {
     EVEN_LINE + round.max(0.0) * (regular - EVEN_LINE)
 }
 
-/// Makes the sum of the loads 1.
+/// Makes the sum of the loads 1; points of which none carries anything share it evenly.
 fn share_out(points: &mut [ContactPoint]) {
     let total: f64 = points.iter().map(|p| p.load).sum();
+    #[expect(clippy::cast_precision_loss, reason = "a small count")]
+    let even = 1.0 / points.len() as f64;
     for p in points {
-        p.load /= total;
+        p.load = if total > 0.0 { p.load / total } else { even };
     }
 }
 
@@ -79,16 +81,25 @@ impl Contact {
         self.load = self.load.min(self.loads(0.0)[1]);
     }
 
-    /// Finds depth, shares of the load, centre and radius from the points that are there, at the
-    /// spatial velocities `V` of all bodies.
-    ///
-    /// Where nothing presses yet, the shares are those of the load to come: of the depths to which
-    /// the velocities take the points within `h` seconds, or, if these are less, of points that are
-    /// pressed in together as deep as a weight makes them. Four corners of a face that comes down
-    /// flat have a quarter each, whatever round-off makes of their heights. By their heights alone
-    /// the deepest of them had all, by 1e-16 m: a box that landed flat in fixed steps and slid was
-    /// turned by the friction of one corner, at 6.5 rad/s.
+    /// Finds depth, shares of the load, centre and radius from the points that are there; where
+    /// nothing presses yet, the shares are those that the spatial velocities `V` of all bodies lead
+    /// to within `h` seconds.
     pub(crate) fn gather(&mut self, points: &mut [ContactPoint], V: &[Vec6], h: f64) {
+        self.share_load(points);
+        if self.depth <= 0.0 {
+            self.expect_load(points, V, h);
+        }
+        self.center_on_load(points);
+    }
+
+    /// Finds the shares of the load to come: those of the depths to which the velocities take the
+    /// points within `h` seconds, or, if these are less, of points that are pressed in together as
+    /// deep as a weight makes them.
+    ///
+    /// Four corners of a face that comes down flat have a quarter each, whatever round-off makes of
+    /// their heights. By their heights alone the deepest of them had all, by 1e-16 m: a box that
+    /// landed flat in fixed steps and slid was turned by the friction of one corner, at 6.5 rad/s.
+    fn expect_load(&mut self, points: &mut [ContactPoint], V: &[Vec6], h: f64) {
         let W = self.relative(V);
         let own = &mut points[self.points.clone()];
         let ahead = |p: &ContactPoint| p.depth - h * p.along(&W);
@@ -99,8 +110,7 @@ impl Contact {
             p.load = p.share * (depth * depth * depth);
         }
         share_out(own);
-        self.share_load(points);
-        self.center_on_load(points);
+        self.lean_on_load(points);
     }
 
     /// Makes its points deeper by so much, m.

@@ -92,7 +92,9 @@ impl Meeting<'_> {
         let [load, elastic] = contact.loads(speed);
         // An impact presses with more than the spring does, and its friction is as much quicker:
         // with the damper of a load at rest it gave way sideways first, and when it had caught up
-        // no load was left to stop the slip.
+        // no load was left to stop the slip. In the impact itself a damper in proportion to the
+        // normal force is more than critical: it lets what sticks creep by less than one over the
+        // dissipation, at any speed. At rest the critical one is more.
         let pressing = if load > elastic { load / elastic } else { 1.0 };
         contact.friction = ElastoPlastic {
             stiffness: slope,

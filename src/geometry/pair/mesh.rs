@@ -1,4 +1,4 @@
-//! The flat faces of a shape.
+//! The flat faces of a shape, and its edges.
 
 use super::super::faces::outline;
 use super::super::hull::{Simplices, hull};
@@ -195,8 +195,7 @@ impl Bar {
         n.dot(&self.middle) + n.dot(&self.along).abs() * self.half
     }
 
-    /// How parallel it is to a line along a unit vector, 1 where it is, none from 60°
-    /// on.
+    /// How parallel it is to a line along a unit vector: 1 where it is, none from 60° on.
     pub(super) fn parallel(&self, along: &Vec3) -> Option<f64> {
         let parallel = 2.0 * self.along.dot(along).abs() - 1.0;
         (parallel > 0.0).then_some(parallel)

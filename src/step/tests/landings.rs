@@ -62,33 +62,69 @@ impl Rod {
     }
 }
 
-/// Rods that come down on one end, without restitution, at three angles, and have a little more
-/// friction than they need to stick there (0.75, 0.59, 0.36 at 30°, 45° and 60°): the impulse stops
-/// the end, and the rod then turns about it.
+/// Slip of the end of a rod that leans and comes down without restitution, after a time, m/s.
+fn slip_after(lean: f64, friction: f64, speed: f64, (mode, time): ((f64, f64), f64)) -> f64 {
+    let rod = Rod {
+        lean,
+        velocity: [speed, 0.0],
+        friction,
+        restitution: 0.0,
+        gap: 0.0,
+    };
+    let mut s = rod.start(mode);
+    // Communication steps of 1/240 s, as importers have them.
+    for i in 1..=6 {
+        s.advance_to(time.min(f64::from(i) / 240.0))
+            .expect("finite");
+    }
+    Rod::end(&s).x
+}
+
+/// A rod that comes down on one end, without restitution, and needs less friction to stick there
+/// than it has (0.58 of 0.8): the impulse stops the end, and the rod then turns about it. At 5 m/s
+/// it turns so fast that the end lifts off and is pulled aside at 25 m/s². So under error control
+/// the look is right after the impact there: 25 ms later the end passed through 0 where the impact
+/// had left 0.19 m/s.
 ///
 /// Truth: the rigid impact, in which the hypotheses of Newton, Poisson and Routh agree that both
 /// velocities of the end are 0 afterwards.
 #[test]
 fn a_rod_that_lands_on_one_end_sticks_there() {
-    for (degrees, friction) in [(30.0_f64, 0.8), (45.0, 0.6), (46.0, 0.8), (60.0, 0.5)] {
-        // Faster, the rod needs more friction than it has to go on turning about its end.
-        for speed in [0.5, 1.0, 2.0] {
-            for (mode, allowed) in [((1e-3, 0.0), 0.03), ((1e-5, 0.0), 0.02), (FIXED, 0.08)] {
-                let rod = Rod {
-                    lean: degrees.to_radians(),
-                    velocity: [speed, 0.0],
-                    friction,
-                    restitution: 0.0,
-                    gap: 0.0,
-                };
-                let mut s = rod.start(mode);
-                for i in 1..=3 {
-                    s.advance_to(f64::from(i) / 240.0).expect("finite");
-                }
-                let slip = Rod::end(&s).x;
+    let later = 6.0 / 240.0;
+    for (speed, time) in [
+        (0.5, later),
+        (1.0, later),
+        (2.0, later),
+        (3.0, later),
+        (5.0, 1e-3),
+    ] {
+        for (mode, time, allowed) in [
+            ((1e-3, 0.0), time, 0.03),
+            ((1e-5, 0.0), time, 0.01),
+            (FIXED, later, 0.02),
+        ] {
+            let slip = slip_after(0.8, 0.8, speed, (mode, time));
+            assert!(
+                slip.abs() < allowed * speed,
+                "{speed} m/s at {mode:?}: {slip}"
+            );
+        }
+    }
+}
+
+/// Rods that have hardly more friction than they need to stick (0.75, 0.59, 0.36 at 30°, 45° and
+/// 60°), by the same truth, right after the impact. Before, a tenth of the speed was left at any
+/// tolerance.
+#[test]
+fn a_rod_that_has_hardly_enough_friction_sticks_too() {
+    for (degrees, friction) in [(30.0_f64, 0.8), (45.0, 0.6), (60.0, 0.5)] {
+        for speed in [0.5, 1.0, 2.0, 3.0, 5.0] {
+            for (tolerance, allowed) in [(1e-3, 0.07), (1e-5, 0.03)] {
+                let look = ((tolerance, 0.0), 1e-3);
+                let slip = slip_after(degrees.to_radians(), friction, speed, look);
                 assert!(
                     slip.abs() < allowed * speed,
-                    "{degrees}°, {friction}, {speed} m/s at {mode:?}: {slip}"
+                    "{degrees}°, {speed} m/s at {tolerance}: {slip}"
                 );
             }
         }
