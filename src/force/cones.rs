@@ -64,6 +64,18 @@ impl Terms {
         any
     }
 
+    /// Largest velocity, m/s, that friction which sticks outside the cone of its load over `h`
+    /// seconds gives too much to the mass that takes part in its contact.
+    pub fn freed(&self, responses: &Responses, h: f64) -> f64 {
+        let contacts = self.contacts.iter().zip(&responses.contacts);
+        contacts
+            .filter(|(_, r)| !r.slips())
+            .fold(0.0, |most, (contact, r)| {
+                let excess = h * r.friction.force.norm() - contact.mu * r.load;
+                most.max(excess / contact.mass)
+            })
+    }
+
     /// Finds by how much the cones of contacts that slip grow over `h` seconds where the velocities
     /// of all bodies change by `V`, and tells whether any does.
     ///

@@ -107,7 +107,8 @@ impl Newton {
     }
 
     /// Largest error of a velocity, weighted and to first order, rad/s, that comes from friction
-    /// whose cones belong to other normal forces than those of the solution.
+    /// whose cones belong to other normal forces than those of the solution. Friction that sticks
+    /// outside the cone of its load would slip: what it does too much moves a mass, not a spring.
     ///
     /// - `factor`: that of the Hessian, where the solve has not needed one of its own
     pub fn lag(&mut self, p: &Problem, factor: Option<&Factor>) -> f64 {
@@ -122,6 +123,7 @@ impl Newton {
         if factor.is_none() {
             self.factor(p);
         }
-        self.answer((p.tree, p.kin), factor)
+        let freed = p.terms.freed(&self.responses, p.h);
+        self.answer((p.tree, p.kin), factor).max(freed)
     }
 }
