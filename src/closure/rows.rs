@@ -398,6 +398,13 @@ impl Rows {
         }
     }
 
+    /// The loop that is open widest, if there is one, and how far.
+    pub fn widest(&self, tree: &Tree) -> Option<(usize, Gap)> {
+        let openings = (0..tree.closures.len()).map(|c| (c, self.opening(tree, c)));
+        let size = |gap: &Gap| gap.distance + gap.angle;
+        openings.max_by(|a, b| size(&a.1).total_cmp(&size(&b.1)))
+    }
+
     /// Force, N, and torque about the midpoint, N·m, of a loop on the body of its first end, world
     /// axes, and that midpoint from the first end, from the forces of all rows. For a coupler: the
     /// force along its sum, as that in x.

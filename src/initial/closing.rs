@@ -85,10 +85,7 @@ impl Search<'_> {
         }
         *q = best.1;
         self.gap(q);
-        let openings =
-            (0..self.tree.closures.len()).map(|c| (c, self.kin.loops.opening(self.tree, c)));
-        let size = |gap: &Gap| gap.distance + gap.angle;
-        openings.max_by(|a, b| size(&a.1).total_cmp(&size(&b.1)))
+        self.kin.loops.widest(self.tree)
     }
 
     /// Weighs all degrees of freedom but those that are held.

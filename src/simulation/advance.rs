@@ -11,7 +11,7 @@ impl Simulation {
     /// Simulates up to exactly `end`, s; does nothing unless it lies after [`Self::time`].
     ///
     /// # Errors
-    /// [`SimulationError::NotFinite`], [`SimulationError::Work`]; the state is then that of
+    /// [`SimulationError::NotFinite`], [`SimulationError::Apart`], [`SimulationError::Work`]; the state is then that of
     /// [`Self::time`].
     pub fn advance_to(&mut self, end: f64) -> Result<(), SimulationError> {
         self.advance_part(end, end)
@@ -51,6 +51,10 @@ impl Simulation {
         match result {
             Ok(()) => {}
             Err(Stop::NotFinite) => return Err(refused(time)),
+            Err(Stop::Apart(closure)) => {
+                let name = self.model.loops[closure].name.clone();
+                return Err(SimulationError::Apart { name, time });
+            }
             Err(Stop::Budget | Stop::Strayed) => return Err(SimulationError::Work { time, most }),
         }
         self.applied.copy_from(&self.inputs);

@@ -26,10 +26,12 @@ pub(super) struct Closing {
     /// Sum of the changes of positions.
     moved: Vec<f64>,
     q: Vec<f64>,
+    /// The loop that has stayed open in this try of a step, the widest of them.
+    pub apart: Option<usize>,
 }
 
 #[cfg(test)]
-crate::spoil::spoil!(Closing: closed factor forces change moved q;);
+crate::spoil::spoil!(Closing: closed factor forces change moved q; apart);
 
 impl Closing {
     /// Room for a robot.
@@ -41,6 +43,7 @@ impl Closing {
             change: vec![0.0; tree.sparsity.len()],
             moved: vec![0.0; tree.sparsity.len()],
             q: vec![0.0; model.nq],
+            apart: None,
         }
     }
 
@@ -94,6 +97,7 @@ impl Closing {
         }
         let stopped = h * self.stop(tree, kin, end);
         if gap > OPEN || gap.is_nan() {
+            self.apart = kin.loops.widest(tree).map(|(closure, _)| closure);
             return f64::INFINITY;
         }
         let way = |k: usize| tree.dofs.weight[k] * self.moved[k].abs();

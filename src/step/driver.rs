@@ -28,6 +28,8 @@ use crate::tuning::{BALANCE, FIXED_ACCURACY, FLOOR_TOLERANCE, GUESS, GUESSES, MA
 pub enum Stop {
     /// The state stopped being finite at the smallest step.
     NotFinite,
+    /// A loop does not close at the smallest step: its index.
+    Apart(usize),
     /// More steps were tried than [`Context::budget`] allows.
     Budget,
     /// A shape has gone farther than was guessed when the trees were parted, see
@@ -106,7 +108,7 @@ impl Stepper {
             self.advance_controlled(ctx, state, end)?;
         }
         if !state.physical.is_finite() {
-            return Err(Stop::NotFinite);
+            return Err(self.failure());
         }
         if self.islands.are_limited() {
             self.here.pose(ctx, &state.physical);
@@ -324,7 +326,7 @@ impl Stepper {
                     h = way.proposed;
                     continue;
                 }
-                Verdict::Fail => return Err(Stop::NotFinite),
+                Verdict::Fail => return Err(self.failure()),
             }
             if error > 1.0 {
                 // Taken at the shortest step. What that does not resolve two stages throw back; one

@@ -12,11 +12,17 @@ impl Stepper {
     /// Enters a try, and refuses it where there have been too many.
     pub(super) fn begin_try(&mut self, ctx: &Context) -> Result<(), Stop> {
         self.tried += 1;
+        self.closing.apart = None;
         if self.tried > ctx.budget {
             Err(Stop::Budget)
         } else {
             Ok(())
         }
+    }
+
+    /// Why the last try has failed, at the smallest step.
+    pub(super) fn failure(&self) -> Stop {
+        self.closing.apart.map_or(Stop::NotFinite, Stop::Apart)
     }
 
     /// Closes the loops at the end of the try; returns how far this has moved it, relative to the

@@ -38,7 +38,7 @@ impl Stepper {
         match way.judge(ctx, &mut state.stepping, &tried) {
             Verdict::Accept => {}
             Verdict::Retry => return Ok(true),
-            Verdict::Fail => return Err(Stop::NotFinite),
+            Verdict::Fail => return Err(self.failure()),
         }
         self.attempt.accept(state);
         way.go(h);
@@ -80,7 +80,7 @@ impl Stepper {
         match way.judge(ctx, &mut state.stepping, &tried) {
             Verdict::Accept => {}
             Verdict::Retry => return Ok(()),
-            Verdict::Fail => return Err(Stop::NotFinite),
+            Verdict::Fail => return Err(self.failure()),
         }
         self.attempt.begin(state);
         if h > way.remaining() {

@@ -4,7 +4,7 @@ use super::worlds::{body, cube, depth, world};
 use super::*;
 use crate::closure::testing::{add, anchor};
 use crate::model::LoopKind;
-use crate::simulation::Snapshot;
+use crate::simulation::{SimulationError, Snapshot};
 use crate::slots::InputSlot::{BaseAngularVelocity, BaseLinearVelocity};
 use crate::spatial::rotation_from_quaternion;
 use std::f64::consts::TAU;
@@ -338,4 +338,35 @@ fn a_refused_step_leaves_what_is_driven_alone() {
     let before = s.save().to_bytes();
     assert!(s.advance_to(0.6).is_err());
     assert!(before == s.save().to_bytes());
+}
+
+/// A crate on rods of half a metre to a post and to a table that drives off: beyond 1 m a rod cannot
+/// reach, and the error says which, when, and that it is no matter of numbers.
+#[test]
+fn a_rod_that_is_pulled_beyond_its_reach_is_named() {
+    for step in [0.0, 1.0 / 240.0] {
+        let mut model = on_table(0.0, [cube(1.0, Vec3::new(-2.5, 0.0, 0.5))]);
+        let at = |x: f64| Pose::from_xyz_rpy(Vec3::x() * x, Vec3::zeros());
+        let rods = [(None, -3.0), (Some(LinkId(1)), -2.0)].map(|(other, x)| {
+            let height = if other.is_some() { 0.6 } else { 0.5 };
+            let far = Pose::from_xyz_rpy(Vec3::new(x, 0.0, height), Vec3::zeros());
+            LoopKind::Distance {
+                ends: [anchor(Some(LinkId(0)), at(0.0)), anchor(other, far)],
+                length: 0.5,
+            }
+        });
+        for rod in rods {
+            add(&mut model, rod);
+        }
+        model.solver.step_size = step;
+        model.world.gravity = Vec3::zeros();
+        let mut s = start(model, 1e-3);
+        drive(&mut s, Vec3::y(), Vec3::zeros());
+        let stops = (1..=400).find_map(|k| s.advance_to(f64::from(k) * 0.005).err());
+        let Some(SimulationError::Apart { name, time }) = stops else {
+            panic!("{stops:?}");
+        };
+        assert!(name.starts_with("loop"), "{name}");
+        assert!((0.0..1.0).contains(&time), "{time}");
+    }
 }
