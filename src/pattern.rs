@@ -26,6 +26,14 @@ impl Pattern {
         self.text.contains(['*', '?'])
     }
 
+    /// What to say where it matches nothing and has signs of other patterns.
+    pub fn advice(&self) -> Option<&'static str> {
+        let foreign = self.text.contains(['[', ']', '{', '}']);
+        foreign.then_some(
+            "patterns have * for any characters and ? for one, and no brackets: give a list",
+        )
+    }
+
     /// Whether it means `name`.
     pub fn matches(&self, name: &str) -> bool {
         self.text == name || wildmatch::WildMatch::new(&self.text).matches(name)

@@ -113,10 +113,10 @@ impl Findings {
             .filter(|&i| pattern.matches(names[i]))
             .collect();
         let Some(&first) = matching.first() else {
-            let help = likeliest(&pattern.text, names.iter().copied())
-                .map_or_else(String::new, |name| {
-                    format!("the nearest {kind} is '{name}'")
-                });
+            let nearest = likeliest(&pattern.text, names.iter().copied());
+            let help = pattern.advice().map(str::to_owned);
+            let help = help.or_else(|| Some(format!("the nearest {kind} is '{}'", nearest?)));
+            let help = help.unwrap_or_default();
             let message = format!("no {kind} matches '{}'", pattern.text);
             // Settings for all there are may be meant for other robots, too.
             if pattern.text == "*" {

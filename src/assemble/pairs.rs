@@ -138,7 +138,9 @@ fn side(meanings: &[Meaning], patterns: &[Pattern], findings: &mut Findings) -> 
             ([], _) => {
                 let names = meanings.iter().map(|meaning| meaning.name);
                 let nearest = likeliest(text, names);
-                let help = nearest.map_or_else(String::new, |n| format!("the nearest is '{n}'"));
+                let help = pattern.advice().map(str::to_owned);
+                let help = help.or_else(|| Some(format!("the nearest is '{}'", nearest?)));
+                let help = help.unwrap_or_default();
                 error("A101", format!("no link or object matches '{text}'"), &help);
             }
             (_, [one, other, ..]) if !pattern.is_glob() => {

@@ -130,7 +130,7 @@ fn conveyor(reader: &mut Reader, section: &Section, fixed: bool) -> bool {
         let span = entry.span.clone();
         reader.error("S106", &span, message, "set static = true");
     }
-    conveyor
+    conveyor && fixed
 }
 
 /// Whether an object moves as inputs say.
@@ -141,7 +141,7 @@ fn driven(reader: &mut Reader, section: &Section, fixed: bool) -> bool {
         let help = "leave out static: what is driven yields to nothing, either";
         reader.error("S106", &entry.span, message, help);
     }
-    driven
+    driven && !fixed
 }
 
 /// What an object is; none after an error.

@@ -117,6 +117,11 @@ fn pairs_that_cannot_be_are_errors_with_their_place() {
         ),
         (pair("p", "\"grund\"", "\"cup\""), "A101", "'ground'"),
         (
+            pair("p", "\"cu[pq]\"", "\"ground\""),
+            "A101",
+            "no brackets: give a list",
+        ),
+        (
             pair("p", "\"mast_link\"", "\"cup\""),
             "A102",
             "'mast_link' has no collision shape",

@@ -18,6 +18,15 @@ fn names_and_globs_that_match_nothing_name_the_nearest() {
         );
         assert!(found.place.is_some(), "{settings}");
     }
+    let found = error(&cart(), "[[actuator]]\njoint = \"[lr]*\"");
+    assert_eq!(found.code, "A101");
+    assert!(
+        found
+            .help
+            .as_deref()
+            .is_some_and(|h| h.contains("brackets")),
+        "{found:?}"
+    );
     for settings in [
         "[link.chasis]\nfriction = 1",
         "outputs.links = [\"chasis\"]",

@@ -115,6 +115,9 @@ fn terrain_refuses_what_means_nothing() {
     }
     let text = "[[world.object]]\nname = \"a\"\nshape = { sphere = 1 }\nmass = 1\nconveyor = true";
     assert_eq!(finding(text).code, "S106");
+    // What else is computed of it does not fail by that.
+    let (settings, _) = Settings::read_by(Reader::new("f", text), None);
+    assert!(!settings.expect("the rest").objects[0].conveyor);
 }
 
 #[test]
