@@ -14,8 +14,8 @@ use crate::diagnostic::{Diagnostic, Place, Severity};
 use crate::geometry::Shape;
 use crate::model::{Ground, Interface, JointKind, Model, RootKind};
 use crate::settings::{
-    BaseChoice, ContactOutputs, ModeChoice, ObjectSettings, ObjectSource, RobotSettings, Settings,
-    static_excess,
+    BaseChoice, ContactOutputs, LinkSettings, ModeChoice, ObjectSettings, ObjectSource,
+    RobotSettings, Settings, static_excess,
 };
 use crate::spatial::{Pose, Vec3};
 use crate::urdf::{
@@ -248,7 +248,18 @@ pub fn of_object(object: &ObjectSettings, world: &Settings) -> Settings {
     if object.driven {
         own.base = BaseChoice::Floating;
     }
-    own.links.push(object.surface.clone());
+    // Links without meshes have the same surface, and no entry of theirs is in vain.
+    let LinkSettings { collision, .. } = object.surface;
+    own.links.push(LinkSettings {
+        collision: None,
+        ..object.surface.clone()
+    });
+    if collision.is_some() {
+        own.links.push(LinkSettings {
+            collision,
+            ..LinkSettings::new("*")
+        });
+    }
     own
 }
 

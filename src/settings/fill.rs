@@ -6,14 +6,14 @@
 //! robot.
 
 use super::closures;
-use super::common::{pattern, patterns, required, some_required, vector};
+use super::common::{meshes, pattern, patterns, required, some_required, vector};
 use super::compat::Compat;
 use super::fmu::{FmiVersion, FmuSettings};
 use super::reader::Reader;
 use super::section::{Node, Section, Value};
 use super::types::{
     ActuatorSettings, BaseChoice, ContactOutputs, GroupSettings, InertiaSource, InitialSettings,
-    JointSettings, LinkSettings, MeshCollision, ModeChoice, PairSettings, Settings, WheelFit,
+    JointSettings, LinkSettings, ModeChoice, PairSettings, Settings,
 };
 use super::{sensor, world};
 use crate::model::{
@@ -77,22 +77,21 @@ pub(super) fn fill(reader: &mut Reader, root: &Section, compat: Option<Compat>) 
             .map(|(joint, section)| joint_settings(reader, joint, &section))
             .collect(),
         links: named_tables(reader, &root.table("link"))
-            .map(|(link, section)| LinkSettings {
-                link,
-                friction: section.number("friction"),
-                static_friction: section.number("static_friction"),
-                rolling_friction: section.number("rolling_friction"),
-                torsional_friction: section.number("torsional_friction"),
-                restitution: section.number("restitution"),
-                stiffness: section.number("stiffness"),
-                dissipation: section.number("dissipation"),
-                mass: section.number("mass"),
-                wheel_fit: section
-                    .word("wheel_fit")
-                    .and_then(|word| WheelFit::from_word(&word)),
-                collision: section
-                    .word("collision")
-                    .and_then(|word| MeshCollision::from_word(&word)),
+            .map(|(link, section)| {
+                let (wheel_fit, collision) = meshes(&section);
+                LinkSettings {
+                    link,
+                    friction: section.number("friction"),
+                    static_friction: section.number("static_friction"),
+                    rolling_friction: section.number("rolling_friction"),
+                    torsional_friction: section.number("torsional_friction"),
+                    restitution: section.number("restitution"),
+                    stiffness: section.number("stiffness"),
+                    dissipation: section.number("dissipation"),
+                    mass: section.number("mass"),
+                    wheel_fit,
+                    collision,
+                }
             })
             .collect(),
         contact_outputs: match outputs.value("contacts") {

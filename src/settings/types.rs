@@ -108,7 +108,7 @@ pub struct ObjectSettings {
     pub conveyor: bool,
     /// Whether it moves as inputs say, whatever pushes it.
     pub driven: bool,
-    /// Friction and restitution of all its links; none: its file's.
+    /// Friction and restitution of all its links, and what their meshes become; none: its file's.
     pub surface: LinkSettings,
     /// Where it was asked for; none for one from the command line.
     pub place: Option<Place>,

@@ -2,11 +2,11 @@
 //!
 //! Files are named here and read by whoever builds the world.
 
-use super::common::{file, place, required, vector};
+use super::common::{file, meshes, place, required, vector};
 use super::reader::Reader;
 use super::section::Section;
 use super::terrain;
-use super::types::{InitialSettings, ObjectSettings, ObjectSource, RobotSettings};
+use super::types::{InitialSettings, LinkSettings, ObjectSettings, ObjectSource, RobotSettings};
 use crate::geometry::Shape;
 use crate::pattern::Pattern;
 use crate::spatial::Vec3;
@@ -117,9 +117,26 @@ fn object(reader: &mut Reader, section: &Section) -> Option<ObjectSettings> {
         fixed,
         conveyor: conveyor(reader, section, fixed),
         driven,
-        surface: terrain::surface(reader, section),
+        surface: surface(reader, section),
         place: Some(reader.place(&section.span)),
     })
+}
+
+/// Friction and restitution of an object, and what the meshes of its file become.
+fn surface(reader: &mut Reader, section: &Section) -> LinkSettings {
+    for key in ["wheel_fit", "collision"] {
+        if let (Some(entry), true) = (section.entry(key), section.entry("shape").is_some()) {
+            let message = format!("'{key}' is of meshes, and this object is a shape");
+            let span = entry.span.clone();
+            reader.error("S106", &span, message, "leave it out");
+        }
+    }
+    let (wheel_fit, collision) = meshes(section);
+    LinkSettings {
+        wheel_fit,
+        collision,
+        ..terrain::surface(reader, section)
+    }
 }
 
 /// Whether the surface of an object moves.

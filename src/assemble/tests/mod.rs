@@ -21,6 +21,7 @@ mod inertia;
 mod initial;
 mod loops;
 mod mimic;
+mod objects;
 mod outputs;
 mod pairs;
 mod robot;

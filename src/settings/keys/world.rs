@@ -165,6 +165,18 @@ pub(super) const KEYS: &[Key] = &[
         "Newton's coefficient of all its links; without it the file's, else 0",
     ),
     key(
+        "world.object[].wheel_fit",
+        Word(&["auto", "cylinder", "sphere", "none"]),
+        None,
+        "what the meshes of its file roll as, as link.*.wheel_fit; without it auto",
+    ),
+    key(
+        "world.object[].collision",
+        Word(&["hull", "objects", "decomposition"]),
+        None,
+        "what the meshes of its file become, as link.*.collision",
+    ),
+    key(
         "world.terrain[].name",
         Name,
         None,
