@@ -60,8 +60,11 @@ pub(super) fn find_pairs(
         surface.combine([&a.own, &b.own], tree.contact.combination);
         // What bounces loses nothing in which an error of its rows would be lost, too.
         let bounces = surface.restitution > 0.0 && !part.uneven;
+        // On terrain the rows of even parts are the gradient as they are, and other parts may come
+        // and go over a nudge.
         let exact = patch.blended || bounces && !pair.touches_in_a_point();
         if exact
+            && !pair.is_on_terrain()
             && contact.depth > 0.0
             && let place = (&part.normal, contact.depth)
             && let Some(gradient) = pair.gradient(patch, &contact.center, place)

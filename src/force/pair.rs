@@ -122,6 +122,11 @@ impl<'a> Pair<'a> {
         self.solids.iter().any(|solid| solid.is_ball())
     }
 
+    /// Whether the second one is terrain.
+    pub fn is_on_terrain(&self) -> bool {
+        self.solids[1].is_terrain()
+    }
+
     /// Whether they are nearer than `reach`, m.
     pub fn is_near(&self, reach: f64) -> bool {
         let [a, b] = [0, 1].map(|i| (self.solids[i], &self.poses[i]));
@@ -144,7 +149,7 @@ impl<'a> Pair<'a> {
         if b.is_endless() {
             // There is no other side.
             f64::INFINITY
-        } else if b.is_terrain() {
+        } else if self.is_on_terrain() {
             a.thickness()
         } else if a.is_ball() || b.is_ball() {
             0.5 * (a.thickness() + b.thickness())
