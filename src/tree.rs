@@ -211,6 +211,7 @@ impl Tree {
             tied: false,
             driven: None,
             moving_mass: 0.0,
+            joined_mass: 0.0,
             reach: 0.0,
         });
     }

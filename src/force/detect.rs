@@ -46,7 +46,7 @@ pub fn detect(
         }
         let stored = seek(&mut remembered, collider.index, |t| t.slot);
         let stored = stored.copied().unwrap_or_default();
-        let mass = tree.mass_with(collider.body);
+        let mass = tree.mass_in_impact(collider.body);
         let mut contact = Contact {
             thickness: f64::INFINITY,
             mass,

@@ -193,7 +193,7 @@ fn in_order(tree: &Tree, [a, b]: [usize; 2]) -> [&TreeCollider; 2] {
 
 /// See [`Pair::mass`].
 fn mass_of(tree: &Tree, colliders: [&TreeCollider; 2]) -> f64 {
-    let [a, b] = colliders.map(|c| tree.mass_with(c.body));
+    let [a, b] = colliders.map(|c| tree.mass_in_impact(c.body));
     if colliders[1].yields {
         a * b / (a + b)
     } else {
@@ -213,7 +213,7 @@ fn heavier_of<'a>(tree: &Tree, [a, b]: [&'a TreeCollider; 2]) -> &'a TreeCollide
 pub fn light_touch(tree: &Tree, places: [usize; 2]) -> f64 {
     let colliders = in_order(tree, places);
     let (spring, mass) = if places[0] == places[1] {
-        (&colliders[0].spring, tree.mass_with(colliders[0].body))
+        (&colliders[0].spring, tree.mass_in_impact(colliders[0].body))
     } else {
         (
             &heavier_of(tree, colliders).spring,

@@ -3,7 +3,7 @@
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
 use crate::model::{LinkId, RootId};
-use crate::spatial::{Vec3, Vec6, angular};
+use crate::spatial::{Vec3, Vec6};
 use crate::state::{Physical, State};
 use crate::step::driver::{Stepper, Stop};
 use crate::step::fixed::fixed_count;
@@ -112,13 +112,15 @@ impl Stepper {
     /// Puts driven bases where their velocities, which have changed evenly, lead from the last
     /// communication point.
     ///
-    /// With the angular velocity `ω₀ + (ω₁ − ω₀) t/h` they turn by `½ (ω₀ + ω₁) h + h²/12 ω₁ × ω₀`,
-    /// but for `h⁵`: the Magnus expansion (Iserles and Nørsett 1999).
+    /// With the angular velocity `ω₀ + (ω₁ − ω₀) t/h`, `a = ½ (ω₀ + ω₁) h` and `b = (ω₁ − ω₀) h`
+    /// they turn by `a + (c − 20 a) × (b − a × c/60)/240` with `c = a × b`, but for `h⁷`: the Magnus
+    /// expansion (Blanes, Casas, Oteo and Ros 2009). From one communication point to the next
+    /// inputs may be quite other ones, so that `b` is as large as `a`.
     fn arrive(&self, ctx: &Context, state: &mut State, whole: f64) {
         let (tree, from) = (ctx.tree, &self.backup);
         let span = state.time - from.time;
-        for (b, first, acceleration) in tree.driven() {
-            let root = RootId::from(tree.bodies[b].tree);
+        for (body, first, acceleration) in tree.driven() {
+            let root = RootId::from(tree.bodies[body].tree);
             let start = &from.physical.v[first..first + 6];
             let mut target: Vec6 = std::array::from_fn(|i| start[i] + span * acceleration[i]);
             if state.time >= whole {
@@ -126,13 +128,18 @@ impl Stepper {
                 target = ctx.inputs.base_velocity(root, span).unwrap_or(target);
             }
             let mut mean: Vec6 = std::array::from_fn(|i| 0.5 * (start[i] + target[i]));
-            let turned = angular(&target).cross(&Vec3::new(start[0], start[1], start[2]));
-            for (mean, turned) in mean.iter_mut().zip(turned.iter()) {
-                *mean += span / 12.0 * turned;
+            let [before, after] =
+                [start[0..3].as_ref(), &target[0..3]].map(Vec3::from_column_slice);
+            let (a, b) = (span * 0.5 * (before + after), span * (after - before));
+            let c = a.cross(&b);
+            let more = (c - a * 20.0).cross(&(b - a.cross(&c) / 60.0)) / (240.0 * span);
+            for (mean, more) in mean.iter_mut().zip(more.iter()) {
+                *mean += more;
             }
-            let (place, Physical { q, v, .. }) = (tree.bodies[b].coordinate, &mut state.physical);
+            let (place, Physical { q, v, .. }) =
+                (tree.bodies[body].coordinate, &mut state.physical);
             let before = &from.physical.q[place..];
-            tree.bodies[b]
+            tree.bodies[body]
                 .kind
                 .advance(before, &mean, span, &mut q[place..]);
             v[first..first + 6].copy_from_slice(&target);

@@ -77,6 +77,7 @@ impl Tree {
             });
         }
         self.tie();
+        self.join_masses();
     }
 
     /// Notes which trees hang on others, or on the world, not by their bases alone.
@@ -100,6 +101,27 @@ impl Tree {
             for tree in self.trees.iter_mut().filter(|t| t.dofs.contains(dof)) {
                 tree.closed = true;
             }
+        }
+    }
+
+    /// Finds the masses that loops join, which ends of closures do and couplers do not.
+    fn join_masses(&mut self) {
+        let mut leader: Vec<usize> = (0..self.trees.len()).collect();
+        for closure in &self.closures {
+            let ends = closure.ends.map(|end| Some(self.bodies[end.body?].tree));
+            if let [Some(a), Some(b)] = ends {
+                let (a, b) = (leader[a], leader[b]);
+                for leader in leader.iter_mut().filter(|leader| **leader == a.max(b)) {
+                    *leader = a.min(b);
+                }
+            }
+        }
+        let mut sums = vec![0.0; self.trees.len()];
+        for (tree, leader) in self.trees.iter().zip(&leader) {
+            sums[*leader] += tree.moving_mass;
+        }
+        for (tree, leader) in self.trees.iter_mut().zip(&leader) {
+            tree.joined_mass = sums[*leader];
         }
     }
 

@@ -105,6 +105,8 @@ pub struct Extent {
     pub driven: Option<Vec6>,
     /// Mass of all its moving bodies but a driven base, kg; filled by [`Tree::new`].
     pub moving_mass: f64,
+    /// The same with all that loops join to it; filled by [`Tree::new`].
+    pub joined_mass: f64,
     /// Its largest extent from its base in the initial position, m; filled by [`Tree::scale`].
     pub reach: f64,
 }
@@ -476,6 +478,16 @@ impl Tree {
             return 0.0;
         }
         self.trees[self.bodies[body].tree].moving_mass
+    }
+
+    /// Mass that takes part in an impact of a body, kg: [`Self::mass_with`] and that of all that
+    /// loops join to its tree, as if joints did.
+    #[inline]
+    pub fn mass_in_impact(&self, body: usize) -> f64 {
+        if self.is_driven(body) {
+            return 0.0;
+        }
+        self.trees[self.bodies[body].tree].joined_mass
     }
 
     /// Brings the quaternions in what a step works on of `q` back to unit length.
