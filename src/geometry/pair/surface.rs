@@ -9,7 +9,9 @@
 //!    without a radius does, where the direction between them lies between the normals of its two
 //!    triangles; outside these directions the triangles carry the shape.
 //!
-//! A triangle carries a shape whose middle is in front of it.
+//! A triangle carries a shape whose middle is in front of it, but not with a corner that lies beyond
+//! what is behind the triangle: the tip of a hull that has passed a wall is not as deep in its near
+//! side as the wall is thick, and more.
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
@@ -75,7 +77,7 @@ pub(super) fn on_surface(
     let Scratch { found, own, points } = scratch;
     let mut count = 0;
     own.clear();
-    let reach = sink.reach;
+    let (reach, rounding) = (sink.reach, shape.solid.rounding());
     let take = |own: &mut OwnPoints, index, facet: &Facet, part: Parts| {
         for (crest, near) in facet.crests.iter().zip(part.crests) {
             if let (Some(crest), true) = (crest, near) {
@@ -91,6 +93,10 @@ pub(super) fn on_surface(
             return;
         }
         own.each_on(shape, facet, sink.reach, |own, point, beside| {
+            let corner = point.depth > rounding && rounding > 0.0;
+            if corner && is_beyond(surface, &facet.normal, &point) {
+                return;
+            }
             if count < MOST_FOUND {
                 found[count] = OnFacet {
                     own,
@@ -149,6 +155,21 @@ pub(super) fn on_surface(
         }
         found[i].hidden = hidden;
     }
+}
+
+/// Whether a corner that is behind a triangle has left what is behind it on the other side, as
+/// behind a wall: the way from it to the triangle enters the solid first. That way is half as long
+/// on either side of the point between both, which `point` is.
+fn is_beyond(surface: &Surface, n: &Vec3, point: &PatchPoint) -> bool {
+    let half = 0.5 * point.depth;
+    let [from, to] = [-half, half].map(|way| point.x + n * way);
+    surface.is_any_near(&point.x, half, |other| {
+        let [before, after] = [&from, &to].map(|x| other.height(x));
+        before > 0.0 && after < 0.0 && {
+            let place = from + (to - from) * (before / (before - after));
+            other.is_below(&place, 0.0)
+        }
+    })
 }
 
 /// Adds the points of a shape on an edge.
