@@ -173,8 +173,14 @@ fn generated(
     size: [f64; 2],
 ) -> GeneratedHeights {
     let longest = size[0].max(size[1]);
-    let resolution = section.number("resolution");
-    let mut resolution = resolution.unwrap_or(longest / TERRAIN_CELLS);
+    let wavelength = section.number("wavelength").unwrap_or(longest / 10.0);
+    let has_waves = matches!(form, HeightForm::Waves | HeightForm::Noise);
+    let mut usual = longest / TERRAIN_CELLS;
+    if has_waves {
+        // As many samples a wave as there are by default.
+        usual = usual.min(wavelength / 10.0).max(longest / FINEST_TERRAIN);
+    }
+    let mut resolution = section.number("resolution").unwrap_or(usual);
     if let (true, Some(entry)) = (
         longest / resolution > FINEST_TERRAIN,
         section
@@ -188,9 +194,22 @@ fn generated(
         // What is left is still built to find other errors, which takes a time for each sample.
         resolution = longest / TERRAIN_CELLS;
     }
+    if let (true, Some(entry)) = (
+        has_waves && wavelength < 2.0 * resolution,
+        section
+            .entry("wavelength")
+            .or_else(|| section.entry("resolution")),
+    ) {
+        let message = format!(
+            "heights {resolution} m apart do not show waves of {wavelength} m: that takes two a wave"
+        );
+        let help = "a longer wavelength, a smaller resolution or a smaller size";
+        let span = entry.span.clone();
+        reader.error("S106", &span, message, help);
+    }
     GeneratedHeights {
         form,
-        wavelength: section.number("wavelength").unwrap_or(longest / 10.0),
+        wavelength,
         seed: whole(section, "seed").unwrap_or(1),
         steps: whole(section, "steps").unwrap_or(5),
         resolution,

@@ -104,10 +104,17 @@ fn sensor(
         return None;
     }
     let rate = number(scope, node, "update_rate", Range::Rate, Some(0.0));
-    let (xyz, rpy) = pose(scope, node);
-    if in_joint && (xyz, rpy) != (Vec3::zeros(), Vec3::zeros()) {
-        let message = "its pose is not used: it has the frame of its joint";
-        scope.warning("U022", node.tag_at(), message, "");
+    let (mut xyz, mut rpy) = pose(scope, node);
+    if in_joint {
+        // It measures at its joint, in the axes of a link or in its own.
+        let in_own = of_force(node, "frame").as_deref() == Some("sensor");
+        let turned = if in_own { rpy } else { Vec3::zeros() };
+        if (xyz, rpy) != (Vec3::zeros(), turned) {
+            let part = if in_own { "position" } else { "pose" };
+            let message = format!("its {part} is not used: it has the frame of its joint");
+            scope.warning("U022", node.tag_at(), &message, "");
+        }
+        (xyz, rpy) = (Vec3::zeros(), turned);
     }
     let errors = errors(scope, node, &kind, rate.is_some(), &mut used);
     report_unused(scope, node, &used);
@@ -138,6 +145,12 @@ fn sensor(
     })
 }
 
+/// What a `<force_torque>` of a sensor says.
+fn of_force(node: Node, name: &'static str) -> Option<String> {
+    let own = node.child("force_torque").and_then(|own| own.child(name));
+    own.map(|child| child.content().trim().to_owned())
+}
+
 /// What a sensor measures; None after a finding.
 fn kind<'d>(scope: &mut Scope, node: Node<'d>, used: &mut Vec<&'d str>) -> Option<SensedKind> {
     // URDF's own have no type: what they hold says it.
@@ -149,10 +162,7 @@ fn kind<'d>(scope: &mut Scope, node: Node<'d>, used: &mut Vec<&'d str>) -> Optio
         Some("ray" | "gpu_ray" | "lidar" | "gpu_lidar") => rays(scope, node, used),
         Some("force_torque") => {
             used.push("force_torque");
-            let text = |name| {
-                let own = node.child("force_torque").and_then(|own| own.child(name));
-                own.map(|child| child.content().trim().to_owned())
-            };
+            let text = |name| of_force(node, name);
             Some(SensedKind::ForceTorque {
                 in_parent: text("frame").as_deref() == Some("parent"),
                 // SDF's default.

@@ -216,7 +216,7 @@ pub(super) const KEYS: &[Key] = &[
         "world.terrain[].resolution",
         Number(Length),
         None,
-        "m, of what is generated: distance between samples; without it a hundredth of the longer side",
+        "m, of what is generated: distance between samples, at most half of the wavelength; without it a hundredth of the longer side, or a tenth of the wavelength",
     ),
     key(
         "world.terrain[].wavelength",

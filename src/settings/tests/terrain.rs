@@ -137,3 +137,45 @@ fn heights_that_are_too_fine_are_told_and_not_computed() {
     };
     assert!(made.resolution > 0.01, "{made:?}");
 }
+
+/// Waves that were sampled once each came out flat, without a word.
+#[test]
+fn waves_are_sampled_or_refused() {
+    let made = |form: &str, more: &str| {
+        let text = format!(
+            "[[world.terrain]]\nname = \"a\"\ntype = \"heightfield\"\ngenerate = \"{form}\"\n\
+             size = [20, 20]\n{more}"
+        );
+        let (settings, findings) = Settings::read_by(Reader::new("f", &text), None);
+        let settings = settings.expect("the rest");
+        let ObjectSource::Terrain(TerrainSettings::Heights {
+            source: HeightSource::Generated(made),
+            ..
+        }) = &settings.objects[0].source
+        else {
+            panic!("{settings:?}");
+        };
+        let codes: Vec<_> = findings.iter().map(|finding| finding.code).collect();
+        (made.resolution, codes)
+    };
+    for (form, more, resolution, codes) in [
+        ("waves", "", 0.2, &[][..]),
+        ("waves", "wavelength = 0.5", 0.05, &[]),
+        ("noise", "wavelength = 0.1", 0.02, &[]),
+        (
+            "waves",
+            "wavelength = 0.2\nresolution = 0.2",
+            0.2,
+            &["S106"],
+        ),
+        ("noise", "wavelength = 0.03", 0.02, &["S106"]),
+        ("steps", "", 0.2, &[]),
+    ] {
+        let (found, told) = made(form, more);
+        assert!(
+            (found - resolution).abs() < 1e-12,
+            "{form}, {more}: {found}"
+        );
+        assert_eq!(told, codes, "{form}, {more}");
+    }
+}

@@ -123,6 +123,32 @@ fn a_force_torque_sensor_has_the_frame_and_the_direction_of_sdf() {
     assert_eq!((of("").kind, of("").rate), (kind(false, true), None));
     let other = of("<frame>parent</frame><measure_direction>parent_to_child</measure_direction>");
     assert_eq!(other.kind, kind(true, false));
+    // The rotation of its pose is that of its own frame alone, and its position is nowhere used.
+    for (frame, pose, yaw, told) in [
+        ("sensor", "0 0 0 0 0 1", 1.0, None),
+        (
+            "sensor",
+            "0 0 1 0 0 1",
+            1.0,
+            Some("its position is not used"),
+        ),
+        ("child", "0 0 0 0 0 1", 0.0, Some("its pose is not used")),
+        ("parent", "0 0 0 0 0 0", 0.0, None),
+    ] {
+        let text = format!(
+            "<gazebo reference='neck'><sensor name='ft' type='force_torque'><pose>{pose}</pose>\
+             <update_rate>0</update_rate><force_torque><frame>{frame}</frame></force_torque>\
+             </sensor></gazebo>"
+        );
+        let robot = read(&text, &on()).expect("a robot");
+        let found = &robot.sensors[0];
+        assert_eq!((found.rpy.z, found.xyz), (yaw, Vec3::zeros()), "{frame}");
+        let warned = robot.diagnostics.iter().find(|d| d.code == "U022");
+        assert_eq!(warned.is_some(), told.is_some(), "{frame}: {warned:?}");
+        if let (Some(warned), Some(words)) = (warned, told) {
+            assert!(warned.message.contains(words), "{warned:?}");
+        }
+    }
 }
 
 #[test]
