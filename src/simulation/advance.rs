@@ -11,8 +11,8 @@ impl Simulation {
     /// Simulates up to exactly `end`, s; does nothing unless it lies after [`Self::time`].
     ///
     /// # Errors
-    /// [`SimulationError::NotFinite`], [`SimulationError::Apart`], [`SimulationError::Work`]; the state is then that of
-    /// [`Self::time`].
+    /// [`SimulationError::NotFinite`], [`SimulationError::Apart`], [`SimulationError::Work`]; the
+    /// state is then that of [`Self::time`].
     pub fn advance_to(&mut self, end: f64) -> Result<(), SimulationError> {
         self.advance_part(end, end)
     }

@@ -113,9 +113,9 @@ impl Stepper {
     /// communication point.
     ///
     /// With the angular velocity `ω₀ + (ω₁ − ω₀) t/h`, `a = ½ (ω₀ + ω₁) h` and `b = (ω₁ − ω₀) h`
-    /// they turn by `a + (c − 20 a) × (b − a × c/60)/240` with `c = a × b`, but for `h⁷`: the Magnus
-    /// expansion (Blanes, Casas, Oteo and Ros 2009). From one communication point to the next
-    /// inputs may be quite other ones, so that `b` is as large as `a`.
+    /// they turn by `a + (c − 20 a) × (b − a × c/60)/240` with `c = a × b`, but for `h⁷`: the
+    /// Magnus expansion (Blanes, Casas, Oteo and Ros 2009). From one communication point to the
+    /// next inputs may be quite other ones, so that `b` is as large as `a`.
     fn arrive(&self, ctx: &Context, state: &mut State, whole: f64) {
         let (tree, from) = (ctx.tree, &self.backup);
         let span = state.time - from.time;

@@ -9,9 +9,9 @@
 //!    without a radius does, where the direction between them lies between the normals of its two
 //!    triangles; outside these directions the triangles carry the shape.
 //!
-//! A triangle carries a shape whose middle is in front of it, but not with a corner that lies beyond
-//! what is behind the triangle: the tip of a hull that has passed a wall is not as deep in its near
-//! side as the wall is thick, and more.
+//! A triangle carries a shape whose middle is in front of it, but not with a corner that lies
+//! beyond what is behind the triangle: the tip of a hull that has passed a wall is not as deep in
+//! its near side as the wall is thick, and more.
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 

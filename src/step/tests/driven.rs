@@ -289,10 +289,10 @@ fn a_step_in_parts_drives_as_one() {
     assert_eq!(v.to_bits(), 1.0_f64.to_bits());
 }
 
-/// Turns about axes that turn themselves, from one random velocity to the next, in one step beside a
-/// thousand. At 0.1 s the mean of both angular velocities alone would be off by 0.03 rad, with the
-/// next term of the Magnus expansion by 1.8e-3, with two more by 7e-5 (beside `solve_ivp` of SciPy
-/// at 1e-12).
+/// Turns about axes that turn themselves, from one random velocity to the next, in one step beside
+/// a thousand. At 0.1 s the mean of both angular velocities alone would be off by 0.03 rad, with
+/// the next term of the Magnus expansion by 1.8e-3, with two more by 7e-5 (beside `solve_ivp` of
+/// `SciPy` at 1e-12).
 #[test]
 fn an_axis_that_turns_is_followed() {
     let turned = |from: Vec3, to: Vec3, (span, steps): (f64, u32)| {
@@ -353,8 +353,8 @@ fn a_refused_step_leaves_what_is_driven_alone() {
     assert!(before == s.save().to_bytes());
 }
 
-/// A crate on rods of half a metre to a post and to a table that drives off: beyond 1 m a rod cannot
-/// reach, and the error says which, when, and that it is no matter of numbers.
+/// A crate on rods of half a metre to a post and to a table that drives off: beyond 1 m a rod
+/// cannot reach, and the error says which, when, and that it is no matter of numbers.
 #[test]
 fn a_rod_that_is_pulled_beyond_its_reach_is_named() {
     for step in [0.0, 1.0 / 240.0] {

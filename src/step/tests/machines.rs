@@ -273,9 +273,9 @@ fn what_a_motor_turns_evenly_has_the_acceleration_of_its_place() {
     }
 }
 
-/// A ball on which a loop hangs a load comes back with its restitution, as if a joint hung it there:
-/// both fall together, and the load takes part in the impact. Before, 100 kg on a ball of 1 kg made
-/// 0.57 of 0.5.
+/// A ball on which a loop hangs a load comes back with its restitution, as if a joint hung it
+/// there: both fall together, and the load takes part in the impact. Before, 100 kg on a ball of 1
+/// kg made 0.57 of 0.5.
 ///
 /// Truth: Newton's restitution of the bodies together.
 #[test]

@@ -178,10 +178,11 @@ fn along(profile: &[[f64; 2]], half: f64) -> Vec<[Vec3; 3]> {
         .collect()
 }
 
-/// What bounces in a groove or in a corner touches two parts of the terrain at once. A box, a capsule
-/// and a cylinder of restitution 0.5 come down there, turned in several ways, with error control and
-/// in fixed steps: they stay above it and gain no energy. Before, slopes of the depth that were found
-/// by differences took one part for both, and a step ended in an error of the program.
+/// What bounces in a groove or in a corner touches two parts of the terrain at once. A box, a
+/// capsule and a cylinder of restitution 0.5 come down there, turned in several ways, with error
+/// control and in fixed steps: they stay above it and gain no energy. Before, slopes of the depth
+/// that were found by differences took one part for both, and a step ended in an error of the
+/// program.
 #[test]
 fn what_bounces_in_grooves_and_corners_touches_two_parts() {
     let groove = |x: f64, _: f64| x.abs();
@@ -231,8 +232,8 @@ fn what_bounces_in_grooves_and_corners_touches_two_parts() {
 
 /// A wall of a mesh, 10 cm wide and 30 cm high, on a floor of the same mesh. Boxes and hulls of a
 /// metre that come down on it, turned in all ways, lie across it with corners beyond it, and make
-/// hardly any energy. Before, a corner that had passed the wall was as deep in its near side as it was far from
-/// that: up to half a metre, and a hull rose by 0.8 m.
+/// hardly any energy. Before, a corner that had passed the wall was as deep in its near side as it
+/// was far from that: up to half a metre, and a hull rose by 0.8 m.
 ///
 /// Truth: a passive robot gains no energy.
 #[test]
