@@ -2,7 +2,6 @@
 
 use super::reader::Reader;
 use super::section::{Section, Span, Value};
-use super::types::{MeshCollision, WheelFit};
 use crate::pattern::Pattern;
 use crate::spatial::Vec3;
 use std::path::PathBuf;
@@ -73,15 +72,6 @@ pub(super) fn file(reader: &Reader, section: &Section, key: &str) -> Option<Path
         Some(Value::Texts(texts)) => Some(reader.beside(&texts.first()?.0)),
         _ => None,
     }
-}
-
-/// What collision meshes of links roll as, and what they become.
-pub(super) fn meshes(section: &Section) -> (Option<WheelFit>, Option<MeshCollision>) {
-    let (fit, shapes) = (section.word("wheel_fit"), section.word("collision"));
-    (
-        fit.and_then(|word| WheelFit::from_word(&word)),
-        shapes.and_then(|word| MeshCollision::from_word(&word)),
-    )
 }
 
 /// x and y, and z where it is given.

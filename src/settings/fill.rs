@@ -6,7 +6,7 @@
 //! robot.
 
 use super::closures;
-use super::common::{meshes, pattern, patterns, required, some_required, vector};
+use super::common::{pattern, patterns, required, some_required, vector};
 use super::compat::Compat;
 use super::fmu::{FmiVersion, FmuSettings};
 use super::reader::Reader;
@@ -78,7 +78,7 @@ pub(super) fn fill(reader: &mut Reader, root: &Section, compat: Option<Compat>) 
             .collect(),
         links: named_tables(reader, &root.table("link"))
             .map(|(link, section)| {
-                let (wheel_fit, collision) = meshes(&section);
+                let (wheel_fit, collision) = world::meshes(&section);
                 LinkSettings {
                     link,
                     friction: section.number("friction"),

@@ -2,11 +2,14 @@
 //!
 //! Files are named here and read by whoever builds the world.
 
-use super::common::{file, meshes, place, required, vector};
+use super::common::{file, place, required, vector};
 use super::reader::Reader;
 use super::section::Section;
 use super::terrain;
-use super::types::{InitialSettings, LinkSettings, ObjectSettings, ObjectSource, RobotSettings};
+use super::types::{
+    InitialSettings, LinkSettings, MeshCollision, ObjectSettings, ObjectSource, RobotSettings,
+    WheelFit,
+};
 use crate::geometry::Shape;
 use crate::pattern::Pattern;
 use crate::spatial::Vec3;
@@ -120,6 +123,15 @@ fn object(reader: &mut Reader, section: &Section) -> Option<ObjectSettings> {
         surface: surface(reader, section),
         place: Some(reader.place(&section.span)),
     })
+}
+
+/// What collision meshes of links roll as, and what they become.
+pub(super) fn meshes(section: &Section) -> (Option<WheelFit>, Option<MeshCollision>) {
+    let (fit, shapes) = (section.word("wheel_fit"), section.word("collision"));
+    (
+        fit.and_then(|word| WheelFit::from_word(&word)),
+        shapes.and_then(|word| MeshCollision::from_word(&word)),
+    )
 }
 
 /// Friction and restitution of an object, and what the meshes of its file become.
