@@ -397,7 +397,7 @@ impl Newton {
     }
 
     /// Gradient from the responses; returns the squared scale of the impulses.
-    fn collect(&mut self, p: &Problem) -> f64 {
+    pub fn collect(&mut self, p: &Problem) -> f64 {
         let Problem { tree, kin, .. } = *p;
         let D2 = &kin.inverse_diagonal;
         for ((g, change), bias) in self.gradient.iter_mut().zip(&self.change).zip(p.bias) {

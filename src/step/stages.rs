@@ -447,6 +447,10 @@ impl Stages {
                 last = self.lag[stage];
                 solved.carry(terms, eta);
             } else if let Some(outcome) = ended {
+                if ctx.tree.driven().next().is_some() {
+                    // The work of what drives them is of these forces, and the lag's are elsewhere.
+                    solved.collect(&problem!());
+                }
                 self.iterations = self.iterations.max(outcome.iterations);
                 return outcome.converged;
             }

@@ -92,7 +92,7 @@ impl Newton {
     }
 
     /// Power of what drives bases against contacts and springs at the solution, W: what these do to
-    /// a base is taken from it.
+    /// a base is taken from it. Their forces are those that [`Self::collect`] has found last.
     pub(in crate::step) fn driving_power(&self, p: (&Tree, &Terms), h: f64) -> f64 {
         let (tree, terms) = p;
         if terms.is_free() {
