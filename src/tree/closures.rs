@@ -104,11 +104,14 @@ impl Tree {
         }
     }
 
-    /// Finds the masses that loops join, which ends of closures do and couplers do not.
+    /// Finds the masses that loops join, which ends of closures do and couplers do not. What is
+    /// driven gives way to nothing, and joins what hangs on it as little as the world does.
     fn join_masses(&mut self) {
         let mut leader: Vec<usize> = (0..self.trees.len()).collect();
         for closure in &self.closures {
-            let ends = closure.ends.map(|end| Some(self.bodies[end.body?].tree));
+            let gives_way = |body: &usize| !self.is_driven(*body);
+            let ends = closure.ends.map(|end| end.body.filter(gives_way));
+            let ends = ends.map(|body| Some(self.bodies[body?].tree));
             if let [Some(a), Some(b)] = ends {
                 let (a, b) = (leader[a], leader[b]);
                 for leader in leader.iter_mut().filter(|leader| **leader == a.max(b)) {

@@ -313,3 +313,25 @@ fn a_load_that_a_loop_hangs_on_takes_part_in_impacts() {
         }
     }
 }
+
+/// Loops join the masses of what they tie to each other, and not of what hangs on one thing that is
+/// driven.
+#[test]
+fn what_is_driven_joins_no_masses() {
+    let things = [1.0, 2.0, 4.0, 8.0].map(|mass| {
+        let at = Vec3::new(mass, 0.0, 1.0);
+        body(mass, Shape::Sphere { radius: 0.1 }, at)
+    });
+    let mut model = world(things);
+    model.outputs.driven = vec![RootId(3)];
+    for (a, b, length) in [(0, 1, 1.0), (0, 3, 7.0), (2, 3, 4.0)] {
+        let ends = [a, b].map(|link| anchor(Some(LinkId(link)), Pose::IDENTITY));
+        add(&mut model, LoopKind::Distance { ends, length });
+    }
+    let s = start(model, 1e-3);
+    let mass = |root: u32| {
+        s.tree()
+            .mass_in_impact(s.model().roots[root as usize].body.index())
+    };
+    assert_eq!([0, 1, 2, 3].map(mass), [3.0, 3.0, 4.0, 0.0]);
+}
