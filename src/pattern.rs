@@ -26,12 +26,14 @@ impl Pattern {
         self.text.contains(['*', '?'])
     }
 
-    /// What to say where it matches nothing and has signs of other patterns.
-    pub fn advice(&self) -> Option<&'static str> {
-        let foreign = self.text.contains(['[', ']', '{', '}']);
-        foreign.then_some(
-            "patterns have * for any characters and ? for one, and no brackets: give a list",
-        )
+    /// What helps where it matches nothing: what it has of other patterns, else `nearest`, which
+    /// names what is most like it.
+    pub fn help(&self, nearest: Option<String>) -> String {
+        if self.text.contains(['[', ']', '{', '}']) {
+            "patterns have * for any characters and ? for one, and no brackets: give a list".into()
+        } else {
+            nearest.unwrap_or_default()
+        }
     }
 
     /// Whether it means `name`.

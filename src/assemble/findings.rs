@@ -114,9 +114,7 @@ impl Findings {
             .collect();
         let Some(&first) = matching.first() else {
             let nearest = likeliest(&pattern.text, names.iter().copied());
-            let help = pattern.advice().map(str::to_owned);
-            let help = help.or_else(|| Some(format!("the nearest {kind} is '{}'", nearest?)));
-            let help = help.unwrap_or_default();
+            let help = pattern.help(nearest.map(|name| format!("the nearest {kind} is '{name}'")));
             let message = format!("no {kind} matches '{}'", pattern.text);
             // Settings for all there are may be meant for other robots, too.
             if pattern.text == "*" {

@@ -138,9 +138,7 @@ fn side(meanings: &[Meaning], patterns: &[Pattern], findings: &mut Findings) -> 
             ([], _) => {
                 let names = meanings.iter().map(|meaning| meaning.name);
                 let nearest = likeliest(text, names);
-                let help = pattern.advice().map(str::to_owned);
-                let help = help.or_else(|| Some(format!("the nearest is '{}'", nearest?)));
-                let help = help.unwrap_or_default();
+                let help = pattern.help(nearest.map(|name| format!("the nearest is '{name}'")));
                 error("A101", format!("no link or object matches '{text}'"), &help);
             }
             (_, [one, other, ..]) if !pattern.is_glob() => {

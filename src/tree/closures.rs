@@ -112,12 +112,7 @@ impl Tree {
             let gives_way = |body: &usize| !self.is_driven(*body);
             let ends = closure.ends.map(|end| end.body.filter(gives_way));
             let ends = ends.map(|body| Some(self.bodies[body?].tree));
-            if let [Some(a), Some(b)] = ends {
-                let (a, b) = (leader[a], leader[b]);
-                for leader in leader.iter_mut().filter(|leader| **leader == a.max(b)) {
-                    *leader = a.min(b);
-                }
-            }
+            join(ends, &mut leader);
         }
         let mut sums = vec![0.0; self.trees.len()];
         for (tree, leader) in self.trees.iter().zip(&leader) {
@@ -229,11 +224,7 @@ impl Tree {
             closure.dofs.iter().map(move |dof| [first, tree(dof)])
         });
         for trees in springs.chain(closures) {
-            let [Some(a), Some(b)] = trees else { continue };
-            let (a, b) = (leader[a], leader[b]);
-            for leader in leader.iter_mut().filter(|leader| **leader == a.max(b)) {
-                *leader = a.min(b);
-            }
+            join(trees, leader);
         }
     }
 
@@ -245,6 +236,17 @@ impl Tree {
             let [a, b] = bodies.map(Some);
             joint && (own == [a, b] || own == [b, a])
         })
+    }
+}
+
+/// Joins the groups of two trees, if both are there.
+///
+/// - `leader`: the first tree of the group of each tree
+fn join(trees: [Option<usize>; 2], leader: &mut [usize]) {
+    let [Some(a), Some(b)] = trees else { return };
+    let (a, b) = (leader[a], leader[b]);
+    for leader in leader.iter_mut().filter(|leader| **leader == a.max(b)) {
+        *leader = a.min(b);
     }
 }
 

@@ -120,13 +120,13 @@ fn terrain_refuses_what_means_nothing() {
     assert!(!settings.expect("the rest").objects[0].conveyor);
 }
 
-#[test]
-fn heights_that_are_too_fine_are_told_and_not_computed() {
-    let text = "[[world.terrain]]\nname = \"a\"\ntype = \"heightfield\"\ngenerate = \"noise\"\n\
-                size = [20, 20]\nresolution = 1e-5";
-    let (settings, findings) = Settings::read_by(Reader::new("f", text), None);
-    assert_eq!(findings.len(), 1, "{findings:?}");
-    // What is right is built all the same, to find other errors: that must not take for ever.
+/// What is made of heights of 20 × 20 m, whatever is wrong with them, and what is.
+fn made(form: &str, more: &str) -> (GeneratedHeights, Vec<Diagnostic>) {
+    let text = format!(
+        "[[world.terrain]]\nname = \"a\"\ntype = \"heightfield\"\ngenerate = \"{form}\"\n\
+         size = [20, 20]\n{more}"
+    );
+    let (settings, findings) = Settings::read_by(Reader::new("f", &text), None);
     let settings = settings.expect("the rest");
     let ObjectSource::Terrain(TerrainSettings::Heights {
         source: HeightSource::Generated(made),
@@ -135,29 +135,20 @@ fn heights_that_are_too_fine_are_told_and_not_computed() {
     else {
         panic!("{settings:?}");
     };
+    (made.clone(), findings)
+}
+
+#[test]
+fn heights_that_are_too_fine_are_told_and_not_computed() {
+    let (made, findings) = made("noise", "resolution = 1e-5");
+    assert_eq!(findings.len(), 1, "{findings:?}");
+    // What is right is built all the same, to find other errors: that must not take for ever.
     assert!(made.resolution > 0.01, "{made:?}");
 }
 
 /// Waves that were sampled once each came out flat, without a word.
 #[test]
 fn waves_are_sampled_or_refused() {
-    let made = |form: &str, more: &str| {
-        let text = format!(
-            "[[world.terrain]]\nname = \"a\"\ntype = \"heightfield\"\ngenerate = \"{form}\"\n\
-             size = [20, 20]\n{more}"
-        );
-        let (settings, findings) = Settings::read_by(Reader::new("f", &text), None);
-        let settings = settings.expect("the rest");
-        let ObjectSource::Terrain(TerrainSettings::Heights {
-            source: HeightSource::Generated(made),
-            ..
-        }) = &settings.objects[0].source
-        else {
-            panic!("{settings:?}");
-        };
-        let codes: Vec<_> = findings.iter().map(|finding| finding.code).collect();
-        (made.resolution, codes)
-    };
     for (form, more, resolution, codes) in [
         ("waves", "", 0.2, &[][..]),
         ("waves", "wavelength = 0.5", 0.05, &[]),
@@ -171,7 +162,9 @@ fn waves_are_sampled_or_refused() {
         ("noise", "wavelength = 0.03", 0.02, &["S106"]),
         ("steps", "", 0.2, &[]),
     ] {
-        let (found, told) = made(form, more);
+        let (made, findings) = made(form, more);
+        let found = made.resolution;
+        let told: Vec<_> = findings.iter().map(|finding| finding.code).collect();
         assert!(
             (found - resolution).abs() < 1e-12,
             "{form}, {more}: {found}"
