@@ -418,6 +418,11 @@ pub const PRESSED_IN: f64 = 2.0;
 /// Separation speed of such an overlap, as a share of the speed that would carry it out
 /// ballistically: at 1 it would hop, and `c13_an_initial_overlap_leaves_gently` fails.
 pub const EMERGENCE: f64 = 0.7;
+/// Force of a contact, in weights that its spring is made for, from which on the law softens with
+/// which it leaves: an impact of usual speed stays below. At 1 fails
+/// `friction_does_not_turn_a_slip_around_in_fixed_steps`, at 1e9
+/// `a_rover_that_begins_askew_in_the_ground_rises_in_few_steps`.
+pub const PRESSED: f64 = 100.0;
 /// Crown of the flat face of a cylinder, as a share of its radius: over so much of a tilt its load
 /// moves from the middle of the face to the rim. A face that is flat to the last bit would have a
 /// moment that jumps. With the centre of mass four radii high it tips at 0.995 of the force of a

@@ -11,7 +11,8 @@ use crate::law::{Damping, ElastoPlastic, stribeck};
 use crate::spatial::Vec3;
 use crate::tree::{Surface, Tree};
 use crate::tuning::{
-    BOUNCE_THRESHOLD, DEEP_OVERLAP, EMERGENCE, PRESSED_IN, SMOOTH_OVERLAP, TANGENTIAL_RATIO,
+    BOUNCE_THRESHOLD, DEEP_OVERLAP, EMERGENCE, PRESSED, PRESSED_IN, SMOOTH_OVERLAP,
+    TANGENTIAL_RATIO,
 };
 
 /// How two shapes meet.
@@ -117,21 +118,16 @@ impl Meeting<'_> {
     /// - `gravity`: m/s²
     fn damping(&self, contact: &Contact, gravity: f64) -> Damping {
         if contact.bounce > 0.0 {
-            return Damping {
-                dissipation: contact.bounce,
-                emergence: 0.0,
-            };
+            return Damping::new(contact.bounce);
         }
+        let common = Damping::new(self.dissipation);
         let excess = contact.depth - DEEP_OVERLAP * contact.spring.reference;
-        let emergence = if excess > 0.0 {
-            // It leaves faster than a light touch, but slower than it would hop.
-            (1.0 / self.dissipation).max(EMERGENCE * (2.0 * gravity * excess).sqrt())
-        } else {
-            0.0
-        };
+        // It leaves faster than a light touch, but slower than it would hop.
+        let hop = libm::sqrt(2.0 * gravity * excess.max(0.0));
         Damping {
-            dissipation: self.dissipation,
-            emergence,
+            fastest: common.fastest.max(EMERGENCE * hop),
+            power: libm::log(contact.spring.weights(contact.depth) / PRESSED).max(1.0),
+            ..common
         }
     }
 

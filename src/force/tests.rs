@@ -108,8 +108,8 @@ pub(crate) fn random_contact(
             reference: 4e-3,
         },
         damping: Damping {
-            dissipation: 0.2,
-            emergence: 0.0,
+            power: random.uniform(1.0, 8.0),
+            ..Damping::new(0.2)
         },
         load: random.uniform(0.0, 100.0),
         tilting: random.uniform(0.0, 20.0),

@@ -131,6 +131,12 @@ impl Stiffening {
         self.stiffness * (1.0 + 4.0 * excess)
     }
 
+    /// Force at a depth, in weights that the spring is made for.
+    pub fn weights(&self, depth: f64) -> f64 {
+        // With `K = W/(9/16 δ₁)`, see `new`.
+        self.force(depth) / (0.5625 * self.stiffness * self.reference)
+    }
+
     /// Energy that it holds at a depth, J.
     #[inline]
     pub fn stored(&self, depth: f64) -> f64 {

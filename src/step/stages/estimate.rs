@@ -125,7 +125,7 @@ impl Stages {
         for (contact, response) in terms.contacts.iter().zip(&first.responses.contacts) {
             if response.presses() {
                 let speed = -contact.normal_velocity(&terms.contacts.points, &self.way);
-                most = most.max(speed.min(contact.damping.fastest()));
+                most = most.max(speed.min(contact.damping.fastest));
             }
         }
         for term in &terms.joints {

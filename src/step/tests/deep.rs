@@ -2,6 +2,7 @@
 
 use super::worlds::{body, speeds, world};
 use super::*;
+use crate::spatial::rotation_from_rpy;
 use crate::testing::Random;
 
 /// 5 to 11 bodies of 3 to 20 cm and 50 g to 10 kg within 20 cm of each other and of the ground,
@@ -89,4 +90,44 @@ fn what_begins_deep_in_the_ground_emerges_alike_in_all_steps() {
         assert!(off < 50.0 * tolerance, "{tolerance}: {off}");
         assert!(tries < most, "{tolerance}: {tries} tries");
     }
+}
+
+/// A rover with four driven wheels that begins 10 to 30 mm in the ground and leans by 0.04 rad: it
+/// rises in a fifth of a second. While the factor on the springs of contacts that were less than 50
+/// penetrations deep fell evenly to 0 at the speed with which they leave, its wheels took turns on
+/// the way, in 3,000 tries at 1e-3.
+#[test]
+fn a_rover_that_begins_askew_in_the_ground_rises_in_few_steps() {
+    let mut b = Builder::new(true, inertia(10.0, Vec3::zeros(), [0.1, 0.2, 0.3]));
+    let wheels = [(0.17, 0.18), (-0.17, 0.18), (0.17, -0.18), (-0.17, -0.18)].map(|(x, y)| {
+        let wheel = inertia(1.0, Vec3::zeros(), [0.0028, 0.005, 0.0028]);
+        let place = at(x, y, -0.05);
+        let link = b.link(0u32.into_link(), place, Motion::Revolute(Y), wheel);
+        let shape = Shape::Cylinder {
+            radius: 0.1,
+            half_length: 0.03,
+        };
+        let lying = rotation_from_rpy(&(X * std::f64::consts::FRAC_PI_2));
+        let pose = Pose {
+            R: lying,
+            p: Vec3::zeros(),
+        };
+        b.shape(link, shape, pose);
+        b.actuator(link, ActuatorMode::Velocity, 5.0);
+    });
+    let mut model = b.model;
+    model.roots[0].position = Vec3::z() * 0.13;
+    model.roots[0].rpy = Vec3::new(0.02, 0.03, 0.0);
+    let mut s = start(model, 1e-3);
+    for i in 0..wheels.len() {
+        s.set_input(InputSlot::Velocity(ActuatorId::from(i)), 6.0 + i as f64);
+    }
+    for i in 1..=96 {
+        s.advance_to(f64::from(i) / 240.0).expect("finite");
+    }
+    let tries = s.output(OutputSlot::Steps) + s.output(OutputSlot::Rejected);
+    assert!(tries < 400.0, "{tries} tries");
+    // A wheel is as deep as a weight makes it, 0.05 mm, or less.
+    let z = s.state().physical.q[2];
+    assert!((z - 0.15).abs() < 2e-3, "{z}");
 }
