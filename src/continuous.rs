@@ -15,14 +15,16 @@
 //!
 //! A step uses another law for the memory where an element slips so fast that its spring carries
 //! nothing (`law/friction.rs`). As a differential equation that law would jump at the onset of
-//! slip. With the law above `f` is continuous and has bounded slopes in `x` and `u`, so that no
-//! events are needed.
+//! slip. With the law above `f` is continuous and has bounded slopes in `x` and `u`. What an
+//! importer must be told nevertheless is in `continuous/events.rs`.
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
+mod events;
 mod memory;
 mod states;
 
+pub use events::Events;
 pub use memory::{Element, Relaxing};
 pub use states::{Place, State, States};
 

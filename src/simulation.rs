@@ -419,6 +419,9 @@ impl Simulation {
         // Before initialisation the state follows from the parameters.
         self.stale = !self.initialized;
         self.forget();
+        if let Some(posed) = &mut self.posed {
+            posed.events.forget();
+        }
         Ok(())
     }
 }

@@ -701,6 +701,12 @@ pub const CLOSING_SPREAD: f64 = 1.5;
 
 // Differential equations: `continuous.rs`.
 
+/// Longest time until the next event where shapes could pass each other, s: accelerations that are
+/// not known beforehand have little time, and a new plan costs little.
+pub const PLAN: f64 = 1.0;
+/// Shortest such time, s: shapes of a hundredth of a millimetre at ten metres a second. At 0.1
+/// fails `what_falls_on_thin_things_is_announced_in_time`.
+pub const LEAST_PLAN: f64 = 1e-6;
 /// How fast a quaternion among continuous states comes back to unit length, 1/s: slower than
 /// anything that an importer resolves, and faster than its errors add up. At 0 fails
 /// `quaternions_come_back_to_unit_length`.

@@ -37,7 +37,7 @@ pub use joint::{JointResponse, JointTerm, Start, effort};
 pub(crate) use memory::seek;
 pub use memory::{Memory, Touch};
 pub use named::NamedPairs;
-pub use pair::light_touch;
+pub use pair::{can_pass, light_touch};
 pub use point::{ContactPoint, PointResponse, PointVelocity, Rim};
 pub use secant::Secant;
 pub use spring::{SpringTerm, held_by_springs, push_springs};

@@ -145,17 +145,7 @@ impl<'a> Pair<'a> {
 
     /// See [`super::Contact::thickness`].
     pub fn thickness(&self) -> f64 {
-        let [a, b] = self.solids;
-        if b.is_endless() {
-            // There is no other side.
-            f64::INFINITY
-        } else if self.is_on_terrain() {
-            a.thickness()
-        } else if a.is_ball() || b.is_ball() {
-            0.5 * (a.thickness() + b.thickness())
-        } else {
-            a.thickness().min(b.thickness())
-        }
+        thickness_of(self.solids)
     }
 
     /// The one whose contact is made for the greater weight.
@@ -179,6 +169,35 @@ impl<'a> Pair<'a> {
         let found = patch.points()[part.points.clone()].iter();
         points.extend(found.map(|point| contact_point(point, landing)));
     }
+}
+
+/// See [`Pair::thickness`].
+fn thickness_of([a, b]: [&Solid; 2]) -> f64 {
+    if b.is_endless() {
+        // There is no other side.
+        f64::INFINITY
+    } else if b.is_terrain() {
+        a.thickness()
+    } else if a.is_ball() || b.is_ball() {
+        0.5 * (a.thickness() + b.thickness())
+    } else {
+        a.thickness().min(b.thickness())
+    }
+}
+
+/// Whether there are shapes that could pass each other, and have another side where nothing would
+/// be felt of it.
+pub fn can_pass(tree: &Tree) -> bool {
+    let places = 0..tree.contact.colliders.len();
+    places.clone().any(|a| {
+        places.clone().skip(a + 1).any(|b| {
+            let solids = in_order(tree, [a, b]).map(|c| c.solid.as_deref());
+            let [Some(first), Some(second)] = solids else {
+                return false;
+            };
+            tree.contact.may_touch([a, b]) && thickness_of([first, second]) < f64::INFINITY
+        })
+    })
 }
 
 /// The shapes at two places as they meet: the first one yields.

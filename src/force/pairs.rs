@@ -9,7 +9,7 @@
 use super::apart::Apart;
 use super::pair::Pair;
 use crate::geometry::Shape;
-use crate::geometry::pair::{Nearby, Patch};
+use crate::geometry::pair::{MOST_PARTS, Nearby, Patch};
 use crate::kinematics::Kinematics;
 use crate::model::Model;
 use crate::spatial::{Pose, Vec3};
@@ -196,6 +196,30 @@ impl Pairs {
         });
         self.patch = Some(patch);
         enough
+    }
+
+    /// See [`super::ContactSet::may_pass`].
+    pub(super) fn may_pass(
+        &mut self,
+        (tree, kin): (&Tree, &Kinematics),
+        h: f64,
+        felt: &[usize],
+    ) -> bool {
+        if self.patch.is_none() {
+            return false;
+        }
+        let fall = 0.5 * h * h * tree.world.gravity.norm();
+        self.search(tree, kin, [h, fall]);
+        self.near.iter().any(|&places| {
+            let slot = tree.contact.slot(places);
+            let own = slot..slot + MOST_PARTS;
+            let is_felt = felt.iter().any(|slot| own.contains(slot));
+            !is_felt
+                && Pair::new(tree, kin, places).is_some_and(|pair| {
+                    let reach = h * pair.speed(kin) + fall - pair.thickness();
+                    reach > 0.0 && pair.is_near(reach)
+                })
+        })
     }
 
     /// See [`super::ContactSet::group`].

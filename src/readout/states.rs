@@ -1,6 +1,7 @@
 //! Derivatives of the continuous states.
 
 use super::{Level, Readout};
+use crate::continuous::Events;
 use crate::state::State;
 use crate::step::point::Context;
 
@@ -15,5 +16,17 @@ impl Readout {
             *known = true;
         }
         &derivatives.rates
+    }
+
+    /// See [`Events::update`].
+    pub fn plan(&mut self, ctx: &Context, state: &State, events: &mut Events) -> Option<f64> {
+        self.at(ctx, state, Level::Forces);
+        events.update(ctx, &mut self.point, state.time)
+    }
+
+    /// See [`Events::has_come`].
+    pub fn has_event(&mut self, ctx: &Context, state: &State, events: &mut Events) -> bool {
+        self.at(ctx, state, Level::Forces);
+        events.has_come(ctx, &mut self.point, state.time)
     }
 }

@@ -3,13 +3,18 @@
 use super::posed::Posed;
 use super::{Simulation, SimulationError};
 use crate::continuous::States;
-use crate::slots::ParameterSlot;
+use crate::slots::{InputSlot, ParameterSlot};
+use crate::tuning::REFERENCE_GRAVITY;
 
 impl Simulation {
     /// From now on the outside integrates: inputs act at once, and outputs follow states, time and
     /// inputs as they are set. There is no way back.
     pub fn exchange(&mut self) {
-        self.posed = Some(Box::new(Posed::new(&self.model, self.readout.states.len())));
+        self.posed = Some(Box::new(Posed::new(
+            &self.model,
+            &self.tree,
+            self.readout.states.len(),
+        )));
         self.applied.copy_from(&self.inputs);
     }
 
@@ -35,6 +40,36 @@ impl Simulation {
     /// Sets the time, s.
     pub fn set_time(&mut self, time: f64) {
         self.state.time = time;
+    }
+
+    /// The size by which a change of an input counts: of forces and torques the weight of the tree
+    /// that they act on, N or N·m, else 1 in its unit.
+    pub fn nominal_input(&self, slot: InputSlot) -> f64 {
+        let model = &self.model;
+        let body = match slot {
+            InputSlot::Effort(actuator) => {
+                model.dofs[model.actuators[actuator.index()].dof.index()].body
+            }
+            InputSlot::ExternalForce(link, _) | InputSlot::ExternalTorque(link, _) => {
+                model.links[link.index()].body
+            }
+            _ => return 1.0,
+        };
+        let tree = &self.tree.trees[model.root_of(body).index()];
+        let weight = tree.moving_mass * REFERENCE_GRAVITY;
+        if weight > 0.0 { weight } else { 1.0 }
+    }
+
+    /// Takes note of what acts, at an event of the outside, and plans the time of the next one, s;
+    /// none where no two shapes can pass each other.
+    pub fn plan_event(&mut self) -> Option<f64> {
+        self.reading().plan_event()
+    }
+
+    /// Whether a step of the outside that ends here ends in an event: what acts is not what acted
+    /// at the last one, or shapes may pass each other before the one that is planned.
+    pub fn has_event(&mut self) -> bool {
+        self.reading().has_event()
     }
 
     /// [`Self::rates`], if they are finite.

@@ -101,6 +101,21 @@ impl<'a> Reading<'a> {
         posed.map_or(0.0, |posed| posed.rates[id.index()])
     }
 
+    /// See [`Simulation::plan_event`].
+    pub(super) fn plan_event(self) -> Option<f64> {
+        let posed = self.posed?;
+        let (state, events) = (&posed.state, &mut posed.events);
+        self.readout.plan(&self.ctx, state, events)
+    }
+
+    /// See [`Simulation::has_event`].
+    pub(super) fn has_event(self) -> bool {
+        self.posed.is_some_and(|posed| {
+            let (state, events) = (&posed.state, &mut posed.events);
+            self.readout.has_event(&self.ctx, state, events)
+        })
+    }
+
     fn into_rates(mut self) -> &'a [f64] {
         self.derive();
         self.posed.map_or(&[], |posed| &posed.rates)

@@ -1,8 +1,10 @@
 //! The values of outputs where the importer integrates.
 
+use crate::continuous::Events;
 use crate::model::Model;
 use crate::state::State;
 use crate::step::point::Context;
+use crate::tree::Tree;
 use crate::tuning::LIMIT_ONSET;
 
 /// The state as outputs show it: an integrator's quaternions are not of unit length.
@@ -15,6 +17,8 @@ pub(super) struct Posed {
     pub rates: Vec<f64>,
     /// See `rates`.
     pub derived: bool,
+    /// Events that the outside is told of.
+    pub events: Events,
 }
 
 /// The state that outputs show, where it is not that of the simulation.
@@ -41,12 +45,13 @@ pub(super) fn onset(posed: Option<&Posed>) -> f64 {
 
 impl Posed {
     /// One of nothing yet.
-    pub fn new(model: &Model, states: usize) -> Self {
+    pub fn new(model: &Model, tree: &Tree, states: usize) -> Self {
         Self {
             state: State::new(model),
             known: false,
             rates: vec![0.0; states],
             derived: false,
+            events: Events::new(tree, model.contact_room()[0]),
         }
     }
 }

@@ -81,7 +81,7 @@ fn model_exchange(xml: &mut Writer<Vec<u8>>, model_identifier: &str) -> io::Resu
         .with_attribute(("modelIdentifier", model_identifier))
         .with_attributes([
             ("needsExecutionTool", "false"),
-            ("completedIntegratorStepNotNeeded", "true"),
+            ("completedIntegratorStepNotNeeded", "false"),
             ("canBeInstantiatedOnlyOncePerProcess", "false"),
             ("canNotUseMemoryManagementFunctions", "true"),
             ("canGetAndSetFMUstate", "true"),

@@ -90,7 +90,7 @@ pub fn model_description(
 
 fn model_exchange(xml: &mut Writer<Vec<u8>>, model_identifier: &str) -> io::Result<()> {
     let own = [
-        ("needsCompletedIntegratorStep", "false"),
+        ("needsCompletedIntegratorStep", "true"),
         ("providesEvaluateDiscreteStates", "false"),
     ];
     interface(xml, "ModelExchange", model_identifier, "true", &own)

@@ -31,6 +31,16 @@ impl Instance {
         self.phase = Phase::EventMode;
     }
 
+    /// The time of the next event, s, if one is planned: shapes may touch soon after it.
+    pub(crate) fn next_event(&mut self) -> Option<f64> {
+        self.simulation.plan_event()
+    }
+
+    /// Whether a step of the importer has ended in an event.
+    pub(crate) fn completed_step(&mut self) -> bool {
+        self.simulation.has_event()
+    }
+
     /// Time, states and continuous inputs follow the importer from now on.
     pub(crate) fn enter_continuous_time_mode(&mut self) {
         self.phase = Phase::ContinuousTime;

@@ -185,7 +185,8 @@ impl Instance {
                 .iter()
                 .nth(index)
                 .map_or(1.0, |s| s.nominal),
-            Known::Input(_) | Known::Parameter(_) => 1.0,
+            Known::Input(slot) => self.simulation.nominal_input(slot),
+            Known::Parameter(_) => 1.0,
         }
     }
 

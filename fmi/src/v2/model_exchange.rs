@@ -28,7 +28,7 @@ pub unsafe extern "C" fn fmi2EnterEventMode(c: fmi2Component) -> fmi2Status {
     }
 }
 
-/// There are no discrete states: nothing is to be done again, and no event is to come.
+/// There are no discrete states: nothing is to be done again. Tells when shapes may meet.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2NewDiscreteStates(
     c: fmi2Component,
@@ -36,8 +36,14 @@ pub unsafe extern "C" fn fmi2NewDiscreteStates(
 ) -> fmi2Status {
     // SAFETY: FMI's contract.
     unsafe {
-        call(c, Function::NewDiscreteStates, |_| {
-            pointers::write("fmi2eventInfo", fmi2eventInfo, fmi2EventInfo::default())?;
+        call(c, Function::NewDiscreteStates, |instance| {
+            let next = instance.next_event();
+            let info = fmi2EventInfo {
+                nextEventTimeDefined: fmi2Boolean::from(next.is_some()),
+                nextEventTime: next.unwrap_or(0.0),
+                ..fmi2EventInfo::default()
+            };
+            pointers::write("fmi2eventInfo", fmi2eventInfo, info)?;
             OK
         })
     }
@@ -55,7 +61,7 @@ pub unsafe extern "C" fn fmi2EnterContinuousTimeMode(c: fmi2Component) -> fmi2St
     }
 }
 
-/// Nothing is to be done after a step of the importer.
+/// Tells whether contacts have begun or ended, or may be missed before the next event.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2CompletedIntegratorStep(
     c: fmi2Component,
@@ -65,8 +71,9 @@ pub unsafe extern "C" fn fmi2CompletedIntegratorStep(
 ) -> fmi2Status {
     // SAFETY: FMI's contract.
     unsafe {
-        call(c, Function::CompletedIntegratorStep, |_| {
-            pointers::write("enterEventMode", enterEventMode, FMI2_FALSE)?;
+        call(c, Function::CompletedIntegratorStep, |instance| {
+            let event = fmi2Boolean::from(instance.completed_step());
+            pointers::write("enterEventMode", enterEventMode, event)?;
             pointers::write("terminateSimulation", terminateSimulation, FMI2_FALSE)?;
             OK
         })

@@ -29,7 +29,7 @@ pub unsafe extern "C" fn fmi3EnterEventMode(instance: fmi3Instance) -> fmi3Statu
     }
 }
 
-/// There are no discrete states: nothing is to be done again, and no event is to come.
+/// There are no discrete states: nothing is to be done again. Tells when shapes may meet.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3UpdateDiscreteStates(
     instance: fmi3Instance,
@@ -42,7 +42,8 @@ pub unsafe extern "C" fn fmi3UpdateDiscreteStates(
 ) -> fmi3Status {
     // SAFETY: FMI's contract.
     unsafe {
-        call(instance, Function::UpdateDiscreteStates, |_| {
+        call(instance, Function::UpdateDiscreteStates, |instance| {
+            let next = instance.next_event();
             for (argument, place) in [
                 ("discreteStatesNeedUpdate", discreteStatesNeedUpdate),
                 ("terminateSimulation", terminateSimulation),
@@ -54,11 +55,15 @@ pub unsafe extern "C" fn fmi3UpdateDiscreteStates(
                     "valuesOfContinuousStatesChanged",
                     valuesOfContinuousStatesChanged,
                 ),
-                ("nextEventTimeDefined", nextEventTimeDefined),
             ] {
                 pointers::write(argument, place, FMI3_FALSE)?;
             }
-            pointers::write("nextEventTime", nextEventTime, 0.0)?;
+            pointers::write(
+                "nextEventTimeDefined",
+                nextEventTimeDefined,
+                next.is_some().into(),
+            )?;
+            pointers::write("nextEventTime", nextEventTime, next.unwrap_or(0.0))?;
             OK
         })
     }
@@ -76,7 +81,7 @@ pub unsafe extern "C" fn fmi3EnterContinuousTimeMode(instance: fmi3Instance) -> 
     }
 }
 
-/// Nothing is to be done after a step of the importer.
+/// Tells whether contacts have begun or ended, or may be missed before the next event.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3CompletedIntegratorStep(
     instance: fmi3Instance,
@@ -86,8 +91,9 @@ pub unsafe extern "C" fn fmi3CompletedIntegratorStep(
 ) -> fmi3Status {
     // SAFETY: FMI's contract.
     unsafe {
-        call(instance, Function::CompletedIntegratorStep, |_| {
-            pointers::write("enterEventMode", enterEventMode, FMI3_FALSE)?;
+        call(instance, Function::CompletedIntegratorStep, |instance| {
+            let event = instance.completed_step();
+            pointers::write("enterEventMode", enterEventMode, event.into())?;
             pointers::write("terminateSimulation", terminateSimulation, FMI3_FALSE)?;
             OK
         })
