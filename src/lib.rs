@@ -56,6 +56,8 @@
 //! - E. Hairer, S. P. Nørsett & G. Wanner, *Solving Ordinary Differential Equations I*,
 //!   Springer 1993.
 //! - J. W. H. Liu, *The role of elimination trees in sparse factorization*, 1990.
+// What runs once is compiled for size in a small library, see build/platforms/tools.sh.
+#![cfg_attr(small, feature(optimize_attribute))]
 #![forbid(unsafe_code)]
 
 #[cfg(feature = "urdf")]

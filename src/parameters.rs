@@ -51,6 +51,7 @@ pub struct Parameters {
 
 impl Parameters {
     /// The model's defaults.
+    #[cfg_attr(small, optimize(size))]
     pub fn new(model: &Model) -> Self {
         let mut p = Self {
             actuators: model.actuators.len(),

@@ -112,6 +112,7 @@ impl Simulation {
 
     /// The same where the hash of the model is known, by which saved states know it: it costs more
     /// than all the rest. [`crate::prepared::PreparedModel::hash`].
+    #[cfg_attr(small, optimize(size))]
     pub fn with_hash(model: Arc<Model>, hash: u64) -> Self {
         let parameters = Parameters::new(&model);
         let inputs = Inputs::new(&model);

@@ -55,6 +55,7 @@ pub(crate) fn within(X_BS: &Pose, X_BG: &Pose) -> Pose {
 
 impl Tree {
     /// Derives the tree; masses, mounting and initial pose come from `parameters`.
+    #[cfg_attr(small, optimize(size))]
     pub fn new(model: &Model, parameters: &Parameters) -> Self {
         Self::derive(model, parameters, (&[], &[]))
     }
@@ -70,6 +71,7 @@ impl Tree {
     ///
     /// - `known`: colliders of the same model, whose shapes are prepared, and the poses of the
     ///   bases with which they are; or none
+    #[cfg_attr(small, optimize(size))]
     fn derive(model: &Model, parameters: &Parameters, known: (&[TreeCollider], &[Pose])) -> Self {
         let nv = model.nv();
         let mut tree = Self {
@@ -259,6 +261,7 @@ impl Tree {
         }
     }
 
+    #[cfg_attr(small, optimize(size))]
     fn add_colliders(
         &mut self,
         model: &Model,

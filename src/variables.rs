@@ -33,6 +33,7 @@ pub use row::{Causality, Display, Kind, Part, Slot, TableError, Unit, Variable};
 ///
 /// # Errors
 /// [`TableError`] if two names clash.
+#[cfg_attr(small, optimize(size))]
 pub fn table(model: &Model) -> Result<Vec<Variable>, TableError> {
     filled(model).finish()
 }
@@ -42,6 +43,7 @@ pub fn clashes(model: &Model) -> Vec<TableError> {
     filled(model).clashes()
 }
 
+#[cfg_attr(small, optimize(size))]
 fn filled(model: &Model) -> Table<'_> {
     let mut table = Table::new(model);
     table.inputs();

@@ -57,6 +57,7 @@ impl Layout {
     ///
     /// # Errors
     /// [`TableError`] if names clash.
+    #[cfg_attr(small, optimize(size))]
     pub(crate) fn new(
         version: Version,
         model: &Model,

@@ -20,6 +20,8 @@
 //! The package is an rlib; the build script of the `urdf2fmu` command makes the shared library of
 //! it. Nothing is process-wide: no static data but a thread-local note about the last panic, no
 //! threads, no signal handlers, no output but through the importer's logger.
+// What runs once is compiled for size in a small library, see build/platforms/tools.sh.
+#![cfg_attr(small, feature(optimize_attribute))]
 #![deny(unsafe_code)]
 
 #[cfg(not(panic = "unwind"))]

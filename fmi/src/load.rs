@@ -38,6 +38,7 @@ pub(crate) fn made(
 ///
 /// # Errors
 /// [`InstantiateError`] if there is no robot, or not the one that `guid` names.
+#[cfg_attr(small, optimize(size))]
 pub(crate) fn load(
     version: Version,
     integrated_by: Interface,

@@ -86,6 +86,7 @@ impl States {
     /// Those of a model, whatever its interfaces.
     ///
     /// - `tree`: that of the model's own parameters
+    #[cfg_attr(small, optimize(size))]
     pub fn new(model: &Model, tree: &Tree) -> Self {
         let mut states = Self::none();
         let roots = (0..).map(RootId).zip(&model.roots);

@@ -129,6 +129,7 @@ impl Local {
 impl TryFrom<Samples> for Field {
     type Error = GeometryError;
 
+    #[cfg_attr(small, optimize(size))]
     fn try_from(samples: Samples) -> Result<Self, GeometryError> {
         let [nx, ny] = samples.counts;
         let fits = nx.min(ny) >= 2

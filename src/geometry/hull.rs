@@ -57,6 +57,7 @@ pub(super) struct Hull {
 
 /// The hull of finite points with at most `most` (4 or more) corners; `None` if there are no
 /// points.
+#[cfg_attr(small, optimize(size))]
 pub(super) fn hull(points: &[Vec3], most: usize) -> Option<Hull> {
     let first = points.first()?;
     let (low, high) = points

@@ -132,6 +132,7 @@ impl Triangles {
 }
 
 impl Surface {
+    #[cfg_attr(small, optimize(size))]
     fn of(given: Triangles) -> Self {
         let mut triangles = distinct(&given.triangles);
         let corners = |triangle: &[u32; 3]| triangle.map(|i| given.corners[i as usize]);
@@ -193,6 +194,7 @@ impl Surface {
     }
 
     /// Puts the facets of places of the order under a node of their own; returns it.
+    #[cfg_attr(small, optimize(size))]
     fn divide(&mut self, first: usize, last: usize) -> usize {
         let (mut low, mut high) = (Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY));
         for &facet in &self.order[first..last] {

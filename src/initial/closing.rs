@@ -34,6 +34,7 @@ struct Search<'a> {
 ///
 /// - `kin`: scratch
 /// - `held`: whether the position, or the velocity, of a degree of freedom has been given
+#[cfg_attr(small, optimize(size))]
 pub(crate) fn close(
     tree: &Tree,
     kin: &mut Kinematics,

@@ -31,6 +31,7 @@ impl Model {
     ///
     /// # Errors
     /// [`ModelError::Invalid`] names the first part that is wrong.
+    #[cfg_attr(small, optimize(size))]
     pub fn validate(&self) -> Result<(), ModelError> {
         sizes(self)?;
         links(self)?;

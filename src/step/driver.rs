@@ -72,6 +72,7 @@ crate::spoil::spoil!(Stepper: here there implicit stages explicit fixed attempt 
 
 impl Stepper {
     /// Room for a robot.
+    #[cfg_attr(small, optimize(size))]
     pub fn new(model: &Model, tree: &Tree) -> Self {
         Self {
             here: Point::new(model, tree),

@@ -9,6 +9,7 @@ type OfLoop = fn(LoopId, Axis) -> OutputSlot;
 type OfSpring = fn(SpringId, Axis) -> OutputSlot;
 
 impl Table<'_> {
+    #[cfg_attr(small, optimize(size))]
     pub(super) fn closure_outputs(&mut self) {
         let force: Group<OfLoop> = group(
             "force",

@@ -12,6 +12,7 @@ type OfLink = fn(LinkId, Axis) -> OutputSlot;
 type OfPair = fn(PairId, Axis) -> OutputSlot;
 
 impl Table<'_> {
+    #[cfg_attr(small, optimize(size))]
     pub(super) fn base_outputs(&mut self) {
         for (id, root) in (0..).map(RootId).zip(&self.model.roots) {
             if self.model.floats(id) {
@@ -25,6 +26,7 @@ impl Table<'_> {
         }
     }
 
+    #[cfg_attr(small, optimize(size))]
     fn outputs_of_base(&mut self, id: RootId, prefix: &str) {
         let base = self.model.base(id).link;
         let owner = format!("base link '{}'", self.model.links[base.index()].name);
@@ -70,6 +72,7 @@ impl Table<'_> {
 
     /// Rows of a base, link or sensor, one for each axis of each group; `slot` says which slot a
     /// group's entry means.
+    #[cfg_attr(small, optimize(size))]
     pub(super) fn groups<S: Copy>(
         &mut self,
         groups: &[Group<S>],
@@ -89,6 +92,7 @@ impl Table<'_> {
         }
     }
 
+    #[cfg_attr(small, optimize(size))]
     pub(super) fn joint_outputs(&mut self) {
         for (id, joint) in self.joints() {
             let owner = format!("joint '{}'", joint.name);
@@ -136,6 +140,7 @@ impl Table<'_> {
         }
     }
 
+    #[cfg_attr(small, optimize(size))]
     fn planar_outputs(&mut self, id: JointId, owner: &str, prefix: &str) {
         let groups: [(&str, OfJoint, [Unit; 2]); 3] = [
             (
@@ -167,6 +172,7 @@ impl Table<'_> {
         }
     }
 
+    #[cfg_attr(small, optimize(size))]
     fn spherical_outputs(&mut self, id: JointId, owner: &str, prefix: &str) {
         let groups: [Group<OfJoint>; 3] = [
             group(
@@ -194,6 +200,7 @@ impl Table<'_> {
         self.joint_groups("Spherical", &groups, id, owner, prefix);
     }
 
+    #[cfg_attr(small, optimize(size))]
     fn floating_outputs(&mut self, id: JointId, owner: &str, prefix: &str) {
         let groups: [Group<OfJoint>; 6] = [
             group(
@@ -242,6 +249,7 @@ impl Table<'_> {
         self.joint_groups("Floating", &groups, id, owner, prefix);
     }
 
+    #[cfg_attr(small, optimize(size))]
     fn joint_groups(
         &mut self,
         kind: &str,
@@ -268,6 +276,7 @@ impl Table<'_> {
         }
     }
 
+    #[cfg_attr(small, optimize(size))]
     pub(super) fn link_outputs(&mut self) {
         let groups: [Group<OfLink>; 4] = [
             group(
@@ -307,6 +316,7 @@ impl Table<'_> {
         }
     }
 
+    #[cfg_attr(small, optimize(size))]
     pub(super) fn contact_outputs(&mut self) {
         let outputs = &self.model.outputs;
         for &id in &outputs.contacts {
@@ -343,6 +353,7 @@ impl Table<'_> {
         }
     }
 
+    #[cfg_attr(small, optimize(size))]
     pub(super) fn pair_outputs(&mut self) {
         let groups: [Group<OfPair>; 3] = [
             group(
@@ -389,6 +400,7 @@ impl Table<'_> {
         }
     }
 
+    #[cfg_attr(small, optimize(size))]
     pub(super) fn common_outputs(&mut self) {
         let owner = "the robot";
         let energies = [

@@ -57,6 +57,7 @@ const CONTACT: [Group<OfSensor>; 1] = [group(
 )];
 
 impl Table<'_> {
+    #[cfg_attr(small, optimize(size))]
     pub(super) fn sensor_outputs(&mut self) {
         for (s, sensor) in self.model.outputs.sensors.iter().enumerate() {
             let (id, first) = (SensorId::from(s), self.len());
@@ -94,6 +95,7 @@ impl Table<'_> {
         }
     }
 
+    #[cfg_attr(small, optimize(size))]
     fn ray_outputs(&mut self, id: SensorId, sensor: &Sensor, owner: &str, prefix: &str) {
         let SensorKind::Ray {
             directions,
@@ -148,6 +150,7 @@ impl Table<'_> {
         self.whole(first, &format!("{prefix}.hit"), &shape, &about);
     }
 
+    #[cfg_attr(small, optimize(size))]
     fn encoder_outputs(&mut self, id: SensorId, joint: JointId, owner: &str, prefix: &str) {
         let joint = &self.model.joints[joint.index()];
         let units = units(joint.kind);

@@ -18,6 +18,7 @@ struct Driven {
 }
 
 impl Table<'_> {
+    #[cfg_attr(small, optimize(size))]
     pub(super) fn inputs(&mut self) {
         for (a, actuator) in self.model.actuators.iter().enumerate() {
             if let Some(driven) = self.driven(a) {
@@ -48,6 +49,7 @@ impl Table<'_> {
     }
 
     /// Inputs of surfaces that move.
+    #[cfg_attr(small, optimize(size))]
     pub(super) fn conveyors(&mut self) {
         for &id in &self.model.outputs.conveyors {
             let owner = format!("'{}'", self.model.roots[id.index()].name);
@@ -70,6 +72,7 @@ impl Table<'_> {
     }
 
     /// Inputs of bases that move as they say.
+    #[cfg_attr(small, optimize(size))]
     pub(super) fn driven_bases(&mut self) {
         type OfBase = fn(RootId, Axis) -> InputSlot;
         for &id in &self.model.outputs.driven {
@@ -109,6 +112,7 @@ impl Table<'_> {
 
     /// What an actuator's inputs drive: its joint, or its group if it is the first of it, else
     /// none.
+    #[cfg_attr(small, optimize(size))]
     fn driven(&self, actuator: usize) -> Option<Driven> {
         let id = ActuatorId::from(actuator);
         let groups = &self.model.outputs.groups;
@@ -144,6 +148,7 @@ impl Table<'_> {
         })
     }
 
+    #[cfg_attr(small, optimize(size))]
     fn commands(&mut self, id: ActuatorId, actuator: &Actuator, driven: &Driven) {
         let joint = &self.model.joints[actuator.joint.index()];
         let start = self.model.initial.joint_positions[actuator.joint.index()];
@@ -197,6 +202,7 @@ impl Table<'_> {
         }
     }
 
+    #[cfg_attr(small, optimize(size))]
     pub(super) fn initial_parameters(&mut self) {
         for (id, root) in (0..).map(RootId).zip(&self.model.roots) {
             self.initial_base(id, root);
@@ -204,6 +210,7 @@ impl Table<'_> {
         self.initial_joints();
     }
 
+    #[cfg_attr(small, optimize(size))]
     fn initial_base(&mut self, id: RootId, initial: &Root) {
         let base = self.model.base(id).link;
         let owner = format!("base link '{}'", self.model.links[base.index()].name);
@@ -279,6 +286,7 @@ impl Table<'_> {
         }
     }
 
+    #[cfg_attr(small, optimize(size))]
     fn initial_joints(&mut self) {
         let initial = &self.model.initial;
         for (id, joint) in self.independent_joints() {
@@ -306,6 +314,7 @@ impl Table<'_> {
         }
     }
 
+    #[cfg_attr(small, optimize(size))]
     pub(super) fn tunable_parameters(&mut self) {
         let model = self.model;
         for (a, actuator) in model.actuators.iter().enumerate() {
@@ -386,6 +395,7 @@ impl Table<'_> {
         }
     }
 
+    #[cfg_attr(small, optimize(size))]
     fn link_parameters(&mut self) {
         let model = self.model;
         for (l, link) in model.links.iter().enumerate() {
@@ -411,6 +421,7 @@ impl Table<'_> {
         }
     }
 
+    #[cfg_attr(small, optimize(size))]
     pub(super) fn solver_parameters(&mut self) {
         if !self.model.outputs.interface.steps() {
             return;

@@ -10,6 +10,7 @@ use crate::tree::Tree;
 
 impl Table<'_> {
     /// States that are no other output, and the derivatives of all.
+    #[cfg_attr(small, optimize(size))]
     pub(super) fn state_outputs(&mut self) {
         if !self.model.outputs.interface.exchanges() {
             return;
@@ -32,6 +33,7 @@ impl Table<'_> {
         }
     }
 
+    #[cfg_attr(small, optimize(size))]
     fn memory_outputs(&mut self, states: &States, element: &Element) {
         let id = |axis: usize| StateId::from(element.first + axis);
         match element.what {
@@ -83,6 +85,7 @@ impl Table<'_> {
     }
 
     /// What a motor or dry friction of a joint remembers.
+    #[cfg_attr(small, optimize(size))]
     fn joint_memory(&mut self, group: &str, id: JointId, place: Option<usize>, state: StateId) {
         let joint = &self.model.joints[id.index()];
         let owner = format!("joint '{}'", joint.name);
@@ -101,6 +104,7 @@ impl Table<'_> {
     }
 
     /// Name and owner of what the contact of two links remembers; none is the ground.
+    #[cfg_attr(small, optimize(size))]
     fn of_contact(&self, group: &str, links: [Option<LinkId>; 2]) -> (String, String) {
         let mut links = links
             .into_iter()

@@ -6,6 +6,7 @@ use crate::model::{Body, BodyId, Joint, LinkId, Model};
 use crate::spatial::Pose;
 use std::collections::BTreeSet;
 
+#[cfg_attr(small, optimize(size))]
 pub(super) fn validate(model: &Model) -> Check {
     roots(model)?;
     bodies(model)?;

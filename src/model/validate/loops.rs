@@ -7,6 +7,7 @@ use std::collections::BTreeSet;
 /// Most rows of all loops, and most springs: their matrix then takes 3 MB.
 const MOST_ROWS: usize = 600;
 
+#[cfg_attr(small, optimize(size))]
 pub(super) fn validate(model: &Model) -> Check {
     let rows: usize = model.loops.iter().map(|part| part.kind.rows()).sum();
     require(

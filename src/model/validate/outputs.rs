@@ -11,6 +11,7 @@ const MOST_RAYS: usize = 10_000;
 /// Most pairs with outputs: contacts are compared with each of them.
 const MOST_PAIRS: usize = 1_000;
 
+#[cfg_attr(small, optimize(size))]
 pub(super) fn validate(model: &Model) -> Check {
     let outputs = &model.outputs;
     for list in [
