@@ -17,6 +17,8 @@ mod pack;
 #[path = "src/library/target.rs"]
 #[allow(dead_code, reason = "the command uses the rest")]
 mod target;
+#[path = "src/library/universal.rs"]
+mod universal;
 
 use pack::deflated;
 use std::env;
@@ -94,9 +96,14 @@ fn run() -> Result<(), Box<dyn Error>> {
     let out = PathBuf::from(env::var("OUT_DIR")?);
     fs::write(out.join("libraries.rs"), source(&libraries, &out)?)?;
     println!("cargo::rerun-if-changed=page/dist/page.js");
-    let ready = variable("URDF2FMU_LIBRARY_DIR").map(|folder| Path::new(&folder).join(PAGE));
-    let page = deflated(Path::new("page/dist/page.js"), ready.as_deref())?;
+    let folder = variable("URDF2FMU_LIBRARY_DIR").map(PathBuf::from);
+    let packed = folder.as_ref().map(|folder| folder.join(PAGE));
+    let page = deflated(Path::new("page/dist/page.js"), packed.as_deref())?;
     fs::write(out.join("page.deflate"), page)?;
+    let macs = libraries.iter().filter(|l| l.platform.fmi2 == "darwin64");
+    let macs: Vec<&Path> = macs.map(|library| &*library.file).collect();
+    let both = pack::universal(&macs, folder.as_deref())?;
+    fs::write(out.join("universal.deflate"), both)?;
     Ok(())
 }
 

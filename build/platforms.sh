@@ -19,6 +19,7 @@ root=$(cd "$(dirname "$0")/.." && pwd)
 # shellcheck source=build/platforms/tools.sh
 . "$root/build/platforms/tools.sh"
 wanted=(x86_64-linux x86_64-windows)
+universal=universal.dylib
 folder=
 quick=
 
@@ -77,4 +78,11 @@ for platform in "${wanted[@]}"; do
   say "$folder/$platform/$made, $(stat -c %s "$folder/$platform/$made") bytes"
   pack "$folder/$platform/$made" "$folder/$platform/$made.deflate"
 done
+# Both Macs share a file in FMI 2.0.
+macs=("$folder"/{x86_64,aarch64}-darwin/liburdf2fmu_fmi.dylib)
+rm -f "$folder/$universal.deflate"
+if [ -f "${macs[0]}" ] && [ -f "${macs[1]}" ] && [ -n "${small:-}" ]; then
+  "$work/tools/bin/python" "$root/build/platforms/universal.py" "$work/$universal" "${macs[@]}"
+  pack "$work/$universal" "$folder/$universal.deflate"
+fi
 pack "$root/build/page/dist/page.js" "$folder/page.js.deflate"

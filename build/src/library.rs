@@ -28,10 +28,25 @@ impl Library {
     /// # Errors
     /// [`io::Error`] if this program is damaged.
     pub fn file(&self) -> io::Result<Vec<u8>> {
-        let mut file = Vec::new();
-        DeflateDecoder::new(self.deflated).read_to_end(&mut file)?;
-        Ok(file)
+        unpacked(self.deflated)
     }
+}
+
+fn unpacked(deflated: &[u8]) -> io::Result<Vec<u8>> {
+    let mut file = Vec::new();
+    DeflateDecoder::new(deflated).read_to_end(&mut file)?;
+    Ok(file)
+}
+
+/// A universal file as this program carries it, deflated with more effort than an export takes.
+///
+/// - `file`: as it is to be
+fn ready(file: &[u8]) -> Option<&'static [u8]> {
+    // Empty if `platforms.sh` has not made it.
+    const UNIVERSAL: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/universal.deflate"));
+    unpacked(UNIVERSAL)
+        .is_ok_and(|unpacked| unpacked == file)
+        .then_some(UNIVERSAL)
 }
 
 /// A library as an FMU has it.
@@ -176,7 +191,7 @@ pub fn pack(
         };
         if library.extension == "dylib" {
             other.file = universal::universal(&[&other.file, &file]);
-            other.deflated = None;
+            other.deflated = ready(&other.file);
             other.platforms.push(library.platform);
         } else if by_name {
             let (first, second) = (other.platforms[0], library.platform);

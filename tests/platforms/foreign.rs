@@ -128,7 +128,7 @@ fn the_libraries_for_macs_need_macos_11_and_nothing_else() {
     assert!(fs::read(other).unwrap() == file, "as lipo makes it");
 }
 
-/// Libraries lie in an FMU as `platforms.sh` has deflated them; in a universal file lie two.
+/// Libraries lie in an FMU as `platforms.sh` has deflated them, also the universal one of two.
 fn copied(fmu: &Path, fmi: &str) {
     let mut zip = zip::ZipArchive::new(fs::File::open(fmu).unwrap()).unwrap();
     for (platform, of_fmi_2) in [
@@ -151,6 +151,13 @@ fn copied(fmu: &Path, fmi: &str) {
         let mut file = Vec::new();
         entry.read_to_end(&mut file).unwrap();
         assert!(file == fs::read(library).unwrap(), "{name}");
+    }
+    if fmi == "2" {
+        let library = Path::new(made("x86_64-darwin").unwrap());
+        let folder = library.ancestors().nth(2).unwrap();
+        let packed = fs::metadata(folder.join("universal.dylib.deflate")).unwrap();
+        let entry = zip.by_name("binaries/darwin64/rover.dylib").unwrap();
+        assert_eq!(entry.compressed_size(), packed.len(), "the universal file");
     }
 }
 
