@@ -28,6 +28,9 @@ while [ $# -gt 0 ]; do
     --all)
       wanted=("${all[@]}")
       small=yes
+      # For the library alone: sorts may put equal things in another order than in the command, which results of the
+      # library do not depend on.
+      smallest=yes
       ;;
     --only)
       select_platforms "${2:-}"

@@ -14,6 +14,7 @@ use crate::state::{Physical, State};
 use crate::tree::{BaseFrame, Tree};
 
 /// The state that the parameters ask for at `time`, s.
+#[cfg_attr(small, optimize(size))]
 pub(crate) fn initial_state(model: &Model, parameters: &Parameters, time: f64) -> State {
     let mut state = State::new(model);
     state.time = time;

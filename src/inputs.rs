@@ -93,6 +93,7 @@ pub struct Command {
 
 impl Inputs {
     /// Start values: positions as initialised, efforts as the model says, all else 0.
+    #[cfg_attr(small, optimize(size))]
     pub fn new(model: &Model) -> Self {
         let n = model.actuators.len();
         let mut wrench = vec![None; model.links.len()];

@@ -47,6 +47,7 @@ pub struct Kinematics {
 
 impl Kinematics {
     /// Buffers for a tree.
+    #[cfg_attr(small, optimize(size))]
     pub fn new(tree: &Tree) -> Self {
         let (nb, nv) = (tree.bodies.len(), tree.sparsity.len());
         Self {

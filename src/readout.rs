@@ -87,6 +87,7 @@ impl Readout {
     /// Buffers for a robot.
     ///
     /// - `tree`: that of the model's own parameters
+    #[cfg_attr(small, optimize(size))]
     pub fn new(model: &Model, tree: &Tree) -> Self {
         let states = States::of(model, tree);
         Self {

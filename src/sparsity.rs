@@ -51,6 +51,7 @@ impl Sparsity {
     ///
     /// # Panics
     /// If there are 2^32 unknowns or more.
+    #[cfg_attr(small, optimize(size))]
     pub fn new(blocks: &[usize], cliques: &[Vec<usize>]) -> Self {
         let n = blocks.iter().sum();
         let mut coupled = vec![vec![false; n]; n];

@@ -79,6 +79,7 @@ pub struct Trend {
 
 impl Trend {
     /// Room for so many degrees of freedom, all zero.
+    #[cfg_attr(small, optimize(size))]
     pub fn new(nv: usize) -> Self {
         Self {
             first: vec![0.0; nv],
@@ -167,6 +168,7 @@ pub const FIELDS: usize = 18;
 
 impl Physical {
     /// All zero, quaternions at identity.
+    #[cfg_attr(small, optimize(size))]
     pub fn new(model: &Model) -> Self {
         let mut q = vec![0.0; model.nq];
         for body in &model.bodies {
@@ -194,6 +196,7 @@ impl Physical {
 
 impl State {
     /// All zero, quaternions at identity.
+    #[cfg_attr(small, optimize(size))]
     pub fn new(model: &Model) -> Self {
         let sensors = &model.outputs.sensors;
         Self {

@@ -101,10 +101,15 @@ prepare() {
     unset "$name"
   done
   flags=("--remap-path-prefix=$root=urdf2fmu" "--remap-path-prefix=${CARGO_HOME:-$HOME/.cargo}=cargo")
-  if [ -n "${small:-}" ]; then
-    # What runs once is compiled for size, and no loop is made longer for counts that are known only when it runs. That
-    # is 3 % and 3 % of a packed library, and a step takes no more instructions.
-    flags+=(--cfg small "-Cllvm-args=-unroll-runtime=false -force-vector-interleave=1")
+  if [ -n "${smallest:-}" ]; then
+    # What each of these takes from a packed library, and what it costs, is in docs/platforms.md: what runs once is
+    # compiled for size, loops are not made longer for counts that are known only when they run, jumps are joined rather
+    # than copied, and checks that panic carry no place.
+    flags+=(
+      --cfg small
+      "-Cllvm-args=-unroll-runtime=false -force-vector-interleave=1 -tail-dup-placement-aggressive-threshold=2"
+      -Zlocation-detail=none
+    )
   fi
   CARGO_ENCODED_RUSTFLAGS=$(IFS=$'\x1f' && echo "${flags[*]}")
   export CARGO_ENCODED_RUSTFLAGS
@@ -116,6 +121,7 @@ prepare() {
 # library, and nobody reads a backtrace without names. Sets `rust`, the folder of the cargo to use, and `build_std`, what
 # that is told.
 rust_for() {
+  local name
   rust=$own
   build_std=()
   if [ -z "${small:-}" ]; then
@@ -129,6 +135,13 @@ rust_for() {
     rust=/usr/bin
   fi
   build_std=(-Zbuild-std=std,panic_unwind -Zbuild-std-features=default)
+  if [ -n "${smallest:-}" ]; then
+    # Sorts above all: each kind of element has a copy of them.
+    build_std[1]+=,optimize_for_size
+    for name in core alloc std serde_core; do
+      build_std+=(--config "profile.release.package.$name.opt-level=\"s\"")
+    done
+  fi
 }
 
 # pack FILE OUTPUT: with `small` a file as a zip has it, in as few bytes as it takes; the command then packs it no more.

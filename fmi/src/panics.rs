@@ -33,7 +33,9 @@ pub(crate) fn silence() {
 }
 
 fn note(info: &PanicHookInfo<'_>) {
-    let place = info.location().map(|location| {
+    // The libraries of a release are built without places: they have no lines.
+    let known = info.location().filter(|location| location.line() > 0);
+    let place = known.map(|location| {
         let path = location.file().as_bytes();
         let end = &path[path.len().saturating_sub(FILE)..];
         let mut file = [0; FILE];

@@ -75,6 +75,7 @@ pub struct Carried<'a> {
 
 impl Felt {
     /// Room for all loops of a robot; none where no motor holds a joint, or there is no loop.
+    #[cfg_attr(small, optimize(size))]
     pub fn new(model: &Model, tree: &Tree) -> Self {
         let mut motors = model.actuators.iter();
         let needed = !tree.closures.is_empty() && motors.any(|a| a.mode != ActuatorMode::Effort);

@@ -129,6 +129,7 @@ impl Rows {
     }
 
     /// Room for all loops of a tree.
+    #[cfg_attr(small, optimize(size))]
     pub fn new(tree: &Tree) -> Self {
         let rows = Self::most(tree);
         let entries = tree.closures.iter().map(|c| c.kind.rows() * c.dofs.len());

@@ -257,6 +257,7 @@ impl ContactSet {
     }
 
     /// Room for all that can touch in a model.
+    #[cfg_attr(small, optimize(size))]
     pub fn of(model: &Model) -> Self {
         Self {
             pairs: Pairs::new(model),

@@ -132,6 +132,7 @@ impl Known {
 
 impl Pairs {
     /// Room for a model.
+    #[cfg_attr(small, optimize(size))]
     pub fn new(model: &Model) -> Self {
         let shapes = if model.has_pairs() {
             model.colliders.len()
@@ -313,7 +314,22 @@ impl Pairs {
                 }
             }
         }
-        self.near.sort_unstable();
+        sort(&mut self.near);
+    }
+}
+
+/// A few pairs by insertion: the standard library takes longer where it is optimised for size.
+fn sort(pairs: &mut [[usize; 2]]) {
+    const FEW: usize = 20;
+    if pairs.len() > FEW {
+        return pairs.sort_unstable();
+    }
+    for last in 1..pairs.len() {
+        let mut at = last;
+        while at > 0 && pairs[at - 1] > pairs[at] {
+            pairs.swap(at - 1, at);
+            at -= 1;
+        }
     }
 }
 

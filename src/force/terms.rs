@@ -31,6 +31,7 @@ pub struct Velocities {
 
 impl Velocities {
     /// Room for as many contacts and points.
+    #[cfg_attr(small, optimize(size))]
     pub fn new([contacts, points]: [usize; 2]) -> Self {
         Self {
             contacts: Vec::with_capacity(contacts),
@@ -103,6 +104,7 @@ pub struct Responses {
 
 impl Responses {
     /// Room for as many contacts, points and joint terms.
+    #[cfg_attr(small, optimize(size))]
     pub fn new([contacts, points]: [usize; 2], joints: usize) -> Self {
         Self {
             contacts: Vec::with_capacity(contacts),
@@ -148,6 +150,7 @@ pub struct Terms {
 
 impl Terms {
     /// Those of a model, without contacts; room for all that it can have.
+    #[cfg_attr(small, optimize(size))]
     pub fn new(model: &Model) -> Self {
         Self {
             contacts: ContactSet::of(model),

@@ -26,6 +26,7 @@ pub struct Faces {
 
 impl Faces {
     /// The faces of the hull of `corners`, each as thick as `thickness`, m.
+    #[cfg_attr(small, optimize(size))]
     pub fn new(corners: &[Vec3], thickness: f64) -> Self {
         let mut faces = Self {
             alone: 1.0,

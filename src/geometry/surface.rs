@@ -432,6 +432,7 @@ fn leave_out<T>(list: &mut Vec<T>, marked: &[bool]) {
 }
 
 /// The edges of triangles.
+#[cfg_attr(small, optimize(size))]
 fn edges(triangles: &[[u32; 3]]) -> Edges {
     let mut edges = Edges::new();
     for (index, triangle) in triangles.iter().enumerate() {

@@ -63,6 +63,7 @@ struct Thing {
 }
 
 impl Thing {
+    #[cfg_attr(small, optimize(size))]
     fn new(model: &Model, collider: &Collider) -> Self {
         let (center, radius) = collider.shape.ball_around();
         Self {
@@ -95,6 +96,7 @@ struct Seen {
 
 impl Scans {
     /// Buffers for a robot.
+    #[cfg_attr(small, optimize(size))]
     pub fn new(model: &Model) -> Self {
         let of = |kind: &SensorKind| match kind {
             SensorKind::Ray { directions, .. } => Scan {

@@ -19,6 +19,7 @@ impl Simulation {
 
     /// The link of the robot that is deepest in the ground, and how deep, m; none where nothing is
     /// deeper than what carries its weight.
+    #[cfg_attr(small, optimize(size))]
     pub fn deepest_in_ground(&self) -> Option<(&str, f64)> {
         self.model.world.ground.as_ref()?;
         let mut kin = Kinematics::new(&self.tree);
@@ -43,6 +44,7 @@ impl Simulation {
     }
 
     /// Derives everything from the parameters and puts the robot into its initial state.
+    #[cfg_attr(small, optimize(size))]
     pub(super) fn place(&mut self) {
         self.tree.renew(&self.model, &self.parameters);
         self.state = initial_state(&self.model, &self.parameters, self.start);

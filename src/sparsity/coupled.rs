@@ -66,6 +66,7 @@ fn row_start(k: usize) -> usize {
 
 impl Coupled {
     /// Room for a matrix of a pattern, of which contacts couple unknowns or not.
+    #[cfg_attr(small, optimize(size))]
     pub fn new(pattern: &Sparsity, couples: bool) -> Self {
         let n = if couples { pattern.len() } else { 0 };
         let words = n.div_ceil(WORD);

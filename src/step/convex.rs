@@ -145,6 +145,7 @@ impl<'a> Problem<'a> {
 
 impl Newton {
     /// Buffers for a tree with at most so many contacts and contact points.
+    #[cfg_attr(small, optimize(size))]
     pub fn new(tree: &Tree, contacts: [usize; 2]) -> Self {
         let (nb, nv) = (tree.bodies.len(), tree.sparsity.len());
         Self {

@@ -16,6 +16,7 @@ impl Tree {
     /// stands where it stood, with the same shapes, is joined already.
     ///
     /// - `before`: poses of the bases with which the shapes were joined, or none
+    #[cfg_attr(small, optimize(size))]
     pub(super) fn join_terrain(&mut self, model: &Model, before: &[Pose]) {
         let is_fixed = |place: &usize| {
             let collider = &self.contact.colliders[*place];

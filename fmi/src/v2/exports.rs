@@ -71,6 +71,7 @@ pub unsafe extern "C" fn fmi2SetDebugLogging(
 
 /// A new instance, or null with the reason logged. All arguments are copied.
 #[unsafe(no_mangle)]
+#[cfg_attr(small, optimize(size))]
 pub unsafe extern "C" fn fmi2Instantiate(
     instanceName: fmi2String,
     fmuType: fmi2Type,

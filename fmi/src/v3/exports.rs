@@ -64,6 +64,7 @@ pub unsafe extern "C" fn fmi3SetDebugLogging(
 /// A new instance, or null with the reason logged. All arguments but the callbacks and their
 /// environment are copied.
 #[unsafe(no_mangle)]
+#[cfg_attr(small, optimize(size))]
 pub unsafe extern "C" fn fmi3InstantiateCoSimulation(
     _instanceName: fmi3String,
     instantiationToken: fmi3String,
@@ -151,6 +152,7 @@ fn logger(
 
 /// A new instance whose states the importer integrates, or null with the reason logged.
 #[unsafe(no_mangle)]
+#[cfg_attr(small, optimize(size))]
 pub unsafe extern "C" fn fmi3InstantiateModelExchange(
     _instanceName: fmi3String,
     instantiationToken: fmi3String,
@@ -179,6 +181,7 @@ pub unsafe extern "C" fn fmi3InstantiateModelExchange(
 
 /// Null: this FMU offers no Scheduled Execution.
 #[unsafe(no_mangle)]
+#[cfg_attr(small, optimize(size))]
 pub unsafe extern "C" fn fmi3InstantiateScheduledExecution(
     _instanceName: fmi3String,
     _instantiationToken: fmi3String,

@@ -95,6 +95,7 @@ impl Solid {
     /// stands on a plane, m.
     ///
     /// Of a hull with more than 64 corners the outermost 64 are kept, as everywhere.
+    #[cfg_attr(small, optimize(size))]
     pub fn new(shape: &Shape, thickness: f64) -> Self {
         let reach = shape.bounding_radius();
         let of = |core: Core, radius: f64, smallest: f64| Self {

@@ -177,6 +177,7 @@ pub(super) struct Bar {
 
 impl Bar {
     /// The edges of a mesh whose corners are at other places, but for those without a length.
+    #[cfg_attr(small, optimize(size))]
     pub(super) fn edges(mesh: &Mesh, corners: &[Vec3], radius: f64) -> Vec<Self> {
         let bar = |&[from, to]: &[usize; 2]| {
             let (x, y) = (corners[from], corners[to]);

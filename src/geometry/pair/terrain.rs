@@ -60,7 +60,15 @@ pub(super) fn on_terrain(
 /// Puts points of one patch after each other, and lists the patches.
 pub(super) fn parts(points: &mut Points, parts: &mut [Part; MOST_PARTS]) -> usize {
     let list = points.all();
-    list.sort_unstable_by_key(|p| p.part);
+    // Points of a patch stay in their order: what the standard library does with equals depends on
+    // how it has been built, and results do on the order of points.
+    for last in 1..list.len() {
+        let mut at = last;
+        while at > 0 && list[at - 1].part > list[at].part {
+            list.swap(at - 1, at);
+            at -= 1;
+        }
+    }
     let mut count = 0;
     let mut first = 0;
     while first < list.len() {
