@@ -320,16 +320,18 @@ impl Pairs {
 
 /// A few pairs by insertion: the standard library takes longer where it is optimised for size.
 fn sort(pairs: &mut [[usize; 2]]) {
-    const FEW: usize = 20;
+    const FEW: usize = 50;
     if pairs.len() > FEW {
         return pairs.sort_unstable();
     }
     for last in 1..pairs.len() {
+        let pair = pairs[last];
         let mut at = last;
-        while at > 0 && pairs[at - 1] > pairs[at] {
-            pairs.swap(at - 1, at);
+        while at > 0 && pairs[at - 1] > pair {
+            pairs[at] = pairs[at - 1];
             at -= 1;
         }
+        pairs[at] = pair;
     }
 }
 

@@ -224,7 +224,17 @@ impl Seen {
         }
         // Those that look at the other shape most come first: beside them others count for little.
         let fronts = &mut self.fronts[..self.front_count];
-        fronts.sort_unstable_by(|a, b| a.tilt.total_cmp(&b.tilt).then(a.index.cmp(&b.index)));
+        // By insertion, as of pairs in `force/pairs.rs`.
+        for last in 1..fronts.len() {
+            let front = &fronts[last];
+            let follows = |other: &Front| {
+                let by_tilt = other.tilt.total_cmp(&front.tilt);
+                by_tilt.then(other.index.cmp(&front.index)).is_gt()
+            };
+            let before = fronts[..last].iter().rposition(|other| !follows(other));
+            let at = before.map_or(0, |before| before + 1);
+            fronts[at..=last].rotate_right(1);
+        }
     }
 
     pub(super) fn fronts(&self) -> &[Front] {
