@@ -214,8 +214,9 @@ pub(super) fn cover(
             let face = upper.outline(upper_mesh, f.index).rev();
             one.take(face.clone());
             let outline = lower.outline(lower_mesh, g.index);
-            let ends = outline.clone().cycle().skip(1);
-            for (a, b) in outline.zip(ends) {
+            let mut ends = outline.clone();
+            let begin = ends.next();
+            for (a, b) in outline.zip(ends.chain(begin)) {
                 two.cut(one, |x| turn(&(b - a), &(x - a)));
                 std::mem::swap(&mut one, &mut two);
                 if one.count == 0 {
