@@ -178,7 +178,7 @@ fn an_fmu_for_all_platforms_is_small() {
         "x86_64-linux",
         "x86_64-windows",
     ];
-    for (fmi, most, platforms) in [("2", 3_500_000, &of_fmi_2[..]), ("3", 4_100_000, &of_fmi_3)] {
+    for (fmi, most, platforms) in [("2", 3_300_000, &of_fmi_2[..]), ("3", 4_000_000, &of_fmi_3)] {
         let fmu = folder.join(format!("rover{fmi}.fmu"));
         let mut command = Command::new(env!("CARGO_BIN_EXE_urdf2fmu"));
         let command = command.arg("export").arg(example("rover.urdf"));
