@@ -27,7 +27,7 @@ pub fn deflated(file: &Path, packed: Option<&Path>) -> Result<Vec<u8>, Box<dyn E
     Ok(encoder.finish()?)
 }
 
-/// The universal file of both Macs' libraries, deflated; empty where `platforms.sh` has not made it.
+/// The universal file of both Macs' libraries, deflated; empty where `platforms.sh` has made none.
 pub fn universal(macs: &[&Path], folder: Option<&Path>) -> Result<Vec<u8>, Box<dyn Error>> {
     let ([one, other], Some(folder)) = (macs, folder) else {
         return Ok(Vec::new());
