@@ -355,7 +355,7 @@ fn quaternions_come_back_to_unit_length() {
 
 /// A ball of 5 cm that falls from 2 m on a board of 2 cm, and two balls that fly at each other,
 /// without gravity: at each event that is announced nothing has passed the other's middle, which
-/// closed forms say, and a few events lead to the touch. Before, SciPy's and FMPy's integrators
+/// closed forms say, and a few events lead to the touch. Before, `SciPy`'s and `FMPy`'s integrators
 /// went through boards, meshes and other balls, since free flight gives no error.
 #[test]
 fn what_falls_on_thin_things_is_announced_in_time() {
