@@ -132,13 +132,11 @@ pub(super) fn report(
 type Place<'d> = (&'d str, &'d Range<usize>, &'d Moved);
 
 /// Warns of meshes that were found at another place of the robot's folders than their names say, or
-/// in other case, once for each package.
+/// in other case, once for each package; and of packages that are twice in the workspace.
 pub(super) fn report_moved(scope: &mut Scope, robot: &CheckedRobot, resolver: &Resolver) {
     let moved = resolver.moved_files();
-    if moved.is_empty() {
-        return;
-    }
     let mut places: Vec<Place> = Vec::new();
+    let mut packages: BTreeMap<&str, &Range<usize>> = BTreeMap::new();
     for link in &robot.links {
         let collisions = link.collisions.iter().map(|collision| &collision.geometry);
         let visuals = link.visuals.iter().map(|visual| &visual.geometry);
@@ -146,10 +144,22 @@ pub(super) fn report_moved(scope: &mut Scope, robot: &CheckedRobot, resolver: &R
             let Geometry::Mesh { filename, at, .. } = geometry else {
                 continue;
             };
+            packages.entry(package(filename)).or_insert(at);
             let known = places.iter().any(|(name, ..)| name == filename);
             if let (false, Some(file)) = (known, moved.get(&filename.trim().replace('\\', "/"))) {
                 places.push((*filename, at, file));
             }
+        }
+    }
+    for (package, at) in packages {
+        if let Some((other, used)) = resolver.as_near(package) {
+            let message = format!(
+                "package '{package}' is at {} and at {}; the first is used",
+                used.display(),
+                other.display()
+            );
+            let help = format!("pass --package {package}=DIR to say which is meant");
+            scope.report.warning("U118", (*at).clone(), message, help);
         }
     }
     let mut groups: BTreeMap<(&str, bool), Vec<Place>> = BTreeMap::new();

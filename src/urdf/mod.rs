@@ -1,9 +1,9 @@
 //! URDF text → [`Description`]: positioned checks, `package://`, meshes, inertia.
 //!
 //! Way of a file: XML with places (`xml`), checks of links (`link`, `inertia`), joints (`joint`)
-//! and the whole (`tree`), which give a `checked` robot; meshes found (`resolve`), read (`mesh`,
-//! `obj`, `ply`, `collada`, `gltf`) and enclosed in hulls (`hulls`), each or each of its objects
-//! (`objects`), or cut into parts (`decompose`); visuals with their colours and textures
+//! and the whole (`tree`), which give a `checked` robot; meshes found (`resolve`, `packages`), read
+//! (`mesh`, `obj`, `ply`, `collada`, `gltf`) and enclosed in hulls (`hulls`), each or each of its
+//! objects (`objects`), or cut into parts (`decompose`); visuals with their colours and textures
 //! (`visuals`, `painted`); all put together (`assemble`). All problems of a file are found in one
 //! run.
 //!
@@ -33,6 +33,7 @@ mod obj;
 mod objects;
 mod options;
 mod order;
+mod packages;
 mod painted;
 mod ply;
 mod resolve;
@@ -42,6 +43,8 @@ mod sensors;
 mod sizes;
 pub(crate) mod solids;
 mod srdf;
+#[cfg(test)]
+mod test_folder;
 mod tree;
 mod visuals;
 mod xml;
@@ -60,6 +63,7 @@ pub use xml::HARDWARE;
 use crate::diagnostic::{Diagnostic, Report};
 use crate::spatial::Vec3;
 use mesh::MeshFile;
+use packages::Packages;
 use resolve::Resolver;
 use scope::Scope;
 use std::path::{Path, PathBuf};
@@ -93,10 +97,13 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Description, Vec<Diagn
     Ok(description)
 }
 
-/// The folder of a package, looked for as for `package://`, and in the folders beside those above
-/// `base_dir`.
-pub fn find_package(name: &str, base_dir: &Path, options: &ReadOptions) -> Option<PathBuf> {
-    Resolver::new(base_dir, options, None).package(name)
+/// Tells the folders of packages, looked for as for `package://`.
+pub fn package_finder<'o>(
+    base_dir: &Path,
+    options: &'o ReadOptions,
+) -> impl Fn(&str) -> Option<PathBuf> + use<'o> {
+    let packages = Packages::new(base_dir, options);
+    move |name| Some(resolve::tidy(&packages.folder(name)?))
 }
 
 /// Corners of the faces of a mesh file (STL, OBJ, PLY, COLLADA, glTF) in m, as a URDF

@@ -67,21 +67,35 @@ impl Files {
     /// that of its folder; where there is none, without regard to upper and lower case. None where
     /// the folder that `name` means is there without the file: what has its name in another folder
     /// is of another robot of the series.
-    pub(super) fn like(&self, name: &str) -> Option<&Path> {
+    ///
+    /// - `of_package`: the first part is the name of a package; without it, what has other case is
+    ///   of another one
+    pub(super) fn like(&self, name: &str, of_package: bool) -> Option<&Path> {
         let same = |a: &String, b: &String| a == b;
-        self.alike(name, same).or_else(|| self.alike(name, folded))
+        let wanted = parts(Path::new(name));
+        let least = if of_package {
+            wanted.len()
+        } else {
+            LEAST_PARTS
+        };
+        let exact = self.alike(&wanted, LEAST_PARTS, same);
+        exact.or_else(|| self.alike(&wanted, least, folded))
     }
 
-    fn alike(&self, name: &str, same: impl Fn(&String, &String) -> bool) -> Option<&Path> {
-        let wanted = parts(Path::new(name));
+    fn alike(
+        &self,
+        wanted: &[String],
+        least: usize,
+        same: impl Fn(&String, &String) -> bool,
+    ) -> Option<&Path> {
         let (own, folder) = wanted.split_last()?;
         let list = self.by_name.get(&own.to_lowercase())?;
-        let common = |file: &Path| shared(&wanted, file, &same);
+        let common = |file: &Path| shared(wanted, file, &same);
         let most = list.iter().map(|file| common(file)).max()?;
         let mut best = list.iter().filter(|file| common(file) == most);
         let found = best.next()?;
         // A bare name has no folder to compare.
-        let enough = most >= LEAST_PARTS.min(wanted.len());
+        let enough = most >= least.min(wanted.len());
         if !enough || best.next().is_some() {
             return None;
         }
@@ -167,7 +181,7 @@ mod tests {
         }
         let files = Files::below(&[root.join("meshes")]);
         let like = |name: &str| {
-            let found = files.like(name)?.strip_prefix(&root).ok()?;
+            let found = files.like(name, true)?.strip_prefix(&root).ok()?;
             Some(found.to_string_lossy().replace('\\', "/"))
         };
         assert_eq!(like("arms/meshes/kr240/visual/link_3.dae"), None);

@@ -1,6 +1,7 @@
 //! Mesh file names → files: `package://`, `model://`, `file://`, relative and absolute paths.
 //!
-//! A package is looked for in the package paths, then up from the URDF's folder, without ROS.
+//! Where a package is found, its files are in it or nowhere; what else a name may mean is asked
+//! only where there is no such package.
 //!
 //! A URDF may come from anybody. The files that it names are read only if they lie in the robot's
 //! own folders or in a package path, so that no other file of the machine gets into an FMU. The
@@ -15,22 +16,20 @@ pub(super) use not_found::NotFound;
 use super::file;
 use super::nearby::Files;
 use super::options::ReadOptions;
+use super::packages::{Packages, Place};
 use std::cell::{OnceCell, RefCell};
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Component, Path, PathBuf};
 
-/// `package.xml` files larger than this, in bytes, are not looked into.
-const LARGEST_MANIFEST: u64 = 1_000_000;
-
-/// Entries of a package path that are looked into for packages one level down.
+/// Entries of a folder that are looked at for one in other upper and lower case.
 const MOST_ENTRIES: usize = 2000;
 
 /// Where meshes are looked for.
 pub(super) struct Resolver<'o> {
     base_dir: &'o Path,
     package_paths: &'o [PathBuf],
-    packages: &'o [(String, PathBuf)],
+    packages: Packages<'o>,
     /// `<mujoco><compiler meshdir>`, counted from the URDF's folder.
     mesh_dir: Option<&'o str>,
     /// Where files may lie, absolute.
@@ -92,7 +91,7 @@ impl<'o> Resolver<'o> {
         Self {
             base_dir,
             package_paths: &options.package_paths,
-            packages: &options.packages,
+            packages: Packages::new(base_dir, options),
             mesh_dir,
             roots: roots(base_dir, options),
             own_files: OnceCell::new(),
@@ -105,6 +104,8 @@ impl<'o> Resolver<'o> {
         // Windows tools write backslashes.
         let name = name.trim().replace('\\', "/");
         let (candidates, advice) = self.candidates(&name);
+        let package = candidates.iter().find(|c| c.sure);
+        let package = package.and_then(|c| c.package.as_deref());
         let mut outside = None;
         for candidate in candidates.iter().filter(|c| c.path.is_file()) {
             let path = tidy(&candidate.path);
@@ -120,7 +121,7 @@ impl<'o> Resolver<'o> {
             }
             outside.get_or_insert(path);
         }
-        if let Some(path) = self.moved(&name, &candidates) {
+        if let Some(path) = self.moved(&name, &candidates, package) {
             return Ok(Found {
                 path,
                 linked: false,
@@ -152,9 +153,11 @@ impl<'o> Resolver<'o> {
                 .find_map(|path| other_case(path).into_iter().next())
             {
                 Some(path) => hint(path),
-                None => self
-                    .same_name(&name)
-                    .map_or(advice, |path| same_name(&path)),
+                None => match self.same_name(&name, package) {
+                    Some(path) if package.is_none() => same_name(&path),
+                    Some(path) => format!("{advice}\n{}", same_name(&path)),
+                    None => advice,
+                },
             },
         };
         let apart = |c: &Candidate| !self.holds(&normal(&tidy(&c.path)), c.package.as_deref());
@@ -235,10 +238,13 @@ impl<'o> Resolver<'o> {
             "package" | "model" => {
                 let rest = rest.trim_start_matches('/');
                 let (package, file) = rest.split_once('/').unwrap_or((rest, ""));
-                let advice = format!(
-                    "pass --package {package}=DIR, or --package-path DIR where DIR holds the folder '{package}'"
-                );
-                (self.in_package(package, file), advice)
+                let candidates = self.in_package(package, file);
+                let sure = candidates.iter().find(|c| c.sure);
+                let advice = match sure.and_then(|c| c.package.as_deref()) {
+                    Some(folder) => not_found::in_package(package, folder, file),
+                    None => not_found::package(package, self.packages.cut_short()),
+                };
+                (candidates, advice)
             }
             _ => (
                 Vec::new(),
@@ -261,60 +267,20 @@ impl<'o> Resolver<'o> {
         let candidate = |path| Candidate {
             path,
             package: None,
+            sure: false,
         };
         list.into_iter().map(candidate).collect()
     }
 
     /// Every place where `file` of `package` may be.
     fn in_package(&self, package: &str, file: &str) -> Vec<Candidate> {
-        let mut list = Vec::new();
-        let mut add = |folder: PathBuf| {
-            list.push(Candidate {
-                path: folder.join(file.trim_start_matches('/')),
-                package: Some(folder),
-            });
+        let places = self.packages.places(package);
+        let candidate = |place: &Place| Candidate {
+            path: place.folder.join(file.trim_start_matches('/')),
+            package: Some(place.folder.clone()),
+            sure: place.sure,
         };
-        // A name such as `..` would lead out of the package path.
-        if package.is_empty() || package.starts_with('.') {
-            return Vec::new();
-        }
-        let spellings = spellings(package);
-        for (_, dir) in self
-            .packages
-            .iter()
-            .filter(|(name, _)| spellings.contains(name))
-        {
-            add(dir.clone());
-        }
-        for dir in self.package_paths {
-            if is_package(dir, package) {
-                add(dir.clone());
-            }
-            for spelling in &spellings {
-                add(dir.join(spelling));
-                // An install prefix (AMENT_PREFIX_PATH) keeps packages in share/.
-                add(dir.join("share").join(spelling));
-            }
-            // A source tree keeps them in repositories, one level down.
-            for below in folders(dir) {
-                for spelling in &spellings {
-                    let folder = below.join(spelling);
-                    if folder.is_dir() {
-                        add(folder);
-                    }
-                }
-            }
-        }
-        let start = fs::canonicalize(self.base_dir).unwrap_or_else(|_| self.base_dir.to_owned());
-        for dir in start.ancestors() {
-            if is_package(dir, package) {
-                add(dir.to_owned());
-            }
-            for spelling in &spellings {
-                add(dir.join(spelling));
-            }
-        }
-        list
+        places.iter().map(candidate).collect()
     }
 }
 
@@ -323,6 +289,8 @@ struct Candidate {
     path: PathBuf,
     /// The package's folder, where the name has a package.
     package: Option<PathBuf>,
+    /// The folder is that package.
+    sure: bool,
 }
 
 /// Folders that a robot's files may lie in, absolute.
@@ -370,44 +338,6 @@ fn normal(path: &Path) -> PathBuf {
     normal
 }
 
-/// The package's name, and the same with hyphens for underscores and the other way round:
-/// repositories are often named `my-robot` where the package is `my_robot`.
-fn spellings(package: &str) -> Vec<String> {
-    let mut list = vec![package.to_owned()];
-    for other in [package.replace('_', "-"), package.replace('-', "_")] {
-        if !list.contains(&other) {
-            list.push(other);
-        }
-    }
-    list
-}
-
-/// Whether `dir` is the package: by its `package.xml`, or by its own name.
-fn is_package(dir: &Path, package: &str) -> bool {
-    let spellings = spellings(package);
-    let named = dir
-        .file_name()
-        .and_then(|name| name.to_str())
-        .is_some_and(|name| spellings.iter().any(|s| s == name));
-    named || manifest_name(dir).is_some_and(|name| spellings.contains(&name))
-}
-
-/// The `<name>` in a folder's `package.xml`.
-fn manifest_name(dir: &Path) -> Option<String> {
-    let path = dir.join("package.xml");
-    let size = fs::metadata(&path)
-        .ok()
-        .filter(fs::Metadata::is_file)?
-        .len();
-    if size > LARGEST_MANIFEST {
-        return None;
-    }
-    let text = fs::read_to_string(path).ok()?;
-    let (_, rest) = text.split_once("<name>")?;
-    let (name, _) = rest.split_once("</name>")?;
-    Some(name.trim().to_owned())
-}
-
 /// The files that differ from this one in upper and lower case only, sorted.
 fn other_case(path: &Path) -> Vec<PathBuf> {
     let Some((folder, name)) = path.parent().zip(path.file_name()) else {
@@ -426,22 +356,8 @@ fn other_case(path: &Path) -> Vec<PathBuf> {
     same
 }
 
-/// Folders in a folder, sorted: the same answer on every machine.
-fn folders(dir: &Path) -> Vec<PathBuf> {
-    let Ok(entries) = fs::read_dir(dir) else {
-        return Vec::new();
-    };
-    let mut list: Vec<PathBuf> = entries
-        .take(MOST_ENTRIES)
-        .filter_map(|entry| Some(entry.ok()?.path()))
-        .filter(|path| path.is_dir())
-        .collect();
-    list.sort();
-    list
-}
-
 /// Without `.`, and with `name/..` taken out.
-fn tidy(path: &Path) -> PathBuf {
+pub(super) fn tidy(path: &Path) -> PathBuf {
     let mut tidy = PathBuf::new();
     for part in path.components() {
         match part {

@@ -147,7 +147,7 @@ pub fn expand(
         Some(parent) if !parent.as_os_str().is_empty() => parent,
         _ => Path::new("."),
     };
-    let find = |name: &str| urdf::find_package(name, folder, options);
+    let find = urdf::package_finder(folder, options);
     let mut expansion = Expansion::new(pairs.collect(), &find);
     let shown = command::command_line(path, arguments);
     let note = |message: String| Diagnostic {

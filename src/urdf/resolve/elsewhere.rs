@@ -1,11 +1,7 @@
-//! Files at other places than their names say: in the robot's folders, around them, in packages
-//! beside the robot's.
+//! Files at other places than their names say: in the robot's folders and around them.
 
 use super::super::nearby::{self, Files};
-use super::{
-    Candidate, Moved, Resolver, folders, is_package, normal, other_case, percent_decoded,
-    spellings, tidy,
-};
+use super::{Candidate, Moved, Resolver, normal, other_case, percent_decoded, tidy};
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -14,7 +10,14 @@ impl Resolver<'_> {
     /// The file that `name` must mean although it is not there: one that differs in upper and lower
     /// case alone, as of a robot that was made on Windows, or one at another place of the robot's
     /// folders.
-    pub(super) fn moved(&self, name: &str, candidates: &[Candidate]) -> Option<PathBuf> {
+    ///
+    /// - `package`: the folder of its package, where that was found: the file can be nowhere else
+    pub(super) fn moved(
+        &self,
+        name: &str,
+        candidates: &[Candidate],
+        package: Option<&Path>,
+    ) -> Option<PathBuf> {
         // Nothing is looked for where the name itself is wrong, or a link leads nowhere.
         let linked = |c: &Candidate| fs::symlink_metadata(&c.path).is_ok();
         if candidates.is_empty() || candidates.iter().any(linked) {
@@ -22,7 +25,7 @@ impl Resolver<'_> {
         }
         let (path, other_case) = match self.in_other_case(candidates) {
             Some(path) => (path, true),
-            None => (self.at_another_place(name)?, false),
+            None => (self.at_another_place(name, package)?, false),
         };
         let moved = Moved {
             path: path.clone(),
@@ -49,10 +52,16 @@ impl Resolver<'_> {
         (regular && self.holds(&normal(file), package)).then(|| file.clone())
     }
 
-    fn at_another_place(&self, name: &str) -> Option<PathBuf> {
+    fn at_another_place(&self, name: &str, package: Option<&Path>) -> Option<PathBuf> {
         let files = self.own_files.get_or_init(|| Files::below(&self.roots));
-        let name_of = name.split_once("://").map_or(name, |(_, rest)| rest);
-        let path = files.like(&percent_decoded(name_of))?;
+        let (of_package, name_of) = match name.split_once("://") {
+            Some((scheme, rest)) => (!scheme.eq_ignore_ascii_case("file"), rest),
+            None => (false, name),
+        };
+        let path = files.like(&percent_decoded(name_of), of_package)?;
+        if !is_in(path, package) {
+            return None;
+        }
         let base = fs::canonicalize(self.base_dir).unwrap_or_else(|_| normal(self.base_dir));
         // As the URDF itself was named, where it is below its folder.
         let shown = path
@@ -63,9 +72,10 @@ impl Resolver<'_> {
 
     /// The one file of the robot's folders that has the last part of `name`, wherever it lies: too
     /// little to use it, since many robots have one name for what is seen and what collides.
-    pub(super) fn same_name(&self, name: &str) -> Option<PathBuf> {
+    pub(super) fn same_name(&self, name: &str, package: Option<&Path>) -> Option<PathBuf> {
         let files = self.own_files.get_or_init(|| Files::below(&self.roots));
-        files.alone(name).map(Path::to_owned)
+        let found = files.alone(name)?;
+        is_in(found, package).then(|| found.to_owned())
     }
 
     /// Names that mean a file that is not where they say, and that file.
@@ -73,67 +83,53 @@ impl Resolver<'_> {
         self.moved.borrow().clone()
     }
 
+    /// The other package of the same name that is as near as the one that is used, and that one.
+    pub(in crate::urdf) fn as_near(&self, package: &str) -> Option<(PathBuf, PathBuf)> {
+        let places = self.packages.places(package);
+        let used = places.iter().find(|place| place.sure)?;
+        let other = self.packages.as_near(package, &used.folder)?;
+        Some((other, used.folder.clone()))
+    }
+
     /// The option that makes most of `names` be found, and how many; they are names of one package,
     /// or paths.
     pub(in crate::urdf) fn advice(&self, names: &[&str]) -> Option<(String, usize)> {
-        let base = fs::canonicalize(self.base_dir).unwrap_or_else(|_| normal(self.base_dir));
-        let files = Files::below(&nearby::around(&base));
-        let mut folders: BTreeMap<String, usize> = BTreeMap::new();
+        let mut options: Vec<(String, usize)> = Vec::new();
+        let mut count = |option: String| match options.iter_mut().find(|(own, _)| *own == option) {
+            Some((_, count)) => *count += 1,
+            None => options.push((option, 1)),
+        };
+        let mut around = None;
         for name in names {
             let name = name.trim().replace('\\', "/");
             let package = ["package://", "model://"].iter().find_map(|scheme| {
                 let rest = name.strip_prefix(scheme)?.trim_start_matches('/');
                 rest.split_once('/')
             });
-            let rest = package.map_or(name.as_str(), |(_, rest)| rest);
-            let Some(folder) = files
-                .like(rest)
-                .and_then(|file| nearby::package_of(file, rest))
-            else {
+            if let Some((package, file)) = package {
+                let others = self.packages.others(package).into_iter();
+                for folder in others.filter(|folder| folder.join(file).is_file()) {
+                    count(format!("--package {package}={}", folder.display()));
+                }
                 continue;
-            };
-            let option = match package {
-                Some((package, _)) => format!("--package {package}={}", folder.display()),
-                None => format!("--package-path {}", folder.display()),
-            };
-            *folders.entry(option).or_default() += 1;
+            }
+            let files = around.get_or_insert_with(|| {
+                let base = fs::canonicalize(self.base_dir);
+                let base = base.unwrap_or_else(|_| normal(self.base_dir));
+                Files::below(&nearby::around(&base))
+            });
+            let found = files.like(&name, false);
+            if let Some(folder) = found.and_then(|file| nearby::package_of(file, &name)) {
+                count(format!("--package-path {}", folder.display()));
+            }
         }
-        folders.into_iter().max_by_key(|&(_, count)| count)
+        // Of equals the nearest, which comes first.
+        options.into_iter().rev().max_by_key(|&(_, count)| count)
     }
+}
 
-    /// The folder of a package. A source tree holds several repositories side by side, so those
-    /// beside the robot's are looked into, too.
-    pub(in crate::urdf) fn package(&self, name: &str) -> Option<PathBuf> {
-        /// Folders above the robot's whose neighbours are looked into.
-        const HIGHEST: usize = 5;
-        let candidates = self.in_package(name, "");
-        let found = candidates
-            .into_iter()
-            .find(|candidate| candidate.path.is_dir());
-        if let Some(found) = found {
-            return Some(tidy(&found.path));
-        }
-        let start = fs::canonicalize(self.base_dir).unwrap_or_else(|_| self.base_dir.to_owned());
-        let above = start.ancestors().take(HIGHEST);
-        let beside = above.flat_map(|dir| {
-            let near = folders(dir);
-            let below: Vec<PathBuf> = near.iter().flat_map(|dir| folders(dir)).collect();
-            near.into_iter().chain(below)
-        });
-        // Folders of that name first; then those whose package.xml says so.
-        let all: Vec<PathBuf> = beside
-            .filter(|dir| dir.join("package.xml").is_file())
-            .collect();
-        let spellings = spellings(name);
-        let named = |dir: &&PathBuf| {
-            let own = dir
-                .file_name()
-                .map(|name| name.to_string_lossy().into_owned());
-            own.is_some_and(|own| spellings.contains(&own))
-        };
-        let found = all.iter().find(named);
-        found
-            .or_else(|| all.iter().find(|dir| is_package(dir, name)))
-            .cloned()
-    }
+/// Whether a file is in a package, if there is one.
+fn is_in(file: &Path, package: Option<&Path>) -> bool {
+    let real = |path: &Path| fs::canonicalize(path).unwrap_or_else(|_| normal(path));
+    package.is_none_or(|package| real(file).starts_with(real(package)))
 }

@@ -1,5 +1,6 @@
 //! The message about a file that was not found.
 
+use crate::diagnostic::words::near_file;
 use std::path::{Path, PathBuf};
 
 /// A mesh file that was not found.
@@ -49,5 +50,31 @@ pub(super) fn same_name(path: &Path) -> String {
     format!(
         "the robot's folders have one file of that name, {}: if it is meant, correct the path in the URDF",
         path.display()
+    )
+}
+
+/// Advice on a package that was not found.
+///
+/// - `cut_short`: a folder that has more than was looked at
+pub(super) fn package(name: &str, cut_short: Option<&Path>) -> String {
+    let more = cut_short.map_or_else(String::new, |folder| {
+        let folder = folder.display();
+        format!("\n{folder} has more files than are looked at: the package may be there")
+    });
+    format!(
+        "pass --package {name}=DIR, or --package-path DIR where DIR holds the folder '{name}'{more}"
+    )
+}
+
+/// Advice on a file that is not in its package.
+pub(super) fn in_package(name: &str, folder: &Path, file: &str) -> String {
+    let at = folder.display();
+    let near = near_file(&folder.join(file));
+    let near = near.map_or_else(String::new, |near| {
+        format!(" did you mean '{}'?", near.display())
+    });
+    format!(
+        "package '{name}' is at {at}; there is no '{file}' in it:{near} put it there, or pass \
+         --package {name}=DIR if another one is meant"
     )
 }

@@ -1,25 +1,5 @@
 use super::*;
-
-/// A folder of its own below the system's temporary folder, removed at the end.
-struct Folder(PathBuf);
-
-impl Folder {
-    fn new(name: &str, files: &[(&str, &str)]) -> Self {
-        let root = std::env::temp_dir().join(format!("urdf2fmu-{name}-{}", std::process::id()));
-        for (path, text) in files {
-            let path = root.join(path);
-            fs::create_dir_all(path.parent().expect("a folder")).expect("folder");
-            fs::write(path, text).expect("file");
-        }
-        Self(fs::canonicalize(root).expect("path"))
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = fs::remove_dir_all(&self.0);
-    }
-}
+use crate::urdf::test_folder::Folder;
 
 fn found(folder: &Folder, base: &str, paths: &[&str], name: &str) -> Option<String> {
     let options = ReadOptions {
@@ -248,6 +228,78 @@ fn a_file_outside_of_the_robot_s_folders_is_not_taken() {
         find("ws/bot", &["ws"], "../secret.stl"),
         there("ws/secret.stl")
     );
+}
+
+#[test]
+fn a_package_that_is_found_comes_before_the_robot_s_own_files() {
+    let folder = Folder::new(
+        "own",
+        &[
+            ("ws/src/robot/package.xml", "<name>robot</name>"),
+            ("ws/src/robot/urdf/r.urdf", ""),
+            ("ws/src/robot/meshes/part.obj", ""),
+            ("ws/src/robot/meshes/Foot.obj", ""),
+            ("ws/src/common/parts/package.xml", "<name>parts</name>"),
+            ("ws/src/common/parts/meshes/part.obj", ""),
+        ],
+    );
+    let from = |name: &str| found(&folder, "ws/src/robot/urdf", &[], name);
+    let part = Some("ws/src/common/parts/meshes/part.obj".to_owned());
+    assert_eq!(from("package://parts/meshes/part.obj"), part);
+    assert_eq!(from("model://parts/meshes/part.obj"), part);
+    // It is not in the package, and what the robot has under that name is another one.
+    assert_eq!(from("package://parts/meshes/Foot.obj"), None);
+    let own = Some("ws/src/robot/meshes/Foot.obj".to_owned());
+    assert_eq!(from("package://robot/meshes/Foot.obj"), own);
+    // Without such a package it is guessed, but not with another package and in other case.
+    assert_eq!(from("package://old/meshes/Foot.obj"), own);
+    assert_eq!(from("package://old/meshes/foot.obj"), None);
+}
+
+#[test]
+fn a_file_that_its_package_lacks_is_told_with_the_packages_of_that_name_alone() {
+    let folder = Folder::new(
+        "lacks",
+        &[
+            ("ws/robA/package.xml", "<name>robA</name>"),
+            ("ws/robA/urdf/r.urdf", ""),
+            ("ws/robA/meshes/arm.obj", ""),
+            ("ws/robB/package.xml", "<name>robB</name>"),
+            ("ws/robB/meshes/base.obj", ""),
+        ],
+    );
+    let (base, options) = (folder.0.join("ws/robA/urdf"), ReadOptions::default());
+    let name = "package://robA/meshes/base.obj";
+    let resolver = Resolver::new(&base, &options, None);
+    let Err(Missing::NotFound(missing)) = resolver.find(name) else {
+        panic!("another robot's mesh is taken");
+    };
+    let at = format!(
+        "package 'robA' is at {}",
+        folder.0.join("ws/robA").display()
+    );
+    assert!(missing.advice.contains(&at), "{missing:?}");
+    assert!(
+        missing
+            .advice
+            .contains("there is no 'meshes/base.obj' in it")
+    );
+    assert_eq!(resolver.advice(&[name]), None);
+    // A folder that is called so has it; another one has more of what is missing.
+    for file in [
+        "new/robA/meshes/base.obj",
+        "old/robA/meshes/base.obj",
+        "old/robA/meshes/b.obj",
+    ] {
+        let file = folder.0.join("ws").join(file);
+        fs::create_dir_all(file.parent().expect("a folder")).expect("folder");
+        fs::write(file, "").expect("file");
+    }
+    let resolver = Resolver::new(&base, &options, None);
+    let option = |at: &str| format!("--package robA={}", folder.0.join(at).display());
+    assert_eq!(resolver.advice(&[name]), Some((option("ws/new/robA"), 1)));
+    let both = [name, "package://robA/meshes/b.obj"];
+    assert_eq!(resolver.advice(&both), Some((option("ws/old/robA"), 2)));
 }
 
 #[cfg(unix)]
