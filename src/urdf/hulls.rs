@@ -6,7 +6,7 @@ use super::checked::{CheckedRobot, Geometry};
 use super::decompose;
 use super::faces::{FORMATS, MeshError};
 use super::mesh::{self, MeshFile};
-use super::missing::{self, Lost};
+use super::missing::{self, Lost, Unread};
 use super::objects;
 use super::options::{MeshShapes, ReadOptions};
 use super::painted;
@@ -134,7 +134,7 @@ pub(super) fn read_meshes(
     };
     let (mut ahead, drawn) = read_ahead(&wanted, &found, &wheels, &drawn);
     meshes.drawn = drawn;
-    let mut lost = Vec::new();
+    let (mut lost, mut unread) = (Vec::new(), Vec::new());
     for mesh in &wanted {
         scope.owner = format!("link '{}'", robot.links[mesh.place.0].name);
         let Ok(file) = &found[mesh.filename] else {
@@ -153,6 +153,15 @@ pub(super) fn read_meshes(
                 let wheel = wheels.contains(mesh.filename);
                 enclosed(MeshFile::open(&file.path, &beside), mesh, wheel)
             });
+            if let Err(Failure::Read(error @ MeshError::Format(_))) = &enclosed {
+                unread.push(Unread {
+                    owner: scope.owner.clone(),
+                    message: error.to_string(),
+                    path: file.path.clone(),
+                    at: mesh.at.clone(),
+                });
+                return None;
+            }
             read_mesh(scope, file, enclosed, mesh)
         });
         if let Some(read) = read {
@@ -164,6 +173,7 @@ pub(super) fn read_meshes(
         }
     }
     missing::report(scope, robot, resolver, lost);
+    missing::report_unread(scope, &unread);
     report_rough_hulls(scope, robot, &meshes);
     report_hulls(scope, &wanted, &meshes);
     meshes
@@ -386,7 +396,6 @@ fn read_mesh(
                 ),
                 MeshError::Other(_) => ("U105", "put the mesh itself there".to_owned()),
                 MeshError::NoFormat => ("U106", "give the file its ending".to_owned()),
-                MeshError::Format(_) => ("U106", "convert the mesh to STL or OBJ".to_owned()),
                 _ => ("U105", format!("export the mesh again; {FORMATS} are read")),
             };
             let message = format!("mesh {} cannot be read: {error}", path.display());

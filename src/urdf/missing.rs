@@ -1,4 +1,5 @@
-//! Findings about mesh files that are missing: one for each package.
+//! Findings about mesh files that are missing, one for each package, and about those of other
+//! formats.
 
 use super::checked::{CheckedRobot, Geometry};
 use super::mesh;
@@ -14,6 +15,55 @@ pub(super) struct Lost<'d> {
     pub(super) owner: String,
     pub(super) filename: &'d str,
     pub(super) at: Range<usize>,
+}
+
+/// A collision mesh of a format that is not read.
+pub(super) struct Unread {
+    /// `link 'arm'`.
+    pub(super) owner: String,
+    /// Which format it is.
+    pub(super) message: String,
+    pub(super) path: PathBuf,
+    pub(super) at: Range<usize>,
+}
+
+/// What helps where the same mesh lies beside one of a format that is not read.
+pub(super) fn twin(path: &Path) -> Option<String> {
+    let kinds = ["stl", "obj", "dae", "STL", "OBJ", "DAE"];
+    let files = kinds.map(|kind| path.with_extension(kind));
+    let twin = files.into_iter().find(|file| file.is_file())?;
+    Some(format!("{} lies beside it: name that one", twin.display()))
+}
+
+/// One error for all meshes of one format that is not read.
+pub(super) fn report_unread(scope: &mut Scope, unread: &[Unread]) {
+    let mut groups: BTreeMap<&str, Vec<&Unread>> = BTreeMap::new();
+    for mesh in unread {
+        groups.entry(&mesh.message).or_default().push(mesh);
+    }
+    for list in groups.into_values() {
+        let twins: Vec<String> = list.iter().filter_map(|mesh| twin(&mesh.path)).collect();
+        let [first, others @ ..] = &list[..] else {
+            continue;
+        };
+        scope.owner.clone_from(&first.owner);
+        let more = match others.len() {
+            0 => String::new(),
+            n => format!(", nor {n} more"),
+        };
+        let path = first.path.display();
+        let message = format!("mesh {path} cannot be read{more}: {}", first.message);
+        let help = match (&twins[..], list.len() - twins.len()) {
+            ([], _) => "convert the mesh to STL or OBJ".to_owned(),
+            ([twin], 0) => twin.clone(),
+            ([twin, ..], 0) => format!("{twin}, and so for the others"),
+            ([twin, rest @ ..], n) => format!(
+                "{twin}, and so for {} more; convert the other {n} to STL or OBJ",
+                rest.len()
+            ),
+        };
+        scope.problem("U106", first.at.clone(), &message, help);
+    }
 }
 
 /// The package that a file name asks for, or nothing.

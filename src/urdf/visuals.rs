@@ -8,7 +8,7 @@ use super::description::{DrawnMesh, MeshPart, Texture};
 use super::faces::{FORMATS, Image, MeshError};
 use super::image::{self, ImageError};
 use super::mesh::{self, MeshFile};
-use super::missing::outside_help;
+use super::missing::{self, outside_help};
 use super::resolve::{Found, Missing, Resolver};
 use super::scope::Scope;
 use super::xml::Node;
@@ -225,7 +225,11 @@ pub(super) fn read(
                     Some(drawn.meshes.len() - 1)
                 }),
                 Err(missing) => {
-                    let message = format!("visual mesh not found: {filename}");
+                    let what = match missing {
+                        Missing::Outside(_) => "outside of the robot's folders",
+                        Missing::NotFound(_) | Missing::NoFile(..) => "not found",
+                    };
+                    let message = format!("visual mesh {what}: {filename}");
                     troubles.add("U111", at, message, help_for(&missing, robot, resolver));
                     None
                 }
@@ -400,7 +404,10 @@ fn parts_of(
         Ok(parts) => parts,
         Err(error) => {
             let help = match error {
-                MeshError::Format(_) => "convert the mesh to one of these formats".to_owned(),
+                MeshError::Format(_) => {
+                    let twin = missing::twin(path);
+                    twin.unwrap_or_else(|| "convert the mesh to one of these formats".to_owned())
+                }
                 _ => format!("export the mesh again; {FORMATS} are read"),
             };
             let message = format!("visual mesh {} cannot be read: {error}", path.display());
