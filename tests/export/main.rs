@@ -23,6 +23,7 @@ mod parts;
 mod people;
 mod ranges;
 mod unclosed;
+mod workspaces;
 mod world;
 #[cfg(unix)]
 mod xacro;

@@ -7,7 +7,7 @@ use super::includers;
 use super::problem::{Lacking, Problem};
 use super::sources::NAMELESS;
 use super::texts::Texts;
-use super::values::Launches;
+use super::values::{self, Launches};
 use std::collections::BTreeSet;
 use std::path::Path;
 use urdf2fmu_core::diagnostic::{Diagnostic, Place, Severity, nearest};
@@ -297,6 +297,7 @@ fn finding(
                 }),
             // No other program knows it either.
             Some(Lacking::Macro(_)) => DEFINE.to_owned(),
+            Some(Lacking::Variable(name)) => setting(texts, name),
             _ => command::advice(path, arguments),
         };
         (
@@ -344,6 +345,15 @@ pub(super) fn unasked(arguments: &[String], texts: &Texts) -> Vec<Diagnostic> {
         place: None,
     };
     unasked.map(warning).collect()
+}
+
+/// The call that sets a variable of the environment.
+fn setting(texts: &Texts, name: &str) -> String {
+    let read = || texts.sources.read.values().map(|text| &**text);
+    let value = values::compared(read, name);
+    let reason = value.as_ref().map_or("", |_| ", a value of its conditions");
+    let value = value.unwrap_or_else(|| "…".to_owned());
+    format!("set it in the call{reason}: {name}={value} urdf2fmu …")
 }
 
 /// Arguments that nobody gives and whose default is empty.

@@ -172,6 +172,7 @@ pub fn expand(
         let origins = Origins {
             lines: written.origins,
             texts: sources.read.clone(),
+            macros: names.clone(),
         };
         let lone = root.elements().all(|element| element.name != "link") && !names.is_empty();
         return Ok(Expanded {
@@ -207,6 +208,7 @@ pub fn expand(
             lone: None,
         });
     }
+    let macros = expansion.macro_names();
     let mut findings = findings::all(path, arguments, &expansion.texts, problems);
     findings.extend(findings::moved(&expansion.texts));
     findings.extend(findings::maybe(&expansion.texts, &expansion.maybe));
@@ -217,6 +219,7 @@ pub fn expand(
             let origins = Origins {
                 lines: written.origins,
                 texts: expansion.texts.sources.read.clone(),
+                macros,
             };
             Rest {
                 text: written.text,

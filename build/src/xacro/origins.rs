@@ -13,6 +13,8 @@ pub struct Origins {
     pub(super) lines: BTreeMap<usize, (Rc<Path>, usize)>,
     /// Texts of the files.
     pub(super) texts: BTreeMap<PathBuf, Rc<str>>,
+    /// Names of the macros.
+    pub(super) macros: Vec<String>,
 }
 
 impl Origins {
@@ -23,11 +25,22 @@ impl Origins {
             let Some(written) = place.and_then(|place| self.written(place.line)) else {
                 continue;
             };
+            if let Some(call) = self.call(&finding.message) {
+                finding.help = Some(call);
+            }
             finding.help = Some(match finding.help.take() {
                 Some(help) => format!("{written}\n{help}"),
                 None => written,
             });
         }
+    }
+
+    /// What helps where a tag that is unknown is a call of a macro without its prefix.
+    fn call(&self, message: &str) -> Option<String> {
+        let (_, tag) = message.split_once('<')?;
+        let (name, _) = tag.split_once("> is unknown here")?;
+        let call = || format!("'{name}' is a macro: write <xacro:{name} …>");
+        self.macros.iter().any(|own| own == name).then(call)
     }
 
     fn written(&self, line: usize) -> Option<String> {

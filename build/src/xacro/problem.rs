@@ -32,6 +32,8 @@ pub enum Lacking {
     Property(String),
     /// A macro.
     Macro(String),
+    /// A variable of the environment, by its name.
+    Variable(String),
     /// A tag that begins or ends an element.
     Tag,
 }

@@ -222,8 +222,10 @@ impl<'f> Texts<'f> {
                 })
             }
             ["find", package] => self.sources.package(package),
-            ["env", name] => std::env::var(name).map_err(|_| {
-                self.sources
+            ["env", name] => std::env::var(name).map_err(|_| Problem {
+                lacking: Some(Lacking::Variable(name.to_owned())),
+                ..self
+                    .sources
                     .problem(format!("the environment variable {name} is not set"))
             }),
             ["optenv", name, ref default @ ..] => {

@@ -99,6 +99,38 @@ fn is_condition(text: &str, name: &str) -> bool {
     })
 }
 
+/// A value with which a condition compares a variable of the environment, or a property or an
+/// argument that takes its value from there.
+///
+/// - `read`: texts that use it
+pub(super) fn compared<'t, T: Iterator<Item = &'t str>>(
+    read: impl Fn() -> T,
+    name: &str,
+) -> Option<String> {
+    const HOLDERS: [(&str, &str); 2] = [("<xacro:property", "value"), ("<xacro:arg", "default")];
+    let own = format!("$(env {name})");
+    let mut names = vec![own.clone()];
+    for (text, (start, value)) in read().flat_map(|text| HOLDERS.map(|holder| (text, holder))) {
+        let tags = text.split(start).skip(1);
+        let holders = tags.filter(|tag| attribute(tag, value).as_ref() == Some(&own));
+        names.extend(holders.filter_map(|tag| attribute(tag, "name")));
+    }
+    let tags = read().flat_map(|text| {
+        let tags = CONDITIONS
+            .iter()
+            .flat_map(|start| text.split(start).skip(1));
+        tags.filter_map(|tag| attribute(tag, "value"))
+    });
+    tags.into_iter().find_map(|condition| {
+        let mut behind = names.iter().flat_map(|name| places(&condition, name));
+        behind.find_map(|behind| {
+            // What stands between two values is no word.
+            let quoted = behind.split(['\'', '"']);
+            quoted.skip(1).find_map(plain)
+        })
+    })
+}
+
 /// What stands behind a word, not behind another one that ends alike.
 fn places<'t>(text: &'t str, word: &'t str) -> impl Iterator<Item = &'t str> {
     let whole = |at: usize| !text[..at].ends_with(|c: char| c.is_alphanumeric() || c == '_');
