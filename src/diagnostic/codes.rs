@@ -127,14 +127,14 @@ pub const CODES: &[Row] = &[
     ("U108", "How far the hulls of meshes are off that do not keep all corners.", "Nothing."),
     ("U109", "A mesh without volume.", "Nothing: it is used as it is."),
     ("U110", "Collision meshes are replaced by their convex hulls.", "`[link.\"…\"] collision = \"decomposition\"` keeps notches, `\"objects\"` those between the objects of a file."),
-    ("U111", "A visual mesh that is not found.", "As U104; the robot moves without it."),
+    ("U111", "A visual mesh that is not found, or lies outside of the robot's folders.", "As U104; the robot moves without it."),
     ("U112", "A mesh outside of the robot's folders, which is not packed.", "`--package-path DIR`, if it belongs to the robot."),
     ("U113", "A mesh that is a symbolic link out of the robot's folders.", "Nothing: it is used, but not packed."),
     ("U114", "How many convex parts meshes were cut into.", "Nothing."),
     ("U115", "A mesh that cannot be cut into convex parts.", "`collision = \"hull\"`."),
     ("U116", "A visual mesh that cannot be read.", "Export it again; the robot moves without it."),
     ("U117", "A texture that cannot be read.", "Nothing: the visual is drawn without."),
-    ("U118", "Meshes, or files that xacro reads, that were found at another place of the robot's folders than their names say, or in other upper and lower case.", "`--package NAME=DIR` says where the package is; or correct the names."),
+    ("U118", "Meshes, or files that xacro reads, that were found at another place of the robot's folders than their names say, or in other upper and lower case; packages of one name that are equally near.", "`--package NAME=DIR` says where the package is; or correct the names."),
     ("U119", "Collision meshes of several convex objects, each of which has a hull of its own.", "Nothing; `[link.\"…\"] collision = \"hull\"` makes one of them."),
 ];
 

@@ -335,9 +335,17 @@ fn missing_meshes_are_one_finding_with_one_option_that_finds_them() {
         "{help}"
     );
     assert!(help.lines().count() <= 10, "{help}");
-    // They lie beside the robot's folder, where no file is taken from without being told to.
+    // They lie beside the robot's folder, where no file is taken from without being told to. What
+    // has another name may be of another robot, and is not offered.
     for name in ["a", "b", "c"] {
         let name = format!("ws/nao_meshes/m/{name}.stl");
+        write(folder.path(), &name, tetrahedron());
+    }
+    let (_, list) = findings(&robot, &[]);
+    let help = of_severity(&list, "error")[0]["help"].to_string();
+    assert!(!help.contains("nao_meshes"), "{help}");
+    for name in ["a", "b", "c"] {
+        let name = format!("ws/data/nao/m/{name}.stl");
         write(folder.path(), &name, tetrahedron());
     }
     let (ok, list) = findings(&robot, &[]);
