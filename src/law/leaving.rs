@@ -2,8 +2,8 @@
 
 /// The factor on the force of a contact's spring.
 ///
-/// 1. A contact has the factor `1 + D δ̇` of Hunt & Crossley: nothing pushes what leaves faster than
-///    `v_e = 1/D`.
+/// 1. A contact has the factor `1 + D δ̇` of Hunt & Crossley: nothing pushes what leaves faster
+///    than `v_e = 1/D`.
 /// 2. The spring is made for a weight `W`. What an initial pose, a neighbour or a fall has pressed
 ///    in is deeper: there it has the force `F` of up to a million weights. With the factor
 ///    `1 − v/v_e` it is in balance with the weight within the last `W/F` of `v_e`, with the slope
