@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import html
 import os
+import re
 import tempfile
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import contextmanager
@@ -16,7 +17,7 @@ import numpy.typing as npt
 
 from ._command import Error, Option, PathLike, Settings, arguments, export, file_name, run, settings
 from ._fmu import is_fmu, read_description, read_variables
-from ._values import by_name, numbers, one_each, start_names, text
+from ._values import by_name, numbers, one_each, output_names, start_names
 
 Table = Union[npt.NDArray[Any], Mapping[str, npt.ArrayLike]]
 """Columns by their names, `time` first: a structured array, a dict of arrays, or a pandas DataFrame."""
@@ -31,7 +32,7 @@ def simulate(robot: PathLike, *, input: Table | PathLike | None = None, start_va
         input: inputs over time, `time` first, or a CSV file of them; straight lines between the rows, two rows of
             one time are a jump.
         start_values: parameters and inputs by name, stem or glob, as of `Simulation`.
-        output: variables that are wanted, as a name or glob or a list of them; without it all outputs.
+        output: variables that are wanted, as a name, stem or glob or a list of them; without it all outputs.
         config: as of `export`.
         options: those of `urdf2fmu simulate`, such as `stop_time=2.0`, `output_interval=0.01`, `tolerance=1e-5`.
 
@@ -60,10 +61,12 @@ def simulate(robot: PathLike, *, input: Table | PathLike | None = None, start_va
         if not isinstance(output, Iterable):
             raise Error(f"output is a name or a list of names, not {output!r}")
         for name in [output] if isinstance(output, str) else output:
-            more += ["--output-variable", text("the name of an output", name)]
+            for each in output_names(variables, name):
+                more += ["--output-variable", each]
         kept = rest.pop("output_file", None)
         out = Path(folder, "out.csv") if kept is None else Path(file_name(str(kept)))
-        run("simulate", file_name(fmu), "--output-file", file_name(out), *more, *arguments(rest))
+        with _table_named("the table of inputs", Path(folder, "in.csv")):
+            run("simulate", file_name(fmu), "--output-file", file_name(out), *more, *arguments(rest))
         kinds = {v.name: v.kind for v in variables.values()}
         return _read_table(out, kinds)
 
@@ -87,6 +90,19 @@ def _fmu(robot: PathLike, config: Settings | None, options: Mapping[str, Option]
         of_export = {name: value for name, value in options.items() if name not in rest}
         of_export.setdefault("no_documentation", True)  # nobody looks into it
         yield export(robot, Path(folder, "robot.fmu"), config=config, **of_export), rest
+
+
+@contextmanager
+def _table_named(what: str, place: Path) -> Iterator[None]:
+    """Errors that name the file to which a table was written name the table, and rows in place of lines."""
+    try:
+        yield
+    except Error as error:
+        said = str(error).replace(f"'{place}'", what).replace(str(place), what)
+        if what in said:
+            # The names of the columns are the first line; rows count from 0, as in numpy.
+            said = re.sub(r"\bline (\d+)", lambda line: f"row {int(line[1]) - 2}" if int(line[1]) > 1 else "names", said)
+        raise Error(said) from None
 
 
 def write_table(place: PathLike, table: Table) -> None:
@@ -168,5 +184,6 @@ def show(robot: PathLike, result: Table | None = None, *, height: int = 640, con
             run("simulate", file_name(fmu), "--quiet", "--report", page, *arguments(rest))
         else:
             write_table(Path(folder, "run.csv"), result)
-            run("report", Path(folder, "run.csv"), "--model", file_name(fmu), "-o", page, *arguments(rest))
+            with _table_named("the table of results", Path(folder, "run.csv")):
+                run("report", Path(folder, "run.csv"), "--model", file_name(fmu), "-o", page, *arguments(rest))
         return Page(page.read_text(encoding="utf-8"), height)

@@ -286,6 +286,9 @@ class Simulation:
         """
         if not isinstance(state, State):
             raise Error(f"restore takes what save has given, not {state!r:.60}")
+        saved = number("the time of a saved state", state.time)
+        if not isinstance(state.data, (bytes, bytearray)):
+            raise Error(f"the data of a saved state are bytes, not {state.data!r:.60}")
         _, _, _, read, put, free = self._functions.save
         pointer = ctypes.c_void_p()
         data = bytes(state.data)
@@ -293,7 +296,8 @@ class Simulation:
             self._call(read, data, ctypes.c_size_t(len(data)), ctypes.byref(pointer))
             try:
                 self._call(put, pointer)
-                self.time = float(state.time)
+                # The state has a time of its own, whatever the tuple says.
+                self.time = self._functions.reached(self._call, saved)
             finally:
                 self._call(free, ctypes.byref(pointer))
 

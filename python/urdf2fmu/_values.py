@@ -115,6 +115,18 @@ def start_names(causalities: Mapping[str, str], name: str) -> list[str]:
     return meant(settable if glob else causalities, name)
 
 
+def output_names(variables: Collection[str], name: str) -> list[str]:
+    """What the command is to record: the variables of a stem, else the name or glob as it is."""
+    if text("the name of an output", name) in variables:
+        return [name]
+    try:
+        names = meant(variables, name)
+    except Error:
+        return [name]
+    # What a glob matches the command finds itself, among outputs alone.
+    return names if all(n.startswith(name) for n in names) else [name]
+
+
 def one_each(name: str, names: list[str], value: Any) -> npt.NDArray[np.float64]:
     """A number for each of the variables that a name means, from one for all or from one each.
 

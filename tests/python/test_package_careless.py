@@ -196,6 +196,40 @@ def test_a_state_is_what_save_gave(rover):
         assert robot.time == 0.0
 
 
+def test_a_restored_simulation_has_the_time_of_its_state(rover):
+    with Simulation(rover) as robot:
+        robot.step(0.1)
+        state = robot.save()
+        robot.step(0.1)
+        robot.restore(state._replace(time=99.0))
+        assert robot.time == state.time
+        robot.step(0.1)
+        for wrong in [{"time": None}, {"time": "0"}, {"data": "abc"}, {"data": None}]:
+            before = robot.time
+            with pytest.raises(Error, match="of a saved state"):
+                robot.restore(state._replace(**wrong))
+            assert robot.time == before
+            robot.step(0.01)
+
+
+def test_an_error_of_a_table_names_the_table_and_its_row(rover):
+    wheel = "cmd.left_front_wheel_joint.velocity"
+    for table, said in [({"time": [0, 1, 0.5], wheel: [0, 1, 2]}, "the table of inputs: row 2: time 0.5 s"),
+                        ({"time": [0, np.nan], wheel: [0, 1]}, "the table of inputs: row 1, column 1"),
+                        ({"time": [0, 1], "nothing": [0, 1]}, "the table of inputs, names, column 2: there is no")]:
+        with pytest.raises(Error) as error:
+            urdf2fmu.simulate(rover, stop_time=0.1, input=table)
+        assert said in str(error.value) and ".csv" not in str(error.value), error.value
+
+
+def test_outputs_have_stems_and_globs(rover):
+    found = urdf2fmu.simulate(rover, stop_time=0.1, output=["base.position", "joint.*_wheel_joint.velocity"])
+    assert found.dtype.names[:4] == ("time", "base.position.x", "base.position.y", "base.position.z")
+    assert len(found.dtype.names) == 8
+    with pytest.raises(Error, match="no output or input 'base.positoin'"):
+        urdf2fmu.simulate(rover, stop_time=0.1, output="base.positoin")
+
+
 def test_a_reset_that_is_refused_is_one_to_the_start_values_of_before(rover):
     with Simulation(rover, start_values={"initial.base.position.z": 1.0}) as robot:
         for wrong in ({"foo": 1}, {"initial.base.position.z": "x"}, {"initial.base.position": [0, 0]}):
