@@ -5,8 +5,7 @@
 //! 1. In free flight any method is exact, and takes steps as long as it likes. Between two of its
 //!    places a ball may pass a shelf, or a floor that is a mesh, and nothing has been felt of it.
 //!    So there is a *time event* before two shapes can have passed each other, see
-//!    [`ContactSet::may_pass`](crate::force::ContactSet::may_pass); planned anew at each event, and
-//!    brought forward where velocities have grown since.
+//!    [`may_pass`]; planned anew at each event, and brought forward where velocities have grown since.
 //! 2. What leaves the ground keeps a slope of 10⁵/s until it has left, and none after that. An
 //!    implicit method that goes on with the slopes of before takes any residual for the error of a
 //!    converged solution: CVODE at 1e-4 let balls hover at 2 cm/s, and threw a cube 46 m high. So
@@ -15,7 +14,10 @@
 //!
 //! Nothing that is integrated depends on them.
 
-use crate::force::{Contact, Terms, can_pass};
+#![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
+
+use crate::force::{Contact, Terms, can_pass, may_pass};
+use crate::spatial::Vec6;
 use crate::step::point::{Context, Point};
 use crate::tree::Tree;
 use crate::tuning::{LEAST_PLAN, PLAN};
@@ -56,7 +58,14 @@ impl Events {
 
     /// Takes note of what acts at `time`, s, and plans the next event; none where nothing can be
     /// passed.
-    pub fn update(&mut self, ctx: &Context, point: &mut Point, time: f64) -> Option<f64> {
+    ///
+    /// - `A`: accelerations of all bodies about O
+    pub fn update(
+        &mut self,
+        ctx: &Context,
+        (point, A): (&Point, &[Vec6]),
+        time: f64,
+    ) -> Option<f64> {
         find_acting(&point.terms, &mut self.acting);
         self.known = true;
         self.next = f64::INFINITY;
@@ -64,7 +73,7 @@ impl Events {
             return None;
         }
         let mut h = PLAN;
-        while h > LEAST_PLAN && may_pass(ctx, point, h, &self.acting) {
+        while h > LEAST_PLAN && may_pass(ctx.tree, &point.kin, A, h, &self.acting) {
             h *= 0.5;
         }
         self.next = time + h;
@@ -72,20 +81,17 @@ impl Events {
     }
 
     /// Whether a step that ends at `time`, s, ends in an event.
-    pub fn has_come(&mut self, ctx: &Context, point: &mut Point, time: f64) -> bool {
+    pub fn has_come(&mut self, ctx: &Context, (point, A): (&Point, &[Vec6]), time: f64) -> bool {
         find_acting(&point.terms, &mut self.now);
         if !self.known {
             return true;
         }
         let left = self.next - time;
         self.now != self.acting
-            || self.passes && left > LEAST_PLAN && may_pass(ctx, point, left, &self.now)
+            || self.passes
+                && left > LEAST_PLAN
+                && may_pass(ctx.tree, &point.kin, A, left, &self.now)
     }
-}
-
-fn may_pass(ctx: &Context, point: &mut Point, h: f64, acting: &[usize]) -> bool {
-    let Point { kin, terms, .. } = point;
-    terms.contacts.may_pass((ctx.tree, kin), h, acting)
 }
 
 /// Lists the slots of contacts that press, ascending, then what limits of joints act: twice the

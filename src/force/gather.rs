@@ -296,15 +296,6 @@ impl ContactSet {
         self.pairs.group((tree, kin), [h, margin], left_out, leader);
     }
 
-    /// Whether within `h` seconds two shapes may pass each other of which nothing is felt, by half
-    /// of the thickness of the thinner one: by the way that their velocities and gravity take them.
-    /// Only scratch of `self` changes.
-    ///
-    /// - `felt`: slots of contacts of which something is felt
-    pub fn may_pass(&mut self, at: (&Tree, &Kinematics), h: f64, felt: &[usize]) -> bool {
-        self.pairs.may_pass(at, h, felt)
-    }
-
     /// Whether there are none.
     pub fn is_empty(&self) -> bool {
         self.list.is_empty()

@@ -38,6 +38,7 @@ pub(crate) use memory::seek;
 pub use memory::{Memory, Touch};
 pub use named::NamedPairs;
 pub use pair::{can_pass, light_touch};
+pub use pairs::may_pass;
 pub use point::{ContactPoint, PointResponse, PointVelocity, Rim};
 pub use secant::Secant;
 pub use spring::{SpringTerm, held_by_springs, push_springs};

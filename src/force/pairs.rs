@@ -12,7 +12,7 @@ use crate::geometry::Shape;
 use crate::geometry::pair::{MOST_PARTS, Nearby, Patch};
 use crate::kinematics::Kinematics;
 use crate::model::Model;
-use crate::spatial::{Pose, Vec3};
+use crate::spatial::{Pose, Vec3, Vec6, angular, velocity_at};
 use crate::tree::{Tree, TreeCollider};
 use crate::tuning::CONTACT_MARGIN;
 
@@ -199,30 +199,6 @@ impl Pairs {
         enough
     }
 
-    /// See [`super::ContactSet::may_pass`].
-    pub(super) fn may_pass(
-        &mut self,
-        (tree, kin): (&Tree, &Kinematics),
-        h: f64,
-        felt: &[usize],
-    ) -> bool {
-        if self.patch.is_none() {
-            return false;
-        }
-        let fall = 0.5 * h * h * tree.world.gravity.norm();
-        self.search(tree, kin, [h, fall]);
-        self.near.iter().any(|&places| {
-            let slot = tree.contact.slot(places);
-            let own = slot..slot + MOST_PARTS;
-            let is_felt = felt.iter().any(|slot| own.contains(slot));
-            !is_felt
-                && Pair::new(tree, kin, places).is_some_and(|pair| {
-                    let reach = h * pair.speed(kin) + fall - pair.thickness();
-                    reach > 0.0 && pair.is_near(reach)
-                })
-        })
-    }
-
     /// See [`super::ContactSet::group`].
     pub(super) fn group(
         &mut self,
@@ -385,6 +361,50 @@ pub(super) fn is_apart(tree: &Tree, kin: &Kinematics, h: f64) -> bool {
                         (other.center - own.center).norm() > own.radius + other.radius
                     }
                 }
+        })
+    })
+}
+
+/// Whether within `h` seconds two shapes may pass each other of which nothing is felt, by half of
+/// the thickness of the thinner one, by the way that velocities and accelerations take them.
+///
+/// - `A`: accelerations of all bodies about O
+/// - `felt`: slots of contacts of which something is felt
+pub fn may_pass(tree: &Tree, kin: &Kinematics, A: &[Vec6], h: f64, felt: &[usize]) -> bool {
+    // A ball about a shape, with the way that its points go.
+    let ball = |c: &TreeCollider| {
+        let (center, speed) = kin.ball(c);
+        let (V, A) = (&kin.V[c.body], &A[c.body]);
+        let v = velocity_at(V, &center);
+        let faster = velocity_at(A, &center) + angular(V).cross(&v);
+        // Terrain has no end and does not turn.
+        let (spin, reach) = (angular(A).norm(), c.radius);
+        let turning = if spin > 0.0 { spin * reach } else { 0.0 };
+        let way = h * speed + 0.5 * h * h * (faster.norm() + turning);
+        (center + kin.origins[c.tree], way)
+    };
+    let may = |places: [usize; 2], [a, b]: [&TreeCollider; 2]| {
+        let slot = tree.contact.slot(places);
+        let own = slot..slot + MOST_PARTS;
+        if felt.iter().any(|slot| own.contains(slot)) {
+            return false;
+        }
+        let Some(pair) = Pair::new(tree, kin, places) else {
+            return false;
+        };
+        let ((p, way), (q, other)) = (ball(a), ball(b));
+        let reach = way + other - pair.thickness();
+        let near = match (terrain_at(a, kin), terrain_at(b, kin)) {
+            (Some(X), _) => clearance(a, &X, &q, b.radius + reach) <= 0.0,
+            (None, Some(X)) => clearance(b, &X, &p, a.radius + reach) <= 0.0,
+            (None, None) => (p - q).norm() <= a.radius + b.radius + reach && pair.is_near(reach),
+        };
+        reach > 0.0 && near
+    };
+    tree.worked_colliders().any(|(first, a)| {
+        let mut others = tree.worked_colliders().skip_while(|(at, _)| *at <= first);
+        others.any(|(second, b)| {
+            tree.contact.may_touch([first, second]) && may([first, second], [a, b])
         })
     })
 }

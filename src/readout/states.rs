@@ -20,13 +20,13 @@ impl Readout {
 
     /// See [`Events::update`].
     pub fn plan(&mut self, ctx: &Context, state: &State, events: &mut Events) -> Option<f64> {
-        self.at(ctx, state, Level::Forces);
-        events.update(ctx, &mut self.point, state.time)
+        self.at(ctx, state, Level::BodyAccelerations);
+        events.update(ctx, (&self.point, &self.A), state.time)
     }
 
     /// See [`Events::has_come`].
     pub fn has_event(&mut self, ctx: &Context, state: &State, events: &mut Events) -> bool {
-        self.at(ctx, state, Level::Forces);
-        events.has_come(ctx, &mut self.point, state.time)
+        self.at(ctx, state, Level::BodyAccelerations);
+        events.has_come(ctx, (&self.point, &self.A), state.time)
     }
 }
