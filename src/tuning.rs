@@ -702,7 +702,8 @@ pub const CLOSING_SPREAD: f64 = 1.5;
 // Differential equations: `continuous.rs`.
 
 /// Longest time until the next event where shapes could pass each other, s: an event costs an
-/// implicit integrator a Jacobian, and after each of its steps it is told if it has to come earlier.
+/// implicit integrator a Jacobian, and after each of its steps it is told whether it has to come
+/// earlier.
 pub const PLAN: f64 = 10.0;
 /// Shortest such time, s: shapes of a hundredth of a millimetre at ten metres a second. At 0.1
 /// fails `what_falls_on_thin_things_is_announced_in_time`.

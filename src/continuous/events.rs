@@ -4,8 +4,8 @@
 //!
 //! 1. In free flight any method is exact, and takes steps as long as it likes. Between two of its
 //!    places a ball may pass a shelf, or a floor that is a mesh, and nothing has been felt of it.
-//!    So there is a *time event* before two shapes can have passed each other, see
-//!    [`may_pass`]; planned anew at each event, and brought forward where velocities have grown since.
+//!    So there is a *time event* before two shapes can have passed each other, see [`may_pass`];
+//!    planned anew at each event, and brought forward where velocities have grown since.
 //! 2. What leaves the ground keeps a slope of 10⁵/s until it has left, and none after that. An
 //!    implicit method that goes on with the slopes of before takes any residual for the error of a
 //!    converged solution: CVODE at 1e-4 let balls hover at 2 cm/s, and threw a cube 46 m high. So
