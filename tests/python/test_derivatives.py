@@ -356,3 +356,34 @@ def test_a_co_simulation_has_none_and_says_so(fmi, pybullet_data, examples, expo
     with pytest.raises(Exception, match="(?i)error"):
         slave.getDirectionalDerivative([output.valueReference], [known.valueReference], [1.0])
     slave.freeInstance()
+
+
+@pytest.mark.parametrize("mass", (0.01, 5.0, 50e3))
+def test_derivatives_by_efforts_have_their_digits_whatever_the_weight(mass, export, tmp_path):
+    """Of a swinging double arm whose links have this mass, kg. Accelerations are linear in efforts, so a difference
+    over efforts as large as the weight is right to round-off. With an increment of 3e-7 N m, whatever the weight,
+    arms of tonnes were off by 1e-3."""
+    inertia = mass * 0.03
+    link = "".join(f'''<link name="l{i}"><inertial><origin xyz="0 0 -0.3"/><mass value="{mass}"/>
+        <inertia ixx="{inertia}" iyy="{inertia}" izz="{inertia}" ixy="0" ixz="0" iyz="0"/></inertial></link>
+        <joint name="j{i}" type="continuous"><parent link="{'base' if i == 0 else f'l{i - 1}'}"/><child link="l{i}"/>
+        <origin xyz="0 0 -{0.6 * i}"/><axis xyz="0 1 0"/></joint>''' for i in range(2))
+    file = tmp_path / "arm.urdf"
+    file.write_text(f'<robot name="arm"><link name="base"/>{link}</robot>')
+    fmu = export(file, "", "--interface", "me", "--mode", "effort", "--fixed-base")
+    exchange = Exchange(fmu, tmp_path / "fmu")
+    rates, count = exchange.rates, len(exchange.rates)
+    x = np.random.default_rng(3).uniform(-1, 1, exchange.n)
+    exchange.at(x)
+    weight = 9.81 * mass
+    for index, known in enumerate(exchange.inputs):
+        found = np.array(exchange.directional(rates, known))
+        ends = []
+        for effort in (weight, -weight):
+            exchange.set_input(index, effort)
+            ends.append(exchange.at(x)[:count])
+        exchange.set_input(index, 0.0)
+        exchange.at(x)
+        expected = (ends[0] - ends[1]) / (2 * weight)
+        assert np.abs(found - expected).max() < 1e-6 * np.abs(expected).max(), (known[2].name, found, expected)
+    exchange.end()
