@@ -9,7 +9,7 @@ pub use crate::snapshot::{SavedStateError, Snapshot};
 
 use crate::closure::Gap;
 use crate::inputs::Inputs;
-use crate::model::Model;
+use crate::model::{BodyId, Model};
 use crate::parameters::Parameters;
 use crate::prepared::model_hash;
 use crate::range::{Range, SHORTEST_FIXED_STEP};
@@ -270,33 +270,39 @@ impl Simulation {
             .run_conveyors(|root| inputs.surface_velocity(root));
     }
 
-    /// What hangs on an input follows it. Outputs do not, once a simulation runs.
-    fn input_changed(&mut self, slot: InputSlot) {
+    /// The body that an input acts on.
+    fn acted_on(&self, slot: InputSlot) -> BodyId {
         use InputSlot::{
             BaseAngularVelocity, BaseLinearVelocity, Effort, ExternalForce, ExternalTorque,
             MaxEffort, Position, SurfaceVelocity, Velocity,
         };
         let model = &self.model;
-        let body = match slot {
+        match slot {
             Velocity(a) | Position(a) | Effort(a) | MaxEffort(a) => {
                 model.dofs[model.actuators[a.index()].dof.index()].body
             }
-            ExternalForce(link, _) | ExternalTorque(link, _) => {
-                self.inputs.gather(model, &self.tree);
-                model.links[link.index()].body
+            ExternalForce(link, _) | ExternalTorque(link, _) => model.links[link.index()].body,
+            BaseLinearVelocity(root, _)
+            | BaseAngularVelocity(root, _)
+            | SurfaceVelocity(root, _) => model.roots[root.index()].body,
+        }
+    }
+
+    /// What hangs on an input follows it. Outputs do not, once a simulation runs.
+    fn input_changed(&mut self, slot: InputSlot) {
+        match slot {
+            InputSlot::ExternalForce(..) | InputSlot::ExternalTorque(..) => {
+                self.inputs.gather(&self.model, &self.tree);
             }
-            BaseLinearVelocity(root, _) | BaseAngularVelocity(root, _) => {
-                model.roots[root.index()].body
-            }
-            SurfaceVelocity(root, _) => {
+            InputSlot::SurfaceVelocity(..) => {
                 let inputs = &self.inputs;
                 self.tree
                     .run_conveyors(|root| inputs.surface_velocity(root));
                 self.state.stepping.ahead.all_changed();
-                model.roots[root.index()].body
             }
-        };
-        let tree = model.root_of(body).index();
+            _ => {}
+        }
+        let tree = self.model.root_of(self.acted_on(slot)).index();
         self.state.stepping.ahead.input_changed(&self.tree, tree);
         if !self.initialized || self.posed.is_some() {
             self.applied.copy_from(&self.inputs);

@@ -703,7 +703,7 @@ pub const CLOSING_SPREAD: f64 = 1.5;
 
 /// Longest time until the next event where shapes could pass each other, s: an event costs an
 /// implicit integrator a Jacobian, and after each of its steps it is told whether it has to come
-/// earlier.
+/// earlier. At 0.01 fails `what_falls_on_thin_things_is_announced_in_time`.
 pub const PLAN: f64 = 10.0;
 /// Shortest such time, s: shapes of a hundredth of a millimetre at ten metres a second. At 0.1
 /// fails `what_falls_on_thin_things_is_announced_in_time`.

@@ -117,8 +117,7 @@ def start_names(causalities: Mapping[str, str], name: str) -> list[str]:
 
 def output_names(variables: Collection[str], name: str) -> list[str]:
     """What the command is to record: the variables of a stem, else the name or glob as it is."""
-    if text("the name of an output", name) in variables:
-        return [name]
+    name = text("the name of an output", name)
     try:
         names = meant(variables, name)
     except Error:

@@ -9,8 +9,8 @@
 //! 2. What leaves the ground keeps a slope of 10⁵/s until it has left, and none after that. An
 //!    implicit method that goes on with the slopes of before takes any residual for the error of a
 //!    converged solution: CVODE at 1e-4 let balls hover at 2 cm/s, and threw a cube 46 m high. So
-//!    there is an *event* after a step in which a contact has begun or ceased to press, or a limit
-//!    of a joint has been reached or left, and the integrator begins anew.
+//!    there is an *event* after a step in which two shapes have begun or ceased to overlap, or a
+//!    limit of a joint has been reached or left, and the integrator begins anew.
 //!
 //! Nothing that is integrated depends on them.
 
@@ -94,13 +94,13 @@ impl Events {
     }
 }
 
-/// Lists the slots of contacts that press, ascending, then what limits of joints act: twice the
-/// degree of freedom beyond the largest number of slots, and one more for the upper limit.
+/// Lists the slots of contacts whose shapes overlap, ascending, then the limits of joints that act,
+/// by numbers that no slot has: from the largest one downwards, two for each degree of freedom.
 fn find_acting(terms: &Terms, acting: &mut Vec<usize>) {
     acting.clear();
     let set = &terms.contacts;
-    let presses = |c: &&Contact| c.depth > 0.0;
-    acting.extend(set.iter().filter(presses).map(|contact| contact.slot));
+    let overlaps = |c: &&Contact| c.depth > 0.0;
+    acting.extend(set.iter().filter(overlaps).map(|contact| contact.slot));
     for term in &terms.joints {
         for (side, gap) in term.gap.into_iter().enumerate() {
             if gap < 0.0 {

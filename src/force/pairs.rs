@@ -344,25 +344,35 @@ pub(super) fn is_apart(tree: &Tree, kin: &Kinematics, h: f64) -> bool {
             speed,
         }
     };
-    let clear = |ground: &TreeCollider, X: &Pose, ball: &Ball| {
-        clearance(ground, X, &ball.center, ball.radius) > 0.0
-    };
     tree.worked_colliders().all(|(first, collider)| {
         let own = ball(collider);
         let ground = terrain_at(collider, kin);
         let mut others = tree.worked_colliders().skip_while(|(at, _)| *at <= first);
         others.all(|(second, c)| {
-            !tree.contact.may_touch([first, second])
-                || match (&ground, terrain_at(c, kin)) {
-                    (Some(X), _) => clear(collider, X, &ball(c)),
-                    (None, Some(X)) => clear(c, &X, &own),
-                    (None, None) => {
-                        let other = ball(c);
-                        (other.center - own.center).norm() > own.radius + other.radius
-                    }
-                }
+            !tree.contact.may_touch([first, second]) || {
+                let grounds = [&ground, &terrain_at(c, kin)];
+                !balls_meet([collider, c], grounds, [&own, &ball(c)], 0.0)
+            }
         })
     })
+}
+
+/// Whether balls about two shapes are nearer than `reach`, m; of terrain, which stands at its place
+/// in `grounds`, the terrain itself.
+fn balls_meet(
+    [a, b]: [&TreeCollider; 2],
+    grounds: [&Option<Pose>; 2],
+    [own, other]: [&Ball; 2],
+    reach: f64,
+) -> bool {
+    let meets = |ground: &TreeCollider, X: &Pose, ball: &Ball| {
+        clearance(ground, X, &ball.center, ball.radius + reach) <= 0.0
+    };
+    match grounds {
+        [Some(X), _] => meets(a, X, other),
+        [None, Some(X)] => meets(b, X, own),
+        [None, None] => (other.center - own.center).norm() <= own.radius + other.radius + reach,
+    }
 }
 
 /// Whether within `h` seconds two shapes may pass each other of which nothing is felt, by half of
@@ -371,7 +381,7 @@ pub(super) fn is_apart(tree: &Tree, kin: &Kinematics, h: f64) -> bool {
 /// - `A`: accelerations of all bodies about O
 /// - `felt`: slots of contacts of which something is felt
 pub fn may_pass(tree: &Tree, kin: &Kinematics, A: &[Vec6], h: f64, felt: &[usize]) -> bool {
-    // A ball about a shape, with the way that its points go.
+    // A ball about a shape, and the way that its points go.
     let ball = |c: &TreeCollider| {
         let (center, speed) = kin.ball(c);
         let (V, A) = (&kin.V[c.body], &A[c.body]);
@@ -381,7 +391,12 @@ pub fn may_pass(tree: &Tree, kin: &Kinematics, A: &[Vec6], h: f64, felt: &[usize
         let (spin, reach) = (angular(A).norm(), c.radius);
         let turning = if spin > 0.0 { spin * reach } else { 0.0 };
         let way = h * speed + 0.5 * h * h * (faster.norm() + turning);
-        (center + kin.origins[c.tree], way)
+        let ball = Ball {
+            center: center + kin.origins[c.tree],
+            radius: c.radius,
+            ..Ball::default()
+        };
+        (ball, way)
     };
     let may = |places: [usize; 2], [a, b]: [&TreeCollider; 2]| {
         let slot = tree.contact.slot(places);
@@ -392,14 +407,13 @@ pub fn may_pass(tree: &Tree, kin: &Kinematics, A: &[Vec6], h: f64, felt: &[usize
         let Some(pair) = Pair::new(tree, kin, places) else {
             return false;
         };
-        let ((p, way), (q, other)) = (ball(a), ball(b));
-        let reach = way + other - pair.thickness();
-        let near = match (terrain_at(a, kin), terrain_at(b, kin)) {
-            (Some(X), _) => clearance(a, &X, &q, b.radius + reach) <= 0.0,
-            (None, Some(X)) => clearance(b, &X, &p, a.radius + reach) <= 0.0,
-            (None, None) => (p - q).norm() <= a.radius + b.radius + reach && pair.is_near(reach),
-        };
-        reach > 0.0 && near
+        let ((own, way), (other, its_way)) = (ball(a), ball(b));
+        let reach = way + its_way - pair.thickness();
+        let grounds = [a, b].map(|c| terrain_at(c, kin));
+        // Terrain is near wherever it is.
+        reach > 0.0
+            && balls_meet([a, b], grounds.each_ref(), [&own, &other], reach)
+            && pair.is_near(reach)
     };
     tree.worked_colliders().any(|(first, a)| {
         let mut others = tree.worked_colliders().skip_while(|(at, _)| *at <= first);

@@ -45,17 +45,14 @@ impl Simulation {
     /// The size by which a change of an input counts: of forces and torques the weight of the tree
     /// that they act on, N or N·m, else 1 in its unit.
     pub fn nominal_input(&self, slot: InputSlot) -> f64 {
-        let model = &self.model;
-        let body = match slot {
-            InputSlot::Effort(actuator) => {
-                model.dofs[model.actuators[actuator.index()].dof.index()].body
-            }
-            InputSlot::ExternalForce(link, _) | InputSlot::ExternalTorque(link, _) => {
-                model.links[link.index()].body
-            }
-            _ => return 1.0,
-        };
-        let tree = &self.tree.trees[model.root_of(body).index()];
+        if !matches!(
+            slot,
+            InputSlot::Effort(_) | InputSlot::ExternalForce(..) | InputSlot::ExternalTorque(..)
+        ) {
+            return 1.0;
+        }
+        let root = self.model.root_of(self.acted_on(slot));
+        let tree = &self.tree.trees[root.index()];
         let weight = tree.moving_mass * REFERENCE_GRAVITY;
         if weight > 0.0 { weight } else { 1.0 }
     }
