@@ -62,6 +62,8 @@ pub struct Field {
     peaks: Arc<Pyramid>,
     /// How much the surface bends up over each cell: what `√(1 + |∇H|²) ∇²H` does not exceed, 1/m.
     hollows: Arc<Pyramid>,
+    /// How much the surface bends down over each cell: what `−∇²H` does not exceed, 1/m.
+    humps: Arc<Pyramid>,
     /// Whether it goes on in other terrain at each cell of its sides: of the lowest x, the highest
     /// x, the lowest y, the highest y; empty where it does nowhere, see [`Field::beside`].
     seams: [Vec<bool>; 4],
@@ -214,11 +216,13 @@ impl Field {
             cells: Arc::default(),
             peaks: Arc::default(),
             hollows: Arc::default(),
+            humps: Arc::default(),
             seams: [const { Vec::new() }; 4],
         };
         field.ridges = (0..nx * ny).map(|k| field.ridge(k % nx, k / nx)).collect();
         let cells = [nx - 1, ny - 1];
-        let [mut bounds, mut hollows] = [(); 2].map(|()| Vec::with_capacity(cells[0] * cells[1]));
+        let [mut bounds, mut hollows, mut humps] =
+            [(); 3].map(|()| Vec::with_capacity(cells[0] * cells[1]));
         let mut steepest = 0.0_f64;
         for k in 0..cells[0] * cells[1] {
             let points = field.bezier(k % cells[0], k / cells[0]);
@@ -228,10 +232,12 @@ impl Field {
             field.bottom = heights().fold(field.bottom, f64::min);
             let slope = field.steepest(&points);
             steepest = steepest.max(slope);
-            hollows.push(field.hollow(&points) * (1.0 + slope).sqrt());
+            hollows.push(field.bend(&points, 1.0) * (1.0 + slope).sqrt());
+            humps.push(field.bend(&points, -1.0));
         }
         field.cells = Arc::new(Pyramid::new(cells, bounds));
         field.hollows = Arc::new(Pyramid::new(cells, hollows));
+        field.humps = Arc::new(Pyramid::new(cells, humps));
         field.upright = 1.0 / (1.0 + steepest).sqrt();
         let peaks = field.ridges.iter().zip(&field.samples.heights);
         let peak = |(ridge, height): (&f64, &f64)| {

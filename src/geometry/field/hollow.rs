@@ -31,15 +31,15 @@ fn nearer(a: Foot, b: Foot) -> Foot {
 }
 
 impl Field {
-    /// What `∇²H` does not exceed over a cell, 1/m: differences of its Bézier points bound those of
-    /// the slopes.
-    pub(super) fn hollow(&self, points: &[[f64; 4]; 4]) -> f64 {
+    /// What `∇²H`, or `−∇²H` with the sign −1, does not exceed over a cell, 1/m: differences of its
+    /// Bézier points bound those of the slopes.
+    pub(super) fn bend(&self, points: &[[f64; 4]; 4], sign: f64) -> f64 {
         let [px, py] = self.grid.per_metre;
         let (mut along, mut both) = (0.0_f64, 0.0_f64);
         for k in 0..4 {
             for l in 1..3 {
                 let bend = |at: fn(&[[f64; 4]; 4], usize, usize) -> f64| {
-                    6.0 * (at(points, k, l - 1) - 2.0 * at(points, k, l) + at(points, k, l + 1))
+                    6.0 * sign * (at(points, k, l - 1) - 2.0 * at(points, k, l) + at(points, k, l + 1))
                 };
                 along = along.max(bend(|p, k, l| p[k][l]) * px * px);
                 along = along.max(bend(|p, k, l| p[l][k]) * py * py);
@@ -63,6 +63,23 @@ impl Field {
         let columns = self.around(c.x - around, c.x + around, 0, nx - 1);
         let rows = self.around(c.y - around, c.y + around, 1, ny - 1);
         self.hollows.highest([columns, rows]) * radius >= 1.0
+    }
+
+    /// What the surface does not bend down by more anywhere, 1/m.
+    pub fn humps(&self) -> f64 {
+        self.humps.top().max(0.0)
+    }
+
+    /// What the surface does not bend down by more within a square of half the width `around` about
+    /// a place, 1/m.
+    pub fn hump(&self, x: f64, y: f64, around: f64) -> f64 {
+        if self.humps.top() <= 0.0 {
+            return 0.0;
+        }
+        let [nx, ny] = self.samples.counts;
+        let columns = self.around(x - around, x + around, 0, nx - 1);
+        let rows = self.around(y - around, y + around, 1, ny - 1);
+        self.humps.highest([columns, rows]).max(0.0)
     }
 
     /// How far places within `around`, m, of a point lie from each other if they are told apart, m.

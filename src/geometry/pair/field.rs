@@ -8,7 +8,8 @@
 //!    from the tangent plane below it; what is round meets the surface where both have the same
 //!    normal, in a hollow that bends more than itself in each such place. With the shares that they
 //!    have on a plane, so that even terrain is a plane.
-//! 2. Sharp samples of the surface (spikes, crests, its rim) against the surface of the shape, with
+//! 2. What bulges between these, see `bulge.rs`.
+//! 3. Sharp samples of the surface (spikes, crests, its rim) against the surface of the shape, with
 //!    the share [`crate::geometry::field::Field::sample`] gives them. Where the terrain is smooth
 //!    they have none.
 //!
@@ -16,6 +17,7 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
+use super::bulge::{End, bulges};
 use super::core::{Core, Round, Solid};
 use super::foot::{Nearest, Place, nearest_from};
 use super::placed::Placed;
@@ -46,7 +48,8 @@ pub(super) fn on_field(shape: &Placed, field: &Field, sink: &mut Sink) {
     let low = shape.support(&-Vec3::z()).z - shape.solid.radius;
     let is_sharp = matches!(shape.core, Core::Box { .. } | Core::Cylinder { .. });
     if !is_sharp || low - BEYOND * shape.solid.rounding() < clear {
-        on.own_points();
+        let ends = on.own_points();
+        bulges(shape, field, ends, on.sink);
     }
     if low - on.sink.reach < top {
         on.peaks(around, low);
@@ -67,22 +70,27 @@ struct OnField<'a, 's> {
 }
 
 impl OnField<'_, '_> {
-    /// What carries the shape on a plane.
-    fn own_points(&mut self) {
+    /// What carries the shape on a plane; gives back both ends of what is round.
+    fn own_points(&mut self) -> Option<[End; 2]> {
         let shape = self.shape;
         if let Some(round) = &shape.solid.round {
-            if round.flat {
-                self.rims(round);
-                return;
-            }
-            for s in [1.0, -1.0] {
-                let end = shape.p + shape.axis() * (s * round.half);
-                self.ball(&end, round.radius, 0.5);
-            }
-            return;
+            let ends = if round.flat {
+                self.rims(round)
+            } else {
+                [1.0, -1.0].map(|s| {
+                    let end = shape.p + shape.axis() * (s * round.half);
+                    self.ball(&end, round.radius, 0.5)
+                })
+            };
+            let [Some(first), Some(last)] = ends else {
+                return None;
+            };
+            return Some([first, last]);
         }
         match shape.core {
-            Core::Point => self.ball(&shape.p, shape.solid.radius, 1.0),
+            Core::Point => {
+                self.ball(&shape.p, shape.solid.radius, 1.0);
+            }
             Core::Box { .. } => {
                 for i in 0..shape.solid.mesh.corners.len() {
                     self.corner(i, |_| 0.25);
@@ -95,6 +103,7 @@ impl OnField<'_, '_> {
                 }
             }
         }
+        None
     }
 
     /// The tangent plane below a place: its normal, and how deep the place is in it.
@@ -118,7 +127,7 @@ impl OnField<'_, '_> {
 
     /// The place that says on which terrain an end of a cylinder lies: the lowest one of the rim of
     /// its core, as on a mesh.
-    fn over(&self, round: &Round, end: &End) -> [f64; 2] {
+    fn over(&self, round: &Round, end: &Lowest) -> [f64; 2] {
         let r = self.shape.solid.radius;
         let core = Round {
             radius: round.radius - r,
@@ -156,8 +165,8 @@ impl OnField<'_, '_> {
     }
 
     /// A ball about `c`, against the tangent plane of each place of the surface that is nearest to
-    /// it.
-    fn ball(&mut self, c: &Vec3, radius: f64, share: f64) {
+    /// it; gives back the deepest.
+    fn ball(&mut self, c: &Vec3, radius: f64, share: f64) -> Option<End> {
         let mut nearest = Nearest::in_hollow(self.field, c, radius, self.sink.reach);
         if nearest.count == 0
             && let Some((place, _)) =
@@ -165,24 +174,30 @@ impl OnField<'_, '_> {
         {
             nearest.add(place);
         }
+        let mut deepest = None;
         for Place { at, n } in nearest.found() {
             let depth = radius - n.dot(&(c - at));
             self.sink
                 .add(n, point(c - n * (radius - 0.5 * depth), depth, share));
+            deepest = deeper(deepest, End { n: *n, depth });
         }
+        deepest
     }
 
     /// Both ends of a cylinder: the lowest point of each rim along the normal of the surface below
-    /// that point. The ends take turns, because none of them waits for the other.
-    fn rims(&mut self, round: &Round) {
+    /// that point. The ends take turns, because none of them waits for the other. Gives back both.
+    fn rims(&mut self, round: &Round) -> [Option<End>; 2] {
         let shape = self.shape;
-        let mut ends = [1.0, -1.0].map(|s| {
+        let mut given = [None; 2];
+        let mut ends = [0, 1].map(|k| {
+            let s = [1.0, -1.0][k];
             let center = shape.p + shape.axis() * (s * round.half);
-            if self.in_hollow(round, s, &center) {
+            given[k] = self.in_hollow(round, s, &center);
+            if given[k].is_some() {
                 return None;
             }
             let (n, _) = self.below_or_beyond(&center)?;
-            Some(End { s, n, found: None })
+            Some(Lowest { s, n, found: None })
         });
         for _ in 0..NEAREST_ON_FIELD {
             let mut changes = false;
@@ -206,28 +221,34 @@ impl OnField<'_, '_> {
                 break;
             }
         }
-        for end in ends.into_iter().flatten() {
-            if let Some((n, depth, x)) = end.found
-                && depth > -self.sink.reach
-            {
+        for (end, given) in ends.into_iter().zip(&mut given) {
+            let Some(end) = end else { continue };
+            let Some((n, depth, x)) = end.found else {
+                continue;
+            };
+            *given = Some(End { n, depth });
+            if depth > -self.sink.reach {
                 let (_, rim) = Trace::new(shape, round, &n, Side::First).end(end.s);
                 let halfway = point(x + n * (0.5 * depth), depth, 0.5);
                 self.sink.add(&n, PatchPoint { rim, ..halfway });
             }
         }
+        given
     }
 
     /// An end of a cylinder where the surface may be near it in several places: against the
-    /// tangent plane of each place that is nearest to its middle. False where there is no such.
-    fn in_hollow(&mut self, round: &Round, s: f64, center: &Vec3) -> bool {
+    /// tangent plane of each place that is nearest to its middle; gives back the deepest.
+    fn in_hollow(&mut self, round: &Round, s: f64, center: &Vec3) -> Option<End> {
         let nearest = Nearest::in_hollow(self.field, center, round.radius, self.sink.reach);
+        let mut deepest = None;
         for Place { at, n } in nearest.found() {
             let (x, rim) = Trace::new(self.shape, round, n, Side::First).end(s);
             let depth = n.dot(&(at - x));
             let halfway = point(x + n * (0.5 * depth), depth, 0.5);
             self.sink.add(n, PatchPoint { rim, ..halfway });
+            deepest = deeper(deepest, End { n: *n, depth });
         }
-        nearest.count > 0
+        deepest
     }
 
     /// Sharp samples of the surface.
@@ -284,9 +305,17 @@ fn part_at_end(n: &Vec3, sides: &[Vec3; 2], at: (&Placed, &Vec3)) -> f64 {
     part_between(n, sides, at)
 }
 
+/// The deeper of two ends.
+fn deeper(known: Option<End>, end: End) -> Option<End> {
+    Some(match known {
+        Some(known) if known.depth >= end.depth => known,
+        _ => end,
+    })
+}
+
 /// An end of a cylinder while the lowest point of its rim is being found.
 #[derive(Clone, Copy)]
-struct End {
+struct Lowest {
     /// Which one, 1 or −1.
     s: f64,
     /// The normal of the surface below the point that was found last.

@@ -35,6 +35,7 @@
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
 mod beside;
+mod bulge;
 mod core;
 mod corners;
 mod cylinders;

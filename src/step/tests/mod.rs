@@ -24,6 +24,7 @@ mod ends;
 mod fixed;
 mod frames;
 mod free;
+mod hills;
 mod impacts;
 mod inputs;
 mod islands;
