@@ -513,14 +513,14 @@ pub const NEAREST_IN_HOLLOW: usize = 40;
 /// `what_rolls_over_a_step_of_heights_touches_it_all_the_way`.
 pub const TOO_FAR: f64 = 0.5;
 /// Places of one face of a shape that are looked at for what of heights bulges between its corners,
-/// at most: about so many.
+/// at most: about so many. At 16 fails `what_lies_across_a_smooth_hill_does_not_sink_into_it`.
 pub const MOST_LOOKS: usize = 64;
-/// The same along the axis of a capsule or a cylinder.
+/// The same along the axis of a capsule or a cylinder. At 4 fails the same test.
 pub const MOST_ON_LINE: usize = 16;
-/// Of these, the deepest that act.
+/// Of these, the deepest that act. At 1 fails the same test.
 pub const MOST_BULGES: usize = 24;
 /// How far smooth ground may rise between two such places, as a share of the length over which
-/// faces take over from each other: a quarter of a millimetre.
+/// faces take over from each other: a quarter of a millimetre. At 2.5 fails the same test.
 pub const BULGE_BETWEEN: f64 = 0.25;
 /// How much less the share of such places is than what bulges says: less than this is round-off. At
 /// 0 fails `a_ball_at_the_foot_of_a_slope_touches_both`.

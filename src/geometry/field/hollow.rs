@@ -39,7 +39,8 @@ impl Field {
         for k in 0..4 {
             for l in 1..3 {
                 let bend = |at: fn(&[[f64; 4]; 4], usize, usize) -> f64| {
-                    6.0 * sign * (at(points, k, l - 1) - 2.0 * at(points, k, l) + at(points, k, l + 1))
+                    6.0 * sign
+                        * (at(points, k, l - 1) - 2.0 * at(points, k, l) + at(points, k, l + 1))
                 };
                 along = along.max(bend(|p, k, l| p[k][l]) * px * px);
                 along = along.max(bend(|p, k, l| p[l][k]) * py * py);

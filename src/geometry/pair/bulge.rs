@@ -26,7 +26,9 @@ use super::sink::Sink;
 use super::trace::Trace;
 use crate::geometry::field::Field;
 use crate::spatial::Vec3;
-use crate::tuning::{BULGE_BETWEEN, BULGE_LEAST, MOST_BULGES, MOST_LOOKS, MOST_ON_LINE, NEAREST_ON_FIELD};
+use crate::tuning::{
+    BULGE_BETWEEN, BULGE_LEAST, MOST_BULGES, MOST_LOOKS, MOST_ON_LINE, NEAREST_ON_FIELD,
+};
 
 /// Adds the places between corners and rims, given in the axes of the terrain.
 ///
@@ -178,8 +180,8 @@ impl Bulges<'_, '_> {
         deepest.into(self.shape.solid.blend, self.sink);
     }
 
-    /// The lowest place of the circle at `s` of an axis, −1 … 1, near which the ground has about the
-    /// normal `near`, of any length.
+    /// The lowest place of the circle at `s` of an axis, −1 … 1, near which the ground has about
+    /// the normal `near`, of any length.
     fn circle(&self, round: &Round, s: f64, near: Vec3) -> Option<Look> {
         let c = self.shape.p + self.shape.axis() * (s * round.half);
         let lowest = |n: &Vec3| Trace::new(self.shape, round, n, Side::First).end(s);

@@ -26,7 +26,7 @@
 //! | capsule, cylinder or edge along an edge | two ends of what both have in common, ½ |
 //! | cylinder on plane or face | two circles, ½ each; standing one of them is high above |
 //! | cylinder on cylinder | as on a face where an end takes part, as two capsules otherwise |
-//! | all on heights | those on a plane, and sharp samples of the heights, see `field.rs` |
+//! | all on heights | those on a plane, what bulges between, sharp samples, see `field.rs` |
 //! | all on a mesh | those on each plane, and on each crest of the mesh, see `surface.rs` |
 //!
 //! Nothing is allocated in a query. Exchanging the shapes gives the same points to round-off and
