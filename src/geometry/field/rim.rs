@@ -29,6 +29,16 @@ impl Field {
         (excess * excess).min(1.0)
     }
 
+    /// The same between samples, interpolated; 0 beyond the end.
+    pub fn sharp(&self, x: f64, y: f64) -> f64 {
+        let (Some((i, u)), Some((j, v))) = (self.cell_at(x, 0), self.cell_at(y, 1)) else {
+            return 0.0;
+        };
+        let first = j * self.samples.counts[0] + i;
+        let row = |k: usize| self.ridges[k] * (1.0 - u) + self.ridges[k + 1] * u;
+        row(first) * (1.0 - v) + row(first + self.samples.counts[0]) * v
+    }
+
     /// How a sample lies to the end of the surface.
     pub fn rim(&self, i: usize, j: usize) -> Rim {
         let counts = self.samples.counts;

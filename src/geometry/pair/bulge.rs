@@ -11,7 +11,8 @@
 //! 2. The places have the share `min(1, B/b)` together, but for round-off, all the same part of it,
 //!    with `b` the length over which faces take over from each other. So on even ground they have
 //!    none, to the last digit, and what they have changes continuously with the pose.
-//! 3. A face that does not look against the normal of the ground counts less, by the cosine.
+//! 3. A face that does not look against the normal of the ground counts less, by the cosine; so do
+//!    places where samples are sharp, which act themselves.
 //!
 //! Places are so near to each other that the ground between them rises by little, as far as
 //! [`MOST_LOOKS`] allow.
@@ -147,6 +148,11 @@ impl Bulges<'_, '_> {
         Some((n, (height - x.z) * n.z))
     }
 
+    /// What of a place does not belong to sharp samples.
+    fn smooth(&self, x: &Vec3) -> f64 {
+        1.0 - self.field.sharp(x.x, x.y)
+    }
+
     /// Into how many parts a length is divided, at most so many: the ground rises by `κ c²/8`
     /// between places `c` apart. The same wherever the shape is, so that nothing jumps.
     fn parts(&self, length: f64, most: usize) -> usize {
@@ -195,7 +201,7 @@ impl Bulges<'_, '_> {
                 n: *n,
                 x,
                 depth: n.dot(&(at - x)),
-                part: 1.0,
+                part: self.smooth(&x),
                 rim,
             }
         };
@@ -218,7 +224,7 @@ impl Bulges<'_, '_> {
             n,
             x,
             depth,
-            part: 1.0,
+            part: self.smooth(&x),
             rim,
         })
     }
@@ -268,7 +274,7 @@ impl Bulges<'_, '_> {
         let mut deepest = Deepest::new();
         let mut look = |x: Vec3, even: f64| {
             if let Some((n, depth)) = self.below(&x) {
-                let part = (-normal.dot(&n)).max(0.0);
+                let part = (-normal.dot(&n)).max(0.0) * self.smooth(&x);
                 let rim = None;
                 deepest.add(
                     Look {
