@@ -5,7 +5,6 @@ mod object;
 mod texts;
 mod values;
 
-use crate::picture::{self, Look, Toward};
 use crate::stage::Request;
 use crate::world::Packages;
 use clap::{Args, Parser, Subcommand, ValueEnum};
@@ -13,6 +12,7 @@ use std::path::{Path, PathBuf};
 pub(crate) use texts::{Expand, Explain};
 use urdf2fmu_core::model::{ActuatorMode, Arrays, Interface};
 use urdf2fmu_core::settings::{BaseChoice, Compat, FmiVersion, InertiaSource, ObjectSettings};
+use urdf2fmu_drawing::picture::{self, Look, Toward};
 use values::{
     ArrayStyle, InterfaceChoice, density, factor, package, place, rate, seconds, size, speed,
     tolerance, xacro_argument,

@@ -15,9 +15,8 @@ use crate::diagnostics::{self, Style};
 use crate::importer::description::Description;
 use crate::importer::error::RunError;
 use crate::output::{OutputError, Target, print};
-use crate::scene::{self, Scene};
 use crate::stage::{self, Extras, Robot, StageError};
-use crate::{archive, info, init, library, listing, picture, ssv, summary, xacro};
+use crate::{archive, info, init, library, listing, ssv, summary, xacro};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
@@ -26,6 +25,8 @@ use urdf2fmu_core::diagnostic::codes;
 use urdf2fmu_core::prepared::{FILE_NAME, PreparedModel};
 use urdf2fmu_core::urdf::ReadOptions;
 use urdf2fmu_core::variables;
+use urdf2fmu_drawing::picture;
+use urdf2fmu_drawing::scene::{self, Scene};
 
 /// Does what was asked.
 ///
@@ -282,10 +283,11 @@ fn picture(args: &Picture) -> Result<(), CliError> {
     }
     let table = see::run(run, &scene)?;
     see::tell_notes(&table.notes)?;
-    let shown = picture::poses(&scene.head, &table, args.rate).map_err(|source| {
-        let path = run.clone();
-        CliError::Show { path, source }
-    })?;
+    let shown =
+        picture::poses(&scene.head, &table.time, &table.columns, args.rate).map_err(|source| {
+            let path = run.clone();
+            CliError::Show { path, source }
+        })?;
     // 1 … 60 pictures a second.
     #[allow(
         clippy::cast_possible_truncation,

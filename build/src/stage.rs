@@ -7,6 +7,7 @@
 
 mod asked;
 mod later;
+mod told;
 
 pub use asked::Request;
 
@@ -16,8 +17,7 @@ use crate::documentation::{self, Page, Remark};
 use crate::identifier::{guid, model_identifier};
 use crate::library::{self, Binary, LibraryError};
 use crate::related::{self, RelatedError};
-use crate::scene::{self, Scene, SceneError};
-use crate::{date, license, listing, page, picture, sources, world, xacro};
+use crate::{date, license, listing, page, sources, world, xacro};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use urdf2fmu_core::assemble::{self, Guest};
@@ -28,6 +28,8 @@ use urdf2fmu_core::settings::{ActuatorSettings, FmiVersion, Mounting, Settings};
 use urdf2fmu_core::simulation::{Simulation, SimulationError};
 use urdf2fmu_core::urdf::{self, Description};
 use urdf2fmu_core::variables::{self, TableError, Variable};
+use urdf2fmu_drawing::picture;
+use urdf2fmu_drawing::scene::{self, Scene, SceneError};
 
 /// A robot that is ready to simulate.
 #[derive(Debug)]
@@ -359,21 +361,15 @@ pub fn scene(robot: &Robot) -> Result<Scene, StageError> {
 }
 
 fn make_scene(robot: &Robot, remarks: &[Remark], guid: &str) -> Result<Scene, StageError> {
-    let notes = remarks.iter().map(|remark| scene::Note {
-        severity: remark.severity.to_string(),
-        code: remark.code.to_owned(),
-        message: remark.message.clone(),
-        help: remark.help.clone().unwrap_or_default(),
-        place: remark.place.clone().unwrap_or_default(),
-    });
-    let notes = notes.collect();
     let Robot { model, table, .. } = robot;
+    let variables = table.iter().map(told::variable).collect();
+    let notes = remarks.iter().map(told::note).collect();
     let guests = robot.guests.iter();
     let parts = guests.map(|guest| (guest.name.as_str(), &guest.description));
     let parts: Vec<_> = std::iter::once(("", &robot.description))
         .chain(parts)
         .collect();
-    Ok(scene::make(&parts, model, table, notes, guid)?)
+    Ok(scene::make(&parts, model, table, variables, notes, guid)?)
 }
 
 /// The libraries of `platforms`, else of those that the settings name, else of all.

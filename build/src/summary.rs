@@ -1,13 +1,13 @@
 //! The report of `export`: the file, the robot, every assumption.
 
 use crate::info::{around, count, interfaces, parts, short, total_mass};
-use crate::picture::{Camera, Look};
 use crate::stage::{Fmu, Robot};
 use std::fmt::Write as _;
 use std::path::Path;
 use urdf2fmu_core::diagnostic::Severity;
 use urdf2fmu_core::spatial::Vec3;
 use urdf2fmu_core::variables::Slot;
+use urdf2fmu_drawing::picture::{Camera, Look};
 
 /// The report of `picture`: the file, and the camera for whoever wants to take the same picture.
 pub fn picture(output: &Path, bytes: usize, look: &Look, camera: &Camera) -> String {

@@ -1,9 +1,9 @@
 //! Values of options, from their texts.
 
-use crate::picture::{Look, Toward};
 use clap::ValueEnum;
 use std::path::PathBuf;
 use urdf2fmu_core::range::{Range, number_or_ratio};
+use urdf2fmu_drawing::picture::{Look, Toward};
 
 /// Longest side of a picture, pixels.
 const LONGEST_SIDE: usize = 4096;

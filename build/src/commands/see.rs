@@ -9,10 +9,10 @@ use crate::output::{OutputError, Target, is_stdout, print, tell};
 use crate::report;
 use crate::results::Table;
 use crate::run_summary;
-use crate::scene::{FILE_NAME, Scene, SceneError};
 use crate::view;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use urdf2fmu_drawing::scene::{FILE_NAME, Scene, SceneError};
 
 /// A scene and its bytes.
 pub(super) struct Seen {

@@ -5,9 +5,7 @@ use crate::cli::Source;
 use crate::diagnostics::{self, Style};
 use crate::importer::error::RunError;
 use crate::output::{OutputError, Target, tell};
-use crate::picture::ShowError;
 use crate::results::ResultsError;
-use crate::scene::{self, SceneError};
 use crate::stage::{self, Extras, Request, StageError};
 use crate::view::ViewError;
 use std::path::{Path, PathBuf};
@@ -16,6 +14,8 @@ use urdf2fmu_core::diagnostic::words::or_meant;
 use urdf2fmu_core::diagnostic::{Diagnostic, Severity};
 use urdf2fmu_core::prepared::{FILE_NAME, PreparedModelError};
 use urdf2fmu_core::variables::TableError;
+use urdf2fmu_drawing::picture::ShowError;
+use urdf2fmu_drawing::scene::{self, SceneError};
 
 /// Exit code after Ctrl-C, as shells have it: 128 and the number of SIGINT.
 const ENDED: u8 = 130;

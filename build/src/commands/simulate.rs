@@ -13,10 +13,10 @@ use crate::plot::{self, Curve};
 use crate::progress::Progress;
 use crate::results::Table;
 use crate::run_summary::{self, Ended};
-use crate::scene::{Head, Shape};
 use std::collections::BTreeMap;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
+use urdf2fmu_drawing::scene::{Head, Shape};
 
 /// Tolerance of an FMU that is told none.
 const TOLERANCE: f64 = 1e-3;

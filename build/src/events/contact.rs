@@ -3,9 +3,9 @@
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
 use super::run::{Event, Run, TOLD, moment, three};
-use crate::scene::{self, Drawn, Head, Scene, Shape};
 use urdf2fmu_core::geometry::Shape as Solids;
 use urdf2fmu_core::spatial::{Pose, Vec3};
+use urdf2fmu_drawing::scene::{self, Drawn, Head, Scene, Shape};
 
 /// Least depth that is told, m.
 const SHALLOWEST: f64 = 1e-6;

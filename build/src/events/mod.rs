@@ -13,9 +13,9 @@ mod run;
 
 pub use run::{Event, moment};
 
-use crate::scene::Scene;
 use run::Run;
 use std::collections::BTreeMap;
+use urdf2fmu_drawing::scene::Scene;
 
 /// Finds what happened.
 ///

@@ -1,9 +1,9 @@
 //! Falls of a floating base.
 
 use super::run::{Event, Run, TOLD, moment};
-use crate::scene;
 use std::fmt::Write as _;
 use urdf2fmu_core::spatial::Vec3;
+use urdf2fmu_drawing::scene;
 
 /// Tilt from which on a robot lies, degrees.
 const FALLEN: f64 = 60.0;

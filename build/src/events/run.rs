@@ -1,7 +1,7 @@
 //! A run in the form in which events are searched in it, and the format of numbers in sentences.
 
-use crate::scene::Head;
 use std::collections::BTreeMap;
+use urdf2fmu_drawing::scene::Head;
 
 /// Events of one kind that are told one by one; the rest is summed up.
 pub(super) const TOLD: usize = 3;

@@ -1,8 +1,8 @@
 //! Which variables share a panel, and what they are called in it.
 
 use super::curve::Curve;
-use crate::scene::Head;
 use std::collections::BTreeSet;
+use urdf2fmu_drawing::scene::Head;
 
 /// Curves of a panel, at most: as many as there are colours.
 pub(super) const CURVES: usize = 8;

@@ -5,9 +5,9 @@
 //! first, then all of the next, because neighbours are alike in their high bytes.
 
 use crate::page::{container, deflate};
-use crate::scene::Scene;
 use serde_json::json;
 use std::collections::{BTreeMap, BTreeSet};
+use urdf2fmu_drawing::scene::Scene;
 
 /// Parts of a column's range that are told apart: a thousandth of a pixel of any plot.
 const PARTS: f64 = (1_u32 << 20) as f64;

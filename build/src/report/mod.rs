@@ -8,8 +8,8 @@ mod encode;
 use crate::events::{self, Event};
 use crate::page;
 use crate::results::Table;
-use crate::scene::Scene;
 use std::collections::BTreeMap;
+use urdf2fmu_drawing::scene::Scene;
 
 /// Numbers of a run, beyond which rows are left out: the page would be larger than mail takes.
 const MOST_NUMBERS: usize = 12_000_000;

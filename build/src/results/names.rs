@@ -4,9 +4,9 @@
 //! (Simulink), `plant.root.robot.joint.elbow.position` (co-simulation tools). Names are therefore
 //! compared by their letters and digits, and a prefix that many columns have in common is ignored.
 
-use crate::scene::Scene;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::fmt::Write as _;
+use urdf2fmu_drawing::scene::Scene;
 
 /// Names that a note lists, at most.
 const LISTED: usize = 6;

@@ -7,7 +7,7 @@
 
 use super::names;
 use crate::importer::tabular::{delimiter, is_announcement, name_and_unit};
-use crate::scene::Scene;
+use urdf2fmu_drawing::scene::Scene;
 
 /// Columns of numbers; what is missing is NaN.
 #[derive(Clone, Debug, Default, PartialEq)]

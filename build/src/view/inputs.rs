@@ -4,9 +4,9 @@
 //! A viewer may hold it at another value; of several holders the last one counts. When a viewer
 //! disconnects, or sends nothing for some time, the inputs that it held are released.
 
-use crate::scene::Variable;
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
+use urdf2fmu_drawing::scene::Variable;
 
 /// A viewer that holds something says so many times a second; after this silence it is let go.
 const SILENCE: Duration = Duration::from_secs(2);

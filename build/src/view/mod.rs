@@ -21,7 +21,6 @@ use crate::importer::error::RunError;
 use crate::importer::live::Live;
 use crate::output::{OutputError, tell};
 use crate::page;
-use crate::scene::Scene;
 use hub::Hub;
 use inputs::Inputs;
 use pace::Pace;
@@ -32,6 +31,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::time::{Duration, Instant};
+use urdf2fmu_drawing::scene::Scene;
 
 /// Length of a step, s.
 const STEP: f64 = 1.0 / 240.0;

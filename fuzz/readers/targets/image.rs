@@ -1,8 +1,8 @@
 //! A texture: a PNG, or where the first byte is odd a JPEG.
 
-#[path = "../../../build/src/image/png.rs"]
+#[path = "../../../build/drawing/src/image/png.rs"]
 mod png;
-#[path = "../../../build/src/image/read.rs"]
+#[path = "../../../build/drawing/src/image/read.rs"]
 mod read;
 
 pub fn image(data: &[u8]) {

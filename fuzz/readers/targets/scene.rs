@@ -1,11 +1,11 @@
 //! What a robot looks like, as an FMU holds it: the bytes of the file, or, where the first byte is
 //! odd, its head, a zero and its body, which are joined as the format wants it.
 
-#[path = "../../../build/src/scene/format.rs"]
+#[path = "../../../build/drawing/src/scene/format.rs"]
 mod format;
-#[path = "../../../build/src/scene/mesh.rs"]
+#[path = "../../../build/drawing/src/scene/mesh.rs"]
 mod mesh;
-#[path = "../../../build/src/scene/pose.rs"]
+#[path = "../../../build/drawing/src/scene/pose.rs"]
 mod pose;
 
 use format::Scene;

@@ -12,7 +12,10 @@ mod pose;
 mod texture;
 mod tie;
 
-pub use format::{Drawn, End, FILE_NAME, Head, Note, Scene, SceneError, Shape, Variable};
+pub use format::{
+    Contact, Drawn, End, FILE_NAME, Head, Joint, Link, Mesh, Motion, MotionKind, Note, Root, Scene,
+    SceneError, Shape, Texture, Tie, Track, Variable, Wrench,
+};
 pub use make::make;
 pub use mesh::Triangles;
 pub use pose::{link_poses, pose};

@@ -40,7 +40,7 @@ pub enum SceneError {
 /// The JSON head. Lengths are in m, angles in rad, masses in kg; quaternions are x, y, z, w.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Head {
-    /// [`FORMAT`].
+    /// Version of the format.
     pub format: u32,
     /// Program and version that wrote it.
     pub generator: String,

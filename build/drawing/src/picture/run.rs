@@ -1,6 +1,5 @@
 //! The table of a run → poses of all links at equal steps of time.
 
-use crate::results::Table;
 use crate::scene::{Head, link_poses};
 use std::collections::BTreeMap;
 use urdf2fmu_core::spatial::Pose;
@@ -39,31 +38,35 @@ pub enum ShowError {
 ///
 /// What has no column, or no value in one of the two rows, stays where it starts.
 ///
-/// - `table`: with the names of the scene's variables
+/// - `time`: of its rows, s, never decreasing
+/// - `columns`: numbers with the names of the scene's variables, one in each row
 /// - `rate`: pictures a second
 ///
 /// # Errors
 /// [`ShowError`].
-pub fn poses(head: &Head, table: &Table, rate: f64) -> Result<Vec<Vec<Pose>>, ShowError> {
+pub fn poses(
+    head: &Head,
+    time: &[f64],
+    columns: &[(String, Vec<f64>)],
+    rate: f64,
+) -> Result<Vec<Vec<Pose>>, ShowError> {
     let tracks = head.tracks().map(|track| track.variables.as_slice());
     let tracks: Vec<&[String]> = tracks.collect();
     let Some(example) = tracks.iter().copied().flatten().next() else {
         return Err(ShowError::Still);
     };
-    let mut columns: BTreeMap<&str, Vec<f64>> = BTreeMap::new();
-    for (name, values) in &table.columns {
-        if tracks.iter().copied().flatten().any(|known| known == name) {
-            columns.insert(name, values.clone());
+    let mut known: BTreeMap<&str, Vec<f64>> = BTreeMap::new();
+    for (name, values) in columns {
+        if tracks.iter().copied().flatten().any(|moved| moved == name) {
+            known.insert(name, values.clone());
         }
     }
-    let (Some(first), Some(last), false) =
-        (table.time.first(), table.time.last(), columns.is_empty())
-    else {
+    let (Some(first), Some(last), false) = (time.first(), time.last(), known.is_empty()) else {
         let example = example.clone();
         return Err(ShowError::Foreign { example });
     };
     for names in tracks.iter().filter(|names| names.len() == 4) {
-        turn_the_short_way(&mut columns, names);
+        turn_the_short_way(&mut known, names);
     }
     let seconds = last - first;
     let steps = (seconds * rate).floor();
@@ -73,19 +76,19 @@ pub fn poses(head: &Head, table: &Table, rate: f64) -> Result<Vec<Vec<Pose>>, Sh
     let mut poses = Vec::new();
     let (mut after, mut step) = (0, 0.0);
     while step <= steps {
-        let time = first + step / rate;
-        while after + 1 < table.time.len() && table.time[after] <= time {
+        let now = first + step / rate;
+        while after + 1 < time.len() && time[after] <= now {
             after += 1;
         }
         let before = after.saturating_sub(1);
-        let [a, b] = [before, after].map(|row| table.time[row]);
+        let [a, b] = [before, after].map(|row| time[row]);
         let part = if b > a {
-            ((time - a) / (b - a)).clamp(0.0, 1.0)
+            ((now - a) / (b - a)).clamp(0.0, 1.0)
         } else {
             1.0
         };
         let value = |name: &str| {
-            let column = columns.get(name)?;
+            let column = known.get(name)?;
             // On a row, the other one does not matter, even if it has no value.
             Some(match part {
                 0.0 => column[before],

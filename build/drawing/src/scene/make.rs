@@ -10,8 +10,6 @@ use super::mesh;
 use super::pose;
 use super::texture;
 use super::tie;
-use crate::describe::{causality, variability};
-use crate::units;
 use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
 use urdf2fmu_core::geometry;
@@ -21,7 +19,7 @@ use urdf2fmu_core::simulation::{Simulation, SimulationError};
 use urdf2fmu_core::slots::{InputSlot, OutputSlot};
 use urdf2fmu_core::spatial::{Pose, Vec3, quaternion_from_rotation};
 use urdf2fmu_core::urdf::{Description, DrawnMesh, MeshPart, VisualShape};
-use urdf2fmu_core::variables::{self, Kind, Slot, Unit};
+use urdf2fmu_core::variables::{self, Slot};
 
 const WHITE: [f64; 3] = [1.0; 3];
 
@@ -40,6 +38,8 @@ const SMALLEST: f64 = 0.1;
 /// The scene of a robot and what is around it.
 ///
 /// - `parts`: descriptions of all trees with their names, empty for the robot itself
+/// - `table`: tells which variable means what
+/// - `variables`: the rows of the table, in the words of FMI
 /// - `guid`: of its FMU; may be empty
 ///
 /// # Errors
@@ -48,6 +48,7 @@ pub fn make(
     parts: &[(&str, &Description)],
     model: &Model,
     table: &[variables::Variable],
+    variables: Vec<Variable>,
     notes: Vec<Note>,
     guid: &str,
 ) -> Result<Scene, SimulationError> {
@@ -98,7 +99,7 @@ pub fn make(
         textures: body.textures,
         contacts: names.contacts(model),
         wrenches: names.wrenches(model),
-        variables: table.iter().map(variable).collect(),
+        variables,
         notes,
     };
     if visuals.is_empty() && head.collisions.is_empty() {
@@ -109,30 +110,6 @@ pub fn make(
     let mut scene = Scene { head, body };
     tie::add(&mut scene, model);
     Ok(scene)
-}
-
-fn variable(row: &variables::Variable) -> Variable {
-    Variable {
-        name: row.name.clone(),
-        reference: row.value_reference,
-        causality: causality(row).to_owned(),
-        variability: variability(row).to_owned(),
-        kind: match row.kind {
-            Kind::Real => "real",
-            Kind::Integer => "integer",
-            Kind::Boolean => "boolean",
-        }
-        .to_owned(),
-        unit: match row.unit {
-            Unit::One => "",
-            unit => units::facts(unit).name,
-        }
-        .to_owned(),
-        description: row.description.clone(),
-        start: row.start,
-        min: row.min,
-        max: row.max,
-    }
 }
 
 /// The names of variables by their meaning, and their values at the start.

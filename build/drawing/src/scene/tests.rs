@@ -315,7 +315,7 @@ fn four_bar() -> Scene {
         .unwrap()
         .model;
     let table = urdf2fmu_core::variables::table(&model).unwrap();
-    super::make(&[("", &read)], &model, &table, Vec::new(), "").unwrap()
+    super::make(&[("", &read)], &model, &table, Vec::new(), Vec::new(), "").unwrap()
 }
 
 /// A rod goes from point to point, as long as the loop says, wherever the joints are, and so does
