@@ -5,13 +5,14 @@ use super::*;
 use std::os::unix::fs::{FileTypeExt, PermissionsExt, symlink};
 
 /// Runs a shell's command line in `folder`; `$urdf2fmu` is the command, `$rover` a robot, `$fmu`
-/// its FMU.
+/// its FMU, `$export` what exports without pictures and pages.
 fn shell(folder: &Path, line: &str) -> Run {
     let output = Command::new("sh")
         .args(["-c", line])
         .current_dir(folder)
         .env("urdf2fmu", env!("CARGO_BIN_EXE_urdf2fmu"))
         .env("rover", example("rover.urdf"))
+        .env("export", "export --no-documentation")
         .env("fmu", folder.join("rover.fmu"))
         .output()
         .unwrap();
@@ -25,7 +26,10 @@ fn shell(folder: &Path, line: &str) -> Run {
 /// A folder with the rover's FMU, and a table of a run of it.
 fn with_fmu() -> TempDir {
     let folder = tempfile::tempdir().unwrap();
-    let run = shell(folder.path(), "\"$urdf2fmu\" export \"$rover\" -o \"$fmu\"");
+    let run = shell(
+        folder.path(),
+        "\"$urdf2fmu\" $export \"$rover\" -o \"$fmu\"",
+    );
     assert_eq!(run.code, 0, "{run:?}");
     let table = "time,base.position.x\n0,0\n1,0.5\n";
     fs::write(folder.path().join("run.csv"), table).unwrap();
@@ -43,7 +47,7 @@ fn names(folder: &Path) -> Vec<String> {
 
 /// All commands that write a file, to `$to`, but for `view`, which does not end by itself.
 const WRITERS: [&str; 8] = [
-    "\"$urdf2fmu\" export \"$rover\" -o \"$to\"",
+    "\"$urdf2fmu\" $export \"$rover\" -o \"$to\"",
     "\"$urdf2fmu\" simulate \"$fmu\" --stop-time 0.01 --output-file \"$to\"",
     "\"$urdf2fmu\" simulate \"$fmu\" --stop-time 0.01 --plot \"$to\"",
     "\"$urdf2fmu\" simulate \"$fmu\" --stop-time 0.01 --report \"$to\"",
@@ -256,7 +260,7 @@ fn no_command_overwrites_its_input_file() {
 
 /// Every command that prints a result.
 const PRINTERS: [&str; 14] = [
-    "export \"$rover\" -o a.fmu",
+    "$export \"$rover\" -o a.fmu",
     "info \"$rover\"",
     "info \"$fmu\" --json --variables",
     "check \"$rover\"",
@@ -291,7 +295,7 @@ fn a_result_that_cannot_be_printed_gives_an_error_code() {
 fn a_warning_that_cannot_be_printed_gives_an_error_code_and_no_panic() {
     let folder = with_fmu();
     for arguments in [
-        "export \"$rover\" -o a.fmu",
+        "$export \"$rover\" -o a.fmu",
         "check missing.urdf",
         "simulate \"$fmu\" --stop-time 0.02 --debug-logging --output-file a.csv",
         "no-such-command",
